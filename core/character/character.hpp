@@ -1,0 +1,80 @@
+// A character as imported: skinned mesh, skeleton, clips. Offline data; the frame sees only the
+// blocks that are made from it. Everything here is in the file's own units; `unit_scale` turns them
+// into metres.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+#include <vector>
+
+#include "core/chunk.hpp"
+
+namespace pelt {
+
+// Triangles of all skinned primitives, welded, in mesh (bind) space. Arrays over vertices have
+// equal length.
+struct Mesh {
+  std::vector<glm::vec3> position;
+  std::vector<glm::vec3> normal;  // unit
+  std::vector<glm::vec4>
+      tangent;  // unit, w = handedness (+1, -1); any direction across the normal without UVs
+  std::vector<glm::vec2> uv;                   // empty when the file has none
+  std::vector<std::array<uint8_t, 4>> joints;  // skeleton nodes; weight 0 where unused
+  std::vector<glm::vec4> weights;              // sum to 1, descending
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint16_t> triangle_material;
+  std::vector<std::string> materials;
+};
+
+struct JointPose {
+  glm::vec3 translation{0.0f};
+  glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};
+  glm::vec3 scale{1.0f};
+};
+
+// Skin joints and all their ancestors, parents first. At most kJointsPerCharacter.
+struct Skeleton {
+  std::vector<std::string> name;
+  std::vector<int32_t> parent;          // -1 for a root
+  std::vector<JointPose> rest;          // local
+  std::vector<glm::mat4> inverse_bind;  // identity for nodes that are not skin joints
+};
+
+enum class Interpolation : uint8_t { kStep, kLinear, kCubicSpline };
+enum class Channel : uint8_t { kTranslation, kRotation, kScale };
+
+struct Track {
+  uint32_t joint;
+  Channel channel;
+  Interpolation interpolation;
+  std::vector<float> time_s;  // strictly ascending
+  std::vector<glm::vec4>
+      value;  // xyz or quaternion xyzw; cubic: in tangent, value, out tangent for each time
+};
+
+struct Clip {
+  std::string name;
+  float duration_s = 0.0f;
+  std::vector<Track> tracks;
+};
+
+struct Character {
+  std::string name;
+  Mesh mesh;
+  Skeleton skeleton;
+  std::vector<Clip> clips;
+  std::vector<std::string>
+      notes;  // repairs and guesses made on import, one sentence each, to be shown
+};
+
+// The mesh in its rest pose, in metres and world axes (y up): what grooming measures on.
+struct RestGeometry {
+  std::vector<glm::vec3> position;  // m
+  std::vector<glm::vec3> normal;    // unit
+  std::vector<glm::vec3> tangent;   // unit, orthogonal to the normal
+};
+
+}  // namespace pelt

@@ -1,0 +1,355 @@
+// The chunk: a fixed-capacity SoA piece of one layer. The unit of work, of DMA, of locality and of
+// LOD.
+//
+// A chunk is a spatial patch with its own small table of mesh vertices; the strands inside it are
+// in progressive order, so any prefix of its lanes covers the patch evenly.
+//
+//      lanes ->  0        1        2              S-1
+//   point 1  x [ x0       x1       x2      ...    x(S-1) ]   one row: S floats, 128-byte aligned
+//            y [ y0       y1       ...                   ]
+//            z [ z0       ...                            ]
+//   point 2  x [ ...                                     ]
+//
+// Invariants: every block is a trivially copyable struct whose size is a multiple of 128 bytes (its
+// size is the DMA size); unused lanes hold a copy of the last used lane, so kernels need no
+// remainder loop and padding never produces infinities. A vertex on a patch border is stored, and
+// skinned, in both chunks; both get the same bits.
+//
+// Units: metres, seconds, radians; colours are sRGB bytes.
+#pragma once
+
+#include <cstdint>
+
+namespace pelt {
+
+#ifndef PELT_CHUNK_STRANDS
+#define PELT_CHUNK_STRANDS 128
+#endif
+
+inline constexpr uint32_t kStrandsPerChunk = PELT_CHUNK_STRANDS;
+inline constexpr uint32_t kVerticesPerChunk = kStrandsPerChunk;
+static_assert(kStrandsPerChunk == 64 || kStrandsPerChunk == 128 || kStrandsPerChunk == 256,
+              "strands address their chunk's vertices with 8 bits");
+
+// Widest vector any kernel is built for; lane counts are rounded up to it.
+inline constexpr uint32_t kLaneGroup = 16;
+inline constexpr uint32_t kJointsPerCharacter = 256;
+inline constexpr uint32_t kBlockAlignment = 128;
+// Dense weight rows of one chunk: on average 8 joints for each group of 16 vertices.
+inline constexpr uint32_t kVertexGroups = kVerticesPerChunk / kLaneGroup;
+inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
+inline constexpr uint32_t kLayersPerScene = 1024;
+inline constexpr uint32_t kSpheresPerScene = 8;
+inline constexpr uint32_t kRibbonPoints = 5;
+
+#define PELT_BLOCK struct alignas(kBlockAlignment)
+
+// ---- Character, once a frame
+// ---------------------------------------------------------------------------
+
+// Pose input, filled on the caller's thread: for each joint up to four keys of every channel and
+// the weights that blend them (step 1,0,0,0; linear and slerp a,0,0,b; cubic spline: value, out
+// tangent * dt, in tangent * dt, value, with Hermite weights). Rotations are xyzw quaternions, made
+// neighbours (dot >= 0) by the caller for slerp; the sum is normalised by the kernel.
+PELT_BLOCK PoseBlock {
+  float translation_key[4][3][kJointsPerCharacter];
+  float rotation_key[4][4][kJointsPerCharacter];
+  float scale_key[4][3][kJointsPerCharacter];
+  float translation_weight[4][kJointsPerCharacter];
+  float rotation_weight[4][kJointsPerCharacter];
+  float scale_weight[4][kJointsPerCharacter];
+  float root[12];        // world placement of the character: row-major 3x4
+  uint32_t joint_count;  // skeleton nodes in use
+  uint32_t teleported;   // not 0: fur starts from its groom this frame
+  uint32_t pad[18];
+};
+
+// Skeleton nodes in parent-first order: skin joints and every ancestor of one.
+PELT_BLOCK SkeletonBlock {
+  int32_t parent[kJointsPerCharacter];  // -1 for a root; always below its own index
+  float inverse_bind[kJointsPerCharacter][12];
+};
+
+PELT_BLOCK LocalPoseBlock {
+  float translation[3][kJointsPerCharacter];
+  float rotation[4][kJointsPerCharacter];  // unit xyzw
+  float scale[3][kJointsPerCharacter];
+};
+
+// Mesh space to world, row-major 3x4: row r of joint j is matrix[j][4*r .. 4*r+3].
+PELT_BLOCK PaletteBlock {
+  float matrix[kJointsPerCharacter][12];
+  uint32_t
+      moved[kJointsPerCharacter / 32];  // bit j: matrix j differs from last frame's in some bit
+  uint32_t teleported;
+  uint32_t pad[23];
+};
+
+// ---- Layer
+// ----------------------------------------------------------------------------------------------
+
+enum LayerFlag : uint32_t {
+  kLayerEnabled = 1u << 0,
+  kLayerVertexChains =
+      1u << 1,  // chains at mesh vertices (4 points), strands interpolate; else a chain per strand
+  kLayerFivePoints = 1u << 2,  // 5 points a chain; else 4. Never with kLayerVertexChains
+  kLayerVerlet = 1u << 3,      // else PBD
+  kLayerRibbons = 1u << 4,     // else instances
+  kLayerClump = 1u << 5,
+  kLayerBackFaceCull = 1u << 6,
+  kLayerWind = 1u << 7,      // wind blows and the layer responds
+  kLayerSimulate = 1u << 8,  // some strand of the layer has simulation strength
+};
+
+// Parameters of a layer for this frame, filled on the caller's thread from the setup, wetness and
+// dirt. All hardness and factor values are in [0, 1]; `keep` factors are already for this frame's
+// dt.
+PELT_BLOCK LayerBlock {
+  uint32_t flags;
+  uint32_t changed;     // not 0: some value differs from last frame's
+  float gravity[3];     // weight * gravity, m/s^2
+  float bounce;         // share of the normal velocity returned by a contact
+  float velocity_keep;  // exp(-velocity_damping * dt): share of a point's velocity kept this frame
+  float motion_follow;  // share of the root's motion given to the points directly (motion damping)
+  float segment_hardness;  // share of a segment's length error removed per iteration
+  float angular_middle;    // share of the angle to the rest direction removed per iteration: inner
+                           // joints
+  float angular_end;       // the same at the last joint
+  float
+      surface_hardness;  // share of the depth below the root's tangent plane removed per iteration
+  float stiffness;       // verlet: share of the way to the rest point per iteration
+  float clump;           // share of the way to the control strand at the tip (0 at the root)
+  float wind_response;   // acceleration per wind speed, 1/s
+  float backface_tolerance;  // a strand is culled when normal . to_eye < -tolerance
+  float width;               // scale on every strand's width
+  float tip_width;           // width at the tip over width at the root
+  float sort_bias;           // layers are drawn in ascending bias
+  float length_max;          // longest strand, m: widens the bounds
+  float darken;              // multiplies the colours (wet, dirty)
+  float dirt_colour[3];      // mixed into the colours, linear 0..1
+  float dirt;                // how much
+  uint32_t iterations;
+  uint32_t strand_count;
+  uint32_t pad[5];
+};
+
+// Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned
+// vertex is a convex combination of its joints' images, so the union of the transformed boxes
+// bounds the layer.
+PELT_BLOCK LayerJointBlock {
+  uint32_t joint[kJointsPerCharacter];
+  float low[3][kJointsPerCharacter];
+  float high[3][kJointsPerCharacter];
+  uint32_t count;
+  uint32_t pad[31];
+};
+
+PELT_BLOCK BoundsBlock {
+  float low[3];
+  float high[3];
+  uint32_t pad[26];
+};
+
+PELT_BLOCK LodBlock {
+  float fraction;        // share of every chunk's strands that live this frame, [0, 1]
+  float fade;            // share of every chunk's strands, at the end of the prefix, that fade out
+  uint32_t visible;      // 0: outside the view; the layer does nothing
+  uint32_t was_visible;  // last frame's
+  float wanted;          // fraction before hysteresis and budget
+  uint32_t pad[27];
+};
+
+PELT_BLOCK LayerSortBlock {
+  uint32_t visible_count;  // strands in front of everything keyed kCulledKey
+  uint32_t changed;  // order or records differ from last frame's: vertices must be written again
+  uint32_t pad[30];
+};
+
+// ---- Chunk, baked
+// ---------------------------------------------------------------------------------------
+
+// The chunk's mesh vertices in mesh (bind) space. Skinning is dense in groups of 16 vertices: a
+// group lists the joints any of its vertices uses, ascending, with one row of 16 weights each (0
+// where unused). No gather is needed; the sum over joints runs in ascending joint order for every
+// vertex, so a border vertex gets the same bits in every chunk.
+PELT_BLOCK MeshBlock {
+  float position[3][kVerticesPerChunk];
+  float normal[3][kVerticesPerChunk];
+  float tangent[3][kVerticesPerChunk];
+  float weight[kInfluenceRows][kLaneGroup];
+  uint8_t row_joint[kInfluenceRows];
+  // Weight rows of group g: [group_first_row[g], group_first_row[g + 1]).
+  uint16_t group_first_row[kVertexGroups + 1];
+  uint16_t vertex_count;
+  uint8_t pad[(128 - (2 * (kVertexGroups + 2) + kInfluenceRows) % 128) % 128];
+};
+
+// What every strand of the chunk was given by the groom. The root frame is (tangent, bitangent,
+// normal) with bitangent = normal x tangent.
+PELT_BLOCK StrandBlock {
+  float bary[3][kStrandsPerChunk];         // of the three vertices; sums to 1
+  float length[kStrandsPerChunk];          // root to tip along the strand, m
+  float width[kStrandsPerChunk];           // full width at the root, m
+  uint32_t base_colour[kStrandsPerChunk];  // 0xAABBGGRR
+  uint32_t tip_colour[kStrandsPerChunk];
+  uint8_t vertex[3][kStrandsPerChunk];            // chunk-local
+  uint8_t control[kStrandsPerChunk];              // chunk-local clump control strand
+  uint8_t film_strip[kStrandsPerChunk];           // texture index
+  uint8_t vertex_prefix[kStrandsPerChunk];        // highest vertex used by strands 0..i
+  uint32_t joint_mask[kJointsPerCharacter / 32];  // joints that move any vertex of the chunk
+  uint32_t strand_count;
+  uint32_t vertex_count;
+  // Strands [0, control_count) are the clump controls, a multiple of kLaneGroup (or 0): they are
+  // solved first and never clump, so the result cannot depend on the lane count.
+  uint32_t control_count;
+  uint32_t
+      first_strand;  // layer-wide index of lane 0: chunk's place in its layer * kStrandsPerChunk
+  uint32_t pad[20];
+};
+
+// Rest shape of a chain or strand of kPoints points: offsets of points 1.. from the root, in the
+// root frame (x along tangent, y bitangent, z normal), m. All segments of a lane have the same
+// length.
+template <uint32_t kPoints>
+PELT_BLOCK RestBlock {
+  float offset[kPoints - 1][3][kStrandsPerChunk];
+  float segment_length[kStrandsPerChunk];
+  float strength[kStrandsPerChunk];  // simulation strength: 0 follows the skin rigidly, 1 fully
+                                     // simulated
+};
+
+// ---- Chunk, every frame
+// ---------------------------------------------------------------------------------
+
+enum ChunkFlag : uint32_t {
+  kChunkVisible = 1u << 0,   // live_strands > 0 and in view
+  kChunkSkin = 1u << 1,      // skin, anchors and roots run
+  kChunkSimulate = 1u << 2,  // wind and simulate run
+  kChunkFit = 1u << 3,       // interpolate and fit run
+  kChunkKeys = 1u << 4,      // sort keys run
+  kChunkRestart =
+      1u << 5,  // no last frame to take motion from: motion is 0, chains start from the groom
+};
+
+// What of the chunk runs this frame, and why. Written by `activate`; simulate and sort_key report
+// back.
+PELT_BLOCK ChunkStateBlock {
+  uint32_t flags;             // ChunkFlag
+  uint32_t live_strands;      // prefix of strands that live; 0 when culled
+  uint32_t live_vertices;     // prefix of vertices those strands use
+  uint32_t first_new_strand;  // lanes from here on (below live_strands) start from the groom
+  uint32_t first_new_vertex;
+  float live_exact;        // fraction * strand_count before rounding up: fades the last strands
+  float fade_count;        // strands over which the fade runs; 0: no fade
+  uint32_t moved;          // some joint of the chunk moved this frame
+  uint32_t was_moved;      // the same, last frame
+  uint32_t state_changed;  // simulate: some live lane's state differs from last frame's in some bit
+  uint32_t keys_changed;   // sort_key: some key differs from last frame's
+  uint32_t records_changed;  // fit ran this frame
+  uint32_t pad[20];
+};
+
+// Skinned vertices as four 16-byte records each: position, normal, tangent (unit), motion since
+// last frame. The fourth float of every record is 0.
+struct SkinnedVertex {
+  float position[4];
+  float normal[4];
+  float tangent[4];
+  float motion[4];
+};
+PELT_BLOCK SkinnedBlock { SkinnedVertex vertex[kVerticesPerChunk]; };
+
+// Where chains are fixed: strand roots or vertex anchors. Normal and tangent are unit and
+// orthogonal.
+PELT_BLOCK RootBlock {
+  float position[3][kStrandsPerChunk];
+  float normal[3][kStrandsPerChunk];
+  float tangent[3][kStrandsPerChunk];
+  float motion[3][kStrandsPerChunk];  // since last frame, m
+};
+
+// Wind acceleration at the chain's root, m/s^2 (response included).
+PELT_BLOCK WindBlock { float acceleration[3][kStrandsPerChunk]; };
+
+// World positions of points 1 .. kPoints-1; point 0 is the root. Used for the present and the last
+// frame.
+template <uint32_t kPoints>
+PELT_BLOCK PointBlock {
+  float position[kPoints - 1][3][kStrandsPerChunk];
+};
+
+// One strand, ready to draw, in one 64-byte DMA element: P(t) = c0 + t (c1 + t (c2 + t c3)), t in
+// [0, 1].
+struct alignas(16) CurveRecord {
+  float curve[4][3];     // c0 (the root), c1, c2, c3; m, world
+  uint32_t base_colour;  // 0xAABBGGRR; alpha carries the LOD fade
+  uint32_t tip_colour;
+  float width;   // full width at the root, m
+  uint32_t tag;  // strand in layer (low 24 bits), film strip (high 8)
+};
+PELT_BLOCK CurveBlock { CurveRecord record[kStrandsPerChunk]; };
+
+// One strand of a ribbon layer: five points on its B-spline at equal parameters.
+struct alignas(16) RibbonRecord {
+  float point[kRibbonPoints][3];
+  uint32_t base_colour;
+  uint32_t tip_colour;
+  float width;
+  uint32_t tag;
+  uint32_t pad;
+};
+PELT_BLOCK RibbonBlock { RibbonRecord record[kStrandsPerChunk]; };
+
+// ---- Sorting
+// --------------------------------------------------------------------------------------------
+
+inline constexpr uint32_t kCulledKey = 0xffffffffu;
+
+// Ascending keys are far to near; back-facing and dead strands are keyed kCulledKey. Ties by strand
+// index.
+PELT_BLOCK SortKeyBlock { uint32_t key[kStrandsPerChunk]; };
+
+// Layer-wide strand indices (chunk in layer * kStrandsPerChunk + lane) in draw order; piece i of
+// the layer holds places [i * kStrandsPerChunk, (i + 1) * kStrandsPerChunk).
+PELT_BLOCK OrderBlock { uint32_t strand[kStrandsPerChunk]; };
+
+struct SortPair {
+  uint32_t key;
+  uint32_t strand;
+};
+PELT_BLOCK SortPairBlock { SortPair pair[kStrandsPerChunk]; };
+inline constexpr uint32_t kDigitBins = 256;
+PELT_BLOCK DigitBlock { uint32_t bin[kDigitBins]; };
+
+// ---- Output
+// ---------------------------------------------------------------------------------------------
+
+PELT_BLOCK InstanceBlock { CurveRecord instance[kStrandsPerChunk]; };
+
+struct RibbonVertex {
+  float position[3];
+  float tangent[3];  // unit, root to tip
+  uint32_t colour;   // 0xAABBGGRR
+  uint16_t uv[2];    // unorm: u across (0, 65535), v root to tip
+};
+static_assert(sizeof(RibbonVertex) == 32);
+PELT_BLOCK RibbonVertexBlock { RibbonVertex vertex[kStrandsPerChunk][kRibbonPoints][2]; };
+
+// Layers in draw order.
+PELT_BLOCK DrawListBlock {
+  uint32_t layer[kLayersPerScene];
+  uint32_t count;
+  uint32_t pad[31];
+};
+
+#undef PELT_BLOCK
+
+static_assert(sizeof(PoseBlock) % 128 == 0 && sizeof(PaletteBlock) % 128 == 0);
+static_assert(sizeof(LayerBlock) == 128);
+static_assert(sizeof(LayerJointBlock) % 128 == 0 && sizeof(BoundsBlock) == 128);
+static_assert(sizeof(LodBlock) == 128 && sizeof(LayerSortBlock) == 128);
+static_assert(sizeof(MeshBlock) % 128 == 0 && sizeof(StrandBlock) % 128 == 0);
+static_assert(sizeof(ChunkStateBlock) == 128);
+static_assert(sizeof(CurveRecord) == 64 && sizeof(RibbonRecord) == 80);
+
+}  // namespace pelt

@@ -1,0 +1,137 @@
+// The fur setup: what the artist wrote, as read from TOML. Values are in metres, degrees and
+// seconds as the artist typed them; nothing is derived here.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pelt {
+
+// An 8-bit picture that scales an attribute over the surface. Rows from the top, as glTF's UV
+// origin.
+struct ControlMap {
+  uint32_t width = 0, height = 0;
+  std::vector<uint8_t> rgba;
+  // Bilinear, repeating; channel 0..3; result in [0, 1].
+  float Sample(glm::vec2 uv, int channel) const;
+};
+
+// One channel of a control map; no map means 1 everywhere.
+struct MapChannel {
+  std::shared_ptr<const ControlMap> map;
+  int channel = 0;
+};
+
+// A value that varies: value * map, then * (1 + randomise * u), u uniform in [-1, 1] by strand;
+// clamped to [low, high] where a range is given.
+struct Attribute {
+  float value = 0.0f;
+  float randomise = 0.0f;
+  std::optional<glm::vec2> range;
+  MapChannel map;
+  Attribute() = default;
+  Attribute(float constant) : value(constant) {}
+};
+
+// Where a layer grows when the mesh has no UVs (or besides them): all that are given are
+// multiplied.
+struct Mask {
+  std::vector<std::string> materials;  // empty: all
+  struct JointWeight {
+    std::string joint;
+    bool subtree = true;            // the joint's descendants count too
+    float low = 0.0f, high = 1.0f;  // smooth ramp of the summed weight
+  };
+  std::vector<JointWeight> joints;  // the largest counts; empty: all
+  struct Box {  // box projection: a map projected along an axis of the rest pose's bounding box
+    char axis = 'y';
+    MapChannel map;
+  };
+  std::optional<Box> box;
+  struct Range {  // share of the rest bounding box, each axis 0..1
+    glm::vec3 low{0.0f}, high{1.0f};
+  };
+  std::optional<Range> range;
+  MapChannel uv;    // stencil: density scale; needs UVs
+  MapChannel bald;  // 1 = bald; needs UVs
+};
+
+struct CombVector {
+  glm::vec3 position;   // rest pose, m
+  glm::vec3 direction;  // rest pose; need not be unit
+  float reach = 0.1f;   // m
+};
+
+enum class Solver : uint8_t { kPbd, kVerlet };
+enum class ChainKind : uint8_t { kVertex, kStrand };
+enum class Output : uint8_t { kInstances, kRibbons };
+
+// What the frame needs of a layer's setup; plain data, stored in the groom file field by field.
+struct LayerParams {
+  bool enabled = true;
+  float sort_bias = 0.0f;
+  Solver solver = Solver::kPbd;
+  ChainKind chain = ChainKind::kVertex;
+  uint32_t points = 4;  // 4 or 5; vertex chains have 4
+  Output output = Output::kInstances;
+  uint32_t iterations = 4;
+  float weight = 1.0f;            // scale on gravity
+  float bounce = 0.0f;            // share of the normal velocity a contact returns
+  float velocity_damping = 3.0f;  // 1/s
+  float motion_damping = 0.0f;    // 0 free inertia .. 1 follows the root's motion
+  float segment_hardness = 1.0f;
+  float angular_hardness_middle = 0.2f;
+  float angular_hardness_end = 0.1f;
+  float surface_hardness = 0.5f;
+  float stiffness = 0.1f;  // verlet
+  float clump = 0.0f;      // 0..1 at the tip
+  float tip_width = 0.2f;  // tip width over root width
+  bool backface_cull = true;
+  float backface_tolerance = 0.2f;
+  float wind_response = 1.0f;  // 1/s
+  // How wetness and dirt (0..1, at run time) act on the layer.
+  float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
+  glm::vec3 dirt_colour{0.25f, 0.18f, 0.10f};
+};
+
+struct LayerSetup {
+  std::string name;
+  uint64_t seed = 1;
+  LayerParams params;
+  float density = 1.0e5f;  // strands per square metre where every map is 1
+  MapChannel density_map;
+  uint32_t max_strands = 0;  // 0: density alone decides
+  Mask mask;
+  Attribute offset;            // along the normal, m
+  Attribute length{0.03f};     // m
+  Attribute width{0.0004f};    // m
+  Attribute direction;         // turn about the normal, degrees
+  Attribute curl;              // degrees a metre of strand, bending
+  Attribute twist;             // degrees a metre of strand, about its own axis
+  Attribute azimuth;           // groom direction about the normal from the tangent, degrees
+  Attribute elevation{45.0f};  // above the surface, degrees: 90 stands up
+  Attribute frizz;             // root frizz: random tilt at the root, degrees
+  Attribute strength{1.0f};    // simulation strength, 0..1
+  std::vector<CombVector> comb;
+  float comb_normal_weight = 0.5f;  // how strongly a differing normal weakens a comb vector, 0..1
+  std::string comb_joint;  // outside every reach: along this joint's direction; empty: azimuth and
+                           // elevation
+  uint32_t clump_controls = 16;  // control strands a chunk (rounded up to 16)
+  uint32_t base_colour = 0xff303850, tip_colour = 0xff90a0c0;  // 0xAABBGGRR
+  Attribute colour_variation;                                  // random brightness, share
+  MapChannel colour_map;                                       // rgb multiplies both colours
+  uint32_t film_strip_count = 1;                               // index is picked at random below it
+};
+
+struct FurSetup {
+  std::string path;                 // for messages
+  std::optional<float> unit_scale;  // metres a file unit; default from the bounding box
+  std::string clip;                 // to play; empty: the first
+  std::vector<LayerSetup> layers;
+};
+
+}  // namespace pelt
