@@ -100,6 +100,10 @@ enum LayerFlag : uint32_t {
   kLayerWind = 1u << 7,      // wind blows and the layer responds
   kLayerSimulate = 1u << 8,  // some strand of the layer has simulation strength
 };
+// The flags that are fixed when the scene is made: they decide which streams and stages a layer
+// has.
+inline constexpr uint32_t kLayerKindFlags =
+    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerRibbons;
 
 // Parameters of a layer for this frame, filled on the caller's thread from the setup, wetness and
 // dirt. All hardness and factor values are in [0, 1]; `keep` factors are already for this frame's
@@ -126,7 +130,7 @@ PELT_BLOCK LayerBlock {
   float sort_bias;           // layers are drawn in ascending bias
   float length_max;          // longest strand, m: widens the bounds
   float darken;              // multiplies the colours (wet, dirty)
-  float dirt_colour[3];      // mixed into the colours, linear 0..1
+  float dirt_colour[3];      // mixed into the colours, sRGB-encoded 0..1
   float dirt;                // how much
   uint32_t iterations;
   uint32_t strand_count;
@@ -161,8 +165,9 @@ PELT_BLOCK LodBlock {
 
 PELT_BLOCK LayerSortBlock {
   uint32_t visible_count;  // strands in front of everything keyed kCulledKey
-  uint32_t changed;  // order or records differ from last frame's: vertices must be written again
-  uint32_t pad[30];
+  uint32_t keys_changed;   // some chunk's keys differ from last frame's: the layer is sorted again
+  uint32_t records_changed;  // some chunk's records were written: vertices are generated again
+  uint32_t pad[29];
 };
 
 // ---- Chunk, baked
@@ -246,7 +251,9 @@ PELT_BLOCK ChunkStateBlock {
   uint32_t state_changed;  // simulate: some live lane's state differs from last frame's in some bit
   uint32_t keys_changed;   // sort_key: some key differs from last frame's
   uint32_t records_changed;  // fit ran this frame
-  uint32_t pad[20];
+  uint32_t first_place;      // the chunk's place in its layer * kStrandsPerChunk
+  uint32_t visible_strands;  // sort_key: lanes not keyed kCulledKey; 0 when culled
+  uint32_t pad[18];
 };
 
 // Skinned vertices as four 16-byte records each: position, normal, tangent (unit), motion since

@@ -43,6 +43,7 @@ enum class Access : uint8_t {
   kShared,   // the one block of a coarser domain that the item belongs to, read
   kAll,      // every block of a finer domain inside the item, read: implies a barrier
   kAllOut,   // the same, written
+  kAllInOut, // the same, read and written
   kGather,   // records anywhere in the layer, read by index: implies a barrier
   kScatter,  // records anywhere in the layer, written by index, each index by one chunk only
 };
@@ -109,6 +110,16 @@ struct AllOut {
   T* blocks;
   uint32_t count;
   PELT_INLINE explicit AllOut(const Binding& b)
+      : blocks(static_cast<T*>(b.block)), count(b.count) {}
+  PELT_INLINE T& operator[](uint32_t i) const { return blocks[i]; }
+};
+template <class T>
+struct AllInOut {
+  using Block = T;
+  static constexpr Access kAccess = Access::kAllInOut;
+  T* blocks;
+  uint32_t count;
+  PELT_INLINE explicit AllInOut(const Binding& b)
       : blocks(static_cast<T*>(b.block)), count(b.count) {}
   PELT_INLINE T& operator[](uint32_t i) const { return blocks[i]; }
 };

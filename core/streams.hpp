@@ -67,11 +67,33 @@ struct RowDesc {
   bool lane_major;
 };
 
+// What a stream is to the frame, and so to a digest.
+enum class Role : uint8_t {
+  kInput,    // constant, or filled by the caller before the frame
+  kValue,    // what the frame computes: the same bits whatever runs it and whatever is skipped
+  kBooking,  // what ran and why: the same on every executor, but not with other skip switches
+  kScratch,  // meaningless after the pass that wrote it
+};
+
+// Which lanes of a block hold values after a frame. Lanes beyond are whatever was there before.
+enum class Lanes : uint8_t {
+  kAll,           // the whole block
+  kLiveStrands,   // lanes below live_strands
+  kLiveVertices,  // lanes below live_vertices
+  kLiveChains,    // vertices in vertex-chain layers, strands otherwise
+  kDrawn,         // places of the layer's order below visible_count
+};
+
 struct StreamDesc {
   std::string_view name;
   Domain domain;
   uint32_t block_bytes;
-  bool baked;  // an input: constant or filled by the caller
+  Role role;
+  Lanes lanes;
+  // Chunk streams exist for layers that have all of `required` and none of `forbidden` (LayerFlag
+  // bits that never change: kLayerKindFlags). This also says which stages run on which layers.
+  uint32_t required;
+  uint32_t forbidden;
   std::span<const RowDesc> rows;
 };
 

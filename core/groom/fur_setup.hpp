@@ -6,7 +6,9 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pelt {
@@ -19,6 +21,11 @@ struct ControlMap {
   // Bilinear, repeating; channel 0..3; result in [0, 1].
   float Sample(glm::vec2 uv, int channel) const;
 };
+
+// Decodes a PNG of 1..4096 pixels a side, any bit depth; grey fills r, g and b. Throws pelt::Error
+// with `name` and the reason.
+ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name);
+ControlMap ReadControlMapFile(const std::string& path);
 
 // One channel of a control map; no map means 1 everywhere.
 struct MapChannel {
@@ -104,7 +111,9 @@ struct LayerSetup {
   LayerParams params;
   float density = 1.0e5f;  // strands per square metre where every map is 1
   MapChannel density_map;
-  uint32_t max_strands = 0;  // 0: density alone decides
+  float density_randomise = 0.0f;          // by mesh triangle: density * (1 + randomise * u)
+  std::optional<glm::vec2> density_range;  // clamps the density after map and randomise
+  uint32_t max_strands = 0;                // 0: density alone decides
   Mask mask;
   Attribute offset;            // along the normal, m
   Attribute length{0.03f};     // m
@@ -133,5 +142,20 @@ struct FurSetup {
   std::string clip;                 // to play; empty: the first
   std::vector<LayerSetup> layers;
 };
+
+// Reads a setup from TOML text. `path` names it in messages; maps are found relative to
+// `map_directory`. Throws pelt::Error "path:line: layer 'x': key 'y': reason" on the first mistake
+// in the file, in file order within a table.
+FurSetup ReadFurSetup(std::string_view text, const std::string& path,
+                      const std::string& map_directory);
+FurSetup ReadFurSetupFile(const std::string& path);
+
+// Every key a setup may hold, with type, unit, bounds, default and meaning: the text of
+// `pelt bake --keys`. Made from the same table that the reader uses.
+std::string DescribeSetupKeys();
+
+// The reason why `params` holds a value the setup could not have held, or empty. For the groom
+// file, which must not trust its input.
+std::string FindBadParam(const LayerParams& params);
 
 }  // namespace pelt

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Installs what building Pelt needs, if it is missing. Where apt or the rights are not there it says exactly what
+# to install and stops. Arguments: extra packages a caller needs.
+set -euo pipefail
+packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libtinygltf-dev libstb-dev
+  nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev "$@")
+missing=()
+for package in "${packages[@]}"; do
+  if ! command -v dpkg-query >/dev/null || ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed'; then
+    missing+=("$package")
+  fi
+done
+[ "${#missing[@]}" -eq 0 ] && exit 0
+if ! command -v apt-get >/dev/null; then
+  echo "Pelt needs these Debian packages, and there is no apt-get here to install them: ${missing[*]}" >&2
+  exit 1
+fi
+root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+    root=(sudo)
+  else
+    echo "Pelt needs packages that only root can install. Run:" >&2
+    echo "  sudo apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  fi
+fi
+echo "installing: ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${root[@]}" apt-get update -qq
+"${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

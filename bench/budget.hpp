@@ -1,0 +1,82 @@
+// The frame budget: what each stage of a frame costs, over many frames.
+//
+// Stage times are taken in every second frame and wall times in the others: reading the clock round
+// every stage of every chunk costs a few per cent, which must not be in the frame's own figure.
+//
+// Invariant: nothing allocates between Begin and Finish.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "jobs/scene.hpp"
+
+namespace pelt {
+
+struct Spread {
+  double median = 0.0, p95 = 0.0, worst = 0.0;
+};
+// Of values in any unit; 0 of none. Reorders them.
+Spread SpreadOf(std::span<double> values);
+
+// Bytes the ports of `stage` move for one item, if it runs: whole blocks in and out, as a DMA would.
+// Blocks shared by many items are not counted: they stay where they are.
+struct PortTraffic {
+  uint64_t in_bytes, out_bytes;
+};
+PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t item);
+
+struct StageBudget {
+  std::string_view name;
+  Domain domain;
+  Spread core_ms;  // summed over all threads, a frame
+  double ns_per_strand = 0.0;
+  double bytes = 0.0;            // moved, a frame
+  double ran = 0.0, skipped = 0.0;  // items a frame; those of other kinds are in neither
+};
+struct PassBudget {
+  std::string stages;
+  Spread wall_ms;
+};
+struct Budget {
+  uint32_t frames = 0;
+  std::vector<StageBudget> stages;
+  std::vector<PassBudget> passes;
+  Spread caller_ms;  // poses and parameters, on the caller's thread
+  Spread wall_ms;    // the whole frame: caller's part and all passes
+  double ns_per_strand = 0.0;  // of the whole frame's median
+};
+
+// Records frames of one scene.
+class BudgetRecorder {
+ public:
+  BudgetRecorder(const FurScene& scene, uint32_t frames);
+
+  // The profile for the frame about to run, null if this one is to run without.
+  const FrameProfile* Begin();
+  // After the frame: what the caller's part and the whole took.
+  void Finish(uint64_t caller_ns, uint64_t wall_ns);
+
+  Budget Summarise() const;
+  // Of the last profiled frame.
+  double LastStageMs(uint32_t stage) const { return stage_ms_[stage].back(); }
+
+ private:
+  const FurScene& scene_;
+  uint32_t frame_ = 0;
+  std::vector<uint32_t> stage_first_, stage_ns_;
+  std::vector<uint64_t> pass_ns_;
+  FrameProfile profile_;
+  // [stage][frame], [pass][frame]
+  std::vector<std::vector<double>> stage_ms_, pass_ms_;
+  std::vector<double> caller_ms_, wall_ms_;
+  std::vector<uint64_t> ran_, admitted_, bytes_;
+  std::vector<std::vector<uint64_t>> item_bytes_;  // [stage][layer, or 0]
+};
+
+// One line as the tables print it.
+std::string DescribeBudget(const Budget& budget, uint32_t workers);
+
+}  // namespace pelt

@@ -1,0 +1,122 @@
+#include "bench/limits.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "bench/counting_vec.hpp"
+#include "jobs/float_environment.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt {
+
+uint64_t counted_lane_operations = 0;
+
+const KernelTable& KernelsCounting();
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Best of several: what the machine can do, not what it did while something else ran.
+template <class Work>
+double BestSeconds(int rounds, Work work) {
+  double best = 1e30;
+  for (int r = 0; r < rounds; ++r) {
+    const auto start = Clock::now();
+    work();
+    best = std::min(best, SecondsSince(start));
+  }
+  return best;
+}
+
+double CopyRate(size_t bytes, int repeats) {
+  std::vector<char> from(bytes, 1), to(bytes, 2);
+  const double seconds = BestSeconds(7, [&] {
+    for (int i = 0; i < repeats; ++i) {
+      std::memcpy(to.data(), from.data(), bytes);
+      asm volatile("" : : "r"(to.data()), "r"(from.data()) : "memory");
+    }
+  });
+  return 2.0 * double(bytes) * repeats / seconds;
+}
+
+// Twelve chains of multiply and add: enough to fill two units of latency four.
+constexpr int kChains = 12, kSteps = 1 << 20;
+
+template <int kLanes>
+__attribute__((always_inline)) inline float RunChains() {
+  using F = simd_detail::Native<kLanes>::F;
+  F chain[kChains];
+#pragma GCC unroll 12
+  for (int c = 0; c < kChains; ++c) chain[c] = F{} + float(c);
+  const F scale = F{} + 0.999f, step = F{} + 0.5f;
+  for (int s = 0; s < kSteps; ++s) {
+#pragma GCC unroll 12
+    for (int c = 0; c < kChains; ++c) chain[c] = chain[c] * scale + step;
+    // Keeps the chains in registers and the loop as it is.
+    asm volatile("" : "+x"(chain[0]), "+x"(chain[6]));
+  }
+  F sum = chain[0];
+#pragma GCC unroll 12
+  for (int c = 1; c < kChains; ++c) sum += chain[c];
+  return sum[0];
+}
+
+#ifdef __x86_64__
+__attribute__((target("avx512f,prefer-vector-width=512"))) float RunChains512() {
+  return RunChains<16>();
+}
+__attribute__((target("avx2"))) float RunChains256() { return RunChains<8>(); }
+#endif
+float RunChains128() { return RunChains<4>(); }
+
+double OperationRate(Isa isa) {
+  volatile float sink = 0.0f;
+  int lanes = 4;
+  float (*run)() = RunChains128;
+#ifdef __x86_64__
+  if (isa == Isa::kAvx512) run = RunChains512, lanes = 16;
+  if (isa == Isa::kAvx2) run = RunChains256, lanes = 8;
+#else
+  static_cast<void>(isa);
+#endif
+  const double seconds = BestSeconds(7, [&] { sink = run(); });
+  static_cast<void>(sink);
+  return 2.0 * kChains * kSteps * lanes / seconds;
+}
+
+}  // namespace
+
+MachineLimits MeasureLimits(Isa isa) {
+  return {CopyRate(size_t(256) << 20, 1), CopyRate(size_t(128) << 10, 2000), OperationRate(isa)};
+}
+
+std::vector<uint64_t> CountOperations(FurScene& scene, Isa isa) {
+  const KernelTable& fast = *FindKernels(isa);
+  const KernelTable& counting = KernelsCounting();
+  const Frame frame = scene.CurrentFrame();
+  std::vector<uint64_t> operations(frame.plan->stages.size());
+  const FloatEnvironment float_environment;
+  for (const Pass& pass : frame.plan->passes)
+    for (uint32_t i = 0; i < scene.shape().ItemCount(pass.domain); ++i)
+      for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
+        const Stage& stage = frame.plan->stages[s];
+        if (!IsWanted(stage, *frame.memory, i)) continue;
+        Binding bindings[kMaxPorts];
+        for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
+          bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, i);
+        size_t k = 0;
+        while (fast.kernel[k].run != stage.kernel.run) ++k;
+        const uint64_t before = counted_lane_operations;
+        counting.kernel[k].run(stage.params, bindings);
+        operations[s] += counted_lane_operations - before;
+      }
+  return operations;
+}
+
+}  // namespace pelt

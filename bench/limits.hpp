@@ -1,0 +1,26 @@
+// What this machine can do at most, measured in the same run as the figures that are held against
+// it: memory and cache bandwidth, and vector operations.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/kernels/kernel_table.hpp"
+#include "jobs/scene.hpp"
+
+namespace pelt {
+
+struct MachineLimits {
+  double memory_bytes_per_s = 0.0;  // copying from and to main memory: bytes read plus written
+  double cache_bytes_per_s = 0.0;   // the same within 128 KB read and 128 KB written
+  double lane_operations_per_s = 0.0;  // multiplies and adds on vectors of the instruction set
+};
+
+// One core; takes about a second.
+MachineLimits MeasureLimits(Isa isa);
+
+// Lane operations of each stage of the scene's plan in the frame that has been begun, which is run
+// by this call, on the counting kernels.
+std::vector<uint64_t> CountOperations(FurScene& scene, Isa isa);
+
+}  // namespace pelt

@@ -1,0 +1,119 @@
+#include "bench/lockstep.hpp"
+
+#include <algorithm>
+
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+bool Writes(Access access) {
+  return access == Access::kOut || access == Access::kInOut || access == Access::kAllOut ||
+         access == Access::kAllInOut || access == Access::kScatter;
+}
+
+bool Admits(const Stage& stage, const SceneShape& shape, Domain domain, uint32_t item) {
+  if (domain < Domain::kLayer) return true;
+  return stage.kinds.Admits(
+      shape.layer_kind[domain == Domain::kChunk ? shape.chunk_layer[item] : item]);
+}
+
+void NamePlace(const FurScene& scene, const StreamDesc& desc, uint32_t item, Mismatch& out) {
+  const SceneShape& shape = scene.shape();
+  out.item = item;
+  if (desc.domain < Domain::kLayer) return;
+  const uint32_t layer = desc.domain == Domain::kChunk ? shape.chunk_layer[item] : item;
+  out.layer = scene.LayerName(layer);
+  if (desc.domain == Domain::kChunk) out.chunk_in_layer = item - shape.layer_first_chunk[layer];
+}
+
+// Compares one block; true when `out` names a difference.
+bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t item,
+                  Mismatch& out) {
+  const StreamDesc& desc = DescribeStream(stream);
+  const std::byte* left = expected.memory().Block(stream, item);
+  const std::byte* right = found.memory().Block(stream, item);
+  if (!left || !right) return false;
+  const uint32_t at = desc.domain == Domain::kChunk ? item : 0;
+  const uint32_t lanes = expected.LiveLanes(stream, at), have = found.LiveLanes(stream, at);
+  out.stream = desc.name;
+  if (lanes != have) {
+    out.row = "live lanes";
+    out.expected = lanes;
+    out.found = have;
+    NamePlace(expected, desc, item, out);
+    return true;
+  }
+  const BlockDifference difference = FindDifference(desc, left, right, lanes);
+  if (!difference.differs) return false;
+  out.row = difference.row->name;
+  out.component = difference.component;
+  out.lane = difference.lane;
+  out.expected = difference.left;
+  out.found = difference.right;
+  out.is_float = difference.row->type == ElementType::kFloat;
+  NamePlace(expected, desc, item, out);
+  return true;
+}
+
+}  // namespace
+
+SceneOptions SceneOptionsOf(const VerifyCase& what) {
+  SceneOptions options;
+  options.isa = what.isa;
+  options.plan.fuse = what.fuse;
+  options.vertex_order = what.vertex_order;
+  options.piecewise_sort_chunks = what.piecewise_sort ? 1 : 0;
+  return options;
+}
+
+std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
+  switch (what.executor) {
+    case ExecutorKind::kTbb:
+      return std::make_unique<TbbExecutor>(what.workers);
+    case ExecutorKind::kPermuted:
+      return std::make_unique<PermutedExecutor>(what.order_seed);
+    case ExecutorKind::kLocalStore:
+      return std::make_unique<LocalStoreExecutor>(PlanOptions{}.local_store_data_bytes);
+    default:
+      return std::make_unique<SerialExecutor>();
+  }
+}
+
+CaseRun::CaseRun(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
+                 const std::function<void(const VerifyCase&, Plan&)>& tamper)
+    : running_(scenario, SceneOptionsOf(what)),
+      plan_(running_.scene().plan()),
+      executor_(MakeExecutor(what)),
+      skip_(skip) {
+  if (tamper) tamper(what, plan_);
+}
+
+void CaseRun::RunFrame(uint32_t frame) {
+  running_.Begin(frame, skip_, LodSettings{});
+  Frame work = running_.scene().CurrentFrame();
+  work.plan = &plan_;
+  executor_->Run(work);
+}
+
+std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame) {
+  const SceneShape& shape = expected.scene().shape();
+  Mismatch out;
+  out.frame = frame;
+  for (const Stage& stage : expected.plan().stages) {
+    for (const PortDesc& port : stage.kernel.ports) {
+      const StreamDesc& desc = DescribeStream(port.stream);
+      if (!Writes(port.access) || desc.role != Role::kValue) continue;
+      for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
+        if (!Admits(stage, shape, desc.domain, i)) continue;
+        out.stage = stage.kernel.name;
+        if (CompareBlock(expected.scene(), found.scene(), port.stream, i, out)) return out;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace pelt

@@ -1,0 +1,38 @@
+// Two runs of a scene side by side, to find where they part.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "bench/verify.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt {
+
+SceneOptions SceneOptionsOf(const VerifyCase& what);
+std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what);
+
+// A scenario under one case: its scene, plan and executor.
+class CaseRun {
+ public:
+  CaseRun(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
+          const std::function<void(const VerifyCase&, Plan&)>& tamper);
+
+  void RunFrame(uint32_t frame);
+  FurScene& scene() { return running_.scene(); }
+  const Plan& plan() const { return plan_; }
+  Executor& executor() { return *executor_; }
+
+ private:
+  RunningScenario running_;
+  Plan plan_;
+  std::unique_ptr<Executor> executor_;
+  SkipSettings skip_;
+};
+
+// The first difference after a frame, going through the table's stages in order. Streams that only
+// one of the vertex orders fills are left out when the orders differ.
+std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame);
+
+}  // namespace pelt

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bench/commands.hpp"
+#include "bench/json_text.hpp"
+
+namespace pelt {
+namespace {
+
+std::string_view DomainName(Domain domain) {
+  constexpr std::string_view kNames[] = {"scene", "character", "layer", "chunk"};
+  return kNames[size_t(domain)];
+}
+
+std::string DescribeChunks() {
+  std::string out =
+      fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:\n",
+                  kStrandsPerChunk, kVerticesPerChunk);
+  for (uint32_t s = 1; s < kStreamCount; ++s) {
+    const StreamDesc& desc = DescribeStream(Stream(s));
+    if (desc.domain == Domain::kChunk)
+      out += fmt::format("  {:<18} {:>7} bytes\n", desc.name, desc.block_bytes);
+  }
+  return out;
+}
+
+std::string PlanAsJson(const FurScene& scene) {
+  const Plan& plan = scene.plan();
+  JsonText json;
+  json.BeginObject();
+  json.Add("strands_per_chunk", kStrandsPerChunk);
+  json.Add("barriers", plan.passes.size());
+  json.BeginArray("passes");
+  for (const Pass& pass : plan.passes) {
+    json.BeginObject();
+    json.Add("domain", DomainName(pass.domain));
+    json.Add("items", scene.shape().ItemCount(pass.domain));
+    json.Add("resident_bytes", pass.resident_bytes);
+    json.Add("get_bytes", pass.get_bytes);
+    json.Add("put_bytes", pass.put_bytes);
+    json.Add("double_buffered", pass.double_buffered);
+    json.BeginArray("stages");
+    for (uint32_t s = 0; s < pass.stage_count; ++s)
+      json.Add("", plan.stages[pass.first_stage + s].kernel.name);
+    json.EndArray();
+    json.BeginArray("streams");
+    for (const PassStream& stream : pass.streams) {
+      json.BeginObject();
+      json.Add("stream", DescribeStream(stream.stream).name);
+      json.Add("bytes", stream.bytes);
+      json.Add("get", stream.get);
+      json.Add("put", stream.put);
+      json.Add("transient", stream.transient);
+      json.EndObject();
+    }
+    json.EndArray();
+    json.EndObject();
+  }
+  json.EndArray();
+  json.EndObject();
+  return json.text();
+}
+
+}  // namespace
+
+int PrintPlan(const PlanArgs& args) {
+  Scenario scenario = LoadScenario(args.request);
+  const RunningScenario running(scenario, args.options);
+  const FurScene& scene = running.scene();
+  if (args.json) {
+    fmt::print("{}\n", PlanAsJson(scene));
+    return 0;
+  }
+  fmt::print("{}", DescribePlan(scene.plan(), scene.shape()));
+  if (args.chunk) fmt::print("\n{}", DescribeChunks());
+  return 0;
+}
+
+}  // namespace pelt

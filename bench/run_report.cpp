@@ -1,0 +1,184 @@
+#include "bench/run_report.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "bench/json_text.hpp"
+#include "bench/lockstep.hpp"
+#include "jobs/pass_loop.hpp"
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+void AddSpread(JsonText& json, std::string_view key, const Spread& spread) {
+  json.BeginObject(key);
+  json.Add("median", spread.median);
+  json.Add("p95", spread.p95);
+  json.Add("worst", spread.worst);
+  json.EndObject();
+}
+
+std::string_view RoleName(Role role) {
+  constexpr std::string_view kNames[] = {"input", "value", "booking", "scratch"};
+  return kNames[size_t(role)];
+}
+
+std::string DescribeMemory(const RunReport& report) {
+  std::string out = fmt::format("{:<18} {:>8} {:>10}  {}\n", "memory", "blocks", "KB", "role");
+  for (const MemoryRange& range : report.memory)
+    if (range.bytes)
+      out += fmt::format("{:<18} {:>8} {:>10.1f}  {}\n", range.name, range.blocks,
+                         double(range.bytes) / 1000.0, RoleName(range.role));
+  out += fmt::format("{:<18} {:>8} {:>10.1f}  {:.0f} bytes a strand, {:.1f} of them simulation "
+                     "state\n",
+                     "all", "", double(report.memory_bytes) / 1000.0,
+                     double(report.memory_bytes) / double(report.strands),
+                     report.state_bytes_per_strand);
+  return out;
+}
+
+std::string DescribeExecutor(const RunReport& report) {
+  const RunOptions& o = report.options;
+  if (o.executor == ExecutorKind::kTbb)
+    return fmt::format("tbb, {} workers asked for, {} observed", report.workers,
+                       report.workers_observed);
+  if (o.executor == ExecutorKind::kPermuted) return fmt::format("permuted, seed {}", o.order_seed);
+  return std::string(ExecutorName(o.executor));
+}
+
+}  // namespace
+
+RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options) {
+  VerifyCase as_case;
+  as_case.executor = options.executor;
+  as_case.workers = options.workers;
+  as_case.order_seed = options.order_seed;
+  const std::unique_ptr<Executor> executor = MakeExecutor(as_case);
+
+  FurScene& scene = running.scene();
+  RunReport report;
+  report.scene = scenario.name;
+  report.machine = DescribeMachine();
+  report.options = options;
+  report.frames = options.frames ? options.frames : scenario.default_frames;
+  if (auto* tbb = dynamic_cast<TbbExecutor*>(executor.get())) {
+    report.workers = tbb->workers();
+    report.workers_observed = tbb->ObservedWorkers();
+  }
+  report.strands = scene.layout().strand_count;
+  report.characters = scene.shape().character_count;
+  report.layers = scene.shape().layer_count;
+  report.chunks = scene.shape().chunk_count;
+  report.memory = scene.layout().ranges;
+  report.memory_bytes = scene.layout().total_bytes;
+  report.state_bytes_per_strand = scene.layout().StateBytesPerStrand();
+
+  BudgetRecorder recorder(scene, report.frames);
+  Digest fold;
+  for (uint32_t f = 0; f < report.frames; ++f) {
+    if (options.progress) options.progress(f, report.frames);
+    const FrameProfile* profile = recorder.Begin();
+    const TimePoint start = Now();
+    running.Begin(f, options.skip, options.lod);
+    const uint64_t caller_ns = ElapsedNs(start);
+    Frame frame = scene.CurrentFrame();
+    frame.profile = profile;
+    executor->Run(frame);
+    recorder.Finish(caller_ns, ElapsedNs(start));
+    if (options.digest) fold.Add64(scene.DigestFrame());
+  }
+  report.budget = recorder.Summarise();
+  if (options.digest) report.digest = fold.Value();
+  report.live_strands = scene.LiveStrands();
+  report.drawn_strands = scene.DrawnStrands();
+  if (const auto* store = dynamic_cast<LocalStoreExecutor*>(executor.get()))
+    for (const LocalStoreFault& fault : store->faults())
+      report.faults.push_back(
+          fmt::format("stage {}, item {}: {}", fault.stage, fault.item, fault.what));
+  return report;
+}
+
+std::string DescribeRun(const RunReport& r) {
+  std::string out = fmt::format(
+      "scene {}: {} strands in {} chunks, {} layers, {} characters; {} frames\n", r.scene,
+      r.strands, r.chunks, r.layers, r.characters, r.frames);
+  out += fmt::format("on {} ({} cores), {}, {}, commit {}\n", r.machine.processor, r.machine.cores,
+                     r.machine.compiler, r.machine.build_type, r.machine.commit);
+  out += fmt::format("executor {}; kernels {}; {} plan\n\n", DescribeExecutor(r),
+                     IsaName(r.options.scene.isa), r.options.scene.plan.fuse ? "fused" : "unfused");
+  out += DescribeBudget(r.budget, r.workers) + '\n' + DescribeMemory(r) + '\n';
+  out += fmt::format("last frame: {} strands live, {} drawn\n", r.live_strands, r.drawn_strands);
+  for (const std::string& fault : r.faults) out += "FAULT " + fault + '\n';
+  if (r.options.digest)
+    out += fmt::format("digest {:016x}\n", r.digest);
+  else
+    out += "digest not taken\n";
+  return out;
+}
+
+std::string RunAsJson(const RunReport& r) {
+  JsonText json;
+  json.BeginObject();
+  json.Add("scene", r.scene);
+  json.Add("strands", r.strands);
+  json.Add("chunks", r.chunks);
+  json.Add("layers", r.layers);
+  json.Add("characters", r.characters);
+  json.Add("frames", r.frames);
+  json.Add("processor", r.machine.processor);
+  json.Add("cores", r.machine.cores);
+  json.Add("compiler", r.machine.compiler);
+  json.Add("build_type", r.machine.build_type);
+  json.Add("commit", r.machine.commit);
+  json.Add("executor", ExecutorName(r.options.executor));
+  json.Add("workers", r.workers);
+  json.Add("workers_observed", r.workers_observed);
+  json.Add("isa", IsaName(r.options.scene.isa));
+  json.Add("fused", r.options.scene.plan.fuse);
+  json.BeginArray("stages");
+  for (const StageBudget& s : r.budget.stages) {
+    if (s.ran + s.skipped == 0.0) continue;
+    json.BeginObject();
+    json.Add("stage", s.name);
+    AddSpread(json, "core_ms", s.core_ms);
+    json.Add("ns_per_strand", s.ns_per_strand);
+    json.Add("bytes_moved", s.bytes);
+    json.Add("items_run", s.ran);
+    json.Add("items_skipped", s.skipped);
+    json.Add("share_of_5ms", s.core_ms.median / (5.0 * r.workers));
+    json.Add("share_of_8ms", s.core_ms.median / (8.0 * r.workers));
+    json.EndObject();
+  }
+  json.EndArray();
+  json.BeginArray("passes");
+  for (const PassBudget& p : r.budget.passes) {
+    json.BeginObject();
+    json.Add("stages", p.stages);
+    AddSpread(json, "wall_ms", p.wall_ms);
+    json.EndObject();
+  }
+  json.EndArray();
+  AddSpread(json, "caller_ms", r.budget.caller_ms);
+  AddSpread(json, "frame_ms", r.budget.wall_ms);
+  json.Add("ns_per_strand", r.budget.ns_per_strand);
+  json.BeginObject("memory");
+  for (const MemoryRange& range : r.memory)
+    if (range.bytes) json.Add(range.name, range.bytes);
+  json.EndObject();
+  json.Add("memory_bytes", r.memory_bytes);
+  json.Add("state_bytes_per_strand", r.state_bytes_per_strand);
+  json.Add("live_strands", r.live_strands);
+  json.Add("drawn_strands", r.drawn_strands);
+  json.BeginArray("faults");
+  for (const std::string& fault : r.faults) json.Add("", fault);
+  json.EndArray();
+  if (r.options.digest) json.AddDigest("digest", r.digest);
+  json.EndObject();
+  return json.text();
+}
+
+}  // namespace pelt

@@ -1,0 +1,51 @@
+// Frames run and measured: what `pelt run` and the frame benchmarks report.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/budget.hpp"
+#include "bench/machine.hpp"
+#include "bench/verify.hpp"
+
+namespace pelt {
+
+struct RunOptions {
+  SceneOptions scene;
+  ExecutorKind executor = ExecutorKind::kTbb;
+  uint32_t workers = 0;     // tbb; 0: one for each core
+  uint64_t order_seed = 1;  // permuted
+  uint32_t frames = 0;      // 0: the scenario's own
+  SkipSettings skip;
+  LodSettings lod;
+  bool digest = true;  // of every frame; taken outside the timed part
+  std::function<void(uint32_t done, uint32_t total)> progress;
+};
+
+struct RunReport {
+  std::string scene;
+  Machine machine;
+  RunOptions options;
+  uint32_t workers = 1, workers_observed = 1;
+  uint32_t frames = 0;
+  uint64_t strands = 0;
+  uint32_t characters = 0, layers = 0, chunks = 0;
+  uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
+  Budget budget;
+  std::vector<MemoryRange> memory;
+  uint64_t memory_bytes = 0;
+  double state_bytes_per_strand = 0.0;
+  uint64_t digest = 0;  // of all frames, folded; 0 when not taken
+  std::vector<std::string> faults;  // of the local store
+};
+
+// Runs the scenario from frame 0. `running` must have been made with options.scene, and has run
+// nothing yet. Throws Error when a frame refuses its input.
+RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options);
+
+std::string DescribeRun(const RunReport& report);
+std::string RunAsJson(const RunReport& report);
+
+}  // namespace pelt

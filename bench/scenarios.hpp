@@ -1,0 +1,152 @@
+// Scenarios: named, seeded, complete inputs of N frames. Tests, benchmarks and the pelt command all
+// run these, so a figure or a digest from one can be compared with the others.
+//
+//   monster  one character, about 40,000 strands in head, brows, body, arms and tail
+//   cast     17 characters, 166 layers, over 100,000 strands: what the original shipped
+//   eyepet   8,000 strands of 5 points, Verlet, clumping, ground plane, ribbons
+//   tiny     every solver, chain and output in under a thousand strands: for tests
+//
+// Invariant: frame f of a scenario has the same input whatever was run before it, on every machine
+// (no clock, no libm); preparing a frame does not allocate.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/character/character.hpp"
+#include "core/groom/fur_setup.hpp"
+#include "core/groom/groom.hpp"
+#include "core/layer_block.hpp"
+#include "jobs/scene.hpp"
+
+namespace pelt {
+
+// A fur setup that is built into the program.
+struct EmbeddedSetup {
+  std::string_view name;  // "monster"
+  std::string_view text;  // TOML
+};
+std::span<const EmbeddedSetup> EmbeddedSetups();
+
+// "builtin", or the path of a .glb or .gltf file. Throws Error.
+Character LoadCharacter(const std::string& name_or_path);
+
+// Throws Error when the groom was baked for other joints than the character's; `path` is for the
+// message.
+void CheckGroomFits(const Groom& groom, const std::string& path, const Character& character);
+
+// The name of a built-in setup, or the path of a TOML file. `seed` other than 0 gives every layer
+// another seed of its own. Throws Error.
+FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed = 0);
+
+// The setup's unit scale, or the guess for this character; what was assumed goes into `notes`.
+float ChooseUnitScale(const FurSetup& setup, const Character& character,
+                      std::vector<std::string>& notes);
+
+// One character on the stage.
+struct Actor {
+  uint32_t character;  // in Scenario::characters
+  uint32_t groom;      // in Scenario::grooms
+  int32_t clip;        // of the character; -1: stands in its rest pose
+  double phase_s;      // into the clip at frame 0
+  glm::mat4 placement{1.0f};
+  float unit_scale = 1.0f;
+  int32_t teleport_frame = -1;  // moved by teleport_by and restarted from this frame on; -1: never
+  glm::vec3 teleport_by{0.0f};  // m
+};
+
+// The camera walks round its target on a circle.
+struct CameraOrbit {
+  glm::vec3 target{0.0f, 0.6f, 0.0f};  // m
+  double radius_m = 3.0;
+  double height_m = 0.4;  // above the target
+  double start_rad = 0.5;
+  double rate_rad_per_s = 0.15;
+  double vertical_fov_rad = 0.7;
+};
+
+// A ball that strokes the fur: it swings about its centre.
+struct MovingSphere {
+  glm::vec3 centre{0.0f}, swing{0.0f};  // m
+  double period_s = 3.0;
+  float radius = 0.1f;  // m
+};
+
+struct WeatherCourse {
+  float wetness = 0.0f, dirt = 0.0f;  // 0..1, reached over half a second
+  uint32_t from_frame = 0;
+};
+
+struct Scenario {
+  std::string name;
+  uint32_t default_frames = 300;
+  double dt_s = 1.0 / 60.0;
+  std::vector<Character> characters;
+  std::vector<Groom> grooms;
+  std::vector<Actor> actors;
+  CameraOrbit camera;
+  std::vector<MovingSphere> spheres;  // at most kSpheresPerScene
+  WeatherCourse weather_course;
+  // From this frame on nothing moves and no wind blows, though time goes on.
+  uint32_t rest_from_frame = ~0u;
+  FrameInput base;  // what does not change from frame to frame
+  std::vector<std::string> notes;
+
+  // One groom for each actor, as MeasureScene and FurScene take them.
+  std::vector<const Groom*> ActorGrooms() const;
+  uint64_t StrandCount() const;
+
+  // Fills the poses of frame `frame` into the scene and returns its input. Does not allocate after
+  // the first call; the result is valid until the next one.
+  const FrameInput& PrepareFrame(uint32_t frame, FurScene& scene);
+
+ private:
+  FrameInput input_;
+  std::vector<Weather> weather_;
+};
+
+struct ScenarioRequest {
+  std::string scene = {};  // a scenario's name; or, with this empty:
+  std::string character = "builtin";
+  std::string setup = {};  // name or path; or, with this empty:
+  std::string groom = {};  // path of a groom file, baked for this character
+  uint64_t seed = 0;       // other than 0: another groom from the same setups
+};
+
+std::span<const std::string_view> ScenarioNames();
+
+// Called with the number of grooms made and wanted.
+using LoadProgress = std::function<void(uint32_t done, uint32_t total)>;
+
+// Imports, reads, bakes. Throws Error.
+Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progress = {});
+inline Scenario LoadScenario(const std::string& name) {
+  return LoadScenario(ScenarioRequest{.scene = name});
+}
+
+// A scenario with the memory and the scene that run it.
+class RunningScenario {
+ public:
+  // The scenario must outlive this.
+  RunningScenario(Scenario& scenario, const SceneOptions& options);
+
+  FurScene& scene() { return scene_; }
+  const FurScene& scene() const { return scene_; }
+  // Prepares and begins a frame. Throws Error when the frame refuses its input.
+  void Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
+  void Begin(uint32_t frame) { Begin(frame, scenario_.base.skip, scenario_.base.lod); }
+
+ private:
+  Scenario& scenario_;
+  std::vector<const Groom*> grooms_;
+  SceneLayout layout_;
+  SceneBlock memory_;
+  FurScene scene_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,274 @@
+#include "bench/verify.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "bench/lockstep.hpp"
+#include "core/error.hpp"
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kWorkerCounts[] = {1, 2, 3, 7};
+constexpr uint64_t kOrderSeeds[] = {0, 1, 2};
+
+using StreamDigests = std::array<uint64_t, kStreamCount>;
+
+StreamDigests DigestsOf(const FurScene& scene) {
+  StreamDigests digests{};
+  for (uint32_t s = 0; s < kStreamCount; ++s) digests[s] = scene.DigestStream(Stream(s));
+  return digests;
+}
+
+// Streams whose layout depends on the vertex order.
+bool IsVertexStream(uint32_t s) {
+  return Stream(s) == Stream::kInstances || Stream(s) == Stream::kRibbonVertices;
+}
+
+bool SameDigests(const StreamDigests& a, const StreamDigests& b, bool with_vertices) {
+  for (uint32_t s = 0; s < kStreamCount; ++s)
+    if (a[s] != b[s] && (with_vertices || !IsVertexStream(s))) return false;
+  return true;
+}
+
+using Course = std::vector<StreamDigests>;  // by frame
+
+Course RecordCourse(Scenario& scenario, const VerifyCase& what, uint32_t frames) {
+  CaseRun run(scenario, what, SkipSettings{}, {});
+  Course course;
+  for (uint32_t f = 0; f < frames; ++f) {
+    run.RunFrame(f);
+    course.push_back(DigestsOf(run.scene()));
+  }
+  return course;
+}
+
+// Runs both again, frame by frame together, until they part.
+Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame) {
+  for (uint32_t f = 0; f <= frame; ++f) {
+    expected.RunFrame(f);
+    found.RunFrame(f);
+    if (auto mismatch = FindMismatch(expected, found, f)) return *mismatch;
+  }
+  Mismatch unknown;
+  unknown.frame = frame;
+  unknown.reproduced = false;
+  return unknown;
+}
+
+VerifyCase ReferenceFor(const VerifyCase& what) {
+  VerifyCase reference;
+  reference.vertex_order = what.vertex_order;
+  return reference;
+}
+
+void CheckExecutor(CaseRun& run, CaseResult& result) {
+  if (auto* tbb = dynamic_cast<TbbExecutor*>(&run.executor())) {
+    result.workers_observed = tbb->ObservedWorkers();
+    if (result.workers_observed != result.what.workers) {
+      result.passed = false;
+      result.reason = fmt::format("oneTBB ran {} workers together, not {}",
+                                  result.workers_observed, result.what.workers);
+    }
+  }
+}
+
+void CheckFaults(CaseRun& run, CaseResult& result) {
+  const auto* store = dynamic_cast<LocalStoreExecutor*>(&run.executor());
+  if (!store || store->faults().empty()) return;
+  const LocalStoreFault& fault = store->faults().front();
+  result.passed = false;
+  result.reason = fmt::format("local store: stage {}, item {}: {} ({} faults)", fault.stage,
+                              fault.item, fault.what, store->faults().size());
+}
+
+CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& reference,
+                   const VerifyOptions& options) {
+  CaseResult result;
+  result.what = what;
+  uint32_t frame = 0;
+  {
+    CaseRun run(scenario, what, SkipSettings{}, options.tamper);
+    CheckExecutor(run, result);
+    for (; frame < options.frames; ++frame) {
+      run.RunFrame(frame);
+      if (!SameDigests(reference[frame], DigestsOf(run.scene()), true)) break;
+    }
+    CheckFaults(run, result);
+  }
+  if (frame == options.frames) return result;
+  result.passed = false;
+  result.mismatch = Locate(CaseRun(scenario, ReferenceFor(what), SkipSettings{}, {}),
+                           CaseRun(scenario, what, SkipSettings{}, options.tamper), frame);
+  const std::string difference = DescribeMismatch(*result.mismatch);
+  result.reason = result.reason.empty() ? difference : result.reason + "; " + difference;
+  return result;
+}
+
+// ---- Skips
+// --------------------------------------------------------------------------------------
+
+struct SwitchDesc {
+  std::string_view name;
+  bool SkipSettings::*member;
+};
+constexpr SwitchDesc kSwitches[] = {{"sleep", &SkipSettings::sleep},
+                                    {"unmoved", &SkipSettings::unmoved},
+                                    {"sort", &SkipSettings::sort},
+                                    {"wind", &SkipSettings::wind},
+                                    {"cull", &SkipSettings::cull}};
+
+// Stage items that run in the frame just run: what skipping saves.
+uint64_t CountWork(CaseRun& run) {
+  const FurScene& scene = run.scene();
+  uint64_t work = 0;
+  for (const Stage& stage : run.plan().stages)
+    for (uint32_t i = 0; i < scene.shape().ItemCount(stage.domain); ++i)
+      work += IsWanted(stage, scene.memory(), i);
+  return work;
+}
+
+struct SkipCourse {
+  Course digests;
+  uint64_t work = 0;
+  std::string hidden;  // the first layer that left the view, and when; empty: none did
+};
+
+SkipCourse RecordSkips(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
+                       uint32_t frames) {
+  CaseRun run(scenario, what, skip, {});
+  SkipCourse course;
+  for (uint32_t f = 0; f < frames; ++f) {
+    run.RunFrame(f);
+    const FurScene& scene = run.scene();
+    course.digests.push_back(DigestsOf(scene));
+    course.work += CountWork(run);
+    for (uint32_t l = 0; l < scene.shape().layer_count && course.hidden.empty(); ++l)
+      if (!scene.memory().As<LodBlock>(Stream::kLod, l)->visible)
+        course.hidden = fmt::format("layer '{}' is out of view in frame {}", scene.LayerName(l), f);
+  }
+  return course;
+}
+
+SkipResult CompareSkip(Scenario& scenario, const VerifyCase& what, const SkipCourse& base,
+                       const SwitchDesc* off, const std::string& course, uint32_t frames) {
+  SkipResult result;
+  result.name = off ? off->name : "all of them";
+  result.course = course;
+  if ((!off || off->name == "cull") && !base.hidden.empty()) {
+    result.compared = false;
+    result.reason = "not compared: " + base.hidden + ", and culling stops its simulation";
+    return result;
+  }
+  SkipSettings skip;
+  for (const SwitchDesc& s : kSwitches)
+    if (!off || off == &s) skip.*s.member = false;
+  const SkipCourse without = RecordSkips(scenario, what, skip, frames);
+  result.items_skipped = without.work > base.work ? without.work - base.work : 0;
+  for (uint32_t f = 0; f < frames; ++f) {
+    if (SameDigests(base.digests[f], without.digests[f], true)) continue;
+    result.passed = false;
+    result.mismatch = Locate(CaseRun(scenario, what, skip, {}),
+                             CaseRun(scenario, what, SkipSettings{}, {}), f);
+    result.reason = DescribeMismatch(*result.mismatch);
+    break;
+  }
+  return result;
+}
+
+void VerifySkips(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+  VerifyCase what;
+  what.isa = BestIsa();
+  const uint32_t rest_before = scenario.rest_from_frame;
+  for (const bool at_rest : {false, true}) {
+    const std::string course = at_rest ? "coming to rest" : "as it runs";
+    // A scene that stands still from a third of the way on is where skips have something to do.
+    if (at_rest) scenario.rest_from_frame = options.frames / 3;
+    const SkipCourse base = RecordSkips(scenario, what, SkipSettings{}, options.frames);
+    for (const SwitchDesc& s : kSwitches)
+      report.skips.push_back(CompareSkip(scenario, what, base, &s, course, options.frames));
+    report.skips.push_back(CompareSkip(scenario, what, base, nullptr, course, options.frames));
+  }
+  scenario.rest_from_frame = rest_before;
+}
+
+}  // namespace
+
+std::vector<VerifyCase> AllCases() {
+  std::vector<VerifyCase> executors;
+  executors.push_back({});
+  for (const uint32_t n : kWorkerCounts)
+    executors.push_back({.executor = ExecutorKind::kTbb, .workers = n});
+  for (const uint64_t seed : kOrderSeeds)
+    executors.push_back({.executor = ExecutorKind::kPermuted, .order_seed = seed});
+  executors.push_back({.executor = ExecutorKind::kLocalStore});
+
+  std::vector<VerifyCase> cases;
+  for (const Isa isa : kAllIsas) {
+    if (!FindKernels(isa)) continue;
+    for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
+      for (const bool pieces : {false, true})
+        for (const bool fuse : {true, false})
+          for (VerifyCase c : executors) {
+            c.isa = isa;
+            c.vertex_order = order;
+            c.piecewise_sort = pieces;
+            c.fuse = fuse;
+            cases.push_back(c);
+          }
+  }
+  return cases;
+}
+
+VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
+  VerifyReport report;
+  report.scene = scenario.name;
+  report.frames = options.frames;
+  report.strands = scenario.StrandCount();
+  for (const Isa isa : kAllIsas)
+    if (!FindKernels(isa)) report.not_run.emplace_back(IsaName(isa));
+
+  std::vector<VerifyCase> cases = AllCases();
+  if (options.filter) std::erase_if(cases, [&](const VerifyCase& c) { return !options.filter(c); });
+
+  const VerifyCase sorted{}, indexed{.vertex_order = VertexOrder::kIndexBuffer};
+  const Course sorted_course = RecordCourse(scenario, sorted, options.frames);
+  const Course indexed_course = RecordCourse(scenario, indexed, options.frames);
+  Digest fold;
+  for (const StreamDigests& frame : sorted_course)
+    for (const uint64_t digest : frame) fold.Add64(digest);
+  report.digest = fold.Value();
+
+  // The two vertex orders must agree on all but the vertices themselves.
+  CaseResult orders;
+  orders.what = indexed;
+  for (uint32_t f = 0; f < options.frames && orders.passed; ++f)
+    if (!SameDigests(sorted_course[f], indexed_course[f], false)) {
+      orders.passed = false;
+      orders.reason = fmt::format("frame {}: the vertex orders differ before the vertices", f);
+    }
+  report.cases.push_back(orders);
+
+  uint32_t done = 0;
+  for (const VerifyCase& what : cases) {
+    if (options.progress) options.progress(done++, uint32_t(cases.size()), NameCase(what));
+    const Course& reference =
+        what.vertex_order == VertexOrder::kSorted ? sorted_course : indexed_course;
+    report.cases.push_back(RunCase(scenario, what, reference, options));
+  }
+  if (options.skips) VerifySkips(scenario, options, report);
+  return report;
+}
+
+bool VerifyReport::Passed() const {
+  return std::all_of(cases.begin(), cases.end(), [](const CaseResult& c) { return c.passed; }) &&
+         std::all_of(skips.begin(), skips.end(), [](const SkipResult& s) { return s.passed; });
+}
+
+}  // namespace pelt

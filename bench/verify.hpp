@@ -1,0 +1,101 @@
+// Whether a scene gives the same bits whatever runs it.
+//
+// The reference is the serial executor with the reference kernels. Every case differs from it in
+// executor, workers, order, fusion, instruction set or sort; after each frame the digests of all
+// value streams are held against the reference's. On a mismatch both are run again in lock-step and
+// the first differing stage, block, row and lane is named. A second section switches each skip off
+// and wants the same digests again.
+//
+// Invariant: a report that says "same" compared every value stream of every frame of every case it
+// lists; what was not compared is listed as skipped, with the reason.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/scenarios.hpp"
+
+namespace pelt {
+
+enum class ExecutorKind : uint8_t { kSerial, kTbb, kPermuted, kLocalStore };
+std::string_view ExecutorName(ExecutorKind kind);  // "serial", "tbb", "permuted", "local-store"
+std::optional<ExecutorKind> ParseExecutor(std::string_view name);
+
+struct VerifyCase {
+  ExecutorKind executor = ExecutorKind::kSerial;
+  uint32_t workers = 1;     // tbb
+  uint64_t order_seed = 0;  // permuted
+  bool fuse = true;
+  Isa isa = Isa::kReference;
+  VertexOrder vertex_order = VertexOrder::kSorted;
+  bool piecewise_sort = false;
+};
+std::string NameCase(const VerifyCase& what);
+
+// The first value that differs between reference and case, in the order of the frame's stages.
+struct Mismatch {
+  uint32_t frame = 0;
+  std::string stage, stream, row;
+  std::string layer;               // empty for streams of scene or character
+  uint32_t item = 0;               // character, layer or chunk of the scene
+  uint32_t chunk_in_layer = 0;     // for chunk streams
+  uint32_t component = 0, lane = 0;
+  uint32_t expected = 0, found = 0;
+  bool is_float = false;
+  bool reproduced = true;  // false: seen once, and not again in lock-step: a race
+};
+std::string DescribeMismatch(const Mismatch& mismatch);
+
+struct CaseResult {
+  VerifyCase what;
+  bool passed = true;
+  std::string reason;  // of a failure, one line
+  std::optional<Mismatch> mismatch;
+  uint32_t workers_observed = 0;
+};
+
+struct SkipResult {
+  std::string name;    // the switch
+  std::string course;  // "as it runs" or "coming to rest"
+  bool passed = true;
+  bool compared = true;
+  std::string reason;
+  std::optional<Mismatch> mismatch;
+  uint64_t items_skipped = 0;  // more stage items than with the switch off, over all frames
+};
+
+struct VerifyReport {
+  std::string scene;
+  uint32_t frames = 0;
+  uint64_t strands = 0;
+  uint64_t digest = 0;  // of the reference, vertices sorted, all frames
+  std::vector<CaseResult> cases;
+  std::vector<SkipResult> skips;
+  std::vector<std::string> not_run;  // instruction sets that this processor or build lacks
+  bool Passed() const;
+};
+
+struct VerifyOptions {
+  uint32_t frames = 20;
+  // A case may be changed before it runs: how tests plant faults. Never applied to the reference.
+  std::function<void(const VerifyCase&, Plan&)> tamper;
+  std::function<void(uint32_t done, uint32_t total, const std::string& now)> progress;
+  // Runs only cases this accepts; empty: all.
+  std::function<bool(const VerifyCase&)> filter;
+  bool skips = true;
+};
+
+VerifyReport Verify(Scenario& scenario, const VerifyOptions& options);
+
+// Every case of the full matrix for instruction sets this processor has.
+std::vector<VerifyCase> AllCases();
+
+// A table, what failed, and one verdict line.
+std::string DescribeReport(const VerifyReport& report);
+std::string ReportAsJson(const VerifyReport& report);
+
+}  // namespace pelt

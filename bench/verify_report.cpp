@@ -1,0 +1,173 @@
+// The words of a verification: names, the table, the verdict, JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "bench/json_text.hpp"
+#include "bench/verify.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr std::string_view kExecutors[] = {"serial", "tbb", "permuted", "local-store"};
+
+std::string ExecutorColumn(const VerifyCase& what) {
+  if (what.executor == ExecutorKind::kTbb) return fmt::format("tbb {}", what.workers);
+  if (what.executor == ExecutorKind::kPermuted) return fmt::format("permuted {}", what.order_seed);
+  return std::string(ExecutorName(what.executor));
+}
+
+std::string_view OrderName(VertexOrder order) {
+  return order == VertexOrder::kSorted ? "sorted" : "index-buffer";
+}
+
+// One cell of the table: all cases of one executor and one instruction set.
+struct Cell {
+  uint32_t same = 0, cases = 0;
+};
+
+void AddMismatch(JsonText& json, const Mismatch& m) {
+  json.BeginObject("mismatch");
+  json.Add("reproduced", m.reproduced);
+  json.Add("frame", m.frame);
+  json.Add("stage", m.stage);
+  json.Add("stream", m.stream);
+  json.Add("layer", m.layer);
+  json.Add("item", m.item);
+  json.Add("chunk_in_layer", m.chunk_in_layer);
+  json.Add("row", m.row);
+  json.Add("component", m.component);
+  json.Add("lane", m.lane);
+  json.Add("expected", fmt::format("{:08x}", m.expected));
+  json.Add("found", fmt::format("{:08x}", m.found));
+  json.EndObject();
+}
+
+}  // namespace
+
+std::string_view ExecutorName(ExecutorKind kind) { return kExecutors[size_t(kind)]; }
+
+std::optional<ExecutorKind> ParseExecutor(std::string_view name) {
+  for (size_t i = 0; i < std::size(kExecutors); ++i)
+    if (kExecutors[i] == name) return ExecutorKind(i);
+  return std::nullopt;
+}
+
+std::string NameCase(const VerifyCase& what) {
+  return fmt::format("{}, {}, {}, vertices {}, sort {}", ExecutorColumn(what), IsaName(what.isa),
+                     what.fuse ? "fused" : "unfused", OrderName(what.vertex_order),
+                     what.piecewise_sort ? "in pieces" : "whole");
+}
+
+std::string DescribeMismatch(const Mismatch& m) {
+  if (!m.reproduced)
+    return fmt::format("frame {} differed once and not again in lock-step: a race", m.frame);
+  std::string place = m.layer.empty() ? fmt::format("item {}", m.item)
+                                      : fmt::format("layer '{}', chunk {} (item {})", m.layer,
+                                                    m.chunk_in_layer, m.item);
+  std::string values = fmt::format("expected 0x{:08x}, found 0x{:08x}", m.expected, m.found);
+  // Records are hashed as words; most are floats, so both readings are given.
+  values += fmt::format(" (as float {:.9g} and {:.9g})", std::bit_cast<float>(m.expected),
+                        std::bit_cast<float>(m.found));
+  return fmt::format("frame {}, stage {}, stream {}, {}, row {}[{}], lane {}: {}", m.frame, m.stage,
+                     m.stream, place, m.row, m.component, m.lane, values);
+}
+
+std::string DescribeReport(const VerifyReport& report) {
+  // Executors down, instruction sets across; a cell counts fusion x vertex order x sort.
+  std::vector<std::string> rows;
+  std::vector<Isa> columns;
+  std::map<std::pair<std::string, Isa>, Cell> cells;
+  for (const CaseResult& c : report.cases) {
+    const std::string row = ExecutorColumn(c.what);
+    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+    if (std::find(columns.begin(), columns.end(), c.what.isa) == columns.end())
+      columns.push_back(c.what.isa);
+    Cell& cell = cells[{row, c.what.isa}];
+    ++cell.cases;
+    cell.same += c.passed;
+  }
+  std::string out = fmt::format("scene {}: {} strands, {} frames, reference digest {:016x}\n",
+                                report.scene, report.strands, report.frames, report.digest);
+  out += fmt::format("{:<14}", "same / cases");
+  for (const Isa isa : columns) out += fmt::format("{:>11}", IsaName(isa));
+  out += '\n';
+  for (const std::string& row : rows) {
+    out += fmt::format("{:<14}", row);
+    for (const Isa isa : columns) {
+      const Cell cell = cells[{row, isa}];
+      out += fmt::format("{:>11}", cell.cases ? fmt::format("{}/{}", cell.same, cell.cases) : "");
+    }
+    out += '\n';
+  }
+  out += "each cell: fused and unfused plan x sorted vertices and index buffer x whole and "
+         "piecewise sort\n";
+  for (const std::string& isa : report.not_run)
+    out += fmt::format("skipped: {} (this processor or build lacks it)\n", isa);
+  if (!report.skips.empty())
+    out += fmt::format("\n{:<14} {:<15} {:<9} {:>16}\n", "skip off", "course", "result",
+                       "items it saved");
+  for (const SkipResult& s : report.skips)
+    out += fmt::format("{:<14} {:<15} {:<9} {:>16}{}{}\n", s.name, s.course,
+                       !s.compared ? "skipped" : s.passed ? "same" : "DIFFERS", s.items_skipped,
+                       s.reason.empty() ? "" : "  ", s.reason);
+  uint32_t failed = 0;
+  for (const CaseResult& c : report.cases)
+    if (!c.passed && ++failed <= 10)
+      out += fmt::format("\nFAILED {}\n  {}\n", NameCase(c.what), c.reason);
+  if (failed > 10) out += fmt::format("\n... and {} more cases failed\n", failed - 10);
+  for (const SkipResult& s : report.skips) failed += !s.passed;
+  out += report.Passed()
+             ? fmt::format("\nverdict: SAME BITS in all {} cases\n", report.cases.size())
+             : fmt::format("\nverdict: DIFFERENT BITS in {} cases\n", failed);
+  return out;
+}
+
+std::string ReportAsJson(const VerifyReport& report) {
+  JsonText json;
+  json.BeginObject();
+  json.Add("scene", report.scene);
+  json.Add("strands", report.strands);
+  json.Add("frames", report.frames);
+  json.AddDigest("digest", report.digest);
+  json.Add("passed", report.Passed());
+  json.BeginArray("cases");
+  for (const CaseResult& c : report.cases) {
+    json.BeginObject();
+    json.Add("executor", ExecutorName(c.what.executor));
+    json.Add("workers", c.what.workers);
+    if (c.what.executor == ExecutorKind::kTbb) json.Add("workers_observed", c.workers_observed);
+    json.Add("order_seed", c.what.order_seed);
+    json.Add("isa", IsaName(c.what.isa));
+    json.Add("fused", c.what.fuse);
+    json.Add("vertex_order", OrderName(c.what.vertex_order));
+    json.Add("piecewise_sort", c.what.piecewise_sort);
+    json.Add("passed", c.passed);
+    if (!c.reason.empty()) json.Add("reason", c.reason);
+    if (c.mismatch) AddMismatch(json, *c.mismatch);
+    json.EndObject();
+  }
+  json.EndArray();
+  json.BeginArray("isas_skipped");
+  for (const std::string& isa : report.not_run) json.Add("", isa);
+  json.EndArray();
+  json.BeginArray("skips");
+  for (const SkipResult& s : report.skips) {
+    json.BeginObject();
+    json.Add("switch", s.name);
+    json.Add("course", s.course);
+    json.Add("passed", s.passed);
+    json.Add("compared", s.compared);
+    json.Add("items_saved", s.items_skipped);
+    if (!s.reason.empty()) json.Add("reason", s.reason);
+    if (s.mismatch) AddMismatch(json, *s.mismatch);
+    json.EndObject();
+  }
+  json.EndArray();
+  json.EndObject();
+  return json.text();
+}
+
+}  // namespace pelt

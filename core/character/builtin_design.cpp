@@ -1,0 +1,230 @@
+// Proportions of the built-in monster: where its joints and primitives lie. Numbers are metres of
+// the standard monster; a seed scales limbs, belly, head, ears and tail.
+#include <algorithm>
+#include <cmath>
+
+#include "core/character/builtin_shape.hpp"
+#include "core/random.hpp"
+
+namespace pelt::builtin {
+namespace {
+
+using glm::dvec3;
+
+struct Proportions {
+  double size = 1.0, leg = 1.0, belly = 1.0, head = 1.0, arm = 1.0, tail = 1.0, ear = 1.0;
+};
+
+Proportions DrawProportions(uint64_t seed) {
+  Proportions p;
+  if (seed == 0) return p;
+  Random random(MixSeed(seed, 0x6d6f6e73));
+  p.size = random.Uniform(0.75, 1.15);
+  p.leg = random.Uniform(0.75, 1.30);
+  p.belly = random.Uniform(0.85, 1.20);
+  p.head = random.Uniform(0.85, 1.20);
+  p.arm = random.Uniform(0.80, 1.25);
+  p.tail = random.Uniform(0.60, 1.30);
+  p.ear = random.Uniform(0.50, 1.80);
+  return p;
+}
+
+enum ChartIndex : uint8_t {
+  kBodyChart,
+  kHeadChart,
+  kArmLChart,
+  kArmRChart,
+  kLegLChart,
+  kLegRChart,
+  kTailChart,
+  kEyeLChart,
+  kEyeRChart,
+};
+
+dvec3 Mirror(const dvec3& p) { return {-p.x, p.y, p.z}; }
+
+class Designer {
+ public:
+  explicit Designer(const BuiltinCharacterOptions& options)
+      : p_(DrawProportions(options.seed)), inflate_(options.tiny ? 0.03 : 0.0) {}
+
+  Shape Design() {
+    hip_ = 0.06 + 0.31 * p_.leg;
+    PlaceTrunk();
+    PlaceArms();
+    PlaceLegs();
+    PlaceTail();
+    PlaceCharts();
+    Scale();
+    return shape_;
+  }
+
+ private:
+  void Joint(builtin::Joint joint, const char* name, int parent, const dvec3& at) {
+    shape_.joints[joint] = {name, parent, at};
+  }
+
+  void Ellipsoid(const dvec3& centre, const dvec3& radii, builtin::Joint joint, Material material,
+                 ChartIndex chart, double blend) {
+    shape_.primitives.push_back({centre, radii + dvec3(inflate_), 0.0, -1.0, joint, material, chart,
+                                 blend, dvec3(0.0), 0.0});
+  }
+
+  void Cone(const dvec3& a, const dvec3& b, double radius_a, double radius_b, builtin::Joint joint,
+            Material material, ChartIndex chart, double blend) {
+    shape_.primitives.push_back({a, b, radius_a + inflate_, radius_b + inflate_, joint, material,
+                                 chart, blend, dvec3(0.0), 0.0});
+  }
+
+  void PlaceTrunk() {
+    const double b = p_.belly, h = p_.head;
+    head_ = dvec3(0.0, hip_ + 0.44 + 0.14 * h, 0.03);
+    Joint(kRoot, "root", -1, dvec3(0.0));
+    Joint(kHips, "hips", kRoot, {0.0, hip_, 0.0});
+    Joint(kSpine, "spine", kHips, {0.0, hip_ + 0.12, 0.0});
+    Joint(kChest, "chest", kSpine, {0.0, hip_ + 0.27, 0.0});
+    Joint(kNeck, "neck", kChest, {0.0, hip_ + 0.40, 0.01});
+    Joint(kHeadJoint, "head", kNeck, {0.0, hip_ + 0.45, 0.02});
+    Ellipsoid({0.0, hip_, -0.01}, {0.205 * b, 0.15, 0.185 * b}, kHips, kBody, kBodyChart, 0.08);
+    Ellipsoid({0.0, hip_ + 0.13, 0.02}, {0.235 * b, 0.21, 0.215 * b}, kSpine, kBody, kBodyChart,
+              0.08);
+    Ellipsoid({0.0, hip_ + 0.29, 0.0}, {0.175, 0.15, 0.155}, kChest, kBody, kBodyChart, 0.08);
+    Cone({0.0, hip_ + 0.38, 0.005}, {0.0, hip_ + 0.45, 0.02}, 0.11, 0.11, kNeck, kBody, kBodyChart,
+         0.05);
+    Ellipsoid(head_, dvec3(0.185, 0.165, 0.165) * h, kHeadJoint, kHead, kHeadChart, 0.05);
+    Ellipsoid(head_ + dvec3(0.0, -0.05, 0.135) * h, dvec3(0.105, 0.07, 0.075) * h, kHeadJoint,
+              kHead, kHeadChart, 0.05);
+    for (int side = 0; side < 2; ++side) {
+      auto on = [&](const dvec3& at) { return head_ + (side ? Mirror(at) : at) * h; };
+      const builtin::Joint brow = side ? kBrowR : kBrowL;
+      Joint(brow, side ? "brow_r" : "brow_l", kHeadJoint, on({0.075, 0.085, 0.12}));
+      const dvec3 tip = dvec3(0.135, 0.125, -0.01) + dvec3(0.045, 0.075, 0.0) * p_.ear;
+      Cone(on({0.115, 0.105, -0.01}), on(tip), 0.052 * h, 0.03 * h, kHeadJoint, kHead, kHeadChart,
+           0.04);
+      Cone(on({0.030, 0.082, 0.150}), on({0.125, 0.092, 0.092}), 0.027 * h, 0.024 * h, brow, kBrow,
+           kHeadChart, 0.02);
+      Ellipsoid(on({0.07, 0.022, 0.142}), dvec3(0.042) * h, kHeadJoint, kEye,
+                side ? kEyeRChart : kEyeLChart, 0.008);
+    }
+  }
+
+  void PlaceArms() {
+    const dvec3 shoulder(0.155, hip_ + 0.33, 0.0);
+    const dvec3 elbow = shoulder + dvec3(0.155, -0.155, 0.02) * p_.arm;
+    const dvec3 wrist = elbow + dvec3(0.11, -0.155, 0.045) * p_.arm;
+    const dvec3 hand = wrist + dvec3(0.025, -0.05, 0.015);
+    for (int side = 0; side < 2; ++side) {
+      auto on = [&](const dvec3& at) { return side ? Mirror(at) : at; };
+      const builtin::Joint s = side ? kShoulderR : kShoulderL, e = side ? kElbowR : kElbowL;
+      const builtin::Joint w = side ? kHandR : kHandL;
+      const ChartIndex chart = side ? kArmRChart : kArmLChart;
+      Joint(s, side ? "shoulder_r" : "shoulder_l", kChest, on(shoulder));
+      Joint(e, side ? "elbow_r" : "elbow_l", s, on(elbow));
+      Joint(w, side ? "hand_r" : "hand_l", e, on(wrist));
+      Cone(on(shoulder), on(elbow), 0.078, 0.062, s, kArm, chart, 0.05);
+      Cone(on(elbow), on(wrist), 0.062, 0.056, e, kArm, chart, 0.04);
+      Ellipsoid(on(hand), dvec3(0.07, 0.072, 0.066), w, kArm, chart, 0.03);
+    }
+    arm_ = {shoulder, hand};
+  }
+
+  void PlaceLegs() {
+    const dvec3 thigh(0.105, hip_ - 0.03, 0.0);
+    const dvec3 knee(0.122, 0.06 + (thigh.y - 0.06) * 0.48, 0.02);
+    const dvec3 ankle(0.128, 0.075, -0.005);
+    for (int side = 0; side < 2; ++side) {
+      auto on = [&](const dvec3& at) { return side ? Mirror(at) : at; };
+      const builtin::Joint t = side ? kThighR : kThighL, s = side ? kShinR : kShinL;
+      const builtin::Joint f = side ? kFootR : kFootL;
+      const ChartIndex chart = side ? kLegRChart : kLegLChart;
+      Joint(t, side ? "thigh_r" : "thigh_l", kHips, on(thigh));
+      Joint(s, side ? "shin_r" : "shin_l", t, on(knee));
+      Joint(f, side ? "foot_r" : "foot_l", s, on(ankle));
+      Cone(on(thigh), on(knee), 0.098, 0.084, t, kLeg, chart, 0.05);
+      Cone(on(knee), on(ankle), 0.084, 0.068, s, kLeg, chart, 0.04);
+      Cone(on({0.13, 0.064, -0.02}), on({0.138, 0.055, 0.115}), 0.064, 0.055, f, kLeg, chart, 0.03);
+    }
+    leg_ = {thigh, dvec3(0.128, 0.0, 0.0)};
+  }
+
+  void PlaceTail() {
+    const dvec3 step[4] = {
+        {0.0, -0.02, -0.12}, {0.0, 0.05, -0.11}, {0.0, 0.10, -0.06}, {0.0, 0.12, 0.0}};
+    const double radius[5] = {0.075, 0.066, 0.060, 0.052, 0.038};
+    const char* names[4] = {"tail_1", "tail_2", "tail_3", "tail_4"};
+    dvec3 at(0.0, hip_ - 0.02, -0.15 * p_.belly);
+    tail_[0] = at;
+    for (int i = 0; i < 4; ++i) {
+      const builtin::Joint joint = builtin::Joint(kTail1 + i);
+      const dvec3 next = at + step[i] * p_.tail;
+      Joint(joint, names[i], i ? joint - 1 : int(kHips), at);
+      Cone(at, next, radius[i], radius[i + 1], joint, kTail, kTailChart, 0.04);
+      at = next;
+    }
+    tail_[1] = at;
+  }
+
+  void AddChart(const dvec3& from, const dvec3& to, const dvec3& front) {
+    const dvec3 along = to - from;
+    const double length = std::sqrt(glm::dot(along, along));
+    const dvec3 axis = along / length;
+    const dvec3 across = front - axis * glm::dot(axis, front);
+    shape_.charts.push_back({from, axis, across / std::sqrt(glm::dot(across, across)), length});
+  }
+
+  // In the order of ChartIndex.
+  void PlaceCharts() {
+    const dvec3 forward(0.0, 0.0, 1.0), up(0.0, 1.0, 0.0);
+    AddChart({0.0, hip_ - 0.2, 0.0}, {0.0, hip_ + 0.5, 0.0}, forward);
+    AddChart(head_ - up * 0.3, head_ + up * 0.3, forward);
+    AddChart(arm_[0], arm_[1], forward);
+    AddChart(Mirror(arm_[0]), Mirror(arm_[1]), forward);
+    AddChart(leg_[0], leg_[1], forward);
+    AddChart(Mirror(leg_[0]), Mirror(leg_[1]), forward);
+    AddChart(tail_[0], tail_[1], up);
+    const dvec3 eye = dvec3(0.07, 0.022, 0.142) * p_.head;
+    AddChart(head_ + eye - forward * 0.05, head_ + eye + forward * 0.05, up);
+    AddChart(head_ + Mirror(eye) - forward * 0.05, head_ + Mirror(eye) + forward * 0.05, up);
+  }
+
+  static void Bound(Primitive* p) {
+    if (p->radius_b < 0.0) {
+      p->centre = p->a;
+      p->bound = std::max({p->b.x, p->b.y, p->b.z});
+      return;
+    }
+    const dvec3 half = (p->b - p->a) * 0.5;
+    p->centre = p->a + half;
+    p->bound = std::sqrt(glm::dot(half, half)) + std::max(p->radius_a, p->radius_b);
+  }
+
+  void Scale() {
+    const double s = p_.size;
+    for (JointPlace& joint : shape_.joints) joint.position *= s;
+    for (Primitive& p : shape_.primitives) {
+      p.a *= s;
+      p.b *= s;
+      p.radius_a *= s;
+      if (p.radius_b > 0.0) p.radius_b *= s;
+      p.blend *= s;
+      Bound(&p);
+    }
+    for (Chart& chart : shape_.charts) {
+      chart.origin *= s;
+      chart.length *= s;
+    }
+  }
+
+  Proportions p_;
+  double inflate_;
+  double hip_ = 0.0;
+  dvec3 head_{0.0};
+  std::array<dvec3, 2> arm_{}, leg_{}, tail_{};
+  Shape shape_;
+};
+
+}  // namespace
+
+Shape DesignShape(const BuiltinCharacterOptions& options) { return Designer(options).Design(); }
+
+}  // namespace pelt::builtin

@@ -1,0 +1,252 @@
+// Idea and invariant: see gltf_accessor.hpp. Numbers are assembled from bytes, so the host's byte
+// order and alignment do not matter.
+#include "core/character/gltf_accessor.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "core/error.hpp"
+
+namespace pelt::gltf {
+namespace {
+
+uint32_t SetOf(int component) {
+  switch (Component(component)) {
+    case Component::kF32:
+      return kSetF32;
+    case Component::kU8:
+      return kSetU8;
+    case Component::kU16:
+      return kSetU16;
+    case Component::kU32:
+      return kSetU32;
+    case Component::kI8:
+      return kSetI8;
+    case Component::kI16:
+      return kSetI16;
+  }
+  return 0;
+}
+
+std::string NameOf(int component) {
+  switch (Component(component)) {
+    case Component::kF32:
+      return "float";
+    case Component::kU8:
+      return "unsigned byte";
+    case Component::kU16:
+      return "unsigned short";
+    case Component::kU32:
+      return "unsigned int";
+    case Component::kI8:
+      return "byte";
+    case Component::kI16:
+      return "short";
+  }
+  return "component type " + std::to_string(component);
+}
+
+std::string TypeName(int components) {
+  if (components == 1) return "SCALAR";
+  if (components == 16) return "MAT4";
+  return "VEC" + std::to_string(components);
+}
+
+uint64_t SizeOf(int component) {
+  switch (Component(component)) {
+    case Component::kU8:
+    case Component::kI8:
+      return 1;
+    case Component::kU16:
+    case Component::kI16:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
+uint32_t ReadLittle(const unsigned char* p, uint64_t bytes) {
+  uint32_t v = 0;
+  for (uint64_t i = 0; i < bytes; ++i) v |= uint32_t(p[i]) << (8 * i);
+  return v;
+}
+
+float ReadNumber(const unsigned char* p, int component, bool normalised) {
+  switch (Component(component)) {
+    case Component::kU8:
+      return normalised ? float(p[0]) / 255.0f : float(p[0]);
+    case Component::kU16: {
+      const float v = float(ReadLittle(p, 2));
+      return normalised ? v / 65535.0f : v;
+    }
+    case Component::kI8: {
+      const float v = float(int8_t(p[0]));
+      return normalised ? (v < -127.0f ? -1.0f : v / 127.0f) : v;
+    }
+    case Component::kI16: {
+      const float v = float(int16_t(uint16_t(ReadLittle(p, 2))));
+      return normalised ? (v < -32767.0f ? -1.0f : v / 32767.0f) : v;
+    }
+    case Component::kU32:
+      return float(ReadLittle(p, 4));
+    case Component::kF32:
+      break;
+  }
+  const uint32_t bits = ReadLittle(p, 4);
+  float v;
+  std::memcpy(&v, &bits, sizeof v);
+  return v;
+}
+
+// `count` elements of `element_bytes`, `stride` apart, known to lie inside view and buffer.
+struct Range {
+  const unsigned char* data = nullptr;  // null: zeros
+  uint64_t stride = 0;
+  const unsigned char* At(uint64_t i) const { return data + i * stride; }
+};
+
+class AccessorReader {
+ public:
+  AccessorReader(const Document& document, int accessor, const std::string& place)
+      : document_(document), place_(place) {
+    if (accessor < 0 || size_t(accessor) >= document.accessors.size())
+      Fail(document, place,
+           "accessor " + std::to_string(accessor) + " does not exist (the file has " +
+               std::to_string(document.accessors.size()) + ")");
+    accessor_ = &document.accessors[size_t(accessor)];
+    place_ += ": accessor " + std::to_string(accessor);
+  }
+
+  const Accessor& accessor() const { return *accessor_; }
+  [[noreturn]] void Refuse(const std::string& what) const { Fail(document_, place_, what); }
+
+  void CheckType(const Wanted& wanted) const {
+    const bool matrix = wanted.components == 16;
+    if (accessor_->components != wanted.components || accessor_->matrix != matrix)
+      Refuse("is not " + TypeName(wanted.components));
+    if (!(SetOf(accessor_->component) & wanted.allowed))
+      Refuse("must not be of " + NameOf(accessor_->component));
+  }
+
+  // Throws unless the accessor's elements, and its sparse ones, lie inside their buffers.
+  void CheckRange() {
+    const uint64_t element = SizeOf(accessor_->component) * uint64_t(accessor_->components);
+    if (accessor_->view >= 0) {
+      base_ = Locate(accessor_->view, accessor_->offset, accessor_->count, element, true);
+    } else if (accessor_->count > document_.file_bytes) {
+      // Elements without bytes: a count beyond the file's size can only be a mistake.
+      Refuse("has a count of " + std::to_string(accessor_->count) + " but no data");
+    }
+    const Sparse& sparse = accessor_->sparse;
+    if (!sparse.used) return;
+    if (sparse.count < 0 || uint64_t(sparse.count) > accessor_->count)
+      Refuse("has " + std::to_string(sparse.count) + " sparse elements of " +
+             std::to_string(accessor_->count));
+    if (sparse.index_offset < 0 || sparse.value_offset < 0)
+      Refuse("has a negative sparse byteOffset");
+    if (!(SetOf(sparse.index_component) & (kSetU8 | kSetU16 | kSetU32)))
+      Refuse("sparse indices must not be of " + NameOf(sparse.index_component));
+    sparse_index_ = Locate(sparse.index_view, uint64_t(sparse.index_offset), uint64_t(sparse.count),
+                           SizeOf(sparse.index_component), false);
+    sparse_value_ = Locate(sparse.value_view, uint64_t(sparse.value_offset), uint64_t(sparse.count),
+                           element, false);
+  }
+
+  // Calls use(element, first byte) for every element that has bytes, later ones replacing earlier.
+  template <class Use>
+  void ForEach(Use use) const {
+    if (base_.data)
+      for (uint64_t i = 0; i < accessor_->count; ++i) use(i, base_.At(i));
+    const Sparse& sparse = accessor_->sparse;
+    for (int64_t s = 0; sparse.used && s < sparse.count; ++s) {
+      const uint32_t i = ReadLittle(sparse_index_.At(uint64_t(s)), SizeOf(sparse.index_component));
+      if (i >= accessor_->count)
+        Refuse("sparse index " + std::to_string(i) + " is out of range (count " +
+               std::to_string(accessor_->count) + ")");
+      use(i, sparse_value_.At(uint64_t(s)));
+    }
+  }
+
+ private:
+  Range Locate(int view_index, uint64_t offset, uint64_t count, uint64_t element,
+               bool strided) const {
+    if (view_index < 0 || size_t(view_index) >= document_.views.size())
+      Refuse("bufferView " + std::to_string(view_index) + " does not exist");
+    const View& view = document_.views[size_t(view_index)];
+    const std::string where = "bufferView " + std::to_string(view_index);
+    if (view.buffer < 0 || size_t(view.buffer) >= document_.buffers.size())
+      Refuse(where + ": buffer " + std::to_string(view.buffer) + " does not exist");
+    const std::vector<unsigned char>& buffer = document_.buffers[size_t(view.buffer)];
+    if (view.offset > buffer.size() || view.length > buffer.size() - view.offset)
+      Refuse(where + " reaches past the end of buffer " + std::to_string(view.buffer) + " (" +
+             std::to_string(buffer.size()) + " bytes)");
+    const uint64_t stride = strided && view.stride ? view.stride : element;
+    if (stride < element)
+      Refuse(where + ": byteStride " + std::to_string(stride) + " is smaller than an element (" +
+             std::to_string(element) + " bytes)");
+    if (count == 0) return {buffer.data(), stride};
+    // Last byte at offset + stride * (count - 1) + element, without overflow.
+    const bool fits = offset <= view.length && element <= view.length - offset &&
+                      count - 1 <= (view.length - offset - element) / stride;
+    if (!fits)
+      Refuse(std::to_string(count) + " elements from byte " + std::to_string(offset) +
+             " reach past the end of " + where + " (" + std::to_string(view.length) + " bytes)");
+    return {buffer.data() + view.offset + offset, stride};
+  }
+
+  const Document& document_;
+  std::string place_;
+  const Accessor* accessor_;
+  Range base_, sparse_index_, sparse_value_;
+};
+
+}  // namespace
+
+void Fail(const Document& document, const std::string& place, const std::string& what) {
+  throw Error(document.name + ": " + place + ": " + what);
+}
+
+uint64_t CountElements(const Document& document, int accessor, const std::string& place) {
+  AccessorReader reader(document, accessor, place);
+  reader.CheckRange();
+  return reader.accessor().count;
+}
+
+std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
+                              const std::string& place) {
+  AccessorReader reader(document, accessor, place);
+  reader.CheckType(wanted);
+  reader.CheckRange();
+  const Accessor& from = reader.accessor();
+  const int n = wanted.components;
+  const uint64_t size = SizeOf(from.component);
+  const bool normalised = wanted.scaling == Scaling::kNormalised || from.normalised;
+  std::vector<float> out(from.count * uint64_t(n), 0.0f);
+  reader.ForEach([&](uint64_t element, const unsigned char* p) {
+    for (int c = 0; c < n; ++c) {
+      const float v = ReadNumber(p + size * uint64_t(c), from.component, normalised);
+      if (!std::isfinite(v))
+        reader.Refuse("element " + std::to_string(element) + " is not a finite number");
+      out[element * uint64_t(n) + uint64_t(c)] = v;
+    }
+  });
+  return out;
+}
+
+std::vector<uint32_t> ReadIntegers(const Document& document, int accessor, const Wanted& wanted,
+                                   const std::string& place) {
+  AccessorReader reader(document, accessor, place);
+  reader.CheckType(wanted);
+  reader.CheckRange();
+  const Accessor& from = reader.accessor();
+  const int n = wanted.components;
+  const uint64_t size = SizeOf(from.component);
+  std::vector<uint32_t> out(from.count * uint64_t(n), 0u);
+  reader.ForEach([&](uint64_t element, const unsigned char* p) {
+    for (int c = 0; c < n; ++c)
+      out[element * uint64_t(n) + uint64_t(c)] = ReadLittle(p + size * uint64_t(c), size);
+  });
+  return out;
+}
+
+}  // namespace pelt::gltf

@@ -1,0 +1,209 @@
+// The one file that sees tinygltf. It turns the library's model into plain data and every way of
+// failing into one Error.
+//
+// What breaks if ignored: tinygltf is not safe on hostile JSON by itself (see gltf_json_guard.hpp),
+// it drops primitives it cannot parse and goes on, and it looks for missing buffers in the working
+// directory. All three are caught here.
+#include "core/character/gltf_document.hpp"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "core/character/gltf_json_guard.hpp"
+#include "core/error.hpp"
+
+// The distribution's library holds the implementation (define PELT_TINYGLTF_HEADER_ONLY where
+// tinygltf is headers alone).
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#ifdef PELT_TINYGLTF_HEADER_ONLY
+#define TINYGLTF_IMPLEMENTATION
+#endif
+#include <tiny_gltf.h>
+
+namespace pelt::gltf {
+namespace {
+
+constexpr uint64_t kMaxExternalBytes = 1ull << 30;
+
+// What the library may read: regular files below one folder, up to a total size.
+struct BufferFolder {
+  std::string folder;
+  uint64_t bytes_left = kMaxExternalBytes;
+};
+
+bool BufferFileExists(const std::string& path, void* user) {
+  const BufferFolder& from = *static_cast<const BufferFolder*>(user);
+  if (from.folder.empty() || path.compare(0, from.folder.size(), from.folder) != 0) return false;
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+bool ReadBufferFile(std::vector<unsigned char>* out, std::string* reason, const std::string& path,
+                    void* user) {
+  BufferFolder& from = *static_cast<BufferFolder*>(user);
+  std::error_code error;
+  const uint64_t size = std::filesystem::file_size(path, error);
+  if (error || size > from.bytes_left) {
+    *reason = error ? error.message() : "too large";
+    return false;
+  }
+  from.bytes_left -= size;
+  out->resize(size);
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(out->data()), std::streamsize(size));
+  if (!in) *reason = "cannot be read";
+  return bool(in);
+}
+
+std::string SamePath(const std::string& path, void*) { return path; }
+
+bool SkipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*,
+               int, void*) {
+  return true;
+}
+
+uint32_t ReadU32(const unsigned char* p) {
+  return uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
+}
+
+bool IsGlb(std::span<const unsigned char> file) {
+  return file.size() >= 4 && std::memcmp(file.data(), "glTF", 4) == 0;
+}
+
+// The JSON text inside the file. Checks the GLB frame itself: its messages have byte offsets.
+std::span<unsigned char> FindJson(std::span<unsigned char> file, const std::string& name) {
+  if (!IsGlb(file)) return file;
+  auto fail = [&name](const std::string& what) { throw Error(name + ": " + what); };
+  if (file.size() < 20)
+    fail("truncated: a GLB starts with 20 bytes of header, the file has " +
+         std::to_string(file.size()));
+  const uint32_t version = ReadU32(&file[4]), length = ReadU32(&file[8]);
+  const uint32_t json_length = ReadU32(&file[12]);
+  if (version != 2) fail("byte 4: GLB version " + std::to_string(version) + ", only 2 is known");
+  if (length > file.size())
+    fail("truncated: the header says " + std::to_string(length) + " bytes, the file has " +
+         std::to_string(file.size()));
+  if (ReadU32(&file[16]) != 0x4e4f534a) fail("byte 16: the first chunk is not JSON");
+  if (uint64_t(json_length) + 20 > length)
+    fail("byte 12: the JSON chunk of " + std::to_string(json_length) +
+         " bytes reaches past the end of the file");
+  return file.subspan(20, json_length);
+}
+
+// Lines the library reports although the file is fine.
+std::string DropHarmless(std::string errors) {
+  static const std::string kNoInverseBind = "'inverseBindMatrices' property is missing in Skin.\n";
+  for (size_t at; (at = errors.find(kNoInverseBind)) != std::string::npos;)
+    errors.erase(at, kNoInverseBind.size());
+  while (!errors.empty() && errors.back() == '\n') errors.pop_back();
+  for (char& c : errors)
+    if (c == '\n') c = ' ';
+  return errors;
+}
+
+tinygltf::Model ParseModel(std::span<unsigned char> file, const std::string& name,
+                           const std::string& folder) {
+  if (file.empty()) throw Error(name + ": the file is empty");
+  if (file.size() > 0xffffffffull) throw Error(name + ": larger than 4 GiB");
+  const std::span<unsigned char> json = FindJson(file, name);
+  const std::string reason = GuardJson({reinterpret_cast<char*>(json.data()), json.size()});
+  if (!reason.empty()) throw Error(name + ": " + reason);
+
+  BufferFolder from{folder};
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(SkipImage, nullptr);
+  loader.SetFsCallbacks({BufferFileExists, SamePath, ReadBufferFile, nullptr, &from});
+  tinygltf::Model model;
+  std::string errors, warnings;
+  bool read = false;
+  try {
+    read = IsGlb(file) ? loader.LoadBinaryFromMemory(&model, &errors, &warnings, file.data(),
+                                                     unsigned(file.size()), folder)
+                       : loader.LoadASCIIFromString(&model, &errors, &warnings,
+                                                    reinterpret_cast<const char*>(file.data()),
+                                                    unsigned(file.size()), folder);
+  } catch (const std::exception& e) {
+    throw Error(name + ": not readable as glTF: " + e.what());
+  }
+  errors = DropHarmless(errors);
+  if (!read || !errors.empty())
+    throw Error(name + ": not readable as glTF: " +
+                (errors.empty() ? std::string("no reason given") : errors));
+  if (model.asset.version.compare(0, 2, "2.") != 0)
+    throw Error(name + ": asset.version is \"" + model.asset.version + "\", only 2.x is known");
+  return model;
+}
+
+Accessor Convert(const tinygltf::Accessor& from) {
+  Accessor to;
+  to.view = from.bufferView;
+  to.offset = from.byteOffset;
+  to.count = from.count;
+  to.component = from.componentType;
+  to.normalised = from.normalized;
+  to.matrix = from.type == TINYGLTF_TYPE_MAT2 || from.type == TINYGLTF_TYPE_MAT3 ||
+              from.type == TINYGLTF_TYPE_MAT4;
+  to.components = tinygltf::GetNumComponentsInType(uint32_t(from.type));
+  to.sparse.used = from.sparse.isSparse;
+  if (to.sparse.used) {
+    to.sparse.count = from.sparse.count;
+    to.sparse.index_view = from.sparse.indices.bufferView;
+    to.sparse.index_offset = from.sparse.indices.byteOffset;
+    to.sparse.index_component = from.sparse.indices.componentType;
+    to.sparse.value_view = from.sparse.values.bufferView;
+    to.sparse.value_offset = from.sparse.values.byteOffset;
+  }
+  return to;
+}
+
+MeshDesc Convert(const tinygltf::Mesh& from) {
+  MeshDesc to;
+  to.name = from.name;
+  for (const tinygltf::Primitive& p : from.primitives)
+    to.primitives.push_back({p.attributes, p.indices, p.material, p.mode, !p.targets.empty()});
+  return to;
+}
+
+Animation Convert(const tinygltf::Animation& from) {
+  Animation to;
+  to.name = from.name;
+  for (const tinygltf::AnimationSampler& s : from.samplers)
+    to.samplers.push_back({s.input, s.output, s.interpolation});
+  for (const tinygltf::AnimationChannel& c : from.channels)
+    to.channels.push_back({c.sampler, c.target_node, c.target_path});
+  return to;
+}
+
+}  // namespace
+
+Document ParseDocument(std::span<const std::byte> bytes, const std::string& name,
+                       const std::string& folder) {
+  const unsigned char* first = reinterpret_cast<const unsigned char*>(bytes.data());
+  std::vector<unsigned char> file(first, first + bytes.size());  // the guard masks in place
+  tinygltf::Model model = ParseModel(file, name, folder);
+
+  Document to;
+  to.name = name;
+  to.file_bytes = bytes.size();
+  for (tinygltf::Buffer& b : model.buffers) {
+    to.file_bytes += b.data.size();
+    to.buffers.push_back(std::move(b.data));
+  }
+  for (const tinygltf::BufferView& v : model.bufferViews)
+    to.views.push_back({v.buffer, v.byteOffset, v.byteLength, v.byteStride});
+  for (const tinygltf::Accessor& a : model.accessors) to.accessors.push_back(Convert(a));
+  for (const tinygltf::Mesh& m : model.meshes) to.meshes.push_back(Convert(m));
+  for (const tinygltf::Node& n : model.nodes)
+    to.nodes.push_back(
+        {n.name, n.children, n.mesh, n.skin, n.matrix, n.translation, n.rotation, n.scale});
+  for (const tinygltf::Skin& s : model.skins)
+    to.skins.push_back({s.name, s.joints, s.inverseBindMatrices});
+  for (const tinygltf::Animation& a : model.animations) to.animations.push_back(Convert(a));
+  for (const tinygltf::Material& m : model.materials) to.materials.push_back(m.name);
+  to.extensions_required = model.extensionsRequired;
+  return to;
+}
+
+}  // namespace pelt::gltf

@@ -1,0 +1,67 @@
+// The order of an import; each step is a file of its own. Idea and promise: see gltf_import.hpp.
+#include "core/character/gltf_import.hpp"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "core/character/gltf_accessor.hpp"
+#include "core/character/gltf_read.hpp"
+#include "core/character/pose.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+namespace {
+
+// Extensions that change what accessors mean; the rest concern materials, lights and the like.
+constexpr std::array<std::string_view, 3> kUnreadable = {
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
+
+Character ImportDocument(const gltf::Document& document, const std::string& name) {
+  for (const std::string& extension : document.extensions_required)
+    for (std::string_view unreadable : kUnreadable)
+      if (extension == unreadable)
+        gltf::Fail(document, "extensionsRequired",
+                   extension + " is not supported; export without compression");
+  Character character;
+  character.name = name;
+  gltf::SkeletonImport skeleton = gltf::ReadSkeleton(document, &character.notes);
+  character.mesh = gltf::ReadMesh(document, skeleton, &character.notes);
+  character.clips = gltf::ReadClips(document, skeleton, &character.notes);
+  character.skeleton = std::move(skeleton.skeleton);
+
+  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
+  for (size_t v = 0; v < rest.position.size(); ++v)
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(rest.position[v][c]) < 1e15f))
+        gltf::Fail(document, "rest pose",
+                   "vertex " + std::to_string(v) + " lies beyond 1e15 or is not finite");
+  return character;
+}
+
+}  // namespace
+
+Character ImportGltf(std::span<const std::byte> bytes, const std::string& name) {
+  return ImportDocument(gltf::ParseDocument(bytes, name, ""), name);
+}
+
+Character ImportGltfFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw Error(path + ": no such file");
+  const uint64_t size = std::filesystem::file_size(path, error);
+  if (error) throw Error(path + ": cannot be read: " + error.message());
+  if (size > 0xffffffffull) throw Error(path + ": larger than 4 GiB");
+  std::vector<std::byte> bytes(size);
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
+  if (!in) throw Error(path + ": cannot be read");
+  const std::filesystem::path file(path);
+  std::string folder = file.parent_path().string();
+  if (folder.empty()) folder = ".";
+  return ImportDocument(gltf::ParseDocument(bytes, path, folder), file.stem().string());
+}
+
+}  // namespace pelt

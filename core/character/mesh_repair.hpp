@@ -1,0 +1,35 @@
+// Making a mesh whole: welding, normals, tangents, degenerate triangles. Pure functions; all sums
+// run in double and in the order of the triangles, so the bits do not depend on the machine.
+//
+// "Missing" is written as the zero vector: a mesh may have normals on one primitive and none on the
+// next.
+#pragma once
+
+#include <cstddef>
+
+#include "core/character/character.hpp"
+
+namespace pelt {
+
+// Merges vertices that agree in every attribute (bit for bit, but 0 and -0 are equal) and drops
+// those no triangle uses. The first of equals stays; order is kept. Returns how many went.
+size_t WeldVertices(Mesh* mesh);
+
+// Removes triangles that name a vertex twice or have no area. Returns how many went.
+size_t DropDegenerateTriangles(Mesh* mesh);
+
+// Fills missing (zero) normals with the area-weighted sum over all triangles that touch the same
+// position, so seams in UVs or materials do not show. Where that sum vanishes (a folded sheet) the
+// largest triangle at the position decides. Returns how many were filled.
+size_t GenerateNormals(Mesh* mesh);
+
+// Fills missing (zero) tangents: along increasing u where the UVs say so, else a direction across
+// the normal that is a fixed function of the normal. All tangents are made unit and orthogonal to
+// the normal. Returns how many were filled.
+size_t GenerateTangents(Mesh* mesh);
+
+// A unit vector orthogonal to the unit vector n, a fixed function of n: horizontal where there is
+// a horizontal (y up), continuous except near the poles.
+glm::dvec3 PickTangent(const glm::dvec3& n);
+
+}  // namespace pelt

@@ -1,0 +1,173 @@
+#include "core/groom/attributes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/exact_math.hpp"
+#include "core/random.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr double kRadians = exact::kPi / 180.0;
+
+// What a random number is for. The values are part of what a groom looks like: never renumber.
+enum Purpose : uint64_t {
+  kOffset = 1,
+  kLength,
+  kWidth,
+  kDirection,
+  kCurl,
+  kTwist,
+  kAzimuth,
+  kElevation,
+  kFrizz,
+  kStrength,
+  kColourShare,
+  kFrizzTilt,
+  kBrightness,
+  kFilmStrip,
+};
+
+Random RandomFor(uint64_t seed, Purpose purpose, uint32_t owner) {
+  return Random(MixSeed(MixSeed(seed, purpose), owner));
+}
+
+struct Place {
+  glm::vec2 uv;
+  uint64_t seed;
+  uint32_t owner;  // strand or vertex
+};
+
+double Evaluate(const Attribute& attribute, const Place& place, Purpose purpose) {
+  double value = attribute.value;
+  if (attribute.map.map) {
+    value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel));
+  }
+  if (attribute.randomise != 0.0f) {
+    value *= 1.0 + double(attribute.randomise) *
+                       RandomFor(place.seed, purpose, place.owner).Uniform(-1.0, 1.0);
+  }
+  if (const auto& range = attribute.range) {
+    value = std::clamp(value, double(range->x), double(range->y));
+  }
+  return value;
+}
+
+glm::dvec3 Unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
+
+// Tilts by up to `limit` radians towards any side, evenly over the disk of tilts.
+glm::dvec3 Tilt(const glm::dvec3& direction, double limit, Random random) {
+  const double angle = limit * std::sqrt(random.Uniform());
+  const double around = 2.0 * exact::kPi * random.Uniform();
+  const glm::dvec3 helper =
+      std::abs(direction.x) < 0.7 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec3 side = Unit(glm::cross(direction, helper));
+  const glm::dvec3 other = glm::cross(direction, side);
+  const glm::dvec3 towards = side * exact::Cos(around) + other * exact::Sin(around);
+  return direction * exact::Cos(angle) + towards * exact::Sin(angle);
+}
+
+// Hair does not grow into the skin: at least about two degrees above it.
+glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
+  constexpr double kLowest = 0.035;
+  if (direction.z >= kLowest) return direction;
+  direction.z = 0.0;
+  const double square = glm::dot(direction, direction);
+  if (square < 1e-12) return {0.0, 0.0, 1.0};
+  direction *= std::sqrt((1.0 - kLowest * kLowest) / square);
+  direction.z = kLowest;
+  return direction;
+}
+
+uint32_t ScaleColour(uint32_t colour, const glm::vec3& factor) {
+  uint32_t scaled = colour & 0xff000000u;
+  for (int i = 0; i < 3; ++i) {
+    const float byte = float((colour >> (8 * i)) & 255u) * factor[i];
+    scaled |= uint32_t(std::clamp(byte, 0.0f, 255.0f) + 0.5f) << (8 * i);
+  }
+  return scaled;
+}
+
+}  // namespace
+
+RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
+                        uint32_t points) {
+  const double segment = length / double(points - 1);
+  glm::dvec3 along = Unit(direction);
+  // About normal x direction: bends away from the normal. A strand that stands up bends towards the
+  // tangent.
+  glm::dvec3 axis(-along.y, along.x, 0.0);
+  axis = glm::dot(axis, axis) > 1e-12 ? Unit(axis) : glm::dvec3(0.0, 1.0, 0.0);
+  const double bend_sin = exact::Sin(curl * segment), bend_cos = exact::Cos(curl * segment);
+  const double turn_sin = exact::Sin(twist * segment), turn_cos = exact::Cos(twist * segment);
+  RestShape shape{};
+  glm::dvec3 end(0.0);
+  for (uint32_t i = 0; i + 1 < points; ++i) {
+    if (i > 0 && curl != 0.0) {
+      along = Unit(along * bend_cos + glm::cross(axis, along) * bend_sin);
+      axis = axis * turn_cos + glm::cross(along, axis) * turn_sin;
+      axis = Unit(axis - along * glm::dot(axis, along));
+    }
+    end += along * segment;
+    shape.offset[i] = end;
+  }
+  return shape;
+}
+
+AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
+                               const FurSetup& setup, const LayerSetup& layer)
+    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {
+  CheckMapsHaveUvs(mesh_, setup, layer);
+}
+
+GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) const {
+  GroomedStrand groomed{};
+  groomed.place = point.place;
+  groomed.position = point.position;
+  groomed.frame = MakeRootFrame(glm::dvec3(point.normal),
+                                glm::dvec3(Interpolate(rest_.tangent, mesh_, point.place)));
+  const glm::vec2 uv =
+      mesh_.uv.empty() ? glm::vec2(0.0f) : Interpolate(mesh_.uv, mesh_, point.place);
+  const Place place{uv, layer_.seed, strand};
+
+  const double length = std::max(Evaluate(layer_.length, place, kLength), double(kShortestStrand));
+  groomed.length = float(length);
+  groomed.width = float(std::max(Evaluate(layer_.width, place, kWidth), 0.0));
+  groomed.strength = float(std::clamp(Evaluate(layer_.strength, place, kStrength), 0.0, 1.0));
+
+  glm::dvec3 direction =
+      comb_.Direction(point.position, groomed.frame, Evaluate(layer_.azimuth, place, kAzimuth),
+                      Evaluate(layer_.elevation, place, kElevation));
+  const double turn = Evaluate(layer_.direction, place, kDirection) * kRadians;
+  if (turn != 0.0) {
+    const double s = exact::Sin(turn), c = exact::Cos(turn);
+    direction = {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
+  }
+  const double frizz = Evaluate(layer_.frizz, place, kFrizz) * kRadians;
+  if (frizz != 0.0) {
+    direction = Tilt(direction, frizz, RandomFor(layer_.seed, kFrizzTilt, strand));
+  }
+  groomed.rest = MakeRestShape(
+      KeepAboveSurface(direction), length, Evaluate(layer_.curl, place, kCurl) * kRadians,
+      Evaluate(layer_.twist, place, kTwist) * kRadians, layer_.params.points);
+
+  const double variation = Evaluate(layer_.colour_variation, place, kColourShare);
+  glm::vec3 tint(1.0f);
+  if (layer_.colour_map.map) {
+    for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i);
+  }
+  tint *= float(1.0 + variation * RandomFor(layer_.seed, kBrightness, strand).Uniform(-1.0, 1.0));
+  groomed.base_colour = ScaleColour(layer_.base_colour, tint);
+  groomed.tip_colour = ScaleColour(layer_.tip_colour, tint);
+  const uint32_t strips = std::clamp(layer_.film_strip_count, 1u, 256u);
+  groomed.film_strip = uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
+  return groomed;
+}
+
+float AttributeMaker::LiftVertex(uint32_t vertex) const {
+  const glm::vec2 uv = mesh_.uv.empty() ? glm::vec2(0.0f) : mesh_.uv[vertex];
+  return float(Evaluate(layer_.offset, {uv, layer_.seed, vertex}, kOffset));
+}
+
+}  // namespace pelt

@@ -1,0 +1,61 @@
+// What the artist's attributes make of one strand: length, width, colours, strength, and the rest
+// shape that its chain is built from.
+//
+// An attribute is value * map * (1 + randomise * u), clamped to its range; u belongs to (layer
+// seed, attribute, strand), so changing one attribute moves no other.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/groom/comb.hpp"
+#include "core/groom/growth.hpp"
+#include "core/groom/scatter.hpp"
+
+namespace pelt {
+
+inline constexpr uint32_t kMaxPoints = 5;
+
+// Strands shorter than this (a length map gone black) would have no direction; m.
+inline constexpr float kShortestStrand = 1e-4f;
+
+struct RestShape {
+  glm::dvec3 offset[kMaxPoints - 1];  // of points 1.. from the root, in its root frame, m
+};
+
+struct GroomedStrand {
+  SurfacePoint place;
+  glm::vec3 position;  // of the root: rest pose, m
+  RootFrame frame;     // rest pose
+  RestShape rest;
+  float length;    // m
+  float width;     // m
+  float strength;  // 0..1
+  uint32_t base_colour, tip_colour;
+  uint8_t film_strip;
+};
+
+// A strand of `length` with `points` points and equal segments that leaves the root along the unit
+// `direction` (root frame) and bends by `curl` radians a metre, towards the surface where it is
+// positive, in a plane that turns by `twist` radians a metre about the strand.
+RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
+                        uint32_t points);
+
+class AttributeMaker {
+ public:
+  AttributeMaker(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
+
+  // `strand` is the place in the layer's progressive order.
+  GroomedStrand Groom(const ScatterPoint&, uint32_t strand) const;
+  // How far the skin is raised along its normal at a mesh vertex, m.
+  float LiftVertex(uint32_t vertex) const;
+
+ private:
+  const Mesh& mesh_;
+  const RestGeometry& rest_;
+  const LayerSetup& layer_;
+  Comb comb_;
+};
+
+}  // namespace pelt

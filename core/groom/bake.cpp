@@ -1,0 +1,88 @@
+#include "core/groom/bake.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/character/pose.hpp"
+#include "core/error.hpp"
+#include "core/groom/chunk_builder.hpp"
+
+namespace pelt {
+namespace {
+
+double MeasureArea(const Mesh& mesh, const std::vector<glm::vec3>& position) {
+  double area = 0.0;
+  for (const auto& v : mesh.triangles) {
+    const glm::dvec3 a = position[v[0]], b = position[v[1]], c = position[v[2]];
+    const glm::dvec3 cross = glm::cross(b - a, c - a);
+    area += 0.5 * std::sqrt(glm::dot(cross, cross));
+  }
+  return area;
+}
+
+// Bind space may be scaled against the rest pose (a rig modelled in centimetres under a node that
+// scales by 0.01), so lengths are carried over by area.
+float MeasureMetresPerMeshUnit(const Mesh& mesh, const RestGeometry& rest, float unit_scale) {
+  const double mesh_area = MeasureArea(mesh, mesh.position);
+  const double rest_area = MeasureArea(mesh, rest.position);
+  if (!(mesh_area > 0.0) || !(rest_area > 0.0)) return unit_scale;
+  return float(std::sqrt(rest_area / mesh_area));
+}
+
+void CheckParams(const FurSetup& setup, const LayerSetup& layer) {
+  const uint32_t points = layer.params.points;
+  if (points != 4 && points != 5) {
+    FailLayerKey(setup, layer, "points", fmt::format("{}; a strand has 4 or 5", points));
+  }
+  if (points == 5 && layer.params.chain == ChainKind::kVertex) {
+    FailLayerKey(setup, layer, "points", "chains at mesh vertices have 4");
+  }
+}
+
+void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+               const LayerSetup& layer, std::span<const uint32_t> twins, float metres_per_mesh_unit,
+               Groom& groom, ScatterStats* stats) {
+  CheckParams(setup, layer);
+  const Growth growth(character, rest, setup, layer);
+  const AttributeMaker maker(character, rest, setup, layer);
+  const std::vector<ScatterPoint> points = ScatterLayer(character, rest, setup, layer, growth);
+  std::vector<GroomedStrand> strands(points.size());
+  for (uint32_t i = 0; i < points.size(); ++i) strands[i] = maker.Groom(points[i], i);
+  const VertexChains vertices(character.mesh, rest, twins, maker, strands);
+  const std::vector<Patch> patches =
+      CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
+  AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit}, patches, groom);
+  if (stats) {
+    stats->layers.push_back(MeasureLayerScatter(character, rest, layer, growth, points, patches));
+  }
+}
+
+}  // namespace
+
+Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+                float unit_scale, const BakeProgress* progress, ScatterStats* stats) {
+  if (setup.layers.empty()) {
+    throw Error(fmt::format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
+  }
+  if (setup.layers.size() > kLayersPerScene) {
+    throw Error(fmt::format("{}: {} layers, at most {} fit a scene", setup.path,
+                            setup.layers.size(), kLayersPerScene));
+  }
+  Groom groom;
+  groom.unit_scale = unit_scale;
+  groom.joint_count = uint32_t(character.skeleton.parent.size());
+  groom.skeleton = MakeSkeletonBlock(character.skeleton);
+  groom.joint_names = character.skeleton.name;
+  const float metres_per_mesh_unit = MeasureMetresPerMeshUnit(character.mesh, rest, unit_scale);
+  const std::vector<uint32_t> twins = FindSeamTwins(character.mesh);
+  const float count = float(setup.layers.size());
+  for (size_t i = 0; i < setup.layers.size(); ++i) {
+    if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);
+    BakeLayer(character, rest, setup, setup.layers[i], twins, metres_per_mesh_unit, groom, stats);
+  }
+  if (progress && *progress) (*progress)(setup.layers.back().name, 1.0f);
+  return groom;
+}
+
+}  // namespace pelt

@@ -1,0 +1,231 @@
+#include "core/groom/chunk_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pelt {
+namespace {
+
+// Lane of the data that a lane of a block holds: unused lanes copy the last used one.
+uint32_t SourceLane(uint32_t lane, uint32_t used) { return std::min(lane, used - 1); }
+
+void SetLane(float (&rows)[3][kVerticesPerChunk], uint32_t lane, const glm::vec3& v) {
+  for (int axis = 0; axis < 3; ++axis) rows[axis][lane] = v[axis];
+}
+
+float WeightOf(const Mesh& mesh, uint32_t vertex, uint8_t joint) {
+  float sum = 0.0f;
+  for (int i = 0; i < 4; ++i) {
+    if (mesh.joints[vertex][size_t(i)] == joint) sum += mesh.weights[vertex][i];
+  }
+  return sum;
+}
+
+glm::vec3 LiftedPosition(const LayerBake& bake, uint32_t vertex) {
+  const float lift = bake.vertices[vertex].lift;
+  if (lift == 0.0f) return bake.mesh.position[vertex];
+  return bake.mesh.position[vertex] + bake.mesh.normal[vertex] * (lift / bake.metres_per_mesh_unit);
+}
+
+void FillMesh(const LayerBake& bake, const Patch& patch, MeshBlock& block) {
+  const uint32_t count = uint32_t(patch.vertices.size());
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const uint32_t v = patch.vertices[SourceLane(lane, count)];
+    const RootFrame frame =
+        MakeRootFrame(glm::dvec3(bake.mesh.normal[v]), glm::dvec3(glm::vec3(bake.mesh.tangent[v])));
+    SetLane(block.position, lane, LiftedPosition(bake, v));
+    SetLane(block.normal, lane, glm::vec3(frame.normal));
+    SetLane(block.tangent, lane, glm::vec3(frame.tangent));
+  }
+  uint32_t row = 0;
+  for (uint32_t g = 0; g < patch.groups.size(); ++g) {
+    block.group_first_row[g] = uint16_t(row);
+    for (const uint8_t joint : patch.groups[g].joints) {
+      for (uint32_t i = 0; i < kLaneGroup; ++i) {
+        const uint32_t lane = SourceLane(g * kLaneGroup + i, count);
+        block.weight[row][i] = WeightOf(bake.mesh, patch.vertices[lane], joint);
+      }
+      block.row_joint[row++] = joint;
+    }
+  }
+  for (size_t g = patch.groups.size(); g <= kVertexGroups; ++g) {
+    block.group_first_row[g] = uint16_t(row);
+  }
+  block.vertex_count = uint16_t(count);
+}
+
+// Nearest of the first `control_count` strands whose surface faces the same way, or failing that
+// nearest.
+uint32_t FindControl(const LayerBake& bake, const Patch& patch, uint32_t lane,
+                     uint32_t control_count) {
+  const GroomedStrand& strand = bake.strands[patch.strands[lane]];
+  uint32_t best = 0;
+  float least = 0.0f;
+  bool facing = false;
+  for (uint32_t c = 0; c < control_count; ++c) {
+    const GroomedStrand& control = bake.strands[patch.strands[c]];
+    const glm::vec3 apart = control.position - strand.position;
+    const float square = glm::dot(apart, apart);
+    const bool same_side = glm::dot(control.frame.normal, strand.frame.normal) > 0.0;
+    if (c == 0 || (same_side && !facing) || (same_side == facing && square < least)) {
+      best = c;
+      least = square;
+      facing = same_side;
+    }
+  }
+  return best;
+}
+
+uint32_t CountControls(const LayerSetup& layer, uint32_t strand_count) {
+  const bool clumps = layer.params.clump > 0.0f || layer.params.wet_clump > 0.0f;
+  if (!clumps || layer.clump_controls == 0) return 0;
+  const uint32_t wanted = (layer.clump_controls + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+  return std::min(wanted, (strand_count - 1) / kLaneGroup * kLaneGroup);
+}
+
+// Where each mesh vertex of a patch lies in its chunk. One array for all patches: stale entries
+// are never read.
+class LocalVertices {
+ public:
+  explicit LocalVertices(size_t mesh_vertex_count) : local_(mesh_vertex_count, 0) {}
+  void Load(const Patch& patch) {
+    for (uint32_t i = 0; i < patch.vertices.size(); ++i) local_[patch.vertices[i]] = uint8_t(i);
+  }
+  uint8_t operator[](uint32_t mesh_vertex) const { return local_[mesh_vertex]; }
+
+ private:
+  std::vector<uint8_t> local_;
+};
+
+void FillStrands(const LayerBake& bake, const Patch& patch, const LocalVertices& local,
+                 uint32_t place, StrandBlock& block) {
+  const uint32_t count = uint32_t(patch.strands.size());
+  const uint32_t controls = CountControls(bake.layer, count);
+  uint8_t highest = 0;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, count);
+    const GroomedStrand& strand = bake.strands[patch.strands[source]];
+    const auto& corners = bake.mesh.triangles[strand.place.triangle];
+    for (int i = 0; i < 3; ++i) {
+      block.bary[i][lane] = strand.place.bary[i];
+      block.vertex[i][lane] = local[corners[size_t(i)]];
+      highest = std::max(highest, block.vertex[i][lane]);
+    }
+    block.length[lane] = strand.length;
+    block.width[lane] = strand.width;
+    block.base_colour[lane] = strand.base_colour;
+    block.tip_colour[lane] = strand.tip_colour;
+    block.film_strip[lane] = strand.film_strip;
+    block.vertex_prefix[lane] = highest;
+    const bool alone = controls == 0 || source < controls;
+    block.control[lane] = uint8_t(alone ? source : FindControl(bake, patch, source, controls));
+  }
+  for (const VertexGroup& group : patch.groups) {
+    for (const uint8_t joint : group.joints) block.joint_mask[joint / 32] |= 1u << joint % 32;
+  }
+  block.strand_count = count;
+  block.vertex_count = uint32_t(patch.vertices.size());
+  block.control_count = controls;
+  block.first_strand = place * kStrandsPerChunk;
+}
+
+template <uint32_t kPoints>
+void SetRestLane(RestBlock<kPoints>& block, uint32_t lane, const RestShape& shape, float length,
+                 float strength) {
+  for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      block.offset[i][axis][lane] = float(shape.offset[i][axis]);
+    }
+  }
+  block.segment_length[lane] = length / float(kPoints - 1);
+  block.strength[lane] = strength;
+}
+
+template <uint32_t kPoints>
+void FillStrandRest(const LayerBake& bake, const Patch& patch, RestBlock<kPoints>& block) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(patch.strands.size()));
+    const GroomedStrand& strand = bake.strands[patch.strands[source]];
+    SetRestLane(block, lane, strand.rest, strand.length, strand.strength);
+  }
+}
+
+void FillVertexRest(const LayerBake& bake, const Patch& patch, RestBlock<4>& block) {
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(patch.vertices.size()));
+    const VertexChain& chain = bake.vertices[patch.vertices[source]];
+    SetRestLane(block, lane, chain.rest, chain.length, chain.strength);
+  }
+}
+
+// Bind-space boxes of the vertices that each joint moves.
+class JointBoxes {
+ public:
+  void Add(const LayerBake& bake, uint32_t vertex) {
+    const glm::vec3 position = LiftedPosition(bake, vertex);
+    for (int i = 0; i < 4; ++i) {
+      if (!(bake.mesh.weights[vertex][i] > 0.0f)) continue;
+      Box& box = boxes_[bake.mesh.joints[vertex][size_t(i)]];
+      box.low = box.used ? glm::min(box.low, position) : position;
+      box.high = box.used ? glm::max(box.high, position) : position;
+      box.used = true;
+    }
+  }
+  LayerJointBlock Make() const {
+    LayerJointBlock block{};
+    for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
+      if (!boxes_[joint].used) continue;
+      block.joint[block.count] = joint;
+      for (int axis = 0; axis < 3; ++axis) {
+        block.low[axis][block.count] = boxes_[joint].low[axis];
+        block.high[axis][block.count] = boxes_[joint].high[axis];
+      }
+      ++block.count;
+    }
+    return block;
+  }
+
+ private:
+  struct Box {
+    glm::vec3 low{0.0f}, high{0.0f};
+    bool used = false;
+  };
+  Box boxes_[kJointsPerCharacter];
+};
+
+}  // namespace
+
+void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& groom) {
+  GroomLayer layer;
+  layer.name = bake.layer.name;
+  layer.params = bake.layer.params;
+  layer.first_chunk = uint32_t(groom.mesh.size());
+  layer.chunk_count = uint32_t(patches.size());
+  layer.strand_count = uint32_t(bake.strands.size());
+  for (const GroomedStrand& strand : bake.strands) {
+    layer.length_max = std::max(layer.length_max, strand.length);
+  }
+  LocalVertices local(bake.mesh.position.size());
+  JointBoxes boxes;
+  groom.mesh.reserve(groom.mesh.size() + patches.size());
+  groom.strands.reserve(groom.strands.size() + patches.size());
+  for (uint32_t place = 0; place < patches.size(); ++place) {
+    const Patch& patch = patches[place];
+    local.Load(patch);
+    FillMesh(bake, patch, groom.mesh.emplace_back());
+    FillStrands(bake, patch, local, place, groom.strands.emplace_back());
+    if (layer.params.chain == ChainKind::kVertex) {
+      FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
+    }
+    if (layer.params.points == 5) {
+      FillStrandRest(bake, patch, groom.strand_rest5.emplace_back());
+    } else {
+      FillStrandRest(bake, patch, groom.strand_rest4.emplace_back());
+    }
+    for (const uint32_t v : patch.vertices) boxes.Add(bake, v);
+  }
+  groom.layer_joints.push_back(boxes.Make());
+  groom.layers.push_back(std::move(layer));
+}
+
+}  // namespace pelt

@@ -1,0 +1,28 @@
+// From a layer's strands and patches to the blocks the frame runs on.
+//
+// Invariants (chunk.hpp): unused lanes copy the last used one, in every row; a vertex has the same
+// bits in every chunk of its layer; strands are in progressive order and use a prefix of vertices;
+// clump controls are the first strands, a multiple of the lane group and fewer than all.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/groom/groom.hpp"
+#include "core/groom/patches.hpp"
+#include "core/groom/vertex_chains.hpp"
+
+namespace pelt {
+
+struct LayerBake {
+  const Mesh& mesh;
+  const LayerSetup& layer;
+  std::span<const GroomedStrand> strands;  // progressive order
+  const VertexChains& vertices;
+  float metres_per_mesh_unit;
+};
+
+// Appends the layer, its chunks and its joint boxes to the groom.
+void AppendLayer(const LayerBake&, std::span<const Patch> patches, Groom& groom);
+
+}  // namespace pelt

@@ -1,0 +1,136 @@
+// Control maps: pictures that scale attributes over the surface, decoded from PNG.
+//
+// The decoder's code lives in this file alone and is private to it (STB_IMAGE_STATIC), because the
+// glTF library brings its own. It sees hostile files: the picture's side, and every allocation, is
+// bounded; a bound exceeded is an ordinary decoding error. Sampling is plain arithmetic, so a groom
+// has the same bits everywhere.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "core/error.hpp"
+#include "core/groom/fur_setup.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr int kSideLimit = 4096;
+constexpr size_t kFileBytesLimit = 64u << 20;
+// A picture of the largest side, four 16-bit channels, and a filter byte a row.
+constexpr size_t kAllocationLimit = size_t(kSideLimit) * kSideLimit * 8 + kSideLimit;
+
+// A small PNG can claim to unpack to gigabytes; the decoder takes null as "out of memory".
+void* AllocateBounded(size_t bytes) {
+  return bytes <= 2 * kAllocationLimit ? std::malloc(bytes) : nullptr;
+}
+void* ResizeBounded(void* block, size_t bytes) {
+  return bytes <= 2 * kAllocationLimit ? std::realloc(block, bytes) : nullptr;
+}
+
+}  // namespace
+}  // namespace pelt
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#define STBI_NO_THREAD_LOCALS
+#define STBI_MAX_DIMENSIONS 4096
+#define STBI_MALLOC(bytes) pelt::AllocateBounded(bytes)
+#define STBI_REALLOC(block, bytes) pelt::ResizeBounded(block, bytes)
+#define STBI_FREE(block) std::free(block)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace pelt {
+
+ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name) {
+  if (png.size() > kFileBytesLimit) {
+    throw Error(fmt::format("control map '{}': larger than {} bytes", name, kFileBytesLimit));
+  }
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(png.data(), int(png.size()), &width, &height, &channels)) {
+    throw Error(
+        fmt::format("control map '{}': not a PNG this tool reads ({}); pictures have at "
+                    "most {} pixels a side",
+                    name, stbi_failure_reason(), kSideLimit));
+  }
+  if (width < 1 || height < 1 || width > kSideLimit || height > kSideLimit) {
+    throw Error(fmt::format("control map '{}': {} x {} pixels; at most {} a side are allowed", name,
+                            width, height, kSideLimit));
+  }
+  stbi_uc* pixels =
+      stbi_load_from_memory(png.data(), int(png.size()), &width, &height, &channels, 4);
+  if (!pixels) {
+    throw Error(fmt::format("control map '{}': damaged PNG ({})", name, stbi_failure_reason()));
+  }
+  ControlMap map;
+  map.width = uint32_t(width);
+  map.height = uint32_t(height);
+  map.rgba.assign(pixels, pixels + size_t(width) * size_t(height) * 4);
+  std::free(pixels);
+  return map;
+}
+
+ControlMap ReadControlMapFile(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) {
+    throw Error(fmt::format("control map '{}': no such file", path));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    throw Error(fmt::format("control map '{}': not a file", path));
+  }
+  const uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes > kFileBytesLimit) {
+    throw Error(fmt::format("control map '{}': larger than {} bytes", path, kFileBytesLimit));
+  }
+  std::vector<uint8_t> png(bytes);
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(png.data()), std::streamsize(png.size()))) {
+    throw Error(fmt::format("control map '{}': cannot be read", path));
+  }
+  return ReadControlMap(png, path);
+}
+
+namespace {
+
+struct Blend {
+  uint32_t first, second;
+  float share;  // of the second
+};
+
+// The two texels around a coordinate that repeats, and their blend. Texel centres lie at (i + 0.5)
+// / size.
+Blend FindTexels(float coordinate, uint32_t size) {
+  float turn = coordinate - std::floor(coordinate);
+  if (!(turn >= 0.0f && turn <= 1.0f)) turn = 0.0f;               // not finite
+  const float place = turn * float(size) + (float(size) - 0.5f);  // one turn up: never negative
+  const float whole = std::floor(place);
+  const uint32_t first = uint32_t(whole) % size;
+  return {first, (first + 1) % size, place - whole};
+}
+
+}  // namespace
+
+float ControlMap::Sample(glm::vec2 uv, int channel) const {
+  if (width == 0 || height == 0) return 1.0f;
+  const Blend x = FindTexels(uv.x, width), y = FindTexels(uv.y, height);
+  const auto texel = [&](uint32_t column, uint32_t row) {
+    return float(rgba[(size_t(row) * width + column) * 4 + size_t(channel)]);
+  };
+  const auto mix = [](float a, float b, float share) { return a + (b - a) * share; };
+  const float top = mix(texel(x.first, y.first), texel(x.second, y.first), x.share);
+  const float bottom = mix(texel(x.first, y.second), texel(x.second, y.second), x.share);
+  return std::min(std::max(mix(top, bottom, y.share) / 255.0f, 0.0f), 1.0f);
+}
+
+}  // namespace pelt

@@ -1,0 +1,164 @@
+// Reads a fur setup from TOML. What the keys are stands in setup_schema.cpp, how their values are
+// read in setup_reader.cpp; here are the text, [defaults] and layers as wholes, and what must hold
+// between the keys of a layer.
+#include "core/groom/fur_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "core/chunk.hpp"
+#include "core/error.hpp"
+#include "core/groom/setup_schema.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr size_t kSetupBytesLimit = 4u << 20;
+
+// Fails at the key, in the layer or else in the defaults.
+[[noreturn]] void FailLayer(const SetupReader& reader, const toml::table& layer,
+                            const toml::table* defaults, std::string_view key,
+                            std::string_view reason) {
+  const toml::node* node = layer.get(key);
+  if (!node && defaults) node = defaults->get(key);
+  reader.FailKey(reader.LineOf(node ? *node : layer), key, reason);
+}
+
+void CheckLayer(const SetupReader& reader, const toml::table& table, const toml::table* defaults,
+                LayerSetup& layer) {
+  LayerParams& params = layer.params;
+  const bool points_given = table.contains("points") || (defaults && defaults->contains("points"));
+  if (!points_given) params.points = params.chain == ChainKind::kStrand ? 5 : 4;
+  if (const auto bad = FindBadCombination(params)) {
+    FailLayer(reader, table, defaults, bad->key, bad->reason);
+  }
+  if (params.clump > 0.0f && layer.clump_controls == 0) {
+    FailLayer(reader, table, defaults, "clump", "needs clump_controls above 0");
+  }
+  const auto check_map = [&](const Attribute& attribute, std::string_view key) {
+    if (attribute.range && attribute.value > attribute.range->y && !attribute.map.map) {
+      FailLayer(reader, table, defaults, key, "its value lies above its range");
+    }
+  };
+  check_map(layer.length, "length");
+  check_map(layer.width, "width");
+}
+
+LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
+                     const LayerSetup& base, const toml::table* defaults) {
+  reader.SetOwner(fmt::format("layer {}: ", index + 1));
+  if (!node.is_table()) reader.Fail(reader.LineOf(node), "write each layer as [[layer]]");
+  const toml::table& table = *node.as_table();
+  if (const auto name = table["name"].value<std::string>(); name && name->size() < 80) {
+    reader.SetOwner(fmt::format("layer '{}': ", *name));
+  }
+  LayerSetup layer = base;
+  reader.ReadTable(KeyInfo{}, table, layer);
+  CheckLayer(reader, table, defaults, layer);
+  return layer;
+}
+
+}  // namespace
+
+namespace {
+
+// The text's first `lines` lines trip the parser's own assertions.
+bool TripsParser(std::string_view text, size_t lines) {
+  size_t end = 0;
+  for (size_t i = 0; i < lines && end != std::string_view::npos; ++i)
+    end = text.find('\n', end + (i > 0));
+  try {
+    (void)toml::parse(text.substr(0, end));
+  } catch (const TomlAssertion&) {
+    return true;
+  } catch (const toml::parse_error&) {
+  }
+  return false;
+}
+
+// The parser reads forwards, so a beginning of the text trips it if and only if the place is
+// inside.
+size_t FindTrippingLine(std::string_view text) {
+  size_t low = 0, high = size_t(std::count(text.begin(), text.end(), '\n')) + 1;
+  while (low + 1 < high) {
+    const size_t middle = (low + high) / 2;
+    (TripsParser(text, middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+toml::table ParseToml(std::string_view text, const std::string& path) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw Error(fmt::format("{}:{}: not valid TOML: {}", path,
+                            std::max<uint32_t>(error.source().begin.line, 1), error.description()));
+  } catch (const TomlAssertion&) {
+    throw Error(fmt::format("{}:{}: not valid TOML: a key is missing or malformed", path,
+                            FindTrippingLine(text)));
+  }
+}
+
+}  // namespace
+
+FurSetup ReadFurSetup(std::string_view text, const std::string& path,
+                      const std::string& map_directory) {
+  if (text.size() > kSetupBytesLimit) {
+    throw Error(fmt::format("{}: {} bytes; a fur setup has at most {}", path, text.size(),
+                            kSetupBytesLimit));
+  }
+  const toml::table root = ParseToml(text, path);
+  SetupReader reader(path, map_directory);
+  FurSetup setup;
+  setup.path = path;
+  reader.ReadTable(KeyInfo{}, root, setup);
+
+  LayerSetup base;
+  const toml::table* defaults = nullptr;
+  if (const toml::node* node = root.get("defaults")) {
+    reader.SetOwner("defaults: ");
+    if (!node->is_table()) reader.Fail(reader.LineOf(*node), "write it as [defaults]");
+    defaults = node->as_table();
+    if (const toml::node* name = defaults->get("name")) {
+      reader.FailKey(reader.LineOf(*name), "name", "belongs to one layer; it has no default");
+    }
+    reader.ReadTable(KeyInfo{}, *defaults, base, true);
+  }
+  reader.SetOwner("");
+  const toml::node* layers = root.get("layer");
+  if (!layers || !layers->is_array() || layers->as_array()->empty()) {
+    reader.Fail(layers ? reader.LineOf(*layers) : 1, "a fur setup needs at least one [[layer]]");
+  }
+  if (layers->as_array()->size() > kLayersPerScene) {
+    reader.Fail(reader.LineOf(*layers), fmt::format("more than {} layers", kLayersPerScene));
+  }
+  std::set<std::string> names;
+  for (size_t i = 0; i < layers->as_array()->size(); ++i) {
+    const toml::node& node = (*layers->as_array())[i];
+    setup.layers.push_back(ReadLayer(reader, node, i, base, defaults));
+    if (!names.insert(setup.layers.back().name).second) {
+      reader.FailKey(reader.LineOf(*node.as_table()->get("name")), "name",
+                     "another layer has this name");
+    }
+  }
+  return setup;
+}
+
+FurSetup ReadFurSetupFile(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw Error(fmt::format("{}: no such file", path));
+  if (!std::filesystem::is_regular_file(status)) throw Error(fmt::format("{}: not a file", path));
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kSetupBytesLimit + 1, '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (!file.eof() && !file) throw Error(fmt::format("{}: cannot be read", path));
+  text.resize(size_t(file.gcount()));
+  return ReadFurSetup(text, path, std::filesystem::path(path).parent_path().string());
+}
+
+}  // namespace pelt

@@ -1,0 +1,401 @@
+// What the frame assumes of a groom and its types do not say: every index in range, every number
+// finite, every part consistent with the others.
+//
+// Kernels have no checks of their own: they address the chunk's tables with the strand's bytes,
+// walk the skeleton parents first, divide by segment lengths. A groom that passes here cannot make
+// them read outside their blocks or produce a value that is not finite. Lanes that kernels read,
+// padding up to the lane group included, are held to the rules of live ones.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/groom/groom_fields.hpp"
+#include "core/groom/groom_file.hpp"
+#include "core/groom/setup_schema.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace groom_file;
+
+// Far outside any character, and small enough that the square of a skinned position is finite.
+constexpr float kLargest = 1.0e6f;
+constexpr float kLongest_m = 100.0f;
+constexpr float kUnitTolerance = 0.05f;
+constexpr float kSumTolerance = 1.0e-3f;
+constexpr uint32_t kStrandsPerLayer = 1u << 24;
+
+using JointSet = std::bitset<kJointsPerCharacter>;
+
+uint32_t RoundUpLanes(uint32_t lanes) { return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup; }
+
+class Checker {
+ public:
+  Checker(const Groom& groom, const std::string& name) : groom_(groom), name_(name) {}
+
+  void CheckAll() {
+    CheckSkeleton();
+    CheckLayout();
+    for (size_t layer = 0; layer < groom_.layers.size(); ++layer) CheckLayer(layer);
+  }
+
+ private:
+  [[noreturn]] void FailAt(std::string_view section, uint64_t at, std::string_view reason) const {
+    throw Error(fmt::format("groom '{}': section '{}', byte {}: {}", name_, section, at, reason));
+  }
+
+  // Fails at a field of items[index], which tells its place in the file.
+  template <class T>
+  [[noreturn]] void Fail(const std::vector<T>& items, size_t index, const void* field,
+                         std::string_view reason) const {
+    uint64_t at = kHeaderBytes + kSectionCount * kSectionEntryBytes + CountItemBytes(General{}) +
+                  MeasureItem(groom_.skeleton);
+    std::string_view section;
+    ListSections(
+        [&](std::string_view name, const auto& candidate) {
+          if (!section.empty()) return;
+          if (static_cast<const void*>(&candidate) == static_cast<const void*>(&items)) {
+            section = name;
+            return;
+          }
+          for (const auto& item : candidate) at += MeasureItem(item);
+        },
+        groom_);
+    for (size_t i = 0; i < index; ++i) at += MeasureItem(items[i]);
+    FieldLocator locator{.wanted = field};
+    if (field) ListFields(locator, items[index]);
+    FailAt(
+        section, at + locator.found_at,
+        fmt::format("item {}{}: {}", index,
+                    locator.name.empty() ? std::string()
+                                         : fmt::format(", {}[{}]", locator.name, locator.element),
+                    reason));
+  }
+  // Fails at the section as a whole.
+  template <class T>
+  [[noreturn]] void FailSection(const std::vector<T>& items, std::string_view reason) const {
+    static const std::vector<T> kNone;
+    uint64_t at = kHeaderBytes;
+    std::string_view section;
+    uint32_t index = 2;
+    ListSections(
+        [&](std::string_view name, const auto& candidate) {
+          if (static_cast<const void*>(&candidate) == static_cast<const void*>(&items)) {
+            section = name;
+            at += index * kSectionEntryBytes;
+          }
+          ++index;
+        },
+        groom_);
+    FailAt(section, at, reason);
+  }
+
+  template <class T>
+  void CheckRange(const std::vector<T>& items, size_t index, const float* values, size_t count,
+                  float low, float high) const {
+    for (size_t i = 0; i < count; ++i) {
+      if (!(values[i] >= low && values[i] <= high)) {
+        Fail(items, index, values + i,
+             fmt::format("{} is not a number between {} and {}", values[i], low, high));
+      }
+    }
+  }
+
+  void CheckSkeleton() const;
+  void CheckLayout() const;
+  void CheckLayer(size_t layer) const;
+  void CheckLayerJoints(size_t layer, JointSet& moved) const;
+  JointSet CheckMesh(size_t chunk) const;
+  void CheckWeights(size_t chunk, JointSet& used) const;
+  void CheckStrands(size_t chunk, const JointSet& used) const;
+  template <class T>
+  void CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes) const;
+  size_t CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const;
+
+  const Groom& groom_;
+  const std::string& name_;
+};
+
+bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
+bool HasStrandRest4(const LayerParams& p) { return p.points == 4; }
+bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
+
+void Checker::CheckSkeleton() const {
+  const uint64_t general_at = kHeaderBytes + kSectionCount * kSectionEntryBytes;
+  if (!(groom_.unit_scale >= 1e-6f && groom_.unit_scale <= 1e6f)) {
+    FailAt(kSectionNames[0], general_at,
+           fmt::format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
+  }
+  if (groom_.joint_count < 1 || groom_.joint_count > kJointsPerCharacter) {
+    FailAt(kSectionNames[0], general_at + 4,
+           fmt::format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
+  }
+  if (groom_.joint_names.size() != groom_.joint_count) {
+    FailSection(groom_.joint_names, fmt::format("{} names for {} joints", groom_.joint_names.size(),
+                                                groom_.joint_count));
+  }
+  const uint64_t skeleton_at = general_at + CountItemBytes(General{});
+  const auto fail = [&](const void* field, std::string_view reason) {
+    FieldLocator locator{.wanted = field};
+    ListFields(locator, groom_.skeleton);
+    FailAt(kSectionNames[1], skeleton_at + locator.found_at,
+           fmt::format("{}[{}]: {}", locator.name, locator.element, reason));
+  };
+  for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
+    const int32_t parent = groom_.skeleton.parent[j];
+    if (j < groom_.joint_count && (parent < -1 || parent >= int32_t(j))) {
+      fail(&groom_.skeleton.parent[j],
+           fmt::format("parent {} of joint {} does not come before it", parent, j));
+    }
+    for (const float& value : groom_.skeleton.inverse_bind[j]) {
+      if (!(std::fabs(value) <= kLargest)) fail(&value, "not finite, or absurdly large");
+    }
+  }
+}
+
+// Which blocks there are.
+void Checker::CheckLayout() const {
+  const auto& layers = groom_.layers;
+  if (layers.empty() || layers.size() > kLayersPerScene) {
+    FailSection(layers,
+                fmt::format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
+  }
+  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    const GroomLayer& layer = layers[i];
+    if (layer.name.empty() || std::any_of(layer.name.begin(), layer.name.end(),
+                                          [](unsigned char c) { return c < 32 || c == 127; })) {
+      Fail(layers, i, nullptr, "its name is empty or holds control characters");
+    }
+    const std::string bad = FindBadParam(layer.params);
+    if (!bad.empty()) Fail(layers, i, &layer.params.sort_bias, bad);
+    if (layer.first_chunk != chunks) {
+      Fail(layers, i, &layer.first_chunk,
+           fmt::format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
+    }
+    if (layer.chunk_count > kStrandsPerLayer / kStrandsPerChunk) {
+      Fail(layers, i, &layer.chunk_count, fmt::format("{} chunks", layer.chunk_count));
+    }
+    chunks += layer.chunk_count;
+    if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
+    (HasStrandRest5(layer.params) ? rest5 : rest4) += layer.chunk_count;
+  }
+  const auto expect = [&](const auto& items, uint64_t count) {
+    if (items.size() != count) {
+      FailSection(items, fmt::format("{} items where the layers need {}", items.size(), count));
+    }
+  };
+  expect(groom_.layer_joints, layers.size());
+  expect(groom_.mesh, chunks);
+  expect(groom_.strands, chunks);
+  expect(groom_.vertex_rest, vertex_rest);
+  expect(groom_.strand_rest4, rest4);
+  expect(groom_.strand_rest5, rest5);
+}
+
+// Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
+size_t Checker::CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const {
+  size_t count = 0;
+  for (const GroomLayer& layer : groom_.layers) {
+    if (layer.first_chunk >= first_chunk) break;
+    if (has(layer.params)) count += layer.chunk_count;
+  }
+  return count;
+}
+
+void Checker::CheckLayer(size_t index) const {
+  const GroomLayer& layer = groom_.layers[index];
+  JointSet moved;
+  CheckLayerJoints(index, moved);
+  uint64_t strands = 0;
+  float longest = 0.0f;
+  size_t vertex_rest = CountBefore(layer.first_chunk, HasVertexRest);
+  size_t rest4 = CountBefore(layer.first_chunk, HasStrandRest4);
+  size_t rest5 = CountBefore(layer.first_chunk, HasStrandRest5);
+  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
+    const size_t chunk = layer.first_chunk + c;
+    const StrandBlock& block = groom_.strands[chunk];
+    const JointSet used = CheckMesh(chunk);
+    if ((used & ~moved).any()) {
+      Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
+           fmt::format("a joint that moves chunk {} is missing", chunk));
+    }
+    CheckStrands(chunk, used);
+    if (block.first_strand != c * kStrandsPerChunk) {
+      Fail(groom_.strands, chunk, &block.first_strand,
+           fmt::format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
+    }
+    if (HasVertexRest(layer.params)) {
+      CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count);
+    }
+    if (HasStrandRest4(layer.params)) CheckRest(groom_.strand_rest4, rest4++, block.strand_count);
+    if (HasStrandRest5(layer.params)) CheckRest(groom_.strand_rest5, rest5++, block.strand_count);
+    strands += block.strand_count;
+    for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
+  }
+  if (layer.strand_count != strands) {
+    Fail(groom_.layers, index, &layer.strand_count,
+         fmt::format("{} strands, its chunks have {}", layer.strand_count, strands));
+  }
+  if (!(layer.length_max >= longest * 0.999f && layer.length_max <= kLongest_m)) {
+    Fail(groom_.layers, index, &layer.length_max,
+         fmt::format("{} m; its longest strand has {} m", layer.length_max, longest));
+  }
+}
+
+void Checker::CheckLayerJoints(size_t index, JointSet& moved) const {
+  const auto& items = groom_.layer_joints;
+  const LayerJointBlock& block = items[index];
+  if (block.count > kJointsPerCharacter) {
+    Fail(items, index, &block.count, fmt::format("{} joints", block.count));
+  }
+  for (uint32_t i = 0; i < block.count; ++i) {
+    if (block.joint[i] >= groom_.joint_count || moved[block.joint[i]]) {
+      Fail(items, index, &block.joint[i],
+           fmt::format("joint {} is unknown or named twice", block.joint[i]));
+    }
+    moved.set(block.joint[i]);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    CheckRange(items, index, block.low[axis], kJointsPerCharacter, -kLargest, kLargest);
+    CheckRange(items, index, block.high[axis], kJointsPerCharacter, -kLargest, kLargest);
+    for (uint32_t i = 0; i < block.count; ++i) {
+      if (block.low[axis][i] > block.high[axis][i]) {
+        Fail(items, index, &block.low[axis][i], "the box is inside out");
+      }
+    }
+  }
+}
+
+// Returns the joints that move a vertex of the chunk.
+JointSet Checker::CheckMesh(size_t chunk) const {
+  const auto& items = groom_.mesh;
+  const MeshBlock& block = items[chunk];
+  if (block.vertex_count < 1 || block.vertex_count > kVerticesPerChunk) {
+    Fail(items, chunk, &block.vertex_count, fmt::format("{} vertices", block.vertex_count));
+  }
+  CheckRange(items, chunk, &block.position[0][0], 3 * kVerticesPerChunk, -kLargest, kLargest);
+  CheckRange(items, chunk, &block.normal[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f);
+  CheckRange(items, chunk, &block.tangent[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f);
+  const auto check_unit = [&](const float(&row)[3][kVerticesPerChunk], uint32_t v) {
+    const float square = row[0][v] * row[0][v] + row[1][v] * row[1][v] + row[2][v] * row[2][v];
+    if (std::fabs(square - 1.0f) > kUnitTolerance)
+      Fail(items, chunk, &row[0][v], "not a unit vector");
+  };
+  for (uint32_t v = 0; v < RoundUpLanes(block.vertex_count); ++v) {
+    check_unit(block.normal, v);
+    check_unit(block.tangent, v);
+  }
+  JointSet used;
+  CheckWeights(chunk, used);
+  return used;
+}
+
+void Checker::CheckWeights(size_t chunk, JointSet& used) const {
+  const auto& items = groom_.mesh;
+  const MeshBlock& block = items[chunk];
+  CheckRange(items, chunk, &block.weight[0][0], kInfluenceRows * kLaneGroup, 0.0f, 1.001f);
+  for (uint32_t g = 0; g <= kVertexGroups; ++g) {
+    const uint16_t row = block.group_first_row[g];
+    if (row > kInfluenceRows || (g > 0 && row < block.group_first_row[g - 1])) {
+      Fail(items, chunk, &block.group_first_row[g],
+           fmt::format("{}: rows must ascend, up to {}", row, kInfluenceRows));
+    }
+  }
+  for (uint32_t g = 0; g < kVertexGroups; ++g) {
+    const uint32_t begin = block.group_first_row[g], end = block.group_first_row[g + 1];
+    float sum[kLaneGroup] = {};
+    for (uint32_t row = begin; row < end; ++row) {
+      const uint8_t joint = block.row_joint[row];
+      if (joint >= groom_.joint_count || (row > begin && joint <= block.row_joint[row - 1])) {
+        Fail(items, chunk, &block.row_joint[row],
+             fmt::format("joint {} is unknown or out of order", joint));
+      }
+      for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
+        sum[lane] += block.weight[row][lane];
+        if (block.weight[row][lane] > 0.0f) used.set(joint);
+      }
+    }
+    if (g * kLaneGroup >= block.vertex_count) continue;
+    for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
+      if (std::fabs(sum[lane] - 1.0f) > kSumTolerance) {
+        Fail(items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
+             fmt::format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
+      }
+    }
+  }
+}
+
+void Checker::CheckStrands(size_t chunk, const JointSet& used) const {
+  const auto& items = groom_.strands;
+  const StrandBlock& block = items[chunk];
+  const auto fail = [&](const void* field, std::string_view reason) {
+    Fail(items, chunk, field, reason);
+  };
+  if (block.strand_count < 1 || block.strand_count > kStrandsPerChunk) {
+    fail(&block.strand_count, fmt::format("{} strands", block.strand_count));
+  }
+  if (block.vertex_count != groom_.mesh[chunk].vertex_count) {
+    fail(&block.vertex_count, fmt::format("{} vertices, the mesh block has {}", block.vertex_count,
+                                          groom_.mesh[chunk].vertex_count));
+  }
+  const uint32_t lanes = RoundUpLanes(block.strand_count);
+  if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
+    fail(&block.control_count, fmt::format("{} control strands", block.control_count));
+  }
+  CheckRange(items, chunk, &block.bary[0][0], 3 * kStrandsPerChunk, -1.0e-3f, 1.001f);
+  CheckRange(items, chunk, block.length, kStrandsPerChunk, 0.0f, kLongest_m);
+  CheckRange(items, chunk, block.width, kStrandsPerChunk, 0.0f, kLongest_m);
+  const uint32_t controls = block.control_count ? block.control_count : lanes;
+  uint8_t highest = 0;
+  for (uint32_t i = 0; i < lanes; ++i) {
+    const float sum = block.bary[0][i] + block.bary[1][i] + block.bary[2][i];
+    if (std::fabs(sum - 1.0f) > kSumTolerance) {
+      fail(&block.bary[0][i], fmt::format("barycentrics sum to {}", sum));
+    }
+    if (!(block.length[i] > 0.0f)) fail(&block.length[i], "not above 0");
+    for (int corner = 0; corner < 3; ++corner) {
+      const uint8_t& vertex = block.vertex[corner][i];
+      if (vertex >= block.vertex_count) fail(&vertex, fmt::format("no vertex {}", vertex));
+      highest = std::max(highest, vertex);
+    }
+    if (block.vertex_prefix[i] < highest || block.vertex_prefix[i] >= block.vertex_count) {
+      fail(&block.vertex_prefix[i],
+           fmt::format("{}, strands up to here use vertex {}", block.vertex_prefix[i], highest));
+    }
+    if (block.control[i] >= controls) {
+      fail(&block.control[i], fmt::format("strand {} is no control strand", block.control[i]));
+    }
+  }
+  for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
+    const uint32_t& word = block.joint_mask[joint / 32];
+    const bool set = word >> joint % 32 & 1;
+    if (set && joint >= groom_.joint_count) fail(&word, fmt::format("no joint {}", joint));
+    if (!set && used[joint]) {
+      fail(&word, fmt::format("joint {} moves the chunk and is missing", joint));
+    }
+  }
+}
+
+template <class T>
+void Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t count) const {
+  const T& block = items[index];
+  CheckRange(items, index, &block.offset[0][0][0], sizeof(block.offset) / sizeof(float),
+             -kLongest_m, kLongest_m);
+  CheckRange(items, index, block.segment_length, kStrandsPerChunk, 0.0f, kLongest_m);
+  CheckRange(items, index, block.strength, kStrandsPerChunk, 0.0f, 1.0f);
+  for (uint32_t i = 0; i < RoundUpLanes(count); ++i) {
+    if (!(block.segment_length[i] > 0.0f)) {
+      Fail(items, index, &block.segment_length[i], "not above 0");
+    }
+  }
+}
+
+}  // namespace
+
+void CheckGroom(const Groom& groom, const std::string& name) { Checker(groom, name).CheckAll(); }
+
+}  // namespace pelt

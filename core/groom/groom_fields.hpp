@@ -1,0 +1,240 @@
+// What the groom file holds of each struct: one list of fields for writing, reading, measuring and
+// locating. A field added to a struct is added here, and kGroomVersion goes up.
+//
+// An archive is called with each field's name and the field. Arrays of any rank go element by
+// element, last index fastest. Padding is not listed and so never reaches a file.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "core/chunk.hpp"
+#include "core/groom/groom.hpp"
+
+namespace pelt::groom_file {
+
+// Either constness of T.
+template <class A, class T>
+concept Like = std::is_same_v<std::remove_const_t<A>, T>;
+
+void ListFields(auto&& archive, Like<SkeletonBlock> auto& b) {
+  archive("parent", b.parent);
+  archive("inverse_bind", b.inverse_bind);
+}
+
+void ListFields(auto&& archive, Like<LayerJointBlock> auto& b) {
+  archive("joint", b.joint);
+  archive("low", b.low);
+  archive("high", b.high);
+  archive("count", b.count);
+}
+
+void ListFields(auto&& archive, Like<MeshBlock> auto& b) {
+  archive("position", b.position);
+  archive("normal", b.normal);
+  archive("tangent", b.tangent);
+  archive("weight", b.weight);
+  archive("row_joint", b.row_joint);
+  archive("group_first_row", b.group_first_row);
+  archive("vertex_count", b.vertex_count);
+}
+
+void ListFields(auto&& archive, Like<StrandBlock> auto& b) {
+  archive("bary", b.bary);
+  archive("length", b.length);
+  archive("width", b.width);
+  archive("base_colour", b.base_colour);
+  archive("tip_colour", b.tip_colour);
+  archive("vertex", b.vertex);
+  archive("control", b.control);
+  archive("film_strip", b.film_strip);
+  archive("vertex_prefix", b.vertex_prefix);
+  archive("joint_mask", b.joint_mask);
+  archive("strand_count", b.strand_count);
+  archive("vertex_count", b.vertex_count);
+  archive("control_count", b.control_count);
+  archive("first_strand", b.first_strand);
+}
+
+template <class B>
+requires Like<B, RestBlock<4>> || Like<B, RestBlock<5>>
+void ListFields(auto&& archive, B& b) {
+  archive("offset", b.offset);
+  archive("segment_length", b.segment_length);
+  archive("strength", b.strength);
+}
+
+void ListFields(auto&& archive, Like<LayerParams> auto& p) {
+  archive("enabled", p.enabled);
+  archive("sort_bias", p.sort_bias);
+  archive("solver", p.solver);
+  archive("chain", p.chain);
+  archive("points", p.points);
+  archive("output", p.output);
+  archive("iterations", p.iterations);
+  archive("weight", p.weight);
+  archive("bounce", p.bounce);
+  archive("velocity_damping", p.velocity_damping);
+  archive("motion_damping", p.motion_damping);
+  archive("segment_hardness", p.segment_hardness);
+  archive("angular_hardness_middle", p.angular_hardness_middle);
+  archive("angular_hardness_end", p.angular_hardness_end);
+  archive("surface_hardness", p.surface_hardness);
+  archive("stiffness", p.stiffness);
+  archive("clump", p.clump);
+  archive("tip_width", p.tip_width);
+  archive("backface_cull", p.backface_cull);
+  archive("backface_tolerance", p.backface_tolerance);
+  archive("wind_response", p.wind_response);
+  archive("wet_weight", p.wet_weight);
+  archive("wet_clump", p.wet_clump);
+  archive("wet_hardness", p.wet_hardness);
+  archive("wet_darken", p.wet_darken);
+  archive("dirt_red", p.dirt_colour.x);
+  archive("dirt_green", p.dirt_colour.y);
+  archive("dirt_blue", p.dirt_colour.z);
+}
+
+void ListFields(auto&& archive, Like<GroomLayer> auto& l) {
+  archive("name", l.name);
+  ListFields(archive, l.params);
+  archive("first_chunk", l.first_chunk);
+  archive("chunk_count", l.chunk_count);
+  archive("strand_count", l.strand_count);
+  archive("length_max", l.length_max);
+}
+
+// The one item of section "general".
+struct General {
+  float unit_scale = 1.0f;
+  uint32_t joint_count = 0;
+};
+void ListFields(auto&& archive, Like<General> auto& g) {
+  archive("unit_scale", g.unit_scale);
+  archive("joint_count", g.joint_count);
+}
+void ListFields(auto&& archive, Like<std::string> auto& s) { archive("text", s); }
+
+// The unsigned number whose little-endian bytes stand for a T.
+template <class T>
+using Bits =
+    std::conditional_t<sizeof(T) == 1, uint8_t,
+                       std::conditional_t<sizeof(T) == 2, uint16_t,
+                                          std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>>>;
+
+// Numbers to little-endian bytes and back. The path of a big-endian host is right on any host, so a
+// test holds the two against each other.
+template <std::endian kHost = std::endian::native, class T>
+void StoreNumbers(std::byte* to, const T* from, size_t count) {
+  if constexpr (kHost == std::endian::little) {
+    std::memcpy(to, from, count * sizeof(T));
+  } else {
+    for (size_t i = 0; i < count; ++i) {
+      Bits<T> bits;
+      std::memcpy(&bits, from + i, sizeof(T));
+      for (size_t b = 0; b < sizeof(T); ++b) *to++ = std::byte(bits >> 8 * b & 255);
+    }
+  }
+}
+template <std::endian kHost = std::endian::native, class T>
+void LoadNumbers(T* to, const std::byte* from, size_t count) {
+  if constexpr (kHost == std::endian::little) {
+    std::memcpy(to, from, count * sizeof(T));
+  } else {
+    for (size_t i = 0; i < count; ++i) {
+      Bits<T> bits = 0;
+      for (size_t b = 0; b < sizeof(T); ++b) bits = Bits<T>(bits | Bits<T>(*from++) << 8 * b);
+      std::memcpy(to + i, &bits, sizeof(T));
+    }
+  }
+}
+
+// Bytes of one number in the file.
+template <class T>
+constexpr uint64_t ElementBytes() {
+  return std::is_same_v<T, bool> ? 1 : sizeof(T);
+}
+
+// Bytes of an item in the file; texts count as their length prefix alone.
+struct ByteCounter {
+  uint64_t bytes = 0;
+  template <class T>
+  void operator()(std::string_view, const T&) {
+    using Element = std::remove_all_extents_t<T>;
+    if constexpr (std::is_same_v<Element, std::string>) {
+      bytes += 4;
+    } else {
+      bytes += sizeof(T) / sizeof(Element) * ElementBytes<Element>();
+    }
+  }
+};
+
+// Where in an item's bytes a field lies, and which it is; `bytes` ends as the item's size, texts
+// included.
+struct FieldLocator {
+  const void* wanted = nullptr;
+  uint64_t bytes = 0;
+  uint64_t found_at = 0;
+  std::string_view name = {};
+  uint64_t element = 0;
+  template <class T>
+  void operator()(std::string_view field, const T& value) {
+    using Element = std::remove_all_extents_t<T>;
+    const auto* first = reinterpret_cast<const char*>(&value);
+    const auto* at = static_cast<const char*>(wanted);
+    if (at >= first && at < first + sizeof(T)) {
+      element = uint64_t(at - first) / sizeof(Element);
+      found_at = bytes + element * ElementBytes<Element>();
+      name = field;
+    }
+    if constexpr (std::is_same_v<Element, std::string>) {
+      bytes += 4 + value.size();
+    } else {
+      bytes += sizeof(T) / sizeof(Element) * ElementBytes<Element>();
+    }
+  }
+};
+
+template <class T>
+uint64_t CountItemBytes(const T& item) {
+  ByteCounter counter;
+  ListFields(counter, item);
+  return counter.bytes;
+}
+
+// Bytes of this item in the file, its texts included.
+template <class T>
+uint64_t MeasureItem(const T& item) {
+  FieldLocator measure{};
+  ListFields(measure, item);
+  return measure.bytes;
+}
+
+// Sections in file order.
+inline constexpr std::string_view kSectionNames[] = {
+    "general", "skeleton", "joint_names", "layers",       "layer_joints",
+    "mesh",    "strands",  "vertex_rest", "strand_rest4", "strand_rest5"};
+inline constexpr uint32_t kSectionCount = 10;
+inline constexpr uint64_t kSectionNameBytes = 16;
+inline constexpr uint64_t kHeaderBytes = 48;
+inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
+
+// Calls visit(section name, vector of items) for each section, in file order. General and skeleton
+// are one item each and are handled by the caller.
+void ListSections(auto&& visit, Like<Groom> auto& groom) {
+  visit(kSectionNames[2], groom.joint_names);
+  visit(kSectionNames[3], groom.layers);
+  visit(kSectionNames[4], groom.layer_joints);
+  visit(kSectionNames[5], groom.mesh);
+  visit(kSectionNames[6], groom.strands);
+  visit(kSectionNames[7], groom.vertex_rest);
+  visit(kSectionNames[8], groom.strand_rest4);
+  visit(kSectionNames[9], groom.strand_rest5);
+}
+
+}  // namespace pelt::groom_file

@@ -1,0 +1,338 @@
+// Writes and reads the groom file; the layout is told in groom_file.hpp, the fields in
+// groom_fields.hpp.
+//
+// Reading never trusts a count: an item list is allocated only when the
+// section is large enough to hold it.
+#include "core/groom/groom_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/groom/groom_fields.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace groom_file;
+
+constexpr char kMagic[8] = {'P', 'E', 'L', 'T', 'G', 'R', 'M', '\n'};
+constexpr uint64_t kHashAt = 40;
+constexpr uint64_t kTextBytesLimit = 4096;
+constexpr uint64_t kFileBytesLimit = uint64_t{8} << 30;
+
+// Appends to one buffer whose size was reckoned before.
+class Writer {
+ public:
+  explicit Writer(uint64_t bytes) { bytes_.reserve(bytes); }
+
+  template <class T>
+  void operator()(std::string_view, const T& value) {
+    using Element = std::remove_all_extents_t<T>;
+    if constexpr (std::is_same_v<Element, std::string>) {
+      Put(uint32_t(value.size()));
+      for (char c : value) bytes_.push_back(std::byte(c));
+    } else if constexpr (std::is_same_v<Element, bool>) {
+      bytes_.push_back(std::byte(value ? 1 : 0));
+    } else {
+      constexpr size_t kCount = sizeof(T) / sizeof(Element);
+      const size_t at = bytes_.size();
+      bytes_.resize(at + sizeof(T));
+      StoreNumbers(bytes_.data() + at, reinterpret_cast<const Element*>(&value), kCount);
+    }
+  }
+  template <class T>
+  void Put(const T& value) {
+    (*this)("", value);
+  }
+  // Overwrites a number written before.
+  void PutAt(uint64_t at, uint64_t value) { StoreNumbers(bytes_.data() + at, &value, 1); }
+  std::span<const std::byte> Written() const { return bytes_; }
+  std::vector<std::byte> Take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+template <class T>
+T LoadNumber(const std::byte* from) {
+  T value;
+  LoadNumbers(&value, from, 1);
+  return value;
+}
+
+struct Section {
+  uint64_t offset = 0, bytes = 0;
+  uint32_t items = 0, item_bytes = 0;
+};
+
+// Reads one section; knows where it is, for messages.
+class Reader {
+ public:
+  Reader(std::span<const std::byte> file, const std::string& name, std::string_view section,
+         uint64_t begin, uint64_t end)
+      : file_(file), name_(name), section_(section), at_(begin), end_(end) {}
+
+  [[noreturn]] void Fail(uint64_t at, const std::string& reason) const {
+    throw Error(fmt::format("groom '{}': section '{}', byte {}: {}", name_, section_, at, reason));
+  }
+  const std::byte* Take(uint64_t count) {
+    if (count > end_ - at_) {
+      Fail(at_, fmt::format("{} more bytes are needed, {} are left", count, end_ - at_));
+    }
+    const std::byte* from = file_.data() + at_;
+    at_ += count;
+    return from;
+  }
+  template <class T>
+  void operator()(std::string_view field, T& value) {
+    using Element = std::remove_all_extents_t<T>;
+    if constexpr (std::is_same_v<Element, std::string>) {
+      const uint64_t start = at_;
+      const auto size = LoadNumber<uint32_t>(Take(4));
+      if (size > kTextBytesLimit) Fail(start, fmt::format("{} of {} bytes", field, size));
+      value.assign(reinterpret_cast<const char*>(Take(size)), size);
+    } else if constexpr (std::is_same_v<Element, bool>) {
+      const uint64_t start = at_;
+      const auto byte = LoadNumber<uint8_t>(Take(1));
+      if (byte > 1) Fail(start, fmt::format("{} is {}, neither 0 nor 1", field, byte));
+      value = byte == 1;
+    } else {
+      constexpr size_t kCount = sizeof(T) / sizeof(Element);
+      LoadNumbers(reinterpret_cast<Element*>(&value), Take(sizeof(T)), kCount);
+    }
+  }
+  template <class T>
+  T Get() {
+    return LoadNumber<T>(Take(sizeof(T)));
+  }
+  uint64_t At() const { return at_; }
+  uint64_t Left() const { return end_ - at_; }
+
+ private:
+  std::span<const std::byte> file_;
+  const std::string& name_;
+  std::string_view section_;
+  uint64_t at_, end_;
+};
+
+void CheckCapacity(const Reader& reader, uint64_t at, std::string_view what, uint32_t found,
+                   uint32_t expected) {
+  if (found == expected) return;
+  reader.Fail(at, fmt::format("baked for {} {}, this program has {}; bake the character again "
+                              "with `pelt bake`",
+                              found, what, expected));
+}
+
+// Header and table; the sections lie back to back and fill the file.
+std::vector<Section> ReadTable(std::span<const std::byte> file, const std::string& name) {
+  Reader header(file, name, "header", 0, file.size());
+  const std::byte* magic = header.Take(sizeof(kMagic));
+  if (std::memcmp(magic, kMagic, sizeof(kMagic)) != 0) header.Fail(0, "not a groom file");
+  const auto version = header.Get<uint32_t>();
+  if (version != kGroomVersion) {
+    header.Fail(8, fmt::format("version {}, this program reads {}; bake the character again with "
+                               "`pelt bake`",
+                               version, kGroomVersion));
+  }
+  CheckCapacity(header, 12, "strands a chunk", header.Get<uint32_t>(), kStrandsPerChunk);
+  CheckCapacity(header, 16, "joints a character", header.Get<uint32_t>(), kJointsPerCharacter);
+  CheckCapacity(header, 20, "weight rows a chunk", header.Get<uint32_t>(), kInfluenceRows);
+  CheckCapacity(header, 24, "lanes a group", header.Get<uint32_t>(), kLaneGroup);
+  CheckCapacity(header, 28, "sections", header.Get<uint32_t>(), kSectionCount);
+  const auto file_bytes = header.Get<uint64_t>();
+  if (file_bytes != file.size()) {
+    header.Fail(32, fmt::format("the file should have {} bytes and has {}: it was cut or extended",
+                                file_bytes, file.size()));
+  }
+  const auto hash = header.Get<uint64_t>();
+  if (hash != HashGroomBytes(file.subspan(kHeaderBytes))) {
+    header.Fail(40, "the content does not match its hash: the file is damaged");
+  }
+  Reader table(file, name, "table", kHeaderBytes, file.size());
+  uint64_t expected = kHeaderBytes + kSectionCount * kSectionEntryBytes;
+  std::vector<Section> sections(kSectionCount);
+  for (uint32_t i = 0; i < kSectionCount; ++i) {
+    const uint64_t at = table.At();
+    char wanted[kSectionNameBytes] = {};
+    std::memcpy(wanted, kSectionNames[i].data(), kSectionNames[i].size());
+    if (std::memcmp(table.Take(kSectionNameBytes), wanted, kSectionNameBytes) != 0) {
+      table.Fail(at, fmt::format("section {} is not '{}'", i, kSectionNames[i]));
+    }
+    Section& s = sections[i];
+    s.offset = table.Get<uint64_t>();
+    s.bytes = table.Get<uint64_t>();
+    s.items = table.Get<uint32_t>();
+    s.item_bytes = table.Get<uint32_t>();
+    if (s.offset != expected || s.bytes > file.size() - std::min<uint64_t>(expected, file.size())) {
+      table.Fail(at, fmt::format("section '{}' does not lie behind the one before it, in the file",
+                                 kSectionNames[i]));
+    }
+    expected += s.bytes;
+  }
+  if (expected != file.size()) {
+    table.Fail(table.At(),
+               fmt::format("sections end at {}, the file at {}", expected, file.size()));
+  }
+  return sections;
+}
+
+template <class T>
+constexpr bool kHasText = std::is_same_v<T, std::string> || std::is_same_v<T, GroomLayer>;
+
+template <class T>
+void ReadSection(std::span<const std::byte> file, const std::string& name, uint32_t index,
+                 const Section& section, std::vector<T>& items) {
+  Reader reader(file, name, kSectionNames[index], section.offset, section.offset + section.bytes);
+  static const uint64_t kItemBytes = CountItemBytes(*std::make_unique<T>());
+  if (section.item_bytes != kItemBytes) {
+    reader.Fail(section.offset, fmt::format("items of {} bytes; this program has {}",
+                                            section.item_bytes, kItemBytes));
+  }
+  const uint64_t least = uint64_t(section.items) * kItemBytes;
+  if (kHasText<T> ? section.bytes < least : section.bytes != least) {
+    reader.Fail(section.offset, fmt::format("{} items do not fit the section's {} bytes",
+                                            section.items, section.bytes));
+  }
+  items.resize(section.items);
+  for (T& item : items) ListFields(reader, item);
+  if (reader.Left() != 0) {
+    reader.Fail(reader.At(), fmt::format("{} bytes behind the last item", reader.Left()));
+  }
+}
+
+}  // namespace
+
+uint64_t HashGroomBytes(std::span<const std::byte> bytes) {
+  constexpr uint64_t kMultiply = 0x9e3779b97f4a7c15u;
+  uint64_t hash = uint64_t(bytes.size()) * kMultiply;
+  const auto add = [&](uint64_t word) { hash = std::rotl((hash ^ word) * kMultiply, 31); };
+  size_t at = 0;
+  for (; at + 8 <= bytes.size(); at += 8) add(LoadNumber<uint64_t>(bytes.data() + at));
+  std::byte rest[8] = {};
+  std::copy(bytes.begin() + ptrdiff_t(at), bytes.end(), rest);
+  add(LoadNumber<uint64_t>(rest));
+  hash ^= hash >> 32;
+  hash *= kMultiply;
+  return hash ^ hash >> 29;
+}
+
+std::vector<std::byte> WriteGroom(const Groom& groom) {
+  CheckGroom(groom, "to be written");
+  const std::vector<General> general{{groom.unit_scale, groom.joint_count}};
+  const std::vector<SkeletonBlock> skeleton{groom.skeleton};
+  const auto for_each_section = [&](auto&& visit) {
+    visit(kSectionNames[0], general);
+    visit(kSectionNames[1], skeleton);
+    ListSections(visit, groom);
+  };
+  uint64_t file_bytes = kHeaderBytes + kSectionCount * kSectionEntryBytes;
+  for_each_section([&](std::string_view, const auto& items) {
+    for (const auto& item : items) file_bytes += MeasureItem(item);
+  });
+
+  Writer file(file_bytes);
+  file.Put(kMagic);
+  for (uint32_t value : {kGroomVersion, kStrandsPerChunk, kJointsPerCharacter, kInfluenceRows,
+                         kLaneGroup, kSectionCount}) {
+    file.Put(value);
+  }
+  file.Put(file_bytes);
+  file.Put(uint64_t{0});  // the hash, once the rest is there
+  uint64_t offset = kHeaderBytes + kSectionCount * kSectionEntryBytes;
+  for_each_section([&](std::string_view name, const auto& items) {
+    using Item = typename std::remove_cvref_t<decltype(items)>::value_type;
+    uint64_t bytes = 0;
+    for (const auto& item : items) bytes += MeasureItem(item);
+    char padded[kSectionNameBytes] = {};
+    std::memcpy(padded, name.data(), name.size());
+    file.Put(padded);
+    file.Put(offset);
+    file.Put(bytes);
+    file.Put(uint32_t(items.size()));
+    file.Put(uint32_t(CountItemBytes(*std::make_unique<Item>())));
+    offset += bytes;
+  });
+  for_each_section([&](std::string_view, const auto& items) {
+    for (const auto& item : items) ListFields(file, item);
+  });
+  file.PutAt(kHashAt, HashGroomBytes(file.Written().subspan(kHeaderBytes)));
+  return file.Take();
+}
+
+Groom ReadGroom(std::span<const std::byte> bytes, const std::string& name) {
+  const std::vector<Section> sections = ReadTable(bytes, name);
+  std::vector<General> general;
+  std::vector<SkeletonBlock> skeleton;
+  ReadSection(bytes, name, 0, sections[0], general);
+  ReadSection(bytes, name, 1, sections[1], skeleton);
+  for (uint32_t i : {0u, 1u}) {
+    if (sections[i].items != 1) {
+      throw Error(fmt::format("groom '{}': section '{}', byte {}: {} items instead of one", name,
+                              kSectionNames[i], sections[i].offset, sections[i].items));
+    }
+  }
+  Groom groom;
+  groom.unit_scale = general[0].unit_scale;
+  groom.joint_count = general[0].joint_count;
+  groom.skeleton = skeleton[0];
+  uint32_t index = 2;
+  ListSections(
+      [&](std::string_view, auto& items) {
+        ReadSection(bytes, name, index, sections[index], items);
+        ++index;
+      },
+      groom);
+  CheckGroom(groom, name);
+  return groom;
+}
+
+void WriteGroomFile(const Groom& groom, const std::string& path) {
+  const std::vector<std::byte> bytes = WriteGroom(groom);
+  const std::string partial = fmt::format("{}.{}.partial", path, getpid());
+  std::error_code error;
+  {
+    std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+    file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    file.close();
+    if (!file) {
+      std::filesystem::remove(partial, error);
+      throw Error(
+          fmt::format("groom '{}': cannot be written there; is the folder there, writable "
+                      "and not full?",
+                      path));
+    }
+  }
+  std::filesystem::rename(partial, path, error);
+  if (error) {
+    const std::string reason = error.message();
+    std::filesystem::remove(partial, error);
+    throw Error(fmt::format("groom '{}': cannot be put in place: {}", path, reason));
+  }
+}
+
+Groom ReadGroomFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw Error(fmt::format("groom '{}': no such file", path));
+  }
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > kFileBytesLimit) {
+    throw Error(fmt::format("groom '{}': larger than {} bytes", path, kFileBytesLimit));
+  }
+  std::vector<std::byte> bytes(size);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
+  if (!file) throw Error(fmt::format("groom '{}': cannot be read", path));
+  return ReadGroom(bytes, path);
+}
+
+}  // namespace pelt

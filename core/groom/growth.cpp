@@ -1,0 +1,291 @@
+#include "core/groom/growth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.hpp"
+#include "core/random.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint64_t kDensitySeed = 0x64656e73;  // "dens"
+
+float SmoothRamp(float low, float high, float x) {
+  if (!(high > low)) return x >= high ? 1.0f : 0.0f;
+  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+  return t * t * (3.0f - 2.0f * t);
+}
+
+std::string ListNames(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 60;
+  std::string list;
+  for (size_t i = 0; i < names.size() && i < kShown; ++i) {
+    list += fmt::format("{}'{}'", i ? ", " : "", names[i]);
+  }
+  if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
+  return list.empty() ? "none" : list;
+}
+
+// Letters to insert, delete or replace to turn one word into the other.
+size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string DescribeUnknown(const std::string& kind, const std::string& name,
+                            std::vector<std::string> known) {
+  std::stable_sort(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return EditDistance(name, a) < EditDistance(name, b);
+  });
+  return fmt::format("the character has no {} '{}'; it has, the most alike first: {}", kind, name,
+                     ListNames(known));
+}
+
+bool NeedsUvs(const MapChannel& map) { return map.map != nullptr; }
+
+}  // namespace
+
+void FailLayerKey(const FurSetup& setup, const LayerSetup& layer, const std::string& key,
+                  const std::string& reason) {
+  throw Error(fmt::format("{}: layer '{}': key '{}': {}", setup.path, layer.name, key, reason));
+}
+
+void CheckMapsHaveUvs(const Mesh& mesh, const FurSetup& setup, const LayerSetup& layer) {
+  if (!mesh.uv.empty()) return;
+  const std::pair<const char*, const MapChannel*> maps[] = {
+      {"density", &layer.density_map},     {"mask.uv", &layer.mask.uv},
+      {"mask.bald", &layer.mask.bald},     {"offset", &layer.offset.map},
+      {"length", &layer.length.map},       {"width", &layer.width.map},
+      {"direction", &layer.direction.map}, {"curl", &layer.curl.map},
+      {"twist", &layer.twist.map},         {"azimuth", &layer.azimuth.map},
+      {"elevation", &layer.elevation.map}, {"frizz", &layer.frizz.map},
+      {"strength", &layer.strength.map},   {"colour_variation", &layer.colour_variation.map},
+      {"colour_map", &layer.colour_map},
+  };
+  for (const auto& [key, map] : maps) {
+    if (!NeedsUvs(*map)) continue;
+    FailLayerKey(setup, layer, key,
+                 "asks for a map over the surface, but the mesh has no texture coordinates; choose "
+                 "the region with mask.materials, mask.joints, mask.range or a projected mask.box "
+                 "instead, and give different values in layers of their own");
+  }
+}
+
+std::vector<uint8_t> FindJoints(const Skeleton& skeleton, const FurSetup& setup,
+                                const LayerSetup& layer, const std::string& key,
+                                const std::string& joint, bool subtree) {
+  std::vector<uint8_t> found(skeleton.name.size(), 0);
+  bool any = false;
+  for (size_t j = 0; j < found.size(); ++j) {
+    const int32_t parent = skeleton.parent[j];
+    const bool named = skeleton.name[j] == joint;
+    found[j] = named || (subtree && parent >= 0 && found[size_t(parent)]);
+    any = any || named;
+  }
+  if (!any) FailLayerKey(setup, layer, key, DescribeUnknown("joint", joint, skeleton.name));
+  return found;
+}
+
+Growth::Growth(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+               const LayerSetup& layer)
+    : mesh_(character.mesh), rest_(rest), layer_(layer) {
+  CheckMapsHaveUvs(mesh_, setup, layer);
+  densest_ = layer.density * (1.0f + std::max(layer.density_randomise, -layer.density_randomise));
+  if (const auto& range = layer.density_range) densest_ = std::clamp(densest_, range->x, range->y);
+  box_low_ = glm::vec3(0.0f);
+  box_extent_ = glm::vec3(0.0f);
+  if (!rest.position.empty()) {
+    glm::vec3 high = box_low_ = rest.position[0];
+    for (const glm::vec3& p : rest.position) {
+      box_low_ = glm::min(box_low_, p);
+      high = glm::max(high, p);
+    }
+    box_extent_ = high - box_low_;
+  }
+  if (!layer.mask.materials.empty()) {
+    material_grows_.assign(mesh_.materials.size(), 0);
+    for (const std::string& name : layer.mask.materials) {
+      const auto at = std::find(mesh_.materials.begin(), mesh_.materials.end(), name);
+      if (at == mesh_.materials.end()) {
+        FailLayerKey(setup, layer, "mask.materials",
+                     DescribeUnknown("material", name, mesh_.materials));
+      }
+      for (size_t i = 0; i < mesh_.materials.size(); ++i) {
+        if (mesh_.materials[i] == name) material_grows_[i] = 1;
+      }
+    }
+  }
+  for (const Mask::JointWeight& mask : layer.mask.joints) {
+    const auto counts =
+        FindJoints(character.skeleton, setup, layer, "mask.joints.joint", mask.joint, mask.subtree);
+    std::vector<float>& sum = joint_weight_.emplace_back(mesh_.position.size(), 0.0f);
+    for (size_t v = 0; v < sum.size(); ++v) {
+      for (int i = 0; i < 4; ++i) {
+        if (mesh_.weights[v][i] > 0.0f && counts[mesh_.joints[v][size_t(i)]]) {
+          sum[v] += mesh_.weights[v][i];
+        }
+      }
+    }
+  }
+}
+
+float Growth::JointLimit(uint32_t triangle) const {
+  if (joint_weight_.empty()) return 1.0f;
+  float limit = 0.0f;
+  for (size_t i = 0; i < joint_weight_.size(); ++i) {
+    float most = 0.0f;
+    for (const uint32_t v : mesh_.triangles[triangle]) most = std::max(most, joint_weight_[i][v]);
+    // Rounding may carry an interpolated weight past all three.
+    limit = std::max(
+        limit, SmoothRamp(layer_.mask.joints[i].low, layer_.mask.joints[i].high, most + 1e-5f));
+  }
+  return limit;
+}
+
+float Growth::TriangleLimit(uint32_t triangle) const {
+  if (!material_grows_.empty() && !material_grows_[mesh_.triangle_material[triangle]]) return 0.0f;
+  if (layer_.mask.range) {
+    const auto& v = mesh_.triangles[triangle];
+    const glm::vec3 a = BoxShare(rest_.position[v[0]]), b = BoxShare(rest_.position[v[1]]),
+                    c = BoxShare(rest_.position[v[2]]);
+    const glm::vec3 low = glm::min(glm::min(a, b), c) - 1e-5f,
+                    high = glm::max(glm::max(a, b), c) + 1e-5f;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (high[axis] < layer_.mask.range->low[axis]) return 0.0f;
+      if (low[axis] > layer_.mask.range->high[axis]) return 0.0f;
+    }
+  }
+  return JointLimit(triangle);
+}
+
+glm::vec3 Growth::BoxShare(const glm::vec3& position) const {
+  glm::vec3 share(0.5f);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (box_extent_[axis] > 0.0f) {
+      share[axis] = (position[axis] - box_low_[axis]) / box_extent_[axis];
+    }
+  }
+  return share;
+}
+
+float Growth::DensityShare(const SurfacePoint& point) const {
+  if (!(densest_ > 0.0f)) return 0.0f;
+  float density = layer_.density;
+  if (layer_.density_map.map) {
+    density *= layer_.density_map.map->Sample(Interpolate(mesh_.uv, mesh_, point),
+                                              layer_.density_map.channel);
+  }
+  if (layer_.density_randomise != 0.0f) {
+    Random random(MixSeed(MixSeed(layer_.seed, kDensitySeed), point.triangle));
+    density *= 1.0f + layer_.density_randomise * float(random.Uniform(-1.0, 1.0));
+  }
+  if (const auto& range = layer_.density_range) density = std::clamp(density, range->x, range->y);
+  return std::clamp(density / densest_, 0.0f, 1.0f);
+}
+
+float Growth::JointShare(const SurfacePoint& point) const {
+  if (joint_weight_.empty()) return 1.0f;
+  float share = 0.0f;
+  for (size_t i = 0; i < joint_weight_.size(); ++i) {
+    const Mask::JointWeight& mask = layer_.mask.joints[i];
+    share = std::max(share,
+                     SmoothRamp(mask.low, mask.high, Interpolate(joint_weight_[i], mesh_, point)));
+  }
+  return share;
+}
+
+float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
+  const Mask& mask = layer_.mask;
+  switch (factor) {
+    case kDensity:
+      return DensityShare(point);
+    case kMaterials:
+      if (material_grows_.empty()) return 1.0f;
+      return material_grows_[mesh_.triangle_material[point.triangle]] ? 1.0f : 0.0f;
+    case kJoints:
+      return JointShare(point);
+    case kBox: {
+      // Seen along the axis; rows of the picture run downwards, and from behind to the front when
+      // seen from above.
+      if (!mask.box || !mask.box->map.map) return 1.0f;
+      const glm::vec3 at = BoxShare(Interpolate(rest_.position, mesh_, point));
+      const glm::vec2 uv = mask.box->axis == 'x'   ? glm::vec2(at.z, 1.0f - at.y)
+                           : mask.box->axis == 'y' ? glm::vec2(at.x, at.z)
+                                                   : glm::vec2(at.x, 1.0f - at.y);
+      // Half a texel inside: maps repeat, and the top of a character is not its feet.
+      const ControlMap& map = *mask.box->map.map;
+      const glm::vec2 edge(0.5f / float(map.width), 0.5f / float(map.height));
+      return map.Sample(glm::clamp(uv, edge, 1.0f - edge), mask.box->map.channel);
+    }
+    case kRange: {
+      if (!mask.range) return 1.0f;
+      const glm::vec3 at = BoxShare(Interpolate(rest_.position, mesh_, point));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (at[axis] < mask.range->low[axis] || at[axis] > mask.range->high[axis]) return 0.0f;
+      }
+      return 1.0f;
+    }
+    case kStencil:
+      if (!mask.uv.map) return 1.0f;
+      return mask.uv.map->Sample(Interpolate(mesh_.uv, mesh_, point), mask.uv.channel);
+    case kBald:
+      if (!mask.bald.map) return 1.0f;
+      return 1.0f - mask.bald.map->Sample(Interpolate(mesh_.uv, mesh_, point), mask.bald.channel);
+    case kFactorCount:
+      break;
+  }
+  return 1.0f;
+}
+
+float Growth::Share(const SurfacePoint& point) const {
+  float share = 1.0f;
+  for (int factor = 0; factor < kFactorCount && share > 0.0f; ++factor) {
+    share *= Evaluate(Factor(factor), point);
+  }
+  return share;
+}
+
+std::string Growth::ExplainEmpty() const {
+  const char* const keys[kFactorCount] = {"density",    "mask.materials", "mask.joints", "mask.box",
+                                          "mask.range", "mask.uv",        "mask.bald"};
+  const glm::vec3 places[] = {{0.34f, 0.33f, 0.33f}, {0.8f, 0.1f, 0.1f},   {0.1f, 0.8f, 0.1f},
+                              {0.1f, 0.1f, 0.8f},    {0.45f, 0.45f, 0.1f}, {0.45f, 0.1f, 0.45f},
+                              {0.1f, 0.45f, 0.45f}};
+  float most[kFactorCount] = {};
+  float most_together = 0.0f;
+  for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+    for (const glm::vec3& place : places) {
+      float together = 1.0f;
+      for (int factor = 0; factor < kFactorCount; ++factor) {
+        const float share = Evaluate(Factor(factor), {t, place});
+        most[factor] = std::max(most[factor], share);
+        together *= share;
+      }
+      most_together = std::max(most_together, together);
+    }
+  }
+  std::string alone, involved;
+  for (int factor = 0; factor < kFactorCount; ++factor) {
+    if (most[factor] <= 0.0f)
+      alone += fmt::format("{}'{}'", alone.empty() ? "" : ", ", keys[factor]);
+  }
+  if (!alone.empty()) return fmt::format("{} alone leaves nothing of the surface", alone);
+  if (most_together > 0.0f) {
+    return "the area that its masks leave is too small for one strand at this density";
+  }
+  return "its masks do not overlap anywhere: each leaves some of the surface, all together none";
+}
+
+}  // namespace pelt

@@ -1,0 +1,72 @@
+// Where a layer grows, and how densely: density, its map, and the mask's materials, joint weights,
+// box projection, range, stencil and bald map, multiplied.
+//
+// Invariant: Share() never exceeds TriangleLimit() of the same triangle; the scatter draws its
+// candidates by the limit, so that layers which cover little of the mesh cost little.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "core/character/character.hpp"
+#include "core/groom/fur_setup.hpp"
+
+namespace pelt {
+
+// A place on the mesh; the barycentrics sum to 1.
+struct SurfacePoint {
+  uint32_t triangle;
+  glm::vec3 bary;
+};
+
+template <class T>
+T Interpolate(const std::vector<T>& at_vertex, const Mesh& mesh, const SurfacePoint& point) {
+  const auto& v = mesh.triangles[point.triangle];
+  return at_vertex[v[0]] * point.bary.x + at_vertex[v[1]] * point.bary.y +
+         at_vertex[v[2]] * point.bary.z;
+}
+
+// "path: layer 'x': key 'y': reason", thrown as pelt::Error.
+[[noreturn]] void FailLayerKey(const FurSetup&, const LayerSetup&, const std::string& key,
+                               const std::string& reason);
+
+// Throws when a map of the layer needs texture coordinates and the mesh has none.
+void CheckMapsHaveUvs(const Mesh&, const FurSetup&, const LayerSetup&);
+
+// Node of that name and, with `subtree`, all its descendants. Throws for a name that is unknown.
+std::vector<uint8_t> FindJoints(const Skeleton&, const FurSetup&, const LayerSetup&,
+                                const std::string& key, const std::string& joint, bool subtree);
+
+class Growth {
+ public:
+  // References are kept. Throws pelt::Error for unknown names and for maps without UVs.
+  Growth(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
+
+  // Strands per square metre where Share() is 1.
+  float densest() const { return densest_; }
+  float TriangleLimit(uint32_t triangle) const;
+  // Wanted density over densest(), 0 to 1.
+  float Share(const SurfacePoint&) const;
+  // Names the keys that leave the layer without a strand.
+  std::string ExplainEmpty() const;
+
+ private:
+  enum Factor { kDensity, kMaterials, kJoints, kBox, kRange, kStencil, kBald, kFactorCount };
+  float Evaluate(Factor, const SurfacePoint&) const;
+  float DensityShare(const SurfacePoint&) const;
+  float JointShare(const SurfacePoint&) const;
+  float JointLimit(uint32_t triangle) const;
+  glm::vec3 BoxShare(const glm::vec3& position) const;
+
+  const Mesh& mesh_;
+  const RestGeometry& rest_;
+  const LayerSetup& layer_;
+  float densest_;
+  glm::vec3 box_low_, box_extent_;
+  std::vector<uint8_t> material_grows_;
+  std::vector<std::vector<float>> joint_weight_;  // of each joint mask, at each vertex
+};
+
+}  // namespace pelt

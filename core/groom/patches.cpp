@@ -1,0 +1,292 @@
+#include "core/groom/patches.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace pelt {
+namespace {
+
+// Parts of a path below this many strands are left as they come: they share a chunk anyway.
+constexpr uint32_t kSmallestPart = 8;
+
+using Point6 = std::array<float, 6>;
+
+class Path {
+ public:
+  Path(std::span<const PatchStrand> strands, uint32_t chunk_strands)
+      : strands_(strands), chunk_strands_(chunk_strands) {
+    order_.resize(strands.size());
+    for (uint32_t i = 0; i < order_.size(); ++i) order_[i] = {0.0f, i};
+    Lay(0, uint32_t(order_.size()));
+  }
+
+  std::vector<uint32_t> Take() const {
+    std::vector<uint32_t> path(order_.size());
+    for (size_t i = 0; i < path.size(); ++i) path[i] = order_[i].strand;
+    return path;
+  }
+
+ private:
+  struct Item {
+    float key;
+    uint32_t strand;
+  };
+
+  static bool IsBefore(const Item& a, const Item& b) {
+    return a.key != b.key ? a.key < b.key : a.strand < b.strand;
+  }
+
+  Point6 PlaceOf(uint32_t strand, float facing_scale) const {
+    const PatchStrand& s = strands_[strand];
+    return {s.position.x,
+            s.position.y,
+            s.position.z,
+            s.normal.x * facing_scale,
+            s.normal.y * facing_scale,
+            s.normal.z * facing_scale};
+  }
+
+  void Lay(uint32_t first, uint32_t last) {
+    const uint32_t count = last - first;
+    if (count <= kSmallestPart) {
+      SortPart(first, last);
+      return;
+    }
+    const uint32_t chunks = (count + chunk_strands_ - 1) / chunk_strands_;
+    const uint32_t left_count = chunks > 1 ? chunks / 2 * chunk_strands_ : count / 2;
+    int axis;
+    float facing_scale;
+    ChooseAxis(first, last, axis, facing_scale);
+    for (uint32_t i = first; i < last; ++i) {
+      order_[i].key = PlaceOf(order_[i].strand, facing_scale)[size_t(axis)];
+    }
+    // The end that is nearer to where the path stands comes first; whole chunks are counted from
+    // it.
+    if (StartsHigh(first, last, axis, facing_scale)) {
+      for (uint32_t i = first; i < last; ++i) order_[i].key = -order_[i].key;
+    }
+    std::nth_element(order_.begin() + first, order_.begin() + first + left_count,
+                     order_.begin() + last, IsBefore);
+    Lay(first, first + left_count);
+    Lay(first + left_count, last);
+  }
+
+  // Opposite sides count as far apart as two chunks are wide: sides of a thin thing part when the
+  // part has become that small, and not before.
+  void ChooseAxis(uint32_t first, uint32_t last, int& axis, float& facing_scale) const {
+    Point6 low = PlaceOf(order_[first].strand, 1.0f), high = low;
+    float radius = strands_[order_[first].strand].radius;
+    for (uint32_t i = first + 1; i < last; ++i) {
+      const Point6 p = PlaceOf(order_[i].strand, 1.0f);
+      for (size_t k = 0; k < 6; ++k) {
+        low[k] = std::min(low[k], p[k]);
+        high[k] = std::max(high[k], p[k]);
+      }
+      radius = std::min(radius, strands_[order_[i].strand].radius);
+    }
+    const float strand_area = 3.4641016f * radius * radius;
+    facing_scale = std::sqrt(strand_area * float(chunk_strands_));
+    axis = 0;
+    float widest = -1.0f;
+    for (size_t k = 0; k < 6; ++k) {
+      const float extent = (high[k] - low[k]) * (k < 3 ? 1.0f : facing_scale);
+      if (extent > widest) {
+        widest = extent;
+        axis = int(k);
+      }
+    }
+  }
+
+  // Only smallest and largest keys are looked at: a sum would depend on the order that the standard
+  // library's partition left.
+  bool StartsHigh(uint32_t first, uint32_t last, int axis, float facing_scale) const {
+    if (first == 0) return false;
+    const float here = PlaceOf(order_[first - 1].strand, facing_scale)[size_t(axis)];
+    float low = order_[first].key, high = low;
+    for (uint32_t i = first; i < last; ++i) {
+      low = std::min(low, order_[i].key);
+      high = std::max(high, order_[i].key);
+    }
+    return std::abs(high - here) < std::abs(low - here);
+  }
+
+  // Strand order: a rule that is complete, whatever the standard library's partition left.
+  void SortPart(uint32_t first, uint32_t last) {
+    std::sort(order_.begin() + first, order_.begin() + last,
+              [](const Item& a, const Item& b) { return a.strand < b.strand; });
+  }
+
+  std::span<const PatchStrand> strands_;
+  uint32_t chunk_strands_;
+  std::vector<Item> order_;
+};
+
+// Sets of joints of one patch, as bits of its own numbering.
+constexpr uint32_t kPatchJoints = 64;
+
+class PatchBuilder {
+ public:
+  PatchBuilder(const Mesh& mesh, std::span<const PatchStrand> strands, const PatchLimits& limits)
+      : mesh_(mesh), strands_(strands), limits_(limits), seen_(mesh.position.size(), 0) {}
+
+  // Most strands from the front of `path` that fit a chunk.
+  Patch CutFirst(std::span<const uint32_t> path) {
+    uint32_t count = CountByVertices(path);
+    Patch patch;
+    if (Build(path.first(count), patch)) return patch;
+    // Rows ran out first. One strand always fits: three vertices, twelve joints.
+    uint32_t fits = 1, too_many = count;
+    while (too_many - fits > 1) {
+      const uint32_t middle = (fits + too_many) / 2;
+      (Build(path.first(middle), patch) ? fits : too_many) = middle;
+    }
+    Build(path.first(fits), patch);
+    return patch;
+  }
+
+ private:
+  uint32_t CountByVertices(std::span<const uint32_t> path) {
+    ++stamp_;
+    uint32_t vertices = 0, count = 0;
+    for (; count < path.size() && count < limits_.strands; ++count) {
+      uint32_t fresh = 0;
+      for (const uint32_t v : strands_[path[count]].vertices) {
+        if (seen_[v] == stamp_) continue;
+        seen_[v] = stamp_;
+        ++fresh;
+      }
+      if (vertices + fresh > limits_.vertices) break;
+      vertices += fresh;
+    }
+    return count;
+  }
+
+  struct PatchVertex {
+    uint32_t vertex;
+    uint32_t bucket;  // 0: used by the first eighth of the strands ... 3: by the second half only
+    uint64_t joints;
+  };
+
+  // False when the weight rows do not suffice.
+  bool Build(std::span<const uint32_t> part, Patch& patch) {
+    patch.strands.assign(part.begin(), part.end());
+    std::sort(patch.strands.begin(), patch.strands.end());
+    ListVertices(patch.strands);
+    if (!NumberJoints()) return false;
+    patch.vertices.clear();
+    patch.groups.clear();
+    uint32_t rows = 0;
+    uint64_t group_joints = 0;
+    for (uint32_t bucket = 0; bucket < 4; ++bucket) {
+      uint32_t left = 0;
+      for (const PatchVertex& v : vertices_) left += v.bucket == bucket;
+      for (; left > 0; --left) {
+        const bool opens = patch.vertices.size() % kLaneGroup == 0;
+        if (opens) group_joints = 0;
+        PatchVertex& chosen = ChooseNext(bucket, opens, group_joints);
+        group_joints |= chosen.joints;
+        chosen.bucket = kTaken;
+        patch.vertices.push_back(chosen.vertex);
+        if (opens) patch.groups.emplace_back();
+        const bool closes =
+            patch.vertices.size() % kLaneGroup == 0 || patch.vertices.size() == vertices_.size();
+        if (closes) SetJoints(patch.groups.back(), group_joints);
+      }
+    }
+    for (const VertexGroup& group : patch.groups) rows += uint32_t(group.joints.size());
+    return rows <= limits_.rows;
+  }
+
+  void ListVertices(const std::vector<uint32_t>& strands) {
+    ++stamp_;
+    vertices_.clear();
+    const uint32_t count = uint32_t(strands.size());
+    const uint32_t ends[3] = {(count + 7) / 8, (count + 3) / 4, (count + 1) / 2};
+    for (uint32_t i = 0; i < count; ++i) {
+      const uint32_t bucket = uint32_t(i >= ends[0]) + (i >= ends[1]) + (i >= ends[2]);
+      for (const uint32_t v : strands_[strands[i]].vertices) {
+        if (seen_[v] == stamp_) continue;
+        seen_[v] = stamp_;
+        vertices_.push_back({v, bucket, 0});
+      }
+    }
+  }
+
+  // Ascending numbers for the joints of the patch; false when there are more than fit.
+  bool NumberJoints() {
+    uint64_t used[kJointsPerCharacter / 64] = {};
+    for (const PatchVertex& v : vertices_) {
+      for (int i = 0; i < 4; ++i) {
+        const uint8_t joint = mesh_.joints[v.vertex][size_t(i)];
+        if (mesh_.weights[v.vertex][i] > 0.0f) used[joint / 64] |= uint64_t(1) << joint % 64;
+      }
+    }
+    uint8_t number[kJointsPerCharacter];
+    patch_joint_.clear();
+    for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
+      if (!(used[joint / 64] >> joint % 64 & 1)) continue;
+      if (patch_joint_.size() == kPatchJoints) return false;
+      number[joint] = uint8_t(patch_joint_.size());
+      patch_joint_.push_back(uint8_t(joint));
+    }
+    for (PatchVertex& v : vertices_) {
+      for (int i = 0; i < 4; ++i) {
+        if (mesh_.weights[v.vertex][i] > 0.0f) {
+          v.joints |= uint64_t(1) << number[mesh_.joints[v.vertex][size_t(i)]];
+        }
+      }
+    }
+    return true;
+  }
+
+  // Fewest joints that the group does not have yet, then most that it has; a group opens with the
+  // largest set, so that its subsets follow for nothing.
+  PatchVertex& ChooseNext(uint32_t bucket, bool opens, uint64_t group_joints) {
+    PatchVertex* best = nullptr;
+    int best_score = 0;
+    for (PatchVertex& v : vertices_) {
+      if (v.bucket != bucket) continue;
+      const int size = std::popcount(v.joints);
+      const int fresh = std::popcount(v.joints & ~group_joints);
+      const int score = opens ? size : size - 256 * fresh;
+      if (!best || score > best_score || (score == best_score && v.vertex < best->vertex)) {
+        best = &v;
+        best_score = score;
+      }
+    }
+    return *best;
+  }
+
+  void SetJoints(VertexGroup& group, uint64_t joints) const {
+    group.joints.clear();
+    for (; joints; joints &= joints - 1) {
+      group.joints.push_back(patch_joint_[size_t(std::countr_zero(joints))]);
+    }
+  }
+
+  static constexpr uint32_t kTaken = 4;
+  const Mesh& mesh_;
+  std::span<const PatchStrand> strands_;
+  PatchLimits limits_;
+  std::vector<uint32_t> seen_;
+  uint32_t stamp_ = 0;
+  std::vector<PatchVertex> vertices_;
+  std::vector<uint8_t> patch_joint_;
+};
+
+}  // namespace
+
+std::vector<Patch> CutPatches(const Mesh& mesh, std::span<const PatchStrand> strands,
+                              const PatchLimits& limits) {
+  const std::vector<uint32_t> path = Path(strands, limits.strands).Take();
+  PatchBuilder builder(mesh, strands, limits);
+  std::vector<Patch> patches;
+  for (std::span<const uint32_t> rest = path; !rest.empty();) {
+    patches.push_back(builder.CutFirst(rest));
+    rest = rest.subspan(patches.back().strands.size());
+  }
+  return patches;
+}
+
+}  // namespace pelt

@@ -1,0 +1,481 @@
+// The keys of a fur setup: the table itself, and the list of them for people.
+//
+// Bounds are there to catch slips (millimetres for metres, a missing decimal point) and to keep
+// hostile files from asking for absurd amounts of work; they are far outside what looks good.
+// Longer than a file should be because it is one table.
+#include "core/groom/setup_schema.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/chunk.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr std::string_view kSolverWords[] = {"pbd", "verlet"};
+constexpr std::string_view kChainWords[] = {"vertex", "strand"};
+constexpr std::string_view kOutputWords[] = {"instances", "ribbons"};
+constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
+constexpr std::string_view kChannelWords[] = {"r", "g", "b", "a"};
+
+constexpr double kDegreesLimit = 360.0;
+constexpr double kBendLimit = 1.0e5;        // degrees a metre: a full turn in 3.6 mm
+constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
+constexpr double kReachLimit = 1000.0;      // m, for places
+constexpr double kIterationLimit = 32.0;
+
+// Follows members: Field<&LayerSetup::params, &LayerParams::weight>(layer) is layer.params.weight.
+template <auto kMember, auto... kRest, class T>
+auto& Field(T& object) {
+  if constexpr (sizeof...(kRest) == 0) {
+    return object.*kMember;
+  } else {
+    return Field<kRest...>(object.*kMember);
+  }
+}
+
+std::string Show(const KeyInfo&, float value) { return fmt::format("{}", value); }
+std::string Show(const KeyInfo&, uint32_t value) { return fmt::format("{}", value); }
+std::string Show(const KeyInfo&, uint64_t value) { return fmt::format("{}", value); }
+std::string Show(const KeyInfo&, int value) { return fmt::format("\"{}\"", kChannelWords[value]); }
+std::string Show(const KeyInfo&, bool value) { return value ? "true" : "false"; }
+std::string Show(const KeyInfo&, char value) { return fmt::format("\"{}\"", value); }
+std::string Show(const KeyInfo&, const std::string& value) { return fmt::format("\"{}\"", value); }
+std::string Show(const KeyInfo&, const Attribute& value) { return fmt::format("{}", value.value); }
+std::string Show(const KeyInfo&, const glm::vec3& value) {
+  return fmt::format("[{}, {}, {}]", value.x, value.y, value.z);
+}
+template <class Enum>
+requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) {
+  return fmt::format("\"{}\"", info.words[size_t(value)]);
+}
+std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
+std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
+std::string Show(const KeyInfo&, const Mask&) { return "everywhere"; }
+template <class T>
+std::string Show(const KeyInfo&, const std::optional<T>&) {
+  return "none";
+}
+template <class T>
+std::string Show(const KeyInfo&, const std::vector<T>&) {
+  return "none";
+}
+
+template <class F>
+bool InBounds(const KeyInfo& info, const F& value) {
+  if constexpr (std::is_enum_v<F>) {
+    return size_t(value) < info.words.size();
+  } else if constexpr (std::is_same_v<F, float> || std::is_same_v<F, uint32_t>) {
+    // As floats, so that a bound that float rounds outward still admits the value it was read from.
+    return float(value) >= float(info.low) && float(value) <= float(info.high);
+  } else if constexpr (std::is_same_v<F, glm::vec3>) {
+    return InBounds(info, value.x) && InBounds(info, value.y) && InBounds(info, value.z);
+  }
+  return true;
+}
+
+template <class M>
+struct OwnerOf;
+template <class C, class F>
+struct OwnerOf<F C::*> {
+  using Type = C;
+};
+
+// A row whose field is read by its type. A key starts from its own built-in value, so that a table
+// which gives part of it never mixes with [defaults].
+template <auto kFirst, auto... kRest>
+auto MakeRow(const KeyInfo& info) {
+  using Object = typename OwnerOf<decltype(kFirst)>::Type;
+  return KeyRow<Object>{
+      info,
+      [](SetupReader& reader, const KeyInfo& key, const toml::node& node, Object& object) {
+        const Object builtin{};
+        auto fresh = Field<kFirst, kRest...>(builtin);
+        reader.Read(key, node, fresh);
+        Field<kFirst, kRest...>(object) = std::move(fresh);
+      },
+      [](const KeyInfo& key, const Object& object) {
+        return Show(key, Field<kFirst, kRest...>(object));
+      },
+      [](const KeyInfo& key, const Object& object) {
+        return InBounds(key, Field<kFirst, kRest...>(object));
+      }};
+}
+
+using Text = std::string_view;
+
+template <auto... kMembers>
+auto Number(Text key, Text unit, double low, double high, Text doc) {
+  return MakeRow<kMembers...>({key, "number", unit, low, high, doc});
+}
+template <auto... kMembers>
+auto Count(Text key, double low, double high, Text doc) {
+  return MakeRow<kMembers...>({key, "whole number", "", low, high, doc});
+}
+template <auto... kMembers>
+auto Varying(Text key, Text unit, double low, double high, Text doc) {
+  return MakeRow<kMembers...>({key, "attribute", unit, low, high, doc});
+}
+template <auto... kMembers>
+auto Switch(Text key, Text doc) {
+  return MakeRow<kMembers...>({key, "true or false", "", 0, 1, doc});
+}
+template <auto... kMembers>
+auto Word(Text key, std::span<const Text> words, Text doc) {
+  return MakeRow<kMembers...>({key, "word", "", 0, 0, doc, words});
+}
+template <auto... kMembers>
+auto Map(Text key, Text doc) {
+  return MakeRow<kMembers...>({key, "map", "", 0, 1, doc});
+}
+// Texts, tables and lists; a list's bounds are those of its length.
+template <auto... kMembers>
+auto Plain(Text key, Text type, Text doc, double low = 0, double high = 256) {
+  return MakeRow<kMembers...>({key, type, "", low, high, doc});
+}
+template <class Row>
+Row Required(Row row) {
+  row.info.required = true;
+  return row;
+}
+template <class Row>
+Row AsOuter(Row row) {
+  row.info.outer_bounds = true;
+  return row;
+}
+
+template <auto kFirst, auto... kRest>
+auto Colour(Text key, Text doc) {
+  auto row = MakeRow<kFirst, kRest...>({key, "colour", "", 0, 1, doc});
+  using Object = typename OwnerOf<decltype(kFirst)>::Type;
+  row.read = [](SetupReader& reader, const KeyInfo& info, const toml::node& node, Object& object) {
+    reader.ReadColour(info, node, Field<kFirst, kRest...>(object));
+  };
+  row.show = [](const KeyInfo&, const Object& object) {
+    const auto& value = Field<kFirst, kRest...>(object);
+    if constexpr (std::is_same_v<decltype(value), const uint32_t&>) {
+      return fmt::format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255,
+                         value >> 16 & 255);
+    } else {
+      return Show(KeyInfo{}, value);
+    }
+  };
+  if constexpr (std::is_same_v<decltype(Field<kFirst, kRest...>(std::declval<Object&>())),
+                               uint32_t&>) {
+    row.in_bounds = nullptr;  // any colour will do
+  }
+  return row;
+}
+
+template <auto... kMembers>
+auto ChannelOf(Text doc) {
+  return MakeRow<kMembers...>({"channel", "word", "", 0, 3, doc, kChannelWords});
+}
+
+using L = LayerSetup;
+using P = LayerParams;
+inline constexpr auto kParams = &LayerSetup::params;
+
+KeyRow<L> DensityRow() {
+  KeyInfo info{"density", "attribute", "1/m^2",
+               0,         1.0e7,       "strands a square metre; randomise: by triangle"};
+  return {info,
+          [](SetupReader& reader, const KeyInfo& key, const toml::node& node, L& layer) {
+            reader.ReadDensity(key, node, layer);
+          },
+          [](const KeyInfo& key, const L& layer) { return Show(key, layer.density); }};
+}
+
+}  // namespace
+
+template <>
+std::span<const KeyRow<FurSetup>> Schema() {
+  static const KeyRow<FurSetup> kRows[] = {
+      Number<&FurSetup::unit_scale>("unit_scale", "m", 1e-6, 1e6,
+                                    "metres a unit of the character file; else from its size"),
+      Plain<&FurSetup::clip>("clip", "text", "the animation to play; else the file's first"),
+      {{"defaults", "table", "", 0, 0, "layer keys that hold for every layer that lacks them"},
+       nullptr,
+       [](const KeyInfo&, const FurSetup&) { return std::string("none"); }},
+      {{"layer", "tables", "", 1, double(kLayersPerScene), "[[layer]]: a region of fur"},
+       nullptr,
+       [](const KeyInfo&, const FurSetup&) { return std::string("none"); }},
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<LayerSetup>> Schema() {
+  static const KeyRow<LayerSetup> kRows[] = {
+      // What the layer is.
+      Required(Plain<&L::name>("name", "text", "shown in reports; unique")),
+      Plain<&L::seed>("seed", "whole number", "chooses every random value of the layer", 0, 0),
+      Switch<kParams, &P::enabled>("enabled", "baked but not run when false"),
+      Number<kParams, &P::sort_bias>("sort_bias", "", -1000, 1000,
+                                     "layers are drawn in ascending bias"),
+      Word<kParams, &P::solver>("solver", kSolverWords, "how chains are simulated"),
+      Word<kParams, &P::chain>("chain", kChainWords,
+                               "chains at mesh vertices, or one for each strand"),
+      Count<kParams, &P::points>(
+          "points", 4, 5, "points a chain, the fixed one too; vertex: 4, strand: 5 if unset"),
+      Word<kParams, &P::output>("output", kOutputWords, "what vertex generation writes"),
+      // Where it grows, and how much.
+      DensityRow(),
+      Count<&L::max_strands>("max_strands", 0, kStrandLimit, "most strands; 0: density decides"),
+      Plain<&L::mask>("mask", "mask", "where the layer grows"),
+      // What a strand looks like.
+      Varying<&L::offset>("offset", "m", -1, 1, "root above the skin, along the normal"),
+      Varying<&L::length>("length", "m", 1e-4, 10, "root to tip along the strand"),
+      Varying<&L::width>("width", "m", 1e-6, 0.1, "at the root"),
+      Number<kParams, &P::tip_width>("tip_width", "", 0, 4,
+                                     "width at the tip over that at the root"),
+      Varying<&L::direction>("direction", "degrees", -kDegreesLimit, kDegreesLimit,
+                             "turns the groomed direction about the normal"),
+      Varying<&L::curl>("curl", "degrees/m", -kBendLimit, kBendLimit, "bending along the strand"),
+      Varying<&L::twist>("twist", "degrees/m", -kBendLimit, kBendLimit,
+                         "turning of the bend about the strand's own axis"),
+      Varying<&L::azimuth>("azimuth", "degrees", -kDegreesLimit, kDegreesLimit,
+                           "groomed direction about the normal, from the tangent"),
+      Varying<&L::elevation>("elevation", "degrees", -90, 90, "above the surface; 90 stands up"),
+      Varying<&L::frizz>("frizz", "degrees", 0, 90, "random tilt at the root"),
+      Plain<&L::comb>("comb", "tables", "comb vectors", 0, 4096),
+      Number<&L::comb_normal_weight>("comb_normal_weight", "", 0, 1,
+                                     "how much a differing normal weakens a comb vector"),
+      Plain<&L::comb_joint>("comb_joint", "text",
+                            "outside every comb vector's reach: along this joint"),
+      Colour<&L::base_colour>("base_colour", "at the root"),
+      Colour<&L::tip_colour>("tip_colour", "at the tip"),
+      Varying<&L::colour_variation>("colour_variation", "", 0, 1, "random brightness, a share"),
+      Map<&L::colour_map>("colour_map", "its r, g and b multiply both colours"),
+      Count<&L::film_strip_count>("film_strips", 1, 256, "textures in the strip; picked at random"),
+      // How it moves.
+      Varying<&L::strength>("strength", "", 0, 1, "of the simulation; 0 follows the skin"),
+      Count<kParams, &P::iterations>("iterations", 1, kIterationLimit, "of the solver, a frame"),
+      Number<kParams, &P::weight>("weight", "", -10, 10, "scale on gravity"),
+      Number<kParams, &P::bounce>("bounce", "", 0, 1, "speed kept by a contact"),
+      Number<kParams, &P::velocity_damping>("velocity_damping", "1/s", 0, 1000,
+                                            "how fast speed dies away"),
+      Number<kParams, &P::motion_damping>("motion_damping", "", 0, 1,
+                                          "0: free inertia, 1: moves with the root"),
+      Number<kParams, &P::segment_hardness>("segment_hardness", "", 0, 1,
+                                            "length error removed, an iteration"),
+      Number<kParams, &P::angular_hardness_middle>("angular_hardness_middle", "", 0, 1,
+                                                   "bend removed, an iteration; inner joints"),
+      Number<kParams, &P::angular_hardness_end>("angular_hardness_end", "", 0, 1,
+                                                "bend removed, an iteration; last joint"),
+      Number<kParams, &P::surface_hardness>("surface_hardness", "", 0, 1,
+                                            "depth under the skin removed, an iteration"),
+      Number<kParams, &P::stiffness>("stiffness", "", 0, 1,
+                                     "verlet: way to the groom, an iteration"),
+      Number<kParams, &P::clump>("clump", "", 0, 1, "way to the control strand, at the tip"),
+      Count<&L::clump_controls>("clump_controls", 0, 64,
+                                "control strands a chunk, rounded up to 16"),
+      Number<kParams, &P::wind_response>("wind_response", "1/s", 0, 1000,
+                                         "acceleration for each m/s of wind"),
+      Switch<kParams, &P::backface_cull>("backface_cull", "leave out strands that face away"),
+      Number<kParams, &P::backface_tolerance>("backface_tolerance", "", 0, 1,
+                                              "how far a strand may face away and still be drawn"),
+      // What water and dirt do to it.
+      Number<kParams, &P::wet_weight>("wet_weight", "", 0, 10, "added to weight when soaked"),
+      Number<kParams, &P::wet_clump>("wet_clump", "", 0, 1, "added to clump when soaked"),
+      Number<kParams, &P::wet_hardness>("wet_hardness", "", 0, 1, "hardness lost when soaked"),
+      Number<kParams, &P::wet_darken>("wet_darken", "", 0, 1, "brightness lost when soaked"),
+      Colour<kParams, &P::dirt_colour>("dirt_colour", "mixed into the colours when dirty"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Attribute>> Schema() {
+  using A = Attribute;
+  static const KeyRow<A> kRows[] = {
+      AsOuter(Number<&A::value>("value", "", 0, 0, "where the map is 1")),
+      Number<&A::randomise>("randomise", "", 0, 1, "times (1 + randomise * u), u in [-1, 1]"),
+      AsOuter(Plain<&A::range>("range", "[low, high]", "the result is kept inside")),
+      Plain<&A::map, &MapChannel::map>("map", "path", "PNG that scales the value; needs UVs"),
+      ChannelOf<&A::map, &MapChannel::channel>("of the map"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<MapChannel>> Schema() {
+  static const KeyRow<MapChannel> kRows[] = {
+      Required(Plain<&MapChannel::map>("map", "path", "PNG, from the setup's folder")),
+      ChannelOf<&MapChannel::channel>("of the map"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Mask>> Schema() {
+  static const KeyRow<Mask> kRows[] = {
+      Plain<&Mask::materials>("materials", "texts", "grow on these materials only"),
+      Plain<&Mask::joints>("joints", "tables", "grow where joints move the skin; largest counts"),
+      Plain<&Mask::box>("box", "table", "a map projected through the rest pose's bounding box"),
+      Plain<&Mask::range>("range", "table", "grow inside a part of the bounding box"),
+      Map<&Mask::uv>("uv", "stencil: scales the density; needs UVs"),
+      Map<&Mask::bald>("bald", "1 is bald; needs UVs"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Mask::JointWeight>> Schema() {
+  using J = Mask::JointWeight;
+  static const KeyRow<J> kRows[] = {
+      Required(Plain<&J::joint>("joint", "text", "name of a joint")),
+      Switch<&J::subtree>("subtree", "its descendants count too"),
+      Number<&J::low>("low", "", 0, 1, "weight at which fur begins"),
+      Number<&J::high>("high", "", 0, 1, "weight from which fur is full"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Mask::Box>> Schema() {
+  using B = Mask::Box;
+  static const KeyRow<B> kRows[] = {
+      MakeRow<&B::axis>({"axis", "word", "", 0, 0, "to project along", kAxisWords}),
+      Required(Plain<&B::map, &MapChannel::map>("map", "path", "PNG, from the setup's folder")),
+      ChannelOf<&B::map, &MapChannel::channel>("of the map"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Mask::Range>> Schema() {
+  using R = Mask::Range;
+  static const KeyRow<R> kRows[] = {
+      Plain<&R::low>("low", "[x, y, z]", "corner, as a share of the box", 0, 1),
+      Plain<&R::high>("high", "[x, y, z]", "other corner", 0, 1),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<CombVector>> Schema() {
+  using C = CombVector;
+  static const KeyRow<C> kRows[] = {
+      Required(
+          Plain<&C::position>("position", "[x, y, z]", "m, rest pose", -kReachLimit, kReachLimit)),
+      Required(Plain<&C::direction>("direction", "[x, y, z]", "rest pose; any length but 0",
+                                    -kReachLimit, kReachLimit)),
+      Number<&C::reach>("reach", "m", 1e-4, kReachLimit, "how far it acts"),
+  };
+  return kRows;
+}
+
+std::string FindBadParam(const LayerParams& params) {
+  LayerSetup layer;
+  layer.params = params;
+  for (const auto& row : Schema<LayerSetup>()) {
+    if (row.in_bounds && !row.in_bounds(row.info, layer)) {
+      return fmt::format(
+          "{} is not between {} and {}", row.info.key, row.info.low,
+          row.info.words.empty() ? row.info.high : double(row.info.words.size() - 1));
+    }
+  }
+  const auto bad = FindBadCombination(params);
+  return bad ? fmt::format("{}: {}", bad->key, bad->reason) : std::string();
+}
+
+std::optional<BadKey> FindBadCombination(const LayerParams& params) {
+  if (params.chain == ChainKind::kVertex && params.points != 4) {
+    return BadKey{"points", "chains at mesh vertices have 4 points; chain = \"strand\" has 4 or 5"};
+  }
+  if (params.chain == ChainKind::kVertex && params.solver == Solver::kVerlet) {
+    return BadKey{"solver", "verlet needs a chain for each strand: chain = \"strand\""};
+  }
+  return std::nullopt;
+}
+
+// ---- The list for people ------------------------------------------------------------------------
+
+namespace {
+
+std::string DescribeType(const KeyInfo& info) {
+  if (!info.words.empty()) return fmt::format("{}", fmt::join(info.words, " | "));
+  std::string text(info.type);
+  if (!info.unit.empty()) text += fmt::format(", {}", info.unit);
+  if ((info.type == "number" || info.type == "whole number" || info.type == "attribute") &&
+      info.low < info.high) {
+    text += fmt::format(", {} to {}", info.low, info.high);
+  }
+  return text;
+}
+
+template <class T>
+void Describe(std::string& out, std::string_view heading) {
+  out += fmt::format("\n{}\n", heading);
+  const T builtin{};
+  for (const auto& row : Schema<T>()) {
+    const std::string value =
+        row.info.required ? "needed" : "default " + row.show(row.info, builtin);
+    out += fmt::format("  {:<24} {:<34} {:<22} {}\n", row.info.key, DescribeType(row.info), value,
+                       row.info.doc);
+  }
+}
+
+}  // namespace
+
+std::string DescribeSetupKeys() {
+  std::string out =
+      "Keys of a fur setup (TOML). Lengths are metres, angles degrees, colours \"#rrggbb\".\n"
+      "An attribute is a number, or a table of the keys listed for it; a map is the path of a "
+      "PNG,\n"
+      "or a table. Maps are found from the setup's folder.\n";
+  Describe<FurSetup>(out, "At the top of the file");
+  Describe<LayerSetup>(out, "In [[layer]] and [defaults]");
+  Describe<Attribute>(out, "In an attribute, as length = { value = 0.03, randomise = 0.2 }");
+  Describe<MapChannel>(out, "In a map, as bald = { map = \"maps/bald.png\", channel = \"g\" }");
+  Describe<Mask>(out, "In mask (what is given is multiplied)");
+  Describe<Mask::JointWeight>(out, "In mask.joints = [{ ... }]");
+  Describe<Mask::Box>(out, "In mask.box");
+  Describe<Mask::Range>(out, "In mask.range");
+  Describe<CombVector>(out, "In comb = [{ ... }]");
+  return out;
+}
+
+// ---- Mistyped words -----------------------------------------------------------------------------
+
+namespace {
+
+// Edits (insert, delete, replace, swap of neighbours) between two short words.
+size_t CountEdits(std::string_view a, std::string_view b) {
+  std::vector<std::vector<size_t>> cost(a.size() + 1, std::vector<size_t>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i) {
+    for (size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      const size_t replace = cost[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, replace});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return cost[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string_view FindNearestWord(std::string_view word, std::span<const std::string_view> known) {
+  if (word.size() > 64) return {};
+  std::string_view nearest;
+  size_t fewest = std::max<size_t>(2, word.size() / 3) + 1;
+  for (std::string_view candidate : known) {
+    const size_t edits = CountEdits(word, candidate);
+    if (edits < fewest && edits < candidate.size()) {
+      fewest = edits;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace pelt

@@ -1,0 +1,208 @@
+// The schema of the fur setup: one row for each key, and everything else follows from the row:
+// reading, the message for a mistyped key, bounds, defaults, `pelt bake --keys`, and the check of
+// layer parameters in a groom file.
+//
+// Invariant: a key exists if and only if it has a row. A row names its field by members, so the
+// type of the field chooses how the value is read; a field that is read by hand elsewhere would be
+// missing from all the others.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/groom/fur_setup.hpp"
+
+// toml++ 3.3 asserts what it has not checked ("[=" is enough), which stops a debug build and lets a
+// release build run on into undefined behaviour. Its assertions are turned into an exception in
+// both; the library's compiled form, which packages prefer, would keep its own.
+namespace pelt {
+struct TomlAssertion {};
+inline void ThrowTomlAssertion() { throw TomlAssertion(); }
+}  // namespace pelt
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#undef TOML_HEADER_ONLY
+#undef TOML_SHARED_LIB
+#define TOML_HEADER_ONLY 1
+#define TOML_ASSERT(condition) ((condition) ? void() : ::pelt::ThrowTomlAssertion())
+#include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
+
+namespace pelt {
+
+struct KeyInfo {
+  std::string_view key;
+  std::string_view type;  // for people: "number", "attribute", "table", ...
+  std::string_view unit;
+  double low = 0.0, high = 0.0;  // inclusive bounds of a number, or of a list's length
+  std::string_view doc;
+  std::span<const std::string_view> words = {};  // an enumeration's words, in value order
+  bool required = false;
+  bool outer_bounds = false;  // bounds and unit are those of the key that holds the table
+};
+
+class SetupReader;
+
+template <class T>
+struct KeyRow {
+  KeyInfo info;
+  void (*read)(SetupReader&, const KeyInfo&, const toml::node&, T&);
+  std::string (*show)(const KeyInfo&, const T&);  // the value, for the key list
+  bool (*in_bounds)(const KeyInfo&, const T&) = nullptr;
+};
+
+// The rows of each thing that is written as a TOML table.
+template <class T>
+std::span<const KeyRow<T>> Schema();
+template <>
+std::span<const KeyRow<FurSetup>> Schema();
+template <>
+std::span<const KeyRow<LayerSetup>> Schema();
+template <>
+std::span<const KeyRow<Attribute>> Schema();
+template <>
+std::span<const KeyRow<MapChannel>> Schema();
+template <>
+std::span<const KeyRow<Mask>> Schema();
+template <>
+std::span<const KeyRow<Mask::JointWeight>> Schema();
+template <>
+std::span<const KeyRow<Mask::Box>> Schema();
+template <>
+std::span<const KeyRow<Mask::Range>> Schema();
+template <>
+std::span<const KeyRow<CombVector>> Schema();
+
+template <class T>
+concept SetupTable = std::is_same_v<T, Mask> || std::is_same_v<T, Mask::JointWeight> ||
+    std::is_same_v<T, Mask::Box> || std::is_same_v<T, Mask::Range> || std::is_same_v<T, CombVector>;
+
+// The nearest of `known` to a mistyped word, or empty when none is near.
+std::string_view FindNearestWord(std::string_view word, std::span<const std::string_view> known);
+
+// What no single key shows to be wrong.
+struct BadKey {
+  std::string_view key, reason;
+};
+std::optional<BadKey> FindBadCombination(const LayerParams& params);
+
+// Reads values and knows where it is, for messages.
+class SetupReader {
+ public:
+  SetupReader(std::string path, std::string map_directory)
+      : path_(std::move(path)), map_directory_(std::move(map_directory)) {}
+
+  // Whose keys these are: "layer 'head': ", or empty.
+  void SetOwner(std::string owner) { owner_ = std::move(owner); }
+
+  [[noreturn]] void Fail(uint32_t line, std::string_view reason) const;
+  [[noreturn]] void FailKey(uint32_t line, std::string_view key, std::string_view reason) const;
+
+  void Read(const KeyInfo&, const toml::node&, float&);
+  void Read(const KeyInfo&, const toml::node&, uint32_t&);
+  void Read(const KeyInfo&, const toml::node&, uint64_t&);
+  void Read(const KeyInfo&, const toml::node&, bool&);
+  void Read(const KeyInfo&, const toml::node&, std::string&);
+  void Read(const KeyInfo&, const toml::node&, std::vector<std::string>&);
+  void Read(const KeyInfo&, const toml::node&, glm::vec2&);  // low, high
+  void Read(const KeyInfo&, const toml::node&, glm::vec3&);
+  void Read(const KeyInfo&, const toml::node&, char&);  // a word of one letter
+  void Read(const KeyInfo&, const toml::node&, int&);   // a word's place
+  void Read(const KeyInfo&, const toml::node&, Attribute&);
+  void Read(const KeyInfo&, const toml::node&, MapChannel&);
+  void Read(const KeyInfo&, const toml::node&, std::shared_ptr<const ControlMap>&);
+  void ReadColour(const KeyInfo&, const toml::node&, uint32_t&);   // "#rrggbb" to 0xffBBGGRR
+  void ReadColour(const KeyInfo&, const toml::node&, glm::vec3&);  // "#rrggbb" to bytes / 255
+  void ReadDensity(const KeyInfo&, const toml::node&, LayerSetup&);
+
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void Read(const KeyInfo& info, const toml::node& node, Enum& value) {
+    value = Enum(ReadWord(info, node));
+  }
+  template <class T>
+  void Read(const KeyInfo& info, const toml::node& node, std::optional<T>& value) {
+    T fresh{};
+    Read(info, node, fresh);
+    value = fresh;
+  }
+  template <SetupTable T>
+  void Read(const KeyInfo& info, const toml::node& node, T& value) {
+    ReadTable(info, ExpectTable(info, node), value);
+    Check(info, node, value);
+  }
+  template <SetupTable T>
+  void Read(const KeyInfo& info, const toml::node& node, std::vector<T>& values) {
+    const toml::array& array = ExpectArray(info, node, info.low, info.high);
+    for (size_t i = 0; i < array.size(); ++i) {
+      const std::string name = std::string(info.key) + "[" + std::to_string(i) + "]";
+      KeyInfo element = info;
+      element.key = name;
+      Read(element, array[i], values.emplace_back());
+    }
+  }
+
+  // Reads every key of the table by its row, in file order. `outer` is the key that holds it. A
+  // partial table may lack keys that are needed.
+  template <class T>
+  void ReadTable(const KeyInfo& outer, const toml::table& table, T& value, bool partial = false) {
+    const std::string kept = prefix_;
+    if (!outer.key.empty()) prefix_ += std::string(outer.key) + ".";
+    const auto rows = Schema<T>();
+    std::vector<std::string_view> names;
+    for (const auto& row : rows) names.push_back(row.info.key);
+    for (const Entry& entry : ListEntries(table, names)) {
+      const KeyRow<T>& row = rows[entry.row];
+      if (!row.read) continue;
+      KeyInfo info = row.info;
+      if (info.outer_bounds) {
+        info.low = outer.low;
+        info.high = outer.high;
+        info.unit = outer.unit;
+      }
+      row.read(*this, info, *entry.node, value);
+    }
+    for (const auto& row : rows) {
+      if (!partial && row.info.required && !table.contains(row.info.key)) {
+        FailKey(LineOf(table), row.info.key, "is needed here and missing");
+      }
+    }
+    prefix_ = kept;
+  }
+
+  uint32_t LineOf(const toml::node& node) const;
+
+ private:
+  struct Entry {
+    size_t row;
+    const toml::node* node;
+  };
+  // The table's keys in file order; fails on the first that is not among `names`.
+  std::vector<Entry> ListEntries(const toml::table&, std::span<const std::string_view> names);
+  const toml::table& ExpectTable(const KeyInfo&, const toml::node&);
+  const toml::array& ExpectArray(const KeyInfo&, const toml::node&, double low, double high);
+  std::string_view ExpectString(const KeyInfo&, const toml::node&);
+  [[noreturn]] void FailType(const KeyInfo&, const toml::node&, std::string_view expected);
+  double ReadNumber(const KeyInfo&, const toml::node&);
+  int64_t ReadWhole(const KeyInfo&, const toml::node&, int64_t low, int64_t high);
+  size_t ReadWord(const KeyInfo&, const toml::node&);
+  uint32_t ReadHexColour(const KeyInfo&, const toml::node&);
+  // What holds between the keys of one table.
+  void Check(const KeyInfo&, const toml::node&, const Mask&) {}
+  void Check(const KeyInfo&, const toml::node&, const Mask::Box&) {}
+  void Check(const KeyInfo&, const toml::node&, const Mask::JointWeight&);
+  void Check(const KeyInfo&, const toml::node&, const Mask::Range&);
+  void Check(const KeyInfo&, const toml::node&, const CombVector&);
+
+  std::string path_, map_directory_, owner_, prefix_;
+  std::map<std::string, std::shared_ptr<const ControlMap>> maps_;
+};
+
+}  // namespace pelt

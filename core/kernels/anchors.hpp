@@ -1,0 +1,53 @@
+// Where the chains of a vertex-chain layer are fixed: the skinned vertices, as rows.
+//
+// Skinned vertices are records because strands fetch them in any order; simulation wants rows. This
+// kernel only turns one into the other, so an anchor has the vertex's bits.
+#pragma once
+
+#include <string_view>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct AnchorsParams {};
+
+template <class V>
+struct Anchors {
+  static constexpr std::string_view kName = "anchors";
+  using Params = AnchorsParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<SkinnedBlock> skinned;
+    Out<RootBlock> anchors;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+                                          Port<&Ports::skinned>(Stream::kSkinned, "skinned"),
+                                          Port<&Ports::anchors>(Stream::kAnchors, "anchors"));
+
+  static void Run(const Params&, const Ports& ports) {
+    const uint32_t lanes = (ports.state->live_vertices + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    RootBlock& anchors = *ports.anchors;
+    for (uint32_t v = 0; v < lanes; v += V::kLanes) {
+      const SkinnedVertex* const in = ports.skinned->vertex + v;
+      CopyColumns([in](int lane) { return in[lane].position; }, anchors.position, v);
+      CopyColumns([in](int lane) { return in[lane].normal; }, anchors.normal, v);
+      CopyColumns([in](int lane) { return in[lane].tangent; }, anchors.tangent, v);
+      CopyColumns([in](int lane) { return in[lane].motion; }, anchors.motion, v);
+    }
+  }
+
+ private:
+  template <class AddressOfLane>
+  static PELT_INLINE void CopyColumns(AddressOfLane address, float (&rows)[3][kStrandsPerChunk],
+                                      uint32_t lane) {
+    V x = LoadRecords<V, 0>(address), y = LoadRecords<V, 1>(address);
+    V z = LoadRecords<V, 2>(address), w = LoadRecords<V, 3>(address);
+    TransposeFours(x, y, z, w);
+    Store3<V>(rows, lane, {x, y, z});
+  }
+};
+
+}  // namespace pelt

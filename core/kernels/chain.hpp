@@ -1,0 +1,382 @@
+// What the two solvers share: how a chain is loaded, predicted, kept out of things and put back.
+//
+// The idea: a chain is solved in coordinates relative to its root of this frame. The root is then
+// the origin, the surface plane passes through it, the floats are small (a point 100 m from the
+// world's origin is solved as finely as one at it), and what is safe can be said in lengths of the
+// strand.
+//
+//   world  position, previous --+                                     +--> position, previous
+//                               v                                     |
+//   root-relative          [predict] -> solver's iterations -> [finish]
+//                           box                                 strength, restart, rest
+//
+// Invariants:
+//  - A lane's result depends on that lane only (and, clumping, on its control strand's).
+//  - From finite input comes finite output, and no predicted point is further from its root than
+//    kBoxReach times its distance along the strand, whatever the root did.
+//  - A lane without strength, a lane that is new, and every lane of a chunk that restarts lie
+//    exactly on the groom, at rest.
+//  - A chain that hardly moved keeps its bits, so a still scene reaches a state that a step leaves
+//    bit for bit unchanged; sleeping stands on that.
+//
+// Source: position-based dynamics (Mueller, Heidelberger, Hennix, Ratcliff 2007); the length
+// constraint without a square root follows Jakobsen (Advanced Character Physics, GDC 2001), one
+// order better (LengthRule). Hardness is a share removed per iteration, as in the originals: it is
+// not physical, and the static shape depends on frame rate and iterations. Velocity is the last
+// frame's displacement, not corrected when dt changes between frames.
+#pragma once
+
+#include <cstdint>
+
+#include "core/chunk.hpp"
+#include "core/kernels/twin.hpp"
+#include "core/simd.hpp"
+
+namespace pelt {
+
+// What every layer's solver is told about the scene this frame.
+struct SimulateParams {
+  float dt;              // s, > 0
+  float rest_threshold;  // a chain none of whose points moved more than this share of a segment
+                         // keeps its bits; 0: never
+  uint32_t use_ground;
+  uint32_t sphere_count;
+  float ground[4];                    // world: unit normal n and d; free space is n . x + d >= 0
+  float sphere[kSpheresPerScene][4];  // world: centre, radius, m
+};
+
+inline constexpr float kRestThreshold =
+    2.0e-4f;  // default; see tests/kernels for the bias it costs
+
+namespace chain {
+
+// Share of a length correction that moves the upper point of a segment; the lower takes the rest.
+// A strand tapers, so each point is lighter than the one above it; this is a mass ratio of 3, and
+// it is also what lets four sweeps from the root hold the length.
+inline constexpr float kParentShare = 0.25f;
+// Points never come nearer each other than this in the length constraint's arithmetic, m.
+inline constexpr float kSegmentMin = 1.0e-6f;
+// A predicted point lies inside this many times its distance along the strand from its root, by
+// component. This is what caps speed: after a jump of the root without the restart flag a point
+// cannot be thrown further than its chain could follow, while the speed of the body as a whole is
+// not limited. A chain that is held together never gets to the box: its points are within once
+// their distance.
+inline constexpr float kBoxReach = 2.0f;
+// Four steps of a float: below this share of a coordinate, motion is rounding.
+inline constexpr float kRoundingShare = 4.8e-7f;
+
+PELT_INLINE constexpr uint32_t RoundUpLanes(uint32_t live) {
+  return (live + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+}
+
+// One group of chains, relative to their roots.
+template <class W, uint32_t kFree>
+struct Group {
+  Vec3<W> root, normal, free_motion, carried_motion;
+  Vec3<W> rest[kFree];   // offsets of the groom's points, turned into the world's axes
+  Vec3<W> point[kFree];  // offsets of the present points
+  W length;              // of one segment, m
+};
+
+template <class W>
+PELT_INLINE Vec3<W> Splat3(const float (&v)[3]) {
+  return {W(v[0]), W(v[1]), W(v[2])};
+}
+
+template <class W>
+PELT_INLINE Vec3<W> ClampBox(Vec3<W> v, W reach) {
+  const W low = -reach;
+  return {Clamp(v.x, low, reach), Clamp(v.y, low, reach), Clamp(v.z, low, reach)};
+}
+
+// Offset in the root frame (tangent, normal x tangent, normal) to world axes.
+template <class W>
+PELT_INLINE Vec3<W> Turn(Vec3<W> tangent, Vec3<W> bitangent, Vec3<W> normal, Vec3<W> offset) {
+  return tangent * offset.x + bitangent * offset.y + normal * offset.z;
+}
+
+template <class W, uint32_t kPoints>
+PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& roots, float follow,
+                           uint32_t lane, Group<W, kPoints - 1>& g) {
+  g.root = Load3<W>(roots.position, lane);
+  g.normal = Load3<W>(roots.normal, lane);
+  const Vec3<W> tangent = Load3<W>(roots.tangent, lane);
+  const Vec3<W> bitangent = Cross(g.normal, tangent);
+  const Vec3<W> motion = Load3<W>(roots.motion, lane);
+  g.carried_motion = motion * W(follow);
+  g.free_motion = motion - g.carried_motion;
+  g.length = Max(W::Load(rest.segment_length + lane), W(kSegmentMin));
+  for (uint32_t i = 0; i < kPoints - 1; ++i)
+    g.rest[i] = Turn(tangent, bitangent, g.normal, Load3<W>(rest.offset[i], lane));
+}
+
+// Where the points go if nothing holds them: the old place, carried along with the root by the
+// layer's share, plus what is kept of the last frame's step, plus acceleration * dt^2 (`fall`).
+template <class W, uint32_t kPoints>
+PELT_INLINE void Predict(const PointBlock<kPoints>& position, const PointBlock<kPoints>& previous,
+                         float keep, Vec3<W> fall, uint32_t lane, Group<W, kPoints - 1>& g) {
+  const Vec3<W> shift = g.carried_motion + fall;
+  for (uint32_t i = 0; i < kPoints - 1; ++i) {
+    const Vec3<W> old = Load3<W>(position.position[i], lane);
+    const Vec3<W> step = old - Load3<W>(previous.position[i], lane);
+    g.point[i] =
+        ClampBox(old - g.root + shift + step * W(keep), g.length * W(kBoxReach * float(i + 1)));
+  }
+}
+
+// The length constraint's numbers, once a group: segment vector d is to become d * Scale(d). For
+// hardness 1 that is Halley's step for L / |d|,
+//
+//     Scale = (3 L^2 + d^2) / (L^2 + 3 d^2) = 1/3 + 8/9 L^2 / (d^2 + L^2 / 3),
+//
+// no square root; with s = |d| / L it leaves an error of (s - 1)^3 / (1 + 3 s^2): cubic, and never
+// past the length from either side.
+template <class W>
+struct LengthRule {
+  W third, top, rest_share;
+  PELT_INLINE LengthRule(W length, float hardness) {
+    const W length2 = length * length;
+    third = length2 * W(1.0f / 3.0f);
+    top = length2 * W(8.0f / 9.0f * hardness);
+    rest_share = W(1.0f - hardness * (2.0f / 3.0f));
+  }
+  PELT_INLINE W Scale(Vec3<W> d) const { return top / (Dot(d, d) + third) + rest_share; }
+};
+
+// Sets the lengths from root to tip. What a segment gains or loses is shared by its ends by mass;
+// the root does not move.
+template <class W, uint32_t kFree>
+PELT_INLINE void SetLengths(const LengthRule<W>& rule, Vec3<W> (&point)[kFree]) {
+  point[0] = point[0] * rule.Scale(point[0]);
+  for (uint32_t i = 1; i < kFree; ++i) {
+    const Vec3<W> d = point[i] - point[i - 1];
+    const W scale = rule.Scale(d);
+    point[i - 1] = point[i - 1] - d * ((scale - W(1.0f)) * W(kParentShare));
+    point[i] = point[i - 1] + d * scale;
+  }
+}
+
+// Ground plane and spheres as one group sees them. A sphere counts for a lane only when it can
+// touch the box the lane's points start in; groups none of whose lanes count leave it out. The
+// choice is made by lane, so it cannot depend on the lane count.
+template <class W, uint32_t kFree>
+struct Obstacles {
+  Vec3<W> ground_normal;
+  W ground_height;  // of the root above the ground, m
+  Vec3<W> centre[kSpheresPerScene];
+  W radius[kSpheresPerScene];  // 0 for lanes it does not count for
+  uint32_t sphere_count;
+  bool use_ground;
+
+  PELT_INLINE void Load(const SimulateParams& params, const Group<W, kFree>& g) {
+    use_ground = params.use_ground != 0;
+    sphere_count = 0;
+    ground_normal = {W(0.0f), W(0.0f), W(0.0f)};
+    ground_height = W(0.0f);
+    if (use_ground) {
+      ground_normal = {W(params.ground[0]), W(params.ground[1]), W(params.ground[2])};
+      ground_height = Dot(ground_normal, g.root) + W(params.ground[3]);
+    }
+    const uint32_t count =
+        params.sphere_count < kSpheresPerScene ? params.sphere_count : kSpheresPerScene;
+    const W reach = g.length * W(2.0f * kBoxReach * float(kFree));
+    for (uint32_t s = 0; s < count; ++s) {
+      const float* sphere = params.sphere[s];
+      const Vec3<W> c = Vec3<W>{W(sphere[0]), W(sphere[1]), W(sphere[2])} - g.root;
+      const W range = reach + W(sphere[3]);
+      const auto near = Dot(c, c) < range * range;
+      if (!Any(near)) continue;
+      centre[sphere_count] = c;
+      radius[sphere_count] = Select(near, W(sphere[3]), W(0.0f));
+      ++sphere_count;
+    }
+  }
+
+  PELT_INLINE void PushOut(Vec3<W> (&point)[kFree]) const {
+    for (uint32_t s = 0; s < sphere_count; ++s) {
+      for (uint32_t i = 0; i < kFree; ++i) {
+        const Vec3<W> d = point[i] - centre[s];
+        const W d2 = Dot(d, d);
+        const auto inside = d2 < radius[s] * radius[s];
+        point[i] = Select<W>(inside, centre[s] + d * (radius[s] * Rsqrt(d2)), point[i]);
+      }
+    }
+    if (!use_ground) return;
+    for (uint32_t i = 0; i < kFree; ++i) {
+      const W depth = Min(Dot(ground_normal, point[i]) + ground_height, W(0.0f));
+      point[i] = point[i] - ground_normal * depth;
+    }
+  }
+};
+
+// Speed into a plane, m a frame, below which a contact returns nothing: two frames of free fall.
+PELT_INLINE float SlowContact(const LayerBlock& layer, float dt) {
+  const float x = layer.gravity[0], y = layer.gravity[1], z = layer.gravity[2];
+  return 2.0f * dt * dt * ((x < 0 ? -x : x) + (y < 0 ? -y : y) + (z < 0 ? -z : z));
+}
+
+// What a contact gives back. A point that was predicted to dive into a plane (the surface at its
+// root, the ground) leaves it with `bounce` times the speed it came with. Contacts slower than two
+// frames of free fall return nothing, or a resting chain would never rest. Spheres return nothing.
+template <class W, uint32_t kFree>
+struct Bounces {
+  W surface_speed[kFree];  // into the plane, m a frame; 0: no contact
+  W ground_speed[kFree];
+
+  template <uint32_t kPoints>
+  PELT_INLINE void Record(const PointBlock<kPoints>& position, float slow, bool has_surface,
+                          uint32_t lane, const Group<W, kFree>& g,
+                          const Obstacles<W, kFree>& obstacles) {
+    for (uint32_t i = 0; i < kFree; ++i) {
+      const Vec3<W> start = Load3<W>(position.position[i], lane) + g.carried_motion - g.root;
+      const Vec3<W> step = g.point[i] - start;
+      const W surface = Dot(g.free_motion - step, g.normal);
+      surface_speed[i] = W(0.0f);
+      if (has_surface)
+        surface_speed[i] =
+            Select((Dot(g.point[i], g.normal) < W(0.0f)) & (surface > W(slow)), surface, W(0.0f));
+      ground_speed[i] = W(0.0f);
+      if (!obstacles.use_ground) continue;
+      const W ground = -Dot(step, obstacles.ground_normal);
+      const W height = Dot(g.point[i], obstacles.ground_normal) + obstacles.ground_height;
+      ground_speed[i] = Select((height < W(0.0f)) & (ground > W(slow)), ground, W(0.0f));
+    }
+  }
+
+  // What to add to `previous` of point i so that the next frame's velocity leaves the plane.
+  PELT_INLINE Vec3<W> Kick(uint32_t i, Vec3<W> step, float bounce, const Group<W, kFree>& g,
+                           const Obstacles<W, kFree>& obstacles) const {
+    const W none = W(0.0f);
+    const W leave = surface_speed[i] - Dot(step - g.free_motion, g.normal);
+    Vec3<W> kick = g.normal * (Select(surface_speed[i] > none, leave, none) * W(-bounce));
+    if (obstacles.use_ground) {
+      const W up = ground_speed[i] - Dot(step, obstacles.ground_normal);
+      kick =
+          kick + obstacles.ground_normal * (Select(ground_speed[i] > none, up, none) * W(-bounce));
+    }
+    return kick;
+  }
+};
+
+template <class W>
+PELT_INLINE typename W::Int Differences(Vec3<W> a, Vec3<W> b) {
+  return (Bits(a.x) ^ Bits(b.x)) | (Bits(a.y) ^ Bits(b.y)) | (Bits(a.z) ^ Bits(b.z));
+}
+
+// Puts a group back: strength (of a point's distance from the groom, s (2 - s) is kept each frame),
+// lanes that start afresh, and lanes at rest, which keep their bits. Returns the lanes whose
+// position or previous changed. A group without special lanes takes the short way, which gives them
+// the same bits.
+template <class W, uint32_t kPoints>
+PELT_INLINE typename W::Mask Finish(const RestBlock<kPoints>& rest, const SimulateParams& params,
+                                    float bounce, const Bounces<W, kPoints - 1>& bounces,
+                                    const Obstacles<W, kPoints - 1>& obstacles,
+                                    typename W::Mask fresh, uint32_t lane, Group<W, kPoints - 1>& g,
+                                    PointBlock<kPoints>& position, PointBlock<kPoints>& previous) {
+  constexpr uint32_t kFree = kPoints - 1;
+  const W strength = W::Load(rest.strength + lane);
+  fresh = fresh | (strength <= W(0.0f));
+  const auto loose = strength >= W(1.0f);
+  if (!AllSet(loose)) {
+    const W pull = (W(1.0f) - strength) * (W(1.0f) - strength);
+    for (uint32_t i = 0; i < kFree; ++i)
+      g.point[i] = Select<W>(loose, g.point[i], g.point[i] + (g.rest[i] - g.point[i]) * pull);
+  }
+  Vec3<W> next[kFree], last[kFree];
+  W far2 = W(0.0f);
+  for (uint32_t i = 0; i < kFree; ++i) {
+    const Vec3<W> old = Load3<W>(position.position[i], lane);
+    next[i] = g.root + g.point[i];
+    last[i] = old + g.carried_motion;
+    const Vec3<W> step = next[i] - old;
+    far2 = Max(far2, Dot(step, step));
+  }
+  if (bounce > 0.0f)
+    for (uint32_t i = 0; i < kFree; ++i)
+      last[i] = last[i] + bounces.Kick(i, next[i] - last[i], bounce, g, obstacles);
+
+  typename W::Mask changed = W(0.0f) < W(1.0f);
+  typename W::Mask still = !changed;
+  if (params.rest_threshold > 0.0f) {
+    const W size = Max(Max(Abs(g.root.x), Abs(g.root.y)), Abs(g.root.z));
+    const W limit = Max(g.length * W(params.rest_threshold), size * W(kRoundingShare));
+    still = (far2 < limit * limit) & !fresh;
+  }
+  // A lane that is neither has moved by more than its limit. Without a limit, look.
+  if (params.rest_threshold <= 0.0f || Any(still | fresh)) {
+    typename W::Int change = 0;
+    for (uint32_t i = 0; i < kFree; ++i) {
+      const Vec3<W> old = Load3<W>(position.position[i], lane);
+      const Vec3<W> groom = g.root + g.rest[i];
+      next[i] = Select<W>(still, old, Select<W>(fresh, groom, next[i]));
+      last[i] = Select<W>(still, old, Select<W>(fresh, groom, last[i]));
+      change = change | Differences(next[i], old) |
+               Differences(last[i], Load3<W>(previous.position[i], lane));
+    }
+    changed = !(change == typename W::Int(0));
+  }
+  for (uint32_t i = 0; i < kFree; ++i) {
+    Store3(position.position[i], lane, next[i]);
+    Store3(previous.position[i], lane, last[i]);
+  }
+  return changed;
+}
+
+// Every lane on the groom, at rest.
+template <class W, uint32_t kPoints>
+PELT_INLINE typename W::Mask PlaceOnGroom(uint32_t lane, const Group<W, kPoints - 1>& g,
+                                          PointBlock<kPoints>& position,
+                                          PointBlock<kPoints>& previous) {
+  typename W::Int change = 0;
+  for (uint32_t i = 0; i < kPoints - 1; ++i) {
+    const Vec3<W> groom = g.root + g.rest[i];
+    change = change | Differences(groom, Load3<W>(position.position[i], lane)) |
+             Differences(groom, Load3<W>(previous.position[i], lane));
+    Store3(position.position[i], lane, groom);
+    Store3(previous.position[i], lane, groom);
+  }
+  return !(change == typename W::Int(0));
+}
+
+// The control strands' points of this frame as 16-byte records, one for each point: what followers
+// gather. Filled after the controls are solved.
+template <class V, uint32_t kFree>
+struct ControlRecords {
+  alignas(64) float record[kFree][kStrandsPerChunk][4];
+  uint32_t count;
+
+  template <uint32_t kPoints>
+  PELT_INLINE void Fill(const PointBlock<kPoints>& points, uint32_t controls) {
+    static_assert(kPoints == kFree + 1);
+    count = controls;
+    for (uint32_t i = 0; i < kFree; ++i)
+      for (uint32_t lane = 0; lane < controls; lane += V::kLanes) {
+        const Vec3<V> p = Load3<V>(points.position[i], lane);
+        ScatterRecords<V>([&](int l) { return record[i][lane + uint32_t(l)]; }, p.x, p.y, p.z,
+                          V(0.0f));
+      }
+  }
+
+  // Point i of the control strands of W's lanes.
+  template <class W>
+  PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
+    Vec3<W> p;
+    W unused;
+    GatherColumns<W>(
+        [&](int l) {
+          const uint32_t c = control[l];
+          return LoadRecord(record[i][c < count ? c : count - 1]);
+        },
+        p.x, p.y, p.z, unused);
+    return p;
+  }
+};
+
+// Share of the way to the control strand at free point i of kFree: 0 at the root, `clump` at the
+// tip.
+PELT_INLINE constexpr float ClumpShare(float clump, uint32_t i, uint32_t free_points) {
+  return clump * (float(i + 1) / float(free_points));
+}
+
+}  // namespace chain
+}  // namespace pelt

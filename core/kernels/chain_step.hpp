@@ -1,0 +1,155 @@
+// One frame of a chunk's chains, whatever the solver: ports, order of the groups, who starts
+// afresh, and the report to `activate`. A solver adds only its iterations (simulate_pbd.hpp,
+// simulate_verlet.hpp).
+//
+// Invariants:
+//  - Control strands are the first lanes, a whole number of kLaneGroups; they are solved first and
+//    never clump. A follower therefore reads control points of this frame, whatever the lane count.
+//  - state_changed is 0 only if position and previous of every live lane kept all their bits.
+//  - Ports that a layer does not use (wind, strands) are not read.
+#pragma once
+
+#include "core/kernel.hpp"
+#include "core/kernels/chain.hpp"
+#include "core/streams.hpp"
+
+namespace pelt::chain {
+
+template <uint32_t kPoints, bool kVertexChains>
+struct Ports;
+
+template <uint32_t kPoints>
+struct Ports<kPoints, true> {
+  Shared<LayerBlock> layer;
+  InOut<ChunkStateBlock> state;
+  In<RestBlock<kPoints>> rest;
+  In<RootBlock> roots;
+  In<WindBlock> wind;  // read only where the layer has kLayerWind
+  InOut<PointBlock<kPoints>> position;
+  InOut<PointBlock<kPoints>> previous;
+};
+
+template <uint32_t kPoints>
+struct Ports<kPoints, false> {
+  Shared<LayerBlock> layer;
+  InOut<ChunkStateBlock> state;
+  In<RestBlock<kPoints>> rest;
+  In<RootBlock> roots;
+  In<WindBlock> wind;
+  In<StrandBlock> strands;  // control strands; read only where the layer has kLayerClump
+  InOut<PointBlock<kPoints>> position;
+  InOut<PointBlock<kPoints>> previous;
+};
+
+template <uint32_t kPoints, bool kVertexChains>
+constexpr auto MakePorts() {
+  using P = Ports<kPoints, kVertexChains>;
+  if constexpr (kVertexChains) {
+    static_assert(kPoints == 4);
+    return PortList(
+        Port<&P::layer>(Stream::kLayers, "layer"), Port<&P::state>(Stream::kChunkState, "state"),
+        Port<&P::rest>(Stream::kVertexRest, "rest"), Port<&P::roots>(Stream::kAnchors, "roots"),
+        Port<&P::wind>(Stream::kWind, "wind"),
+        Port<&P::position>(Stream::kVertexPoints, "position"),
+        Port<&P::previous>(Stream::kVertexPrevious, "previous"));
+  } else {
+    constexpr bool kFour = kPoints == 4;
+    return PortList(
+        Port<&P::layer>(Stream::kLayers, "layer"), Port<&P::state>(Stream::kChunkState, "state"),
+        Port<&P::rest>(kFour ? Stream::kStrandRest4 : Stream::kStrandRest5, "rest"),
+        Port<&P::roots>(Stream::kRoots, "roots"), Port<&P::wind>(Stream::kWind, "wind"),
+        Port<&P::strands>(Stream::kStrands, "strands"),
+        Port<&P::position>(kFour ? Stream::kStrandPoints4 : Stream::kStrandPoints5, "position"),
+        Port<&P::previous>(kFour ? Stream::kStrandPrevious4 : Stream::kStrandPrevious5,
+                           "previous"));
+  }
+}
+
+// Solver<V, kPoints>::Iterate(layer, obstacles, clump, clump_pull, group) moves the group's points.
+// Solver::HasSurface(layer) says whether the plane through the root is a contact.
+// `clump_pull` is the control strand's offset from the follower's root times the share of the
+// point; it is read only when `clump` is set.
+template <class V, uint32_t kPoints, bool kVertexChains, class Solver>
+struct Step {
+  static_assert(kPoints == 4 || kPoints == 5);
+  static constexpr uint32_t kFree = kPoints - 1;
+  using Ports = chain::Ports<kPoints, kVertexChains>;
+  using Controls = ControlRecords<V, kFree>;
+
+  PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports) {
+    ChunkStateBlock& state = *ports.state;
+    const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
+    const uint32_t end = RoundUpLanes(live);
+    uint32_t controls = end;
+    if constexpr (!kVertexChains)
+      if (ports.layer->flags & kLayerClump) {
+        const uint32_t count = ports.strands->control_count;
+        if (count > 0 && count < end) controls = count;
+      }
+    bool changed = SolveRange(params, ports, 0, controls, live, nullptr);
+    if constexpr (!kVertexChains)
+      if (controls < end) {
+        Controls records;
+        records.Fill(*ports.position, controls);
+        changed |= SolveRange(params, ports, controls, end, live, &records);
+      }
+    state.state_changed = changed ? 1 : 0;
+  }
+
+ private:
+  // Chains in lanes [begin, end), both multiples of kLaneGroup.
+  static bool SolveRange(const SimulateParams& params, const Ports& ports, uint32_t begin,
+                         uint32_t end, uint32_t live, const Controls* controls) {
+    // Twins only of machine registers: on arrays they would only be more code.
+    bool changed = false;
+    uint32_t lane = begin;
+    if constexpr (simd_detail::IsRegister<V>)
+      for (; lane + Twin<V>::kLanes <= end; lane += Twin<V>::kLanes)
+        changed |= SolveGroup<Twin<V>>(params, ports, lane, live, controls);
+    if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
+      for (; lane < end; lane += V::kLanes)
+        changed |= SolveGroup<V>(params, ports, lane, live, controls);
+    return changed;
+  }
+
+  template <class W>
+  PELT_INLINE static bool SolveGroup(const SimulateParams& params, const Ports& ports,
+                                     uint32_t lane, uint32_t live, const Controls* controls) {
+    const LayerBlock& layer = *ports.layer;
+    const ChunkStateBlock& state = *ports.state;
+    const auto lanes = W::Int::Iota(int32_t(lane));
+    const auto alive = lanes < typename W::Int(int32_t(live));
+    Group<W, kFree> g;
+    LoadGroom<W, kPoints>(*ports.rest, *ports.roots, layer.motion_follow, lane, g);
+    if ((state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate))
+      return Any(PlaceOnGroom<W, kPoints>(lane, g, *ports.position, *ports.previous) & alive);
+
+    const float dt2 = params.dt * params.dt;
+    Vec3<W> fall = Splat3<W>(layer.gravity) * W(dt2);
+    if (layer.flags & kLayerWind) fall = fall + Load3<W>(ports.wind->acceleration, lane) * W(dt2);
+    Predict<W, kPoints>(*ports.position, *ports.previous, layer.velocity_keep, fall, lane, g);
+    Obstacles<W, kFree> obstacles;
+    obstacles.Load(params, g);
+    Bounces<W, kFree> bounces;
+    if (layer.bounce > 0.0f)
+      bounces.Record(*ports.position, SlowContact(layer, params.dt), Solver::HasSurface(layer),
+                     lane, g, obstacles);
+
+    Vec3<W> clump_pull[kFree];
+    if constexpr (!kVertexChains)
+      if (controls)
+        for (uint32_t i = 0; i < kFree; ++i)
+          clump_pull[i] =
+              (controls->template Gather<W>(ports.strands->control + lane, i) - g.root) *
+              W(ClumpShare(layer.clump, i, kFree));
+    Solver::Iterate(layer, obstacles, !kVertexChains && controls != nullptr, clump_pull, g);
+
+    const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
+    const auto fresh = !(lanes < typename W::Int(int32_t(first_new)));
+    return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, obstacles, fresh,
+                                  lane, g, *ports.position, *ports.previous) &
+               alive);
+  }
+};
+
+}  // namespace pelt::chain

@@ -1,0 +1,154 @@
+// Interpolate: the strands of a vertex-chain layer follow the chains at the three vertices of their
+// triangle.
+//
+// A chain says how far its points are from where the groom would have them; that displacement, as a
+// share of the chain's length, is blended by the strand's barycentrics, scaled to the strand's
+// length and added to the strand's own groomed shape in the strand's own frame:
+//
+//   strand point i = root + R_s rest_i + L_s * sum over k of bary_k * (c_ki - r_ki) / L_k
+//
+// Then clumping pulls it towards its control strand of this frame, and last each segment is set to
+// its length, root to tip: blending directions shortens, and the groom promised a length.
+//
+// The displacements are kept as 16-byte records, one for each vertex and point, on the stack: each
+// vertex is used by several strands, and records gather well (core/simd/records.hpp).
+//
+// Invariant: control strands are the first lanes; they are written first and never clump, so a
+// follower reads points of this frame whatever the lane count. Where chains lie on their groom and
+// nothing clumps, a strand lies on its groom (to rounding).
+#pragma once
+
+#include <string_view>
+
+#include "core/kernel.hpp"
+#include "core/kernels/chain.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct InterpolateParams {};
+
+template <class V>
+struct Interpolate {
+  static constexpr std::string_view kName = "interpolate";
+  static constexpr uint32_t kFree = 3;
+  using Params = InterpolateParams;
+  struct Ports {
+    Shared<LayerBlock> layer;
+    In<ChunkStateBlock> state;
+    In<StrandBlock> strands;
+    In<RestBlock<4>> strand_rest;
+    In<RestBlock<4>> chain_rest;
+    In<RootBlock> roots;
+    In<RootBlock> anchors;
+    In<PointBlock<4>> chains;
+    Out<PointBlock<4>> points;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
+               Port<&Ports::state>(Stream::kChunkState, "state"),
+               Port<&Ports::strands>(Stream::kStrands, "strands"),
+               Port<&Ports::strand_rest>(Stream::kStrandRest4, "strand_rest"),
+               Port<&Ports::chain_rest>(Stream::kVertexRest, "chain_rest"),
+               Port<&Ports::roots>(Stream::kRoots, "roots"),
+               Port<&Ports::anchors>(Stream::kAnchors, "anchors"),
+               Port<&Ports::chains>(Stream::kVertexPoints, "chains"),
+               Port<&Ports::points>(Stream::kStrandPoints4, "points"));
+
+  static void Run(const Params&, const Ports& ports) {
+    Displacements displacements;
+    FillDisplacements(ports, displacements);
+    const uint32_t end = chain::RoundUpLanes(ports.state->live_strands);
+    uint32_t controls = end;
+    if (ports.layer->flags & kLayerClump) {
+      const uint32_t count = ports.strands->control_count;
+      if (count > 0 && count < end) controls = count;
+    }
+    WriteRange(ports, displacements, 0, controls, nullptr);
+    if (controls == end) return;
+    Controls records;
+    records.Fill(*ports.points, controls);
+    WriteRange(ports, displacements, controls, end, &records);
+  }
+
+ private:
+  using Controls = chain::ControlRecords<V, kFree>;
+  struct Displacements {
+    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m a metre of chain
+  };
+
+  PELT_INLINE static void LoadOnGroom(const RestBlock<4>& rest, const RootBlock& roots,
+                                      uint32_t lane, chain::Group<V, kFree>& g) {
+    chain::LoadGroom<V, 4>(rest, roots, 0.0f, lane, g);
+  }
+
+  PELT_INLINE static void FillDisplacements(const Ports& ports, Displacements& out) {
+    const uint32_t end = chain::RoundUpLanes(ports.state->live_vertices);
+    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
+      chain::Group<V, kFree> g;
+      LoadOnGroom(*ports.chain_rest, *ports.anchors, lane, g);
+      const V scale = V(1.0f) / g.length;
+      for (uint32_t i = 0; i < kFree; ++i) {
+        const Vec3<V> at = Load3<V>(ports.chains->position[i], lane) - g.root;
+        const Vec3<V> d = (at - g.rest[i]) * scale;
+        ScatterRecords<V>([&](int l) { return out.record[lane + uint32_t(l)][i]; }, d.x, d.y, d.z,
+                          V(0.0f));
+      }
+    }
+  }
+
+  // Blend of the three vertices' records of point i, for lanes kFirst, kFirst + 4, ...
+  template <int kFirst>
+  PELT_INLINE static V Blend(const Displacements& displacements, const StrandBlock& strands,
+                             const V (&bary)[3], uint32_t lane, uint32_t i) {
+    V sum;
+    for (int k = 0; k < 3; ++k) {
+      const uint8_t* vertex = strands.vertex[k] + lane;
+      const V record = LoadRecords<V, kFirst>(
+          [&](int l) { return displacements.record[vertex[l] % kVerticesPerChunk][i]; });
+      const V term = record * SplatInFours<kFirst>(bary[k]);
+      sum = k == 0 ? term : sum + term;
+    }
+    return sum;
+  }
+
+  PELT_INLINE static void WriteRange(const Ports& ports, const Displacements& displacements,
+                                     uint32_t begin, uint32_t end, const Controls* controls) {
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes)
+      WriteGroup(ports, displacements, lane, controls);
+  }
+
+  PELT_INLINE static void WriteGroup(const Ports& ports, const Displacements& displacements,
+                                     uint32_t lane, const Controls* controls) {
+    const StrandBlock& strands = *ports.strands;
+    chain::Group<V, kFree> g;
+    LoadOnGroom(*ports.strand_rest, *ports.roots, lane, g);
+    V bary[3];
+    for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * g.length;
+    for (uint32_t i = 0; i < kFree; ++i) {
+      V x = Blend<0>(displacements, strands, bary, lane, i);
+      V y = Blend<1>(displacements, strands, bary, lane, i);
+      V z = Blend<2>(displacements, strands, bary, lane, i);
+      V w = Blend<3>(displacements, strands, bary, lane, i);
+      TransposeFours(x, y, z, w);
+      g.point[i] = g.rest[i] + Vec3<V>{x, y, z};
+    }
+    if (controls)
+      for (uint32_t i = 0; i < kFree; ++i) {
+        const Vec3<V> to = controls->template Gather<V>(strands.control + lane, i) - g.root;
+        g.point[i] =
+            g.point[i] + (to - g.point[i]) * V(chain::ClumpShare(ports.layer->clump, i, kFree));
+      }
+    // Segments to their length, root to tip. A segment of no direction stays a point.
+    Vec3<V> upper = g.point[0], at = upper;
+    for (uint32_t i = 0; i < kFree; ++i) {
+      const Vec3<V> d = i == 0 ? g.point[0] : g.point[i] - upper;
+      const Vec3<V> segment = d * (g.length * Rsqrt(Max(Dot(d, d), V(1.0e-24f))));
+      upper = g.point[i];
+      at = i == 0 ? segment : at + segment;
+      Store3(ports.points->position[i], lane, g.root + at);
+    }
+  }
+};
+
+}  // namespace pelt

@@ -1,0 +1,103 @@
+// Where the strands stand: three skinned vertices blended with the strand's barycentrics.
+//
+// The one irregular access of the frame. Whole 16-byte records are blended, lanes k, k + 4, ... in
+// one register with the strand's weight spread over its record, and transposed once at the end: a
+// third of the shuffles that transposing each vertex would take.
+//
+// Invariant: normal and tangent come out unit and square to each other, also where the three
+// normals cancel. Strands that share a place on a border get bits from vertices that agree bit for
+// bit.
+#pragma once
+
+#include <string_view>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct RootsParams {};
+
+template <class V>
+struct Roots {
+  static constexpr std::string_view kName = "roots";
+  using Params = RootsParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<StrandBlock> strands;
+    In<SkinnedBlock> skinned;
+    Out<RootBlock> roots;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+                                          Port<&Ports::strands>(Stream::kStrands, "strands"),
+                                          Port<&Ports::skinned>(Stream::kSkinned, "skinned"),
+                                          Port<&Ports::roots>(Stream::kRoots, "roots"));
+
+  static void Run(const Params&, const Ports& ports) {
+    const uint32_t lanes = (ports.state->live_strands + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    for (uint32_t s = 0; s < lanes; s += V::kLanes)
+      BlendStrands(*ports.strands, ports.skinned->vertex, s, *ports.roots);
+    // A loop of its own: making a frame unit is a chain of some 200 cycles, and only short loop
+    // bodies let the machine overlap the chains of several groups.
+    for (uint32_t s = 0; s < lanes; s += V::kLanes) FinishFrames(s, *ports.roots);
+  }
+
+ private:
+  // The four records of a vertex, for the strands of lanes k, k + 4, ...
+  struct VertexRecords {
+    V position, normal, tangent, motion;
+  };
+
+  template <int k>
+  static PELT_INLINE VertexRecords WeighVertex(const SkinnedVertex* vertices, const uint8_t* index,
+                                               V weight) {
+    const V w = SplatInFours<k>(weight);
+    const auto vertex = [&](int lane) -> const SkinnedVertex& { return vertices[index[lane]]; };
+    return {LoadRecords<V, k>([&](int lane) { return vertex(lane).position; }) * w,
+            LoadRecords<V, k>([&](int lane) { return vertex(lane).normal; }) * w,
+            LoadRecords<V, k>([&](int lane) { return vertex(lane).tangent; }) * w,
+            LoadRecords<V, k>([&](int lane) { return vertex(lane).motion; }) * w};
+  }
+
+  static PELT_INLINE VertexRecords Add(VertexRecords a, VertexRecords b) {
+    return {a.position + b.position, a.normal + b.normal, a.tangent + b.tangent,
+            a.motion + b.motion};
+  }
+
+  template <int k>
+  static PELT_INLINE VertexRecords BlendVertices(const StrandBlock& strands,
+                                                 const SkinnedVertex* vertices, uint32_t s,
+                                                 const Vec3<V>& bary) {
+    return Add(Add(WeighVertex<k>(vertices, strands.vertex[0] + s, bary.x),
+                   WeighVertex<k>(vertices, strands.vertex[1] + s, bary.y)),
+               WeighVertex<k>(vertices, strands.vertex[2] + s, bary.z));
+  }
+
+  static PELT_INLINE Vec3<V> Columns(V a, V b, V c, V d) {
+    TransposeFours(a, b, c, d);
+    return {a, b, c};
+  }
+
+  static PELT_INLINE void BlendStrands(const StrandBlock& strands, const SkinnedVertex* vertices,
+                                       uint32_t s, RootBlock& roots) {
+    const Vec3<V> bary = Load3<V>(strands.bary, s);
+    const VertexRecords a = BlendVertices<0>(strands, vertices, s, bary);
+    const VertexRecords b = BlendVertices<1>(strands, vertices, s, bary);
+    const VertexRecords c = BlendVertices<2>(strands, vertices, s, bary);
+    const VertexRecords d = BlendVertices<3>(strands, vertices, s, bary);
+    Store3<V>(roots.position, s, Columns(a.position, b.position, c.position, d.position));
+    Store3<V>(roots.motion, s, Columns(a.motion, b.motion, c.motion, d.motion));
+    Store3<V>(roots.normal, s, Columns(a.normal, b.normal, c.normal, d.normal));
+    Store3<V>(roots.tangent, s, Columns(a.tangent, b.tangent, c.tangent, d.tangent));
+  }
+
+  static PELT_INLINE void FinishFrames(uint32_t s, RootBlock& roots) {
+    const Vec3<V> up = {V(0.0f), V(1.0f), V(0.0f)};
+    const Vec3<V> normal = NormalizeOr(Load3<V>(roots.normal, s), up);
+    Store3<V>(roots.normal, s, normal);
+    Store3<V>(roots.tangent, s, UnitAcross(normal, Load3<V>(roots.tangent, s)));
+  }
+};
+
+}  // namespace pelt

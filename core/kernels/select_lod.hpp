@@ -1,0 +1,157 @@
+// Which layers are seen this frame, and what share of their strands.
+//
+// A layer is seen unless its box lies wholly outside one plane of the view (Gribb and Hartmann's
+// planes against the box corner farthest along each: may keep a box that is outside, never drops
+// one that is inside). The share follows the size of the box on the screen:
+//
+//   size_px = box diagonal * pixels_per_unit_at_1m / distance from the eye to the box
+//   wanted  = clamp(size_px / full_detail_pixels, min_fraction, 1)      stored for the budget
+//   target  = min(wanted * budget_scale, 1)
+//
+// so a layer never loses strands by coming nearer or growing. `fraction` follows `target` only when
+// they differ by more than hysteresis * fraction, when the layer comes into view, or when target
+// reaches 1 (a layer close up has all its strands). Near 1 that is no flicker: once at 1 it leaves
+// only through the band. The last strands of the prefix fade out; the fade narrows to nothing as
+// the share reaches 1, so it does not jump there either.
+//
+// Invariant: visible == 0 means fraction 0, and fraction > 0 means visible != 0. What breaks if
+// ignored: chunks with no live strands in a visible layer would keep last frame's sort keys.
+#pragma once
+
+#include <span>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+#include "core/view.hpp"
+
+namespace pelt {
+
+enum SelectLodFlag : uint32_t {
+  kLodOn = 1u << 0,   // else every strand of a visible layer lives
+  kCullOn = 1u << 1,  // else every enabled layer is visible
+};
+
+struct SelectLodParams {
+  View view;
+  float full_detail_pixels;  // on-screen box diagonal from which all strands live, px
+  float min_fraction;        // least share a visible layer asks for, before the budget, 0..1
+  float hysteresis;          // share of the present fraction a change must exceed, 0..1
+  float budget_scale;        // from BudgetScale, 0..1
+  float fade_share;          // share of the living strands that fade, 0..1
+  uint32_t flags;            // SelectLodFlag
+};
+
+namespace select_lod_detail {
+
+PELT_INLINE bool IsOutsidePlane(const float (&plane)[4], const BoundsBlock& box) {
+  float distance = plane[3], magnitude = plane[3] < 0.0f ? -plane[3] : plane[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float n = plane[axis];
+    const float term = n * (n > 0.0f ? box.high[axis] : box.low[axis]);
+    distance = distance + term;
+    magnitude = magnitude + (term < 0.0f ? -term : term);
+  }
+  // Rounding of the four terms stays below this, so a box that touches the plane is kept.
+  return distance < -1e-6f * magnitude;
+}
+
+PELT_INLINE bool IsVisible(const SelectLodParams& p, const LayerBlock& layer,
+                           const BoundsBlock& box) {
+  if (!(layer.flags & kLayerEnabled) || layer.strand_count == 0) return false;
+  if (!(p.flags & kCullOn)) return true;
+  bool outside = false;
+  for (int i = 0; i < 6; ++i) outside = outside || IsOutsidePlane(p.view.planes[i], box);
+  return !outside;
+}
+
+// Share of strands the box's size on the screen asks for.
+template <class V>
+PELT_INLINE float WantedFraction(const SelectLodParams& p, const BoundsBlock& box) {
+  float diagonal2 = 0.0f, distance2 = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float edge = box.high[axis] - box.low[axis];
+    const float below = box.low[axis] - p.view.eye[axis];
+    const float above = p.view.eye[axis] - box.high[axis];
+    const float gap = below > 0.0f ? below : above > 0.0f ? above : 0.0f;
+    diagonal2 = diagonal2 + edge * edge;
+    distance2 = distance2 + gap * gap;
+  }
+  const float near2 = p.view.near_m * p.view.near_m;
+  if (distance2 < near2) distance2 = near2;
+  const float diagonal = Sqrt(V(diagonal2))[0], distance = Sqrt(V(distance2))[0];
+  const float size_px = diagonal * p.view.pixels_per_unit_at_1m;
+  const float full_px = p.full_detail_pixels * distance;
+  if (size_px >= full_px) return 1.0f;  // also when full_detail_pixels is 0
+  const float wanted = size_px / full_px;
+  return wanted < p.min_fraction ? p.min_fraction : wanted;
+}
+
+// `present` is last frame's fraction, 0 when the layer was not visible.
+PELT_INLINE float FollowTarget(float present, float target, float hysteresis) {
+  if (present <= 0.0f || target >= 1.0f) return target;
+  const float band = hysteresis * present;
+  const float difference = target > present ? target - present : present - target;
+  return difference > band ? target : present;
+}
+
+}  // namespace select_lod_detail
+
+// Scale on every layer's wanted share that keeps the strands of all visible layers within the
+// budget, from last frame's LOD blocks; 1 when they fit or when the budget is 0 (none). Reads
+// `wanted`, which the budget does not act on, so that it settles at once and cannot swing. Living
+// strands may exceed the budget by the hysteresis band and by one strand a chunk. Called on the
+// caller's thread; both spans have one entry a layer.
+PELT_INLINE float BudgetScale(std::span<const LodBlock> lod, std::span<const LayerBlock> layers,
+                              uint32_t strand_budget) {
+  if (strand_budget == 0) return 1.0f;
+  double strands = 0.0;
+  for (size_t i = 0; i < lod.size() && i < layers.size(); ++i)
+    if (lod[i].visible) strands += double(lod[i].wanted) * double(layers[i].strand_count);
+  return strands > double(strand_budget) ? float(double(strand_budget) / strands) : 1.0f;
+}
+
+template <class V>
+struct SelectLod {
+  static constexpr std::string_view kName = "select_lod";
+  using Params = SelectLodParams;
+  struct Ports {
+    In<LayerBlock> layer;
+    In<BoundsBlock> bounds;
+    InOut<LodBlock> lod;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
+                                          Port<&Ports::bounds>(Stream::kBounds, "bounds"),
+                                          Port<&Ports::lod>(Stream::kLod, "lod"));
+
+  static PELT_INLINE void SetFraction(const Params& p, const Ports& ports) {
+    using namespace select_lod_detail;
+    LodBlock& lod = *ports.lod;
+    if (!(p.flags & kLodOn)) {
+      lod.wanted = 1.0f;
+      lod.fraction = 1.0f;
+      lod.fade = 0.0f;
+      return;
+    }
+    lod.wanted = WantedFraction<V>(p, *ports.bounds);
+    const float scaled = lod.wanted * p.budget_scale;
+    const float present = lod.was_visible ? lod.fraction : 0.0f;
+    lod.fraction = FollowTarget(present, scaled < 1.0f ? scaled : 1.0f, p.hysteresis);
+    const float fade = p.fade_share * lod.fraction, room = 1.0f - lod.fraction;
+    lod.fade = fade < room ? fade : room;
+  }
+
+  static void Run(const Params& p, const Ports& ports) {
+    LodBlock& lod = *ports.lod;
+    lod.was_visible = lod.visible;
+    lod.visible = select_lod_detail::IsVisible(p, *ports.layer, *ports.bounds) ? 1u : 0u;
+    if (lod.visible) SetFraction(p, ports);
+    if (lod.visible && lod.fraction > 0.0f) return;
+    lod.visible = 0;
+    lod.fraction = 0.0f;
+    lod.fade = 0.0f;
+    lod.wanted = 0.0f;
+  }
+};
+
+}  // namespace pelt

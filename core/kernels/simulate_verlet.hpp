@@ -1,0 +1,56 @@
+// Simulate, Verlet: the solver of EyePet, for chains of their own (five points as shipped, or
+// four).
+//
+// Verlet integration, then in each iteration, in the original's order: stiffness (every point goes
+// a share of the way to its rest point, which the root frame carries), clumping (a share of the way
+// to the same point of its control strand, growing from root to tip), and last the position
+// constraints: segment lengths from root to tip, spheres, ground. There is no surface plane and no
+// angular constraint here: stiffness towards absolute rest points does their work.
+//
+// What a layer does not use is left out for the whole chunk; leaving it out gives the same bits as
+// doing it with a share of 0. Invariants: see chain.hpp and chain_step.hpp.
+#pragma once
+
+#include <string_view>
+
+#include "core/kernels/chain_step.hpp"
+
+namespace pelt {
+
+template <class V, uint32_t kPoints>
+struct SimulateVerlet {
+  static constexpr std::string_view kName =
+      kPoints == 4 ? "simulate_verlet_4" : "simulate_verlet_5";
+  static constexpr uint32_t kFree = kPoints - 1;
+  using Params = SimulateParams;
+  using Ports = chain::Ports<kPoints, false>;
+  static constexpr auto kPorts = chain::MakePorts<kPoints, false>();
+
+  static void Run(const Params& params, const Ports& ports) {
+    chain::Step<V, kPoints, false, SimulateVerlet>::Run(params, ports);
+  }
+
+  PELT_INLINE static bool HasSurface(const LayerBlock&) { return false; }
+
+  template <class W>
+  PELT_INLINE static void Iterate(const LayerBlock& layer,
+                                  const chain::Obstacles<W, kFree>& obstacles, bool clump,
+                                  const Vec3<W> (&clump_pull)[kFree], chain::Group<W, kFree>& g) {
+    const chain::LengthRule<W> rule(g.length, layer.segment_hardness);
+    const W keep = W(1.0f - layer.stiffness);
+    Vec3<W> pull[kFree];
+    for (uint32_t i = 0; i < kFree; ++i) pull[i] = g.rest[i] * W(layer.stiffness);
+
+    for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
+      for (uint32_t i = 0; i < kFree; ++i) g.point[i] = g.point[i] * keep + pull[i];
+      if (clump)
+        for (uint32_t i = 0; i < kFree; ++i)
+          g.point[i] =
+              g.point[i] * W(1.0f - chain::ClumpShare(layer.clump, i, kFree)) + clump_pull[i];
+      chain::SetLengths(rule, g.point);
+      obstacles.PushOut(g.point);
+    }
+  }
+};
+
+}  // namespace pelt

@@ -1,0 +1,329 @@
+// Exact stable sort of one layer's strands by key, far to near, ties by strand index: a radix sort,
+// least significant digit first, over exactly the bits in which the keys differ.
+//
+//   1. scan      least and greatest visible key, and how many there are
+//   2. count     histograms of all digits, in one read of the keys
+//   3. scatter   one pass a digit; the first reads keys, the last writes strands into the order
+//
+// Subtracting the least key keeps every comparison and leaves only the bits the layer's depth range
+// needs: a layer 0.4 m deep at 3 m has keys that differ in 21 bits, which is two passes of 11 where
+// raw keys take three or four. Culled strands leave in the first scatter, straight behind the
+// visible ones: without a branch where they are mixed (which strands face away is noise to a branch
+// predictor), a group of lanes at a time where LOD has culled the rest of a chunk.
+//
+// Between passes a strand is one word: what is left of its key above, its index below.
+//
+//   [ key bits of the digits to come | strand ]
+//
+// The first digit is spent when the word is made, so with 21 bits of key and 20,000 strands a word
+// is 11 + 15 bits: 32 do, and the scattered writes stay near the first-level cache. Where they do
+// not, words have 64.
+//
+// The number of passes is chosen from the bits and the number of keys: a wide digit costs bins to
+// clear and to sum, a narrow one costs passes. Counts and bits only: the choice, like the result,
+// is the same on every machine. A digit on which all keys agree is skipped.
+//
+// Invariant: the whole order is written: first the visible strands, then all others of the layer's
+// lanes in index order. Pairs are scratch. core/kernels/sort_pieces.hpp gives the same order for
+// layers that do not fit a local store.
+// What breaks if ignored: an order that is not stable flickers where strands are equally far.
+#pragma once
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct SortLayerParams {};
+
+namespace sort_layer_detail {
+
+inline constexpr uint32_t kMaxDigitBits = 12;
+inline constexpr uint32_t kMaxPasses = 4;
+
+struct DigitPlan {
+  uint32_t passes;
+  uint32_t digit_bits;
+};
+
+// The cheapest way to sort `count` keys of `bits` bits: a pass costs a read and a scattered write
+// of every key, five times what clearing and summing a bin costs.
+PELT_INLINE DigitPlan PlanDigits(uint32_t bits, uint32_t count) {
+  DigitPlan best{0, 0};
+  uint32_t best_cost = ~0u;
+  for (uint32_t passes = 1; passes <= kMaxPasses; ++passes) {
+    const uint32_t digit_bits = (bits + passes - 1) / passes;
+    if (digit_bits > kMaxDigitBits) continue;
+    const uint32_t cost = passes * (5 * count + (1u << digit_bits));
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = {passes, digit_bits};
+    }
+  }
+  return best;
+}
+
+// Scratch between passes; the blocks behind it are declared as pairs.
+typedef uint32_t __attribute__((may_alias)) Word32;
+typedef uint64_t __attribute__((may_alias)) Word64;
+
+// Bits that tell `count` things apart.
+PELT_INLINE uint32_t BitsFor(uint32_t count) {
+  return count < 2 ? 1u : 32u - uint32_t(__builtin_clz(count - 1));
+}
+
+// Counts to places: exclusive prefix sum.
+PELT_INLINE void SumBins(uint32_t* bins, uint32_t bin_count) {
+  uint32_t sum = 0;
+  for (uint32_t b = 0; b < bin_count; ++b) {
+    const uint32_t count = bins[b];
+    bins[b] = sum;
+    sum += count;
+  }
+}
+
+}  // namespace sort_layer_detail
+
+template <class V>
+struct SortLayer {
+  static constexpr std::string_view kName = "sort_layer";
+  using Params = SortLayerParams;
+  struct Ports {
+    All<SortKeyBlock> keys;
+    AllOut<SortPairBlock> pairs_a;
+    AllOut<SortPairBlock> pairs_b;
+    AllOut<OrderBlock> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::pairs_a>(Stream::kSortPairsA, "pairs_a"),
+                                          Port<&Ports::pairs_b>(Stream::kSortPairsB, "pairs_b"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  // Blocks of a layer lie back to back, so a stream is one array over the layer's lanes.
+  static_assert(sizeof(SortKeyBlock) == sizeof(uint32_t) * kStrandsPerChunk);
+  static_assert(sizeof(OrderBlock) == sizeof(uint32_t) * kStrandsPerChunk);
+  static_assert(sizeof(SortPairBlock) == sizeof(uint64_t) * kStrandsPerChunk);
+
+  static_assert(kStrandsPerChunk % kLaneGroup == 0);
+
+  struct Range {
+    uint32_t least, greatest, count;  // of the visible keys
+  };
+
+  // Vectors compare signed: keys are read with their highest bit turned over.
+  static PELT_INLINE Range ScanKeys(const uint32_t* keys, uint32_t lanes) {
+    using I = typename V::Int;
+    const I flip(INT32_MIN), culled(INT32_MAX);
+    I least(INT32_MAX), greatest(INT32_MIN), count(0);
+    for (uint32_t i = 0; i < lanes; i += V::kLanes) {
+      const I key = I::Load(keys + i) ^ flip;
+      const typename V::Mask is_culled = key == culled;
+      const I shown = Select(is_culled, I(INT32_MIN), key);
+      least = Select(key < least, key, least);
+      greatest = Select(shown > greatest, shown, greatest);
+      count = count + Select(is_culled, I(0), I(1));
+    }
+    Range r{kCulledKey, 0, 0};
+    for (int l = 0; l < V::kLanes; ++l) {
+      const uint32_t low = uint32_t(least[l]) ^ 0x80000000u;
+      const uint32_t high = uint32_t(greatest[l]) ^ 0x80000000u;
+      r.least = low < r.least ? low : r.least;
+      r.greatest = high > r.greatest ? high : r.greatest;
+      r.count += uint32_t(count[l]);
+    }
+    return r;
+  }
+
+  // Whether all of the kLaneGroup lanes from `keys` on are visible, or none is.
+  static PELT_INLINE bool IsGroupVisible(const uint32_t* keys) {
+    using I = typename V::Int;
+    typename V::Mask culled = I::Load(keys) == I(int32_t(kCulledKey));
+    for (uint32_t l = V::kLanes; l < kLaneGroup; l += V::kLanes)
+      culled = culled | (I::Load(keys + l) == I(int32_t(kCulledKey)));
+    return !Any(culled);
+  }
+  static PELT_INLINE bool IsGroupCulled(const uint32_t* keys) {
+    using I = typename V::Int;
+    static_assert(kCulledKey == 0xffffffffu);  // nothing else has every bit
+    I bits = I::Load(keys);
+    for (uint32_t l = V::kLanes; l < kLaneGroup; l += V::kLanes) bits = bits & I::Load(keys + l);
+    return !Any(!(bits == I(-1)));
+  }
+
+  // One layer's sort, once its digits are chosen: kPasses digits of digit_bits each. Loops work on
+  // copies of members: scattered words may alias them.
+  template <class Word, uint32_t kPasses>
+  struct Sorter {
+    const uint32_t* keys;
+    uint32_t lanes;
+    Range range;
+    uint32_t digit_bits, index_bits;
+    uint32_t* order;
+    // 32-bit keys: 4 passes of 8 bits, 3 of 11, 2 or 1 of 12.
+    uint32_t bins[kPasses == 4 ? 4 << 8 : kPasses == 3 ? 3 << 11 : kPasses << 12];
+
+    PELT_INLINE uint32_t BinCount() const { return 1u << digit_bits; }
+    PELT_INLINE uint32_t* Bins(uint32_t pass) { return bins + (pass << digit_bits); }
+
+    // Calls lane(i, key, seen) for every lane of a group with a visible one, group(i) for every
+    // other group. Where all are visible, as they mostly are in a patch that faces the eye, `seen`
+    // is a constant. The key of a culled lane is its index: it picks some bin, to which nothing is
+    // added, and no two such lanes wait for each other there.
+    template <class OnLane, class OnGroup>
+    PELT_INLINE void ForEachLane(OnLane on_lane, OnGroup on_group) const {
+      const uint32_t* const in = keys;
+      const uint32_t end = lanes, least = range.least;
+      for (uint32_t first = 0; first < end; first += kLaneGroup) {
+        if (IsGroupVisible(in + first)) {
+          for (uint32_t i = first; i < first + kLaneGroup; ++i) on_lane(i, in[i] - least, 1u);
+        } else if (IsGroupCulled(in + first)) {
+          on_group(first);
+        } else {
+          for (uint32_t i = first; i < first + kLaneGroup; ++i) {
+            const uint32_t key = in[i], seen = key != kCulledKey ? 1u : 0u, mask = 0u - seen;
+            on_lane(i, ((key - least) & mask) | (i & ~mask), seen);
+          }
+        }
+      }
+    }
+
+    PELT_INLINE void CountDigits() {
+      const uint32_t bits = digit_bits, mask = BinCount() - 1;
+      uint32_t* const count = bins;
+      for (uint32_t b = 0; b < kPasses << bits; ++b) count[b] = 0;
+      ForEachLane(
+          [&](uint32_t, uint32_t key, uint32_t seen) __attribute__((always_inline)) {
+            for (uint32_t pass = 0; pass < kPasses; ++pass)
+              count[(pass << bits) + ((key >> (pass * bits)) & mask)] += seen;
+          },
+          [](uint32_t) __attribute__((always_inline)){});
+    }
+
+    // The pass that reads keys: visible strands to their place by the first digit, culled ones
+    // behind all visible. What is written is make(key, strand), and just the strand for a culled
+    // one.
+    template <class Out, class Make>
+    PELT_INLINE void ScatterKeys(Out* to, Make make) {
+      const uint32_t mask = BinCount() - 1;
+      uint32_t* const next = bins;
+      uint32_t culled = range.count;
+      ForEachLane(
+          [&](uint32_t i, uint32_t key, uint32_t seen) __attribute__((always_inline)) {
+            const uint32_t bin = key & mask, place = next[bin], keep = 0u - seen;
+            to[(place & keep) | (culled & ~keep)] = (make(key) & (Out(0) - Out(seen))) | Out(i);
+            next[bin] = place + seen;
+            culled += 1u - seen;
+          },
+          [&](uint32_t first) __attribute__((always_inline)) {
+            for (uint32_t l = 0; l < kLaneGroup; ++l) to[culled + l] = Out(first + l);
+            culled += kLaneGroup;
+          });
+    }
+
+    // Words hold the key without its first digit.
+    PELT_INLINE void ScatterToWords(Word* to) {
+      const uint32_t bits = digit_bits, shift = index_bits;
+      ScatterKeys(
+          to, [&](uint32_t key)
+                  __attribute__((always_inline)) { return Word(key >> bits) << shift; });
+      for (uint32_t i = range.count; i < lanes; ++i) order[i] = uint32_t(to[i]);
+    }
+    PELT_INLINE void ScatterToOrder() {
+      ScatterKeys(
+          order, [](uint32_t) __attribute__((always_inline)) { return 0u; });
+    }
+    PELT_INLINE void ScatterWords(uint32_t pass, const Word* from, Word* to) {
+      const uint32_t count = range.count, mask = BinCount() - 1;
+      const uint32_t shift = index_bits + (pass - 1) * digit_bits;
+      uint32_t* const next = Bins(pass);
+      for (uint32_t i = 0; i < count; ++i) {
+        const Word word = from[i];
+        to[next[uint32_t(word >> shift) & mask]++] = word;
+      }
+    }
+    // The last pass: strands into the order.
+    PELT_INLINE void PlaceWords(uint32_t pass, const Word* from) {
+      const uint32_t count = range.count, mask = BinCount() - 1;
+      const uint32_t shift = index_bits + (pass - 1) * digit_bits;
+      const Word strand = (Word(1) << index_bits) - 1;
+      uint32_t* const next = Bins(pass);
+      uint32_t* const to = order;
+      for (uint32_t i = 0; i < count; ++i) {
+        const Word word = from[i];
+        to[next[uint32_t(word >> shift) & mask]++] = uint32_t(word & strand);
+      }
+    }
+
+    // Whether the keys differ in digit `pass`, whose bins are still counts: the least key is 0
+    // here.
+    PELT_INLINE bool Differs(uint32_t pass) { return Bins(pass)[0] != range.count; }
+
+    PELT_INLINE void Run(Word* from, Word* to) {
+      CountDigits();
+      bool needed[kPasses];
+      uint32_t last = 0;
+      for (uint32_t pass = 0; pass < kPasses; ++pass) {
+        needed[pass] = Differs(pass);
+        if (needed[pass]) last = pass;
+        sort_layer_detail::SumBins(Bins(pass), BinCount());
+      }
+      // The first pass makes the words, so it runs even where all keys agree on its digit.
+      if (last == 0) return ScatterToOrder();
+      ScatterToWords(from);
+      for (uint32_t pass = 1; pass < last; ++pass) {
+        if (!needed[pass]) continue;
+        ScatterWords(pass, from, to);
+        Word* const swapped = from;
+        from = to;
+        to = swapped;
+      }
+      PlaceWords(last, from);
+    }
+  };
+
+  template <class Word, uint32_t kPasses>
+  static PELT_INLINE void SortWords(const Ports& ports, const Range& range, uint32_t digit_bits,
+                                    uint32_t index_bits) {
+    Sorter<Word, kPasses> sorter;
+    sorter.keys = ports.keys.blocks->key;
+    sorter.lanes = ports.keys.count * kStrandsPerChunk;
+    sorter.range = range;
+    sorter.digit_bits = digit_bits;
+    sorter.index_bits = index_bits;
+    sorter.order = ports.order.blocks->strand;
+    sorter.Run(reinterpret_cast<Word*>(ports.pairs_a.blocks),
+               reinterpret_cast<Word*>(ports.pairs_b.blocks));
+  }
+
+  template <uint32_t kPasses>
+  static void SortDigits(const Ports& ports, const Range& range, uint32_t key_bits,
+                         uint32_t digit_bits) {
+    using namespace sort_layer_detail;
+    const uint32_t index_bits = BitsFor(ports.keys.count * kStrandsPerChunk);
+    const uint32_t kept_bits = key_bits > digit_bits ? key_bits - digit_bits : 0;
+    if (kept_bits + index_bits <= 32)
+      SortWords<Word32, kPasses>(ports, range, digit_bits, index_bits);
+    else
+      SortWords<Word64, kPasses>(ports, range, digit_bits, 32);
+  }
+
+  static void Run(const Params&, const Ports& ports) {
+    using namespace sort_layer_detail;
+    const uint32_t lanes = ports.keys.count * kStrandsPerChunk;
+    const Range range = ScanKeys(ports.keys.blocks->key, lanes);
+    if (range.count == 0) {
+      uint32_t* const order = ports.order.blocks->strand;
+      for (uint32_t i = 0; i < lanes; ++i) order[i] = i;
+      return;
+    }
+    const uint32_t span = range.greatest - range.least;
+    const uint32_t key_bits = span == 0 ? 1u : 32u - uint32_t(__builtin_clz(span));
+    const DigitPlan plan = PlanDigits(key_bits, range.count);
+    if (plan.passes == 1) return SortDigits<1>(ports, range, key_bits, plan.digit_bits);
+    if (plan.passes == 2) return SortDigits<2>(ports, range, key_bits, plan.digit_bits);
+    if (plan.passes == 3) return SortDigits<3>(ports, range, key_bits, plan.digit_bits);
+    SortDigits<4>(ports, range, key_bits, plan.digit_bits);
+  }
+};
+
+}  // namespace pelt

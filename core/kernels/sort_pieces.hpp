@@ -1,0 +1,195 @@
+// The sort of a layer that does not fit one local store: the same radix sort, cut so that every
+// step holds one chunk's share of the keys.
+//
+//   for each digit of 8 bits, least significant first:
+//     sort_count    a chunk: how many of its keys have each digit
+//     sort_offsets  a layer: counts to places, summed over digits and, within a digit, over chunks
+//     sort_scatter  a chunk: every pair to its place; the last digit puts strands into the order
+//
+// Pairs run keys -> a -> b -> a -> order. Each place is written by one chunk only, because places
+// are handed out by an exclusive prefix sum. Culled strands have the greatest key there is, so they
+// end behind all others, in index order.
+//
+// Invariant: the order is bit for bit that of SortLayer (core/kernels/sort_layer.hpp), on any order
+// of chunks within a step. sort_offsets holds 1 KiB a chunk, so a layer of 170 chunks fits a local
+// store of 176 KiB; that bounds the layer.
+// What breaks if ignored: SortScatter without SortOffsets between, or out of digit order, loses
+// stability first, and strands next.
+#pragma once
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct SortPiecesParams {};
+
+inline constexpr uint32_t kSortDigits = 4;
+
+namespace sort_pieces_detail {
+
+inline constexpr std::string_view kCountNames[] = {"sort_count0", "sort_count1", "sort_count2",
+                                                   "sort_count3"};
+inline constexpr std::string_view kOffsetNames[] = {"sort_offsets0", "sort_offsets1",
+                                                    "sort_offsets2", "sort_offsets3"};
+inline constexpr std::string_view kScatterNames[] = {"sort_scatter0", "sort_scatter1",
+                                                     "sort_scatter2", "sort_scatter3"};
+
+// Where digit `digit` reads its pairs (digit 0 reads keys) and writes them (the last: strands).
+constexpr Stream SourceOf(uint32_t digit) {
+  return digit == 0 ? Stream::kSortKeys : digit == 2 ? Stream::kSortPairsB : Stream::kSortPairsA;
+}
+constexpr Stream TargetOf(uint32_t digit) {
+  return digit == kSortDigits - 1 ? Stream::kOrder
+         : digit == 1             ? Stream::kSortPairsB
+                                  : Stream::kSortPairsA;
+}
+
+template <uint32_t kDigit>
+struct SourceBlock {
+  using Type = SortPairBlock;
+  static PELT_INLINE uint32_t Key(const Type& b, uint32_t i) { return b.pair[i].key; }
+};
+template <>
+struct SourceBlock<0> {
+  using Type = SortKeyBlock;
+  static PELT_INLINE uint32_t Key(const Type& b, uint32_t i) { return b.key[i]; }
+};
+
+template <uint32_t kDigit>
+PELT_INLINE uint32_t DigitOf(uint32_t key) {
+  return (key >> (8 * kDigit)) & (kDigitBins - 1);
+}
+
+}  // namespace sort_pieces_detail
+
+template <class V, uint32_t kDigit>
+struct SortCount {
+  static_assert(kDigit < kSortDigits);
+  static constexpr std::string_view kName = sort_pieces_detail::kCountNames[kDigit];
+  using Params = SortPiecesParams;
+  using Source = sort_pieces_detail::SourceBlock<kDigit>;
+  struct Ports {
+    In<typename Source::Type> keys;
+    Out<DigitBlock> digits;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::keys>(sort_pieces_detail::SourceOf(kDigit), "keys"),
+               Port<&Ports::digits>(Stream::kDigits, "digits"));
+
+  static void Run(const Params&, const Ports& ports) {
+    uint32_t* bin = ports.digits->bin;
+    for (uint32_t b = 0; b < kDigitBins; ++b) bin[b] = 0;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ++bin[sort_pieces_detail::DigitOf<kDigit>(Source::Key(*ports.keys, i))];
+  }
+};
+
+template <class V, uint32_t kDigit>
+struct SortOffsets {
+  static_assert(kDigit < kSortDigits);
+  static constexpr std::string_view kName = sort_pieces_detail::kOffsetNames[kDigit];
+  using Params = SortPiecesParams;
+  struct Ports {
+    AllInOut<DigitBlock> digits;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::digits>(Stream::kDigits, "digits"));
+
+  static void Run(const Params&, const Ports& ports) {
+    uint32_t next[kDigitBins];
+    for (uint32_t b = 0; b < kDigitBins; ++b) next[b] = 0;
+    for (uint32_t c = 0; c < ports.digits.count; ++c)
+      for (uint32_t b = 0; b < kDigitBins; ++b) next[b] += ports.digits[c].bin[b];
+    uint32_t sum = 0;
+    for (uint32_t b = 0; b < kDigitBins; ++b) {
+      const uint32_t count = next[b];
+      next[b] = sum;
+      sum += count;
+    }
+    for (uint32_t c = 0; c < ports.digits.count; ++c)
+      for (uint32_t b = 0; b < kDigitBins; ++b) {
+        const uint32_t count = ports.digits[c].bin[b];
+        ports.digits[c].bin[b] = next[b];
+        next[b] += count;
+      }
+  }
+};
+
+template <class V, uint32_t kDigit>
+struct SortScatter {
+  static_assert(kDigit > 0 && kDigit + 1 < kSortDigits);
+  static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[kDigit];
+  using Params = SortPiecesParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    In<DigitBlock> places;
+    Scatter<SortPair> sorted;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::pairs>(sort_pieces_detail::SourceOf(kDigit), "pairs"),
+               Port<&Ports::places>(Stream::kDigits, "places"),
+               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
+
+  static void Run(const Params&, const Ports& ports) {
+    DigitBlock next = *ports.places;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      const SortPair pair = ports.pairs->pair[i];
+      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<kDigit>(pair.key)]++, pair);
+    }
+  }
+};
+
+// The first digit makes the pairs: a strand is its chunk's place in the layer and its lane.
+template <class V>
+struct SortScatter<V, 0> {
+  static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[0];
+  using Params = SortPiecesParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<SortKeyBlock> keys;
+    In<DigitBlock> places;
+    Scatter<SortPair> sorted;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+               Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+               Port<&Ports::places>(Stream::kDigits, "places"),
+               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(0), "sorted"));
+
+  static void Run(const Params&, const Ports& ports) {
+    DigitBlock next = *ports.places;
+    const uint32_t first = ports.state->first_place;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      const SortPair pair{ports.keys->key[i], first + i};
+      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<0>(pair.key)]++, pair);
+    }
+  }
+};
+
+// The last digit drops the keys.
+template <class V>
+struct SortScatter<V, kSortDigits - 1> {
+  static constexpr uint32_t kDigit = kSortDigits - 1;
+  static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[kDigit];
+  using Params = SortPiecesParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    In<DigitBlock> places;
+    Scatter<uint32_t> sorted;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::pairs>(sort_pieces_detail::SourceOf(kDigit), "pairs"),
+               Port<&Ports::places>(Stream::kDigits, "places"),
+               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
+
+  static void Run(const Params&, const Ports& ports) {
+    DigitBlock next = *ports.places;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      const SortPair pair = ports.pairs->pair[i];
+      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<kDigit>(pair.key)]++, pair.strand);
+    }
+  }
+};
+
+}  // namespace pelt

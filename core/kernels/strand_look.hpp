@@ -1,0 +1,67 @@
+// What a strand's record says about its looks: width, colours, tag. Shared by both fits.
+//
+// Colours are sRGB bytes and are mixed as such: darkened by the layer (wet), then mixed with the
+// dirt's colour. Alpha carries the LOD fade of the last living strands. Work that would change
+// nothing (dry and clean; no fade) is left out for the chunk, and would have given the same bytes.
+#pragma once
+
+#include "core/chunk.hpp"
+#include "core/simd.hpp"
+
+namespace pelt::look {
+
+template <class V>
+struct StrandLook {
+  typename V::Int base_colour, tip_colour, tag;
+  V width;
+};
+
+// Rounds each of the three colour channels of byte * scale + add; keeps alpha.
+template <class V>
+PELT_INLINE typename V::Int Tint(typename V::Int colour, float scale, const V (&add)[3]) {
+  using I = typename V::Int;
+  I out = colour & I(int32_t(0xff000000u));
+  for (int k = 0; k < 3; ++k) {
+    const V byte = ToFloat((colour >> (8 * k)) & I(255));
+    const V tinted = Clamp(byte * V(scale) + add[k] + V(0.5f), V(0.5f), V(255.5f));
+    out = out | (Truncate(tinted) << (8 * k));
+  }
+  return out;
+}
+
+template <class V>
+PELT_INLINE typename V::Int ScaleAlpha(typename V::Int colour, V share) {
+  using I = typename V::Int;
+  const V alpha = ToFloat((colour >> 24) & I(255)) * share + V(0.5f);
+  return (colour & I(0x00ffffff)) | (Truncate(alpha) << 24);
+}
+
+// Lanes [lane, lane + kLanes) of the chunk.
+template <class V>
+PELT_INLINE StrandLook<V> Look(const LayerBlock& layer, const ChunkStateBlock& state,
+                               const StrandBlock& strands, uint32_t lane) {
+  using I = typename V::Int;
+  const I lanes = I::Iota(int32_t(lane));
+  StrandLook<V> look;
+  look.base_colour = I::Load(strands.base_colour + lane);
+  look.tip_colour = I::Load(strands.tip_colour + lane);
+  if (layer.darken != 1.0f || layer.dirt > 0.0f) {
+    const float clean = 1.0f - layer.dirt;
+    V add[3];
+    for (int k = 0; k < 3; ++k) add[k] = V(layer.dirt * layer.dirt_colour[k] * 255.0f);
+    look.base_colour = Tint<V>(look.base_colour, layer.darken * clean, add);
+    look.tip_colour = Tint<V>(look.tip_colour, layer.darken * clean, add);
+  }
+  if (state.fade_count > 0.0f) {
+    const V left = (V(state.live_exact) - ToFloat(lanes)) / V(state.fade_count);
+    const V share = Clamp(left, V(0.0f), V(1.0f));
+    look.base_colour = ScaleAlpha<V>(look.base_colour, share);
+    look.tip_colour = ScaleAlpha<V>(look.tip_colour, share);
+  }
+  look.width = V::Load(strands.width + lane) * V(layer.width);
+  look.tag = ((I(int32_t(strands.first_strand)) + lanes) & I(0x00ffffff)) |
+             (I::LoadBytes(strands.film_strip + lane) << 24);
+  return look;
+}
+
+}  // namespace pelt::look

@@ -1,0 +1,75 @@
+// Two vectors side by side, worn as one: how a kernel whose steps wait for each other keeps a core
+// busy.
+//
+// A chain is solved point after point, so one group of strands is a long string of operations that
+// each wait for the last. Twin<V> runs the same body on two groups at once; the compiler lays the
+// two strings down alternately and the core overlaps them. Measured on the PBD solver: see
+// bench/kernels/simulation_benchmark.cpp.
+//
+// Invariant: lane l of Twin<V> sees exactly the operations lane l of V would see. Nothing crosses
+// from one half to the other, so the bits cannot depend on whether a body ran on V or on Twin<V>.
+#pragma once
+
+#include "core/simd.hpp"
+
+namespace pelt {
+
+template <class V>
+struct Twin {
+  static constexpr int kHalf = V::kLanes;
+  static constexpr int kLanes = 2 * kHalf;
+
+  struct Mask {
+    typename V::Mask a, b;
+    PELT_INLINE friend Mask operator&(Mask x, Mask y) { return {x.a & y.a, x.b & y.b}; }
+    PELT_INLINE friend Mask operator|(Mask x, Mask y) { return {x.a | y.a, x.b | y.b}; }
+    PELT_INLINE friend Mask operator!(Mask x) { return {!x.a, !x.b}; }
+    PELT_INLINE friend bool Any(Mask x) { return Any(x.a | x.b); }
+    PELT_INLINE friend bool AllSet(Mask x) { return AllSet(x.a & x.b); }
+  };
+
+  struct Int {
+    typename V::Int a, b;
+    PELT_INLINE Int() = default;
+    PELT_INLINE Int(int32_t scalar) : a(scalar), b(scalar) {}
+    PELT_INLINE Int(typename V::Int first, typename V::Int second) : a(first), b(second) {}
+    PELT_INLINE static Int Iota(int32_t first) {
+      return {V::Int::Iota(first), V::Int::Iota(first + kHalf)};
+    }
+    PELT_INLINE friend Int operator-(Int x, Int y) { return {x.a - y.a, x.b - y.b}; }
+    PELT_INLINE friend Int operator&(Int x, Int y) { return {x.a & y.a, x.b & y.b}; }
+    PELT_INLINE friend Int operator|(Int x, Int y) { return {x.a | y.a, x.b | y.b}; }
+    PELT_INLINE friend Int operator^(Int x, Int y) { return {x.a ^ y.a, x.b ^ y.b}; }
+    PELT_INLINE friend Int operator>>(Int x, int n) { return {x.a >> n, x.b >> n}; }
+    PELT_INLINE friend Mask operator==(Int x, Int y) { return {x.a == y.a, x.b == y.b}; }
+    PELT_INLINE friend Mask operator<(Int x, Int y) { return {x.a < y.a, x.b < y.b}; }
+  };
+
+  V a, b;
+  PELT_INLINE Twin() = default;
+  PELT_INLINE Twin(float scalar) : a(scalar), b(scalar) {}
+  PELT_INLINE Twin(V first, V second) : a(first), b(second) {}
+  PELT_INLINE static Twin Load(const float* p) { return {V::Load(p), V::Load(p + kHalf)}; }
+  PELT_INLINE void Store(float* p) const {
+    a.Store(p);
+    b.Store(p + kHalf);
+  }
+  PELT_INLINE friend Twin operator+(Twin x, Twin y) { return {x.a + y.a, x.b + y.b}; }
+  PELT_INLINE friend Twin operator-(Twin x, Twin y) { return {x.a - y.a, x.b - y.b}; }
+  PELT_INLINE friend Twin operator*(Twin x, Twin y) { return {x.a * y.a, x.b * y.b}; }
+  PELT_INLINE friend Twin operator/(Twin x, Twin y) { return {x.a / y.a, x.b / y.b}; }
+  PELT_INLINE friend Twin operator-(Twin x) { return {-x.a, -x.b}; }
+  PELT_INLINE friend Mask operator<(Twin x, Twin y) { return {x.a < y.a, x.b < y.b}; }
+  PELT_INLINE friend Mask operator>(Twin x, Twin y) { return {x.a > y.a, x.b > y.b}; }
+  PELT_INLINE friend Mask operator<=(Twin x, Twin y) { return {x.a <= y.a, x.b <= y.b}; }
+  PELT_INLINE friend Mask operator>=(Twin x, Twin y) { return {x.a >= y.a, x.b >= y.b}; }
+  PELT_INLINE friend Twin Select(Mask m, Twin x, Twin y) {
+    return {Select(m.a, x.a, y.a), Select(m.b, x.b, y.b)};
+  }
+  PELT_INLINE friend Twin Min(Twin x, Twin y) { return {Min(x.a, y.a), Min(x.b, y.b)}; }
+  PELT_INLINE friend Twin Max(Twin x, Twin y) { return {Max(x.a, y.a), Max(x.b, y.b)}; }
+  PELT_INLINE friend Int Bits(Twin x) { return {Bits(x.a), Bits(x.b)}; }
+  PELT_INLINE friend Twin FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
+};
+
+}  // namespace pelt

@@ -1,0 +1,77 @@
+// Wind at the chain roots: the day's wind with its gusts, and turbulence carried along by it.
+//
+//   acceleration = response * (mean(t) + turbulence * noise(frequency * position + scroll(t)))
+//
+// Everything that needs time (sums of sines, the travelled way of the noise) is worked out once a
+// frame on the caller's thread by MakeWindParams; the kernel sees a place and a few numbers.
+//
+// Invariant: no wind gives exactly 0. What breaks if scroll is not wrapped by the noise's period:
+// after minutes the noise falls onto ever coarser floats.
+#pragma once
+
+#include <string_view>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/simd/perlin.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+struct WindParams {
+  float direction_speed[3];  // mean wind of this frame, gusts included, m/s
+  float turbulence;          // largest component that the noise adds, m/s
+  float frequency;           // noise cells a metre
+  float scroll[3];           // noise offset of this frame, cells, in [0, kPerlinPeriod)
+};
+
+// The wind as the user sets it.
+struct WindSetup {
+  float velocity[3] = {0.0f, 0.0f, 0.0f};  // mean, m/s
+  float gust_strength = 0.0f;              // 0.5: gusts swing the mean by up to half
+  float gust_period_s = 4.0f;              // of the slowest sine; must be above 0
+  float turbulence = 0.0f;                 // m/s
+  float turbulence_scale_m = 1.0f;         // size of an eddy; must be above 0
+};
+
+// Wind of the moment `time_s` (0 or later), in core/wind_setup.cpp. Exact for weeks: phases are
+// wrapped in double. Still air (velocity and turbulence 0) is all zeros. The noise travels at the
+// mean velocity, so a change of velocity in mid-run makes it jump; gusts do not.
+WindParams MakeWindParams(const WindSetup& setup, double time_s);
+
+// Lanes are mesh vertices with kVertexChains, strands otherwise.
+template <class V, bool kVertexChains>
+struct Wind {
+  static constexpr std::string_view kName = kVertexChains ? "wind_vertices" : "wind_strands";
+  using Params = WindParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    Shared<LayerBlock> layer;
+    In<RootBlock> roots;
+    Out<WindBlock> wind;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+               Port<&Ports::layer>(Stream::kLayers, "layer"),
+               Port<&Ports::roots>(kVertexChains ? Stream::kAnchors : Stream::kRoots, "roots"),
+               Port<&Ports::wind>(Stream::kWind, "wind"));
+
+  static void Run(const Params& params, const Ports& ports) {
+    const uint32_t live = kVertexChains ? ports.state->live_vertices : ports.state->live_strands;
+    const uint32_t lanes = (live + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const V response(ports.layer->wind_response);
+    const Vec3<V> mean = {V(params.direction_speed[0]), V(params.direction_speed[1]),
+                          V(params.direction_speed[2])};
+    const Vec3<V> scroll = {V(params.scroll[0]), V(params.scroll[1]), V(params.scroll[2])};
+    for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
+      Vec3<V> wind = mean;
+      if (params.turbulence != 0.0f) {
+        const Vec3<V> place = Load3<V>(ports.roots->position, lane) * V(params.frequency) + scroll;
+        wind = wind + PerlinVector(place) * V(params.turbulence);
+      }
+      Store3<V>(ports.wind->acceleration, lane, wind * response);
+    }
+  }
+};
+
+}  // namespace pelt

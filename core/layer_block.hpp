@@ -1,0 +1,34 @@
+// A layer's parameters for one frame: what the artist set, bent by the weather, turned into shares
+// for this frame's step.
+//
+// Wetness and dirt act here and nowhere else, so they can change while it runs: no chain is reset,
+// the next step simply has other numbers. Everything a kernel would need a transcendental function
+// for is worked out here, once a layer and frame, with exact maths: the block is frame input, and
+// the same setup gives the same bits on every machine.
+#pragma once
+
+#include <cstdint>
+
+#include "core/chunk.hpp"
+#include "core/groom/fur_setup.hpp"
+
+namespace pelt {
+
+// How wet and how dirty a character is, each 0 (dry, clean) to 1; values outside are clamped.
+struct Weather {
+  float wetness = 0.0f;
+  float dirt = 0.0f;
+};
+
+// The block of a layer for a step of `dt` seconds.
+//  gravity       m/s^2, world; the layer's weight is applied here
+//  wind_blows    there is wind in the scene; the layer may still not respond
+//  strand_count, length_max (m)  of the layer
+//  any_strength  some strand of the layer has simulation strength
+//  last          last frame's block of this layer, or null; decides `changed`. May be the block
+//                that the result is assigned to
+LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
+                          const float gravity[3], bool wind_blows, uint32_t strand_count,
+                          float length_max, bool any_strength, const LayerBlock* last);
+
+}  // namespace pelt

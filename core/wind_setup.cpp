@@ -1,0 +1,53 @@
+// The wind's course over time: everything that needs a sine, once a frame.
+//
+// Gusts are the EyePet recipe: a sum of sines whose periods are not multiples of each other, so
+// that the swell never repeats, scaled to [-1, 1]. Each phase is wrapped on its own in double
+// before its sine is taken; time itself is never turned into a float.
+#include <cmath>
+
+#include "core/exact_math.hpp"
+#include "core/kernels/wind.hpp"
+
+namespace pelt {
+namespace {
+
+// Share of one turn that `time_s` is into a cycle of `period_s`, [0, 1). The remainder is exact.
+double Phase(double time_s, double period_s) { return std::fmod(time_s, period_s) / period_s; }
+
+// In [-1, 1]: three sines, the ratio of periods close to the golden mean.
+double Swell(double time_s, double period_s) {
+  const auto wave = [&](double share) {
+    return exact::Sin(2.0 * exact::kPi * Phase(time_s, period_s * share));
+  };
+  return 0.5 * wave(1.0) + 0.3 * wave(0.6180339887) + 0.2 * wave(0.2763932023);
+}
+
+float WrapCells(double cells) {
+  const double period = kPerlinPeriod;
+  const double wrapped = cells - exact::Floor(cells / period) * period;
+  const float result = float(wrapped);
+  // Rounding to float may reach the period itself.
+  return result >= float(kPerlinPeriod) || result < 0.0f ? 0.0f : result;
+}
+
+}  // namespace
+
+WindParams MakeWindParams(const WindSetup& setup, double time_s) {
+  WindParams params{};
+  const double gust = 1.0 + double(setup.gust_strength) * Swell(time_s, setup.gust_period_s);
+  for (int c = 0; c < 3; ++c) params.direction_speed[c] = float(setup.velocity[c] * gust);
+  if (setup.turbulence == 0.0f) return params;
+
+  params.turbulence = setup.turbulence;
+  params.frequency = float(1.0 / setup.turbulence_scale_m);
+  // The eddies travel with the mean wind and drift across it with the speed of the turbulence
+  // itself, along a fixed slant: without it, turbulence in calm air would stand still.
+  static constexpr double kDrift[3] = {0.31, -0.47, 0.23};
+  for (int c = 0; c < 3; ++c) {
+    const double speed = setup.velocity[c] + kDrift[c] * setup.turbulence;
+    params.scroll[c] = WrapCells(-speed * time_s * params.frequency);
+  }
+  return params;
+}
+
+}  // namespace pelt

@@ -1,0 +1,52 @@
+// Fixes how floats round while a kernel runs. Engines set flush-to-zero on their workers; a worker
+// with it and one without would give different bits. Restores the caller's settings on the way out.
+#pragma once
+
+#include <cfenv>
+#include <cstdint>
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+namespace pelt {
+
+class FloatEnvironment {
+ public:
+#if defined(__SSE__)
+  FloatEnvironment() : saved_(_mm_getcsr()) {
+    if ((saved_ & kControl) != kDefault) _mm_setcsr(kDefault);
+  }
+  ~FloatEnvironment() { _mm_setcsr(saved_); }
+
+ private:
+  static constexpr uint32_t kControl = 0xffc0u;  // everything but the sticky exception flags
+  static constexpr uint32_t kDefault =
+      0x1f80u;  // round to nearest, all exceptions masked, no FTZ, no DAZ
+  uint32_t saved_;
+#elif defined(__aarch64__)
+  FloatEnvironment() {
+    asm volatile("mrs %0, fpcr" : "=r"(saved_));
+    asm volatile("msr fpcr, %0" : : "r"(uint64_t{0}));
+  }
+  ~FloatEnvironment() { asm volatile("msr fpcr, %0" : : "r"(saved_)); }
+
+ private:
+  uint64_t saved_;
+#else
+  FloatEnvironment() {
+    std::fegetenv(&saved_);
+    std::fesetround(FE_TONEAREST);
+  }
+  ~FloatEnvironment() { std::fesetenv(&saved_); }
+
+ private:
+  std::fenv_t saved_;
+#endif
+
+ public:
+  FloatEnvironment(const FloatEnvironment&) = delete;
+  FloatEnvironment& operator=(const FloatEnvironment&) = delete;
+};
+
+}  // namespace pelt

@@ -1,0 +1,122 @@
+#include "jobs/frame.hpp"
+
+#include <numeric>
+#include <utility>
+
+#include "core/random.hpp"
+#include "jobs/float_environment.hpp"
+#include "jobs/pass_loop.hpp"
+
+namespace pelt {
+namespace {
+
+uint32_t LayerOf(const SceneShape& shape, Domain domain, uint32_t item) {
+  return domain == Domain::kChunk ? shape.chunk_layer[item] : item;
+}
+
+bool IsLayerGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item, uint32_t layer) {
+  if (stage.gate.layer == LayerGate::kAlways) return true;
+  const auto& sort = *memory.As<LayerSortBlock>(Stream::kLayerSort, layer);
+  if (stage.gate.layer == LayerGate::kKeysChanged) return sort.keys_changed != 0;
+  const uint32_t place = (item - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
+  return place < sort.visible_count && (sort.keys_changed | sort.records_changed) != 0;
+}
+
+}  // namespace
+
+bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+  if (stage.domain < Domain::kLayer) return true;
+  const SceneShape& shape = *memory.shape;
+  const uint32_t layer = LayerOf(shape, stage.domain, item);
+  if (!stage.kinds.Admits(shape.layer_kind[layer])) return false;
+  if (stage.gate.chunk_flags != 0) {
+    const uint32_t flags = memory.As<ChunkStateBlock>(Stream::kChunkState, item)->flags;
+    if ((flags & stage.gate.chunk_flags) != stage.gate.chunk_flags) return false;
+  }
+  if (stage.gate.layer_flags != 0) {
+    const uint32_t flags = memory.As<LayerBlock>(Stream::kLayers, layer)->flags;
+    if ((flags & stage.gate.layer_flags) != stage.gate.layer_flags) return false;
+  }
+  return IsLayerGateOpen(stage, memory, item, layer);
+}
+
+uint32_t ParentItem(const SceneShape& shape, Domain of, uint32_t item, Domain domain) {
+  if (domain == of) return item;
+  if (domain == Domain::kScene) return 0;
+  const uint32_t layer = LayerOf(shape, of, item);
+  return domain == Domain::kLayer ? layer : shape.layer_character[layer];
+}
+
+ItemRange ChildItems(const SceneShape& shape, Domain of, uint32_t item, Domain finer) {
+  // CompilePlan lets only the scene and layers ask.
+  if (of == Domain::kLayer) return {shape.layer_first_chunk[item], shape.LayerChunks(item)};
+  return {0, shape.ItemCount(finer)};
+}
+
+Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain, uint32_t item) {
+  const SceneShape& shape = *memory.shape;
+  const Domain of = DescribeStream(port.stream).domain;
+  switch (port.access) {
+    case Access::kShared:
+      return {memory.Block(port.stream, ParentItem(shape, domain, item, of)), nullptr, 1};
+    case Access::kAll:
+    case Access::kAllOut:
+    case Access::kAllInOut: {
+      const ItemRange range = ChildItems(shape, domain, item, of);
+      return {memory.Block(port.stream, range.first), nullptr, range.count};
+    }
+    case Access::kGather:
+    case Access::kScatter: {
+      const uint32_t layer = shape.chunk_layer[item];
+      auto* list = port.access == Access::kGather
+                       ? reinterpret_cast<uint32_t*>(memory.Block(port.record_list, item))
+                       : nullptr;
+      return {memory.Block(port.stream, shape.layer_first_chunk[layer]), list, kStrandsPerChunk};
+    }
+    default:
+      return {memory.Block(port.stream, item), nullptr, 1};
+  }
+}
+
+void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item) {
+  const FloatEnvironment float_environment;
+  const Plan& plan = *frame.plan;
+  const Pass& pass = plan.passes[pass_index];
+  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
+    const Stage& stage = plan.stages[s];
+    uint32_t* ns =
+        frame.profile ? frame.profile->stage_ns + frame.profile->stage_first[s] + item : nullptr;
+    if (!IsWanted(stage, *frame.memory, item)) {
+      if (ns) *ns = 0;
+      continue;
+    }
+    Binding bindings[kMaxPorts];
+    for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
+      bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
+    const auto start = ns ? Now() : TimePoint{};
+    stage.kernel.run(stage.params, bindings);
+    if (ns) *ns = uint32_t(ElapsedNs(start)) | 1u;
+  }
+}
+
+void SerialExecutor::Run(const Frame& frame) {
+  ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) RunItem(frame, pass, i);
+  });
+}
+
+void PermutedExecutor::Run(const Frame& frame) {
+  ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (seed_ == 0) {
+      for (uint32_t i = 0; i < count; ++i) order_[i] = count - 1 - i;
+    } else {
+      Random random(state_++);
+      for (uint32_t i = count; i > 1; --i) std::swap(order_[i - 1], order_[random.Below(i)]);
+    }
+    for (uint32_t i : order_) RunItem(frame, pass, i);
+  });
+}
+
+}  // namespace pelt

@@ -1,0 +1,95 @@
+// One frame ready to run: a plan over memory. Everything an executor may do is RunItem over every
+// item of a pass, in any order, on any thread, and a barrier between passes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/chunk.hpp"
+#include "jobs/plan.hpp"
+
+namespace pelt {
+
+inline constexpr uint32_t kNoBlock = ~0u;
+
+// Where every block lies. Streams of chunk domain may be sparse: slot[stream][chunk] is the block's
+// number, or kNoBlock for a chunk whose layer has no such stream.
+struct FrameMemory {
+  const SceneShape* shape;
+  std::byte* base[kStreamCount];
+  const uint32_t* slot[kStreamCount];  // null: item i has block i
+  uint32_t block_count[kStreamCount];
+
+  // First byte of the block that `item` of the stream's own domain has; null if it has none.
+  std::byte* Block(Stream stream, uint32_t item) const {
+    const uint32_t at = slot[size_t(stream)] ? slot[size_t(stream)][item] : item;
+    if (at == kNoBlock) return nullptr;
+    return base[size_t(stream)] + size_t(at) * DescribeStream(stream).block_bytes;
+  }
+  template <class T>
+  T* As(Stream stream, uint32_t item) const {
+    return reinterpret_cast<T*>(Block(stream, item));
+  }
+};
+
+// What a run measured, in places fixed before the frame: entry (stage, item). Written by whichever
+// thread runs the item, read after the frame.
+struct FrameProfile {
+  uint32_t* stage_ns = nullptr;           // 0: did not run
+  const uint32_t* stage_first = nullptr;  // first entry of each stage
+  uint64_t* pass_ns = nullptr;            // wall time of each pass
+};
+
+struct Frame {
+  const Plan* plan;
+  const FrameMemory* memory;
+  const FrameProfile* profile = nullptr;
+};
+
+// Whether `stage` runs on `item` this frame, from the chunk states and layer blocks in main memory.
+bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item);
+
+// The item of `domain` that `item` of the finer domain `of` belongs to.
+uint32_t ParentItem(const SceneShape& shape, Domain of, uint32_t item, Domain domain);
+
+// First block and number of blocks of a finer domain inside `item` of `of`: the scene, or a layer.
+struct ItemRange {
+  uint32_t first, count;
+};
+ItemRange ChildItems(const SceneShape& shape, Domain of, uint32_t item, Domain finer);
+
+// Resolves one port in main memory.
+Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain, uint32_t item);
+
+// Runs all stages of `pass` that want to run on `item`, in main memory. The only function that
+// calls a kernel there: every host executor ends here. Sets the floating-point environment for the
+// duration (round to nearest, denormals kept), so the caller's thread settings cannot change the
+// bits.
+void RunItem(const Frame& frame, uint32_t pass, uint32_t item);
+
+// Runs the passes of a frame. Every executor gives the same bits.
+class Executor {
+ public:
+  virtual ~Executor() = default;
+  virtual void Run(const Frame& frame) = 0;
+};
+
+class SerialExecutor final : public Executor {
+ public:
+  void Run(const Frame& frame) override;
+};
+
+// Serial, with the items of every pass in a seeded order: finds what an item wrongly takes from
+// another without waiting for an unlucky thread. Seed 0 runs backwards. Allocates on its first
+// frame only.
+class PermutedExecutor final : public Executor {
+ public:
+  explicit PermutedExecutor(uint64_t seed) : seed_(seed), state_(seed) {}
+  void Run(const Frame& frame) override;
+
+ private:
+  uint64_t seed_, state_;
+  std::vector<uint32_t> order_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,310 @@
+#include "jobs/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/chunk.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+namespace {
+
+bool Writes(Access a) {
+  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
+         a == Access::kAllInOut || a == Access::kScatter;
+}
+bool ReadsFirst(Access a) {
+  return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter;
+}
+
+// Reaches blocks of other items of the same domain.
+bool Crosses(Access a) { return a == Access::kGather || a == Access::kScatter; }
+bool IsAll(Access a) { return a == Access::kAll || a == Access::kAllOut || a == Access::kAllInOut; }
+bool IsStreamed(Access a) { return a != Access::kShared; }
+
+// Ports of one stream that see it in the same manner share one copy in local store.
+bool ShareCopy(Access a, Access b) {
+  return Crosses(a) || Crosses(b) ? a == b : IsAll(a) == IsAll(b);
+}
+
+// What keeps `b` out of the pass of the earlier stage `a`.
+bool Conflict(const Stage& a, const Stage& b) {
+  for (const PortDesc& p : a.kernel.ports)
+    for (const PortDesc& q : b.kernel.ports) {
+      if (p.stream == q.stream && (Writes(p.access) || Writes(q.access)) &&
+          (Crosses(p.access) || Crosses(q.access)))
+        return true;
+      // A record list is followed in main memory, so it must be there before the pass.
+      if (q.access == Access::kGather && q.record_list == p.stream && Writes(p.access)) return true;
+    }
+  return false;
+}
+
+// Null, or why a port cannot be bound: it would reach another item's block, or none at all.
+const char* FindPortFault(const PortDesc& p, Domain domain) {
+  const StreamDesc& stream = DescribeStream(p.stream);
+  if (p.stream == Stream::kNone) return "it names no stream";
+  if (Crosses(p.access)) {
+    if (domain != Domain::kChunk || stream.domain != Domain::kChunk)
+      return "records are gathered and scattered by chunks, among their layer's chunks";
+    if (p.block_bytes * kStrandsPerChunk != stream.block_bytes)
+      return "its record is not the stream's";
+    const bool has_list =
+        p.record_list != Stream::kNone && DescribeStream(p.record_list).domain == Domain::kChunk;
+    return p.access == Access::kGather && !has_list ? "it has no record list" : nullptr;
+  }
+  if (p.block_bytes != stream.block_bytes) return "its block is not the stream's";
+  if (p.access == Access::kShared)
+    return stream.domain < domain ? nullptr : "a shared block is one of a coarser domain";
+  if (!IsAll(p.access)) return stream.domain == domain ? nullptr : "own blocks are of one domain";
+  if (stream.domain <= domain || domain == Domain::kCharacter)
+    return "All is for the scene, and for the chunks of a layer";
+  if (domain == Domain::kScene && (stream.required | stream.forbidden) != 0)
+    return "not every layer has the stream";
+  return nullptr;
+}
+
+const char* FindGateFault(const Gate& gate, Domain domain) {
+  const bool of_chunk = gate.chunk_flags != 0 || gate.layer == LayerGate::kRedraw;
+  const bool of_layer = gate.layer_flags != 0 || gate.layer != LayerGate::kAlways;
+  if (of_chunk && domain != Domain::kChunk) return "its gate is for chunks";
+  if (of_layer && domain < Domain::kLayer) return "its gate is for layers and chunks";
+  return nullptr;
+}
+
+// Throws Error when a stage cannot run as it is declared, or its items would race.
+void CheckStage(const Stage& stage) {
+  const auto ports = stage.kernel.ports;
+  if (const char* fault = FindGateFault(stage.gate, stage.domain))
+    throw Error(fmt::format("stage {}: {}", stage.kernel.name, fault));
+  for (size_t i = 0; i < ports.size(); ++i) {
+    if (const char* fault = FindPortFault(ports[i], stage.domain))
+      throw Error(fmt::format("stage {}: port '{}' (stream {}): {}", stage.kernel.name,
+                              ports[i].name, DescribeStream(ports[i].stream).name, fault));
+    for (size_t j = 0; j < i; ++j)
+      if (ports[i].stream == ports[j].stream &&
+          (Writes(ports[i].access) || Writes(ports[j].access)))
+        throw Error(fmt::format(
+            "stage {}: ports '{}' and '{}' are one stream ({}) and one of them is written",
+            stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name));
+  }
+}
+
+uint32_t RoundUp(uint32_t bytes) { return (bytes + kBlockAlignment - 1) & ~(kBlockAlignment - 1); }
+
+// Bytes one item of layer `layer` needs in local store for a port.
+uint32_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain, uint32_t layer) {
+  switch (port.access) {
+    case Access::kAll:
+    case Access::kAllOut:
+    case Access::kAllInOut: {
+      const Domain of = DescribeStream(port.stream).domain;
+      const uint32_t blocks =
+          domain == Domain::kLayer ? shape.LayerChunks(layer) : shape.ItemCount(of);
+      return RoundUp(port.block_bytes * blocks);
+    }
+    case Access::kGather:
+      return RoundUp(port.block_bytes * kStrandsPerChunk);
+    case Access::kScatter:
+      return RoundUp((port.block_bytes + 4) * kStrandsPerChunk);
+    default:
+      return RoundUp(port.block_bytes);
+  }
+}
+
+struct StreamUse {
+  uint32_t first_stage, last_stage;
+};
+
+// First and last stage of the table that uses each stream.
+std::vector<StreamUse> FindUses(const std::vector<Stage>& stages) {
+  std::vector<StreamUse> uses(kStreamCount, {~0u, 0});
+  for (uint32_t s = 0; s < stages.size(); ++s)
+    for (const PortDesc& p : stages[s].kernel.ports) {
+      StreamUse& use = uses[size_t(p.stream)];
+      use.first_stage = std::min(use.first_stage, s);
+      use.last_stage = std::max(use.last_stage, s);
+    }
+  return uses;
+}
+
+bool IsOutput(Stream s) {
+  return s == Stream::kInstances || s == Stream::kRibbonVertices || s == Stream::kDrawList ||
+         s == Stream::kOrder || s == Stream::kCurves || s == Stream::kChunkState ||
+         s == Stream::kLod || s == Stream::kLayerSort;
+}
+
+// A stage that may be skipped while its readers run leaves last frame's block to them: it must be
+// kept.
+bool IsAlways(const Gate& gate) {
+  return gate.chunk_flags == 0 && gate.layer_flags == 0 && gate.layer == LayerGate::kAlways;
+}
+
+// The streams stages [first, first + count) keep resident for an item of `layer`.
+std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_t first,
+                                       uint32_t count, const SceneShape& shape, uint32_t layer,
+                                       const std::vector<StreamUse>& uses) {
+  std::vector<PassStream> out;
+  for (uint32_t s = first; s < first + count; ++s) {
+    const Stage& stage = stages[s];
+    if (stage.domain >= Domain::kLayer && !stage.kinds.Admits(shape.layer_kind[layer])) continue;
+    for (const PortDesc& p : stage.kernel.ports) {
+      auto it = std::find_if(out.begin(), out.end(), [&](const PassStream& u) {
+        return u.stream == p.stream && ShareCopy(u.access, p.access);
+      });
+      const uint32_t bytes = PortBytes(p, shape, stage.domain, layer);
+      if (it == out.end()) {
+        const StreamUse& use = uses[size_t(p.stream)];
+        const bool inside = use.first_stage >= first && use.last_stage < first + count;
+        const bool transient =
+            inside && !ReadsFirst(p.access) && !IsOutput(p.stream) &&
+            (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch);
+        out.push_back({p.stream, p.access, bytes, ReadsFirst(p.access), false, transient});
+        it = out.end() - 1;
+      }
+      it->bytes = std::max(it->bytes, bytes);
+      it->put |= Writes(p.access);
+    }
+  }
+  return out;
+}
+
+uint32_t ResidentBytes(const std::vector<PassStream>& streams, bool double_buffered) {
+  uint32_t bytes = 0;
+  for (const PassStream& s : streams)
+    bytes += s.bytes * (double_buffered && IsStreamed(s.access) && !s.transient ? 2 : 1);
+  return bytes;
+}
+
+// One layer of each kind (and the largest of it) stands for all layers in a measurement.
+std::vector<uint32_t> RepresentativeLayers(const SceneShape& shape) {
+  std::vector<uint32_t> layers;
+  std::set<uint32_t> kinds(shape.layer_kind.begin(), shape.layer_kind.end());
+  for (uint32_t kind : kinds) {
+    uint32_t largest = ~0u;
+    for (uint32_t l = 0; l < shape.layer_count; ++l)
+      if (shape.layer_kind[l] == kind &&
+          (largest == ~0u || shape.LayerChunks(l) > shape.LayerChunks(largest)))
+        largest = l;
+    layers.push_back(largest);
+  }
+  return layers;
+}
+
+Pass MeasurePass(const std::vector<Stage>& stages, uint32_t first, uint32_t count,
+                 const SceneShape& shape, bool double_buffered,
+                 const std::vector<StreamUse>& uses) {
+  Pass pass{first, count, stages[first].domain, {}, 0, 0, 0, double_buffered};
+  for (uint32_t layer : RepresentativeLayers(shape)) {
+    auto streams = CollectStreams(stages, first, count, shape, layer, uses);
+    const uint32_t resident = ResidentBytes(streams, double_buffered);
+    if (pass.streams.empty() || resident > pass.resident_bytes) {
+      pass.resident_bytes = resident;
+      pass.streams = std::move(streams);
+    }
+  }
+  for (const PassStream& s : pass.streams) {
+    if (s.get && s.access != Access::kShared) pass.get_bytes += s.bytes;
+    if (s.put && !s.transient) pass.put_bytes += s.bytes;
+  }
+  return pass;
+}
+
+// A stage runs on the layers that have all its streams.
+void AddStreamKinds(Stage& stage) {
+  for (const PortDesc& p : stage.kernel.ports) {
+    stage.kinds.required |= DescribeStream(p.stream).required;
+    stage.kinds.forbidden |= DescribeStream(p.stream).forbidden;
+  }
+}
+
+bool IsAdmitted(const Stage& stage, const SceneShape& shape) {
+  return stage.domain < Domain::kLayer ||
+         std::any_of(shape.layer_kind.begin(), shape.layer_kind.end(),
+                     [&](uint32_t kind) { return stage.kinds.Admits(kind); });
+}
+
+bool CanJoin(const std::vector<Stage>& stages, uint32_t first, uint32_t next) {
+  if (stages[next].domain != stages[first].domain) return false;
+  for (uint32_t s = first; s < next; ++s)
+    if (Conflict(stages[s], stages[next])) return false;
+  return true;
+}
+
+const char* DomainName(Domain d) {
+  constexpr const char* kNames[] = {"scene", "character", "layer", "chunk"};
+  return kNames[size_t(d)];
+}
+
+}  // namespace
+
+uint32_t SceneShape::ItemCount(Domain domain) const {
+  const uint32_t counts[] = {1, character_count, layer_count, chunk_count};
+  return counts[size_t(domain)];
+}
+
+uint32_t SortableChunks(uint32_t local_store_data_bytes) {
+  const uint32_t per_chunk = sizeof(SortKeyBlock) + sizeof(OrderBlock) + 2 * sizeof(SortPairBlock) +
+                             sizeof(ChunkStateBlock);
+  const uint32_t fixed = 4 * 1024;  // layer blocks, parameters, alignment
+  return local_store_data_bytes > fixed ? (local_store_data_bytes - fixed) / per_chunk : 0;
+}
+
+Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape, const PlanOptions& options) {
+  Plan plan{std::move(stages), {}};
+  for (Stage& stage : plan.stages) {
+    CheckStage(stage);
+    AddStreamKinds(stage);
+  }
+  // A stage for kinds of layer that the scene has none of would only cost barriers.
+  std::erase_if(plan.stages, [&](const Stage& s) { return !IsAdmitted(s, shape); });
+  const auto uses = FindUses(plan.stages);
+  const uint32_t limit = options.local_store_data_bytes;
+  uint32_t first = 0;
+  while (first < plan.stages.size()) {
+    uint32_t count = 1;
+    Pass pass = MeasurePass(plan.stages, first, 1, shape, true, uses);
+    if (pass.resident_bytes > limit) pass = MeasurePass(plan.stages, first, 1, shape, false, uses);
+    if (pass.resident_bytes > limit)
+      throw Error(fmt::format(
+          "stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
+          "use smaller chunks or smaller layers",
+          plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
+          pass.resident_bytes - limit, limit));
+    while (options.fuse && first + count < plan.stages.size() &&
+           CanJoin(plan.stages, first, first + count)) {
+      Pass longer = MeasurePass(plan.stages, first, count + 1, shape, true, uses);
+      if (longer.resident_bytes > limit) break;
+      pass = std::move(longer);
+      ++count;
+    }
+    plan.passes.push_back(std::move(pass));
+    first += count;
+  }
+  return plan;
+}
+
+std::string DescribePlan(const Plan& plan, const SceneShape& shape) {
+  std::string out = fmt::format("{:<4} {:<10} {:>6} {:>9} {:>9} {:>9}  {}\n", "pass", "domain",
+                                "items", "resident", "get", "put", "stages");
+  for (size_t i = 0; i < plan.passes.size(); ++i) {
+    const Pass& pass = plan.passes[i];
+    std::string names;
+    for (uint32_t s = 0; s < pass.stage_count; ++s) {
+      if (s) names += ", ";
+      names += plan.stages[pass.first_stage + s].kernel.name;
+    }
+    out += fmt::format("{:<4} {:<10} {:>6} {:>8}{} {:>9} {:>9}  {}\n", i, DomainName(pass.domain),
+                       shape.ItemCount(pass.domain), pass.resident_bytes,
+                       pass.double_buffered ? ' ' : '*', pass.get_bytes, pass.put_bytes, names);
+  }
+  out += fmt::format(
+      "{} stages in {} passes: {} barriers. Bytes are for one item of the layer kind that needs "
+      "most; * single-buffered.\n",
+      plan.stages.size(), plan.passes.size(), plan.passes.size());
+  return out;
+}
+
+}  // namespace pelt

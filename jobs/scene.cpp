@@ -1,0 +1,316 @@
+#include "jobs/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <new>
+
+#include "core/error.hpp"
+#include "jobs/float_environment.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+// Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
+// squared. A larger value would not be refused by arithmetic, only turned into infinities.
+constexpr float kLargest = 1.0e6f;
+constexpr const char* kNotUsable = "is not finite, or beyond 1e6";
+
+bool AreUsable(const float* v, size_t n) {
+  return std::all_of(v, v + n, [](float x) { return x >= -kLargest && x <= kLargest; });
+}
+
+// Null, or the name of the first group of values of a pose that cannot be used.
+const char* FindPoseFault(const PoseBlock& pose) {
+  if (pose.joint_count == 0 || pose.joint_count > kJointsPerCharacter) return "joint count";
+  if (!AreUsable(pose.root, 12)) return "root placement";
+  const auto usable = [&](const auto& rows) {
+    using Row = float[kJointsPerCharacter];
+    const auto* row = reinterpret_cast<const Row*>(&rows);
+    for (size_t r = 0; r < sizeof rows / sizeof(Row); ++r)
+      if (!AreUsable(row[r], pose.joint_count)) return false;
+    return true;
+  };
+  if (!usable(pose.translation_key)) return "translation keys";
+  if (!usable(pose.rotation_key)) return "rotation keys";
+  if (!usable(pose.scale_key)) return "scale keys";
+  if (!usable(pose.translation_weight)) return "translation weights";
+  if (!usable(pose.rotation_weight)) return "rotation weights";
+  if (!usable(pose.scale_weight)) return "scale weights";
+  return nullptr;
+}
+
+const char* FindWindFault(const WindSetup& w) {
+  const float all[] = {w.velocity[0], w.velocity[1],   w.velocity[2],       w.gust_strength,
+                       w.turbulence,  w.gust_period_s, w.turbulence_scale_m};
+  if (!AreUsable(all, std::size(all))) return "a value is not finite, or beyond 1e6";
+  if (w.gust_period_s < 1.0e-3f) return "the gust period is below 1 ms";
+  if (w.turbulence_scale_m < 1.0e-3f) return "the turbulence scale is below 1 mm";
+  return nullptr;
+}
+
+const char* FindObstacleFault(const FrameInput& in) {
+  if (in.use_ground) {
+    if (!AreUsable(in.ground, 4)) return "the ground plane is not finite, or beyond 1e6";
+    const float* n = in.ground;
+    const float length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (std::abs(length2 - 1.0f) > 1.0e-3f) return "the ground plane's normal is not unit";
+  }
+  if (in.sphere_count > kSpheresPerScene) return "more spheres than a scene holds";
+  for (uint32_t s = 0; s < in.sphere_count; ++s)
+    if (!AreUsable(in.sphere[s], 4) || in.sphere[s][3] < 0.0f)
+      return "a sphere is not finite, beyond 1e6, or has a negative radius";
+  return nullptr;
+}
+
+const char* FindLodFault(const LodSettings& lod) {
+  if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
+    return "full_detail_px is not a number from 0 on";
+  const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share};
+  for (float share : shares)
+    if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";
+  return nullptr;
+}
+
+// Copies `value` over `target` and says whether a bit of it changed. Both are zero-initialised
+// plain data without padding.
+template <class T>
+bool Replace(T& target, const T& value) {
+  if (std::memcmp(&target, &value, sizeof(T)) == 0) return false;
+  target = value;
+  return true;
+}
+
+}  // namespace
+
+SceneBlock::SceneBlock(uint64_t bytes)
+    : memory_(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kBlockAlignment)))),
+      bytes_(bytes) {}
+
+void SceneBlock::Delete::operator()(std::byte* p) const {
+  ::operator delete(p, std::align_val_t(kBlockAlignment));
+}
+
+FurScene::FurScene(std::span<const Groom* const> grooms, const SceneOptions& options,
+                   SceneLayout layout, std::span<std::byte> memory)
+    : options_(options), layout_(std::move(layout)) {
+  if (MeasureScene(grooms, options).total_bytes != layout_.total_bytes)
+    throw Error("the layout was measured for other grooms or options");
+  if (memory.size() < layout_.total_bytes)
+    throw Error(fmt::format("the scene needs {} bytes and was given {}", layout_.total_bytes,
+                            memory.size()));
+  if (reinterpret_cast<uintptr_t>(memory.data()) % kBlockAlignment != 0)
+    throw Error(fmt::format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
+  const KernelTable* kernels = FindKernels(options_.isa);
+  if (!kernels)
+    throw Error(fmt::format("this processor or build has no {} kernels", IsaName(options_.isa)));
+  Place(memory);
+  CopyGrooms(grooms);
+  plan_ = CompilePlan(MakeFrameTable(*kernels, params_, options_.vertex_order), layout_.shape,
+                      options_.plan);
+  fault_.reserve(256);
+}
+
+void FurScene::Place(std::span<std::byte> memory) {
+  const SceneShape& shape = layout_.shape;
+  std::memset(memory.data(), 0, layout_.total_bytes);
+  memory_.shape = &layout_.shape;
+  slots_.resize(kStreamCount);
+  std::byte* at = memory.data();
+  for (uint32_t s = 0; s < kStreamCount; ++s) {
+    const StreamDesc& desc = DescribeStream(Stream(s));
+    memory_.base[s] = at;
+    memory_.block_count[s] = layout_.ranges[s].blocks;
+    at += layout_.ranges[s].bytes;
+    if (desc.domain != Domain::kChunk || layout_.ranges[s].blocks == shape.chunk_count) continue;
+    slots_[s].assign(shape.chunk_count, kNoBlock);
+    uint32_t next = 0;
+    for (uint32_t c = 0; c < shape.chunk_count; ++c)
+      if (KindMask{desc.required, desc.forbidden}.Admits(shape.layer_kind[shape.chunk_layer[c]]))
+        slots_[s][c] = next++;
+    memory_.slot[s] = slots_[s].data();
+  }
+}
+
+void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
+  uint32_t layer_index = 0, chunk = 0;
+  for (uint32_t c = 0; c < grooms.size(); ++c) {
+    const Groom& groom = *grooms[c];
+    *memory_.As<SkeletonBlock>(Stream::kSkeleton, c) = groom.skeleton;
+    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0;
+    for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
+      const GroomLayer& layer = groom.layers[l];
+      *memory_.As<LayerJointBlock>(Stream::kLayerJoints, layer_index) = groom.layer_joints[l];
+      layer_names_.push_back(layer.name);
+      layer_params_.push_back(layer.params);
+      layer_length_max_.push_back(layer.length_max);
+      layer_strands_.push_back(layer.strand_count);
+      layer_simulates_.push_back(0);
+      for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
+        *memory_.As<MeshBlock>(Stream::kMesh, chunk) = groom.mesh[layer.first_chunk + i];
+        *memory_.As<StrandBlock>(Stream::kStrands, chunk) = groom.strands[layer.first_chunk + i];
+        const bool on_vertices = layer.params.chain == ChainKind::kVertex;
+        if (on_vertices)
+          *memory_.As<RestBlock<4>>(Stream::kVertexRest, chunk) = groom.vertex_rest[vertex_rest++];
+        const float* strength = nullptr;
+        if (layer.params.points == 5) {
+          auto& rest = *memory_.As<RestBlock<5>>(Stream::kStrandRest5, chunk);
+          rest = groom.strand_rest5[rest5++];
+          strength = rest.strength;
+        } else {
+          auto& rest = *memory_.As<RestBlock<4>>(Stream::kStrandRest4, chunk);
+          rest = groom.strand_rest4[rest4++];
+          strength = rest.strength;
+        }
+        layer_simulates_[layer_index] |=
+            std::any_of(strength, strength + kStrandsPerChunk, [](float s) { return s > 0.0f; });
+      }
+    }
+  }
+}
+
+const char* FurScene::CheckInput(const FrameInput& in) {
+  const auto fault = [&]<class... Args>(fmt::format_string<Args...> text, Args&&... args) {
+    fault_.clear();
+    fmt::format_to(std::back_inserter(fault_), text, std::forward<Args>(args)...);
+    return fault_.c_str();
+  };
+  if (!std::isfinite(in.dt_s) || in.dt_s <= 0.0 || in.dt_s > 1.0)
+    return fault("dt_s is {}, not in (0, 1] s", in.dt_s);
+  if (!std::isfinite(in.time_s) || in.time_s < 0.0)
+    return fault("time_s is {}, not a time from 0 on", in.time_s);
+  if (const char* camera = FindCameraFault(in.camera)) return fault("camera: {}", camera);
+  if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
+  if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
+  if (const char* what = FindObstacleFault(in)) return fault("{}", what);
+  if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
+  if (!in.weather.empty() && in.weather.size() != shape().character_count)
+    return fault("weather for {} characters, the scene has {}", in.weather.size(),
+                 shape().character_count);
+  for (size_t c = 0; c < in.weather.size(); ++c)
+    if (!std::isfinite(in.weather[c].wetness) || !std::isfinite(in.weather[c].dirt))
+      return fault("weather of character {} is not finite", c);
+  for (uint32_t c = 0; c < shape().character_count; ++c)
+    if (const char* what = FindPoseFault(Pose(c)))
+      return fault("pose of character {}: bad {}", c, what);
+  return nullptr;
+}
+
+const char* FurScene::BeginFrame(const FrameInput& input) {
+  const FloatEnvironment float_environment;  // parameters are part of the bits
+  if (const char* fault = CheckInput(input)) return fault;
+  const WindSetup& w = input.wind;
+  const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
+                     w.turbulence == 0.0f;
+  const bool wind_blows = !(still && input.skip.wind);
+  FillLayers(input, wind_blows);
+  FillParams(input, wind_blows);
+  first_frame_ = false;
+  return nullptr;
+}
+
+void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
+  for (uint32_t l = 0; l < shape().layer_count; ++l) {
+    auto& block = *memory_.As<LayerBlock>(Stream::kLayers, l);
+    const Weather weather =
+        input.weather.empty() ? Weather{} : input.weather[shape().layer_character[l]];
+    block = FillLayerBlock(layer_params_[l], weather, float(input.dt_s), input.gravity, wind_blows,
+                           layer_strands_[l], layer_length_max_[l], layer_simulates_[l] != 0,
+                           first_frame_ ? nullptr : &block);
+  }
+}
+
+void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
+  const View view = MakeView(in.camera);
+  SelectLodParams lod{};
+  lod.view = view;
+  lod.full_detail_pixels = in.lod.full_detail_px;
+  lod.min_fraction = in.lod.min_fraction;
+  lod.hysteresis = in.lod.hysteresis;
+  lod.fade_share = in.lod.fade_share;
+  lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
+  lod.budget_scale = BudgetScale({memory_.As<LodBlock>(Stream::kLod, 0), shape().layer_count},
+                                 {memory_.As<LayerBlock>(Stream::kLayers, 0), shape().layer_count},
+                                 in.lod.strand_budget);
+  const bool view_changed = Replace(params_.select_lod, lod) || first_frame_;
+
+  SimulateParams simulate{};
+  simulate.dt = float(in.dt_s);
+  simulate.rest_threshold = kRestThreshold;
+  simulate.use_ground = in.use_ground;
+  if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
+  simulate.sphere_count = in.sphere_count;
+  std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
+  const bool simulate_changed = Replace(params_.simulate, simulate);
+
+  if (wind_blows) params_.wind = MakeWindParams(in.wind, in.time_s);
+  params_.activate = {(in.skip.sleep ? kSwitchSleep : 0u) |
+                          (in.skip.unmoved ? kSwitchSkipUnmoved : 0u) |
+                          (in.skip.sort ? kSwitchSkipSort : 0u),
+                      simulate_changed, view_changed, first_frame_};
+  params_.collect_changes.switches = params_.activate.switches;
+  params_.collect_changes.view_changed = view_changed;
+  std::copy_n(view.eye, 3, params_.sort_key.eye);
+  std::copy_n(view.forward, 3, params_.sort_key.forward);
+  std::copy_n(view.eye, 3, params_.order_layers.eye);
+  std::copy_n(view.forward, 3, params_.order_layers.forward);
+  std::copy_n(view.eye, 3, params_.write_ribbons.eye);
+}
+
+uint32_t FurScene::LiveLanes(Stream stream, uint32_t item) const {
+  const StreamDesc& desc = DescribeStream(stream);
+  if (desc.lanes == Lanes::kAll) return kStrandsPerChunk;
+  const auto& state = *memory_.As<ChunkStateBlock>(Stream::kChunkState, item);
+  const uint32_t layer = shape().chunk_layer[item];
+  const bool strand_order =
+      options_.vertex_order == VertexOrder::kIndexBuffer && stream == Stream::kRibbonVertices;
+  if (desc.lanes == Lanes::kLiveStrands || strand_order) return state.live_strands;
+  if (desc.lanes == Lanes::kLiveVertices) return state.live_vertices;
+  if (desc.lanes == Lanes::kLiveChains)
+    return shape().layer_kind[layer] & kLayerVertexChains ? state.live_vertices
+                                                          : state.live_strands;
+  if (options_.vertex_order == VertexOrder::kIndexBuffer && stream == Stream::kInstances) return 0;
+  const auto& sort = *memory_.As<LayerSortBlock>(Stream::kLayerSort, layer);
+  const uint32_t first = (item - shape().layer_first_chunk[layer]) * kStrandsPerChunk;
+  return sort.visible_count > first ? std::min(sort.visible_count - first, kStrandsPerChunk) : 0;
+}
+
+uint64_t FurScene::DigestStream(Stream stream) const {
+  const StreamDesc& desc = DescribeStream(stream);
+  if (desc.role != Role::kValue) return 0;
+  Digest digest;
+  const uint32_t items = shape().ItemCount(desc.domain);
+  for (uint32_t i = 0; i < items; ++i) {
+    const std::byte* block = memory_.Block(stream, i);
+    if (!block) continue;
+    const uint32_t lanes = LiveLanes(stream, desc.domain == Domain::kChunk ? i : 0);
+    digest.Add(lanes);
+    AddBlock(digest, desc, block, lanes);
+  }
+  return digest.Value();
+}
+
+uint64_t FurScene::DigestFrame() const {
+  Digest digest;
+  for (uint32_t s = 0; s < kStreamCount; ++s) digest.Add64(DigestStream(Stream(s)));
+  return digest.Value();
+}
+
+uint32_t FurScene::LiveStrands() const {
+  uint32_t live = 0;
+  for (uint32_t c = 0; c < shape().chunk_count; ++c)
+    live += memory_.As<ChunkStateBlock>(Stream::kChunkState, c)->live_strands;
+  return live;
+}
+
+uint32_t FurScene::DrawnStrands() const {
+  uint32_t drawn = 0;
+  for (uint32_t l = 0; l < shape().layer_count; ++l)
+    drawn += memory_.As<LayerSortBlock>(Stream::kLayerSort, l)->visible_count;
+  return drawn;
+}
+
+}  // namespace pelt

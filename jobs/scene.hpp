@@ -1,0 +1,160 @@
+// A scene of furry characters: memory, state and plan for any number of frames.
+//
+//   SceneLayout layout = MeasureScene(grooms, options);          // the exact bytes, every range
+//   named SceneBlock block(layout.total_bytes);                        // or any memory of the
+//   caller's FurScene scene(grooms, options, layout, block.bytes()); FillPose(..., scene.Pose(c));
+//   scene.BeginFrame(input);      // the caller's thread executor.Run(scene.CurrentFrame()); // any
+//   executor, the same bits
+//
+// Invariant: after construction nothing allocates. BeginFrame refuses input that is not finite and
+// leaves the scene as it was; state never becomes non-finite.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/groom/groom.hpp"
+#include "core/kernels/wind.hpp"
+#include "core/layer_block.hpp"
+#include "core/view.hpp"
+#include "jobs/frame.hpp"
+#include "jobs/frame_table.hpp"
+
+namespace pelt {
+
+struct SceneOptions {
+  Isa isa = BestIsa();
+  PlanOptions plan;
+  VertexOrder vertex_order = VertexOrder::kSorted;
+  // Layers of more chunks than this sort in pieces, over many chunks; 0: those that would not fit
+  // the local store.
+  uint32_t piecewise_sort_chunks = 0;
+};
+
+// One named piece of a scene's memory.
+struct MemoryRange {
+  std::string_view name;
+  uint64_t bytes;
+  uint32_t blocks;
+  Role role;
+};
+struct SceneLayout {
+  SceneShape shape;
+  std::vector<MemoryRange>
+      ranges;                // one for each stream, in stream order; empty streams have 0 bytes
+  uint64_t total_bytes = 0;  // what the caller's block must hold, aligned to kBlockAlignment
+  uint64_t strand_count = 0;
+  // Bytes of simulation state (present and last points), and of everything a frame keeps, for a
+  // strand.
+  double StateBytesPerStrand() const;
+};
+
+struct LodSettings {
+  float full_detail_px = 400.0f;  // on-screen size from which a layer has all its strands
+  float min_fraction = 0.05f;
+  float hysteresis = 0.1f;
+  float fade_share = 0.1f;
+  uint32_t strand_budget = 0;  // 0: no budget
+};
+
+// What may be left out. LOD changes the picture; all others change no bit of it.
+struct SkipSettings {
+  bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, lod = false;
+};
+
+struct FrameInput {
+  double dt_s = 1.0 / 60.0;
+  double time_s = 0.0;
+  Camera camera;
+  WindSetup wind;
+  float gravity[3] = {0.0f, -9.81f, 0.0f};
+  bool use_ground = false;
+  float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};  // n.x + d >= 0 is above
+  uint32_t sphere_count = 0;
+  float sphere[kSpheresPerScene][4] = {};  // centre, radius
+  std::span<const Weather> weather;        // one a character; empty: dry and clean
+  LodSettings lod;
+  SkipSettings skip;
+};
+
+// Layout of a scene of these grooms, one for each character (a groom may serve several). Throws
+// Error when grooms do not fit together (chunk capacity, too many layers).
+SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options);
+
+// A block of memory for a scene, for callers without an allocator of their own.
+class SceneBlock {
+ public:
+  explicit SceneBlock(uint64_t bytes);
+  std::span<std::byte> bytes() { return {memory_.get(), bytes_}; }
+
+ private:
+  struct Delete {
+    void operator()(std::byte* p) const;
+  };
+  std::unique_ptr<std::byte, Delete> memory_;
+  uint64_t bytes_;
+};
+
+class FurScene {
+ public:
+  // `memory` must hold layout.total_bytes, aligned to kBlockAlignment, and outlive the scene;
+  // grooms are copied into it. Throws Error when the memory is too small or not aligned, the layout
+  // is of other grooms, or the plan cannot be made.
+  FurScene(std::span<const Groom* const> grooms, const SceneOptions& options, SceneLayout layout,
+           std::span<std::byte> memory);
+  FurScene(const FurScene&) = delete;
+  FurScene& operator=(const FurScene&) = delete;
+
+  // To be filled before every BeginFrame.
+  PoseBlock& Pose(uint32_t character) { return *memory_.As<PoseBlock>(Stream::kPose, character); }
+
+  // Fills every parameter of the frame, which must then be run, once. Returns null, or the reason
+  // the frame must not run: what is not finite or out of range, and where; the scene is then as it
+  // was. The text lives until the next call.
+  const char* BeginFrame(const FrameInput& input);
+
+  Frame CurrentFrame() const { return {&plan_, &memory_, nullptr}; }
+
+  const Plan& plan() const { return plan_; }
+  const FrameMemory& memory() const { return memory_; }
+  const SceneLayout& layout() const { return layout_; }
+  const SceneShape& shape() const { return layout_.shape; }
+  std::string_view LayerName(uint32_t layer) const { return layer_names_[layer]; }
+
+  // Lanes of the block of `item` that hold values of the last frame run (Lanes, core/streams.hpp).
+  uint32_t LiveLanes(Stream stream, uint32_t item) const;
+  // Digest of everything of one stream that has the role kValue; 0 for other streams.
+  uint64_t DigestStream(Stream stream) const;
+  // Digest of all of them: what `pelt verify` compares.
+  uint64_t DigestFrame() const;
+
+  uint32_t LiveStrands() const;   // over all visible layers
+  uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
+
+ private:
+  void Place(std::span<std::byte> memory);
+  void CopyGrooms(std::span<const Groom* const> grooms);
+  const char* CheckInput(const FrameInput& input);
+  void FillLayers(const FrameInput& input, bool wind_blows);
+  void FillParams(const FrameInput& input, bool wind_blows);
+
+  SceneOptions options_;
+  SceneLayout layout_;
+  std::vector<std::vector<uint32_t>> slots_;
+  FrameMemory memory_{};
+  FrameParams params_;
+  Plan plan_;
+  std::vector<std::string> layer_names_;
+  std::vector<LayerParams> layer_params_;
+  std::vector<float> layer_length_max_;
+  std::vector<uint32_t> layer_strands_;
+  std::vector<uint8_t> layer_simulates_;
+  bool first_frame_ = true;
+  std::string fault_;
+};
+
+}  // namespace pelt

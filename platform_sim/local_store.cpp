@@ -1,0 +1,234 @@
+#include "platform_sim/local_store.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "jobs/float_environment.hpp"
+#include "jobs/pass_loop.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr std::byte kPoison{0xff};
+constexpr uint32_t kGuardBytes =
+    kBlockAlignment;                       // poison between blocks: finds writes past an end
+constexpr uint32_t kDmaBytes = 16 * 1024;  // largest command
+constexpr uint32_t kWatchedBytes = 4096;   // behind the last block: must stay poisoned too
+constexpr size_t kMostFaults = 64;
+constexpr uint32_t kNotPut = ~0u;  // poisoned index of a scatter entry the kernel did not use
+
+bool Writes(Access a) {
+  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
+         a == Access::kAllInOut || a == Access::kScatter;
+}
+bool Reads(Access a) { return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter; }
+bool IsAll(Access a) { return a == Access::kAll || a == Access::kAllOut || a == Access::kAllInOut; }
+bool IsList(Access a) { return a == Access::kGather || a == Access::kScatter; }
+
+// Blocks bound in the same manner share one copy; a gathered list and an own block of one stream do
+// not.
+bool SameBinding(Access a, Access b) {
+  return IsList(a) || IsList(b) ? a == b : IsAll(a) == IsAll(b);
+}
+
+uint64_t RoundUp(uint64_t bytes) {
+  return (bytes + kBlockAlignment - 1) & ~uint64_t(kBlockAlignment - 1);
+}
+
+uint32_t LayerRecords(const Frame& frame, uint32_t chunk) {
+  const SceneShape& shape = *frame.memory->shape;
+  return shape.LayerChunks(shape.chunk_layer[chunk]) * kStrandsPerChunk;
+}
+
+}  // namespace
+
+struct alignas(kBlockAlignment) LocalStoreExecutor::Buffer {
+  std::byte bytes[kLocalStoreBytes];
+};
+
+LocalStoreExecutor::LocalStoreExecutor(uint32_t data_bytes)
+    : data_bytes_(data_bytes), buffer_(std::make_unique<Buffer>()), snapshot_(kLocalStoreBytes) {
+  std::fill_n(buffer_->bytes, kLocalStoreBytes, kPoison);
+  resident_.reserve(kStreamCount);
+}
+
+LocalStoreExecutor::~LocalStoreExecutor() = default;
+
+void LocalStoreExecutor::Run(const Frame& frame) {
+  ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) RunItem(frame, frame.plan->passes[pass], i);
+  });
+}
+
+void LocalStoreExecutor::RunItem(const Frame& frame, const Pass& pass, uint32_t item) {
+  const FloatEnvironment float_environment;
+  std::fill_n(buffer_->bytes, std::min(top_ + kWatchedBytes, kLocalStoreBytes), kPoison);
+  resident_.clear();
+  top_ = data_used_ = 0;
+  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
+    if (IsWanted(frame.plan->stages[s], *frame.memory, item))
+      RunStage(frame, frame.plan->stages[s], item);
+  for (const Resident& block : resident_) {
+    if (!block.written) continue;
+    const auto use = std::find_if(pass.streams.begin(), pass.streams.end(),
+                                  [&](const PassStream& u) { return u.stream == block.stream; });
+    Store(frame, frame.plan->stages[pass.first_stage], item, block,
+          use != pass.streams.end() && use->transient);
+  }
+}
+
+void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32_t item) {
+  Binding bindings[kMaxPorts];
+  const auto& ports = stage.kernel.ports;
+  for (size_t p = 0; p < ports.size(); ++p) {
+    Resident* block = FindOrLoad(frame, stage, ports[p], item);
+    if (!block) return;
+    auto* index = ports[p].access == Access::kScatter
+                      ? reinterpret_cast<uint32_t*>(buffer_->bytes + block->offset +
+                                                    size_t(block->record_bytes) * block->count)
+                      : nullptr;
+    bindings[p] = {buffer_->bytes + block->offset, index, block->count};
+    block->writable |= Writes(ports[p].access);
+    // Whoever declares Out promises not to look at what an earlier stage of the pass left.
+    if (!Reads(ports[p].access)) std::fill_n(buffer_->bytes + block->offset, block->bytes, kPoison);
+  }
+  std::memcpy(snapshot_.data(), buffer_->bytes, top_);
+  stage.kernel.run(stage.params, bindings);
+
+  for (Resident& block : resident_) {
+    if (!block.writable) {
+      CheckUntouched(stage, item, block);
+      continue;
+    }
+    block.writable = false;
+    block.written = true;
+    // Gates look at what ran in main memory; a console's PPU would be told the same by mailbox.
+    if (DescribeStream(block.stream).role == Role::kBooking) {
+      Store(frame, stage, item, block, false);
+      block.written = false;
+    }
+  }
+  CheckGuards(stage, item);
+}
+
+void LocalStoreExecutor::CheckUntouched(const Stage& stage, uint32_t item, const Resident& block) {
+  if (std::memcmp(snapshot_.data() + block.offset, buffer_->bytes + block.offset, block.bytes) == 0)
+    return;
+  for (const PortDesc& port : stage.kernel.ports)
+    if (port.stream == block.stream && SameBinding(port.access, block.access))
+      return Fault(stage, item, fmt::format("wrote through its read-only port '{}'", port.name));
+  Fault(stage, item,
+        fmt::format("wrote to stream '{}', which it has no port for",
+                    DescribeStream(block.stream).name));
+}
+
+LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame, const Stage& stage,
+                                                             const PortDesc& port, uint32_t item) {
+  for (Resident& r : resident_)
+    if (r.stream == port.stream && SameBinding(r.access, port.access)) return &r;
+  const Binding main = BindPort(port, *frame.memory, stage.domain, item);
+  const uint64_t per_record = port.block_bytes + (port.access == Access::kScatter ? 4u : 0u);
+  const uint64_t bytes = per_record * main.count;
+  const uint64_t over_data = data_used_ + RoundUp(bytes);
+  const uint64_t end = top_ + RoundUp(bytes) + kGuardBytes;
+  // CompilePlan refuses plans that need more than they were given; this finds a plan made for
+  // another local store, or one that counted wrongly. The stage does not run.
+  if (over_data > data_bytes_ || end > kLocalStoreBytes) {
+    Fault(stage, item,
+          fmt::format("port '{}' needs {} bytes; of {} in local store {} are taken", port.name,
+                      bytes, data_bytes_, data_used_));
+    return nullptr;
+  }
+  resident_.push_back({port.stream, port.access, top_, uint32_t(bytes), port.block_bytes,
+                       main.count, false, false});
+  top_ = uint32_t(end);
+  data_used_ = uint32_t(over_data);
+  counts_.peak_bytes = std::max(counts_.peak_bytes, data_used_);
+  if (Reads(port.access)) Load(frame, main, item, resident_.back());
+  return &resident_.back();
+}
+
+void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t item,
+                              const Resident& block) {
+  std::byte* to = buffer_->bytes + block.offset;
+  if (block.access != Access::kGather) {
+    std::memcpy(to, main.block, block.bytes);
+    CountTransfer(block.bytes, true);
+    return;
+  }
+  // Lists may end in entries that mean nothing; they are not fetched, and a kernel that uses one
+  // all the same sees poison.
+  const uint32_t records = LayerRecords(frame, item);
+  for (uint32_t i = 0; i < block.count; ++i) {
+    const uint32_t from = main.index[i];
+    if (from >= records) continue;
+    std::memcpy(to + size_t(i) * block.record_bytes,
+                static_cast<std::byte*>(main.block) + size_t(from) * block.record_bytes,
+                block.record_bytes);
+    ++counts_.list_elements;
+    counts_.get_bytes += block.record_bytes;
+  }
+  ++counts_.dma_commands;
+}
+
+void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t item,
+                               const Resident& block, bool transient) {
+  if (block.access == Access::kScatter) return Scatter(frame, stage, item, block);
+  const PortDesc port{{}, block.stream, block.access, block.record_bytes, Stream::kNone};
+  std::memcpy(BindPort(port, *frame.memory, stage.domain, item).block,
+              buffer_->bytes + block.offset, block.bytes);
+  if (transient)
+    counts_.transient_bytes += block.bytes;
+  else
+    CountTransfer(block.bytes, false);
+}
+
+void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_t item,
+                                 const Resident& block) {
+  const SceneShape& shape = *frame.memory->shape;
+  std::byte* to =
+      frame.memory->Block(block.stream, shape.layer_first_chunk[shape.chunk_layer[item]]);
+  const std::byte* records = buffer_->bytes + block.offset;
+  const auto* index =
+      reinterpret_cast<const uint32_t*>(records + size_t(block.record_bytes) * block.count);
+  const uint32_t places = LayerRecords(frame, item);
+  for (uint32_t i = 0; i < block.count; ++i) {
+    if (index[i] == kNotPut) continue;
+    if (index[i] >= places) {
+      Fault(stage, item, fmt::format("scattered to place {} of {} in its layer", index[i], places));
+      continue;
+    }
+    std::memcpy(to + size_t(index[i]) * block.record_bytes,
+                records + size_t(i) * block.record_bytes, block.record_bytes);
+    ++counts_.list_elements;
+    counts_.put_bytes += block.record_bytes;
+  }
+  ++counts_.dma_commands;
+}
+
+void LocalStoreExecutor::CheckGuards(const Stage& stage, uint32_t item) {
+  const auto poisoned = [&](uint32_t from, uint32_t to) {
+    return std::all_of(buffer_->bytes + from, buffer_->bytes + to,
+                       [](std::byte b) { return b == kPoison; });
+  };
+  for (const Resident& r : resident_)
+    if (!poisoned(r.offset + r.bytes, r.offset + uint32_t(RoundUp(r.bytes)) + kGuardBytes))
+      Fault(stage, item,
+            fmt::format("wrote past the end of its block of stream '{}'",
+                        DescribeStream(r.stream).name));
+  const uint32_t after = std::min(top_ + kWatchedBytes, kLocalStoreBytes);
+  if (!poisoned(top_, after)) Fault(stage, item, "wrote past its last block");
+}
+
+void LocalStoreExecutor::Fault(const Stage& stage, uint32_t item, std::string what) {
+  if (faults_.size() < kMostFaults) faults_.push_back({stage.kernel.name, item, std::move(what)});
+}
+
+void LocalStoreExecutor::CountTransfer(uint64_t bytes, bool get) {
+  (get ? counts_.get_bytes : counts_.put_bytes) += bytes;
+  counts_.dma_commands += (bytes + kDmaBytes - 1) / kDmaBytes;
+}
+
+}  // namespace pelt

@@ -1,0 +1,24 @@
+// Where the real characters lie: $PELT_SHARED, or ../shared beside the sources.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#ifndef PELT_SOURCE_DIR
+#define PELT_SOURCE_DIR "."
+#endif
+
+namespace pelt::test {
+
+// Empty where the file is absent: skip the test, visibly.
+inline std::string FindShared(const std::string& file) {
+  const char* from = std::getenv("PELT_SHARED");
+  const std::filesystem::path folder =
+      from ? std::filesystem::path(from) : std::filesystem::path(PELT_SOURCE_DIR) / "../shared";
+  const std::filesystem::path path = folder / "assets" / file;
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) ? path.string() : std::string();
+}
+
+}  // namespace pelt::test

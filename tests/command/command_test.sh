@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# The `pelt` command as a user meets it: the examples of every help text work, errors are one line
+# with the right exit code, pipes get no progress bar, and the README shows the real plan.
+#   command_test.sh PELT SOURCE_DIR [examples|errors|readme]...   (all, if none is named)
+set -uo pipefail
+pelt=$(realpath "$1")
+source_dir=$(realpath "$2")
+shift 2
+parts=("$@")
+[ "${#parts[@]}" -eq 0 ] && parts=(examples errors output readme)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+# Every line of a help text that starts with two blanks and "pelt".
+run_examples() {
+  local count=0
+  for subcommand in bake run plan verify; do
+    "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
+    while read -r -a words; do
+      count=$((count + 1))
+      "$pelt" "${words[@]:1}" >out.txt 2>err.txt || fail "${words[*]}: exit $?: $(cat err.txt)"
+      [ -s out.txt ] || fail "${words[*]}: printed nothing"
+      [ -s err.txt ] && [[ " ${words[*]} " != *" --json "* ]] &&
+        fail "${words[*]}: wrote to standard error in a pipe: $(head -c 200 err.txt)"
+    done < <(grep -E '^  pelt [a-z]' help.txt)
+  done
+  [ "$count" -ge 8 ] || fail "only $count examples in the help texts"
+  [ -s monster.groom ] || fail "the bake example wrote no groom"
+  [ "$(head -c 8 eyepet.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] ||
+    fail "the picture example wrote no PNG"
+  echo "$count examples"
+}
+
+# expect CODE WORD ARGS...: exit code, one line "pelt: ...", containing WORD.
+expect() {
+  local code=$1 word=$2
+  shift 2
+  "$pelt" "$@" >out.txt 2>err.txt
+  local got=$?
+  [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code"
+  [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt $*: $(wc -l <err.txt) lines of error: $(cat err.txt)"
+  grep -q '^pelt: ' err.txt || fail "pelt $*: error does not begin with 'pelt: '"
+  grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
+}
+check_errors() {
+  expect 2 subcommand
+  expect 2 --sceen run --sceen monster
+  expect 2 nowhere run --scene nowhere
+  expect 2 frames run --scene tiny --frames many
+  expect 2 executor run --scene tiny --executor magic
+  expect 2 --setup run --character some.glb
+  expect 2 --scene run --scene tiny --setup tiny
+  expect 1 missing.glb run --character missing.glb --setup tiny
+  expect 1 missing.toml bake --setup ./missing.toml
+  expect 1 missing.groom run --groom missing.groom
+  expect 1 there run --setup nosuch
+  head -c 4000 /dev/urandom >noise
+  cp noise noise.glb
+  expect 1 noise.glb bake --character noise.glb
+  expect 1 noise.groom run --groom noise.groom
+  printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
+  expect 1 typo.toml:3 bake --setup ./typo.toml
+  grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
+  expect 1 /nowhere/ bake --setup tiny --out /nowhere/x.groom
+  expect 1 /nowhere/ run --scene tiny --frames 1 --picture /nowhere/x.png
+  "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake tiny"
+  head -c 5000 tiny.groom >cut.groom
+  expect 1 cut.groom run --groom cut.groom
+}
+
+check_output() {
+  "$pelt" run --scene tiny --frames 5 --executor serial >serial.txt || fail "run serial"
+  "$pelt" run --scene tiny --frames 5 --workers 3 >tbb.txt || fail "run tbb"
+  [ "$(grep '^digest' serial.txt)" = "$(grep '^digest' tbb.txt)" ] || fail "digests differ"
+  "$pelt" bake --setup tiny --out a.groom >/dev/null && "$pelt" bake --setup tiny --out b.groom >/dev/null
+  cmp a.groom b.groom || fail "two bakes differ"
+  "$pelt" bake --setup tiny | grep -q 'unit_scale' || fail "bake does not say the unit scale"
+  "$pelt" bake --setup tiny --seed 9 --out c.groom >/dev/null
+  cmp -s a.groom c.groom && fail "another seed gave the same groom"
+  for switch in sleep unmoved sort wind cull digest; do
+    "$pelt" run --scene tiny --frames 2 "--no-$switch" >/dev/null || fail "--no-$switch"
+  done
+  if command -v python3 >/dev/null; then
+    for arguments in 'bake --setup tiny --stats' 'run --scene tiny --frames 2' 'plan --scene tiny' \
+      'verify --scene tiny --frames 1 --isa reference --no-skips'; do
+      # shellcheck disable=SC2086
+      "$pelt" $arguments --json 2>/dev/null | python3 -m json.tool >/dev/null ||
+        fail "pelt $arguments --json is not JSON"
+    done
+  fi
+}
+
+check_readme() {
+  sed -n '/^    \$ pelt plan --scene monster$/,/^$/p' "$source_dir/README.md" |
+    sed -e '1d' -e '/^$/d' -e 's/^    //' >shown.txt
+  "$pelt" plan --scene monster | sed -e '/^$/d' -e 's/ *$//' >real.txt
+  [ -s shown.txt ] || fail "the README shows no plan"
+  diff -u shown.txt real.txt || fail "the README's plan is not what pelt plan prints"
+}
+
+for part in "${parts[@]}"; do
+  case $part in
+    examples) run_examples ;;
+    errors) check_errors ;;
+    output) check_output ;;
+    readme) check_readme ;;
+    *) fail "no part '$part'" ;;
+  esac
+done
+[ "$failures" -eq 0 ] || exit 1
+echo "all passed: ${parts[*]}"

@@ -1,0 +1,122 @@
+// The figures of a run: spreads, traffic, the budget's sums, JSON.
+#include "bench/run_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "bench/json_text.hpp"
+
+namespace pelt {
+namespace {
+
+TEST(Report, SpreadIsMedianPercentileAndWorst) {
+  std::vector<double> values(101);
+  std::iota(values.rbegin(), values.rend(), 0.0);
+  const Spread spread = SpreadOf(values);
+  EXPECT_EQ(spread.median, 50.0);
+  EXPECT_EQ(spread.p95, 95.0);
+  EXPECT_EQ(spread.worst, 100.0);
+  EXPECT_EQ(SpreadOf({}).worst, 0.0);
+}
+
+TEST(Report, JsonTextReadsBackAsWritten) {
+  JsonText json;
+  json.BeginObject();
+  json.Add("text", "a \"quoted\" \\ line\n");
+  json.Add("flag", true);
+  json.Add("count", 42);
+  json.Add("not_a_number", std::numeric_limits<double>::quiet_NaN());
+  json.BeginArray("list");
+  json.Add("", 1.5);
+  json.Add("", "x");
+  json.EndArray();
+  json.AddDigest("digest", 0x12);
+  json.EndObject();
+  const nlohmann::json read = nlohmann::json::parse(json.text());
+  EXPECT_EQ(read["text"], "a \"quoted\" \\ line\n");
+  EXPECT_EQ(read["flag"], true);
+  EXPECT_EQ(read["count"], 42);
+  EXPECT_TRUE(read["not_a_number"].is_null());
+  EXPECT_EQ(read["list"], nlohmann::json::parse("[1.5, \"x\"]"));
+  EXPECT_EQ(read["digest"], "0000000000000012");
+}
+
+TEST(Report, TrafficCountsWholeBlocksInAndOut) {
+  Scenario tiny = LoadScenario("tiny");
+  RunningScenario running(tiny, {});
+  const SceneShape& shape = running.scene().shape();
+  for (const Stage& stage : running.scene().plan().stages) {
+    if (stage.kernel.name == "roots") {
+      const PortTraffic traffic = StageTraffic(stage, shape, 0);
+      EXPECT_EQ(traffic.out_bytes, sizeof(RootBlock));
+      EXPECT_EQ(traffic.in_bytes,
+                sizeof(ChunkStateBlock) + sizeof(StrandBlock) + sizeof(SkinnedBlock));
+    }
+    if (stage.kernel.name == "sort_layer") {
+      // Keys of every chunk of the layer come in.
+      const PortTraffic traffic = StageTraffic(stage, shape, 0);
+      EXPECT_GE(traffic.in_bytes, shape.LayerChunks(0) * sizeof(SortKeyBlock));
+    }
+  }
+}
+
+TEST(Report, RunAccountsForEveryItemOfEveryFrame) {
+  Scenario tiny = LoadScenario("tiny");
+  RunOptions options;
+  options.executor = ExecutorKind::kSerial;
+  options.frames = 10;
+  RunningScenario running(tiny, options.scene);
+  const RunReport report = RunFrames(tiny, running, options);
+  EXPECT_EQ(report.frames, 10u);
+  EXPECT_EQ(report.budget.frames, 10u);
+  EXPECT_NE(report.digest, 0u);
+  EXPECT_GT(report.drawn_strands, 0u);
+  EXPECT_LE(report.drawn_strands, report.live_strands);
+  uint64_t bytes = 0;
+  for (const MemoryRange& range : report.memory) bytes += range.bytes;
+  EXPECT_EQ(bytes, report.memory_bytes);
+  for (const StageBudget& stage : report.budget.stages) {
+    if (stage.name != "activate") continue;
+    EXPECT_EQ(stage.ran, double(report.chunks));
+    EXPECT_EQ(stage.skipped, 0.0);
+    EXPECT_GT(stage.bytes, 0.0);
+    EXPECT_GT(stage.core_ms.median, 0.0);
+  }
+  EXPECT_GE(report.budget.wall_ms.worst, report.budget.wall_ms.median);
+}
+
+TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
+  Scenario tiny = LoadScenario("tiny");
+  uint64_t digests[2];
+  for (int i = 0; i < 2; ++i) {
+    RunOptions options;
+    options.executor = i ? ExecutorKind::kTbb : ExecutorKind::kSerial;
+    options.workers = 3;
+    options.frames = 8;
+    options.scene.isa = i ? BestIsa() : Isa::kReference;
+    RunningScenario running(tiny, options.scene);
+    digests[i] = RunFrames(tiny, running, options).digest;
+  }
+  EXPECT_EQ(digests[0], digests[1]);
+}
+
+TEST(Report, RunAsJsonIsValid) {
+  Scenario tiny = LoadScenario("tiny");
+  RunOptions options;
+  options.frames = 4;
+  options.workers = 2;
+  RunningScenario running(tiny, options.scene);
+  const RunReport report = RunFrames(tiny, running, options);
+  const nlohmann::json json = nlohmann::json::parse(RunAsJson(report));
+  EXPECT_EQ(json["strands"], report.strands);
+  EXPECT_EQ(json["workers_observed"], 2);
+  EXPECT_FALSE(json["stages"].empty());
+  EXPECT_FALSE(json["passes"].empty());
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,146 @@
+// The scenarios are what they say, the same every time, and refuse what does not fit together.
+#include "bench/scenarios.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "bench/cast.hpp"
+#include "core/character/builtin_character.hpp"
+#include "core/error.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt {
+namespace {
+
+std::string ErrorOf(const ScenarioRequest& request) {
+  try {
+    LoadScenario(request);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+uint64_t DigestAfter(Scenario& scenario, uint32_t frames, const SceneOptions& options = {}) {
+  RunningScenario running(scenario, options);
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < frames; ++f) {
+    running.Begin(f);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  return running.scene().DigestFrame();
+}
+
+TEST(Scenarios, MonsterHasItsRegionsAndStrands) {
+  const Scenario monster = LoadScenario("monster");
+  std::set<std::string> names;
+  for (const GroomLayer& layer : monster.grooms[0].layers) names.insert(layer.name);
+  EXPECT_EQ(names, (std::set<std::string>{"head", "brows", "body", "arms", "tail"}));
+  EXPECT_GE(monster.StrandCount(), 38'000u);
+  EXPECT_LE(monster.StrandCount(), 42'000u);
+}
+
+TEST(Scenarios, CastIsWhatTheOriginalShipped) {
+  const Scenario cast = LoadScenario("cast");
+  EXPECT_EQ(cast.actors.size(), kCastCharacters);
+  EXPECT_GT(cast.StrandCount(), 100'000u);
+  size_t layers = 0;
+  std::set<float> heights;  // 17 different characters, not one repeated
+  for (const Actor& actor : cast.actors) {
+    layers += cast.grooms[actor.groom].layers.size();
+    float height = 0.0f;
+    for (const glm::vec3& p : cast.characters[actor.character].mesh.position)
+      height = std::max(height, p.y);
+    heights.insert(height);
+  }
+  EXPECT_EQ(layers, kCastLayers);
+  EXPECT_EQ(heights.size(), kCastCharacters);
+}
+
+TEST(Scenarios, EyePetHasFivePointVerletChainsInRibbons) {
+  const Scenario eyepet = LoadScenario("eyepet");
+  EXPECT_EQ(eyepet.StrandCount(), 8'000u);
+  EXPECT_TRUE(eyepet.base.use_ground);
+  for (const GroomLayer& layer : eyepet.grooms[0].layers) {
+    EXPECT_EQ(layer.params.points, 5u);
+    EXPECT_EQ(layer.params.solver, Solver::kVerlet);
+    EXPECT_EQ(layer.params.output, Output::kRibbons);
+    EXPECT_GT(layer.params.clump, 0.0f);
+  }
+}
+
+TEST(Scenarios, TinyHasEverySolverChainAndOutput) {
+  Scenario tiny = LoadScenario("tiny");
+  EXPECT_LT(tiny.StrandCount(), 2'000u);
+  std::set<Solver> solvers;
+  std::set<ChainKind> chains;
+  std::set<Output> outputs;
+  std::set<uint32_t> points;
+  for (const GroomLayer& layer : tiny.grooms[0].layers) {
+    solvers.insert(layer.params.solver);
+    chains.insert(layer.params.chain);
+    outputs.insert(layer.params.output);
+    points.insert(layer.params.points);
+  }
+  EXPECT_EQ(solvers.size(), 2u);
+  EXPECT_EQ(chains.size(), 2u);
+  EXPECT_EQ(outputs.size(), 2u);
+  EXPECT_EQ(points.size(), 2u);
+  EXPECT_GE(tiny.actors[0].teleport_frame, 0);
+  EXPECT_FALSE(tiny.spheres.empty());
+}
+
+TEST(Scenarios, SameScenarioTwiceGivesTheSameBits) {
+  Scenario first = LoadScenario("tiny"), second = LoadScenario("tiny");
+  EXPECT_EQ(DigestAfter(first, 12), DigestAfter(second, 12));
+}
+
+TEST(Scenarios, InputOfAFrameDoesNotDependOnFramesBefore) {
+  Scenario scenario = LoadScenario("tiny");
+  RunningScenario a(scenario, {}), b(scenario, {});
+  for (uint32_t f = 0; f <= 25; ++f) a.Begin(f);
+  b.Begin(25);
+  EXPECT_EQ(std::memcmp(&a.scene().Pose(0), &b.scene().Pose(0), sizeof(PoseBlock)), 0);
+}
+
+TEST(Scenarios, SeedsGiveOtherGrooms) {
+  Scenario standard = LoadScenario("tiny");
+  Scenario other = LoadScenario(ScenarioRequest{.scene = "tiny", .seed = 5});
+  EXPECT_NE(DigestAfter(standard, 1), DigestAfter(other, 1));
+}
+
+TEST(Scenarios, WetFurDiffersFromDryWithoutAReset) {
+  Scenario dry = LoadScenario("tiny"), wet = LoadScenario("tiny");
+  dry.weather_course = {};
+  wet.weather_course = {1.0f, 1.0f, 5};
+  EXPECT_EQ(DigestAfter(dry, 5), DigestAfter(wet, 5));
+  EXPECT_NE(DigestAfter(dry, 9), DigestAfter(wet, 9));
+}
+
+TEST(Scenarios, UnknownNamesSayWhatThereIs) {
+  EXPECT_NE(ErrorOf({.scene = "monstre"}).find("monster"), std::string::npos);
+  EXPECT_NE(ErrorOf({.setup = "monstre"}).find("eyepet"), std::string::npos);
+  EXPECT_NE(ErrorOf({.character = "no/such.glb", .setup = "tiny"}).find("no/such.glb"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf({.groom = "no/such.groom"}).find("no/such.groom"), std::string::npos);
+}
+
+TEST(Scenarios, AGroomOfOtherJointsIsRefusedByName) {
+  const Scenario tiny = LoadScenario("tiny");
+  Groom groom = tiny.grooms[0];
+  ASSERT_NO_THROW(CheckGroomFits(groom, "x.groom", tiny.characters[0]));
+  groom.joint_names[3] = "rump";
+  try {
+    CheckGroomFits(groom, "x.groom", tiny.characters[0]);
+    FAIL() << "a groom for another skeleton was accepted";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("x.groom"), std::string::npos);
+    EXPECT_NE(text.find("joint 3"), std::string::npos);
+    EXPECT_NE(text.find("'rump'"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,168 @@
+// Verification passes what is right, and names the place of what is wrong.
+#include "bench/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/chunk.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt {
+namespace {
+
+// A faulty twin of one kernel: runs it, then spoils one value. Kernels are plain functions, so what
+// it needs is kept here.
+struct Fault {
+  void (*run)(const void*, const Binding*) = nullptr;
+  size_t port = 0;          // whose block is spoiled
+  uint32_t byte = 0;        // in the block, of a 32-bit word
+  uint32_t calls = 0;       // so far
+  uint32_t from_call = 0;   // spoils this call alone
+};
+Fault fault;
+
+void RunWithFault(const void* params, const Binding* bindings) {
+  fault.run(params, bindings);
+  if (fault.calls++ != fault.from_call) return;
+  uint32_t word;
+  auto* at = static_cast<std::byte*>(bindings[fault.port].block) + fault.byte;
+  std::memcpy(&word, at, 4);
+  word ^= 1u;
+  std::memcpy(at, &word, 4);
+}
+
+// Replaces the first stage of that name by its faulty twin; its faulty port is `stream`'s.
+void Plant(Plan& plan, std::string_view stage, Stream stream, uint32_t byte) {
+  for (Stage& s : plan.stages) {
+    if (s.kernel.name != stage) continue;
+    fault.run = s.kernel.run;
+    fault.byte = byte;
+    fault.calls = 0;
+    for (size_t p = 0; p < s.kernel.ports.size(); ++p)
+      if (s.kernel.ports[p].stream == stream) fault.port = p;
+    s.kernel.run = RunWithFault;
+    return;
+  }
+  FAIL() << "no stage " << stage;
+}
+
+VerifyOptions OneCase(ExecutorKind executor, uint32_t frames) {
+  VerifyOptions options;
+  options.frames = frames;
+  options.skips = false;
+  options.filter = [executor](const VerifyCase& c) {
+    return c.executor == executor && c.isa == Isa::kReference && c.fuse && !c.piecewise_sort &&
+           c.vertex_order == VertexOrder::kSorted;
+  };
+  return options;
+}
+
+TEST(Verify, TinyIsTheSameEverywhere) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options;
+  options.frames = 6;
+  const VerifyReport report = Verify(tiny, options);
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+  // One line more than the matrix: sorted vertices against the index buffer.
+  EXPECT_EQ(report.cases.size(), AllCases().size() + 1);
+  for (const CaseResult& c : report.cases)
+    if (c.what.executor == ExecutorKind::kTbb) EXPECT_EQ(c.workers_observed, c.what.workers);
+  EXPECT_NE(DescribeReport(report).find("verdict: SAME BITS"), std::string::npos);
+}
+
+TEST(Verify, MatrixHasEveryExecutorPlanSortAndSet) {
+  const std::vector<VerifyCase> cases = AllCases();
+  uint32_t sets = 0;
+  for (const Isa isa : kAllIsas) sets += FindKernels(isa) != nullptr;
+  // serial, tbb on 1, 2, 3, 7, permuted in 3 orders, local store; each x 2 x 2 x 2
+  EXPECT_EQ(cases.size(), 9u * 8u * sets);
+}
+
+TEST(Verify, ComingToRestMakesSleepHaveWorkToSave) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options;
+  options.frames = 24;
+  options.filter = [](const VerifyCase&) { return false; };
+  const VerifyReport report = Verify(tiny, options);
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+  ASSERT_EQ(report.skips.size(), 12u);
+  uint64_t saved = 0;
+  for (const SkipResult& s : report.skips)
+    if (s.course == "coming to rest" && s.name == "all of them" && s.compared)
+      saved = s.items_skipped;
+  EXPECT_GT(saved, 0u) << "the skips skipped nothing, so nothing was proven";
+}
+
+TEST(Verify, APlantedFaultIsNamedToTheLane) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options = OneCase(ExecutorKind::kSerial, 4);
+  constexpr uint32_t kLane = 5;
+  constexpr uint32_t kByte = uint32_t(offsetof(RootBlock, normal)) +
+                             4 * (1 * kStrandsPerChunk + kLane);  // normal y of lane 5
+  fault.from_call = 0;
+  options.tamper = [&](const VerifyCase&, Plan& plan) {
+    Plant(plan, "roots", Stream::kRoots, kByte);
+  };
+  const VerifyReport report = Verify(tiny, options);
+  EXPECT_FALSE(report.Passed());
+  const CaseResult& failed = report.cases.back();
+  ASSERT_TRUE(failed.mismatch.has_value()) << failed.reason;
+  const Mismatch& m = *failed.mismatch;
+  EXPECT_TRUE(m.reproduced);
+  EXPECT_EQ(m.frame, 0u);
+  EXPECT_EQ(m.stage, "roots");
+  EXPECT_EQ(m.stream, "roots");
+  EXPECT_EQ(m.layer, "vertex");
+  EXPECT_EQ(m.chunk_in_layer, 0u);
+  EXPECT_EQ(m.row, "normal");
+  EXPECT_EQ(m.component, 1u);
+  EXPECT_EQ(m.lane, kLane);
+  EXPECT_EQ(m.expected ^ m.found, 1u);
+  const std::string text = DescribeReport(report);
+  EXPECT_NE(text.find("verdict: DIFFERENT BITS"), std::string::npos);
+  EXPECT_NE(text.find("stage roots"), std::string::npos) << text;
+  EXPECT_NE(text.find("lane 5"), std::string::npos) << text;
+}
+
+TEST(Verify, TheFrameOfALateFaultIsFound) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options = OneCase(ExecutorKind::kSerial, 5);
+  const uint32_t characters = uint32_t(tiny.actors.size());
+  fault.from_call = 3 * characters;  // the pose is sampled once a frame and character
+  options.tamper = [&](const VerifyCase&, Plan& plan) {
+    Plant(plan, "sample_pose", Stream::kLocalPose, 0);
+  };
+  const VerifyReport report = Verify(tiny, options);
+  ASSERT_TRUE(report.cases.back().mismatch.has_value());
+  EXPECT_EQ(report.cases.back().mismatch->frame, 3u);
+  EXPECT_EQ(report.cases.back().mismatch->stage, "sample_pose");
+}
+
+TEST(Verify, AWriteThroughAReadOnlyPortIsALocalStoreFault) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options = OneCase(ExecutorKind::kLocalStore, 2);
+  fault.from_call = 0;
+  options.tamper = [&](const VerifyCase&, Plan& plan) {
+    Plant(plan, "skin", Stream::kMesh, uint32_t(offsetof(MeshBlock, tangent)));
+  };
+  const VerifyReport report = Verify(tiny, options);
+  EXPECT_FALSE(report.cases.back().passed);
+  EXPECT_NE(report.cases.back().reason.find("local store"), std::string::npos)
+      << report.cases.back().reason;
+  EXPECT_NE(report.cases.back().reason.find("skin"), std::string::npos);
+}
+
+TEST(Verify, JsonIsValidAndCarriesTheVerdict) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options = OneCase(ExecutorKind::kPermuted, 2);
+  const VerifyReport report = Verify(tiny, options);
+  const nlohmann::json json = nlohmann::json::parse(ReportAsJson(report));
+  EXPECT_EQ(json["passed"], true);
+  EXPECT_EQ(json["cases"].size(), report.cases.size());
+  EXPECT_EQ(json["digest"].get<std::string>().size(), 16u);
+}
+
+}  // namespace
+}  // namespace pelt

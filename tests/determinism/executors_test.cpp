@@ -1,0 +1,150 @@
+// The whole fur frame gives the same bits whatever runs it: execution orders, local store, oneTBB,
+// fusion, instruction sets, the sort in pieces. `pelt verify` goes through the full product on any
+// scene; this holds `tiny` past its teleport, and says which of them broke.
+#include <gtest/gtest.h>
+
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr uint32_t kFrames = 24;
+
+class WholeFrame : public ::testing::Test {
+ protected:
+  // The serial executor with the reference kernels.
+  static const std::vector<uint64_t>& Truth() {
+    static const std::vector<uint64_t> kTruth = [] {
+      Scenario scenario = TinyScenario();
+      SerialExecutor serial;
+      return RunDigests(scenario, OptionsFor(Isa::kReference), serial, kFrames);
+    }();
+    return kTruth;
+  }
+  static void ExpectTruth(const SceneOptions& options, Executor& executor,
+                          const std::string& what) {
+    Scenario scenario = TinyScenario();
+    ExpectSameFrames(Truth(), RunDigests(scenario, options, executor, kFrames), what);
+  }
+};
+
+TEST_F(WholeFrame, MovesFromFrameToFrame) {
+  for (uint32_t f = 1; f < kFrames; ++f) EXPECT_NE(Truth()[f], Truth()[f - 1]) << f;
+}
+
+TEST_F(WholeFrame, IsTheSameTwice) {
+  SerialExecutor serial;
+  ExpectTruth(OptionsFor(Isa::kReference), serial, "again");
+}
+
+TEST_F(WholeFrame, IsTheSameOnEveryInstructionSet) {
+  SerialExecutor serial;
+  for (const Isa isa : kAllIsas) {
+    if (!FindKernels(isa)) {
+      std::printf("not run: %s, this processor or build lacks it\n", IsaName(isa).data());
+      continue;
+    }
+    ExpectTruth(OptionsFor(isa), serial, std::string(IsaName(isa)));
+  }
+}
+
+TEST_F(WholeFrame, IsTheSameInEveryExecutionOrder) {
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    PermutedExecutor executor(seed);
+    ExpectTruth(OptionsFor(BestIsa()), executor, "order " + std::to_string(seed));
+  }
+}
+
+TEST_F(WholeFrame, IsTheSameFusedAndUnfused) {
+  SceneOptions options = OptionsFor(BestIsa());
+  options.plan.fuse = false;
+  SerialExecutor serial;
+  ExpectTruth(options, serial, "unfused");
+  options.plan.fuse = true;
+  options.plan.local_store_data_bytes = 96 * 1024;
+  ExpectTruth(options, serial, "fused for a smaller local store");
+}
+
+TEST_F(WholeFrame, IsTheSameInLocalStoreWithoutFaults) {
+  for (const Isa isa : {Isa::kReference, BestIsa()})
+    for (const bool fuse : {true, false}) {
+      SceneOptions options = OptionsFor(isa);
+      options.plan.fuse = fuse;
+      LocalStoreExecutor local(options.plan.local_store_data_bytes);
+      ExpectTruth(options, local, fuse ? "fused" : "unfused");
+      for (const LocalStoreFault& f : local.faults())
+        ADD_FAILURE() << f.stage << ", item " << f.item << ": " << f.what;
+      EXPECT_GT(local.counts().get_bytes, 0u);
+      EXPECT_LE(local.counts().peak_bytes, options.plan.local_store_data_bytes);
+    }
+}
+
+TEST_F(WholeFrame, IsTheSameSortedInPieces) {
+  SceneOptions options = OptionsFor(BestIsa());
+  options.piecewise_sort_chunks = 1;
+  SerialExecutor serial;
+  ExpectTruth(options, serial, "pieces");
+  PermutedExecutor permuted(3);
+  ExpectTruth(options, permuted, "pieces, permuted");
+  LocalStoreExecutor local(options.plan.local_store_data_bytes);
+  ExpectTruth(options, local, "pieces in local store");
+  EXPECT_TRUE(local.faults().empty());
+}
+
+TEST_F(WholeFrame, IsTheSameOnOneTbb) {
+  for (const uint32_t workers : {1u, 2u, 3u, 7u}) {
+    TbbExecutor executor(workers);
+    ExpectTruth(OptionsFor(BestIsa()), executor, std::to_string(workers) + " workers");
+  }
+}
+
+// Vertices in strand order are those in draw order, each where the order says.
+TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
+  Scenario scenario = TinyScenario();
+  SceneOptions unsorted_options = OptionsFor(BestIsa());
+  unsorted_options.vertex_order = VertexOrder::kIndexBuffer;
+  RunningScenario sorted_run(scenario, OptionsFor(BestIsa())),
+      unsorted_run(scenario, unsorted_options);
+  const FurScene &sorted = sorted_run.scene(), &unsorted = unsorted_run.scene();
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 4; ++f) {
+    sorted_run.Begin(f);
+    serial.Run(sorted.CurrentFrame());
+    unsorted_run.Begin(f);
+    serial.Run(unsorted.CurrentFrame());
+  }
+  uint32_t compared = 0;
+  for (uint32_t l = 0; l < sorted.shape().layer_count; ++l) {
+    const uint32_t first = sorted.shape().layer_first_chunk[l];
+    const auto& count = *sorted.memory().As<LayerSortBlock>(Stream::kLayerSort, l);
+    const bool ribbons = sorted.shape().layer_kind[l] & kLayerRibbons;
+    for (uint32_t place = 0; place < count.visible_count; ++place) {
+      const uint32_t chunk = first + place / kStrandsPerChunk, lane = place % kStrandsPerChunk;
+      const uint32_t strand = sorted.memory().As<OrderBlock>(Stream::kOrder, chunk)->strand[lane];
+      ASSERT_EQ(unsorted.memory().As<OrderBlock>(Stream::kOrder, chunk)->strand[lane], strand);
+      const uint32_t from = first + strand / kStrandsPerChunk, at = strand % kStrandsPerChunk;
+      const void *a, *b;
+      size_t bytes;
+      if (ribbons) {
+        a = sorted.memory().As<RibbonVertexBlock>(Stream::kRibbonVertices, chunk)->vertex[lane];
+        b = unsorted.memory().As<RibbonVertexBlock>(Stream::kRibbonVertices, from)->vertex[at];
+        bytes = sizeof(RibbonVertexBlock::vertex[0]);
+      } else {
+        a = &sorted.memory().As<InstanceBlock>(Stream::kInstances, chunk)->instance[lane];
+        b = &unsorted.memory().As<CurveBlock>(Stream::kCurves, from)->record[at];
+        bytes = sizeof(CurveRecord);
+      }
+      ASSERT_EQ(std::memcmp(a, b, bytes), 0) << "layer " << l << ", place " << place;
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, sorted.DrawnStrands());
+  EXPECT_GT(compared, 100u);
+}
+
+}  // namespace
+}  // namespace pelt

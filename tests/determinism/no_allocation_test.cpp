@@ -1,0 +1,159 @@
+// A frame allocates nothing. operator new and delete are counted for the whole program, and malloc
+// with them where glibc is not already in a sanitizer's hands.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define PELT_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PELT_SANITIZED 1
+#endif
+#endif
+#if defined(__GLIBC__) && !defined(PELT_SANITIZED)
+#define PELT_COUNTS_MALLOC 1
+#endif
+
+namespace {
+std::atomic<uint64_t> g_allocations{0}, g_frees{0};
+}  // namespace
+
+#if defined(PELT_COUNTS_MALLOC)
+extern "C" {
+void* __libc_malloc(size_t bytes);
+void* __libc_calloc(size_t count, size_t bytes);
+void* __libc_realloc(void* p, size_t bytes);
+void* __libc_memalign(size_t alignment, size_t bytes);
+void __libc_free(void* p);
+
+void* malloc(size_t bytes) {
+  ++g_allocations;
+  return __libc_malloc(bytes);
+}
+void* calloc(size_t count, size_t bytes) {
+  ++g_allocations;
+  return __libc_calloc(count, bytes);
+}
+void* realloc(void* p, size_t bytes) {
+  ++g_allocations;
+  return __libc_realloc(p, bytes);
+}
+void* aligned_alloc(size_t alignment, size_t bytes) {
+  ++g_allocations;
+  return __libc_memalign(alignment, bytes);
+}
+int posix_memalign(void** out, size_t alignment, size_t bytes) {
+  ++g_allocations;
+  *out = __libc_memalign(alignment, bytes);
+  return *out ? 0 : 12;
+}
+void free(void* p) {
+  if (p) ++g_frees;
+  __libc_free(p);
+}
+}
+#else
+void* operator new(size_t bytes) {
+  ++g_allocations;
+  void* p = std::malloc(bytes ? bytes : 1);
+  if (!p) throw std::bad_alloc();
+  return p;
+}
+void* operator new(size_t bytes, std::align_val_t alignment) {
+  ++g_allocations;
+  const auto a = size_t(alignment);
+  void* p = std::aligned_alloc(a, (bytes + a - 1) / a * a);
+  if (!p) throw std::bad_alloc();
+  return p;
+}
+void* operator new[](size_t bytes) { return operator new(bytes); }
+void* operator new[](size_t bytes, std::align_val_t a) { return operator new(bytes, a); }
+void operator delete(void* p) noexcept {
+  ++g_frees;
+  std::free(p);
+}
+void operator delete(void* p, size_t) noexcept { operator delete(p); }
+void operator delete(void* p, std::align_val_t) noexcept { operator delete(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { operator delete(p); }
+void operator delete[](void* p) noexcept { operator delete(p); }
+void operator delete[](void* p, size_t) noexcept { operator delete(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { operator delete(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { operator delete(p); }
+#endif
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+uint64_t Calls() { return g_allocations + g_frees; }
+
+TEST(NoAllocation, TheCounterCounts) {
+  const uint64_t before = Calls();
+  auto* p = new int(1);
+  asm volatile("" : : "r"(p) : "memory");
+  delete p;
+  EXPECT_EQ(Calls(), before + 2);
+}
+
+// Calls to the allocator in frames [warm_up, warm_up + 12): preparing poses, BeginFrame and Run. The
+// course passes wetting, a teleport, and one refused frame.
+uint64_t CallsInFrames(Executor& executor, const SceneOptions& options, uint32_t warm_up) {
+  Scenario scenario = TinyScenario();
+  RunningScenario running(scenario, options);
+  FurScene& scene = running.scene();
+  uint64_t calls = 0;
+  for (uint32_t f = 0; f < warm_up + 22; ++f) {
+    const uint64_t before = Calls();
+    FrameInput input = scenario.PrepareFrame(f, scene);
+    if (f == warm_up + 5) {
+      input.dt_s = -1.0;
+      if (scene.BeginFrame(input) == nullptr) return ~0ull;
+      input.dt_s = scenario.dt_s;
+    }
+    if (scene.BeginFrame(input) != nullptr) return ~0ull;
+    executor.Run(scene.CurrentFrame());
+    const uint64_t digest = scene.DigestFrame();
+    asm volatile("" : : "r"(digest));
+    if (f >= warm_up) calls += Calls() - before;
+  }
+  return calls;
+}
+
+TEST(NoAllocation, SerialFrame) {
+  SerialExecutor serial;
+  EXPECT_EQ(CallsInFrames(serial, {}, 1), 0u);
+  SceneOptions pieces;
+  pieces.piecewise_sort_chunks = 1;
+  EXPECT_EQ(CallsInFrames(serial, pieces, 1), 0u);
+}
+
+TEST(NoAllocation, PermutedFrameAfterItsFirst) {
+  PermutedExecutor permuted(1);
+  EXPECT_EQ(CallsInFrames(permuted, {}, 1), 0u);
+}
+
+TEST(NoAllocation, LocalStoreFrame) {
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  EXPECT_EQ(CallsInFrames(local, {}, 1), 0u);
+}
+
+// oneTBB keeps pools of its own and grows them when it likes; once they are warm the calls must be
+// few, and none of them Pelt's: the same frames run serially make none.
+TEST(NoAllocation, OneTbbFrameOnceItsPoolsAreWarm) {
+  TbbExecutor tbb(3);
+  const uint64_t calls = CallsInFrames(tbb, {}, 40);
+  RecordProperty("allocator_calls_in_22_frames", int(calls));
+  std::printf("oneTBB: %llu allocator calls in 22 frames\n", static_cast<unsigned long long>(calls));
+  EXPECT_LT(calls, 22u) << "less than one a frame";
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,260 @@
+// Kernels that are wrong in one way each, and the healthy ones they are made from. A check that
+// none of them can trip is a defect: tests/determinism/planted_faults_test.cpp.
+//
+// The healthy frame: `advance` turns every chunk's keys over (a state that moves from frame to
+// frame), `derive` writes the chunk's order from keys and baked lengths. Faulty kernels take
+// `derive`'s place and are wrong only in the way they are named after.
+#pragma once
+
+#include <cstdint>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt::testing {
+
+struct FaultParams {
+  uint32_t salt;
+};
+
+// The address as a number the compiler knows nothing about: the kernels below go where the language
+// does not let them.
+template <class T>
+inline T* Launder(T* p) {
+  asm volatile("" : "+r"(p));
+  return p;
+}
+
+PELT_INLINE uint32_t Mix(uint32_t a, uint32_t b) {
+  const uint32_t x = (a ^ b) * 2654435761u;
+  return x ^ (x >> 15);
+}
+
+struct Advance {
+  static constexpr std::string_view kName = "advance";
+  using Params = FaultParams;
+  struct Ports {
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params& p, const Ports& ports) {
+    for (uint32_t& key : ports.keys->key) key = Mix(key, p.salt);
+  }
+};
+
+// Ports of `derive` and of what stands in for it.
+struct DerivePorts {
+  In<StrandBlock> strands;
+  In<SortKeyBlock> keys;
+  Out<OrderBlock> order;
+};
+inline constexpr auto kDerivePorts =
+    PortList(Port<&DerivePorts::strands>(Stream::kStrands, "strands"),
+             Port<&DerivePorts::keys>(Stream::kSortKeys, "keys"),
+             Port<&DerivePorts::order>(Stream::kOrder, "order"));
+
+// The right result, which every faulty kernel starts from.
+PELT_INLINE void DeriveOrder(const DerivePorts& ports) {
+  for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+    ports.order->strand[i] = Mix(ports.keys->key[i], ports.strands->base_colour[i]);
+}
+
+struct Derive {
+  static constexpr std::string_view kName = "derive";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) { DeriveOrder(ports); }
+};
+
+// Reads the next chunk's keys, which `advance` changes in the same pass.
+struct ReadsMovingNeighbour {
+  static constexpr std::string_view kName = "reads_moving_neighbour";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) {
+    DeriveOrder(ports);
+    ports.order->strand[0] ^= Launder(ports.keys.block)[1].key[0];
+  }
+};
+
+// Reads the next chunk's baked strands, which nobody writes: no order of execution shows it.
+struct ReadsConstantNeighbour {
+  static constexpr std::string_view kName = "reads_constant_neighbour";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) {
+    DeriveOrder(ports);
+    uint32_t bits;
+    std::memcpy(&bits, Launder(ports.strands.block)[1].bary[0], 4);
+    ports.order->strand[0] ^= bits;
+  }
+};
+
+struct WritesThroughConstCast {
+  static constexpr std::string_view kName = "writes_through_const_cast";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) {
+    DeriveOrder(ports);
+    const_cast<SortKeyBlock*>(Launder(ports.keys.block))->key[3] ^= 1u;
+  }
+};
+
+// Counts its runs: what an item gets depends on how many ran before it.
+struct KeepsStaticState {
+  static constexpr std::string_view kName = "keeps_static_state";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static inline uint32_t runs = 0;
+  static void Run(const Params&, const Ports& ports) {
+    DeriveOrder(ports);
+    ports.order->strand[0] ^= runs++;
+  }
+};
+
+// Looks at what it declared Out: last frame's order in main memory.
+struct ReadsItsOut {
+  static constexpr std::string_view kName = "reads_its_out";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) {
+    const uint32_t before = Launder(ports.order.block)->strand[0];
+    DeriveOrder(ports);
+    ports.order->strand[0] ^= before;
+  }
+};
+
+// Writes one lane past its block: the next chunk's first lane in main memory.
+struct WritesPastItsBlock {
+  static constexpr std::string_view kName = "writes_past_its_block";
+  using Params = FaultParams;
+  using Ports = DerivePorts;
+  static constexpr auto kPorts = kDerivePorts;
+  static void Run(const Params&, const Ports& ports) {
+    DeriveOrder(ports);
+    Launder(ports.order->strand)[kStrandsPerChunk] = 7;
+  }
+};
+
+// Reads the keys of every chunk of its layer, found by going back from its own block, as if `In`
+// were `All`: no barrier is derived for that.
+struct ReachesAcrossTheLayer {
+  static constexpr std::string_view kName = "reaches_across_the_layer";
+  using Params = FaultParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<SortKeyBlock> keys;
+    Out<OrderBlock> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports& ports) {
+    const uint32_t place = ports.state->first_place / kStrandsPerChunk;
+    const SortKeyBlock* first = Launder(ports.keys.block) - place;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.order->strand[i] = Mix(ports.keys->key[i], first->key[i]);
+  }
+};
+
+// The same wish, declared: the first chunk's keys as the first records of a gather. The plan puts a
+// barrier in front.
+struct GathersAcrossTheLayer {
+  static constexpr std::string_view kName = "gathers_across_the_layer";
+  using Params = FaultParams;
+  struct Ports {
+    In<SortPairBlock> list;
+    In<SortKeyBlock> keys;
+    Gather<uint32_t> first;
+    Out<OrderBlock> order;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::list>(Stream::kSortPairsA, "list"),
+               Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+               Port<&Ports::first>(Stream::kSortKeys, "first", Stream::kSortPairsA),
+               Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.order->strand[i] = Mix(ports.keys->key[i], ports.first[i]);
+  }
+};
+
+// Scatters every strand to a place of its own; the faulty one gives every chunk the same places.
+template <bool kCollide>
+struct ScatterStrands {
+  static constexpr std::string_view kName = kCollide ? "scatter_collides" : "scatter_strands";
+  using Params = FaultParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<SortKeyBlock> keys;
+    Scatter<uint32_t> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports& ports) {
+    const uint32_t first = kCollide ? 0 : ports.state->first_place;
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.order.Put(i, first + (kStrandsPerChunk - 1 - i), ports.keys->key[i]);
+  }
+};
+
+// Sums all lanes of a row. In single floats a sum depends on its order, and so on the lane count;
+// the healthy twin adds one strand after the other whatever V is.
+template <class V, bool kByLanes>
+struct SumRow {
+  static constexpr std::string_view kName = kByLanes ? "sum_by_lanes" : "sum_in_order";
+  using Params = FaultParams;
+  struct Ports {
+    In<RootBlock> roots;
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports& ports) {
+    const float* row = ports.roots->position[0];
+    float sum = 0.0f;
+    if constexpr (kByLanes) {
+      V lanes(0.0f);
+      for (uint32_t i = 0; i < kStrandsPerChunk; i += V::kLanes) lanes = lanes + V::Load(row + i);
+      for (int l = 0; l < V::kLanes; ++l) sum += lanes[l];
+    } else {
+      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) sum += row[i];
+    }
+    std::memcpy(ports.keys->key, &sum, 4);
+  }
+};
+
+// a * b + c over a row: two roundings, as written. planted_contraction.cpp builds it again with
+// contraction allowed.
+template <class V>
+struct MultiplyAdd {
+  static constexpr std::string_view kName = "multiply_add";
+  using Params = FaultParams;
+  struct Ports {
+    In<RootBlock> roots;
+    Out<WindBlock> wind;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
+                                          Port<&Ports::wind>(Stream::kWind, "wind"));
+  static void Run(const Params&, const Ports& ports) {
+    const RootBlock& r = *ports.roots;
+    for (int row = 0; row < 3; ++row)
+      for (uint32_t i = 0; i < kStrandsPerChunk; i += V::kLanes)
+        (V::Load(r.position[row] + i) * V::Load(r.normal[row] + i) + V::Load(r.tangent[row] + i))
+            .Store(ports.wind->acceleration[row] + i);
+  }
+};
+
+// planted_contraction.cpp, built with -mfma -ffp-contract=fast; null where the processor has no
+// fused multiply-add or the compiler was not asked.
+KernelDesc ContractedMultiplyAdd();
+
+}  // namespace pelt::testing

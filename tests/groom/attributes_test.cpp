@@ -1,0 +1,225 @@
+// Attributes: value, map, randomise and range of each, and the rest shape.
+#include "core/groom/attributes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/groom/torus_character.hpp"
+
+namespace pelt {
+namespace {
+
+using test::MakeMap;
+
+struct Fixture {
+  Character character = test::MakeTorus();
+  RestGeometry rest = ComputeRestGeometry(character, 1.0f);
+  FurSetup setup;
+  LayerSetup layer;
+  std::vector<ScatterPoint> points;
+
+  Fixture() {
+    layer.name = "coat";
+    layer.density = float(2000.0 / test::AreaOf(character, rest));
+    points = ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
+  }
+  std::vector<GroomedStrand> Groom() const {
+    const AttributeMaker maker(character, rest, setup, layer);
+    std::vector<GroomedStrand> strands;
+    for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
+    return strands;
+  }
+};
+
+Attribute Varying(float value, float randomise) {
+  Attribute attribute(value);
+  attribute.randomise = randomise;
+  return attribute;
+}
+
+double Degrees(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
+}
+
+TEST(RestShape, SegmentsAreEqualAndAddUpToTheLength) {
+  for (const uint32_t points : {4u, 5u}) {
+    for (const double curl : {0.0, 3.0, 40.0}) {
+      const RestShape shape = MakeRestShape({0.6, 0.0, 0.8}, 0.09, curl, 25.0, points);
+      glm::dvec3 last(0.0);
+      for (uint32_t i = 0; i + 1 < points; ++i) {
+        EXPECT_NEAR(glm::length(shape.offset[i] - last), 0.09 / (points - 1), 1e-15);
+        last = shape.offset[i];
+      }
+    }
+  }
+}
+
+TEST(RestShape, WithoutCurlIsStraightAndWithItBendsTowardsTheSurface) {
+  const glm::dvec3 direction(0.6, 0.0, 0.8);
+  const RestShape straight = MakeRestShape(direction, 0.1, 0.0, 7.0, 5);
+  EXPECT_NEAR(glm::length(straight.offset[3] - direction * 0.1), 0.0, 1e-15);
+  const double curl = 8.0;  // radians a metre: 0.2 a segment
+  const RestShape bent = MakeRestShape(direction, 0.1, curl, 0.0, 5);
+  double angle = std::atan2(0.8, 0.6);
+  glm::dvec3 end(0.0);
+  for (int i = 0; i < 4; ++i) {
+    end += glm::dvec3(std::cos(angle), 0.0, std::sin(angle)) * 0.025;
+    EXPECT_NEAR(glm::length(bent.offset[i] - end), 0.0, 1e-14) << i;
+    angle -= curl * 0.025;
+  }
+  EXPECT_LT(bent.offset[3].z, straight.offset[3].z);
+}
+
+TEST(RestShape, TwistTurnsThePlaneOfTheCurl) {
+  const RestShape shape = MakeRestShape({1.0, 0.0, 0.0}, 0.1, 10.0, 0.0, 5);
+  EXPECT_NEAR(shape.offset[3].y, 0.0, 1e-15);
+  const RestShape twisted = MakeRestShape({1.0, 0.0, 0.0}, 0.1, 10.0, 20.0, 5);
+  EXPECT_GT(std::abs(twisted.offset[3].y), 1e-3);
+  // Curl bends as much per segment, whatever the plane.
+  glm::dvec3 before = twisted.offset[0];
+  for (int i = 1; i < 4; ++i) {
+    const glm::dvec3 step = twisted.offset[i] - twisted.offset[i - 1];
+    EXPECT_NEAR(Degrees(before, step), 0.25 * 180 / M_PI, 1e-9);
+    before = step;
+  }
+}
+
+TEST(Attributes, RandomiseStaysInsideItsBoundsAndUsesThem) {
+  Fixture f;
+  f.layer.length = Varying(0.05f, 0.4f);
+  f.layer.width = Varying(0.001f, 0.2f);
+  float least = 1.0f, most = 0.0f;
+  double sum = 0.0;
+  for (const GroomedStrand& s : f.Groom()) {
+    least = std::min(least, s.length);
+    most = std::max(most, s.length);
+    sum += s.length;
+    EXPECT_GE(s.width, 0.0008f - 1e-7f);
+    EXPECT_LE(s.width, 0.0012f + 1e-7f);
+    EXPECT_NEAR(glm::length(s.rest.offset[0]) * 3.0, s.length, 1e-6);
+  }
+  EXPECT_GE(least, 0.03f - 1e-6f);
+  EXPECT_LE(most, 0.07f + 1e-6f);
+  EXPECT_LT(least, 0.0305f);
+  EXPECT_GT(most, 0.0695f);
+  EXPECT_NEAR(sum / double(f.points.size()), 0.05, 0.001);
+}
+
+TEST(Attributes, RangeClampsAndMapsScale) {
+  Fixture f;
+  f.layer.length = Varying(0.05f, 1.0f);
+  f.layer.length.range = glm::vec2(0.045f, 0.06f);
+  f.layer.strength.map = MakeMap([](float u, float) { return u < 0.5f ? 0.2f : 1.0f; }, 3);
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_GE(s.length, 0.045f);
+    EXPECT_LE(s.length, 0.06f);
+    const glm::vec2 uv = Interpolate(f.character.mesh.uv, f.character.mesh, s.place);
+    if (uv.x > 0.02f && uv.x < 0.48f) {
+      EXPECT_NEAR(s.strength, 0.2f, 0.01f);
+    }
+    if (uv.x > 0.52f && uv.x < 0.98f) {
+      EXPECT_NEAR(s.strength, 1.0f, 1e-5f);
+    }
+  }
+  f.layer.strength = Attribute(3.0f);
+  f.layer.length = Attribute(0.0f);
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_EQ(s.strength, 1.0f);
+    EXPECT_EQ(s.length, kShortestStrand);
+  }
+}
+
+TEST(Attributes, ChangingOneMovesNoOther) {
+  Fixture f;
+  f.layer.length = Varying(0.05f, 0.5f);
+  f.layer.width = Varying(0.001f, 0.5f);
+  const auto before = f.Groom();
+  f.layer.length.randomise = 0.0f;
+  f.layer.frizz = Attribute(20.0f);
+  const auto after = f.Groom();
+  for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].width, after[i].width);
+}
+
+TEST(Attributes, FrizzTiltsByAtMostItsAngleAndDirectionTurns) {
+  Fixture f;
+  f.layer.elevation = Attribute(60.0f);
+  f.layer.frizz = Attribute(15.0f);
+  const glm::dvec3 combed(0.5, 0.0, std::sqrt(0.75));
+  double most = 0.0, sum = 0.0;
+  for (const GroomedStrand& s : f.Groom()) {
+    const double tilt = Degrees(s.rest.offset[0], combed);
+    most = std::max(most, tilt);
+    sum += tilt;
+  }
+  EXPECT_LE(most, 15.0 + 1e-6);
+  EXPECT_GT(most, 14.5);
+  EXPECT_NEAR(sum / double(f.points.size()), 10.0, 0.5);  // even over the disk: two thirds
+
+  f.layer.frizz = Attribute(0.0f);
+  f.layer.direction = Attribute(90.0f);
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_LT(Degrees(s.rest.offset[0], {0.0, 0.5, std::sqrt(0.75)}), 1e-6);
+  }
+}
+
+TEST(Attributes, NoStrandStartsIntoTheSkin) {
+  Fixture f;
+  f.layer.elevation = Attribute(-30.0f);
+  f.layer.frizz = Attribute(80.0f);
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_GT(s.rest.offset[0].z, 0.03 * glm::length(s.rest.offset[0]));
+  }
+}
+
+TEST(Attributes, ColoursFollowMapAndVariationAndKeepTheirAlpha) {
+  Fixture f;
+  f.layer.base_colour = 0x80ff6432;  // alpha 128, b 255, g 100, r 50
+  f.layer.tip_colour = 0xffc8c8c8;
+  f.layer.colour_map = MakeMap([](float, float) { return 0.5f; });
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_EQ(s.base_colour >> 24, 0x80u);
+    EXPECT_NEAR(double(s.base_colour & 255), 25.0, 1.0);
+    EXPECT_NEAR(double(s.base_colour >> 8 & 255), 50.0, 1.0);
+    EXPECT_NEAR(double(s.base_colour >> 16 & 255), 128.0, 1.0);
+  }
+  f.layer.colour_map = {};
+  f.layer.colour_variation = Attribute(0.25f);
+  uint32_t least = 255, most = 0;
+  for (const GroomedStrand& s : f.Groom()) {
+    least = std::min(least, s.tip_colour & 255);
+    most = std::max(most, s.tip_colour & 255);
+  }
+  EXPECT_NEAR(least, 150.0, 2.0);
+  EXPECT_NEAR(most, 250.0, 2.0);
+}
+
+TEST(Attributes, FilmStripsAreAllUsed) {
+  Fixture f;
+  f.layer.film_strip_count = 3;
+  uint32_t count[3] = {};
+  for (const GroomedStrand& s : f.Groom()) {
+    ASSERT_LT(s.film_strip, 3);
+    ++count[s.film_strip];
+  }
+  for (const uint32_t c : count) EXPECT_NEAR(c, double(f.points.size()) / 3, 100.0);
+}
+
+TEST(Attributes, LiftVariesByVertexInsideItsRange) {
+  Fixture f;
+  f.layer.offset = Varying(0.01f, 0.5f);
+  f.layer.offset.range = glm::vec2(0.006f, 1.0f);
+  const AttributeMaker maker(f.character, f.rest, f.setup, f.layer);
+  float least = 1.0f, most = 0.0f;
+  for (uint32_t v = 0; v < f.character.mesh.position.size(); ++v) {
+    least = std::min(least, maker.LiftVertex(v));
+    most = std::max(most, maker.LiftVertex(v));
+  }
+  EXPECT_EQ(least, 0.006f);
+  EXPECT_GT(most, 0.0145f);
+  EXPECT_LE(most, 0.015f);
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,276 @@
+// What chunk.hpp promises of baked chunks, checked one by one. Stricter than CheckGroom, which asks
+// only what kernels need to be safe.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "core/groom/groom.hpp"
+
+namespace pelt::test {
+
+inline uint32_t RoundUpToLaneGroup(uint32_t n) {
+  return (n + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+}
+
+template <class T, size_t kRows, size_t kLanes>
+void ExpectPadded(const T (&rows)[kRows][kLanes], uint32_t used) {
+  for (size_t r = 0; r < kRows; ++r) {
+    for (size_t lane = used; lane < kLanes; ++lane) ASSERT_EQ(rows[r][lane], rows[r][used - 1]);
+  }
+}
+template <class T, size_t kLanes>
+void ExpectPadded(const T (&row)[kLanes], uint32_t used) {
+  for (size_t lane = used; lane < kLanes; ++lane) ASSERT_EQ(row[lane], row[used - 1]);
+}
+
+template <uint32_t kPoints>
+void ExpectRest(const RestBlock<kPoints>& rest, uint32_t used) {
+  for (uint32_t lane = 0; lane < used; ++lane) {
+    ASSERT_GE(rest.strength[lane], 0.0f);
+    ASSERT_LE(rest.strength[lane], 1.0f);
+    double last[3] = {};
+    for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+      double square = 0.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double step = rest.offset[i][axis][lane] - last[axis];
+        square += step * step;
+        last[axis] = rest.offset[i][axis][lane];
+      }
+      ASSERT_NEAR(std::sqrt(square), rest.segment_length[lane],
+                  1e-5 * rest.segment_length[lane] + 1e-9);
+    }
+  }
+  for (uint32_t i = 0; i + 1 < kPoints; ++i) ExpectPadded(rest.offset[i], used);
+  ExpectPadded(rest.segment_length, used);
+  ExpectPadded(rest.strength, used);
+}
+
+inline void ExpectMesh(const MeshBlock& mesh) {
+  ASSERT_GT(mesh.vertex_count, 0u);
+  ASSERT_LE(mesh.vertex_count, kVerticesPerChunk);
+  ExpectPadded(mesh.position, mesh.vertex_count);
+  ExpectPadded(mesh.normal, mesh.vertex_count);
+  ExpectPadded(mesh.tangent, mesh.vertex_count);
+  const uint32_t groups = RoundUpToLaneGroup(mesh.vertex_count) / kLaneGroup;
+  ASSERT_EQ(mesh.group_first_row[0], 0u);
+  for (uint32_t g = 0; g < kVertexGroups; ++g) {
+    const uint32_t first = mesh.group_first_row[g], last = mesh.group_first_row[g + 1];
+    ASSERT_LE(first, last);
+    ASSERT_LE(last, kInfluenceRows);
+    if (g >= groups) {
+      ASSERT_EQ(first, last);
+    }
+    for (uint32_t r = first; r < last; ++r) {
+      if (r > first) {
+        ASSERT_LT(mesh.row_joint[r - 1], mesh.row_joint[r]);
+      }
+      float most = 0.0f;  // no row without a use
+      for (const float w : mesh.weight[r]) {
+        ASSERT_GE(w, 0.0f);
+        most = std::max(most, w);
+      }
+      ASSERT_GT(most, 0.0f);
+    }
+    for (uint32_t i = 0; i < kLaneGroup && g < groups; ++i) {
+      const uint32_t lane = g * kLaneGroup + i;
+      double sum = 0.0, nn = 0.0, tt = 0.0, nt = 0.0;
+      for (uint32_t r = first; r < last; ++r) sum += mesh.weight[r][i];
+      ASSERT_NEAR(sum, 1.0, 1e-5);
+      for (int axis = 0; axis < 3; ++axis) {
+        nn += double(mesh.normal[axis][lane]) * mesh.normal[axis][lane];
+        tt += double(mesh.tangent[axis][lane]) * mesh.tangent[axis][lane];
+        nt += double(mesh.normal[axis][lane]) * mesh.tangent[axis][lane];
+      }
+      ASSERT_NEAR(nn, 1.0, 1e-5);
+      ASSERT_NEAR(tt, 1.0, 1e-5);
+      ASSERT_NEAR(nt, 0.0, 1e-5);
+    }
+  }
+  const uint32_t rows = mesh.group_first_row[kVertexGroups];
+  for (uint32_t g = groups, last = mesh.vertex_count - 1u, i = last % kLaneGroup + 1;
+       i < kLaneGroup; ++i) {
+    for (uint32_t r = mesh.group_first_row[g - 1]; r < mesh.group_first_row[g]; ++r) {
+      ASSERT_EQ(mesh.weight[r][i], mesh.weight[r][last % kLaneGroup]);
+    }
+  }
+  for (uint32_t r = rows; r < kInfluenceRows; ++r) {
+    for (const float w : mesh.weight[r]) ASSERT_EQ(w, 0.0f);
+  }
+}
+
+inline void ExpectStrands(const StrandBlock& strands, const MeshBlock& mesh) {
+  const uint32_t n = strands.strand_count;
+  ASSERT_GT(n, 0u);
+  ASSERT_LE(n, kStrandsPerChunk);
+  ASSERT_EQ(strands.vertex_count, mesh.vertex_count);
+  uint32_t highest = 0;
+  for (uint32_t i = 0; i < n; ++i) {
+    ASSERT_NEAR(strands.bary[0][i] + strands.bary[1][i] + strands.bary[2][i], 1.0f, 1e-6f);
+    ASSERT_GT(strands.length[i], 0.0f);
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_GE(strands.bary[k][i], 0.0f);
+      ASSERT_LT(strands.vertex[k][i], mesh.vertex_count);
+      highest = std::max<uint32_t>(highest, strands.vertex[k][i]);
+    }
+    ASSERT_EQ(strands.vertex_prefix[i], highest);
+  }
+  ASSERT_EQ(highest + 1, mesh.vertex_count);  // no vertex without a strand
+  ASSERT_EQ(strands.control_count % kLaneGroup, 0u);
+  ASSERT_LT(strands.control_count, n);
+  for (uint32_t i = 0; i < n; ++i) {
+    if (strands.control_count == 0 || i < strands.control_count) {
+      ASSERT_EQ(strands.control[i], i);
+    } else {
+      ASSERT_LT(strands.control[i], strands.control_count);
+    }
+  }
+  ExpectPadded(strands.bary, n);
+  ExpectPadded(strands.length, n);
+  ExpectPadded(strands.width, n);
+  ExpectPadded(strands.base_colour, n);
+  ExpectPadded(strands.tip_colour, n);
+  ExpectPadded(strands.vertex, n);
+  ExpectPadded(strands.control, n);
+  ExpectPadded(strands.film_strip, n);
+  ExpectPadded(strands.vertex_prefix, n);
+  uint32_t joints[kJointsPerCharacter / 32] = {};
+  for (uint32_t r = 0; r < mesh.group_first_row[kVertexGroups]; ++r) {
+    joints[mesh.row_joint[r] / 32] |= 1u << mesh.row_joint[r] % 32;
+  }
+  for (uint32_t w = 0; w < kJointsPerCharacter / 32; ++w) {
+    ASSERT_EQ(strands.joint_mask[w], joints[w]);
+  }
+}
+
+// A vertex's weights as they are summed: joints in ascending order.
+inline std::vector<std::pair<uint32_t, float>> WeightsOf(const MeshBlock& mesh, uint32_t lane) {
+  std::vector<std::pair<uint32_t, float>> weights;
+  const uint32_t g = lane / kLaneGroup;
+  for (uint32_t r = mesh.group_first_row[g]; r < mesh.group_first_row[g + 1]; ++r) {
+    const float w = mesh.weight[r][lane % kLaneGroup];
+    if (w > 0.0f) weights.push_back({mesh.row_joint[r], w});
+  }
+  return weights;
+}
+
+// Vertices at one place with one frame are one vertex: they agree in weights and rest chain in
+// every chunk of the layer. Returns how many lie in more than one.
+inline uint32_t ExpectBordersAgree(const Groom& groom, const GroomLayer& layer,
+                                   size_t first_vertex_rest) {
+  struct Seen {
+    std::vector<std::pair<uint32_t, float>> weights;
+    std::vector<uint32_t> rest;
+    uint32_t times = 0;
+  };
+  std::map<std::array<uint32_t, 9>, Seen> seen;
+  uint32_t shared = 0;
+  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
+    const MeshBlock& mesh = groom.mesh[layer.first_chunk + c];
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+      std::array<uint32_t, 9> key;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        key[axis] = std::bit_cast<uint32_t>(mesh.position[axis][v]);
+        key[3 + axis] = std::bit_cast<uint32_t>(mesh.normal[axis][v]);
+        key[6 + axis] = std::bit_cast<uint32_t>(mesh.tangent[axis][v]);
+      }
+      std::vector<uint32_t> rest;
+      if (layer.params.chain == ChainKind::kVertex) {
+        const RestBlock<4>& block = groom.vertex_rest[first_vertex_rest + c];
+        for (int i = 0; i < 9; ++i) {
+          rest.push_back(std::bit_cast<uint32_t>(block.offset[i / 3][i % 3][v]));
+        }
+        rest.push_back(std::bit_cast<uint32_t>(block.segment_length[v]));
+        rest.push_back(std::bit_cast<uint32_t>(block.strength[v]));
+      }
+      Seen& entry = seen[key];
+      if (entry.times++ == 0) {
+        entry.weights = WeightsOf(mesh, v);
+        entry.rest = rest;
+        continue;
+      }
+      shared += entry.times == 2;
+      EXPECT_EQ(entry.weights, WeightsOf(mesh, v));
+      EXPECT_EQ(entry.rest, rest);
+    }
+  }
+  return shared;
+}
+
+inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
+                              const LayerJointBlock& block) {
+  std::array<bool, kJointsPerCharacter> used{};
+  std::array<std::array<float, 3>, kJointsPerCharacter> low, high;
+  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
+    const MeshBlock& mesh = groom.mesh[layer.first_chunk + c];
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+      for (const auto& [joint, weight] : WeightsOf(mesh, v)) {
+        for (size_t axis = 0; axis < 3; ++axis) {
+          const float x = mesh.position[axis][v];
+          low[joint][axis] = used[joint] ? std::min(low[joint][axis], x) : x;
+          high[joint][axis] = used[joint] ? std::max(high[joint][axis], x) : x;
+        }
+        used[joint] = true;
+      }
+    }
+  }
+  ASSERT_EQ(block.count, uint32_t(std::count(used.begin(), used.end(), true)));
+  for (uint32_t i = 0; i < block.count; ++i) {
+    const uint32_t joint = block.joint[i];
+    ASSERT_TRUE(used[joint]);
+    if (i > 0) {
+      ASSERT_LT(block.joint[i - 1], joint);
+    }
+    for (size_t axis = 0; axis < 3; ++axis) {
+      ASSERT_EQ(block.low[axis][i], low[joint][axis]);
+      ASSERT_EQ(block.high[axis][i], high[joint][axis]);
+    }
+  }
+}
+
+// Everything above, of all layers.
+inline void ExpectValidGroom(const Groom& groom) {
+  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0;
+  ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
+  for (size_t l = 0; l < groom.layers.size(); ++l) {
+    const GroomLayer& layer = groom.layers[l];
+    SCOPED_TRACE(layer.name);
+    ASSERT_EQ(layer.first_chunk, chunk);
+    ExpectBordersAgree(groom, layer, vertex_rest);
+    ExpectLayerJoints(groom, layer, groom.layer_joints[l]);
+    uint32_t strands = 0;
+    float longest = 0.0f;
+    for (uint32_t c = 0; c < layer.chunk_count; ++c, ++chunk) {
+      SCOPED_TRACE(c);
+      const StrandBlock& block = groom.strands[chunk];
+      ASSERT_EQ(block.first_strand, c * kStrandsPerChunk);
+      ExpectMesh(groom.mesh[chunk]);
+      ExpectStrands(block, groom.mesh[chunk]);
+      if (layer.params.chain == ChainKind::kVertex) {
+        ExpectRest(groom.vertex_rest.at(vertex_rest++), block.vertex_count);
+      }
+      if (layer.params.points == 5) {
+        ExpectRest(groom.strand_rest5.at(rest5++), block.strand_count);
+      } else {
+        ExpectRest(groom.strand_rest4.at(rest4++), block.strand_count);
+      }
+      strands += block.strand_count;
+      for (uint32_t i = 0; i < block.strand_count; ++i)
+        longest = std::max(longest, block.length[i]);
+    }
+    ASSERT_EQ(layer.strand_count, strands);
+    ASSERT_EQ(layer.length_max, longest);
+  }
+  ASSERT_EQ(groom.mesh.size(), chunk);
+  ASSERT_EQ(groom.strands.size(), chunk);
+  ASSERT_EQ(groom.vertex_rest.size(), vertex_rest);
+  ASSERT_EQ(groom.strand_rest4.size(), rest4);
+  ASSERT_EQ(groom.strand_rest5.size(), rest5);
+}
+
+}  // namespace pelt::test

@@ -1,0 +1,416 @@
+// The plan is derived: barriers, fusion, residency and who takes part follow from the ports alone.
+// Kernels here do little; what counts is what they declare.
+#include "jobs/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/error.hpp"
+#include "tests/jobs/synthetic_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using testing::LayerSpec;
+using testing::MakeShape;
+using testing::MakeStage;
+
+struct NoParams {};
+constexpr NoParams kNone{};
+
+// keys -> order, own chunk.
+struct KeysToOrder {
+  static constexpr std::string_view kName = "keys_to_order";
+  using Params = NoParams;
+  struct Ports {
+    In<SortKeyBlock> keys;
+    Out<OrderBlock> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct MakeKeys {
+  static constexpr std::string_view kName = "make_keys";
+  using Params = NoParams;
+  struct Ports {
+    Out<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports&) {}
+};
+// Scratch between two chunk stages: pairs_b is written and read here and nowhere else.
+struct MakePairs {
+  static constexpr std::string_view kName = "make_pairs";
+  using Params = NoParams;
+  struct Ports {
+    In<SortKeyBlock> keys;
+    Out<SortPairBlock> pairs;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct UsePairs {
+  static constexpr std::string_view kName = "use_pairs";
+  using Params = NoParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    Out<OrderBlock> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct ScatterPairs {
+  static constexpr std::string_view kName = "scatter_pairs";
+  using Params = NoParams;
+  struct Ports {
+    In<SortKeyBlock> keys;
+    Scatter<SortPair> sorted;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::sorted>(Stream::kSortPairsA, "sorted"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct ReadScattered {
+  static constexpr std::string_view kName = "read_scattered";
+  using Params = NoParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    Out<DigitBlock> digits;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsA, "pairs"),
+                                          Port<&Ports::digits>(Stream::kDigits, "digits"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct MakeCurves {
+  static constexpr std::string_view kName = "make_curves";
+  using Params = NoParams;
+  struct Ports {
+    Out<CurveBlock> curves;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::curves>(Stream::kCurves, "curves"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct GatherCurves {
+  static constexpr std::string_view kName = "gather_curves";
+  using Params = NoParams;
+  struct Ports {
+    In<OrderBlock> order;
+    Gather<CurveRecord> curves;
+    Out<InstanceBlock> instances;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::order>(Stream::kOrder, "order"),
+               Port<&Ports::curves>(Stream::kCurves, "curves", Stream::kOrder),
+               Port<&Ports::instances>(Stream::kInstances, "instances"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct SumLayer {
+  static constexpr std::string_view kName = "sum_layer";
+  using Params = NoParams;
+  struct Ports {
+    All<SortKeyBlock> keys;
+    Out<LayerSortBlock> sum;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::sum>(Stream::kLayerSort, "sum"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct UseVertexPoints {
+  static constexpr std::string_view kName = "use_vertex_points";
+  using Params = NoParams;
+  struct Ports {
+    InOut<PointBlock<4>> points;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::points>(Stream::kVertexPoints, "points"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct UseBounds {
+  static constexpr std::string_view kName = "use_bounds";
+  using Params = NoParams;
+  struct Ports {
+    Shared<BoundsBlock> bounds;
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::bounds>(Stream::kBounds, "bounds"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports&) {}
+};
+
+const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
+
+template <class K>
+Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
+  return MakeStage<K>(Domain::kChunk, kNone, gate, kinds);
+}
+
+std::vector<std::string> PassNames(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const Pass& pass : plan.passes) {
+    std::string name;
+    for (uint32_t s = 0; s < pass.stage_count; ++s) {
+      if (s) name += " ";
+      name += plan.stages[pass.first_stage + s].kernel.name;
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+using Names = std::vector<std::string>;
+
+const PassStream& FindStream(const Pass& pass, Stream stream) {
+  for (const PassStream& s : pass.streams)
+    if (s.stream == stream) return s;
+  ADD_FAILURE() << "pass has no stream " << DescribeStream(stream).name;
+  return pass.streams.front();
+}
+
+std::string ErrorOf(std::vector<Stage> stages, const SceneShape& shape, PlanOptions options = {}) {
+  try {
+    CompilePlan(std::move(stages), shape, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Plan, FusesNeighboursThatTouchOnlyTheirItem) {
+  const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"make_keys keys_to_order"}));
+}
+
+TEST(Plan, UnfusedHasOnePassAStage) {
+  const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kShape, {.fuse = false});
+  EXPECT_EQ(PassNames(plan), Names({"make_keys", "keys_to_order"}));
+}
+
+TEST(Plan, PutsABarrierWhereTheDomainChanges) {
+  const Plan plan = CompilePlan(
+      {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer, kNone), Chunk<KeysToOrder>()}, kShape,
+      {});
+  EXPECT_EQ(PassNames(plan), Names({"make_keys", "sum_layer", "keys_to_order"}));
+  EXPECT_EQ(plan.passes[1].domain, Domain::kLayer);
+}
+
+TEST(Plan, PutsABarrierBetweenScatterAndReader) {
+  const Plan plan = CompilePlan({Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"scatter_pairs", "read_scattered"}));
+}
+
+TEST(Plan, PutsABarrierBetweenReaderAndScatter) {
+  const Plan plan = CompilePlan({Chunk<ReadScattered>(), Chunk<ScatterPairs>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"read_scattered", "scatter_pairs"}));
+}
+
+TEST(Plan, PutsABarrierBetweenWriterAndGather) {
+  const Plan plan = CompilePlan({Chunk<MakeCurves>(), Chunk<GatherCurves>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"make_curves", "gather_curves"}));
+}
+
+TEST(Plan, PutsABarrierBetweenARecordListAndItsGather) {
+  const Plan plan = CompilePlan({Chunk<KeysToOrder>(), Chunk<GatherCurves>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"keys_to_order", "gather_curves"}));
+}
+
+TEST(Plan, FusesAGatherWithStagesThatDoNotConcernIt) {
+  const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<GatherCurves>()}, kShape, {});
+  EXPECT_EQ(PassNames(plan), Names({"make_keys gather_curves"}));
+}
+
+TEST(Plan, FusesOnlyWhatFitsTwiceOver) {
+  const uint32_t keys = sizeof(SortKeyBlock), pairs = sizeof(SortPairBlock),
+                 order = sizeof(OrderBlock);
+  // Pairs live and die inside the fused pass: one copy. Keys and order stream through: two.
+  const uint32_t fused = 2 * keys + pairs + 2 * order;
+  const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
+  const Plan fits = CompilePlan(stages, kShape, {.local_store_data_bytes = fused});
+  EXPECT_EQ(PassNames(fits), Names({"make_pairs use_pairs"}));
+  EXPECT_EQ(fits.passes[0].resident_bytes, fused);
+  EXPECT_TRUE(fits.passes[0].double_buffered);
+  const Plan cut = CompilePlan(stages, kShape, {.local_store_data_bytes = fused - 1});
+  EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
+}
+
+TEST(Plan, KnowsTransientsAndCountsTheirBytesNowhere) {
+  const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
+  const Plan fused = CompilePlan(stages, kShape, {});
+  const PassStream& pairs = FindStream(fused.passes[0], Stream::kSortPairsB);
+  EXPECT_TRUE(pairs.transient);
+  EXPECT_FALSE(pairs.get);
+  EXPECT_EQ(fused.passes[0].get_bytes, sizeof(SortKeyBlock));
+  EXPECT_EQ(fused.passes[0].put_bytes, sizeof(OrderBlock));
+
+  const Plan unfused = CompilePlan(stages, kShape, {.fuse = false});
+  EXPECT_FALSE(FindStream(unfused.passes[0], Stream::kSortPairsB).transient);
+  EXPECT_EQ(unfused.passes[0].put_bytes, sizeof(SortPairBlock));
+  EXPECT_EQ(unfused.passes[1].get_bytes, sizeof(SortPairBlock));
+}
+
+TEST(Plan, OutCostsNoGetAndInNoPut) {
+  const Plan plan = CompilePlan({Chunk<KeysToOrder>()}, kShape, {});
+  const PassStream& keys = FindStream(plan.passes[0], Stream::kSortKeys);
+  const PassStream& order = FindStream(plan.passes[0], Stream::kOrder);
+  EXPECT_TRUE(keys.get);
+  EXPECT_FALSE(keys.put);
+  EXPECT_FALSE(order.get);
+  EXPECT_TRUE(order.put);
+  EXPECT_FALSE(order.transient) << "an output of the frame must be put";
+}
+
+TEST(Plan, SharedBlocksAreResidentOnceAndNotCountedPerItem) {
+  const Plan plan = CompilePlan({Chunk<UseBounds>()}, kShape, {});
+  EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(BoundsBlock) + 2 * sizeof(SortKeyBlock));
+  EXPECT_EQ(plan.passes[0].get_bytes, sizeof(SortKeyBlock));
+}
+
+TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
+  const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
+  const std::vector<Stage> stages = {MakeStage<SumLayer>(Domain::kLayer, kNone)};
+  const Plan plan = CompilePlan(stages, kShape, {.local_store_data_bytes = once});
+  EXPECT_FALSE(plan.passes[0].double_buffered);
+  EXPECT_EQ(plan.passes[0].resident_bytes, once) << "the largest layer, 3 chunks, counts";
+  EXPECT_TRUE(
+      CompilePlan(stages, kShape, {.local_store_data_bytes = 2 * once}).passes[0].double_buffered);
+}
+
+TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
+  const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
+  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer, kNone)}, kShape,
+                                    {.local_store_data_bytes = once - 1});
+  EXPECT_NE(error.find("stage sum_layer"), std::string::npos) << error;
+  EXPECT_NE(error.find("one layer needs " + std::to_string(once) + " bytes"), std::string::npos)
+      << error;
+  EXPECT_NE(error.find("1 more than"), std::string::npos) << error;
+}
+
+TEST(Plan, StreamsSayWhichLayersAStageRunsOn) {
+  const SceneShape shape = MakeShape({{0, kLayerVertexChains, 1}, {0, 0, 1}});
+  const Plan plan = CompilePlan({Chunk<UseVertexPoints>()}, shape, {});
+  ASSERT_EQ(plan.stages.size(), 1u);
+  EXPECT_TRUE(plan.stages[0].kinds.Admits(kLayerVertexChains));
+  EXPECT_FALSE(plan.stages[0].kinds.Admits(0));
+  EXPECT_FALSE(plan.stages[0].kinds.Admits(kLayerFivePoints));
+}
+
+TEST(Plan, LeavesOutStagesThatNoLayerHasTheKindFor) {
+  const std::vector<Stage> stages = {Chunk<MakeKeys>(), Chunk<UseVertexPoints>(),
+                                     Chunk<KeysToOrder>({}, {kLayerVerlet, 0}),
+                                     Chunk<ReadScattered>({}, {0, kLayerVerlet})};
+  const Plan strands = CompilePlan(stages, MakeShape({{0, 0, 1}}), {});
+  EXPECT_EQ(PassNames(strands), Names({"make_keys read_scattered"}));
+  const Plan verlet = CompilePlan(stages, MakeShape({{0, kLayerVerlet, 1}}), {});
+  EXPECT_EQ(PassNames(verlet), Names({"make_keys keys_to_order"}));
+  const Plan both =
+      CompilePlan(stages, MakeShape({{0, kLayerVerlet, 1}, {0, kLayerVertexChains, 1}}), {});
+  EXPECT_EQ(PassNames(both), Names({"make_keys use_vertex_points keys_to_order read_scattered"}));
+}
+
+TEST(Plan, MeasuresTheKindThatNeedsMost) {
+  // Vertex-chain layers use points, the others only keys (which nothing reads here: transient).
+  const std::vector<Stage> stages = {Chunk<MakeKeys>(), Chunk<UseVertexPoints>()};
+  const Plan plan = CompilePlan(stages, MakeShape({{0, 0, 9}, {0, kLayerVertexChains, 1}}), {});
+  EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(SortKeyBlock) + 2 * sizeof(PointBlock<4>));
+}
+
+// ---- Declarations that cannot be right
+// ------------------------------------------------------------
+
+struct OutToCoarser {
+  static constexpr std::string_view kName = "out_to_coarser";
+  using Params = NoParams;
+  struct Ports {
+    Out<BoundsBlock> bounds;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::bounds>(Stream::kBounds, "bounds"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct SharedOfOwnDomain {
+  static constexpr std::string_view kName = "shared_of_own";
+  using Params = NoParams;
+  struct Ports {
+    Shared<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct WrongBlock {
+  static constexpr std::string_view kName = "wrong_block";
+  using Params = NoParams;
+  struct Ports {
+    In<SortPairBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct GatherWithoutList {
+  static constexpr std::string_view kName = "gather_without_list";
+  using Params = NoParams;
+  struct Ports {
+    Gather<CurveRecord> curves;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::curves>(Stream::kCurves, "curves"));
+  static void Run(const Params&, const Ports&) {}
+};
+struct ReadsAndScatters {
+  static constexpr std::string_view kName = "reads_and_scatters";
+  using Params = NoParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    Scatter<SortPair> sorted;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsA, "pairs"),
+                                          Port<&Ports::sorted>(Stream::kSortPairsA, "sorted"));
+  static void Run(const Params&, const Ports&) {}
+};
+
+TEST(Plan, RefusesPortsThatCannotBeBound) {
+  const auto has = [](const std::string& text, std::string_view part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::string coarser = ErrorOf({Chunk<OutToCoarser>()}, kShape);
+  EXPECT_TRUE(has(coarser, "stage out_to_coarser: port 'bounds' (stream bounds)")) << coarser;
+  const std::string shared = ErrorOf({Chunk<SharedOfOwnDomain>()}, kShape);
+  EXPECT_TRUE(has(shared, "coarser domain")) << shared;
+  const std::string block = ErrorOf({Chunk<WrongBlock>()}, kShape);
+  EXPECT_TRUE(has(block, "block is not the stream's")) << block;
+  const std::string list = ErrorOf({Chunk<GatherWithoutList>()}, kShape);
+  EXPECT_TRUE(has(list, "no record list")) << list;
+  const std::string all = ErrorOf({Chunk<SumLayer>()}, kShape);
+  EXPECT_TRUE(has(all, "stage sum_layer: port 'keys'")) << all;
+  const std::string race = ErrorOf({Chunk<ReadsAndScatters>()}, kShape);
+  EXPECT_TRUE(has(race, "'pairs' and 'sorted' are one stream (sort_pairs_a)")) << race;
+}
+
+TEST(Plan, RefusesGatesOfAnotherDomain) {
+  const std::string error =
+      ErrorOf({MakeStage<SumLayer>(Domain::kLayer, kNone, {.chunk_flags = kChunkSkin})}, kShape);
+  EXPECT_NE(error.find("stage sum_layer: its gate is for chunks"), std::string::npos) << error;
+}
+
+TEST(Plan, DescribesPassesBytesAndBarriers) {
+  const Plan plan = CompilePlan(
+      {Chunk<MakePairs>(), Chunk<UsePairs>(), MakeStage<SumLayer>(Domain::kLayer, kNone)}, kShape,
+      {.local_store_data_bytes = 4 * 1024});
+  const std::string text = DescribePlan(plan, kShape);
+  EXPECT_NE(text.find("make_pairs, use_pairs"), std::string::npos) << text;
+  EXPECT_NE(text.find("3 stages in 2 passes"), std::string::npos) << text;
+  // pass 1: layers, two of them, resident, get and put bytes as the plan has them.
+  char row[128];
+  std::snprintf(row, sizeof row, "%-4d %-10s %6d %8u%c %9u %9u  sum_layer", 1, "layer", 2,
+                plan.passes[1].resident_bytes, plan.passes[1].double_buffered ? ' ' : '*',
+                plan.passes[1].get_bytes, plan.passes[1].put_bytes);
+  EXPECT_NE(text.find(row), std::string::npos) << row << "\n" << text;
+}
+
+TEST(Plan, SortableChunksNeverWrapsRound) {
+  EXPECT_EQ(SortableChunks(0), 0u);
+  EXPECT_EQ(SortableChunks(4 * 1024), 0u);
+  EXPECT_GT(SortableChunks(176 * 1024), 32u);
+  EXPECT_LT(SortableChunks(176 * 1024), 176u);
+}
+
+}  // namespace
+}  // namespace pelt

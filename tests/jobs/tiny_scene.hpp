@@ -1,0 +1,71 @@
+// The scene `tiny` for tests of whole frames: every solver, chain and output in under a thousand
+// strands. Baked once a program.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+#include "bench/scenarios.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt::testing {
+
+// A copy of the scenario that a test may change.
+inline Scenario TinyScenario() {
+  static const Scenario kBaked = LoadScenario("tiny");
+  return kBaked;
+}
+
+// `tiny` on its own course until `frame`, then at rest: no teleport, no wind, nothing moves.
+inline Scenario RestingScenario(uint32_t frame) {
+  Scenario scenario = TinyScenario();
+  scenario.actors[0].teleport_frame = -1;
+  scenario.rest_from_frame = frame;
+  return scenario;
+}
+
+inline SceneOptions OptionsFor(Isa isa) {
+  SceneOptions options;
+  options.isa = isa;
+  return options;
+}
+
+// The digest of every frame.
+inline std::vector<uint64_t> RunDigests(Scenario& scenario, const SceneOptions& options,
+                                        Executor& executor, uint32_t frames,
+                                        const SkipSettings& skip = {},
+                                        const LodSettings& lod = {}) {
+  RunningScenario running(scenario, options);
+  std::vector<uint64_t> digests;
+  for (uint32_t f = 0; f < frames; ++f) {
+    running.Begin(f, skip, lod);
+    executor.Run(running.scene().CurrentFrame());
+    digests.push_back(running.scene().DigestFrame());
+  }
+  return digests;
+}
+
+// Says in which frame two courses part.
+inline void ExpectSameFrames(const std::vector<uint64_t>& expected,
+                             const std::vector<uint64_t>& found, const std::string& what) {
+  ASSERT_EQ(expected.size(), found.size()) << what;
+  for (size_t f = 0; f < expected.size(); ++f)
+    ASSERT_EQ(expected[f], found[f]) << what << ": frame " << f;
+}
+
+// Chunks of the scene whose flags have all of `set` and none of `clear`.
+inline uint32_t CountChunks(const FurScene& scene, uint32_t set, uint32_t clear = 0) {
+  uint32_t count = 0;
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    const uint32_t flags = scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags;
+    count += (flags & set) == set && (flags & clear) == 0;
+  }
+  return count;
+}
+inline uint32_t CountAsleep(const FurScene& scene) {
+  return CountChunks(scene, kChunkVisible, kChunkSimulate);
+}
+
+}  // namespace pelt::testing

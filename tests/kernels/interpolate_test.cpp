@@ -1,0 +1,153 @@
+#include "core/kernels/interpolate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "tests/kernels/chain_scene.hpp"
+
+namespace pelt::test {
+namespace {
+
+using V = Vec<IsaSse4>;
+
+struct Scene {
+  ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
+};
+
+// Chains away from their groom by up to `swing` segments.
+std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
+  auto s = std::make_unique<Scene>();
+  MakeOrderly(s->chains, seed);
+  std::mt19937 random(seed);
+  MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
+  s->chains.layer.clump = 0.7f;
+  s->chains.state.live_strands = s->strands.state.live_strands;
+  s->chains.state.live_vertices = 96;
+  StrandBlock& strands = s->strands.strands;
+  strands.vertex_count = 96;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const auto groom = GroomOf(s->chains.rest, s->chains.roots, lane);
+    for (uint32_t i = 0; i < 3; ++i) {
+      const float size = swing * s->chains.rest.segment_length[lane] * float(i + 1);
+      s->chains.position.position[i][0][lane] = float(groom[i].x) + Uniform(random, -size, size);
+      s->chains.position.position[i][1][lane] = float(groom[i].y) + Uniform(random, -size, size);
+      s->chains.position.position[i][2][lane] = float(groom[i].z) + Uniform(random, -size, size);
+    }
+    float a = Uniform(random, 0.0f, 1.0f), b = Uniform(random, 0.0f, 1.0f);
+    if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
+    const float bary[3] = {a, b, 1.0f - a - b};
+    for (int k = 0; k < 3; ++k) {
+      strands.bary[k][lane] = bary[k];
+      strands.vertex[k][lane] = uint8_t(random() % 96);
+    }
+  }
+  return s;
+}
+
+template <class K>
+void Run(Scene& s, PointBlock<4>& out) {
+  std::memset(static_cast<void*>(&out), 0xff, sizeof out);
+  RunKernel<K>({}, {{&s.chains.layer, nullptr, 1},
+                    {&s.chains.state, nullptr, 1},
+                    {&s.strands.strands, nullptr, 1},
+                    {&s.strands.rest, nullptr, 1},
+                    {&s.chains.rest, nullptr, 1},
+                    {&s.strands.roots, nullptr, 1},
+                    {&s.chains.roots, nullptr, 1},
+                    {&s.chains.position, nullptr, 1},
+                    {&out, nullptr, 1}});
+}
+
+std::vector<D3> Twin(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
+  const StrandBlock& strands = s.strands.strands;
+  const D3 root = At(s.strands.roots.position, lane);
+  std::vector<D3> p = GroomOf(s.strands.rest, s.strands.roots, lane);
+  const double length = s.strands.rest.segment_length[lane];
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t vertex = strands.vertex[k][lane];
+    const auto groom = GroomOf(s.chains.rest, s.chains.roots, vertex);
+    const double scale = length / s.chains.rest.segment_length[vertex];
+    for (int i = 0; i < 3; ++i)
+      p[i] = p[i] + (At(s.chains.position.position[i], vertex) - groom[i]) *
+                        (strands.bary[k][lane] * scale);
+  }
+  if (controls)
+    for (int i = 0; i < 3; ++i)
+      p[i] = p[i] + (At(controls->position[i], strands.control[lane]) - p[i]) *
+                        (s.chains.layer.clump * (i + 1) / 3.0);
+  std::vector<D3> out;
+  for (int i = 0; i < 3; ++i) {
+    const D3 d = p[i] - (i == 0 ? root : p[i - 1]);
+    out.push_back((i == 0 ? root : out[i - 1]) + d * (length / Length(d)));
+  }
+  return out;
+}
+
+TEST(Interpolate, MatchesDoubleTwin) {
+  auto out = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    auto s = MakeScene(seed, 0.4f);
+    const bool clump = seed % 2;
+    if (clump) s->chains.layer.flags |= kLayerClump;
+    Run<Interpolate<V>>(*s, *out);
+    for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
+      const auto twin = Twin(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
+      for (int i = 0; i < 3; ++i)
+        EXPECT_LT(Length(At(out->position[i], lane) - twin[i]),
+                  2e-4 * s->strands.rest.segment_length[lane] + 5e-7)
+            << "seed " << seed << " lane " << lane << " point " << i + 1;
+    }
+  }
+}
+
+TEST(Interpolate, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
+  auto s = MakeScene(5, 0.0f);
+  auto out = std::make_unique<PointBlock<4>>();
+  Run<Interpolate<V>>(*s, *out);
+  for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
+    const auto groom = GroomOf(s->strands.rest, s->strands.roots, lane);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_LT(Length(At(out->position[i], lane) - groom[i]), 2e-6) << lane;
+  }
+}
+
+TEST(Interpolate, SegmentsKeepTheirLength) {
+  auto out = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 10; ++seed) {
+    auto s = MakeScene(seed, 1.5f);
+    if (seed % 2) s->chains.layer.flags |= kLayerClump;
+    Run<Interpolate<V>>(*s, *out);
+    s->strands.position = *out;
+    EXPECT_LT(StretchOf(s->strands).first, 1e-4);
+  }
+}
+
+TEST(Interpolate, DegenerateStrandsStayFinite) {
+  auto s = MakeScene(9, 0.0f);
+  std::memset(static_cast<void*>(&s->strands.rest), 0, sizeof s->strands.rest);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    s->chains.rest.segment_length[lane] = 0.0f;
+  auto out = std::make_unique<PointBlock<4>>();
+  Run<Interpolate<V>>(*s, *out);
+  for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
+    for (int i = 0; i < 3; ++i)
+      EXPECT_TRUE(std::isfinite(Length(At(out->position[i], lane)))) << lane;
+}
+
+TEST(Interpolate, SameBitsOnEveryVector) {
+  auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 6; ++seed) {
+    auto s = MakeScene(seed, 0.5f);
+    if (seed % 2) s->chains.layer.flags |= kLayerClump;
+    Run<Interpolate<V>>(*s, *wanted);
+    ForEveryVector([&]<class W>(const char* name) {
+      Run<Interpolate<W>>(*s, *got);
+      EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
+    });
+  }
+}
+
+}  // namespace
+}  // namespace pelt::test

@@ -1,0 +1,86 @@
+#include "core/layer_block.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pelt {
+namespace {
+
+constexpr float kGravity[3] = {0.0f, -9.81f, 0.0f};
+
+LayerBlock Fill(const LayerParams& params, Weather weather, const LayerBlock* last = nullptr,
+                float dt = 1.0f / 60.0f) {
+  return FillLayerBlock(params, weather, dt, kGravity, true, 100, 0.05f, true, last);
+}
+
+TEST(LayerBlock, DryAndCleanIsTheSetup) {
+  LayerParams params;
+  const LayerBlock b = Fill(params, {});
+  EXPECT_EQ(b.flags, uint32_t(kLayerEnabled | kLayerVertexChains | kLayerBackFaceCull | kLayerWind |
+                              kLayerSimulate));
+  EXPECT_EQ(b.gravity[1], -9.81f);
+  EXPECT_FLOAT_EQ(b.velocity_keep, std::exp(-3.0f / 60.0f));
+  EXPECT_EQ(b.angular_middle, params.angular_hardness_middle);
+  EXPECT_EQ(b.darken, 1.0f);
+  EXPECT_EQ(b.dirt, 0.0f);
+  EXPECT_EQ(b.clump, 0.0f);
+  EXPECT_EQ(b.strand_count, 100u);
+  EXPECT_EQ(b.length_max, 0.05f);
+}
+
+TEST(LayerBlock, EveryKindHasItsFlag) {
+  LayerParams params;
+  params.enabled = false;
+  params.chain = ChainKind::kStrand;
+  params.points = 5;
+  params.solver = Solver::kVerlet;
+  params.output = Output::kRibbons;
+  params.clump = 0.5f;
+  params.backface_cull = false;
+  params.wind_response = 0.0f;
+  const LayerBlock b = FillLayerBlock(params, {}, 0.01f, kGravity, true, 1, 0.1f, false, nullptr);
+  EXPECT_EQ(b.flags, uint32_t(kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerClump));
+}
+
+TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
+  LayerParams params;
+  const LayerBlock dry = Fill(params, {}), damp = Fill(params, {0.5f, 0.0f}),
+                   wet = Fill(params, {1.0f, 0.0f});
+  EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * params.wet_weight);
+  EXPECT_FLOAT_EQ(wet.clump, params.wet_clump);
+  EXPECT_FLOAT_EQ(wet.darken, params.wet_darken);
+  EXPECT_FLOAT_EQ(wet.angular_end, params.angular_hardness_end * params.wet_hardness);
+  EXPECT_FLOAT_EQ(wet.stiffness, params.stiffness * params.wet_hardness);
+  EXPECT_TRUE(wet.flags & kLayerClump);
+  EXPECT_LT(damp.darken, dry.darken);
+  EXPECT_GT(damp.darken, wet.darken);
+  EXPECT_EQ(Fill(params, {7.0f, 0.0f}).darken, wet.darken);
+}
+
+TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
+  LayerParams params;
+  params.dirt_colour = {0.0f, 0.21404114f, 1.0f};
+  const LayerBlock b = Fill(params, {0.0f, 0.4f});
+  EXPECT_EQ(b.dirt_colour[0], 0.0f);
+  EXPECT_NEAR(b.dirt_colour[1], 0.5f, 1e-6f);
+  EXPECT_NEAR(b.dirt_colour[2], 1.0f, 1e-6f);
+  EXPECT_FLOAT_EQ(b.dirt, 0.4f);
+}
+
+TEST(LayerBlock, ChangedComparesWithLastFrame) {
+  LayerParams params;
+  const LayerBlock first = Fill(params, {});
+  EXPECT_EQ(first.changed, 1u);
+  const LayerBlock second = Fill(params, {}, &first);
+  EXPECT_EQ(second.changed, 0u);
+  const LayerBlock third = Fill(params, {}, &second);
+  EXPECT_EQ(third.changed, 0u);
+  EXPECT_EQ(Fill(params, {0.01f, 0.0f}, &third).changed, 1u);
+  EXPECT_EQ(Fill(params, {}, &third, 1.0f / 61.0f).changed, 1u);
+  params.tip_width = 0.3f;
+  EXPECT_EQ(Fill(params, {}, &third).changed, 1u);
+}
+
+}  // namespace
+}  // namespace pelt

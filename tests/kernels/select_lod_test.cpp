@@ -1,0 +1,369 @@
+// The view against a projection in double, and select_lod against a plain double twin, geometry and
+// the promises its head makes: conservative, monotone, steady inside the band.
+#include "core/kernels/select_lod.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/view.hpp"
+#include "tests/kernels/every_vector.hpp"
+
+namespace pelt {
+namespace {
+
+using test::Blocks;
+using test::Uniform;
+
+struct D3 {
+  double x, y, z;
+};
+D3 Sub(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+double DotD(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+D3 CrossD(D3 a, D3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+D3 UnitD(D3 a) {
+  const double l = std::sqrt(DotD(a, a));
+  return {a.x / l, a.y / l, a.z / l};
+}
+D3 Of(const float (&a)[3]) { return {a[0], a[1], a[2]}; }
+
+// Whether a point is on the screen, by projecting it; `slack` shrinks the screen.
+bool IsOnScreen(const Camera& c, D3 point, double slack) {
+  const D3 forward = UnitD(Sub(Of(c.target), Of(c.position)));
+  const D3 right = UnitD(CrossD(forward, Of(c.up)));
+  const D3 up = CrossD(right, forward);
+  const D3 p = Sub(point, Of(c.position));
+  const double depth = DotD(p, forward);
+  if (depth < c.near_m + slack || depth > c.far_m - slack) return false;
+  const double tan_y = std::tan(0.5 * double(c.vertical_fov_rad));
+  const double tan_x = tan_y * c.viewport_width_px / c.viewport_height_px;
+  return std::abs(DotD(p, right)) < depth * tan_x - slack &&
+         std::abs(DotD(p, up)) < depth * tan_y - slack;
+}
+
+Camera RandomCamera(std::mt19937& random) {
+  Camera c;
+  for (int i = 0; i < 3; ++i) {
+    c.position[i] = Uniform(random, -5.0f, 5.0f);
+    c.target[i] = Uniform(random, -5.0f, 5.0f);
+  }
+  c.vertical_fov_rad = Uniform(random, 0.2f, 2.0f);
+  c.viewport_width_px = Uniform(random, 300.0f, 2000.0f);
+  c.near_m = 0.1f;
+  c.far_m = 50.0f;
+  return c;
+}
+
+SelectLodParams MakeParams(const Camera& camera) {
+  SelectLodParams p{};
+  p.view = MakeView(camera);
+  p.full_detail_pixels = 400.0f;
+  p.min_fraction = 0.1f;
+  p.hysteresis = 0.1f;
+  p.budget_scale = 1.0f;
+  p.fade_share = 0.1f;
+  p.flags = kLodOn | kCullOn;
+  return p;
+}
+
+struct World {
+  Blocks<LayerBlock> layer{1, 0};
+  Blocks<BoundsBlock> bounds{1, 0};
+  Blocks<LodBlock> lod{1, 0};
+  World() {
+    layer[0].flags = kLayerEnabled;
+    layer[0].strand_count = 1000;
+  }
+  void SetBox(float x, float y, float z, float half) {
+    const float centre[3] = {x, y, z};
+    for (int i = 0; i < 3; ++i) {
+      bounds[0].low[i] = centre[i] - half;
+      bounds[0].high[i] = centre[i] + half;
+    }
+  }
+  template <class V = ArrayVec<4>>
+  const LodBlock& Run(const SelectLodParams& p) {
+    test::RunKernel<SelectLod<V>>(p, {layer.Bind(), bounds.Bind(), lod.Bind()});
+    return lod[0];
+  }
+};
+
+TEST(View, PlanesAgreeWithAProjection) {
+  std::mt19937 random(1);
+  int inside_count = 0, outside_count = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Camera camera = RandomCamera(random);
+    const View view = MakeView(camera);
+    const D3 p{Uniform(random, -9.0f, 9.0f), Uniform(random, -9.0f, 9.0f),
+               Uniform(random, -9.0f, 9.0f)};
+    double least = 1e9;
+    for (const auto& plane : view.planes)
+      least = std::min(least, plane[0] * p.x + plane[1] * p.y + plane[2] * p.z + plane[3]);
+    if (IsOnScreen(camera, p, 1e-3)) {
+      EXPECT_GE(least, 0.0);
+      ++inside_count;
+    } else if (!IsOnScreen(camera, p, -1e-3)) {
+      EXPECT_LT(least, 0.0);
+      ++outside_count;
+    }
+  }
+  EXPECT_GT(inside_count, 1000);
+  EXPECT_GT(outside_count, 1000);
+}
+
+TEST(View, PixelsOfAMetreAheadAreThePinholeFormula) {
+  Camera camera;
+  camera.vertical_fov_rad = 1.0f;
+  camera.viewport_height_px = 1000.0f;
+  EXPECT_NEAR(MakeView(camera).pixels_per_unit_at_1m, 500.0 / std::tan(0.5), 1e-2);
+}
+
+TEST(View, FaultyCamerasAreNamedAndStillGiveFiniteViews) {
+  std::vector<Camera> cameras(6);
+  cameras[0].position[1] = std::nanf("");
+  std::memcpy(cameras[1].target, cameras[1].position, sizeof cameras[1].target);
+  cameras[2].vertical_fov_rad = 4.0f;
+  cameras[3].viewport_width_px = 0.0f;
+  cameras[4].far_m = 0.01f;
+  cameras[5].near_m = -1.0f;
+  for (const Camera& c : cameras) {
+    EXPECT_NE(FindCameraFault(c), nullptr);
+    const View v = MakeView(c);
+    for (float f : v.forward) EXPECT_TRUE(std::isfinite(f));
+    for (const auto& plane : v.planes) {
+      for (float f : plane) EXPECT_TRUE(std::isfinite(f));
+      EXPECT_NEAR(std::hypot(plane[0], plane[1], plane[2]), 1.0, 1e-5);
+    }
+    EXPECT_GT(v.pixels_per_unit_at_1m, 0.0f);
+  }
+  EXPECT_EQ(FindCameraFault(Camera{}), nullptr);
+  Camera overhead;  // looking along `up` is no fault: another axis takes its place
+  overhead.position[1] = 9.0f;
+  overhead.position[2] = 0.0f;
+  EXPECT_EQ(FindCameraFault(overhead), nullptr);
+  EXPECT_NEAR(MakeView(overhead).forward[1], -1.0, 1e-6);
+}
+
+TEST(SelectLod, ABoxWithAPointOnTheScreenIsVisible) {
+  std::mt19937 random(2);
+  int seen = 0, dropped = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Camera camera = RandomCamera(random);
+    World world;
+    float low[3], high[3];
+    for (int a = 0; a < 3; ++a) {
+      low[a] = Uniform(random, -9.0f, 9.0f);
+      high[a] = low[a] + Uniform(random, 0.0f, 2.0f);
+      world.bounds[0].low[a] = low[a];
+      world.bounds[0].high[a] = high[a];
+    }
+    const bool visible = world.Run(MakeParams(camera)).visible != 0;
+    bool on_screen = false;
+    for (int s = 0; s < 64; ++s) {
+      const auto pick = [&](int a) {
+        const int bit = (s >> a) & 1;
+        if (s < 8) return bit ? high[a] : low[a];
+        return low[a] + (high[a] - low[a]) * Uniform(random, 0.0f, 1.0f);
+      };
+      on_screen |= IsOnScreen(camera, {pick(0), pick(1), pick(2)}, 0.0);
+    }
+    EXPECT_TRUE(visible || !on_screen);
+    seen += visible;
+    dropped += !visible;
+  }
+  EXPECT_GT(seen, 200);
+  EXPECT_GT(dropped, 1000);
+}
+
+TEST(SelectLod, EmptyDisabledAndUnculledLayers) {
+  World world;
+  world.SetBox(0, 1, 30, 0.5f);  // behind the default camera
+  SelectLodParams p = MakeParams(Camera{});
+  EXPECT_EQ(world.Run(p).visible, 0u);
+  EXPECT_EQ(world.lod[0].fraction, 0.0f);
+  p.flags = kLodOn;
+  EXPECT_EQ(world.Run(p).visible, 1u);
+  EXPECT_EQ(world.lod[0].was_visible, 0u);
+  world.layer[0].flags = 0;
+  EXPECT_EQ(world.Run(p).visible, 0u);
+  EXPECT_EQ(world.lod[0].was_visible, 1u);
+  world.layer[0].flags = kLayerEnabled;
+  world.layer[0].strand_count = 0;
+  EXPECT_EQ(world.Run(p).visible, 0u);
+}
+
+TEST(SelectLod, WithoutLodEveryStrandLives) {
+  World world;
+  world.SetBox(0, 1, -40, 0.01f);
+  SelectLodParams p = MakeParams(Camera{});
+  p.flags = kCullOn;
+  p.budget_scale = 0.25f;
+  EXPECT_EQ(world.Run(p).fraction, 1.0f);
+  EXPECT_EQ(world.lod[0].fade, 0.0f);
+}
+
+TEST(SelectLod, WantedAgreesWithDoubleTwin) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const Camera camera = RandomCamera(random);
+    SelectLodParams p = MakeParams(camera);
+    p.flags = kLodOn;
+    p.full_detail_pixels = Uniform(random, 50.0f, 3000.0f);
+    World world;
+    double diagonal2 = 0, distance2 = 0;
+    for (int a = 0; a < 3; ++a) {
+      const float low = Uniform(random, -9.0f, 9.0f), high = low + Uniform(random, 0.0f, 2.0f);
+      world.bounds[0].low[a] = low;
+      world.bounds[0].high[a] = high;
+      const double eye = camera.position[a];
+      const double gap = std::max({0.0, low - eye, eye - high});
+      diagonal2 += std::pow(double(high) - low, 2);
+      distance2 += gap * gap;
+    }
+    const double distance = std::max(std::sqrt(distance2), double(camera.near_m));
+    const double ppu =
+        0.5 * camera.viewport_height_px / std::tan(0.5 * double(camera.vertical_fov_rad));
+    const double size = std::sqrt(diagonal2) * ppu / distance;
+    const double wanted = std::clamp(size / p.full_detail_pixels, 0.1, 1.0);
+    EXPECT_NEAR(world.Run(p).wanted, wanted, 2e-5);
+  }
+}
+
+TEST(SelectLod, NearerNeverAsksForLess) {
+  SelectLodParams p = MakeParams(Camera{});
+  float last = 0.0f;
+  for (float z = -90.0f; z < 3.0f; z += 0.01f) {
+    World world;
+    world.SetBox(0, 1, z, 0.3f);
+    const float wanted = world.Run(p).wanted;
+    EXPECT_GE(wanted, last);
+    EXPECT_GE(wanted, p.min_fraction);
+    last = wanted;
+  }
+  EXPECT_EQ(last, 1.0f);
+}
+
+TEST(SelectLod, TheShareMovesOnlyOutsideItsBandAndReachesOne) {
+  SelectLodParams p = MakeParams(Camera{});
+  World world;
+  std::mt19937 random(4);
+  float z = -20.0f;
+  int kept = 0, changed = 0;
+  for (int frame = 0; frame < 5000; ++frame) {
+    z = std::clamp(z + Uniform(random, -0.4f, 0.4f), -40.0f, 1.0f);
+    world.SetBox(0, 1, z, 0.3f);
+    const float before = world.lod[0].fraction;
+    const bool was_visible = world.lod[0].visible != 0;
+    const LodBlock& lod = world.Run(p);
+    ASSERT_EQ(lod.visible, 1u);
+    if (lod.wanted == 1.0f) {
+      EXPECT_EQ(lod.fraction, 1.0f);
+    } else if (!was_visible) {
+      EXPECT_EQ(lod.fraction, lod.wanted);
+    } else if (lod.fraction == before) {
+      EXPECT_LE(std::abs(lod.wanted - before), p.hysteresis * before * 1.0001f);
+      ++kept;
+    } else {
+      EXPECT_EQ(lod.fraction, lod.wanted);
+      EXPECT_GT(std::abs(lod.wanted - before), p.hysteresis * before * 0.9999f);
+      ++changed;
+    }
+    EXPECT_GE(lod.fade, 0.0f);
+    EXPECT_LE(lod.fade, 1.0f - lod.fraction);
+    EXPECT_LE(lod.fade, p.fade_share * lod.fraction);
+  }
+  EXPECT_GT(kept, 100);
+  EXPECT_GT(changed, 20);
+}
+
+TEST(SelectLod, ATremblingSizeDoesNotFlicker) {
+  SelectLodParams p = MakeParams(Camera{});
+  World world;
+  world.SetBox(0, 1, -15, 0.3f);
+  world.Run(p);
+  const float settled = world.lod[0].fraction;
+  ASSERT_LT(settled, 1.0f);
+  for (int frame = 0; frame < 100; ++frame) {
+    world.SetBox(0, 1, -15.0f + (frame % 2 ? 0.7f : -0.7f), 0.3f);
+    EXPECT_EQ(world.Run(p).fraction, settled);
+  }
+}
+
+TEST(SelectLod, ComingIntoViewTakesTheWantedShareAtOnce) {
+  SelectLodParams p = MakeParams(Camera{});
+  World world;
+  world.SetBox(0, 1, -15, 0.3f);
+  world.Run(p);
+  world.SetBox(0, 1, 90, 0.3f);
+  EXPECT_EQ(world.Run(p).visible, 0u);
+  world.SetBox(0, 1, -15.5f, 0.3f);  // inside the band of the first share
+  const LodBlock& lod = world.Run(p);
+  EXPECT_EQ(lod.fraction, lod.wanted);
+}
+
+TEST(SelectLod, BudgetScaleHoldsTheBudgetAndDoesNotSwing) {
+  SelectLodParams p = MakeParams(Camera{});
+  p.hysteresis = 0.0f;
+  Blocks<LayerBlock> layers(20, 0);
+  Blocks<BoundsBlock> bounds(20, 0);
+  Blocks<LodBlock> lod(20, 0);
+  for (uint32_t l = 0; l < 20; ++l) {
+    layers[l].flags = kLayerEnabled;
+    layers[l].strand_count = 1000 + 100 * l;
+    for (int a = 0; a < 3; ++a) {
+      bounds[l].low[a] = (a == 2 ? -float(l) : 0.0f) - 0.2f;
+      bounds[l].high[a] = (a == 2 ? -float(l) : 0.0f) + 0.2f;
+    }
+  }
+  bounds[3].low[2] += 100.0f;  // behind the camera: not counted
+  bounds[3].high[2] += 100.0f;
+  const auto run_frame = [&] {
+    p.budget_scale = BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 4000);
+    double strands = 0;
+    for (uint32_t l = 0; l < 20; ++l) {
+      test::RunKernel<SelectLod<ArrayVec<4>>>(p, {layers.Bind(l), bounds.Bind(l), lod.Bind(l)});
+      strands += double(lod[l].fraction) * layers[l].strand_count;
+    }
+    return strands;
+  };
+  EXPECT_GT(run_frame(), 4000.0);  // nothing known yet
+  for (int frame = 0; frame < 5; ++frame) EXPECT_NEAR(run_frame(), 4000.0, 1.0);
+  EXPECT_EQ(BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 0), 1.0f);
+  EXPECT_EQ(BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 1000000), 1.0f);
+}
+
+TEST(SelectLod, ABoxAroundTheEyeOrWithoutSizeStaysFinite) {
+  World world;
+  SelectLodParams p = MakeParams(Camera{});
+  world.SetBox(0, 1, 3, 0.0f);
+  p.flags = kLodOn;
+  p.min_fraction = 0.0f;
+  EXPECT_EQ(world.Run(p).visible,
+            0u);  // wants no strand: not seen, and no chunk is left half alive
+  world.SetBox(0, 1, 3, 4.0f);
+  EXPECT_EQ(world.Run(p).fraction, 1.0f);
+  p.full_detail_pixels = 0.0f;
+  world.SetBox(0, 1, -500, 0.001f);
+  EXPECT_EQ(world.Run(p).fraction, 1.0f);
+}
+
+TEST(SelectLod, SameBitsOnEveryVector) {
+  test::ForEveryVector([]<class V>(const char* name) {
+    std::mt19937 random(5);
+    World world, reference;
+    for (int i = 0; i < 500; ++i) {
+      const SelectLodParams p = MakeParams(RandomCamera(random));
+      const float x = Uniform(random, -4, 4), z = Uniform(random, -9, 9);
+      world.SetBox(x, 0, z, 0.5f);
+      reference.SetBox(x, 0, z, 0.5f);
+      world.Run<V>(p);
+      reference.Run<ArrayVec<4>>(p);
+      ASSERT_TRUE(world.lod.SameBits(reference.lod)) << name;
+    }
+  });
+}
+
+}  // namespace
+}  // namespace pelt

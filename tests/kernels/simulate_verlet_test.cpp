@@ -1,0 +1,181 @@
+#include "core/kernels/simulate_verlet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "tests/kernels/chain_scene.hpp"
+
+namespace pelt::test {
+namespace {
+
+using V = Vec<IsaSse4>;
+using Verlet4 = SimulateVerlet<V, 4>;
+using Verlet5 = SimulateVerlet<V, 5>;
+
+template <uint32_t kPoints>
+auto NewScene() {
+  return std::make_unique<ChainScene<kPoints>>();
+}
+
+template <class K, uint32_t kPoints>
+double WorstOverRandomScenes(uint32_t scenes) {
+  auto before = NewScene<kPoints>(), after = NewScene<kPoints>();
+  double worst = 0.0;
+  for (uint32_t seed = 1; seed <= scenes; ++seed) {
+    MakeRandom(*before, seed);
+    *after = *before;
+    StepChains<K>(*after);
+    worst = std::max(worst, WorstDifference(*before, *after, TwinSolver::kVerlet, false));
+  }
+  return worst;
+}
+
+constexpr double kTwinTolerance = 4e-4;  // segments; see simulate_pbd_test.cpp
+
+TEST(SimulateVerlet, MatchesDoubleTwin) {
+  EXPECT_LT((WorstOverRandomScenes<Verlet4, 4>(150)), kTwinTolerance);
+  EXPECT_LT((WorstOverRandomScenes<Verlet5, 5>(150)), kTwinTolerance);
+}
+
+TEST(SimulateVerlet, TwinTellsTheOtherSolver) {
+  EXPECT_GT((WorstOverRandomScenes<SimulatePbd<V, 5, false>, 5>(5)), 100 * kTwinTolerance);
+}
+
+TEST(SimulateVerlet, SameBitsOnEveryVector) {
+  auto start = NewScene<5>(), wanted = NewScene<5>(), got = NewScene<5>();
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    MakeRandom(*start, seed);
+    start->params.rest_threshold = seed % 2 ? 0.3f : 0.0f;
+    *wanted = *start;
+    for (int frame = 0; frame < 3; ++frame) StepChains<Verlet5>(*wanted);
+    const auto check = [&]<class W>(const char* name) {
+      *got = *start;
+      for (int frame = 0; frame < 3; ++frame) StepChains<SimulateVerlet<W, 5>>(*got);
+      EXPECT_TRUE(SameChains(*wanted, *got)) << name << " seed " << seed;
+    };
+    check.template operator()<ArrayVec<4>>("array of 4");
+    check.template operator()<ArrayVec<8>>("array of 8");
+#if defined(__AVX2__)
+    check.template operator()<Vec<IsaAvx2>>("avx2");
+#endif
+#if defined(__AVX512F__)
+    check.template operator()<Vec<IsaAvx512>>("avx512");
+#endif
+  }
+}
+
+TEST(SimulateVerlet, ClumpingDrawsTipsTogetherAndLeavesControlsAlone) {
+  auto loose = NewScene<5>(), clumped = NewScene<5>();
+  MakeOrderly(*loose, 3);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)  // roots 4 mm around their control's
+    for (int k = 0; k < 3; ++k)
+      loose->roots.position[k][lane] =
+          loose->roots.position[k][loose->strands.control[lane]] + 0.002f * float((lane >> k) % 3);
+  *clumped = *loose;
+  clumped->layer.flags |= kLayerClump;
+  clumped->layer.clump = 0.4f;
+  for (int frame = 0; frame < 120; ++frame) {
+    StepChains<Verlet5>(*loose);
+    StepChains<Verlet5>(*clumped);
+  }
+  const auto tip_distance = [](const ChainScene<5>& s, uint32_t lane) {
+    return Length(At(s.position.position[3], lane) -
+                  At(s.position.position[3], s.strands.control[lane]));
+  };
+  double before = 0.0, after = 0.0;
+  for (uint32_t lane = 16; lane < kStrandsPerChunk; ++lane) {
+    before += tip_distance(*loose, lane);
+    after += tip_distance(*clumped, lane);
+  }
+  EXPECT_LT(after, 0.5 * before);
+  for (uint32_t lane = 0; lane < 16; ++lane)
+    EXPECT_EQ(
+        Length(At(loose->position.position[3], lane) - At(clumped->position.position[3], lane)),
+        0.0);
+}
+
+TEST(SimulateVerlet, AStillSceneReachesAFixedPointWithoutBias) {
+  struct Layer {
+    const char* name;
+    float stiffness, clump;
+  };
+  auto s = NewScene<5>(), exact = NewScene<5>();
+  for (const Layer& layer : {Layer{"default", 0.1f, 0.0f}, Layer{"clumped", 0.1f, 0.5f},
+                             Layer{"soft", 0.02f, 0.0f}, Layer{"stiff", 0.5f, 0.2f}}) {
+    MakeOrderly(*s, 23);
+    s->layer.stiffness = layer.stiffness;
+    s->layer.clump = layer.clump;
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      for (int k = 0; k < 3; ++k)
+        s->roots.position[k][lane] =
+            s->roots.position[k][s->strands.control[lane]] + 0.002f * float((lane >> k) % 3);
+    if (layer.clump > 0) s->layer.flags |= kLayerClump;
+    *exact = *s;
+    exact->params.rest_threshold = 0.0f;
+    int frames = -1;
+    for (int frame = 0; frame < 1200; ++frame) {
+      StepChains<Verlet5>(*s);
+      StepChains<Verlet5>(*exact);
+      if (frames < 0 && s->state.state_changed == 0) frames = frame;
+    }
+    RecordProperty(std::string("frames_to_rest ") + layer.name, frames);
+    EXPECT_GE(frames, 0) << layer.name;
+    EXPECT_LT(frames, 300) << layer.name;
+    EXPECT_EQ(s->state.state_changed, 0u) << layer.name;
+    double worst = 0.0;
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      worst = std::max(
+          worst, Length(At(s->position.position[3], lane) - At(exact->position.position[3], lane)) /
+                     (4.0 * s->rest.segment_length[lane]));
+    RecordProperty(std::string("worst_tip_bias ") + layer.name, std::to_string(worst));
+    EXPECT_LT(worst, 0.003) << layer.name;
+  }
+}
+
+TEST(SimulateVerlet, MotionFollowCarriesTheChainAlong) {
+  auto s = NewScene<5>();
+  for (const float follow : {0.0f, 1.0f}) {
+    MakeOrderly(*s, 5);
+    s->layer.motion_follow = follow;
+    s->layer.stiffness = 0.0f;
+    s->layer.segment_hardness = 0.0f;
+    s->layer.gravity[1] = 0.0f;
+    s->params.rest_threshold = 0.0f;
+    StepChains<Verlet5>(*s);
+    const auto before = *s;
+    MoveRoots(*s, 0.01f, 0.002f, 0.0f);
+    StepChains<Verlet5>(*s);
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+      const D3 moved = At(s->position.position[3], lane) - At(before.position.position[3], lane);
+      EXPECT_NEAR(moved.x, follow * 0.01, 1e-6);
+      EXPECT_NEAR(moved.y, follow * 0.002, 1e-6);
+      // Carried motion is no velocity.
+      EXPECT_NEAR(s->position.position[3][0][lane], s->previous.position[3][0][lane], 1e-6);
+    }
+  }
+}
+
+TEST(SimulateVerlet, StaysFiniteWhateverHappens) {
+  auto s = NewScene<5>();
+  std::mt19937 random(99);
+  for (uint32_t seed = 0; seed < 30; ++seed) {
+    MakeRandom(*s, 2000 + seed);
+    s->params.dt = seed % 2 ? 1.0f / 15.0f : 1.0f / 240.0f;
+    s->layer.segment_hardness = float(seed / 2 % 2);
+    s->layer.stiffness = float(seed / 4 % 2);
+    s->layer.clump = float(seed / 8 % 2);
+    std::memset(static_cast<void*>(&s->previous), 0, sizeof s->previous);  // thrown at 60 m/s
+    for (int frame = 0; frame < 40; ++frame) {
+      const float jump = frame % 10 == 3 ? 5.0f : 0.0f;
+      MoveRoots(*s, jump * (random() % 2 ? 1.0f : -1.0f), 0.4f * jump, 0.01f);
+      StepChains<Verlet5>(*s);
+      for (uint32_t lane = 0; lane < s->state.live_strands; ++lane)
+        for (uint32_t i = 0; i < 4; ++i)
+          ASSERT_LT(Length(At(s->position.position[i], lane)), 300.0) << "seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pelt::test

@@ -1,0 +1,192 @@
+// The local-store executor: what it moves, what it counts, what it finds. (Which faults of a kernel
+// it finds is in tests/determinism/planted_faults_test.cpp.)
+#include "platform_sim/local_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/jobs/synthetic_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+struct NoParams {};
+constexpr NoParams kNone{};
+
+// key -> pair -> order, so that pairs stay in local store when fused.
+struct MakePairs {
+  static constexpr std::string_view kName = "make_pairs";
+  using Params = NoParams;
+  struct Ports {
+    In<SortKeyBlock> keys;
+    Out<SortPairBlock> pairs;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.pairs->pair[i] = {ports.keys->key[i], kStrandsPerChunk - 1 - i};
+  }
+};
+struct UsePairs {
+  static constexpr std::string_view kName = "use_pairs";
+  using Params = NoParams;
+  struct Ports {
+    In<SortPairBlock> pairs;
+    Out<OrderBlock> order;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"),
+                                          Port<&Ports::order>(Stream::kOrder, "order"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.order->strand[i] = ports.pairs->pair[i].key ^ ports.pairs->pair[i].strand;
+  }
+};
+struct SumLayer {
+  static constexpr std::string_view kName = "sum_layer";
+  using Params = NoParams;
+  struct Ports {
+    All<SortKeyBlock> keys;
+    Out<LayerSortBlock> sum;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::sum>(Stream::kLayerSort, "sum"));
+  static void Run(const Params&, const Ports& ports) {
+    *ports.sum = {};
+    for (uint32_t c = 0; c < ports.keys.count; ++c)
+      ports.sum->visible_count += ports.keys[c].key[0];
+  }
+};
+struct GatherCurves {
+  static constexpr std::string_view kName = "gather_curves";
+  using Params = NoParams;
+  struct Ports {
+    In<OrderBlock> order;
+    Gather<CurveRecord> curves;
+    Out<InstanceBlock> instances;
+  };
+  static constexpr auto kPorts =
+      PortList(Port<&Ports::order>(Stream::kOrder, "order"),
+               Port<&Ports::curves>(Stream::kCurves, "curves", Stream::kOrder),
+               Port<&Ports::instances>(Stream::kInstances, "instances"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+      ports.instances->instance[i] = i < kStrandsPerChunk / 2 ? ports.curves[i] : CurveRecord{};
+  }
+};
+struct ReverseIntoLayer {
+  static constexpr std::string_view kName = "reverse_into_layer";
+  using Params = NoParams;
+  struct Ports {
+    In<ChunkStateBlock> state;
+    In<SortKeyBlock> keys;
+    Scatter<SortPair> pairs;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::pairs>(Stream::kSortPairsA, "pairs"));
+  // Every other strand, so that some list entries stay unused.
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t i = 0; i < kStrandsPerChunk; i += 2)
+      ports.pairs.Put(i, ports.state->first_place + (kStrandsPerChunk - 1 - i),
+                      {ports.keys->key[i], i});
+  }
+};
+
+const std::vector<LayerSpec> kLayers = {{0, 0, 3}, {1, 0, 2}};
+constexpr uint32_t kChunks = 5;
+
+// Runs `stages` once on each executor and compares these streams.
+LocalStoreCounts ExpectSameAsSerial(const std::vector<Stage>& stages, bool fuse,
+                                    std::initializer_list<Stream> streams) {
+  SyntheticScene a(kLayers), b(kLayers);
+  const Plan plan = CompilePlan(stages, a.shape(), {.fuse = fuse});
+  SerialExecutor serial;
+  serial.Run({&plan, &a.memory()});
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  local.Run({&plan, &b.memory()});
+  EXPECT_EQ(a.DigestOf(streams), b.DigestOf(streams));
+  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+  return local.counts();
+}
+
+TEST(LocalStore, OwnBlocksMoveAsDeclared) {
+  const std::vector<Stage> stages = {MakeStage<MakePairs>(Domain::kChunk, kNone),
+                                     MakeStage<UsePairs>(Domain::kChunk, kNone)};
+  const auto unfused = ExpectSameAsSerial(stages, false, {Stream::kOrder});
+  EXPECT_EQ(unfused.get_bytes, kChunks * (sizeof(SortKeyBlock) + sizeof(SortPairBlock)));
+  EXPECT_EQ(unfused.put_bytes, kChunks * (sizeof(SortPairBlock) + sizeof(OrderBlock)));
+  EXPECT_EQ(unfused.transient_bytes, 0u);
+  EXPECT_EQ(unfused.dma_commands, 4 * kChunks);
+
+  const auto fused = ExpectSameAsSerial(stages, true, {Stream::kOrder});
+  EXPECT_EQ(fused.get_bytes, kChunks * sizeof(SortKeyBlock));
+  EXPECT_EQ(fused.put_bytes, kChunks * sizeof(OrderBlock));
+  EXPECT_EQ(fused.transient_bytes, kChunks * sizeof(SortPairBlock));
+  EXPECT_EQ(fused.peak_bytes, sizeof(SortKeyBlock) + sizeof(SortPairBlock) + sizeof(OrderBlock));
+}
+
+TEST(LocalStore, WholeLayersMoveAsOne) {
+  const auto counts =
+      ExpectSameAsSerial({MakeStage<SumLayer>(Domain::kLayer, kNone)}, true, {Stream::kLayerSort});
+  EXPECT_EQ(counts.get_bytes, kChunks * sizeof(SortKeyBlock));
+  EXPECT_EQ(counts.put_bytes, 2 * sizeof(LayerSortBlock));
+  EXPECT_EQ(counts.peak_bytes, 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock));
+}
+
+TEST(LocalStore, GathersListedRecordsAndNothingElse) {
+  SyntheticScene a(kLayers), b(kLayers);
+  for (SyntheticScene* scene : {&a, &b})
+    for (uint32_t c = 0; c < kChunks; ++c) {
+      auto& order = scene->Block<OrderBlock>(Stream::kOrder, c);
+      const uint32_t places = c < 3 ? 3 * kStrandsPerChunk : 2 * kStrandsPerChunk;
+      for (uint32_t i = 0; i < kStrandsPerChunk; ++i)  // the second half means nothing
+        order.strand[i] = i < kStrandsPerChunk / 2 ? (i * 37 + c) % places : ~0u;
+    }
+  const Plan plan =
+      CompilePlan({MakeStage<GatherCurves>(Domain::kChunk, kNone)}, a.shape(), {});
+  SerialExecutor serial;
+  serial.Run({&plan, &a.memory()});
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  local.Run({&plan, &b.memory()});
+  EXPECT_EQ(a.DigestOf({Stream::kInstances}), b.DigestOf({Stream::kInstances}));
+  EXPECT_TRUE(local.faults().empty());
+  EXPECT_EQ(local.counts().list_elements, kChunks * kStrandsPerChunk / 2);
+}
+
+TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
+  const auto counts = ExpectSameAsSerial(
+      {MakeStage<ReverseIntoLayer>(Domain::kChunk, kNone)}, true, {Stream::kSortPairsA});
+  EXPECT_EQ(counts.list_elements, kChunks * kStrandsPerChunk / 2);
+}
+
+TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
+  // A layer of 40 chunks of keys is 20 KiB: two commands of at most 16 KiB, and one for the sum.
+  SyntheticScene scene({{0, 0, 40}});
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer, kNone)}, scene.shape(), {});
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  local.Run({&plan, &scene.memory()});
+  const uint64_t bytes = 40 * sizeof(SortKeyBlock);
+  EXPECT_EQ(local.counts().dma_commands, (bytes + 16383) / 16384 + 1);
+}
+
+// A plan made for a larger store must not run off this one.
+TEST(LocalStore, ReportsAPlanThatNeedsMoreThanThereIs) {
+  SyntheticScene scene({{0, 0, 600}});
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer, kNone)}, scene.shape(),
+                                {.local_store_data_bytes = 1 << 20});
+  const uint64_t before = scene.DigestOf({Stream::kLayerSort});
+  for (const uint32_t data_bytes : {600 * uint32_t(sizeof(SortKeyBlock)) - 1, 1u << 20}) {
+    LocalStoreExecutor local(data_bytes);
+    local.Run({&plan, &scene.memory()});
+    ASSERT_EQ(local.faults().size(), 1u);
+    EXPECT_EQ(local.faults()[0].stage, "sum_layer");
+    EXPECT_NE(local.faults()[0].what.find("port 'keys' needs"), std::string::npos)
+        << local.faults()[0].what;
+    EXPECT_EQ(scene.DigestOf({Stream::kLayerSort}), before) << "the stage must not have run";
+  }
+}
+
+}  // namespace
+}  // namespace pelt

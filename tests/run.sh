@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds and runs the tests.
+#   bash tests/run.sh        one build (g++, RelWithDebInfo)
+#   bash tests/run.sh all    what CI runs: besides it clang Release, g++ Debug, address and
+#                            undefined-behaviour sanitizers, and a thread sanitizer on what runs without
+#                            oneTBB (whose own synchronisation the sanitizer does not understand)
+# Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+exec </dev/null
+what=${1:-one}
+[[ $# -le 1 && ("$what" == one || "$what" == all) ]] || { echo "usage: bash tests/run.sh [one|all]" >&2; exit 2; }
+extra=()
+[ "$what" = all ] && extra=(clang libclang-rt-14-dev)
+bash .ci/setup.sh ${extra[@]+"${extra[@]}"}
+jobs=$(nproc)
+
+# build NAME COMPILER BUILD_TYPE TARGET [cmake arguments]: into build/NAME, its output into build/NAME.log.
+build() {
+  local name=$1 compiler=$2 type=$3 target=$4 start=$SECONDS
+  shift 4
+  echo "== $name: build"
+  cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE="$type" "$@" >"build/$name.log" 2>&1 ||
+    { tail -n 60 "build/$name.log"; echo "== $name: cmake failed"; return 1; }
+  cmake --build "build/$name" --target "$target" --parallel "$jobs" >>"build/$name.log" 2>&1 ||
+    { grep -E -A 20 -m 3 'FAILED|error:' "build/$name.log" || tail -n 60 "build/$name.log"; echo "== $name: build failed"; return 1; }
+  echo "== $name: built in $((SECONDS - start)) s"
+}
+# check NAME [ctest arguments]
+check() {
+  local name=$1
+  shift
+  echo "== $name: test"
+  "${launcher[@]}" ctest --test-dir "build/$name" --output-on-failure --parallel "$jobs" --no-tests=error "$@"
+}
+launcher=(env)
+
+mkdir -p build
+if [ "$what" = all ]; then
+  build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread
+  # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
+  if setarch "$(uname -m)" -R true 2>/dev/null; then launcher=(setarch "$(uname -m)" -R); fi
+  check clang-thread -L thread
+  launcher=(env)
+  build clang-sanitize clang++ Debug pelt_tests -DPELT_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1" \
+    -DPELT_TEST_WIDE_KERNELS=OFF
+  UBSAN_OPTIONS=print_stacktrace=1 check clang-sanitize -LE slow
+  build gcc-debug g++ Debug pelt_tests "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF
+  check gcc-debug -LE slow
+  build clang-release clang++ Release pelt_tests
+  check clang-release -LE slow
+fi
+# Last, because it has every test: its summary is the closing line.
+build gcc g++ RelWithDebInfo all
+check gcc
