@@ -69,12 +69,21 @@ WindSetup Breeze() {
   return wind;
 }
 
+CameraOrbit MonsterCamera() {
+  CameraOrbit camera;
+  camera.target = {0.0f, 0.63f, 0.0f};
+  camera.radius_m = 2.5;
+  camera.height_m = 0.25;
+  camera.start_rad = -0.35;
+  camera.vertical_fov_rad = 0.62;
+  return camera;
+}
+
 Scenario MakeMonster(uint64_t seed) {
   Scenario scenario;
   AddActor(scenario, LoadCharacter("builtin"), LoadSetup("monster", seed), "walk");
   scenario.base.wind = Breeze();
-  scenario.camera = {.target = {0.0f, 0.63f, 0.0f}, .radius_m = 2.5, .height_m = 0.25,
-                     .start_rad = -0.35, .vertical_fov_rad = 0.62};
+  scenario.camera = MonsterCamera();
   return scenario;
 }
 
@@ -83,7 +92,8 @@ Scenario MakeEyePet(uint64_t seed) {
   AddActor(scenario, LoadCharacter("builtin"), LoadSetup("eyepet", seed), "walk");
   scenario.base.wind = Breeze();
   scenario.base.use_ground = true;
-  scenario.spheres.push_back({{0.0f, 0.75f, 0.35f}, {0.3f, 0.0f, 0.0f}, 2.5, 0.15f});
+  scenario.camera = MonsterCamera();
+  scenario.spheres.push_back({{0.0f, 0.75f, 0.42f}, {0.3f, 0.0f, 0.0f}, 2.5, 0.15f});
   return scenario;
 }
 
@@ -100,7 +110,7 @@ Scenario MakeTiny(uint64_t seed) {
   return scenario;
 }
 
-// The largest extent of the character's rest pose, m, and its middle.
+// Far enough away to see the whole character in its rest pose.
 void PointCameraAt(Scenario& scenario) {
   const RestGeometry rest =
       ComputeRestGeometry(scenario.characters[0], scenario.actors[0].unit_scale);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bench/commands.hpp"
 #include "bench/progress.hpp"
 #include "bench/verify.hpp"
@@ -14,7 +16,9 @@ int VerifyScene(const VerifyArgs& args) {
   if (args.isa) options.filter = [&](const VerifyCase& c) { return c.isa == *args.isa; };
   VerifyReport report;
   {
-    Progress progress("verify", args.isa ? AllCases().size() / 4 : AllCases().size());
+    const std::vector<VerifyCase> all = AllCases();
+    const auto wanted = [&](const VerifyCase& c) { return !options.filter || options.filter(c); };
+    Progress progress("verify", uint64_t(std::count_if(all.begin(), all.end(), wanted)));
     options.progress = [&](uint32_t done, uint32_t, const std::string& now) {
       progress.Show(done, now);
     };

@@ -357,12 +357,23 @@ struct ControlRecords {
       }
   }
 
-  // Point i of the control strands of W's lanes.
+  // Point i of the control strands of W's lanes; W is V or Twin<V>.
   template <class W>
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
-    Vec3<W> p;
-    W unused;
-    GatherColumns<W>(
+    const Vec3<V> a = GatherHalf(control, i);
+    if constexpr (W::kLanes == V::kLanes) {
+      return a;
+    } else {
+      const Vec3<V> b = GatherHalf(control + V::kLanes, i);
+      return {W(a.x, b.x), W(a.y, b.y), W(a.z, b.z)};
+    }
+  }
+
+ private:
+  PELT_INLINE Vec3<V> GatherHalf(const uint8_t* control, uint32_t i) const {
+    Vec3<V> p;
+    V unused;
+    GatherColumns<V>(
         [&](int l) {
           const uint32_t c = control[l];
           return LoadRecord(record[i][c < count ? c : count - 1]);

@@ -12,7 +12,19 @@
 #include <immintrin.h>
 #endif
 
+// Under the address sanitizer a kernel inlined whole takes minutes to compile; those builds run on
+// the machine that made them, so nothing can leak to a lesser one.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define PELT_INLINE inline
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) && !defined(PELT_INLINE)
+#define PELT_INLINE inline
+#endif
+#if !defined(PELT_INLINE)
 #define PELT_INLINE inline __attribute__((always_inline))
+#endif
 
 namespace pelt {
 

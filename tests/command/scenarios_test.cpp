@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <set>
 
 #include "bench/cast.hpp"
@@ -89,6 +90,26 @@ TEST(Scenarios, TinyHasEverySolverChainAndOutput) {
   EXPECT_EQ(points.size(), 2u);
   EXPECT_GE(tiny.actors[0].teleport_frame, 0);
   EXPECT_FALSE(tiny.spheres.empty());
+}
+
+TEST(Scenarios, TinyRunsEveryKernelThereIs) {
+  Scenario tiny = LoadScenario("tiny");
+  std::set<std::string_view> ran;
+  for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
+    for (const uint32_t pieces : {0u, 1u}) {
+      SceneOptions options;
+      options.vertex_order = order;
+      options.piecewise_sort_chunks = pieces;
+      RunningScenario running(tiny, options);
+      SerialExecutor serial;
+      running.Begin(0);
+      serial.Run(running.scene().CurrentFrame());
+      for (const Stage& stage : running.scene().plan().stages)
+        for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
+          if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
+    }
+  for (const KernelDesc& kernel : FindKernels(Isa::kReference)->kernel)
+    EXPECT_TRUE(ran.count(kernel.name)) << kernel.name;
 }
 
 TEST(Scenarios, SameScenarioTwiceGivesTheSameBits) {

@@ -1,5 +1,5 @@
-// What must not compile, one mistake at a time: compile_errors_test.sh builds this file with FAULT set
-// to each number and looks for the compiler's refusal. With FAULT 0 it must compile.
+// What must not compile, one mistake at a time: compile_errors_test.sh builds this file with FAULT
+// set to each number and looks for the compiler's refusal. With FAULT 0 it must compile.
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/streams.hpp"

@@ -1,5 +1,5 @@
-// Engines set flush-to-zero and odd rounding on their threads. A frame run there gives the same bits,
-// and hands the thread back as it was.
+// Engines set flush-to-zero and odd rounding on their threads. A frame run there gives the same
+// bits, and hands the thread back as it was.
 #include "jobs/float_environment.hpp"
 
 #include <gtest/gtest.h>
@@ -97,8 +97,7 @@ constexpr Fragile::Params kParams{0.7f};
 // One frame of a scene that was filled on an ordinary thread.
 uint64_t RunFragile(Executor& executor, bool on_odd_thread) {
   SyntheticScene scene({{0, 0, 3}});
-  const Plan plan =
-      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {});
   if (on_odd_thread) {
     const OddThread odd;
     executor.Run({&plan, &scene.memory()});

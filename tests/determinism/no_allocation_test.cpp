@@ -103,8 +103,8 @@ TEST(NoAllocation, TheCounterCounts) {
   EXPECT_EQ(Calls(), before + 2);
 }
 
-// Calls to the allocator in frames [warm_up, warm_up + 12): preparing poses, BeginFrame and Run. The
-// course passes wetting, a teleport, and one refused frame.
+// Calls to the allocator in frames [warm_up, warm_up + 12): preparing poses, BeginFrame and Run.
+// The course passes wetting, a teleport, and one refused frame.
 uint64_t CallsInFrames(Executor& executor, const SceneOptions& options, uint32_t warm_up) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, options);
@@ -151,7 +151,8 @@ TEST(NoAllocation, OneTbbFrameOnceItsPoolsAreWarm) {
   TbbExecutor tbb(3);
   const uint64_t calls = CallsInFrames(tbb, {}, 40);
   RecordProperty("allocator_calls_in_22_frames", int(calls));
-  std::printf("oneTBB: %llu allocator calls in 22 frames\n", static_cast<unsigned long long>(calls));
+  std::printf("oneTBB: %llu allocator calls in 22 frames\n",
+              static_cast<unsigned long long>(calls));
   EXPECT_LT(calls, 22u) << "less than one a frame";
 }
 

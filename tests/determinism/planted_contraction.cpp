@@ -1,14 +1,12 @@
-// The one source that is built with contraction allowed, to show that it is noticed. The vector
-// type has a tag of its own, so no function of this file is shared with another.
+// The one source that is built with contraction allowed, to show that it is noticed. The tag is of
+// this file alone, so no function of it is shared with another.
 #include "tests/determinism/planted_faults.hpp"
 
 namespace pelt::testing {
 namespace {
-struct ContractedLanes {
-  static constexpr int kLanes = 8;
-};
+struct Contracted {};
 }  // namespace
 
-KernelDesc ContractedMultiplyAdd() { return MakeKernelDesc<MultiplyAdd<Vec<ContractedLanes>>>(); }
+KernelDesc ContractedMultiplyAdd() { return MakeKernelDesc<MultiplyAdd<Contracted>>(); }
 
 }  // namespace pelt::testing

@@ -232,9 +232,10 @@ struct SumRow {
   }
 };
 
-// a * b + c over a row: two roundings, as written. planted_contraction.cpp builds it again with
-// contraction allowed.
-template <class V>
+// a * b + c over rows: two roundings, as written, if the compiler keeps to it.
+// planted_contraction.cpp builds it again with contraction allowed; the tag keeps the two functions
+// apart.
+template <class Tag>
 struct MultiplyAdd {
   static constexpr std::string_view kName = "multiply_add";
   using Params = FaultParams;
@@ -247,9 +248,9 @@ struct MultiplyAdd {
   static void Run(const Params&, const Ports& ports) {
     const RootBlock& r = *ports.roots;
     for (int row = 0; row < 3; ++row)
-      for (uint32_t i = 0; i < kStrandsPerChunk; i += V::kLanes)
-        (V::Load(r.position[row] + i) * V::Load(r.normal[row] + i) + V::Load(r.tangent[row] + i))
-            .Store(ports.wind->acceleration[row] + i);
+      for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
+        ports.wind->acceleration[row][i] =
+            r.position[row][i] * r.normal[row][i] + r.tangent[row][i];
   }
 };
 

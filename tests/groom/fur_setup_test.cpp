@@ -491,7 +491,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
     kinds.insert(std::to_string(int(layer.params.solver)) +
                  std::to_string(int(layer.params.chain)) + std::to_string(layer.params.points));
   }
-  EXPECT_EQ(kinds, (std::set<std::string>{"004", "014", "115"}));
+  EXPECT_EQ(kinds, (std::set<std::string>{"004", "014", "015", "114", "115"}));
 }
 
 TEST_F(FurSetupTest, DamagedTextsNeverCrash) {

@@ -81,8 +81,8 @@ using Counts = std::vector<uint32_t>;
 Counts CountRuns(SyntheticScene& scene, Gate gate, KindMask kinds = {}) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
     scene.Block<SortKeyBlock>(Stream::kSortKeys, c).key[0] = 0;
-  const Plan plan = CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)},
-                                scene.shape(), {});
+  const Plan plan =
+      CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
   return FirstKeys(scene);
 }
@@ -151,8 +151,7 @@ TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
 TEST(Frame, LayerStagesRunOncePerLayer) {
   SyntheticScene scene(kLayers);
   for (uint32_t l = 0; l < 3; ++l) scene.Block<LodBlock>(Stream::kLod, l).was_visible = 10 * l;
-  const Plan plan =
-      CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
   for (uint32_t l = 0; l < 3; ++l)
     EXPECT_EQ(scene.Block<LodBlock>(Stream::kLod, l).was_visible, 10 * l + 1);
@@ -160,14 +159,12 @@ TEST(Frame, LayerStagesRunOncePerLayer) {
 
 TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
   SyntheticScene scene(kLayers);
-  const Plan plan =
-      CompilePlan({MakeStage<FetchParents>(Domain::kChunk, kOne)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<FetchParents>(Domain::kChunk, kOne)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
   const uint32_t layer_of[] = {0, 0, 1, 1, 1, 2}, character_of[] = {0, 0, 0, 0, 0, 1};
   for (uint32_t c = 0; c < 6; ++c) {
     const auto& order = scene.Block<OrderBlock>(Stream::kOrder, c);
-    EXPECT_EQ(order.strand[0],
-              scene.Block<PoseBlock>(Stream::kPose, character_of[c]).joint_count);
+    EXPECT_EQ(order.strand[0], scene.Block<PoseBlock>(Stream::kPose, character_of[c]).joint_count);
     uint32_t low;
     std::memcpy(&low, scene.Block<BoundsBlock>(Stream::kBounds, layer_of[c]).low, 4);
     EXPECT_EQ(order.strand[1], low);
@@ -202,9 +199,11 @@ TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   EXPECT_GT(pass_ns[1], 0u);
 }
 
-// ---- Permuted -------------------------------------------------------------------------------------
+// ---- Permuted
+// -------------------------------------------------------------------------------------
 
-// Notes the order in which chunks run, in a place outside the scene: the one thing no kernel may do.
+// Notes the order in which chunks run, in a place outside the scene: the one thing no kernel may
+// do.
 std::vector<uint32_t> g_visited;
 struct NoteOrder {
   static constexpr std::string_view kName = "note_order";
@@ -220,8 +219,7 @@ struct NoteOrder {
 
 Counts VisitedBy(Executor& executor) {
   SyntheticScene scene({{0, 0, 6}});
-  const Plan plan =
-      CompilePlan({MakeStage<NoteOrder>(Domain::kChunk, kOne)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<NoteOrder>(Domain::kChunk, kOne)}, scene.shape(), {});
   g_visited.clear();
   executor.Run({&plan, &scene.memory()});
   return g_visited;

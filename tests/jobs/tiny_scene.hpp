@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "bench/scenarios.hpp"
@@ -30,6 +31,12 @@ inline SceneOptions OptionsFor(Isa isa) {
   SceneOptions options;
   options.isa = isa;
   return options;
+}
+
+// Why the frame was refused; empty when it was not.
+inline std::string BeginError(FurScene& scene, const FrameInput& input) {
+  const char* fault = scene.BeginFrame(input);
+  return fault ? fault : "";
 }
 
 // The digest of every frame.

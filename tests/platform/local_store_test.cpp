@@ -144,8 +144,7 @@ TEST(LocalStore, GathersListedRecordsAndNothingElse) {
       for (uint32_t i = 0; i < kStrandsPerChunk; ++i)  // the second half means nothing
         order.strand[i] = i < kStrandsPerChunk / 2 ? (i * 37 + c) % places : ~0u;
     }
-  const Plan plan =
-      CompilePlan({MakeStage<GatherCurves>(Domain::kChunk, kNone)}, a.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk, kNone)}, a.shape(), {});
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
@@ -156,8 +155,8 @@ TEST(LocalStore, GathersListedRecordsAndNothingElse) {
 }
 
 TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
-  const auto counts = ExpectSameAsSerial(
-      {MakeStage<ReverseIntoLayer>(Domain::kChunk, kNone)}, true, {Stream::kSortPairsA});
+  const auto counts = ExpectSameAsSerial({MakeStage<ReverseIntoLayer>(Domain::kChunk, kNone)}, true,
+                                         {Stream::kSortPairsA});
   EXPECT_EQ(counts.list_elements, kChunks * kStrandsPerChunk / 2);
 }
 

@@ -1,6 +1,6 @@
-// The whole frame under the thread sanitizer, on plain std::threads: oneTBB's own synchronisation is
-// unknown to the sanitizer, so it is not in this program. In builds without the sanitizer the same
-// frames are held against the serial bits.
+// The whole frame under the thread sanitizer, on plain std::threads: oneTBB's own synchronisation
+// is unknown to the sanitizer, so it is not in this program. In builds without the sanitizer the
+// same frames are held against the serial bits.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -113,7 +113,9 @@ TEST(StreamTable, RowsCoverBlocksUpToTheirPadding) {
     std::vector<bool> covered(stream.block_bytes, false);
     uint32_t end = 0;
     for (const RowDesc& row : stream.rows) {
-      const uint32_t element = row.type == ElementType::kU8 ? 1 : row.type == ElementType::kU16 ? 2 : 4;
+      const uint32_t element = row.type == ElementType::kU8    ? 1
+                               : row.type == ElementType::kU16 ? 2
+                                                               : 4;
       ASSERT_LE(row.offset_bytes + element * row.element_count, stream.block_bytes)
           << stream.name << '.' << row.name;
       EXPECT_EQ(row.element_count % row.lane_count, 0u) << stream.name << '.' << row.name;

@@ -1,0 +1,254 @@
+// Courses of a scene: restarts, weather, falling asleep and waking, and that no skip changes a bit.
+#include <gtest/gtest.h>
+
+#include "jobs/scene.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+// ---- Restarts
+// -------------------------------------------------------------------------------------
+
+constexpr Stream kRestarted[] = {
+    Stream::kSkinned,         Stream::kAnchors,        Stream::kRoots,
+    Stream::kVertexPoints,    Stream::kVertexPrevious, Stream::kStrandPoints4,
+    Stream::kStrandPrevious4, Stream::kStrandPoints5,  Stream::kStrandPrevious5,
+    Stream::kCurves,          Stream::kRibbons,        Stream::kSortKeys,
+    Stream::kOrder,           Stream::kInstances,      Stream::kRibbonVertices};
+
+// Holds `scene` after `frame` against a scene whose first frame it was.
+void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {
+  RunningScenario fresh(scenario, {});
+  fresh.Begin(frame);
+  SerialExecutor().Run(fresh.scene().CurrentFrame());
+  for (const Stream stream : kRestarted)
+    EXPECT_EQ(scene.DigestStream(stream), fresh.scene().DigestStream(stream))
+        << DescribeStream(stream).name;
+}
+
+TEST(FurSceneRestart, TeleportedCharacterStartsFromItsGroom) {
+  Scenario scenario = TinyScenario();
+  const auto teleport = uint32_t(scenario.actors[0].teleport_frame);
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f <= teleport; ++f) {
+    running.Begin(f);
+    serial.Run(running.scene().CurrentFrame());
+    if (f + 1 == teleport) {
+      EXPECT_EQ(CountChunks(running.scene(), kChunkRestart), 0u);
+    }
+  }
+  EXPECT_EQ(CountChunks(running.scene(), kChunkRestart), running.scene().shape().chunk_count);
+  ExpectLikeAFirstFrame(scenario, teleport, running.scene());
+}
+
+TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
+  Scenario scenario = RestingScenario(~0u);
+  RunningScenario running(scenario, {});
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  const auto run = [&](uint32_t frame, bool look_away) {
+    FrameInput input = scenario.PrepareFrame(frame, scene);
+    if (look_away)
+      for (int a = 0; a < 3; ++a)
+        input.camera.target[a] = 2.0f * input.camera.position[a] - input.camera.target[a];
+    ASSERT_EQ(BeginError(scene, input), "");
+    serial.Run(scene.CurrentFrame());
+  };
+  for (uint32_t f = 0; f < 5; ++f) run(f, false);
+  EXPECT_GT(scene.DrawnStrands(), 0u);
+  for (uint32_t f = 5; f < 9; ++f) run(f, true);
+  EXPECT_EQ(scene.DrawnStrands(), 0u);
+  EXPECT_EQ(scene.LiveStrands(), 0u);
+  EXPECT_EQ(scene.memory().As<DrawListBlock>(Stream::kDrawList, 0)->count, 0u);
+  run(9, false);
+  ExpectLikeAFirstFrame(scenario, 9, scene);
+}
+
+// ---- Weather
+// --------------------------------------------------------------------------------------
+
+TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
+  Scenario wet_course = TinyScenario(), dry_course = TinyScenario();
+  dry_course.weather_course = {};
+  const uint32_t from = wet_course.weather_course.from_frame;
+  RunningScenario wet(wet_course, {}), dry(dry_course, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 20; ++f) {
+    wet.Begin(f);
+    serial.Run(wet.scene().CurrentFrame());
+    dry.Begin(f);
+    serial.Run(dry.scene().CurrentFrame());
+    const bool same = wet.scene().DigestFrame() == dry.scene().DigestFrame();
+    EXPECT_EQ(same, f < from) << "frame " << f;
+    if (f > 0) {
+      EXPECT_EQ(CountChunks(wet.scene(), kChunkRestart), 0u) << "frame " << f;
+    }
+    if (f == from) {
+      // The first wet frame is a small step away from the dry one (towards the control strands,
+      // which in this thin fur are decimetres away), not a jump.
+      EXPECT_NE(wet.scene().DigestStream(Stream::kStrandPoints4),
+                dry.scene().DigestStream(Stream::kStrandPoints4));
+      for (uint32_t c = 0; c < wet.scene().shape().chunk_count; ++c) {
+        const auto* a = wet.scene().memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
+        const auto* b = dry.scene().memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
+        if (!a) continue;
+        for (uint32_t i = 0; i < wet.scene().LiveLanes(Stream::kStrandPoints4, c); ++i)
+          for (int axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(a->position[2][axis][i], b->position[2][axis][i], 0.02f);
+      }
+    }
+  }
+}
+
+// ---- Sleep
+// ----------------------------------------------------------------------------------------
+
+// Runs until every visible chunk sleeps; the number of frames it took, or `most`.
+struct Course {
+  Scenario scenario = RestingScenario(6);
+  RunningScenario running{scenario, {}};
+  SerialExecutor serial;
+  std::function<void(FrameInput&, FurScene&)> change = [](FrameInput&, FurScene&) {};
+  uint32_t frame = 0;
+
+  FurScene& scene() { return running.scene(); }
+  void Run() {
+    FrameInput input = scenario.PrepareFrame(frame++, scene());
+    input.time_s = 0.0;
+    change(input, scene());
+    ASSERT_EQ(BeginError(scene(), input), "");
+    serial.Run(scene().CurrentFrame());
+  }
+  uint32_t Awake() { return CountChunks(scene(), kChunkVisible | kChunkSimulate); }
+  bool FallAsleep(uint32_t most) {
+    for (uint32_t i = 0; i < most; ++i) {
+      Run();
+      if (Awake() == 0) return true;
+    }
+    return false;
+  }
+};
+
+constexpr uint32_t kLongestToRest = 2000;
+
+TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
+  Course course;
+  ASSERT_TRUE(course.FallAsleep(kLongestToRest)) << course.Awake() << " chunks still awake";
+  EXPECT_EQ(CountAsleep(course.scene()), course.scene().shape().chunk_count);
+  course.Run();
+  course.Run();
+  EXPECT_EQ(CountChunks(course.scene(), kChunkVisible,
+                        kChunkSkin | kChunkSimulate | kChunkFit | kChunkKeys),
+            course.scene().shape().chunk_count);
+  for (uint32_t l = 0; l < course.scene().shape().layer_count; ++l) {
+    const auto& sort = *course.scene().memory().As<LayerSortBlock>(Stream::kLayerSort, l);
+    EXPECT_EQ(sort.keys_changed | sort.records_changed, 0u);
+    EXPECT_GT(sort.visible_count, 0u) << "it is still drawn, with last frame's vertices";
+  }
+}
+
+TEST(FurSceneSleep, WhateverMovesWakesIt) {
+  Course course;
+  ASSERT_TRUE(course.FallAsleep(kLongestToRest));
+  const uint32_t all = course.scene().shape().chunk_count;
+  using Change = std::function<void(FrameInput&, FurScene&)>;
+  // Each stays in force for the changes after it.
+  const std::vector<std::pair<const char*, Change>> changes = {
+      {"dt", [](FrameInput& in, FurScene&) { in.dt_s = 1.0 / 50.0; }},
+      {"gravity", [](FrameInput& in, FurScene&) { in.gravity[1] = -9.0f; }},
+      {"ground", [](FrameInput& in, FurScene&) { in.ground[3] = -0.01f; }},
+      {"sphere", [](FrameInput& in, FurScene&) { in.sphere[0][3] += 0.01f; }},
+      {"weather",
+       [](FrameInput& in, FurScene&) {
+         static const Weather kWet[1] = {{1.0f, 0.0f}};
+         in.weather = kWet;
+       }},
+      {"placement", [](FrameInput&, FurScene& s) { s.Pose(0).root[3] += 0.01f; }},
+  };
+  std::vector<Change> in_force;
+  course.change = [&](FrameInput& in, FurScene& s) {
+    for (const Change& change : in_force) change(in, s);
+  };
+  for (const auto& [name, change] : changes) {
+    in_force.push_back(change);
+    course.Run();
+    EXPECT_EQ(course.Awake(), all) << name;
+    ASSERT_TRUE(course.FallAsleep(kLongestToRest)) << name;
+  }
+  // Wind: only layers that answer to it wake, and they stay awake while it blows.
+  in_force.push_back([](FrameInput& in, FurScene&) { in.wind.velocity[0] = 1.0f; });
+  course.Run();
+  for (uint32_t c = 0; c < all; ++c) {
+    const auto& state = *course.scene().memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+    const uint32_t layer = course.scene().shape().chunk_layer[c];
+    const uint32_t flags = course.scene().memory().As<LayerBlock>(Stream::kLayers, layer)->flags;
+    EXPECT_EQ((state.flags & kChunkSimulate) != 0, (flags & kLayerWind) != 0) << c;
+  }
+  EXPECT_GT(course.Awake(), 0u);
+}
+
+TEST(FurSceneSleep, ATurnedCameraSortsAgainAndWakesNobody) {
+  Course course;
+  ASSERT_TRUE(course.FallAsleep(kLongestToRest));
+  course.change = [](FrameInput& in, FurScene&) { in.camera.position[0] += 0.3f; };
+  course.Run();
+  EXPECT_EQ(course.Awake(), 0u);
+  EXPECT_EQ(CountChunks(course.scene(), kChunkKeys), course.scene().shape().chunk_count);
+}
+
+// ---- Skips
+// ----------------------------------------------------------------------------------------
+
+struct SkipCase {
+  const char* name;
+  bool SkipSettings::*which;
+};
+constexpr SkipCase kSkips[] = {{"sleep", &SkipSettings::sleep},
+                               {"unmoved", &SkipSettings::unmoved},
+                               {"sort", &SkipSettings::sort},
+                               {"cull", &SkipSettings::cull},
+                               {"wind", &SkipSettings::wind}};
+
+void ExpectSkipsChangeNothing(Scenario scenario, uint32_t frames) {
+  SerialExecutor serial;
+  const auto with_all = RunDigests(scenario, {}, serial, frames);
+  for (const SkipCase& c : kSkips) {
+    SkipSettings skip;
+    skip.*(c.which) = false;
+    ExpectSameFrames(with_all, RunDigests(scenario, {}, serial, frames, skip),
+                     std::string("without ") + c.name);
+  }
+  const SkipSettings none{false, false, false, false, false, false};
+  ExpectSameFrames(with_all, RunDigests(scenario, {}, serial, frames, none), "without any");
+}
+
+TEST(FurSceneSkips, ChangeNothingInMotion) { ExpectSkipsChangeNothing(TinyScenario(), 24); }
+// The course of the sleep tests: into sleep and a while of it.
+TEST(FurSceneSkips, ChangeNothingComingToRest) {
+  ExpectSkipsChangeNothing(RestingScenario(6), 240);
+}
+// And out of it: rests from frame 6, walks on where its clock stands.
+TEST(FurSceneSkips, ChangeNothingWhenItMovesAgain) {
+  Scenario scenario = RestingScenario(6);
+  SerialExecutor serial;
+  const auto run = [&](const SkipSettings& skip) {
+    std::vector<uint64_t> digests;
+    Scenario course = scenario;
+    RunningScenario running(course, {});
+    for (uint32_t f = 0; f < 140; ++f) {
+      course.rest_from_frame = f < 120 ? 6 : ~0u;
+      running.Begin(f, skip, {});
+      serial.Run(running.scene().CurrentFrame());
+      digests.push_back(running.scene().DigestFrame());
+    }
+    return digests;
+  };
+  ExpectSameFrames(run({}), run({false, false, false, false, false, false}), "without any");
+}
+
+}  // namespace
+}  // namespace pelt
