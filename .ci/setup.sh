@@ -26,6 +26,9 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
 fi
 echo "installing: ${missing[*]}"
-export DEBIAN_FRONTEND=noninteractive
-"${root[@]}" apt-get update -qq
-"${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+apt() { "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=120 -qq "$@" </dev/null; }
+if ! { apt update && apt install -y --no-install-recommends "${missing[@]}" >/dev/null; }; then
+  echo "apt-get could not install what Pelt needs (no network, or no Debian 12 package sources?). Missing:" >&2
+  echo "  ${missing[*]}" >&2
+  exit 1
+fi

@@ -121,7 +121,7 @@ void PointCameraAt(Scenario& scenario) {
   }
   const glm::vec3 extent = high - low;
   scenario.camera.target = (low + high) * 0.5f;
-  scenario.camera.radius_m = 2.2 * double(std::max({extent.x, extent.y, extent.z, 1e-3f}));
+  scenario.camera.radius_m = 1.8 * double(std::max({extent.x, extent.y, extent.z, 1e-3f}));
   scenario.camera.height_m = 0.2 * scenario.camera.radius_m;
 }
 

@@ -337,7 +337,8 @@ struct RibbonVertex {
   float position[3];
   float tangent[3];  // unit, root to tip
   uint32_t colour;   // 0xAABBGGRR
-  uint16_t uv[2];    // unorm: u across (0, 65535), v root to tip
+  // Bits 0-7: u across the hair, 0 or 255; 8-15: film strip; 16-31: v from root to tip, unorm.
+  uint32_t texture;
 };
 static_assert(sizeof(RibbonVertex) == 32);
 PELT_BLOCK RibbonVertexBlock { RibbonVertex vertex[kStrandsPerChunk][kRibbonPoints][2]; };

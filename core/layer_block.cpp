@@ -10,12 +10,6 @@ namespace {
 float Saturate(float a) { return a > 0.0f ? (a < 1.0f ? a : 1.0f) : 0.0f; }
 float Mix(float from, float to, float share) { return from + (to - from) * share; }
 
-// Linear light to sRGB's curve (IEC 61966-2-1): colours are mixed as the bytes they are stored in.
-float EncodeSrgb(float linear) {
-  const double a = double(Saturate(linear));
-  return float(a <= 0.0031308 ? 12.92 * a : 1.055 * exact::Pow(a, 1.0 / 2.4) - 0.055);
-}
-
 uint32_t FlagsOf(const LayerParams& p, float clump, bool wind_blows, bool any_strength) {
   uint32_t flags = 0;
   const auto set = [&](bool condition, uint32_t flag) { flags |= condition ? flag : 0u; };
@@ -68,7 +62,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   b.sort_bias = params.sort_bias;
   b.length_max = length_max;
   b.darken = Mix(1.0f, Saturate(params.wet_darken), wet);
-  for (int k = 0; k < 3; ++k) b.dirt_colour[k] = EncodeSrgb(params.dirt_colour[k]);
+  for (int k = 0; k < 3; ++k) b.dirt_colour[k] = Saturate(params.dirt_colour[k]);
   b.dirt = Saturate(weather.dirt);
   b.iterations = params.iterations;
   b.strand_count = strand_count;

@@ -48,8 +48,7 @@ struct SceneLayout {
       ranges;                // one for each stream, in stream order; empty streams have 0 bytes
   uint64_t total_bytes = 0;  // what the caller's block must hold, aligned to kBlockAlignment
   uint64_t strand_count = 0;
-  // Bytes of simulation state (present and last points), and of everything a frame keeps, for a
-  // strand.
+  // Bytes of simulation state (present and last points of every chain) for a strand.
   double StateBytesPerStrand() const;
 };
 

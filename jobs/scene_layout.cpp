@@ -75,10 +75,11 @@ SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOption
 }
 
 double SceneLayout::StateBytesPerStrand() const {
+  // Points without a last frame (strands that follow vertex chains) are made anew each frame: no
+  // state.
   uint64_t bytes = 0;
-  for (Stream s : {Stream::kVertexPoints, Stream::kVertexPrevious, Stream::kStrandPoints4,
-                   Stream::kStrandPrevious4, Stream::kStrandPoints5, Stream::kStrandPrevious5})
-    bytes += ranges[size_t(s)].bytes;
+  for (Stream s : {Stream::kVertexPrevious, Stream::kStrandPrevious4, Stream::kStrandPrevious5})
+    bytes += 2 * ranges[size_t(s)].bytes;
   return double(bytes) / double(strand_count);
 }
 

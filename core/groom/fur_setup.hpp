@@ -102,7 +102,7 @@ struct LayerParams {
   float wind_response = 1.0f;  // 1/s
   // How wetness and dirt (0..1, at run time) act on the layer.
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
-  glm::vec3 dirt_colour{0.25f, 0.18f, 0.10f};
+  glm::vec3 dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
 };
 
 struct LayerSetup {

@@ -112,14 +112,18 @@ struct Interpolate {
     return sum;
   }
 
+  // Two loops: making unit segments waits for square roots, and only short bodies let the machine
+  // overlap the waits of several groups with the gathers of others.
   PELT_INLINE static void WriteRange(const Ports& ports, const Displacements& displacements,
                                      uint32_t begin, uint32_t end, const Controls* controls) {
     for (uint32_t lane = begin; lane < end; lane += V::kLanes)
-      WriteGroup(ports, displacements, lane, controls);
+      BlendGroup(ports, displacements, lane);
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, controls);
   }
 
-  PELT_INLINE static void WriteGroup(const Ports& ports, const Displacements& displacements,
-                                     uint32_t lane, const Controls* controls) {
+  // Offsets from the root, lengths as they come.
+  PELT_INLINE static void BlendGroup(const Ports& ports, const Displacements& displacements,
+                                     uint32_t lane) {
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, kFree> g;
     LoadOnGroom(*ports.strand_rest, *ports.roots, lane, g);
@@ -131,22 +135,27 @@ struct Interpolate {
       V z = Blend<2>(displacements, strands, bary, lane, i);
       V w = Blend<3>(displacements, strands, bary, lane, i);
       TransposeFours(x, y, z, w);
-      g.point[i] = g.rest[i] + Vec3<V>{x, y, z};
+      Store3(ports.points->position[i], lane, g.rest[i] + Vec3<V>{x, y, z});
     }
-    if (controls)
-      for (uint32_t i = 0; i < kFree; ++i) {
-        const Vec3<V> to = controls->template Gather<V>(strands.control + lane, i) - g.root;
-        g.point[i] =
-            g.point[i] + (to - g.point[i]) * V(chain::ClumpShare(ports.layer->clump, i, kFree));
-      }
-    // Segments to their length, root to tip. A segment of no direction stays a point.
-    Vec3<V> upper = g.point[0], at = upper;
+  }
+
+  // Clumps, then sets each segment to its length, root to tip. A segment of no direction stays a
+  // point.
+  PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, const Controls* controls) {
+    const Vec3<V> root = Load3<V>(ports.roots->position, lane);
+    const V length = Max(V::Load(ports.strand_rest->segment_length + lane), V(chain::kSegmentMin));
+    Vec3<V> upper{V(0.0f), V(0.0f), V(0.0f)}, at = upper;
     for (uint32_t i = 0; i < kFree; ++i) {
-      const Vec3<V> d = i == 0 ? g.point[0] : g.point[i] - upper;
-      const Vec3<V> segment = d * (g.length * Rsqrt(Max(Dot(d, d), V(1.0e-24f))));
-      upper = g.point[i];
-      at = i == 0 ? segment : at + segment;
-      Store3(ports.points->position[i], lane, g.root + at);
+      Vec3<V> point = Load3<V>(ports.points->position[i], lane);
+      if (controls) {
+        const Vec3<V> to = controls->template Gather<V>(ports.strands->control + lane, i) - root;
+        point = point + (to - point) * V(chain::ClumpShare(ports.layer->clump, i, kFree));
+      }
+      const Vec3<V> d = point - upper;
+      const Vec3<V> segment = d * (length * Rsqrt(Max(Dot(d, d), V(1.0e-24f))));
+      upper = point;
+      at = at + segment;
+      Store3(ports.points->position[i], lane, root + at);
     }
   }
 };

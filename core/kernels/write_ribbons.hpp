@@ -19,8 +19,6 @@
 // is across hairs, a lane a hair; lanes behind the last drawn hair repeat it and are cleared.
 #pragma once
 
-#include <bit>
-
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/write_instances.hpp"
@@ -38,7 +36,7 @@ namespace write_ribbons_detail {
 template <class V>
 struct Hairs {
   Vec3<V> point[kRibbonPoints];
-  typename V::Int base_colour, tip_colour;
+  typename V::Int base_colour, tip_colour, film_strip;
   V width;  // m
 };
 
@@ -59,6 +57,7 @@ PELT_INLINE Hairs<V> LoadHairs(QuadOfLane quad_of) {
   h.base_colour = Bits(c[3][3]);
   h.tip_colour = Bits(c[4][0]);
   h.width = c[4][1];
+  h.film_strip = Bits(c[4][2]) >> 24;
   return h;
 }
 
@@ -93,9 +92,10 @@ PELT_INLINE typename V::Int MixColours(typename V::Int base, typename V::Int tip
   return (even & low) | ((odd & low) << 8);
 }
 
-// Both halves of RibbonVertex::uv as the 32-bit word they are in memory.
-PELT_INLINE constexpr uint32_t PackUv(uint32_t u, uint32_t v) {
-  return std::endian::native == std::endian::big ? u << 16 | v : v << 16 | u;
+// RibbonVertex::texture.
+template <class V>
+PELT_INLINE typename V::Int PackTexture(typename V::Int film_strip, uint32_t u, uint32_t v) {
+  return (film_strip << 8) | typename V::Int(int32_t(v << 16 | u));
 }
 PELT_INLINE constexpr uint32_t VOfPoint(uint32_t i) {
   return (i * 65535 + (kRibbonPoints - 1) / 2) / (kRibbonPoints - 1);
@@ -103,15 +103,16 @@ PELT_INLINE constexpr uint32_t VOfPoint(uint32_t i) {
 
 template <class V>
 PELT_INLINE void StoreSide(RibbonVertexBlock& out, uint32_t hair, uint32_t i, int side,
-                           Vec3<V> position, Vec3<V> tangent, typename V::Int colour) {
-  const uint32_t uv = PackUv(side ? 65535u : 0u, VOfPoint(i));
+                           Vec3<V> position, Vec3<V> tangent, typename V::Int colour,
+                           typename V::Int film_strip) {
+  const typename V::Int texture = PackTexture<V>(film_strip, side ? 255u : 0u, VOfPoint(i));
   const auto vertex = [&](int l) __attribute__((always_inline)) {
     return reinterpret_cast<float*>(&out.vertex[hair + uint32_t(l)][i][side]);
   };
   ScatterRecords<V>(vertex, position.x, position.y, position.z, tangent.x);
   ScatterRecords<V>(
       [&](int l) __attribute__((always_inline)) { return vertex(l) + 4; }, tangent.y, tangent.z,
-      FromBits(colour), FromBits(typename V::Int(int32_t(uv))));
+      FromBits(colour), FromBits(texture));
 }
 
 template <class V>
@@ -124,8 +125,8 @@ PELT_INLINE void WriteHairs(const Hairs<V>& h, Vec3<V> eye, V tip_width, RibbonV
     const Vec3<V> side =
         SideAt(tangent, eye - h.point[i]) * (half_width * (V(1.0f) + (tip_width - V(1.0f)) * v));
     const typename V::Int colour = MixColours<V>(h.base_colour, h.tip_colour, i);
-    StoreSide<V>(out, hair, i, 0, h.point[i] - side, tangent, colour);
-    StoreSide<V>(out, hair, i, 1, h.point[i] + side, tangent, colour);
+    StoreSide<V>(out, hair, i, 0, h.point[i] - side, tangent, colour, h.film_strip);
+    StoreSide<V>(out, hair, i, 1, h.point[i] + side, tangent, colour, h.film_strip);
   }
 }
 

@@ -107,8 +107,10 @@ struct Vec {
     // Widens kLanes unsigned bytes.
     PELT_INLINE static Int LoadBytes(const uint8_t* p) {
 #if defined(__AVX512F__)
+      // The masked form: g++ 12 warns inside its own unmasked one.
       if constexpr (kLanes == 16)
-        return (RawInt)_mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
+        return (RawInt)_mm512_maskz_cvtepu8_epi32(
+            0xffff, _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
 #endif
 #if defined(__AVX2__)
       if constexpr (kLanes == 8)

@@ -248,9 +248,11 @@ struct MultiplyAdd {
   static void Run(const Params&, const Ports& ports) {
     const RootBlock& r = *ports.roots;
     for (int row = 0; row < 3; ++row)
-      for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-        ports.wind->acceleration[row][i] =
-            r.position[row][i] * r.normal[row][i] + r.tangent[row][i];
+      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+        // Loaded first: a sanitizer's checks between the two operations would keep them apart.
+        const float a = r.position[row][i], b = r.normal[row][i], c = r.tangent[row][i];
+        ports.wind->acceleration[row][i] = a * b + c;
+      }
   }
 };
 

@@ -47,7 +47,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
 }
 
 template <class K>
-void Run(Scene& s, PointBlock<4>& out) {
+void RunInterpolate(Scene& s, PointBlock<4>& out) {
   std::memset(static_cast<void*>(&out), 0xff, sizeof out);
   RunKernel<K>({}, {{&s.chains.layer, nullptr, 1},
                     {&s.chains.state, nullptr, 1},
@@ -91,7 +91,7 @@ TEST(Interpolate, MatchesDoubleTwin) {
     auto s = MakeScene(seed, 0.4f);
     const bool clump = seed % 2;
     if (clump) s->chains.layer.flags |= kLayerClump;
-    Run<Interpolate<V>>(*s, *out);
+    RunInterpolate<Interpolate<V>>(*s, *out);
     for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
       const auto twin = Twin(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
       for (int i = 0; i < 3; ++i)
@@ -105,7 +105,7 @@ TEST(Interpolate, MatchesDoubleTwin) {
 TEST(Interpolate, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
   auto s = MakeScene(5, 0.0f);
   auto out = std::make_unique<PointBlock<4>>();
-  Run<Interpolate<V>>(*s, *out);
+  RunInterpolate<Interpolate<V>>(*s, *out);
   for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
     const auto groom = GroomOf(s->strands.rest, s->strands.roots, lane);
     for (int i = 0; i < 3; ++i)
@@ -118,7 +118,7 @@ TEST(Interpolate, SegmentsKeepTheirLength) {
   for (uint32_t seed = 1; seed <= 10; ++seed) {
     auto s = MakeScene(seed, 1.5f);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
-    Run<Interpolate<V>>(*s, *out);
+    RunInterpolate<Interpolate<V>>(*s, *out);
     s->strands.position = *out;
     EXPECT_LT(StretchOf(s->strands).first, 1e-4);
   }
@@ -130,7 +130,7 @@ TEST(Interpolate, DegenerateStrandsStayFinite) {
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
     s->chains.rest.segment_length[lane] = 0.0f;
   auto out = std::make_unique<PointBlock<4>>();
-  Run<Interpolate<V>>(*s, *out);
+  RunInterpolate<Interpolate<V>>(*s, *out);
   for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
     for (int i = 0; i < 3; ++i)
       EXPECT_TRUE(std::isfinite(Length(At(out->position[i], lane)))) << lane;
@@ -141,9 +141,9 @@ TEST(Interpolate, SameBitsOnEveryVector) {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     auto s = MakeScene(seed, 0.5f);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
-    Run<Interpolate<V>>(*s, *wanted);
+    RunInterpolate<Interpolate<V>>(*s, *wanted);
     ForEveryVector([&]<class W>(const char* name) {
-      Run<Interpolate<W>>(*s, *got);
+      RunInterpolate<Interpolate<W>>(*s, *got);
       EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
     });
   }

@@ -60,11 +60,11 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
 
 TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
   LayerParams params;
-  params.dirt_colour = {0.0f, 0.21404114f, 1.0f};
+  params.dirt_colour = {0.0f, 0.5f, 1.5f};
   const LayerBlock b = Fill(params, {0.0f, 0.4f});
   EXPECT_EQ(b.dirt_colour[0], 0.0f);
-  EXPECT_NEAR(b.dirt_colour[1], 0.5f, 1e-6f);
-  EXPECT_NEAR(b.dirt_colour[2], 1.0f, 1e-6f);
+  EXPECT_EQ(b.dirt_colour[1], 0.5f);
+  EXPECT_EQ(b.dirt_colour[2], 1.0f);
   EXPECT_FLOAT_EQ(b.dirt, 0.4f);
 }
 

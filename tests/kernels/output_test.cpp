@@ -76,7 +76,7 @@ struct World {
     r.base_colour = uint32_t(random());
     r.tip_colour = uint32_t(random());
     r.width = Uniform(random, 1e-4f, 1e-3f);
-    r.tag = i;
+    r.tag = i | (i % 7) << 24;
     r.pad = 0;
   }
 
@@ -185,8 +185,9 @@ void CheckHair(const World& w, const RibbonRecord& r, const World::Hair& hair) {
     for (int s = 0; s < 2; ++s) {
       ExpectNear(tangent, hair[i][s].tangent, 5e-6);
       EXPECT_EQ(hair[i][s].colour, MixPlainly(r.base_colour, r.tip_colour, i));
-      EXPECT_EQ(hair[i][s].uv[0], s ? 65535 : 0);
-      EXPECT_EQ(hair[i][s].uv[1], uint16_t(std::lround(65535.0 * v)));
+      EXPECT_EQ(hair[i][s].texture & 0xff, s ? 255u : 0u);
+      EXPECT_EQ((hair[i][s].texture >> 8) & 0xff, r.tag >> 24);
+      EXPECT_EQ(hair[i][s].texture >> 16, uint32_t(std::lround(65535.0 * v)));
     }
   }
 }

@@ -100,7 +100,7 @@ TEST(Perlin, SameBitsOnEveryVector) {
 
 TEST(Perlin, HasZeroMeanUnitBoundUncorrelatedComponents) {
   std::mt19937 random(3);
-  const int count = 200000;
+  const int count = 60000;
   double mean[3] = {}, square[3] = {}, cross[3] = {}, largest = 0.0;
   for (int i = 0; i < count; ++i) {
     const Triple n = Noise(Uniform(random, 0.0f, 256.0f), Uniform(random, 0.0f, 256.0f),
@@ -115,7 +115,7 @@ TEST(Perlin, HasZeroMeanUnitBoundUncorrelatedComponents) {
   EXPECT_LE(largest, 1.0);
   EXPECT_GT(largest, 0.7);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(mean[c], 0.0, 0.004) << c;
+    EXPECT_NEAR(mean[c], 0.0, 0.006) << c;
     EXPECT_GT(square[c], 0.03) << c;
     EXPECT_LT(square[c], 0.12) << c;
     EXPECT_NEAR(cross[c] / square[c], 0.0, 0.02) << c;
@@ -128,9 +128,9 @@ TEST(Perlin, NeighbouringCellsAreUncorrelated) {
                           {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 1, 1}, {16, 0, 0}, {0, 0, 16}};
   for (const auto& step : steps) {
     double same = 0.0, square = 0.0;
-    for (int x = 0; x < 20; ++x) {
-      for (int y = 0; y < 20; ++y) {
-        for (int z = 0; z < 20; ++z) {
+    for (int x = 0; x < 14; ++x) {
+      for (int y = 0; y < 14; ++y) {
+        for (int z = 0; z < 14; ++z) {
           // Close to a lattice point the noise is that point's ramp alone.
           const float d = 0.01f;
           const Triple a = Noise(float(x) + d, float(y) + d, float(z) + d);
