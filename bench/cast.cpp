@@ -17,6 +17,8 @@ namespace {
 constexpr uint32_t kLayersOf(uint32_t member) { return member < 13 ? 10 : 9; }
 constexpr double kStrandsPerMember = 6'200.0;
 constexpr uint32_t kPerRow = 6;
+// About 1,400 vertices a character: as many as a console of the time gave one of seventeen.
+constexpr float kDetail = 0.55f;
 
 // Turns an 0xAABBGGRR colour's hue by mixing its channels round: `turn` of 3 is the same again.
 uint32_t TurnHue(uint32_t colour, double turn) {
@@ -43,8 +45,7 @@ LayerSetup MakeCoat(const LayerSetup& from, bool under, uint32_t member, double 
   LayerSetup coat = from;
   coat.name = fmt::format("{} {}", from.name, under ? "under" : "over");
   coat.seed = random.U64() >> 1;
-  coat.max_strands =
-      std::max(32u, uint32_t(from.max_strands * strand_share * (under ? 0.6 : 0.4)));
+  coat.max_strands = std::max(32u, uint32_t(from.max_strands * strand_share * (under ? 0.6 : 0.4)));
   Scale(coat.length, (under ? 0.6 : 1.1) * random.Uniform(0.75, 1.2));
   coat.elevation.value = float(coat.elevation.value * random.Uniform(0.8, 1.2));
   coat.curl.value = float(coat.curl.value * random.Uniform(0.5, 1.5));
@@ -86,7 +87,7 @@ Scenario MakeCast(uint64_t seed, const LoadProgress& progress) {
     if (progress) progress(m, kCastCharacters);
     Random random(MixSeed(seed ^ 0xca57, m));
     const double size = random.Uniform(0.7, 1.15);
-    Character character = MakeBuiltinCharacter({.seed = m});
+    Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
     character.name = fmt::format("member {}", m);
     const FurSetup setup = MakeMemberSetup(monster, m, seed);
     std::vector<std::string> notes;
@@ -96,8 +97,8 @@ Scenario MakeCast(uint64_t seed, const LoadProgress& progress) {
     actor.phase_s = random.Uniform(0.0, 2.0);
     actor.unit_scale = ChooseUnitScale(setup, character, notes);
     actor.placement = PlaceMember(m, size);
-    scenario.grooms.push_back(BakeGroom(
-        character, ComputeRestGeometry(character, actor.unit_scale), setup, actor.unit_scale));
+    scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, actor.unit_scale),
+                                        setup, actor.unit_scale));
     scenario.characters.push_back(std::move(character));
     scenario.actors.push_back(actor);
   }

@@ -62,6 +62,7 @@ bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t i
 
 SceneOptions SceneOptionsOf(const VerifyCase& what) {
   SceneOptions options;
+  options.plan.must_fit = what.executor == ExecutorKind::kLocalStore;
   options.isa = what.isa;
   options.plan.fuse = what.fuse;
   options.vertex_order = what.vertex_order;

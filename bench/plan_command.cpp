@@ -14,9 +14,8 @@ std::string_view DomainName(Domain domain) {
 }
 
 std::string DescribeChunks() {
-  std::string out =
-      fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:\n",
-                  kStrandsPerChunk, kVerticesPerChunk);
+  std::string out = fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:\n",
+                                kStrandsPerChunk, kVerticesPerChunk);
   for (uint32_t s = 1; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     if (desc.domain == Domain::kChunk)
@@ -66,7 +65,11 @@ std::string PlanAsJson(const FurScene& scene) {
 
 int PrintPlan(const PlanArgs& args) {
   Scenario scenario = LoadScenario(args.request);
-  const RunningScenario running(scenario, args.options);
+  // The plan shown is the one that runs in a local store; main memory runs the same passes, but
+  // sorts layers of any size whole.
+  SceneOptions options = args.options;
+  options.plan.must_fit = true;
+  const RunningScenario running(scenario, options);
   const FurScene& scene = running.scene();
   if (args.json) {
     fmt::print("{}\n", PlanAsJson(scene));

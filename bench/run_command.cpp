@@ -22,12 +22,12 @@ int Run(const RunArgs& args) {
     fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
   if (args.weather) scenario.weather_course = *args.weather;
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
-  RunningScenario running(scenario, args.options.scene);
   RunOptions options = args.options;
+  options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
+  RunningScenario running(scenario, options.scene);
   RunReport report;
   {
-    Progress progress("run",
-                      options.frames ? options.frames : scenario.default_frames);
+    Progress progress("run", options.frames ? options.frames : scenario.default_frames);
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     report = RunFrames(scenario, running, options);
   }

@@ -267,7 +267,7 @@ Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape, const PlanO
     uint32_t count = 1;
     Pass pass = MeasurePass(plan.stages, first, 1, shape, true, uses);
     if (pass.resident_bytes > limit) pass = MeasurePass(plan.stages, first, 1, shape, false, uses);
-    if (pass.resident_bytes > limit)
+    if (pass.resident_bytes > limit && options.must_fit)
       throw Error(fmt::format(
           "stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
           "use smaller chunks or smaller layers",

@@ -94,6 +94,9 @@ struct PlanOptions {
   // What a local store has for data, after code and stack. Passes fuse only while they fit it twice
   // over.
   uint32_t local_store_data_bytes = 176 * 1024;
+  // A stage that does not fit is refused. Without this (main memory) it becomes a pass of its own:
+  // only sorting a large layer whole is that big.
+  bool must_fit = true;
 };
 
 struct Plan {

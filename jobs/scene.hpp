@@ -28,10 +28,10 @@ namespace pelt {
 
 struct SceneOptions {
   Isa isa = BestIsa();
-  PlanOptions plan;
+  PlanOptions plan{.must_fit = false};  // true for a scene that runs in a local store
   VertexOrder vertex_order = VertexOrder::kSorted;
-  // Layers of more chunks than this sort in pieces, over many chunks; 0: those that would not fit
-  // the local store.
+  // Layers of more chunks than this sort in pieces, over many chunks; 0: those whose sort must fit
+  // a local store and does not.
   uint32_t piecewise_sort_chunks = 0;
 };
 

@@ -36,9 +36,10 @@ void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks
 
 SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& options) {
   SceneShape shape;
-  const uint32_t piecewise = options.piecewise_sort_chunks
-                                 ? options.piecewise_sort_chunks
-                                 : SortableChunks(options.plan.local_store_data_bytes);
+  const uint32_t piecewise = options.piecewise_sort_chunks ? options.piecewise_sort_chunks
+                             : options.plan.must_fit
+                                 ? SortableChunks(options.plan.local_store_data_bytes)
+                                 : ~0u;
   for (const Groom* groom : grooms) AddLayers(*groom, shape.character_count++, piecewise, shape);
   shape.layer_first_chunk.push_back(shape.chunk_count);
   return shape;
