@@ -209,6 +209,17 @@ struct Obstacles {
   }
 };
 
+// The plane through the root, across its normal, is a contact.
+PELT_INLINE bool HasSurface(const LayerBlock& layer) { return layer.surface_hardness > 0.0f; }
+
+// Takes away a share of each point's depth below that plane.
+template <class W, uint32_t kFree>
+PELT_INLINE void PushAboveSurface(Group<W, kFree>& g, float hardness) {
+  const Vec3<W> lift = g.normal * W(hardness);
+  for (uint32_t i = 0; i < kFree; ++i)
+    g.point[i] = g.point[i] - lift * Min(Dot(g.point[i], g.normal), W(0.0f));
+}
+
 // Speed into a plane, m a frame, below which a contact returns nothing: two frames of free fall.
 PELT_INLINE float SlowContact(const LayerBlock& layer, float dt) {
   const float x = layer.gravity[0], y = layer.gravity[1], z = layer.gravity[2];

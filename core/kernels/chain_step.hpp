@@ -66,7 +66,6 @@ constexpr auto MakePorts() {
 }
 
 // Solver<V, kPoints>::Iterate(layer, obstacles, clump, clump_pull, group) moves the group's points.
-// Solver::HasSurface(layer) says whether the plane through the root is a contact.
 // `clump_pull` is the control strand's offset from the follower's root times the share of the
 // point; it is read only when `clump` is set.
 template <class V, uint32_t kPoints, bool kVertexChains, class Solver>
@@ -132,8 +131,8 @@ struct Step {
     obstacles.Load(params, g);
     Bounces<W, kFree> bounces;
     if (layer.bounce > 0.0f)
-      bounces.Record(*ports.position, SlowContact(layer, params.dt), Solver::HasSurface(layer),
-                     lane, g, obstacles);
+      bounces.Record(*ports.position, SlowContact(layer, params.dt), HasSurface(layer), lane, g,
+                     obstacles);
 
     Vec3<W> clump_pull[kFree];
     if constexpr (!kVertexChains)

@@ -41,10 +41,6 @@ struct SimulatePbd {
     chain::Step<V, kPoints, kVertexChains, SimulatePbd>::Run(params, ports);
   }
 
-  PELT_INLINE static bool HasSurface(const LayerBlock& layer) {
-    return layer.surface_hardness > 0.0f;
-  }
-
   // Angular hardness of the joint at the upper end of segment i.
   PELT_INLINE static float HardnessAt(const LayerBlock& layer, uint32_t i) {
     return i + 1 == kFree ? layer.angular_end : layer.angular_middle;
@@ -59,8 +55,7 @@ struct SimulatePbd {
     pull[0] = g.rest[0] * W(layer.angular_middle);
     for (uint32_t i = 1; i < kFree; ++i)
       pull[i] = (g.rest[i] - g.rest[i - 1]) * W(HardnessAt(layer, i));
-    const Vec3<W> lift = g.normal * W(layer.surface_hardness);
-    const bool surface = HasSurface(layer);
+    const bool surface = chain::HasSurface(layer);
 
     for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
       if (clump)
@@ -74,9 +69,7 @@ struct SimulatePbd {
         g.point[i] = g.point[i] + turn * W(1.0f - chain::kParentShare);
       }
       chain::SetLengths(rule, g.point);
-      if (surface)
-        for (uint32_t i = 0; i < kFree; ++i)
-          g.point[i] = g.point[i] - lift * Min(Dot(g.point[i], g.normal), W(0.0f));
+      if (surface) chain::PushAboveSurface(g, layer.surface_hardness);
       obstacles.PushOut(g.point);
     }
   }

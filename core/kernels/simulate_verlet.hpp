@@ -4,8 +4,8 @@
 // Verlet integration, then in each iteration, in the original's order: stiffness (every point goes
 // a share of the way to its rest point, which the root frame carries), clumping (a share of the way
 // to the same point of its control strand, growing from root to tip), and last the position
-// constraints: segment lengths from root to tip, spheres, ground. There is no surface plane and no
-// angular constraint here: stiffness towards absolute rest points does their work.
+// constraints: segment lengths from root to tip, the plane through the root, spheres, ground. There
+// is no angular constraint here: stiffness towards absolute rest points does its work.
 //
 // What a layer does not use is left out for the whole chunk; leaving it out gives the same bits as
 // doing it with a share of 0. Invariants: see chain.hpp and chain_step.hpp.
@@ -30,8 +30,6 @@ struct SimulateVerlet {
     chain::Step<V, kPoints, false, SimulateVerlet>::Run(params, ports);
   }
 
-  PELT_INLINE static bool HasSurface(const LayerBlock&) { return false; }
-
   template <class W>
   PELT_INLINE static void Iterate(const LayerBlock& layer,
                                   const chain::Obstacles<W, kFree>& obstacles, bool clump,
@@ -40,6 +38,7 @@ struct SimulateVerlet {
     const W keep = W(1.0f - layer.stiffness);
     Vec3<W> pull[kFree];
     for (uint32_t i = 0; i < kFree; ++i) pull[i] = g.rest[i] * W(layer.stiffness);
+    const bool surface = chain::HasSurface(layer);
 
     for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
       for (uint32_t i = 0; i < kFree; ++i) g.point[i] = g.point[i] * keep + pull[i];
@@ -48,6 +47,7 @@ struct SimulateVerlet {
           g.point[i] =
               g.point[i] * W(1.0f - chain::ClumpShare(layer.clump, i, kFree)) + clump_pull[i];
       chain::SetLengths(rule, g.point);
+      if (surface) chain::PushAboveSurface(g, layer.surface_hardness);
       obstacles.PushOut(g.point);
     }
   }

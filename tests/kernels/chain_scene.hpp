@@ -261,8 +261,8 @@ TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lan
   std::vector<double> into_surface(n, 0.0), into_ground(n, 0.0);
   for (int i = 0; i < n; ++i) {
     const double a = Dot(free_motion - (p[i] - start[i]), normal);
-    const bool surface = solver == TwinSolver::kPbd && layer.surface_hardness > 0.0f;
-    if (surface && Dot(p[i] - root, normal) < 0 && a > slow) into_surface[i] = a;
+    if (layer.surface_hardness > 0.0f && Dot(p[i] - root, normal) < 0 && a > slow)
+      into_surface[i] = a;
     const double b = -Dot(p[i] - start[i], ground);
     if (s.params.use_ground && height(p[i]) < 0 && b > slow) into_ground[i] = b;
   }
@@ -287,11 +287,10 @@ TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lan
       share(i, (wanted - d) * (i == n - 1 ? layer.angular_end : layer.angular_middle));
     }
     for (int i = 0; i < n; ++i) share(i, shorten(p[i] - (i == 0 ? root : p[i - 1])));
-    if (solver == TwinSolver::kPbd)
-      for (int i = 0; i < n; ++i) {
-        const double depth = std::min(0.0, Dot(p[i] - root, normal));
-        p[i] = p[i] - normal * (depth * layer.surface_hardness);
-      }
+    for (int i = 0; i < n; ++i) {
+      const double depth = std::min(0.0, Dot(p[i] - root, normal));
+      p[i] = p[i] - normal * (depth * layer.surface_hardness);
+    }
     for (uint32_t k = 0; k < s.params.sphere_count; ++k) {
       const float* sphere = s.params.sphere[k];
       const D3 centre = {sphere[0], sphere[1], sphere[2]};
