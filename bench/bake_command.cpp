@@ -131,8 +131,8 @@ int Bake(const BakeArgs& args) {
     const BakeProgress show = [&](std::string_view layer, float share) {
       bar.Show(uint64_t(100.0f * share), layer);
     };
-    report.groom = BakeGroom(character, rest, setup, unit_scale, &show,
-                             args.stats ? &report.stats : nullptr);
+    report.groom =
+        BakeGroom(character, rest, setup, unit_scale, &show, args.stats ? &report.stats : nullptr);
   }
   report.bake_ms = MsSince(start);
   const std::vector<std::byte> bytes = WriteGroom(report.groom);

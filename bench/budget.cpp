@@ -39,7 +39,9 @@ bool Admits(const Stage& stage, const SceneShape& shape, uint32_t item) {
 Spread SpreadOf(std::span<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  const auto at = [&](double share) { return values[size_t(share * double(values.size() - 1) + 0.5)]; };
+  const auto at = [&](double share) {
+    return values[size_t(share * double(values.size() - 1) + 0.5)];
+  };
   return {at(0.5), at(0.95), values.back()};
 }
 
@@ -50,8 +52,8 @@ PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t i
     const uint64_t bytes = PortBytes(port, shape, stage.domain, item);
     const bool out_only = port.access == Access::kOut || port.access == Access::kAllOut ||
                           port.access == Access::kScatter;
-    const bool in_only = port.access == Access::kIn || port.access == Access::kAll ||
-                         port.access == Access::kGather;
+    const bool in_only =
+        port.access == Access::kIn || port.access == Access::kAll || port.access == Access::kGather;
     if (!out_only) traffic.in_bytes += bytes;
     if (!in_only) traffic.out_bytes += bytes;
   }
@@ -114,8 +116,7 @@ void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
     }
     stage_ms_[s].push_back(double(sum_ns) * 1e-6);
   }
-  for (size_t p = 0; p < plan.passes.size(); ++p)
-    pass_ms_[p].push_back(double(pass_ns_[p]) * 1e-6);
+  for (size_t p = 0; p < plan.passes.size(); ++p) pass_ms_[p].push_back(double(pass_ns_[p]) * 1e-6);
 }
 
 Budget BudgetRecorder::Summarise() const {
@@ -168,9 +169,10 @@ std::string DescribeBudget(const Budget& budget, uint32_t workers) {
   }
   out += fmt::format("{:<22} {:>8.3f} {:>28} {:>9.2f} {:>15} {}\n", "all stages", core_ms, "",
                      bytes * 1e-6, "", shares(core_ms, workers));
-  out += fmt::format("shares are of 5 and 8 ms on each of {} workers; ran and skipped are items "
-                     "(chunks, layers, characters) a frame\n\n",
-                     workers);
+  out += fmt::format(
+      "shares are of 5 and 8 ms on each of {} workers; ran and skipped are items "
+      "(chunks, layers, characters) a frame\n\n",
+      workers);
   out += fmt::format("{:<5} {:>8} {:>8} {:>8}  {}\n", "pass", "median", "p95", "worst",
                      "stages (wall ms)");
   for (size_t p = 0; p < budget.passes.size(); ++p) {
@@ -178,14 +180,16 @@ std::string DescribeBudget(const Budget& budget, uint32_t workers) {
     out += fmt::format("{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  {}\n", p, pass.wall_ms.median,
                        pass.wall_ms.p95, pass.wall_ms.worst, pass.stages);
   }
-  out += fmt::format("{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  poses and parameters, on the caller's "
-                     "thread\n",
-                     "", budget.caller_ms.median, budget.caller_ms.p95, budget.caller_ms.worst);
-  out += fmt::format("{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  whole frame: {:.1f} ns a strand, {:.1f} % "
-                     "of 5 ms, {:.1f} % of 8 ms\n",
-                     "frame", budget.wall_ms.median, budget.wall_ms.p95, budget.wall_ms.worst,
-                     budget.ns_per_strand, 100.0 * budget.wall_ms.median / kLinesMs[0],
-                     100.0 * budget.wall_ms.median / kLinesMs[1]);
+  out += fmt::format(
+      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  poses and parameters, on the caller's "
+      "thread\n",
+      "", budget.caller_ms.median, budget.caller_ms.p95, budget.caller_ms.worst);
+  out += fmt::format(
+      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  whole frame: {:.1f} ns a strand, {:.1f} % "
+      "of 5 ms, {:.1f} % of 8 ms\n",
+      "frame", budget.wall_ms.median, budget.wall_ms.p95, budget.wall_ms.worst,
+      budget.ns_per_strand, 100.0 * budget.wall_ms.median / kLinesMs[0],
+      100.0 * budget.wall_ms.median / kLinesMs[1]);
   return out;
 }
 

@@ -21,8 +21,8 @@ struct Spread {
 // Of values in any unit; 0 of none. Reorders them.
 Spread SpreadOf(std::span<double> values);
 
-// Bytes the ports of `stage` move for one item, if it runs: whole blocks in and out, as a DMA would.
-// Blocks shared by many items are not counted: they stay where they are.
+// Bytes the ports of `stage` move for one item, if it runs: whole blocks in and out, as a DMA
+// would. Blocks shared by many items are not counted: they stay where they are.
 struct PortTraffic {
   uint64_t in_bytes, out_bytes;
 };
@@ -33,7 +33,7 @@ struct StageBudget {
   Domain domain;
   Spread core_ms;  // summed over all threads, a frame
   double ns_per_strand = 0.0;
-  double bytes = 0.0;            // moved, a frame
+  double bytes = 0.0;               // moved, a frame
   double ran = 0.0, skipped = 0.0;  // items a frame; those of other kinds are in neither
 };
 struct PassBudget {
@@ -44,8 +44,8 @@ struct Budget {
   uint32_t frames = 0;
   std::vector<StageBudget> stages;
   std::vector<PassBudget> passes;
-  Spread caller_ms;  // poses and parameters, on the caller's thread
-  Spread wall_ms;    // the whole frame: caller's part and all passes
+  Spread caller_ms;            // poses and parameters, on the caller's thread
+  Spread wall_ms;              // the whole frame: caller's part and all passes
   double ns_per_strand = 0.0;  // of the whole frame's median
 };
 

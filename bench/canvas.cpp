@@ -36,8 +36,11 @@ glm::vec3 Projection::RayThrough(float x, float y) const {
 }
 
 LightMap::LightMap(const glm::vec3& to_light, const glm::vec3& centre, float radius, uint32_t side)
-    : to_light_(to_light), centre_(centre), cells_per_m_(0.5f * float(side) / radius),
-      side_(int(side)), nearest_(size_t(side) * side, kFar) {
+    : to_light_(to_light),
+      centre_(centre),
+      cells_per_m_(0.5f * float(side) / radius),
+      side_(int(side)),
+      nearest_(size_t(side) * side, kFar) {
   axis_x_ = glm::normalize(glm::cross(glm::vec3(0.0f, 1.0f, 0.0f), to_light));
   axis_y_ = glm::cross(to_light, axis_x_);
 }
@@ -73,8 +76,12 @@ float LightMap::Light(const glm::vec3& world, float falloff_m, int blur) const {
 }
 
 Canvas::Canvas(uint32_t width, uint32_t height)
-    : width_(width), height_(height), colour_(size_t(width) * height, glm::vec3(0.0f)),
-      depth_(colour_.size(), kFar), layer_depth_(colour_.size(), kFar), touched_from_(height) {}
+    : width_(width),
+      height_(height),
+      colour_(size_t(width) * height, glm::vec3(0.0f)),
+      depth_(colour_.size(), kFar),
+      layer_depth_(colour_.size(), kFar),
+      touched_from_(height) {}
 
 void Canvas::DrawTriangle(const Corner& a, const Corner& b, const Corner& c) {
   const glm::vec2 p = a.at, q = b.at, r = c.at;
@@ -116,7 +123,8 @@ void Canvas::DrawHair(const Knot& a, const Knot& b, float alpha) {
   const float top = std::min(a.at.y, b.at.y) - reach, bottom = std::max(a.at.y, b.at.y) + reach;
   if (right < 0.0f || bottom < 0.0f || left >= float(width_) || top >= float(height_)) return;
   const uint32_t x0 = uint32_t(std::max(left, 0.0f)), y0 = uint32_t(std::max(top, 0.0f));
-  const uint32_t x1 = std::min(uint32_t(right) + 1, width_), y1 = std::min(uint32_t(bottom) + 1, height_);
+  const uint32_t x1 = std::min(uint32_t(right) + 1, width_),
+                 y1 = std::min(uint32_t(bottom) + 1, height_);
   touched_from_ = std::min(touched_from_, y0);
   touched_to_ = std::max(touched_to_, y1);
   for (uint32_t y = y0; y < y1; ++y)

@@ -24,7 +24,7 @@ struct RunArgs {
   ScenarioRequest request;
   RunOptions options;
   std::optional<WeatherCourse> weather;  // the scenario's own if not given
-  double fps = 0.0;  // 0: the scenario's own
+  double fps = 0.0;                      // 0: the scenario's own
   std::string picture;
   uint32_t picture_width_px = 1200, picture_height_px = 900;
   bool json = false;

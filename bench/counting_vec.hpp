@@ -69,10 +69,18 @@ struct CountingVec {
   static CountingVec Load(const float* p) { return Base::Load(p); }
   void Store(float* p) const { v.Store(p); }
   float operator[](int lane) const { return v[lane]; }
-  friend CountingVec operator+(CountingVec a, CountingVec b) { return Count(CountingVec(a.v + b.v)); }
-  friend CountingVec operator-(CountingVec a, CountingVec b) { return Count(CountingVec(a.v - b.v)); }
-  friend CountingVec operator*(CountingVec a, CountingVec b) { return Count(CountingVec(a.v * b.v)); }
-  friend CountingVec operator/(CountingVec a, CountingVec b) { return Count(CountingVec(a.v / b.v)); }
+  friend CountingVec operator+(CountingVec a, CountingVec b) {
+    return Count(CountingVec(a.v + b.v));
+  }
+  friend CountingVec operator-(CountingVec a, CountingVec b) {
+    return Count(CountingVec(a.v - b.v));
+  }
+  friend CountingVec operator*(CountingVec a, CountingVec b) {
+    return Count(CountingVec(a.v * b.v));
+  }
+  friend CountingVec operator/(CountingVec a, CountingVec b) {
+    return Count(CountingVec(a.v / b.v));
+  }
   friend CountingVec operator-(CountingVec a) { return Count(CountingVec(-a.v)); }
   friend Mask operator<(CountingVec a, CountingVec b) { return Count(Mask{a.v < b.v}); }
   friend Mask operator>(CountingVec a, CountingVec b) { return Count(Mask{a.v > b.v}); }

@@ -148,8 +148,8 @@ void RunStage(benchmark::State& state, const std::string& scene_name, uint32_t s
   warm.running.Begin(warm.frame++);
   const double operations = double(CountOperations(scene, bench_isa)[stage_index]);
   const double strands = warm.strands();
-  const double limit_s = std::max(stage.bytes / limits.cache_bytes_per_s,
-                                  operations / limits.lane_operations_per_s);
+  const double limit_s =
+      std::max(stage.bytes / limits.cache_bytes_per_s, operations / limits.lane_operations_per_s);
   state.counters["ns_per_strand"] = stage.ns_per_strand;
   state.counters["B_per_strand"] = stage.bytes / strands;
   state.counters["ops_per_strand"] = operations / strands;

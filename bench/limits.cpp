@@ -67,9 +67,7 @@ __attribute__((always_inline)) inline float RunChains() {
 }
 
 #ifdef __x86_64__
-__attribute__((target("avx512f"))) float RunChains512() {
-  return RunChains<16>();
-}
+__attribute__((target("avx512f"))) float RunChains512() { return RunChains<16>(); }
 __attribute__((target("avx2"))) float RunChains256() { return RunChains<8>(); }
 #endif
 float RunChains128() { return RunChains<4>(); }

@@ -11,8 +11,8 @@
 namespace pelt {
 
 struct MachineLimits {
-  double memory_bytes_per_s = 0.0;  // copying from and to main memory: bytes read plus written
-  double cache_bytes_per_s = 0.0;   // the same within 128 KB read and 128 KB written
+  double memory_bytes_per_s = 0.0;     // copying from and to main memory: bytes read plus written
+  double cache_bytes_per_s = 0.0;      // the same within 128 KB read and 128 KB written
   double lane_operations_per_s = 0.0;  // multiplies and adds on vectors of the instruction set
 };
 

@@ -1,7 +1,8 @@
 // The `pelt` command: arguments in, exit code out.
 //
 // Exit codes: 0 done (for verify: same bits), 1 bad input or a failed check, 2 wrong usage. Every
-// error is one line "pelt: ..." on standard error. The examples in the help texts are run by a test.
+// error is one line "pelt: ..." on standard error. The examples in the help texts are run by a
+// test.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -33,17 +34,17 @@ std::vector<std::string> IsaNames() {
 void AddSource(CLI::App& app, ScenarioRequest& request) {
   auto* scene = app.add_option("--scene", request.scene, "A built-in scene")
                     ->check(CLI::IsMember(Names(ScenarioNames())));
-  auto* character = app.add_option("--character", request.character,
-                                   "A .glb or .gltf file, or 'builtin'")
-                        ->excludes(scene)
-                        ->capture_default_str();
+  auto* character =
+      app.add_option("--character", request.character, "A .glb or .gltf file, or 'builtin'")
+          ->excludes(scene)
+          ->capture_default_str();
   auto* setup = app.add_option("--setup", request.setup,
                                "A fur setup: a .toml file, or the name of a built-in one")
                     ->excludes(scene);
-  auto* groom = app.add_option("--groom", request.groom,
-                               "A baked groom instead of a setup; for --character")
-                    ->excludes(scene)
-                    ->excludes(setup);
+  auto* groom =
+      app.add_option("--groom", request.groom, "A baked groom instead of a setup; for --character")
+          ->excludes(scene)
+          ->excludes(setup);
   static_cast<void>(character);
   static_cast<void>(groom);
   app.add_option("--seed", request.seed, "Another groom from the same setups")
@@ -67,8 +68,7 @@ void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {
   app.add_flag("!--unfused", options.plan.fuse, "One stage a pass");
   app.add_flag_function(
-      "--index-buffer",
-      [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
+      "--index-buffer", [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
       "Vertices in strand order with a sorted index buffer, not in draw order");
   app.add_option("--sort-pieces", options.piecewise_sort_chunks,
                  "Layers of more chunks than this sort in pieces; 0: those that do not fit a local "
@@ -80,8 +80,7 @@ void SetUpBake(CLI::App& root, BakeArgs& args) {
   auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
   app->add_option("--character", args.character, "A .glb or .gltf file, or 'builtin'")
       ->capture_default_str();
-  app->add_option("--setup", args.setup,
-                  "A fur setup: a .toml file, or the name of a built-in one")
+  app->add_option("--setup", args.setup, "A fur setup: a .toml file, or the name of a built-in one")
       ->capture_default_str();
   app->add_option("--out", args.out, "Groom file to write");
   app->add_option("--seed", args.seed, "Another groom from the same setup")->capture_default_str();
@@ -97,10 +96,11 @@ void SetUpBake(CLI::App& root, BakeArgs& args) {
 }
 
 void AddSkips(CLI::App& app, RunOptions& options) {
-  const std::pair<const char*, bool*> skips[] = {
-      {"sleep", &options.skip.sleep}, {"unmoved", &options.skip.unmoved},
-      {"sort", &options.skip.sort},   {"wind", &options.skip.wind},
-      {"cull", &options.skip.cull}};
+  const std::pair<const char*, bool*> skips[] = {{"sleep", &options.skip.sleep},
+                                                 {"unmoved", &options.skip.unmoved},
+                                                 {"sort", &options.skip.sort},
+                                                 {"wind", &options.skip.wind},
+                                                 {"cull", &options.skip.cull}};
   for (const auto& [name, value] : skips)
     app.add_flag(fmt::format("!--no-{}", name), *value,
                  fmt::format("Do not skip what '{}' finds needless", name));

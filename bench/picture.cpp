@@ -94,8 +94,7 @@ class DrawnHairs {
   }
 
   static void ReadRibbon(const FrameMemory& memory, uint32_t chunk, uint32_t lane, Hair& hair) {
-    const auto& vertex =
-        memory.As<RibbonVertexBlock>(Stream::kRibbonVertices, chunk)->vertex[lane];
+    const auto& vertex = memory.As<RibbonVertexBlock>(Stream::kRibbonVertices, chunk)->vertex[lane];
     hair.knots = kRibbonPoints;
     hair.base_colour = vertex[0][0].colour;
     hair.tip_colour = vertex[kRibbonPoints - 1][0].colour;
@@ -280,11 +279,10 @@ void DrawHairs(const DrawnHairs& hairs, const Projection& projection, const Ligh
       const glm::vec3 tangent = along / std::max(glm::length(along), 1e-9f);
       const glm::vec3 to_eye = glm::normalize(projection.eye() - at);
       const glm::vec3 screen = projection.Project(at);
-      const Canvas::Knot knot{
-          screen,
-          ShadeHair(glm::mix(base, tip, t), tangent, hair.normal, to_eye, t,
-                    light.Light(at, 0.035f, 1)),
-          hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
+      const Canvas::Knot knot{screen,
+                              ShadeHair(glm::mix(base, tip, t), tangent, hair.normal, to_eye, t,
+                                        light.Light(at, 0.035f, 1)),
+                              hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
       if (k > 0) canvas.DrawHair(last, knot, alpha);
       last = knot;
     }

@@ -33,11 +33,11 @@ std::string DescribeMemory(const RunReport& report) {
     if (range.bytes)
       out += fmt::format("{:<18} {:>8} {:>10.1f}  {}\n", range.name, range.blocks,
                          double(range.bytes) / 1000.0, RoleName(range.role));
-  out += fmt::format("{:<18} {:>8} {:>10.1f}  {:.0f} bytes a strand, {:.1f} of them simulation "
-                     "state\n",
-                     "all", "", double(report.memory_bytes) / 1000.0,
-                     double(report.memory_bytes) / double(report.strands),
-                     report.state_bytes_per_strand);
+  out += fmt::format(
+      "{:<18} {:>8} {:>10.1f}  {:.0f} bytes a strand, {:.1f} of them simulation "
+      "state\n",
+      "all", "", double(report.memory_bytes) / 1000.0,
+      double(report.memory_bytes) / double(report.strands), report.state_bytes_per_strand);
   return out;
 }
 
@@ -103,9 +103,9 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
 }
 
 std::string DescribeRun(const RunReport& r) {
-  std::string out = fmt::format(
-      "scene {}: {} strands in {} chunks, {} layers, {} characters; {} frames\n", r.scene,
-      r.strands, r.chunks, r.layers, r.characters, r.frames);
+  std::string out =
+      fmt::format("scene {}: {} strands in {} chunks, {} layers, {} characters; {} frames\n",
+                  r.scene, r.strands, r.chunks, r.layers, r.characters, r.frames);
   out += fmt::format("on {} ({} cores), {}, {}, commit {}\n", r.machine.processor, r.machine.cores,
                      r.machine.compiler, r.machine.build_type, r.machine.commit);
   out += fmt::format("executor {}; kernels {}; {} plan\n\n", DescribeExecutor(r),

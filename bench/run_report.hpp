@@ -37,7 +37,7 @@ struct RunReport {
   std::vector<MemoryRange> memory;
   uint64_t memory_bytes = 0;
   double state_bytes_per_strand = 0.0;
-  uint64_t digest = 0;  // of all frames, folded; 0 when not taken
+  uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store
 };
 

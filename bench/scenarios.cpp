@@ -135,8 +135,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
     scenario.characters.push_back(LoadCharacter(request.character));
     scenario.grooms.push_back(ReadGroomFile(request.groom));
     CheckGroomFits(scenario.grooms[0], request.groom, scenario.characters[0]);
-    scenario.actors.push_back(
-        MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
+    scenario.actors.push_back(MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
   }
   for (const std::string& note : scenario.characters[0].notes) scenario.notes.push_back(note);
   PointCameraAt(scenario);
@@ -155,14 +154,14 @@ Character LoadCharacter(const std::string& name_or_path) {
 FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed) {
   FurSetup setup;
   const auto embedded = EmbeddedSetups();
-  const auto found = std::find_if(embedded.begin(), embedded.end(), [&](const EmbeddedSetup& e) {
-    return e.name == name_or_path;
-  });
+  const auto found = std::find_if(embedded.begin(), embedded.end(),
+                                  [&](const EmbeddedSetup& e) { return e.name == name_or_path; });
   if (found != embedded.end()) {
     setup = ReadFurSetup(found->text, name_or_path + ".toml", "");
   } else if (name_or_path.find_first_of("./") == std::string::npos) {
     std::string names;
-    for (const EmbeddedSetup& e : embedded) names += (names.empty() ? "" : ", ") + std::string(e.name);
+    for (const EmbeddedSetup& e : embedded)
+      names += (names.empty() ? "" : ", ") + std::string(e.name);
     throw Error(fmt::format("no built-in setup '{}' (there are: {}); a file's path ends in .toml",
                             name_or_path, names));
   } else {
@@ -212,7 +211,8 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
     scenario = MakeTiny(request.seed);
   } else if (!request.scene.empty()) {
     std::string names;
-    for (const std::string_view name : kNames) names += (names.empty() ? "" : ", ") + std::string(name);
+    for (const std::string_view name : kNames)
+      names += (names.empty() ? "" : ", ") + std::string(name);
     throw Error(fmt::format("no scene '{}'; there are: {}", request.scene, names));
   } else {
     scenario = MakeFromFiles(request);
@@ -269,7 +269,8 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   }
   constexpr double kWettingFrames = 30.0;
   const double share = std::clamp(
-      (double(std::min(frame, rest_from_frame)) - weather_course.from_frame + 1.0) / kWettingFrames, 0.0, 1.0);
+      (double(std::min(frame, rest_from_frame)) - weather_course.from_frame + 1.0) / kWettingFrames,
+      0.0, 1.0);
   weather_.resize(actors.size());
   for (Weather& weather : weather_) {
     weather.wetness = float(weather_course.wetness * share);

@@ -40,9 +40,9 @@ std::string NameCase(const VerifyCase& what);
 struct Mismatch {
   uint32_t frame = 0;
   std::string stage, stream, row;
-  std::string layer;               // empty for streams of scene or character
-  uint32_t item = 0;               // character, layer or chunk of the scene
-  uint32_t chunk_in_layer = 0;     // for chunk streams
+  std::string layer;            // empty for streams of scene or character
+  uint32_t item = 0;            // character, layer or chunk of the scene
+  uint32_t chunk_in_layer = 0;  // for chunk streams
   uint32_t component = 0, lane = 0;
   uint32_t expected = 0, found = 0;
   bool is_float = false;

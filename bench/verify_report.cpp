@@ -102,8 +102,9 @@ std::string DescribeReport(const VerifyReport& report) {
     }
     out += '\n';
   }
-  out += "each cell: fused and unfused plan x sorted vertices and index buffer x whole and "
-         "piecewise sort\n";
+  out +=
+      "each cell: fused and unfused plan x sorted vertices and index buffer x whole and "
+      "piecewise sort\n";
   for (const std::string& isa : report.not_run)
     out += fmt::format("skipped: {} (this processor or build lacks it)\n", isa);
   if (!report.skips.empty())
@@ -111,8 +112,10 @@ std::string DescribeReport(const VerifyReport& report) {
                        "items it saved");
   for (const SkipResult& s : report.skips)
     out += fmt::format("{:<14} {:<15} {:<9} {:>16}{}{}\n", s.name, s.course,
-                       !s.compared ? "skipped" : s.passed ? "same" : "DIFFERS", s.items_skipped,
-                       s.reason.empty() ? "" : "  ", s.reason);
+                       !s.compared ? "skipped"
+                       : s.passed  ? "same"
+                                   : "DIFFERS",
+                       s.items_skipped, s.reason.empty() ? "" : "  ", s.reason);
   uint32_t failed = 0;
   for (const CaseResult& c : report.cases)
     if (!c.passed && ++failed <= 10)

@@ -1,6 +1,4 @@
 // The figures of a run: spreads, traffic, the budget's sums, JSON.
-#include "bench/run_report.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <numeric>
 
 #include "bench/json_text.hpp"
+#include "bench/run_report.hpp"
 
 namespace pelt {
 namespace {

@@ -16,10 +16,10 @@ namespace {
 // it needs is kept here.
 struct Fault {
   void (*run)(const void*, const Binding*) = nullptr;
-  size_t port = 0;          // whose block is spoiled
-  uint32_t byte = 0;        // in the block, of a 32-bit word
-  uint32_t calls = 0;       // so far
-  uint32_t from_call = 0;   // spoils this call alone
+  size_t port = 0;         // whose block is spoiled
+  uint32_t byte = 0;       // in the block, of a 32-bit word
+  uint32_t calls = 0;      // so far
+  uint32_t from_call = 0;  // spoils this call alone
 };
 Fault fault;
 

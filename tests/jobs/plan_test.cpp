@@ -286,6 +286,17 @@ TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
   EXPECT_NE(error.find("1 more than"), std::string::npos) << error;
 }
 
+TEST(Plan, InMainMemoryAStageThatDoesNotFitIsAPassOfItsOwn) {
+  const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
+  const Stage sum = MakeStage<SumLayer>(Domain::kLayer, kNone);
+  const Plan roomy = CompilePlan({sum, sum}, kShape, {.must_fit = false});
+  EXPECT_EQ(PassNames(roomy), Names({"sum_layer sum_layer"}));
+  const Plan tight =
+      CompilePlan({sum, sum}, kShape, {.local_store_data_bytes = once - 1, .must_fit = false});
+  EXPECT_EQ(PassNames(tight), Names({"sum_layer", "sum_layer"}));
+  EXPECT_EQ(tight.passes[0].resident_bytes, once);
+}
+
 TEST(Plan, StreamsSayWhichLayersAStageRunsOn) {
   const SceneShape shape = MakeShape({{0, kLayerVertexChains, 1}, {0, 0, 1}});
   const Plan plan = CompilePlan({Chunk<UseVertexPoints>()}, shape, {});
