@@ -9,11 +9,6 @@
 namespace pelt {
 namespace {
 
-bool Writes(Access access) {
-  return access == Access::kOut || access == Access::kInOut || access == Access::kAllOut ||
-         access == Access::kAllInOut || access == Access::kScatter;
-}
-
 bool Admits(const Stage& stage, const SceneShape& shape, Domain domain, uint32_t item) {
   if (domain < Domain::kLayer) return true;
   return stage.kinds.Admits(
@@ -106,7 +101,7 @@ std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t
   for (const Stage& stage : expected.plan().stages) {
     for (const PortDesc& port : stage.kernel.ports) {
       const StreamDesc& desc = DescribeStream(port.stream);
-      if (!Writes(port.access) || desc.role != Role::kValue) continue;
+      if (!IsWritten(port.access) || desc.role != Role::kValue) continue;
       for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
         if (!Admits(stage, shape, desc.domain, i)) continue;
         out.stage = stage.kernel.name;

@@ -37,16 +37,25 @@ enum class Stream : uint8_t;  // core/streams.hpp
 enum class Domain : uint8_t { kScene, kCharacter, kLayer, kChunk };
 
 enum class Access : uint8_t {
-  kIn,       // own block, read
-  kOut,      // own block, every byte the readers use is written: costs no DMA get
-  kInOut,    // own block, read and written
-  kShared,   // the one block of a coarser domain that the item belongs to, read
-  kAll,      // every block of a finer domain inside the item, read: implies a barrier
-  kAllOut,   // the same, written
-  kAllInOut, // the same, read and written
-  kGather,   // records anywhere in the layer, read by index: implies a barrier
-  kScatter,  // records anywhere in the layer, written by index, each index by one chunk only
+  kIn,        // own block, read
+  kOut,       // own block, every byte the readers use is written: costs no DMA get
+  kInOut,     // own block, read and written
+  kShared,    // the one block of a coarser domain that the item belongs to, read
+  kAll,       // every block of a finer domain inside the item, read: implies a barrier
+  kAllOut,    // the same, written
+  kAllInOut,  // the same, read and written
+  kGather,    // records anywhere in the layer, read by index: implies a barrier
+  kScatter,   // records anywhere in the layer, written by index, each index by one chunk only
 };
+
+constexpr bool IsWritten(Access a) {
+  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
+         a == Access::kAllInOut || a == Access::kScatter;
+}
+// Needs what was there before.
+constexpr bool IsRead(Access a) {
+  return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter;
+}
 
 // What the executor hands a port. `block` is the first byte; `count` the number of blocks behind it
 // (All, AllOut) or of records (Gather, Scatter); `index` is the record list of Gather and Scatter,

@@ -11,14 +11,6 @@
 namespace pelt {
 namespace {
 
-bool Writes(Access a) {
-  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
-         a == Access::kAllInOut || a == Access::kScatter;
-}
-bool ReadsFirst(Access a) {
-  return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter;
-}
-
 // Reaches blocks of other items of the same domain.
 bool Crosses(Access a) { return a == Access::kGather || a == Access::kScatter; }
 bool IsAll(Access a) { return a == Access::kAll || a == Access::kAllOut || a == Access::kAllInOut; }
@@ -33,11 +25,12 @@ bool ShareCopy(Access a, Access b) {
 bool Conflict(const Stage& a, const Stage& b) {
   for (const PortDesc& p : a.kernel.ports)
     for (const PortDesc& q : b.kernel.ports) {
-      if (p.stream == q.stream && (Writes(p.access) || Writes(q.access)) &&
+      if (p.stream == q.stream && (IsWritten(p.access) || IsWritten(q.access)) &&
           (Crosses(p.access) || Crosses(q.access)))
         return true;
       // A record list is followed in main memory, so it must be there before the pass.
-      if (q.access == Access::kGather && q.record_list == p.stream && Writes(p.access)) return true;
+      if (q.access == Access::kGather && q.record_list == p.stream && IsWritten(p.access))
+        return true;
     }
   return false;
 }
@@ -85,7 +78,7 @@ void CheckStage(const Stage& stage) {
                               ports[i].name, DescribeStream(ports[i].stream).name, fault));
     for (size_t j = 0; j < i; ++j)
       if (ports[i].stream == ports[j].stream &&
-          (Writes(ports[i].access) || Writes(ports[j].access)))
+          (IsWritten(ports[i].access) || IsWritten(ports[j].access)))
         throw Error(fmt::format(
             "stage {}: ports '{}' and '{}' are one stream ({}) and one of them is written",
             stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name));
@@ -159,13 +152,13 @@ std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_
         const StreamUse& use = uses[size_t(p.stream)];
         const bool inside = use.first_stage >= first && use.last_stage < first + count;
         const bool transient =
-            inside && !ReadsFirst(p.access) && !IsOutput(p.stream) &&
+            inside && !IsRead(p.access) && !IsOutput(p.stream) &&
             (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch);
-        out.push_back({p.stream, p.access, bytes, ReadsFirst(p.access), false, transient});
+        out.push_back({p.stream, p.access, bytes, IsRead(p.access), false, transient});
         it = out.end() - 1;
       }
       it->bytes = std::max(it->bytes, bytes);
-      it->put |= Writes(p.access);
+      it->put |= IsWritten(p.access);
     }
   }
   return out;

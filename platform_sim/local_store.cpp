@@ -19,11 +19,6 @@ constexpr uint32_t kWatchedBytes = 4096;   // behind the last block: must stay p
 constexpr size_t kMostFaults = 64;
 constexpr uint32_t kNotPut = ~0u;  // poisoned index of a scatter entry the kernel did not use
 
-bool Writes(Access a) {
-  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
-         a == Access::kAllInOut || a == Access::kScatter;
-}
-bool Reads(Access a) { return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter; }
 bool IsAll(Access a) { return a == Access::kAll || a == Access::kAllOut || a == Access::kAllInOut; }
 bool IsList(Access a) { return a == Access::kGather || a == Access::kScatter; }
 
@@ -90,9 +85,10 @@ void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32
                                                     size_t(block->record_bytes) * block->count)
                       : nullptr;
     bindings[p] = {buffer_->bytes + block->offset, index, block->count};
-    block->writable |= Writes(ports[p].access);
+    block->writable |= IsWritten(ports[p].access);
     // Whoever declares Out promises not to look at what an earlier stage of the pass left.
-    if (!Reads(ports[p].access)) std::fill_n(buffer_->bytes + block->offset, block->bytes, kPoison);
+    if (!IsRead(ports[p].access))
+      std::fill_n(buffer_->bytes + block->offset, block->bytes, kPoison);
   }
   std::memcpy(snapshot_.data(), buffer_->bytes, top_);
   stage.kernel.run(stage.params, bindings);
@@ -146,7 +142,7 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
   top_ = uint32_t(end);
   data_used_ = uint32_t(over_data);
   counts_.peak_bytes = std::max(counts_.peak_bytes, data_used_);
-  if (Reads(port.access)) Load(frame, main, item, resident_.back());
+  if (IsRead(port.access)) Load(frame, main, item, resident_.back());
   return &resident_.back();
 }
 

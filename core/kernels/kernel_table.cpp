@@ -1,5 +1,5 @@
-// The kernels of one instruction set. Compiled once for each, with PELT_VECTOR the vector type, PELT_KERNELS the
-// name of the table's function, and the flags that let the compiler use the set.
+// The kernels of one instruction set. Compiled once for each, with PELT_VECTOR the vector type,
+// PELT_KERNELS the name of the table's function, and the flags that let the compiler use the set.
 #include "core/kernels/kernel_table.hpp"
 
 #include "core/kernels/activate.hpp"

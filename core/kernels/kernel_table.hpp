@@ -1,5 +1,5 @@
-// The kernels of one instruction set, types erased. Each set is compiled in its own translation unit with its
-// own flags; nothing but these tables crosses from one to another.
+// The kernels of one instruction set, types erased. Each set is compiled in its own translation
+// unit with its own flags; nothing but these tables crosses from one to another.
 #pragma once
 
 #include <cstdint>
@@ -66,7 +66,7 @@ struct KernelTable {
 const KernelTable* FindKernels(Isa isa);
 // The widest set this processor runs.
 Isa BestIsa();
-std::string_view IsaName(Isa isa);                        // "reference", "sse4", "avx2", "avx512"
+std::string_view IsaName(Isa isa);  // "reference", "sse4", "avx2", "avx512"
 std::optional<Isa> ParseIsa(std::string_view name);
 
 }  // namespace pelt

@@ -40,13 +40,13 @@ struct ArrayVec {
   };
 
 #define PELT_LANEWISE(Type, name, a_, b_, field, expression) \
-  inline friend Type name(Type a_, Type b_) {           \
+  inline friend Type name(Type a_, Type b_) {                \
     Type r;                                                  \
     for (int l = 0; l < N; ++l) r.field[l] = expression;     \
     return r;                                                \
   }
 #define PELT_LANEWISE_COMPARE(Type, op, field)                     \
-  inline friend Mask operator op(Type a, Type b) {            \
+  inline friend Mask operator op(Type a, Type b) {                 \
     Mask r;                                                        \
     for (int l = 0; l < N; ++l) r.m[l] = a.field[l] op b.field[l]; \
     return r;                                                      \
