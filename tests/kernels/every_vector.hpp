@@ -1,12 +1,6 @@
 // Running a kernel on every vector type this translation unit can, without an executor.
 #pragma once
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define PELT_FEW_VECTORS
-#endif
-#endif
-
 #include <cstddef>
 #include <cstring>
 #include <initializer_list>
