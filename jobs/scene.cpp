@@ -11,8 +11,14 @@
 #include "jobs/float_environment.hpp"
 #include "traces/digest.hpp"
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 namespace pelt {
 namespace {
+
+constexpr size_t kPageBytes = size_t(2) << 20;  // a huge page
 
 // Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
 // squared. A larger value would not be refused by arithmetic, only turned into infinities.
@@ -87,11 +93,17 @@ bool Replace(T& target, const T& value) {
 }  // namespace
 
 SceneBlock::SceneBlock(uint64_t bytes)
-    : memory_(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kBlockAlignment)))),
-      bytes_(bytes) {}
+    : memory_(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kPageBytes)))),
+      bytes_(bytes) {
+#if defined(__linux__)
+  // A frame walks through tens of megabytes once: with small pages it waits for address
+  // translation. Advice only; the bits and the caller's own memory do not depend on it.
+  if (bytes >= kPageBytes) ::madvise(memory_.get(), bytes, MADV_HUGEPAGE);
+#endif
+}
 
 void SceneBlock::Delete::operator()(std::byte* p) const {
-  ::operator delete(p, std::align_val_t(kBlockAlignment));
+  ::operator delete(p, std::align_val_t(kPageBytes));
 }
 
 FurScene::FurScene(std::span<const Groom* const> grooms, const SceneOptions& options,

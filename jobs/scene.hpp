@@ -60,7 +60,9 @@ struct LodSettings {
   uint32_t strand_budget = 0;  // 0: no budget
 };
 
-// What may be left out. LOD changes the picture; all others change no bit of it.
+// What may be left out. LOD changes the picture. Culling changes it for a layer that comes back
+// into view: it starts from its groom. All others, and culling while every layer is seen, change no
+// bit.
 struct SkipSettings {
   bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, lod = false;
 };
