@@ -1,5 +1,5 @@
 // The fur setup: each key lands in its field, and each mistake is told with file, line, key and
-// reason.
+// reason. Over 400 lines because every key of the schema has its row here; one without fails.
 #include "core/groom/fur_setup.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // The groom file: the same bytes back, the same bytes everywhere, and no way to harm the reader.
+// Over 400 lines because sixty rules are broken one by one, in one list beside their messages.
 #include "core/groom/groom_file.hpp"
 
 #include <gtest/gtest.h>

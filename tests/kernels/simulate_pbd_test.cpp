@@ -1,3 +1,6 @@
+// The PBD solver: against its double twin, on every vector type, at rest, in contact and under
+// abuse. Over 400 lines because the properties share scenes that would have to be made again
+// elsewhere.
 #include "core/kernels/simulate_pbd.hpp"
 
 #include <gtest/gtest.h>
