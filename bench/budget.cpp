@@ -60,14 +60,12 @@ PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t i
   return traffic;
 }
 
-BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames) : scene_(scene) {
+BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames)
+    : scene_(scene), recording_(scene.plan(), scene.shape()) {
   const Plan& plan = scene.plan();
   const SceneShape& shape = scene.shape();
-  uint32_t entries = 0;
   for (const Stage& stage : plan.stages) {
     const uint32_t items = shape.ItemCount(stage.domain);
-    stage_first_.push_back(entries);
-    entries += items;
     uint64_t admitted = 0;
     std::vector<uint64_t> of_layer(stage.domain < Domain::kLayer ? 1 : shape.layer_count);
     for (uint32_t i = 0; i < items; ++i) {
@@ -79,9 +77,6 @@ BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames) : scene_(
     admitted_.push_back(admitted);
     item_bytes_.push_back(std::move(of_layer));
   }
-  stage_ns_.resize(entries);
-  pass_ns_.resize(plan.passes.size());
-  profile_ = {stage_ns_.data(), stage_first_.data(), pass_ns_.data()};
   stage_ms_.resize(plan.stages.size());
   pass_ms_.resize(plan.passes.size());
   for (auto& row : stage_ms_) row.reserve(frames);
@@ -92,7 +87,9 @@ BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames) : scene_(
   bytes_.resize(plan.stages.size());
 }
 
-const FrameProfile* BudgetRecorder::Begin() { return frame_ % 2 == 1 ? &profile_ : nullptr; }
+const FrameProfile* BudgetRecorder::Begin() { 
+  return frame_ % 2 == 1 ? recording_.profile() : nullptr;
+}
 
 void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
   const bool profiled = Begin() != nullptr;
@@ -102,21 +99,23 @@ void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
     wall_ms_.push_back(double(wall_ns) * 1e-6);
     return;
   }
+  const double ms_per_tick = recording_.NsPerTick() * 1e-6;
   const Plan& plan = scene_.plan();
   const SceneShape& shape = scene_.shape();
   for (size_t s = 0; s < plan.stages.size(); ++s) {
     const Domain domain = plan.stages[s].domain;
-    uint64_t sum_ns = 0;
+    uint64_t sum_ticks = 0;
     for (uint32_t i = 0; i < shape.ItemCount(domain); ++i) {
-      const uint32_t ns = stage_ns_[stage_first_[s] + i];
-      if (ns == 0) continue;
-      sum_ns += ns;
+      const Slice& slice = recording_.Stage(uint32_t(s), i);
+      if (!slice.Ran()) continue;
+      sum_ticks += slice.Ticks();
       ++ran_[s];
       bytes_[s] += item_bytes_[s][LayerOfItem(shape, domain, i)];
     }
-    stage_ms_[s].push_back(double(sum_ns) * 1e-6);
+    stage_ms_[s].push_back(double(sum_ticks) * ms_per_tick);
   }
-  for (size_t p = 0; p < plan.passes.size(); ++p) pass_ms_[p].push_back(double(pass_ns_[p]) * 1e-6);
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    pass_ms_[p].push_back(double(recording_.Pass(uint32_t(p)).Ticks()) * ms_per_tick);
 }
 
 Budget BudgetRecorder::Summarise() const {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "jobs/frame_recording.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -66,9 +67,7 @@ class BudgetRecorder {
  private:
   const FurScene& scene_;
   uint32_t frame_ = 0;
-  std::vector<uint32_t> stage_first_, stage_ns_;
-  std::vector<uint64_t> pass_ns_;
-  FrameProfile profile_;
+  FrameRecording recording_;
   // [stage][frame], [pass][frame]
   std::vector<std::vector<double>> stage_ms_, pass_ms_;
   std::vector<double> caller_ms_, wall_ms_;

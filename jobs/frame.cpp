@@ -6,6 +6,7 @@
 #include "core/random.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
+#include "jobs/tick_clock.hpp"
 
 namespace pelt {
 namespace {
@@ -78,25 +79,42 @@ Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain,
   }
 }
 
-void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item) {
+namespace {
+
+void RunStage(const Frame& frame, const Stage& stage, uint32_t item) {
+  Binding bindings[kMaxPorts];
+  for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
+    bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
+  stage.kernel.run(stage.params, bindings);
+}
+
+// One reading of the clock a stage: where one ends the next begins.
+void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t worker) {
+  const Plan& plan = *frame.plan;
+  const FrameProfile& profile = *frame.profile;
+  const Pass& pass = plan.passes[pass_index];
+  const uint64_t begin = ReadTicks();
+  uint64_t now = begin;
+  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
+    Slice& slice = profile.stages[profile.stage_first[s] + item];
+    slice = {};
+    if (!IsWanted(plan.stages[s], *frame.memory, item)) continue;
+    RunStage(frame, plan.stages[s], item);
+    slice.begin_ticks = now;
+    slice.end_ticks = now = ReadTicks();
+  }
+  profile.items[profile.pass_first[pass_index] + item] = {{begin, now}, worker};
+}
+
+}  // namespace
+
+void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t worker) {
   const FloatEnvironment float_environment;
+  if (frame.profile) return RunItemProfiled(frame, pass_index, item, worker);
   const Plan& plan = *frame.plan;
   const Pass& pass = plan.passes[pass_index];
-  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
-    const Stage& stage = plan.stages[s];
-    uint32_t* ns =
-        frame.profile ? frame.profile->stage_ns + frame.profile->stage_first[s] + item : nullptr;
-    if (!IsWanted(stage, *frame.memory, item)) {
-      if (ns) *ns = 0;
-      continue;
-    }
-    Binding bindings[kMaxPorts];
-    for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
-      bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
-    const auto start = ns ? Now() : TimePoint{};
-    stage.kernel.run(stage.params, bindings);
-    if (ns) *ns = uint32_t(ElapsedNs(start)) | 1u;
-  }
+  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
+    if (IsWanted(plan.stages[s], *frame.memory, item)) RunStage(frame, plan.stages[s], item);
 }
 
 void SerialExecutor::Run(const Frame& frame) {

@@ -32,12 +32,24 @@ struct FrameMemory {
   }
 };
 
-// What a run measured, in places fixed before the frame: entry (stage, item). Written by whichever
-// thread runs the item, read after the frame.
+// From when to when something ran, in ticks of jobs/tick_clock.hpp.
+struct Slice {
+  uint64_t begin_ticks = 0, end_ticks = 0;
+  bool Ran() const { return begin_ticks != 0; }
+  uint64_t Ticks() const { return end_ticks - begin_ticks; }
+};
+struct ItemSlice : Slice {
+  uint32_t worker = 0;
+};
+
+// Where a run puts its times, in places fixed before the frame (jobs/frame_recording.hpp makes
+// them). Every entry is written by whichever thread runs the item, and read after the frame.
 struct FrameProfile {
-  uint32_t* stage_ns = nullptr;           // 0: did not run
-  const uint32_t* stage_first = nullptr;  // first entry of each stage
-  uint64_t* pass_ns = nullptr;            // wall time of each pass
+  const uint32_t* stage_first;  // entry of each stage's item 0 in `stages`
+  Slice* stages;
+  const uint32_t* pass_first;  // entry of each pass's item 0 in `items`
+  ItemSlice* items;
+  Slice* passes;
 };
 
 struct Frame {
@@ -64,8 +76,8 @@ Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain,
 // Runs all stages of `pass` that want to run on `item`, in main memory. The only function that
 // calls a kernel there: every host executor ends here. Sets the floating-point environment for the
 // duration (round to nearest, denormals kept), so the caller's thread settings cannot change the
-// bits.
-void RunItem(const Frame& frame, uint32_t pass, uint32_t item);
+// bits. `worker` is for the profile only: which track of a trace the item appears on.
+void RunItem(const Frame& frame, uint32_t pass, uint32_t item, uint32_t worker = 0);
 
 // Runs the passes of a frame. Every executor gives the same bits.
 class Executor {

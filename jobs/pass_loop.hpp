@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "jobs/frame.hpp"
+#include "jobs/tick_clock.hpp"
 
 namespace pelt {
 
@@ -19,9 +20,9 @@ template <class RunPass>
 void ForEachPass(const Frame& frame, RunPass run) {
   const Plan& plan = *frame.plan;
   for (uint32_t p = 0; p < plan.passes.size(); ++p) {
-    const TimePoint start = frame.profile ? Now() : TimePoint{};
+    if (frame.profile) frame.profile->passes[p].begin_ticks = ReadTicks();
     run(p, frame.memory->shape->ItemCount(plan.passes[p].domain));
-    if (frame.profile) frame.profile->pass_ns[p] = ElapsedNs(start);
+    if (frame.profile) frame.profile->passes[p].end_ticks = ReadTicks();
   }
 }
 

@@ -17,11 +17,11 @@ struct TbbExecutor::State {
   explicit State(uint32_t n)
       : workers(n), limit(tbb::global_control::max_allowed_parallelism, n), arena(int(n)) {}
 
-  // Runs body once for each worker, on as many threads as oneTBB gives.
+  // Runs body(worker) once for each worker, on as many threads as oneTBB gives.
   template <class Body>
   void ForEachWorker(const Body& body) {
     tbb::parallel_for(
-        0u, workers, 1u, [&](uint32_t) { body(); }, tbb::simple_partitioner{});
+        0u, workers, 1u, [&](uint32_t worker) { body(worker); }, tbb::simple_partitioner{});
   }
 
   uint32_t workers;
@@ -48,9 +48,9 @@ void TbbExecutor::Run(const Frame& frame) {
         return;
       }
       std::atomic<uint32_t> next{0};
-      state_->ForEachWorker([&] {
+      state_->ForEachWorker([&](uint32_t worker) {
         for (uint32_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;)
-          RunItem(frame, pass, i);
+          RunItem(frame, pass, i, worker);
       });
     });
   });
@@ -60,7 +60,7 @@ uint32_t TbbExecutor::ObservedWorkers() {
   std::atomic<uint32_t> arrived{0}, together{0};
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   state_->arena.execute([&] {
-    state_->ForEachWorker([&] {
+    state_->ForEachWorker([&](uint32_t) {
       arrived.fetch_add(1);
       while (arrived.load() < state_->workers && std::chrono::steady_clock::now() < deadline)
         std::this_thread::yield();

@@ -1,5 +1,5 @@
 // What runs on which item: gates, kinds, belonging, and the two executors that need no thread.
-#include "jobs/frame.hpp"
+#include "jobs/frame_recording.hpp"
 
 #include <gtest/gtest.h>
 
@@ -189,14 +189,21 @@ TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
       CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, {.chunk_flags = kChunkSkin}),
                    MakeStage<AddToLayer>(Domain::kLayer, kOne)},
                   scene.shape(), {});
-  std::vector<uint32_t> stage_ns(9, 12345);
-  const std::vector<uint32_t> first = {0, 6};
-  std::vector<uint64_t> pass_ns(2, 0);
-  const FrameProfile profile{stage_ns.data(), first.data(), pass_ns.data()};
-  SerialExecutor().Run({&plan, &scene.memory(), &profile});
-  for (uint32_t i = 0; i < 9; ++i) EXPECT_EQ(stage_ns[i] == 0, i == 4) << i;
-  EXPECT_GT(pass_ns[0], 0u);
-  EXPECT_GT(pass_ns[1], 0u);
+  const FrameRecording recording(plan, scene.shape());
+  SerialExecutor().Run({&plan, &scene.memory(), recording.profile()});
+  for (uint32_t i = 0; i < 6; ++i) EXPECT_EQ(recording.Stage(0, i).Ran(), i != 4) << i;
+  for (uint32_t i = 0; i < 3; ++i) EXPECT_TRUE(recording.Stage(1, i).Ran()) << i;
+  for (uint32_t i = 0; i < 6; ++i) {
+    const Slice& item = recording.Item(0, i);
+    EXPECT_GE(item.begin_ticks, recording.Pass(0).begin_ticks);
+    EXPECT_LE(item.end_ticks, recording.Pass(0).end_ticks);
+    if (recording.Stage(0, i).Ran()) {
+      EXPECT_GE(recording.Stage(0, i).begin_ticks, item.begin_ticks);
+      EXPECT_LE(recording.Stage(0, i).end_ticks, item.end_ticks);
+    }
+  }
+  EXPECT_GT(recording.Pass(1).Ticks(), 0u);
+  EXPECT_GT(recording.NsPerTick(), 0.0);
 }
 
 // ---- Permuted

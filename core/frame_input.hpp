@@ -1,0 +1,44 @@
+// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, and what may
+// be left out. Plain data, so that it can be recorded and replayed (traces/).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/kernels/wind.hpp"
+#include "core/layer_block.hpp"
+#include "core/view.hpp"
+
+namespace pelt {
+
+struct LodSettings {
+  float full_detail_px = 400.0f;  // on-screen size from which a layer has all its strands
+  float min_fraction = 0.05f;
+  float hysteresis = 0.1f;
+  float fade_share = 0.1f;
+  uint32_t strand_budget = 0;  // 0: no budget
+};
+
+// What may be left out. LOD changes the picture. Culling changes it for a layer that comes back
+// into view: it starts from its groom. All others, and culling while every layer is seen, change no
+// bit.
+struct SkipSettings {
+  bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, lod = false;
+};
+
+struct FrameInput {
+  double dt_s = 1.0 / 60.0;
+  double time_s = 0.0;
+  Camera camera;
+  WindSetup wind;
+  float gravity[3] = {0.0f, -9.81f, 0.0f};
+  bool use_ground = false;
+  float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};  // n.x + d >= 0 is above
+  uint32_t sphere_count = 0;
+  float sphere[kSpheresPerScene][4] = {};  // centre, radius
+  std::span<const Weather> weather;        // one a character; empty: dry and clean
+  LodSettings lod;
+  SkipSettings skip;
+};
+
+}  // namespace pelt
