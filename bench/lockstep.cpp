@@ -78,17 +78,28 @@ std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
   }
 }
 
-CaseRun::CaseRun(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
+FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {
+  FrameSettings all;
+  if (settings == Settings::kNoSkips)
+    all.skip = {.sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false};
+  if (settings == Settings::kLod) {
+    all.skip.lod = true;
+    all.lod.strand_budget = uint32_t(scenario.StrandCount() / 2);
+  }
+  return all;
+}
+
+CaseRun::CaseRun(Scenario& scenario, const VerifyCase& what, const FrameSettings& settings,
                  const std::function<void(const VerifyCase&, Plan&)>& tamper)
     : running_(scenario, SceneOptionsOf(what)),
       plan_(running_.scene().plan()),
       executor_(MakeExecutor(what)),
-      skip_(skip) {
+      settings_(settings) {
   if (tamper) tamper(what, plan_);
 }
 
 void CaseRun::RunFrame(uint32_t frame) {
-  running_.Begin(frame, skip_, LodSettings{});
+  running_.Begin(frame, settings_.skip, settings_.lod);
   Frame work = running_.scene().CurrentFrame();
   work.plan = &plan_;
   executor_->Run(work);

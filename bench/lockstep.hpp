@@ -13,10 +13,17 @@ namespace pelt {
 SceneOptions SceneOptionsOf(const VerifyCase& what);
 std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what);
 
+struct FrameSettings {
+  SkipSettings skip;
+  LodSettings lod;
+};
+// With LOD, a budget of half the scenario's strands.
+FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario);
+
 // A scenario under one case: its scene, plan and executor.
 class CaseRun {
  public:
-  CaseRun(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
+  CaseRun(Scenario& scenario, const VerifyCase& what, const FrameSettings& settings,
           const std::function<void(const VerifyCase&, Plan&)>& tamper);
 
   void RunFrame(uint32_t frame);
@@ -28,7 +35,7 @@ class CaseRun {
   RunningScenario running_;
   Plan plan_;
   std::unique_ptr<Executor> executor_;
-  SkipSettings skip_;
+  FrameSettings settings_;
 };
 
 // The first difference after a frame, going through the table's stages in order. Streams that only

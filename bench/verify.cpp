@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "bench/lockstep.hpp"
@@ -15,7 +16,8 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kWorkerCounts[] = {1, 2, 3, 7};
+constexpr uint32_t kWorkerCounts[] = {1, 2, 3, 7, 16};
+constexpr Settings kAllSettings[] = {Settings::kSkips, Settings::kNoSkips, Settings::kLod};
 constexpr uint64_t kOrderSeeds[] = {0, 1, 2};
 
 using StreamDigests = std::array<uint64_t, kStreamCount>;
@@ -40,7 +42,7 @@ bool SameDigests(const StreamDigests& a, const StreamDigests& b, bool with_verti
 using Course = std::vector<StreamDigests>;  // by frame
 
 Course RecordCourse(Scenario& scenario, const VerifyCase& what, uint32_t frames) {
-  CaseRun run(scenario, what, SkipSettings{}, {});
+  CaseRun run(scenario, what, FrameSettingsOf(what.settings, scenario), {});
   Course course;
   for (uint32_t f = 0; f < frames; ++f) {
     run.RunFrame(f);
@@ -65,7 +67,22 @@ Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame) {
 VerifyCase ReferenceFor(const VerifyCase& what) {
   VerifyCase reference;
   reference.vertex_order = what.vertex_order;
+  reference.settings = what.settings;
   return reference;
+}
+
+// The two vertex orders must agree on all but the vertices themselves.
+CaseResult CompareVertexOrders(Settings settings, const auto& reference_for) {
+  const VerifyCase sorted{.settings = settings};
+  CaseResult result;
+  result.what = {.vertex_order = VertexOrder::kIndexBuffer, .settings = settings};
+  const Course &expected = reference_for(sorted), &found = reference_for(result.what);
+  for (uint32_t f = 0; f < expected.size() && result.passed; ++f)
+    if (!SameDigests(expected[f], found[f], false)) {
+      result.passed = false;
+      result.reason = fmt::format("frame {}: the vertex orders differ before the vertices", f);
+    }
+  return result;
 }
 
 void CheckExecutor(CaseRun& run, CaseResult& result) {
@@ -92,9 +109,10 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
                    const VerifyOptions& options) {
   CaseResult result;
   result.what = what;
+  const FrameSettings settings = FrameSettingsOf(what.settings, scenario);
   uint32_t frame = 0;
   {
-    CaseRun run(scenario, what, SkipSettings{}, options.tamper);
+    CaseRun run(scenario, what, settings, options.tamper);
     CheckExecutor(run, result);
     for (; frame < options.frames; ++frame) {
       run.RunFrame(frame);
@@ -104,8 +122,8 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
   }
   if (frame == options.frames) return result;
   result.passed = false;
-  result.mismatch = Locate(CaseRun(scenario, ReferenceFor(what), SkipSettings{}, {}),
-                           CaseRun(scenario, what, SkipSettings{}, options.tamper), frame);
+  result.mismatch = Locate(CaseRun(scenario, ReferenceFor(what), settings, {}),
+                           CaseRun(scenario, what, settings, options.tamper), frame);
   const std::string difference = DescribeMismatch(*result.mismatch);
   result.reason = result.reason.empty() ? difference : result.reason + "; " + difference;
   return result;
@@ -145,7 +163,7 @@ struct SkipCourse {
 
 SkipCourse RecordSkips(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
                        uint32_t frames) {
-  CaseRun run(scenario, what, skip, {});
+  CaseRun run(scenario, what, FrameSettings{skip, {}}, {});
   SkipCourse course;
   for (uint32_t f = 0; f < frames; ++f) {
     run.RunFrame(f);
@@ -178,7 +196,7 @@ SkipResult CompareSkip(Scenario& scenario, const VerifyCase& what, const SkipCou
     if (SameDigests(base.digests[f], without.digests[f], true)) continue;
     result.passed = false;
     result.mismatch =
-        Locate(CaseRun(scenario, what, skip, {}), CaseRun(scenario, what, SkipSettings{}, {}), f);
+        Locate(CaseRun(scenario, what, FrameSettings{skip, {}}, {}), CaseRun(scenario, what, {}, {}), f);
     result.reason = DescribeMismatch(*result.mismatch);
     break;
   }
@@ -216,16 +234,18 @@ std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> cases;
   for (const Isa isa : kAllIsas) {
     if (!FindKernels(isa)) continue;
-    for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
-      for (const bool pieces : {false, true})
-        for (const bool fuse : {true, false})
-          for (VerifyCase c : executors) {
-            c.isa = isa;
-            c.vertex_order = order;
-            c.piecewise_sort = pieces;
-            c.fuse = fuse;
-            cases.push_back(c);
-          }
+    for (const Settings settings : kAllSettings)
+      for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
+        for (const bool pieces : {false, true})
+          for (const bool fuse : {true, false})
+            for (VerifyCase c : executors) {
+              c.isa = isa;
+              c.settings = settings;
+              c.vertex_order = order;
+              c.piecewise_sort = pieces;
+              c.fuse = fuse;
+              cases.push_back(c);
+            }
   }
   return cases;
 }
@@ -241,30 +261,24 @@ VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
   std::vector<VerifyCase> cases = AllCases();
   if (options.filter) std::erase_if(cases, [&](const VerifyCase& c) { return !options.filter(c); });
 
-  const VerifyCase sorted{}, indexed{.vertex_order = VertexOrder::kIndexBuffer};
-  const Course sorted_course = RecordCourse(scenario, sorted, options.frames);
-  const Course indexed_course = RecordCourse(scenario, indexed, options.frames);
+  // References, made when a case first asks.
+  std::map<std::pair<Settings, VertexOrder>, Course> references;
+  const auto reference_for = [&](const VerifyCase& what) -> const Course& {
+    auto [at, fresh] = references.try_emplace({what.settings, what.vertex_order});
+    if (fresh) at->second = RecordCourse(scenario, ReferenceFor(what), options.frames);
+    return at->second;
+  };
   Digest fold;
-  for (const StreamDigests& frame : sorted_course)
+  for (const StreamDigests& frame : reference_for({}))
     for (const uint64_t digest : frame) fold.Add64(digest);
   report.digest = fold.Value();
-
-  // The two vertex orders must agree on all but the vertices themselves.
-  CaseResult orders;
-  orders.what = indexed;
-  for (uint32_t f = 0; f < options.frames && orders.passed; ++f)
-    if (!SameDigests(sorted_course[f], indexed_course[f], false)) {
-      orders.passed = false;
-      orders.reason = fmt::format("frame {}: the vertex orders differ before the vertices", f);
-    }
-  report.cases.push_back(orders);
+  for (const Settings settings : kAllSettings)
+    report.cases.push_back(CompareVertexOrders(settings, reference_for));
 
   uint32_t done = 0;
   for (const VerifyCase& what : cases) {
     if (options.progress) options.progress(done++, uint32_t(cases.size()), NameCase(what));
-    const Course& reference =
-        what.vertex_order == VertexOrder::kSorted ? sorted_course : indexed_course;
-    report.cases.push_back(RunCase(scenario, what, reference, options));
+    report.cases.push_back(RunCase(scenario, what, reference_for(what), options));
   }
   if (options.skips) VerifySkips(scenario, options, report);
   return report;

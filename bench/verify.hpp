@@ -1,8 +1,8 @@
 // Whether a scene gives the same bits whatever runs it.
 //
 // The reference is the serial executor with the reference kernels. Every case differs from it in
-// executor, workers, order, fusion, instruction set or sort; after each frame the digests of all
-// value streams are held against the reference's. On a mismatch both are run again in lock-step and
+// executor, workers, order, fusion, instruction set, sort or settings (LOD, skips); after each frame
+// the digests of all value streams are held against those of the reference with the same settings. On a mismatch both are run again in lock-step and
 // the first differing stage, block, row and lane is named. A second section switches each skip off
 // and wants the same digests again.
 //
@@ -25,6 +25,10 @@ enum class ExecutorKind : uint8_t { kSerial, kTbb, kPermuted, kLocalStore };
 std::string_view ExecutorName(ExecutorKind kind);  // "serial", "tbb", "permuted", "local-store"
 std::optional<ExecutorKind> ParseExecutor(std::string_view name);
 
+// What a frame is told to leave out. LOD is its own picture, so each has a reference of its own.
+enum class Settings : uint8_t { kSkips, kNoSkips, kLod };
+std::string_view SettingsName(Settings settings);  // "skips", "no-skips", "lod"
+
 struct VerifyCase {
   ExecutorKind executor = ExecutorKind::kSerial;
   uint32_t workers = 1;     // tbb
@@ -33,6 +37,7 @@ struct VerifyCase {
   Isa isa = Isa::kReference;
   VertexOrder vertex_order = VertexOrder::kSorted;
   bool piecewise_sort = false;
+  Settings settings = Settings::kSkips;
 };
 std::string NameCase(const VerifyCase& what);
 

@@ -19,6 +19,8 @@ std::string ExecutorColumn(const VerifyCase& what) {
   return std::string(ExecutorName(what.executor));
 }
 
+constexpr std::string_view kSettings[] = {"skips", "no-skips", "lod"};
+
 std::string_view OrderName(VertexOrder order) {
   return order == VertexOrder::kSorted ? "sorted" : "index-buffer";
 }
@@ -49,6 +51,8 @@ void AddMismatch(JsonText& json, const Mismatch& m) {
 
 std::string_view ExecutorName(ExecutorKind kind) { return kExecutors[size_t(kind)]; }
 
+std::string_view SettingsName(Settings settings) { return kSettings[size_t(settings)]; }
+
 std::optional<ExecutorKind> ParseExecutor(std::string_view name) {
   for (size_t i = 0; i < std::size(kExecutors); ++i)
     if (kExecutors[i] == name) return ExecutorKind(i);
@@ -56,9 +60,10 @@ std::optional<ExecutorKind> ParseExecutor(std::string_view name) {
 }
 
 std::string NameCase(const VerifyCase& what) {
-  return fmt::format("{}, {}, {}, vertices {}, sort {}", ExecutorColumn(what), IsaName(what.isa),
-                     what.fuse ? "fused" : "unfused", OrderName(what.vertex_order),
-                     what.piecewise_sort ? "in pieces" : "whole");
+  return fmt::format("{}, {}, {}, vertices {}, sort {}, {}", ExecutorColumn(what),
+                     IsaName(what.isa), what.fuse ? "fused" : "unfused",
+                     OrderName(what.vertex_order), what.piecewise_sort ? "in pieces" : "whole",
+                     SettingsName(what.settings));
 }
 
 std::string DescribeMismatch(const Mismatch& m) {
@@ -104,7 +109,7 @@ std::string DescribeReport(const VerifyReport& report) {
   }
   out +=
       "each cell: fused and unfused plan x sorted vertices and index buffer x whole and "
-      "piecewise sort\n";
+      "piecewise sort x skips on, off and LOD\n";
   for (const std::string& isa : report.not_run)
     out += fmt::format("skipped: {} (this processor or build lacks it)\n", isa);
   if (!report.skips.empty())
@@ -147,6 +152,7 @@ std::string ReportAsJson(const VerifyReport& report) {
     json.Add("fused", c.what.fuse);
     json.Add("vertex_order", OrderName(c.what.vertex_order));
     json.Add("piecewise_sort", c.what.piecewise_sort);
+    json.Add("settings", SettingsName(c.what.settings));
     json.Add("passed", c.passed);
     if (!c.reason.empty()) json.Add("reason", c.reason);
     if (c.mismatch) AddMismatch(json, *c.mismatch);

@@ -9,6 +9,7 @@
 //   reads what it declared Out             local store
 //   writes past its block                  local store (named)
 //   reaches across the layer undeclared    execution order (declared: the plan's barrier)
+//   a plan that lost a barrier             execution order
 //   two chunks scatter to one place        execution order
 //   scatters outside its layer             local store (named)
 //   lane-count-dependent sum               instruction sets
@@ -47,14 +48,16 @@ struct Verdict {
   }
 };
 
-uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fuse) {
+uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fuse,
+                   void (*tamper)(Plan&) = nullptr) {
   SyntheticScene scene(kLayers);
   // Record lists of the gather: lane i of the layer's first chunk.
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     auto* list = reinterpret_cast<uint32_t*>(scene.memory().Block(Stream::kSortPairsA, c));
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) list[i] = i;
   }
-  const Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse});
+  Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse});
+  if (tamper) tamper(plan);
   Digest digest;
   for (uint32_t f = 0; f < kFrames; ++f) {
     executor.Run({&plan, &scene.memory()});
@@ -151,6 +154,25 @@ TEST(PlantedFaults, ReachingAcrossTheLayerDeclaredGetsItsBarrier) {
   const auto stages = FrameOf<GathersAcrossTheLayer>();
   EXPECT_EQ(CompilePlan(stages, MakeShape(kLayers), {}).passes.size(), 2u);
   ExpectHealthy(Judge(stages));
+}
+
+// Both stages in one pass: what an executor without the barrier would do at worst.
+void DropBarrier(Plan& plan) {
+  plan.passes[0].stage_count += plan.passes[1].stage_count;
+  plan.passes.pop_back();
+}
+
+TEST(PlantedFaults, AMissingBarrierIsCaughtByOrder) {
+  const auto stages = FrameOf<GathersAcrossTheLayer>();
+  SerialExecutor serial;
+  const uint64_t truth = RunFrames(stages, serial, true);
+  bool caught = false;
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    PermutedExecutor permuted(seed), again(seed);
+    EXPECT_EQ(RunFrames(stages, permuted, true), truth) << "with its barrier";
+    caught |= RunFrames(stages, again, true, DropBarrier) != truth;
+  }
+  EXPECT_TRUE(caught);
 }
 
 TEST(PlantedFaults, CollidingScatterIsCaughtByOrder) {
