@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/run_report.hpp"
 #include "bench/scenarios.hpp"
@@ -27,14 +29,61 @@ struct RunArgs {
   double fps = 0.0;                      // 0: the scenario's own
   std::string picture;
   uint32_t picture_width_px = 1200, picture_height_px = 900;
+  std::string trace;           // Chrome trace file to write
+  uint32_t trace_frames = 10;  // the last ones; 0: all
+  std::string digest_log;      // to write
   bool json = false;
 };
 int Run(const RunArgs& args);
 
+// The scenario as the arguments change it; what was assumed goes to `notes`, unless that is null.
+Scenario LoadForRun(const RunArgs& args, std::FILE* notes);
+// What makes its digests others than the scene's own: "lod, strand budget 400"; empty: nothing.
+std::string DescribeSettings(const RunArgs& args);
+
+struct RecordArgs {
+  RunArgs run;
+  std::string out;
+};
+int Record(const RecordArgs& args);
+
+struct ReplayArgs {
+  std::string path;
+  // What runs it; the vertex order is the recording's.
+  VerifyCase as{.executor = ExecutorKind::kTbb, .workers = 0, .isa = BestIsa()};
+  std::string digest_log;
+  bool json = false;
+};
+int ReplayRecording(const ReplayArgs& args);
+
+struct ShowArgs {
+  std::string path;
+  bool json = false;
+};
+int ShowRecording(const ShowArgs& args);
+
+struct DiffArgs {
+  std::string left, right;
+  bool json = false;
+};
+int Diff(const DiffArgs& args);
+
+struct GoldenArgs {
+  std::string check, renew;  // folders; one of them
+  std::string scene;         // empty: all
+};
+int CheckOrRenewGolden(const GoldenArgs& args);
+
+struct ReportArgs {
+  RunArgs run;
+  std::string out = "report.html";
+};
+int Report(const ReportArgs& args);
+
 struct PlanArgs {
   ScenarioRequest request;
   SceneOptions options;
-  bool chunk = false, json = false;
+  bool chunk = false, memory = false, json = false;
 };
 int PrintPlan(const PlanArgs& args);
 
@@ -45,5 +94,13 @@ struct VerifyArgs {
   bool skips = true, json = false;
 };
 int VerifyScene(const VerifyArgs& args);
+
+struct ConformanceArgs {
+  std::string door;      // empty: all
+  uint32_t workers = 0;  // 0: one for each core, at least two
+  bool json = false;
+};
+std::vector<std::string> ConformanceDoorNames();
+int CheckConformance(const ConformanceArgs& args);
 
 }  // namespace pelt

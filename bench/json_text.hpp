@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 
+#include "traces/json_string.hpp"
+
 namespace pelt {
 
 class JsonText {
@@ -62,18 +64,7 @@ class JsonText {
     Quote(key);
     text_ += ": ";
   }
-  void Quote(std::string_view value) {
-    text_ += '"';
-    for (const char c : value) {
-      if (c == '"' || c == '\\') text_ += '\\';
-      if (static_cast<unsigned char>(c) < 0x20) {
-        text_ += fmt::format("\\u{:04x}", int(c));
-      } else {
-        text_ += c;
-      }
-    }
-    text_ += '"';
-  }
+  void Quote(std::string_view value) { AppendJsonString(text_, value); }
 
   std::string text_;
   bool first_ = true;

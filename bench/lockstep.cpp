@@ -1,7 +1,13 @@
 #include "bench/lockstep.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <thread>
+
+#include "jobs/adapters/pull_pool.hpp"
+#include "jobs/adapters/thread_pool_door.hpp"
+#include "jobs/engine_door.hpp"
 #include "jobs/tbb_executor.hpp"
 #include "platform_sim/local_store.hpp"
 #include "traces/digest.hpp"
@@ -53,6 +59,19 @@ bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t i
   return true;
 }
 
+// The door with an engine behind it.
+class PooledDoorExecutor final : public Executor {
+ public:
+  explicit PooledDoorExecutor(uint32_t workers) : pool_(workers), executor_(pool_.door()) {}
+  void Run(const Frame& frame) override { executor_.Run(frame); }
+  uint32_t ObservedWorkers() { return pool_.ObservedWorkers(); }
+  DoorFaults faults() const { return executor_.faults(); }
+
+ private:
+  ThreadPoolDoor pool_;
+  DoorExecutor executor_;
+};
+
 }  // namespace
 
 SceneOptions SceneOptionsOf(const VerifyCase& what) {
@@ -65,10 +84,20 @@ SceneOptions SceneOptionsOf(const VerifyCase& what) {
   return options;
 }
 
+uint32_t WorkersOf(const VerifyCase& what) {
+  if (!HasWorkers(what.executor)) return 1;
+  return what.workers ? what.workers : std::max(1u, std::thread::hardware_concurrency());
+}
+
 std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
+  const uint32_t workers = WorkersOf(what);
   switch (what.executor) {
     case ExecutorKind::kTbb:
-      return std::make_unique<TbbExecutor>(what.workers);
+      return std::make_unique<TbbExecutor>(workers);
+    case ExecutorKind::kDoor:
+      return std::make_unique<PooledDoorExecutor>(workers);
+    case ExecutorKind::kPull:
+      return std::make_unique<PullPool>(workers);
     case ExecutorKind::kPermuted:
       return std::make_unique<PermutedExecutor>(what.order_seed);
     case ExecutorKind::kLocalStore:
@@ -76,6 +105,24 @@ std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
     default:
       return std::make_unique<SerialExecutor>();
   }
+}
+
+uint32_t ObservedWorkers(Executor& executor) {
+  if (auto* tbb = dynamic_cast<TbbExecutor*>(&executor)) return tbb->ObservedWorkers();
+  if (auto* door = dynamic_cast<PooledDoorExecutor*>(&executor)) return door->ObservedWorkers();
+  if (auto* pull = dynamic_cast<PullPool*>(&executor)) return pull->ObservedWorkers();
+  return 1;
+}
+
+std::vector<std::string> FaultsOf(const Executor& executor) {
+  std::vector<std::string> faults;
+  const auto* door = dynamic_cast<const PooledDoorExecutor*>(&executor);
+  if (door && door->faults().Any()) faults.push_back("door: " + door->faults().Text());
+  if (const auto* store = dynamic_cast<const LocalStoreExecutor*>(&executor))
+    for (const LocalStoreFault& fault : store->faults())
+      faults.push_back(
+          fmt::format("local store: stage {}, item {}: {}", fault.stage, fault.item, fault.what));
+  return faults;
 }
 
 FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {

@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "bench/verify.hpp"
 #include "jobs/frame.hpp"
@@ -11,7 +13,14 @@
 namespace pelt {
 
 SceneOptions SceneOptionsOf(const VerifyCase& what);
+// Threads it is to run on: `what.workers`, for 0 one for each core; 1 for executors without
+// workers.
+uint32_t WorkersOf(const VerifyCase& what);
 std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what);
+// Threads of an executor with workers that ran together, found by a rendezvous; 1 for others.
+uint32_t ObservedWorkers(Executor& executor);
+// What an executor found wrong while it ran, a line each: local-store faults, a door misused.
+std::vector<std::string> FaultsOf(const Executor& executor);
 
 struct FrameSettings {
   SkipSettings skip;

@@ -110,34 +110,50 @@ void AddSkips(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
 }
 
-void SetUpRun(CLI::App& root, RunArgs& args, WeatherCourse& weather) {
-  auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
-  AddSource(*app, args.request);
-  app->add_option("--frames", args.options.frames, "Frames to run; 0: the scene's own number")
+void AddFrames(CLI::App& app, uint32_t& frames) {
+  app.add_option("--frames", frames, "Frames to run; 0: the scene's own number")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  app->add_option_function<std::string>(
-         "--executor",
-         [&args](const std::string& name) { args.options.executor = *ParseExecutor(name); },
+}
+
+void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {
+  app.add_option_function<std::string>(
+         "--executor", [&executor](const std::string& name) { executor = *ParseExecutor(name); },
          "What runs the frames: tbb if not given")
-      ->check(CLI::IsMember({"serial", "tbb", "permuted", "local-store"}));
-  app->add_option("--workers", args.options.workers, "Threads for tbb; 0: one for each core")
+      ->check(CLI::IsMember({"serial", "tbb", "door", "pull", "permuted", "local-store"}));
+  app.add_option("--workers", workers, "Threads for tbb, door and pull; 0: one for each core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app->add_option("--order-seed", args.options.order_seed, "Order for permuted; 0: backwards")
+  app.add_option("--order-seed", order_seed, "Order for permuted; 0: backwards")
       ->capture_default_str();
-  AddIsa(*app, "Instruction set of the kernels: the widest there is if not given",
-         [&args](Isa isa) { args.options.scene.isa = isa; });
-  AddPlanOptions(*app, args.options.scene);
-  AddSkips(*app, args.options);
-  app->add_option("--fps", args.fps, "Frames a second of the simulation; 0: the scene's own")
+}
+
+void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
+  app.add_option("--fps", fps, "Frames a second of the simulation; 0: the scene's own")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  app->add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(CLI::Range(0.0, 1.0));
-  app->add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(CLI::Range(0.0, 1.0));
-  app->add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
+  app.add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
       ->capture_default_str();
-  app->add_flag("!--no-digest", args.options.digest, "Do not take digests");
+}
+
+// What runs and how.
+void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
+  AddSource(app, args.request);
+  AddFrames(app, args.options.frames);
+  AddExecutor(app, args.options.executor, args.options.workers, args.options.order_seed);
+  AddIsa(app, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.options.scene.isa = isa; });
+  AddPlanOptions(app, args.options.scene);
+  AddSkips(app, args.options);
+  AddTimeAndWeather(app, args.fps, weather);
+  app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
+}
+
+void SetUpRun(CLI::App& root, RunArgs& args, WeatherCourse& weather) {
+  auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
+  AddRun(*app, args, weather);
   app->add_option("--picture", args.picture, "PNG file for a picture of the last frame");
   app->add_option("--picture-width", args.picture_width_px, "In pixels")
       ->check(CLI::Range(16, 4096))
@@ -145,14 +161,35 @@ void SetUpRun(CLI::App& root, RunArgs& args, WeatherCourse& weather) {
   app->add_option("--picture-height", args.picture_height_px, "In pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
+  app->add_option("--trace", args.trace,
+                  "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
+                  "every second frame, which keeps its cost below 2 %");
+  app->add_option("--trace-frames", args.trace_frames, "With --trace: how many frames; 0: all")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app->add_option("--digest-log", args.digest_log,
+                  "Text file with a digest for each frame, stage and stream; see pelt diff");
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"
       "  pelt run --scene monster --frames 20\n"
+      "  pelt run --scene tiny --frames 20 --digest-log tiny.digests\n"
+      "  pelt run --scene tiny --frames 20 --trace trace.json --trace-frames 5\n"
       "  pelt run --scene tiny --executor serial --isa reference --no-sleep\n"
       "  pelt run --scene tiny --wetness 1 --dirt 0.5 --wet-at 20 --fps 30 --json\n"
       "  pelt run --character builtin --setup eyepet --frames 10 --picture eyepet.png\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
+}
+
+void SetUpReport(CLI::App& root, ReportArgs& args, WeatherCourse& weather) {
+  auto* app = root.add_subcommand("report", "Run frames and write one HTML page about them");
+  AddRun(*app, args.run, weather);
+  app->add_option("--out", args.out, "Page to write; needs nothing else to be read")
+      ->capture_default_str();
+  app->footer(
+      "Examples:\n"
+      "  pelt report --scene tiny --frames 60 --out report.html\n"
+      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2");
 }
 
 void SetUpPlan(CLI::App& root, PlanArgs& args) {
@@ -160,11 +197,18 @@ void SetUpPlan(CLI::App& root, PlanArgs& args) {
   AddSource(*app, args.request);
   AddPlanOptions(*app, args.options);
   app->add_flag("--chunk", args.chunk, "Also the blocks of a chunk and their sizes");
+  app->add_flag("--memory", args.memory, "Also what every range of the scene's block takes");
+  app->add_option_function<double>(
+         "--memory-budget-mb",
+         [&args](double mb) { args.options.memory_budget_bytes = uint64_t(mb * 1e6); },
+         "Refuse a scene whose block is larger (1 MB = 10^6 bytes)")
+      ->check(CLI::PositiveNumber);
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"
       "  pelt plan --scene monster\n"
       "  pelt plan --scene tiny --unfused --chunk\n"
+      "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
       "  pelt plan --scene eyepet --json");
 }
 
@@ -185,6 +229,100 @@ void SetUpVerify(CLI::App& root, VerifyArgs& args) {
       "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --json");
 }
 
+struct TraceArgs {
+  RecordArgs record;
+  ReplayArgs replay;
+  ShowArgs show;
+};
+
+void SetUpTrace(CLI::App& root, TraceArgs& args, WeatherCourse& weather) {
+  auto* app = root.add_subcommand(
+      "trace", "Record all that a scene is told; replay it bit for bit, anywhere");
+  app->require_subcommand(1);
+  app->footer(
+      "Examples:\n"
+      "  pelt trace record --scene tiny --frames 20 --out tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput --executor serial --isa reference --digest-log "
+      "again.digests\n"
+      "  pelt trace show tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput --executor tbb --workers 3 --unfused --json");
+  auto* record = app->add_subcommand("record", "Run frames and write an input log");
+  AddSource(*record, args.record.run.request);
+  AddFrames(*record, args.record.run.options.frames);
+  AddIsa(*record, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.record.run.options.scene.isa = isa; });
+  AddPlanOptions(*record, args.record.run.options.scene);
+  AddSkips(*record, args.record.run.options);
+  AddTimeAndWeather(*record, args.record.run.fps, weather);
+  record->add_option("--out", args.record.out, "Input log to write")->required();
+
+  auto* replay = app->add_subcommand(
+      "replay", "Run an input log again; exit code 1 when a digest is not the recorded one");
+  replay->add_option("file", args.replay.path, "Input log")->required();
+  AddExecutor(*replay, args.replay.as.executor, args.replay.as.workers, args.replay.as.order_seed);
+  AddIsa(*replay, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.replay.as.isa = isa; });
+  replay->add_flag("!--unfused", args.replay.as.fuse, "One stage a pass");
+  replay->add_flag("--sort-pieces", args.replay.as.piecewise_sort, "Every layer sorts in pieces");
+  replay->add_option("--digest-log", args.replay.digest_log,
+                     "Text file with a digest for each frame, stage and stream");
+  replay->add_flag("--json", args.replay.json, "Machine-readable output");
+
+  auto* show = app->add_subcommand("show", "What an input log holds");
+  show->add_option("file", args.show.path, "Input log")->required();
+  show->add_flag("--json", args.show.json, "Machine-readable output");
+}
+
+void SetUpDiff(CLI::App& root, DiffArgs& args) {
+  auto* app = root.add_subcommand(
+      "diff", "The first difference of two digest logs, input logs or grooms; exit code 1 if any");
+  app->add_option("left", args.left, "File")->required();
+  app->add_option("right", args.right, "Another of its kind")->required();
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt diff tiny.digests again.digests\n"
+      "  pelt diff tiny.peltinput tiny.peltinput\n"
+      "  pelt diff monster.groom monster.groom --json");
+}
+
+void SetUpGolden(CLI::App& root, GoldenArgs& args) {
+  auto* app = root.add_subcommand("golden", "Check the built-in scenes against kept digests");
+  auto* check =
+      app->add_option("--check", args.check, "Folder of digest logs; exit code 1 when one differs");
+  app->add_option("--renew", args.renew, "Folder of digest logs to write; says all that changed")
+      ->excludes(check);
+  app->add_option("--scene", args.scene, "Only the logs of this scene")
+      ->check(CLI::IsMember(Names(ScenarioNames())));
+  app->require_option(1, 2);
+  app->footer(
+      "Examples:\n"
+      "  pelt golden --renew . --scene tiny\n"
+      "  pelt golden --check . --scene tiny");
+}
+
+int RunTrace(const CLI::App& trace, const TraceArgs& args) {
+  if (trace.got_subcommand("record")) return Record(args.record);
+  if (trace.got_subcommand("replay")) return ReplayRecording(args.replay);
+  return ShowRecording(args.show);
+}
+
+void SetUpConformance(CLI::App& root, ConformanceArgs& args) {
+  auto* app = root.add_subcommand(
+      "conformance", "Check that job systems do what an engine door promises (jobs/README.md)");
+  app->add_option("--door", args.door, "Only this one")
+      ->check(CLI::IsMember(ConformanceDoorNames()));
+  app->add_option("--workers", args.workers, "Threads, this one included; 0: one for each core")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt conformance\n"
+      "  pelt conformance --door threads --workers 4 --json");
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
@@ -198,6 +336,18 @@ int Main(int argc, char** argv) {
   SetUpRun(app, run, weather);
   SetUpPlan(app, plan);
   SetUpVerify(app, verify);
+  ConformanceArgs conformance;
+  SetUpConformance(app, conformance);
+  TraceArgs trace;
+  WeatherCourse trace_weather;
+  DiffArgs diff;
+  GoldenArgs golden;
+  SetUpTrace(app, trace, trace_weather);
+  SetUpDiff(app, diff);
+  SetUpGolden(app, golden);
+  ReportArgs report;
+  WeatherCourse report_weather;
+  SetUpReport(app, report, report_weather);
   try {
     app.parse(argc, argv);
     for (ScenarioRequest* request : {&run.request, &plan.request, &verify.request})
@@ -205,6 +355,10 @@ int Main(int argc, char** argv) {
                              : request == &plan.request ? "plan"
                                                         : "verify"))
         CompleteSource(*request);
+    if (app.got_subcommand("report")) CompleteSource(report.run.request);
+    if (app.got_subcommand("trace")) CompleteSource(trace.record.run.request);
+    if (app.got_subcommand("golden") && golden.check.empty() == golden.renew.empty())
+      throw CLI::RequiredError("--check or --renew, which");
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     std::string message = error.what();
@@ -213,9 +367,18 @@ int Main(int argc, char** argv) {
     return kUsageError;
   }
   if (weather.wetness > 0.0f || weather.dirt > 0.0f) run.weather = weather;
+  if (trace_weather.wetness > 0.0f || trace_weather.dirt > 0.0f)
+    trace.record.run.weather = trace_weather;
+  if (report_weather.wetness > 0.0f || report_weather.dirt > 0.0f)
+    report.run.weather = report_weather;
+  if (app.got_subcommand("report")) return Report(report);
+  if (app.got_subcommand("trace")) return RunTrace(*app.get_subcommand("trace"), trace);
+  if (app.got_subcommand("diff")) return Diff(diff);
+  if (app.got_subcommand("golden")) return CheckOrRenewGolden(golden);
   if (app.got_subcommand("bake")) return Bake(bake);
   if (app.got_subcommand("run")) return Run(run);
   if (app.got_subcommand("plan")) return PrintPlan(plan);
+  if (app.got_subcommand("conformance")) return CheckConformance(conformance);
   return VerifyScene(verify);
 }
 

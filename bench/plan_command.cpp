@@ -4,14 +4,10 @@
 
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
+#include "bench/timeline.hpp"
 
 namespace pelt {
 namespace {
-
-std::string_view DomainName(Domain domain) {
-  constexpr std::string_view kNames[] = {"scene", "character", "layer", "chunk"};
-  return kNames[size_t(domain)];
-}
 
 std::string DescribeChunks() {
   std::string out = fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:\n",
@@ -57,6 +53,12 @@ std::string PlanAsJson(const FurScene& scene) {
     json.EndObject();
   }
   json.EndArray();
+  json.BeginObject("memory");
+  for (const MemoryRange& range : scene.layout().ranges)
+    if (range.bytes) json.Add(range.name, range.bytes);
+  json.EndObject();
+  json.Add("memory_bytes", scene.layout().total_bytes);
+  json.Add("heap_bytes", scene.HeapBytes());
   json.EndObject();
   return json.text();
 }
@@ -77,6 +79,9 @@ int PrintPlan(const PlanArgs& args) {
   }
   fmt::print("{}", DescribePlan(scene.plan(), scene.shape()));
   if (args.chunk) fmt::print("\n{}", DescribeChunks());
+  if (args.memory)
+    fmt::print("\n{}and {} bytes outside the block: plan and tables of the scene\n",
+               DescribeMemory(scene.layout()), scene.HeapBytes());
   return 0;
 }
 

@@ -5,11 +5,35 @@
 #include "bench/commands.hpp"
 #include "bench/picture.hpp"
 #include "bench/progress.hpp"
+#include "bench/stage_digests.hpp"
+#include "bench/timeline.hpp"
 #include "core/error.hpp"
+#include "jobs/tick_clock.hpp"
+#include "traces/chrome_trace.hpp"
+#include "traces/file_bytes.hpp"
 
 namespace pelt {
+namespace {
 
-int Run(const RunArgs& args) {
+void WriteTrace(const FurScene& scene, const RunReport& report, std::span<const FrameRecord> frames,
+                double ns_per_tick, const std::string& path) {
+  Timeline timeline = BuildTimeline(scene, frames, report.workers, ns_per_tick);
+  timeline.process = fmt::format("pelt {}", report.scene);
+  timeline.metadata = {
+      {"scene", report.scene},
+      {"digest", report.options.digest ? fmt::format("{:016x}", report.digest) : "not taken"},
+      {"executor", std::string(ExecutorName(report.options.executor))},
+      {"workers", fmt::format("{}", report.workers)},
+      {"kernels", std::string(IsaName(report.options.scene.isa))},
+      {"machine", fmt::format("{} ({} cores)", report.machine.processor, report.machine.cores)},
+      {"compiler", report.machine.compiler},
+      {"commit", report.machine.commit}};
+  WriteFileBytes("trace", path, AsBytes(ChromeTrace(timeline)));
+}
+
+}  // namespace
+
+Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
   Scenario scenario;
   {
     Progress progress("bake", 1);
@@ -17,20 +41,46 @@ int Run(const RunArgs& args) {
       progress.Show(done, fmt::format("character {} of {}", done + 1, total));
     });
   }
-  // In JSON output only the JSON goes to standard output.
-  for (const std::string& note : scenario.notes)
-    fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
+  if (notes)
+    for (const std::string& note : scenario.notes) fmt::print(notes, "note: {}\n", note);
   if (args.weather) scenario.weather_course = *args.weather;
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
+  return scenario;
+}
+
+int Run(const RunArgs& args) {
+  if (!args.trace.empty()) CheckRecords(args.options.executor);
+  // In JSON output only the JSON goes to standard output.
+  Scenario scenario = LoadForRun(args, args.json ? stderr : stdout);
   RunOptions options = args.options;
   options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
   RunningScenario running(scenario, options.scene);
+  std::vector<FrameRecord> records;
+  const TickScale tick_scale;
+  if (!args.trace.empty()) {
+    const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
+    if (args.trace_frames && args.trace_frames < frames)
+      options.observe_from_frame = frames - args.trace_frames;
+    options.observe = [&](const FinishedFrame& f) {
+      records.push_back(RecordFrame(f.scene, f.profile, f.frame, f.ticks));
+    };
+  }
+  const StageDigests stage_digests(running.scene());
+  DigestLog digest_log =
+      stage_digests.Begin(scenario.name, DescribeSettings(args), options.scene.vertex_order);
+  if (!args.digest_log.empty())
+    options.after_frame = [&](uint32_t, const FurScene& scene) {
+      stage_digests.AddFrame(scene, digest_log);
+    };
   RunReport report;
   {
     Progress progress("run", options.frames ? options.frames : scenario.default_frames);
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     report = RunFrames(scenario, running, options);
   }
+  if (!args.digest_log.empty()) WriteDigestLogFile(digest_log, args.digest_log);
+  if (!args.trace.empty())
+    WriteTrace(running.scene(), report, records, tick_scale.NsPerTick(), args.trace);
   if (!args.picture.empty()) {
     const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
     WritePicture(scenario, running.scene(), camera, options.scene.vertex_order,
@@ -38,8 +88,11 @@ int Run(const RunArgs& args) {
   }
   fmt::print("{}\n", args.json ? RunAsJson(report) : DescribeRun(report));
   if (!args.picture.empty() && !args.json) fmt::print("picture {}\n", args.picture);
+  if (!args.trace.empty() && !args.json)
+    fmt::print("trace of {} frames {}\n", records.size(), args.trace);
+  if (!args.digest_log.empty() && !args.json) fmt::print("digest log {}\n", args.digest_log);
   if (!report.faults.empty())
-    throw Error(fmt::format("{} local-store faults, the first: {}", report.faults.size(),
+    throw Error(fmt::format("{} faults, the first: {}", report.faults.size(),
                             report.faults.front()));
   return 0;
 }

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "bench/json_text.hpp"
 #include "bench/lockstep.hpp"
+#include "core/error.hpp"
 #include "jobs/pass_loop.hpp"
-#include "jobs/tbb_executor.hpp"
-#include "platform_sim/local_store.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
@@ -22,35 +22,23 @@ void AddSpread(JsonText& json, std::string_view key, const Spread& spread) {
   json.EndObject();
 }
 
-std::string_view RoleName(Role role) {
-  constexpr std::string_view kNames[] = {"input", "value", "booking", "scratch"};
-  return kNames[size_t(role)];
-}
-
-std::string DescribeMemory(const RunReport& report) {
-  std::string out = fmt::format("{:<18} {:>8} {:>10}  {}\n", "memory", "blocks", "KB", "role");
-  for (const MemoryRange& range : report.memory)
-    if (range.bytes)
-      out += fmt::format("{:<18} {:>8} {:>10.1f}  {}\n", range.name, range.blocks,
-                         double(range.bytes) / 1000.0, RoleName(range.role));
-  out += fmt::format(
-      "{:<18} {:>8} {:>10.1f}  {:.0f} bytes a strand, {:.1f} of them simulation "
-      "state\n",
-      "all", "", double(report.memory_bytes) / 1000.0,
-      double(report.memory_bytes) / double(report.strands), report.state_bytes_per_strand);
-  return out;
-}
-
 std::string DescribeExecutor(const RunReport& report) {
   const RunOptions& o = report.options;
-  if (o.executor == ExecutorKind::kTbb)
-    return fmt::format("tbb, {} workers asked for, {} observed", report.workers,
-                       report.workers_observed);
+  if (HasWorkers(o.executor))
+    return fmt::format("{}, {} workers asked for, {} observed", ExecutorName(o.executor),
+                       report.workers, report.workers_observed);
   if (o.executor == ExecutorKind::kPermuted) return fmt::format("permuted, seed {}", o.order_seed);
   return std::string(ExecutorName(o.executor));
 }
 
 }  // namespace
+
+void CheckRecords(ExecutorKind executor) {
+  if (executor == ExecutorKind::kLocalStore)
+    throw Error(
+        "the local-store executor records no times: what it spends copying is not what a frame "
+        "costs. Take serial, tbb or permuted");
+}
 
 RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options) {
   VerifyCase as_case;
@@ -65,40 +53,47 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.machine = DescribeMachine();
   report.options = options;
   report.frames = options.frames ? options.frames : scenario.default_frames;
-  if (auto* tbb = dynamic_cast<TbbExecutor*>(executor.get())) {
-    report.workers = tbb->workers();
-    report.workers_observed = tbb->ObservedWorkers();
-  }
+  report.workers = WorkersOf(as_case);
+  report.workers_observed = ObservedWorkers(*executor);
   report.strands = scene.layout().strand_count;
   report.characters = scene.shape().character_count;
   report.layers = scene.shape().layer_count;
   report.chunks = scene.shape().chunk_count;
   report.memory = scene.layout().ranges;
+  report.memory_table = DescribeMemory(scene.layout());
   report.memory_bytes = scene.layout().total_bytes;
   report.state_bytes_per_strand = scene.layout().StateBytesPerStrand();
 
   BudgetRecorder recorder(scene, report.frames);
+  std::optional<FrameRecording> recording;  // for frames the recorder runs without
+  if (options.observe)
+    recording.emplace(scene.plan(), scene.shape(), options.observe_all_stages);
   Digest fold;
   for (uint32_t f = 0; f < report.frames; ++f) {
     if (options.progress) options.progress(f, report.frames);
     const FrameProfile* profile = recorder.Begin();
+    const bool observed = recording && f >= options.observe_from_frame;
+    if (observed && !profile) profile = recording->profile();
+    FrameTicks ticks;
     const TimePoint start = Now();
+    ticks.begin = ReadTicks();
     running.Begin(f, options.skip, options.lod);
+    ticks.prepared = ReadTicks();
     const uint64_t caller_ns = ElapsedNs(start);
     Frame frame = scene.CurrentFrame();
     frame.profile = profile;
     executor->Run(frame);
+    ticks.end = ReadTicks();
     recorder.Finish(caller_ns, ElapsedNs(start));
+    if (observed) options.observe({f, ticks, *profile, scene});
+    if (options.after_frame) options.after_frame(f, scene);
     if (options.digest) fold.Add64(scene.DigestFrame());
   }
   report.budget = recorder.Summarise();
   if (options.digest) report.digest = fold.Value();
   report.live_strands = scene.LiveStrands();
   report.drawn_strands = scene.DrawnStrands();
-  if (const auto* store = dynamic_cast<LocalStoreExecutor*>(executor.get()))
-    for (const LocalStoreFault& fault : store->faults())
-      report.faults.push_back(
-          fmt::format("stage {}, item {}: {}", fault.stage, fault.item, fault.what));
+  report.faults = FaultsOf(*executor);
   return report;
 }
 
@@ -110,7 +105,7 @@ std::string DescribeRun(const RunReport& r) {
                      r.machine.compiler, r.machine.build_type, r.machine.commit);
   out += fmt::format("executor {}; kernels {}; {} plan\n\n", DescribeExecutor(r),
                      IsaName(r.options.scene.isa), r.options.scene.plan.fuse ? "fused" : "unfused");
-  out += DescribeBudget(r.budget, r.workers) + '\n' + DescribeMemory(r) + '\n';
+  out += DescribeBudget(r.budget, r.workers) + '\n' + r.memory_table + '\n';
   out += fmt::format("last frame: {} strands live, {} drawn\n", r.live_strands, r.drawn_strands);
   for (const std::string& fault : r.faults) out += "FAULT " + fault + '\n';
   if (r.options.digest)

@@ -8,9 +8,18 @@
 
 #include "bench/budget.hpp"
 #include "bench/machine.hpp"
+#include "bench/timeline.hpp"
 #include "bench/verify.hpp"
 
 namespace pelt {
+
+// A frame that has run, for RunOptions::observe.
+struct FinishedFrame {
+  uint32_t frame;
+  FrameTicks ticks;
+  const FrameProfile& profile;
+  const FurScene& scene;
+};
 
 struct RunOptions {
   SceneOptions scene;
@@ -22,6 +31,14 @@ struct RunOptions {
   LodSettings lod;
   bool digest = true;  // of every frame; taken outside the timed part
   std::function<void(uint32_t done, uint32_t total)> progress;
+  // Called after every frame from `observe_from_frame` on, outside the timed part. Each of these is
+  // recorded, so the budget's wall times hold what recording costs.
+  std::function<void(const FinishedFrame&)> observe;
+  uint32_t observe_from_frame = 0;
+  // Stage times in every observed frame, not only in those that the budget profiles anyway.
+  bool observe_all_stages = false;
+  // Called after every frame, outside the timed part; changes nothing about how frames are run.
+  std::function<void(uint32_t frame, const FurScene&)> after_frame;
 };
 
 struct RunReport {
@@ -35,11 +52,15 @@ struct RunReport {
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   Budget budget;
   std::vector<MemoryRange> memory;
+  std::string memory_table;  // the same for people
   uint64_t memory_bytes = 0;
   double state_bytes_per_strand = 0.0;
   uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store
 };
+
+// Throws Error when an executor records no times, for those who want to see them.
+void CheckRecords(ExecutorKind executor);
 
 // Runs the scenario from frame 0. `running` must have been made with options.scene, and has run
 // nothing yet. Throws Error when a frame refuses its input.

@@ -9,8 +9,6 @@
 
 #include "bench/lockstep.hpp"
 #include "core/error.hpp"
-#include "jobs/tbb_executor.hpp"
-#include "platform_sim/local_store.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
@@ -85,24 +83,20 @@ CaseResult CompareVertexOrders(Settings settings, const auto& reference_for) {
   return result;
 }
 
-void CheckExecutor(CaseRun& run, CaseResult& result) {
-  if (auto* tbb = dynamic_cast<TbbExecutor*>(&run.executor())) {
-    result.workers_observed = tbb->ObservedWorkers();
-    if (result.workers_observed != result.what.workers) {
-      result.passed = false;
-      result.reason = fmt::format("oneTBB ran {} workers together, not {}", result.workers_observed,
-                                  result.what.workers);
-    }
-  }
+void CheckWorkers(CaseRun& run, CaseResult& result) {
+  if (!HasWorkers(result.what.executor)) return;
+  result.workers_observed = ObservedWorkers(run.executor());
+  if (result.workers_observed == result.what.workers) return;
+  result.passed = false;
+  result.reason =
+      fmt::format("{} workers ran together, not {}", result.workers_observed, result.what.workers);
 }
 
 void CheckFaults(CaseRun& run, CaseResult& result) {
-  const auto* store = dynamic_cast<LocalStoreExecutor*>(&run.executor());
-  if (!store || store->faults().empty()) return;
-  const LocalStoreFault& fault = store->faults().front();
+  const std::vector<std::string> faults = FaultsOf(run.executor());
+  if (faults.empty()) return;
   result.passed = false;
-  result.reason = fmt::format("local store: stage {}, item {}: {} ({} faults)", fault.stage,
-                              fault.item, fault.what, store->faults().size());
+  result.reason = fmt::format("{} ({} faults)", faults.front(), faults.size());
 }
 
 CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& reference,
@@ -113,7 +107,7 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
   uint32_t frame = 0;
   {
     CaseRun run(scenario, what, settings, options.tamper);
-    CheckExecutor(run, result);
+    CheckWorkers(run, result);
     for (; frame < options.frames; ++frame) {
       run.RunFrame(frame);
       if (!SameDigests(reference[frame], DigestsOf(run.scene()), true)) break;
@@ -195,8 +189,8 @@ SkipResult CompareSkip(Scenario& scenario, const VerifyCase& what, const SkipCou
   for (uint32_t f = 0; f < frames; ++f) {
     if (SameDigests(base.digests[f], without.digests[f], true)) continue;
     result.passed = false;
-    result.mismatch =
-        Locate(CaseRun(scenario, what, FrameSettings{skip, {}}, {}), CaseRun(scenario, what, {}, {}), f);
+    result.mismatch = Locate(CaseRun(scenario, what, FrameSettings{skip, {}}, {}),
+                             CaseRun(scenario, what, {}, {}), f);
     result.reason = DescribeMismatch(*result.mismatch);
     break;
   }
@@ -225,8 +219,8 @@ void VerifySkips(Scenario& scenario, const VerifyOptions& options, VerifyReport&
 std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> executors;
   executors.push_back({});
-  for (const uint32_t n : kWorkerCounts)
-    executors.push_back({.executor = ExecutorKind::kTbb, .workers = n});
+  for (const ExecutorKind kind : {ExecutorKind::kTbb, ExecutorKind::kDoor, ExecutorKind::kPull})
+    for (const uint32_t n : kWorkerCounts) executors.push_back({.executor = kind, .workers = n});
   for (const uint64_t seed : kOrderSeeds)
     executors.push_back({.executor = ExecutorKind::kPermuted, .order_seed = seed});
   executors.push_back({.executor = ExecutorKind::kLocalStore});

@@ -1,10 +1,10 @@
 // Whether a scene gives the same bits whatever runs it.
 //
 // The reference is the serial executor with the reference kernels. Every case differs from it in
-// executor, workers, order, fusion, instruction set, sort or settings (LOD, skips); after each frame
-// the digests of all value streams are held against those of the reference with the same settings. On a mismatch both are run again in lock-step and
-// the first differing stage, block, row and lane is named. A second section switches each skip off
-// and wants the same digests again.
+// executor, workers, order, fusion, instruction set, sort or settings (LOD, skips); after each
+// frame the digests of all value streams are held against those of the reference with the same
+// settings. On a mismatch both are run again in lock-step and the first differing stage, block, row
+// and lane is named. A second section switches each skip off and wants the same digests again.
 //
 // Invariant: a report that says "same" compared every value stream of every frame of every case it
 // lists; what was not compared is listed as skipped, with the reason.
@@ -21,8 +21,19 @@
 
 namespace pelt {
 
-enum class ExecutorKind : uint8_t { kSerial, kTbb, kPermuted, kLocalStore };
-std::string_view ExecutorName(ExecutorKind kind);  // "serial", "tbb", "permuted", "local-store"
+enum class ExecutorKind : uint8_t {
+  kSerial,
+  kTbb,
+  kDoor,  // the engine's door, on a pool of std::threads
+  kPull,  // polling std::threads
+  kPermuted,
+  kLocalStore
+};
+std::string_view ExecutorName(ExecutorKind kind);  // "serial", "tbb", "door", "pull", ...
+// Whether it runs on as many threads as it is told.
+inline bool HasWorkers(ExecutorKind kind) {
+  return kind == ExecutorKind::kTbb || kind == ExecutorKind::kDoor || kind == ExecutorKind::kPull;
+}
 std::optional<ExecutorKind> ParseExecutor(std::string_view name);
 
 // What a frame is told to leave out. LOD is its own picture, so each has a reference of its own.
@@ -31,7 +42,7 @@ std::string_view SettingsName(Settings settings);  // "skips", "no-skips", "lod"
 
 struct VerifyCase {
   ExecutorKind executor = ExecutorKind::kSerial;
-  uint32_t workers = 1;     // tbb
+  uint32_t workers = 1;     // tbb, door, pull
   uint64_t order_seed = 0;  // permuted
   bool fuse = true;
   Isa isa = Isa::kReference;

@@ -11,10 +11,12 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kExecutors[] = {"serial", "tbb", "permuted", "local-store"};
+constexpr std::string_view kExecutors[] = {"serial", "tbb",      "door",
+                                           "pull",   "permuted", "local-store"};
 
 std::string ExecutorColumn(const VerifyCase& what) {
-  if (what.executor == ExecutorKind::kTbb) return fmt::format("tbb {}", what.workers);
+  if (HasWorkers(what.executor))
+    return fmt::format("{} {}", ExecutorName(what.executor), what.workers);
   if (what.executor == ExecutorKind::kPermuted) return fmt::format("permuted {}", what.order_seed);
   return std::string(ExecutorName(what.executor));
 }
@@ -146,7 +148,7 @@ std::string ReportAsJson(const VerifyReport& report) {
     json.BeginObject();
     json.Add("executor", ExecutorName(c.what.executor));
     json.Add("workers", c.what.workers);
-    if (c.what.executor == ExecutorKind::kTbb) json.Add("workers_observed", c.workers_observed);
+    if (HasWorkers(c.what.executor)) json.Add("workers_observed", c.workers_observed);
     json.Add("order_seed", c.what.order_seed);
     json.Add("isa", IsaName(c.what.isa));
     json.Add("fused", c.what.fuse);

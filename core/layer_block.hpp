@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "core/chunk.hpp"
-#include "core/groom/fur_setup.hpp"
+#include "core/groom/layer_params.hpp"
 
 namespace pelt {
 

@@ -33,6 +33,30 @@ class FloatEnvironment {
 
  private:
   uint64_t saved_;
+#elif defined(__powerpc__)
+  // All bits 0: round to nearest, no traps, denormals kept ("Java mode" in AltiVec's words; Linux
+  // starts every thread with its vectors in the other one).
+  FloatEnvironment() {
+    asm volatile("mffs %0" : "=f"(saved_));
+    asm volatile("mtfsf 255, %0" : : "f"(0.0));
+#if defined(__ALTIVEC__)
+    asm volatile("mfvscr %0" : "=v"(saved_vectors_));
+    asm volatile("mtvscr %0" : : "v"(Words{0, 0, 0, 0}));
+#endif
+  }
+  ~FloatEnvironment() {
+    asm volatile("mtfsf 255, %0" : : "f"(saved_));
+#if defined(__ALTIVEC__)
+    asm volatile("mtvscr %0" : : "v"(saved_vectors_));
+#endif
+  }
+
+ private:
+  double saved_;
+#if defined(__ALTIVEC__)
+  typedef uint32_t Words __attribute__((vector_size(16)));
+  Words saved_vectors_;
+#endif
 #else
   FloatEnvironment() {
     std::fegetenv(&saved_);

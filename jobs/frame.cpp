@@ -88,7 +88,7 @@ void RunStage(const Frame& frame, const Stage& stage, uint32_t item) {
   stage.kernel.run(stage.params, bindings);
 }
 
-// One reading of the clock a stage: where one ends the next begins.
+// One reading of the clock a stage, where one ends the next begins; or one an item.
 void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t worker) {
   const Plan& plan = *frame.plan;
   const FrameProfile& profile = *frame.profile;
@@ -101,8 +101,10 @@ void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uin
     if (!IsWanted(plan.stages[s], *frame.memory, item)) continue;
     RunStage(frame, plan.stages[s], item);
     slice.begin_ticks = now;
-    slice.end_ticks = now = ReadTicks();
+    if (profile.stage_times) now = ReadTicks();
+    slice.end_ticks = now;
   }
+  if (!profile.stage_times) now = ReadTicks();
   profile.items[profile.pass_first[pass_index] + item] = {{begin, now}, worker};
 }
 

@@ -50,6 +50,9 @@ struct FrameProfile {
   const uint32_t* pass_first;  // entry of each pass's item 0 in `items`
   ItemSlice* items;
   Slice* passes;
+  // Off: of a stage only that it ran (begin and end are its item's begin). Reading the clock round
+  // every stage is most of what a profile costs.
+  bool stage_times = true;
 };
 
 struct Frame {

@@ -11,7 +11,7 @@ namespace pelt {
 
 class FrameRecording {
  public:
-  FrameRecording(const Plan& plan, const SceneShape& shape);
+  FrameRecording(const Plan& plan, const SceneShape& shape, bool stage_times = true);
   FrameRecording(const FrameRecording&) = delete;
   FrameRecording& operator=(const FrameRecording&) = delete;
 

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "core/chunk.hpp"
-#include "core/error.hpp"
 
 namespace pelt {
 namespace {
@@ -67,22 +66,23 @@ const char* FindGateFault(const Gate& gate, Domain domain) {
   return nullptr;
 }
 
-// Throws Error when a stage cannot run as it is declared, or its items would race.
-void CheckStage(const Stage& stage) {
+// Why a stage cannot run as it is declared, or its items would race; or empty.
+std::string FindStageFault(const Stage& stage) {
   const auto ports = stage.kernel.ports;
   if (const char* fault = FindGateFault(stage.gate, stage.domain))
-    throw Error(fmt::format("stage {}: {}", stage.kernel.name, fault));
+    return fmt::format("stage {}: {}", stage.kernel.name, fault);
   for (size_t i = 0; i < ports.size(); ++i) {
     if (const char* fault = FindPortFault(ports[i], stage.domain))
-      throw Error(fmt::format("stage {}: port '{}' (stream {}): {}", stage.kernel.name,
-                              ports[i].name, DescribeStream(ports[i].stream).name, fault));
+      return fmt::format("stage {}: port '{}' (stream {}): {}", stage.kernel.name, ports[i].name,
+                         DescribeStream(ports[i].stream).name, fault);
     for (size_t j = 0; j < i; ++j)
       if (ports[i].stream == ports[j].stream &&
           (IsWritten(ports[i].access) || IsWritten(ports[j].access)))
-        throw Error(fmt::format(
+        return fmt::format(
             "stage {}: ports '{}' and '{}' are one stream ({}) and one of them is written",
-            stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name));
+            stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name);
   }
+  return {};
 }
 
 uint32_t RoundUp(uint32_t bytes) { return (bytes + kBlockAlignment - 1) & ~(kBlockAlignment - 1); }
@@ -245,10 +245,12 @@ uint32_t SortableChunks(uint32_t local_store_data_bytes) {
   return local_store_data_bytes > fixed ? (local_store_data_bytes - fixed) / per_chunk : 0;
 }
 
-Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape, const PlanOptions& options) {
+std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& shape,
+                                   const PlanOptions& options, std::string& error) {
   Plan plan{std::move(stages), {}};
   for (Stage& stage : plan.stages) {
-    CheckStage(stage);
+    error = FindStageFault(stage);
+    if (!error.empty()) return std::nullopt;
     AddStreamKinds(stage);
   }
   // A stage for kinds of layer that the scene has none of would only cost barriers.
@@ -260,12 +262,14 @@ Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape, const PlanO
     uint32_t count = 1;
     Pass pass = MeasurePass(plan.stages, first, 1, shape, true, uses);
     if (pass.resident_bytes > limit) pass = MeasurePass(plan.stages, first, 1, shape, false, uses);
-    if (pass.resident_bytes > limit && options.must_fit)
-      throw Error(fmt::format(
+    if (pass.resident_bytes > limit && options.must_fit) {
+      error = fmt::format(
           "stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
           "use smaller chunks or smaller layers",
           plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
-          pass.resident_bytes - limit, limit));
+          pass.resident_bytes - limit, limit);
+      return std::nullopt;
+    }
     while (options.fuse && first + count < plan.stages.size() &&
            CanJoin(plan.stages, first, first + count)) {
       Pass longer = MeasurePass(plan.stages, first, count + 1, shape, true, uses);

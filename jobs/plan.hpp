@@ -10,9 +10,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/error.hpp"
 #include "core/kernel.hpp"
 #include "core/streams.hpp"
 
@@ -107,10 +110,18 @@ struct Plan {
 // Largest layer, in chunks, whose sort fits a local store of `bytes` of data.
 uint32_t SortableChunks(uint32_t local_store_data_bytes);
 
-// Stages that no layer of the scene has the kind for are left out. Throws Error, naming the stage:
-// when it does not fit the local store, and by how much; when a port or gate does not suit the
-// stage's domain or stream; when two of its ports are one stream and one of them is written.
-Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape, const PlanOptions& options);
+// Stages that no layer of the scene has the kind for are left out. Fails, naming the stage: when it
+// does not fit the local store, and by how much; when a port or gate does not suit the stage's
+// domain or stream; when two of its ports are one stream and one of them is written.
+std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& shape,
+                                   const PlanOptions& options, std::string& error);
+#if defined(__cpp_exceptions)
+inline Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
+                        const PlanOptions& options) {
+  return ValueOrThrow(
+      [&](std::string& error) { return TryCompilePlan(std::move(stages), shape, options, error); });
+}
+#endif
 
 // A table of passes, stages, bytes and barriers, as `pelt plan` prints it.
 std::string DescribePlan(const Plan& plan, const SceneShape& shape);

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <new>
 
-#include "core/error.hpp"
 #include "jobs/float_environment.hpp"
 #include "traces/digest.hpp"
 
@@ -106,24 +105,43 @@ void SceneBlock::Delete::operator()(std::byte* p) const {
   ::operator delete(p, std::align_val_t(kPageBytes));
 }
 
-FurScene::FurScene(std::span<const Groom* const> grooms, const SceneOptions& options,
-                   SceneLayout layout, std::span<std::byte> memory)
-    : options_(options), layout_(std::move(layout)) {
-  if (MeasureScene(grooms, options).total_bytes != layout_.total_bytes)
-    throw Error("the layout was measured for other grooms or options");
+std::unique_ptr<FurScene> FurScene::TryCreate(std::span<const Groom* const> grooms,
+                                              const SceneOptions& options, SceneLayout layout,
+                                              std::span<std::byte> memory, std::string& error) {
+  std::unique_ptr<FurScene> scene(new FurScene);
+  if (!scene->SetUp(grooms, options, std::move(layout), memory, error)) scene.reset();
+  return scene;
+}
+
+bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& options,
+                     SceneLayout layout, std::span<std::byte> memory, std::string& error) {
+  const auto fail = [&](std::string reason) {
+    error = std::move(reason);
+    return false;
+  };
+  options_ = options;
+  layout_ = std::move(layout);
+  const std::optional<SceneLayout> measured = TryMeasureScene(grooms, options, error);
+  if (!measured) return false;
+  if (measured->total_bytes != layout_.total_bytes)
+    return fail("the layout was measured for other grooms or options");
   if (memory.size() < layout_.total_bytes)
-    throw Error(fmt::format("the scene needs {} bytes and was given {}", layout_.total_bytes,
+    return fail(fmt::format("the scene needs {} bytes and was given {}", layout_.total_bytes,
                             memory.size()));
   if (reinterpret_cast<uintptr_t>(memory.data()) % kBlockAlignment != 0)
-    throw Error(fmt::format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
+    return fail(fmt::format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
   const KernelTable* kernels = FindKernels(options_.isa);
   if (!kernels)
-    throw Error(fmt::format("this processor or build has no {} kernels", IsaName(options_.isa)));
+    return fail(fmt::format("this processor or build has no {} kernels", IsaName(options_.isa)));
   Place(memory);
   CopyGrooms(grooms);
-  plan_ = CompilePlan(MakeFrameTable(*kernels, params_, options_.vertex_order), layout_.shape,
-                      options_.plan);
+  std::optional<Plan> plan =
+      TryCompilePlan(MakeFrameTable(*kernels, params_, options_.vertex_order), layout_.shape,
+                     options_.plan, error);
+  if (!plan) return false;
+  plan_ = *std::move(plan);
   fault_.reserve(256);
+  return true;
 }
 
 void FurScene::Place(std::span<std::byte> memory) {
@@ -270,6 +288,20 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   std::copy_n(view.eye, 3, params_.order_layers.eye);
   std::copy_n(view.forward, 3, params_.order_layers.forward);
   std::copy_n(view.eye, 3, params_.write_ribbons.eye);
+}
+
+uint64_t FurScene::HeapBytes() const {
+  const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
+  const SceneShape& shape = layout_.shape;
+  uint64_t sum = sizeof(FurScene) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
+                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(slots_) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
+                 bytes(layer_params_) + bytes(layer_length_max_) + bytes(layer_strands_) +
+                 bytes(layer_simulates_) + bytes(fault_);
+  for (const auto& slots : slots_) sum += bytes(slots);
+  for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
+  for (const std::string& name : layer_names_) sum += bytes(name);
+  return sum;
 }
 
 uint32_t FurScene::LiveLanes(Stream stream, uint32_t item) const {

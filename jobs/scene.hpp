@@ -1,10 +1,13 @@
 // A scene of furry characters: memory, state and plan for any number of frames.
 //
-//   SceneLayout layout = MeasureScene(grooms, options);          // the exact bytes, every range
-//   named SceneBlock block(layout.total_bytes);                        // or any memory of the
-//   caller's FurScene scene(grooms, options, layout, block.bytes()); FillPose(..., scene.Pose(c));
-//   scene.BeginFrame(input);      // the caller's thread executor.Run(scene.CurrentFrame()); // any
-//   executor, the same bits
+//   SceneLayout layout = MeasureScene(grooms, options);   // the exact bytes, every range
+//   SceneBlock block(layout.total_bytes);                 // or any memory of the caller
+//   FurScene scene(grooms, options, layout, block.bytes());
+//   ... fill scene.Pose(c) ...
+//   scene.BeginFrame(input);                              // the caller's thread
+//   executor.Run(scene.CurrentFrame());                   // any executor, the same bits
+//
+// Without exceptions: TryMeasureScene and FurScene::TryCreate, which return the reason as a text.
 //
 // Invariant: after construction nothing allocates. BeginFrame refuses input that is not finite and
 // leaves the scene as it was; state never becomes non-finite.
@@ -13,12 +16,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/groom/groom.hpp"
+#include "core/error.hpp"
 #include "core/frame_input.hpp"
+#include "core/groom/groom.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/frame_table.hpp"
 
@@ -31,6 +37,9 @@ struct SceneOptions {
   // Layers of more chunks than this sort in pieces, over many chunks; 0: those whose sort must fit
   // a local store and does not.
   uint32_t piecewise_sort_chunks = 0;
+  // What the scene's block may have. A scene that needs more is refused when it is measured, with
+  // the largest ranges and what would help. 0: no budget.
+  uint64_t memory_budget_bytes = 0;
 };
 
 // One named piece of a scene's memory.
@@ -40,19 +49,34 @@ struct MemoryRange {
   uint32_t blocks;
   Role role;
 };
+std::string_view RoleName(Role role);  // "booking"
+
 struct SceneLayout {
   SceneShape shape;
-  std::vector<MemoryRange>
-      ranges;                // one for each stream, in stream order; empty streams have 0 bytes
+  // One for each stream, in stream order, back to back; empty streams have 0 bytes.
+  std::vector<MemoryRange> ranges;
   uint64_t total_bytes = 0;  // what the caller's block must hold, aligned to kBlockAlignment
   uint64_t strand_count = 0;
   // Bytes of simulation state (present and last points of every chain) for a strand.
   double StateBytesPerStrand() const;
 };
 
-// Layout of a scene of these grooms, one for each character (a groom may serve several). Throws
-// Error when grooms do not fit together (chunk capacity, too many layers).
-SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options);
+// Layout of a scene of these grooms, one for each character (a groom may serve several). Fails when
+// grooms do not fit together (no strands, too many layers) or the scene is over its budget.
+std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
+                                           const SceneOptions& options, std::string& error);
+#if defined(__cpp_exceptions)
+inline SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options) {
+  return ValueOrThrow([&](std::string& error) { return TryMeasureScene(grooms, options, error); });
+}
+#endif
+
+// How a block of `budget_bytes` falls short of the layout: by how much, the largest ranges, and
+// what would help. Empty when it does not.
+std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes);
+
+// A table of the ranges: name, blocks, bytes, role; the sum, and bytes a strand.
+std::string DescribeMemory(const SceneLayout& layout);
 
 // A block of memory for a scene, for callers without an allocator of their own.
 class SceneBlock {
@@ -71,8 +95,12 @@ class SceneBlock {
 class FurScene {
  public:
   // `memory` must hold layout.total_bytes, aligned to kBlockAlignment, and outlive the scene;
-  // grooms are copied into it. Throws Error when the memory is too small or not aligned, the layout
-  // is of other grooms, or the plan cannot be made.
+  // grooms are copied into it. Null, and the reason in `error`, when the memory is too small or not
+  // aligned, the layout is of other grooms, or the plan cannot be made.
+  static std::unique_ptr<FurScene> TryCreate(std::span<const Groom* const> grooms,
+                                             const SceneOptions& options, SceneLayout layout,
+                                             std::span<std::byte> memory, std::string& error);
+  // The same, throwing Error; there only where exceptions are on.
   FurScene(std::span<const Groom* const> grooms, const SceneOptions& options, SceneLayout layout,
            std::span<std::byte> memory);
   FurScene(const FurScene&) = delete;
@@ -92,6 +120,9 @@ class FurScene {
   const FrameMemory& memory() const { return memory_; }
   const SceneLayout& layout() const { return layout_; }
   const SceneShape& shape() const { return layout_.shape; }
+  // What the scene holds outside the caller's block (plan, tables, names): taken when it is made,
+  // unchanged by frames.
+  uint64_t HeapBytes() const;
   std::string_view LayerName(uint32_t layer) const { return layer_names_[layer]; }
 
   // Lanes of the block of `item` that hold values of the last frame run (Lanes, core/streams.hpp).
@@ -105,6 +136,9 @@ class FurScene {
   uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
 
  private:
+  FurScene() = default;
+  bool SetUp(std::span<const Groom* const> grooms, const SceneOptions& options, SceneLayout layout,
+             std::span<std::byte> memory, std::string& error);
   void Place(std::span<std::byte> memory);
   void CopyGrooms(std::span<const Groom* const> grooms);
   const char* CheckInput(const FrameInput& input);
@@ -125,5 +159,13 @@ class FurScene {
   bool first_frame_ = true;
   std::string fault_;
 };
+
+#if defined(__cpp_exceptions)
+inline FurScene::FurScene(std::span<const Groom* const> grooms, const SceneOptions& options,
+                          SceneLayout layout, std::span<std::byte> memory) {
+  std::string error;
+  if (!SetUp(grooms, options, std::move(layout), memory, error)) throw Error(error);
+}
+#endif
 
 }  // namespace pelt

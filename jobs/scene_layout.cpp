@@ -1,11 +1,10 @@
-// From grooms to a scene's shape and memory: what belongs to what, and how many bytes each stream
-// takes.
+// From grooms to a scene's shape and memory: what belongs to what, how many bytes each stream
+// takes, and what to say of it.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "core/error.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -56,14 +55,19 @@ uint32_t BlockCount(const SceneShape& shape, const StreamDesc& desc) {
 
 }  // namespace
 
-SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options) {
+std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
+                                           const SceneOptions& options, std::string& error) {
   SceneLayout layout;
   layout.shape = ShapeOf(grooms, options);
-  if (grooms.empty() || layout.shape.chunk_count == 0)
-    throw Error("a scene needs at least one groom with one chunk of strands");
-  if (layout.shape.layer_count > kLayersPerScene)
-    throw Error(fmt::format("the scene has {} layers, {} more than a draw list holds",
-                            layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene));
+  if (grooms.empty() || layout.shape.chunk_count == 0) {
+    error = "a scene needs at least one groom with one chunk of strands";
+    return std::nullopt;
+  }
+  if (layout.shape.layer_count > kLayersPerScene) {
+    error = fmt::format("the scene has {} layers, {} more than a draw list holds",
+                        layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene);
+    return std::nullopt;
+  }
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     const uint32_t blocks = desc.block_bytes ? BlockCount(layout.shape, desc) : 0;
@@ -72,7 +76,50 @@ SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOption
   }
   for (const Groom* groom : grooms)
     for (const GroomLayer& layer : groom->layers) layout.strand_count += layer.strand_count;
+  if (options.memory_budget_bytes != 0) {
+    error = FindBudgetFault(layout, options.memory_budget_bytes);
+    if (!error.empty()) return std::nullopt;
+  }
   return layout;
+}
+
+std::string_view RoleName(Role role) {
+  constexpr std::string_view kNames[] = {"input", "value", "booking", "scratch"};
+  return kNames[size_t(role)];
+}
+
+std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
+  if (layout.total_bytes <= budget_bytes) return {};
+  std::string text = fmt::format(
+      "the scene needs {} bytes, {} more than its memory budget of {}; the largest ranges are",
+      layout.total_bytes, layout.total_bytes - budget_bytes, budget_bytes);
+  std::vector<MemoryRange> ranges = layout.ranges;
+  constexpr size_t kNamed = 4;
+  std::stable_sort(ranges.begin(), ranges.end(),
+                   [](const MemoryRange& a, const MemoryRange& b) { return a.bytes > b.bytes; });
+  for (size_t i = 0; i < kNamed; ++i)
+    text += fmt::format("{} {} ({} bytes)", i ? "," : "", ranges[i].name, ranges[i].bytes);
+  const double share = double(budget_bytes) / double(layout.total_bytes);
+  text += fmt::format(
+      "; about {:.0f} of its {} strands would fit: lower density or max_strands in the fur setup, "
+      "or leave out layers or characters",
+      share * double(layout.strand_count), layout.strand_count);
+  if (layout.ranges[size_t(Stream::kRibbonVertices)].bytes != 0)
+    text += "; layers with output = \"instances\" need less than ribbons";
+  return text;
+}
+
+std::string DescribeMemory(const SceneLayout& layout) {
+  std::string out = fmt::format("{:<18} {:>8} {:>12}  {}\n", "memory", "blocks", "bytes", "role");
+  for (const MemoryRange& range : layout.ranges)
+    if (range.bytes)
+      out += fmt::format("{:<18} {:>8} {:>12}  {}\n", range.name, range.blocks, range.bytes,
+                         RoleName(range.role));
+  out +=
+      fmt::format("{:<18} {:>8} {:>12}  {:.0f} a strand, {:.1f} of them simulation state\n", "all",
+                  "", layout.total_bytes, double(layout.total_bytes) / double(layout.strand_count),
+                  layout.StateBytesPerStrand());
+  return out;
 }
 
 double SceneLayout::StateBytesPerStrand() const {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/groom/layer_params.hpp"
+
 namespace pelt {
 
 // An 8-bit picture that scales an attribute over the surface. Rows from the top, as glTF's UV
@@ -73,38 +75,6 @@ struct CombVector {
   float reach = 0.1f;   // m
 };
 
-enum class Solver : uint8_t { kPbd, kVerlet };
-enum class ChainKind : uint8_t { kVertex, kStrand };
-enum class Output : uint8_t { kInstances, kRibbons };
-
-// What the frame needs of a layer's setup; plain data, stored in the groom file field by field.
-struct LayerParams {
-  bool enabled = true;
-  float sort_bias = 0.0f;
-  Solver solver = Solver::kPbd;
-  ChainKind chain = ChainKind::kVertex;
-  uint32_t points = 4;  // 4 or 5; vertex chains have 4
-  Output output = Output::kInstances;
-  uint32_t iterations = 4;
-  float weight = 1.0f;            // scale on gravity
-  float bounce = 0.0f;            // share of the normal velocity a contact returns
-  float velocity_damping = 3.0f;  // 1/s
-  float motion_damping = 0.0f;    // 0 free inertia .. 1 follows the root's motion
-  float segment_hardness = 1.0f;
-  float angular_hardness_middle = 0.2f;
-  float angular_hardness_end = 0.1f;
-  float surface_hardness = 0.5f;
-  float stiffness = 0.1f;  // verlet
-  float clump = 0.0f;      // 0..1 at the tip
-  float tip_width = 0.2f;  // tip width over root width
-  bool backface_cull = true;
-  float backface_tolerance = 0.2f;
-  float wind_response = 1.0f;  // 1/s
-  // How wetness and dirt (0..1, at run time) act on the layer.
-  float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
-  glm::vec3 dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
-};
-
 struct LayerSetup {
   std::string name;
   uint64_t seed = 1;
@@ -153,9 +123,5 @@ FurSetup ReadFurSetupFile(const std::string& path);
 // Every key a setup may hold, with type, unit, bounds, default and meaning: the text of
 // `pelt bake --keys`. Made from the same table that the reader uses.
 std::string DescribeSetupKeys();
-
-// The reason why `params` holds a value the setup could not have held, or empty. For the groom
-// file, which must not trust its input.
-std::string FindBadParam(const LayerParams& params);
 
 }  // namespace pelt

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/chunk.hpp"
-#include "core/groom/fur_setup.hpp"
+#include "core/groom/layer_params.hpp"
 
 namespace pelt {
 

@@ -5,16 +5,17 @@
 // walk the skeleton parents first, divide by segment lengths. A groom that passes here cannot make
 // them read outside their blocks or produce a value that is not finite. Lanes that kernels read,
 // padding up to the lane group included, are held to the rules of live ones.
+//
+// Every check returns whether all is well, and stops at the first fault: later ones trust what
+// earlier ones found.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bitset>
 #include <cmath>
 
-#include "core/error.hpp"
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"
-#include "core/groom/setup_schema.hpp"
 
 namespace pelt {
 namespace {
@@ -36,21 +37,23 @@ class Checker {
  public:
   Checker(const Groom& groom, const std::string& name) : groom_(groom), name_(name) {}
 
-  void CheckAll() {
-    CheckSkeleton();
-    CheckLayout();
-    for (size_t layer = 0; layer < groom_.layers.size(); ++layer) CheckLayer(layer);
+  // The text of the first fault, or empty.
+  std::string FindFault() {
+    bool well = CheckSkeleton() && CheckLayout();
+    for (size_t layer = 0; well && layer < groom_.layers.size(); ++layer) well = CheckLayer(layer);
+    return fault_;
   }
 
  private:
-  [[noreturn]] void FailAt(std::string_view section, uint64_t at, std::string_view reason) const {
-    throw Error(fmt::format("groom '{}': section '{}', byte {}: {}", name_, section, at, reason));
+  // All Fail functions note the fault and return false, for the caller to return.
+  bool FailAt(std::string_view section, uint64_t at, std::string_view reason) {
+    fault_ = fmt::format("groom '{}': section '{}', byte {}: {}", name_, section, at, reason);
+    return false;
   }
 
   // Fails at a field of items[index], which tells its place in the file.
   template <class T>
-  [[noreturn]] void Fail(const std::vector<T>& items, size_t index, const void* field,
-                         std::string_view reason) const {
+  bool Fail(const std::vector<T>& items, size_t index, const void* field, std::string_view reason) {
     uint64_t at = kHeaderBytes + kSectionCount * kSectionEntryBytes + CountItemBytes(General{}) +
                   MeasureItem(groom_.skeleton);
     std::string_view section;
@@ -67,7 +70,7 @@ class Checker {
     for (size_t i = 0; i < index; ++i) at += MeasureItem(items[i]);
     FieldLocator locator{.wanted = field};
     if (field) ListFields(locator, items[index]);
-    FailAt(
+    return FailAt(
         section, at + locator.found_at,
         fmt::format("item {}{}: {}", index,
                     locator.name.empty() ? std::string()
@@ -76,8 +79,7 @@ class Checker {
   }
   // Fails at the section as a whole.
   template <class T>
-  [[noreturn]] void FailSection(const std::vector<T>& items, std::string_view reason) const {
-    static const std::vector<T> kNone;
+  bool FailSection(const std::vector<T>& items, std::string_view reason) {
     uint64_t at = kHeaderBytes;
     std::string_view section;
     uint32_t index = 2;
@@ -90,110 +92,112 @@ class Checker {
           ++index;
         },
         groom_);
-    FailAt(section, at, reason);
+    return FailAt(section, at, reason);
   }
 
   template <class T>
-  void CheckRange(const std::vector<T>& items, size_t index, const float* values, size_t count,
-                  float low, float high) const {
+  [[nodiscard]] bool CheckRange(const std::vector<T>& items, size_t index, const float* values,
+                                size_t count, float low, float high) {
     for (size_t i = 0; i < count; ++i) {
       if (!(values[i] >= low && values[i] <= high)) {
-        Fail(items, index, values + i,
-             fmt::format("{} is not a number between {} and {}", values[i], low, high));
+        return Fail(items, index, values + i,
+                    fmt::format("{} is not a number between {} and {}", values[i], low, high));
       }
     }
+    return true;
   }
 
-  void CheckSkeleton() const;
-  void CheckLayout() const;
-  void CheckLayer(size_t layer) const;
-  void CheckLayerJoints(size_t layer, JointSet& moved) const;
-  JointSet CheckMesh(size_t chunk) const;
-  void CheckWeights(size_t chunk, JointSet& used) const;
-  void CheckStrands(size_t chunk, const JointSet& used) const;
+  [[nodiscard]] bool CheckSkeleton();
+  [[nodiscard]] bool CheckLayout();
+  [[nodiscard]] bool CheckLayer(size_t layer);
+  [[nodiscard]] bool CheckLayerJoints(size_t layer, JointSet& moved);
+  [[nodiscard]] bool CheckMesh(size_t chunk, JointSet& used);
+  [[nodiscard]] bool CheckWeights(size_t chunk, JointSet& used);
+  [[nodiscard]] bool CheckStrands(size_t chunk, const JointSet& used);
   template <class T>
-  void CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes) const;
+  [[nodiscard]] bool CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes);
   size_t CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const;
 
   const Groom& groom_;
   const std::string& name_;
+  std::string fault_;
 };
 
 bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
 bool HasStrandRest4(const LayerParams& p) { return p.points == 4; }
 bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
 
-void Checker::CheckSkeleton() const {
+bool Checker::CheckSkeleton() {
   const uint64_t general_at = kHeaderBytes + kSectionCount * kSectionEntryBytes;
   if (!(groom_.unit_scale >= 1e-6f && groom_.unit_scale <= 1e6f)) {
-    FailAt(kSectionNames[0], general_at,
-           fmt::format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
+    return FailAt(kSectionNames[0], general_at,
+                  fmt::format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
   }
   if (groom_.joint_count < 1 || groom_.joint_count > kJointsPerCharacter) {
-    FailAt(kSectionNames[0], general_at + 4,
-           fmt::format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
+    return FailAt(
+        kSectionNames[0], general_at + 4,
+        fmt::format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
   }
   if (groom_.joint_names.size() != groom_.joint_count) {
-    FailSection(groom_.joint_names, fmt::format("{} names for {} joints", groom_.joint_names.size(),
-                                                groom_.joint_count));
+    return FailSection(
+        groom_.joint_names,
+        fmt::format("{} names for {} joints", groom_.joint_names.size(), groom_.joint_count));
   }
   const uint64_t skeleton_at = general_at + CountItemBytes(General{});
   const auto fail = [&](const void* field, std::string_view reason) {
     FieldLocator locator{.wanted = field};
     ListFields(locator, groom_.skeleton);
-    FailAt(kSectionNames[1], skeleton_at + locator.found_at,
-           fmt::format("{}[{}]: {}", locator.name, locator.element, reason));
+    return FailAt(kSectionNames[1], skeleton_at + locator.found_at,
+                  fmt::format("{}[{}]: {}", locator.name, locator.element, reason));
   };
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
     const int32_t parent = groom_.skeleton.parent[j];
     if (j < groom_.joint_count && (parent < -1 || parent >= int32_t(j))) {
-      fail(&groom_.skeleton.parent[j],
-           fmt::format("parent {} of joint {} does not come before it", parent, j));
+      return fail(&groom_.skeleton.parent[j],
+                  fmt::format("parent {} of joint {} does not come before it", parent, j));
     }
     for (const float& value : groom_.skeleton.inverse_bind[j]) {
-      if (!(std::fabs(value) <= kLargest)) fail(&value, "not finite, or absurdly large");
+      if (!(std::fabs(value) <= kLargest)) return fail(&value, "not finite, or absurdly large");
     }
   }
+  return true;
 }
 
 // Which blocks there are.
-void Checker::CheckLayout() const {
+bool Checker::CheckLayout() {
   const auto& layers = groom_.layers;
   if (layers.empty() || layers.size() > kLayersPerScene) {
-    FailSection(layers,
-                fmt::format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
+    return FailSection(
+        layers, fmt::format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
   uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || std::any_of(layer.name.begin(), layer.name.end(),
                                           [](unsigned char c) { return c < 32 || c == 127; })) {
-      Fail(layers, i, nullptr, "its name is empty or holds control characters");
+      return Fail(layers, i, nullptr, "its name is empty or holds control characters");
     }
     const std::string bad = FindBadParam(layer.params);
-    if (!bad.empty()) Fail(layers, i, &layer.params.sort_bias, bad);
+    if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
     if (layer.first_chunk != chunks) {
-      Fail(layers, i, &layer.first_chunk,
-           fmt::format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
+      return Fail(layers, i, &layer.first_chunk,
+                  fmt::format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
     }
     if (layer.chunk_count > kStrandsPerLayer / kStrandsPerChunk) {
-      Fail(layers, i, &layer.chunk_count, fmt::format("{} chunks", layer.chunk_count));
+      return Fail(layers, i, &layer.chunk_count, fmt::format("{} chunks", layer.chunk_count));
     }
     chunks += layer.chunk_count;
     if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
     (HasStrandRest5(layer.params) ? rest5 : rest4) += layer.chunk_count;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
-    if (items.size() != count) {
-      FailSection(items, fmt::format("{} items where the layers need {}", items.size(), count));
-    }
+    return items.size() == count ||
+           FailSection(items,
+                       fmt::format("{} items where the layers need {}", items.size(), count));
   };
-  expect(groom_.layer_joints, layers.size());
-  expect(groom_.mesh, chunks);
-  expect(groom_.strands, chunks);
-  expect(groom_.vertex_rest, vertex_rest);
-  expect(groom_.strand_rest4, rest4);
-  expect(groom_.strand_rest5, rest5);
+  return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
+         expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
+         expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
@@ -206,10 +210,10 @@ size_t Checker::CountBefore(size_t first_chunk, bool (*has)(const LayerParams&))
   return count;
 }
 
-void Checker::CheckLayer(size_t index) const {
+bool Checker::CheckLayer(size_t index) {
   const GroomLayer& layer = groom_.layers[index];
   JointSet moved;
-  CheckLayerJoints(index, moved);
+  if (!CheckLayerJoints(index, moved)) return false;
   uint64_t strands = 0;
   float longest = 0.0f;
   size_t vertex_rest = CountBefore(layer.first_chunk, HasVertexRest);
@@ -218,91 +222,98 @@ void Checker::CheckLayer(size_t index) const {
   for (uint32_t c = 0; c < layer.chunk_count; ++c) {
     const size_t chunk = layer.first_chunk + c;
     const StrandBlock& block = groom_.strands[chunk];
-    const JointSet used = CheckMesh(chunk);
+    JointSet used;
+    if (!CheckMesh(chunk, used)) return false;
     if ((used & ~moved).any()) {
-      Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
-           fmt::format("a joint that moves chunk {} is missing", chunk));
+      return Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
+                  fmt::format("a joint that moves chunk {} is missing", chunk));
     }
-    CheckStrands(chunk, used);
+    if (!CheckStrands(chunk, used)) return false;
     if (block.first_strand != c * kStrandsPerChunk) {
-      Fail(groom_.strands, chunk, &block.first_strand,
-           fmt::format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
+      return Fail(groom_.strands, chunk, &block.first_strand,
+                  fmt::format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
     }
-    if (HasVertexRest(layer.params)) {
-      CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count);
-    }
-    if (HasStrandRest4(layer.params)) CheckRest(groom_.strand_rest4, rest4++, block.strand_count);
-    if (HasStrandRest5(layer.params)) CheckRest(groom_.strand_rest5, rest5++, block.strand_count);
+    if (HasVertexRest(layer.params) &&
+        !CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count))
+      return false;
+    if (HasStrandRest4(layer.params) &&
+        !CheckRest(groom_.strand_rest4, rest4++, block.strand_count))
+      return false;
+    if (HasStrandRest5(layer.params) &&
+        !CheckRest(groom_.strand_rest5, rest5++, block.strand_count))
+      return false;
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }
   if (layer.strand_count != strands) {
-    Fail(groom_.layers, index, &layer.strand_count,
-         fmt::format("{} strands, its chunks have {}", layer.strand_count, strands));
+    return Fail(groom_.layers, index, &layer.strand_count,
+                fmt::format("{} strands, its chunks have {}", layer.strand_count, strands));
   }
   if (!(layer.length_max >= longest * 0.999f && layer.length_max <= kLongest_m)) {
-    Fail(groom_.layers, index, &layer.length_max,
-         fmt::format("{} m; its longest strand has {} m", layer.length_max, longest));
+    return Fail(groom_.layers, index, &layer.length_max,
+                fmt::format("{} m; its longest strand has {} m", layer.length_max, longest));
   }
+  return true;
 }
 
-void Checker::CheckLayerJoints(size_t index, JointSet& moved) const {
+bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
   const auto& items = groom_.layer_joints;
   const LayerJointBlock& block = items[index];
   if (block.count > kJointsPerCharacter) {
-    Fail(items, index, &block.count, fmt::format("{} joints", block.count));
+    return Fail(items, index, &block.count, fmt::format("{} joints", block.count));
   }
   for (uint32_t i = 0; i < block.count; ++i) {
     if (block.joint[i] >= groom_.joint_count || moved[block.joint[i]]) {
-      Fail(items, index, &block.joint[i],
-           fmt::format("joint {} is unknown or named twice", block.joint[i]));
+      return Fail(items, index, &block.joint[i],
+                  fmt::format("joint {} is unknown or named twice", block.joint[i]));
     }
     moved.set(block.joint[i]);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    CheckRange(items, index, block.low[axis], kJointsPerCharacter, -kLargest, kLargest);
-    CheckRange(items, index, block.high[axis], kJointsPerCharacter, -kLargest, kLargest);
+    if (!CheckRange(items, index, block.low[axis], kJointsPerCharacter, -kLargest, kLargest) ||
+        !CheckRange(items, index, block.high[axis], kJointsPerCharacter, -kLargest, kLargest))
+      return false;
     for (uint32_t i = 0; i < block.count; ++i) {
       if (block.low[axis][i] > block.high[axis][i]) {
-        Fail(items, index, &block.low[axis][i], "the box is inside out");
+        return Fail(items, index, &block.low[axis][i], "the box is inside out");
       }
     }
   }
+  return true;
 }
 
-// Returns the joints that move a vertex of the chunk.
-JointSet Checker::CheckMesh(size_t chunk) const {
+// `used`: the joints that move a vertex of the chunk.
+bool Checker::CheckMesh(size_t chunk, JointSet& used) {
   const auto& items = groom_.mesh;
   const MeshBlock& block = items[chunk];
   if (block.vertex_count < 1 || block.vertex_count > kVerticesPerChunk) {
-    Fail(items, chunk, &block.vertex_count, fmt::format("{} vertices", block.vertex_count));
+    return Fail(items, chunk, &block.vertex_count, fmt::format("{} vertices", block.vertex_count));
   }
-  CheckRange(items, chunk, &block.position[0][0], 3 * kVerticesPerChunk, -kLargest, kLargest);
-  CheckRange(items, chunk, &block.normal[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f);
-  CheckRange(items, chunk, &block.tangent[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f);
-  const auto check_unit = [&](const float(&row)[3][kVerticesPerChunk], uint32_t v) {
+  if (!CheckRange(items, chunk, &block.position[0][0], 3 * kVerticesPerChunk, -kLargest,
+                  kLargest) ||
+      !CheckRange(items, chunk, &block.normal[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f) ||
+      !CheckRange(items, chunk, &block.tangent[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f))
+    return false;
+  const auto is_unit = [&](const float(&row)[3][kVerticesPerChunk], uint32_t v) {
     const float square = row[0][v] * row[0][v] + row[1][v] * row[1][v] + row[2][v] * row[2][v];
-    if (std::fabs(square - 1.0f) > kUnitTolerance)
-      Fail(items, chunk, &row[0][v], "not a unit vector");
+    return std::fabs(square - 1.0f) <= kUnitTolerance ||
+           Fail(items, chunk, &row[0][v], "not a unit vector");
   };
-  for (uint32_t v = 0; v < RoundUpLanes(block.vertex_count); ++v) {
-    check_unit(block.normal, v);
-    check_unit(block.tangent, v);
-  }
-  JointSet used;
-  CheckWeights(chunk, used);
-  return used;
+  for (uint32_t v = 0; v < RoundUpLanes(block.vertex_count); ++v)
+    if (!is_unit(block.normal, v) || !is_unit(block.tangent, v)) return false;
+  return CheckWeights(chunk, used);
 }
 
-void Checker::CheckWeights(size_t chunk, JointSet& used) const {
+bool Checker::CheckWeights(size_t chunk, JointSet& used) {
   const auto& items = groom_.mesh;
   const MeshBlock& block = items[chunk];
-  CheckRange(items, chunk, &block.weight[0][0], kInfluenceRows * kLaneGroup, 0.0f, 1.001f);
+  if (!CheckRange(items, chunk, &block.weight[0][0], kInfluenceRows * kLaneGroup, 0.0f, 1.001f))
+    return false;
   for (uint32_t g = 0; g <= kVertexGroups; ++g) {
     const uint16_t row = block.group_first_row[g];
     if (row > kInfluenceRows || (g > 0 && row < block.group_first_row[g - 1])) {
-      Fail(items, chunk, &block.group_first_row[g],
-           fmt::format("{}: rows must ascend, up to {}", row, kInfluenceRows));
+      return Fail(items, chunk, &block.group_first_row[g],
+                  fmt::format("{}: rows must ascend, up to {}", row, kInfluenceRows));
     }
   }
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
@@ -311,8 +322,8 @@ void Checker::CheckWeights(size_t chunk, JointSet& used) const {
     for (uint32_t row = begin; row < end; ++row) {
       const uint8_t joint = block.row_joint[row];
       if (joint >= groom_.joint_count || (row > begin && joint <= block.row_joint[row - 1])) {
-        Fail(items, chunk, &block.row_joint[row],
-             fmt::format("joint {} is unknown or out of order", joint));
+        return Fail(items, chunk, &block.row_joint[row],
+                    fmt::format("joint {} is unknown or out of order", joint));
       }
       for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
         sum[lane] += block.weight[row][lane];
@@ -322,80 +333,90 @@ void Checker::CheckWeights(size_t chunk, JointSet& used) const {
     if (g * kLaneGroup >= block.vertex_count) continue;
     for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
       if (std::fabs(sum[lane] - 1.0f) > kSumTolerance) {
-        Fail(items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
-             fmt::format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
+        return Fail(
+            items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
+            fmt::format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
       }
     }
   }
+  return true;
 }
 
-void Checker::CheckStrands(size_t chunk, const JointSet& used) const {
+bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
   const auto& items = groom_.strands;
   const StrandBlock& block = items[chunk];
   const auto fail = [&](const void* field, std::string_view reason) {
-    Fail(items, chunk, field, reason);
+    return Fail(items, chunk, field, reason);
   };
   if (block.strand_count < 1 || block.strand_count > kStrandsPerChunk) {
-    fail(&block.strand_count, fmt::format("{} strands", block.strand_count));
+    return fail(&block.strand_count, fmt::format("{} strands", block.strand_count));
   }
   if (block.vertex_count != groom_.mesh[chunk].vertex_count) {
-    fail(&block.vertex_count, fmt::format("{} vertices, the mesh block has {}", block.vertex_count,
-                                          groom_.mesh[chunk].vertex_count));
+    return fail(&block.vertex_count,
+                fmt::format("{} vertices, the mesh block has {}", block.vertex_count,
+                            groom_.mesh[chunk].vertex_count));
   }
   const uint32_t lanes = RoundUpLanes(block.strand_count);
   if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
-    fail(&block.control_count, fmt::format("{} control strands", block.control_count));
+    return fail(&block.control_count, fmt::format("{} control strands", block.control_count));
   }
-  CheckRange(items, chunk, &block.bary[0][0], 3 * kStrandsPerChunk, -1.0e-3f, 1.001f);
-  CheckRange(items, chunk, block.length, kStrandsPerChunk, 0.0f, kLongest_m);
-  CheckRange(items, chunk, block.width, kStrandsPerChunk, 0.0f, kLongest_m);
+  if (!CheckRange(items, chunk, &block.bary[0][0], 3 * kStrandsPerChunk, -1.0e-3f, 1.001f) ||
+      !CheckRange(items, chunk, block.length, kStrandsPerChunk, 0.0f, kLongest_m) ||
+      !CheckRange(items, chunk, block.width, kStrandsPerChunk, 0.0f, kLongest_m))
+    return false;
   const uint32_t controls = block.control_count ? block.control_count : lanes;
   uint8_t highest = 0;
   for (uint32_t i = 0; i < lanes; ++i) {
     const float sum = block.bary[0][i] + block.bary[1][i] + block.bary[2][i];
     if (std::fabs(sum - 1.0f) > kSumTolerance) {
-      fail(&block.bary[0][i], fmt::format("barycentrics sum to {}", sum));
+      return fail(&block.bary[0][i], fmt::format("barycentrics sum to {}", sum));
     }
-    if (!(block.length[i] > 0.0f)) fail(&block.length[i], "not above 0");
+    if (!(block.length[i] > 0.0f)) return fail(&block.length[i], "not above 0");
     for (int corner = 0; corner < 3; ++corner) {
       const uint8_t& vertex = block.vertex[corner][i];
-      if (vertex >= block.vertex_count) fail(&vertex, fmt::format("no vertex {}", vertex));
+      if (vertex >= block.vertex_count) return fail(&vertex, fmt::format("no vertex {}", vertex));
       highest = std::max(highest, vertex);
     }
     if (block.vertex_prefix[i] < highest || block.vertex_prefix[i] >= block.vertex_count) {
-      fail(&block.vertex_prefix[i],
-           fmt::format("{}, strands up to here use vertex {}", block.vertex_prefix[i], highest));
+      return fail(&block.vertex_prefix[i], fmt::format("{}, strands up to here use vertex {}",
+                                                       block.vertex_prefix[i], highest));
     }
     if (block.control[i] >= controls) {
-      fail(&block.control[i], fmt::format("strand {} is no control strand", block.control[i]));
+      return fail(&block.control[i],
+                  fmt::format("strand {} is no control strand", block.control[i]));
     }
   }
   for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
     const uint32_t& word = block.joint_mask[joint / 32];
     const bool set = word >> joint % 32 & 1;
-    if (set && joint >= groom_.joint_count) fail(&word, fmt::format("no joint {}", joint));
+    if (set && joint >= groom_.joint_count) return fail(&word, fmt::format("no joint {}", joint));
     if (!set && used[joint]) {
-      fail(&word, fmt::format("joint {} moves the chunk and is missing", joint));
+      return fail(&word, fmt::format("joint {} moves the chunk and is missing", joint));
     }
   }
+  return true;
 }
 
 template <class T>
-void Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t count) const {
+bool Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t count) {
   const T& block = items[index];
-  CheckRange(items, index, &block.offset[0][0][0], sizeof(block.offset) / sizeof(float),
-             -kLongest_m, kLongest_m);
-  CheckRange(items, index, block.segment_length, kStrandsPerChunk, 0.0f, kLongest_m);
-  CheckRange(items, index, block.strength, kStrandsPerChunk, 0.0f, 1.0f);
+  if (!CheckRange(items, index, &block.offset[0][0][0], sizeof(block.offset) / sizeof(float),
+                  -kLongest_m, kLongest_m) ||
+      !CheckRange(items, index, block.segment_length, kStrandsPerChunk, 0.0f, kLongest_m) ||
+      !CheckRange(items, index, block.strength, kStrandsPerChunk, 0.0f, 1.0f))
+    return false;
   for (uint32_t i = 0; i < RoundUpLanes(count); ++i) {
     if (!(block.segment_length[i] > 0.0f)) {
-      Fail(items, index, &block.segment_length[i], "not above 0");
+      return Fail(items, index, &block.segment_length[i], "not above 0");
     }
   }
+  return true;
 }
 
 }  // namespace
 
-void CheckGroom(const Groom& groom, const std::string& name) { Checker(groom, name).CheckAll(); }
+std::string FindGroomFault(const Groom& groom, const std::string& name) {
+  return Checker(groom, name).FindFault();
+}
 
 }  // namespace pelt

@@ -95,9 +95,9 @@ void ListFields(auto&& archive, Like<LayerParams> auto& p) {
   archive("wet_clump", p.wet_clump);
   archive("wet_hardness", p.wet_hardness);
   archive("wet_darken", p.wet_darken);
-  archive("dirt_red", p.dirt_colour.x);
-  archive("dirt_green", p.dirt_colour.y);
-  archive("dirt_blue", p.dirt_colour.z);
+  archive("dirt_red", p.dirt_colour[0]);
+  archive("dirt_green", p.dirt_colour[1]);
+  archive("dirt_blue", p.dirt_colour[2]);
 }
 
 void ListFields(auto&& archive, Like<GroomLayer> auto& l) {

@@ -1,8 +1,9 @@
 // Writes and reads the groom file; the layout is told in groom_file.hpp, the fields in
 // groom_fields.hpp.
 //
-// Reading never trusts a count: an item list is allocated only when the
-// section is large enough to hold it.
+// Reading never trusts a count: an item list is allocated only when the section is large enough to
+// hold it. A reader keeps its first failure and from then on hands out zeros, so that a list of
+// fields needs no check of its own; whoever loops over items looks at ok().
 #include "core/groom/groom_file.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +17,6 @@
 #include <memory>
 #include <utility>
 
-#include "core/error.hpp"
 #include "core/groom/groom_fields.hpp"
 
 namespace pelt {
@@ -78,16 +78,22 @@ struct Section {
 class Reader {
  public:
   Reader(std::span<const std::byte> file, const std::string& name, std::string_view section,
-         uint64_t begin, uint64_t end)
-      : file_(file), name_(name), section_(section), at_(begin), end_(end) {}
+         uint64_t begin, uint64_t end, std::string& error)
+      : file_(file), name_(name), section_(section), at_(begin), end_(end), error_(error) {}
 
-  [[noreturn]] void Fail(uint64_t at, const std::string& reason) const {
-    throw Error(fmt::format("groom '{}': section '{}', byte {}: {}", name_, section_, at, reason));
+  bool ok() const { return error_.empty(); }
+  // Keeps the first reason; returns false, for the caller to return.
+  bool Fail(uint64_t at, const std::string& reason) {
+    if (ok())
+      error_ = fmt::format("groom '{}': section '{}', byte {}: {}", name_, section_, at, reason);
+    return false;
   }
+  // The next `count` bytes; null once anything has failed.
   const std::byte* Take(uint64_t count) {
-    if (count > end_ - at_) {
+    if (ok() && count > end_ - at_) {
       Fail(at_, fmt::format("{} more bytes are needed, {} are left", count, end_ - at_));
     }
+    if (!ok()) return nullptr;
     const std::byte* from = file_.data() + at_;
     at_ += count;
     return from;
@@ -97,22 +103,25 @@ class Reader {
     using Element = std::remove_all_extents_t<T>;
     if constexpr (std::is_same_v<Element, std::string>) {
       const uint64_t start = at_;
-      const auto size = LoadNumber<uint32_t>(Take(4));
+      const auto size = Get<uint32_t>();
       if (size > kTextBytesLimit) Fail(start, fmt::format("{} of {} bytes", field, size));
-      value.assign(reinterpret_cast<const char*>(Take(size)), size);
+      if (const std::byte* from = Take(size))
+        value.assign(reinterpret_cast<const char*>(from), size);
     } else if constexpr (std::is_same_v<Element, bool>) {
       const uint64_t start = at_;
-      const auto byte = LoadNumber<uint8_t>(Take(1));
+      const auto byte = Get<uint8_t>();
       if (byte > 1) Fail(start, fmt::format("{} is {}, neither 0 nor 1", field, byte));
       value = byte == 1;
     } else {
       constexpr size_t kCount = sizeof(T) / sizeof(Element);
-      LoadNumbers(reinterpret_cast<Element*>(&value), Take(sizeof(T)), kCount);
+      if (const std::byte* from = Take(sizeof(T)))
+        LoadNumbers(reinterpret_cast<Element*>(&value), from, kCount);
     }
   }
   template <class T>
   T Get() {
-    return LoadNumber<T>(Take(sizeof(T)));
+    const std::byte* from = Take(sizeof(T));
+    return from ? LoadNumber<T>(from) : T{};
   }
   uint64_t At() const { return at_; }
   uint64_t Left() const { return end_ - at_; }
@@ -122,50 +131,59 @@ class Reader {
   const std::string& name_;
   std::string_view section_;
   uint64_t at_, end_;
+  std::string& error_;
 };
 
-void CheckCapacity(const Reader& reader, uint64_t at, std::string_view what, uint32_t found,
-                   uint32_t expected) {
+void CheckCapacity(Reader& reader, std::string_view what, uint32_t expected) {
+  const uint64_t at = reader.At();
+  const auto found = reader.Get<uint32_t>();
   if (found == expected) return;
   reader.Fail(at, fmt::format("baked for {} {}, this program has {}; bake the character again "
                               "with `pelt bake`",
                               found, what, expected));
 }
 
-// Header and table; the sections lie back to back and fill the file.
-std::vector<Section> ReadTable(std::span<const std::byte> file, const std::string& name) {
-  Reader header(file, name, "header", 0, file.size());
+bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::string& error) {
+  Reader header(file, name, "header", 0, file.size(), error);
   const std::byte* magic = header.Take(sizeof(kMagic));
-  if (std::memcmp(magic, kMagic, sizeof(kMagic)) != 0) header.Fail(0, "not a groom file");
+  if (!magic) return false;
+  if (std::memcmp(magic, kMagic, sizeof(kMagic)) != 0) return header.Fail(0, "not a groom file");
   const auto version = header.Get<uint32_t>();
   if (version != kGroomVersion) {
     header.Fail(8, fmt::format("version {}, this program reads {}; bake the character again with "
                                "`pelt bake`",
                                version, kGroomVersion));
   }
-  CheckCapacity(header, 12, "strands a chunk", header.Get<uint32_t>(), kStrandsPerChunk);
-  CheckCapacity(header, 16, "joints a character", header.Get<uint32_t>(), kJointsPerCharacter);
-  CheckCapacity(header, 20, "weight rows a chunk", header.Get<uint32_t>(), kInfluenceRows);
-  CheckCapacity(header, 24, "lanes a group", header.Get<uint32_t>(), kLaneGroup);
-  CheckCapacity(header, 28, "sections", header.Get<uint32_t>(), kSectionCount);
+  CheckCapacity(header, "strands a chunk", kStrandsPerChunk);
+  CheckCapacity(header, "joints a character", kJointsPerCharacter);
+  CheckCapacity(header, "weight rows a chunk", kInfluenceRows);
+  CheckCapacity(header, "lanes a group", kLaneGroup);
+  CheckCapacity(header, "sections", kSectionCount);
   const auto file_bytes = header.Get<uint64_t>();
   if (file_bytes != file.size()) {
     header.Fail(32, fmt::format("the file should have {} bytes and has {}: it was cut or extended",
                                 file_bytes, file.size()));
   }
   const auto hash = header.Get<uint64_t>();
-  if (hash != HashGroomBytes(file.subspan(kHeaderBytes))) {
+  if (header.ok() && hash != HashGroomBytes(file.subspan(kHeaderBytes))) {
     header.Fail(40, "the content does not match its hash: the file is damaged");
   }
-  Reader table(file, name, "table", kHeaderBytes, file.size());
+  return header.ok();
+}
+
+// The table; the sections lie back to back and fill the file.
+bool ReadTable(std::span<const std::byte> file, const std::string& name,
+               std::span<Section> sections, std::string& error) {
+  Reader table(file, name, "table", kHeaderBytes, file.size(), error);
   uint64_t expected = kHeaderBytes + kSectionCount * kSectionEntryBytes;
-  std::vector<Section> sections(kSectionCount);
   for (uint32_t i = 0; i < kSectionCount; ++i) {
     const uint64_t at = table.At();
     char wanted[kSectionNameBytes] = {};
     std::memcpy(wanted, kSectionNames[i].data(), kSectionNames[i].size());
-    if (std::memcmp(table.Take(kSectionNameBytes), wanted, kSectionNameBytes) != 0) {
-      table.Fail(at, fmt::format("section {} is not '{}'", i, kSectionNames[i]));
+    const std::byte* found = table.Take(kSectionNameBytes);
+    if (!found) return false;
+    if (std::memcmp(found, wanted, kSectionNameBytes) != 0) {
+      return table.Fail(at, fmt::format("section {} is not '{}'", i, kSectionNames[i]));
     }
     Section& s = sections[i];
     s.offset = table.Get<uint64_t>();
@@ -173,40 +191,57 @@ std::vector<Section> ReadTable(std::span<const std::byte> file, const std::strin
     s.items = table.Get<uint32_t>();
     s.item_bytes = table.Get<uint32_t>();
     if (s.offset != expected || s.bytes > file.size() - std::min<uint64_t>(expected, file.size())) {
-      table.Fail(at, fmt::format("section '{}' does not lie behind the one before it, in the file",
-                                 kSectionNames[i]));
+      return table.Fail(at,
+                        fmt::format("section '{}' does not lie behind the one before it, in the "
+                                    "file",
+                                    kSectionNames[i]));
     }
     expected += s.bytes;
   }
   if (expected != file.size()) {
-    table.Fail(table.At(),
-               fmt::format("sections end at {}, the file at {}", expected, file.size()));
+    return table.Fail(table.At(),
+                      fmt::format("sections end at {}, the file at {}", expected, file.size()));
   }
-  return sections;
+  return table.ok();
 }
 
 template <class T>
 constexpr bool kHasText = std::is_same_v<T, std::string> || std::is_same_v<T, GroomLayer>;
 
 template <class T>
-void ReadSection(std::span<const std::byte> file, const std::string& name, uint32_t index,
-                 const Section& section, std::vector<T>& items) {
-  Reader reader(file, name, kSectionNames[index], section.offset, section.offset + section.bytes);
+bool ReadSection(std::span<const std::byte> file, const std::string& name, uint32_t index,
+                 const Section& section, std::vector<T>& items, std::string& error) {
+  Reader reader(file, name, kSectionNames[index], section.offset, section.offset + section.bytes,
+                error);
   static const uint64_t kItemBytes = CountItemBytes(*std::make_unique<T>());
   if (section.item_bytes != kItemBytes) {
-    reader.Fail(section.offset, fmt::format("items of {} bytes; this program has {}",
-                                            section.item_bytes, kItemBytes));
+    return reader.Fail(section.offset, fmt::format("items of {} bytes; this program has {}",
+                                                   section.item_bytes, kItemBytes));
   }
   const uint64_t least = uint64_t(section.items) * kItemBytes;
   if (kHasText<T> ? section.bytes < least : section.bytes != least) {
-    reader.Fail(section.offset, fmt::format("{} items do not fit the section's {} bytes",
-                                            section.items, section.bytes));
+    return reader.Fail(section.offset, fmt::format("{} items do not fit the section's {} bytes",
+                                                   section.items, section.bytes));
   }
   items.resize(section.items);
-  for (T& item : items) ListFields(reader, item);
-  if (reader.Left() != 0) {
-    reader.Fail(reader.At(), fmt::format("{} bytes behind the last item", reader.Left()));
+  for (T& item : items) {
+    ListFields(reader, item);
+    if (!reader.ok()) return false;
   }
+  if (reader.Left() != 0) {
+    return reader.Fail(reader.At(), fmt::format("{} bytes behind the last item", reader.Left()));
+  }
+  return true;
+}
+
+// The section of a thing that a groom has one of.
+template <class T>
+bool ReadSingle(std::span<const std::byte> file, const std::string& name, uint32_t index,
+                const Section& section, std::vector<T>& items, std::string& error) {
+  if (!ReadSection(file, name, index, section, items, error)) return false;
+  if (items.size() == 1) return true;
+  return Reader(file, name, kSectionNames[index], 0, 0, error)
+      .Fail(section.offset, fmt::format("{} items instead of one", items.size()));
 }
 
 }  // namespace
@@ -225,8 +260,9 @@ uint64_t HashGroomBytes(std::span<const std::byte> bytes) {
   return hash ^ hash >> 29;
 }
 
-std::vector<std::byte> WriteGroom(const Groom& groom) {
-  CheckGroom(groom, "to be written");
+std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::string& error) {
+  error = FindGroomFault(groom, "to be written");
+  if (!error.empty()) return std::nullopt;
   const std::vector<General> general{{groom.unit_scale, groom.joint_count}};
   const std::vector<SkeletonBlock> skeleton{groom.skeleton};
   const auto for_each_section = [&](auto&& visit) {
@@ -268,71 +304,75 @@ std::vector<std::byte> WriteGroom(const Groom& groom) {
   return file.Take();
 }
 
-Groom ReadGroom(std::span<const std::byte> bytes, const std::string& name) {
-  const std::vector<Section> sections = ReadTable(bytes, name);
+std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::string& name,
+                                  std::string& error) {
+  error.clear();
+  std::vector<Section> sections(kSectionCount);
   std::vector<General> general;
   std::vector<SkeletonBlock> skeleton;
-  ReadSection(bytes, name, 0, sections[0], general);
-  ReadSection(bytes, name, 1, sections[1], skeleton);
-  for (uint32_t i : {0u, 1u}) {
-    if (sections[i].items != 1) {
-      throw Error(fmt::format("groom '{}': section '{}', byte {}: {} items instead of one", name,
-                              kSectionNames[i], sections[i].offset, sections[i].items));
-    }
-  }
-  Groom groom;
-  groom.unit_scale = general[0].unit_scale;
-  groom.joint_count = general[0].joint_count;
-  groom.skeleton = skeleton[0];
+  if (!CheckHeader(bytes, name, error) || !ReadTable(bytes, name, sections, error) ||
+      !ReadSingle(bytes, name, 0, sections[0], general, error) ||
+      !ReadSingle(bytes, name, 1, sections[1], skeleton, error))
+    return std::nullopt;
+  std::optional<Groom> groom(std::in_place);
+  groom->unit_scale = general[0].unit_scale;
+  groom->joint_count = general[0].joint_count;
+  groom->skeleton = skeleton[0];
   uint32_t index = 2;
   ListSections(
       [&](std::string_view, auto& items) {
-        ReadSection(bytes, name, index, sections[index], items);
+        if (error.empty()) ReadSection(bytes, name, index, sections[index], items, error);
         ++index;
       },
-      groom);
-  CheckGroom(groom, name);
+      *groom);
+  if (error.empty()) error = FindGroomFault(*groom, name);
+  if (!error.empty()) return std::nullopt;
   return groom;
 }
 
-void WriteGroomFile(const Groom& groom, const std::string& path) {
-  const std::vector<std::byte> bytes = WriteGroom(groom);
+bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error) {
+  const std::optional<std::vector<std::byte>> bytes = TryWriteGroom(groom, error);
+  if (!bytes) return false;
   const std::string partial = fmt::format("{}.{}.partial", path, getpid());
-  std::error_code error;
+  std::error_code code;
   {
     std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    file.write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
     file.close();
     if (!file) {
-      std::filesystem::remove(partial, error);
-      throw Error(
-          fmt::format("groom '{}': cannot be written there; is the folder there, writable "
-                      "and not full?",
-                      path));
+      std::filesystem::remove(partial, code);
+      error = fmt::format(
+          "groom '{}': cannot be written there; is the folder there, writable and not full?", path);
+      return false;
     }
   }
-  std::filesystem::rename(partial, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    std::filesystem::remove(partial, error);
-    throw Error(fmt::format("groom '{}': cannot be put in place: {}", path, reason));
+  std::filesystem::rename(partial, path, code);
+  if (code) {
+    error = fmt::format("groom '{}': cannot be put in place: {}", path, code.message());
+    std::filesystem::remove(partial, code);
   }
+  return error.empty();
 }
 
-Groom ReadGroomFile(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw Error(fmt::format("groom '{}': no such file", path));
+std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) {
+    error = fmt::format("groom '{}': no such file", path);
+    return std::nullopt;
   }
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  if (error || size > kFileBytesLimit) {
-    throw Error(fmt::format("groom '{}': larger than {} bytes", path, kFileBytesLimit));
+  const uintmax_t size = std::filesystem::file_size(path, code);
+  if (code || size > kFileBytesLimit) {
+    error = fmt::format("groom '{}': larger than {} bytes", path, kFileBytesLimit);
+    return std::nullopt;
   }
   std::vector<std::byte> bytes(size);
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
-  if (!file) throw Error(fmt::format("groom '{}': cannot be read", path));
-  return ReadGroom(bytes, path);
+  if (!file) {
+    error = fmt::format("groom '{}': cannot be read", path);
+    return std::nullopt;
+  }
+  return TryReadGroom(bytes, path, error);
 }
 
 }  // namespace pelt

@@ -10,37 +10,61 @@
 // all that follows the header.
 //
 // A file is read as hostile input: counts are held against the file's size before anything is
-// allocated, and then every index, range and number against what the frame assumes (CheckGroom).
-// The hash finds damage; it is not what safety rests on.
+// allocated, and then every index, range and number against what the frame assumes
+// (FindGroomFault). The hash finds damage; it is not what safety rests on.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/error.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt {
 
 inline constexpr uint32_t kGroomVersion = 1;
 
-// Throws pelt::Error when the groom is not one that ReadGroom would accept.
-std::vector<std::byte> WriteGroom(const Groom& groom);
+// The text of every failure is "groom 'name': section 'mesh', byte 1234: reason"; the byte counts
+// from the start of the file.
+std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::string& name,
+                                  std::string& error);
+std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error);
 
-// Throws pelt::Error "groom 'name': section 'mesh', byte 1234: reason"; the byte counts from the
-// start of the file.
-Groom ReadGroom(std::span<const std::byte> bytes, const std::string& name);
-
+// Fails when the groom is not one that TryReadGroom would accept.
+std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::string& error);
 // Written beside the target first and renamed onto it, so that a reader never sees half a file.
-void WriteGroomFile(const Groom& groom, const std::string& path);
-Groom ReadGroomFile(const std::string& path);
+bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error);
+
+// What the frame assumes of a groom and the types do not say: the text of the first thing that is
+// wrong, or empty.
+std::string FindGroomFault(const Groom& groom, const std::string& name);
 
 // The file's hash of `bytes`: equal on every machine. Not for security.
 uint64_t HashGroomBytes(std::span<const std::byte> bytes);
 
-// What the frame assumes of a groom and the types do not say. Throws pelt::Error as ReadGroom does.
-void CheckGroom(const Groom& groom, const std::string& name);
+#if defined(__cpp_exceptions)
+// The same, throwing Error.
+inline Groom ReadGroom(std::span<const std::byte> bytes, const std::string& name) {
+  return ValueOrThrow([&](std::string& error) { return TryReadGroom(bytes, name, error); });
+}
+inline Groom ReadGroomFile(const std::string& path) {
+  return ValueOrThrow([&](std::string& error) { return TryReadGroomFile(path, error); });
+}
+inline std::vector<std::byte> WriteGroom(const Groom& groom) {
+  return ValueOrThrow([&](std::string& error) { return TryWriteGroom(groom, error); });
+}
+inline void WriteGroomFile(const Groom& groom, const std::string& path) {
+  std::string error;
+  if (!TryWriteGroomFile(groom, path, error)) throw Error(error);
+}
+inline void CheckGroom(const Groom& groom, const std::string& name) {
+  const std::string fault = FindGroomFault(groom, name);
+  if (!fault.empty()) throw Error(fault);
+}
+#endif
 
 }  // namespace pelt

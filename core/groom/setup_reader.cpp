@@ -245,9 +245,10 @@ void SetupReader::ReadColour(const KeyInfo& info, const toml::node& node, uint32
   const uint32_t rgb = ReadHexColour(info, node);
   value = 0xff000000u | (rgb & 255) << 16 | (rgb & 0xff00) | rgb >> 16;
 }
-void SetupReader::ReadColour(const KeyInfo& info, const toml::node& node, glm::vec3& value) {
+void SetupReader::ReadColour(const KeyInfo& info, const toml::node& node,
+                             std::array<float, 3>& value) {
   const uint32_t rgb = ReadHexColour(info, node);
-  value = glm::vec3(float(rgb >> 16), float(rgb >> 8 & 255), float(rgb & 255)) / 255.0f;
+  value = {float(rgb >> 16) / 255.0f, float(rgb >> 8 & 255) / 255.0f, float(rgb & 255) / 255.0f};
 }
 
 void SetupReader::ReadDensity(const KeyInfo& info, const toml::node& node, LayerSetup& layer) {

@@ -24,7 +24,6 @@ constexpr double kDegreesLimit = 360.0;
 constexpr double kBendLimit = 1.0e5;        // degrees a metre: a full turn in 3.6 mm
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 constexpr double kReachLimit = 1000.0;      // m, for places
-constexpr double kIterationLimit = 32.0;
 
 // Follows members: Field<&LayerSetup::params, &LayerParams::weight>(layer) is layer.params.weight.
 template <auto kMember, auto... kRest, class T>
@@ -47,6 +46,12 @@ std::string Show(const KeyInfo&, const Attribute& value) { return fmt::format("{
 std::string Show(const KeyInfo&, const glm::vec3& value) {
   return fmt::format("[{}, {}, {}]", value.x, value.y, value.z);
 }
+std::string ShowColour(uint32_t value) {
+  return fmt::format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255, value >> 16 & 255);
+}
+std::string ShowColour(const std::array<float, 3>& value) {
+  return fmt::format("[{}, {}, {}]", value[0], value[1], value[2]);
+}
 template <class Enum>
 requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) {
   return fmt::format("\"{}\"", info.words[size_t(value)]);
@@ -61,19 +66,6 @@ std::string Show(const KeyInfo&, const std::optional<T>&) {
 template <class T>
 std::string Show(const KeyInfo&, const std::vector<T>&) {
   return "none";
-}
-
-template <class F>
-bool InBounds(const KeyInfo& info, const F& value) {
-  if constexpr (std::is_enum_v<F>) {
-    return size_t(value) < info.words.size();
-  } else if constexpr (std::is_same_v<F, float> || std::is_same_v<F, uint32_t>) {
-    // As floats, so that a bound that float rounds outward still admits the value it was read from.
-    return float(value) >= float(info.low) && float(value) <= float(info.high);
-  } else if constexpr (std::is_same_v<F, glm::vec3>) {
-    return InBounds(info, value.x) && InBounds(info, value.y) && InBounds(info, value.z);
-  }
-  return true;
 }
 
 template <class M>
@@ -98,9 +90,6 @@ auto MakeRow(const KeyInfo& info) {
       },
       [](const KeyInfo& key, const Object& object) {
         return Show(key, Field<kFirst, kRest...>(object));
-      },
-      [](const KeyInfo& key, const Object& object) {
-        return InBounds(key, Field<kFirst, kRest...>(object));
       }};
 }
 
@@ -148,25 +137,15 @@ Row AsOuter(Row row) {
 
 template <auto kFirst, auto... kRest>
 auto Colour(Text key, Text doc) {
-  auto row = MakeRow<kFirst, kRest...>({key, "colour", "", 0, 1, doc});
   using Object = typename OwnerOf<decltype(kFirst)>::Type;
-  row.read = [](SetupReader& reader, const KeyInfo& info, const toml::node& node, Object& object) {
-    reader.ReadColour(info, node, Field<kFirst, kRest...>(object));
-  };
-  row.show = [](const KeyInfo&, const Object& object) {
-    const auto& value = Field<kFirst, kRest...>(object);
-    if constexpr (std::is_same_v<decltype(value), const uint32_t&>) {
-      return fmt::format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255,
-                         value >> 16 & 255);
-    } else {
-      return Show(KeyInfo{}, value);
-    }
-  };
-  if constexpr (std::is_same_v<decltype(Field<kFirst, kRest...>(std::declval<Object&>())),
-                               uint32_t&>) {
-    row.in_bounds = nullptr;  // any colour will do
-  }
-  return row;
+  return KeyRow<Object>{
+      {key, "colour", "", 0, 1, doc},
+      [](SetupReader& reader, const KeyInfo& info, const toml::node& node, Object& object) {
+        reader.ReadColour(info, node, Field<kFirst, kRest...>(object));
+      },
+      [](const KeyInfo&, const Object& object) {
+        return ShowColour(Field<kFirst, kRest...>(object));
+      }};
 }
 
 template <auto... kMembers>
@@ -177,6 +156,18 @@ auto ChannelOf(Text doc) {
 using L = LayerSetup;
 using P = LayerParams;
 inline constexpr auto kParams = &LayerSetup::params;
+
+// Rows of LayerParams: their bounds are those the groom reader holds them to.
+template <auto kMember>
+auto ParamNumber(Text key, Text unit, Text doc) {
+  const ParamBounds& bounds = *FindParamBounds(key);
+  return Number<kParams, kMember>(key, unit, bounds.low, bounds.high, doc);
+}
+template <auto kMember>
+auto ParamCount(Text key, Text doc) {
+  const ParamBounds& bounds = *FindParamBounds(key);
+  return Count<kParams, kMember>(key, bounds.low, bounds.high, doc);
+}
 
 KeyRow<L> DensityRow() {
   KeyInfo info{"density", "attribute", "1/m^2",
@@ -213,13 +204,12 @@ std::span<const KeyRow<LayerSetup>> Schema() {
       Required(Plain<&L::name>("name", "text", "shown in reports; unique")),
       Plain<&L::seed>("seed", "whole number", "chooses every random value of the layer", 0, 0),
       Switch<kParams, &P::enabled>("enabled", "baked but not run when false"),
-      Number<kParams, &P::sort_bias>("sort_bias", "", -1000, 1000,
-                                     "layers are drawn in ascending bias"),
+      ParamNumber<&P::sort_bias>("sort_bias", "", "layers are drawn in ascending bias"),
       Word<kParams, &P::solver>("solver", kSolverWords, "how chains are simulated"),
       Word<kParams, &P::chain>("chain", kChainWords,
                                "chains at mesh vertices, or one for each strand"),
-      Count<kParams, &P::points>(
-          "points", 4, 5, "points a chain, the fixed one too; vertex: 4, strand: 5 if unset"),
+      ParamCount<&P::points>("points",
+                             "points a chain, the fixed one too; vertex: 4, strand: 5 if unset"),
       Word<kParams, &P::output>("output", kOutputWords, "what vertex generation writes"),
       // Where it grows, and how much.
       DensityRow(),
@@ -229,8 +219,7 @@ std::span<const KeyRow<LayerSetup>> Schema() {
       Varying<&L::offset>("offset", "m", -1, 1, "root above the skin, along the normal"),
       Varying<&L::length>("length", "m", 1e-4, 10, "root to tip along the strand"),
       Varying<&L::width>("width", "m", 1e-6, 0.1, "at the root"),
-      Number<kParams, &P::tip_width>("tip_width", "", 0, 4,
-                                     "width at the tip over that at the root"),
+      ParamNumber<&P::tip_width>("tip_width", "", "width at the tip over that at the root"),
       Varying<&L::direction>("direction", "degrees", -kDegreesLimit, kDegreesLimit,
                              "turns the groomed direction about the normal"),
       Varying<&L::curl>("curl", "degrees/m", -kBendLimit, kBendLimit, "bending along the strand"),
@@ -252,36 +241,33 @@ std::span<const KeyRow<LayerSetup>> Schema() {
       Count<&L::film_strip_count>("film_strips", 1, 256, "textures in the strip; picked at random"),
       // How it moves.
       Varying<&L::strength>("strength", "", 0, 1, "of the simulation; 0 follows the skin"),
-      Count<kParams, &P::iterations>("iterations", 1, kIterationLimit, "of the solver, a frame"),
-      Number<kParams, &P::weight>("weight", "", -10, 10, "scale on gravity"),
-      Number<kParams, &P::bounce>("bounce", "", 0, 1, "speed kept by a contact"),
-      Number<kParams, &P::velocity_damping>("velocity_damping", "1/s", 0, 1000,
-                                            "how fast speed dies away"),
-      Number<kParams, &P::motion_damping>("motion_damping", "", 0, 1,
-                                          "0: free inertia, 1: moves with the root"),
-      Number<kParams, &P::segment_hardness>("segment_hardness", "", 0, 1,
-                                            "length error removed, an iteration"),
-      Number<kParams, &P::angular_hardness_middle>("angular_hardness_middle", "", 0, 1,
-                                                   "bend removed, an iteration; inner joints"),
-      Number<kParams, &P::angular_hardness_end>("angular_hardness_end", "", 0, 1,
-                                                "bend removed, an iteration; last joint"),
-      Number<kParams, &P::surface_hardness>("surface_hardness", "", 0, 1,
-                                            "depth under the skin removed, an iteration"),
-      Number<kParams, &P::stiffness>("stiffness", "", 0, 1,
-                                     "verlet: way to the groom, an iteration"),
-      Number<kParams, &P::clump>("clump", "", 0, 1, "way to the control strand, at the tip"),
+      ParamCount<&P::iterations>("iterations", "of the solver, a frame"),
+      ParamNumber<&P::weight>("weight", "", "scale on gravity"),
+      ParamNumber<&P::bounce>("bounce", "", "speed kept by a contact"),
+      ParamNumber<&P::velocity_damping>("velocity_damping", "1/s", "how fast speed dies away"),
+      ParamNumber<&P::motion_damping>("motion_damping", "",
+                                      "0: free inertia, 1: moves with the root"),
+      ParamNumber<&P::segment_hardness>("segment_hardness", "",
+                                        "length error removed, an iteration"),
+      ParamNumber<&P::angular_hardness_middle>("angular_hardness_middle", "",
+                                               "bend removed, an iteration; inner joints"),
+      ParamNumber<&P::angular_hardness_end>("angular_hardness_end", "",
+                                            "bend removed, an iteration; last joint"),
+      ParamNumber<&P::surface_hardness>("surface_hardness", "",
+                                        "depth under the skin removed, an iteration"),
+      ParamNumber<&P::stiffness>("stiffness", "", "verlet: way to the groom, an iteration"),
+      ParamNumber<&P::clump>("clump", "", "way to the control strand, at the tip"),
       Count<&L::clump_controls>("clump_controls", 0, 64,
                                 "control strands a chunk, rounded up to 16"),
-      Number<kParams, &P::wind_response>("wind_response", "1/s", 0, 1000,
-                                         "acceleration for each m/s of wind"),
+      ParamNumber<&P::wind_response>("wind_response", "1/s", "acceleration for each m/s of wind"),
       Switch<kParams, &P::backface_cull>("backface_cull", "leave out strands that face away"),
-      Number<kParams, &P::backface_tolerance>("backface_tolerance", "", 0, 1,
-                                              "how far a strand may face away and still be drawn"),
+      ParamNumber<&P::backface_tolerance>("backface_tolerance", "",
+                                          "how far a strand may face away and still be drawn"),
       // What water and dirt do to it.
-      Number<kParams, &P::wet_weight>("wet_weight", "", 0, 10, "added to weight when soaked"),
-      Number<kParams, &P::wet_clump>("wet_clump", "", 0, 1, "added to clump when soaked"),
-      Number<kParams, &P::wet_hardness>("wet_hardness", "", 0, 1, "hardness lost when soaked"),
-      Number<kParams, &P::wet_darken>("wet_darken", "", 0, 1, "brightness lost when soaked"),
+      ParamNumber<&P::wet_weight>("wet_weight", "", "added to weight when soaked"),
+      ParamNumber<&P::wet_clump>("wet_clump", "", "added to clump when soaked"),
+      ParamNumber<&P::wet_hardness>("wet_hardness", "", "hardness lost when soaked"),
+      ParamNumber<&P::wet_darken>("wet_darken", "", "brightness lost when soaked"),
       Colour<kParams, &P::dirt_colour>("dirt_colour", "mixed into the colours when dirty"),
   };
   return kRows;
@@ -366,30 +352,6 @@ std::span<const KeyRow<CombVector>> Schema() {
       Number<&C::reach>("reach", "m", 1e-4, kReachLimit, "how far it acts"),
   };
   return kRows;
-}
-
-std::string FindBadParam(const LayerParams& params) {
-  LayerSetup layer;
-  layer.params = params;
-  for (const auto& row : Schema<LayerSetup>()) {
-    if (row.in_bounds && !row.in_bounds(row.info, layer)) {
-      return fmt::format(
-          "{} is not between {} and {}", row.info.key, row.info.low,
-          row.info.words.empty() ? row.info.high : double(row.info.words.size() - 1));
-    }
-  }
-  const auto bad = FindBadCombination(params);
-  return bad ? fmt::format("{}: {}", bad->key, bad->reason) : std::string();
-}
-
-std::optional<BadKey> FindBadCombination(const LayerParams& params) {
-  if (params.chain == ChainKind::kVertex && params.points != 4) {
-    return BadKey{"points", "chains at mesh vertices have 4 points; chain = \"strand\" has 4 or 5"};
-  }
-  if (params.chain == ChainKind::kVertex && params.solver == Solver::kVerlet) {
-    return BadKey{"solver", "verlet needs a chain for each strand: chain = \"strand\""};
-  }
-  return std::nullopt;
 }
 
 // ---- The list for people ------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 // missing from all the others.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -55,7 +56,6 @@ struct KeyRow {
   KeyInfo info;
   void (*read)(SetupReader&, const KeyInfo&, const toml::node&, T&);
   std::string (*show)(const KeyInfo&, const T&);  // the value, for the key list
-  bool (*in_bounds)(const KeyInfo&, const T&) = nullptr;
 };
 
 // The rows of each thing that is written as a TOML table.
@@ -87,12 +87,6 @@ concept SetupTable = std::is_same_v<T, Mask> || std::is_same_v<T, Mask::JointWei
 // The nearest of `known` to a mistyped word, or empty when none is near.
 std::string_view FindNearestWord(std::string_view word, std::span<const std::string_view> known);
 
-// What no single key shows to be wrong.
-struct BadKey {
-  std::string_view key, reason;
-};
-std::optional<BadKey> FindBadCombination(const LayerParams& params);
-
 // Reads values and knows where it is, for messages.
 class SetupReader {
  public:
@@ -119,7 +113,8 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, MapChannel&);
   void Read(const KeyInfo&, const toml::node&, std::shared_ptr<const ControlMap>&);
   void ReadColour(const KeyInfo&, const toml::node&, uint32_t&);   // "#rrggbb" to 0xffBBGGRR
-  void ReadColour(const KeyInfo&, const toml::node&, glm::vec3&);  // "#rrggbb" to bytes / 255
+  void ReadColour(const KeyInfo&, const toml::node&,
+                  std::array<float, 3>&);  // "#rrggbb" to bytes / 255
   void ReadDensity(const KeyInfo&, const toml::node&, LayerSetup&);
 
   template <class Enum>

@@ -4,32 +4,38 @@ namespace pelt {
 
 // Defined by kernel_table.cpp, once for each instruction set that is built.
 const KernelTable& KernelsReference();
-#ifdef PELT_X86
 const KernelTable& KernelsSse4();
 const KernelTable& KernelsAvx2();
 const KernelTable& KernelsAvx512();
-#endif
+const KernelTable& KernelsSimd128();
 
 const KernelTable* FindKernels(Isa isa) {
-#ifdef PELT_X86
+#ifdef PELT_HAS_SSE4
   if (isa == Isa::kSse4 && __builtin_cpu_supports("sse4.1")) return &KernelsSse4();
+#endif
+#ifdef PELT_HAS_AVX2
   if (isa == Isa::kAvx2 && __builtin_cpu_supports("avx2")) return &KernelsAvx2();
+#endif
+#ifdef PELT_HAS_AVX512
   if (isa == Isa::kAvx512 && __builtin_cpu_supports("avx512f") &&
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512vl"))
     return &KernelsAvx512();
 #endif
+#ifdef PELT_HAS_SIMD128
+  if (isa == Isa::kSimd128) return &KernelsSimd128();
+#endif
   return isa == Isa::kReference ? &KernelsReference() : nullptr;
 }
 
 Isa BestIsa() {
-  for (Isa isa : {Isa::kAvx512, Isa::kAvx2, Isa::kSse4})
+  for (Isa isa : {Isa::kAvx512, Isa::kAvx2, Isa::kSse4, Isa::kSimd128})
     if (FindKernels(isa)) return isa;
   return Isa::kReference;
 }
 
 std::string_view IsaName(Isa isa) {
-  constexpr std::string_view kNames[] = {"reference", "sse4", "avx2", "avx512"};
+  constexpr std::string_view kNames[] = {"reference", "sse4", "avx2", "avx512", "simd128"};
   return kNames[size_t(isa)];
 }
 

@@ -32,6 +32,10 @@ namespace pelt {
 struct IsaSse4 {
   static constexpr int kLanes = 4;
 };
+// The machine's own 128-bit vectors elsewhere than on x86: NEON, AltiVec.
+struct IsaSimd128 {
+  static constexpr int kLanes = 4;
+};
 struct IsaAvx2 {
   static constexpr int kLanes = 8;
 };

@@ -20,7 +20,7 @@ fail() {
 # Every line of a help text that starts with two blanks and "pelt".
 run_examples() {
   local count=0
-  for subcommand in bake run plan verify; do
+  for subcommand in bake run plan verify report trace diff golden conformance; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
     while read -r -a words; do
       count=$((count + 1))
@@ -32,6 +32,8 @@ run_examples() {
   done
   [ "$count" -ge 8 ] || fail "only $count examples in the help texts"
   [ -s monster.groom ] || fail "the bake example wrote no groom"
+  grep -q '"traceEvents"' trace.json || fail "the trace example wrote no trace"
+  grep -q '</html>' report.html || fail "the report example wrote no page"
   [ "$(head -c 8 eyepet.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] ||
     fail "the picture example wrote no PNG"
   echo "$count examples"
@@ -60,6 +62,7 @@ check_errors() {
   expect 1 missing.toml bake --setup ./missing.toml
   expect 1 missing.groom run --groom missing.groom
   expect 1 there run --setup nosuch
+  expect 1 "memory budget" plan --scene tiny --memory-budget-mb 1
   head -c 4000 /dev/urandom >noise
   cp noise noise.glb
   expect 1 noise.glb bake --character noise.glb
@@ -72,6 +75,21 @@ check_errors() {
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake tiny"
   head -c 5000 tiny.groom >cut.groom
   expect 1 cut.groom run --groom cut.groom
+  expect 1 /nowhere/ run --scene tiny --frames 1 --trace /nowhere/x.json
+  expect 1 /nowhere/ report --scene tiny --frames 1 --out /nowhere/x.html
+  expect 1 local-store run --scene tiny --frames 1 --executor local-store --trace x.json
+  expect 1 local-store report --scene tiny --frames 1 --executor local-store
+  expect 1 noise trace replay noise
+  expect 1 noise trace show noise
+  expect 1 noise diff noise tiny.groom
+  expect 1 'of kind groom' diff tiny.groom "$source_dir/traces/golden/tiny.digests"
+  expect 2 --out trace record --scene tiny
+  expect 2 subcommand trace
+  expect 2 right diff tiny.groom
+  expect 2 --renew golden --scene tiny
+  expect 1 tiny.digests golden --check nowhere --scene tiny
+  expect 1 /nowhere/ run --scene tiny --frames 1 --digest-log /nowhere/x.digests
+  expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
 }
 
 check_output() {
@@ -86,8 +104,19 @@ check_output() {
   for switch in sleep unmoved sort wind cull digest; do
     "$pelt" run --scene tiny --frames 2 "--no-$switch" >/dev/null || fail "--no-$switch"
   done
+  "$pelt" trace record --scene tiny --frames 4 --out tiny.peltinput >/dev/null || fail "trace record"
+  "$pelt" trace record --scene tiny --frames 4 --lod --strand-budget 300 --out lod.peltinput >/dev/null ||
+    fail "trace record --lod"
+  for log in tiny lod; do
+    "$pelt" trace replay $log.peltinput --executor serial --isa reference | grep -q 'SAME BITS in all 4 frames' ||
+      fail "replay of $log"
+  done
+  "$pelt" diff tiny.peltinput lod.peltinput >diff.txt && fail "diff of different recordings is 0"
+  grep -q 'frame 0, input' diff.txt || fail "diff of recordings: $(cat diff.txt)"
   if command -v python3 >/dev/null; then
-    for arguments in 'bake --setup tiny --stats' 'run --scene tiny --frames 2' 'plan --scene tiny' \
+    for arguments in 'trace show tiny.peltinput' 'trace replay tiny.peltinput' 'diff a.groom b.groom' \
+      'diff tiny.peltinput tiny.peltinput' \
+      'bake --setup tiny --stats' 'run --scene tiny --frames 2' 'plan --scene tiny' \
       'verify --scene tiny --frames 1 --isa reference --no-skips'; do
       # shellcheck disable=SC2086
       "$pelt" $arguments --json 2>/dev/null | python3 -m json.tool >/dev/null ||

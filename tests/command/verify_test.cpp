@@ -68,7 +68,7 @@ TEST(Verify, TinyIsTheSameEverywhere) {
   // Besides the matrix, for each of the settings: sorted vertices against the index buffer.
   EXPECT_EQ(report.cases.size(), AllCases().size() + 3);
   for (const CaseResult& c : report.cases)
-    if (c.what.executor == ExecutorKind::kTbb) {
+    if (HasWorkers(c.what.executor)) {
       EXPECT_EQ(c.workers_observed, c.what.workers);
     }
   EXPECT_NE(DescribeReport(report).find("verdict: SAME BITS"), std::string::npos);
@@ -78,8 +78,9 @@ TEST(Verify, MatrixHasEveryExecutorPlanSortAndSet) {
   const std::vector<VerifyCase> cases = AllCases();
   uint32_t sets = 0;
   for (const Isa isa : kAllIsas) sets += FindKernels(isa) != nullptr;
-  // serial, tbb on 1, 2, 3, 7, permuted in 3 orders, local store; each x 2 x 2 x 2
-  EXPECT_EQ(cases.size(), 9u * 8u * sets);
+  // serial; tbb, door and pull on 1, 2, 3, 7, 16; permuted in 3 orders; local store. Each x fusion x
+  // vertex order x sort x three settings.
+  EXPECT_EQ(cases.size(), (1u + 3 * 5 + 3 + 1) * 8u * 3u * sets);
 }
 
 TEST(Verify, EverySkipThatRestAllowsSavesWorkAndChangesNothing) {

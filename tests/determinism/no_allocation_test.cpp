@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "jobs/adapters/pull_pool.hpp"
+#include "jobs/adapters/thread_pool_door.hpp"
 #include "jobs/tbb_executor.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -125,6 +127,18 @@ TEST(NoAllocation, PermutedFrameAfterItsFirst) {
 TEST(NoAllocation, LocalStoreFrame) {
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   EXPECT_EQ(CallsInFrames(local, {}, 1), 0u);
+}
+
+TEST(NoAllocation, PullFrame) {
+  PullPool pool(3);
+  EXPECT_EQ(CallsInFrames(pool, {}, 1), 0u);
+}
+
+TEST(NoAllocation, DoorFrame) {
+  ThreadPoolDoor pool(3);
+  DoorExecutor executor(pool.door());
+  EXPECT_EQ(CallsInFrames(executor, {}, 1), 0u);
+  EXPECT_GT(executor.TasksEnqueued(), 0u);
 }
 
 // oneTBB keeps pools of its own and grows them when it likes; once they are warm the calls must be

@@ -136,8 +136,8 @@ std::vector<KeyCase> ListKeyCases() {
       {"wet_darken", "0.125", [](L l) { return l.params.wet_darken == 0.125f; }},
       {"dirt_colour", "'#ff0033'",
        [](L l) {
-         return l.params.dirt_colour.x == 1.0f && l.params.dirt_colour.y == 0.0f &&
-                Near(l.params.dirt_colour.z, 0.2f);
+         return l.params.dirt_colour[0] == 1.0f && l.params.dirt_colour[1] == 0.0f &&
+                Near(l.params.dirt_colour[2], 0.2f);
        }},
   };
 }
@@ -436,7 +436,7 @@ TEST_F(FurSetupTest, ParamsFromElsewhereAreChecked) {
   params.iterations = 1u << 31;
   EXPECT_NE(FindBadParam(params).find("iterations"), std::string::npos);
   params = {};
-  params.dirt_colour.y = 2.0f;
+  params.dirt_colour[1] = 2.0f;
   EXPECT_NE(FindBadParam(params).find("dirt_colour"), std::string::npos);
   params = {};
   params.points = 5;

@@ -1,0 +1,64 @@
+// Runs an input log again, and checks that the bits are those recorded.
+//
+// Needs the core, the groom reader, jobs and traces, and whatever executor it is given: nothing
+// here sees oneTBB, glTF or the command line, so that the same file replays in a program for
+// another machine (tests/) or inside an engine.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/groom/groom.hpp"
+#include "jobs/scene.hpp"
+#include "traces/digest_log.hpp"
+#include "traces/input_log.hpp"
+
+namespace pelt {
+
+// A log with its grooms read and the scene that runs it. The log must outlive it.
+class ReplayScene {
+ public:
+  // Of `options` the vertex order is the log's; all others are free to choose. `name` is for
+  // messages. Throws Error when a groom cannot be read or the scene cannot be made.
+  ReplayScene(const InputLog& log, const std::string& name, SceneOptions options);
+
+  FurScene& scene() { return scene_; }
+  const SceneOptions& options() const { return options_; }
+  // Fills the poses and begins a frame. Null, or the reason the frame must not run.
+  const char* Begin(uint32_t frame);
+
+ private:
+  const InputLog& log_;
+  SceneOptions options_;
+  std::vector<Groom> grooms_;
+  std::vector<const Groom*> character_groom_;
+  SceneLayout layout_;
+  SceneBlock memory_;
+  FurScene scene_;
+};
+
+struct ReplayMismatch {
+  uint32_t frame = 0;
+  uint64_t recorded = 0, found = 0;
+  std::string refused;  // why the frame could not run; empty: it ran and gave another digest
+};
+
+struct ReplayResult {
+  uint32_t frames = 0;  // that ran
+  std::optional<ReplayMismatch> first;
+  uint32_t mismatches = 0;
+  uint64_t digest = 0;  // of all frames, folded as `pelt run` does
+  bool Same() const { return !first; }
+};
+
+// Runs every frame of the log; stops at one that is refused. `after_frame` may be empty.
+ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor,
+                    const std::function<void(uint32_t frame)>& after_frame = {});
+
+// One line: the verdict.
+std::string DescribeReplay(const ReplayResult& result);
+
+}  // namespace pelt

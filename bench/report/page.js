@@ -1,0 +1,348 @@
+// Draws the page from its data. Text from the data is only ever set as text.
+'use strict';
+const data = JSON.parse(document.getElementById('data').textContent);
+const byId = (id) => document.getElementById(id);
+const kLinesMs = [5, 8];
+
+function add(parent, tag, attributes = {}, text) {
+  const svg = parent.namespaceURI === 'http://www.w3.org/2000/svg' || tag === 'svg';
+  const node = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  if (text !== undefined) node.textContent = text;
+  parent.append(node);
+  return node;
+}
+
+const number = (value) => value.toLocaleString('en');
+const ms = (value) => value.toFixed(value < 0.9995 ? 3 : 2);
+const kb = (bytes) => number(Math.round(bytes / 100) / 10);
+const stageClass = (stage) => stage.colour < 0 ? 'others' : 's' + stage.colour;
+const coloured = data.stages.filter((s) => s.colour >= 0).sort((a, b) => a.colour - b.colour);
+const seen = data.stages.filter((s) => s.ran + s.skipped > 0);
+
+// ---- tables ----------------------------------------------------------------------------------------
+
+const textual = (rows, column) => rows.some((row) => !row.heading && row[column] && row[column].class === 'text');
+
+// A cell is text, a number with its own format, or {text, class, bar: [[share, class], ...]}.
+function table(parent, label, heads, rows, options = {}) {
+  const box = add(parent, 'div', {class: 'scroll' + (options.tall ? ' tall' : ''), tabindex: 0, role: 'region', 'aria-label': label});
+  const t = add(box, 'table', {class: options.wide ? 'wide' : ''});
+  const head = add(add(t, 'thead'), 'tr');
+  heads.forEach((name, i) => add(head, 'th', {scope: 'col', class: textual(rows, i) ? 'text' : ''}, name));
+  const body = add(t, 'tbody');
+  for (const row of rows) {
+    const tr = add(body, 'tr', row.heading ? {class: 'group'} : {});
+    if (row.heading) {
+      add(tr, 'th', {colspan: heads.length, scope: 'rowgroup'}, row.heading);
+      continue;
+    }
+    row.forEach((cell, i) => {
+      const is = typeof cell === 'object' ? cell : {text: cell};
+      const node = add(tr, i ? 'td' : 'th', i ? {class: is.class || ''} : {scope: 'row'}, is.bar ? undefined : is.text);
+      if (!is.bar) return;
+      const track = add(node, 'div', {class: 'track', 'aria-hidden': 'true'});
+      for (const [share, kind] of is.bar)
+        add(track, 'i', {class: kind}).style.width = (100 * share).toFixed(2) + '%';
+    });
+  }
+}
+
+function timeCells(spread, limit) {
+  return [spread.median, spread.p95, spread.p99, spread.worst].map((value) => ({text: ms(value), class: limit && value > limit ? 'over' : ''}));
+}
+
+function fillFacts() {
+  const title = 'Pelt report: ' + data.scene;
+  document.title = title;
+  byId('title').textContent = title;
+  const facts = [
+    ['strands', number(data.strands)],
+    ['chunks, layers, characters', `${number(data.chunks)}, ${number(data.layers)}, ${number(data.characters)}`],
+    ['frames', number(data.frames)],
+    ['last frame', `${number(data.live_strands)} strands live, ${number(data.drawn_strands)} drawn`],
+    ['executor', data.executor === 'tbb' ? `tbb, ${data.workers} workers (${data.workers_observed} observed)` : data.executor],
+    ['kernels, plan', `${data.isa}, ${data.fused ? 'fused' : 'unfused'}`],
+    ['machine', `${data.processor} (${data.cores} cores)`],
+    ['built with', `${data.compiler}, ${data.build_type}`],
+    ['commit', data.commit],
+    ['digest', data.digest],
+  ];
+  for (const [name, value] of facts) {
+    const pair = add(byId('facts'), 'div');
+    add(pair, 'dt', {}, name);
+    add(pair, 'dd', name === 'digest' || name === 'commit' ? {class: 'digest'} : {}, value);
+  }
+  const over = kLinesMs.map((line) => `${data.columns.filter((c) => c.ms > line).length} over ${line} ms`);
+  byId('verdict').textContent =
+      `The median frame takes ${ms(data.frame_ms.median)} ms, the worst ${ms(data.frame_ms.worst)} ms. Of ${data.columns.length} ` +
+      `${data.frames_a_column > 1 ? 'columns' : 'frames'}, ${over.join(' and ')}.`;
+}
+
+function fillTables() {
+  const rows = [
+    ['whole frame', ...timeCells(data.frame_ms, kLinesMs[1])],
+    ['poses and parameters (caller)', ...timeCells(data.caller_ms)],
+    {heading: 'stages, core ms'},
+    ...seen.map((s) => [s.name, ...timeCells(s.core_ms)]),
+    {heading: 'passes, wall ms'},
+    ...data.passes.map((p) => [p.name, ...timeCells(p.wall_ms)]),
+  ];
+  table(byId('times'), 'Times', ['ms', 'median', 'p95', 'p99', 'worst'], rows);
+
+  const largest = Math.max(...data.memory.map((m) => m.bytes));
+  byId('memory-note').textContent =
+      `${kb(data.memory_bytes)} KB in all: ${Math.round(data.memory_bytes / data.strands)} bytes a strand, ` +
+      `${data.state_bytes_per_strand.toFixed(1)} of them simulation state.`;
+  table(byId('memory'), 'Memory by name', ['name', 'role', 'blocks', 'KB', ''],
+        [...data.memory].sort((a, b) => b.bytes - a.bytes).map((m) => [
+          m.name, {text: m.role, class: 'text'}, number(m.blocks), kb(m.bytes),
+          {class: 'bar', bar: [[m.bytes / largest, '']]}]), {wide: true});
+
+  table(byId('skips'), 'Items run and skipped', ['stage', 'of each', 'run', 'skipped', 'MB moved', 'run against skipped'],
+        seen.map((s) => [
+          s.name, {text: s.domain, class: 'text'}, s.ran.toFixed(1), s.skipped.toFixed(1), (s.bytes / 1e6).toFixed(2),
+          {class: 'bar', bar: [[s.ran / (s.ran + s.skipped), ''], [s.skipped / (s.ran + s.skipped), 'skipped']]}]), {wide: true});
+
+  table(byId('plan'), 'Plan', ['pass', 'a', 'items', 'resident', 'get', 'put', 'stages'],
+        data.passes.map((p, i) => [
+          i, {text: p.domain, class: 'text'}, number(p.items), number(p.resident), number(p.get), number(p.put),
+          {text: data.stages.slice(p.first_stage, p.first_stage + p.stage_count).map((s) => s.name).join(', '), class: 'text'}]));
+}
+
+// ---- pictures --------------------------------------------------------------------------------------
+
+function showTip(event, text) {
+  const tip = byId('tip');
+  tip.hidden = !text;
+  if (!text) return;
+  tip.textContent = text;
+  const box = tip.getBoundingClientRect();
+  tip.style.left = Math.max(4, Math.min(event.clientX + 14, innerWidth - box.width - 4)) + 'px';
+  tip.style.top = (event.clientY + 18 + box.height > innerHeight ? event.clientY - box.height - 10 : event.clientY + 18) + 'px';
+}
+
+// A round step that gives about `count` ticks up to `top`.
+function tickStep(top, count) {
+  const rough = top / count, power = 10 ** Math.floor(Math.log10(rough));
+  return power * [1, 2, 5, 10].find((f) => f * power >= rough);
+}
+
+const bands = [
+  {name: 'poses and parameters', kind: 'caller', of: (c) => c.caller},
+  ...coloured.map((s, i) => ({name: s.name, kind: stageClass(s), of: (c) => c.stages[i]})),
+  {name: 'other stages', kind: 'others', of: (c) => c.others},
+  {name: 'waiting and hand-out', kind: 'waiting', of: (c) => c.waiting},
+];
+
+// The top of the picture: both lines, unless frames are far below them; not a few slow frames.
+function framesTop() {
+  const worst = data.frame_ms.worst;
+  if (worst < 2) return worst * 1.2;
+  return Math.max(kLinesMs[1] * 1.1, Math.min(worst * 1.08, 2.5 * data.frame_ms.p95));
+}
+
+function drawFrames() {
+  const box = byId('frames'), columns = data.columns, top = framesTop();
+  box.replaceChildren();
+  const width = box.clientWidth, height = 280, left = 36, right = 6, up = 8, down = 26;
+  const x = (i) => left + (width - left - right) * i / columns.length;
+  const y = (value) => up + (height - up - down) * (1 - Math.min(value, top) / top);
+  const svg = add(box, 'svg', {
+    width, height, role: 'img', 'data-picture': 'frames',
+    'aria-label': `Stage times over ${data.frames} frames, stacked, against 5 and 8 ms. Median ${ms(data.frame_ms.median)} ms, ` +
+        `worst ${ms(data.frame_ms.worst)} ms. The table below has the same figures.`,
+  });
+  for (let value = 0, step = tickStep(top, 5); value <= top; value += step) {
+    add(svg, 'line', {class: 'axis', x1: left, x2: width - right, y1: y(value), y2: y(value)});
+    add(svg, 'text', {x: left - 6, y: y(value) + 4, 'text-anchor': 'end'}, +value.toFixed(3));
+  }
+  const below = columns.map(() => 0);
+  for (const band of bands) {
+    // Steps, so that a slow frame stands as wide as any other.
+    let over = '', under = '';
+    columns.forEach((column, i) => {
+      const from = below[i], to = from + band.of(column);
+      below[i] = to;
+      over += `L${x(i).toFixed(1)} ${y(to).toFixed(1)}H${x(i + 1).toFixed(1)}`;
+      under = `L${x(i + 1).toFixed(1)} ${y(from).toFixed(1)}H${x(i).toFixed(1)}` + under;
+    });
+    add(svg, 'path', {class: 'band ' + band.kind, d: 'M' + over.slice(1) + under + 'Z'});
+  }
+  for (const line of kLinesMs.filter((l) => l <= top)) {
+    add(svg, 'line', {class: 'limit-halo', x1: left, x2: width - right, y1: y(line), y2: y(line)});
+    add(svg, 'line', {class: 'limit', x1: left, x2: width - right, y1: y(line), y2: y(line)});
+    add(svg, 'text', {class: 'limit-text', x: width - right - 4, y: y(line) - 5, 'text-anchor': 'end'}, line + ' ms');
+  }
+  const step = Math.max(1, tickStep(columns.length, width / 90));
+  for (let i = 0; i < columns.length; i += step)
+    add(svg, 'text', {x: x(i), y: height - 8}, (i ? '' : 'frame ') + columns[i].frame);
+  const cursor = add(svg, 'line', {class: 'cursor', y1: up, y2: height - down, visibility: 'hidden'});
+  svg.addEventListener('pointermove', (event) => {
+    const i = Math.floor((event.clientX - svg.getBoundingClientRect().left - left) / (width - left - right) * columns.length);
+    const column = columns[i];
+    cursor.setAttribute('visibility', column ? 'visible' : 'hidden');
+    if (column) for (const end of ['x1', 'x2']) cursor.setAttribute(end, x(i + 0.5));
+    showTip(event, column && [`frame ${column.frame}: ${ms(column.ms)} ms`, ...bands.map((b) => `${b.name} ${ms(b.of(column))}`)].join('\n'));
+  });
+  svg.addEventListener('pointerleave', () => {
+    cursor.setAttribute('visibility', 'hidden');
+    showTip();
+  });
+  const notes = ['In ms. A stage stands for its core time divided by the workers; what is left of the frame is waiting at barriers and handing out work.'];
+  if (data.frames_a_column > 1) notes.push(`Each column is the slowest of ${data.frames_a_column} frames.`);
+  const cut = columns.filter((c) => c.ms > top).length;
+  if (cut) notes.push(`${cut} of the columns are cut off at the top.`);
+  for (const line of kLinesMs.filter((l) => l > top)) notes.push(`The ${line} ms line is ${(line / data.frame_ms.worst).toFixed(0)} times the worst frame, above the picture.`);
+  byId('frames-note').textContent = notes.join(' ');
+}
+
+function fillFramesTable() {
+  for (const band of bands) {
+    const item = add(byId('legend'), 'li');
+    add(item, 'span', {class: 'swatch ' + band.kind, 'aria-hidden': 'true'});
+    item.append(band.name);
+  }
+  table(byId('frames-table'), 'Frames, ms', ['frame', 'ms', ...bands.map((b) => b.name)],
+        data.columns.map((c) => [c.frame, {text: ms(c.ms), class: c.ms > kLinesMs[1] ? 'over' : ''}, ...bands.map((b) => ms(b.of(c)))]), {tall: true});
+}
+
+// A worker's runs lie one after the other: stage, item, begin and end in ns.
+const kRun = 4;
+const runCount = (worker) => worker.runs.length / kRun;
+const runAt = (worker, i) => ({
+  stage: worker.runs[kRun * i], item: worker.runs[kRun * i + 1],
+  begin: worker.runs[kRun * i + 2], end: worker.runs[kRun * i + 3],
+});
+
+// The run at `ns`, or one that ends or begins within `slack` of it.
+function findRun(worker, ns, slack) {
+  let low = 0, high = runCount(worker);
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (worker.runs[kRun * middle + 3] < ns - slack) low = middle + 1; else high = middle;
+  }
+  const found = low < runCount(worker) ? runAt(worker, low) : undefined;
+  return found && found.begin <= ns + slack ? found : undefined;
+}
+
+const kLane = {first: 22, height: 26, step: 32, axis: 20};
+
+function drawTimeline(timeline, scroll, zoom) {
+  scroll.replaceChildren();
+  const width = Math.floor(scroll.clientWidth * zoom);
+  const height = kLane.first + kLane.step * timeline.workers.length + kLane.axis;
+  const x = (ns) => width * ns / timeline.ns;
+  const svg = add(scroll, 'svg', {
+    width, height, role: 'img', 'data-picture': 'timeline',
+    'aria-label': `What each worker did in the ${timeline.title}, frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms. The table below has the sums.`,
+  });
+  data.passes.forEach((pass, p) => {
+    const from = x(timeline.passes[2 * p]), to = x(timeline.passes[2 * p + 1]);
+    add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
+    if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
+  });
+  timeline.workers.forEach((worker, w) => {
+    const y = kLane.first + kLane.step * w;
+    add(svg, 'rect', {class: 'lane', x: 0, y, width, height: kLane.height});
+    const paths = new Map();
+    const bar = (kind, begin, end) => {
+      const from = x(begin).toFixed(2), to = x(end).toFixed(2);
+      if (from !== to) paths.set(kind, (paths.get(kind) || '') + `M${from} ${y}H${to}v${kLane.height}H${from}Z`);
+    };
+    if (w === 0) bar('caller', 0, timeline.caller_ns);
+    for (let i = 0; i < runCount(worker); ++i) {
+      const run = runAt(worker, i);
+      bar(stageClass(data.stages[run.stage]), run.begin, run.end);
+    }
+    for (const [kind, d] of paths) add(svg, 'path', {class: 'band ' + kind, d});
+  });
+  const step = tickStep(timeline.ns, Math.max(2, width / 110));
+  for (let ns = 0; ns < timeline.ns; ns += step)
+    add(svg, 'text', {x: x(ns) + 2, y: height - 5}, +(ns / 1e6).toFixed(4) + (ns ? '' : ' ms'));
+  svg.addEventListener('pointermove', (event) => {
+    const box = svg.getBoundingClientRect();
+    const ns = (event.clientX - box.left) / width * timeline.ns, down = event.clientY - box.top;
+    const lane = Math.floor((down - kLane.first) / kLane.step);
+    showTip(event, lane < 0 ? passText(timeline, ns) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
+  });
+  svg.addEventListener('pointerleave', () => showTip());
+}
+
+function passText(timeline, ns) {
+  const p = data.passes.findIndex((pass, i) => ns >= timeline.passes[2 * i] && ns <= timeline.passes[2 * i + 1]);
+  return p < 0 ? '' : `${data.passes[p].name}\n${((timeline.passes[2 * p + 1] - timeline.passes[2 * p]) / 1e3).toFixed(1)} µs`;
+}
+
+function workerText(timeline, lane, ns, slack) {
+  const worker = timeline.workers[lane];
+  if (!worker) return '';
+  if (lane === 0 && ns < timeline.caller_ns) return `poses and parameters\n${(timeline.caller_ns / 1e3).toFixed(1)} µs`;
+  const run = findRun(worker, ns, slack);
+  if (!run) return `${worker.name}: waiting`;
+  const stage = data.stages[run.stage];
+  return `${stage.name}\n${data.items[stage.domain][run.item]}\n${((run.end - run.begin) / 1e3).toFixed(2)} µs, from ${(run.begin / 1e6).toFixed(3)} ms`;
+}
+
+function fillTimelineTable(timeline, parent) {
+  const sums = timeline.workers.map((worker) => {
+    const of = data.stages.map(() => 0);
+    for (let i = 0; i < runCount(worker); ++i) {
+      const run = runAt(worker, i);
+      of[run.stage] += run.end - run.begin;
+    }
+    return of;
+  });
+  const row = (name, values) => [name, ...values.map((ns) => ms(ns / 1e6)), ms(values.reduce((a, b) => a + b, 0) / 1e6)];
+  const busy = sums.map((of, w) => of.reduce((a, b) => a + b, 0) + (w ? 0 : timeline.caller_ns));
+  table(parent, `Workers in the ${timeline.title}, ms`, ['ms', ...timeline.workers.map((w) => w.name), 'all'], [
+    row('busy', busy), row('not busy', busy.map((ns) => timeline.ns - ns)),
+    row('poses and parameters', sums.map((of, w) => w ? 0 : timeline.caller_ns)),
+    ...data.stages.map((stage, s) => [stage, s]).filter(([stage, s]) => sums.some((of) => of[s])).map(([stage, s]) => row(stage.name, sums.map((of) => of[s]))),
+  ]);
+}
+
+// Returns what draws its picture.
+function fillTimeline(timeline) {
+  const box = add(byId('timelines'), 'div', {class: 'timeline'});
+  const head = add(box, 'div', {class: 'timeline-head'});
+  const title = timeline.title[0].toUpperCase() + timeline.title.slice(1);
+  add(head, 'h3', {}, `${title}: frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms`);
+  const buttons = add(head, 'div', {role: 'group', 'aria-label': `Zoom of the ${timeline.title}`});
+  const body = add(box, 'div', {class: 'timeline-body'});
+  const names = add(body, 'svg', {width: 64, height: kLane.first + kLane.step * timeline.workers.length, 'aria-hidden': 'true'});
+  add(names, 'text', {x: 0, y: 12}, 'pass');
+  timeline.workers.forEach((worker, w) => add(names, 'text', {x: 0, y: kLane.first + kLane.step * w + 17}, 'worker ' + w));
+  const scroll = add(body, 'div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': title + ', picture'});
+  const details = add(box, 'details');
+  add(details, 'summary', {}, 'Table of the picture');
+  fillTimelineTable(timeline, details);
+  let zoom = 1;
+  const draw = () => drawTimeline(timeline, scroll, zoom);
+  for (const factor of [1, 4, 16]) {
+    const button = add(buttons, 'button', {type: 'button', 'aria-pressed': factor === 1}, factor + '×');
+    button.addEventListener('click', () => {
+      const middle = (scroll.scrollLeft + scroll.clientWidth / 2) / zoom;
+      zoom = factor;
+      for (const other of buttons.children) other.setAttribute('aria-pressed', other === button);
+      draw();
+      scroll.scrollLeft = middle * zoom - scroll.clientWidth / 2;
+    });
+  }
+  return draw;
+}
+
+// ---- all of it -------------------------------------------------------------------------------------
+
+fillFacts();
+fillTables();
+fillFramesTable();
+const draws = [drawFrames, ...data.timelines.map(fillTimeline)];
+const drawAll = () => draws.forEach((draw) => draw());
+drawAll();
+let drawnWidth = innerWidth;
+addEventListener('resize', () => {
+  if (drawnWidth === innerWidth) return;
+  drawnWidth = innerWidth;
+  drawAll();
+});

@@ -1,0 +1,702 @@
+// Whether an engine's door does what Pelt's side of it relies on: to be included by the engine's
+// own tests.
+//
+//   const ConformanceReport report = CheckDoor(my_door);
+//   puts(report.Text().c_str());
+//   return report.Passed() ? 0 : 1;
+//
+// First the door's tasks by themselves, then frames through it under schedules that a game meets
+// rarely: tasks finished at once, started out of order, late, on workers that are busy, on many
+// more workers than there are threads, one item at a time on changing threads. Every course of
+// frames must give the serial executor's digest. Two more checks break the door's promises on
+// purpose, in front of the engine, and want the executor to find out.
+//
+// A check that hangs is given up after a time limit; the thread it hangs on is left behind, and
+// with it whatever it points to: end the process after a report that says so. Every check runs on a
+// thread of its own. This is a test tool: it allocates, starts threads and reads clocks as it
+// likes.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/chunk.hpp"
+#include "jobs/engine_door.hpp"
+#include "jobs/frame.hpp"
+#include "jobs/plan.hpp"
+#include "jobs/pull_executor.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+
+struct ConformanceCheck {
+  std::string name;
+  bool passed = true;
+  std::string detail;  // why it failed, or what was seen
+};
+
+struct ConformanceReport {
+  std::vector<ConformanceCheck> checks;
+  bool hung = false;  // a check did not return: it is the last one
+
+  bool Passed() const {
+    return std::all_of(checks.begin(), checks.end(), [](const auto& c) { return c.passed; });
+  }
+  const ConformanceCheck* Find(std::string_view name) const {
+    for (const ConformanceCheck& check : checks)
+      if (check.name == name) return &check;
+    return nullptr;
+  }
+  // One line a check and a verdict.
+  std::string Text() const {
+    std::string text;
+    for (const ConformanceCheck& c : checks)
+      text += (c.passed ? "ok    " : "FAIL  ") + c.name +
+              std::string(c.name.size() < 15 ? 15 - c.name.size() : 1, ' ') + c.detail + "\n";
+    return text + (Passed() ? "the door conforms\n"
+                            : "the door does not conform: see the lines marked FAIL\n");
+  }
+};
+
+// Runs some frames with this executor, always from the same start, and returns the digest of all
+// they computed.
+using ConformanceCourse = std::function<uint64_t(Executor&)>;
+
+struct ConformanceOptions {
+  double limit_s = 20.0;  // for one check
+  // Calls a body where the engine's tasks can run, for engines in which that is not every thread
+  // (an OpenMP team, an arena).
+  std::function<void(const std::function<void()>&)> enter = [](const auto& body) { body(); };
+};
+
+namespace conformance {
+
+// ---- A plan without a scene
+// --------------------------------------------------------------------------
+
+inline uint32_t Mix(uint32_t a, uint32_t b) {
+  uint32_t x = (a ^ b) * 2654435761u;
+  for (int round = 0; round < 16; ++round) x = (x ^ (x >> 15)) * 2246822519u + b;
+  return x ^ (x >> 13);
+}
+struct NoParams {};
+inline constexpr NoParams kNoParams{};
+
+// Turns every key of a chunk over. Twice is not the same as once.
+struct StirChunk {
+  static constexpr std::string_view kName = "conformance_stir";
+  using Params = NoParams;
+  struct Ports {
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t& key : ports.keys->key) key = Mix(key, 77);
+  }
+};
+// A layer's number is of all keys of all its chunks: none may be early, none late.
+struct SumLayer {
+  static constexpr std::string_view kName = "conformance_sum_layer";
+  using Params = NoParams;
+  struct Ports {
+    All<SortKeyBlock> keys;
+    InOut<LayerSortBlock> layer;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
+                                          Port<&Ports::layer>(Stream::kLayerSort, "layer"));
+  static void Run(const Params&, const Ports& ports) {
+    uint32_t& sum = ports.layer->visible_count;
+    for (uint32_t c = 0; c < ports.keys.count; ++c)
+      for (const uint32_t key : ports.keys[c].key) sum = sum * 31u + key;
+  }
+};
+struct SpreadLayer {
+  static constexpr std::string_view kName = "conformance_spread_layer";
+  using Params = NoParams;
+  struct Ports {
+    Shared<LayerSortBlock> layer;
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayerSort, "layer"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.layer->visible_count);
+  }
+};
+struct SumScene {
+  static constexpr std::string_view kName = "conformance_sum_scene";
+  using Params = NoParams;
+  struct Ports {
+    All<LayerSortBlock> layers;
+    InOut<DrawListBlock> scene;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::layers>(Stream::kLayerSort, "layers"),
+                                          Port<&Ports::scene>(Stream::kDrawList, "scene"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t l = 0; l < ports.layers.count; ++l)
+      ports.scene->count = Mix(ports.scene->count, ports.layers[l].visible_count);
+  }
+};
+struct SpreadScene {
+  static constexpr std::string_view kName = "conformance_spread_scene";
+  using Params = NoParams;
+  struct Ports {
+    Shared<DrawListBlock> scene;
+    InOut<SortKeyBlock> keys;
+  };
+  static constexpr auto kPorts = PortList(Port<&Ports::scene>(Stream::kDrawList, "scene"),
+                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+  static void Run(const Params&, const Ports& ports) {
+    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.scene->count);
+  }
+};
+
+// Seven passes over 130 chunks, three layers or the scene, each of which needs all of the one
+// before.
+class SyntheticFrames {
+ public:
+  static constexpr uint32_t kFrames = 6;
+
+  SyntheticFrames() {
+    shape_.character_count = 1;
+    for (const uint32_t chunks : {97u, 1u, 32u}) {
+      shape_.layer_character.push_back(0);
+      shape_.layer_kind.push_back(0);
+      shape_.layer_first_chunk.push_back(shape_.chunk_count);
+      shape_.chunk_layer.insert(shape_.chunk_layer.end(), chunks, shape_.layer_count++);
+      shape_.chunk_count += chunks;
+    }
+    shape_.layer_first_chunk.push_back(shape_.chunk_count);
+    keys_.resize(shape_.chunk_count);
+    layers_.resize(shape_.layer_count);
+    for (uint32_t c = 0; c < shape_.chunk_count; ++c)
+      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) keys_[c].key[i] = c * kStrandsPerChunk + i;
+    memory_.shape = &shape_;
+    memory_.base[size_t(Stream::kSortKeys)] = reinterpret_cast<std::byte*>(keys_.data());
+    memory_.base[size_t(Stream::kLayerSort)] = reinterpret_cast<std::byte*>(layers_.data());
+    memory_.base[size_t(Stream::kDrawList)] = reinterpret_cast<std::byte*>(&scene_);
+    std::string error;
+    plan_ = *TryCompilePlan({Of<StirChunk>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
+                             Of<SpreadLayer>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
+                             Of<SpreadLayer>(Domain::kChunk), Of<SumScene>(Domain::kScene),
+                             Of<SpreadScene>(Domain::kChunk)},
+                            shape_, {.must_fit = false}, error);
+  }
+  SyntheticFrames(const SyntheticFrames&) = delete;
+
+  Frame frame() const { return {&plan_, &memory_}; }
+
+  uint64_t Digest() const {
+    pelt::Digest digest;
+    for (const SortKeyBlock& block : keys_)
+      for (const uint32_t key : block.key) digest.Add(key);
+    for (const LayerSortBlock& layer : layers_) digest.Add(layer.visible_count);
+    digest.Add(scene_.count);
+    return digest.Value();
+  }
+
+  static uint64_t Run(Executor& executor) {
+    SyntheticFrames frames;
+    for (uint32_t f = 0; f < kFrames; ++f) executor.Run(frames.frame());
+    return frames.Digest();
+  }
+
+ private:
+  template <class K>
+  static Stage Of(Domain domain) {
+    return {MakeKernelDesc<K>(), &kNoParams, domain};
+  }
+
+  SceneShape shape_;
+  std::vector<SortKeyBlock> keys_;
+  std::vector<LayerSortBlock> layers_;
+  DrawListBlock scene_{};
+  FrameMemory memory_{};
+  Plan plan_;
+};
+
+// ---- Schedules
+// -----------------------------------------------------------------------------------------
+
+// Stands in front of the engine's door and changes when, where or whether its tasks run. Only the
+// thread that runs the frame calls it. As it is: passes everything on.
+class Schedule {
+ public:
+  explicit Schedule(const EngineDoor& engine) : engine_(engine) {}
+  virtual ~Schedule() = default;
+  Schedule(const Schedule&) = delete;
+
+  EngineDoor door() {
+    const auto enqueue = [](PeltTask task, void* context, void* user, const char* name) {
+      auto& schedule = *static_cast<Schedule*>(user);
+      ++schedule.enqueued_;
+      return schedule.Enqueue({task, context, name});
+    };
+    const auto finish = [](void* handle, void* user) {
+      static_cast<Schedule*>(user)->Finish(handle);
+    };
+    // With one worker nothing would be enqueued, and nothing checked.
+    return {enqueue, finish, this, workers_ ? workers_ : std::max(2u, engine_.worker_count)};
+  }
+  uint64_t enqueued() const { return enqueued_; }
+  // What went wrong in front of the engine; null: nothing.
+  virtual const char* Fault() const { return nullptr; }
+  void SetWorkers(uint32_t workers) { workers_ = workers; }
+
+ protected:
+  struct Held {
+    PeltTask task;
+    void* context;
+    const char* name;
+    void* handle = nullptr;
+    bool passed_on = false;
+  };
+  virtual void* Enqueue(const Held& task) { return PassOn(task); }
+  virtual void Finish(void* handle) { engine_.finish(handle, engine_.user); }
+
+  void* PassOn(const Held& held) {
+    return engine_.enqueue(held.task, held.context, engine_.user, held.name);
+  }
+  void FinishInEngine(void* handle) {
+    if (handle) engine_.finish(handle, engine_.user);
+  }
+  // Keeps a task back; what is returned may be given as its handle.
+  Held* Hold(const Held& task) { return &held_.emplace_back(task); }
+  void PassOnHeld(Held& held) {
+    if (held.passed_on) return;
+    held.passed_on = true;
+    held.handle = PassOn(held);
+  }
+
+  EngineDoor engine_;
+
+ private:
+  std::deque<Held> held_;  // handles point into it
+  uint32_t workers_ = 0;
+  uint64_t enqueued_ = 0;
+};
+
+struct FinishedAtOnce final : Schedule {
+  using Schedule::Schedule;
+  void* Enqueue(const Held& task) override {
+    FinishInEngine(PassOn(task));
+    return nullptr;
+  }
+};
+
+// Of every two tasks the newer goes first.
+struct NewestFirst final : Schedule {
+  using Schedule::Schedule;
+  void* Enqueue(const Held& task) override {
+    Held* held = Hold(task);
+    if (!kept_) return kept_ = held;
+    PassOnHeld(*held);
+    PassOnHeld(*kept_);
+    kept_ = nullptr;
+    return held;
+  }
+  void Finish(void* handle) override {
+    auto& held = *static_cast<Held*>(handle);
+    if (&held == kept_) kept_ = nullptr;
+    PassOnHeld(held);
+    FinishInEngine(held.handle);
+  }
+  Held* kept_ = nullptr;
+};
+
+struct LateStart final : Schedule {
+  using Schedule::Schedule;
+  void* Enqueue(const Held& task) override { return Hold(task); }
+  void Finish(void* handle) override {
+    auto& held = *static_cast<Held*>(handle);
+    PassOnHeld(held);
+    FinishInEngine(held.handle);
+  }
+};
+
+struct StartedTwice final : Schedule {
+  using Schedule::Schedule;
+  void* Enqueue(const Held& task) override {
+    Held* held = Hold(task);
+    FinishInEngine(PassOn(task));
+    PassOnHeld(*held);
+    return held;
+  }
+  void Finish(void* handle) override { FinishInEngine(static_cast<Held*>(handle)->handle); }
+};
+
+struct NeverRun final : Schedule {
+  using Schedule::Schedule;
+  void* Enqueue(const Held& task) override { return Hold(task); }
+  void Finish(void*) override {}
+};
+
+// Other work occupies the engine's workers until the caller has done the frame.
+class Starved final : public Schedule {
+ public:
+  using Schedule::Schedule;
+  // Blockers end by themselves after this long; then somebody has waited for them.
+  void SetLimit(double limit_s) { limit_ = std::chrono::duration<double>(limit_s); }
+  const char* Fault() const override {
+    for (const Blockade& blockade : blockades_)
+      if (blockade.gave_up.load())
+        return "with all workers busy the caller waited for one: does enqueue wait for a worker?";
+    return nullptr;
+  }
+
+ private:
+  struct Blockade {
+    std::thread::id caller = std::this_thread::get_id();
+    std::chrono::steady_clock::time_point deadline{};
+    std::atomic<bool> lifted{false}, gave_up{false};
+    std::atomic<uint32_t> inside{0};
+
+    void Block() {
+      inside.fetch_add(1);
+      // On the caller's own thread nobody would be left to lift it.
+      while (!lifted.load() && std::this_thread::get_id() != caller) {
+        if (std::chrono::steady_clock::now() > deadline) gave_up = lifted = true;
+        std::this_thread::yield();
+      }
+    }
+  };
+  void* Enqueue(const Held& task) override {
+    if (!blocked_ && !Fault()) SetUpBlockade();
+    return PassOn(task);
+  }
+  void Finish(void* handle) override {
+    if (blocked_) Lift();
+    Schedule::Finish(handle);
+  }
+  void SetUpBlockade() {
+    blocked_ = true;
+    Blockade& blockade = blockades_.emplace_back();
+    blockade.deadline = std::chrono::steady_clock::now() +
+                        std::chrono::duration_cast<std::chrono::nanoseconds>(limit_);
+    const auto block = [](void* context) { static_cast<Blockade*>(context)->Block(); };
+    const uint32_t count = std::max(2u, engine_.worker_count) - 1;
+    for (uint32_t b = 0; b < count; ++b)
+      blockers_.push_back(
+          engine_.enqueue(block, &blockade, engine_.user, "conformance_other_work"));
+    const auto enough = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+    while (blockade.inside.load() < count && std::chrono::steady_clock::now() < enough)
+      std::this_thread::yield();
+  }
+  void Lift() {
+    blocked_ = false;
+    blockades_.back().lifted = true;
+    for (void* blocker : blockers_) FinishInEngine(blocker);
+    blockers_.clear();
+  }
+
+  std::chrono::duration<double> limit_{1.0};
+  bool blocked_ = false;
+  std::deque<Blockade> blockades_;  // kept: a faulty engine may still be in one
+  std::vector<void*> blockers_;
+};
+
+// Runs every item as a task of its own: a worker changes its thread with every item, as a fibre
+// may.
+class OneItemATask final : public Executor {
+ public:
+  explicit OneItemATask(const EngineDoor& engine) : engine_(engine) {}
+
+  void Run(const Frame& frame) override {
+    if (!pull_.Begin(frame)) return;  // the digest will show it
+    const auto run_one = [](void* pull) { static_cast<PullExecutor*>(pull)->TryRun(1); };
+    while (!pull_.IsIdle()) {
+      for (uint32_t w = 1; w < std::max(2u, engine_.worker_count); ++w)
+        handles_.push_back(engine_.enqueue(run_one, &pull_, engine_.user, "conformance_one_item"));
+      for (void* handle : handles_)
+        if (handle) engine_.finish(handle, engine_.user);
+      handles_.clear();
+    }
+  }
+
+ private:
+  EngineDoor engine_;
+  PullExecutor pull_;
+  std::vector<void*> handles_;
+};
+
+// ---- Checks
+// --------------------------------------------------------------------------------------------
+
+struct RawTask {
+  std::atomic<uint32_t> calls{0};
+  uint32_t in = 0, out = 0;
+};
+
+// All that a check needs, and all that the engine was given: a check that hangs outlives the
+// report, and a faulty engine may call a task when everything is over.
+struct Context {
+  EngineDoor door;
+  ConformanceCourse course;
+  ConformanceOptions options;
+  uint64_t truth = 0;
+  std::deque<RawTask> tasks = {};
+  std::vector<std::shared_ptr<void>> kept = {};
+
+  template <class T, class... Arguments>
+  T& Keep(Arguments&&... arguments) {
+    auto made = std::make_shared<T>(std::forward<Arguments>(arguments)...);
+    kept.push_back(made);
+    return *made;
+  }
+};
+
+struct Finding {
+  bool passed = true;
+  std::string detail;
+};
+
+// The door's tasks by themselves: each called once, before finish returns, with its own context,
+// seeing what was written before and showing what it wrote.
+inline Finding CheckTasks(Context& c) {
+  constexpr uint32_t kRounds = 200;
+  const uint32_t count = std::clamp(c.door.worker_count, 2u, 65u) - 1;
+  const auto run = [](void* context) {
+    auto& task = *static_cast<RawTask*>(context);
+    task.out = Mix(task.in, 5);
+    task.calls.fetch_add(1);
+  };
+  std::deque<RawTask>& tasks = c.tasks;
+  std::vector<void*> handles(count);
+  for (uint32_t round = 0; round < kRounds; ++round) {
+    const size_t first = tasks.size();
+    for (uint32_t t = 0; t < count; ++t) {
+      RawTask& task = tasks.emplace_back();
+      task.in = round * count + t;
+      handles[t] = c.door.enqueue(run, &task, c.door.user, "conformance_task");
+      if (!handles[t] && task.calls.load() == 0)
+        return {false, "enqueue returned null for a task that had not been called"};
+    }
+    for (uint32_t t = 0; t < count; ++t) {
+      if (handles[t]) c.door.finish(handles[t], c.door.user);
+      const RawTask& task = tasks[first + t];
+      if (task.calls.load() == 0)
+        return {false,
+                "finish returned before its task had run (round " + std::to_string(round) + ")"};
+      if (task.out != Mix(task.in, 5))
+        return {false, "what a task wrote is not there after finish (round " +
+                           std::to_string(round) + ")"};
+    }
+  }
+  // A second call comes later than the first; give it a moment.
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  for (const RawTask& task : tasks)
+    if (task.calls.load() != 1)
+      return {false, "a task was called " + std::to_string(task.calls.load()) + " times"};
+  return {true, std::to_string(tasks.size()) + " tasks, each called once"};
+}
+
+struct Meeting {
+  std::thread::id caller = std::this_thread::get_id();
+  std::chrono::steady_clock::time_point deadline =
+      std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
+  uint32_t wanted = 0;
+  std::atomic<uint32_t> arrived{1}, together{0};
+
+  void Wait() {
+    while (arrived.load() < wanted && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
+    uint32_t none = 0;
+    together.compare_exchange_strong(none, arrived.load());
+  }
+};
+
+// How many workers there really are. Fewer than stated is slow, not wrong.
+inline Finding CheckWorkers(Context& c) {
+  auto& meeting = c.Keep<Meeting>();
+  meeting.wanted = c.door.worker_count;
+  const auto meet = [](void* context) {
+    auto& m = *static_cast<Meeting*>(context);
+    if (std::this_thread::get_id() == m.caller) return;
+    m.arrived.fetch_add(1);
+    m.Wait();
+  };
+  std::vector<void*> handles;
+  for (uint32_t w = 1; w < c.door.worker_count; ++w)
+    handles.push_back(c.door.enqueue(meet, &meeting, c.door.user, "conformance_meeting"));
+  meeting.Wait();
+  for (void* handle : handles)
+    if (handle) c.door.finish(handle, c.door.user);
+  return {true, std::to_string(meeting.together.load()) + " of " +
+                    std::to_string(c.door.worker_count) + " ran tasks at one time"};
+}
+
+inline std::string Hex(uint64_t digest) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(digest));
+  return text;
+}
+
+inline Finding JudgeDigest(Context& c, uint64_t digest) {
+  if (digest == c.truth) return {true, "digest " + Hex(digest)};
+  return {false, "digest " + Hex(digest) + ", but " + Hex(c.truth) +
+                     " when run serially: a task's writes are not seen, or memory is overwritten"};
+}
+
+// Counts frames and the tasks they may enqueue.
+class Counted final : public Executor {
+ public:
+  explicit Counted(DoorExecutor& executor) : executor_(executor) {}
+  void Run(const Frame& frame) override {
+    executor_.Run(frame);
+    max_tasks += executor_.MaxTasks(*frame.plan, *frame.memory->shape);
+  }
+  uint64_t max_tasks = 0;
+
+ private:
+  DoorExecutor& executor_;
+};
+
+// The course through a schedule: the serial bits, no faults, not more tasks than stated.
+template <class S>
+Finding CheckSchedule(Context& c, uint32_t workers) {
+  S& schedule = c.Keep<S>(c.door);
+  schedule.SetWorkers(workers);
+  if constexpr (requires { schedule.SetLimit(1.0); }) schedule.SetLimit(c.options.limit_s / 4);
+  auto& executor = c.Keep<DoorExecutor>(schedule.door());
+  Counted counted(executor);
+  Finding finding = JudgeDigest(c, c.course(counted));
+  if (schedule.enqueued() > counted.max_tasks)
+    finding = {false, std::to_string(schedule.enqueued()) + " tasks, more than the " +
+                          std::to_string(counted.max_tasks) + " stated"};
+  if (schedule.Fault()) finding = {false, schedule.Fault()};
+  if (executor.faults().Any())
+    finding = {false, executor.faults().Text().substr(0, executor.faults().Text().find('\n'))};
+  if (finding.passed) finding.detail += ", " + std::to_string(schedule.enqueued()) + " tasks";
+  return finding;
+}
+
+// The course with a promise of the door broken on purpose: the executor must say so, and the bits
+// must be right all the same.
+template <class S>
+Finding CheckBroken(Context& c, uint64_t DoorFaults::*fault) {
+  S& schedule = c.Keep<S>(c.door);
+  auto& executor = c.Keep<DoorExecutor>(schedule.door());
+  Finding finding = JudgeDigest(c, c.course(executor));
+  if (!finding.passed) return finding;
+  if (schedule.enqueued() == 0) return {true, "no task was asked for in these frames"};
+  if (executor.faults().*fault == 0) return {false, "the executor did not notice"};
+  return {true, "noticed " + std::to_string(executor.faults().*fault) + " times"};
+}
+
+inline Finding CheckOneItemATask(Context& c) {
+  auto& executor = c.Keep<OneItemATask>(c.door);
+  return JudgeDigest(c, c.course(executor));
+}
+
+struct NamedCheck {
+  const char* name;
+  const char* if_it_hangs;
+  Finding (*run)(Context&);
+};
+
+inline constexpr const char* kFinishHangs = "finish, or enqueue, does not return";
+inline const NamedCheck kChecks[] = {
+    {"tasks", "finish does not return after its task has, or the task is never started",
+     CheckTasks},
+    {"workers", kFinishHangs, CheckWorkers},
+    {"as it is", kFinishHangs, [](Context& c) { return CheckSchedule<Schedule>(c, 0); }},
+    {"one worker", kFinishHangs, [](Context& c) { return CheckSchedule<Schedule>(c, 1); }},
+    {"many workers", "64 tasks do not fit in, or finish depends on the order",
+     [](Context& c) { return CheckSchedule<Schedule>(c, 64); }},
+    {"at once", "finish does not return while no other task is there",
+     [](Context& c) { return CheckSchedule<FinishedAtOnce>(c, 0); }},
+    {"newest first", "finish depends on the order of tasks",
+     [](Context& c) { return CheckSchedule<NewestFirst>(c, 0); }},
+    {"late start", kFinishHangs, [](Context& c) { return CheckSchedule<LateStart>(c, 0); }},
+    {"starved", "with all workers busy something waits for one",
+     [](Context& c) { return CheckSchedule<Starved>(c, 0); }},
+    {"one item", "tasks are not started, or finish does not return", CheckOneItemATask},
+    {"started twice", kFinishHangs,
+     [](Context& c) { return CheckBroken<StartedTwice>(c, &DoorFaults::started_twice); }},
+    {"never run", kFinishHangs,
+     [](Context& c) { return CheckBroken<NeverRun>(c, &DoorFaults::never_run); }},
+};
+
+// Null: it did not return in time.
+inline std::unique_ptr<Finding> RunWithin(const std::shared_ptr<Context>& context,
+                                          const NamedCheck& check) {
+  std::promise<Finding> promise;
+  auto future = promise.get_future();
+  std::thread thread([context, run = check.run, promise = std::move(promise)]() mutable {
+    Finding finding;
+    context->options.enter([&] {
+#if defined(__cpp_exceptions)
+      try {
+        finding = run(*context);
+      } catch (const std::exception& error) {
+        finding = {false, error.what()};
+      }
+#else
+      finding = run(*context);
+#endif
+    });
+    promise.set_value(finding);
+  });
+  if (future.wait_for(std::chrono::duration<double>(context->options.limit_s)) !=
+      std::future_status::ready) {
+    thread.detach();
+    return nullptr;
+  }
+  thread.join();
+  return std::make_unique<Finding>(future.get());
+}
+
+}  // namespace conformance
+
+// The names of the checks, in the order they run.
+inline std::vector<std::string> ConformanceCheckNames() {
+  std::vector<std::string> names;
+  for (const conformance::NamedCheck& check : conformance::kChecks) names.emplace_back(check.name);
+  return names;
+}
+
+// Runs every check on frames of the caller's own.
+inline ConformanceReport CheckDoor(const EngineDoor& door, const ConformanceCourse& course,
+                                   const ConformanceOptions& options = {}) {
+  ConformanceReport report;
+  if (const char* fault = FindDoorFault(door)) {
+    report.checks.push_back({"door", false, fault});
+    return report;
+  }
+  SerialExecutor serial;
+  const auto context = std::make_shared<conformance::Context>(
+      conformance::Context{door, course, options, course(serial)});
+  for (const conformance::NamedCheck& check : conformance::kChecks) {
+    const auto finding = conformance::RunWithin(context, check);
+    if (finding) {
+      report.checks.push_back({check.name, finding->passed, finding->detail});
+    } else {
+      report.checks.push_back(
+          {check.name, false, "did not return in time: " + std::string(check.if_it_hangs)});
+      report.hung = true;
+      break;
+    }
+  }
+  if (!report.Passed()) {
+    static std::vector<std::shared_ptr<conformance::Context>> kept;
+    kept.push_back(context);
+  }
+  return report;
+}
+
+// The same on a small plan made for it: seven passes of 130, 3 or 1 items.
+inline ConformanceReport CheckDoor(const EngineDoor& door, const ConformanceOptions& options = {}) {
+  return CheckDoor(door, &conformance::SyntheticFrames::Run, options);
+}
+
+}  // namespace pelt

@@ -1,0 +1,194 @@
+#include "jobs/engine_door.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "jobs/spin_wait.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kNoPass = ~0u;
+constexpr uint32_t kMostWorkers = 4096;
+
+// How often a helper asks again when nothing is ready, before it gives its thread back: about as
+// long as the end of one pass and the opening of the next take. Longer would keep the engine's
+// workers from other jobs, shorter would cost a task for every pass.
+constexpr uint32_t kHelperPolls = 64;
+
+}  // namespace
+
+const char* FindDoorFault(const EngineDoor& door) {
+  if (!door.enqueue || !door.finish) return "enqueue and finish must both be given";
+  if (door.worker_count == 0 || door.worker_count > kMostWorkers)
+    return "worker_count is the number of threads that run tasks, the caller's included (1 to "
+           "4096)";
+  return nullptr;
+}
+
+bool DoorFaults::Any() const {
+  return unusable || started_twice || never_run || finished_early || null_but_not_run ||
+         null_but_running || run_while_running;
+}
+
+std::string DoorFaults::Text() const {
+  std::string text;
+  const auto add = [&](uint64_t count, const char* what) {
+    if (count) text += fmt::format("{} times {}\n", count, what);
+  };
+  if (unusable) text += fmt::format("the door is not used: {}\n", unusable);
+  add(started_twice, "a task was called again: each must be called exactly once");
+  add(never_run,
+      "finish returned though the task was never called: is it still queued, or was it dropped?");
+  add(finished_early, "finish returned while its task was running");
+  add(null_but_not_run,
+      "enqueue returned null though the task was not called: null means that it has returned");
+  add(null_but_running, "enqueue returned null while the task was running on another thread");
+  add(run_while_running, "a frame was run before the last one was done: one at a time");
+  return text;
+}
+
+// What the engine gets as context. Written by the caller before enqueue and after finish; `starts`
+// and `returned` by whichever thread runs it.
+struct alignas(64) DoorExecutor::Task {
+  DoorExecutor* executor = nullptr;
+  void* handle = nullptr;
+  uint32_t starts_judged = 0;  // starts when it was last looked at
+  bool retired = false;        // the engine may still call it: never lent again
+  // Atomic because a second call of the task may come while it is lent again.
+  std::atomic<uint32_t> worker{0};  // 1 for the first helper: the caller is worker 0
+  std::atomic<uint32_t> starts{0};
+  std::atomic<bool> returned{true};
+};
+
+DoorExecutor::DoorExecutor(const EngineDoor& door, uint32_t max_passes)
+    : door_(door),
+      helper_count_(FindDoorFault(door) ? 0 : door.worker_count - 1),
+      task_capacity_(helper_count_ * std::max(1u, max_passes)) {
+  faults_.unusable = FindDoorFault(door);
+  tasks_ = std::make_unique<Task[]>(task_capacity_);
+  helpers_ = std::make_unique<Task*[]>(helper_count_);
+  for (uint32_t t = 0; t < task_capacity_; ++t) tasks_[t].executor = this;
+}
+
+DoorExecutor::~DoorExecutor() = default;
+
+uint64_t DoorExecutor::MaxTasks(const Plan& plan, const SceneShape& shape) const {
+  uint64_t tasks = 0;
+  for (const Pass& pass : plan.passes) {
+    const uint32_t items = shape.ItemCount(pass.domain);
+    if (items > 0) tasks += std::min(helper_count_, items - 1);
+  }
+  return tasks;
+}
+
+DoorFaults DoorExecutor::faults() const {
+  DoorFaults faults = faults_;
+  faults.run_while_running = run_while_running_.load(std::memory_order_relaxed);
+  return faults;
+}
+
+void DoorExecutor::Run(const Frame& frame) {
+  if (running_.exchange(true, std::memory_order_acquire) || !pull_.Begin(frame)) {
+    run_while_running_.fetch_add(1, std::memory_order_relaxed);
+    SerialExecutor().Run(frame);
+    return;
+  }
+  uint32_t asked_pass = kNoPass;
+  SpinWait wait;
+  do {
+    AskForHelp(frame, asked_pass);
+    if (pull_.TryRun() == PullResult::kRan) {
+      wait.Reset();
+    } else {
+      wait.Once();
+    }
+  } while (!pull_.IsIdle());
+  FinishTasks();
+  running_.store(false, std::memory_order_release);
+}
+
+void DoorExecutor::AskForHelp(const Frame& frame, uint32_t& asked_pass) {
+  auto open = pull_.Peek();
+  if (open.pass == asked_pass || open.unclaimed < 2) return;
+  asked_pass = open.pass;
+  const auto busy = [](const Task* task) {
+    return task && !task->returned.load(std::memory_order_acquire);
+  };
+  // One item is the caller's.
+  const uint32_t useful = std::min(helper_count_, open.unclaimed - 1);
+  auto present = uint32_t(std::count_if(helpers_.get(), helpers_.get() + helper_count_, busy));
+  const Plan& plan = *frame.plan;
+  const char* name = plan.stages[plan.passes[asked_pass].first_stage].kernel.name.data();
+  for (uint32_t h = 0; h < helper_count_ && present < useful; ++h) {
+    if (busy(helpers_[h])) continue;
+    if (!Enqueue(h, name)) return;
+    ++present;
+    // The pass goes on meanwhile; a task that ran inline may have taken all of it.
+    open = pull_.Peek();
+    if (open.pass != asked_pass || open.unclaimed < 2) return;
+  }
+}
+
+bool DoorExecutor::Enqueue(uint32_t helper, const char* name) {
+  while (tasks_lent_ < task_capacity_ && tasks_[tasks_lent_].retired) ++tasks_lent_;
+  if (tasks_lent_ == task_capacity_) return false;
+  Task& task = tasks_[tasks_lent_];
+  if (task.starts.exchange(0, std::memory_order_relaxed) != task.starts_judged)
+    ++faults_.started_twice;  // once more after it was finished
+  task.returned.store(false, std::memory_order_relaxed);
+  task.worker.store(helper + 1, std::memory_order_relaxed);
+  ++tasks_enqueued_;
+  task.handle = door_.enqueue(&RunTask, &task, door_.user, name);
+  if (task.handle) {
+    helpers_[helper] = &task;
+    ++tasks_lent_;
+  } else {
+    Judge(task, faults_.null_but_not_run, faults_.null_but_running);
+  }
+  return true;
+}
+
+void DoorExecutor::FinishTasks() {
+  for (uint32_t t = 0; t < tasks_lent_; ++t) {
+    Task& task = tasks_[t];
+    if (!task.handle) continue;
+    door_.finish(task.handle, door_.user);
+    task.handle = nullptr;
+    Judge(task, faults_.never_run, faults_.finished_early);
+  }
+  tasks_lent_ = 0;
+  std::fill_n(helpers_.get(), helper_count_, nullptr);
+}
+
+void DoorExecutor::Judge(Task& task, uint64_t& not_run, uint64_t& running) {
+  const bool returned = task.returned.load(std::memory_order_acquire);
+  task.starts_judged = task.starts.load(std::memory_order_relaxed);
+  if (task.starts_judged > 1) ++faults_.started_twice;
+  if (returned) return;
+  ++(task.starts_judged == 0 ? not_run : running);
+  task.retired = true;
+}
+
+void DoorExecutor::RunTask(void* context) {
+  auto& task = *static_cast<Task*>(context);
+  if (task.starts.fetch_add(1, std::memory_order_relaxed) != 0) return;
+  task.executor->Help(task.worker.load(std::memory_order_relaxed));
+  task.returned.store(true, std::memory_order_release);  // from here on it may be lent again
+}
+
+void DoorExecutor::Help(uint32_t worker) {
+  for (uint32_t polls = 0; polls < kHelperPolls;) {
+    const PullResult result = pull_.TryRun(worker);
+    if (result == PullResult::kIdle) return;
+    if (result == PullResult::kRan) {
+      polls = 0;
+    } else {
+      ++polls;
+      PauseCore();
+    }
+  }
+}
+
+}  // namespace pelt

@@ -1,0 +1,112 @@
+// The door an engine opens to Pelt: two functions and a number. Everything else about running a
+// frame on the engine's job system is on this side of it (jobs/README.md is the porting guide).
+//
+//   caller       Run: begin ─ enqueue helpers ─ item item item ─ ... ─ finish every helper ─ return
+//   helper 1              └─> item item item item ─ return
+//   helper 2                       └─ (starts late, or never in time: nobody waits for it)
+//
+// A helper is one task of the engine: it pulls items (jobs/pull_scheduler.hpp) until none is ready.
+// The caller pulls too, so a frame is done even if no helper ever starts; it waits only for items
+// that a helper is running at that moment. Helpers are asked for once a pass, as many as the pass
+// has use for beyond those that are still there.
+//
+// Invariants: nothing here throws. `enqueue` and `finish` are called by the thread that called Run
+// and by no other; every handle is finished before Run returns; nothing here allocates, locks or
+// asks which thread it is on after construction. An engine that breaks its side (runs a task twice,
+// never, or still after finish) is found out and counted in faults(); the frame is right all the
+// same.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "jobs/frame.hpp"
+#include "jobs/pull_executor.hpp"
+
+namespace pelt {
+
+// What the engine implements. Plain C: no exceptions may leave the functions.
+extern "C" {
+typedef void (*PeltTask)(void* context);
+
+struct EngineDoor {
+  // Has task(context) called exactly once, on any thread, at any time from now until `finish`
+  // returns. May call it before returning, and then return null: nothing to finish. `name` is for
+  // the engine's profiler and lives as long as the program.
+  void* (*enqueue)(PeltTask task, void* context, void* user, const char* name);
+  // Returns when the task of this handle has returned. Called once for each handle that is not
+  // null. It may run this task, or others, on the calling thread meanwhile.
+  void (*finish)(void* handle, void* user);
+  void* user;
+  // Threads that may run tasks at one time, the one that calls Run included.
+  uint32_t worker_count;
+};
+}
+
+// Null, or what is wrong with a door.
+const char* FindDoorFault(const EngineDoor& door);
+
+// How often an engine broke its side of the door since the executor was made.
+struct DoorFaults {
+  uint64_t started_twice = 0;      // a task was called again
+  uint64_t never_run = 0;          // finish returned, and the task had not been called
+  uint64_t finished_early = 0;     // finish returned while the task was running
+  uint64_t null_but_not_run = 0;   // enqueue returned null, and the task had not been called
+  uint64_t null_but_running = 0;   // enqueue returned null while the task was running elsewhere
+  uint64_t run_while_running = 0;  // a frame was begun before the last was done: it ran serially
+  const char* unusable =
+      nullptr;  // why the door is not used at all, and the caller runs everything
+
+  bool Any() const;
+  // One line for each kind that happened, saying what to look for; empty when none did.
+  std::string Text() const;
+};
+
+class DoorExecutor final : public Executor {
+ public:
+  // Passes a frame has at most, for the memory that is reserved here; in a longer frame the passes
+  // beyond get no helpers of their own.
+  static constexpr uint32_t kDefaultPasses = 64;
+
+  // Reserves 64 bytes for each task of a frame: (worker_count - 1) * max_passes. A door that lacks
+  // a function, or has no workers, is not used: faults() says so.
+  explicit DoorExecutor(const EngineDoor& door, uint32_t max_passes = kDefaultPasses);
+  ~DoorExecutor() override;
+
+  void Run(const Frame& frame) override;
+
+  // Most tasks one frame of this plan enqueues.
+  uint64_t MaxTasks(const Plan& plan, const SceneShape& shape) const;
+  // Tasks enqueued since the executor was made.
+  uint64_t TasksEnqueued() const { return tasks_enqueued_; }
+  DoorFaults faults() const;
+
+ private:
+  struct Task;
+  static void RunTask(void* context);
+  void Help(uint32_t worker);
+
+  void AskForHelp(const Frame& frame, uint32_t& asked_pass);
+  // False when the reserved tasks are used up.
+  bool Enqueue(uint32_t helper, const char* name);
+  void FinishTasks();
+  // What became of a task that must have returned; counts it where it has not.
+  void Judge(Task& task, uint64_t& not_run, uint64_t& running);
+
+  EngineDoor door_;
+  std::atomic<bool> running_{false};
+  std::atomic<uint64_t> run_while_running_{0};
+  PullExecutor pull_;
+  uint32_t helper_count_;
+  uint32_t task_capacity_;
+  std::unique_ptr<Task[]> tasks_;
+  // The task each helper was last given: a helper has one at a time.
+  std::unique_ptr<Task*[]> helpers_;
+  uint32_t tasks_lent_ = 0;  // those before this one are with the engine, or retired
+  uint64_t tasks_enqueued_ = 0;
+  DoorFaults faults_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,42 @@
+// A frame that threads come to, instead of a frame that is handed to threads: for engines that
+// would rather poll than be called.
+//
+//   pull.Begin(frame);                                      // one thread
+//   while (pull.TryRun(w) != PullResult::kIdle) {...}       // any threads, any time, also none
+//
+// TryRun runs one item if one is ready and returns at once if not; it never blocks, locks or
+// allocates, and knows no threads: a fibre may call it from another thread each time. It may be
+// called at any moment of the executor's life, also between frames. The frame is done when it
+// returns kIdle after Begin; whoever sees that sees everything the frame wrote.
+//
+// Invariant: the frame, and all it points to, stays unchanged from Begin until it is done. The
+// executor outlives every call.
+#pragma once
+
+#include "jobs/frame.hpp"
+#include "jobs/pull_scheduler.hpp"
+
+namespace pelt {
+
+class PullExecutor final : public Executor {
+ public:
+  // Opens a frame. False, and nothing done, while another one is open.
+  [[nodiscard]] bool Begin(const Frame& frame);
+
+  // `worker` is for the profile only.
+  PullResult TryRun(uint32_t worker = 0);
+
+  bool IsIdle() const { return scheduler_.IsIdle(); }
+  // Pass and unclaimed items a moment ago: a hint for how much help is worth asking for.
+  PullScheduler<std::atomic>::Item Peek() const { return scheduler_.Peek(); }
+
+  // Begins the frame and works on it until it is done; other threads may help by TryRun. Waits only
+  // for items that other threads are running. While another frame is open it works on that first.
+  void Run(const Frame& frame) override;
+
+ private:
+  PullScheduler<std::atomic> scheduler_;
+  Frame frame_{};  // written between TakeForFrame and Open, read between a claim and its Finish
+};
+
+}  // namespace pelt

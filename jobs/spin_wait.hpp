@@ -1,0 +1,36 @@
+// Waiting for something that another thread is about to do: a few polls at full speed, then giving
+// the core away between polls. Never blocks for good by itself; the caller asks again.
+#pragma once
+
+#include <cstdint>
+#include <thread>
+
+namespace pelt {
+
+// Tells the core that this is a loop that waits.
+inline void PauseCore() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+class SpinWait {
+ public:
+  void Once() {
+    if (spins_ < kSpins) {
+      ++spins_;
+      PauseCore();
+    } else {
+      std::this_thread::yield();
+    }
+  }
+  void Reset() { spins_ = 0; }
+
+ private:
+  static constexpr uint32_t kSpins = 64;
+  uint32_t spins_ = 0;
+};
+
+}  // namespace pelt

@@ -1,0 +1,178 @@
+#!/usr/bin/env bash
+# The report's page and the trace in a real browser: headless Chromium, and speedscope as the trace's viewer.
+#   browser_test.sh PELT WORK_DIR report|trace
+# `report`: at desktop and phone width the page runs without a script error, its pictures have content and it does
+# not scroll sideways. `trace`: speedscope shows the profile of each worker and has nothing to complain about.
+# Each check is given broken files too, which it must refuse. Exit code 77 (skipped): no browser, or no viewer, and
+# none to be had.
+set -uo pipefail
+pelt=$(realpath "$1")
+mkdir -p "$2"
+work=$(realpath "$2")
+part=$3
+skip() {
+  echo "SKIPPED: $*" >&2
+  exit 77
+}
+failures=0
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || browser=
+if [ -z "$browser" ] && [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
+  { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends chromium; } \
+    </dev/null >"$work/apt.log" 2>&1
+  browser=$(command -v chromium) || browser=
+fi
+[ -n "$browser" ] || skip "no Chromium here, and none could be installed (Debian: apt-get install chromium)"
+
+# open URL WIDTH OUT: the page after its script ran in OUT.html, what the browser said in OUT.log.
+open() {
+  local profile
+  profile=$(mktemp -d)
+  timeout 50 "$browser" --headless --no-sandbox --disable-gpu --enable-unsafe-swiftshader --disable-quic --no-first-run \
+    --disable-background-networking --disable-component-update --disable-sync --disable-dev-shm-usage \
+    --user-data-dir="$profile" --window-size="$2,900" --enable-logging=stderr --virtual-time-budget=6000 --dump-dom \
+    "$1" >"$3.html" 2>"$3.log" </dev/null
+  local code=$?
+  rm -rf "$profile"
+  return "$code"
+}
+
+# ---- the report ------------------------------------------------------------------------------------
+# Written into a copy of the page: tells the page around it what only a running page knows. That one holds it in a
+# frame of the wanted width, as a window has a least width.
+probe='<script>
+addEventListener("error", (e) => parent.postMessage({error: e.message}, "*"));
+addEventListener("load", () => setTimeout(() => {
+  const pictures = [...document.querySelectorAll("svg[role=img]")];
+  const filled = (svg) => [...svg.querySelectorAll("path")].filter((p) => p.getBBox().width > 0 && p.getBBox().height > 0).length;
+  parent.postMessage({
+    inner: innerWidth, scroll: document.documentElement.scrollWidth,
+    named: pictures.filter((p) => p.getAttribute("aria-label")).length,
+    pictures: pictures.map((p) => p.dataset.picture + ":" + filled(p)).join(" "),
+    tables: [...document.querySelectorAll("table")].filter((t) => t.tBodies[0].rows.length > 1).length,
+    planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
+  }, "*");
+}, 100));
+</script>'
+
+attribute() { sed -n "s/.*<html[^>]* data-$2=\"\([^\"]*\)\".*/\1/p" "$1" | head -n 1; }
+
+# check_page PAGE WIDTH: silent when all is well, else a line for each fault.
+check_page() {
+  local page=$1 width=$2 out=$work/page.$2 name=
+  python3 - "$page" "$out.probed.html" "$probe" "$width" <<'PYTHON' || { echo "cannot be probed"; return; }
+import sys
+width = sys.argv[4]
+text = open(sys.argv[1], encoding='utf-8').read()
+assert '<style>' in text
+open(sys.argv[2], 'w', encoding='utf-8').write(text.replace('<style>', sys.argv[3] + '<style>', 1))
+open(sys.argv[2].replace('.probed.', '.framed.'), 'w').write(f'''<!doctype html><html><body>
+<iframe src="{sys.argv[2].rpartition("/")[2]}" style="border: 0; width: {width}px; height: 900px"></iframe>
+<script>addEventListener("message", (e) => Object.assign(document.documentElement.dataset, e.data));</script>''')
+PYTHON
+  open "file://$out.framed.html" 1400 "$out" || { echo "the browser failed: $(tail -n 2 "$out.log")"; return; }
+  [ -z "$(attribute "$out.html" error)" ] || echo "script error: $(attribute "$out.html" error)"
+  grep 'CONSOLE' "$out.log" | head -n 3
+  [ "$(attribute "$out.html" inner)" = "$width" ] || echo "the frame is $(attribute "$out.html" inner) wide, not $width"
+  [ "$(attribute "$out.html" scroll)" -le "$width" ] 2>/dev/null ||
+    echo "the page is $(attribute "$out.html" scroll) wide in a frame of $width"
+  local counts
+  counts=$(attribute "$out.html" pictures)
+  [ "$(wc -w <<<"$counts")" -eq 3 ] || echo "pictures: '$counts', not 3"
+  for name in $counts; do
+    [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
+  done
+  [ "$(attribute "$out.html" named)" = 3 ] || echo "a picture has no name"
+  [ "$(attribute "$out.html" tables)" = 7 ] || echo "$(attribute "$out.html" tables) tables, not 7"
+  [ "$(attribute "$out.html" planted)" = 0 ] || echo "text became markup"
+  [ "$(attribute "$out.html" hostile)" = undefined ] || echo "text became a script"
+}
+
+# must_fail PAGE WORD: the check must see it.
+must_fail() {
+  local said
+  said=$(check_page "$1" 390)
+  grep -qF -- "$2" <<<"$said" || fail "$(basename "$1") is broken, and the check said: '$said'"
+}
+
+test_report() {
+  command -v python3 >/dev/null || skip "no python3"
+  cat >"$work/hostile.toml" <<'TOML'
+[[layer]]
+name = "</script><script>hostile = 1</script><b class='planted'>\"'&<!--"
+length = 0.05
+density = 20000
+TOML
+  (cd "$work" && "$pelt" report --character builtin --setup ./hostile.toml --frames 30 --workers 2 --out report.html) \
+    >"$work/report.log" 2>&1 || { cat "$work/report.log"; fail "pelt report"; return; }
+  local page=$work/report.html width said
+  grep -oE '(src|href)="[^"]*"|https?://[^"'"'"' ]*' "$page" | grep -v 'http://www.w3.org/2000/svg' | head -n 3 >"$work/outside"
+  [ -s "$work/outside" ] && fail "the page asks for something outside it: $(cat "$work/outside")"
+  for width in 1280 390; do
+    said=$(check_page "$page" "$width")
+    [ -z "$said" ] || fail "at $width px: $said"
+  done
+  sed "s/^fillFacts();/fillFacts(); nowhere();/" "$page" >"$work/thrown.html"
+  must_fail "$work/thrown.html" 'script error'
+  sed "s/^drawAll();/drawFrames();/" "$page" >"$work/empty.html"
+  must_fail "$work/empty.html" "not 3"
+  sed "s/'path', {class: 'band ' + kind, d}/'path', {class: 'band ' + kind}/" "$page" >"$work/blank.html"
+  must_fail "$work/blank.html" 'filled paths'
+  sed 's/^\.scroll { overflow-x: auto; max-width: 100%; }/.scroll { width: 900px; }/' "$page" >"$work/wide.html"
+  must_fail "$work/wide.html" 'wide in a frame'
+  sed 's/\\u003c/</g' "$page" >"$work/unescaped.html"
+  must_fail "$work/unescaped.html" 'text became'
+}
+
+# ---- the trace -------------------------------------------------------------------------------------
+viewer_version=1.25.0
+find_viewer() {
+  viewer=$work/speedscope-$viewer_version/package/dist/release/pelt.html
+  [ -s "$viewer" ] && return 0
+  command -v npm >/dev/null || skip "no npm to get the viewer with"
+  (cd "$work" && mkdir -p "speedscope-$viewer_version" && timeout 45 npm pack --silent "speedscope@$viewer_version" &&
+    tar -xzf "speedscope-$viewer_version.tgz" -C "speedscope-$viewer_version" &&
+    # What it says in a dialog, nobody would answer.
+    sed 's|<head>|<head><script>alert = (text) => console.error("alert: " + text);</script>|' \
+      "$(dirname "$viewer")/index.html" >"$viewer") >"$work/npm.log" 2>&1
+  [ -s "$viewer" ] || skip "npm could not get speedscope $viewer_version: $(tail -n 1 "$work/npm.log")"
+}
+
+# check_trace FILE: silent when speedscope shows a profile for each worker that had a part, without a warning.
+check_trace() {
+  local out=$work/viewer workers
+  workers=$(grep '"ph": "B"' "$1" | grep -oE '"tid": [0-9]+' | sort -u | wc -l)
+  printf 'speedscope.loadFileFromBase64("trace.json", "%s")\n' "$(base64 -w 0 "$1")" >"$work/profile.js"
+  open "file://$viewer#localProfilePath=$work/profile.js" 1280 "$out" || { echo "the browser failed: $(tail -n 2 "$out.log")"; return; }
+  grep -qF 'pelt tiny (pid 1), worker 0 (caller) (tid 1)' "$out.html" || echo "worker 0 is not shown"
+  [ "$workers" -eq 1 ] || grep -qF "(1/$workers)" "$out.html" ||
+    echo "not $workers profiles: $(grep -oE '\([0-9]+/[0-9]+\)' "$out.html" | head -n 1)"
+  # All that the viewer has to say, but for where it is and how it draws.
+  grep 'CONSOLE' "$out.log" | grep -vE 'speedscope v|Importing as Trace Event|"import: |WebGL' | head -n 3
+}
+
+test_trace() {
+  find_viewer
+  local trace=$work/trace.json said
+  # Enough frames for both workers to have a part in some, on any machine.
+  "$pelt" run --scene tiny --frames 60 --workers 2 --no-sleep --trace "$trace" --trace-frames 0 >"$work/run.log" 2>&1 ||
+    { cat "$work/run.log"; fail "pelt run --trace"; return; }
+  said=$(check_trace "$trace")
+  [ -z "$said" ] || fail "speedscope: $said"
+  head -c "$(($(wc -c <"$trace") / 2))" "$trace" >"$work/cut.json"
+  check_trace "$work/cut.json" | grep -q 'alert' || fail "half a trace passes"
+  sed '0,/"ph": "E".*"pass /{//d}' "$trace" >"$work/unended.json"
+  check_trace "$work/unended.json" | grep -q 'Tried to end\|still open' || fail "a pass that never ends passes"
+}
+
+case $part in
+  report) test_report ;;
+  trace) test_trace ;;
+  *) fail "no part '$part'" ;;
+esac
+[ "$failures" -eq 0 ] || exit 1
+echo "passed: $part"

@@ -1,0 +1,120 @@
+// Golden digests: what is kept is what is computed, and a change is found and told.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "bench/commands.hpp"
+#include "core/error.hpp"
+#include "traces/digest_log.hpp"
+#include "traces/file_bytes.hpp"
+
+namespace pelt {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kKept = PELT_SOURCE_DIR "/traces/golden";
+
+class GoldenCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (kStrandsPerChunk != 128) GTEST_SKIP() << "golden digests are kept for 128 strands a chunk";
+    fs::create_directories(folder_);
+    for (const char* name : {"tiny.digests", "tiny.lod.digests"})
+      fs::copy_file(fs::path(kKept) / name, folder_ / name, fs::copy_options::overwrite_existing);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  int Check(const std::string& folder) { return Run({folder, "", "tiny"}); }
+  int Renew() { return Run({"", folder_.string(), "tiny"}); }
+  int Run(const GoldenArgs& args) {
+    testing::internal::CaptureStdout();
+    int code = -1;
+    std::string error;
+    try {
+      code = CheckOrRenewGolden(args);
+    } catch (const Error& e) {
+      error = e.what();
+    }
+    out_ = testing::internal::GetCapturedStdout() + error;
+    return code;
+  }
+  bool Said(const std::string& words) const { return out_.find(words) != std::string::npos; }
+  std::string Path() const { return (folder_ / "tiny.digests").string(); }
+
+  // Changes the last digit of the digest of frame 3's roots.
+  std::string SpoilOneLine() {
+    std::string text(AsText(ReadFileBytes("log", Path())));
+    const size_t at = text.find("\n3 roots roots ") + 15;
+    const std::string before = text.substr(at, 16);
+    text[at + 15] = text[at + 15] == '0' ? '1' : '0';
+    WriteFileBytes("log", Path(), AsBytes(text));
+    return text.substr(at, 16) + " -> " + before;
+  }
+
+  std::string out_;
+  fs::path folder_ =
+      fs::path(testing::TempDir()) /
+      (std::string("golden_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(GoldenCommand, KeptIsComputed) {
+  EXPECT_EQ(Check(kKept), 0);
+  EXPECT_TRUE(Said("tiny: same, 20 frames")) << out_;
+  EXPECT_TRUE(Said("tiny.lod: same, 20 frames")) << out_;
+}
+
+TEST_F(GoldenCommand, AChangedLineFailsAtItsFrameAndStage) {
+  SpoilOneLine();
+  EXPECT_EQ(Check(folder_.string()), 1);
+  EXPECT_TRUE(Said("frame 3, stage roots, stream roots")) << out_;
+  EXPECT_TRUE(Said("tiny.lod: same")) << out_;
+}
+
+TEST_F(GoldenCommand, RenewTellsExactlyWhatChanged) {
+  EXPECT_EQ(Renew(), 0);
+  EXPECT_EQ(out_, "tiny: nothing changed\ntiny.lod: nothing changed\n");
+  const std::string change = SpoilOneLine();
+  EXPECT_EQ(Renew(), 0);
+  EXPECT_EQ(out_, "tiny frame 3 stage roots stream roots: " + change +
+                      "\ntiny: 1 lines changed\ntiny.lod: nothing changed\n");
+  EXPECT_EQ(Check(folder_.string()), 0);
+}
+
+TEST_F(GoldenCommand, OtherSettingsLinesOrFramesFail) {
+  DigestLog log = ReadDigestLogFile(Path());
+  log.settings = "lod";
+  WriteDigestLogFile(log, Path());
+  EXPECT_EQ(Check(folder_.string()), 1);
+  EXPECT_TRUE(Said("settings: 'lod' and ''")) << out_;
+
+  log = ReadDigestLogFile(kKept + "/tiny.digests");
+  log.columns[3].stage = "elsewhere";
+  WriteDigestLogFile(log, Path());
+  EXPECT_EQ(Check(folder_.string()), 1);
+  EXPECT_TRUE(Said("the frames have other lines")) << out_;
+
+  log = ReadDigestLogFile(kKept + "/tiny.digests");
+  log.digests.resize(log.columns.size() * 19);
+  WriteDigestLogFile(log, Path());
+  EXPECT_EQ(Check(folder_.string()), 1);
+  EXPECT_TRUE(Said("head frames: 19 and 20")) << out_;
+}
+
+TEST_F(GoldenCommand, AnotherCapacityIsSaidToBeSkipped) {
+  for (const char* name : {"tiny.digests", "tiny.lod.digests"}) {
+    DigestLog log = ReadDigestLogFile((folder_ / name).string());
+    log.chunk_strands = 64;
+    WriteDigestLogFile(log, (folder_ / name).string());
+  }
+  EXPECT_EQ(Check(folder_.string()), 0);
+  EXPECT_TRUE(Said("tiny: skipped, it is of 64 strands a chunk and this build has 128")) << out_;
+}
+
+TEST_F(GoldenCommand, AMissingLogIsAnError) {
+  fs::remove(Path());
+  EXPECT_EQ(Check(folder_.string()), -1);
+  EXPECT_TRUE(Said("no such file"));
+}
+
+}  // namespace
+}  // namespace pelt

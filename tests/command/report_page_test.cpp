@@ -1,0 +1,158 @@
+// The report's page as text and data: complete, consistent, and harmless whatever things are named.
+#include "bench/report_page.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/error.hpp"
+#include "jobs/tick_clock.hpp"
+
+namespace pelt {
+namespace {
+
+struct Report {
+  std::string page;
+  RunReport run;
+  nlohmann::json data;
+};
+
+Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, uint32_t workers) {
+  RunOptions options;
+  options.executor = executor;
+  options.workers = workers;
+  options.frames = frames;
+  RunningScenario running(scenario, options.scene);
+  ReportRecorder recorder(running.scene());
+  options.observe = [&](const FinishedFrame& frame) { recorder.Add(frame); };
+  const TickScale scale;
+  Report report;
+  report.run = RunFrames(scenario, running, options);
+  report.page = recorder.Page(report.run, scale.NsPerTick());
+  const std::string begin = "<script type=\"application/json\" id=\"data\">";
+  const size_t from = report.page.find(begin) + begin.size();
+  // As a browser does it: up to the first end of a script.
+  report.data = nlohmann::json::parse(
+      report.page.substr(from, report.page.find("</script", from) - from), nullptr, false);
+  return report;
+}
+
+size_t Count(const std::string& text, const std::string& what) {
+  size_t count = 0;
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
+  return count;
+}
+
+TEST(ReportPage, HoldsAllPartsAndNothingFromOutside) {
+  Scenario tiny = LoadScenario("tiny");
+  const Report report = MakeReport(tiny, 12, ExecutorKind::kTbb, 3);
+  ASSERT_TRUE(report.data.is_object());
+  EXPECT_EQ(report.page.find("@PELT_"), std::string::npos);
+  for (const char* outside : {" src=", " href=", "@import", "url(", "fetch(", "https:"})
+    EXPECT_EQ(report.page.find(outside), std::string::npos) << outside;
+  EXPECT_EQ(Count(report.page, "<script"), 2u);
+  EXPECT_EQ(Count(report.page, "</script>"), 2u);
+  EXPECT_EQ(report.data["scene"], "tiny");
+  EXPECT_EQ(report.data["digest"], fmt::format("{:016x}", report.run.digest));
+  EXPECT_EQ(report.data["commit"], report.run.machine.commit);
+  EXPECT_EQ(report.data["workers"], 3);
+}
+
+TEST(ReportPage, FiguresAgreeWithEachOther) {
+  Scenario tiny = LoadScenario("tiny");
+  const Report report = MakeReport(tiny, 20, ExecutorKind::kTbb, 2);
+  const nlohmann::json& data = report.data;
+  ASSERT_EQ(data["columns"].size(), 20u);
+  double worst = 0.0;
+  for (const auto& column : data["columns"]) {
+    // The bands of a column fill the frame, whatever ran beside what.
+    double sum = double(column["caller"]) + double(column["others"]) + double(column["waiting"]);
+    for (const auto& ms : column["stages"]) sum += double(ms);
+    EXPECT_NEAR(sum, column["ms"], 0.001 + 0.02 * double(column["ms"]));
+    worst = std::max(worst, double(column["ms"]));
+  }
+  EXPECT_NEAR(data["frame_ms"]["worst"], worst, 1e-4);
+  for (const char* key : {"frame_ms", "caller_ms"}) {
+    EXPECT_LE(data[key]["median"], data[key]["p95"]);
+    EXPECT_LE(data[key]["p95"], data[key]["p99"]);
+    EXPECT_LE(data[key]["p99"], data[key]["worst"]);
+  }
+  uint64_t bytes = 0;
+  for (const auto& range : data["memory"]) bytes += uint64_t(range["bytes"]);
+  EXPECT_EQ(bytes, report.run.memory_bytes);
+  for (const auto& stage : data["stages"])
+    if (stage["name"] == "activate") {
+      EXPECT_EQ(stage["ran"], report.run.chunks);
+      EXPECT_EQ(stage["skipped"], 0.0);
+    }
+  uint32_t stages = 0;
+  for (const auto& pass : data["passes"]) stages += uint32_t(pass["stage_count"]);
+  EXPECT_EQ(stages, data["stages"].size());
+}
+
+TEST(ReportPage, TimelinesAreOfTheMedianAndTheWorstFrame) {
+  Scenario tiny = LoadScenario("tiny");
+  const Report report = MakeReport(tiny, 30, ExecutorKind::kSerial, 1);
+  const nlohmann::json& data = report.data;
+  ASSERT_EQ(data["timelines"].size(), 2u);
+  EXPECT_NEAR(double(data["timelines"][0]["ns"]) * 1e-6, data["frame_ms"]["median"], 2e-4);
+  EXPECT_NEAR(double(data["timelines"][1]["ns"]) * 1e-6, data["frame_ms"]["worst"], 2e-4);
+  for (const auto& timeline : data["timelines"]) {
+    ASSERT_EQ(timeline["workers"].size(), 1u);
+    const auto& runs = timeline["workers"][0]["runs"];
+    ASSERT_GT(runs.size(), 0u);
+    ASSERT_EQ(runs.size() % 4, 0u);
+    int64_t last = 0;
+    for (size_t i = 0; i < runs.size(); i += 4) {
+      const auto& stage = data["stages"].at(size_t(runs[i]));
+      EXPECT_LT(size_t(runs[i + 1]), data["items"][std::string(stage["domain"])].size());
+      EXPECT_LE(last, int64_t(runs[i + 2]));
+      EXPECT_LE(int64_t(runs[i + 2]), int64_t(runs[i + 3]));
+      last = runs[i + 3];
+    }
+    EXPECT_LE(last, int64_t(timeline["ns"]));
+  }
+}
+
+// Long runs keep few whole frames, spread over all of it, and one column for several frames.
+TEST(ReportPage, LongRunsStaySmall) {
+  Scenario tiny = LoadScenario("tiny");
+  const Report report = MakeReport(tiny, 1300, ExecutorKind::kSerial, 1);
+  EXPECT_EQ(report.data["frames_a_column"], 3);
+  EXPECT_EQ(report.data["columns"].size(), 434u);
+  EXPECT_EQ(report.data["timelines"].size(), 2u);
+  EXPECT_LT(report.page.size(), 1'000'000u);
+  double worst = 0.0;
+  for (const auto& column : report.data["columns"]) worst = std::max(worst, double(column["ms"]));
+  EXPECT_NEAR(report.data["frame_ms"]["worst"], worst, 1e-4);
+}
+
+// Names come from files.
+TEST(ReportPage, HostileNamesStayText) {
+  Scenario tiny = LoadScenario("tiny");
+  const std::string hostile =
+      "</script><script>alert(\"1\")</script><!-- ' & @PELT_SCRIPT@ \xff\xfe \"";
+  tiny.name = hostile;
+  for (Groom& groom : tiny.grooms)
+    for (auto& layer : groom.layers) layer.name = hostile;
+  const Report report = MakeReport(tiny, 3, ExecutorKind::kSerial, 1);
+  ASSERT_TRUE(report.data.is_object()) << "the name ended the data";
+  EXPECT_EQ(Count(report.page, "<script"), 2u);
+  EXPECT_EQ(Count(report.page, "</script>"), 2u);
+  EXPECT_EQ(Count(report.page, "<!--"), 0u);
+  const std::string scene = report.data["scene"];
+  EXPECT_EQ(scene.substr(0, 9), "</script>");
+  EXPECT_NE(scene.find("@PELT_SCRIPT@"), std::string::npos);
+  const std::string layer = report.data["items"]["layer"][0];
+  EXPECT_NE(layer.find("alert(\"1\")"), std::string::npos);
+}
+
+TEST(ReportPage, LocalStoreHasNoTimesToShow) {
+  EXPECT_THROW(CheckRecords(ExecutorKind::kLocalStore), Error);
+  EXPECT_NO_THROW(CheckRecords(ExecutorKind::kPermuted));
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,251 @@
+// Recorded frames as a timeline and a trace: the right slices on the right tracks, arrows along
+// what the ports say, and nothing before what it needs.
+#include "bench/timeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "bench/run_report.hpp"
+#include "jobs/tick_clock.hpp"
+#include "tests/traces/trace_checker.hpp"
+#include "traces/chrome_trace.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr uint32_t kFrames = 6, kFrom = 3;
+
+struct RecordedRun {
+  Scenario scenario = LoadScenario("tiny");
+  RunningScenario running;
+  std::vector<FrameRecord> records;
+  TickScale scale;
+  uint32_t workers;
+
+  RecordedRun(ExecutorKind executor, uint32_t workers, const SceneOptions& options = {})
+      : running(scenario, options), workers(workers) {
+    RunOptions run;
+    run.scene = options;
+    run.executor = executor;
+    run.workers = workers;
+    run.frames = kFrames;
+    run.observe_from_frame = kFrom;
+    run.observe = [&](const FinishedFrame& f) {
+      records.push_back(RecordFrame(f.scene, f.profile, f.frame, f.ticks));
+    };
+    RunFrames(scenario, running, run);
+  }
+  Timeline Build() { return BuildTimeline(running.scene(), records, workers, scale.NsPerTick()); }
+};
+
+struct Case {
+  const char* name;
+  ExecutorKind executor;
+  uint32_t workers;
+  bool fuse, pieces;
+};
+class TimelineOf : public ::testing::TestWithParam<Case> {
+ protected:
+  RecordedRun MakeRun() const {
+    SceneOptions options;
+    options.plan.fuse = GetParam().fuse;
+    options.piecewise_sort_chunks = GetParam().pieces ? 1 : 0;
+    return RecordedRun(GetParam().executor, GetParam().workers, options);
+  }
+};
+
+bool StartsWith(const std::string& text, const std::string& head) {
+  return text.rfind(head, 0) == 0;
+}
+
+TEST_P(TimelineOf, NestsFramesOverPassesOverItemsOverStages) {
+  RecordedRun run = MakeRun();
+  const CheckedTrace trace = TraceChecker::Check(ChromeTrace(run.Build()));
+  EXPECT_EQ(trace.faults, std::vector<std::string>{});
+  std::map<int, std::string> threads;
+  for (uint32_t w = 0; w < GetParam().workers; ++w) threads[int(w) + 1] = WorkerName(w);
+  EXPECT_EQ(trace.threads, threads);
+
+  uint32_t frames = 0, runs = 0;
+  for (const TraceSlice& slice : trace.slices) {
+    const size_t above = slice.parents.size() + (slice.tid == 1 ? 0 : 1);  // others have no frame
+    if (above == 0) {
+      EXPECT_TRUE(StartsWith(slice.name, "frame ")) << slice.name;
+      ++frames;
+    } else if (above == 1) {
+      EXPECT_TRUE(StartsWith(slice.name, "pass ") || slice.name == "poses and parameters")
+          << slice.name;
+    } else {
+      ASSERT_LE(above, 3u) << slice.name;
+      EXPECT_TRUE(StartsWith(slice.parents[slice.tid == 1 ? 1 : 0], "pass "));
+      if (above == 3) ++runs;
+    }
+  }
+  EXPECT_EQ(frames, kFrames - kFrom);
+  uint32_t recorded = 0;
+  for (const FrameRecord& record : run.records) recorded += uint32_t(record.runs.size());
+  EXPECT_EQ(runs, recorded);
+  EXPECT_GT(runs, 100u);
+}
+
+TEST_P(TimelineOf, HasEveryItemThatRanOnceAndInItsPass) {
+  RecordedRun run = MakeRun();
+  const FurScene& scene = run.running.scene();
+  for (const FrameRecord& record : run.records) {
+    std::set<std::pair<uint32_t, uint32_t>> seen;
+    for (const FrameRecord::Item& item : record.items) {
+      EXPECT_TRUE(seen.emplace(item.pass, item.item).second);
+      EXPECT_LT(item.worker, GetParam().workers);
+      const Pass& pass = scene.plan().passes[item.pass];
+      for (uint32_t r = item.first_run; r < item.first_run + item.run_count; ++r) {
+        EXPECT_GE(record.runs[r].stage, pass.first_stage);
+        EXPECT_LT(record.runs[r].stage, pass.first_stage + pass.stage_count);
+        EXPECT_LE(item.begin_ticks, record.runs[r].begin_ticks);
+        EXPECT_LE(record.runs[r].begin_ticks, record.runs[r].end_ticks);
+        EXPECT_LE(record.runs[r].end_ticks, item.end_ticks);
+      }
+    }
+    // activate and write_instances gate nothing and something: the one runs on every chunk.
+    uint32_t activated = 0;
+    for (const FrameRecord::StageRun& stage : record.runs)
+      activated += scene.plan().stages[stage.stage].kernel.name == "activate";
+    EXPECT_EQ(activated, scene.shape().chunk_count);
+  }
+}
+
+// No item starts before all items of the pass before have ended; an arrow leaves a pass that
+// writes what it is named for, and reaches one that reads it.
+TEST_P(TimelineOf, NothingStartsBeforeWhatItNeeds) {
+  RecordedRun run = MakeRun();
+  const Timeline timeline = run.Build();
+  const CheckedTrace trace = TraceChecker::Check(ChromeTrace(timeline));
+  std::map<std::string, std::pair<double, double>> passes;  // of the last frame, on the caller
+  double frame_begin_us = 0.0;
+  for (const TraceSlice& slice : trace.slices)
+    if (slice.name == fmt::format("frame {}", kFrames - 1)) frame_begin_us = slice.begin_us;
+  for (const TraceSlice& slice : trace.slices)
+    if (slice.tid == 1 && slice.begin_us >= frame_begin_us && StartsWith(slice.name, "pass "))
+      passes[slice.name] = {slice.begin_us, slice.end_us};
+  ASSERT_EQ(passes.size(), run.running.scene().plan().passes.size());
+  double last_end_us = 0.0;
+  for (uint32_t p = 0; p < passes.size(); ++p) {
+    const auto [begin_us, end_us] = passes.at(PassName(run.running.scene().plan(), p));
+    EXPECT_GE(begin_us, last_end_us);
+    last_end_us = end_us;
+  }
+  EXPECT_FALSE(trace.flows.empty());
+  for (const auto& [id, flow] : trace.flows) {
+    if (flow.leave_us < frame_begin_us) continue;
+    const auto pass_of = [](const std::vector<std::string>& parents) {
+      return *std::find_if(parents.begin(), parents.end(),
+                           [](const std::string& n) { return StartsWith(n, "pass "); });
+    };
+    const std::string from = pass_of(flow.from), to = pass_of(flow.to);
+    EXPECT_LE(passes.at(from).second, passes.at(to).first) << flow.name;
+    EXPECT_LE(passes.at(from).second, flow.reach_us) << flow.name;
+    // The arrow starts in an item, and ends at one.
+    EXPECT_NE(flow.from.back(), from);
+    EXPECT_NE(flow.to.back(), to);
+  }
+}
+
+TEST_P(TimelineOf, CountsWhatMovedAndWhatLives) {
+  RecordedRun run = MakeRun();
+  const Timeline timeline = run.Build();
+  ASSERT_EQ(timeline.counters.size(), 3u);
+  for (const Timeline::Counter& counter : timeline.counters)
+    EXPECT_GE(counter.samples.size(), run.records.size()) << counter.name;
+  const FrameRecord& last = run.records.back();
+  EXPECT_EQ(timeline.counters[0].samples.back().values,
+            (std::vector<double>{double(last.live_strands), double(last.drawn_strands)}));
+  EXPECT_GT(last.drawn_strands, 0u);
+  // The passes of a frame sum to the frame.
+  double frames_mb = 0.0, passes_mb = 0.0;
+  for (const auto& sample : timeline.counters[1].samples) frames_mb += sample.values[0];
+  for (const auto& sample : timeline.counters[2].samples) passes_mb += sample.values[0];
+  EXPECT_GT(frames_mb, 0.0);
+  EXPECT_NEAR(frames_mb, passes_mb, 1e-9 * frames_mb);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Executors, TimelineOf,
+    ::testing::Values(Case{"serial", ExecutorKind::kSerial, 1, true, false},
+                      Case{"tbb3", ExecutorKind::kTbb, 3, true, false},
+                      Case{"tbb3_unfused", ExecutorKind::kTbb, 3, false, false},
+                      Case{"tbb3_pieces", ExecutorKind::kTbb, 3, true, true},
+                      Case{"permuted", ExecutorKind::kPermuted, 1, true, false}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+// What ports say, against a list made by hand for the first passes of the frame.
+TEST(Timeline, DependenciesFollowThePorts) {
+  const RecordedRun run(ExecutorKind::kSerial, 1);
+  const Plan& plan = run.running.scene().plan();
+  const auto pass_of = [&](std::string_view stage) {
+    for (uint32_t p = 0; p < plan.passes.size(); ++p)
+      for (uint32_t s = 0; s < plan.passes[p].stage_count; ++s)
+        if (plan.stages[plan.passes[p].first_stage + s].kernel.name == stage) return p;
+    ADD_FAILURE() << "no stage " << stage;
+    return 0u;
+  };
+  const std::vector<bool> all(plan.passes.size(), true);
+  const auto found = FindDependencies(plan, all);
+  const auto has = [&](const std::vector<PassDependency>& list, std::string_view from,
+                       std::string_view to, Stream stream) {
+    return std::any_of(list.begin(), list.end(), [&](const PassDependency& d) {
+      return d.producer == pass_of(from) && d.consumer == pass_of(to) && d.stream == stream;
+    });
+  };
+  EXPECT_TRUE(has(found, "joint_palette", "skin", Stream::kPalette));
+  EXPECT_TRUE(has(found, "bound_layer", "order_layers", Stream::kBounds));
+  EXPECT_TRUE(has(found, "collect_changes", "write_instances", Stream::kLayerSort));
+  EXPECT_TRUE(has(found, "sort_layer", "write_instances", Stream::kOrder));
+  // Written and read inside one pass, or read before it is written.
+  for (const PassDependency& d : found) {
+    EXPECT_LT(d.producer, d.consumer);
+    EXPECT_NE(d.stream, Stream::kPose);
+    EXPECT_NE(d.stream, Stream::kSkinned);
+  }
+  // A pass that did not run gives and takes nothing.
+  std::vector<bool> unsorted = all;
+  unsorted[pass_of("sort_layer")] = false;
+  for (const PassDependency& d : FindDependencies(plan, unsorted)) {
+    EXPECT_NE(d.producer, pass_of("sort_layer"));
+    EXPECT_NE(d.consumer, pass_of("sort_layer"));
+  }
+}
+
+// The trace shows faults of the recording; it does not hide them.
+TEST(Timeline, ARecordedFaultIsSeenInTheTrace) {
+  RecordedRun run(ExecutorKind::kTbb, 3);
+  std::vector<FrameRecord> records = run.records;
+  FrameRecord::Item& item = records.back().items[records.back().items.size() / 2];
+  item.end_ticks = records.back().ticks.end + uint64_t(5000.0 / run.scale.NsPerTick());
+  const Timeline timeline =
+      BuildTimeline(run.running.scene(), records, run.workers, run.scale.NsPerTick());
+  EXPECT_FALSE(TraceChecker::Check(ChromeTrace(timeline)).faults.empty());
+}
+
+TEST(Timeline, RecordsWithoutChangingTheBits) {
+  Scenario tiny = LoadScenario("tiny");
+  uint64_t digests[2];
+  for (int i = 0; i < 2; ++i) {
+    RunOptions options;
+    options.executor = ExecutorKind::kTbb;
+    options.workers = 3;
+    options.frames = 12;
+    uint32_t recorded = 0;
+    if (i) options.observe = [&](const FinishedFrame&) { ++recorded; };
+    RunningScenario running(tiny, options.scene);
+    digests[i] = RunFrames(tiny, running, options).digest;
+    EXPECT_EQ(recorded, i ? 12u : 0u);
+  }
+  EXPECT_EQ(digests[0], digests[1]);
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,282 @@
+// A recording replays bit for bit on everything that can run it, and a change of one bit shows.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bench/commands.hpp"
+#include "bench/lockstep.hpp"
+#include "bench/replay.hpp"
+#include "bench/stage_digests.hpp"
+#include "traces/diff.hpp"
+#include "traces/file_bytes.hpp"
+
+namespace pelt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder for one test.
+class TraceCommand : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // Records tiny; the teleport at frame 20 and the weather are in it.
+  std::string RecordTiny(const std::string& name, uint32_t frames, bool lod = false,
+                         VertexOrder order = VertexOrder::kSorted) const {
+    RecordArgs args;
+    args.run.request.scene = "tiny";
+    args.run.options.frames = frames;
+    args.run.options.skip.lod = lod;
+    args.run.options.lod.strand_budget = lod ? 400 : 0;
+    args.run.options.scene.vertex_order = order;
+    args.out = Path(name);
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(Record(args), 0);
+    testing::internal::GetCapturedStdout();
+    return args.out;
+  }
+
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+ReplayResult ReplayAs(const InputLog& log, const VerifyCase& what) {
+  ReplayScene replay(log, "x", SceneOptionsOf(what));
+  const std::unique_ptr<Executor> executor = MakeExecutor(what);
+  return Replay(log, replay, *executor);
+}
+
+// The log again, with `change` made to one frame's poses and input.
+template <class Change>
+std::vector<std::byte> Rewrite(const InputLog& log, uint32_t frame, Change change) {
+  std::vector<std::span<const std::byte>> grooms;
+  for (const uint32_t groom : log.character_groom) grooms.emplace_back(log.grooms[groom]);
+  InputLogWriter writer;
+  EXPECT_EQ(writer.Begin(log.about, grooms), nullptr);
+  std::vector<PoseBlock> poses(log.CharacterCount());
+  for (uint32_t f = 0; f < log.FrameCount(); ++f) {
+    for (uint32_t c = 0; c < log.CharacterCount(); ++c) log.FillPose(f, c, &poses[c]);
+    FrameInput input = log.Input(f);
+    if (f == frame) change(input, poses);
+    EXPECT_EQ(writer.AddFrame(input, poses, log.frames[f].digest), nullptr);
+  }
+  return writer.Finish();
+}
+
+TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 24));
+  std::vector<VerifyCase> cases;
+  for (const Isa isa : kAllIsas)
+    if (FindKernels(isa)) cases.push_back({.isa = isa});
+  for (const uint32_t workers : {1u, 3u, 7u})
+    cases.push_back({.executor = ExecutorKind::kTbb, .workers = workers, .isa = BestIsa()});
+  cases.push_back({.executor = ExecutorKind::kPermuted, .order_seed = 5});
+  cases.push_back({.executor = ExecutorKind::kLocalStore});
+  cases.push_back({.fuse = false});
+  cases.push_back({.piecewise_sort = true});
+  for (const VerifyCase& what : cases) {
+    const ReplayResult result = ReplayAs(log, what);
+    EXPECT_TRUE(result.Same()) << NameCase(what) << ": " << DescribeReplay(result);
+    EXPECT_EQ(result.frames, 24u);
+  }
+}
+
+TEST_F(TraceCommand, LodAndTheIndexBufferAreReplayedToo) {
+  const InputLog lod = ReadInputLogFile(RecordTiny("lod.peltinput", 12, true));
+  EXPECT_TRUE(ReplayAs(lod, {}).Same());
+  const InputLog index =
+      ReadInputLogFile(RecordTiny("index.peltinput", 12, false, VertexOrder::kIndexBuffer));
+  EXPECT_TRUE(index.about.index_buffer);
+  EXPECT_TRUE(ReplayAs(index, {}).Same());
+  const InputLog plain = ReadInputLogFile(RecordTiny("plain.peltinput", 12));
+  EXPECT_NE(lod.frames[11].digest, plain.frames[11].digest);
+  EXPECT_NE(index.frames[11].digest, plain.frames[11].digest);
+}
+
+TEST_F(TraceCommand, ARecordingHasTheDigestsOfTheRun) {
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 6));
+  Scenario tiny = LoadScenario("tiny");
+  RunningScenario running(tiny, {});
+  RunOptions options;
+  options.frames = 6;
+  const RunReport report = RunFrames(tiny, running, options);
+  EXPECT_EQ(ReplayAs(log, {}).digest, report.digest);
+}
+
+TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 8));
+  const auto tampered = Rewrite(log, 5, [](FrameInput&, std::vector<PoseBlock>& poses) {
+    float& value = poses[0].rotation_key[0][0][2];
+    value = std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ 1u << 16);
+  });
+  const ReplayResult result = ReplayAs(ReadInputLog(tampered, "x"), {});
+  ASSERT_FALSE(result.Same());
+  EXPECT_EQ(result.first->frame, 5u);
+  EXPECT_EQ(result.frames, 8u);  // the rest is run all the same
+  EXPECT_EQ(result.first->recorded, log.frames[5].digest);
+  EXPECT_NE(DescribeReplay(result).find("frame 5"), std::string::npos);
+
+  WriteFileBytes("input log", Path("bad.peltinput"), tampered);
+  ReplayArgs args;
+  args.path = Path("bad.peltinput");
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(ReplayRecording(args), 1);
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("DIFFERENT BITS"), std::string::npos);
+}
+
+TEST_F(TraceCommand, UnchangedRewritingIsTheSameFile) {
+  const std::string path = RecordTiny("a.peltinput", 4);
+  const auto again = Rewrite(ReadInputLogFile(path), 0, [](FrameInput&, auto&) {});
+  EXPECT_EQ(again, ReadFileBytes("input log", path));
+}
+
+TEST_F(TraceCommand, AFrameThatCannotRunIsRefusedByName) {
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 5));
+  const auto bad = Rewrite(log, 3, [](FrameInput& input, auto&) { input.dt_s = -1.0; });
+  const ReplayResult result = ReplayAs(ReadInputLog(bad, "x"), {});
+  ASSERT_FALSE(result.Same());
+  EXPECT_EQ(result.first->frame, 3u);
+  EXPECT_EQ(result.frames, 3u);
+  EXPECT_NE(result.first->refused.find("dt_s"), std::string::npos);
+  EXPECT_NE(DescribeReplay(result).find("REFUSED: frame 3"), std::string::npos);
+}
+
+TEST_F(TraceCommand, ADamagedGroomIsAnErrorThatNamesIt) {
+  InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 2));
+  log.grooms[0][1000] ^= std::byte{1};
+  try {
+    ReplayScene replay(log, "log.peltinput", SceneOptions{});
+    FAIL() << "a damaged groom was accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("log.peltinput, groom 0"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
+  const std::string path = RecordTiny("a.peltinput", 5);
+  testing::internal::CaptureStdout();
+  RunArgs run;
+  run.request.scene = "tiny";
+  run.options.frames = 5;
+  run.digest_log = Path("run.digests");
+  EXPECT_EQ(pelt::Run(run), 0);
+  ReplayArgs replay;
+  replay.path = path;
+  replay.as = {.isa = Isa::kReference};
+  replay.digest_log = Path("replay.digests");
+  replay.json = true;
+  testing::internal::GetCapturedStdout();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(ReplayRecording(replay), 0);
+  const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(json["same"], true);
+  EXPECT_EQ(json["frames"], 5);
+  EXPECT_EQ(ReadFileBytes("log", run.digest_log), ReadFileBytes("log", replay.digest_log));
+}
+
+TEST_F(TraceCommand, ShowTellsWhatIsInside) {
+  ShowArgs args;
+  args.path = RecordTiny("a.peltinput", 3);
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(ShowRecording(args), 0);
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("scene tiny"), std::string::npos);
+  EXPECT_NE(text.find("3 frames, 1 characters"), std::string::npos) << text;
+  EXPECT_NE(text.find("5 layers, 1050 strands, 24 joints"), std::string::npos) << text;
+  args.json = true;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(ShowRecording(args), 0);
+  const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(json["frames"].size(), 3u);
+}
+
+// ---- The digests of a stage
+// ---------------------------------------------------------------------------
+
+TEST(StageDigests, EveryValueBlockIsInExactlyOneLine) {
+  Scenario tiny = LoadScenario("tiny");
+  for (const bool pieces : {false, true}) {
+    SceneOptions options;
+    options.piecewise_sort_chunks = pieces;
+    RunningScenario running(tiny, options);
+    running.Begin(0);
+    SerialExecutor().Run(running.scene().CurrentFrame());
+    const StageDigests stages(running.scene());
+    DigestLog before = stages.Begin("tiny", "", VertexOrder::kSorted);
+    stages.AddFrame(running.scene(), before);
+    const SceneShape& shape = running.scene().shape();
+    for (uint32_t s = 0; s < kStreamCount; ++s) {
+      const StreamDesc& desc = DescribeStream(Stream(s));
+      if (desc.role != Role::kValue) continue;
+      for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
+        std::byte* block = running.scene().memory().Block(Stream(s), i);
+        const uint32_t at = desc.domain == Domain::kChunk ? i : 0;
+        if (!block || running.scene().LiveLanes(Stream(s), at) == 0) continue;
+        const uint32_t byte = desc.rows[0].offset_bytes;  // of the first lane
+        block[byte] ^= std::byte{1};
+        DigestLog after = stages.Begin("tiny", "", VertexOrder::kSorted);
+        stages.AddFrame(running.scene(), after);
+        block[byte] ^= std::byte{1};
+        uint32_t lines = 0;
+        for (size_t c = 0; c < before.columns.size(); ++c) {
+          if (before.digests[c] == after.digests[c]) continue;
+          ++lines;
+          if (before.columns[c].stage != kWholeFrameStage) {
+            EXPECT_EQ(before.columns[c].stream, desc.name);
+          }
+        }
+        ASSERT_EQ(lines, 2u) << desc.name << " " << i;  // its own and the whole frame's
+      }
+    }
+  }
+}
+
+TEST(StageDigests, AFaultIsNamedAtTheStageOfItsLayersKind) {
+  Scenario tiny = LoadScenario("tiny");
+  RunningScenario good(tiny, {}), bad(tiny, {});
+  for (RunningScenario* running : {&good, &bad}) {
+    running->Begin(0);
+    SerialExecutor().Run(running->scene().CurrentFrame());
+  }
+  const SceneShape& shape = bad.scene().shape();
+  uint32_t verlet_chunk = 0;
+  while (!(shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerVerlet)) ++verlet_chunk;
+  const bool five = shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerFivePoints;
+  const Stream stream = five ? Stream::kStrandPoints5 : Stream::kStrandPoints4;
+  *bad.scene().memory().Block(stream, verlet_chunk) ^= std::byte{1};
+  const StageDigests stages(good.scene());
+  DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;
+  stages.AddFrame(good.scene(), a);
+  stages.AddFrame(bad.scene(), b);
+  const auto found = FindDifference(a, b);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->place[1].second, five ? "simulate_verlet_5" : "simulate_verlet_4");
+}
+
+// The log of a sort in pieces lists other stages; what both list is the same.
+TEST(StageDigests, WholeAndPiecewiseSortCompare) {
+  Scenario tiny = LoadScenario("tiny");
+  std::vector<DigestLog> logs;
+  for (const bool pieces : {false, true}) {
+    SceneOptions options;
+    options.piecewise_sort_chunks = pieces;
+    RunningScenario running(tiny, options);
+    const StageDigests stages(running.scene());
+    logs.push_back(stages.Begin("tiny", "", VertexOrder::kSorted));
+    for (uint32_t f = 0; f < 3; ++f) {
+      running.Begin(f);
+      SerialExecutor().Run(running.scene().CurrentFrame());
+      stages.AddFrame(running.scene(), logs.back());
+    }
+  }
+  EXPECT_NE(logs[0].columns, logs[1].columns);
+  EXPECT_FALSE(FindDifference(logs[0], logs[1]));
+}
+
+}  // namespace
+}  // namespace pelt

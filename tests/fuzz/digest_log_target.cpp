@@ -1,0 +1,22 @@
+// Digest logs: what reads must write and read again as the same log.
+#include <cstdlib>
+
+#include "tests/fuzz/fuzz_target.hpp"
+#include "traces/diff.hpp"
+#include "traces/digest_log.hpp"
+
+namespace pelt::fuzz {
+
+void ReadHostile(std::span<const std::byte> input) {
+  std::string error;
+  const auto log =
+      TryReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz", error);
+  if (!log) {
+    if (error.find("fuzz") == std::string::npos) std::abort();  // names the file
+    return;
+  }
+  const auto again = TryReadDigestLog(WriteDigestLog(*log), "again", error);
+  if (!again || FindDifference(*log, *again)) std::abort();
+}
+
+}  // namespace pelt::fuzz

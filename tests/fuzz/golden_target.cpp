@@ -1,0 +1,25 @@
+// Golden digests: a hostile file in the place of kept ones, held against those of `tiny`. A log
+// that is found the same must hold the same digests.
+#include <cstdlib>
+
+#include "tests/fuzz/fuzz_target.hpp"
+#include "traces/diff.hpp"
+#include "traces/digest_log.hpp"
+
+namespace pelt::fuzz {
+
+void ReadHostile(std::span<const std::byte> input) {
+  static const DigestLog kTiny = ReadDigestLogFile(PELT_SOURCE_DIR "/traces/golden/tiny.digests");
+  std::string error;
+  const auto stored =
+      TryReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz", error);
+  if (!stored) return;
+  const auto difference = FindDifference(*stored, kTiny);
+  if (difference) {
+    DescribeDifference(*difference);
+  } else if (stored->columns == kTiny.columns && stored->digests != kTiny.digests) {
+    std::abort();
+  }
+}
+
+}  // namespace pelt::fuzz

@@ -1,0 +1,301 @@
+// The door executor over doors made for one purpose: helpers asked for, tasks counted and named,
+// and every way an engine can break its side, found out while the frame stays right.
+#include "jobs/engine_door.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "jobs/conformance.hpp"
+#include "jobs/frame_recording.hpp"
+
+namespace pelt {
+namespace {
+
+using conformance::SyntheticFrames;
+
+uint64_t SerialDigest() {
+  SerialExecutor serial;
+  return SyntheticFrames::Run(serial);
+}
+
+// A door that does what its fields say, all on the caller's thread unless `thread`.
+struct TestDoor {
+  struct Given {
+    PeltTask task;
+    void* context;
+    std::thread thread = {};
+    bool started = false;
+  };
+  bool run_in_enqueue = false;
+  bool return_null = false;
+  bool run_in_finish = false;
+  bool run_again_in_finish = false;
+  bool thread = false;
+  uint32_t workers = 4;
+
+  std::deque<Given> given = {};
+  std::multiset<std::string> names = {};
+  uint32_t finished = 0;
+  std::thread::id caller = std::this_thread::get_id();
+
+  EngineDoor door() {
+    const auto enqueue = [](PeltTask task, void* context, void* user, const char* name) -> void* {
+      auto& self = *static_cast<TestDoor*>(user);
+      EXPECT_EQ(std::this_thread::get_id(), self.caller) << "only the caller may use the door";
+      self.names.insert(name);
+      if (self.run_in_enqueue) task(context);
+      if (self.return_null) return nullptr;
+      Given& given = self.given.emplace_back(Given{task, context});
+      if (self.thread) given.thread = std::thread(task, context);
+      return &given;
+    };
+    const auto finish = [](void* handle, void* user) {
+      auto& self = *static_cast<TestDoor*>(user);
+      EXPECT_EQ(std::this_thread::get_id(), self.caller) << "only the caller may use the door";
+      ++self.finished;
+      auto& given = *static_cast<Given*>(handle);
+      if (given.thread.joinable()) given.thread.join();
+      if (self.run_in_finish) given.task(given.context);
+      if (self.run_again_in_finish) given.task(given.context);
+    };
+    return {enqueue, finish, this, workers};
+  }
+};
+
+// Runs the frames through the door; expects the serial bits.
+DoorFaults FaultsOf(TestDoor& door) {
+  DoorExecutor executor(door.door());
+  EXPECT_EQ(SyntheticFrames::Run(executor), SerialDigest());
+  EXPECT_EQ(door.finished, door.given.size()) << "every handle is finished, and once";
+  return executor.faults();
+}
+
+TEST(DoorExecutor, RunsOnThreadsThatStartWithEveryTask) {
+  TestDoor door{.thread = true};
+  EXPECT_FALSE(FaultsOf(door).Any());
+  EXPECT_GT(door.given.size(), 0u);
+}
+
+TEST(DoorExecutor, RunsInlineAndThenHasNothingToFinish) {
+  TestDoor door{.run_in_enqueue = true, .return_null = true};
+  EXPECT_FALSE(FaultsOf(door).Any());
+  EXPECT_EQ(door.finished, 0u);
+  EXPECT_GT(door.names.size(), 0u);
+}
+
+TEST(DoorExecutor, ATaskThatStartsAtFinishFindsNothingToDo) {
+  TestDoor door{.run_in_finish = true};
+  EXPECT_FALSE(FaultsOf(door).Any());
+  // The caller never waits for them, and asks for no more while they are outstanding.
+  EXPECT_EQ(door.given.size(), (door.workers - 1) * SyntheticFrames::kFrames);
+}
+
+TEST(DoorExecutor, OneWorkerAsksForNothing) {
+  TestDoor door{.workers = 1};
+  EXPECT_FALSE(FaultsOf(door).Any());
+  EXPECT_EQ(door.names.size(), 0u);
+}
+
+// Inline tasks never stay, so every pass with use for helpers asks for all of them: the maximum is
+// reached, and never passed.
+TEST(DoorExecutor, NeverEnqueuesMoreThanItStates) {
+  SyntheticFrames frames;
+  const Frame frame = frames.frame();
+  for (const uint32_t workers : {1u, 2u, 3u, 64u}) {
+    TestDoor door{.thread = true, .workers = workers};
+    DoorExecutor executor(door.door());
+    // Four passes of 130 chunks, two of 3 layers, one of the scene.
+    const uint64_t most = executor.MaxTasks(*frame.plan, *frame.memory->shape);
+    EXPECT_EQ(most, 4 * (workers - 1) + 2 * std::min(workers - 1, 2u));
+    for (uint32_t f = 0; f < 5; ++f) {
+      const uint64_t before = executor.TasksEnqueued();
+      executor.Run(frame);
+      EXPECT_LE(executor.TasksEnqueued() - before, most);
+    }
+    EXPECT_EQ(executor.TasksEnqueued(), door.names.size());
+  }
+}
+
+TEST(DoorExecutor, AFrameOfMorePassesThanReservedGetsNoMoreTasks) {
+  TestDoor door{.thread = true, .workers = 3};
+  DoorExecutor executor(door.door(), 1);
+  EXPECT_EQ(SyntheticFrames::Run(executor), SerialDigest());
+  EXPECT_LE(executor.TasksEnqueued(), 2 * SyntheticFrames::kFrames);
+  EXPECT_FALSE(executor.faults().Any());
+}
+
+TEST(DoorExecutor, NamesTasksAfterTheirPass) {
+  TestDoor door{.run_in_finish = true, .workers = 2};
+  FaultsOf(door);
+  EXPECT_EQ(door.names.count("conformance_stir"), door.names.size());
+}
+
+TEST(DoorExecutor, ProfilesWorkers) {
+  SyntheticFrames frames;
+  Frame frame = frames.frame();
+  FrameRecording recording(*frame.plan, *frame.memory->shape);
+  frame.profile = recording.profile();
+  // Inline, all of the frame runs in the first task: worker 1.
+  TestDoor door{.run_in_enqueue = true, .return_null = true};
+  DoorExecutor executor(door.door());
+  executor.Run(frame);
+  EXPECT_EQ(recording.Item(0, 0).worker, 1u);
+  for (uint32_t p = 0; p < frame.plan->passes.size(); ++p) EXPECT_TRUE(recording.Pass(p).Ran());
+}
+
+// ---- Doors that break their promises
+// -----------------------------------------------------------------------
+
+TEST(DoorFaults, StartedTwice) {
+  TestDoor door{.run_in_enqueue = true, .run_again_in_finish = true};
+  const DoorFaults faults = FaultsOf(door);
+  EXPECT_EQ(faults.started_twice, door.given.size());
+  EXPECT_EQ(faults.never_run + faults.finished_early, 0u);
+  EXPECT_NE(faults.Text().find("called again"), std::string::npos) << faults.Text();
+}
+
+TEST(DoorFaults, StartedAgainAfterFinish) {
+  TestDoor door{.run_in_enqueue = true, .workers = 2};
+  DoorExecutor executor(door.door());
+  SyntheticFrames frames;
+  executor.Run(frames.frame());
+  ASSERT_FALSE(door.given.empty());
+  for (auto& given : door.given) given.task(given.context);  // between two frames
+  EXPECT_FALSE(executor.faults().Any());
+  executor.Run(frames.frame());
+  EXPECT_GT(executor.faults().started_twice, 0u);
+}
+
+TEST(DoorFaults, NeverRun) {
+  TestDoor door;
+  const DoorFaults faults = FaultsOf(door);
+  EXPECT_EQ(faults.never_run, door.given.size());
+  EXPECT_NE(faults.Text().find("never called"), std::string::npos) << faults.Text();
+  // Tasks that the engine kept may come at any time: they are not lent again, and do no harm.
+}
+
+TEST(DoorFaults, AKeptTaskThatComesInALaterFrameDoesNoHarm) {
+  TestDoor door{.workers = 3};
+  DoorExecutor executor(door.door());
+  SyntheticFrames frames;
+  for (uint32_t f = 0; f < SyntheticFrames::kFrames; ++f) {
+    executor.Run(frames.frame());
+    for (auto& given : door.given)
+      if (!given.started) given.started = true, given.task(given.context);
+  }
+  EXPECT_EQ(frames.Digest(), SerialDigest());
+  EXPECT_EQ(executor.faults().never_run, door.given.size());
+}
+
+TEST(DoorFaults, NullThoughNotRun) {
+  TestDoor door{.return_null = true};
+  const DoorFaults faults = FaultsOf(door);
+  EXPECT_GT(faults.null_but_not_run, 0u);
+  EXPECT_EQ(faults.never_run, 0u);
+}
+
+// A kernel that holds every thread but the caller's until the caller has run an item too.
+struct HoldHelpers {
+  static constexpr std::string_view kName = "hold_helpers";
+  using Params = conformance::NoParams;
+  using Ports = conformance::StirChunk::Ports;
+  static constexpr auto kPorts = conformance::StirChunk::kPorts;
+  static inline std::thread::id caller;
+  static inline std::atomic<bool> inside{false}, released{false};
+  static void Run(const Params&, const Ports&) {
+    if (std::this_thread::get_id() == caller) {
+      released = true;
+    } else {
+      inside = true;
+      while (!released) std::this_thread::yield();
+    }
+  }
+};
+
+TEST(DoorFaults, NullThoughRunningElsewhere) {
+  SyntheticFrames frames;
+  const Frame frame = frames.frame();
+  std::string error;
+  const auto plan =
+      TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), &conformance::kNoParams, Domain::kChunk}},
+                     *frame.memory->shape, {}, error);
+  ASSERT_TRUE(plan) << error;
+  HoldHelpers::caller = std::this_thread::get_id();
+  std::thread helper;
+  const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
+    *static_cast<std::thread*>(user) = std::thread(task, context);
+    while (!HoldHelpers::inside) std::this_thread::yield();
+    return nullptr;
+  };
+  DoorExecutor executor({enqueue, [](void*, void*) {}, &helper, 2});
+  executor.Run({&*plan, frame.memory});
+  helper.join();
+  EXPECT_EQ(executor.faults().null_but_running, 1u);
+  EXPECT_EQ(executor.faults().null_but_not_run, 0u);
+}
+
+// Threads that cannot have come to their end when finish returns: they start when the frame is
+// over.
+TEST(DoorFaults, FinishDoesNotWait) {
+  struct Door {
+    std::atomic<bool> go{false};
+    std::deque<std::thread> threads;
+  } self;
+  const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
+    auto& door = *static_cast<Door*>(user);
+    door.threads.emplace_back([&door, task, context] {
+      while (!door.go) std::this_thread::yield();
+      task(context);
+    });
+    return &door;
+  };
+  DoorExecutor executor({enqueue, [](void*, void*) {}, &self, 3});
+  EXPECT_EQ(SyntheticFrames::Run(executor), SerialDigest());
+  self.go = true;
+  for (std::thread& thread : self.threads) thread.join();
+  EXPECT_EQ(executor.faults().never_run, self.threads.size());
+}
+
+TEST(DoorFaults, AnUnusableDoorIsSaidAndTheCallerRunsEverything) {
+  TestDoor test;
+  EngineDoor no_enqueue = test.door(), no_finish = test.door(), no_workers = test.door();
+  no_enqueue.enqueue = nullptr;
+  no_finish.finish = nullptr;
+  no_workers.worker_count = 0;
+  for (const EngineDoor& door : {no_enqueue, no_finish, no_workers}) {
+    DoorExecutor executor(door);
+    EXPECT_EQ(SyntheticFrames::Run(executor), SerialDigest());
+    EXPECT_TRUE(executor.faults().Any());
+    EXPECT_NE(executor.faults().Text().find("not used"), std::string::npos);
+    EXPECT_EQ(executor.TasksEnqueued(), 0u);
+  }
+}
+
+// From inside a frame: the door runs another frame with the same executor.
+TEST(DoorFaults, AFrameInsideAFrameIsSaidAndRunsSerially) {
+  struct Nested {
+    DoorExecutor* executor = nullptr;
+    SyntheticFrames* inner = nullptr;
+    uint32_t runs = 0;
+  } nested;
+  const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
+    auto& self = *static_cast<Nested*>(user);
+    if (self.runs < SyntheticFrames::kFrames) ++self.runs, self.executor->Run(self.inner->frame());
+    task(context);
+    return nullptr;
+  };
+  SyntheticFrames outer, inner;
+  DoorExecutor executor({enqueue, [](void*, void*) {}, &nested, 4});
+  nested = {&executor, &inner};
+  for (uint32_t f = 0; f < SyntheticFrames::kFrames; ++f) executor.Run(outer.frame());
+  EXPECT_EQ(outer.Digest(), SerialDigest());
+  EXPECT_EQ(nested.runs, executor.faults().run_while_running);
+  EXPECT_GT(nested.runs, 0u);
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,114 @@
+// The memory of a scene: a budget held before the first frame, a report that adds up, and what the
+// scene keeps outside the block.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/error.hpp"
+#include "jobs/scene.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+bool Holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+struct Measured {
+  Scenario scenario = TinyScenario();
+  std::vector<const Groom*> grooms = scenario.ActorGrooms();
+  SceneLayout layout = MeasureScene(grooms, {});
+};
+
+TEST(MemoryBudget, ExactlyEnoughIsEnough) {
+  const Measured m;
+  EXPECT_EQ(FindBudgetFault(m.layout, m.layout.total_bytes), "");
+  SceneOptions options;
+  options.memory_budget_bytes = m.layout.total_bytes;
+  std::string error;
+  EXPECT_TRUE(TryMeasureScene(m.grooms, options, error)) << error;
+}
+
+TEST(MemoryBudget, OneByteLessIsRefusedAndSaysWhy) {
+  const Measured m;
+  SceneOptions options;
+  options.memory_budget_bytes = m.layout.total_bytes - 1;
+  std::string error;
+  EXPECT_FALSE(TryMeasureScene(m.grooms, options, error));
+  EXPECT_TRUE(Holds(error, std::to_string(m.layout.total_bytes) + " bytes, 1 more")) << error;
+  EXPECT_TRUE(Holds(error, "strands would fit")) << error;
+  EXPECT_TRUE(Holds(error, "max_strands")) << error;
+  EXPECT_THROW(MeasureScene(m.grooms, options), Error);
+  // The budget is the scene's: a layout measured without one does not get round it.
+  SceneBlock block(m.layout.total_bytes);
+  EXPECT_FALSE(FurScene::TryCreate(m.grooms, options, m.layout, block.bytes(), error));
+  EXPECT_TRUE(Holds(error, "memory budget")) << error;
+}
+
+TEST(MemoryBudget, NamesTheLargestRangesLargestFirst) {
+  const Measured m;
+  const std::string fault = FindBudgetFault(m.layout, m.layout.total_bytes / 2);
+  const MemoryRange *first = &m.layout.ranges[0], *second = nullptr;
+  for (const MemoryRange& range : m.layout.ranges)
+    if (range.bytes > first->bytes) first = &range;
+  for (const MemoryRange& range : m.layout.ranges)
+    if (&range != first && (!second || range.bytes > second->bytes)) second = &range;
+  const size_t a = fault.find(" " + std::string(first->name) + " (");
+  const size_t b = fault.find(" " + std::string(second->name) + " (");
+  EXPECT_LT(a, b) << fault;
+  EXPECT_NE(b, std::string::npos) << fault;
+  // Half the memory: half the strands.
+  const std::string half = "about " + std::to_string(m.layout.strand_count / 2);
+  EXPECT_TRUE(Holds(fault, half.substr(0, half.size() - 1))) << fault;
+}
+
+TEST(MemoryReport, HasEveryRangeAndTheSum) {
+  const Measured m;
+  const std::string table = DescribeMemory(m.layout);
+  for (const MemoryRange& range : m.layout.ranges)
+    EXPECT_EQ(Holds(table, std::string(range.name) + " "), range.bytes != 0) << range.name;
+  EXPECT_TRUE(Holds(table, std::to_string(m.layout.total_bytes))) << table;
+}
+
+TEST(SceneWithoutExceptions, IsTheSameScene) {
+  Measured m;
+  std::string error = "as it was";
+  SceneBlock block(m.layout.total_bytes), other(m.layout.total_bytes);
+  const auto scene = FurScene::TryCreate(m.grooms, {}, m.layout, block.bytes(), error);
+  ASSERT_TRUE(scene) << error;
+  FurScene thrown(m.grooms, {}, m.layout, other.bytes());
+  SerialExecutor serial;
+  for (FurScene* s : {scene.get(), &thrown}) {
+    ASSERT_EQ(BeginError(*s, m.scenario.PrepareFrame(3, *s)), "");
+    serial.Run(s->CurrentFrame());
+  }
+  EXPECT_EQ(scene->DigestFrame(), thrown.DigestFrame());
+}
+
+#if defined(__GLIBC__)
+TEST(MemoryReport, TellsWhatTheSceneTakesOutsideTheBlock) {
+  const Measured m;
+  std::string error;
+  SceneBlock block(m.layout.total_bytes);
+  SceneLayout layout = m.layout;
+  const size_t before = mallinfo2().uordblks;
+  const auto scene = FurScene::TryCreate(m.grooms, {}, std::move(layout), block.bytes(), error);
+  ASSERT_TRUE(scene) << error;
+  // The layout's own vectors were there before.
+  const size_t taken = mallinfo2().uordblks - before;
+  if (taken == 0) GTEST_SKIP() << "a sanitizer's allocator does not count";
+  const uint64_t said = scene->HeapBytes();
+  EXPECT_GT(said, taken / 2);
+  EXPECT_LT(said, taken + taken / 2 + 16384);
+}
+#endif
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,129 @@
+// What an engine without exceptions and RTTI does with Pelt: reads a groom, is told what is wrong
+// with bad input, and runs frames. Prints the digest of the README's example, which runs the first
+// of them; returns the number of checks that failed.
+//
+//   no_exceptions GROOM
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pelt/core/bind_pose.hpp"
+#include "pelt/core/groom/groom_file.hpp"
+#include "pelt/jobs/scene.hpp"
+#include "pelt/platform_sim/local_store.hpp"
+
+namespace {
+
+int failures = 0;
+
+void Expect(bool holds, const char* what, const std::string& text) {
+  if (holds) return;
+  std::fprintf(stderr, "FAILED: %s: '%s'\n", what, text.c_str());
+  ++failures;
+}
+
+// The text must name what is wrong.
+void ExpectError(bool refused, const std::string& error, const char* word) {
+  Expect(refused && error.find(word) != std::string::npos, word, error);
+}
+
+std::vector<std::byte> ReadBytes(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<std::byte> bytes;
+  for (std::istreambuf_iterator<char> at(file), end; at != end; ++at)
+    bytes.push_back(static_cast<std::byte>(*at));
+  return bytes;
+}
+
+void TryBadGrooms(const std::vector<std::byte>& good) {
+  std::string error;
+  std::vector<std::byte> bad = good;
+  bad.resize(bad.size() / 2);
+  ExpectError(!pelt::TryReadGroom(bad, "cut", error), error, "it was cut or extended");
+  bad = good;
+  bad[good.size() / 2] ^= std::byte{1};
+  ExpectError(!pelt::TryReadGroom(bad, "damaged", error), error, "damaged");
+  bad.assign(20, std::byte{0x50});
+  ExpectError(!pelt::TryReadGroom(bad, "noise", error), error, "not a groom file");
+  ExpectError(!pelt::TryReadGroomFile("/no/such.groom", error), error, "no such file");
+}
+
+void TryBadScenes(std::span<const pelt::Groom* const> grooms, const pelt::SceneLayout& layout) {
+  std::string error;
+  ExpectError(!pelt::TryMeasureScene({}, {}, error), error, "at least one groom");
+  pelt::SceneOptions options;
+  options.memory_budget_bytes = layout.total_bytes - 1;
+  ExpectError(!pelt::TryMeasureScene(grooms, options, error), error,
+              "1 more than its memory budget");
+  options.memory_budget_bytes = layout.total_bytes;
+  Expect(pelt::TryMeasureScene(grooms, options, error).has_value(), "exactly the budget", error);
+  pelt::SceneBlock block(layout.total_bytes + pelt::kBlockAlignment);
+  const auto create = [&](std::span<std::byte> memory) {
+    error.clear();
+    return pelt::FurScene::TryCreate(grooms, {}, layout, memory, error);
+  };
+  ExpectError(!create(block.bytes().first(layout.total_bytes - 1)), error, "was given");
+  ExpectError(!create(block.bytes().subspan(4)), error, "aligned");
+  pelt::SceneOptions tight;
+  tight.plan.must_fit = true;
+  tight.plan.local_store_data_bytes = 20000;
+  const auto pieces = pelt::TryMeasureScene(grooms, tight, error);
+  Expect(pieces.has_value(), "measured for a small local store", error);
+  pelt::SceneBlock small(pieces->total_bytes);
+  ExpectError(!pelt::FurScene::TryCreate(grooms, tight, *pieces, small.bytes(), error), error,
+              "bytes of local store");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const std::vector<std::byte> bytes = ReadBytes(argv[1]);
+  TryBadGrooms(bytes);
+  std::string error;
+  const std::optional<pelt::Groom> groom = pelt::TryReadGroom(bytes, argv[1], error);
+  Expect(groom.has_value(), "reads", error);
+  if (!groom) return 1;
+  const std::optional<std::vector<std::byte>> again = pelt::TryWriteGroom(*groom, error);
+  Expect(again == bytes, "writes the bytes it read", error);
+
+  const pelt::Groom* grooms[] = {&*groom};
+  const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);
+  Expect(layout.has_value(), "measures", error);
+  if (!layout) return 1;
+  TryBadScenes(grooms, *layout);
+
+  uint64_t first[2], last[2];
+  pelt::SerialExecutor serial;
+  pelt::LocalStoreExecutor local_store(pelt::SceneOptions{}.plan.local_store_data_bytes);
+  pelt::Executor* executors[] = {&serial, &local_store};
+  for (int e = 0; e < 2; ++e) {
+    pelt::SceneBlock block(layout->total_bytes);
+    const auto scene = pelt::FurScene::TryCreate(grooms, {}, *layout, block.bytes(), error);
+    Expect(scene != nullptr, "creates", error);
+    if (!scene) return 1;
+    pelt::FillBindPose(*groom, scene->Pose(0));
+    pelt::FrameInput input;
+    input.dt_s = std::numeric_limits<double>::quiet_NaN();
+    const char* fault = scene->BeginFrame(input);
+    ExpectError(fault != nullptr, fault ? fault : "", "dt_s");
+    input.dt_s = 1.0 / 60.0;
+    for (int f = 0; f < 5; ++f) {
+      fault = scene->BeginFrame(input);
+      Expect(fault == nullptr, "begins", fault ? fault : "");
+      executors[e]->Run(scene->CurrentFrame());
+      last[e] = scene->DigestFrame();
+      if (f == 0) first[e] = last[e];
+    }
+  }
+  Expect(local_store.faults().empty(), "local store", "a kernel touched what it did not declare");
+  Expect(first[0] == first[1] && last[0] == last[1], "digests", "two executors differ");
+  std::printf("%016llx\n", static_cast<unsigned long long>(first[0]));
+  return failures;
+}

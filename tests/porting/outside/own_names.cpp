@@ -1,0 +1,10 @@
+// Files of one name in two projects: each include means its own.
+#include "core/error.hpp"
+#include "pelt/core/error.hpp"
+#include "pelt/core/groom/groom_file.hpp"
+
+int main() {
+  std::string error;
+  const bool refused = !pelt::TryReadGroom({}, "nothing", error);
+  return refused && !error.empty() && outside::kErrorCode == 7 ? 0 : 1;
+}

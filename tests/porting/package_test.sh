@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# Pelt as other projects get it: installed and found by CMake, installed and found by pkg-config, part
+# of their own build, and without exceptions and RTTI. Each builds the program in tests/porting/outside
+# and the README's example; all must print one digest.
+#   package_test.sh BUILD_DIR SOURCE_DIR COMPILER PELT
+# BUILD_DIR has everything built; PELT is the command, which bakes the groom.
+set -uo pipefail
+export CCACHE_NOHASHDIR=1
+build=$(realpath "$1") source_dir=$(realpath "$2") compiler=$3 pelt=$(realpath "$4")
+outside=$source_dir/tests/porting/outside
+# Parts of another build share what they compiled with the last run of this test.
+kept=$build/package_test
+mkdir -p "$kept"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+quietly() {  # command...: its output only if it fails
+  "$@" >"$work/log" 2>&1 || { tail -n 40 "$work/log" >&2; fail "$*"; return 1; }
+}
+launcher=()
+command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+outside_build() {  # folder, cmake arguments...
+  local folder=$1
+  shift
+  quietly cmake -G Ninja -S "$outside" -B "$folder" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release "$@" &&
+    quietly cmake --build "$folder"
+}
+
+# The first C++ block of the README, without the fences, is a whole program.
+awk '/^```cpp$/ { inside = 1; next } /^```$/ { if (inside) exit } inside' "$source_dir/README.md" >"$work/embedding.cpp"
+grep -q 'int main' "$work/embedding.cpp" || fail "the README's first cpp block is no program"
+lines=$(grep -c . "$work/embedding.cpp")
+[ "$lines" -le 25 ] || fail "the README's example has grown to $lines lines"
+"$pelt" bake --setup tiny --out "$work/tiny.groom" >/dev/null || fail "pelt bake"
+
+expect_digest() {  # how it was built, program
+  local found
+  found=$("$2" "$work/tiny.groom" | tail -n 1) || fail "$1: the program failed"
+  [[ "$found" =~ ^[0-9a-f]{16}$ ]] || fail "$1: printed '$found', no digest"
+  : "${digest:=$found}"
+  [ "$found" = "$digest" ] || fail "$1: digest $found, not $digest"
+  echo "$1: $found"
+}
+
+# 1. Installed, and then moved: nothing may remember where it was built or first installed.
+quietly cmake --install "$build" --prefix "$work/first"
+mv "$work/first" "$work/moved"
+grep -rlF -e "$build" -e "$source_dir" -e "$work/first" "$work/moved" --include='*.cmake' --include='*.pc' --include='*.hpp' &&
+  fail "an installed file names the build"
+outside_build "$work/found" "${launcher[@]}" -DCMAKE_PREFIX_PATH="$work/moved" -DEMBEDDING="$work/embedding.cpp" && {
+  expect_digest "find_package" "$work/found/embedding"
+  expect_digest "find_package, second program" "$work/found/no_exceptions"
+  "$work/found/own_names" || fail "own_names"
+}
+# What was not asked for is not needed; what is asked for and was never built is refused by name.
+if cmake -S "$outside" -B "$work/none" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/nowhere" \
+  >"$work/log" 2>&1; then
+  fail "found a pelt that is not there"
+fi
+mkdir "$work/extra"
+cat >"$work/extra/CMakeLists.txt" <<'EOF'
+cmake_minimum_required(VERSION 3.24)
+project(extra LANGUAGES CXX)
+find_package(pelt REQUIRED COMPONENTS groom tbb)
+add_executable(extra extra.cpp)
+target_link_libraries(extra PRIVATE pelt::groom pelt::tbb)
+EOF
+cat >"$work/extra/extra.cpp" <<'EOF'
+#include "pelt/core/character/builtin_character.hpp"
+#include "pelt/core/character/gltf_import.hpp"
+#include "pelt/core/character/pose.hpp"
+#include "pelt/core/groom/bake.hpp"
+#include "pelt/jobs/tbb_executor.hpp"
+int main() {
+  pelt::TbbExecutor executor(2);
+  try {
+    pelt::ReadFurSetup("[[layer]]\nlenght = 1\n", "typo.toml", ".");
+  } catch (const pelt::Error&) {
+    return executor.workers() == 2 ? 0 : 1;
+  }
+  return 1;
+}
+EOF
+quietly cmake -G Ninja -S "$work/extra" -B "$work/extra/build" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/moved" &&
+  quietly cmake --build "$work/extra/build" && quietly "$work/extra/build/extra"
+sed -i 's/groom tbb/teapot/' "$work/extra/CMakeLists.txt"
+cmake -S "$work/extra" -B "$work/teapot" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/moved" >"$work/log" 2>&1 &&
+  fail "a component that does not exist was found"
+grep -q teapot "$work/log" || fail "the missing component is not named"
+
+# 2. pkg-config; and every installed header compiles that needs no other library.
+if command -v pkg-config >/dev/null; then
+  export PKG_CONFIG_PATH
+  PKG_CONFIG_PATH=$(dirname "$(find "$work/moved" -name pelt.pc)")
+  read -ra flags <<<"$(pkg-config --cflags pelt)"
+  read -ra libs <<<"$(pkg-config --static --libs pelt)"
+  quietly "$compiler" -std=c++20 "${flags[@]}" "$work/embedding.cpp" "${libs[@]}" -o "$work/by_pkg_config" &&
+    expect_digest "pkg-config" "$work/by_pkg_config"
+  quietly "$compiler" -std=c++20 "${flags[@]}" "$outside/no_exceptions.cpp" "${libs[@]}" -o "$work/all_libs" &&
+    expect_digest "pkg-config, second program" "$work/all_libs"
+  # One after the other in one file, in two orders: what a header lacks is found in one of them.
+  (cd "$work/moved/include" && find pelt -name '*.hpp' ! -path '*/adapters/*' ! -path '*/character/*' ! -path '*/core/groom/*' \
+    ! -name 'tbb_executor.hpp') | sort >"$work/headers"
+  echo pelt/core/groom/groom_file.hpp >>"$work/headers"
+  [ "$(wc -l <"$work/headers")" -gt 40 ] || fail "only $(wc -l <"$work/headers") headers were installed"
+  sed 's/.*/#include "&"/' "$work/headers" >"$work/up.cpp"
+  sort -r "$work/headers" | sed 's/.*/#include "&"/' >"$work/down.cpp"
+  for order in up down; do
+    quietly "$compiler" -std=c++20 -fsyntax-only -Wall -Wextra "${flags[@]}" "$work/$order.cpp"
+  done
+else
+  echo "pkg-config is missing: not tested" >&2
+fi
+
+# 3. Part of the project's own build: Pelt adds its four libraries and nothing to see or to test.
+part=(-DOUTSIDE_PELT_SOURCE="$source_dir")
+[ "$(uname -m)" = x86_64 ] && part+=(-DPELT_ISAS=sse4)  # a minute less to compile
+outside_build "$kept/part" "${launcher[@]}" "${part[@]}" -DEMBEDDING="$work/embedding.cpp" && {
+  expect_digest "FetchContent" "$kept/part/embedding"
+  "$kept/part/own_names" || fail "own_names as part of the build"
+  cmake -N -L "$kept/part" | grep '^PELT_' && fail "options of Pelt's show in the parent's cache"
+  (cd "$kept/part" && ctest -N) | grep -q 'Total Tests: 0' || fail "Pelt's tests are among the parent's"
+  cmake --build "$kept/part" --target help | grep -E 'pelt_\w*(test|bench|scenarios|groom|tbb)|gtest|benchmark' &&
+    fail "targets that the parent did not ask for"
+}
+
+# 4. The same without exceptions and RTTI.
+outside_build "$kept/no_exceptions" "${launcher[@]}" "${part[@]}" "-DCMAKE_CXX_FLAGS=-fno-exceptions -fno-rtti" &&
+  expect_digest "without exceptions" "$kept/no_exceptions/no_exceptions"
+
+[ "$failures" -eq 0 ] || exit 1
+echo "all passed"

@@ -1,0 +1,80 @@
+// A recording made by hand: values that are easy to tell apart, no scene behind them.
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "traces/input_log.hpp"
+
+namespace pelt {
+
+struct RecordedFrames {
+  InputLogScene about{"by hand", "two animals", false};
+  std::vector<std::vector<std::byte>> grooms;  // one for each character
+  std::vector<FrameInput> inputs;
+  std::vector<std::vector<Weather>> weather;
+  std::vector<std::vector<PoseBlock>> poses;
+  std::vector<uint64_t> digests;
+
+  std::vector<std::byte> Write() const {
+    InputLogWriter writer;
+    std::vector<std::span<const std::byte>> each(grooms.begin(), grooms.end());
+    writer.Begin(about, each);
+    for (size_t f = 0; f < inputs.size(); ++f) {
+      FrameInput input = inputs[f];
+      input.weather = weather[f];
+      writer.AddFrame(input, poses[f], digests[f]);
+    }
+    return writer.Finish();
+  }
+};
+
+inline PoseBlock MakePose(uint32_t joints, float base) {
+  PoseBlock pose;
+  // Joints not in use hold what must not reach a file.
+  std::memset(static_cast<void*>(&pose), 0x77, sizeof pose);
+  float value = base;
+  const auto fill = [&](auto& rows) {
+    auto* row = reinterpret_cast<float(*)[kJointsPerCharacter]>(&rows);
+    for (size_t r = 0; r < sizeof rows / sizeof *row; ++r)
+      for (uint32_t j = 0; j < joints; ++j) row[r][j] = value += 0.25f;
+  };
+  fill(pose.translation_key);
+  fill(pose.rotation_key);
+  fill(pose.scale_key);
+  fill(pose.translation_weight);
+  fill(pose.rotation_weight);
+  fill(pose.scale_weight);
+  for (float& element : pose.root) element = value += 0.25f;
+  pose.joint_count = joints;
+  pose.teleported = 0;
+  return pose;
+}
+
+// Two characters of one groom and one of another, four frames; the second character stands still.
+inline RecordedFrames MakeRecordedFrames() {
+  RecordedFrames all;
+  const std::vector<std::byte> cat(37, std::byte{0xc1}), dog(52, std::byte{0xd0});
+  all.grooms = {cat, dog, cat};
+  for (uint32_t f = 0; f < 4; ++f) {
+    FrameInput input;
+    input.time_s = f / 60.0;
+    input.camera.position[1] = 1.0f + float(f);
+    input.use_ground = f % 2 == 1;
+    input.sphere_count = f;
+    for (uint32_t s = 0; s < f; ++s) input.sphere[s][3] = 0.5f + float(s);
+    input.skip.lod = f == 2;
+    input.lod.strand_budget = 100 * f;
+    all.inputs.push_back(input);
+    all.weather.push_back(f == 0 ? std::vector<Weather>()
+                                 : std::vector<Weather>(3, Weather{0.5f, 0.1f * float(f)}));
+    all.poses.push_back(
+        {MakePose(3, 1000.0f * float(f)), MakePose(17, 5.0f), MakePose(256, 10.0f * float(f))});
+    all.digests.push_back(0x1122334455667700u + f);
+  }
+  all.poses[3][0].teleported = 1;
+  return all;
+}
+
+}  // namespace pelt

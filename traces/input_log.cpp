@@ -1,0 +1,269 @@
+// Reads the input log; the layout is told in input_log.hpp, the fields of a frame in
+// input_fields.hpp.
+#include "traces/input_log.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+#include "traces/file_bytes.hpp"
+#include "traces/input_fields.hpp"
+#include "traces/input_log_format.hpp"
+
+namespace pelt {
+
+using namespace input_log;
+
+namespace {
+
+constexpr std::string_view kWhat = "input log";
+
+// Goes through the bytes. The first failure stays; after it every number is 0.
+class Reader {
+ public:
+  Reader(std::span<const std::byte> file, const std::string& name, std::string& error)
+      : file_(file), name_(name), error_(error) {}
+
+  void Fail(size_t at, const std::string& reason) {
+    if (!failed_)
+      error_ = fmt::format("{} '{}': {}, byte {}: {}", kWhat, name_, section_, at, reason);
+    failed_ = true;
+  }
+  bool failed() const { return failed_; }
+  // Null when they are not there.
+  const std::byte* Take(uint64_t count) {
+    if (count > Left())
+      Fail(at_, fmt::format("{} more bytes are needed, {} are left", count, Left()));
+    if (failed_) return nullptr;
+    const std::byte* from = file_.data() + at_;
+    at_ += count;
+    return from;
+  }
+  template <class T>
+  T Get() {
+    const std::byte* from = Take(sizeof(T));
+    return from ? GetNumber<T>(from) : T{};
+  }
+  // An archive of ListInputFields.
+  template <class T>
+  void operator()(const char* field, T& value) {
+    if constexpr (std::is_same_v<T, double>) {
+      value = std::bit_cast<double>(Get<uint64_t>());
+    } else if constexpr (std::is_same_v<T, float>) {
+      value = std::bit_cast<float>(Get<uint32_t>());
+    } else if constexpr (std::is_same_v<T, bool>) {
+      const size_t start = at_;
+      const auto byte = Get<uint8_t>();
+      if (byte > 1) Fail(start, fmt::format("{} is {}, neither 0 nor 1", field, byte));
+      value = byte == 1;
+    } else if constexpr (std::is_array_v<T>) {
+      for (auto& element : value) (*this)(field, element);
+    } else {
+      value = Get<T>();
+    }
+  }
+  std::string Text() {
+    const size_t start = at_;
+    const auto size = Get<uint32_t>();
+    if (size > kTextBytesLimit) Fail(start, fmt::format("a text of {} bytes", size));
+    const std::byte* from = Take(size);
+    return from ? std::string(AsText({from, size})) : std::string();
+  }
+  // A count of things that take at least `least_bytes` each in what is left of the file.
+  void CheckCount(size_t at, uint64_t count, uint64_t least_bytes, std::string_view what) {
+    if (count > Left() / least_bytes)
+      Fail(at, fmt::format("{} {} do not fit the {} bytes that are left", count, what, Left()));
+  }
+  void Section(std::string section) { section_ = std::move(section); }
+  size_t At() const { return at_; }
+  uint64_t Left() const { return file_.size() - at_; }
+
+ private:
+  std::span<const std::byte> file_;
+  const std::string& name_;
+  std::string& error_;
+  std::string section_ = "header";
+  size_t at_ = 0;
+  bool failed_ = false;
+};
+
+struct Counts {
+  uint32_t grooms = 0, characters = 0, frames = 0;
+};
+
+Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log) {
+  if (!LooksLikeInputLog(file)) reader.Fail(0, "not an input log");
+  if (file.size() < kHeaderBytes)
+    reader.Fail(0, fmt::format("{} bytes are less than a header", file.size()));
+  reader.Take(kMagic.size());
+  const auto version = reader.Get<uint32_t>();
+  if (version != kInputLogVersion)
+    reader.Fail(8, fmt::format("version {}, this program reads {}", version, kInputLogVersion));
+  Counts counts;
+  log.chunk_strands = reader.Get<uint32_t>();
+  const auto index_buffer = reader.Get<uint32_t>();
+  counts.grooms = reader.Get<uint32_t>();
+  counts.characters = reader.Get<uint32_t>();
+  counts.frames = reader.Get<uint32_t>();
+  log.file_bytes = reader.Get<uint64_t>();
+  const auto hash = reader.Get<uint64_t>();
+  if (log.file_bytes != file.size())
+    reader.Fail(kFileBytesAt,
+                fmt::format("the file should have {} bytes and has {}: it was cut or extended",
+                            log.file_bytes, file.size()));
+  if (!reader.failed() && hash != HashOf(file))
+    reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
+  if (index_buffer > 1)
+    reader.Fail(16, fmt::format("index buffer is {}, neither 0 nor 1", index_buffer));
+  log.about.index_buffer = index_buffer == 1;
+  if (counts.characters == 0 || counts.characters > kCharactersLimit)
+    reader.Fail(24, fmt::format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
+  if (counts.grooms == 0 || counts.grooms > counts.characters)
+    reader.Fail(kGroomCountAt,
+                fmt::format("{} grooms for {} characters", counts.grooms, counts.characters));
+  return counts;
+}
+
+void ReadGrooms(Reader& reader, const Counts& counts, InputLog& log) {
+  reader.Section("characters");
+  for (uint32_t c = 0; c < counts.characters && !reader.failed(); ++c) {
+    const size_t at = reader.At();
+    log.character_groom.push_back(reader.Get<uint32_t>());
+    if (log.character_groom.back() >= counts.grooms)
+      reader.Fail(at, fmt::format("character {} has groom {} of {}", c, log.character_groom.back(),
+                                  counts.grooms));
+  }
+  for (uint32_t g = 0; g < counts.grooms; ++g) {
+    reader.Section(fmt::format("groom {}", g));
+    const auto size = reader.Get<uint64_t>();
+    const std::byte* from = reader.Take(size);
+    if (reader.failed()) return;
+    log.grooms.emplace_back(from, from + size);
+  }
+}
+
+void ReadPose(Reader& reader, InputLog& log) {
+  PackedPose pose;
+  pose.byte = reader.At();
+  pose.joint_count = reader.Get<uint32_t>();
+  if (pose.joint_count > kJointsPerCharacter)
+    reader.Fail(pose.byte, fmt::format("{} joints, a character has at most {}", pose.joint_count,
+                                       kJointsPerCharacter));
+  pose.teleported = reader.Get<uint32_t>();
+  pose.first_word = log.pose_words.size();
+  if (reader.failed()) return;
+  const size_t words = CountPoseWords(pose.joint_count);
+  const std::byte* from = reader.Take(4 * words);
+  if (reader.failed()) return;
+  for (size_t w = 0; w < words; ++w) log.pose_words.push_back(GetNumber<uint32_t>(from + 4 * w));
+  log.poses.push_back(pose);
+}
+
+void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
+  InputLogFrame frame;
+  ListInputFields(reader, frame.input);
+  if (frame.input.sphere_count > kSpheresPerScene)
+    reader.Fail(reader.At() - 4, fmt::format("{} spheres, a scene has at most {}",
+                                             frame.input.sphere_count, kSpheresPerScene));
+  if (reader.failed()) return;
+  for (uint32_t s = 0; s < frame.input.sphere_count; ++s) reader("sphere", frame.input.sphere[s]);
+  const uint32_t characters = log.CharacterCount();
+  frame.first_weather = log.weather.size();
+  frame.weather_count = reader.Get<uint32_t>();
+  if (frame.weather_count != 0 && frame.weather_count != characters)
+    reader.Fail(reader.At() - 4,
+                fmt::format("weather for {} of {} characters", frame.weather_count, characters));
+  if (reader.failed()) return;
+  for (uint32_t w = 0; w < frame.weather_count; ++w) {
+    Weather weather;
+    reader("wetness", weather.wetness);
+    reader("dirt", weather.dirt);
+    log.weather.push_back(weather);
+  }
+  for (uint32_t c = 0; c < characters && !reader.failed(); ++c) {
+    const size_t at = reader.At();
+    const auto kind = reader.Get<uint8_t>();
+    if (kind == kPoseFollows) {
+      log.frame_pose.push_back(uint32_t(log.poses.size()));
+      ReadPose(reader, log);
+    } else if (kind == kPoseUnchanged && index > 0) {
+      log.frame_pose.push_back(log.frame_pose[log.frame_pose.size() - characters]);
+    } else {
+      reader.Fail(at, fmt::format("a pose of kind {}{}", kind,
+                                  kind == kPoseUnchanged ? " in the first frame" : ""));
+    }
+  }
+  frame.digest = reader.Get<uint64_t>();
+  log.frames.push_back(frame);
+}
+
+// Of a frame without spheres, weather and poses.
+uint64_t LeastFrameBytes(uint32_t characters) {
+  std::vector<std::byte> input;
+  Writer writer{input};
+  const FrameInput nothing;
+  ListInputFields(writer, nothing);
+  return input.size() + 4 + characters + 8;
+}
+
+}  // namespace
+
+// ---- What is in a log
+// ---------------------------------------------------------------------------------
+
+FrameInput InputLog::Input(uint32_t frame) const {
+  FrameInput input = frames[frame].input;
+  input.weather =
+      std::span(weather).subspan(frames[frame].first_weather, frames[frame].weather_count);
+  return input;
+}
+
+void InputLog::FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const {
+  const PackedPose& packed = poses[frame_pose[size_t(frame) * CharacterCount() + character]];
+  *pose = PoseBlock{};
+  pose->joint_count = packed.joint_count;
+  pose->teleported = packed.teleported;
+  const uint32_t* from = pose_words.data() + packed.first_word;
+  ForEachPoseRow(packed.joint_count, [&](size_t offset, uint32_t lanes) {
+    std::memcpy(reinterpret_cast<std::byte*>(pose) + offset, from, 4 * size_t(lanes));
+    from += lanes;
+  });
+}
+
+std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const std::string& name,
+                                        std::string& error) {
+  Reader reader(bytes, name, error);
+  InputLog log;
+  const Counts counts = ReadHeader(reader, bytes, log);
+  if (reader.failed()) return std::nullopt;
+  reader.Section("texts");
+  log.about.scene = reader.Text();
+  log.about.note = reader.Text();
+  ReadGrooms(reader, counts, log);
+  reader.Section("frames");
+  reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters), "frames");
+  if (reader.failed()) return std::nullopt;
+  log.frames.reserve(counts.frames);
+  log.frame_pose.reserve(size_t(counts.frames) * counts.characters);
+  for (uint32_t f = 0; f < counts.frames && !reader.failed(); ++f) {
+    reader.Section(fmt::format("frame {}", f));
+    ReadFrame(reader, f, log);
+  }
+  if (reader.Left() != 0)
+    reader.Fail(reader.At(), fmt::format("{} bytes behind the last frame", reader.Left()));
+  if (reader.failed()) return std::nullopt;
+  return log;
+}
+
+std::optional<InputLog> TryReadInputLogFile(const std::string& path, std::string& error) {
+  const auto bytes = TryReadFileBytes(kWhat, path, error);
+  if (!bytes) return std::nullopt;
+  return TryReadInputLog(*bytes, path, error);
+}
+
+bool LooksLikeInputLog(std::span<const std::byte> bytes) {
+  return AsText(bytes).substr(0, kMagic.size()) == kMagic;
+}
+
+}  // namespace pelt

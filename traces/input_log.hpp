@@ -1,0 +1,122 @@
+// The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
+//
+//      header      magic "PELTINP\n", version, strands a chunk, vertex order, number of grooms,
+//                  characters and frames, file size, hash
+//      texts       scene, note
+//      characters  the number of each one's groom
+//      grooms      each as the bytes of a groom file, opaque here
+//      frames      FrameInput, weather, poses, digest: one after the other
+//
+// An engine records by itself, without a scenario: Begin once, AddFrame after every frame, Finish.
+// What it sends can be replayed on any machine, and the recorded digests say whether that machine
+// computes the same (traces/README.md).
+//
+// Everything is little-endian and goes through one list of fields (input_fields.hpp), floats by
+// their bits; of a pose only the joints in use. A pose that is the last frame's is not written
+// again. The hash covers all bytes but its own.
+//
+// A file is read as hostile input: a count is held against the bytes that are left before anything
+// is allocated for it, and poses stay packed as they lie in the file. The hash finds damage; it is
+// not what safety rests on. Values are not judged here: FurScene::BeginFrame does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/chunk.hpp"
+#include "core/error.hpp"
+#include "core/frame_input.hpp"
+
+namespace pelt {
+
+inline constexpr uint32_t kInputLogVersion = 1;
+
+// The joints in use of a PoseBlock.
+struct PackedPose {
+  uint32_t joint_count = 0, teleported = 0;
+  size_t first_word = 0;  // in InputLog::pose_words
+  size_t byte = 0;        // where it begins in the file
+};
+
+struct InputLogFrame {
+  FrameInput input;          // without weather: see InputLog::Input
+  size_t first_weather = 0;  // in InputLog::weather
+  uint32_t weather_count = 0;
+  uint64_t digest = 0;  // of the frame, as FurScene::DigestFrame gives it
+};
+
+// What a log says besides its frames.
+struct InputLogScene {
+  std::string scene;          // a name, for people
+  std::string note;           // free text: settings, build, machine
+  bool index_buffer = false;  // SceneOptions::vertex_order is VertexOrder::kIndexBuffer
+};
+
+struct InputLog {
+  InputLogScene about;
+  uint32_t chunk_strands = 0;                  // of the program that wrote it
+  std::vector<std::vector<std::byte>> grooms;  // groom files
+  std::vector<uint32_t> character_groom;       // of each character, into `grooms`
+  std::vector<InputLogFrame> frames;
+  std::vector<uint32_t> frame_pose;  // [frame][character], into `poses`
+  std::vector<PackedPose> poses;     // those that differ from the frame before
+  std::vector<uint32_t> pose_words;
+  std::vector<Weather> weather;
+  uint64_t file_bytes = 0;
+
+  uint32_t FrameCount() const { return uint32_t(frames.size()); }
+  uint32_t CharacterCount() const { return uint32_t(character_groom.size()); }
+  // Valid as long as the log.
+  FrameInput Input(uint32_t frame) const;
+  // Writes every byte of `pose`; joints not in use are 0.
+  void FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const;
+};
+
+// The text of a failure is "input log 'name': frame 3, byte 1234: reason"; the byte counts from the
+// start of the file. Holds at most ten times the size of `bytes` in memory, and 64 KiB.
+std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const std::string& name,
+                                        std::string& error);
+std::optional<InputLog> TryReadInputLogFile(const std::string& path, std::string& error);
+
+#if defined(__cpp_exceptions)
+// The same, throwing Error.
+inline InputLog ReadInputLog(std::span<const std::byte> bytes, const std::string& name) {
+  return ValueOrThrow([&](std::string& error) { return TryReadInputLog(bytes, name, error); });
+}
+inline InputLog ReadInputLogFile(const std::string& path) {
+  return ValueOrThrow([&](std::string& error) { return TryReadInputLogFile(path, error); });
+}
+#endif
+
+// Whether a file begins like an input log.
+bool LooksLikeInputLog(std::span<const std::byte> bytes);
+
+// Records a run, in memory, without exceptions. Not for several threads at once. A frame costs
+// about 200 bytes for each joint that is in use, or 1 byte for a character that stands still. What
+// fails returns the reason and changes nothing; null is success.
+class InputLogWriter {
+ public:
+  // `character_grooms` holds the bytes of a groom file (WriteGroom) for each character; the same
+  // bytes are written once. Forgets what was recorded before.
+  const char* Begin(const InputLogScene& about,
+                    std::span<const std::span<const std::byte>> character_grooms);
+
+  // One frame that ran: what BeginFrame was given, the scene's poses ({&scene.Pose(0),
+  // characters}), and DigestFrame() after it.
+  const char* AddFrame(const FrameInput& input, std::span<const PoseBlock> poses, uint64_t digest);
+
+  uint32_t FrameCount() const { return frame_count_; }
+  // The bytes of the file so far; recording may go on after it. Empty before Begin.
+  std::vector<std::byte> Finish() const;
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::vector<std::vector<std::byte>> last_pose_;  // of each character, as written
+  uint32_t frame_count_ = 0;
+};
+
+}  // namespace pelt

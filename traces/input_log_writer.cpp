@@ -1,0 +1,114 @@
+// Writes the input log; the layout is told in input_log.hpp.
+//
+// No exceptions: this is the half that runs inside an engine.
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "traces/file_bytes.hpp"
+#include "traces/input_fields.hpp"
+#include "traces/input_log.hpp"
+#include "traces/input_log_format.hpp"
+
+namespace pelt {
+
+using namespace input_log;
+
+namespace {
+
+void PutText(std::vector<std::byte>& to, const std::string& text) {
+  const auto size = uint32_t(std::min<size_t>(text.size(), kTextBytesLimit));
+  PutNumber(to, size);
+  for (const std::byte c : AsBytes(text).first(size)) to.push_back(c);
+}
+
+std::vector<std::byte> PackPose(const PoseBlock& pose) {
+  std::vector<std::byte> packed;
+  packed.reserve(8 + 4 * CountPoseWords(pose.joint_count));
+  PutNumber(packed, pose.joint_count);
+  PutNumber(packed, pose.teleported);
+  ForEachPoseRow(pose.joint_count, [&](size_t offset, uint32_t lanes) {
+    for (uint32_t l = 0; l < lanes; ++l) {
+      uint32_t word;
+      std::memcpy(&word, reinterpret_cast<const std::byte*>(&pose) + offset + 4 * l, 4);
+      PutNumber(packed, word);
+    }
+  });
+  return packed;
+}
+
+}  // namespace
+
+const char* InputLogWriter::Begin(const InputLogScene& about,
+                                  std::span<const std::span<const std::byte>> character_grooms) {
+  if (character_grooms.empty() || character_grooms.size() > kCharactersLimit)
+    return "no character, or more than a scene can have";
+  std::vector<std::span<const std::byte>> grooms;
+  std::vector<uint32_t> character_groom;
+  for (const std::span<const std::byte> groom : character_grooms) {
+    const auto same = std::find_if(grooms.begin(), grooms.end(), [&](const auto& known) {
+      return std::equal(known.begin(), known.end(), groom.begin(), groom.end());
+    });
+    character_groom.push_back(uint32_t(same - grooms.begin()));
+    if (same == grooms.end()) grooms.push_back(groom);
+  }
+  last_pose_.assign(character_grooms.size(), {});
+  frame_count_ = 0;
+  bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
+  PutNumber(bytes_, kInputLogVersion);
+  PutNumber(bytes_, kStrandsPerChunk);
+  PutNumber(bytes_, uint32_t(about.index_buffer));
+  PutNumber(bytes_, uint32_t(grooms.size()));
+  PutNumber(bytes_, uint32_t(character_grooms.size()));
+  bytes_.resize(kHeaderBytes);  // frames, file size and hash, once they are known
+  PutText(bytes_, about.scene);
+  PutText(bytes_, about.note);
+  for (const uint32_t groom : character_groom) PutNumber(bytes_, groom);
+  for (const std::span<const std::byte> groom : grooms) {
+    PutNumber(bytes_, uint64_t(groom.size()));
+    bytes_.insert(bytes_.end(), groom.begin(), groom.end());
+  }
+  return nullptr;
+}
+
+const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const PoseBlock> poses,
+                                     uint64_t digest) {
+  const size_t characters = last_pose_.size();
+  if (characters == 0) return "frames come after Begin";
+  if (poses.size() != characters || (!input.weather.empty() && input.weather.size() != characters))
+    return "not as many poses, or weathers, as characters";
+  if (input.sphere_count > kSpheresPerScene) return "more spheres than a scene can have";
+  for (const PoseBlock& pose : poses)
+    if (pose.joint_count > kJointsPerCharacter)
+      return "a pose of more joints than a character can have";
+  Writer writer{bytes_};
+  ListInputFields(writer, input);
+  for (uint32_t s = 0; s < input.sphere_count; ++s) writer("sphere", input.sphere[s]);
+  PutNumber(bytes_, uint32_t(input.weather.size()));
+  for (const Weather& weather : input.weather) {
+    writer("wetness", weather.wetness);
+    writer("dirt", weather.dirt);
+  }
+  for (size_t c = 0; c < characters; ++c) {
+    std::vector<std::byte> packed = PackPose(poses[c]);
+    const bool unchanged = packed == last_pose_[c];
+    PutNumber(bytes_, unchanged ? kPoseUnchanged : kPoseFollows);
+    if (unchanged) continue;
+    bytes_.insert(bytes_.end(), packed.begin(), packed.end());
+    last_pose_[c] = std::move(packed);
+  }
+  PutNumber(bytes_, digest);
+  ++frame_count_;
+  return nullptr;
+}
+
+std::vector<std::byte> InputLogWriter::Finish() const {
+  std::vector<std::byte> file = bytes_;
+  if (file.empty()) return file;
+  PutNumberAt(file, kFrameCountAt, frame_count_);
+  PutNumberAt(file, kFileBytesAt, uint64_t(file.size()));
+  PutNumberAt(file, kHashAt, HashOf(file));
+  return file;
+}
+
+}  // namespace pelt
