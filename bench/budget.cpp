@@ -61,7 +61,7 @@ PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t i
 }
 
 BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames)
-    : scene_(scene), recording_(scene.plan(), scene.shape()) {
+    : scene_(scene), times_(scene.plan(), scene.shape()) {
   const Plan& plan = scene.plan();
   const SceneShape& shape = scene.shape();
   for (const Stage& stage : plan.stages) {
@@ -87,26 +87,27 @@ BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames)
   bytes_.resize(plan.stages.size());
 }
 
-const FrameProfile* BudgetRecorder::Begin() { 
-  return frame_ % 2 == 1 ? recording_.profile() : nullptr;
+const FrameProfile* BudgetRecorder::Begin(Recording recording) {
+  const bool all = recording == Recording::kAll, trace = recording == Recording::kTrace;
+  has_stages_ = all || frame_ % (trace ? 4 : 2) == 1;
+  has_wall_ = all || !has_stages_;
+  times_.TimeStages(has_stages_);
+  return has_stages_ || trace ? times_.profile() : nullptr;
 }
 
 void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
-  const bool profiled = Begin() != nullptr;
   ++frame_;
   caller_ms_.push_back(double(caller_ns) * 1e-6);
-  if (!profiled) {
-    wall_ms_.push_back(double(wall_ns) * 1e-6);
-    return;
-  }
-  const double ms_per_tick = recording_.NsPerTick() * 1e-6;
+  if (has_wall_) wall_ms_.push_back(double(wall_ns) * 1e-6);
+  if (!has_stages_) return;
+  const double ms_per_tick = times_.NsPerTick() * 1e-6;
   const Plan& plan = scene_.plan();
   const SceneShape& shape = scene_.shape();
   for (size_t s = 0; s < plan.stages.size(); ++s) {
     const Domain domain = plan.stages[s].domain;
     uint64_t sum_ticks = 0;
     for (uint32_t i = 0; i < shape.ItemCount(domain); ++i) {
-      const Slice& slice = recording_.Stage(uint32_t(s), i);
+      const Slice slice = times_.Stage(uint32_t(s), i);
       if (!slice.Ran()) continue;
       sum_ticks += slice.Ticks();
       ++ran_[s];
@@ -115,7 +116,7 @@ void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
     stage_ms_[s].push_back(double(sum_ticks) * ms_per_tick);
   }
   for (size_t p = 0; p < plan.passes.size(); ++p)
-    pass_ms_[p].push_back(double(recording_.Pass(uint32_t(p)).Ticks()) * ms_per_tick);
+    pass_ms_[p].push_back(double(times_.Pass(uint32_t(p)).Ticks()) * ms_per_tick);
 }
 
 Budget BudgetRecorder::Summarise() const {

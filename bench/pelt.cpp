@@ -161,9 +161,10 @@ void SetUpRun(CLI::App& root, RunArgs& args, WeatherCourse& weather) {
   app->add_option("--picture-height", args.picture_height_px, "In pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  app->add_option("--trace", args.trace,
-                  "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
-                  "every second frame, which keeps its cost below 2 %");
+  app->add_option(
+      "--trace", args.trace,
+      "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
+      "every fourth frame, which keeps its cost below 2 %");
   app->add_option("--trace-frames", args.trace_frames, "With --trace: how many frames; 0: all")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();

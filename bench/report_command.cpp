@@ -14,7 +14,7 @@ int Report(const ReportArgs& args) {
   RunOptions options = args.run.options;
   RunningScenario running(scenario, options.scene);
   ReportRecorder recorder(running.scene());
-  options.observe_all_stages = true;
+  options.observed_as = Recording::kAll;
   options.observe = [&](const FinishedFrame& frame) { recorder.Add(frame); };
   const TickScale tick_scale;
   RunReport report;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 
 #include "bench/json_text.hpp"
 #include "bench/lockstep.hpp"
@@ -65,15 +64,12 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.state_bytes_per_strand = scene.layout().StateBytesPerStrand();
 
   BudgetRecorder recorder(scene, report.frames);
-  std::optional<FrameRecording> recording;  // for frames the recorder runs without
-  if (options.observe)
-    recording.emplace(scene.plan(), scene.shape(), options.observe_all_stages);
   Digest fold;
   for (uint32_t f = 0; f < report.frames; ++f) {
     if (options.progress) options.progress(f, report.frames);
-    const FrameProfile* profile = recorder.Begin();
-    const bool observed = recording && f >= options.observe_from_frame;
-    if (observed && !profile) profile = recording->profile();
+    const bool observed = options.observe && f >= options.observe_from_frame;
+    const FrameProfile* profile =
+        recorder.Begin(observed ? options.observed_as : Recording::kBudget);
     FrameTicks ticks;
     const TimePoint start = Now();
     ticks.begin = ReadTicks();

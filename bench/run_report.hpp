@@ -35,8 +35,7 @@ struct RunOptions {
   // recorded, so the budget's wall times hold what recording costs.
   std::function<void(const FinishedFrame&)> observe;
   uint32_t observe_from_frame = 0;
-  // Stage times in every observed frame, not only in those that the budget profiles anyway.
-  bool observe_all_stages = false;
+  Recording observed_as = Recording::kTrace;
   // Called after every frame, outside the timed part; changes nothing about how frames are run.
   std::function<void(uint32_t frame, const FurScene&)> after_frame;
 };

@@ -205,11 +205,11 @@ FrameRecord RecordFrame(const FurScene& scene, const FrameProfile& profile, uint
   for (uint32_t p = 0; p < plan.passes.size(); ++p) {
     const Pass& pass = plan.passes[p];
     for (uint32_t i = 0; i < scene.shape().ItemCount(pass.domain); ++i) {
-      FrameRecord::Item item{profile.items[profile.pass_first[p] + i], p, i,
+      FrameRecord::Item item{profile.items[profile.item_first[p] + i], p, i,
                              uint32_t(record.runs.size()), 0};
-      for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
-        const Slice& run = profile.stages[profile.stage_first[s] + i];
-        if (run.Ran()) record.runs.push_back({run, s});
+      for (uint32_t s = 0; s < pass.stage_count; ++s) {
+        const Slice run = profile.Stage(plan, p, i, s);
+        if (run.Ran()) record.runs.push_back({run, pass.first_stage + s});
       }
       item.run_count = uint32_t(record.runs.size()) - item.first_run;
       if (item.run_count) record.items.push_back(item);

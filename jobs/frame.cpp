@@ -93,22 +93,39 @@ void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uin
   const Plan& plan = *frame.plan;
   const FrameProfile& profile = *frame.profile;
   const Pass& pass = plan.passes[pass_index];
+  uint64_t* ends = profile.stage_ends + profile.stage_first[pass_index] + item * pass.stage_count;
+  ItemSlice& slice = profile.items[profile.item_first[pass_index] + item];
+  // Last written a frame ago, so not in the cache: fetched while the first stage runs, or kernels
+  // wait for room in the store buffer.
+  __builtin_prefetch(&slice, 1);
+  __builtin_prefetch(ends, 1);
+  __builtin_prefetch(ends + pass.stage_count - 1, 1);
   const uint64_t begin = ReadTicks();
   uint64_t now = begin;
-  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
-    Slice& slice = profile.stages[profile.stage_first[s] + item];
-    slice = {};
-    if (!IsWanted(plan.stages[s], *frame.memory, item)) continue;
-    RunStage(frame, plan.stages[s], item);
-    slice.begin_ticks = now;
+  for (uint32_t s = 0; s < pass.stage_count; ++s) {
+    const Stage& stage = plan.stages[pass.first_stage + s];
+    if (!IsWanted(stage, *frame.memory, item)) {
+      ends[s] = 0;
+      continue;
+    }
+    RunStage(frame, stage, item);
     if (profile.stage_times) now = ReadTicks();
-    slice.end_ticks = now;
+    ends[s] = now;
   }
   if (!profile.stage_times) now = ReadTicks();
-  profile.items[profile.pass_first[pass_index] + item] = {{begin, now}, worker};
+  slice = {{begin, now}, worker};
 }
 
 }  // namespace
+
+Slice FrameProfile::Stage(const Plan& plan, uint32_t pass, uint32_t item, uint32_t stage) const {
+  const uint64_t* ends = stage_ends + stage_first[pass] + item * plan.passes[pass].stage_count;
+  if (ends[stage] == 0) return {};
+  uint32_t before = stage;
+  while (before > 0 && ends[before - 1] == 0) --before;
+  const uint64_t begin = before > 0 ? ends[before - 1] : items[item_first[pass] + item].begin_ticks;
+  return {begin, ends[stage]};
+}
 
 void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t worker) {
   const FloatEnvironment float_environment;

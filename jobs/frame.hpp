@@ -43,16 +43,22 @@ struct ItemSlice : Slice {
 };
 
 // Where a run puts its times, in places fixed before the frame (jobs/frame_recording.hpp makes
-// them). Every entry is written by whichever thread runs the item, and read after the frame.
+// them). Every entry is written by whichever thread runs the item, and read after the frame. What
+// belongs to one item lies together: a profile costs little more than reading the clock.
 struct FrameProfile {
-  const uint32_t* stage_first;  // entry of each stage's item 0 in `stages`
-  Slice* stages;
-  const uint32_t* pass_first;  // entry of each pass's item 0 in `items`
+  const uint32_t* item_first;  // of each pass: entry of its item 0 in `items`
   ItemSlice* items;
+  // Of each pass: entry of its item 0 in `stage_ends`, which has one for each stage of the pass:
+  // when it ended, having begun when the one before it did; 0 if it did not run.
+  const uint32_t* stage_first;
+  uint64_t* stage_ends;
   Slice* passes;
-  // Off: of a stage only that it ran (begin and end are its item's begin). Reading the clock round
-  // every stage is most of what a profile costs.
+  // Off: of a stage only that it ran (its end is the item's begin). Reading the clock after every
+  // stage is most of what a profile costs.
   bool stage_times = true;
+
+  // When stage `stage` of `pass` (0: the pass's first) ran on `item`.
+  Slice Stage(const Plan& plan, uint32_t pass, uint32_t item, uint32_t stage) const;
 };
 
 struct Frame {

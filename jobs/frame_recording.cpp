@@ -2,21 +2,21 @@
 
 namespace pelt {
 
-FrameRecording::FrameRecording(const Plan& plan, const SceneShape& shape, bool stage_times) {
-  uint32_t stage_entries = 0, item_entries = 0;
-  for (const pelt::Stage& stage : plan.stages) {
-    stage_first_.push_back(stage_entries);
-    stage_entries += shape.ItemCount(stage.domain);
+FrameRecording::FrameRecording(const Plan& plan, const SceneShape& shape) : plan_(plan) {
+  uint32_t items = 0, stage_ends = 0;
+  for (uint32_t p = 0; p < plan.passes.size(); ++p) {
+    const pelt::Pass& pass = plan.passes[p];
+    stage_pass_.insert(stage_pass_.end(), pass.stage_count, p);
+    item_first_.push_back(items);
+    stage_first_.push_back(stage_ends);
+    items += shape.ItemCount(pass.domain);
+    stage_ends += shape.ItemCount(pass.domain) * pass.stage_count;
   }
-  for (const pelt::Pass& pass : plan.passes) {
-    pass_first_.push_back(item_entries);
-    item_entries += shape.ItemCount(pass.domain);
-  }
-  stages_.resize(stage_entries);
-  items_.resize(item_entries);
+  items_.resize(items);
+  stage_ends_.resize(stage_ends);
   passes_.resize(plan.passes.size());
-  profile_ = {stage_first_.data(), stages_.data(), pass_first_.data(), items_.data(),
-              passes_.data(),       stage_times};
+  profile_ = {item_first_.data(), items_.data(), stage_first_.data(), stage_ends_.data(),
+              passes_.data()};
 }
 
 }  // namespace pelt

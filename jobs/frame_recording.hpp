@@ -11,27 +11,34 @@ namespace pelt {
 
 class FrameRecording {
  public:
-  FrameRecording(const Plan& plan, const SceneShape& shape, bool stage_times = true);
+  // The plan must outlive it.
+  FrameRecording(const Plan& plan, const SceneShape& shape);
   FrameRecording(const FrameRecording&) = delete;
   FrameRecording& operator=(const FrameRecording&) = delete;
 
+  // Whether frames from now on time stages (they do at first), or only items.
+  void TimeStages(bool on) { profile_.stage_times = on; }
   // For Frame::profile.
   const FrameProfile* profile() const { return &profile_; }
 
-  const Slice& Stage(uint32_t stage, uint32_t item) const {
-    return stages_[stage_first_[stage] + item];
+  // Of a stage by its number in the plan.
+  Slice Stage(uint32_t stage, uint32_t item) const {
+    const uint32_t pass = stage_pass_[stage];
+    return profile_.Stage(plan_, pass, item, stage - plan_.passes[pass].first_stage);
   }
   const ItemSlice& Item(uint32_t pass, uint32_t item) const {
-    return items_[pass_first_[pass] + item];
+    return items_[item_first_[pass] + item];
   }
   const Slice& Pass(uint32_t pass) const { return passes_[pass]; }
   // Better the longer the recording lives.
   double NsPerTick() const { return scale_.NsPerTick(); }
 
  private:
-  std::vector<uint32_t> stage_first_, pass_first_;
-  std::vector<Slice> stages_, passes_;
+  const Plan& plan_;
+  std::vector<uint32_t> stage_pass_, item_first_, stage_first_;
+  std::vector<uint64_t> stage_ends_;
   std::vector<ItemSlice> items_;
+  std::vector<Slice> passes_;
   FrameProfile profile_;
   TickScale scale_;
 };

@@ -89,9 +89,12 @@ class Reader {
   }
   std::string Text(std::string_view key) {
     const std::string_view value = Value(key);
-    if (value.size() <= kTextBytesLimit) return std::string(value);
-    Fail(fmt::format("{} of more than {} bytes", key, kTextBytesLimit));
-    return {};
+    if (value.size() > kTextBytesLimit) {
+      Fail(fmt::format("{} of more than {} bytes", key, kTextBytesLimit));
+    } else if (OnOneLine(value) != value) {
+      Fail(fmt::format("{} holds a control character", key));
+    }
+    return std::string(value.substr(0, kTextBytesLimit));
   }
   uint32_t Number(std::string_view key) {
     const auto number = ParseNumber<uint32_t>(Value(key));

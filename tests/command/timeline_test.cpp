@@ -88,7 +88,14 @@ TEST_P(TimelineOf, NestsFramesOverPassesOverItemsOverStages) {
   }
   EXPECT_EQ(frames, kFrames - kFrom);
   uint32_t recorded = 0;
-  for (const FrameRecord& record : run.records) recorded += uint32_t(record.runs.size());
+  for (const FrameRecord& record : run.records) {
+    EXPECT_FALSE(record.runs.empty());
+    // All of them are timed in every fourth frame, none in the others.
+    for (const FrameRecord::StageRun& stage : record.runs) {
+      EXPECT_EQ(stage.Ticks() != 0, record.frame % 4 == 1);
+      recorded += stage.Ticks() != 0;
+    }
+  }
   EXPECT_EQ(runs, recorded);
   EXPECT_GT(runs, 100u);
 }

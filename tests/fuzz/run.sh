@@ -10,8 +10,8 @@ shift
 bash .ci/setup.sh clang libclang-rt-14-dev
 build=build/fuzz
 mkdir -p "$build"
-{ cmake -S . -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" -DPELT_FUZZ=ON -DPELT_SANITIZE=fuzzer-no-link,address,undefined &&
+{ cmake -S . -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug \
+    "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1" -DPELT_FUZZ=ON -DPELT_SANITIZE=fuzzer-no-link,address,undefined &&
   cmake --build "$build" --target pelt_fuzz; } >"$build/build.log" 2>&1 || { tail -n 60 "$build/build.log" >&2; exit 1; }
 
 formats=("$@")

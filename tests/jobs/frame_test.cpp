@@ -205,7 +205,8 @@ TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   EXPECT_GT(recording.Pass(1).Ticks(), 0u);
   EXPECT_GT(recording.NsPerTick(), 0.0);
 
-  const FrameRecording items_only(plan, scene.shape(), false);
+  FrameRecording items_only(plan, scene.shape());
+  items_only.TimeStages(false);
   SerialExecutor().Run({&plan, &scene.memory(), items_only.profile()});
   for (uint32_t i = 0; i < 6; ++i) {
     EXPECT_EQ(items_only.Stage(0, i).Ran(), i != 4) << i;

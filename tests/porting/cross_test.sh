@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The same bits on other processors: big-endian PowerPC with AltiVec (the consoles' family) and AArch64.
-# Builds tests/porting/cross with Debian's cross compilers, runs it under qemu and compares what it prints
-# with the host's. Exit code 77, and why, when a compiler or qemu is missing.
+# Builds tests/porting/cross with Debian's cross compilers, runs it under qemu, compares what it prints with
+# the host's, and holds what it computes from a recording of tiny against the golden digests. Exit code 77, and why, when a compiler or qemu is missing.
 #   cross_test.sh BUILD_DIR SOURCE_DIR COMPILER PELT [FRAMES]
 # COMPILER is the host's; PELT bakes the groom.
 set -uo pipefail
@@ -26,6 +26,8 @@ ln -sfn "$(dirname "$fmt")" "$kept/include/fmt"
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 "$pelt" bake --setup tiny --out "$kept/tiny.groom" >/dev/null || exit 1
+# As many frames as the golden digests have.
+"$pelt" trace record --scene tiny --frames 20 --out "$kept/tiny.peltinput" >/dev/null || exit 1
 
 failures=0
 fail() {
@@ -37,13 +39,17 @@ try() {
   local name=$1 prefix=$2 start=$SECONDS built
   shift 2
   { cmake -G Ninja -S "$source_dir/tests/porting/cross" -B "$kept/$name" -DCMAKE_BUILD_TYPE=Release -DFMT_INCLUDE="$kept/include" \
-    "${launcher[@]}" "$@" && cmake --build "$kept/$name" --target cross_frames; } >"$kept/$name.log" 2>&1 ||
+    "${launcher[@]}" "$@" && cmake --build "$kept/$name" --target cross_frames cross_golden; } >"$kept/$name.log" 2>&1 ||
     { grep -E -A 20 -m 3 'FAILED|error:' "$kept/$name.log" >&2; fail "$name: build"; return; }
   built=$SECONDS
   # shellcheck disable=SC2086
   $prefix "$kept/$name/cross_frames" "$kept/tiny.groom" "$frames" >"$kept/$name.out" || fail "$name: exit $?"
   echo "== $name: built in $((built - start)) s, ran in $((SECONDS - built)) s"
   cat "$kept/$name.out"
+  rm -f "$kept/$name.digests"
+  # shellcheck disable=SC2086
+  $prefix "$kept/$name/cross_golden" "$kept/tiny.peltinput" "$kept/$name.digests" || fail "$name: another digest than recorded"
+  "$pelt" diff "$source_dir/traces/golden/tiny.digests" "$kept/$name.digests" || fail "$name: not the golden digests"
   grep '^same' "$kept/$name.out" >"$kept/$name.same"
   [ "$(wc -l <"$kept/$name.same")" -eq 3 ] || fail "$name: printed no digest"
   [ "$name" = host ] || diff "$kept/host.same" "$kept/$name.same" >&2 || fail "$name: other bits than the host"

@@ -79,6 +79,7 @@ TEST(DigestLog, FaultsAreNamedByLine) {
       {"pelt digest log 1", "pelt digest log 2", "line 1: version 2"},
       {"pelt digest log 1", "palt digest log 1", "line 1: not a digest log"},
       {"scene tiny", "seen tiny", "line 2: should be 'scene ...'"},
+      {"scene tiny", "scene ti\tny", "line 2: scene holds a control character"},
       {"strands 128", "strands 128x", "line 4: chunk_strands is not a whole number"},
       {"strands 128", "strands 0128", "line 4"},
       {"sorted", "backwards", "line 5"},
