@@ -1,13 +1,11 @@
 // What the door costs.
 //
-//   door/task        ns that DoorExecutor adds to a task, over the door's own enqueue and finish of
-//   a
-//                    task that does nothing (target: at most 300)
-//   door/item        ns that the pull scheduler adds to an item
-//   tbb/monster      TbbExecutor over a hand-written tbb::parallel_for of the same passes (target:
-//   a
-//                    ratio of at most 1.05)
-//   door/monster     DoorExecutor on the same oneTBB arena over the same hand-written loop
+//   door/task      ns that DoorExecutor adds to a task, over the door's own enqueue and finish of a
+//                  task that does nothing (target: at most 300)
+//   door/item      ns that the pull scheduler adds to an item
+//   tbb/monster    TbbExecutor over a hand-written tbb::parallel_for of the same passes (target: a
+//                  ratio of at most 1.05)
+//   door/monster   DoorExecutor on the same oneTBB arena over the same hand-written loop
 //
 // What is compared runs in turn within one benchmark, slice by slice, and medians are taken: other
 // work on the machine then hits both. Every figure comes with the digest of what was computed.
@@ -22,6 +20,8 @@
 #include <thread>
 #include <vector>
 
+#include "bench/benchmark_main.hpp"
+#include "bench/budget.hpp"
 #include "bench/scenarios.hpp"
 #include "jobs/adapters/tbb_door.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
@@ -31,11 +31,6 @@
 
 namespace pelt {
 namespace {
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 // A plan of many passes whose items do nothing: what is left is scheduling.
 class NothingFrame {
@@ -109,8 +104,8 @@ void DoorTask(benchmark::State& state, const EngineDoor& engine) {
     state.SetIterationTime((items_ns + door_ns + bare_ns) * 1e-9);
   }
   if (added.empty()) return state.SkipWithError("no task was asked for");
-  state.counters["added_ns_per_task"] = Median(added);
-  state.counters["own_ns_per_task"] = Median(bare);
+  state.counters["added_ns_per_task"] = SpreadOf(added).median;
+  state.counters["own_ns_per_task"] = SpreadOf(bare).median;
   if (executor.faults().Any()) state.SkipWithError(executor.faults().Text().c_str());
 }
 
@@ -130,7 +125,7 @@ void DoorItem(benchmark::State& state) {
     added.push_back((pull_ns - serial_ns) / kItems);
     state.SetIterationTime((serial_ns + pull_ns) * 1e-9);
   }
-  state.counters["added_ns_per_item"] = Median(added);
+  state.counters["added_ns_per_item"] = SpreadOf(added).median;
 }
 
 // What a programmer would write who has only oneTBB and RunItem.
@@ -206,13 +201,13 @@ void CompareOnMonster(benchmark::State& state, bool door) {
   }
   const uint64_t digest = ours_run.scene().DigestFrame();
   if (digest != hand_run.scene().DigestFrame()) return state.SkipWithError("digests differ");
-  state.counters["ms"] = Median(ours_ms);
-  state.counters["by_hand_ms"] = Median(hand_ms);
-  state.counters["ratio"] = Median(ratio);
+  state.counters["ms"] = SpreadOf(ours_ms).median;
+  state.counters["by_hand_ms"] = SpreadOf(hand_ms).median;
+  state.counters["ratio"] = SpreadOf(ratio).median;
   state.SetLabel(fmt::format("{} workers, digest {:016x}", workers, digest));
 }
 
-[[maybe_unused]] const bool kRegistered = [] {
+void RegisterAll() {
   const auto add = [](const char* name, auto run, int iterations) {
     benchmark::RegisterBenchmark(name, run)->UseManualTime()->Iterations(iterations);
   };
@@ -230,8 +225,9 @@ void CompareOnMonster(benchmark::State& state, bool door) {
       "tbb/monster", [](benchmark::State& s) { CompareOnMonster(s, false); }, 101);
   add(
       "door/monster", [](benchmark::State& s) { CompareOnMonster(s, true); }, 101);
-  return true;
-}();
+}
 
 }  // namespace
 }  // namespace pelt
+
+int main(int argc, char** argv) { return pelt::RunBenchmarks(argc, argv, pelt::RegisterAll); }

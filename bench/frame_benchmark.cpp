@@ -20,9 +20,9 @@
 #include <memory>
 #include <string>
 
+#include "bench/benchmark_main.hpp"
 #include "bench/budget.hpp"
 #include "bench/limits.hpp"
-#include "bench/machine.hpp"
 #include "bench/scenarios.hpp"
 #include "jobs/tbb_executor.hpp"
 #include "traces/digest.hpp"
@@ -182,26 +182,8 @@ void RegisterStages(const std::string& scene_name) {
   }
 }
 
-int Main(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) {
-    if (std::strncmp(argv[i], "--isa=", 6) != 0) continue;
-    const auto isa = ParseIsa(argv[i] + 6);
-    if (!isa || !FindKernels(*isa)) {
-      fmt::print(stderr, "frame_benchmark: no kernels '{}' here\n", argv[i] + 6);
-      return 2;
-    }
-    bench_isa = *isa;
-    std::copy(argv + i + 1, argv + argc + 1, argv + i);
-    --argc;
-    break;
-  }
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const Machine machine = DescribeMachine();
+void RegisterAll() {
   limits = MeasureLimits(bench_isa);
-  benchmark::AddCustomContext("processor", machine.processor);
-  benchmark::AddCustomContext("compiler", machine.compiler);
-  benchmark::AddCustomContext("commit", machine.commit);
   benchmark::AddCustomContext(
       "limits of one core",
       fmt::format("memory {:.1f} GB/s, cache {:.1f} GB/s, {:.1f} G lane operations/s ({})",
@@ -221,18 +203,26 @@ int Main(int argc, char** argv) {
   }
   RegisterStages("cast");
   RegisterStages("eyepet");
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
+}
+
+// Takes --isa=NAME out of the arguments. The exit code.
+int Main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (std::strncmp(argv[i], "--isa=", 6) != 0) continue;
+    const auto isa = ParseIsa(argv[i] + 6);
+    if (!isa || !FindKernels(*isa)) {
+      fmt::print(stderr, "frame_benchmark: no kernels '{}' here\n", argv[i] + 6);
+      return 2;
+    }
+    bench_isa = *isa;
+    std::copy(argv + i + 1, argv + argc + 1, argv + i);
+    --argc;
+    break;
+  }
+  return RunBenchmarks(argc, argv, RegisterAll);
 }
 
 }  // namespace
 }  // namespace pelt
 
-int main(int argc, char** argv) {
-  try {
-    return pelt::Main(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "frame_benchmark: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return pelt::Main(argc, argv); }

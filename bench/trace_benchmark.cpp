@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/benchmark_main.hpp"
 #include "bench/budget.hpp"
-#include "bench/machine.hpp"
 #include "bench/scenarios.hpp"
 #include "bench/timeline.hpp"
 #include "jobs/pass_loop.hpp"
@@ -105,33 +105,17 @@ void RunPairs(benchmark::State& state, const std::string& name, uint32_t workers
                              digest.Value()));
 }
 
-int Main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const Machine machine = DescribeMachine();
-  benchmark::AddCustomContext("processor", machine.processor);
-  benchmark::AddCustomContext("compiler", machine.compiler);
-  benchmark::AddCustomContext("commit", machine.commit);
+void RegisterAll() {
   for (const auto& [executor, workers] : {std::pair{"serial", 0u}, std::pair{"tbb2", 2u}})
-    for (const std::string scene : {"monster"})
-      benchmark::RegisterBenchmark(
-          fmt::format("trace/{}/{}", executor, scene).c_str(),
-          [scene, workers = workers](benchmark::State& s) { RunPairs(s, scene, workers); })
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond)
-          ->Iterations(kPairs);
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
+    benchmark::RegisterBenchmark(
+        fmt::format("trace/{}/monster", executor).c_str(),
+        [workers = workers](benchmark::State& s) { RunPairs(s, "monster", workers); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(kPairs);
 }
 
 }  // namespace
 }  // namespace pelt
 
-int main(int argc, char** argv) {
-  try {
-    return pelt::Main(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "trace_benchmark: {}\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return pelt::RunBenchmarks(argc, argv, pelt::RegisterAll); }
