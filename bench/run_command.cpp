@@ -92,8 +92,8 @@ int Run(const RunArgs& args) {
     fmt::print("trace of {} frames {}\n", records.size(), args.trace);
   if (!args.digest_log.empty() && !args.json) fmt::print("digest log {}\n", args.digest_log);
   if (!report.faults.empty())
-    throw Error(fmt::format("{} faults, the first: {}", report.faults.size(),
-                            report.faults.front()));
+    throw Error(
+        fmt::format("{} faults, the first: {}", report.faults.size(), report.faults.front()));
   return 0;
 }
 

@@ -66,6 +66,41 @@ LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
 
 namespace {
 
+// TOML has characters beyond ASCII in quotes and comments only, and toml++ 3.3 runs into undefined
+// behaviour on some that stand elsewhere. The line of the first of those; 0 if there is none.
+size_t FindStrayCharacter(std::string_view text) {
+  constexpr std::string_view kOpenings[] = {"\"\"\"", "'''", "\"", "'", "#"};
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  size_t line = 1;
+  std::string_view closing;  // of the string or comment around; one line ends it too, if 1 long
+  for (size_t i = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0; i < text.size();
+       ++i) {
+    const std::string_view rest = text.substr(i);
+    if (rest[0] == '\n') {
+      ++line;
+      if (closing.size() == 1) closing = {};
+    } else if (closing.empty()) {
+      if (static_cast<unsigned char>(rest[0]) >= 0x80) return line;
+      const auto* opening = std::find_if(std::begin(kOpenings), std::end(kOpenings),
+                                         [&](std::string_view o) { return rest.starts_with(o); });
+      if (opening == std::end(kOpenings)) continue;
+      closing = *opening == "#" ? "\n" : *opening;
+      i += opening->size() - 1;
+    } else if (closing[0] == '"' && rest[0] == '\\' && rest.size() > 1 && rest[1] != '\n') {
+      ++i;
+    } else if (rest.starts_with(closing)) {
+      const char quote = closing[0];
+      i += closing.size() - 1;
+      // A long string may hold up to two quotes right before those that close it.
+      for (int more = 0; closing.size() == 3 && more < 2 && text.substr(i + 1).starts_with(quote);
+           ++more)
+        ++i;
+      closing = {};
+    }
+  }
+  return 0;
+}
+
 // The text's first `lines` lines trip the parser's own assertions.
 bool TripsParser(std::string_view text, size_t lines) {
   size_t end = 0;
@@ -92,6 +127,10 @@ size_t FindTrippingLine(std::string_view text) {
 }
 
 toml::table ParseToml(std::string_view text, const std::string& path) {
+  if (const size_t line = FindStrayCharacter(text))
+    throw Error(fmt::format(
+        "{}:{}: not valid TOML: a character beyond ASCII outside of quotes and comments", path,
+        line));
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {

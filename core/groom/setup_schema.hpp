@@ -112,7 +112,7 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, Attribute&);
   void Read(const KeyInfo&, const toml::node&, MapChannel&);
   void Read(const KeyInfo&, const toml::node&, std::shared_ptr<const ControlMap>&);
-  void ReadColour(const KeyInfo&, const toml::node&, uint32_t&);   // "#rrggbb" to 0xffBBGGRR
+  void ReadColour(const KeyInfo&, const toml::node&, uint32_t&);  // "#rrggbb" to 0xffBBGGRR
   void ReadColour(const KeyInfo&, const toml::node&,
                   std::array<float, 3>&);  // "#rrggbb" to bytes / 255
   void ReadDensity(const KeyInfo&, const toml::node&, LayerSetup&);

@@ -78,8 +78,8 @@ TEST(Verify, MatrixHasEveryExecutorPlanSortAndSet) {
   const std::vector<VerifyCase> cases = AllCases();
   uint32_t sets = 0;
   for (const Isa isa : kAllIsas) sets += FindKernels(isa) != nullptr;
-  // serial; tbb, door and pull on 1, 2, 3, 7, 16; permuted in 3 orders; local store. Each x fusion x
-  // vertex order x sort x three settings.
+  // serial; tbb, door and pull on 1, 2, 3, 7, 16; permuted in 3 orders; local store. Each x fusion
+  // x vertex order x sort x three settings.
   EXPECT_EQ(cases.size(), (1u + 3 * 5 + 3 + 1) * 8u * 3u * sets);
 }
 

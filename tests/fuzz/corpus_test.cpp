@@ -1,7 +1,7 @@
 // A fuzz target as an ordinary test: every seed of its corpus, and mutations of each that are the
 // same in every run. Fails on what the target must not do, and when heap use passes the stated
 // bound; a crash names its input, because that is printed first when PELT_FUZZ_VERBOSE is set.
-//   corpus_test CORPUS_FOLDER [mutations a seed, 1000 if not given]
+//   corpus_test CORPUS_FOLDER...
 #include <malloc.h>
 
 #include <algorithm>
@@ -112,7 +112,9 @@ bool RunOne(const std::vector<std::byte>& input, const std::string& what, size_t
   return false;
 }
 
-int RunCorpus(const std::filesystem::path& folder, uint32_t mutations) {
+constexpr uint32_t kMutations = 1000;  // of each seed
+
+int RunCorpus(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.is_regular_file()) seeds.push_back(entry.path());
@@ -127,11 +129,11 @@ int RunCorpus(const std::filesystem::path& folder, uint32_t mutations) {
     const std::vector<std::byte> bytes = ReadAll(seed);
     const std::string name = seed.filename().string();
     failed += !RunOne(bytes, name, most);
-    for (uint32_t m = 1; m <= mutations; ++m) {
+    for (uint32_t m = 1; m <= kMutations; ++m) {
       Random random(MixSeed(bytes.size(), m));
       failed += !RunOne(Mutate(bytes, random), name + ", mutation " + std::to_string(m), most);
     }
-    ran += 1 + mutations;
+    ran += 1 + kMutations;
   }
   std::printf("%s: %zu seeds, %u inputs, at most %zu KB of heap\n", folder.filename().c_str(),
               seeds.size(), ran, most / 1000);
@@ -142,9 +144,11 @@ int RunCorpus(const std::filesystem::path& folder, uint32_t mutations) {
 }  // namespace pelt::fuzz
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::fprintf(stderr, "usage: corpus_test CORPUS_FOLDER [mutations a seed]\n");
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: corpus_test CORPUS_FOLDER...\n");
     return 2;
   }
-  return pelt::fuzz::RunCorpus(argv[1], argc > 2 ? uint32_t(std::atoi(argv[2])) : 1000);
+  int failed = 0;
+  for (int folder = 1; folder < argc; ++folder) failed |= pelt::fuzz::RunCorpus(argv[folder]);
+  return failed;
 }

@@ -22,8 +22,8 @@ for format in "${formats[@]}"; do
   [ -x "$target" ] || { echo "no format '$format'" >&2; exit 2; }
   seeds=(tests/fuzz/corpus/"$format")
   case $format in
-    setup) seeds=(bench/setups) ;;
-    golden) seeds=(traces/golden) ;;
+    setup) seeds+=(bench/setups) ;;
+    golden) seeds=(tests/fuzz/corpus/digest_log traces/golden) ;;
   esac
   mkdir -p "$build/$format/corpus"
   largest=$(find "${seeds[@]}" -type f -printf '%s\n' | sort -n | tail -1)

@@ -399,6 +399,14 @@ TEST_F(FurSetupTest, WrongFilesAreTold) {
   // The TOML library asserts here.
   EXPECT_EQ(ErrorOf("[[layer]]\nname = 'x'\n\n[=]\nlength = 1\n"),
             "fur.toml:4: not valid TOML: a key is missing or malformed");
+  // Beyond ASCII only in quotes and comments: the TOML library is undefined elsewhere.
+  EXPECT_EQ(ErrorOf("\xef\xbb\xbf[[layer]]\nname = \"\xca\x91\" # \xca\x91\n"), "");
+  EXPECT_EQ(ErrorOf("[[layer]]\nname = \'\'\'\n\xca\x91\\\'\'\'"), "");
+  for (const std::string stray :
+       {"ty \xca\x91", "a = \"\\\"x\" \xca\x91", "a = \'x\\\' \xca\x91",
+        "a = \"\"\"x\"\"\"\" \xca\x91", "a = \"\" \xca\x91", "a = \"open \n\xca\x91"})
+    EXPECT_NE(ErrorOf("#\n" + stray).find("a character beyond ASCII outside"), std::string::npos)
+        << stray;
   EXPECT_NE(ErrorOf(std::string(5 << 20, '#')).find("a fur setup has at most"), std::string::npos);
   EXPECT_NE(ErrorOf("a = " + std::string(100000, '[')).find("not valid TOML"), std::string::npos);
   std::string many;

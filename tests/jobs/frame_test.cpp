@@ -1,11 +1,10 @@
 // What runs on which item: gates, kinds, belonging, and the two executors that need no thread.
-#include "jobs/frame_recording.hpp"
-
 #include <gtest/gtest.h>
 
 #include <map>
 #include <vector>
 
+#include "jobs/frame_recording.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
 namespace pelt {
