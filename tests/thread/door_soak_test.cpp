@@ -54,7 +54,7 @@ class EmptyFrames {
   std::vector<FrameMemory> memory_;
 };
 
-constexpr uint32_t kSoakFrames = 3000;
+constexpr uint32_t kSoakFrames = 20'000;
 
 TEST(DoorSoak, PollingThreadsCrossFrames) {
   EmptyFrames frames({5, 1, 0, 17});
