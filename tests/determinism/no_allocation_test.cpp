@@ -131,11 +131,13 @@ TEST(NoAllocation, LocalStoreFrame) {
 
 TEST(NoAllocation, PullFrame) {
   PullPool pool(3);
+  ASSERT_EQ(pool.ObservedWorkers(), 3u) << "a thread allocates when it starts";
   EXPECT_EQ(CallsInFrames(pool, {}, 1), 0u);
 }
 
 TEST(NoAllocation, DoorFrame) {
   ThreadPoolDoor pool(3);
+  ASSERT_EQ(pool.ObservedWorkers(), 3u) << "a thread allocates when it starts";
   DoorExecutor executor(pool.door());
   EXPECT_EQ(CallsInFrames(executor, {}, 1), 0u);
   EXPECT_GT(executor.TasksEnqueued(), 0u);

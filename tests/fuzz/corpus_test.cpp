@@ -40,6 +40,11 @@ void Forget(void* p) {
 
 void* operator new(size_t n) { return Count(std::malloc(n ? n : 1)); }
 void* operator new[](size_t n) { return Count(std::malloc(n ? n : 1)); }
+// std::stable_sort asks this way.
+void* operator new(size_t n, const std::nothrow_t&) noexcept {
+  void* p = std::malloc(n ? n : 1);
+  return p ? Count(p) : nullptr;
+}
 void* operator new(size_t n, std::align_val_t a) {
   return Count(std::aligned_alloc(size_t(a), (n + size_t(a) - 1) / size_t(a) * size_t(a)));
 }
@@ -47,6 +52,7 @@ void operator delete(void* p) noexcept { Forget(p); }
 void operator delete[](void* p) noexcept { Forget(p); }
 void operator delete(void* p, size_t) noexcept { Forget(p); }
 void operator delete[](void* p, size_t) noexcept { Forget(p); }
+void operator delete(void* p, const std::nothrow_t&) noexcept { Forget(p); }
 void operator delete(void* p, std::align_val_t) noexcept { Forget(p); }
 void operator delete(void* p, size_t, std::align_val_t) noexcept { Forget(p); }
 
