@@ -117,7 +117,10 @@ uint32_t ObservedWorkers(Executor& executor) {
 std::vector<std::string> FaultsOf(const Executor& executor) {
   std::vector<std::string> faults;
   const auto* door = dynamic_cast<const PooledDoorExecutor*>(&executor);
-  if (door && door->faults().Any()) faults.push_back("door: " + door->faults().Text());
+  if (door && door->faults().Any()) {
+    faults.push_back("door: " + door->faults().Text());
+    std::replace(faults.back().begin(), faults.back().end(), '\n', ' ');
+  }
   if (const auto* store = dynamic_cast<const LocalStoreExecutor*>(&executor))
     for (const LocalStoreFault& fault : store->faults())
       faults.push_back(
