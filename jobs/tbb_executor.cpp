@@ -38,19 +38,16 @@ TbbExecutor::~TbbExecutor() = default;
 
 uint32_t TbbExecutor::workers() const { return state_->workers; }
 
-// Items are handed out by a counter: a chunk costs microseconds, so one atomic step each balances
-// the load, and oneTBB sees one task a worker instead of one an item.
+// Ranges of items, which oneTBB halves as workers come: neighbours stay on one core, and so does
+// most of what they had in its cache a pass or a frame ago. (Handing out single items by a counter
+// measured 15 % slower on two cores.)
 void TbbExecutor::Run(const Frame& frame) {
   state_->arena.execute([&] {
     ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
-      if (count == 1 || state_->workers == 1) {
-        for (uint32_t i = 0; i < count; ++i) RunItem(frame, pass, i);
-        return;
-      }
-      std::atomic<uint32_t> next{0};
-      state_->ForEachWorker([&](uint32_t worker) {
-        for (uint32_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;)
-          RunItem(frame, pass, i, worker);
+      tbb::parallel_for(0u, count, [&](uint32_t i) {
+        // For the profile only: the caller has the arena's first place.
+        const int worker = frame.profile ? tbb::this_task_arena::current_thread_index() : 0;
+        RunItem(frame, pass, i, uint32_t(worker));
       });
     });
   });
