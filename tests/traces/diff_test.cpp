@@ -8,16 +8,6 @@
 namespace pelt {
 namespace {
 
-DigestLog MakeLog() {
-  DigestLog log;
-  log.scene = "tiny";
-  log.chunk_strands = 128;
-  log.vertex_order = "sorted";
-  log.columns = {{"skin", "skinned"}, {"roots", "roots"}, {"whole_frame", "all"}};
-  for (uint64_t d = 0; d < 12; ++d) log.digests.push_back(d << 60 | d);
-  return log;
-}
-
 std::string Describe(const auto& left, const auto& right) {
   const auto found = FindDifference(left, right);
   return found ? DescribeDifference(*found) : "same";
@@ -26,63 +16,63 @@ std::string Describe(const auto& left, const auto& right) {
 InputLog Read(const RecordedFrames& recorded) { return ReadInputLog(recorded.Write(), "x"); }
 
 TEST(Diff, EqualLogsAreTheSame) {
-  EXPECT_EQ(Describe(MakeLog(), MakeLog()), "same");
+  EXPECT_EQ(Describe(MakeDigestLog(), MakeDigestLog()), "same");
   EXPECT_EQ(Describe(Read(MakeRecordedFrames()), Read(MakeRecordedFrames())), "same");
 }
 
 TEST(Diff, OneChangedDigestIsFoundAtItsFrameAndStage) {
   for (size_t d = 0; d < 12; ++d) {
-    DigestLog other = MakeLog();
+    DigestLog other = MakeDigestLog();
     other.digests[d] ^= 0x10;
-    const auto found = FindDifference(MakeLog(), other);
+    const auto found = FindDifference(MakeDigestLog(), other);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->place[0].second, std::to_string(d / 3));
-    EXPECT_EQ(found->place[1].second, MakeLog().columns[d % 3].stage);
-    EXPECT_EQ(found->place[2].second, MakeLog().columns[d % 3].stream);
+    EXPECT_EQ(found->place[1].second, MakeDigestLog().columns[d % 3].stage);
+    EXPECT_EQ(found->place[2].second, MakeDigestLog().columns[d % 3].stream);
   }
-  DigestLog other = MakeLog();
+  DigestLog other = MakeDigestLog();
   other.digests[4] ^= 0x10;
-  EXPECT_EQ(Describe(MakeLog(), other),
+  EXPECT_EQ(Describe(MakeDigestLog(), other),
             "frame 1, stage roots, stream roots: 4000000000000004 and 4000000000000014");
 }
 
 TEST(Diff, OfSeveralDifferencesTheFirstInTimeIsNamed) {
-  DigestLog other = MakeLog();
+  DigestLog other = MakeDigestLog();
   for (const size_t d : {3u, 5u, 8u}) other.digests[d] ^= 1;
-  EXPECT_TRUE(Describe(MakeLog(), other).starts_with("frame 1, stage skin"));
+  EXPECT_TRUE(Describe(MakeDigestLog(), other).starts_with("frame 1, stage skin"));
 }
 
 TEST(Diff, ShorterLogsAreSameAsFarAsTheyGo) {
-  DigestLog shorter = MakeLog();
+  DigestLog shorter = MakeDigestLog();
   shorter.digests.resize(6);
-  const auto found = FindDifference(MakeLog(), shorter);
+  const auto found = FindDifference(MakeDigestLog(), shorter);
   ASSERT_TRUE(found);
   EXPECT_EQ(DescribeDifference(*found), "head frames: 4 and 2");
   EXPECT_EQ(found->remark, "the first 2 are the same");
 }
 
 TEST(Diff, HeadsOfDigestLogsAreComparedFirst) {
-  DigestLog other = MakeLog();
+  DigestLog other = MakeDigestLog();
   other.digests[0] = 5;
   other.vertex_order = "index-buffer";
-  EXPECT_EQ(Describe(MakeLog(), other), "head vertex_order: sorted and index-buffer");
+  EXPECT_EQ(Describe(MakeDigestLog(), other), "head vertex_order: sorted and index-buffer");
   other.chunk_strands = 64;
-  EXPECT_EQ(Describe(MakeLog(), other), "head chunk_strands: 128 and 64");
+  EXPECT_EQ(Describe(MakeDigestLog(), other), "head chunk_strands: 128 and 64");
   other.scene = "monster";
-  EXPECT_EQ(Describe(MakeLog(), other), "head scene: 'tiny' and 'monster'");
+  EXPECT_EQ(Describe(MakeDigestLog(), other), "head scene: 'tiny' and 'monster'");
 }
 
 TEST(Diff, OtherSettingsAreNamedWithTheDifference) {
-  DigestLog other = MakeLog();
+  DigestLog other = MakeDigestLog();
   other.settings = "lod";
-  EXPECT_EQ(Describe(MakeLog(), other), "same");
+  EXPECT_EQ(Describe(MakeDigestLog(), other), "same");
   other.digests[7] = 0;
-  EXPECT_EQ(FindDifference(MakeLog(), other)->remark, "settings differ: none and lod");
+  EXPECT_EQ(FindDifference(MakeDigestLog(), other)->remark, "settings differ: none and lod");
 }
 
 // One sorts a layer whole, the other in pieces: the stages have other names, the bits are the same.
 TEST(Diff, LinesThatOnlyOneHasAreLeftOutAndTold) {
-  DigestLog whole = MakeLog(), pieces = MakeLog();
+  DigestLog whole = MakeDigestLog(), pieces = MakeDigestLog();
   whole.columns[1] = {"sort_layer", "order"};
   pieces.columns[1] = {"sort_scatter3", "order"};
   EXPECT_EQ(Describe(whole, pieces), "same");

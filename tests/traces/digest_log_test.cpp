@@ -5,18 +5,10 @@
 
 #include <random>
 
+#include "tests/traces/recorded_frames.hpp"
+
 namespace pelt {
 namespace {
-
-DigestLog MakeLog() {
-  DigestLog log;
-  log.scene = "tiny";
-  log.chunk_strands = 128;
-  log.vertex_order = "sorted";
-  log.columns = {{"skin", "skinned"}, {"roots", "roots"}, {"whole_frame", "all"}};
-  for (uint64_t d = 0; d < 12; ++d) log.digests.push_back(d << 60 | d);
-  return log;
-}
 
 std::string ErrorOf(const std::string& text) {
   std::string error;
@@ -30,7 +22,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 }
 
 TEST(DigestLog, WhatIsWrittenReadsBack) {
-  DigestLog log = MakeLog();
+  DigestLog log = MakeDigestLog();
   log.settings = "lod, strand budget 400";
   const DigestLog read = ReadDigestLog(WriteDigestLog(log), "x");
   EXPECT_EQ(read.scene, "tiny");
@@ -44,27 +36,27 @@ TEST(DigestLog, WhatIsWrittenReadsBack) {
 }
 
 TEST(DigestLog, OneLineAFrameAndStage) {
-  const std::string text = WriteDigestLog(MakeLog());
+  const std::string text = WriteDigestLog(MakeDigestLog());
   EXPECT_NE(text.find("\n1 roots roots 4000000000000004\n"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\n3 whole_frame all b00000000000000b\nend 12\n")) << text;
   EXPECT_TRUE(text.starts_with("pelt digest log 1\nscene tiny\nsettings none\n")) << text;
 }
 
 TEST(DigestLog, ALogWithoutFramesIsOne) {
-  DigestLog log = MakeLog();
+  DigestLog log = MakeDigestLog();
   log.columns.clear();
   log.digests.clear();
   EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").FrameCount(), 0u);
 }
 
 TEST(DigestLog, ControlCharactersCannotBreakALine) {
-  DigestLog log = MakeLog();
+  DigestLog log = MakeDigestLog();
   log.scene = "a\nend 0\rb";
   EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").scene, "a end 0 b");
 }
 
 TEST(DigestLog, EveryTruncationIsAnError) {
-  const std::string text = WriteDigestLog(MakeLog());
+  const std::string text = WriteDigestLog(MakeDigestLog());
   for (size_t size = 0; size < text.size(); ++size) {
     const std::string error = ErrorOf(text.substr(0, size));
     ASSERT_TRUE(error.starts_with("digest log 'x', line ")) << size << ": " << error;
@@ -72,7 +64,7 @@ TEST(DigestLog, EveryTruncationIsAnError) {
 }
 
 TEST(DigestLog, FaultsAreNamedByLine) {
-  const std::string text = WriteDigestLog(MakeLog());
+  const std::string text = WriteDigestLog(MakeDigestLog());
   const struct {
     const char *from, *to, *expected;
   } faults[] = {
@@ -108,7 +100,7 @@ TEST(DigestLog, FaultsAreNamedByLine) {
 }
 
 TEST(DigestLog, ThousandsOfColumnsAreRefused) {
-  DigestLog log = MakeLog();
+  DigestLog log = MakeDigestLog();
   log.columns.assign(3000, {"a", "b"});
   log.columns.push_back({"whole_frame", "all"});
   log.digests.assign(3001, 1);
@@ -116,7 +108,7 @@ TEST(DigestLog, ThousandsOfColumnsAreRefused) {
 }
 
 TEST(DigestLog, RandomDamageNeverCrashes) {
-  const std::string text = WriteDigestLog(MakeLog());
+  const std::string text = WriteDigestLog(MakeDigestLog());
   std::mt19937 random(1);
   for (int i = 0; i < 5000; ++i) {
     std::string damaged = text;
@@ -130,11 +122,11 @@ TEST(DigestLog, RandomDamageNeverCrashes) {
 
 TEST(DigestLog, FilesAreReadAndWritten) {
   const std::string path = testing::TempDir() + "pelt_digest_log_test.digests";
-  WriteDigestLogFile(MakeLog(), path);
-  EXPECT_EQ(ReadDigestLogFile(path).digests, MakeLog().digests);
+  WriteDigestLogFile(MakeDigestLog(), path);
+  EXPECT_EQ(ReadDigestLogFile(path).digests, MakeDigestLog().digests);
   std::remove(path.c_str());
   EXPECT_THROW(ReadDigestLogFile(path), Error);
-  EXPECT_THROW(WriteDigestLogFile(MakeLog(), "/no/such/folder/x"), Error);
+  EXPECT_THROW(WriteDigestLogFile(MakeDigestLog(), "/no/such/folder/x"), Error);
 }
 
 }  // namespace

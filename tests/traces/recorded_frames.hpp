@@ -1,10 +1,12 @@
-// A recording made by hand: values that are easy to tell apart, no scene behind them.
+// A recording and a digest log made by hand: values that are easy to tell apart, no scene behind
+// them.
 #pragma once
 
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "traces/digest_log.hpp"
 #include "traces/input_log.hpp"
 
 namespace pelt {
@@ -75,6 +77,16 @@ inline RecordedFrames MakeRecordedFrames() {
   }
   all.poses[3][0].teleported = 1;
   return all;
+}
+
+inline DigestLog MakeDigestLog() {
+  DigestLog log;
+  log.scene = "tiny";
+  log.chunk_strands = 128;
+  log.vertex_order = "sorted";
+  log.columns = {{"skin", "skinned"}, {"roots", "roots"}, {"whole_frame", "all"}};
+  for (uint64_t d = 0; d < 12; ++d) log.digests.push_back(d << 60 | d);
+  return log;
 }
 
 }  // namespace pelt
