@@ -87,6 +87,14 @@ struct PlanArgs {
 };
 int PrintPlan(const PlanArgs& args);
 
+struct TimingArgs {
+  std::string path;  // of a listing; "-": standard input
+  std::string core = "spu";
+  std::vector<std::string> trips;  // LABEL=N
+  bool pair_by_order = false, hinted = false, smt = false, json = false;
+};
+int PrintTiming(const TimingArgs& args);
+
 struct VerifyArgs {
   ScenarioRequest request;
   uint32_t frames = 20;

@@ -324,6 +324,31 @@ void SetUpConformance(CLI::App& root, ConformanceArgs& args) {
       "  pelt conformance --door threads --workers 4 --json");
 }
 
+void SetUpTiming(CLI::App& root, TimingArgs& args) {
+  auto* app = root.add_subcommand(
+      "timing", "When each instruction of a listing issues on an SPU or a PPE, and what holds it");
+  app->add_option("file", args.path, "Listing in the GNU assembler's syntax; -: standard input")
+      ->required();
+  app->add_option("--core", args.core, "Which core runs it")
+      ->check(CLI::IsMember({"spu", "ppe"}))
+      ->capture_default_str();
+  app->add_option("--trip", args.trips, "LABEL=N: the loop that begins there runs N turns")
+      ->allow_extra_args(false);
+  app->add_flag("--pair-by-order", args.pair_by_order,
+                "Pair without looking at addresses, as the vendor's published static tool");
+  app->add_flag("--hinted", args.hinted, "Every branch of an SPU as if it were hinted in time");
+  app->add_flag("--smt", args.smt, "The PPE's other thread takes every second cycle");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "A listing, for example add.s:\n"
+      "    loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n"
+      "          stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n"
+      "Examples:\n"
+      "  pelt timing add.s\n"
+      "  pelt timing add.s --trip loop=256 --hinted\n"
+      "  pelt timing add.s --pair-by-order --json");
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
@@ -337,6 +362,8 @@ int Main(int argc, char** argv) {
   SetUpRun(app, run, weather);
   SetUpPlan(app, plan);
   SetUpVerify(app, verify);
+  TimingArgs timing;
+  SetUpTiming(app, timing);
   ConformanceArgs conformance;
   SetUpConformance(app, conformance);
   TraceArgs trace;
@@ -379,6 +406,7 @@ int Main(int argc, char** argv) {
   if (app.got_subcommand("bake")) return Bake(bake);
   if (app.got_subcommand("run")) return Run(run);
   if (app.got_subcommand("plan")) return PrintPlan(plan);
+  if (app.got_subcommand("timing")) return PrintTiming(timing);
   if (app.got_subcommand("conformance")) return CheckConformance(conformance);
   return VerifyScene(verify);
 }

@@ -20,7 +20,9 @@ fail() {
 # Every line of a help text that starts with two blanks and "pelt".
 run_examples() {
   local count=0
-  for subcommand in bake run plan verify report trace diff golden conformance; do
+  # The listing that `pelt timing --help` shows.
+  printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
+  for subcommand in bake run plan verify report trace diff golden timing conformance; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
     while read -r -a words; do
       count=$((count + 1))
@@ -89,6 +91,15 @@ check_errors() {
   expect 2 --renew golden --scene tiny
   expect 1 tiny.digests golden --check nowhere --scene tiny
   expect 1 /nowhere/ run --scene tiny --frames 1 --digest-log /nowhere/x.digests
+  expect 1 missing.s timing missing.s
+  expect 1 noise timing noise
+  printf 'ai 3,4,1\nfma 3,4\n' >short.s
+  expect 1 'short.s:2' timing short.s
+  expect 1 'r127' timing <(echo 'ai 128,4,1')
+  expect 1 'of the PPE' timing <(echo 'lwz r3,0(r3)')
+  expect 1 'its loops: a' timing <(echo 'a: brnz 3,a') --trip b=3
+  expect 1 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
+  expect 2 --core timing noise --core gpu
   expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
 }
 

@@ -1,0 +1,37 @@
+// Code without jumps, on values instead of registers: what a recorded kernel becomes, and what a
+// scheduler takes.
+//
+// Invariant: registers of `program` are value numbers below value_count; each is written by one
+// instruction at most, before any that reads it (a value that none writes was there before). All
+// targets are kNoTarget, but for branches that go on: Flow::kConditional to the program's size,
+// foretold not taken. Addresses of loads and stores are absolute in a space of the recorder's own:
+// base and index are kNoRegister, displacement_bytes is the address. Two accesses that overlap keep
+// their order when one of them is a store; a store stays behind the branches before it; all else
+// may move, as on a machine where loads and arithmetic raise nothing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "platform_sim/core/instruction.hpp"
+
+namespace pelt {
+
+// Where a value lives: an SPU has one file, a PPE more.
+enum class ValueFile : uint8_t { kVector, kGeneral, kCondition };
+
+struct StraightCode {
+  std::vector<Instruction> program;
+  std::vector<ValueFile> file;  // of each value
+  uint32_t value_count() const { return uint32_t(file.size()); }
+};
+
+// The same on registers that the core has, and what that took.
+struct FinishedCode {
+  std::vector<Instruction> program;  // numbered as the core's instruction set says
+  uint32_t spill_stores = 0, spill_loads = 0;
+  uint32_t padding = 0;             // nop and lnop that put pairs into fetch groups
+  uint32_t most_live_vectors = 0;   // after spilling: at most what the core has
+};
+
+}  // namespace pelt

@@ -1,0 +1,58 @@
+#include "platform_sim/frame/job_dispatch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <vector>
+
+namespace pelt {
+namespace {
+
+constexpr int64_t kPicoseconds = 1000;  // of a nanosecond
+
+// When the jobs an SPE has end, first to last; only as many as it may have are kept.
+struct Spe {
+  std::deque<int64_t> ends;
+
+  int64_t FreePlace(size_t places) const { return ends.size() < places ? 0 : ends.front(); }
+  int64_t Free() const { return ends.empty() ? 0 : ends.back(); }
+};
+
+}  // namespace
+
+bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, uint64_t job_ns,
+             JobRun& run, std::string& error) {
+  constexpr uint64_t kLongestJobNs = 1'000'000'000;
+  if (job_ns > kLongestJobNs) {
+    error = fmt::format("jobs of {} ns; {} at most", job_ns, kLongestJobNs);
+    return false;
+  }
+  if (spe_count == 0 || jobs == 0 || p.jobs_ahead == 0 || p.availability_permille == 0) {
+    error = fmt::format("{} jobs on {} SPEs that may have {} at availability {}: none may be zero",
+                        jobs, spe_count, p.jobs_ahead, p.availability_permille / 1000.0);
+    return false;
+  }
+  run = {};
+  std::vector<Spe> spes(spe_count);
+  const int64_t work = int64_t(job_ns) * kPicoseconds * 1000 / p.availability_permille +
+                       int64_t(p.spe_job_ns) * kPicoseconds;
+  const int64_t dispatch = int64_t(p.ppe_job_ns) * kPicoseconds;
+  int64_t ppe = 0;
+  for (uint64_t job = 0; job < jobs; ++job) {
+    Spe& spe = *std::min_element(spes.begin(), spes.end(), [&](const Spe& a, const Spe& b) {
+      const int64_t place_a = std::max(ppe, a.FreePlace(p.jobs_ahead));
+      const int64_t place_b = std::max(ppe, b.FreePlace(p.jobs_ahead));
+      return place_a != place_b ? place_a < place_b : a.Free() < b.Free();
+    });
+    ppe = std::max(ppe, spe.FreePlace(p.jobs_ahead)) + dispatch;
+    if (spe.ends.size() == p.jobs_ahead) spe.ends.pop_front();
+    spe.ends.push_back(std::max(ppe, spe.Free()) + work);
+    run.ppe_busy_ps += dispatch;
+    run.spe_busy_ps += work;
+    run.finish_ps = std::max(run.finish_ps, spe.ends.back());
+  }
+  return true;
+}
+
+}  // namespace pelt
