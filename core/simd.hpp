@@ -9,6 +9,7 @@
 //   simd/array_vec.hpp  ArrayVec<N>: the same on plain arrays
 //   simd/maths.hpp      Floor, Rsqrt, Sqrt; Vec3 and unit frames
 //   simd/records.hpp    16-byte records to columns and back
+//   simd/words.hpp      scalar words, for sorting
 //
 // What breaks if the rules are ignored:
 //  - No fused multiply-add, no hardware estimate, no reduction across lanes: each would make the
@@ -26,3 +27,4 @@
 #include "core/simd/maths.hpp"
 #include "core/simd/records.hpp"
 #include "core/simd/vec.hpp"
+#include "core/simd/words.hpp"

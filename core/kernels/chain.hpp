@@ -387,7 +387,7 @@ struct ControlRecords {
     GatherColumns<V>(
         [&](int l) {
           const uint32_t c = control[l];
-          return LoadRecord(record[i][c < count ? c : count - 1]);
+          return record[i][c < count ? c : count - 1];
         },
         p.x, p.y, p.z, unused);
     return p;

@@ -82,11 +82,12 @@ struct JointPalette {
 
   // out = a * b; out may be b.
   static PELT_INLINE void Concatenate(const float* a, const float* b, float* out) {
-    alignas(16) static constexpr float kOrigin[4] = {0, 0, 0, 1};
-    const Record4 b0 = LoadRecord(b), b1 = LoadRecord(b + 4), b2 = LoadRecord(b + 8);
-    const Record4 origin = LoadRecord(kOrigin);
+    alignas(64) static constexpr float kOrigin[4] = {0, 0, 0, 1};
+    using Record = RecordOf<V>;
+    const Record b0 = LoadRecordAs<V>(b), b1 = LoadRecordAs<V>(b + 4), b2 = LoadRecordAs<V>(b + 8);
+    const Record origin = LoadRecordAs<V>(kOrigin);
     for (int r = 0; r < 3; ++r, a += 4)
-      StoreRecord(out + 4 * r, b0 * a[0] + b1 * a[1] + b2 * a[2] + origin * a[3]);
+      StoreRecordAs<V>(out + 4 * r, b0 * a[0] + b1 * a[1] + b2 * a[2] + origin * a[3]);
   }
 
   static PELT_INLINE void StoreIfMoved(PaletteBlock& palette, uint32_t joint,

@@ -74,11 +74,12 @@ PELT_INLINE uint32_t BitsFor(uint32_t count) {
 }
 
 // Counts to places: exclusive prefix sum.
+template <class V>
 PELT_INLINE void SumBins(uint32_t* bins, uint32_t bin_count) {
-  uint32_t sum = 0;
+  WordOf<V> sum = 0;
   for (uint32_t b = 0; b < bin_count; ++b) {
-    const uint32_t count = bins[b];
-    bins[b] = sum;
+    const WordOf<V> count = LoadWord<V>(bins, b);
+    StoreWord<V>(bins, b, sum);
     sum += count;
   }
 }
@@ -154,13 +155,15 @@ struct SortLayer {
   // copies of members: scattered words may alias them.
   template <class Word, uint32_t kPasses>
   struct Sorter {
+    using Scalar = WordOf<V>;
+
     const uint32_t* keys;
     uint32_t lanes;
     Range range;
     uint32_t digit_bits, index_bits;
     uint32_t* order;
     // 32-bit keys: 4 passes of 8 bits, 3 of 11, 2 or 1 of 12.
-    uint32_t bins[kPasses == 4 ? 4 << 8 : kPasses == 3 ? 3 << 11 : kPasses << 12];
+    alignas(64) uint32_t bins[kPasses == 4 ? 4 << 8 : kPasses == 3 ? 3 << 11 : kPasses << 12];
 
     PELT_INLINE uint32_t BinCount() const { return 1u << digit_bits; }
     PELT_INLINE uint32_t* Bins(uint32_t pass) { return bins + (pass << digit_bits); }
@@ -175,13 +178,13 @@ struct SortLayer {
       const uint32_t end = lanes, least = range.least;
       for (uint32_t first = 0; first < end; first += kLaneGroup) {
         if (IsGroupVisible(in + first)) {
-          for (uint32_t i = first; i < first + kLaneGroup; ++i) on_lane(i, in[i] - least, 1u);
+          for (uint32_t i = first; i < first + kLaneGroup; ++i) on_lane(i, Scalar(LoadWord<V>(in, i) - least), Scalar(1u));
         } else if (IsGroupCulled(in + first)) {
           on_group(first);
         } else {
           for (uint32_t i = first; i < first + kLaneGroup; ++i) {
-            const uint32_t key = in[i], seen = key != kCulledKey ? 1u : 0u, mask = 0u - seen;
-            on_lane(i, ((key - least) & mask) | (i & ~mask), seen);
+            const Scalar key = LoadWord<V>(in, i), seen = key != kCulledKey, mask = 0u - seen;
+            on_lane(i, Scalar(((key - least) & mask) | (i & ~mask)), seen);
           }
         }
       }
@@ -190,11 +193,14 @@ struct SortLayer {
     PELT_INLINE void CountDigits() {
       const uint32_t bits = digit_bits, mask = BinCount() - 1;
       uint32_t* const count = bins;
-      for (uint32_t b = 0; b < kPasses << bits; ++b) count[b] = 0;
+      for (uint32_t b = 0; b < kPasses << bits; ++b) StoreWord<V>(count, b, 0u);
       ForEachLane(
-          [&](uint32_t, uint32_t key, uint32_t seen) __attribute__((always_inline)) {
-            for (uint32_t pass = 0; pass < kPasses; ++pass)
-              count[(pass << bits) + ((key >> (pass * bits)) & mask)] += seen;
+          [&](uint32_t, Scalar key, Scalar seen) __attribute__((always_inline)) {
+            for (uint32_t pass = 0; pass < kPasses; ++pass) {
+              const Scalar bin = (key >> (pass * bits)) & mask;
+              uint32_t* const of_pass = count + (pass << bits);
+              StoreWord<V>(of_pass, bin, LoadWord<V>(of_pass, bin) + seen);
+            }
           },
           [](uint32_t) __attribute__((always_inline)){});
     }
@@ -206,16 +212,19 @@ struct SortLayer {
     PELT_INLINE void ScatterKeys(Out* to, Make make) {
       const uint32_t mask = BinCount() - 1;
       uint32_t* const next = bins;
-      uint32_t culled = range.count;
+      Scalar culled = range.count;
+      using Made = WordOf<V, Out>;
       ForEachLane(
-          [&](uint32_t i, uint32_t key, uint32_t seen) __attribute__((always_inline)) {
-            const uint32_t bin = key & mask, place = next[bin], keep = 0u - seen;
-            to[(place & keep) | (culled & ~keep)] = (make(key) & (Out(0) - Out(seen))) | Out(i);
-            next[bin] = place + seen;
+          [&](uint32_t i, Scalar key, Scalar seen) __attribute__((always_inline)) {
+            const Scalar bin = key & mask, place = LoadWord<V>(next, bin), keep = 0u - seen;
+            const Made made = (make(key) & (Made(0) - Made(seen))) | Made(i);
+            StoreWord<V>(to, (place & keep) | (culled & ~keep), made);
+            StoreWord<V>(next, bin, place + seen);
             culled += 1u - seen;
           },
           [&](uint32_t first) __attribute__((always_inline)) {
-            for (uint32_t l = 0; l < kLaneGroup; ++l) to[culled + l] = Out(first + l);
+            for (uint32_t l = 0; l < kLaneGroup; ++l)
+              StoreWord<V>(to, culled + l, Made(first + l));
             culled += kLaneGroup;
           });
     }
@@ -224,21 +233,24 @@ struct SortLayer {
     PELT_INLINE void ScatterToWords(Word* to) {
       const uint32_t bits = digit_bits, shift = index_bits;
       ScatterKeys(
-          to, [&](uint32_t key)
-                  __attribute__((always_inline)) { return Word(key >> bits) << shift; });
-      for (uint32_t i = range.count; i < lanes; ++i) order[i] = uint32_t(to[i]);
+          to, [&](Scalar key)
+                  __attribute__((always_inline)) { return WordOf<V, Word>(key >> bits) << shift; });
+      for (uint32_t i = range.count; i < lanes; ++i)
+        StoreWord<V>(order, i, Scalar(LoadWord<V>(to, i)));
     }
     PELT_INLINE void ScatterToOrder() {
       ScatterKeys(
-          order, [](uint32_t) __attribute__((always_inline)) { return 0u; });
+          order, [](Scalar) __attribute__((always_inline)) { return Scalar(0u); });
     }
     PELT_INLINE void ScatterWords(uint32_t pass, const Word* from, Word* to) {
       const uint32_t count = range.count, mask = BinCount() - 1;
       const uint32_t shift = index_bits + (pass - 1) * digit_bits;
       uint32_t* const next = Bins(pass);
       for (uint32_t i = 0; i < count; ++i) {
-        const Word word = from[i];
-        to[next[uint32_t(word >> shift) & mask]++] = word;
+        const WordOf<V, Word> word = LoadWord<V>(from, i);
+        const Scalar bin = Scalar(word >> shift) & mask, place = LoadWord<V>(next, bin);
+        StoreWord<V>(next, bin, place + 1u);
+        StoreWord<V>(to, place, word);
       }
     }
     // The last pass: strands into the order.
@@ -249,8 +261,10 @@ struct SortLayer {
       uint32_t* const next = Bins(pass);
       uint32_t* const to = order;
       for (uint32_t i = 0; i < count; ++i) {
-        const Word word = from[i];
-        to[next[uint32_t(word >> shift) & mask]++] = uint32_t(word & strand);
+        const WordOf<V, Word> word = LoadWord<V>(from, i);
+        const Scalar bin = Scalar(word >> shift) & mask, place = LoadWord<V>(next, bin);
+        StoreWord<V>(next, bin, place + 1u);
+        StoreWord<V>(to, place, Scalar(word & strand));
       }
     }
 
@@ -265,7 +279,7 @@ struct SortLayer {
       for (uint32_t pass = 0; pass < kPasses; ++pass) {
         needed[pass] = Differs(pass);
         if (needed[pass]) last = pass;
-        sort_layer_detail::SumBins(Bins(pass), BinCount());
+        sort_layer_detail::SumBins<V>(Bins(pass), BinCount());
       }
       // The first pass makes the words, so it runs even where all keys agree on its digit.
       if (last == 0) return ScatterToOrder();
@@ -313,7 +327,7 @@ struct SortLayer {
     const Range range = ScanKeys(ports.keys.blocks->key, lanes);
     if (range.count == 0) {
       uint32_t* const order = ports.order.blocks->strand;
-      for (uint32_t i = 0; i < lanes; ++i) order[i] = i;
+      for (uint32_t i = 0; i < lanes; ++i) StoreWord<V>(order, i, i);
       return;
     }
     const uint32_t span = range.greatest - range.least;

@@ -19,6 +19,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/kernels/sort_layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -49,17 +50,55 @@ constexpr Stream TargetOf(uint32_t digit) {
 template <uint32_t kDigit>
 struct SourceBlock {
   using Type = SortPairBlock;
-  static PELT_INLINE uint32_t Key(const Type& b, uint32_t i) { return b.pair[i].key; }
+  template <class V>
+  static PELT_INLINE WordOf<V> Key(const Type& b, uint32_t i) {
+    return LoadWord<V>(&b.pair[i].key, 0);
+  }
 };
 template <>
 struct SourceBlock<0> {
   using Type = SortKeyBlock;
-  static PELT_INLINE uint32_t Key(const Type& b, uint32_t i) { return b.key[i]; }
+  template <class V>
+  static PELT_INLINE WordOf<V> Key(const Type& b, uint32_t i) {
+    return LoadWord<V>(b.key, i);
+  }
 };
 
-template <uint32_t kDigit>
-PELT_INLINE uint32_t DigitOf(uint32_t key) {
+template <uint32_t kDigit, class Word>
+PELT_INLINE Word DigitOf(Word key) {
   return (key >> (8 * kDigit)) & (kDigitBins - 1);
+}
+
+// The next place of the digit, which moves on.
+template <class V>
+PELT_INLINE WordOf<V> TakePlace(DigitBlock& next, WordOf<V> digit) {
+  const WordOf<V> place = LoadWord<V>(next.bin, digit);
+  StoreWord<V>(next.bin, digit, place + 1u);
+  return place;
+}
+
+// A scattered record is its words to a type that records them.
+template <class V>
+PELT_INLINE void PutPair(const Scatter<SortPair>& sorted, uint32_t i, WordOf<V> to, WordOf<V> key,
+                         WordOf<V> strand) {
+  if constexpr (simd_detail::HasWords<V>) {
+    if (sorted.index) StoreWord<V>(sorted.index, i, to);
+    const WordOf<V> at = (sorted.index ? WordOf<V>(i) : to) << 1;
+    StoreWord<V>(&sorted.records->key, at, key);
+    StoreWord<V>(&sorted.records->strand, at, strand);
+  } else {
+    sorted.Put(i, to, {key, strand});
+  }
+}
+template <class V>
+PELT_INLINE void PutStrand(const Scatter<uint32_t>& sorted, uint32_t i, WordOf<V> to,
+                           WordOf<V> strand) {
+  if constexpr (simd_detail::HasWords<V>) {
+    if (sorted.index) StoreWord<V>(sorted.index, i, to);
+    StoreWord<V>(sorted.records, sorted.index ? WordOf<V>(i) : to, strand);
+  } else {
+    sorted.Put(i, to, strand);
+  }
 }
 
 }  // namespace sort_pieces_detail
@@ -80,9 +119,12 @@ struct SortCount {
 
   static void Run(const Params&, const Ports& ports) {
     uint32_t* bin = ports.digits->bin;
-    for (uint32_t b = 0; b < kDigitBins; ++b) bin[b] = 0;
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ++bin[sort_pieces_detail::DigitOf<kDigit>(Source::Key(*ports.keys, i))];
+    for (uint32_t b = 0; b < kDigitBins; ++b) StoreWord<V>(bin, b, 0u);
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      const WordOf<V> digit =
+          sort_pieces_detail::DigitOf<kDigit>(Source::template Key<V>(*ports.keys, i));
+      StoreWord<V>(bin, digit, LoadWord<V>(bin, digit) + 1u);
+    }
   }
 };
 
@@ -97,21 +139,19 @@ struct SortOffsets {
   static constexpr auto kPorts = PortList(Port<&Ports::digits>(Stream::kDigits, "digits"));
 
   static void Run(const Params&, const Ports& ports) {
-    uint32_t next[kDigitBins];
-    for (uint32_t b = 0; b < kDigitBins; ++b) next[b] = 0;
+    // Dense rows: whole vectors, but for the running sum.
+    using I = typename V::Int;
+    alignas(64) uint32_t next[kDigitBins];
+    for (uint32_t b = 0; b < kDigitBins; b += V::kLanes) I(0).Store(next + b);
     for (uint32_t c = 0; c < ports.digits.count; ++c)
-      for (uint32_t b = 0; b < kDigitBins; ++b) next[b] += ports.digits[c].bin[b];
-    uint32_t sum = 0;
-    for (uint32_t b = 0; b < kDigitBins; ++b) {
-      const uint32_t count = next[b];
-      next[b] = sum;
-      sum += count;
-    }
+      for (uint32_t b = 0; b < kDigitBins; b += V::kLanes)
+        (I::Load(next + b) + I::Load(ports.digits[c].bin + b)).Store(next + b);
+    sort_layer_detail::SumBins<V>(next, kDigitBins);
     for (uint32_t c = 0; c < ports.digits.count; ++c)
-      for (uint32_t b = 0; b < kDigitBins; ++b) {
-        const uint32_t count = ports.digits[c].bin[b];
-        ports.digits[c].bin[b] = next[b];
-        next[b] += count;
+      for (uint32_t b = 0; b < kDigitBins; b += V::kLanes) {
+        const I count = I::Load(ports.digits[c].bin + b), place = I::Load(next + b);
+        place.Store(ports.digits[c].bin + b);
+        (place + count).Store(next + b);
       }
   }
 };
@@ -132,10 +172,12 @@ struct SortScatter {
                Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
 
   static void Run(const Params&, const Ports& ports) {
+    using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
-      const SortPair pair = ports.pairs->pair[i];
-      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<kDigit>(pair.key)]++, pair);
+      const SortPair& pair = ports.pairs->pair[i];
+      const WordOf<V> key = LoadWord<V>(&pair.key, 0), strand = LoadWord<V>(&pair.strand, 0);
+      PutPair<V>(ports.sorted, i, TakePlace<V>(next, DigitOf<kDigit>(key)), key, strand);
     }
   }
 };
@@ -158,11 +200,12 @@ struct SortScatter<V, 0> {
                Port<&Ports::sorted>(sort_pieces_detail::TargetOf(0), "sorted"));
 
   static void Run(const Params&, const Ports& ports) {
+    using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     const uint32_t first = ports.state->first_place;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
-      const SortPair pair{ports.keys->key[i], first + i};
-      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<0>(pair.key)]++, pair);
+      const WordOf<V> key = LoadWord<V>(ports.keys->key, i);
+      PutPair<V>(ports.sorted, i, TakePlace<V>(next, DigitOf<0>(key)), key, first + i);
     }
   }
 };
@@ -184,10 +227,12 @@ struct SortScatter<V, kSortDigits - 1> {
                Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
 
   static void Run(const Params&, const Ports& ports) {
+    using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
-      const SortPair pair = ports.pairs->pair[i];
-      ports.sorted.Put(i, next.bin[sort_pieces_detail::DigitOf<kDigit>(pair.key)]++, pair.strand);
+      const SortPair& pair = ports.pairs->pair[i];
+      const WordOf<V> digit = DigitOf<kDigit>(LoadWord<V>(&pair.key, 0));
+      PutStrand<V>(ports.sorted, i, TakePlace<V>(next, digit), LoadWord<V>(&pair.strand, 0));
     }
   }
 };

@@ -47,8 +47,8 @@ struct WriteInstances {
   static void Run(const Params&, const Ports& ports) {
     CurveRecord* out = ports.instances->instance;
     const uint32_t drawn = CountDrawn(ports.sort->visible_count, ports.state->first_place);
-    for (uint32_t i = 0; i < drawn; ++i) out[i] = ports.curves[i];
-    for (uint32_t i = drawn; i < kStrandsPerChunk; ++i) out[i] = CurveRecord{};
+    for (uint32_t i = 0; i < drawn; ++i) CopyRecord<V>(&out[i], &ports.curves[i]);
+    for (uint32_t i = drawn; i < kStrandsPerChunk; ++i) ClearRecord<V>(&out[i]);
   }
 };
 

@@ -47,7 +47,7 @@ PELT_INLINE Hairs<V> LoadHairs(QuadOfLane quad_of) {
   V c[5][4];
   for (int q = 0; q < 5; ++q)
     GatherColumns<V>(
-        [&](int l) __attribute__((always_inline)) { return LoadRecord(quad_of(l, q)); }, c[q][0],
+        [&](int l) __attribute__((always_inline)) { return quad_of(l, q); }, c[q][0],
         c[q][1], c[q][2], c[q][3]);
   Hairs<V> h;
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
@@ -144,7 +144,7 @@ PELT_INLINE void WritePiece(const WriteRibbonsParams& p, const LayerBlock& layer
   }
   for (uint32_t hair = drawn; hair < kStrandsPerChunk; ++hair)
     for (uint32_t i = 0; i < kRibbonPoints; ++i)
-      out.vertex[hair][i][0] = out.vertex[hair][i][1] = RibbonVertex{};
+      for (RibbonVertex& vertex : out.vertex[hair][i]) ClearRecord<V>(&vertex);
 }
 
 }  // namespace write_ribbons_detail

@@ -35,6 +35,8 @@ PELT_INLINE V Floor(V a) {
 // number, so that a * Rsqrt(a) is 0.
 template <class V>
 PELT_INLINE V Rsqrt(V a) {
+  // A type that records takes it as one operation, of the same bits.
+  if constexpr (requires { V::ReciprocalRoot(a); }) return V::ReciprocalRoot(a);
   using I = typename V::Int;
   V y = FromBits(I(0x5f375a86) - (Bits(a) >> 1));
   const V e = V(1.0f) - a * y * y;

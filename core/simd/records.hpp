@@ -25,6 +25,8 @@
 
 namespace pelt {
 
+// Types that are not bare registers go through memory, but for one that names what they do there
+// (V::LoadRecord, V::SplatLane, V::Transpose, V::Record): a recording type.
 struct Record4 {
   simd_detail::F4 r;
 };
@@ -35,6 +37,56 @@ PELT_INLINE Record4 LoadRecord(const float* p) {
   return out;
 }
 PELT_INLINE void StoreRecord(float* p, Record4 a) { std::memcpy(p, &a.r, 16); }
+// Sixteen bytes and their arithmetic as V sees them.
+namespace simd_detail {
+template <class V>
+struct RecordType {
+  using Type = Record4;
+  static PELT_INLINE Type Load(const float* p) { return LoadRecord(p); }
+  static PELT_INLINE void Store(float* p, Type a) { StoreRecord(p, a); }
+};
+template <class V>
+requires requires { typename V::Record; }
+struct RecordType<V> {
+  using Type = typename V::Record;
+  static PELT_INLINE Type Load(const float* p) { return Type::Load(p); }
+  static PELT_INLINE void Store(float* p, Type a) { a.Store(p); }
+};
+}  // namespace simd_detail
+template <class V>
+using RecordOf = typename simd_detail::RecordType<V>::Type;
+template <class V>
+PELT_INLINE RecordOf<V> LoadRecordAs(const float* p) {
+  return simd_detail::RecordType<V>::Load(p);
+}
+template <class V>
+PELT_INLINE void StoreRecordAs(float* p, RecordOf<V> a) {
+  simd_detail::RecordType<V>::Store(p, a);
+}
+// *to = *from, for records that are a whole number of sixteen bytes.
+template <class V, class T>
+PELT_INLINE void CopyRecord(T* to, const T* from) {
+  if constexpr (requires { typename V::Record; }) {
+    static_assert(sizeof(T) % 16 == 0);
+    const float* in = reinterpret_cast<const float*>(from);
+    float* out = reinterpret_cast<float*>(to);
+    for (size_t f = 0; f < sizeof(T) / 4; f += 4) V::LoadRecord(in + f).Store(out + f);
+  } else {
+    *to = *from;
+  }
+}
+// *to = T{}, for records that are all zero then.
+template <class V, class T>
+PELT_INLINE void ClearRecord(T* to) {
+  if constexpr (requires { typename V::Record; }) {
+    static_assert(sizeof(T) % 16 == 0);
+    float* out = reinterpret_cast<float*>(to);
+    for (size_t f = 0; f < sizeof(T) / 4; f += 4) V(0.0f).Store(out + f);
+  } else {
+    *to = T{};
+  }
+}
+
 PELT_INLINE Record4 operator+(Record4 a, Record4 b) { return {a.r + b.r}; }
 PELT_INLINE Record4 operator-(Record4 a, Record4 b) { return {a.r - b.r}; }
 PELT_INLINE Record4 operator*(Record4 a, float s) { return {a.r * (s - simd_detail::F4{})}; }
@@ -120,11 +172,18 @@ PELT_INLINE void SplitRecords(V a, StoreGroup store) {
 // The records of lanes kFirst, kFirst + 4, ...; address(lane) -> const float* to 16 bytes.
 template <class V, int kFirst, class AddressOfLane>
 PELT_INLINE V LoadRecords(AddressOfLane address) {
-  return simd_detail::JoinRecords<V>([&](int g) { return LoadRecord(address(kFirst + 4 * g)); });
+  if constexpr (requires { V::LoadRecord(address(0)); })
+    return V::LoadRecord(address(kFirst));
+  else
+    return simd_detail::JoinRecords<V>([&](int g) { return LoadRecord(address(kFirst + 4 * g)); });
 }
 template <int kFirst, class V, class AddressOfLane>
 PELT_INLINE void StoreRecords(V a, AddressOfLane address) {
-  simd_detail::SplitRecords(a, [&](int g, Record4 r) { StoreRecord(address(kFirst + 4 * g), r); });
+  if constexpr (requires { V::LoadRecord(address(0)); })
+    a.Store(address(kFirst));
+  else
+    simd_detail::SplitRecords(a,
+                              [&](int g, Record4 r) { StoreRecord(address(kFirst + 4 * g), r); });
 }
 
 // Lane 4 g + kFirst of each group g, on all four lanes of the group.
@@ -133,6 +192,8 @@ PELT_INLINE V SplatInFours(V a) {
   if constexpr (simd_detail::IsRegister<V>) {
     return V(simd_detail::ShuffleFours<kFirst, kFirst, kFirst, kFirst>(
         a.v, a.v, std::make_index_sequence<size_t(V::kLanes)>{}));
+  } else if constexpr (requires { V::SplatLane(a, kFirst); }) {
+    return V::SplatLane(a, kFirst);
   } else {
     alignas(64) float lanes[V::kLanes];
     a.Store(lanes);
@@ -156,6 +217,8 @@ PELT_INLINE void TransposeFours(V& a, V& b, V& c, V& d) {
     b = V(ShuffleFours<2, 3, 6, 7>(ab_low, cd_low, kAll));
     c = V(ShuffleFours<0, 1, 4, 5>(ab_high, cd_high, kAll));
     d = V(ShuffleFours<2, 3, 6, 7>(ab_high, cd_high, kAll));
+  } else if constexpr (requires { V::Transpose(a, b, c, d); }) {
+    V::Transpose(a, b, c, d);
   } else {
     alignas(64) float in[4][V::kLanes], out[4][V::kLanes];
     a.Store(in[0]);
@@ -171,15 +234,15 @@ PELT_INLINE void TransposeFours(V& a, V& b, V& c, V& d) {
   }
 }
 
-// Calls record(lane) -> Record4 for each of kLanes lanes and returns the four columns as V.
-template <class V, class RecordOfLane>
-PELT_INLINE void GatherColumns(RecordOfLane record, V& x, V& y, V& z, V& w) {
+// Loads the records of kLanes lanes, address(lane) -> const float* to 16 bytes, and returns the
+// four columns.
+template <class V, class AddressOfLane>
+PELT_INLINE void GatherColumns(AddressOfLane address, V& x, V& y, V& z, V& w) {
   static_assert(V::kLanes % 4 == 0);
-  using simd_detail::JoinRecords;
-  x = JoinRecords<V>([&](int g) { return record(4 * g); });
-  y = JoinRecords<V>([&](int g) { return record(4 * g + 1); });
-  z = JoinRecords<V>([&](int g) { return record(4 * g + 2); });
-  w = JoinRecords<V>([&](int g) { return record(4 * g + 3); });
+  x = LoadRecords<V, 0>(address);
+  y = LoadRecords<V, 1>(address);
+  z = LoadRecords<V, 2>(address);
+  w = LoadRecords<V, 3>(address);
   TransposeFours(x, y, z, w);
 }
 
