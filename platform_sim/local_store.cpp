@@ -32,6 +32,12 @@ uint64_t RoundUp(uint64_t bytes) {
   return (bytes + kBlockAlignment - 1) & ~uint64_t(kBlockAlignment - 1);
 }
 
+// Memory lines that record number `record` of a layer lies in.
+uint32_t LinesOf(uint32_t record, uint32_t record_bytes) {
+  const uint64_t first = uint64_t(record) * record_bytes, last = first + record_bytes - 1;
+  return uint32_t(last / kBlockAlignment - first / kBlockAlignment + 1);
+}
+
 uint32_t LayerRecords(const Frame& frame, uint32_t chunk) {
   const SceneShape& shape = *frame.memory->shape;
   return shape.LayerChunks(shape.chunk_layer[chunk]) * kStrandsPerChunk;
@@ -53,19 +59,34 @@ LocalStoreExecutor::~LocalStoreExecutor() = default;
 
 void LocalStoreExecutor::Run(const Frame& frame) {
   ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
-    for (uint32_t i = 0; i < count; ++i) RunItem(frame, frame.plan->passes[pass], i);
+    for (uint32_t i = 0; i < count; ++i) RunStages(frame, frame.plan->passes[pass], i, nullptr);
   });
 }
 
-void LocalStoreExecutor::RunItem(const Frame& frame, const Pass& pass, uint32_t item) {
+void LocalStoreExecutor::RunItem(const Frame& frame, uint32_t pass, uint32_t item,
+                                 StageObserver& observer, LocalStoreItem& moved) {
+  stages_ran_.clear();
+  RunStages(frame, frame.plan->passes[pass], item, &observer);
+  for (const Resident& block : resident_)
+    if (block.moved.get_bytes + block.moved.put_bytes > 0) moved.blocks.push_back(block.moved);
+  moved.stages.insert(moved.stages.end(), stages_ran_.begin(), stages_ran_.end());
+}
+
+void LocalStoreExecutor::RunStages(const Frame& frame, const Pass& pass, uint32_t item,
+                                   StageObserver* observer) {
   const FloatEnvironment float_environment;
   std::fill_n(buffer_->bytes, std::min(top_ + kWatchedBytes, kLocalStoreBytes), kPoison);
   resident_.clear();
   top_ = data_used_ = 0;
-  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
-    if (IsWanted(frame.plan->stages[s], *frame.memory, item))
-      RunStage(frame, frame.plan->stages[s], item);
-  for (const Resident& block : resident_) {
+  for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
+    if (!IsWanted(frame.plan->stages[s], *frame.memory, item)) continue;
+    if (observer) {
+      observer->OnStage(s, item);
+      stages_ran_.push_back(s);
+    }
+    RunStage(frame, frame.plan->stages[s], item);
+  }
+  for (Resident& block : resident_) {
     if (!block.written) continue;
     const auto use = std::find_if(pass.streams.begin(), pass.streams.end(),
                                   [&](const PassStream& u) { return u.stream == block.stream; });
@@ -137,8 +158,15 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
                       bytes, data_bytes_, data_used_));
     return nullptr;
   }
-  resident_.push_back({port.stream, port.access, top_, uint32_t(bytes), port.block_bytes,
-                       main.count, false, false});
+  resident_.push_back({port.stream,
+                       port.access,
+                       top_,
+                       uint32_t(bytes),
+                       port.block_bytes,
+                       main.count,
+                       false,
+                       false,
+                       {port.stream, 0, 0, 0, 0, 0, 0}});
   top_ = uint32_t(end);
   data_used_ = uint32_t(over_data);
   counts_.peak_bytes = std::max(counts_.peak_bytes, data_used_);
@@ -147,10 +175,11 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
 }
 
 void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t item,
-                              const Resident& block) {
+                              Resident& block) {
   std::byte* to = buffer_->bytes + block.offset;
   if (block.access != Access::kGather) {
     std::memcpy(to, main.block, block.bytes);
+    block.moved.get_bytes = block.bytes;
     CountTransfer(block.bytes, true);
     return;
   }
@@ -165,24 +194,29 @@ void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t 
                 block.record_bytes);
     ++counts_.list_elements;
     counts_.get_bytes += block.record_bytes;
+    block.moved.get_bytes += block.record_bytes;
+    ++block.moved.get_elements;
+    block.moved.get_lines += LinesOf(from, block.record_bytes);
   }
   ++counts_.dma_commands;
 }
 
 void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t item,
-                               const Resident& block, bool transient) {
+                               Resident& block, bool transient) {
   if (block.access == Access::kScatter) return Scatter(frame, stage, item, block);
   const PortDesc port{{}, block.stream, block.access, block.record_bytes, Stream::kNone};
   std::memcpy(BindPort(port, *frame.memory, stage.domain, item).block,
               buffer_->bytes + block.offset, block.bytes);
-  if (transient)
+  if (transient) {
     counts_.transient_bytes += block.bytes;
-  else
-    CountTransfer(block.bytes, false);
+    return;
+  }
+  CountTransfer(block.bytes, false);
+  block.moved.put_bytes = block.bytes;  // however often gates had to be told
 }
 
 void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_t item,
-                                 const Resident& block) {
+                                 Resident& block) {
   const SceneShape& shape = *frame.memory->shape;
   std::byte* to =
       frame.memory->Block(block.stream, shape.layer_first_chunk[shape.chunk_layer[item]]);
@@ -200,6 +234,9 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
                 records + size_t(i) * block.record_bytes, block.record_bytes);
     ++counts_.list_elements;
     counts_.put_bytes += block.record_bytes;
+    block.moved.put_bytes += block.record_bytes;
+    ++block.moved.put_elements;
+    block.moved.put_lines += LinesOf(index[i], block.record_bytes);
   }
   ++counts_.dma_commands;
 }

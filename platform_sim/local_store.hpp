@@ -34,6 +34,30 @@ struct LocalStoreCounts {
   uint32_t peak_bytes = 0;  // of data at one time, for one item
 };
 
+// What one item moved, and which stages ran on it: what a model of its time starts from.
+struct LocalStoreItem {
+  struct Block {
+    Stream stream;
+    uint32_t get_bytes, put_bytes;        // what a console would move
+    uint32_t get_elements, put_elements;  // records of a list; 0: the block moves whole
+    uint32_t get_lines, put_lines;        // of memory, that the records touch
+  };
+  std::vector<Block> blocks;  // in the order in which they came
+  std::vector<uint32_t> stages;
+
+  void Clear() {
+    blocks.clear();
+    stages.clear();
+  }
+};
+
+// Told of each stage that is about to run, while main memory stands as its gate saw it.
+class StageObserver {
+ public:
+  virtual ~StageObserver() = default;
+  virtual void OnStage(uint32_t stage, uint32_t item) = 0;
+};
+
 class LocalStoreExecutor final : public Executor {
  public:
   // `data_bytes`: what kernels may fill, the plan's limit. A port beyond it is a fault, and its
@@ -42,6 +66,9 @@ class LocalStoreExecutor final : public Executor {
   ~LocalStoreExecutor() override;
 
   void Run(const Frame& frame) override;
+  // One item of one pass, as Run does it; what it moved is added to `moved`.
+  void RunItem(const Frame& frame, uint32_t pass, uint32_t item, StageObserver& observer,
+               LocalStoreItem& moved);
 
   const LocalStoreCounts& counts() const { return counts_; }
   const std::vector<LocalStoreFault>& faults() const { return faults_; }
@@ -54,17 +81,18 @@ class LocalStoreExecutor final : public Executor {
     uint32_t offset, bytes, record_bytes, count;
     bool writable;  // by the stage that is running
     bool written;   // and not yet put
+    LocalStoreItem::Block moved;
   };
   struct Buffer;
 
-  void RunItem(const Frame& frame, const Pass& pass, uint32_t item);
+  void RunStages(const Frame& frame, const Pass& pass, uint32_t item, StageObserver* observer);
   void RunStage(const Frame& frame, const Stage& stage, uint32_t item);
   // Null when it does not fit.
   Resident* FindOrLoad(const Frame& frame, const Stage& stage, const PortDesc& port, uint32_t item);
-  void Load(const Frame& frame, const Binding& main, uint32_t item, const Resident& block);
-  void Store(const Frame& frame, const Stage& stage, uint32_t item, const Resident& block,
+  void Load(const Frame& frame, const Binding& main, uint32_t item, Resident& block);
+  void Store(const Frame& frame, const Stage& stage, uint32_t item, Resident& block,
              bool transient);
-  void Scatter(const Frame& frame, const Stage& stage, uint32_t item, const Resident& block);
+  void Scatter(const Frame& frame, const Stage& stage, uint32_t item, Resident& block);
   void CheckUntouched(const Stage& stage, uint32_t item, const Resident& block);
   void CheckGuards(const Stage& stage, uint32_t item);
   void Fault(const Stage& stage, uint32_t item, std::string what);
@@ -74,8 +102,9 @@ class LocalStoreExecutor final : public Executor {
   std::unique_ptr<Buffer> buffer_;
   std::vector<std::byte> snapshot_;
   std::vector<Resident> resident_;
-  uint32_t top_ = 0;        // first byte behind the last guard
-  uint32_t data_used_ = 0;  // of it, without guards
+  std::vector<uint32_t> stages_ran_;  // on the item, when somebody observes
+  uint32_t top_ = 0;                  // first byte behind the last guard
+  uint32_t data_used_ = 0;            // of it, without guards
   LocalStoreCounts counts_;
   std::vector<LocalStoreFault> faults_;
 };

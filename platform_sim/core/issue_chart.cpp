@@ -7,7 +7,8 @@ namespace pelt {
 
 std::string_view StallCauseName(StallCause cause) {
   static constexpr std::string_view kNames[kStallCauseCount] = {
-      "register", "branch", "not pipelined", "FP6 after FP7", "load-hit-store", "other thread"};
+      "register",       "branch",       "not pipelined", "FP6 after FP7",
+      "load-hit-store", "other thread", "hint target"};
   return kNames[uint32_t(cause)];
 }
 

@@ -24,8 +24,9 @@ enum class StallCause : uint8_t {
   kAfterFp7,      // an FP6 right after an FP7
   kLoadHitStore,  // a load finds its address in a store that is under way
   kOtherThread,   // the cycle is the other hardware thread's
+  kHintTarget,    // a hinted branch came before its target was fetched
 };
-inline constexpr uint32_t kStallCauseCount = 6;
+inline constexpr uint32_t kStallCauseCount = 7;
 std::string_view StallCauseName(StallCause cause);
 
 // Why an instruction does not issue together with the one before it.
@@ -52,10 +53,29 @@ struct IssueSlot {
   uint8_t pipe;  // of the core: SpuPipe, or the first unit of PpeUnit
   Unpaired unpaired;
   uint8_t stall_count = 0;
-  std::array<Stall, 4> stalls{};
+  std::array<Stall, 5> stalls{};
 
+  // There is a place for each cause that a core has; a cause that goes on is one stall.
   void AddStall(Stall stall) {
-    if (stall_count < stalls.size()) stalls[stall_count++] = stall;
+    Stall* last = stall_count > 0 ? &stalls[stall_count - 1u] : nullptr;
+    if (last && last->cause == stall.cause && last->reg == stall.reg)
+      last->cycles += stall.cycles;
+    else if (stall_count < stalls.size())
+      stalls[stall_count++] = stall;
+  }
+  void WaitUntil(int64_t until, StallCause cause, uint32_t reg = kNoRegister) {
+    if (until <= cycle) return;
+    AddStall({cause, uint32_t(until - cycle), reg});
+    cycle = until;
+  }
+  // It had to wait, so it goes alone, a cycle of its own after the first: that cycle is no stall.
+  void GiveUpPair() {
+    unpaired = Unpaired::kNotReady;
+    for (uint32_t s = 0; s < stall_count; ++s)
+      if (stalls[s].cycles > 0) {
+        --stalls[s].cycles;
+        return;
+      }
   }
 };
 

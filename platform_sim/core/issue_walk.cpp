@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <map>
 
 namespace pelt {
@@ -26,13 +27,15 @@ class Walk {
 
   bool Run(std::span<const TripCount> trips, std::string& error) {
     if (!FindLoops(trips, error)) return false;
+    seen_.resize(program_.size());
+    chart_.first_pass.reserve(program_.size());
     uint32_t index = 0;
     while (index < program_.size()) {
       const Instruction& instruction = program_[index];
       if (instruction.flow == Flow::kCall)
         return Refuse(index, "calls are not followed: give the function with its calls inlined",
                       error);
-      if (log_.size() >= kMaxIssues)
+      if (issues_++ >= kMaxIssues)
         return Refuse(index,
                       fmt::format("no end after {} issues and no steady state to leap from: give "
                                   "a smaller trip count, or one loop",
@@ -102,16 +105,17 @@ class Walk {
     for (uint32_t p = 0; p < model_.PipeCount(); ++p)
       totals_.pipe_cycles[p] += model_.BusyCycles(instruction, p);
     totals_.cycles = slot.cycle + 1;
-    if (!seen_twice_) {
-      seen_.resize(program_.size());
-      seen_twice_ = seen_[index];
-      if (!seen_twice_) {
-        seen_[index] = true;
-        chart_.first_pass.push_back(slot);
-        chart_.first_pass_totals = totals_;
-      }
-    }
-    log_.push_back(slot);
+    if (!seen_twice_) NoteFirstPass(slot, index);
+    if (!loops_.empty()) log_.push_back(slot);
+  }
+
+  void NoteFirstPass(const IssueSlot& slot, uint32_t index) {
+    seen_twice_ = seen_[index];
+    if (seen_twice_) return;
+    seen_[index] = true;
+    chart_.first_pass.push_back(slot);
+    // Without loops the whole run is the first pass.
+    if (!loops_.empty()) chart_.first_pass_totals = totals_;
   }
 
   Snapshot Now(const Loop& loop) const {
@@ -186,6 +190,7 @@ class Walk {
 
   void Finish() {
     chart_.totals = totals_;
+    if (loops_.empty()) chart_.first_pass_totals = totals_;
     std::ranges::sort(chart_.loops, {}, &LoopTiming::head);
   }
 
@@ -194,31 +199,45 @@ class Walk {
   IssueChart& chart_;
   IssueTotals totals_;
   std::map<uint32_t, Loop> loops_;  // by head
-  std::vector<IssueSlot> log_;
+  std::vector<IssueSlot> log_;      // for the turns of loops
+  size_t issues_ = 0;
   std::vector<bool> seen_;
   bool seen_twice_ = false;
 };
 
 // Registers that are live, and how many.
-struct LiveSet {
-  std::vector<bool> is_live;
-  uint32_t count = 0;
+class LiveSet {
+ public:
+  explicit LiveSet(uint32_t registers) : words_((registers + 63) / 64) {}
 
+  uint32_t count() const { return count_; }
   void Add(uint32_t reg) {
-    count += !is_live[reg];
-    is_live[reg] = true;
+    uint64_t& word = words_[reg / 64];
+    count_ += !(word >> reg % 64 & 1);
+    word |= uint64_t{1} << reg % 64;
   }
   void Remove(uint32_t reg) {
-    count -= is_live[reg];
-    is_live[reg] = false;
+    uint64_t& word = words_[reg / 64];
+    count_ -= word >> reg % 64 & 1;
+    word &= ~(uint64_t{1} << reg % 64);
+  }
+  void Clear() {
+    if (count_ > 0) std::ranges::fill(words_, 0);
+    count_ = 0;
   }
   // False: nothing new.
   bool AddAll(const LiveSet& more) {
-    const uint32_t before = count;
-    for (uint32_t r = 0; r < is_live.size(); ++r)
-      if (more.is_live[r]) Add(r);
-    return count != before;
+    const uint32_t before = count_;
+    if (more.count_ == 0) return false;
+    count_ = 0;
+    for (size_t w = 0; w < words_.size(); ++w)
+      count_ += uint32_t(std::popcount(words_[w] |= more.words_[w]));
+    return count_ != before;
   }
+
+ private:
+  std::vector<uint64_t> words_;
+  uint32_t count_ = 0;
 };
 
 }  // namespace
@@ -263,7 +282,7 @@ std::vector<uint32_t> LoopHeads(Program program) {
 // Backwards over the program; live sets are kept only where branches go, and the passes repeat
 // until those stand still.
 uint32_t MostLiveRegisters(Program program, uint32_t first, uint32_t count) {
-  const LiveSet none{std::vector<bool>(count, false)};
+  const LiveSet none(count);
   std::map<uint32_t, LiveSet> at_target;
   for (const Instruction& instruction : program)
     if (instruction.flow != Flow::kHint && instruction.target != kNoTarget)
@@ -272,22 +291,22 @@ uint32_t MostLiveRegisters(Program program, uint32_t first, uint32_t count) {
   uint32_t most = 0;
   for (bool changed = true; changed;) {
     changed = false;
-    LiveSet live = none;
+    LiveSet live(count);
     for (uint32_t i = uint32_t(program.size()); i-- > 0;) {
       const Instruction& instruction = program[i];
       const bool ends = instruction.flow == Flow::kEnd || instruction.flow == Flow::kAlways;
-      if (ends) live = none;
+      if (ends) live.Clear();
       const bool jumps =
           instruction.flow == Flow::kAlways || instruction.flow == Flow::kConditional;
       if (jumps && instruction.target != kNoTarget) live.AddAll(at_target.at(instruction.target));
       for (const uint32_t reg : instruction.writes)
         if (inside(reg)) live.Add(reg - first);
-      most = std::max(most, live.count);
+      most = std::max(most, live.count());
       for (const uint32_t reg : instruction.writes)
         if (inside(reg)) live.Remove(reg - first);
       for (const uint32_t reg : instruction.reads)
         if (inside(reg)) live.Add(reg - first);
-      most = std::max(most, live.count);
+      most = std::max(most, live.count());
       if (const auto at = at_target.find(i); at != at_target.end())
         changed |= at->second.AddAll(live);
     }

@@ -171,8 +171,14 @@ class ListingReader {
   bool FailUnknown(std::string_view mnemonic) {
     const InstructionSet& other =
         listing_.set == &SpuInstructionSet() ? PpeInstructionSet() : SpuInstructionSet();
-    const std::string hint =
-        other.find(mnemonic) ? fmt::format(", and this is one of the {}'s", other.name) : "";
+    std::string hint;
+    if (other.find(mnemonic))
+      hint = fmt::format(", and this is one of the {}'s", other.name);
+    else if (listing_.program.empty())  // the first: hardly a slip of the pen
+      hint = fmt::format(
+          "; is this of another machine, or a disassembly? Give what a compiler for the {} writes "
+          "with -S",
+          listing_.set->name);
     return Fail(
         fmt::format("'{}' is no {} opcode; expected an opcode, a label with ':' or a "
                     "directive with '.'{}",

@@ -24,13 +24,13 @@ class PpeDispatch final : public IssueModel {
     IssueSlot slot{index, 0, uint8_t(std::countr_zero(op.units)), pairing};
     slot.cycle = !started_ ? 0 : last_cycle_ + (pairing != Unpaired::kPaired);
     const int64_t in_turn = slot.cycle;
-    Wait(slot, restart_, StallCause::kBranch);
+    slot.WaitUntil(restart_, StallCause::kBranch);
     for (uint32_t u = 0; u < kPpeUnitCount; ++u)
-      if (op.units >> u & 1) Wait(slot, unit_free_[u], StallCause::kBlocked);
+      if (op.units >> u & 1) slot.WaitUntil(unit_free_[u], StallCause::kBlocked);
     WaitForRegisters(slot, instruction);
     WaitForStores(slot, instruction.address);
-    if (rules_.smt) Wait(slot, OwnCycle(slot.cycle), StallCause::kOtherThread);
-    if (pairing == Unpaired::kPaired && slot.cycle > in_turn) GiveUpPair(slot);
+    if (rules_.smt) slot.WaitUntil(OwnCycle(slot.cycle), StallCause::kOtherThread);
+    if (pairing == Unpaired::kPaired && slot.cycle > in_turn) slot.GiveUpPair();
     Remember(instruction, op, slot, taken);
     return slot;
   }
@@ -49,6 +49,7 @@ class PpeDispatch final : public IssueModel {
     state.push_back(until(restart_));
     state.push_back(used_units_);
     state.push_back(in_last_cycle_);
+    state.push_back(group_ended_);
     if (rules_.smt) state.push_back(last_cycle_ % ppe_.smt_threads);
     for (const PendingStore& store : stores_) {
       const int64_t age = last_cycle_ - store.cycle;
@@ -80,18 +81,13 @@ class PpeDispatch final : public IssueModel {
 
   Unpaired Pairing(const PpeClassParameters& op) const {
     if (!started_ || in_last_cycle_ >= ppe_.dispatch_width) return Unpaired::kFirst;
+    if (group_ended_) return Unpaired::kNever;
     return used_units_ & op.units ? Unpaired::kPipe : Unpaired::kPaired;
   }
 
   int64_t OwnCycle(int64_t cycle) const {
     const int64_t threads = ppe_.smt_threads;
     return (cycle + threads - 1) / threads * threads;
-  }
-
-  static void Wait(IssueSlot& slot, int64_t until, StallCause cause, uint32_t reg = kNoRegister) {
-    if (until <= slot.cycle) return;
-    slot.AddStall({cause, uint32_t(until - slot.cycle), reg});
-    slot.cycle = until;
   }
 
   static bool IsAddress(const Instruction& instruction, uint32_t reg) {
@@ -113,7 +109,7 @@ class PpeDispatch final : public IssueModel {
       latest = reg;
       cycle = ready;
     }
-    if (latest != kNoRegister) Wait(slot, cycle, StallCause::kRegister, latest);
+    if (latest != kNoRegister) slot.WaitUntil(cycle, StallCause::kRegister, latest);
   }
 
   void WaitForStores(IssueSlot& slot, const AddressOperand& address) const {
@@ -122,17 +118,7 @@ class PpeDispatch final : public IssueModel {
     for (const PendingStore& store : stores_)
       if (store.base == address.base && store.index == address.index && store.begin < end &&
           begin < store.end)
-        Wait(slot, store.cycle + ppe_.load_hit_store_cycles, StallCause::kLoadHitStore);
-  }
-
-  // It had to wait, so it goes alone, a cycle of its own after the first: that cycle is no stall.
-  static void GiveUpPair(IssueSlot& slot) {
-    slot.unpaired = Unpaired::kNotReady;
-    for (uint32_t s = 0; s < slot.stall_count; ++s)
-      if (slot.stalls[s].cycles > 0) {
-        --slot.stalls[s].cycles;
-        return;
-      }
+        slot.WaitUntil(store.cycle + ppe_.load_hit_store_cycles, StallCause::kLoadHitStore);
   }
 
   void Remember(const Instruction& instruction, const PpeClassParameters& op, const IssueSlot& slot,
@@ -140,6 +126,7 @@ class PpeDispatch final : public IssueModel {
     const bool same_cycle = started_ && slot.cycle == last_cycle_;
     used_units_ = uint8_t(op.units | (same_cycle ? used_units_ : 0));
     in_last_cycle_ = 1 + (same_cycle ? in_last_cycle_ : 0);
+    group_ended_ = op.blocks_units != 0 || PpeClass(instruction.op_class) == PpeClass::kBranch;
     started_ = true;
     last_cycle_ = slot.cycle;
     for (uint32_t u = 0; u < kPpeUnitCount; ++u)
@@ -212,6 +199,7 @@ class PpeDispatch final : public IssueModel {
   int64_t last_cycle_ = 0, restart_ = 0;
   uint8_t used_units_ = 0;      // in the last cycle
   uint32_t in_last_cycle_ = 0;  // instructions
+  bool group_ended_ = false;    // nothing goes with the last one
 };
 
 }  // namespace

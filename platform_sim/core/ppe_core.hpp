@@ -1,10 +1,11 @@
 // The dispatch of the PPE and its family: in order, two a cycle, one unit of each kind.
 //
 // Idea: an instruction takes the units its class names (a vector load: load/store and VSU2). Two go
-// in one cycle if they share no unit and both are ready. What a result costs depends on who reads
-// it: 2 cycles into arithmetic, but 5 into an address, which is what a pointer chase pays. Multiply
-// and divide are not pipelined. A load whose address (the same base and index registers, unchanged,
-// and overlapping offsets) a store wrote less than 40 cycles ago waits for that store to get out.
+// in one cycle if they share no unit and both are ready; behind a branch, a multiply or a divide
+// none does (they take the younger slot, GCC). What a result costs depends on who reads it: 2
+// cycles into arithmetic, but 5 into an address, which is what a pointer chase pays. Multiply and
+// divide are not pipelined. A load whose address (the same base and index registers, unchanged, and
+// overlapping offsets) a store wrote less than 40 cycles ago waits for that store to get out.
 //
 // With SMT the two threads take turns, a cycle each: this thread dispatches in every other one.
 //
@@ -13,7 +14,8 @@
 //
 // Not modelled: caches (every access hits L1), the branch predictor (a loop's branch is foretold
 // but for its last turn), microcoded forms, the rule that a result must not be overwritten while
-// another unit still writes it, fetch groups by address, and of the other thread anything but the
+// another unit still writes it, that the two of a group lie in one aligned 8 bytes (GCC: code is
+// taken to be padded so), and of the other thread anything but the
 // cycles it takes: it always has something to dispatch, and its divides do not hold this one.
 #pragma once
 

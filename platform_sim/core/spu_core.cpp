@@ -19,11 +19,12 @@ class SpuIssue final : public IssueModel {
     const Unpaired pairing = Pairing(instruction, op);
     IssueSlot slot{index, EarliestCycle(pairing), uint8_t(op.pipe), pairing};
     const int64_t in_turn = slot.cycle;
-    Wait(slot, restart_, StallCause::kBranch);
-    Wait(slot, pipes_free_, StallCause::kBlocked);
+    slot.WaitUntil(restart_, StallCause::kBranch);
+    slot.WaitUntil(pipes_free_, StallCause::kBlocked);
     WaitForRegisters(slot, instruction);
     WaitAfterFp7(slot, instruction);
-    if (pairing == Unpaired::kPaired && slot.cycle > in_turn) GiveUpPair(slot);
+    if (Branches(instruction) && hinted_ == index) WaitForHintTarget(slot);
+    if (pairing == Unpaired::kPaired && slot.cycle > in_turn) slot.GiveUpPair();
     Remember(instruction, op, slot, index, taken);
     return slot;
   }
@@ -40,6 +41,7 @@ class SpuIssue final : public IssueModel {
     state.push_back(until(pipes_free_));
     state.push_back(std::min<int64_t>(last_cycle_ - last_fp7_, 2 + spu_.fp6_after_fp7_cycles));
     state.push_back(std::min<int64_t>(last_cycle_ - hint_cycle_, spu_.hint_lead_cycles));
+    state.push_back(since_hint_);
     state.push_back(int64_t(hinted_));
     state.push_back(int64_t(hint_target_));
     // Equal at the same branch, but a state is a state.
@@ -76,33 +78,23 @@ class SpuIssue final : public IssueModel {
     return pairing == Unpaired::kPaired ? last_cycle_ : last_cycle_ + 1;
   }
 
-  static void Wait(IssueSlot& slot, int64_t until, StallCause cause, uint32_t reg = kNoRegister) {
-    if (until <= slot.cycle) return;
-    slot.AddStall({cause, uint32_t(until - slot.cycle), reg});
-    slot.cycle = until;
-  }
-
   // Both would end in the same cycle, so only the very next one is held.
   void WaitAfterFp7(IssueSlot& slot, const Instruction& instruction) const {
     if (SpuClass(instruction.op_class) == SpuClass::kFp6 && slot.cycle == last_fp7_ + 1)
-      Wait(slot, slot.cycle + spu_.fp6_after_fp7_cycles, StallCause::kAfterFp7);
+      slot.WaitUntil(slot.cycle + spu_.fp6_after_fp7_cycles, StallCause::kAfterFp7);
+  }
+
+  // The front end has seen the hint and fetches its target: the branch waits for that.
+  void WaitForHintTarget(IssueSlot& slot) const {
+    if (rules_.branches_hinted || since_hint_ < spu_.hint_reach_instructions) return;
+    slot.WaitUntil(hint_cycle_ + spu_.hint_lead_cycles, StallCause::kHintTarget);
   }
 
   void WaitForRegisters(IssueSlot& slot, const Instruction& instruction) const {
     uint32_t latest = kNoRegister;
     for (const uint32_t reg : instruction.reads)
       if (latest == kNoRegister || ready_[reg] > ready_[latest]) latest = reg;
-    if (latest != kNoRegister) Wait(slot, ready_[latest], StallCause::kRegister, latest);
-  }
-
-  // It had to wait, so it goes alone, a cycle of its own after the first: that cycle is no stall.
-  static void GiveUpPair(IssueSlot& slot) {
-    slot.unpaired = Unpaired::kNotReady;
-    for (uint32_t s = 0; s < slot.stall_count; ++s)
-      if (slot.stalls[s].cycles > 0) {
-        --slot.stalls[s].cycles;
-        return;
-      }
+    if (latest != kNoRegister) slot.WaitUntil(ready_[latest], StallCause::kRegister, latest);
   }
 
   void Remember(const Instruction& instruction, const SpuClassParameters& op, const IssueSlot& slot,
@@ -117,21 +109,24 @@ class SpuIssue final : public IssueModel {
     last_paired_ = slot.unpaired == Unpaired::kPaired;
     last_never_pairs_ = op.stall_cycles > 0;
     branched_ = taken;
+    if (IsMispredicted(instruction, index, taken))
+      restart_ = slot.cycle + 1 + spu_.mispredict_cycles;
+    since_hint_ = std::min(since_hint_ + 1, spu_.hint_reach_instructions);
     if (instruction.flow == Flow::kHint) {
+      since_hint_ = 0;
       hint_cycle_ = slot.cycle;
       hinted_ = instruction.hinted;
       hint_target_ = instruction.target;
     }
-    if (IsMispredicted(instruction, index, slot.cycle, taken))
-      restart_ = slot.cycle + 1 + spu_.mispredict_cycles;
   }
 
-  bool IsMispredicted(const Instruction& instruction, uint32_t index, int64_t cycle,
-                      bool taken) const {
-    const bool branches =
-        instruction.flow == Flow::kConditional || instruction.flow == Flow::kAlways;
-    if (!branches || rules_.branches_hinted) return false;
-    const bool hint_holds = hinted_ == index && cycle - hint_cycle_ >= spu_.hint_lead_cycles;
+  static bool Branches(const Instruction& instruction) {
+    return instruction.flow == Flow::kConditional || instruction.flow == Flow::kAlways;
+  }
+
+  bool IsMispredicted(const Instruction& instruction, uint32_t index, bool taken) const {
+    if (!Branches(instruction) || rules_.branches_hinted) return false;
+    const bool hint_holds = hinted_ == index && since_hint_ >= spu_.hint_reach_instructions;
     const bool right_target = hint_target_ == kNoTarget || hint_target_ == instruction.target;
     return taken ? !(hint_holds && right_target) : hint_holds;
   }
@@ -148,6 +143,7 @@ class SpuIssue final : public IssueModel {
   int64_t pipes_free_ = 0;  // behind double precision
   int64_t last_fp7_ = kLongAgo, hint_cycle_ = kLongAgo;
   uint32_t hinted_ = kNoTarget, hint_target_ = kNoTarget;
+  uint32_t since_hint_ = 0;  // instructions; no more are counted than a hint needs to reach
 };
 
 }  // namespace

@@ -10,15 +10,18 @@
 // after its writer's issue), and no rule holds it: double precision stops both pipes for 6 cycles
 // and never pairs, an FP6 right after an FP7 loses one, and a branch that goes elsewhere than the
 // front end thought costs 18. The front end thinks that branches fall through, but for the one that
-// the last hint named, if that hint is 15 cycles old.
+// the last hint named. It has the hint's target 15 cycles after the hint: a branch that comes
+// earlier waits for it ("stall due to waiting for hint target" of IBM's simulator, SDK tutorial);
+// one with fewer than 8 instructions between the hint and itself is fetched before the hint is seen
+// (GCC).
 //
 // Source: platforms/spu.hpp. If ignored: an estimate on the wrong pipe alone is 15 % of a Newton
 // step (row C5); pairing without addresses hides what .align is for.
 //
-// Not modelled: instruction fetch from the local store and its contention with DMA and loads; the
-// few cycles in which a late hint holds its branch (a late hint counts as none); what sync, stop
-// and a channel that is not ready wait for. Loads and stores depend on each other by registers
-// only: the SPU does them in order, so that is exact.
+// Not modelled: instruction fetch from the local store and its contention with DMA, and with loads
+// and stores in every cycle of 16 or more (GCC keeps a cycle free there); what sync, stop and a
+// channel that is not ready wait for. Loads and stores depend on each other by registers only: the
+// SPU does them in order, so that is exact.
 #pragma once
 
 #include <optional>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <vector>
 
@@ -21,22 +22,22 @@ struct Spe {
 
 }  // namespace
 
-bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, uint64_t job_ns,
+bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, double job_ns,
              JobRun& run, std::string& error) {
-  constexpr uint64_t kLongestJobNs = 1'000'000'000;
-  if (job_ns > kLongestJobNs) {
-    error = fmt::format("jobs of {} ns; {} at most", job_ns, kLongestJobNs);
+  constexpr double kLongestJobNs = 1e9;
+  if (!(job_ns >= 0.0 && job_ns <= kLongestJobNs)) {
+    error = fmt::format("jobs of {} ns; expected 0 to {}", job_ns, kLongestJobNs);
     return false;
   }
-  if (spe_count == 0 || jobs == 0 || p.jobs_ahead == 0 || p.availability_permille == 0) {
-    error = fmt::format("{} jobs on {} SPEs that may have {} at availability {}: none may be zero",
-                        jobs, spe_count, p.jobs_ahead, p.availability_permille / 1000.0);
+  if (spe_count == 0 || jobs == 0 || p.jobs_ahead == 0) {
+    error = fmt::format("{} jobs on {} SPEs that may have {}: none may be zero", jobs, spe_count,
+                        p.jobs_ahead);
     return false;
   }
   run = {};
   std::vector<Spe> spes(spe_count);
-  const int64_t work = int64_t(job_ns) * kPicoseconds * 1000 / p.availability_permille +
-                       int64_t(p.spe_job_ns) * kPicoseconds;
+  const int64_t work =
+      std::llround(job_ns * double(kPicoseconds)) + int64_t(p.spe_job_ns) * kPicoseconds;
   const int64_t dispatch = int64_t(p.ppe_job_ns) * kPicoseconds;
   int64_t ppe = 0;
   for (uint64_t job = 0; job < jobs; ++job) {

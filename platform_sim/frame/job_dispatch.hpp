@@ -22,8 +22,9 @@ struct JobRun {
   double MicrosecondsPerJob(uint64_t jobs) const { return double(finish_ps) / 1e6 / double(jobs); }
 };
 
-// `jobs` equal jobs of `job_ns` on `spe_count` SPEs. False, and why in `error`, for none of either.
-bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, uint64_t job_ns,
+// `jobs` equal jobs of `job_ns` on `spe_count` SPEs, `job_ns` as it really takes: an availability
+// is the caller's to apply. False, and why in `error`, for none of either.
+bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, double job_ns,
              JobRun& run, std::string& error);
 
 }  // namespace pelt

@@ -38,7 +38,7 @@ void SpuProgram::Next() {
       times_.compute += step_.cycles;
       return queue.After(step_.cycles, [this] { Next(); });
     case SpuStep::Kind::kDma: {
-      const Cycles channels = Cycles(p.channels_per_command) * p.channel_cycles;
+      const Cycles channels = Cycles(p.channels_per_command) * p.ChannelCycles();
       times_.channel += channels;
       return queue.After(channels, [this, since = queue.now() + channels] {
         if (!memory_.Submit(
@@ -48,7 +48,7 @@ void SpuProgram::Next() {
       });
     }
     case SpuStep::Kind::kWaitTags: {
-      const Cycles channels = Cycles(p.channels_per_wait) * p.channel_cycles;
+      const Cycles channels = Cycles(p.channels_per_wait) * p.ChannelCycles();
       times_.channel += channels;
       return queue.After(channels, [this, since = queue.now() + channels] {
         memory_.WaitTags(spu_, step_.tag_mask,
@@ -135,7 +135,7 @@ uint64_t SpuRun::Bytes() const {
 }
 
 double SpuRun::GigabytesPerSecond(const CellMemoryParameters& p) const {
-  return cycles == 0 ? 0.0 : double(Bytes()) * p.clock_mhz / 1000.0 / double(cycles);
+  return cycles == 0 ? 0.0 : double(Bytes()) * p.GigaHertz() / double(cycles);
 }
 
 bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> programs, SpuRun& run,
@@ -170,15 +170,15 @@ bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> pr
 }
 
 Cycles AtomicBounceCycles(const CellMemoryParameters& p) {
-  const Cycles give = Cycles(p.channels_per_command) * p.channel_cycles + p.command_cycles;
+  const Cycles give = Cycles(p.channels_per_command) * p.ChannelCycles() + p.command_cycles;
   const Cycles line =
       p.local_store_cycles + Cycles(p.line_bytes / p.ring_bytes) * p.bus_cycle_cycles;
-  const Cycles status = p.channel_cycles;  // of each of the two commands
+  const Cycles status = p.ChannelCycles();  // of each of the two commands
   return 2 * (give + p.snoop_cycles + status) + line;
 }
 
 Cycles MailboxRoundTripCycles(const CellMemoryParameters& p) {
-  return 2 * Cycles(p.os_call_cycles);
+  return Cycles(2.0 * p.os_call_ns * p.GigaHertz() + 0.5);
 }
 
 }  // namespace pelt

@@ -87,6 +87,10 @@ class Machine {
     const MemoryAccess& access = (*thread.trace)[thread.next];
     const uint64_t first = access.address / p_.line_bytes;
     const uint64_t last = (access.address + access.bytes - 1) / p_.line_bytes;
+    // A thread that must stand for a place to miss from asks again then: what others ask for
+    // meanwhile goes to memory first.
+    for (uint64_t line = first; line <= last; ++line)
+      if (Misses(t, access, line) && WaitForMissSlot(t)) return;
     for (uint64_t line = first; line <= last; ++line) Touch(t, access, line);
     if (access.kind == AccessKind::kStore)
       thread.stores.push_back({access.address, access.bytes, thread.Time()});
@@ -120,13 +124,13 @@ class Machine {
   }
 
   Cycles ToSlot(Cycles cycles) const {
-    const Cycles slot = p_.dispatch_slot_cycles;
+    const Cycles slot = p_.core.smt_threads;
     return (cycles + slot - 1) / slot * slot;
   }
 
   void HitStore(uint32_t t, const MemoryAccess& load) {
     Thread& thread = threads_[t];
-    const Cycles window = p_.load_hit_store_cycles;
+    const Cycles window = p_.core.load_hit_store_cycles;
     while (!thread.stores.empty() && thread.stores.front().time + window <= thread.Time())
       thread.stores.pop_front();
     for (auto store = thread.stores.rbegin(); store != thread.stores.rend(); ++store) {
@@ -139,7 +143,7 @@ class Machine {
     }
   }
 
-  Core& CoreOf(uint32_t t) { return cores_[t / p_.threads_per_core]; }
+  Core& CoreOf(uint32_t t) { return cores_[t / p_.core.smt_threads]; }
 
   void Load(uint32_t t, const MemoryAccess& access, uint64_t line) {
     ThreadMemoryTimes& times = run_.threads[t];
@@ -161,7 +165,7 @@ class Machine {
       ready = fetched.ready;
       from_memory = fetched.from_memory;
     }
-    const Cycles l1 = ToSlot(p_.l1_hit_cycles);
+    const Cycles l1 = ToSlot(p_.core.load_to_address_cycles);
     const Cycles later = ToSlot(ready - threads_[t].Time()) - l1 - access.use_cycles;
     Stall(t, later, from_memory ? &ThreadMemoryTimes::memory_stall : &ThreadMemoryTimes::l2_stall);
   }
@@ -195,15 +199,30 @@ class Machine {
     return at == core.misses.end() ? nullptr : &*at;
   }
 
-  void WaitForMissSlot(uint32_t t) {
+  bool Misses(uint32_t t, const MemoryAccess& access, uint64_t line) {
+    Core& core = CoreOf(t);
+    switch (access.kind) {
+      case AccessKind::kLoad:
+      case AccessKind::kPrefetch:
+        return !core.l1.Touch(line, false) && !InFlight(core, line, threads_[t].Time());
+      case AccessKind::kStore:
+        return !l2_.Touch(line, true);
+      case AccessKind::kLineZero:
+        return false;
+    }
+    return false;
+  }
+
+  // Whether the thread had to stand.
+  bool WaitForMissSlot(uint32_t t) {
     Core& core = CoreOf(t);
     InFlight(core, ~uint64_t{0}, threads_[t].Time());
-    if (core.misses.size() < p_.outstanding_misses) return;
+    if (core.misses.size() < p_.outstanding_misses) return false;
     const auto first =
         std::min_element(core.misses.begin(), core.misses.end(),
                          [](const Miss& a, const Miss& b) { return a.ready < b.ready; });
     Stall(t, first->ready - threads_[t].Time(), &ThreadMemoryTimes::miss_queue_stall);
-    InFlight(core, ~uint64_t{0}, threads_[t].Time());
+    return true;
   }
 
   // Brings a line to the thread's L1, from L2 or from memory.
@@ -258,9 +277,9 @@ bool RunCacheMemory(const CacheMemoryParameters& p,
                     std::span<const std::vector<MemoryAccess>> traces, CacheMemoryRun& run,
                     std::string& error) {
   if (!CheckCacheMemory(p, error)) return false;
-  if (traces.size() > size_t(p.cores) * p.threads_per_core) {
+  if (traces.size() > size_t(p.Threads())) {
     error = fmt::format("{} traces; the {} has {} hardware threads", traces.size(), p.name,
-                        p.cores * p.threads_per_core);
+                        p.Threads());
     return false;
   }
   for (size_t t = 0; t < traces.size(); ++t) {

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "platform_sim/memory/event_queue.hpp"
-#include "platform_sim/platforms/xenon_memory.hpp"
+#include "platform_sim/platforms/caches.hpp"
 
 namespace pelt {
 

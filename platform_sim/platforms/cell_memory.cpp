@@ -5,39 +5,31 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kCellmark = "cellmark";
 constexpr std::string_view kSdk = "IBM SDK 3.0 tutorial";
 constexpr std::string_view kKistler =
     "Kistler, Perrone, Petrini, IEEE Micro 2006: 290 cycles in all";
 constexpr std::string_view kRings = "D. Krolak (IBM), interview, as quoted";
 constexpr std::string_view kChen = "Chen et al., IBM J. R&D 51 (2007): 24.6 GB/s, mixed 21 GB/s";
 
-constexpr uint32_t kLeastLocalStoreBytes = 64 * 1024;
-
 }  // namespace
 
 std::vector<PlatformNumber> DescribeCellMemory(const CellMemoryParameters& p) {
   using enum Sureness;
   return {
-      {"clock", double(p.clock_mhz), "MHz", kCellmark, kPublished},
-      {"SPEs a game can use", double(p.spu_count), "", kCellmark, kPublished},
-      {"local store", double(p.local_store_bytes), "B", kSdk, kPublished},
-      {"availability", p.availability_permille / 1000.0, "", "cellmark, derived", kPublished},
       {"largest DMA command", double(p.largest_command_bytes), "B", kSdk, kPublished},
       {"DMA queue", double(p.queue_commands), "commands", kSdk, kPublished},
       {"DMA list", double(p.list_elements), "elements", "CBE handbook, as quoted", kSecondHand},
-      {"tags", double(p.tags), "", kSdk, kPublished},
-      {"channel operation", double(p.channel_cycles), "cycles", kSdk, kPublished},
-      {"channel operations of a command", double(p.channels_per_command), "", kSdk, kPublished},
-      {"channel operations of a wait", double(p.channels_per_wait), "", kSdk, kPublished},
+      {"tags", double(p.tags), "tags", kSdk, kPublished},
+      {"channel operations of a command", double(p.channels_per_command), "operations", kSdk,
+       kPublished},
+      {"channel operations of a wait", double(p.channels_per_wait), "operations", kSdk, kPublished},
       {"MFC takes up a command", double(p.command_cycles), "cycles", kKistler, kLead},
       {"MFC fetches a list element", double(p.list_element_cycles), "cycles", kKistler, kLead},
       {"lines an MFC has in flight", double(p.lines_in_flight), "lines", "CBE handbook", kLead},
-      {"line", double(p.line_bytes), "B", kSdk, kPublished},
       {"bus cycle", double(p.bus_cycle_cycles), "cycles", "half clock, as quoted", kSecondHand},
-      {"rings", double(p.rings), "", "as quoted", kSecondHand},
+      {"rings", double(p.rings), "rings", "as quoted", kSecondHand},
       {"ring width", double(p.ring_bytes), "B/bus cycle", "as quoted", kSecondHand},
-      {"transfers on a ring", double(p.transfers_per_ring), "", "as quoted", kSecondHand},
+      {"transfers on a ring", double(p.transfers_per_ring), "transfers", "as quoted", kSecondHand},
       {"starts on a ring, apart", double(p.ring_start_bus_cycles), "bus cycles", kRings,
        kSecondHand},
       {"snoop", double(p.snoop_cycles), "cycles", kKistler, kLead},
@@ -51,7 +43,7 @@ std::vector<PlatformNumber> DescribeCellMemory(const CellMemoryParameters& p) {
       {"lines one way before it turns", double(p.turnaround_lines), "lines", kChen, kLead},
       {"L2, a line for an SPE", double(p.l2_line_cycles), "cycles",
        "7 GB/s in all, Perrone, MIT 6.189, 2007", kPublished},
-      {"operating-system call", double(p.os_call_cycles), "cycles",
+      {"operating-system call", double(p.os_call_ns), "ns",
        "cellmark: half the mailbox round trip S2, not a prediction", kPublished},
   };
 }
@@ -61,14 +53,7 @@ bool CheckCellMemory(const CellMemoryParameters& p, std::string& error) {
     error = "Cell platform refused: " + why;
     return false;
   };
-  if (p.spu_count == 0) return refuse("it has no SPU; a retail PS3 gives a game 6");
-  if (p.spu_count > 6)
-    return refuse(fmt::format("it has {} SPUs; a retail PS3 gives a game at most 6", p.spu_count));
-  if (p.local_store_bytes < kLeastLocalStoreBytes)
-    return refuse(
-        fmt::format("a local store of {} bytes holds no kernel with its double-buffered "
-                    "chunks; at least {} are needed, a Cell has 262144",
-                    p.local_store_bytes, kLeastLocalStoreBytes));
+  if (!CheckCellSystem(p, error)) return false;
   for (const PlatformNumber& n : DescribeCellMemory(p))
     if (n.value <= 0.0) return refuse(fmt::format("'{}' is zero; it must be positive", n.name));
   if (p.local_store_bytes % p.largest_command_bytes != 0)
@@ -89,7 +74,6 @@ bool CheckCellMemory(const CellMemoryParameters& p, std::string& error) {
     return refuse("commands are multiples of 16 bytes, at most 32 tags, 3 transfers a ring");
   if (p.refresh_cycles >= p.refresh_interval_cycles)
     return refuse("memory refresh takes all the memory's time");
-  if (p.availability_permille > 1000) return refuse("availability above 1000 permille");
   return true;
 }
 

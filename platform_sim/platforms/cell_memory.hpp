@@ -2,9 +2,8 @@
 // SPEs. Numbers only; a plain struct, so that a test can plant a wrong one and see a measured row
 // notice.
 //
-// All times are cycles of the 3.2 GHz clock; a bus cycle is two of them, 8 B/cycle are 25.6 GB/s.
-// One set serves every row: nothing is fitted per row. A measured rate is the model's rate times
-// `availability_permille` (consoles.md, section 1): both are reported.
+// All times are cycles of the system's clock; a bus cycle is two of them. One set serves every row:
+// nothing is fitted per row.
 //
 // Class L numbers (no source read): what makes up a DMA's latency, how many lines an MFC keeps in
 // flight, what refresh and turning the memory's direction cost, which rings an SPE's neighbours
@@ -16,22 +15,17 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/platforms/number.hpp"
+#include "platform_sim/platforms/cell_system.hpp"
 
 namespace pelt {
 
-struct CellMemoryParameters {
-  uint32_t clock_mhz = 3200;
-  uint32_t spu_count = 6;
-  uint32_t local_store_bytes = 256 * 1024;
-  uint32_t availability_permille = 920;
-
+// The system, as its memory needs it, and the memory.
+struct CellMemoryParameters : CellSystem {
   // MFC
   uint32_t largest_command_bytes = 16 * 1024;
   uint32_t queue_commands = 16;
   uint32_t list_elements = 2048;
   uint32_t tags = 32;
-  uint32_t channel_cycles = 6;
   uint32_t channels_per_command = 6;  // LSA, EAH, EAL, size, tag, command
   uint32_t channels_per_wait = 3;     // tag mask, update request, status
   uint32_t command_cycles = 30;       // the MFC takes up a command; not overlapped with another's
@@ -39,7 +33,6 @@ struct CellMemoryParameters {
   uint32_t lines_in_flight = 16;      // of one MFC
 
   // EIB
-  uint32_t line_bytes = 128;
   uint32_t bus_cycle_cycles = 2;
   uint32_t rings = 4;  // half of them each way round
   uint32_t ring_bytes = 16;
@@ -54,7 +47,7 @@ struct CellMemoryParameters {
   uint32_t missing_spe[2] = {0, 6};
 
   // Memory controller, XDR, L2
-  uint32_t memory_line_cycles = 16;     // 128 B at 25.6 GB/s
+  uint32_t memory_line_cycles = 16;     // 128 B at 8 B/cycle: 25.6 GB/s at 3.2 GHz
   uint32_t memory_access_cycles = 438;  // of a line, without queue, snoop and ring
   uint32_t refresh_interval_cycles = 3200;
   uint32_t refresh_cycles = 125;    // leaves 24.6 GB/s
@@ -63,7 +56,7 @@ struct CellMemoryParameters {
   uint32_t l2_line_cycles = 58;     // 128 B at 7 GB/s
 
   // Through the operating system
-  uint32_t os_call_cycles = 18560;  // 5.8 us: one of the two that a mailbox round trip makes
+  uint32_t os_call_ns = 5800;  // one of the two that a mailbox round trip makes
 };
 
 // The table that reports print: every number above with unit, source and how sure it is.

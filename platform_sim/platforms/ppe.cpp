@@ -24,7 +24,6 @@ std::vector<PlatformNumber> DescribeNumbers(const PpeParameters& ppe) {
   add("general registers", ppe.general_register_count, "registers", "architecture");
   add("FP registers", ppe.float_register_count, "registers", "architecture");
   add("vector registers", ppe.vector_register_count, "registers", "architecture");
-  add("clock", double(ppe.clock_hz), "Hz", "cellmark");
   return out;
 }
 

@@ -121,7 +121,6 @@ struct PpeParameters {
   uint32_t smt_threads = 2;                                         // GCC, P
   uint32_t general_register_count = 32, float_register_count = 32;  // architecture
   uint32_t vector_register_count = 32;                              // 128 on the Xenon core (S)
-  uint64_t clock_hz = 3'192'000'000;  // timebase 79.8 MHz x 40; cellmark, P
 
   const PpeClassParameters& Of(PpeClass c) const { return classes[uint32_t(c)]; }
   PpeClassParameters& Of(PpeClass c) { return classes[uint32_t(c)]; }

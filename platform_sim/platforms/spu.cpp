@@ -21,11 +21,9 @@ std::vector<PlatformNumber> DescribeNumbers(const SpuParameters& spu) {
   add("instruction", spu.instruction_bytes, "bytes", "SDK");
   add("mispredicted branch", spu.mispredict_cycles, "cycles", "SDK");
   add("lead of a branch hint", spu.hint_lead_cycles, "cycles", "SDK");
+  add("reach of a branch hint", spu.hint_reach_instructions, "instructions", "GCC");
   add("FP6 right after an FP7", spu.fp6_after_fp7_cycles, "cycles", "SDK");
   add("registers", spu.register_count, "registers", "SDK");
-  add("SPUs a game can use", spu.game_spu_count, "SPUs", "cellmark");
-  add("clock", double(spu.clock_hz), "Hz", "cellmark");
-  add("availability", kSpuAvailability, "of the issue rate", "cellmark, derived");
   return out;
 }
 

@@ -1,5 +1,6 @@
 // The SPU's numbers: what its core model starts from, and nothing else. A plain struct, so that a
-// test can plant a wrong number and see a measured row notice.
+// test can plant a wrong number and see a measured row notice. How many there are and how fast they
+// run is the system's matter: cell_system.hpp.
 //
 // Sources: "SDK": IBM SDK for Multicore Acceleration 3.0, Programming Tutorial (pipelines, dual
 // issue, DMA); "GCC": GCC's SPU machine description, which agrees with it where both speak;
@@ -73,23 +74,17 @@ struct SpuParameters {
        "pipe by the instruction table; what they wait for is not modelled"},
   }};
 
-  uint32_t fetch_group_bytes = 8;     // SDK, P
-  uint32_t instruction_bytes = 4;     // SDK, P
-  uint32_t mispredict_cycles = 18;    // SDK, P
-  uint32_t hint_lead_cycles = 15;     // SDK, P
-  uint32_t fp6_after_fp7_cycles = 1;  // lost by an FP6 right after an FP7; SDK, P
-  uint32_t register_count = 128;      // SDK, P
-  uint32_t game_spu_count = 6;        // cellmark, P
-  uint64_t clock_hz = 3'192'000'000;  // timebase 79.8 MHz x 40; cellmark, P
+  uint32_t fetch_group_bytes = 8;        // SDK, P
+  uint32_t instruction_bytes = 4;        // SDK, P
+  uint32_t mispredict_cycles = 18;       // SDK, P
+  uint32_t hint_lead_cycles = 15;        // SDK, P: a younger hint's branch waits for its target
+  uint32_t hint_reach_instructions = 8;  // GCC, P: fewer between hint and branch: no hint at all
+  uint32_t fp6_after_fp7_cycles = 1;     // lost by an FP6 right after an FP7; SDK, P
+  uint32_t register_count = 128;         // SDK, P
 
   const SpuClassParameters& Of(SpuClass c) const { return classes[uint32_t(c)]; }
   SpuClassParameters& Of(SpuClass c) { return classes[uint32_t(c)]; }
 };
-
-// Measured throughput kernels reach this part of their exact issue rate on a retail PS3: the same
-// for every kernel, cause unknown (cellmark; P, derived). No core model applies it: whoever reports
-// a rate says it with and without.
-inline constexpr double kSpuAvailability = 0.92;
 
 // Every number above by name, for a report.
 std::vector<PlatformNumber> DescribeNumbers(const SpuParameters& spu);

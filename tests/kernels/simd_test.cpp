@@ -257,7 +257,7 @@ TEST(Simd, RecordsTransposeLoadAndStore) {
     const auto address = [&](int lane) { return memory[place(lane)]; };
 
     V x, y, z, w;
-    GatherColumns<V>([&](int lane) { return LoadRecord(address(lane)); }, x, y, z, w);
+    GatherColumns<V>(address, x, y, z, w);
     V a = LoadRecords<V, 0>(address), b = LoadRecords<V, 1>(address);
     V c = LoadRecords<V, 2>(address), d = LoadRecords<V, 3>(address);
     const V splat = SplatInFours<2>(x);

@@ -1,4 +1,4 @@
-// The EIB against its rows, wrong numbers, and what the rings must never do. Also the platform's
+// What the rings of the EIB must never do. Also the platform's
 // limits: what a Cell may be, what a local store holds.
 #include "platform_sim/memory/bus.hpp"
 
@@ -6,57 +6,11 @@
 
 #include "platform_sim/memory/local_store_budget.hpp"
 #include "tests/platform/cell_work.hpp"
-#include "tests/platform/platform_rows.hpp"
 
 namespace pelt {
 namespace {
 
 using namespace testing;
-
-constexpr double kAllowedPercent = 5.0;
-
-double RowE8(const CellMemoryParameters& p) {
-  double sum = 0.0;
-  for (int reader = 0; reader < 6; ++reader)
-    for (int far = 0; far < 6; ++far) {
-      if (reader == far) continue;
-      std::vector<int> reads(6, -1);
-      reads[size_t(reader)] = far;
-      sum += Measured(p, ReadLocalStores(p, reads));
-    }
-  return sum / 30;
-}
-
-TEST(BusRows, E1ThreePairsBothWays) {
-  const CellMemoryParameters p;
-  const MeanAndRange pairs = PairsOverConsoles(p);
-  std::printf("E1 over the 28 consoles: %.1f to %.1f GB/s; the default one %.1f\n", pairs.least,
-              pairs.most, Measured(p, ReadLocalStores(p, {1, 0, 3, 2, 5, 4})));
-  ExpectRow("E1", pairs.mean, 114.73, "GB/s", kAllowedPercent);
-}
-
-TEST(BusRows, E8OnePairAfterAnother) { ExpectRow("E8", RowE8({}), 23.42, "GB/s", kAllowedPercent); }
-
-TEST(BusPlanted, WrongNumbersAreNoticedByARow) {
-  const auto off = [](double predicted, double measured) {
-    return std::abs(PercentOff(predicted, measured));
-  };
-  CellMemoryParameters p;
-  p.rings = 2;
-  EXPECT_GT(off(PairsOverConsoles(p).mean, 114.73), kAllowedPercent) << "two rings";
-  p = {};
-  p.ring_start_bus_cycles = 12;
-  EXPECT_GT(off(PairsOverConsoles(p).mean, 114.73), kAllowedPercent) << "starts too far apart";
-  p = {};
-  p.ring_bytes = 8;
-  EXPECT_GT(off(RowE8(p), 23.42), kAllowedPercent) << "half the width";
-  p = {};
-  p.local_store_cycles *= 2;
-  EXPECT_GT(off(RowE8(p), 23.42), kAllowedPercent) << "latency doubled";
-  p = {};
-  p.lines_in_flight = 8;
-  EXPECT_GT(off(RowE8(p), 23.42), kAllowedPercent) << "half the lines in flight";
-}
 
 TEST(Bus, StopsAreDistinctOnEveryConsole) {
   CellMemoryParameters p;
@@ -107,6 +61,15 @@ TEST(CellPlatform, ImpossibleOnesAreRefusedWithAReason) {
   p.local_store_bytes = 16 * 1024;
   EXPECT_NE(why(p).find("local store of 16384 bytes"), std::string::npos);
   p = {};
+  p.clock_hz = 0;
+  EXPECT_NE(why(p).find("clock"), std::string::npos);
+  p = {};
+  p.line_bytes = 100;
+  EXPECT_NE(why(p).find("power of two"), std::string::npos);
+  p = {};
+  p.availability_permille = 0;
+  EXPECT_NE(why(p).find("availability"), std::string::npos);
+  p = {};
   p.rings = 3;
   EXPECT_NE(why(p).find("2 or 4"), std::string::npos);
   p = {};
@@ -135,11 +98,37 @@ TEST(LocalStoreBudget, SaysByHowMuchItDoesNotFit) {
   EXPECT_EQ(left, p.local_store_bytes - use.Bytes());
 }
 
-TEST(CellPlatform, DescribesEveryNumberWithItsSource) {
-  for (const PlatformNumber& n : DescribeCellMemory({})) {
-    EXPECT_FALSE(n.name.empty());
-    EXPECT_FALSE(n.source.empty()) << n.name;
+TEST(Platforms, EveryNumberIsToldOnceWithUnitAndSource) {
+  for (const auto& numbers : {DescribeCell({}), DescribeXenon({})}) {
+    std::set<std::string> names;
+    int leads = 0;
+    for (const PlatformNumber& n : numbers) {
+      EXPECT_TRUE(names.insert(n.name).second) << n.name << " stands twice";
+      EXPECT_FALSE(n.name.empty() || n.unit.empty() || n.source.empty()) << n.name;
+      leads += n.sure == Sureness::kLead;
+    }
+    EXPECT_GT(leads, 0);
+    EXPECT_LT(leads * 2, int(numbers.size()));
   }
+}
+
+TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
+  CellParameters cell;
+  cell.line_bytes = 64;
+  cell.ppe.load_hit_store_cycles = 50;
+  cell.memory_line_cycles = 32;
+  const CacheMemoryParameters ppe = PpeMemory(cell);
+  EXPECT_EQ(ppe.line_bytes, 64u);
+  EXPECT_EQ(ppe.core.load_hit_store_cycles, 50u);
+  EXPECT_EQ(ppe.memory_milli_bytes_per_cycle, 2000u);
+  std::string error;
+  EXPECT_TRUE(CheckPlatforms({}, error)) << error;
+  PlatformParameters none;
+  none.cell.spu_count = 0;
+  EXPECT_FALSE(CheckPlatforms(none, error));
+  none = {};
+  none.xenon.clock_hz = 0;
+  EXPECT_FALSE(CheckPlatforms(none, error));
 }
 
 }  // namespace

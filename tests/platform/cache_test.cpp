@@ -1,21 +1,15 @@
-// The caches against the PPE's rows, and what the Xenon's must do.
+// What the caches of the PPE and the Xenon must do. Their rows are in measured_rows_test.cpp.
 #include "platform_sim/memory/cache.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <numeric>
-
 #include "platform_sim/memory/xenon_memory.hpp"
-#include "tests/platform/platform_rows.hpp"
+#include "platform_sim/rows/row_work.hpp"
 
 namespace pelt {
 namespace {
 
-using namespace testing;
 using Trace = std::vector<MemoryAccess>;
-
-constexpr double kAllowedPercent = 5.0;
 
 CacheMemoryRun MustRun(const CacheMemoryParameters& p, const std::vector<Trace>& traces) {
   CacheMemoryRun run;
@@ -24,79 +18,12 @@ CacheMemoryRun MustRun(const CacheMemoryParameters& p, const std::vector<Trace>&
   return run;
 }
 
-// `rounds` times through 8-byte pointers in one random cycle, each load waiting for the one before:
-// 5 cycles, and the thread goes on every other one.
-Trace Chase(const CacheMemoryParameters& p, uint32_t bytes, uint32_t rounds) {
-  std::vector<uint32_t> order(bytes / 8);
-  std::iota(order.begin(), order.end(), 0);
-  uint64_t seed = 1;
-  for (uint32_t i = uint32_t(order.size()) - 1; i > 0; --i) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    std::swap(order[i], order[(seed >> 33) % (i + 1)]);
-  }
-  const Cycles slot = p.dispatch_slot_cycles;
-  const Cycles hit = (p.l1_hit_cycles + slot - 1) / slot * slot;
+// Through `bytes` in one random cycle, a line after the other, each load waiting for the last one.
+Trace Chase(uint32_t bytes) {
   Trace trace;
-  for (uint32_t r = 0; r < rounds; ++r)
-    for (const uint32_t i : order)
-      trace.push_back({AccessKind::kLoad, 8, uint64_t(i) * 8, Cycles(trace.size()) * hit, 0});
+  for (const uint32_t line : LinesInRandomCycle(bytes / 128))
+    trace.push_back({AccessKind::kLoad, 8, uint64_t{line} * 128, Cycles(trace.size()) * 6, 0});
   return trace;
-}
-
-// Cycles a load takes, measured in the rounds after the first.
-double ChaseCycles(const CacheMemoryParameters& p, uint32_t bytes) {
-  const Trace once = Chase(p, bytes, 1), thrice = Chase(p, bytes, 3);
-  const Cycles cycles = MustRun(p, {thrice}).finish - MustRun(p, {once}).finish;
-  return double(cycles) / double(thrice.size() - once.size()) * 1000.0 / p.availability_permille;
-}
-
-// Eight vector loads, eight float adds on four sums, in order, a slot every other cycle: the loads
-// take eight slots, the first four adds the next four; the other four wait 12 cycles for them.
-constexpr Cycles kStreamTurn = 8 * 2 + 12 + 4 * 2;
-
-double StreamGigabytesPerSecond(const CacheMemoryParameters& p, uint32_t bytes, uint32_t rounds) {
-  const auto trace = [&](uint32_t n) {
-    Trace t;
-    Cycles turn = 0;
-    for (uint32_t r = 0; r < n; ++r)
-      for (uint32_t at = 0; at < bytes; at += 128, turn += kStreamTurn) {
-        for (uint32_t i = 0; i < 8; ++i)
-          t.push_back({AccessKind::kLoad, 16, at + i * 16, turn + 2 * i, 0});
-      }
-    return t;
-  };
-  const Cycles cycles = MustRun(p, {trace(rounds + 1)}).finish - MustRun(p, {trace(1)}).finish;
-  return double(bytes) * rounds * 3.2 / double(cycles) * p.availability_permille / 1000.0;
-}
-
-TEST(PpeRows, P1AndP3PointerChases) {
-  const CacheMemoryParameters p = PpeMemory();
-  ExpectRow("P1", ChaseCycles(p, 28 * 1024), 6.4, "cyc", kAllowedPercent);
-  ExpectRow("P3", ChaseCycles(p, 256 * 1024), 36.0, "cyc", kAllowedPercent);
-}
-
-TEST(PpeRows, P5VectorStream) {
-  ExpectRow("P5", StreamGigabytesPerSecond(PpeMemory(), 28 * 1024, 4), 10.3, "GB/s",
-            kAllowedPercent);
-}
-
-TEST(PpePlanted, WrongNumbersAreNoticedByARow) {
-  const auto off = [](double predicted, double measured) {
-    return std::abs(PercentOff(predicted, measured));
-  };
-  CacheMemoryParameters p = PpeMemory();
-  p.l1_hit_cycles = 10;
-  EXPECT_GT(off(ChaseCycles(p, 28 * 1024), 6.4), kAllowedPercent) << "L1 latency doubled";
-  p = PpeMemory();
-  p.l2_hit_cycles *= 2;
-  EXPECT_GT(off(ChaseCycles(p, 256 * 1024), 36.0), kAllowedPercent) << "L2 latency doubled";
-  p = PpeMemory();
-  p.l1_bytes = 16 * 1024;
-  EXPECT_GT(off(ChaseCycles(p, 28 * 1024), 6.4), kAllowedPercent) << "half the L1";
-  EXPECT_GT(off(StreamGigabytesPerSecond(p, 28 * 1024, 4), 10.3), kAllowedPercent);
-  p = PpeMemory();
-  p.l2_bytes = 128 * 1024;
-  EXPECT_GT(off(ChaseCycles(p, 256 * 1024), 36.0), kAllowedPercent) << "a small L2";
 }
 
 TEST(CacheLines, LeastRecentlyUsedGoesFirst) {
@@ -112,7 +39,7 @@ TEST(CacheLines, LeastRecentlyUsedGoesFirst) {
 }
 
 TEST(XenonMemory, MissesCostWhatTheirLevelIsAway) {
-  const CacheMemoryParameters p = XenonMemory();
+  const XenonParameters p;
   const CacheMemoryRun run = MustRun(p, {{{AccessKind::kLoad, 4, 0, 0, 0},
                                           {AccessKind::kLoad, 4, 64, 10, 0},
                                           {AccessKind::kLoad, 4, 4096, 20, 100}}});
@@ -125,7 +52,7 @@ TEST(XenonMemory, MissesCostWhatTheirLevelIsAway) {
 }
 
 TEST(XenonMemory, StoresGoThroughL1AndFillOnlyL2) {
-  const CacheMemoryParameters p = XenonMemory();
+  const XenonParameters p;
   CacheMemoryRun run =
       MustRun(p, {{{AccessKind::kStore, 16, 0, 0, 0}, {AccessKind::kLoad, 16, 64, 2000, 0}}});
   EXPECT_EQ(run.threads[0].store_l2_misses, 1u);
@@ -142,7 +69,7 @@ TEST(XenonMemory, StoresGoThroughL1AndFillOnlyL2) {
 }
 
 TEST(XenonMemory, LoadHitStoreIsFoundFromAddresses) {
-  const CacheMemoryParameters p = XenonMemory();
+  const XenonParameters p;
   const auto stall = [&](uint64_t store, uint32_t store_bytes, uint64_t load, uint32_t load_bytes,
                          Cycles apart) {
     const CacheMemoryRun run =
@@ -161,7 +88,7 @@ TEST(XenonMemory, LoadHitStoreIsFoundFromAddresses) {
 
 TEST(XenonMemory, AtMostEightMissesOfACoreAreOut) {
   const auto run = [](uint32_t misses) {
-    CacheMemoryParameters p = XenonMemory();
+    XenonParameters p;
     p.outstanding_misses = misses;
     Trace trace;
     for (uint32_t i = 0; i < 512; ++i)
@@ -176,7 +103,7 @@ TEST(XenonMemory, AtMostEightMissesOfACoreAreOut) {
 
 TEST(XenonMemory, RatesAreShared) {
   const auto rate = [](uint32_t threads, uint32_t gpu_permille) {
-    CacheMemoryParameters p = XenonMemory();
+    XenonParameters p;
     p.gpu_permille = gpu_permille;
     p.outstanding_misses = 64;  // so that the bus is the limit
     std::vector<Trace> traces(threads);
@@ -193,7 +120,7 @@ TEST(XenonMemory, RatesAreShared) {
 }
 
 TEST(XenonMemory, ThreadsOfACoreShareItsL1) {
-  const CacheMemoryParameters p = XenonMemory();
+  const XenonParameters p;
   const auto sweep = [](uint64_t base, Cycles start) {
     Trace t;
     for (int r = 0; r < 4; ++r)
@@ -211,16 +138,15 @@ TEST(XenonMemory, ThreadsOfACoreShareItsL1) {
 }
 
 TEST(XenonMemory, ARunHasOneResult) {
-  const CacheMemoryParameters p = XenonMemory();
-  const std::vector<Trace> traces = {Chase(p, 1 << 16, 1), Chase(p, 1 << 17, 1),
-                                     Chase(p, 1 << 18, 1)};
+  const XenonParameters p;
+  const std::vector<Trace> traces = {Chase(1 << 16), Chase(1 << 17), Chase(1 << 18)};
   const CacheMemoryRun a = MustRun(p, traces), b = MustRun(p, traces);
   EXPECT_EQ(a.finish, b.finish);
   for (size_t t = 0; t < traces.size(); ++t) EXPECT_EQ(a.threads[t].finish, b.threads[t].finish);
 }
 
 TEST(XenonMemory, ImpossibleInputIsRefused) {
-  CacheMemoryParameters p = XenonMemory();
+  XenonParameters p;
   CacheMemoryRun run;
   std::string error;
   p.l1_ways = 3;

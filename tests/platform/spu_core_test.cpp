@@ -87,11 +87,24 @@ TEST(SpuCore, AHintHoldsWhenItLeadsFarEnough) {
     text += "back: brnz 7,loop\n";
     return CyclesPerTurn(TimeOnSpu(text));
   };
-  EXPECT_EQ(turn(14, "hbrr back,loop"), 16.0);       // hint at 0, branch at 15
-  EXPECT_EQ(turn(13, "hbrr back,loop"), 15.0 + 18);  // one too late
+  EXPECT_EQ(turn(14, "hbrr back,loop"), 16.0);     // hint at 0, branch at 15
+  EXPECT_EQ(turn(20, "hbrr back,loop"), 22.0);     // earlier is no better
+  EXPECT_EQ(turn(13, "hbrr back,loop"), 16.0);     // waits for the hint's target
+  EXPECT_EQ(turn(8, "hbrr back,loop"), 16.0);      // the last that the hint reaches
+  EXPECT_EQ(turn(7, "hbrr back,loop"), 9.0 + 18);  // fetched before the hint was seen
+  EXPECT_EQ(turn(0, "hbrr back,loop"), 2.0 + 18);
   EXPECT_EQ(turn(14, "lnop"), 16.0 + 18);
   EXPECT_EQ(turn(14, "hbr back,3"), 16.0);
   EXPECT_EQ(turn(14, "hbrr back,back"), 16.0 + 18);  // another target
+}
+
+TEST(SpuCore, WaitingForAHintsTargetIsAStallOfItsOwn) {
+  std::string text = "loop:\n  hbrr back,loop\n";
+  for (int i = 0; i < 10; ++i) text += "  lnop\n";
+  const IssueChart chart = TimeOnSpu(text + "back: brnz 7,loop\n", {}, {}, 100);
+  ExpectAllCyclesAccountedFor(chart.totals);
+  // The branch comes 11 cycles after its hint and waits 4, in every turn.
+  EXPECT_EQ(chart.totals.stall_cycles[uint32_t(StallCause::kHintTarget)], 400u);
 }
 
 TEST(SpuCore, AHintForABranchThatFallsThroughCostsThePenaltyOnce) {
@@ -104,7 +117,7 @@ TEST(SpuCore, AHintForABranchThatFallsThroughCostsThePenaltyOnce) {
 
 TEST(SpuCore, LeapingOverTurnsChangesNothing) {
   for (const std::string& text :
-       {NewtonSteps(), DoublePrecisionFma(), UnhintedBranch(), ReadListingFile("published.s")}) {
+       {NewtonSteps(), DoublePrecisionFma(), UnhintedBranch(), PublishedListing()}) {
     const IssueChart few = TimeOnSpu(text, {}, {}, 40), more = TimeOnSpu(text, {}, {}, 41),
                      many = TimeOnSpu(text, {}, {}, 1'000'000'040);
     ASSERT_EQ(few.loops.size(), 1u);
@@ -125,9 +138,10 @@ TEST(SpuCore, ANewtonStepOneWideWaitsForItself) {
   const auto chart = TryTimeOnSpu(listing.program, trips, {}, {}, error);
   ASSERT_TRUE(chart) << error;
   // lqd 6, frest 4, fi 7, fnms 6, fma 6, stqd 1, ai and brnz, and the next lqd waits for ai: 32.
-  // The hint holds in every turn but the last, which goes on to bi.
+  // The hint goes under the rest, but for a cycle of the first turn, and holds in every turn but
+  // the last, which goes on to bi.
   EXPECT_EQ(CyclesPerTurn(*chart), 32.0);
-  EXPECT_EQ(chart->totals.cycles, 64 * 32 - 1 + 18 + 1);
+  EXPECT_EQ(chart->totals.cycles, 1 + 64 * 32 - 1 + 18 + 1);
   EXPECT_EQ(chart->totals.stall_cycles[uint32_t(StallCause::kAfterFp7)], 0u);  // hidden by fi
   EXPECT_EQ(BindingResource(*chart, chart->loops[0].period), "register");
 }

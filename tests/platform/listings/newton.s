@@ -2,9 +2,9 @@
         .text
         .align  3
 newton:
+        hbrr    .Lback, newton     # 8 instructions before its branch
         lqd     $4, 0($3)          # x
         ai      $7, $7, -1
-        hbrr    .Lback, newton
         frest   $5, $4             # odd pipe
         fi      $5, $4, $5
         fnms    $6, $4, $5, $10    # 1 - x * y

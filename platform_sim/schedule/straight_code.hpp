@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "platform_sim/core/instruction.hpp"
@@ -19,6 +20,7 @@ namespace pelt {
 
 // Where a value lives: an SPU has one file, a PPE more.
 enum class ValueFile : uint8_t { kVector, kGeneral, kCondition };
+inline constexpr uint32_t kValueFileCount = 3;
 
 struct StraightCode {
   std::vector<Instruction> program;
@@ -26,12 +28,31 @@ struct StraightCode {
   uint32_t value_count() const { return uint32_t(file.size()); }
 };
 
+// Whether the invariant above holds, for a core of so many classes. All that takes StraightCode
+// checks it; the reason is in `error` ("instruction 4: ...").
+bool CheckStraightCode(const StraightCode& code, uint32_t class_count, std::string& error);
+
+// Where an instruction of finished code comes from, if not from an instruction of the straight
+// code.
+inline constexpr uint32_t kSpillStore = 0xFFFFFFFF, kSpillLoad = 0xFFFFFFFE, kPadding = 0xFFFFFFFD;
+
+// A value that is there when the code begins: in a register, or, when there are more such values
+// than registers, in its spill slot.
+struct EntryValue {
+  uint32_t value = 0;
+  uint32_t reg = kNoRegister;
+  int32_t slot_address = 0;  // if reg is kNoRegister
+};
+
 // The same on registers that the core has, and what that took.
 struct FinishedCode {
   std::vector<Instruction> program;  // numbered as the core's instruction set says
+  std::vector<uint32_t> origin;      // of each: instruction of the straight code, or as above
+  std::vector<EntryValue> entry;
   uint32_t spill_stores = 0, spill_loads = 0;
-  uint32_t padding = 0;             // nop and lnop that put pairs into fetch groups
-  uint32_t most_live_vectors = 0;   // after spilling: at most what the core has
+  uint32_t made_again = 0;         // instructions that run once more, instead of a spill
+  uint32_t padding = 0;            // nop and lnop that put pairs into fetch groups
+  uint32_t most_live_vectors = 0;  // after spilling: at most what the core has
 };
 
 }  // namespace pelt

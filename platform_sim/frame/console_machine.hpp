@@ -1,0 +1,65 @@
+// A console as a frame sees it: units, what they share, what handing out work costs.
+//
+// A plain struct, so that a question such as "what if memory were free" is another struct. Memory's
+// numbers are measured when the machine is made, by short streams on the line-level models; the
+// rest comes from platforms/.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/error.hpp"
+#include "platform_sim/frame/shared_transfers.hpp"
+#include "platform_sim/platforms/cell_memory.hpp"
+#include "platform_sim/platforms/dispatch.hpp"
+#include "platform_sim/platforms/spu.hpp"
+#include "platform_sim/platforms/spu_runtime.hpp"
+#include "platform_sim/platforms/xenon_memory.hpp"
+
+namespace pelt {
+
+struct ConsoleMachine {
+  std::string name;  // "PS3"
+  uint64_t clock_hz = 0;
+  uint32_t units = 0;             // SPUs, or hardware threads
+  uint32_t threads_per_core = 1;  // neighbouring units that share a core
+  // Of all the machine's rates, compute and memory: what measured kernels and streams reach. It is
+  // in `memory` already.
+  double availability = 1.0;
+
+  SharedMemory memory;
+  Cycles command_cycles = 0;            // of the unit, for a command (a list is one)
+  Cycles wait_cycles = 0;               // of the unit, to ask whether a transfer is through
+  uint32_t largest_transfer_bytes = 0;  // of a list element
+  uint32_t line_bytes = 128;
+
+  // Local stores; or, where it is 0, caches.
+  uint32_t local_store_bytes = 0;
+  SpuRuntimeParameters runtime;
+  uint32_t l2_bytes = 0;
+
+  // Drawing the next item: the counter's line is with one unit at a time. With a dispatcher (the
+  // PPE), which takes items one after another, each for `dispatcher_cycles`, beside the units.
+  Cycles draw_cycles = 0;
+  Cycles dispatcher_cycles = 0;
+  Cycles barrier_cycles = 0;  // from the last unit's end to the next pass
+
+  double Milliseconds(double cycles) const { return cycles * 1e3 / double(clock_hz); }
+};
+
+// A retail PS3's SPUs. Nothing, and why in `error`, for a platform that cannot be.
+std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
+                                          const DispatchParameters& dispatch, std::string& error);
+// An Xbox 360's hardware threads.
+std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string& error);
+#if defined(__cpp_exceptions)
+inline ConsoleMachine MakeCell(const CellMemoryParameters& p, const DispatchParameters& dispatch) {
+  return ValueOrThrow([&](std::string& error) { return TryMakeCell(p, dispatch, error); });
+}
+inline ConsoleMachine MakeXenon(const XenonParameters& p) {
+  return ValueOrThrow([&](std::string& error) { return TryMakeXenon(p, error); });
+}
+#endif
+
+}  // namespace pelt

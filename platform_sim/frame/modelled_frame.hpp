@@ -1,0 +1,78 @@
+// What a frame on a console came out as: which unit did what when, bytes, and who waited for whom.
+//
+//   unit 0  |dispatch|get|  compute   |  compute  |put|imbalance|barrier
+//   unit 1  |dispatch|get|    compute    |  compute       |put|barrier
+//
+// Invariant: the slices of a unit have no gaps, so the cycles of every kind of work, summed, are
+// units x cycles of the pass; and the times of each pass's last unit, summed, are the frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/streams.hpp"
+#include "platform_sim/memory/event_queue.hpp"
+
+namespace pelt {
+
+enum class UnitWork : uint8_t {
+  kDispatch,  // drawing the next item
+  kCommands,  // giving transfers, asking whether they are through
+  kCode,      // standing until the pass's code and parameters are here
+  kGetStall,  // standing until blocks are here
+  kCompute,
+  kPutStall,   // standing until a buffer is free again, or until all is put
+  kImbalance,  // done, while others are not
+  kBarrier,    // the meeting itself
+};
+inline constexpr uint32_t kUnitWorkCount = 8;
+std::string_view UnitWorkName(UnitWork work);
+
+using WorkCycles = std::array<Cycles, kUnitWorkCount>;  // [UnitWork]
+
+// What one unit did, in order, without gaps from the frame's begin to its end.
+struct UnitSlice {
+  UnitWork work;
+  uint32_t pass, item;  // kNoBlock where it belongs to none
+  Cycles begin, end;
+};
+// A transfer beside it; one that the frame does not wait for ends with the frame.
+struct TransferSlice {
+  bool put;
+  uint32_t pass, item;  // kNoBlock: code
+  Cycles begin, end;
+  uint64_t bytes;
+};
+struct UnitTimeline {
+  std::vector<UnitSlice> slices;
+  std::vector<TransferSlice> transfers;
+};
+
+struct ModelledPass {
+  Cycles begin = 0, end = 0;
+  uint32_t items = 0;                     // on which a stage ran
+  uint64_t get_bytes = 0, put_bytes = 0;  // of streams
+  uint64_t code_bytes = 0;                // and parameters, brought to every unit that needs it
+  // Bytes that lines carry beyond what was asked for: small list elements, bad alignment.
+  uint64_t wasted_bytes = 0;
+  WorkCycles unit_cycles{};  // summed over units
+  // That all others waited for: what it did with the time, on which items.
+  uint32_t last_unit = 0;
+  WorkCycles last_unit_cycles{};
+  std::vector<uint32_t> last_unit_items;
+
+  Cycles Length() const { return end - begin; }
+};
+
+struct ModelledFrame {
+  Cycles cycles = 0;
+  std::vector<ModelledPass> passes;                          // as in the plan
+  std::vector<Cycles> stage_cycles;                          // compute, summed over units, [stage]
+  std::vector<uint32_t> stage_items;                         // items it ran on, [stage]
+  std::vector<uint64_t> stream_get_bytes, stream_put_bytes;  // main memory, [Stream]
+  std::vector<UnitTimeline> units;                           // filled when asked for
+};
+
+}  // namespace pelt

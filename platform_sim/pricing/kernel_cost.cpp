@@ -1,0 +1,256 @@
+#include "platform_sim/pricing/kernel_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pricing/cache_cost.hpp"
+#include "platform_sim/pricing/order_of_need.hpp"
+#include "platform_sim/schedule/schedule.hpp"
+
+namespace pelt {
+namespace {
+
+struct Window {
+  uint32_t begin, middle, end;  // operations: short is [begin, middle)
+  uint32_t turns;               // of the long one
+  bool whole = false;           // the trace is no longer
+};
+
+// How many values are alive between operation p - 1 and p, constants left out.
+std::vector<uint32_t> CountAlive(const Trace& trace) {
+  const auto count = uint32_t(trace.operations.size());
+  std::vector<uint32_t> last_reader(trace.value_count, 0);
+  for (uint32_t o = 0; o < count; ++o)
+    for (uint32_t i = 0; i < trace.operations[o].operand_count; ++i)
+      if (const uint32_t value = trace.operations[o].operand[i]; value != kNoValue)
+        last_reader[value] = o;
+  std::vector<int32_t> change(count + 2);
+  for (uint32_t o = 0; o < count; ++o) {
+    const RecordedOperation& operation = trace.operations[o];
+    if (operation.kind == RecordedKind::kSplat) continue;
+    for (uint32_t r = 0; r < operation.result_count; ++r) {
+      const uint32_t last = last_reader[operation.result + r];
+      if (last <= o) continue;
+      ++change[o + 1];
+      --change[last + 1];
+    }
+  }
+  std::vector<uint32_t> alive(count + 1);
+  int32_t now = 0;
+  for (uint32_t p = 0; p <= count; ++p) alive[p] = uint32_t(now += change[p]);
+  return alive;
+}
+
+std::vector<Window> PlaceWindows(const Trace& trace, uint32_t turns, const PriceRules& rules) {
+  const auto count = uint32_t(trace.operations.size());
+  turns = std::max(turns, 1u);
+  const uint32_t turn = std::max(count / turns, 1u);
+  const uint32_t half_turns = std::clamp(rules.window_operations / 2 / turn, kTurnsTogether,
+                                         std::max(rules.turns / 2, kTurnsTogether));
+  const uint32_t half = half_turns * turn;
+  if (count < 3 * half) {
+    const uint32_t end = std::min(count, 2 * rules.window_operations);
+    const auto covered = uint32_t(std::lround(double(turns) * end / std::max(count, 1u)));
+    return {{0, 0, end, std::max(covered, 1u), true}};
+  }
+  const std::vector<uint32_t> alive = CountAlive(trace);
+  // The place from p on, no more than a turn away, where the fewest values are alive.
+  const auto cut = [&](uint64_t p) {
+    const auto first = alive.begin() + int64_t(std::min<uint64_t>(p, count));
+    const auto last = alive.begin() + int64_t(std::min<uint64_t>(p + turn, count + 1));
+    return uint32_t(std::min_element(first, std::max(last, first + 1)) - alive.begin());
+  };
+  std::vector<Window> out;
+  const uint64_t room = count - 2 * uint64_t(half);
+  const uint32_t windows = half > rules.window_operations ? 1 : rules.windows;
+  for (uint32_t w = 0; w < windows; ++w) {
+    const uint32_t begin = cut(room * (2 * w + 1) / (2 * windows));
+    const uint32_t middle = cut(uint64_t(begin) + half), end = cut(uint64_t(middle) + half);
+    if (begin < middle && middle < end) out.push_back({begin, middle, end, 2 * half_turns});
+  }
+  if (out.empty()) out.push_back({0, 0, std::min(count, 2 * half), 2 * half_turns, true});
+  return out;
+}
+
+uint32_t CountSeen(const Trace& trace, uint32_t begin, uint32_t end) {
+  return uint32_t(
+      std::count_if(trace.operations.begin() + begin, trace.operations.begin() + end,
+                    [](const RecordedOperation& o) { return o.kind != RecordedKind::kSplat; }));
+}
+uint32_t CountSeen(const Trace& trace) {
+  return CountSeen(trace, 0, uint32_t(trace.operations.size()));
+}
+uint64_t CountOf(const Trace& trace, RecordedKind kind) {
+  return uint64_t(std::count_if(trace.operations.begin(), trace.operations.end(),
+                                [&](const RecordedOperation& o) { return o.kind == kind; }));
+}
+
+// One stretch of the trace, timed in every way.
+struct Timed {
+  double operations = 0.0, instructions = 0.0;
+  double plain = 0.0, scheduled = 0.0, shared = 0.0, bound = 0.0;
+  FinishedCode code;
+  IssueChart chart;
+};
+
+std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, uint32_t turns,
+                             const PricedCore& core, const PriceRules& rules, std::string& error) {
+  const auto simple =
+      SimplifyTrace(trace, begin, end, {.fuse_multiply_add = !rules.lowering.host_operations});
+  const LoweredCode lowered = LowerTo(core, simple, turns, rules.lowering);
+  Timed out;
+  out.operations = std::max(CountSeen(trace, begin, end), 1u);
+  out.instructions = double(lowered.code.program.size());
+  const auto plain = TryAllocateInOrder(lowered.code, core.scheduling, error);
+  auto scheduled = TryScheduleTurns(lowered.code, turns, core.scheduling, error);
+  if (!plain || !scheduled) return std::nullopt;
+  const auto plain_chart = core.scheduling.time(plain->program, error);
+  auto chart = core.scheduling.time(scheduled->program, error);
+  if (!plain_chart || !chart) return std::nullopt;
+  out.plain = double(plain_chart->totals.cycles);
+  out.scheduled = out.shared = double(chart->totals.cycles);
+  out.bound = double(*std::ranges::max_element(chart->totals.pipe_cycles));
+  if (core.time_shared) {
+    const auto shared = core.time_shared(scheduled->program, error);
+    if (!shared) return std::nullopt;
+    out.shared = double(shared->totals.cycles);
+  }
+  out.code = *std::move(scheduled);
+  out.chart = *std::move(chart);
+  return out;
+}
+
+// Cycles of one operation once the pipeline is full: not below what the units can do, nor above
+// what the long stretch took with filling and draining.
+double SteadyRate(double short_cycles, double long_cycles, double least, const Timed& small,
+                  const Timed& large) {
+  const double most = long_cycles / large.operations;
+  const double rate = (long_cycles - short_cycles) / (large.operations - small.operations);
+  return std::clamp(rate, std::min(least / large.operations, most), most);
+}
+
+struct Rates {
+  double instructions = 0.0, plain = 0.0, scheduled = 0.0, shared = 0.0, fixed = 0.0;
+};
+
+Rates RatesOf(const Timed& small, const Timed& large, bool whole) {
+  Rates r;
+  r.instructions = large.instructions / large.operations;
+  if (whole) {
+    r.plain = large.plain / large.operations;
+    r.scheduled = large.scheduled / large.operations;
+    r.shared = large.shared / large.operations;
+    return r;
+  }
+  r.plain = SteadyRate(small.plain, large.plain, large.bound, small, large);
+  r.scheduled = SteadyRate(small.scheduled, large.scheduled, large.bound, small, large);
+  // Two threads share the dispatch: each has every other cycle at most.
+  r.shared =
+      std::max(r.scheduled, SteadyRate(small.shared, large.shared, large.bound, small, large));
+  r.fixed = std::max(0.0, large.scheduled - r.scheduled * large.operations);
+  return r;
+}
+
+void NoteWindow(const Timed& window, uint32_t turns, const PricedCore& core, KernelCost& cost,
+                IssueTotals& totals) {
+  totals += window.chart.totals;
+  cost.most_live = std::max(cost.most_live, window.code.most_live_vectors);
+  cost.spill_stores += window.code.spill_stores;
+  cost.spill_loads += window.code.spill_loads;
+  const uint64_t bytes = window.code.program.size() * core.scheduling.instruction_bytes;
+  const uint64_t of_loop = bytes * std::min(turns, kLoopTurns) / std::max(turns, 1u);
+  cost.code_bytes = std::max(cost.code_bytes, uint32_t(of_loop));
+  cost.window_turns = std::max(cost.window_turns, turns);
+}
+
+// Where one thread waits, the other has the core: two take as long as both need of it, or as one
+// does with its waiting.
+bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std::string& error) {
+  const auto price = [&](double cycles_per_turn, uint32_t threads) {
+    return TryPriceCaches(trace, cost.turns, cycles_per_turn, threads, *core.caches, error);
+  };
+  const auto plain = price(cost.plain_cycles_per_turn, 1);
+  const auto alone = price(cost.scheduled_cycles_per_turn, 1);
+  const auto both = price(cost.shared_cycles_per_turn, core.caches->core.smt_threads);
+  if (!plain || !alone || !both) return false;
+  cost.lines_per_turn = alone->lines_per_turn;
+  cost.wait_cycles_per_turn = alone->wait_cycles_per_turn;
+  cost.unfetched_wait_cycles_per_turn = alone->unfetched_wait_cycles_per_turn;
+  cost.shared_cycles_per_turn =
+      std::max(cost.shared_cycles_per_turn + both->lines_per_turn,
+               cost.scheduled_cycles_per_turn + both->wait_cycles_per_turn);
+  cost.plain_cycles_per_turn += plain->unfetched_wait_cycles_per_turn;
+  cost.scheduled_cycles_per_turn += alone->wait_cycles_per_turn;
+  return true;
+}
+
+}  // namespace
+
+std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
+                                        const PricedCore& core, const PriceRules& rules,
+                                        std::string& error) {
+  KernelCost cost;
+  cost.turns = std::max(turns, 1u);
+  cost.register_limit = core.register_limit;
+  cost.fixed_cycles = core.call_cycles;
+  cost.operations = CountSeen(recorded);
+  const Trace trace = OrderByNeed(recorded);
+  if (trace.operations.empty()) return cost;
+  const std::vector<Window> windows = PlaceWindows(trace, cost.turns, rules);
+  const double operations_per_turn = double(CountSeen(trace)) / cost.turns;
+  IssueTotals totals;
+  IssueChart last;
+  for (const Window& window : windows) {
+    const auto large = TryTime(trace, window.begin, window.end, window.turns, core, rules, error);
+    if (!large) return std::nullopt;
+    std::optional<Timed> small = *large;
+    if (!window.whole)
+      small = TryTime(trace, window.begin, window.middle, window.turns / 2, core, rules, error);
+    if (!small) return std::nullopt;
+    const Rates rates = RatesOf(*small, *large, window.whole);
+    const double share = operations_per_turn / double(windows.size());
+    cost.instructions_per_turn += rates.instructions * share;
+    cost.plain_cycles_per_turn += rates.plain * share;
+    cost.scheduled_cycles_per_turn += rates.scheduled * share;
+    cost.shared_cycles_per_turn += rates.shared * share;
+    cost.fixed_cycles += rates.fixed / double(windows.size());
+    NoteWindow(*large, window.turns, core, cost, totals);
+    last = large->chart;
+  }
+  if (core.caches && !AddCaches(trace, core, cost, error)) return std::nullopt;
+  cost.divides_per_turn = double(CountOf(trace, RecordedKind::kDivide)) / cost.turns;
+  cost.roots_per_turn = double(CountOf(trace, RecordedKind::kReciprocalRoot)) / cost.turns;
+  cost.dual_issue_rate = totals.DualIssueRate();
+  cost.binding = BindingResource(last, totals);
+  cost.busiest_unit_share =
+      double(*std::max_element(totals.pipe_cycles.begin(), totals.pipe_cycles.end())) /
+      double(totals.cycles);
+  return cost;
+}
+
+std::optional<ScheduledWindow> TryScheduleWindow(const Trace& recorded, uint32_t turns,
+                                                 const PricedCore& core, const PriceRules& rules,
+                                                 std::string& error) {
+  const Trace trace = OrderByNeed(recorded);
+  const Window window = PlaceWindows(trace, turns, rules).front();
+  const auto simple = SimplifyTrace(trace, window.begin, window.end,
+                                    {.fuse_multiply_add = !rules.lowering.host_operations});
+  const LoweredCode lowered = LowerTo(core, simple, window.turns, rules.lowering);
+  ScheduledWindow out;
+  auto code = TryScheduleTurns(lowered.code, window.turns, core.scheduling, error);
+  if (!code) return std::nullopt;
+  auto chart = core.scheduling.time(code->program, error);
+  if (!chart) return std::nullopt;
+  for (const uint32_t origin : code->origin)
+    out.name.push_back(origin == kSpillStore  ? "(spill)"
+                       : origin == kSpillLoad ? "(reload)"
+                       : origin == kPadding   ? "(padding)"
+                                              : lowered.name[origin]);
+  out.lowered = lowered.code;
+  out.code = *std::move(code);
+  out.chart = *std::move(chart);
+  return out;
+}
+
+}  // namespace pelt

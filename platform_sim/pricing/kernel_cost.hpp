@@ -1,0 +1,89 @@
+// What a kernel costs on a core, from one item's trace.
+//
+// The trace is put in an order that does not show which compiler built the kernels
+// (order_of_need.hpp). A few windows of it, spread over it, are lowered, put on registers and
+// timed, as they come ("plain": in that order) and scheduled. A window begins and ends where the
+// fewest values are alive, which is between two turns of a loop. Each is taken twice, once twice as
+// long: the difference is what further turns cost once the pipeline is full, free of filling and
+// draining it; what the short one costs beyond that is the fixed part.
+//
+//   trace  |--------[=====|=====]------------[=====|=====]------------[=====|=====]-------|
+//                    short              cycles per operation = (long - short) / their operations
+//                    long       .
+//
+// Invariant: depends on the trace and the core only. A trace that fits one window is taken whole.
+// What breaks if windows are too short: the schedule has too few turns to overlap, and a kernel
+// whose steps wait for each other looks slower than it is.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "platform_sim/pricing/priced_core.hpp"
+#include "platform_sim/schedule/straight_code.hpp"
+
+namespace pelt {
+
+struct PriceRules {
+  LoweringRules lowering;
+  uint32_t windows = 3;
+  // Turns of the long one, or as many as `window_operations` hold, but four at least: the short one
+  // has two, which may be interleaved. More overlap better and need more code and registers.
+  uint32_t turns = 4;
+  uint32_t window_operations = 3000;
+};
+
+inline constexpr uint32_t kLoopTurns = 2;
+
+struct KernelCost {
+  uint64_t operations = 0;  // recorded on the item, needed or not
+  uint32_t turns = 0;       // of the item; four strands each
+  double instructions_per_turn = 0.0;
+  double plain_cycles_per_turn = 0.0, scheduled_cycles_per_turn = 0.0;
+  double shared_cycles_per_turn = 0.0;  // scheduled, beside the other hardware thread
+  double fixed_cycles = 0.0;            // the call, and filling and draining
+  // Of a core with caches (cache_cost.hpp), in the cycles above: in program order nothing is
+  // fetched ahead, in the scheduled code every line is.
+  double lines_per_turn = 0.0;
+  double wait_cycles_per_turn = 0.0, unfetched_wait_cycles_per_turn = 0.0;
+  double divides_per_turn = 0.0, roots_per_turn = 0.0;
+  double dual_issue_rate = 0.0;     // scheduled
+  std::string_view binding;         // BindingResource of the scheduled code
+  double busiest_unit_share = 0.0;  // of the scheduled cycles in which the busiest unit works
+  uint32_t most_live = 0, register_limit = 0;  // vectors
+  uint32_t spill_stores = 0, spill_loads = 0;  // in the windows' scheduled code
+  uint32_t window_turns = 0;                   // that were scheduled together
+  // Of a loop over kLoopTurns turns, which is what is interleaved, at the window's density. Loops
+  // inside a turn (solver iterations, points of a chain) are written out, filling and draining is
+  // not: the first is far more than the second, so real code is smaller.
+  uint32_t code_bytes = 0;
+
+  double ScheduledPerOperation() const {
+    return operations ? scheduled_cycles_per_turn * turns / double(operations) : 0.0;
+  }
+  double SharedPerOperation() const {
+    return operations ? shared_cycles_per_turn * turns / double(operations) : 0.0;
+  }
+};
+
+// A piece of a trace as scheduled, for a chart.
+struct ScheduledWindow {
+  StraightCode lowered;  // what `code` was made of
+  FinishedCode code;
+  std::vector<std::string_view> name;  // of each instruction of `code`
+  IssueChart chart;
+};
+
+// `trace` is one item's, which has `turns` turns. Nothing, and why in `error`, when code does not
+// fit the core's registers.
+std::optional<KernelCost> TryPriceTrace(const Trace& trace, uint32_t turns, const PricedCore& core,
+                                        const PriceRules& rules, std::string& error);
+
+// The first window of it, scheduled.
+std::optional<ScheduledWindow> TryScheduleWindow(const Trace& trace, uint32_t turns,
+                                                 const PricedCore& core, const PriceRules& rules,
+                                                 std::string& error);
+
+}  // namespace pelt

@@ -1,0 +1,40 @@
+// Runs a stage of a frame on the recording kernels: core/kernels/kernel_table.cpp once more, with
+// recording_vec.hpp for its vector.
+//
+// Invariant: memory is afterwards as any other instruction set would leave it, so a frame may be
+// recorded instead of run.
+#pragma once
+
+#include <string>
+
+#include "core/kernels/kernel_table.hpp"
+#include "jobs/frame.hpp"
+#include "platform_sim/pricing/recorder.hpp"
+
+namespace pelt {
+
+const KernelTable& KernelsRecording();
+
+// The recording twin of a kernel; null for one that is not in the table.
+const KernelDesc* FindRecordingKernel(std::string_view name);
+
+// Runs `stage` (of the plan) on `item`, recorded into `recorder`, which is fresh. False, and why in
+// `error`, if it has no twin or its blocks are too many for the recorder's space.
+bool TryRecordStage(const Frame& frame, uint32_t stage, uint32_t item, Recorder& recorder,
+                    std::string& error);
+
+// Runs the whole frame so: `record(pass, stage, item)` is called, in the order of a serial run, for
+// every stage that wants to run on an item, and must run it (TryRecordStage). False stops.
+template <class RecordItem>
+bool RecordFrame(const Frame& frame, RecordItem record) {
+  for (uint32_t p = 0; p < frame.plan->passes.size(); ++p) {
+    const Pass& pass = frame.plan->passes[p];
+    const uint32_t items = frame.memory->shape->ItemCount(pass.domain);
+    for (uint32_t i = 0; i < items; ++i)
+      for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
+        if (IsWanted(frame.plan->stages[s], *frame.memory, i) && !record(p, s, i)) return false;
+  }
+  return true;
+}
+
+}  // namespace pelt

@@ -1,0 +1,224 @@
+#include "platform_sim/pricing/stage_costs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "platform_sim/pricing/record_stage.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kLanesPerTurn = 4;
+
+uint32_t TurnsOf(uint32_t lanes) { return (lanes + kLanesPerTurn - 1) / kLanesPerTurn; }
+uint32_t TurnsOfGroups(uint32_t lanes) {
+  return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup / kLanesPerTurn;
+}
+
+bool Binds(const Stage& stage, Stream stream) {
+  return std::ranges::any_of(stage.kernel.ports,
+                             [&](const PortDesc& port) { return port.stream == stream; });
+}
+
+uint32_t VisibleOf(const Frame& frame, uint32_t layer) {
+  return frame.memory->As<LayerSortBlock>(Stream::kLayerSort, layer)->visible_count;
+}
+
+// Of what a chunk's stage writes to one stream.
+uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint32_t chunk) {
+  const FrameMemory& memory = *frame.memory;
+  const auto& state = *memory.As<ChunkStateBlock>(Stream::kChunkState, chunk);
+  const uint32_t layer = memory.shape->chunk_layer[chunk];
+  if (stream == Stream::kChunkState) return 1;
+  if (stream == Stream::kSortKeys) return TurnsOf(state.live_strands);
+  switch (DescribeStream(stream).lanes) {
+    case Lanes::kAll:
+      return kStrandsPerChunk / kLanesPerTurn;
+    case Lanes::kLiveStrands:
+      return TurnsOfGroups(state.live_strands);
+    case Lanes::kLiveVertices:
+      return TurnsOfGroups(state.live_vertices);
+    case Lanes::kLiveChains:
+      return TurnsOfGroups(memory.shape->layer_kind[layer] & kLayerVertexChains
+                               ? state.live_vertices
+                               : state.live_strands);
+    case Lanes::kDrawn:
+      break;
+  }
+  if (stream == Stream::kOrder) return kStrandsPerChunk / kLanesPerTurn;      // sorted in pieces
+  if (!Binds(stage, Stream::kLayerSort)) return TurnsOf(state.live_strands);  // in strand order
+  const uint32_t place = (chunk - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
+  const uint32_t visible = VisibleOf(frame, layer);
+  return visible > place ? TurnsOf(std::min(visible - place, kStrandsPerChunk)) : 0;
+}
+
+}  // namespace
+
+uint32_t CountTurns(const Frame& frame, uint32_t stage_index, uint32_t item) {
+  const Stage& stage = frame.plan->stages[stage_index];
+  if (stage.domain == Domain::kLayer && Binds(stage, Stream::kSortPairsA))
+    return TurnsOf(VisibleOf(frame, item));
+  if (stage.domain != Domain::kChunk) return 1;
+  uint32_t turns = 0;
+  for (const PortDesc& port : stage.kernel.ports)
+    if (IsWritten(port.access))
+      turns = std::max(turns, ChunkTurns(frame, stage, port.stream, item));
+  return turns;
+}
+
+namespace {
+
+// What an item's recording shows; items of one kind are near each other in it.
+struct Profile {
+  std::array<bool, kRecordedKindCount> has{};
+  double operations_per_turn = 0.0;
+};
+
+Profile ProfileOf(const Recorder& recorder, uint32_t turns) {
+  Profile p;
+  for (uint32_t k = 0; k < kRecordedKindCount; ++k) p.has[k] = recorder.counts()[k] > 0;
+  p.operations_per_turn = double(recorder.operation_count()) / std::max(turns, 1u);
+  return p;
+}
+
+constexpr double kOneKind = 1.25;  // of operations a turn, at most
+
+double Apart(const Profile& a, const Profile& b) {
+  const double ratio = a.operations_per_turn / std::max(b.operations_per_turn, 1e-9);
+  return std::max(ratio, 1.0 / std::max(ratio, 1e-9));
+}
+bool IsOneKind(const Profile& a, const Profile& b) {
+  return a.has == b.has && Apart(a, b) < kOneKind;
+}
+
+class Pricing {
+ public:
+  Pricing(const Frame& frame, const PricedCore& core, const PriceRules& rules)
+      : frame_(frame), core_(core), rules_(rules), work_(frame.plan->stages.size()) {
+    costs_.clock_hz = core.clock_hz;
+    for (const Stage& stage : frame.plan->stages) {
+      const uint32_t items = frame.memory->shape->ItemCount(stage.domain);
+      StageCosts::Stage& priced = costs_.stages.emplace_back();
+      priced.name = stage.kernel.name;
+      priced.cycles_per_turn.resize(items);
+      priced.shared_cycles_per_turn.resize(items);
+    }
+    for (StageWork& work : work_) work.layer_seen.resize(frame.memory->shape->layer_count + 1);
+  }
+
+  bool Record(uint32_t stage, uint32_t item, std::string& error) {
+    StageWork& work = work_[stage];
+    const uint32_t group = GroupOf(stage, item);
+    const bool keep = !work.layer_seen[group];
+    work.layer_seen[group] = true;
+    Recorder recorder(keep ? Recorder::Keep::kOperations : Recorder::Keep::kCounts);
+    if (!TryRecordStage(frame_, stage, item, recorder, error)) return false;
+    const uint32_t turns = std::max(CountTurns(frame_, stage, item), 1u);
+    const Profile profile = ProfileOf(recorder, turns);
+    if (recorder.operation_count() == 0) {
+      work.items.push_back({item, profile, UnseenCycles(stage, item) / turns});
+      return true;
+    }
+    work.items.push_back({item, profile, 0.0});
+    const bool is_known = std::ranges::any_of(
+        work.profiles, [&](const Profile& known) { return IsOneKind(profile, known); });
+    if (!keep || is_known) return true;
+    const auto cost = TryPriceTrace(recorder.trace(), turns, core_, rules_, error);
+    if (!cost) {
+      error = std::string(costs_.stages[stage].name) + ": " + error;
+      return false;
+    }
+    work.profiles.push_back(profile);
+    costs_.stages[stage].kinds.push_back(*cost);
+    return true;
+  }
+
+  StageCosts Take() {
+    for (uint32_t s = 0; s < work_.size(); ++s) FillStage(work_[s], costs_.stages[s]);
+    return std::move(costs_);
+  }
+
+ private:
+  struct Item {
+    uint32_t item;
+    Profile profile;
+    double unseen_cycles_per_turn;
+  };
+  struct StageWork {
+    std::vector<bool> layer_seen;
+    std::vector<Profile> profiles;  // of StageCosts::Stage::kinds
+    std::vector<Item> items;
+  };
+
+  // The first item of every layer is recorded whole; the rest counted.
+  uint32_t GroupOf(uint32_t stage, uint32_t item) const {
+    const SceneShape& shape = *frame_.memory->shape;
+    const Domain domain = frame_.plan->stages[stage].domain;
+    if (domain < Domain::kLayer) return shape.layer_count;
+    return domain == Domain::kLayer ? item : shape.chunk_layer[item];
+  }
+
+  double UnseenCycles(uint32_t stage_index, uint32_t item) const {
+    const Stage& stage = frame_.plan->stages[stage_index];
+    uint64_t words = 0;
+    for (const PortDesc& port : stage.kernel.ports) {
+      if (port.block_bytes > kSmallBlockBytes) continue;
+      words +=
+          uint64_t(port.block_bytes) / 4 * BindPort(port, *frame_.memory, stage.domain, item).count;
+    }
+    return double(words) * core_.scalar_word_cycles;
+  }
+
+  size_t NearestKind(const StageWork& work, const Profile& profile) const {
+    size_t nearest = 0;
+    const auto distance = [&](size_t k) {
+      return Apart(profile, work.profiles[k]) + (profile.has == work.profiles[k].has ? 0.0 : 10.0);
+    };
+    for (size_t k = 1; k < work.profiles.size(); ++k)
+      if (distance(k) < distance(nearest)) nearest = k;
+    return nearest;
+  }
+
+  void FillStage(const StageWork& work, StageCosts::Stage& out) const {
+    double fixed = 0.0;
+    for (const Item& item : work.items) {
+      if (item.profile.operations_per_turn == 0.0 || work.profiles.empty()) {
+        out.cycles_per_turn[item.item] = float(item.unseen_cycles_per_turn);
+        // Every other cycle of a core is the other thread's.
+        out.shared_cycles_per_turn[item.item] =
+            float(item.unseen_cycles_per_turn * (core_.time_shared ? 2.0 : 1.0));
+        fixed += core_.call_cycles;
+        continue;
+      }
+      const KernelCost& cost = out.kinds[NearestKind(work, item.profile)];
+      const double operations = item.profile.operations_per_turn;
+      out.cycles_per_turn[item.item] = float(cost.ScheduledPerOperation() * operations);
+      out.shared_cycles_per_turn[item.item] = float(cost.SharedPerOperation() * operations);
+      fixed += cost.fixed_cycles;
+    }
+    if (!work.items.empty()) out.fixed_cycles = float(fixed / double(work.items.size()));
+    for (const KernelCost& cost : out.kinds)
+      out.code_bytes = std::max(out.code_bytes, cost.code_bytes);
+  }
+
+  const Frame& frame_;
+  const PricedCore& core_;
+  const PriceRules& rules_;
+  std::vector<StageWork> work_;
+  StageCosts costs_;
+};
+
+}  // namespace
+
+std::optional<StageCosts> TryPriceStages(const Frame& frame, const PricedCore& core,
+                                         const PriceRules& rules, std::string& error) {
+  Pricing pricing(frame, core, rules);
+  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+    return pricing.Record(stage, item, error);
+  });
+  if (!done) return std::nullopt;
+  return pricing.Take();
+}
+
+}  // namespace pelt

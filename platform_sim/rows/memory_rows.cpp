@@ -1,0 +1,92 @@
+#include "platform_sim/rows/predictions.hpp"
+#include "platform_sim/rows/row_work.hpp"
+
+namespace pelt::rows {
+namespace {
+
+// What was measured ran for seconds: a rate is what the second half of a short stream adds to the
+// first, so that filling and draining count for nothing.
+constexpr uint32_t kLocalStoreBlocks = 4;
+
+double SteadyRate(const SpuRun& half, const SpuRun& whole, const CellSystem& cell) {
+  return double(whole.Bytes() - half.Bytes()) / double(whole.cycles - half.cycles) *
+         cell.GigaHertz();
+}
+
+bool StreamRate(const CellParameters& cell, StreamOfBlocks stream, double availability,
+                double& predicted, std::string& error) {
+  const auto half = RunStream(cell, stream, error);
+  stream.bytes_each *= 2;
+  const auto whole = half ? RunStream(cell, stream, error) : std::nullopt;
+  if (whole) predicted = SteadyRate(*half, *whole, cell) * availability;
+  return whole.has_value();
+}
+
+bool LocalStoreRate(const CellMemoryParameters& cell, const std::vector<int>& reads, double& sum,
+                    std::string& error) {
+  const auto half = RunLocalStoreReads(cell, reads, kLocalStoreBlocks, error);
+  const auto whole =
+      half ? RunLocalStoreReads(cell, reads, 2 * kLocalStoreBlocks, error) : std::nullopt;
+  if (whole) sum += SteadyRate(*half, *whole, cell);
+  return whole.has_value();
+}
+
+}  // namespace
+
+bool DoubleBufferedReads(const PlatformParameters& p, double availability, uint32_t block_bytes,
+                         double& predicted, std::string& error) {
+  return StreamRate(p.cell, {.block_bytes = block_bytes, .in_flight = 2}, availability, predicted,
+                    error);
+}
+
+bool EightInFlight(const PlatformParameters& p, double availability, uint32_t block_bytes,
+                   double& predicted, std::string& error) {
+  return StreamRate(p.cell, {.block_bytes = block_bytes, .in_flight = 8}, availability, predicted,
+                    error);
+}
+
+// Which two of its eight SPEs the console lacks decides where the pairs sit, and is not known: the
+// mean of all 28 that may be.
+bool PairsBothWays(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                   std::string& error) {
+  CellMemoryParameters cell = p.cell;
+  double sum = 0.0;
+  uint32_t consoles = 0;
+  for (uint32_t a = 0; a < 8; ++a)
+    for (uint32_t b = a + 1; b < 8; ++b, ++consoles) {
+      cell.missing_spe[0] = a;
+      cell.missing_spe[1] = b;
+      if (!LocalStoreRate(cell, {1, 0, 3, 2, 5, 4}, sum, error)) return false;
+    }
+  predicted = sum / consoles * availability;
+  return true;
+}
+
+bool OnePairAfterAnother(const PlatformParameters& p, double availability, uint32_t,
+                         double& predicted, std::string& error) {
+  constexpr int kSpus = 6;
+  double sum = 0.0;
+  for (int reader = 0; reader < kSpus; ++reader)
+    for (int far = 0; far < kSpus; ++far) {
+      if (reader == far) continue;
+      std::vector<int> reads(kSpus, -1);
+      reads[size_t(reader)] = far;
+      if (!LocalStoreRate(p.cell, reads, sum, error)) return false;
+    }
+  predicted = sum / (kSpus * (kSpus - 1)) * availability;
+  return true;
+}
+
+bool AtomicBounce(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                  std::string&) {
+  predicted = p.cell.Nanoseconds(double(AtomicBounceCycles(p.cell))) / availability;
+  return true;
+}
+
+bool Mailbox(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+             std::string&) {
+  predicted = p.cell.Nanoseconds(double(MailboxRoundTripCycles(p.cell))) / 1000.0 / availability;
+  return true;
+}
+
+}  // namespace pelt::rows

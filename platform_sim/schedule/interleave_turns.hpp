@@ -1,0 +1,36 @@
+// Puts turns of a loop side by side: what a hand does that unrolls a loop of long chains twice and
+// writes the two copies as one, instruction by instruction.
+//
+// Idea: a scheduler that goes through turn after turn has to run far ahead to find work of another
+// one, and what it finds there first are loads, which fill the registers long before anything reads
+// them. Code in which the turns lie beside each other has its work near by, and the register
+// allocator sees what that takes.
+//
+//   key of an instruction = (its turn's group, how far into its turn it is, its turn)
+//
+// Instructions follow in the order of their keys as far as dependences let them. What waits for
+// nothing in a register that another instruction writes (a load of a row, a constant) goes just
+// before its first reader.
+//
+// A turn ends where the fewest values are alive near the place where it should, were all of one
+// length. A wrong end makes code slower, never wrong.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "platform_sim/schedule/scheduling_core.hpp"
+#include "platform_sim/schedule/straight_code.hpp"
+
+namespace pelt {
+
+struct InterleavedCode {
+  StraightCode code;             // the same values
+  std::vector<uint32_t> origin;  // of each instruction, in the code it was made from
+};
+
+// `code` has `turns` turns; `together` of them are put side by side, 1 or more.
+InterleavedCode InterleaveTurns(const StraightCode& code, uint32_t turns, uint32_t together,
+                                const SchedulingCore& core);
+
+}  // namespace pelt

@@ -1,0 +1,349 @@
+// Frames on consoles: what must be conserved, what follows from the numbers, what must be noticed.
+#include "platform_sim/frame/console_frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "platform_sim/frame/frame_summary.hpp"
+#include "platform_sim/frame/pass_clock.hpp"
+#include "tests/determinism/planted_faults.hpp"
+#include "tests/jobs/synthetic_scene.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+#include "tests/platform/modelled_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr uint32_t kFrames = 20;
+constexpr float kCyclesPerTurn = 120.0f;
+
+std::vector<ConsoleMachine> Consoles() { return {Ps3(1), Ps3(3), Ps3(6), Xbox()}; }
+
+std::string NameOf(const ConsoleMachine& machine) {
+  return machine.name + " with " + std::to_string(machine.units) + " units";
+}
+
+Cycles Sum(const WorkCycles& cycles) {
+  return std::accumulate(cycles.begin(), cycles.end(), Cycles{0});
+}
+
+TEST(ConsoleFrame, DigestsAreTheSerialExecutors) {
+  Scenario scenario = TinyScenario();
+  for (const ConsoleMachine& machine : Consoles()) {
+    SerialExecutor serial;
+    const auto expected = RunDigests(scenario, OptionsOn(machine), serial, kFrames);
+    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerTurn);
+    ExpectSameFrames(expected, run.digests, NameOf(machine));
+    for (const LocalStoreFault& f : run.faults)
+      ADD_FAILURE() << NameOf(machine) << ": " << f.stage << ": " << f.what;
+  }
+}
+
+TEST(ConsoleFrame, TwoRunsTakeTheSameCycles) {
+  Scenario scenario = TinyScenario();
+  for (const ConsoleMachine& machine : Consoles()) {
+    const ModelledRun a = RunOn(scenario, machine, kFrames, kCyclesPerTurn);
+    const ModelledRun b = RunOn(scenario, machine, kFrames, kCyclesPerTurn, true);
+    for (uint32_t f = 0; f < kFrames; ++f) {
+      EXPECT_EQ(a.frames[f].cycles, b.frames[f].cycles) << NameOf(machine) << ", frame " << f;
+      EXPECT_EQ(a.frames[f].stage_cycles, b.frames[f].stage_cycles);
+    }
+    EXPECT_EQ(TimeFrame(a.last_work, machine).cycles, a.frames.back().cycles)
+        << "the work of a frame times to the same on its own";
+  }
+}
+
+// Slices without gaps, each item computed once, and what they add up to.
+void ExpectConserved(const ModelledRun& run, const ModelledFrame& frame,
+                     const ConsoleMachine& machine) {
+  ASSERT_EQ(frame.units.size(), machine.units);
+  std::vector<std::vector<uint32_t>> computed(frame.passes.size());
+  for (const UnitTimeline& unit : frame.units) {
+    Cycles at = 0;
+    for (const UnitSlice& slice : unit.slices) {
+      ASSERT_EQ(slice.begin, at);
+      ASSERT_GT(slice.end, slice.begin);
+      at = slice.end;
+      if (slice.work == UnitWork::kCompute) computed[slice.pass].push_back(slice.item);
+    }
+    ASSERT_EQ(at, frame.cycles);
+    for (const TransferSlice& t : unit.transfers) ASSERT_LT(t.begin, t.end);
+  }
+  Cycles end = 0, critical = 0;
+  uint64_t pass_bytes[2] = {0, 0}, transferred = 0, moved = 0;
+  for (uint32_t p = 0; p < frame.passes.size(); ++p) {
+    const ModelledPass& pass = frame.passes[p];
+    EXPECT_EQ(pass.begin, end);
+    end = pass.end;
+    EXPECT_EQ(Sum(pass.unit_cycles), pass.Length() * machine.units);
+    EXPECT_EQ(Sum(pass.last_unit_cycles), pass.Length());
+    EXPECT_EQ(pass.last_unit_cycles[size_t(UnitWork::kImbalance)], 0);
+    critical += Sum(pass.last_unit_cycles);
+    EXPECT_GE(pass.Length() * machine.units, pass.unit_cycles[size_t(UnitWork::kCompute)]);
+    pass_bytes[0] += pass.get_bytes;
+    pass_bytes[1] += pass.put_bytes;
+    const double bytes = double(pass.get_bytes + pass.put_bytes + pass.code_bytes);
+    if (machine.local_store_bytes > 0) {
+      EXPECT_GE(double(pass.Length()) + 1.0, bytes / machine.memory.read_rate);
+    }
+    moved += pass.get_bytes + pass.put_bytes + pass.code_bytes + pass.wasted_bytes;
+    std::sort(computed[p].begin(), computed[p].end());
+    EXPECT_EQ(std::adjacent_find(computed[p].begin(), computed[p].end()), computed[p].end());
+    EXPECT_EQ(computed[p].size(), pass.items) << "pass " << p;
+  }
+  EXPECT_EQ(end, frame.cycles);
+  EXPECT_EQ(critical, frame.cycles);
+  const auto total = [](const std::vector<uint64_t>& v) {
+    return std::accumulate(v.begin(), v.end(), uint64_t{0});
+  };
+  EXPECT_EQ(total(frame.stream_get_bytes), pass_bytes[0]);
+  EXPECT_EQ(total(frame.stream_put_bytes), pass_bytes[1]);
+  Cycles stage_cycles = 0, compute = 0;
+  for (const Cycles c : frame.stage_cycles) stage_cycles += c;
+  for (const ModelledPass& pass : frame.passes)
+    compute += pass.unit_cycles[size_t(UnitWork::kCompute)];
+  EXPECT_EQ(stage_cycles, compute);
+  for (const UnitTimeline& unit : frame.units)
+    for (const TransferSlice& t : unit.transfers) transferred += t.bytes;
+  // Code and parameters move in whole lines.
+  EXPECT_GE(transferred, moved);
+  EXPECT_LT(transferred, moved + machine.units * frame.passes.size() * machine.line_bytes);
+  EXPECT_EQ(run.shape.ItemCount(run.plan.passes.back().domain),
+            run.last_work.passes.back().items.size());
+}
+
+TEST(ConsoleFrame, NothingIsLost) {
+  Scenario scenario = TinyScenario();
+  for (const ConsoleMachine& machine : Consoles()) {
+    SCOPED_TRACE(NameOf(machine));
+    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerTurn, true);
+    for (const ModelledFrame& frame : run.frames) ExpectConserved(run, frame, machine);
+  }
+}
+
+// ---- Made items
+// ------------------------------------------------------------------------------------
+
+FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double_buffered = true) {
+  ItemWork item;
+  item.stages = {{0, cycles, cycles * 1.5}};
+  if (kib > 0) {
+    item.get = item.put = {kib * 1024ull, 1, 1, kib * 8};
+    item.streams = {{Stream::kCurves, kib * 1024ull, kib * 1024ull}};
+  }
+  FrameWork work;
+  work.stage_count = 1;
+  work.passes.push_back({0, double_buffered, 4096, 64, {}});
+  work.passes[0].items.assign(items, item);
+  return work;
+}
+Cycles StageCycles(const ModelledFrame& frame) { return frame.stage_cycles[0]; }
+
+TEST(PassClock, DrawingAndMeetingAreAllThatIsLeft) {
+  for (const uint32_t units : {1u, 3u, 6u}) {
+    ConsoleMachine machine = Ps3(6);
+    machine.units = units;
+    machine = WithoutLimit(WithoutLimit(machine, PassLimit::kMemory), PassLimit::kCompute);
+    const FrameWork work = MadeWork(50, 1000.0);
+    // The line serves one unit after another; every unit draws once more and finds nothing.
+    EXPECT_EQ(TimeFrame(work, machine).cycles,
+              (50 + units) * machine.draw_cycles + machine.barrier_cycles);
+    // One dispatcher: its work for every item, and then the unit's.
+    machine.dispatcher_cycles = 70'000;
+    EXPECT_EQ(TimeFrame(work, machine).cycles,
+              50 * machine.dispatcher_cycles + machine.draw_cycles + machine.barrier_cycles);
+  }
+  const ConsoleMachine nothing =
+      WithoutLimit(WithoutLimit(WithoutLimit(Ps3(), PassLimit::kMemory), PassLimit::kCompute),
+                   PassLimit::kDispatch);
+  EXPECT_EQ(TimeFrame(MadeWork(50, 1000.0), nothing).cycles, 0);
+}
+
+TEST(PassClock, ComputeAloneIsItemsOverUnits) {
+  ConsoleMachine machine =
+      WithoutLimit(WithoutLimit(Ps3(), PassLimit::kMemory), PassLimit::kDispatch);
+  machine.availability = 1.0;
+  EXPECT_EQ(TimeFrame(MadeWork(60, 1000.0), machine).cycles, 10'000);
+  // One item more than fits the last round leaves five units idle for one item's time.
+  const ModelledFrame frame = TimeFrame(MadeWork(61, 1000.0), machine);
+  EXPECT_EQ(frame.cycles, 11'000);
+  EXPECT_EQ(frame.passes[0].unit_cycles[size_t(UnitWork::kImbalance)], 5'000);
+  EXPECT_EQ(frame.passes[0].last_unit_items.size(), 11u);
+  machine.availability = 0.5;
+  EXPECT_EQ(TimeFrame(MadeWork(60, 1000.0), machine).cycles, 20'000);
+}
+
+TEST(PassClock, ThreadsOfACoreSlowEachOtherDown) {
+  ConsoleMachine machine =
+      WithoutLimit(WithoutLimit(Xbox(), PassLimit::kMemory), PassLimit::kDispatch);
+  EXPECT_EQ(TimeFrame(MadeWork(1, 1000.0, 0), machine).cycles, 1000);
+  EXPECT_EQ(TimeFrame(MadeWork(6, 1000.0, 0), machine).cycles, 1500);
+  // Of two, the longer has the core to itself when the shorter is done: 600 of its 1000 are left.
+  FrameWork two = MadeWork(2, 1000.0, 0);
+  two.passes[0].items[1].stages[0] = {0, 400.0, 600.0};
+  EXPECT_EQ(TimeFrame(two, machine).cycles, 1200);
+}
+
+TEST(PassClock, TwoBuffersHideTransfersAndOneDoesNot) {
+  const ConsoleMachine machine = Ps3(1);
+  const double compute = 40'000.0;
+  const Cycles computed = StageCycles(TimeFrame(MadeWork(20, compute), machine));
+  const Cycles two = TimeFrame(MadeWork(20, compute), machine).cycles;
+  const Cycles one = TimeFrame(MadeWork(20, compute, 16, false), machine).cycles;
+  EXPECT_LT(double(two), double(computed) * 1.06);
+  const double moved = 20 * 2 * 16384.0 / machine.memory.port_read_rate;
+  EXPECT_GT(double(one), double(computed) + 0.95 * moved);
+}
+
+// A unit that ran this pass last has its code; another's must come.
+TEST(PassClock, CodeComesWhenAnotherPassRanBetween) {
+  const ConsoleMachine machine = Ps3(2);
+  FrameWork work = MadeWork(8, 5000.0);
+  work.passes.push_back(work.passes[0]);
+  EXPECT_EQ(TimeFrame(work, machine).passes[0].code_bytes, 2 * (4096u + 64u));
+  EXPECT_EQ(TimeFrame(work, machine).passes[1].code_bytes, 2 * 64u);
+  work.passes[1].pass = 1;
+  EXPECT_EQ(TimeFrame(work, machine).passes[1].code_bytes, 2 * (4096u + 64u));
+  // Nobody brings code who finds no item.
+  EXPECT_EQ(TimeFrame(MadeWork(1, 5000.0), machine).passes[0].code_bytes, 4096u + 64u);
+}
+
+TEST(ConsoleFrame, MoreSpusAreNotSlower) {
+  Scenario scenario = TinyScenario();
+  const FrameWork tiny = RunOn(scenario, Ps3(), 3, kCyclesPerTurn).last_work;
+  for (const FrameWork& work : {tiny, MadeWork(200, 30'000.0), MadeWork(200, 3'000.0)}) {
+    Cycles before = INT64_MAX;
+    for (uint32_t spus = 1; spus <= 6; ++spus) {
+      ConsoleMachine machine = Ps3();
+      machine.units = spus;
+      const Cycles cycles = TimeFrame(work, machine).cycles;
+      // Where memory binds, more SPUs make it turn more often, and fetch code more often.
+      EXPECT_LE(double(cycles), double(before) * 1.06) << spus << " SPUs";
+      before = std::min(before, cycles);
+    }
+  }
+}
+
+// ---- What binds
+// ------------------------------------------------------------------------------------
+
+TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
+  const ConsoleMachine machine = Ps3();
+  Plan plan;
+  plan.stages.resize(1);
+  plan.passes.resize(1);
+  plan.passes[0].stage_count = 1;
+  const auto summarise = [&](const FrameWork& work) {
+    FrameStatistics statistics(machine, plan);
+    const ModelledFrame frame = TimeFrame(work, machine);
+    statistics.Add(frame);
+    statistics.AddLimits(frame, work);
+    return statistics.Summarise();
+  };
+  const FrameSummary compute = summarise(MadeWork(120, 60'000.0));
+  EXPECT_EQ(compute.passes[0].binds, PassLimit::kCompute);
+  EXPECT_LT(compute.bus_use, 0.6);
+  const FrameSummary memory = summarise(MadeWork(120, 2'000.0));
+  EXPECT_EQ(memory.passes[0].binds, PassLimit::kMemory);
+  EXPECT_GT(memory.bus_use, 0.8);
+  EXPECT_LE(memory.bus_use, 1.0);
+  EXPECT_EQ(summarise(MadeWork(120, 10.0, 0)).passes[0].binds, PassLimit::kDispatch);
+  EXPECT_EQ(summarise(MadeWork(7, 60'000.0)).passes[0].binds, PassLimit::kCompute);
+  FrameWork uneven = MadeWork(6, 1'000.0, 0);
+  uneven.passes[0].items[0].stages[0].cycles = 60'000.0;
+  EXPECT_EQ(summarise(uneven).passes[0].GainMs(PassLimit::kImbalance) > 0.0, true);
+
+  const auto total = [](const WorkMs& ms) { return std::accumulate(ms.begin(), ms.end(), 0.0); };
+  for (const FrameSummary* s : {&compute, &memory}) {
+    EXPECT_NEAR(total(s->critical_ms), s->median_ms, 1e-9);
+    EXPECT_NEAR(total(s->unit_ms), s->median_ms, 1e-9);
+    EXPECT_NEAR(s->stages[0].wall_ms, s->passes[0].ms, 1e-9);
+    EXPECT_EQ(s->worst_ms, s->median_ms);
+    EXPECT_EQ(s->stream_get_bytes[size_t(Stream::kCurves)], 120 * 16384.0);
+  }
+}
+
+// ---- What must be noticed
+// --------------------------------------------------------------------------
+
+std::string WhyNot(const ConsoleMachine& machine, uint32_t code_bytes = 2048,
+                   uint64_t clock_hz = 0) {
+  Scenario scenario = TinyScenario();
+  RunningScenario running(scenario, OptionsOn(Ps3()));
+  const FurScene& scene = running.scene();
+  const StageCosts costs = FlatCosts(scene.plan(), scene.shape(),
+                                     clock_hz ? clock_hz : machine.clock_hz, 1.0f, code_bytes);
+  std::string error;
+  EXPECT_EQ(ConsoleExecutor::TryMake(machine, costs, scene.CurrentFrame(), error), nullptr);
+  return error;
+}
+
+TEST(ConsoleFrame, RefusesWhatCannotBe) {
+  const std::string store = WhyNot(Ps3(), 64 * 1024);
+  EXPECT_NE(store.find("does not fit"), std::string::npos) << store;
+  EXPECT_NE(store.find("too many for 262144: code "), std::string::npos) << store;
+  EXPECT_NE(WhyNot(Ps3(), 2048, 1'000'000'000).find("clock"), std::string::npos);
+  ConsoleMachine none = Ps3();
+  none.units = 0;
+  EXPECT_NE(WhyNot(none).find("may be zero"), std::string::npos);
+
+  const auto cell_error = [](auto change) {
+    CellMemoryParameters p;
+    change(p);
+    std::string error;
+    EXPECT_FALSE(TryMakeCell(p, AtomicDispatch(150), error));
+    return error;
+  };
+  EXPECT_NE(cell_error([](auto& p) { p.spu_count = 0; }).find("no SPU"), std::string::npos);
+  EXPECT_NE(cell_error([](auto& p) { p.spu_count = 7; }).find("7 SPUs"), std::string::npos);
+  EXPECT_NE(cell_error([](auto& p) { p.local_store_bytes = 16 * 1024; }).find("16384"),
+            std::string::npos);
+  EXPECT_NE(cell_error([](auto& p) { p.clock_hz = 0; }).find("clock"), std::string::npos);
+  XenonParameters xenon;
+  xenon.cores = 0;
+  std::string error;
+  EXPECT_FALSE(TryMakeXenon(xenon, error));
+  EXPECT_NE(error.find("no core"), std::string::npos) << error;
+  xenon = {};
+  xenon.clock_hz = 0;
+  EXPECT_FALSE(TryMakeXenon(xenon, error));
+  EXPECT_NE(error.find("clock"), std::string::npos) << error;
+}
+
+// A kernel that leaves its block is caught while the frame is timed, on whichever unit it ran.
+TEST(ConsoleFrame, NoticesAFaultyKernel) {
+  SyntheticScene scene({{0, 0, 9}});
+  constexpr FaultParams kParams{1};
+  const auto faults_of = [&](const Stage& stage) {
+    const Plan plan = CompilePlan({stage}, scene.shape(), {});
+    const ConsoleMachine machine = Ps3();
+    const StageCosts costs = FlatCosts(plan, scene.shape(), machine.clock_hz, 100.0f);
+    std::string error;
+    const auto executor = ConsoleExecutor::TryMake(machine, costs, {&plan, &scene.memory()}, error);
+    EXPECT_NE(executor, nullptr) << error;
+    executor->Run({&plan, &scene.memory()});
+    return executor->faults().size();
+  };
+  EXPECT_EQ(faults_of(MakeStage<Derive>(Domain::kChunk, kParams)), 0u);
+  EXPECT_EQ(faults_of(MakeStage<WritesThroughConstCast>(Domain::kChunk, kParams)), 9u);
+}
+
+// Costs that a stage has the wrong way round move the frame: nothing of it is lost in transfers.
+TEST(ConsoleFrame, ADearerStageMakesALongerFrame) {
+  Scenario scenario = TinyScenario();
+  for (const ConsoleMachine& machine : {Ps3(), Xbox()}) {
+    Cycles before = 0;
+    for (const float cycles : {400.0f, 800.0f, 1600.0f}) {
+      const Cycles now = RunOn(scenario, machine, 2, cycles).frames.back().cycles;
+      EXPECT_GT(double(now), double(before) * 1.2);
+      before = now;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pelt

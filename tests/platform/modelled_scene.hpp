@@ -1,0 +1,84 @@
+// Scenes on consoles, with stage costs that a test makes up.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bench/scenarios.hpp"
+#include "platform_sim/frame/console_frame.hpp"
+#include "platform_sim/frame/console_machine.hpp"
+
+namespace pelt::testing {
+
+// A local store's plan, unless the console has caches.
+inline SceneOptions OptionsOn(const ConsoleMachine& machine) {
+  SceneOptions options;
+  options.plan.must_fit = machine.local_store_bytes > 0;
+  return options;
+}
+
+// Every stage takes as many cycles a turn, a third more on a core that is shared.
+inline StageCosts FlatCosts(const Plan& plan, const SceneShape& shape, uint64_t clock_hz,
+                            float cycles_per_turn, uint32_t code_bytes = 2048) {
+  StageCosts costs;
+  costs.clock_hz = clock_hz;
+  for (const Stage& stage : plan.stages) {
+    StageCosts::Stage& cost = costs.stages.emplace_back();
+    cost.name = stage.kernel.name;
+    cost.code_bytes = code_bytes;
+    cost.cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn);
+    cost.shared_cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn * 4 / 3);
+  }
+  return costs;
+}
+
+// Made once a program for each number of SPUs.
+inline ConsoleMachine Ps3(uint32_t spus = 6) {
+  static std::map<uint32_t, ConsoleMachine> made;
+  const auto at = made.find(spus);
+  if (at != made.end()) return at->second;
+  CellMemoryParameters p;
+  p.spu_count = spus;
+  return made[spus] = MakeCell(p, AtomicDispatch(150));
+}
+inline ConsoleMachine Xbox() {
+  static const ConsoleMachine made = MakeXenon(XenonParameters{});
+  return made;
+}
+
+struct ModelledRun {
+  std::vector<ModelledFrame> frames;
+  std::vector<uint64_t> digests;
+  std::vector<LocalStoreFault> faults;
+  FrameWork last_work;
+  Plan plan;
+  SceneShape shape;
+};
+
+inline ModelledRun RunOn(Scenario& scenario, const ConsoleMachine& machine, uint32_t frames,
+                         float cycles_per_turn, bool timelines = false) {
+  RunningScenario running(scenario, OptionsOn(machine));
+  const FurScene& scene = running.scene();
+  const StageCosts costs =
+      FlatCosts(scene.plan(), scene.shape(), machine.clock_hz, cycles_per_turn);
+  const auto executor = ValueOrThrow([&](std::string& error) {
+    auto made = ConsoleExecutor::TryMake(machine, costs, scene.CurrentFrame(), error);
+    return made ? std::optional(std::move(made)) : std::nullopt;
+  });
+  executor->KeepTimelines(timelines);
+  ModelledRun run;
+  for (uint32_t f = 0; f < frames; ++f) {
+    running.Begin(f);
+    executor->Run(scene.CurrentFrame());
+    run.frames.push_back(executor->modelled());
+    run.digests.push_back(scene.DigestFrame());
+  }
+  run.faults = executor->faults();
+  run.last_work = executor->work();
+  run.plan = scene.plan();
+  run.shape = scene.shape();
+  return run;
+}
+
+}  // namespace pelt::testing

@@ -1,0 +1,119 @@
+// One order, whichever operand a compiler computed first.
+#include "platform_sim/pricing/order_of_need.hpp"
+
+#include <utility>
+
+#include "tests/platform/recording.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+using Kind = RecordedKind;
+using V = RecordingVec;
+
+void ExpectSame(const Trace& a, const Trace& b) {
+  EXPECT_EQ(a.value_count, b.value_count);
+  ASSERT_EQ(a.operations.size(), b.operations.size());
+  for (size_t o = 0; o < a.operations.size(); ++o) {
+    SCOPED_TRACE(o);
+    const RecordedOperation &x = a.operations[o], &y = b.operations[o];
+    EXPECT_EQ(RecordedKindName(x.kind), RecordedKindName(y.kind));
+    EXPECT_EQ(x.result, y.result);
+    EXPECT_EQ(x.operand, y.operand);
+    EXPECT_EQ(x.address, y.address);
+    EXPECT_EQ(x.bits, y.bits);
+  }
+}
+
+// Both operands, the left or the right one first, as a compiler may.
+template <class Left, class Right>
+std::pair<V, V> Both(bool right_first, Left left, Right right) {
+  std::pair<V, V> out;
+  if (right_first) out.second = right();
+  out.first = left();
+  if (!right_first) out.second = right();
+  return out;
+}
+
+TEST(OrderByNeed, IsTheSameWhicheverOperandCameFirst) {
+  const auto record = [](bool right_first) {
+    return Record([=](Rows& rows) {
+      alignas(64) float temporary[2][16];
+      const auto [a, b] = Both(
+          right_first,
+          [&] {
+            const auto [x, y] = Both(
+                right_first, [&] { return V::Load(rows.row[0]); }, [&] { return V(3.0f); });
+            return x * y;
+          },
+          [&] { return V(5.0f) * Rsqrt(V::Load(rows.row[1])); });
+      (a - b).Store(temporary[right_first]);
+      V::Load(temporary[right_first]).Store(rows.row[2]);
+    });
+  };
+  const Trace left = record(false), right = record(true);
+  const RecordedOperation &l = left.operations[0], &r = right.operations[0];
+  ASSERT_FALSE(l.kind == r.kind && l.address == r.address) << "recorded in one order";
+  ExpectSame(OrderByNeed(left), OrderByNeed(right));
+}
+
+TEST(OrderByNeed, IsTheSameTheSecondTime) {
+  const Trace once = OrderByNeed(Record([](Rows& rows) {
+    const V late = V::Load(rows.row[0]) + V(1.0f), early = V::Load(rows.row[1]) * V(2.0f);
+    early.Store(rows.row[2]);
+    static_cast<void>(Any(late < early));
+    late.Store(rows.row[1]);
+  }));
+  ExpectSame(OrderByNeed(once), once);
+}
+
+TEST(OrderByNeed, LeavesOutWhatNobodyNeeds) {
+  const Trace trace = OrderByNeed(Record([](Rows& rows) {
+    const V a = V::Load(rows.row[0]);
+    [[maybe_unused]] const V unused = a * a + V(7.0f);
+    a.Store(rows.row[1]);
+  }));
+  ASSERT_EQ(trace.operations.size(), 2u);
+  EXPECT_EQ(trace.operations[1].kind, Kind::kStore);
+}
+
+// A value that was loaded early and is needed late is what was there early.
+TEST(OrderByNeed, LoadsStayBeforeTheStoresThatOverwriteThem) {
+  for (const int lane : {0, 2, 4}) {
+    const Trace trace = OrderByNeed(Record([&](Rows& rows) {
+      const V before = V::Load(rows.row[0]);
+      V(1.0f).Store(rows.row[0] + lane);
+      before.Store(rows.row[1]);
+    }));
+    ASSERT_EQ(trace.operations.size(), 4u);
+    EXPECT_EQ(trace.operations[1].kind, Kind::kLoad) << lane;
+    EXPECT_EQ(trace.operations[2].kind, Kind::kStore) << lane;
+  }
+}
+
+TEST(OrderByNeed, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
+  const Trace trace = OrderByNeed(Record([](Rows& rows) {
+    V carried = V::Load(rows.row[0]);
+    for (int turn = 0; turn < 3; ++turn) {
+      const V next = V::Load(rows.row[0]) + V(1.0f);
+      next.Store(rows.row[0]);
+      (carried * carried).Store(rows.row[1 + turn]);
+      carried = next;
+    }
+  }));
+  uint32_t stores = 0, loads = 0;
+  for (const RecordedOperation& operation : trace.operations) {
+    if (operation.kind == Kind::kLoad) {
+      // The carried one and the first turn's; then one after each store of the row.
+      EXPECT_EQ(stores, loads < 2 ? 0 : 2 * (loads - 1)) << loads;
+      ++loads;
+    }
+    stores += operation.kind == Kind::kStore;
+  }
+  EXPECT_EQ(loads, 4u);
+  EXPECT_EQ(stores, 6u);
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,279 @@
+// Prices: from windows of a trace to cycles of every item, the same on every run and machine.
+#include "platform_sim/pricing/stage_costs.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <numeric>
+
+#include "bench/scenarios.hpp"
+#include "platform_sim/pricing/record_stage.hpp"
+#include "platform_sim/schedule/check_finished.hpp"
+#include "tests/platform/recording.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+using V = RecordingVec;
+
+const PlatformParameters kPlatforms;
+
+KernelCost Price(const Trace& trace, uint32_t turns, CoreKind kind, const PriceRules& rules = {}) {
+  std::string error;
+  const auto cost = TryPriceTrace(trace, turns, MakePricedCore(kind, kPlatforms), rules, error);
+  EXPECT_TRUE(cost) << error;
+  return cost.value_or(KernelCost{});
+}
+
+// y = a x + b over many groups: two loads, a multiply-add and a store a turn.
+Trace Saxpy(uint32_t turns) {
+  return Record([&](Rows& rows) {
+    float(&row)[16][64] = rows.row;
+    for (uint32_t t = 0; t < turns; ++t) {
+      const uint32_t lane = 4 * t % 64;
+      const uint32_t group = t / 16 % 4;
+      (V::Load(row[group] + lane) * V(3.0f) + V::Load(row[4 + group] + lane))
+          .Store(row[8 + group] + lane);
+    }
+  });
+}
+
+TEST(KernelCost, AStreamIsBoundByTheOddPipe) {
+  const KernelCost cost = Price(Saxpy(64), 64, CoreKind::kSpu);
+  EXPECT_EQ(cost.operations, 64u * 5);
+  // lqd lqd fma stqd ai hbrr brnz: five of the odd pipe, two of the even one.
+  EXPECT_NEAR(cost.instructions_per_turn, 7.0, 0.1);
+  EXPECT_NEAR(cost.scheduled_cycles_per_turn, 5.0, 0.3);
+  EXPECT_EQ(cost.binding, "odd pipe");
+  // In order each turn waits for its load, multiply-add and store.
+  EXPECT_GT(cost.plain_cycles_per_turn, 2.0 * cost.scheduled_cycles_per_turn);
+  EXPECT_GE(cost.fixed_cycles, 36.0);  // two mispredicted branches
+}
+
+TEST(KernelCost, TwoThreadsOfAXenonShareItsDispatch) {
+  const KernelCost cost = Price(Saxpy(64), 64, CoreKind::kXenon);
+  EXPECT_GT(cost.shared_cycles_per_turn, cost.scheduled_cycles_per_turn);
+  EXPECT_LE(cost.shared_cycles_per_turn, 2.2 * cost.scheduled_cycles_per_turn);
+  const KernelCost spu = Price(Saxpy(64), 64, CoreKind::kSpu);
+  EXPECT_EQ(spu.shared_cycles_per_turn, spu.scheduled_cycles_per_turn);
+}
+
+// The windows see every loop of a kernel, in its proportion: two loops of unequal cost come out
+// between the two, near the mean.
+TEST(KernelCost, WindowsAreSpreadOverTheWholeTrace) {
+  const auto work = [](Rows& rows, uint32_t turns, int products) {
+    for (uint32_t t = 0; t < turns; ++t) {
+      V x = V::Load(rows.row[t / 16 % 16] + 4 * t % 64);
+      for (int p = 0; p < products; ++p) x = x * V(1.5f) + x;
+      x.Store(rows.row[t / 16 % 16] + 4 * t % 64);
+    }
+  };
+  PriceRules rules;
+  rules.windows = 4;
+  const auto price = [&](uint32_t few, uint32_t many) {
+    return Price(Record([&](Rows& rows) {
+                   work(rows, few, 4);
+                   work(rows, many, 12);
+                 }),
+                 few + many, CoreKind::kSpu, rules)
+        .scheduled_cycles_per_turn;
+  };
+  const double light = price(128, 0), heavy = price(0, 128);
+  EXPECT_GT(heavy, 1.8 * light);
+  // As many operations in each: three times the turns in the light loop, nearly.
+  const double mixed = price(240, 80);
+  EXPECT_NEAR(mixed, (240 * light + 80 * heavy) / 320, 0.25 * mixed);
+}
+
+TEST(KernelCost, TheHostsOperationsCostMore) {
+  const Trace roots = Record([](Rows& rows) {
+    for (int t = 0; t < 64; ++t)
+      Rsqrt(V::Load(rows.row[t / 16] + 4 * t % 64)).Store(rows.row[8 + t / 16] + 4 * t % 64);
+  });
+  PriceRules host;
+  host.lowering.host_operations = true;
+  const KernelCost console = Price(roots, 64, CoreKind::kSpu);
+  EXPECT_EQ(console.roots_per_turn, 1.0);
+  // 7 operations against 17, and the turn's counter.
+  EXPECT_NEAR(console.scheduled_cycles_per_turn, 8.0, 1.5);
+  EXPECT_NEAR(Price(roots, 64, CoreKind::kSpu, host).scheduled_cycles_per_turn, 18.0, 2.0);
+}
+
+TEST(KernelCost, ALoadHitStoreIsSeenByItsAddress) {
+  const auto extract = [](bool read) {
+    return Price(Record([&](Rows& rows) {
+                   for (int t = 0; t < 8; ++t) {
+                     const V x = V::Load(rows.row[t]) * V(2.0f);
+                     x.Store(rows.row[t]);
+                     if (read) static_cast<void>(x[1]);
+                   }
+                 }),
+                 1, CoreKind::kXenon)
+        .plain_cycles_per_turn;
+  };
+  EXPECT_GT(extract(true), extract(false) + 8 * 30);
+}
+
+// A planted error in the core's numbers reaches the price.
+TEST(KernelCost, FollowsTheCoresParameters) {
+  PlatformParameters slow;
+  slow.cell.spu.Of(SpuClass::kFp6).latency_cycles = 12;
+  std::string error;
+  const auto cost = TryPriceTrace(Saxpy(64), 64, MakePricedCore(CoreKind::kSpu, slow), {}, error);
+  ASSERT_TRUE(cost) << error;
+  EXPECT_GT(cost->plain_cycles_per_turn,
+            Price(Saxpy(64), 64, CoreKind::kSpu).plain_cycles_per_turn + 4.0);
+}
+
+class PricedScene {
+ public:
+  explicit PricedScene(const char* name)
+      : scenario_(LoadScenario(name)), running_(scenario_, {.isa = Isa::kReference}) {
+    Begin(0);
+    SerialExecutor().Run(frame());
+    Begin(1);
+  }
+  void Begin(uint32_t f) {
+    running_.Begin(f, {false, false, false, false, false, false}, scenario_.base.lod);
+  }
+  Frame frame() { return running_.scene().CurrentFrame(); }
+  StageCosts Price(CoreKind kind, const PriceRules& rules = {}) {
+    std::string error;
+    const auto costs = TryPriceStages(frame(), MakePricedCore(kind, kPlatforms), rules, error);
+    EXPECT_TRUE(costs) << error;
+    return costs.value_or(StageCosts{});
+  }
+  uint64_t digest() { return running_.scene().DigestFrame(); }
+
+ private:
+  Scenario scenario_;
+  RunningScenario running_;
+};
+
+const StageCosts::Stage& Find(const StageCosts& costs, std::string_view name) {
+  const auto at = std::ranges::find(costs.stages, name, &StageCosts::Stage::name);
+  EXPECT_NE(at, costs.stages.end()) << name;
+  return *at;
+}
+float Most(const StageCosts::Stage& stage) {
+  return *std::ranges::max_element(stage.cycles_per_turn);
+}
+
+// Priced once for all that look at it.
+struct Priced {
+  PricedScene scene{"tiny"};
+  StageCosts costs = scene.Price(CoreKind::kSpu);
+};
+Priced& OnSpu() {
+  static Priced priced;
+  return priced;
+}
+
+uint64_t DigestOf(const StageCosts& costs) {
+  Digest digest;
+  const auto add = [&](float f) { digest.Add(std::bit_cast<uint32_t>(f)); };
+  for (const StageCosts::Stage& stage : costs.stages) {
+    std::ranges::for_each(stage.cycles_per_turn, add);
+    std::ranges::for_each(stage.shared_cycles_per_turn, add);
+    add(stage.fixed_cycles);
+    digest.Add(stage.code_bytes);
+    for (const KernelCost& kind : stage.kinds) add(float(kind.plain_cycles_per_turn));
+  }
+  return digest.Value();
+}
+
+// Whatever compiler built the kernels, in whatever build, and wherever in memory they ran. What
+// changes a kernel, a core or a schedule changes these: put in what the test prints, once the costs
+// themselves have been looked at.
+TEST(StageCosts, AreTheSameFromEveryCompilerAndInEveryPlace) {
+  constexpr uint64_t kOnSpu = 3186245799539541702u, kOnXenon = 14812344700721932105u;
+  EXPECT_EQ(DigestOf(OnSpu().costs), kOnSpu);
+  const auto in_between = std::make_unique<char[]>(12345);
+  PricedScene elsewhere("tiny");
+  EXPECT_EQ(DigestOf(elsewhere.Price(CoreKind::kXenon, {.lowering = {}, .windows = 1})), kOnXenon);
+}
+
+// On real kernels: what the scheduler makes does what was lowered, and a solver, whose chains one
+// turn cannot hide, keeps the busiest pipe busy.
+TEST(KernelCost, ScheduledWindowsOfAFrameAreRight) {
+  PricedScene scene("tiny");
+  const Frame frame = scene.frame();
+  std::vector<bool> seen(frame.plan->stages.size());
+  std::string error;
+  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+    Recorder recorder(seen[stage] ? Recorder::Keep::kCounts : Recorder::Keep::kOperations);
+    if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
+    const uint32_t turns = CountTurns(frame, stage, item);
+    if (seen[stage] || turns < 8 || recorder.operation_count() == 0) return true;
+    seen[stage] = true;
+    for (const CoreKind kind : {CoreKind::kSpu, CoreKind::kPpe, CoreKind::kXenon}) {
+      const PricedCore core = MakePricedCore(kind, kPlatforms);
+      const auto window = TryScheduleWindow(recorder.trace(), turns, core, {}, error);
+      EXPECT_TRUE(window &&
+                  CheckFinishedCode(window->lowered, window->code, core.scheduling, error))
+          << frame.plan->stages[stage].kernel.name << ", " << CoreKindName(kind) << ": " << error;
+    }
+    return true;
+  });
+  EXPECT_TRUE(done) << error;
+  EXPECT_GT(std::ranges::count(seen, true), 8);
+}
+
+TEST(StageCosts, ASolverKeepsTheBusiestPipeBusy) {
+  for (const KernelCost& kind : Find(OnSpu().costs, "simulate_pbd_5").kinds)
+    EXPECT_GT(kind.busiest_unit_share, 0.85);
+}
+
+TEST(StageCosts, PricingAFrameRunsIt) {
+  PricedScene run("tiny");
+  SerialExecutor().Run(run.frame());
+  EXPECT_EQ(OnSpu().scene.digest(), run.digest());
+}
+
+TEST(StageCosts, EveryStageThatRunsCostsSomething) {
+  const StageCosts& costs = OnSpu().costs;
+  ASSERT_EQ(costs.stages.size(), OnSpu().scene.frame().plan->stages.size());
+  for (const StageCosts::Stage& stage : costs.stages) {
+    EXPECT_GT(Most(stage), 0.0f) << stage.name;
+    EXPECT_GT(stage.fixed_cycles, 0.0f) << stage.name;
+    EXPECT_EQ(stage.cycles_per_turn, stage.shared_cycles_per_turn) << stage.name;
+    for (const KernelCost& kind : stage.kinds) {
+      EXPECT_LE(kind.scheduled_cycles_per_turn, kind.plain_cycles_per_turn * 1.01) << stage.name;
+      EXPECT_LE(kind.most_live, kind.register_limit) << stage.name;
+    }
+  }
+  // A chain of five points costs more than a cubic through it.
+  EXPECT_GT(Most(Find(costs, "simulate_pbd_5")), 10 * Most(Find(costs, "fit_cubic_5")));
+  // What no recording sees is charged by the rule, not left out.
+  EXPECT_TRUE(Find(costs, "activate").kinds.empty());
+  EXPECT_GT(Most(Find(costs, "collect_changes")), 100.0f);
+}
+
+TEST(StageCosts, TurnsFollowTheLivingLanes) {
+  PricedScene scene("tiny");
+  SerialExecutor().Run(scene.frame());
+  const Frame frame = scene.frame();
+  uint32_t seen = 0;
+  for (uint32_t s = 0; s < frame.plan->stages.size(); ++s) {
+    const Stage& stage = frame.plan->stages[s];
+    if (stage.kernel.name == "select_lod") {
+      EXPECT_EQ(CountTurns(frame, s, 0), 1u);
+    }
+    if (stage.kernel.name != "roots") continue;
+    for (uint32_t c = 0; c < frame.memory->shape->chunk_count; ++c) {
+      auto& state = *frame.memory->As<ChunkStateBlock>(Stream::kChunkState, c);
+      EXPECT_EQ(CountTurns(frame, s, c), (state.live_strands + 15) / 16 * 4);
+      state.live_strands = 17;
+      EXPECT_EQ(CountTurns(frame, s, c), 8u);
+      state.live_strands = 0;
+      EXPECT_EQ(CountTurns(frame, s, c), 0u);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 0u);
+}
+
+}  // namespace
+}  // namespace pelt
