@@ -77,6 +77,7 @@ int CheckOrRenewGolden(const GoldenArgs& args);
 struct ReportArgs {
   RunArgs run;
   std::string out = "report.html";
+  bool consoles = true;  // model the scene on both, too
 };
 int Report(const ReportArgs& args);
 
@@ -88,12 +89,41 @@ struct PlanArgs {
 int PrintPlan(const PlanArgs& args);
 
 struct TimingArgs {
-  std::string path;  // of a listing; "-": standard input
+  std::string path;    // of a listing; "-": standard input; or, with this empty:
+  std::string kernel;  // how the names of the stages begin that are timed
+  std::string scene = "tiny";
+  uint32_t chart_slots = 0;      // of each kernel's scheduled code to print
+  bool host_operations = false;  // LoweringRules
   std::string core = "spu";
   std::vector<std::string> trips;  // LABEL=N
   bool pair_by_order = false, hinted = false, smt = false, json = false;
 };
 int PrintTiming(const TimingArgs& args);
+int PrintKernelTiming(const TimingArgs& args);
+
+struct ValidateArgs {
+  bool json = false;
+};
+// The measured rows beside the consoles' models; 1 if one is further off than it may be.
+int PrintValidation(const ValidateArgs& args);
+
+struct BudgetArgs {
+  ScenarioRequest request;
+  std::vector<std::string> platforms = {"host", "ps3", "xbox360"};
+  double target_ms = 8.0;
+  uint32_t frames = 60;
+  SkipSettings skip;
+  LodSettings lod;
+  // What the consoles have instead of their own; not given: theirs.
+  std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
+  std::string trace;  // Chrome trace of the modelled consoles to write
+  bool advice = true;
+  bool numbers = false;   // only print the platforms' numbers
+  bool validate = false;  // only hold the models against the measured rows
+  bool json = false;
+};
+// 0: the scene fits every platform asked for.
+int PrintBudget(const BudgetArgs& args);
 
 struct VerifyArgs {
   ScenarioRequest request;

@@ -146,7 +146,7 @@ void RunStage(benchmark::State& state, const std::string& scene_name, uint32_t s
   }
   const StageBudget stage = recorder.Summarise().stages[stage_index];
   warm.running.Begin(warm.frame++);
-  const double operations = double(CountOperations(scene, bench_isa)[stage_index]);
+  const double operations = double(CountOperations(scene)[stage_index]);
   const double strands = warm.strands();
   const double limit_s =
       std::max(stage.bytes / limits.cache_bytes_per_s, operations / limits.lane_operations_per_s);

@@ -4,16 +4,10 @@
 #include <chrono>
 #include <cstring>
 
-#include "bench/counting_vec.hpp"
-#include "jobs/float_environment.hpp"
-#include "jobs/frame.hpp"
+#include "core/error.hpp"
+#include "platform_sim/pricing/record_stage.hpp"
 
 namespace pelt {
-
-uint64_t counted_lane_operations = 0;
-
-const KernelTable& KernelsCounting();
-
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -93,26 +87,19 @@ MachineLimits MeasureLimits(Isa isa) {
   return {CopyRate(size_t(256) << 20, 1), CopyRate(size_t(128) << 10, 2000), OperationRate(isa)};
 }
 
-std::vector<uint64_t> CountOperations(FurScene& scene, Isa isa) {
-  const KernelTable& fast = *FindKernels(isa);
-  const KernelTable& counting = KernelsCounting();
+std::vector<uint64_t> CountOperations(FurScene& scene) {
+  constexpr uint64_t kLanes = 4;  // of a recorded operation
   const Frame frame = scene.CurrentFrame();
   std::vector<uint64_t> operations(frame.plan->stages.size());
-  const FloatEnvironment float_environment;
-  for (const Pass& pass : frame.plan->passes)
-    for (uint32_t i = 0; i < scene.shape().ItemCount(pass.domain); ++i)
-      for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
-        const Stage& stage = frame.plan->stages[s];
-        if (!IsWanted(stage, *frame.memory, i)) continue;
-        Binding bindings[kMaxPorts];
-        for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
-          bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, i);
-        size_t k = 0;
-        while (fast.kernel[k].run != stage.kernel.run) ++k;
-        const uint64_t before = counted_lane_operations;
-        counting.kernel[k].run(stage.params, bindings);
-        operations[s] += counted_lane_operations - before;
-      }
+  std::string error;
+  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+    Recorder recorder(Recorder::Keep::kCounts);
+    if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
+    for (uint32_t k = 0; k < kRecordedKindCount; ++k)
+      operations[stage] += kLanes * recorder.counts()[k] * LaneArithmetic(RecordedKind(k));
+    return true;
+  });
+  if (!done) throw Error(error);
   return operations;
 }
 

@@ -20,7 +20,9 @@ struct MachineLimits {
 MachineLimits MeasureLimits(Isa isa);
 
 // Lane operations of each stage of the scene's plan in the frame that has been begun, which is run
-// by this call, on the counting kernels.
-std::vector<uint64_t> CountOperations(FurScene& scene, Isa isa);
+// by this call, on the recording kernels (platform_sim/pricing/recording_vec.hpp). One is an
+// arithmetic, compare, select, logic or conversion on one lane; loads, stores and moves between
+// lanes are not: bytes are accounted for by the ports. Nor is sorting, scalar code on integers.
+std::vector<uint64_t> CountOperations(FurScene& scene);
 
 }  // namespace pelt

@@ -59,6 +59,17 @@ void CompleteSource(ScenarioRequest& request) {
   request.scene = "monster";
 }
 
+// As CLI::Range, but for "nan", which it lets through.
+CLI::Validator InRange(double least, double most) {
+  const auto check = [=](std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most)
+      return std::string();
+    return fmt::format("{} is not in the range from {} to {}", text, least, most);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{} - {}]", least, most));
+}
+
 void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set) {
   app.add_option_function<std::string>(
          "--isa", [set](const std::string& name) { set(*ParseIsa(name)); }, help)
@@ -95,17 +106,17 @@ void SetUpBake(CLI::App& root, BakeArgs& args) {
       "  pelt bake --keys");
 }
 
-void AddSkips(CLI::App& app, RunOptions& options) {
-  const std::pair<const char*, bool*> skips[] = {{"sleep", &options.skip.sleep},
-                                                 {"unmoved", &options.skip.unmoved},
-                                                 {"sort", &options.skip.sort},
-                                                 {"wind", &options.skip.wind},
-                                                 {"cull", &options.skip.cull}};
+void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
+  const std::pair<const char*, bool*> skips[] = {{"sleep", &skip.sleep},
+                                                 {"unmoved", &skip.unmoved},
+                                                 {"sort", &skip.sort},
+                                                 {"wind", &skip.wind},
+                                                 {"cull", &skip.cull}};
   for (const auto& [name, value] : skips)
     app.add_flag(fmt::format("!--no-{}", name), *value,
                  fmt::format("Do not skip what '{}' finds needless", name));
-  app.add_flag("--lod", options.skip.lod, "Fewer strands for layers that are small on screen");
-  app.add_option("--strand-budget", options.lod.strand_budget,
+  app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
+  app.add_option("--strand-budget", lod.strand_budget,
                  "With --lod: most strands in all; 0: no budget")
       ->capture_default_str();
 }
@@ -130,10 +141,10 @@ void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint6
 
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
   app.add_option("--fps", fps, "Frames a second of the simulation; 0: the scene's own")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(InRange(0.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(CLI::Range(0.0, 1.0));
-  app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(InRange(0.0, 1.0));
+  app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(InRange(0.0, 1.0));
   app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
       ->capture_default_str();
 }
@@ -146,7 +157,7 @@ void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddIsa(app, "Instruction set of the kernels: the widest there is if not given",
          [&args](Isa isa) { args.options.scene.isa = isa; });
   AddPlanOptions(app, args.options.scene);
-  AddSkips(app, args.options);
+  AddSkips(app, args.options.skip, args.options.lod);
   AddTimeAndWeather(app, args.fps, weather);
   app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
 }
@@ -187,10 +198,11 @@ void SetUpReport(CLI::App& root, ReportArgs& args, WeatherCourse& weather) {
   AddRun(*app, args.run, weather);
   app->add_option("--out", args.out, "Page to write; needs nothing else to be read")
       ->capture_default_str();
+  app->add_flag("!--no-consoles", args.consoles, "Leave out what consoles would make of it");
   app->footer(
       "Examples:\n"
       "  pelt report --scene tiny --frames 60 --out report.html\n"
-      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2");
+      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2 --no-consoles");
 }
 
 void SetUpPlan(CLI::App& root, PlanArgs& args) {
@@ -254,7 +266,7 @@ void SetUpTrace(CLI::App& root, TraceArgs& args, WeatherCourse& weather) {
   AddIsa(*record, "Instruction set of the kernels: the widest there is if not given",
          [&args](Isa isa) { args.record.run.options.scene.isa = isa; });
   AddPlanOptions(*record, args.record.run.options.scene);
-  AddSkips(*record, args.record.run.options);
+  AddSkips(*record, args.record.run.options.skip, args.record.run.options.lod);
   AddTimeAndWeather(*record, args.record.run.fps, weather);
   record->add_option("--out", args.record.out, "Input log to write")->required();
 
@@ -326,11 +338,24 @@ void SetUpConformance(CLI::App& root, ConformanceArgs& args) {
 
 void SetUpTiming(CLI::App& root, TimingArgs& args) {
   auto* app = root.add_subcommand(
-      "timing", "When each instruction of a listing issues on an SPU or a PPE, and what holds it");
-  app->add_option("file", args.path, "Listing in the GNU assembler's syntax; -: standard input")
-      ->required();
-  app->add_option("--core", args.core, "Which core runs it")
-      ->check(CLI::IsMember({"spu", "ppe"}))
+      "timing",
+      "When each instruction of a listing, or of a kernel of ours, issues on a console's core");
+  auto* file = app->add_option("file", args.path,
+                               "Listing in the GNU assembler's syntax; -: standard input");
+  auto* kernel = app->add_option("--kernel", args.kernel,
+                                 "Instead of a listing: the stages whose names begin so");
+  kernel->excludes(file);
+  app->add_option("--scene", args.scene, "Scene that the kernel is recorded in")
+      ->check(CLI::IsMember(Names(ScenarioNames())))
+      ->needs(kernel)
+      ->capture_default_str();
+  app->add_option("--chart", args.chart_slots, "Print so many issues of the scheduled kernel")
+      ->needs(kernel);
+  app->add_flag("--host-operations", args.host_operations,
+                "Price the host's operations one for one: no multiply-adds, no estimates")
+      ->needs(kernel);
+  app->add_option("--core", args.core, "Which core runs it; xenon: with --kernel")
+      ->check(CLI::IsMember({"spu", "ppe", "xenon"}))
       ->capture_default_str();
   app->add_option("--trip", args.trips, "LABEL=N: the loop that begins there runs N turns")
       ->allow_extra_args(false);
@@ -346,7 +371,48 @@ void SetUpTiming(CLI::App& root, TimingArgs& args) {
       "Examples:\n"
       "  pelt timing add.s\n"
       "  pelt timing add.s --trip loop=256 --hinted\n"
-      "  pelt timing add.s --pair-by-order --json");
+      "  pelt timing add.s --pair-by-order --json\n"
+      "  pelt timing --kernel simulate_pbd\n"
+      "  pelt timing --kernel sort --scene monster --core xenon\n"
+      "  pelt timing --kernel fit_cubic_4 --chart 40");
+}
+
+void SetUpBudget(CLI::App& root, BudgetArgs& args) {
+  auto* app = root.add_subcommand(
+      "budget",
+      "Does a scene fit its milliseconds on the host, a PS3 and an Xbox 360? Exit code 1 "
+      "when it does not");
+  AddSource(*app, args.request);
+  app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")
+      ->check(CLI::IsMember({"host", "ps3", "xbox360"}))
+      ->delimiter(',');
+  app->add_option("--target-ms", args.target_ms, "What a frame may take")
+      ->check(InRange(0.001, 1000.0))
+      ->capture_default_str();
+  app->add_option("--frames", args.frames, "Frames to run; 0: the scene's own number")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  AddSkips(*app, args.skip, args.lod);
+  app->add_option("--spus", args.spus, "SPUs of the PS3, instead of the 6 that a game has");
+  app->add_option("--local-store-kib", args.local_store_kib, "Of an SPU, instead of 256");
+  app->add_option("--cores", args.cores, "Cores of the Xbox 360, instead of 3");
+  app->add_option("--gpu-percent", args.gpu_percent,
+                  "Of the Xbox 360's memory bandwidth that its GPU takes")
+      ->check(CLI::Range(0, 100));
+  app->add_option("--trace", args.trace,
+                  "Chrome trace of each console's slowest frame, in the console's own time");
+  app->add_flag("!--no-advice", args.advice, "Do not look for what would make it fit");
+  app->add_flag("--numbers", args.numbers, "Print the consoles' numbers, their sources, and stop");
+  app->add_flag("--validate", args.validate,
+                "Hold the models against the measured rows, print the table, and stop");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt budget --scene tiny --frames 10\n"
+      "  pelt budget --scene tiny --frames 10 --platform ps3 --target-ms 5 --trace ps3.json\n"
+      "  pelt budget --scene tiny --frames 10 --platform ps3,xbox360 --spus 4 --json\n"
+      "  pelt budget --validate\n"
+      "  pelt budget --numbers");
 }
 
 int Main(int argc, char** argv) {
@@ -364,6 +430,8 @@ int Main(int argc, char** argv) {
   SetUpVerify(app, verify);
   TimingArgs timing;
   SetUpTiming(app, timing);
+  BudgetArgs budget;
+  SetUpBudget(app, budget);
   ConformanceArgs conformance;
   SetUpConformance(app, conformance);
   TraceArgs trace;
@@ -384,9 +452,19 @@ int Main(int argc, char** argv) {
                                                         : "verify"))
         CompleteSource(*request);
     if (app.got_subcommand("report")) CompleteSource(report.run.request);
+    if (app.got_subcommand("budget")) CompleteSource(budget.request);
     if (app.got_subcommand("trace")) CompleteSource(trace.record.run.request);
     if (app.got_subcommand("golden") && golden.check.empty() == golden.renew.empty())
       throw CLI::RequiredError("--check or --renew, which");
+    if (app.got_subcommand("timing") && timing.path.empty()) {
+      if (app.get_subcommand("timing")->count("--kernel") == 0)
+        throw CLI::RequiredError("a listing or --kernel, one of them");
+      for (const char* of_listing : {"--trip", "--pair-by-order", "--hinted", "--smt"})
+        if (app.get_subcommand("timing")->count(of_listing))
+          throw CLI::ExcludesError("--kernel", of_listing);
+    } else if (app.got_subcommand("timing") && timing.core == "xenon") {
+      throw CLI::ValidationError("--core xenon", "a listing runs on spu or ppe");
+    }
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     std::string message = error.what();
@@ -406,7 +484,9 @@ int Main(int argc, char** argv) {
   if (app.got_subcommand("bake")) return Bake(bake);
   if (app.got_subcommand("run")) return Run(run);
   if (app.got_subcommand("plan")) return PrintPlan(plan);
-  if (app.got_subcommand("timing")) return PrintTiming(timing);
+  if (app.got_subcommand("timing"))
+    return timing.path.empty() ? PrintKernelTiming(timing) : PrintTiming(timing);
+  if (app.got_subcommand("budget")) return PrintBudget(budget);
   if (app.got_subcommand("conformance")) return CheckConformance(conformance);
   return VerifyScene(verify);
 }

@@ -1,12 +1,41 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bench/commands.hpp"
+#include "bench/console_report.hpp"
 #include "bench/progress.hpp"
 #include "bench/report_page.hpp"
+#include "core/error.hpp"
 #include "jobs/tick_clock.hpp"
 #include "traces/file_bytes.hpp"
 
 namespace pelt {
+namespace {
+
+// A console's picture shows one frame; more frames than this only look for a slower one.
+constexpr uint32_t kConsoleFrames = 60;
+
+void AddModelledConsole(Console console, const ReportArgs& args, Scenario& scenario,
+                        JsonText& json) {
+  const RunOptions& options = args.run.options;
+  const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
+  ConsoleRequest request{.console = console,
+                         .frames = std::min(frames, kConsoleFrames),
+                         .skip = options.skip,
+                         .lod = options.lod};
+  Progress progress(ConsoleName(console), request.frames);
+  request.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
+  try {
+    ConsoleRun run(scenario, request);
+    const ConsoleBudget budget = run.Run();
+    AddConsoleFrame(json, budget, run.scene());
+  } catch (const Error& error) {  // a page without that console is better than none
+    AddRefusedConsole(json, MakeConsole(request).name, error.what());
+  }
+}
+
+}  // namespace
 
 int Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
@@ -23,7 +52,12 @@ int Report(const ReportArgs& args) {
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     report = RunFrames(scenario, running, options);
   }
-  WriteFileBytes("report", args.out, AsBytes(recorder.Page(report, tick_scale.NsPerTick())));
+  const auto add_consoles = [&](JsonText& json) {
+    if (!args.consoles) return;
+    for (const Console console : kAllConsoles) AddModelledConsole(console, args, scenario, json);
+  };
+  WriteFileBytes("report", args.out,
+                 AsBytes(recorder.Page(report, tick_scale.NsPerTick(), add_consoles)));
   fmt::print("report of {} frames {}\n", report.frames, args.out);
   return 0;
 }

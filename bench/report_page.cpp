@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "bench/json_text.hpp"
-
 namespace pelt {
 namespace {
 
@@ -36,7 +34,7 @@ class PageData {
         report_(report),
         ms_per_tick_(ns_per_tick * 1e-6) {}
 
-  std::string Text() {
+  std::string Text(const std::function<void(JsonText&)>& add_consoles) {
     json_.BeginObject();
     AddHead();
     AddStages();
@@ -46,6 +44,9 @@ class PageData {
     json_.BeginArray("timelines");
     AddTimeline("median frame", FindMedianFrame());
     AddTimeline("worst frame", *recorder_.worst_);
+    json_.EndArray();
+    json_.BeginArray("consoles");
+    if (add_consoles) add_consoles(json_);
     json_.EndArray();
     AddMemory();
     json_.EndObject();
@@ -301,8 +302,9 @@ void ReportRecorder::Add(const FinishedFrame& frame) {
   std::erase_if(kept_, [&](const FrameRecord& r) { return r.frame % stride_ != 0; });
 }
 
-std::string ReportRecorder::Page(const RunReport& report, double ns_per_tick) const {
-  std::string data = PageData(*this, report, ns_per_tick).Text();
+std::string ReportRecorder::Page(const RunReport& report, double ns_per_tick,
+                                 const std::function<void(JsonText&)>& add_consoles) const {
+  std::string data = PageData(*this, report, ns_per_tick).Text(add_consoles);
   // '<' occurs in JSON only inside strings, where its escape means the same.
   for (size_t at = 0; (at = data.find('<', at)) != std::string::npos;)
     data.replace(at, 1, "\\u003c");

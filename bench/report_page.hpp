@@ -9,11 +9,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "bench/json_text.hpp"
 #include "bench/run_report.hpp"
 #include "bench/timeline.hpp"
 
@@ -31,7 +33,10 @@ class ReportRecorder {
   explicit ReportRecorder(const FurScene& scene);
 
   void Add(const FinishedFrame& frame);
-  std::string Page(const RunReport& report, double ns_per_tick) const;
+  // `add_consoles` adds an element for each console that the scene was modelled on: see
+  // AddConsoleFrame (bench/console_report.hpp).
+  std::string Page(const RunReport& report, double ns_per_tick,
+                   const std::function<void(JsonText&)>& add_consoles = {}) const;
 
  private:
   // Sums of a frame, [stage] or [pass].

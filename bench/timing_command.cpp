@@ -10,6 +10,7 @@
 #include "platform_sim/core/listing.hpp"
 #include "platform_sim/core/ppe_core.hpp"
 #include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/platforms/cell_system.hpp"
 
 namespace pelt {
 namespace {
@@ -137,7 +138,8 @@ void PrintLoop(const Listing& listing, const IssueChart& chart, const LoopTiming
   const double ns = loop.CyclesPerTurn() * 1e9 / double(clock_hz);
   fmt::print("\nloop {}: {} cycles a turn = {:.2f} ns at {:.3f} GHz", name, loop.CyclesPerTurn(),
              ns, double(clock_hz) * 1e-9);
-  if (is_spu) fmt::print(", {:.2f} ns with {} available", ns / kSpuAvailability, kSpuAvailability);
+  const double availability = CellSystem{}.Availability();
+  if (is_spu) fmt::print(", {:.2f} ns with {} available", ns / availability, availability);
   fmt::print("; {}{} turns\n", loop.turns, loop.turns_assumed ? " (assumed)" : "");
   PrintSlots(listing, chart, loop.slots);
   PrintTotals(chart, loop.period);
@@ -204,7 +206,7 @@ std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const T
   json.Add("core", args.core);
   json.Add("clock_hz", clock_hz);
   json.Add("pair_by_order", args.pair_by_order);
-  if (args.core == "spu") json.Add("availability", kSpuAvailability);
+  if (args.core == "spu") json.Add("availability", CellSystem{}.Availability());
   json.BeginObject("first_pass");
   AddSlots(json, listing, chart, chart.first_pass);
   AddTotals(json, "totals", chart, chart.first_pass_totals);
@@ -246,7 +248,7 @@ int PrintTiming(const TimingArgs& args) {
   const Listing listing = ReadListing(ReadText(args.path), DisplayName(args.path),
                                       is_spu ? SpuInstructionSet() : PpeInstructionSet());
   const IssueChart chart = Time(listing, args);
-  const uint64_t clock_hz = is_spu ? SpuParameters{}.clock_hz : PpeParameters{}.clock_hz;
+  const uint64_t clock_hz = CellSystem{}.clock_hz;
   if (args.json)
     fmt::print("{}\n", ChartAsJson(listing, chart, args, clock_hz));
   else

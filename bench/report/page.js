@@ -264,14 +264,14 @@ function drawTimeline(timeline, scroll, zoom) {
     const box = svg.getBoundingClientRect();
     const ns = (event.clientX - box.left) / width * timeline.ns, down = event.clientY - box.top;
     const lane = Math.floor((down - kLane.first) / kLane.step);
-    showTip(event, lane < 0 ? passText(timeline, ns) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
+    showTip(event, lane < 0 ? passText(timeline, data.passes, ns) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
   });
   svg.addEventListener('pointerleave', () => showTip());
 }
 
-function passText(timeline, ns) {
-  const p = data.passes.findIndex((pass, i) => ns >= timeline.passes[2 * i] && ns <= timeline.passes[2 * i + 1]);
-  return p < 0 ? '' : `${data.passes[p].name}\n${((timeline.passes[2 * p + 1] - timeline.passes[2 * p]) / 1e3).toFixed(1)} µs`;
+function passText(timeline, passes, ns) {
+  const p = passes.findIndex((pass, i) => ns >= timeline.passes[2 * i] && ns <= timeline.passes[2 * i + 1]);
+  return p < 0 ? '' : `${passes[p].name}\n${((timeline.passes[2 * p + 1] - timeline.passes[2 * p]) / 1e3).toFixed(1)} µs`;
 }
 
 function workerText(timeline, lane, ns, slack) {
@@ -302,34 +302,167 @@ function fillTimelineTable(timeline, parent) {
   ]);
 }
 
-// Returns what draws its picture.
-function fillTimeline(timeline) {
-  const box = add(byId('timelines'), 'div', {class: 'timeline'});
+// A picture with a name beside each lane, three zooms and a table below. Returns what draws it.
+function fillLanes(parent, {heading, label, names, height, draw, details}) {
+  const box = add(parent, 'div', {class: 'timeline'});
   const head = add(box, 'div', {class: 'timeline-head'});
-  const title = timeline.title[0].toUpperCase() + timeline.title.slice(1);
-  add(head, 'h3', {}, `${title}: frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms`);
-  const buttons = add(head, 'div', {role: 'group', 'aria-label': `Zoom of the ${timeline.title}`});
+  add(head, 'h3', {}, heading);
+  const buttons = add(head, 'div', {role: 'group', 'aria-label': `Zoom of the ${label}`});
   const body = add(box, 'div', {class: 'timeline-body'});
-  const names = add(body, 'svg', {width: 64, height: kLane.first + kLane.step * timeline.workers.length, 'aria-hidden': 'true'});
-  add(names, 'text', {x: 0, y: 12}, 'pass');
-  timeline.workers.forEach((worker, w) => add(names, 'text', {x: 0, y: kLane.first + kLane.step * w + 17}, 'worker ' + w));
-  const scroll = add(body, 'div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': title + ', picture'});
-  const details = add(box, 'details');
-  add(details, 'summary', {}, 'Table of the picture');
-  fillTimelineTable(timeline, details);
+  const column = add(body, 'svg', {width: 64, height, 'aria-hidden': 'true'});
+  for (const name of names) add(column, 'text', {x: 0, y: name.y}, name.text);
+  const scroll = add(body, 'div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label[0].toUpperCase() + label.slice(1) + ', picture'});
+  const more = add(box, 'details');
+  add(more, 'summary', {}, 'Table of the picture');
+  details(more);
   let zoom = 1;
-  const draw = () => drawTimeline(timeline, scroll, zoom);
+  const drawZoomed = () => draw(scroll, zoom);
   for (const factor of [1, 4, 16]) {
     const button = add(buttons, 'button', {type: 'button', 'aria-pressed': factor === 1}, factor + '×');
     button.addEventListener('click', () => {
       const middle = (scroll.scrollLeft + scroll.clientWidth / 2) / zoom;
       zoom = factor;
       for (const other of buttons.children) other.setAttribute('aria-pressed', other === button);
-      draw();
+      drawZoomed();
       scroll.scrollLeft = middle * zoom - scroll.clientWidth / 2;
     });
   }
+  return drawZoomed;
+}
+
+function fillTimeline(timeline) {
+  const title = timeline.title[0].toUpperCase() + timeline.title.slice(1);
+  return fillLanes(byId('timelines'), {
+    heading: `${title}: frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms`,
+    label: timeline.title,
+    names: [{y: 12, text: 'pass'}, ...timeline.workers.map((worker, w) => ({y: kLane.first + kLane.step * w + 17, text: 'worker ' + w}))],
+    height: kLane.first + kLane.step * timeline.workers.length,
+    draw: (scroll, zoom) => drawTimeline(timeline, scroll, zoom),
+    details: (parent) => fillTimelineTable(timeline, parent),
+  });
+}
+
+// ---- consoles --------------------------------------------------------------------------------------
+
+// A unit's lane: a strip of transfers in, what the unit does, a strip of transfers out.
+const kUnit = {first: 22, strip: 6, height: 20, step: 40, axis: 20};
+// By name, so that an order that changes there does not repaint things here.
+const workClass = {
+  dispatch: 'dispatch', commands: 'commands', code: 'code', 'get stall': 'stall', compute: 's0',
+  'put stall': 'stall', imbalance: 'waiting', barrier: 'caller',
+};
+const unitTop = (u) => kUnit.first + kUnit.step * u;
+
+// A unit's slices lie one after the other: work, pass, item, begin and end in ns; its transfers too,
+// with 0 for in and 1 for out first.
+const kSlice = 5;
+const sliceAt = (runs, i) => ({
+  kind: runs[kSlice * i], pass: runs[kSlice * i + 1], item: runs[kSlice * i + 2],
+  begin: runs[kSlice * i + 3], end: runs[kSlice * i + 4],
+});
+function slicesOf(runs) {
+  return Array.from({length: runs.length / kSlice}, (_, i) => sliceAt(runs, i));
+}
+
+function drawConsole(frame, scroll, zoom) {
+  scroll.replaceChildren();
+  const width = Math.floor(scroll.clientWidth * zoom);
+  const height = unitTop(frame.units.length) + kUnit.axis;
+  const x = (ns) => width * ns / frame.ns;
+  const svg = add(scroll, 'svg', {
+    width, height, role: 'img', 'data-picture': 'console',
+    'aria-label': `What each unit of the ${frame.name} does in frame ${frame.frame}, ${ms(frame.ns / 1e6)} ms. The table below has the sums.`,
+  });
+  frame.plan.forEach((pass, p) => {
+    const from = x(frame.passes[2 * p]), to = x(frame.passes[2 * p + 1]);
+    add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
+    if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
+  });
+  frame.units.forEach((unit, u) => {
+    const y = unitTop(u);
+    add(svg, 'rect', {class: 'lane', x: 0, y, width, height: kUnit.height + 2 * kUnit.strip});
+    const paths = new Map();
+    const bar = (kind, top, tall, begin, end) => {
+      const from = x(begin).toFixed(2), to = x(end).toFixed(2);
+      if (from !== to) paths.set(kind, (paths.get(kind) || '') + `M${from} ${top}H${to}v${tall}H${from}Z`);
+    };
+    for (const slice of slicesOf(unit.slices)) bar(workClass[frame.works[slice.kind]], y + kUnit.strip, kUnit.height, slice.begin, slice.end);
+    for (const transfer of slicesOf(unit.transfers)) {
+      if (transfer.kind) bar('put', y + kUnit.strip + kUnit.height, kUnit.strip, transfer.begin, transfer.end);
+      else bar('get', y, kUnit.strip, transfer.begin, transfer.end);
+    }
+    for (const [kind, d] of paths) add(svg, 'path', {class: 'band ' + kind, d});
+  });
+  const step = tickStep(frame.ns, Math.max(2, width / 110));
+  for (let ns = 0; ns < frame.ns; ns += step)
+    add(svg, 'text', {x: x(ns) + 2, y: height - 5}, +(ns / 1e6).toFixed(4) + (ns ? '' : ' ms'));
+  svg.addEventListener('pointermove', (event) => {
+    const box = svg.getBoundingClientRect();
+    showTip(event, consoleText(frame, (event.clientX - box.left) / width * frame.ns, event.clientY - box.top));
+  });
+  svg.addEventListener('pointerleave', () => showTip());
+}
+
+function consoleText(frame, ns, down) {
+  if (down < kUnit.first) return passText(frame, frame.plan, ns);
+  const u = Math.floor((down - kUnit.first) / kUnit.step), unit = frame.units[u];
+  if (!unit) return '';
+  const inside = down - unitTop(u);
+  const strip = inside < kUnit.strip ? 0 : inside >= kUnit.strip + kUnit.height ? 1 : -1;
+  const runs = slicesOf(strip < 0 ? unit.slices : unit.transfers);
+  const found = runs.find((run) => (strip < 0 || run.kind === strip) && run.begin <= ns && ns <= run.end);
+  if (!found) return strip < 0 ? unit.name : '';
+  const pass = frame.plan[found.pass];
+  const lines = [strip < 0 ? frame.works[found.kind] : strip ? 'transfer out' : 'transfer in'];
+  if (pass) lines.push(pass.name);
+  if (pass && found.item >= 0) lines.push(data.items[pass.domain][found.item]);
+  lines.push(`${((found.end - found.begin) / 1e3).toFixed(2)} µs, from ${(found.begin / 1e6).toFixed(3)} ms`);
+  return lines.join('\n');
+}
+
+function fillConsoleTables(frame, parent) {
+  const sums = frame.units.map((unit) => {
+    const of = frame.works.map(() => 0);
+    for (const slice of slicesOf(unit.slices)) of[slice.kind] += slice.end - slice.begin;
+    return of;
+  });
+  table(parent, `Units of the ${frame.name}, ms`, ['ms', ...frame.units.map((unit) => unit.name), 'all'],
+        frame.works.map((work, w) => [work, ...sums.map((of) => ms(of[w] / 1e6)), ms(sums.reduce((all, of) => all + of[w], 0) / 1e6)]));
+}
+
+// "core 1 thread 0" in two lines: the column beside the picture is narrow.
+function unitNames(name, y) {
+  const words = name.split(' ');
+  if (words.length < 4) return [{y: y + 14, text: name}];
+  return [{y: y + 8, text: words.slice(0, 2).join(' ')}, {y: y + 20, text: words.slice(2).join(' ')}];
+}
+
+function fillConsole(frame) {
+  const part = add(byId('consoles'), 'div');
+  add(part, 'p', {}, frame.verdict);
+  if (frame.units.length === 0) return () => {};  // the scene does not fit there; the verdict says why
+  const draw = fillLanes(part, {
+    heading: `${frame.name}: frame ${frame.frame}, ${ms(frame.ns / 1e6)} ms`,
+    label: 'frame on the ' + frame.name,
+    names: [{y: 12, text: 'pass'}, ...frame.units.flatMap((unit, u) => unitNames(unit.name, unitTop(u) + kUnit.strip))],
+    height: unitTop(frame.units.length),
+    draw: (scroll, zoom) => drawConsole(frame, scroll, zoom),
+    details: (parent) => fillConsoleTables(frame, parent),
+  });
+  table(part, `Stages on the ${frame.name}, ms of all units`, ['stage', 'items', 'core ms', 'of the compute', ''],
+        frame.stages.map((s) => [s.name, s.items.toFixed(1), ms(s.core_ms), (100 * s.share).toFixed(1) + ' %', {class: 'bar', bar: [[s.share, '']]}]), {wide: true});
   return draw;
+}
+
+function fillConsoles() {
+  byId('consoles-section').hidden = data.consoles.length === 0;
+  const kinds = [['get', 'transfer in'], ['s0', 'compute'], ['put', 'transfer out'], ['stall', 'waiting for a transfer'], ['code', 'loading code'], ['dispatch', 'taking an item'], ['commands', 'giving transfers'], ['waiting', 'done before others'], ['caller', 'meeting at the barrier']];
+  for (const [kind, name] of kinds) {
+    const item = add(byId('consoles-legend'), 'li');
+    add(item, 'span', {class: 'swatch ' + kind, 'aria-hidden': 'true'});
+    item.append(name);
+  }
+  return data.consoles.map(fillConsole);
 }
 
 // ---- all of it -------------------------------------------------------------------------------------
@@ -337,7 +470,7 @@ function fillTimeline(timeline) {
 fillFacts();
 fillTables();
 fillFramesTable();
-const draws = [drawFrames, ...data.timelines.map(fillTimeline)];
+const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles()];
 const drawAll = () => draws.forEach((draw) => draw());
 drawAll();
 let drawnWidth = innerWidth;

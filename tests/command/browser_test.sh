@@ -48,12 +48,24 @@ probe='<script>
 addEventListener("error", (e) => parent.postMessage({error: e.message}, "*"));
 addEventListener("load", () => setTimeout(() => {
   const pictures = [...document.querySelectorAll("svg[role=img]")];
+  const section = document.getElementById("consoles-section");
+  const names = [...document.querySelectorAll(".timeline-body > svg")];
+  // The colour of a class that the style does not know.
+  const uncoloured = (path) => getComputedStyle(path).getPropertyValue("--s") === "";
+  const console_ = document.querySelector("svg[data-picture=console]");
+  if (console_) {
+    const box = console_.getBoundingClientRect();
+    console_.dispatchEvent(new PointerEvent("pointermove", {clientX: box.left + box.width / 2, clientY: box.top + 38}));
+  }
   const filled = (svg) => [...svg.querySelectorAll("path")].filter((p) => p.getBBox().width > 0 && p.getBBox().height > 0).length;
   parent.postMessage({
     inner: innerWidth, scroll: document.documentElement.scrollWidth,
     named: pictures.filter((p) => p.getAttribute("aria-label")).length,
     pictures: pictures.map((p) => p.dataset.picture + ":" + filled(p)).join(" "),
     tables: [...document.querySelectorAll("table")].filter((t) => t.tBodies[0].rows.length > 1).length,
+    section: Number(section.getBoundingClientRect().height > 0), tip: document.getElementById("tip").textContent.split("\n").join(", "),
+    clipped: names.flatMap((svg) => [...svg.querySelectorAll("text")].filter((t) => t.getBBox().width > svg.width.baseVal.value)).length,
+    uncoloured: [...document.querySelectorAll("path.band")].filter(uncoloured).length,
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
   }, "*");
 }, 100));
@@ -61,9 +73,9 @@ addEventListener("load", () => setTimeout(() => {
 
 attribute() { sed -n "s/.*<html[^>]* data-$2=\"\([^\"]*\)\".*/\1/p" "$1" | head -n 1; }
 
-# check_page PAGE WIDTH: silent when all is well, else a line for each fault.
+# check_page PAGE WIDTH [CONSOLES]: silent when all is well, else a line for each fault. CONSOLES: 2 if not given.
 check_page() {
-  local page=$1 width=$2 out=$work/page.$2 name=
+  local page=$1 width=$2 consoles=${3-2} out=$work/page.$2 name=
   python3 - "$page" "$out.probed.html" "$probe" "$width" <<'PYTHON' || { echo "cannot be probed"; return; }
 import sys
 width = sys.argv[4]
@@ -82,12 +94,20 @@ PYTHON
     echo "the page is $(attribute "$out.html" scroll) wide in a frame of $width"
   local counts
   counts=$(attribute "$out.html" pictures)
-  [ "$(wc -w <<<"$counts")" -eq 3 ] || echo "pictures: '$counts', not 3"
+  [ "$(wc -w <<<"$counts")" -eq $((3 + consoles)) ] || echo "pictures: '$counts', not $((3 + consoles))"
+  [ "$(grep -o 'console:' <<<"$counts" | wc -l)" -eq "$consoles" ] || echo "consoles: '$counts', not $consoles"
   for name in $counts; do
     [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
   done
-  [ "$(attribute "$out.html" named)" = 3 ] || echo "a picture has no name"
-  [ "$(attribute "$out.html" tables)" = 7 ] || echo "$(attribute "$out.html" tables) tables, not 7"
+  [ "$(attribute "$out.html" named)" = $((3 + consoles)) ] || echo "a picture has no name"
+  # Of each console: its units, and its stages.
+  [ "$(attribute "$out.html" tables)" = $((7 + 2 * consoles)) ] ||
+    echo "$(attribute "$out.html" tables) tables, not $((7 + 2 * consoles))"
+  [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
+  [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
+  [ "$(attribute "$out.html" uncoloured)" = 0 ] || echo "$(attribute "$out.html" uncoloured) bars have no colour"
+  [ "$consoles" = 0 ] || [[ "$(attribute "$out.html" tip)" == *µs* ]] ||
+    echo "pointing at a console says '$(attribute "$out.html" tip)'"
   [ "$(attribute "$out.html" planted)" = 0 ] || echo "text became markup"
   [ "$(attribute "$out.html" hostile)" = undefined ] || echo "text became a script"
 }
@@ -105,8 +125,10 @@ test_report() {
 [[layer]]
 name = "</script><script>hostile = 1</script><b class='planted'>\"'&<!--"
 length = 0.05
-density = 20000
+density = 4000
 TOML
+  # A layer of it is too large for an SPU to sort.
+  sed 's/density = 4000/density = 20000/' "$work/hostile.toml" >"$work/large.toml"
   (cd "$work" && "$pelt" report --character builtin --setup ./hostile.toml --frames 30 --workers 2 --out report.html) \
     >"$work/report.log" 2>&1 || { cat "$work/report.log"; fail "pelt report"; return; }
   local page=$work/report.html width said
@@ -116,10 +138,24 @@ TOML
     said=$(check_page "$page" "$width")
     [ -z "$said" ] || fail "at $width px: $said"
   done
+  (cd "$work" && "$pelt" report --scene tiny --frames 5 --no-consoles --out plain.html) >"$work/plain.log" 2>&1 ||
+    fail "pelt report --no-consoles"
+  said=$(check_page "$work/plain.html" 390 0)
+  [ -z "$said" ] || fail "without consoles: $said"
+  must_fail "$work/plain.html" "consoles: "
+  (cd "$work" && "$pelt" report --character builtin --setup ./large.toml --frames 3 --out large.html) >"$work/large.log" 2>&1 ||
+    fail "pelt report, of what a PS3 cannot run: $(cat "$work/large.log")"
+  said=$(check_page "$work/large.html" 390 1)
+  [ -z "$said" ] || fail "without a PS3: $said"
+  grep -q 'PS3: cannot run this scene' "$work/large.html" || fail "the page does not say why there is no PS3"
+  sed "s/compute: 's0'/compute: 'nowhere'/" "$page" >"$work/uncoloured.html"
+  must_fail "$work/uncoloured.html" 'no colour'
+  sed 's/words.length < 4/words.length < 5/' "$page" >"$work/clipped.html"
+  must_fail "$work/clipped.html" 'cut off'
   sed "s/^fillFacts();/fillFacts(); nowhere();/" "$page" >"$work/thrown.html"
   must_fail "$work/thrown.html" 'script error'
   sed "s/^drawAll();/drawFrames();/" "$page" >"$work/empty.html"
-  must_fail "$work/empty.html" "not 3"
+  must_fail "$work/empty.html" "not 5"
   sed "s/'path', {class: 'band ' + kind, d}/'path', {class: 'band ' + kind}/" "$page" >"$work/blank.html"
   must_fail "$work/blank.html" 'filled paths'
   sed 's/^\.scroll { overflow-x: auto; max-width: 100%; }/.scroll { width: 900px; }/' "$page" >"$work/wide.html"
@@ -142,13 +178,14 @@ find_viewer() {
   [ -s "$viewer" ] || skip "npm could not get speedscope $viewer_version: $(tail -n 1 "$work/npm.log")"
 }
 
-# check_trace FILE: silent when speedscope shows a profile for each worker that had a part, without a warning.
+# check_trace FILE [FIRST]: silent when speedscope shows a profile for each track that has a slice, the one named
+# FIRST among them, without a warning.
 check_trace() {
-  local out=$work/viewer workers
+  local first=${2-'pelt tiny (pid 1), worker 0 (caller) (tid 1)'} out=$work/viewer workers
   workers=$(grep '"ph": "B"' "$1" | grep -oE '"tid": [0-9]+' | sort -u | wc -l)
   printf 'speedscope.loadFileFromBase64("trace.json", "%s")\n' "$(base64 -w 0 "$1")" >"$work/profile.js"
   open "file://$viewer#localProfilePath=$work/profile.js" 1280 "$out" || { echo "the browser failed: $(tail -n 2 "$out.log")"; return; }
-  grep -qF 'pelt tiny (pid 1), worker 0 (caller) (tid 1)' "$out.html" || echo "worker 0 is not shown"
+  grep -qF "$first" "$out.html" || echo "'$first' is not shown"
   [ "$workers" -eq 1 ] || grep -qF "(1/$workers)" "$out.html" ||
     echo "not $workers profiles: $(grep -oE '\([0-9]+/[0-9]+\)' "$out.html" | head -n 1)"
   # All that the viewer has to say, but for where it is and how it draws.
@@ -163,6 +200,10 @@ test_trace() {
     { cat "$work/run.log"; fail "pelt run --trace"; return; }
   said=$(check_trace "$trace")
   [ -z "$said" ] || fail "speedscope: $said"
+  "$pelt" budget --scene tiny --frames 5 --platform ps3,xbox360 --trace "$work/consoles.json" >"$work/budget.log" 2>&1 ||
+    { cat "$work/budget.log"; fail "pelt budget --trace"; return; }
+  said=$(check_trace "$work/consoles.json" 'pelt tiny, modelled (pid 1), PS3 frame (tid 1)')
+  [ -z "$said" ] || fail "speedscope, of the consoles: $said"
   head -c "$(($(wc -c <"$trace") / 2))" "$trace" >"$work/cut.json"
   check_trace "$work/cut.json" | grep -q 'alert' || fail "half a trace passes"
   sed '0,/"ph": "E".*"pass /{//d}' "$trace" >"$work/unended.json"

@@ -22,7 +22,7 @@ run_examples() {
   local count=0
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
-  for subcommand in bake run plan verify report trace diff golden timing conformance; do
+  for subcommand in bake run plan verify report trace diff golden timing budget conformance; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
     while read -r -a words; do
       count=$((count + 1))
@@ -35,6 +35,7 @@ run_examples() {
   [ "$count" -ge 8 ] || fail "only $count examples in the help texts"
   [ -s monster.groom ] || fail "the bake example wrote no groom"
   grep -q '"traceEvents"' trace.json || fail "the trace example wrote no trace"
+  grep -q 'PS3 SPU 5 out' ps3.json || fail "the budget example wrote no trace"
   grep -q '</html>' report.html || fail "the report example wrote no page"
   [ "$(head -c 8 eyepet.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] ||
     fail "the picture example wrote no PNG"
@@ -101,6 +102,59 @@ check_errors() {
   expect 1 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
   expect 2 --core timing noise --core gpu
   expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
+  check_timing_errors
+  check_budget_errors
+}
+
+check_timing_errors() {
+  printf 'nop\n' >fine.s
+  expect 2 --kernel timing fine.s --kernel simulate_pbd
+  expect 2 --kernel timing
+  expect 2 --chart timing fine.s --chart 4
+  expect 2 --trip timing --kernel skin --trip a=4
+  expect 2 xenon timing fine.s --core xenon
+  expect 1 'simulate_pbd_4, ' timing --kernel simulat_pbd
+  expect 1 "begins so" timing --kernel ''
+  "$pelt" timing --kernel fit_cubic_4 --chart 7 >out.txt || fail "timing --chart"
+  [ "$(sed -n '/^ *cycle  pipe/,$p' out.txt | wc -l)" -eq 8 ] || fail "--chart 7 is not 7 lines: $(cat out.txt)"
+  # Cut off in the middle; of other machines; a disassembly; no text at all.
+  printf 'lqd $4, 0($3)\n ai ' >cut.s
+  expect 1 "cut.s:2: 'ai' has 0 operands; expected register" timing cut.s
+  printf '\t.text\nf:\n\tpushq\t%%rbp\n\tmovaps\t(%%rdi), %%xmm0\n' >x86.s
+  expect 1 "x86.s:3: 'pushq' is no SPU opcode" timing x86.s
+  expect 1 'of another machine' timing x86.s
+  expect 1 'for the PPE' timing x86.s --core ppe
+  printf '\na.out:     file format elf32-spu\n   0:\t34 00 01 84\tlqd\t$4,0($3)\n' >dump.s
+  expect 1 'a disassembly' timing dump.s
+  expect 1 'no instruction' timing /dev/null
+}
+
+check_budget_errors() {
+  local budget=(budget --scene tiny --frames 2)
+  expect 1 'gives a game 6' "${budget[@]}" --spus 0
+  expect 1 '7 SPUs; a retail PS3 gives a game at most 6' "${budget[@]}" --spus 7
+  expect 1 'at least 65536 are needed' "${budget[@]}" --local-store-kib 16
+  expect 1 'a Cell has' "${budget[@]}" --local-store-kib 99999999
+  # A scene the console cannot run is a verdict, in its place in the table, not an error of the command.
+  "$pelt" "${budget[@]}" --platform ps3 --local-store-kib 64 >out.txt 2>&1
+  [ $? -eq 1 ] || fail "a scene that does not fit a local store: not exit 1"
+  grep -q "CANNOT RUN: tiny on PS3: pass 0 ('sample_pose'.* too many for 65536" out.txt || fail "no verdict in: $(cat out.txt)"
+  expect 1 'no core' "${budget[@]}" --cores 0
+  expect 1 '99 cores of 2 threads; at most' "${budget[@]}" --cores 99
+  expect 1 'leave the cores some' "${budget[@]}" --gpu-percent 100
+  expect 2 --gpu-percent "${budget[@]}" --gpu-percent 101
+  expect 2 --target-ms "${budget[@]}" --target-ms 0
+  expect 2 --target-ms "${budget[@]}" --target-ms nan
+  expect 2 '{host,ps3,xbox360}' "${budget[@]}" --platform wii
+  expect 2 --spuz "${budget[@]}" --spuz 3
+  expect 1 'only consoles are traced' "${budget[@]}" --platform host --trace x.json
+  expect 1 /nowhere/ "${budget[@]}" --platform ps3 --trace /nowhere/x.json
+  # What does not fit is a verdict: exit code 1, and nothing on standard error.
+  "$pelt" "${budget[@]}" --platform ps3,xbox360 --target-ms 0.01 >out.txt 2>err.txt && fail "0.01 ms: exit 0"
+  [ -s err.txt ] && fail "a verdict on standard error: $(cat err.txt)"
+  [ "$(grep -c 'DOES NOT FIT 0.01 ms' out.txt)" -eq 2 ] || fail "no verdict: $(tail -n 3 out.txt)"
+  grep -q '^to fit 0.01 ms: strands: ' out.txt || fail "no advice: $(tail -n 9 out.txt)"
+  "$pelt" "${budget[@]}" --platform ps3 --target-ms 0.01 --no-advice | grep -q '^to fit' && fail "--no-advice advises"
 }
 
 check_output() {
@@ -128,6 +182,7 @@ check_output() {
     for arguments in 'trace show tiny.peltinput' 'trace replay tiny.peltinput' 'diff a.groom b.groom' \
       'diff tiny.peltinput tiny.peltinput' \
       'bake --setup tiny --stats' 'run --scene tiny --frames 2' 'plan --scene tiny' \
+      'budget --scene tiny --frames 2' 'budget --validate' 'timing --kernel skin' \
       'verify --scene tiny --frames 1 --isa reference --no-skips'; do
       # shellcheck disable=SC2086
       "$pelt" $arguments --json 2>/dev/null | python3 -m json.tool >/dev/null ||

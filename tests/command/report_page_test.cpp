@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/console_budget.hpp"
+#include "bench/console_report.hpp"
 #include "core/error.hpp"
 #include "jobs/tick_clock.hpp"
 
@@ -19,7 +21,8 @@ struct Report {
   nlohmann::json data;
 };
 
-Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, uint32_t workers) {
+Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, uint32_t workers,
+                  const std::function<void(JsonText&)>& add_consoles = {}) {
   RunOptions options;
   options.executor = executor;
   options.workers = workers;
@@ -30,7 +33,7 @@ Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, ui
   const TickScale scale;
   Report report;
   report.run = RunFrames(scenario, running, options);
-  report.page = recorder.Page(report.run, scale.NsPerTick());
+  report.page = recorder.Page(report.run, scale.NsPerTick(), add_consoles);
   const std::string begin = "<script type=\"application/json\" id=\"data\">";
   const size_t from = report.page.find(begin) + begin.size();
   // As a browser does it: up to the first end of a script.
@@ -147,6 +150,36 @@ TEST(ReportPage, HostileNamesStayText) {
   EXPECT_NE(scene.find("@PELT_SCRIPT@"), std::string::npos);
   const std::string layer = report.data["items"]["layer"][0];
   EXPECT_NE(layer.find("alert(\"1\")"), std::string::npos);
+}
+
+TEST(ReportPage, ConsolesAreThereWhenTheyWereModelled) {
+  Scenario tiny = LoadScenario("tiny");
+  const Report without = MakeReport(tiny, 2, ExecutorKind::kSerial, 1);
+  EXPECT_TRUE(without.data["consoles"].is_array());
+  EXPECT_TRUE(without.data["consoles"].empty());
+  const Report with = MakeReport(tiny, 2, ExecutorKind::kSerial, 1, [&](JsonText& json) {
+    for (const Console console : kAllConsoles) {
+      ConsoleRun run(tiny, {.console = console, .frames = 2});
+      const ConsoleBudget budget = run.Run();
+      AddConsoleFrame(json, budget, run.scene());
+    }
+  });
+  ASSERT_EQ(with.data["consoles"].size(), 2u);
+  for (const auto& console : with.data["consoles"]) {
+    EXPECT_EQ(console["units"].size(), 6u);
+    EXPECT_FALSE(console["stages"].empty());
+    EXPECT_NE(std::string(console["verdict"]).find("fits 5 ms"), std::string::npos);
+    // The page names a slice's item by its pass's domain.
+    for (const auto& unit : console["units"])
+      for (size_t i = 0; i < unit["slices"].size(); i += 5) {
+        const int64_t pass = unit["slices"][i + 1], item = unit["slices"][i + 2];
+        if (pass < 0 || item < 0) continue;
+        const std::string domain = console["plan"].at(size_t(pass))["domain"];
+        EXPECT_LT(size_t(item), with.data["items"][domain].size()) << domain;
+      }
+  }
+  EXPECT_EQ(with.data["consoles"][0]["name"], "PS3");
+  EXPECT_EQ(with.data["consoles"][1]["name"], "Xbox 360");
 }
 
 TEST(ReportPage, LocalStoreHasNoTimesToShow) {
