@@ -84,9 +84,6 @@ template <class T>
 concept SetupTable = std::is_same_v<T, Mask> || std::is_same_v<T, Mask::JointWeight> ||
     std::is_same_v<T, Mask::Box> || std::is_same_v<T, Mask::Range> || std::is_same_v<T, CombVector>;
 
-// The nearest of `known` to a mistyped word, or empty when none is near.
-std::string_view FindNearestWord(std::string_view word, std::span<const std::string_view> known);
-
 // Reads values and knows where it is, for messages.
 class SetupReader {
  public:

@@ -55,6 +55,8 @@ expect() {
 }
 check_errors() {
   expect 2 subcommand
+  expect 2 "no subcommand 'budgte'; did you mean 'budget'" budgte --scene tiny
+  expect 2 "no subcommand 'xyzzy'; there are: bake, run" xyzzy
   expect 2 --sceen run --sceen monster
   expect 2 nowhere run --scene nowhere
   expect 2 frames run --scene tiny --frames many

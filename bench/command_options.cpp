@@ -1,0 +1,120 @@
+#include "bench/command_options.hpp"
+
+#include <fmt/format.h>
+
+namespace pelt {
+namespace {
+
+std::vector<std::string> Names(const auto& range) {
+  std::vector<std::string> names;
+  for (const auto& name : range) names.emplace_back(name);
+  return names;
+}
+
+std::vector<std::string> IsaNames() {
+  std::vector<std::string> names;
+  for (const Isa isa : kAllIsas) names.emplace_back(IsaName(isa));
+  return names;
+}
+
+}  // namespace
+
+CLI::Validator IsScene() { return CLI::IsMember(Names(ScenarioNames())); }
+
+CLI::Validator InRange(double least, double most) {
+  const auto check = [=](std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most)
+      return std::string();
+    return fmt::format("{} is not in the range from {} to {}", text, least, most);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{} - {}]", least, most));
+}
+
+void AddSource(CLI::App& app, ScenarioRequest& request) {
+  auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
+  auto* character =
+      app.add_option("--character", request.character, "A .glb or .gltf file, or 'builtin'")
+          ->excludes(scene)
+          ->capture_default_str();
+  auto* setup = app.add_option("--setup", request.setup,
+                               "A fur setup: a .toml file, or the name of a built-in one")
+                    ->excludes(scene);
+  auto* groom =
+      app.add_option("--groom", request.groom, "A baked groom instead of a setup; for --character")
+          ->excludes(scene)
+          ->excludes(setup);
+  static_cast<void>(character);
+  static_cast<void>(groom);
+  app.add_option("--seed", request.seed, "Another groom from the same setups")
+      ->capture_default_str();
+}
+
+void CompleteSource(ScenarioRequest& request) {
+  if (!request.scene.empty() || !request.setup.empty() || !request.groom.empty()) return;
+  if (request.character != "builtin")
+    throw CLI::RequiredError("--character needs --setup or --groom, which");
+  request.scene = "monster";
+}
+
+void AddFrames(CLI::App& app, uint32_t& frames) {
+  app.add_option("--frames", frames, "Frames to run; 0: the scene's own number")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+}
+
+void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set) {
+  app.add_option_function<std::string>(
+         "--isa", [set](const std::string& name) { set(*ParseIsa(name)); }, help)
+      ->check(CLI::IsMember(IsaNames()));
+}
+
+void AddPlanOptions(CLI::App& app, SceneOptions& options) {
+  app.add_flag("!--unfused", options.plan.fuse, "One stage a pass");
+  app.add_flag_function(
+      "--index-buffer", [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
+      "Vertices in strand order with a sorted index buffer, not in draw order");
+  app.add_option("--sort-pieces", options.piecewise_sort_chunks,
+                 "Layers of more chunks than this sort in pieces; 0: those that do not fit a local "
+                 "store")
+      ->capture_default_str();
+}
+
+void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
+  const std::pair<const char*, bool*> skips[] = {{"sleep", &skip.sleep},
+                                                 {"unmoved", &skip.unmoved},
+                                                 {"sort", &skip.sort},
+                                                 {"wind", &skip.wind},
+                                                 {"cull", &skip.cull}};
+  for (const auto& [name, value] : skips)
+    app.add_flag(fmt::format("!--no-{}", name), *value,
+                 fmt::format("Do not skip what '{}' finds needless", name));
+  app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
+  app.add_option("--strand-budget", lod.strand_budget,
+                 "With --lod: most strands in all; 0: no budget")
+      ->capture_default_str();
+}
+
+void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {
+  app.add_option_function<std::string>(
+         "--executor", [&executor](const std::string& name) { executor = *ParseExecutor(name); },
+         "What runs the frames: tbb if not given")
+      ->check(CLI::IsMember({"serial", "tbb", "door", "pull", "permuted", "local-store"}));
+  app.add_option("--workers", workers, "Threads for tbb, door and pull; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--order-seed", order_seed, "Order for permuted; 0: backwards")
+      ->capture_default_str();
+}
+
+void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
+  app.add_option("--fps", fps, "Frames a second of the simulation; 0: the scene's own")
+      ->check(InRange(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(InRange(0.0, 1.0));
+  app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(InRange(0.0, 1.0));
+  app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
+      ->capture_default_str();
+}
+
+}  // namespace pelt

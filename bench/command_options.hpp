@@ -1,0 +1,46 @@
+// What the subcommands of `pelt` have in common: how one is declared, and the groups of options
+// that several take.
+//
+// A subcommand is one function that declares its options and returns what is to be done with them,
+// so that everything about it stands in one place and `main` knows none of it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/commands.hpp"
+
+namespace pelt {
+
+struct Subcommand {
+  CLI::App* app;
+  // Called once the arguments are parsed; throws CLI::ParseError for those that do not go together.
+  std::function<void()> complete;
+  std::function<int()> run;  // returns the exit code
+};
+
+// Of a listing or a scene on a console's core (console_options.cpp).
+Subcommand SetUpTiming(CLI::App& root);
+Subcommand SetUpBudget(CLI::App& root);
+
+// A built-in scene's name.
+CLI::Validator IsScene();
+// As CLI::Range, but for "nan", which it lets through.
+CLI::Validator InRange(double least, double most);
+
+// What to run, for the subcommands that take a scene or files.
+void AddSource(CLI::App& app, ScenarioRequest& request);
+// The scene is the monster unless something else is named.
+void CompleteSource(ScenarioRequest& request);
+
+void AddFrames(CLI::App& app, uint32_t& frames);
+void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set);
+void AddPlanOptions(CLI::App& app, SceneOptions& options);
+void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod);
+void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed);
+void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather);
+
+}  // namespace pelt

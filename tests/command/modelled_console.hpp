@@ -1,0 +1,50 @@
+// One modelled run of tiny for each console, shared by all tests that only look at it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/console_budget.hpp"
+#include "bench/json_text.hpp"
+
+namespace pelt::testing {
+
+inline constexpr uint32_t kModelledFrames = 40;
+
+// tiny on a console.
+struct Modelled {
+  Scenario scenario = LoadScenario("tiny");
+  ConsoleRun run;
+  ConsoleBudget budget;
+
+  explicit Modelled(const ConsoleRequest& request) : run(scenario, request), budget(run.Run()) {}
+  const FurScene& scene() const { return run.scene(); }
+  const Plan& plan() const { return run.scene().plan(); }
+};
+
+// Of kModelledFrames; made once.
+inline Modelled& On(Console console) {
+  static std::map<Console, std::unique_ptr<Modelled>> made;
+  std::unique_ptr<Modelled>& on = made[console];
+  if (!on)
+    on = std::make_unique<Modelled>(ConsoleRequest{.console = console, .frames = kModelledFrames});
+  return *on;
+}
+
+// What `add` writes, parsed.
+template <class Add>
+nlohmann::json Json(Add add) {
+  JsonText json;
+  add(json);
+  return nlohmann::json::parse(json.text(), nullptr, false);
+}
+
+class ConsoleOf : public ::testing::TestWithParam<Console> {
+ protected:
+  Modelled& on() { return On(GetParam()); }
+};
+
+}  // namespace pelt::testing
