@@ -74,8 +74,7 @@ struct BoundLayer {
   static PELT_INLINE void AddAxis(MatrixOfLane matrix, int axis, typename V::Mask used,
                                   Vec3<V> centre, Vec3<V> extent, V& low, V& high) {
     V mx, my, mz, origin;
-    GatherColumns<V>([&](int lane) { return matrix(lane) + 4 * axis; }, mx, my, mz,
-                     origin);
+    GatherColumns<V>([&](int lane) { return matrix(lane) + 4 * axis; }, mx, my, mz, origin);
     const V middle = mx * centre.x + my * centre.y + mz * centre.z + origin;
     const V reach = Abs(mx) * extent.x + Abs(my) * extent.y + Abs(mz) * extent.z;
     low = Select(used, Min(low, middle - reach), low);

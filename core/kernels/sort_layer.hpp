@@ -178,7 +178,8 @@ struct SortLayer {
       const uint32_t end = lanes, least = range.least;
       for (uint32_t first = 0; first < end; first += kLaneGroup) {
         if (IsGroupVisible(in + first)) {
-          for (uint32_t i = first; i < first + kLaneGroup; ++i) on_lane(i, Scalar(LoadWord<V>(in, i) - least), Scalar(1u));
+          for (uint32_t i = first; i < first + kLaneGroup; ++i)
+            on_lane(i, Scalar(LoadWord<V>(in, i) - least), Scalar(1u));
         } else if (IsGroupCulled(in + first)) {
           on_group(first);
         } else {
@@ -223,8 +224,7 @@ struct SortLayer {
             culled += 1u - seen;
           },
           [&](uint32_t first) __attribute__((always_inline)) {
-            for (uint32_t l = 0; l < kLaneGroup; ++l)
-              StoreWord<V>(to, culled + l, Made(first + l));
+            for (uint32_t l = 0; l < kLaneGroup; ++l) StoreWord<V>(to, culled + l, Made(first + l));
             culled += kLaneGroup;
           });
     }

@@ -47,8 +47,8 @@ PELT_INLINE Hairs<V> LoadHairs(QuadOfLane quad_of) {
   V c[5][4];
   for (int q = 0; q < 5; ++q)
     GatherColumns<V>(
-        [&](int l) __attribute__((always_inline)) { return quad_of(l, q); }, c[q][0],
-        c[q][1], c[q][2], c[q][3]);
+        [&](int l) __attribute__((always_inline)) { return quad_of(l, q); }, c[q][0], c[q][1],
+        c[q][2], c[q][3]);
   Hairs<V> h;
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
     const uint32_t f = 3 * i;

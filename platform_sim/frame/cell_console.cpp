@@ -120,6 +120,7 @@ std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
   m.largest_transfer_bytes = p.largest_command_bytes;
   m.line_bytes = p.line_bytes;
   m.local_store_bytes = p.local_store_bytes;
+  m.runtime = p.runtime;
 
   m.draw_cycles = FromNanoseconds(m, dispatch.spe_job_ns);
   m.dispatcher_cycles = FromNanoseconds(m, dispatch.ppe_job_ns);

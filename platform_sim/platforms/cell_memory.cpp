@@ -16,6 +16,8 @@ constexpr std::string_view kChen = "Chen et al., IBM J. R&D 51 (2007): 24.6 GB/s
 std::vector<PlatformNumber> DescribeCellMemory(const CellMemoryParameters& p) {
   using enum Sureness;
   return {
+      {"code of the loop over items", double(p.runtime.code_bytes), "B", "the model's", kLead},
+      {"stack", double(p.runtime.stack_bytes), "B", "the model's", kLead},
       {"largest DMA command", double(p.largest_command_bytes), "B", kSdk, kPublished},
       {"DMA queue", double(p.queue_commands), "commands", kSdk, kPublished},
       {"DMA list", double(p.list_elements), "elements", "CBE handbook, as quoted", kSecondHand},

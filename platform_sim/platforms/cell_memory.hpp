@@ -16,11 +16,14 @@
 #include <vector>
 
 #include "platform_sim/platforms/cell_system.hpp"
+#include "platform_sim/platforms/spu_runtime.hpp"
 
 namespace pelt {
 
 // The system, as its memory needs it, and the memory.
 struct CellMemoryParameters : CellSystem {
+  SpuRuntimeParameters runtime;  // what of the local store is no kernel's
+
   // MFC
   uint32_t largest_command_bytes = 16 * 1024;
   uint32_t queue_commands = 16;

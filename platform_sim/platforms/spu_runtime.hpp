@@ -1,11 +1,8 @@
 // What of an SPU's local store belongs to nobody's kernel: the numbers of a program that was never
-// shipped, so class L all of them. Numbers only; a plain struct, so that a test can plant others.
+// shipped, so class L all of them. Numbers only; cell_memory.cpp tells them with the rest.
 #pragma once
 
 #include <cstdint>
-#include <vector>
-
-#include "platform_sim/platforms/number.hpp"
 
 namespace pelt {
 
@@ -15,12 +12,5 @@ struct SpuRuntimeParameters {
   // Kernels have no large arrays of their own and do not call each other.
   uint32_t stack_bytes = 8 * 1024;
 };
-
-inline std::vector<PlatformNumber> DescribeSpuRuntime(const SpuRuntimeParameters& p) {
-  return {
-      {"code of the loop over items", double(p.code_bytes), "B", "the model's", Sureness::kLead},
-      {"stack", double(p.stack_bytes), "B", "the model's", Sureness::kLead},
-  };
-}
 
 }  // namespace pelt

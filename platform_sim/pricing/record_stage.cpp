@@ -17,13 +17,14 @@ uint64_t BytesOf(const PortDesc& port, const Binding& binding, const FrameMemory
          DescribeStream(port.stream).block_bytes;
 }
 
-}  // namespace
-
+// The recording twin of a kernel; null for one that is not in the table.
 const KernelDesc* FindRecordingKernel(std::string_view name) {
   for (const KernelDesc& kernel : KernelsRecording().kernel)
     if (kernel.name == name) return &kernel;
   return nullptr;
 }
+
+}  // namespace
 
 bool TryRecordStage(const Frame& frame, uint32_t stage_index, uint32_t item, Recorder& recorder,
                     std::string& error) {

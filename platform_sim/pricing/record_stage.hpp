@@ -15,9 +15,6 @@ namespace pelt {
 
 const KernelTable& KernelsRecording();
 
-// The recording twin of a kernel; null for one that is not in the table.
-const KernelDesc* FindRecordingKernel(std::string_view name);
-
 // Runs `stage` (of the plan) on `item`, recorded into `recorder`, which is fresh. False, and why in
 // `error`, if it has no twin or its blocks are too many for the recorder's space.
 bool TryRecordStage(const Frame& frame, uint32_t stage, uint32_t item, Recorder& recorder,

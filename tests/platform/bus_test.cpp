@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "platform_sim/frame/console_machine.hpp"
 #include "platform_sim/memory/local_store_budget.hpp"
 #include "tests/platform/cell_work.hpp"
 
@@ -121,6 +122,13 @@ TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
   EXPECT_EQ(ppe.line_bytes, 64u);
   EXPECT_EQ(ppe.core.load_hit_store_cycles, 50u);
   EXPECT_EQ(ppe.memory_milli_bytes_per_cycle, 2000u);
+  CellParameters deep;
+  deep.runtime.stack_bytes = 1234;
+  EXPECT_EQ(MakeCell(deep, deep.jobs).runtime.stack_bytes, 1234u);
+  const std::vector<PlatformNumber> told = DescribeCell(deep);
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const PlatformNumber& n) {
+    return n.name == "stack" && n.value == 1234.0;
+  }));
   std::string error;
   EXPECT_TRUE(CheckPlatforms({}, error)) << error;
   PlatformParameters none;
