@@ -97,13 +97,15 @@ enum LayerFlag : uint32_t {
   kLayerRibbons = 1u << 4,     // else instances
   kLayerClump = 1u << 5,
   kLayerBackFaceCull = 1u << 6,
-  kLayerWind = 1u << 7,      // wind blows and the layer responds
-  kLayerSimulate = 1u << 8,  // some strand of the layer has simulation strength
+  kLayerWind = 1u << 7,       // wind blows and the layer responds
+  kLayerSimulate = 1u << 8,   // some strand of the layer has simulation strength
+  kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
+  kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
 };
 // The flags that are fixed when the scene is made: they decide which streams and stages a layer
 // has.
 inline constexpr uint32_t kLayerKindFlags =
-    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerRibbons;
+    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerModal;
 
 // Parameters of a layer for this frame, filled on the caller's thread from the setup, wetness and
 // dirt. All hardness and factor values are in [0, 1]; `keep` factors are already for this frame's
@@ -119,11 +121,11 @@ PELT_BLOCK LayerBlock {
   float angular_middle;    // share of the angle to the rest direction removed per iteration: inner
                            // joints
   float angular_end;       // the same at the last joint
-  float
-      surface_hardness;  // share of the depth below the root's tangent plane removed per iteration
-  float stiffness;       // verlet: share of the way to the rest point per iteration
-  float clump;           // share of the way to the control strand at the tip (0 at the root)
-  float wind_response;   // acceleration per wind speed, 1/s
+  float surface_hardness;  // share of the depth below the root's tangent plane removed per
+                           // iteration (modal: substep)
+  float stiffness;         // verlet: share of the way to the rest point per iteration
+  float clump;             // share of the way to the control strand at the tip (0 at the root)
+  float wind_response;     // acceleration per wind speed, 1/s
   float backface_tolerance;  // a strand is culled when normal . to_eye < -tolerance
   float width;               // scale on every strand's width
   float tip_width;           // width at the tip over width at the root
@@ -134,7 +136,9 @@ PELT_BLOCK LayerBlock {
   float dirt;                // how much
   uint32_t iterations;
   uint32_t strand_count;
-  uint32_t pad[5];
+  float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
+                       // 0: no limit
+  uint32_t pad[4];
 };
 
 // Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned

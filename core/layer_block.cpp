@@ -1,5 +1,6 @@
 #include "core/layer_block.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include "core/exact_math.hpp"
@@ -17,12 +18,18 @@ uint32_t FlagsOf(const LayerParams& p, float clump, bool wind_blows, bool any_st
   set(p.chain == ChainKind::kVertex, kLayerVertexChains);
   set(p.points == 5, kLayerFivePoints);
   set(p.solver == Solver::kVerlet, kLayerVerlet);
+  set(p.solver == Solver::kModal, kLayerModal);
   set(p.output == Output::kRibbons, kLayerRibbons);
   set(clump > 0.0f, kLayerClump);
   set(p.backface_cull, kLayerBackFaceCull);
   set(wind_blows && p.wind_response != 0.0f, kLayerWind);
   set(any_strength, kLayerSimulate);
   return flags;
+}
+
+// The share of its stiffness that the layer keeps in this weather.
+float StiffnessLeft(const LayerParams& p, const Weather& weather) {
+  return Mix(1.0f, Saturate(p.wet_hardness), Saturate(weather.wetness));
 }
 
 // `changed` itself is not compared.
@@ -38,7 +45,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
                           float length_max, bool any_strength, const LayerBlock* last) {
   const float wet = Saturate(weather.wetness);
-  const float softer = Mix(1.0f, Saturate(params.wet_hardness), wet);
+  const float softer = StiffnessLeft(params, weather);
   const float dry_clump = Saturate(params.clump);
 
   LayerBlock b{};
@@ -66,9 +73,24 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   b.dirt = Saturate(weather.dirt);
   b.iterations = params.iterations;
   b.strand_count = strand_count;
+  b.max_distance = params.max_distance;
   b.flags = FlagsOf(params, b.clump, wind_blows, any_strength);
+  if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kLayerWind))
+    b.flags |= kLayerWindEnds;
   b.changed = !last || Differ(*last, b) ? 1u : 0u;
   return b;
+}
+
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather) {
+  const uint32_t links = params.points - 1;
+  const double dry =
+      params.frequency_hz > 0.0f
+          ? double(params.frequency_hz)
+          : FrequencyOfHardness(links, Saturate(params.angular_hardness_middle),
+                                Saturate(params.angular_hardness_end), params.iterations);
+  const double drag = params.velocity_damping > 0.0f ? double(params.velocity_damping) : 0.0;
+  return {links, dry * std::sqrt(double(StiffnessLeft(params, weather))),
+          double(params.damping_ratio), drag};
 }
 
 }  // namespace pelt

@@ -11,6 +11,7 @@
 
 #include "core/chunk.hpp"
 #include "core/groom/layer_params.hpp"
+#include "core/modal/modal_course.hpp"
 
 namespace pelt {
 
@@ -30,5 +31,8 @@ struct Weather {
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
                           float length_max, bool any_strength, const LayerBlock* last);
+
+// What the strands of a layer with the modal solver are made of. Wetness takes stiffness.
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather);
 
 }  // namespace pelt

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/chunk.hpp"
+#include "core/modal/modal_block.hpp"
 
 namespace pelt {
 namespace {
@@ -39,6 +40,8 @@ using Rest4 = RestBlock<4>;
 using Rest5 = RestBlock<5>;
 using Points4 = PointBlock<4>;
 using Points5 = PointBlock<5>;
+using Modal4 = ModalStateBlock<4>;
+using Modal5 = ModalStateBlock<5>;
 
 constexpr std::array kPoseRows{ROW(PoseBlock, translation_key),
                                ROW(PoseBlock, rotation_key),
@@ -110,9 +113,20 @@ constexpr std::array kLayerSortRows{ROW(LayerSortBlock, visible_count),
 constexpr std::array kDrawListRows{ROW(DrawListBlock, layer), ROW(DrawListBlock, count)};
 constexpr std::array kVertexRows{
     MakeRecords("vertex", kStrandsPerChunk, sizeof(RibbonVertex) * kRibbonPoints * 2)};
+constexpr std::array kModalTableRows{MakeRecords("table", 1, sizeof(ModalTableBlock))};
+#define MODAL_ROWS(Block)                                                                  \
+  {                                                                                        \
+    ROW(Block, direction), ROW(Block, velocity), ROW(Block, multiplier), ROW(Block, bend), \
+        ROW(Block, bend_step), ROW(Block, bend_turn), ROW(Block, root_step),               \
+        ROW(Block, root_turn), ROW(Block, wind), ROW(Block, normal), ROW(Block, quiet_s)   \
+  }
+constexpr std::array<RowDesc, 11> kModal4Rows MODAL_ROWS(Modal4);
+constexpr std::array<RowDesc, 11> kModal5Rows MODAL_ROWS(Modal5);
+#undef MODAL_ROWS
 #undef ROW
 
 constexpr uint32_t kVC = kLayerVertexChains, k5 = kLayerFivePoints, kRib = kLayerRibbons;
+constexpr uint32_t kMod = kLayerModal;
 
 constexpr std::array<StreamDesc, kStreamCount> kStreams{{
     {"none", Domain::kScene, 0, Role::kScratch, Lanes::kAll, 0, 0, {}},
@@ -138,11 +152,12 @@ constexpr std::array<StreamDesc, kStreamCount> kStreams{{
     STREAM("roots", kChunk, RootBlock, kValue, kLiveStrands, 0, 0, kRootRows),
     STREAM("wind", kChunk, WindBlock, kScratch, kLiveChains, 0, 0, kWindRows),
     STREAM("vertex_points", kChunk, Points4, kValue, kLiveVertices, kVC, 0, kPoints4Rows),
-    STREAM("vertex_previous", kChunk, Points4, kValue, kLiveVertices, kVC, 0, kPoints4Rows),
+    STREAM("vertex_previous", kChunk, Points4, kValue, kLiveVertices, kVC, kMod, kPoints4Rows),
     STREAM("strand_points4", kChunk, Points4, kValue, kLiveStrands, 0, k5, kPoints4Rows),
-    STREAM("strand_previous4", kChunk, Points4, kValue, kLiveStrands, 0, k5 | kVC, kPoints4Rows),
+    STREAM("strand_previous4", kChunk, Points4, kValue, kLiveStrands, 0, k5 | kVC | kMod,
+           kPoints4Rows),
     STREAM("strand_points5", kChunk, Points5, kValue, kLiveStrands, k5, 0, kPoints5Rows),
-    STREAM("strand_previous5", kChunk, Points5, kValue, kLiveStrands, k5, 0, kPoints5Rows),
+    STREAM("strand_previous5", kChunk, Points5, kValue, kLiveStrands, k5, kMod, kPoints5Rows),
     STREAM("curves", kChunk, CurveBlock, kValue, kLiveStrands, 0, kRib, kCurveRows),
     STREAM("ribbons", kChunk, RibbonBlock, kValue, kLiveStrands, kRib, 0, kRibbonRows),
     STREAM("sort_keys", kChunk, SortKeyBlock, kValue, kAll, 0, 0, kKeyRows),
@@ -154,6 +169,10 @@ constexpr std::array<StreamDesc, kStreamCount> kStreams{{
     STREAM("draw_list", kScene, DrawListBlock, kValue, kAll, 0, 0, kDrawListRows),
     STREAM("instances", kChunk, InstanceBlock, kValue, kDrawn, 0, kRib, kCurveRows),
     STREAM("ribbon_vertices", kChunk, RibbonVertexBlock, kValue, kDrawn, kRib, 0, kVertexRows),
+    STREAM("modal_tables", kLayer, ModalTableBlock, kInput, kAll, kMod, 0, kModalTableRows),
+    STREAM("vertex_modal", kChunk, Modal4, kValue, kLiveVertices, kMod | kVC, 0, kModal4Rows),
+    STREAM("strand_modal4", kChunk, Modal4, kValue, kLiveStrands, kMod, k5 | kVC, kModal4Rows),
+    STREAM("strand_modal5", kChunk, Modal5, kValue, kLiveStrands, kMod | k5, 0, kModal5Rows),
 #undef STREAM
 }};
 

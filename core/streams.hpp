@@ -50,6 +50,11 @@ enum class Stream : uint8_t {
   kDrawList,
   kInstances,
   kRibbonVertices,
+  // Layers with the modal solver.
+  kModalTables,
+  kVertexModal,  // ModalStateBlock<4>: lanes are mesh vertices
+  kStrandModal4,
+  kStrandModal5,
   kCount,
 };
 inline constexpr uint32_t kStreamCount = uint32_t(Stream::kCount);

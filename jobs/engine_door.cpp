@@ -1,9 +1,8 @@
 #include "jobs/engine_door.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "core/format.hpp"
 #include "jobs/spin_wait.hpp"
 
 namespace pelt {
@@ -35,9 +34,9 @@ bool DoorFaults::Any() const {
 std::string DoorFaults::Text() const {
   std::string text;
   const auto add = [&](uint64_t count, const char* what) {
-    if (count) text += fmt::format("{} times {}\n", count, what);
+    if (count) text += Format("{} times {}\n", count, what);
   };
-  if (unusable) text += fmt::format("the door is not used: {}\n", unusable);
+  if (unusable) text += Format("the door is not used: {}\n", unusable);
   add(started_twice, "a task was called again: each must be called exactly once");
   add(never_run,
       "finish returned though the task was never called: is it still queued, or was it dropped?");

@@ -14,7 +14,7 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
   constexpr Gate kResorted{.layer = LayerGate::kKeysChanged};
   constexpr Gate kRedrawn{.layer = LayerGate::kRedraw};
   // Kinds a stage's streams do not tell apart.
-  constexpr KindMask kPbd{0, kLayerVerlet}, kVerlet{kLayerVerlet, 0};
+  constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
   constexpr KindMask kStrandChains{0, kLayerVertexChains};
   constexpr KindMask kWhole{0, kKindSortInPieces}, kPieces{kKindSortInPieces, 0};
 
@@ -44,6 +44,9 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
   add(kPbdStrand5, &p.simulate, kChunk, kSimulated, kPbd);
   add(kVerlet4, &p.simulate, kChunk, kSimulated, kVerlet);
   add(kVerlet5, &p.simulate, kChunk, kSimulated, kVerlet);
+  add(kModalVertex4, &p.simulate, kChunk, kSimulated);
+  add(kModalStrand4, &p.simulate, kChunk, kSimulated);
+  add(kModalStrand5, &p.simulate, kChunk, kSimulated);
   add(kInterpolate, none, kChunk, kFitted);
   add(kFitCubic4, none, kChunk, kFitted);
   add(kFitCubic5, none, kChunk, kFitted);

@@ -1,11 +1,10 @@
 #include "jobs/plan.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 
 #include "core/chunk.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -70,15 +69,15 @@ const char* FindGateFault(const Gate& gate, Domain domain) {
 std::string FindStageFault(const Stage& stage) {
   const auto ports = stage.kernel.ports;
   if (const char* fault = FindGateFault(stage.gate, stage.domain))
-    return fmt::format("stage {}: {}", stage.kernel.name, fault);
+    return Format("stage {}: {}", stage.kernel.name, fault);
   for (size_t i = 0; i < ports.size(); ++i) {
     if (const char* fault = FindPortFault(ports[i], stage.domain))
-      return fmt::format("stage {}: port '{}' (stream {}): {}", stage.kernel.name, ports[i].name,
-                         DescribeStream(ports[i].stream).name, fault);
+      return Format("stage {}: port '{}' (stream {}): {}", stage.kernel.name, ports[i].name,
+                    DescribeStream(ports[i].stream).name, fault);
     for (size_t j = 0; j < i; ++j)
       if (ports[i].stream == ports[j].stream &&
           (IsWritten(ports[i].access) || IsWritten(ports[j].access)))
-        return fmt::format(
+        return Format(
             "stage {}: ports '{}' and '{}' are one stream ({}) and one of them is written",
             stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name);
   }
@@ -263,7 +262,7 @@ std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& 
     Pass pass = MeasurePass(plan.stages, first, 1, shape, true, uses);
     if (pass.resident_bytes > limit) pass = MeasurePass(plan.stages, first, 1, shape, false, uses);
     if (pass.resident_bytes > limit && options.must_fit) {
-      error = fmt::format(
+      error = Format(
           "stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
           "use smaller chunks or smaller layers",
           plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
@@ -284,8 +283,8 @@ std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& 
 }
 
 std::string DescribePlan(const Plan& plan, const SceneShape& shape) {
-  std::string out = fmt::format("{:<4} {:<10} {:>6} {:>9} {:>9} {:>9}  {}\n", "pass", "domain",
-                                "items", "resident", "get", "put", "stages");
+  std::string out = Format("{:<4} {:<10} {:>6} {:>9} {:>9} {:>9}  {}\n", "pass", "domain", "items",
+                           "resident", "get", "put", "stages");
   for (size_t i = 0; i < plan.passes.size(); ++i) {
     const Pass& pass = plan.passes[i];
     std::string names;
@@ -293,11 +292,11 @@ std::string DescribePlan(const Plan& plan, const SceneShape& shape) {
       if (s) names += ", ";
       names += plan.stages[pass.first_stage + s].kernel.name;
     }
-    out += fmt::format("{:<4} {:<10} {:>6} {:>8}{} {:>9} {:>9}  {}\n", i, DomainName(pass.domain),
-                       shape.ItemCount(pass.domain), pass.resident_bytes,
-                       pass.double_buffered ? ' ' : '*', pass.get_bytes, pass.put_bytes, names);
+    out += Format("{:<4} {:<10} {:>6} {:>8}{} {:>9} {:>9}  {}\n", i, DomainName(pass.domain),
+                  shape.ItemCount(pass.domain), pass.resident_bytes,
+                  pass.double_buffered ? ' ' : '*', pass.get_bytes, pass.put_bytes, names);
   }
-  out += fmt::format(
+  out += Format(
       "{} stages in {} passes: {} barriers. Bytes are for one item of the layer kind that needs "
       "most; * single-buffered.\n",
       plan.stages.size(), plan.passes.size(), plan.passes.size());

@@ -1,12 +1,11 @@
 #include "jobs/scene.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <new>
 
+#include "core/format.hpp"
 #include "jobs/float_environment.hpp"
 #include "traces/digest.hpp"
 
@@ -126,13 +125,13 @@ bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& o
   if (measured->total_bytes != layout_.total_bytes)
     return fail("the layout was measured for other grooms or options");
   if (memory.size() < layout_.total_bytes)
-    return fail(fmt::format("the scene needs {} bytes and was given {}", layout_.total_bytes,
-                            memory.size()));
+    return fail(
+        Format("the scene needs {} bytes and was given {}", layout_.total_bytes, memory.size()));
   if (reinterpret_cast<uintptr_t>(memory.data()) % kBlockAlignment != 0)
-    return fail(fmt::format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
+    return fail(Format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
   const KernelTable* kernels = FindKernels(options_.isa);
   if (!kernels)
-    return fail(fmt::format("this processor or build has no {} kernels", IsaName(options_.isa)));
+    return fail(Format("this processor or build has no {} kernels", IsaName(options_.isa)));
   Place(memory);
   CopyGrooms(grooms);
   std::optional<Plan> plan =
@@ -176,6 +175,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       *memory_.As<LayerJointBlock>(Stream::kLayerJoints, layer_index) = groom.layer_joints[l];
       layer_names_.push_back(layer.name);
       layer_params_.push_back(layer.params);
+      modal_.emplace_back();
       layer_length_max_.push_back(layer.length_max);
       layer_strands_.push_back(layer.strand_count);
       layer_simulates_.push_back(0);
@@ -205,7 +205,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
 const char* FurScene::CheckInput(const FrameInput& in) {
   const auto fault = [&]<class... Args>(fmt::format_string<Args...> text, Args&&... args) {
     fault_.clear();
-    fmt::format_to(std::back_inserter(fault_), text, std::forward<Args>(args)...);
+    FormatTo(fault_, text, std::forward<Args>(args)...);
     return fault_.c_str();
   };
   if (!std::isfinite(in.dt_s) || in.dt_s <= 0.0 || in.dt_s > 1.0)
@@ -250,6 +250,12 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     block = FillLayerBlock(layer_params_[l], weather, float(input.dt_s), input.gravity, wind_blows,
                            layer_strands_[l], layer_length_max_[l], layer_simulates_[l] != 0,
                            first_frame_ ? nullptr : &block);
+    if (block.flags & kLayerModal) {
+      auto* tables = memory_.As<ModalTableBlock>(Stream::kModalTables, 0);
+      if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality,
+                            input.dt_s, {modal_.data(), l}, tables, tables + l))
+        block.changed = 1;
+    }
   }
 }
 
@@ -296,8 +302,8 @@ uint64_t FurScene::HeapBytes() const {
   uint64_t sum = sizeof(FurScene) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
                  bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
                  bytes(slots_) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
-                 bytes(layer_params_) + bytes(layer_length_max_) + bytes(layer_strands_) +
-                 bytes(layer_simulates_) + bytes(fault_);
+                 bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
+                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_);
   for (const auto& slots : slots_) sum += bytes(slots);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);
@@ -339,7 +345,11 @@ uint64_t FurScene::DigestStream(Stream stream) const {
 
 uint64_t FurScene::DigestFrame() const {
   Digest digest;
-  for (uint32_t s = 0; s < kStreamCount; ++s) digest.Add64(DigestStream(Stream(s)));
+  // A stream that the scene does not have counts for nothing, so that a new kind of stream leaves
+  // the digests of other scenes alone.
+  for (uint32_t s = 0; s < kStreamCount; ++s)
+    if (DescribeStream(Stream(s)).role == Role::kValue && layout_.ranges[s].blocks != 0)
+      digest.Add64(DigestStream(Stream(s)));
   return digest.Value();
 }
 

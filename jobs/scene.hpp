@@ -153,6 +153,7 @@ class FurScene {
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;
+  std::vector<ModalCourse> modal_;  // of every layer; used by those with the modal solver
   std::vector<float> layer_length_max_;
   std::vector<uint32_t> layer_strands_;
   std::vector<uint8_t> layer_simulates_;

@@ -1,10 +1,9 @@
 // From grooms to a scene's shape and memory: what belongs to what, how many bytes each stream
 // takes, and what to say of it.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "core/format.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -15,6 +14,7 @@ uint32_t KindOf(const LayerParams& p) {
   if (p.chain == ChainKind::kVertex) kind |= kLayerVertexChains;
   if (p.points == 5) kind |= kLayerFivePoints;
   if (p.solver == Solver::kVerlet) kind |= kLayerVerlet;
+  if (p.solver == Solver::kModal) kind |= kLayerModal;
   if (p.output == Output::kRibbons) kind |= kLayerRibbons;
   return kind;
 }
@@ -64,8 +64,8 @@ std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
     return std::nullopt;
   }
   if (layout.shape.layer_count > kLayersPerScene) {
-    error = fmt::format("the scene has {} layers, {} more than a draw list holds",
-                        layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene);
+    error = Format("the scene has {} layers, {} more than a draw list holds",
+                   layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene);
     return std::nullopt;
   }
   for (uint32_t s = 0; s < kStreamCount; ++s) {
@@ -90,7 +90,7 @@ std::string_view RoleName(Role role) {
 
 std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
   if (layout.total_bytes <= budget_bytes) return {};
-  std::string text = fmt::format(
+  std::string text = Format(
       "the scene needs {} bytes, {} more than its memory budget of {}; the largest ranges are",
       layout.total_bytes, layout.total_bytes - budget_bytes, budget_bytes);
   std::vector<MemoryRange> ranges = layout.ranges;
@@ -98,9 +98,9 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
   std::stable_sort(ranges.begin(), ranges.end(),
                    [](const MemoryRange& a, const MemoryRange& b) { return a.bytes > b.bytes; });
   for (size_t i = 0; i < kNamed; ++i)
-    text += fmt::format("{} {} ({} bytes)", i ? "," : "", ranges[i].name, ranges[i].bytes);
+    text += Format("{} {} ({} bytes)", i ? "," : "", ranges[i].name, ranges[i].bytes);
   const double share = double(budget_bytes) / double(layout.total_bytes);
-  text += fmt::format(
+  text += Format(
       "; about {:.0f} of its {} strands would fit: lower density or max_strands in the fur setup, "
       "or leave out layers or characters",
       share * double(layout.strand_count), layout.strand_count);
@@ -110,15 +110,14 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
 }
 
 std::string DescribeMemory(const SceneLayout& layout) {
-  std::string out = fmt::format("{:<18} {:>8} {:>12}  {}\n", "memory", "blocks", "bytes", "role");
+  std::string out = Format("{:<18} {:>8} {:>12}  {}\n", "memory", "blocks", "bytes", "role");
   for (const MemoryRange& range : layout.ranges)
     if (range.bytes)
-      out += fmt::format("{:<18} {:>8} {:>12}  {}\n", range.name, range.blocks, range.bytes,
-                         RoleName(range.role));
-  out +=
-      fmt::format("{:<18} {:>8} {:>12}  {:.0f} a strand, {:.1f} of them simulation state\n", "all",
-                  "", layout.total_bytes, double(layout.total_bytes) / double(layout.strand_count),
-                  layout.StateBytesPerStrand());
+      out += Format("{:<18} {:>8} {:>12}  {}\n", range.name, range.blocks, range.bytes,
+                    RoleName(range.role));
+  out += Format("{:<18} {:>8} {:>12}  {:.0f} a strand, {:.1f} of them simulation state\n", "all",
+                "", layout.total_bytes, double(layout.total_bytes) / double(layout.strand_count),
+                layout.StateBytesPerStrand());
   return out;
 }
 
@@ -128,6 +127,8 @@ double SceneLayout::StateBytesPerStrand() const {
   uint64_t bytes = 0;
   for (Stream s : {Stream::kVertexPrevious, Stream::kStrandPrevious4, Stream::kStrandPrevious5})
     bytes += 2 * ranges[size_t(s)].bytes;
+  for (Stream s : {Stream::kVertexModal, Stream::kStrandModal4, Stream::kStrandModal5})
+    bytes += ranges[size_t(s)].bytes;
   return double(bytes) / double(strand_count);
 }
 

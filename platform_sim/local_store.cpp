@@ -1,10 +1,9 @@
 #include "platform_sim/local_store.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 
+#include "core/format.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
 
@@ -135,10 +134,10 @@ void LocalStoreExecutor::CheckUntouched(const Stage& stage, uint32_t item, const
     return;
   for (const PortDesc& port : stage.kernel.ports)
     if (port.stream == block.stream && SameBinding(port.access, block.access))
-      return Fault(stage, item, fmt::format("wrote through its read-only port '{}'", port.name));
-  Fault(stage, item,
-        fmt::format("wrote to stream '{}', which it has no port for",
-                    DescribeStream(block.stream).name));
+      return Fault(stage, item, Format("wrote through its read-only port '{}'", port.name));
+  Fault(
+      stage, item,
+      Format("wrote to stream '{}', which it has no port for", DescribeStream(block.stream).name));
 }
 
 LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame, const Stage& stage,
@@ -154,8 +153,8 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
   // another local store, or one that counted wrongly. The stage does not run.
   if (over_data > data_bytes_ || end > kLocalStoreBytes) {
     Fault(stage, item,
-          fmt::format("port '{}' needs {} bytes; of {} in local store {} are taken", port.name,
-                      bytes, data_bytes_, data_used_));
+          Format("port '{}' needs {} bytes; of {} in local store {} are taken", port.name, bytes,
+                 data_bytes_, data_used_));
     return nullptr;
   }
   resident_.push_back({port.stream,
@@ -227,7 +226,7 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
   for (uint32_t i = 0; i < block.count; ++i) {
     if (index[i] == kNotPut) continue;
     if (index[i] >= places) {
-      Fault(stage, item, fmt::format("scattered to place {} of {} in its layer", index[i], places));
+      Fault(stage, item, Format("scattered to place {} of {} in its layer", index[i], places));
       continue;
     }
     std::memcpy(to + size_t(index[i]) * block.record_bytes,
@@ -248,9 +247,9 @@ void LocalStoreExecutor::CheckGuards(const Stage& stage, uint32_t item) {
   };
   for (const Resident& r : resident_)
     if (!poisoned(r.offset + r.bytes, r.offset + uint32_t(RoundUp(r.bytes)) + kGuardBytes))
-      Fault(stage, item,
-            fmt::format("wrote past the end of its block of stream '{}'",
-                        DescribeStream(r.stream).name));
+      Fault(
+          stage, item,
+          Format("wrote past the end of its block of stream '{}'", DescribeStream(r.stream).name));
   const uint32_t after = std::min(top_ + kWatchedBytes, kLocalStoreBytes);
   if (!poisoned(top_, after)) Fault(stage, item, "wrote past its last block");
 }

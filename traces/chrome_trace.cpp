@@ -1,10 +1,9 @@
 #include "traces/chrome_trace.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <iterator>
 
+#include "core/format.hpp"
 #include "traces/json_string.hpp"
 
 namespace pelt {
@@ -92,7 +91,7 @@ class Writer {
       AppendJsonString(out_, key);
       out_ += ": ";
       AppendJsonString(out_, value);
-      labels += fmt::format("{}: {}", key, value);
+      labels += Format("{}: {}", key, value);
     }
     out_ += "},\n\"traceEvents\": [\n";
     AddName("process_name", 0, timeline_.process);
@@ -113,7 +112,7 @@ class Writer {
  private:
   template <class... Args>
   void Add(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
+    FormatTo(out_, format, std::forward<Args>(args)...);
   }
 
   void AddName(const char* what, uint32_t track, const std::string& name) {

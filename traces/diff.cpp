@@ -1,11 +1,10 @@
 #include "traces/diff.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <type_traits>
 
+#include "core/format.hpp"
 #include "core/streams.hpp"
 #include "traces/digest.hpp"
 #include "traces/input_fields.hpp"
@@ -13,7 +12,7 @@
 namespace pelt {
 namespace {
 
-std::string InQuotes(const std::string& text) { return fmt::format("'{}'", text); }
+std::string InQuotes(const std::string& text) { return Format("'{}'", text); }
 
 Difference HeadDifference(const char* key, std::string left, std::string right,
                           std::string remark = {}) {
@@ -38,12 +37,24 @@ std::optional<Difference> CompareHeads(const DigestLog& a, const DigestLog& b) {
   return std::nullopt;
 }
 
-// Pairs of columns that both logs have, in the order of the left one.
+// The stages that write a stream, one line each.
+std::vector<std::string_view> WritersOf(const DigestLog& log, std::string_view stream) {
+  std::vector<std::string_view> stages;
+  for (const auto& column : log.columns)
+    if (column.stream == stream) stages.push_back(column.stage);
+  return stages;
+}
+
+// Pairs of columns that both logs have, in the order of the left one. Where a stream has other
+// writers in the other log (small layers sort whole in both, large ones in pieces in one), a stage
+// of both stands for other layers in each, and says nothing.
 std::vector<std::pair<size_t, size_t>> CommonColumns(const DigestLog& a, const DigestLog& b) {
   std::vector<std::pair<size_t, size_t>> common;
   for (size_t c = 0; c < a.columns.size(); ++c) {
     const auto found = std::find(b.columns.begin(), b.columns.end(), a.columns[c]);
-    if (found != b.columns.end()) common.emplace_back(c, size_t(found - b.columns.begin()));
+    if (found == b.columns.end()) continue;
+    if (WritersOf(a, found->stream) != WritersOf(b, found->stream)) continue;
+    common.emplace_back(c, size_t(found - b.columns.begin()));
   }
   return common;
 }
@@ -53,11 +64,11 @@ std::string DescribeSettings(const DigestLog& a, const DigestLog& b, size_t comm
   std::string out;
   const auto show = [](const std::string& s) { return s.empty() ? "none" : s; };
   if (a.settings != b.settings)
-    out = fmt::format("settings differ: {} and {}", show(a.settings), show(b.settings));
+    out = Format("settings differ: {} and {}", show(a.settings), show(b.settings));
   const size_t only = a.columns.size() + b.columns.size() - 2 * common;
   if (only != 0)
-    out += fmt::format("{}{} lines of a frame are in one log only and were not compared",
-                       out.empty() ? "" : "; ", only);
+    out += Format("{}{} lines of a frame are in one log only and were not compared",
+                  out.empty() ? "" : "; ", only);
   return out;
 }
 
@@ -83,8 +94,7 @@ struct Flatten {
       const auto bits = std::bit_cast<uint32_t>(value);
       fields.push_back({name, ShowFloat(bits), bits});
     } else if constexpr (std::is_array_v<T>) {
-      for (size_t i = 0; i < std::extent_v<T>; ++i)
-        (*this)(fmt::format("{}[{}]", name, i), value[i]);
+      for (size_t i = 0; i < std::extent_v<T>; ++i) (*this)(Format("{}[{}]", name, i), value[i]);
     } else {
       fields.push_back({name, ShowWhole(value, 2 * sizeof(T)), value});
     }
@@ -95,11 +105,11 @@ std::vector<Field> FieldsOf(const FrameInput& input) {
   Flatten flatten;
   ListInputFields(flatten, input);
   for (uint32_t s = 0; s < input.sphere_count; ++s)
-    flatten(fmt::format("sphere[{}]", s), input.sphere[s]);
+    flatten(Format("sphere[{}]", s), input.sphere[s]);
   flatten("weather.count", uint32_t(input.weather.size()));
   for (size_t w = 0; w < input.weather.size(); ++w) {
-    flatten(fmt::format("weather[{}].wetness", w), input.weather[w].wetness);
-    flatten(fmt::format("weather[{}].dirt", w), input.weather[w].dirt);
+    flatten(Format("weather[{}].wetness", w), input.weather[w].wetness);
+    flatten(Format("weather[{}].dirt", w), input.weather[w].dirt);
   }
   return std::move(flatten.fields);
 }
@@ -151,7 +161,7 @@ std::optional<Difference> CompareGrooms(const InputLog& a, const InputLog& b) {
     const auto [l, r] = std::mismatch(left.begin(), left.end(), right.begin(), right.end());
     if (l == left.end() && r == right.end()) continue;
     const auto show = [](auto at, auto end) {
-      return at == end ? std::string("the end") : fmt::format("0x{:02x}", uint32_t(*at));
+      return at == end ? std::string("the end") : Format("0x{:02x}", uint32_t(*at));
     };
     return Difference{
         {{"character", std::to_string(c)}, {"groom byte", std::to_string(l - left.begin())}},
@@ -188,14 +198,14 @@ std::optional<Difference> CompareFrame(const InputLog& a, const InputLog& b, uin
   }
   if (a.frames[frame].digest == b.frames[frame].digest) return std::nullopt;
   return Difference{{{"frame", std::to_string(frame)}, {"recorded", "digest"}},
-                    fmt::format("{:016x}", a.frames[frame].digest),
-                    fmt::format("{:016x}", b.frames[frame].digest),
+                    Format("{:016x}", a.frames[frame].digest),
+                    Format("{:016x}", b.frames[frame].digest),
                     "all input up to here is the same, and what was computed from it is not"};
 }
 
 std::optional<Difference> CompareLengths(uint32_t left, uint32_t right, std::string remark) {
   if (left == right) return std::nullopt;
-  const std::string same = fmt::format("the first {} are the same", std::min(left, right));
+  const std::string same = Format("the first {} are the same", std::min(left, right));
   return HeadDifference("frames", std::to_string(left), std::to_string(right),
                         remark.empty() ? same : same + "; " + remark);
 }
@@ -203,20 +213,20 @@ std::optional<Difference> CompareLengths(uint32_t left, uint32_t right, std::str
 }  // namespace
 
 std::string ShowFloat(uint32_t bits) {
-  return fmt::format("0x{:08x} ({:.9g})", bits, std::bit_cast<float>(bits));
+  return Format("0x{:08x} ({:.9g})", bits, std::bit_cast<float>(bits));
 }
 std::string ShowDouble(uint64_t bits) {
-  return fmt::format("0x{:016x} ({:.17g})", bits, std::bit_cast<double>(bits));
+  return Format("0x{:016x} ({:.17g})", bits, std::bit_cast<double>(bits));
 }
 std::string ShowWhole(uint64_t value, int hex_digits) {
-  return fmt::format("0x{:0{}x} ({})", value, hex_digits, value);
+  return Format("0x{:0{}x} ({})", value, hex_digits, value);
 }
 
 std::string DescribeDifference(const Difference& difference) {
   std::string out;
   for (const auto& [key, value] : difference.place)
-    out += fmt::format("{}{} {}", out.empty() ? "" : ", ", key, value);
-  return out + fmt::format(": {} and {}", difference.left, difference.right);
+    out += Format("{}{} {}", out.empty() ? "" : ", ", key, value);
+  return out + Format(": {} and {}", difference.left, difference.right);
 }
 
 std::optional<Difference> FindDifference(const DigestLog& a, const DigestLog& b) {
@@ -230,8 +240,8 @@ std::optional<Difference> FindDifference(const DigestLog& a, const DigestLog& b)
       return Difference{{{"frame", std::to_string(f)},
                          {"stage", a.columns[l].stage},
                          {"stream", a.columns[l].stream}},
-                        fmt::format("{:016x}", left),
-                        fmt::format("{:016x}", right),
+                        Format("{:016x}", left),
+                        Format("{:016x}", right),
                         remark};
     }
   return CompareLengths(a.FrameCount(), b.FrameCount(), remark);

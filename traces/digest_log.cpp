@@ -1,12 +1,11 @@
 #include "traces/digest_log.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <optional>
 
+#include "core/format.hpp"
 #include "traces/file_bytes.hpp"
 
 namespace pelt {
@@ -63,7 +62,7 @@ class Reader {
       : text_(text), name_(name), error_(error) {}
 
   void Fail(const std::string& reason) {
-    if (!failed_) error_ = fmt::format("{} '{}', line {}: {}", kWhat, name_, line_, reason);
+    if (!failed_) error_ = Format("{} '{}', line {}: {}", kWhat, name_, line_, reason);
     failed_ = true;
   }
   bool failed() const { return failed_; }
@@ -84,21 +83,21 @@ class Reader {
     const std::string_view line = Line();
     if (line.substr(0, key.size()) == key && line.size() > key.size() && line[key.size()] == ' ')
       return line.substr(key.size() + 1);
-    Fail(fmt::format("should be '{} ...'", key));
+    Fail(Format("should be '{} ...'", key));
     return {};
   }
   std::string Text(std::string_view key) {
     const std::string_view value = Value(key);
     if (value.size() > kTextBytesLimit) {
-      Fail(fmt::format("{} of more than {} bytes", key, kTextBytesLimit));
+      Fail(Format("{} of more than {} bytes", key, kTextBytesLimit));
     } else if (OnOneLine(value) != value) {
-      Fail(fmt::format("{} holds a control character", key));
+      Fail(Format("{} holds a control character", key));
     }
     return std::string(value.substr(0, kTextBytesLimit));
   }
   uint32_t Number(std::string_view key) {
     const auto number = ParseNumber<uint32_t>(Value(key));
-    if (!number) Fail(fmt::format("{} is not a whole number", key));
+    if (!number) Fail(Format("{} is not a whole number", key));
     return number.value_or(0);
   }
   size_t BytesLeft() const { return text_.size(); }
@@ -143,56 +142,55 @@ void ReadFrames(Reader& reader, uint32_t frames, DigestLog& log) {
       const Entry entry = ParseEntry(reader, line);
       // The first frame says which lines every frame has; it ends with the whole frame's.
       if (f == 0) {
-        if (c == kColumnsLimit) reader.Fail(fmt::format("more than {} lines a frame", c));
+        if (c == kColumnsLimit) reader.Fail(Format("more than {} lines a frame", c));
         if (!reader.failed())
           log.columns.push_back({std::string(entry.stage), std::string(entry.stream)});
       }
-      if (entry.frame != f) reader.Fail(fmt::format("should be of frame {}", f));
+      if (entry.frame != f) reader.Fail(Format("should be of frame {}", f));
       if (reader.failed()) return;
       if (entry.stage != log.columns[c].stage || entry.stream != log.columns[c].stream)
-        return reader.Fail(fmt::format("should be of stage {}, stream {}, as in frame 0",
-                                       log.columns[c].stage, log.columns[c].stream));
+        return reader.Fail(Format("should be of stage {}, stream {}, as in frame 0",
+                                  log.columns[c].stage, log.columns[c].stream));
       log.digests.push_back(entry.digest);
       line = reader.Line();
       if (f == 0 && entry.stage == kWholeFrameStage) break;
     }
   }
-  if (line != fmt::format("end {}", log.digests.size()))
-    reader.Fail(
-        fmt::format("should be 'end {}': a line is missing or too many", log.digests.size()));
+  if (line != Format("end {}", log.digests.size()))
+    reader.Fail(Format("should be 'end {}': a line is missing or too many", log.digests.size()));
   if (reader.BytesLeft() != 0)
-    reader.Fail(fmt::format("{} bytes behind the 'end' line", reader.BytesLeft()));
+    reader.Fail(Format("{} bytes behind the 'end' line", reader.BytesLeft()));
 }
 
 }  // namespace
 
 std::string WriteDigestLog(const DigestLog& log) {
-  std::string out = fmt::format("{}{}\n", kFirstWords, kDigestLogVersion);
-  out += fmt::format("scene {}\n", OnOneLine(log.scene));
-  out += fmt::format("settings {}\n", log.settings.empty() ? kNoSettings : OnOneLine(log.settings));
-  out += fmt::format("chunk_strands {}\n", log.chunk_strands);
-  out += fmt::format("vertex_order {}\n", log.vertex_order);
-  out += fmt::format("frames {}\n{}\n", log.FrameCount(), kColumnsLine);
+  std::string out = Format("{}{}\n", kFirstWords, kDigestLogVersion);
+  out += Format("scene {}\n", OnOneLine(log.scene));
+  out += Format("settings {}\n", log.settings.empty() ? kNoSettings : OnOneLine(log.settings));
+  out += Format("chunk_strands {}\n", log.chunk_strands);
+  out += Format("vertex_order {}\n", log.vertex_order);
+  out += Format("frames {}\n{}\n", log.FrameCount(), kColumnsLine);
   for (uint32_t f = 0; f < log.FrameCount(); ++f) {
     const std::span<const uint64_t> digests = log.Frame(f);
     for (size_t c = 0; c < log.columns.size(); ++c)
-      fmt::format_to(std::back_inserter(out), "{} {} {} {:016x}\n", f, log.columns[c].stage,
-                     log.columns[c].stream, digests[c]);
+      FormatTo(out, "{} {} {} {:016x}\n", f, log.columns[c].stage, log.columns[c].stream,
+               digests[c]);
   }
-  return out + fmt::format("end {}\n", log.digests.size());
+  return out + Format("end {}\n", log.digests.size());
 }
 
 std::optional<DigestLog> TryReadDigestLog(std::string_view text, const std::string& name,
                                           std::string& error) {
   if (!LooksLikeDigestLog(AsBytes(text))) {
-    error = fmt::format("{} '{}', line 1: not a digest log", kWhat, name);
+    error = Format("{} '{}', line 1: not a digest log", kWhat, name);
     return std::nullopt;
   }
   Reader reader(text, name, error);
   const std::string_view version = reader.Line();
-  if (!reader.failed() && version != fmt::format("{}{}", kFirstWords, kDigestLogVersion))
-    reader.Fail(fmt::format("version {}, this program reads {}",
-                            OnOneLine(version.substr(kFirstWords.size(), 20)), kDigestLogVersion));
+  if (!reader.failed() && version != Format("{}{}", kFirstWords, kDigestLogVersion))
+    reader.Fail(Format("version {}, this program reads {}",
+                       OnOneLine(version.substr(kFirstWords.size(), 20)), kDigestLogVersion));
   DigestLog log;
   log.scene = reader.Text("scene");
   log.settings = reader.Text("settings");
@@ -202,7 +200,7 @@ std::optional<DigestLog> TryReadDigestLog(std::string_view text, const std::stri
   if (log.vertex_order != "sorted" && log.vertex_order != "index-buffer")
     reader.Fail("vertex_order is neither 'sorted' nor 'index-buffer'");
   const uint32_t frames = reader.Number("frames");
-  if (reader.Line() != kColumnsLine) reader.Fail(fmt::format("should be '{}'", kColumnsLine));
+  if (reader.Line() != kColumnsLine) reader.Fail(Format("should be '{}'", kColumnsLine));
   if (!reader.failed()) ReadFrames(reader, frames, log);
   if (reader.failed()) return std::nullopt;
   return log;

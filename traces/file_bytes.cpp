@@ -1,10 +1,11 @@
 #include "traces/file_bytes.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -12,14 +13,14 @@ std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
                                                        const std::string& path,
                                                        std::string& error) {
   const auto fail = [&](const std::string& reason) {
-    error = fmt::format("{} '{}': {}", what, path, reason);
+    error = Format("{} '{}': {}", what, path, reason);
     return std::nullopt;
   };
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return fail("no such file");
   const uintmax_t size = std::filesystem::file_size(path, code);
   if (code || size > kLogFileBytesLimit)
-    return fail(fmt::format("larger than {} bytes", kLogFileBytesLimit));
+    return fail(Format("larger than {} bytes", kLogFileBytesLimit));
   std::vector<std::byte> bytes(size);
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
@@ -29,10 +30,10 @@ std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
 
 bool TryWriteFileBytes(std::string_view what, const std::string& path,
                        std::span<const std::byte> bytes, std::string& error) {
-  const std::string partial = fmt::format("{}.{}.partial", path, getpid());
+  const std::string partial = Format("{}.{}.partial", path, getpid());
   std::error_code code;
   const auto fail = [&](const std::string& reason) {
-    error = fmt::format("{} '{}': {}", what, path, reason);
+    error = Format("{} '{}': {}", what, path, reason);
     std::filesystem::remove(partial, code);
     return false;
   };

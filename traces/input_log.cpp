@@ -2,11 +2,10 @@
 // input_fields.hpp.
 #include "traces/input_log.hpp"
 
-#include <fmt/format.h>
-
 #include <cstring>
 #include <utility>
 
+#include "core/format.hpp"
 #include "traces/file_bytes.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
@@ -26,15 +25,13 @@ class Reader {
       : file_(file), name_(name), error_(error) {}
 
   void Fail(size_t at, const std::string& reason) {
-    if (!failed_)
-      error_ = fmt::format("{} '{}': {}, byte {}: {}", kWhat, name_, section_, at, reason);
+    if (!failed_) error_ = Format("{} '{}': {}, byte {}: {}", kWhat, name_, section_, at, reason);
     failed_ = true;
   }
   bool failed() const { return failed_; }
   // Null when they are not there.
   const std::byte* Take(uint64_t count) {
-    if (count > Left())
-      Fail(at_, fmt::format("{} more bytes are needed, {} are left", count, Left()));
+    if (count > Left()) Fail(at_, Format("{} more bytes are needed, {} are left", count, Left()));
     if (failed_) return nullptr;
     const std::byte* from = file_.data() + at_;
     at_ += count;
@@ -55,7 +52,7 @@ class Reader {
     } else if constexpr (std::is_same_v<T, bool>) {
       const size_t start = at_;
       const auto byte = Get<uint8_t>();
-      if (byte > 1) Fail(start, fmt::format("{} is {}, neither 0 nor 1", field, byte));
+      if (byte > 1) Fail(start, Format("{} is {}, neither 0 nor 1", field, byte));
       value = byte == 1;
     } else if constexpr (std::is_array_v<T>) {
       for (auto& element : value) (*this)(field, element);
@@ -66,14 +63,14 @@ class Reader {
   std::string Text() {
     const size_t start = at_;
     const auto size = Get<uint32_t>();
-    if (size > kTextBytesLimit) Fail(start, fmt::format("a text of {} bytes", size));
+    if (size > kTextBytesLimit) Fail(start, Format("a text of {} bytes", size));
     const std::byte* from = Take(size);
     return from ? std::string(AsText({from, size})) : std::string();
   }
   // A count of things that take at least `least_bytes` each in what is left of the file.
   void CheckCount(size_t at, uint64_t count, uint64_t least_bytes, std::string_view what) {
     if (count > Left() / least_bytes)
-      Fail(at, fmt::format("{} {} do not fit the {} bytes that are left", count, what, Left()));
+      Fail(at, Format("{} {} do not fit the {} bytes that are left", count, what, Left()));
   }
   void Section(std::string section) { section_ = std::move(section); }
   size_t At() const { return at_; }
@@ -95,11 +92,11 @@ struct Counts {
 Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log) {
   if (!LooksLikeInputLog(file)) reader.Fail(0, "not an input log");
   if (file.size() < kHeaderBytes)
-    reader.Fail(0, fmt::format("{} bytes are less than a header", file.size()));
+    reader.Fail(0, Format("{} bytes are less than a header", file.size()));
   reader.Take(kMagic.size());
   const auto version = reader.Get<uint32_t>();
   if (version != kInputLogVersion)
-    reader.Fail(8, fmt::format("version {}, this program reads {}", version, kInputLogVersion));
+    reader.Fail(8, Format("version {}, this program reads {}", version, kInputLogVersion));
   Counts counts;
   log.chunk_strands = reader.Get<uint32_t>();
   const auto index_buffer = reader.Get<uint32_t>();
@@ -110,18 +107,18 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
   const auto hash = reader.Get<uint64_t>();
   if (log.file_bytes != file.size())
     reader.Fail(kFileBytesAt,
-                fmt::format("the file should have {} bytes and has {}: it was cut or extended",
-                            log.file_bytes, file.size()));
+                Format("the file should have {} bytes and has {}: it was cut or extended",
+                       log.file_bytes, file.size()));
   if (!reader.failed() && hash != HashOf(file))
     reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
   if (index_buffer > 1)
-    reader.Fail(16, fmt::format("index buffer is {}, neither 0 nor 1", index_buffer));
+    reader.Fail(16, Format("index buffer is {}, neither 0 nor 1", index_buffer));
   log.about.index_buffer = index_buffer == 1;
   if (counts.characters == 0 || counts.characters > kCharactersLimit)
-    reader.Fail(24, fmt::format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
+    reader.Fail(24, Format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
   if (counts.grooms == 0 || counts.grooms > counts.characters)
     reader.Fail(kGroomCountAt,
-                fmt::format("{} grooms for {} characters", counts.grooms, counts.characters));
+                Format("{} grooms for {} characters", counts.grooms, counts.characters));
   return counts;
 }
 
@@ -131,11 +128,11 @@ void ReadGrooms(Reader& reader, const Counts& counts, InputLog& log) {
     const size_t at = reader.At();
     log.character_groom.push_back(reader.Get<uint32_t>());
     if (log.character_groom.back() >= counts.grooms)
-      reader.Fail(at, fmt::format("character {} has groom {} of {}", c, log.character_groom.back(),
-                                  counts.grooms));
+      reader.Fail(at, Format("character {} has groom {} of {}", c, log.character_groom.back(),
+                             counts.grooms));
   }
   for (uint32_t g = 0; g < counts.grooms; ++g) {
-    reader.Section(fmt::format("groom {}", g));
+    reader.Section(Format("groom {}", g));
     const auto size = reader.Get<uint64_t>();
     const std::byte* from = reader.Take(size);
     if (reader.failed()) return;
@@ -148,8 +145,8 @@ void ReadPose(Reader& reader, InputLog& log) {
   pose.byte = reader.At();
   pose.joint_count = reader.Get<uint32_t>();
   if (pose.joint_count > kJointsPerCharacter)
-    reader.Fail(pose.byte, fmt::format("{} joints, a character has at most {}", pose.joint_count,
-                                       kJointsPerCharacter));
+    reader.Fail(pose.byte, Format("{} joints, a character has at most {}", pose.joint_count,
+                                  kJointsPerCharacter));
   pose.teleported = reader.Get<uint32_t>();
   pose.first_word = log.pose_words.size();
   if (reader.failed()) return;
@@ -164,8 +161,8 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   InputLogFrame frame;
   ListInputFields(reader, frame.input);
   if (frame.input.sphere_count > kSpheresPerScene)
-    reader.Fail(reader.At() - 4, fmt::format("{} spheres, a scene has at most {}",
-                                             frame.input.sphere_count, kSpheresPerScene));
+    reader.Fail(reader.At() - 4, Format("{} spheres, a scene has at most {}",
+                                        frame.input.sphere_count, kSpheresPerScene));
   if (reader.failed()) return;
   for (uint32_t s = 0; s < frame.input.sphere_count; ++s) reader("sphere", frame.input.sphere[s]);
   const uint32_t characters = log.CharacterCount();
@@ -173,7 +170,7 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   frame.weather_count = reader.Get<uint32_t>();
   if (frame.weather_count != 0 && frame.weather_count != characters)
     reader.Fail(reader.At() - 4,
-                fmt::format("weather for {} of {} characters", frame.weather_count, characters));
+                Format("weather for {} of {} characters", frame.weather_count, characters));
   if (reader.failed()) return;
   for (uint32_t w = 0; w < frame.weather_count; ++w) {
     Weather weather;
@@ -190,8 +187,8 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
     } else if (kind == kPoseUnchanged && index > 0) {
       log.frame_pose.push_back(log.frame_pose[log.frame_pose.size() - characters]);
     } else {
-      reader.Fail(at, fmt::format("a pose of kind {}{}", kind,
-                                  kind == kPoseUnchanged ? " in the first frame" : ""));
+      reader.Fail(at, Format("a pose of kind {}{}", kind,
+                             kind == kPoseUnchanged ? " in the first frame" : ""));
     }
   }
   frame.digest = reader.Get<uint64_t>();
@@ -247,11 +244,11 @@ std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const 
   log.frames.reserve(counts.frames);
   log.frame_pose.reserve(size_t(counts.frames) * counts.characters);
   for (uint32_t f = 0; f < counts.frames && !reader.failed(); ++f) {
-    reader.Section(fmt::format("frame {}", f));
+    reader.Section(Format("frame {}", f));
     ReadFrame(reader, f, log);
   }
   if (reader.Left() != 0)
-    reader.Fail(reader.At(), fmt::format("{} bytes behind the last frame", reader.Left()));
+    reader.Fail(reader.At(), Format("{} bytes behind the last frame", reader.Left()));
   if (reader.failed()) return std::nullopt;
   return log;
 }

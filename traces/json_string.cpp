@@ -1,8 +1,8 @@
 #include "traces/json_string.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdint>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -39,7 +39,7 @@ void AppendJsonString(std::string& out, std::string_view text) {
     } else if (count == 1 && (c == '"' || c == '\\')) {
       out += {'\\', c};
     } else if (count == 1 && uint8_t(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", int(c));
+      out += Format("\\u{:04x}", int(c));
     } else {
       out += text.substr(0, count);
     }

@@ -1,11 +1,10 @@
 #include "core/groom/bake.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
 
 namespace pelt {
@@ -33,7 +32,7 @@ float MeasureMetresPerMeshUnit(const Mesh& mesh, const RestGeometry& rest, float
 void CheckParams(const FurSetup& setup, const LayerSetup& layer) {
   const uint32_t points = layer.params.points;
   if (points != 4 && points != 5) {
-    FailLayerKey(setup, layer, "points", fmt::format("{}; a strand has 4 or 5", points));
+    FailLayerKey(setup, layer, "points", Format("{}; a strand has 4 or 5", points));
   }
   if (points == 5 && layer.params.chain == ChainKind::kVertex) {
     FailLayerKey(setup, layer, "points", "chains at mesh vertices have 4");
@@ -63,11 +62,11 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                 float unit_scale, const BakeProgress* progress, ScatterStats* stats) {
   if (setup.layers.empty()) {
-    throw Error(fmt::format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
+    throw Error(Format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
   }
   if (setup.layers.size() > kLayersPerScene) {
-    throw Error(fmt::format("{}: {} layers, at most {} fit a scene", setup.path,
-                            setup.layers.size(), kLayersPerScene));
+    throw Error(Format("{}: {} layers, at most {} fit a scene", setup.path, setup.layers.size(),
+                       kLayersPerScene));
   }
   Groom groom;
   groom.unit_scale = unit_scale;

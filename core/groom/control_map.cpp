@@ -4,7 +4,6 @@
 // glTF library brings its own. It sees hostile files: the picture's side, and every allocation, is
 // bounded; a bound exceeded is an ordinary decoding error. Sampling is plain arithmetic, so a groom
 // has the same bits everywhere.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <fstream>
 
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/groom/fur_setup.hpp"
 
 namespace pelt {
@@ -54,23 +54,23 @@ namespace pelt {
 
 ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name) {
   if (png.size() > kFileBytesLimit) {
-    throw Error(fmt::format("control map '{}': larger than {} bytes", name, kFileBytesLimit));
+    throw Error(Format("control map '{}': larger than {} bytes", name, kFileBytesLimit));
   }
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(png.data(), int(png.size()), &width, &height, &channels)) {
     throw Error(
-        fmt::format("control map '{}': not a PNG this tool reads ({}); pictures have at "
-                    "most {} pixels a side",
-                    name, stbi_failure_reason(), kSideLimit));
+        Format("control map '{}': not a PNG this tool reads ({}); pictures have at "
+               "most {} pixels a side",
+               name, stbi_failure_reason(), kSideLimit));
   }
   if (width < 1 || height < 1 || width > kSideLimit || height > kSideLimit) {
-    throw Error(fmt::format("control map '{}': {} x {} pixels; at most {} a side are allowed", name,
-                            width, height, kSideLimit));
+    throw Error(Format("control map '{}': {} x {} pixels; at most {} a side are allowed", name,
+                       width, height, kSideLimit));
   }
   stbi_uc* pixels =
       stbi_load_from_memory(png.data(), int(png.size()), &width, &height, &channels, 4);
   if (!pixels) {
-    throw Error(fmt::format("control map '{}': damaged PNG ({})", name, stbi_failure_reason()));
+    throw Error(Format("control map '{}': damaged PNG ({})", name, stbi_failure_reason()));
   }
   ControlMap map;
   map.width = uint32_t(width);
@@ -84,19 +84,19 @@ ControlMap ReadControlMapFile(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
-    throw Error(fmt::format("control map '{}': no such file", path));
+    throw Error(Format("control map '{}': no such file", path));
   }
   if (!std::filesystem::is_regular_file(status)) {
-    throw Error(fmt::format("control map '{}': not a file", path));
+    throw Error(Format("control map '{}': not a file", path));
   }
   const uintmax_t bytes = std::filesystem::file_size(path, error);
   if (error || bytes > kFileBytesLimit) {
-    throw Error(fmt::format("control map '{}': larger than {} bytes", path, kFileBytesLimit));
+    throw Error(Format("control map '{}': larger than {} bytes", path, kFileBytesLimit));
   }
   std::vector<uint8_t> png(bytes);
   std::ifstream file(path, std::ios::binary);
   if (!file.read(reinterpret_cast<char*>(png.data()), std::streamsize(png.size()))) {
-    throw Error(fmt::format("control map '{}': cannot be read", path));
+    throw Error(Format("control map '{}': cannot be read", path));
   }
   return ReadControlMap(png, path);
 }

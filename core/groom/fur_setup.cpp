@@ -3,8 +3,6 @@
 // between the keys of a layer.
 #include "core/groom/fur_setup.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +10,7 @@
 
 #include "core/chunk.hpp"
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
 
 namespace pelt {
@@ -50,11 +49,11 @@ void CheckLayer(const SetupReader& reader, const toml::table& table, const toml:
 
 LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
                      const LayerSetup& base, const toml::table* defaults) {
-  reader.SetOwner(fmt::format("layer {}: ", index + 1));
+  reader.SetOwner(Format("layer {}: ", index + 1));
   if (!node.is_table()) reader.Fail(reader.LineOf(node), "write each layer as [[layer]]");
   const toml::table& table = *node.as_table();
   if (const auto name = table["name"].value<std::string>(); name && name->size() < 80) {
-    reader.SetOwner(fmt::format("layer '{}': ", *name));
+    reader.SetOwner(Format("layer '{}': ", *name));
   }
   LayerSetup layer = base;
   reader.ReadTable(KeyInfo{}, table, layer);
@@ -126,29 +125,29 @@ size_t FindTrippingLine(std::string_view text) {
   return high;
 }
 
+}  // namespace
+
 toml::table ParseToml(std::string_view text, const std::string& path) {
   if (const size_t line = FindStrayCharacter(text))
-    throw Error(fmt::format(
-        "{}:{}: not valid TOML: a character beyond ASCII outside of quotes and comments", path,
-        line));
+    throw Error(
+        Format("{}:{}: not valid TOML: a character beyond ASCII outside of quotes and comments",
+               path, line));
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    throw Error(fmt::format("{}:{}: not valid TOML: {}", path,
-                            std::max<uint32_t>(error.source().begin.line, 1), error.description()));
+    throw Error(Format("{}:{}: not valid TOML: {}", path,
+                       std::max<uint32_t>(error.source().begin.line, 1), error.description()));
   } catch (const TomlAssertion&) {
-    throw Error(fmt::format("{}:{}: not valid TOML: a key is missing or malformed", path,
-                            FindTrippingLine(text)));
+    throw Error(Format("{}:{}: not valid TOML: a key is missing or malformed", path,
+                       FindTrippingLine(text)));
   }
 }
-
-}  // namespace
 
 FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                       const std::string& map_directory) {
   if (text.size() > kSetupBytesLimit) {
-    throw Error(fmt::format("{}: {} bytes; a fur setup has at most {}", path, text.size(),
-                            kSetupBytesLimit));
+    throw Error(
+        Format("{}: {} bytes; a fur setup has at most {}", path, text.size(), kSetupBytesLimit));
   }
   const toml::table root = ParseToml(text, path);
   SetupReader reader(path, map_directory);
@@ -173,7 +172,7 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
     reader.Fail(layers ? reader.LineOf(*layers) : 1, "a fur setup needs at least one [[layer]]");
   }
   if (layers->as_array()->size() > kLayersPerScene) {
-    reader.Fail(reader.LineOf(*layers), fmt::format("more than {} layers", kLayersPerScene));
+    reader.Fail(reader.LineOf(*layers), Format("more than {} layers", kLayersPerScene));
   }
   std::set<std::string> names;
   for (size_t i = 0; i < layers->as_array()->size(); ++i) {
@@ -190,12 +189,12 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
 FurSetup ReadFurSetupFile(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw Error(fmt::format("{}: no such file", path));
-  if (!std::filesystem::is_regular_file(status)) throw Error(fmt::format("{}: not a file", path));
+  if (!std::filesystem::exists(status)) throw Error(Format("{}: no such file", path));
+  if (!std::filesystem::is_regular_file(status)) throw Error(Format("{}: not a file", path));
   std::ifstream file(path, std::ios::binary);
   std::string text(kSetupBytesLimit + 1, '\0');
   file.read(text.data(), std::streamsize(text.size()));
-  if (!file.eof() && !file) throw Error(fmt::format("{}: cannot be read", path));
+  if (!file.eof() && !file) throw Error(Format("{}: cannot be read", path));
   text.resize(size_t(file.gcount()));
   return ReadFurSetup(text, path, std::filesystem::path(path).parent_path().string());
 }

@@ -8,12 +8,12 @@
 //
 // Every check returns whether all is well, and stops at the first fault: later ones trust what
 // earlier ones found.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <bitset>
 #include <cmath>
 
+#include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"
 
@@ -47,7 +47,7 @@ class Checker {
  private:
   // All Fail functions note the fault and return false, for the caller to return.
   bool FailAt(std::string_view section, uint64_t at, std::string_view reason) {
-    fault_ = fmt::format("groom '{}': section '{}', byte {}: {}", name_, section, at, reason);
+    fault_ = Format("groom '{}': section '{}', byte {}: {}", name_, section, at, reason);
     return false;
   }
 
@@ -70,12 +70,11 @@ class Checker {
     for (size_t i = 0; i < index; ++i) at += MeasureItem(items[i]);
     FieldLocator locator{.wanted = field};
     if (field) ListFields(locator, items[index]);
-    return FailAt(
-        section, at + locator.found_at,
-        fmt::format("item {}{}: {}", index,
-                    locator.name.empty() ? std::string()
-                                         : fmt::format(", {}[{}]", locator.name, locator.element),
-                    reason));
+    return FailAt(section, at + locator.found_at,
+                  Format("item {}{}: {}", index,
+                         locator.name.empty() ? std::string()
+                                              : Format(", {}[{}]", locator.name, locator.element),
+                         reason));
   }
   // Fails at the section as a whole.
   template <class T>
@@ -101,7 +100,7 @@ class Checker {
     for (size_t i = 0; i < count; ++i) {
       if (!(values[i] >= low && values[i] <= high)) {
         return Fail(items, index, values + i,
-                    fmt::format("{} is not a number between {} and {}", values[i], low, high));
+                    Format("{} is not a number between {} and {}", values[i], low, high));
       }
     }
     return true;
@@ -131,30 +130,29 @@ bool Checker::CheckSkeleton() {
   const uint64_t general_at = kHeaderBytes + kSectionCount * kSectionEntryBytes;
   if (!(groom_.unit_scale >= 1e-6f && groom_.unit_scale <= 1e6f)) {
     return FailAt(kSectionNames[0], general_at,
-                  fmt::format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
+                  Format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
   }
   if (groom_.joint_count < 1 || groom_.joint_count > kJointsPerCharacter) {
     return FailAt(
         kSectionNames[0], general_at + 4,
-        fmt::format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
+        Format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
   }
   if (groom_.joint_names.size() != groom_.joint_count) {
-    return FailSection(
-        groom_.joint_names,
-        fmt::format("{} names for {} joints", groom_.joint_names.size(), groom_.joint_count));
+    return FailSection(groom_.joint_names, Format("{} names for {} joints",
+                                                  groom_.joint_names.size(), groom_.joint_count));
   }
   const uint64_t skeleton_at = general_at + CountItemBytes(General{});
   const auto fail = [&](const void* field, std::string_view reason) {
     FieldLocator locator{.wanted = field};
     ListFields(locator, groom_.skeleton);
     return FailAt(kSectionNames[1], skeleton_at + locator.found_at,
-                  fmt::format("{}[{}]: {}", locator.name, locator.element, reason));
+                  Format("{}[{}]: {}", locator.name, locator.element, reason));
   };
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
     const int32_t parent = groom_.skeleton.parent[j];
     if (j < groom_.joint_count && (parent < -1 || parent >= int32_t(j))) {
       return fail(&groom_.skeleton.parent[j],
-                  fmt::format("parent {} of joint {} does not come before it", parent, j));
+                  Format("parent {} of joint {} does not come before it", parent, j));
     }
     for (const float& value : groom_.skeleton.inverse_bind[j]) {
       if (!(std::fabs(value) <= kLargest)) return fail(&value, "not finite, or absurdly large");
@@ -167,8 +165,8 @@ bool Checker::CheckSkeleton() {
 bool Checker::CheckLayout() {
   const auto& layers = groom_.layers;
   if (layers.empty() || layers.size() > kLayersPerScene) {
-    return FailSection(
-        layers, fmt::format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
+    return FailSection(layers,
+                       Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
   uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
@@ -181,10 +179,10 @@ bool Checker::CheckLayout() {
     if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
     if (layer.first_chunk != chunks) {
       return Fail(layers, i, &layer.first_chunk,
-                  fmt::format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
+                  Format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
     }
     if (layer.chunk_count > kStrandsPerLayer / kStrandsPerChunk) {
-      return Fail(layers, i, &layer.chunk_count, fmt::format("{} chunks", layer.chunk_count));
+      return Fail(layers, i, &layer.chunk_count, Format("{} chunks", layer.chunk_count));
     }
     chunks += layer.chunk_count;
     if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
@@ -192,8 +190,7 @@ bool Checker::CheckLayout() {
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
-           FailSection(items,
-                       fmt::format("{} items where the layers need {}", items.size(), count));
+           FailSection(items, Format("{} items where the layers need {}", items.size(), count));
   };
   return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
@@ -226,12 +223,12 @@ bool Checker::CheckLayer(size_t index) {
     if (!CheckMesh(chunk, used)) return false;
     if ((used & ~moved).any()) {
       return Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
-                  fmt::format("a joint that moves chunk {} is missing", chunk));
+                  Format("a joint that moves chunk {} is missing", chunk));
     }
     if (!CheckStrands(chunk, used)) return false;
     if (block.first_strand != c * kStrandsPerChunk) {
       return Fail(groom_.strands, chunk, &block.first_strand,
-                  fmt::format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
+                  Format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
     }
     if (HasVertexRest(layer.params) &&
         !CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count))
@@ -247,11 +244,11 @@ bool Checker::CheckLayer(size_t index) {
   }
   if (layer.strand_count != strands) {
     return Fail(groom_.layers, index, &layer.strand_count,
-                fmt::format("{} strands, its chunks have {}", layer.strand_count, strands));
+                Format("{} strands, its chunks have {}", layer.strand_count, strands));
   }
   if (!(layer.length_max >= longest * 0.999f && layer.length_max <= kLongest_m)) {
     return Fail(groom_.layers, index, &layer.length_max,
-                fmt::format("{} m; its longest strand has {} m", layer.length_max, longest));
+                Format("{} m; its longest strand has {} m", layer.length_max, longest));
   }
   return true;
 }
@@ -260,12 +257,12 @@ bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
   const auto& items = groom_.layer_joints;
   const LayerJointBlock& block = items[index];
   if (block.count > kJointsPerCharacter) {
-    return Fail(items, index, &block.count, fmt::format("{} joints", block.count));
+    return Fail(items, index, &block.count, Format("{} joints", block.count));
   }
   for (uint32_t i = 0; i < block.count; ++i) {
     if (block.joint[i] >= groom_.joint_count || moved[block.joint[i]]) {
       return Fail(items, index, &block.joint[i],
-                  fmt::format("joint {} is unknown or named twice", block.joint[i]));
+                  Format("joint {} is unknown or named twice", block.joint[i]));
     }
     moved.set(block.joint[i]);
   }
@@ -287,7 +284,7 @@ bool Checker::CheckMesh(size_t chunk, JointSet& used) {
   const auto& items = groom_.mesh;
   const MeshBlock& block = items[chunk];
   if (block.vertex_count < 1 || block.vertex_count > kVerticesPerChunk) {
-    return Fail(items, chunk, &block.vertex_count, fmt::format("{} vertices", block.vertex_count));
+    return Fail(items, chunk, &block.vertex_count, Format("{} vertices", block.vertex_count));
   }
   if (!CheckRange(items, chunk, &block.position[0][0], 3 * kVerticesPerChunk, -kLargest,
                   kLargest) ||
@@ -313,7 +310,7 @@ bool Checker::CheckWeights(size_t chunk, JointSet& used) {
     const uint16_t row = block.group_first_row[g];
     if (row > kInfluenceRows || (g > 0 && row < block.group_first_row[g - 1])) {
       return Fail(items, chunk, &block.group_first_row[g],
-                  fmt::format("{}: rows must ascend, up to {}", row, kInfluenceRows));
+                  Format("{}: rows must ascend, up to {}", row, kInfluenceRows));
     }
   }
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
@@ -323,7 +320,7 @@ bool Checker::CheckWeights(size_t chunk, JointSet& used) {
       const uint8_t joint = block.row_joint[row];
       if (joint >= groom_.joint_count || (row > begin && joint <= block.row_joint[row - 1])) {
         return Fail(items, chunk, &block.row_joint[row],
-                    fmt::format("joint {} is unknown or out of order", joint));
+                    Format("joint {} is unknown or out of order", joint));
       }
       for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
         sum[lane] += block.weight[row][lane];
@@ -333,9 +330,8 @@ bool Checker::CheckWeights(size_t chunk, JointSet& used) {
     if (g * kLaneGroup >= block.vertex_count) continue;
     for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
       if (std::fabs(sum[lane] - 1.0f) > kSumTolerance) {
-        return Fail(
-            items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
-            fmt::format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
+        return Fail(items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
+                    Format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
       }
     }
   }
@@ -349,16 +345,15 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
     return Fail(items, chunk, field, reason);
   };
   if (block.strand_count < 1 || block.strand_count > kStrandsPerChunk) {
-    return fail(&block.strand_count, fmt::format("{} strands", block.strand_count));
+    return fail(&block.strand_count, Format("{} strands", block.strand_count));
   }
   if (block.vertex_count != groom_.mesh[chunk].vertex_count) {
-    return fail(&block.vertex_count,
-                fmt::format("{} vertices, the mesh block has {}", block.vertex_count,
-                            groom_.mesh[chunk].vertex_count));
+    return fail(&block.vertex_count, Format("{} vertices, the mesh block has {}",
+                                            block.vertex_count, groom_.mesh[chunk].vertex_count));
   }
   const uint32_t lanes = RoundUpLanes(block.strand_count);
   if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
-    return fail(&block.control_count, fmt::format("{} control strands", block.control_count));
+    return fail(&block.control_count, Format("{} control strands", block.control_count));
   }
   if (!CheckRange(items, chunk, &block.bary[0][0], 3 * kStrandsPerChunk, -1.0e-3f, 1.001f) ||
       !CheckRange(items, chunk, block.length, kStrandsPerChunk, 0.0f, kLongest_m) ||
@@ -369,29 +364,28 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
   for (uint32_t i = 0; i < lanes; ++i) {
     const float sum = block.bary[0][i] + block.bary[1][i] + block.bary[2][i];
     if (std::fabs(sum - 1.0f) > kSumTolerance) {
-      return fail(&block.bary[0][i], fmt::format("barycentrics sum to {}", sum));
+      return fail(&block.bary[0][i], Format("barycentrics sum to {}", sum));
     }
     if (!(block.length[i] > 0.0f)) return fail(&block.length[i], "not above 0");
     for (int corner = 0; corner < 3; ++corner) {
       const uint8_t& vertex = block.vertex[corner][i];
-      if (vertex >= block.vertex_count) return fail(&vertex, fmt::format("no vertex {}", vertex));
+      if (vertex >= block.vertex_count) return fail(&vertex, Format("no vertex {}", vertex));
       highest = std::max(highest, vertex);
     }
     if (block.vertex_prefix[i] < highest || block.vertex_prefix[i] >= block.vertex_count) {
-      return fail(&block.vertex_prefix[i], fmt::format("{}, strands up to here use vertex {}",
-                                                       block.vertex_prefix[i], highest));
+      return fail(&block.vertex_prefix[i],
+                  Format("{}, strands up to here use vertex {}", block.vertex_prefix[i], highest));
     }
     if (block.control[i] >= controls) {
-      return fail(&block.control[i],
-                  fmt::format("strand {} is no control strand", block.control[i]));
+      return fail(&block.control[i], Format("strand {} is no control strand", block.control[i]));
     }
   }
   for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
     const uint32_t& word = block.joint_mask[joint / 32];
     const bool set = word >> joint % 32 & 1;
-    if (set && joint >= groom_.joint_count) return fail(&word, fmt::format("no joint {}", joint));
+    if (set && joint >= groom_.joint_count) return fail(&word, Format("no joint {}", joint));
     if (!set && used[joint]) {
-      return fail(&word, fmt::format("joint {} moves the chunk and is missing", joint));
+      return fail(&word, Format("joint {} moves the chunk and is missing", joint));
     }
   }
   return true;

@@ -76,6 +76,10 @@ void ListFields(auto&& archive, Like<LayerParams> auto& p) {
   archive("chain", p.chain);
   archive("points", p.points);
   archive("output", p.output);
+  archive("frequency", p.frequency_hz);
+  archive("damping_ratio", p.damping_ratio);
+  archive("quality", p.quality);
+  archive("max_distance", p.max_distance);
   archive("iterations", p.iterations);
   archive("weight", p.weight);
   archive("bounce", p.bounce);

@@ -6,7 +6,6 @@
 // fields needs no check of its own; whoever loops over items looks at ok().
 #include "core/groom/groom_file.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 
 namespace pelt {
@@ -84,14 +84,13 @@ class Reader {
   bool ok() const { return error_.empty(); }
   // Keeps the first reason; returns false, for the caller to return.
   bool Fail(uint64_t at, const std::string& reason) {
-    if (ok())
-      error_ = fmt::format("groom '{}': section '{}', byte {}: {}", name_, section_, at, reason);
+    if (ok()) error_ = Format("groom '{}': section '{}', byte {}: {}", name_, section_, at, reason);
     return false;
   }
   // The next `count` bytes; null once anything has failed.
   const std::byte* Take(uint64_t count) {
     if (ok() && count > end_ - at_) {
-      Fail(at_, fmt::format("{} more bytes are needed, {} are left", count, end_ - at_));
+      Fail(at_, Format("{} more bytes are needed, {} are left", count, end_ - at_));
     }
     if (!ok()) return nullptr;
     const std::byte* from = file_.data() + at_;
@@ -104,13 +103,13 @@ class Reader {
     if constexpr (std::is_same_v<Element, std::string>) {
       const uint64_t start = at_;
       const auto size = Get<uint32_t>();
-      if (size > kTextBytesLimit) Fail(start, fmt::format("{} of {} bytes", field, size));
+      if (size > kTextBytesLimit) Fail(start, Format("{} of {} bytes", field, size));
       if (const std::byte* from = Take(size))
         value.assign(reinterpret_cast<const char*>(from), size);
     } else if constexpr (std::is_same_v<Element, bool>) {
       const uint64_t start = at_;
       const auto byte = Get<uint8_t>();
-      if (byte > 1) Fail(start, fmt::format("{} is {}, neither 0 nor 1", field, byte));
+      if (byte > 1) Fail(start, Format("{} is {}, neither 0 nor 1", field, byte));
       value = byte == 1;
     } else {
       constexpr size_t kCount = sizeof(T) / sizeof(Element);
@@ -138,9 +137,9 @@ void CheckCapacity(Reader& reader, std::string_view what, uint32_t expected) {
   const uint64_t at = reader.At();
   const auto found = reader.Get<uint32_t>();
   if (found == expected) return;
-  reader.Fail(at, fmt::format("baked for {} {}, this program has {}; bake the character again "
-                              "with `pelt bake`",
-                              found, what, expected));
+  reader.Fail(at, Format("baked for {} {}, this program has {}; bake the character again "
+                         "with `pelt bake`",
+                         found, what, expected));
 }
 
 bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::string& error) {
@@ -150,9 +149,9 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
   if (std::memcmp(magic, kMagic, sizeof(kMagic)) != 0) return header.Fail(0, "not a groom file");
   const auto version = header.Get<uint32_t>();
   if (version != kGroomVersion) {
-    header.Fail(8, fmt::format("version {}, this program reads {}; bake the character again with "
-                               "`pelt bake`",
-                               version, kGroomVersion));
+    header.Fail(8, Format("version {}, this program reads {}; bake the character again with "
+                          "`pelt bake`",
+                          version, kGroomVersion));
   }
   CheckCapacity(header, "strands a chunk", kStrandsPerChunk);
   CheckCapacity(header, "joints a character", kJointsPerCharacter);
@@ -161,8 +160,8 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
   CheckCapacity(header, "sections", kSectionCount);
   const auto file_bytes = header.Get<uint64_t>();
   if (file_bytes != file.size()) {
-    header.Fail(32, fmt::format("the file should have {} bytes and has {}: it was cut or extended",
-                                file_bytes, file.size()));
+    header.Fail(32, Format("the file should have {} bytes and has {}: it was cut or extended",
+                           file_bytes, file.size()));
   }
   const auto hash = header.Get<uint64_t>();
   if (header.ok() && hash != HashGroomBytes(file.subspan(kHeaderBytes))) {
@@ -183,7 +182,7 @@ bool ReadTable(std::span<const std::byte> file, const std::string& name,
     const std::byte* found = table.Take(kSectionNameBytes);
     if (!found) return false;
     if (std::memcmp(found, wanted, kSectionNameBytes) != 0) {
-      return table.Fail(at, fmt::format("section {} is not '{}'", i, kSectionNames[i]));
+      return table.Fail(at, Format("section {} is not '{}'", i, kSectionNames[i]));
     }
     Section& s = sections[i];
     s.offset = table.Get<uint64_t>();
@@ -191,16 +190,15 @@ bool ReadTable(std::span<const std::byte> file, const std::string& name,
     s.items = table.Get<uint32_t>();
     s.item_bytes = table.Get<uint32_t>();
     if (s.offset != expected || s.bytes > file.size() - std::min<uint64_t>(expected, file.size())) {
-      return table.Fail(at,
-                        fmt::format("section '{}' does not lie behind the one before it, in the "
-                                    "file",
-                                    kSectionNames[i]));
+      return table.Fail(at, Format("section '{}' does not lie behind the one before it, in the "
+                                   "file",
+                                   kSectionNames[i]));
     }
     expected += s.bytes;
   }
   if (expected != file.size()) {
     return table.Fail(table.At(),
-                      fmt::format("sections end at {}, the file at {}", expected, file.size()));
+                      Format("sections end at {}, the file at {}", expected, file.size()));
   }
   return table.ok();
 }
@@ -215,13 +213,13 @@ bool ReadSection(std::span<const std::byte> file, const std::string& name, uint3
                 error);
   static const uint64_t kItemBytes = CountItemBytes(*std::make_unique<T>());
   if (section.item_bytes != kItemBytes) {
-    return reader.Fail(section.offset, fmt::format("items of {} bytes; this program has {}",
-                                                   section.item_bytes, kItemBytes));
+    return reader.Fail(section.offset, Format("items of {} bytes; this program has {}",
+                                              section.item_bytes, kItemBytes));
   }
   const uint64_t least = uint64_t(section.items) * kItemBytes;
   if (kHasText<T> ? section.bytes < least : section.bytes != least) {
-    return reader.Fail(section.offset, fmt::format("{} items do not fit the section's {} bytes",
-                                                   section.items, section.bytes));
+    return reader.Fail(section.offset, Format("{} items do not fit the section's {} bytes",
+                                              section.items, section.bytes));
   }
   items.resize(section.items);
   for (T& item : items) {
@@ -229,7 +227,7 @@ bool ReadSection(std::span<const std::byte> file, const std::string& name, uint3
     if (!reader.ok()) return false;
   }
   if (reader.Left() != 0) {
-    return reader.Fail(reader.At(), fmt::format("{} bytes behind the last item", reader.Left()));
+    return reader.Fail(reader.At(), Format("{} bytes behind the last item", reader.Left()));
   }
   return true;
 }
@@ -241,7 +239,7 @@ bool ReadSingle(std::span<const std::byte> file, const std::string& name, uint32
   if (!ReadSection(file, name, index, section, items, error)) return false;
   if (items.size() == 1) return true;
   return Reader(file, name, kSectionNames[index], 0, 0, error)
-      .Fail(section.offset, fmt::format("{} items instead of one", items.size()));
+      .Fail(section.offset, Format("{} items instead of one", items.size()));
 }
 
 }  // namespace
@@ -333,7 +331,7 @@ std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::s
 bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error) {
   const std::optional<std::vector<std::byte>> bytes = TryWriteGroom(groom, error);
   if (!bytes) return false;
-  const std::string partial = fmt::format("{}.{}.partial", path, getpid());
+  const std::string partial = Format("{}.{}.partial", path, getpid());
   std::error_code code;
   {
     std::ofstream file(partial, std::ios::binary | std::ios::trunc);
@@ -341,14 +339,14 @@ bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string&
     file.close();
     if (!file) {
       std::filesystem::remove(partial, code);
-      error = fmt::format(
+      error = Format(
           "groom '{}': cannot be written there; is the folder there, writable and not full?", path);
       return false;
     }
   }
   std::filesystem::rename(partial, path, code);
   if (code) {
-    error = fmt::format("groom '{}': cannot be put in place: {}", path, code.message());
+    error = Format("groom '{}': cannot be put in place: {}", path, code.message());
     std::filesystem::remove(partial, code);
   }
   return error.empty();
@@ -357,19 +355,19 @@ bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string&
 std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) {
-    error = fmt::format("groom '{}': no such file", path);
+    error = Format("groom '{}': no such file", path);
     return std::nullopt;
   }
   const uintmax_t size = std::filesystem::file_size(path, code);
   if (code || size > kFileBytesLimit) {
-    error = fmt::format("groom '{}': larger than {} bytes", path, kFileBytesLimit);
+    error = Format("groom '{}': larger than {} bytes", path, kFileBytesLimit);
     return std::nullopt;
   }
   std::vector<std::byte> bytes(size);
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
   if (!file) {
-    error = fmt::format("groom '{}': cannot be read", path);
+    error = Format("groom '{}': cannot be read", path);
     return std::nullopt;
   }
   return TryReadGroom(bytes, path, error);

@@ -1,11 +1,10 @@
 #include "core/groom/growth.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -23,9 +22,9 @@ std::string ListNames(const std::vector<std::string>& names) {
   constexpr size_t kShown = 60;
   std::string list;
   for (size_t i = 0; i < names.size() && i < kShown; ++i) {
-    list += fmt::format("{}'{}'", i ? ", " : "", names[i]);
+    list += Format("{}'{}'", i ? ", " : "", names[i]);
   }
-  if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
+  if (names.size() > kShown) list += Format(" and {} more", names.size() - kShown);
   return list.empty() ? "none" : list;
 }
 
@@ -49,8 +48,8 @@ std::string DescribeUnknown(const std::string& kind, const std::string& name,
   std::stable_sort(known.begin(), known.end(), [&](const auto& a, const auto& b) {
     return EditDistance(name, a) < EditDistance(name, b);
   });
-  return fmt::format("the character has no {} '{}'; it has, the most alike first: {}", kind, name,
-                     ListNames(known));
+  return Format("the character has no {} '{}'; it has, the most alike first: {}", kind, name,
+                ListNames(known));
 }
 
 bool NeedsUvs(const MapChannel& map) { return map.map != nullptr; }
@@ -59,7 +58,7 @@ bool NeedsUvs(const MapChannel& map) { return map.map != nullptr; }
 
 void FailLayerKey(const FurSetup& setup, const LayerSetup& layer, const std::string& key,
                   const std::string& reason) {
-  throw Error(fmt::format("{}: layer '{}': key '{}': {}", setup.path, layer.name, key, reason));
+  throw Error(Format("{}: layer '{}': key '{}': {}", setup.path, layer.name, key, reason));
 }
 
 void CheckMapsHaveUvs(const Mesh& mesh, const FurSetup& setup, const LayerSetup& layer) {
@@ -278,10 +277,9 @@ std::string Growth::ExplainEmpty() const {
   }
   std::string alone, involved;
   for (int factor = 0; factor < kFactorCount; ++factor) {
-    if (most[factor] <= 0.0f)
-      alone += fmt::format("{}'{}'", alone.empty() ? "" : ", ", keys[factor]);
+    if (most[factor] <= 0.0f) alone += Format("{}'{}'", alone.empty() ? "" : ", ", keys[factor]);
   }
-  if (!alone.empty()) return fmt::format("{} alone leaves nothing of the surface", alone);
+  if (!alone.empty()) return Format("{} alone leaves nothing of the surface", alone);
   if (most_together > 0.0f) {
     return "the area that its masks leave is too small for one strand at this density";
   }

@@ -1,9 +1,9 @@
 #include "core/groom/layer_params.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <type_traits>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -37,11 +37,15 @@ constexpr ParamRow Row(std::string_view key, double low, double high) {
 // they are far outside what looks good.
 constexpr ParamRow kRows[] = {
     Row<&P::sort_bias>("sort_bias", -1000, 1000),
-    Row<&P::solver>("solver", 0, 1),
+    Row<&P::solver>("solver", 0, 2),
     Row<&P::chain>("chain", 0, 1),
     Row<&P::points>("points", 4, 5),
     Row<&P::output>("output", 0, 1),
     Row<&P::tip_width>("tip_width", 0, 4),
+    Row<&P::frequency_hz>("frequency", 0, 2000),
+    Row<&P::damping_ratio>("damping_ratio", 0, 10),
+    Row<&P::quality>("quality", 0, 2),
+    Row<&P::max_distance>("max_distance", 0, 2),
     Row<&P::iterations>("iterations", 1, 32),
     Row<&P::weight>("weight", -10, 10),
     Row<&P::bounce>("bounce", 0, 1),
@@ -77,17 +81,23 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.chain == ChainKind::kVertex && params.solver == Solver::kVerlet) {
     return BadKey{"solver", "verlet needs a chain for each strand: chain = \"strand\""};
   }
+  if (params.max_distance > 0.0f && params.max_distance < kLeastMaxDistance) {
+    return BadKey{"max_distance", "0 (no limit) or at least 0.05; strength = 0 holds a strand"};
+  }
+  if (params.max_distance > 0.0f && params.solver != Solver::kModal) {
+    return BadKey{"max_distance", "only solver = \"modal\" keeps it"};
+  }
   return std::nullopt;
 }
 
 std::string FindBadParam(const LayerParams& params) {
   for (const auto& [bounds, holds] : kRows) {
     if (!holds(bounds, params)) {
-      return fmt::format("{} is not between {} and {}", bounds.key, bounds.low, bounds.high);
+      return Format("{} is not between {} and {}", bounds.key, bounds.low, bounds.high);
     }
   }
   const auto bad = FindBadCombination(params);
-  return bad ? fmt::format("{}: {}", bad->key, bad->reason) : std::string();
+  return bad ? Format("{}: {}", bad->key, bad->reason) : std::string();
 }
 
 }  // namespace pelt

@@ -12,19 +12,31 @@
 #include <string>
 #include <string_view>
 
+#include "core/modal/modal_quality.hpp"
+
 namespace pelt {
 
-enum class Solver : uint8_t { kPbd, kVerlet };
+// Nearer the groom a strand cannot be held without straightening it.
+inline constexpr float kLeastMaxDistance = 0.05f;
+
+enum class Solver : uint8_t { kPbd, kVerlet, kModal };
 enum class ChainKind : uint8_t { kVertex, kStrand };
 enum class Output : uint8_t { kInstances, kRibbons };
 
 struct LayerParams {
   bool enabled = true;
   float sort_bias = 0.0f;
-  Solver solver = Solver::kPbd;
+  Solver solver = Solver::kModal;
   ChainKind chain = ChainKind::kVertex;
   uint32_t points = 4;  // 4 or 5; vertex chains have 4
   Output output = Output::kInstances;
+  // Modal: the material, the same at every frame rate. The layer's drag is velocity_damping.
+  float frequency_hz = 0.0f;  // first bending mode of a strand; 0: what the hardness keys amount to
+  float damping_ratio = 0.05f;  // share of critical damping that bending gives that mode
+  ModalQuality quality = ModalQuality::kDefault;
+  // Modal: how far a point may get from its groomed place, a share of its distance along the
+  // strand; 0: no limit.
+  float max_distance = 0.0f;
   uint32_t iterations = 4;
   float weight = 1.0f;            // scale on gravity
   float bounce = 0.0f;            // share of the normal velocity a contact returns

@@ -1,11 +1,10 @@
 #include "core/groom/scatter.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/format.hpp"
 #include "core/groom/sample_elimination.hpp"
 #include "core/random.hpp"
 
@@ -107,9 +106,9 @@ std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeo
   strands *= scale;
   if (strands * kCandidatesPerStrand > kCandidatesLimit) {
     FailLayerKey(setup, layer, "density",
-                 fmt::format("would look for strands in {:.3g} places; lower it, set max_strands, "
-                             "or narrow the layer with mask.joints, mask.materials or mask.range",
-                             strands * kCandidatesPerStrand));
+                 Format("would look for strands in {:.3g} places; lower it, set max_strands, "
+                        "or narrow the layer with mask.joints, mask.materials or mask.range",
+                        strands * kCandidatesPerStrand));
   }
   const uint64_t count = uint64_t(strands * kCandidatesPerStrand) + 1;
   const std::vector<Candidate> drawn = DrawCandidates(mesh, growth, area, count, layer.seed);
@@ -120,8 +119,8 @@ std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeo
   if (keep == 0) fail_empty();
   if (keep > kMostStrandsOfLayer) {
     FailLayerKey(setup, layer, "density",
-                 fmt::format("would grow {} strands, more than {}; lower it or set max_strands",
-                             keep, kMostStrandsOfLayer));
+                 Format("would grow {} strands, more than {}; lower it or set max_strands", keep,
+                        kMostStrandsOfLayer));
   }
   // What the layer reaches after the cap.
   const double reached = double(growth.densest()) * scale * double(keep) /

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_schema.hpp"
 
@@ -42,15 +43,15 @@ std::string_view NameType(const toml::node& node) {
 // ---- Messages -----------------------------------------------------------------------------------
 
 void SetupReader::Fail(uint32_t line, std::string_view reason) const {
-  throw Error(fmt::format("{}:{}: {}{}", path_, line, owner_, reason));
+  throw Error(Format("{}:{}: {}{}", path_, line, owner_, reason));
 }
 
 void SetupReader::FailKey(uint32_t line, std::string_view key, std::string_view reason) const {
-  Fail(line, fmt::format("key '{}{}': {}", prefix_, key, reason));
+  Fail(line, Format("key '{}{}': {}", prefix_, key, reason));
 }
 
 void SetupReader::FailType(const KeyInfo& info, const toml::node& node, std::string_view expected) {
-  FailKey(LineOf(node), info.key, fmt::format("expected {}, found {}", expected, NameType(node)));
+  FailKey(LineOf(node), info.key, Format("expected {}, found {}", expected, NameType(node)));
 }
 
 // Nodes that TOML makes implicitly (a dotted key's tables) have no line of their own.
@@ -76,9 +77,9 @@ std::vector<SetupReader::Entry> SetupReader::ListEntries(const toml::table& tabl
     if (row == names.end()) {
       const std::string_view nearest = FindNearestWord(f.key, names);
       Fail(std::max<uint32_t>(f.place.line, 1),
-           fmt::format("unknown key '{}{}'; {}", prefix_, f.key,
-                       nearest.empty() ? std::string("pelt bake --keys lists the known ones")
-                                       : fmt::format("did you mean '{}{}'?", prefix_, nearest)));
+           Format("unknown key '{}{}'; {}", prefix_, f.key,
+                  nearest.empty() ? std::string("pelt bake --keys lists the known ones")
+                                  : Format("did you mean '{}{}'?", prefix_, nearest)));
     }
     entries.push_back({size_t(row - names.begin()), f.node});
   }
@@ -98,9 +99,8 @@ const toml::array& SetupReader::ExpectArray(const KeyInfo& info, const toml::nod
   const toml::array& array = *node.as_array();
   if (double(array.size()) < low || double(array.size()) > high) {
     FailKey(LineOf(node), info.key,
-            low == high
-                ? fmt::format("has {} entries; {} are needed", array.size(), low)
-                : fmt::format("has {} entries; {} to {} are allowed", array.size(), low, high));
+            low == high ? Format("has {} entries; {} are needed", array.size(), low)
+                        : Format("has {} entries; {} to {} are allowed", array.size(), low, high));
   }
   return array;
 }
@@ -117,8 +117,8 @@ double SetupReader::ReadNumber(const KeyInfo& info, const toml::node& node) {
   if (!std::isfinite(value)) FailKey(LineOf(node), info.key, "is not a finite number");
   if (value < info.low || value > info.high) {
     FailKey(LineOf(node), info.key,
-            fmt::format("{} is out of bounds; allowed are {} to {}{}{}", value, info.low, info.high,
-                        info.unit.empty() ? "" : " ", info.unit));
+            Format("{} is out of bounds; allowed are {} to {}{}{}", value, info.low, info.high,
+                   info.unit.empty() ? "" : " ", info.unit));
   }
   return value;
 }
@@ -129,7 +129,7 @@ int64_t SetupReader::ReadWhole(const KeyInfo& info, const toml::node& node, int6
   const int64_t value = node.as_integer()->get();
   if (value < low || value > high) {
     FailKey(LineOf(node), info.key,
-            fmt::format("{} is out of bounds; allowed are {} to {}", value, low, high));
+            Format("{} is out of bounds; allowed are {} to {}", value, low, high));
   }
   return value;
 }
@@ -140,8 +140,8 @@ size_t SetupReader::ReadWord(const KeyInfo& info, const toml::node& node) {
   if (word == info.words.end()) {
     const std::string_view nearest = FindNearestWord(text, info.words);
     FailKey(LineOf(node), info.key,
-            fmt::format("'{}' is not one of {}{}", text.substr(0, 64), fmt::join(info.words, ", "),
-                        nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+            Format("'{}' is not one of {}{}", text.substr(0, 64), fmt::join(info.words, ", "),
+                   nearest.empty() ? "" : Format("; did you mean '{}'?", nearest)));
   }
   return size_t(word - info.words.begin());
 }
@@ -159,7 +159,7 @@ uint32_t SetupReader::ReadHexColour(const KeyInfo& info, const toml::node& node)
   }
   if (!good) {
     FailKey(LineOf(node), info.key,
-            fmt::format("'{}' is not a colour; write \"#rrggbb\"", text.substr(0, 64)));
+            Format("'{}' is not a colour; write \"#rrggbb\"", text.substr(0, 64)));
   }
   return value;
 }
@@ -181,7 +181,7 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::string&
   const std::string_view text = ExpectString(info, node);
   if (text.empty()) FailKey(LineOf(node), info.key, "is empty");
   if (text.size() > kNameBytesLimit) {
-    FailKey(LineOf(node), info.key, fmt::format("is longer than {} bytes", kNameBytesLimit));
+    FailKey(LineOf(node), info.key, Format("is longer than {} bytes", kNameBytesLimit));
   }
   if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; })) {
     FailKey(LineOf(node), info.key, "holds a control character");
@@ -270,8 +270,7 @@ void SetupReader::Check(const KeyInfo& info, const toml::node& node,
 void SetupReader::Check(const KeyInfo& info, const toml::node& node, const Mask::Range& value) {
   for (int i = 0; i < 3; ++i) {
     if (!(value.low[i] < value.high[i])) {
-      FailKey(LineOf(node), info.key,
-              fmt::format("low {} must be below high {}", "xyz"[i], "xyz"[i]));
+      FailKey(LineOf(node), info.key, Format("low {} must be below high {}", "xyz"[i], "xyz"[i]));
     }
   }
 }

@@ -10,11 +10,13 @@
 #include <algorithm>
 
 #include "core/chunk.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
 
-constexpr std::string_view kSolverWords[] = {"pbd", "verlet"};
+constexpr std::string_view kSolverWords[] = {"pbd", "verlet", "modal"};
+constexpr std::string_view kQualityWords[] = {"fast", "default", "best"};
 constexpr std::string_view kChainWords[] = {"vertex", "strand"};
 constexpr std::string_view kOutputWords[] = {"instances", "ribbons"};
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
@@ -35,26 +37,26 @@ auto& Field(T& object) {
   }
 }
 
-std::string Show(const KeyInfo&, float value) { return fmt::format("{}", value); }
-std::string Show(const KeyInfo&, uint32_t value) { return fmt::format("{}", value); }
-std::string Show(const KeyInfo&, uint64_t value) { return fmt::format("{}", value); }
-std::string Show(const KeyInfo&, int value) { return fmt::format("\"{}\"", kChannelWords[value]); }
+std::string Show(const KeyInfo&, float value) { return Format("{}", value); }
+std::string Show(const KeyInfo&, uint32_t value) { return Format("{}", value); }
+std::string Show(const KeyInfo&, uint64_t value) { return Format("{}", value); }
+std::string Show(const KeyInfo&, int value) { return Format("\"{}\"", kChannelWords[value]); }
 std::string Show(const KeyInfo&, bool value) { return value ? "true" : "false"; }
-std::string Show(const KeyInfo&, char value) { return fmt::format("\"{}\"", value); }
-std::string Show(const KeyInfo&, const std::string& value) { return fmt::format("\"{}\"", value); }
-std::string Show(const KeyInfo&, const Attribute& value) { return fmt::format("{}", value.value); }
+std::string Show(const KeyInfo&, char value) { return Format("\"{}\"", value); }
+std::string Show(const KeyInfo&, const std::string& value) { return Format("\"{}\"", value); }
+std::string Show(const KeyInfo&, const Attribute& value) { return Format("{}", value.value); }
 std::string Show(const KeyInfo&, const glm::vec3& value) {
-  return fmt::format("[{}, {}, {}]", value.x, value.y, value.z);
+  return Format("[{}, {}, {}]", value.x, value.y, value.z);
 }
 std::string ShowColour(uint32_t value) {
-  return fmt::format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255, value >> 16 & 255);
+  return Format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255, value >> 16 & 255);
 }
 std::string ShowColour(const std::array<float, 3>& value) {
-  return fmt::format("[{}, {}, {}]", value[0], value[1], value[2]);
+  return Format("[{}, {}, {}]", value[0], value[1], value[2]);
 }
 template <class Enum>
 requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) {
-  return fmt::format("\"{}\"", info.words[size_t(value)]);
+  return Format("\"{}\"", info.words[size_t(value)]);
 }
 std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
 std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
@@ -241,20 +243,29 @@ std::span<const KeyRow<LayerSetup>> Schema() {
       Count<&L::film_strip_count>("film_strips", 1, 256, "textures in the strip; picked at random"),
       // How it moves.
       Varying<&L::strength>("strength", "", 0, 1, "of the simulation; 0 follows the skin"),
-      ParamCount<&P::iterations>("iterations", "of the solver, a frame"),
+      ParamNumber<&P::frequency_hz>("frequency", "Hz",
+                                    "modal: first bending mode; 0: worked out from the hardness"),
+      ParamNumber<&P::damping_ratio>("damping_ratio", "",
+                                     "modal: of that mode, over critical damping"),
+      Word<kParams, &P::quality>("quality", kQualityWords, "modal: cheapest to most exact"),
+      ParamNumber<&P::max_distance>("max_distance", "",
+                                    "modal: of a point from the groom, over its distance along "
+                                    "the strand; 0: no limit"),
+      ParamCount<&P::iterations>("iterations", "pbd, verlet: of the solver, a frame"),
       ParamNumber<&P::weight>("weight", "", "scale on gravity"),
       ParamNumber<&P::bounce>("bounce", "", "speed kept by a contact"),
-      ParamNumber<&P::velocity_damping>("velocity_damping", "1/s", "how fast speed dies away"),
+      ParamNumber<&P::velocity_damping>("velocity_damping", "1/s",
+                                        "drag: how fast speed dies away"),
       ParamNumber<&P::motion_damping>("motion_damping", "",
-                                      "0: free inertia, 1: moves with the root"),
+                                      "pbd, verlet: 0: free inertia, 1: moves with the root"),
       ParamNumber<&P::segment_hardness>("segment_hardness", "",
-                                        "length error removed, an iteration"),
+                                        "pbd, verlet: length error removed, an iteration"),
       ParamNumber<&P::angular_hardness_middle>("angular_hardness_middle", "",
                                                "bend removed, an iteration; inner joints"),
       ParamNumber<&P::angular_hardness_end>("angular_hardness_end", "",
                                             "bend removed, an iteration; last joint"),
       ParamNumber<&P::surface_hardness>("surface_hardness", "",
-                                        "depth under the skin removed, an iteration"),
+                                        "depth under the skin removed, an iteration or substep"),
       ParamNumber<&P::stiffness>("stiffness", "", "verlet: way to the groom, an iteration"),
       ParamNumber<&P::clump>("clump", "", "way to the control strand, at the tip"),
       Count<&L::clump_controls>("clump_controls", 0, 64,
@@ -359,25 +370,25 @@ std::span<const KeyRow<CombVector>> Schema() {
 namespace {
 
 std::string DescribeType(const KeyInfo& info) {
-  if (!info.words.empty()) return fmt::format("{}", fmt::join(info.words, " | "));
+  if (!info.words.empty()) return Format("{}", fmt::join(info.words, " | "));
   std::string text(info.type);
-  if (!info.unit.empty()) text += fmt::format(", {}", info.unit);
+  if (!info.unit.empty()) text += Format(", {}", info.unit);
   if ((info.type == "number" || info.type == "whole number" || info.type == "attribute") &&
       info.low < info.high) {
-    text += fmt::format(", {} to {}", info.low, info.high);
+    text += Format(", {} to {}", info.low, info.high);
   }
   return text;
 }
 
 template <class T>
 void Describe(std::string& out, std::string_view heading) {
-  out += fmt::format("\n{}\n", heading);
+  out += Format("\n{}\n", heading);
   const T builtin{};
   for (const auto& row : Schema<T>()) {
     const std::string value =
         row.info.required ? "needed" : "default " + row.show(row.info, builtin);
-    out += fmt::format("  {:<24} {:<34} {:<22} {}\n", row.info.key, DescribeType(row.info), value,
-                       row.info.doc);
+    out += Format("  {:<24} {:<34} {:<22} {}\n", row.info.key, DescribeType(row.info), value,
+                  row.info.doc);
   }
 }
 

@@ -84,6 +84,9 @@ template <class T>
 concept SetupTable = std::is_same_v<T, Mask> || std::is_same_v<T, Mask::JointWeight> ||
     std::is_same_v<T, Mask::Box> || std::is_same_v<T, Mask::Range> || std::is_same_v<T, CombVector>;
 
+// toml::parse that throws nothing but Error, with file and line.
+toml::table ParseToml(std::string_view text, const std::string& path);
+
 // Reads values and knows where it is, for messages.
 class SetupReader {
  public:

@@ -14,6 +14,7 @@
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
 #include "core/kernels/select_lod.hpp"
+#include "core/kernels/simulate_modal.hpp"
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/simulate_verlet.hpp"
 #include "core/kernels/skin.hpp"
@@ -49,6 +50,9 @@ constexpr KernelTable kTable{{
     MakeKernelDesc<SimulatePbd<V, 5, false>>(),
     MakeKernelDesc<SimulateVerlet<V, 4>>(),
     MakeKernelDesc<SimulateVerlet<V, 5>>(),
+    MakeKernelDesc<SimulateModal<V, 4, true>>(),
+    MakeKernelDesc<SimulateModal<V, 4, false>>(),
+    MakeKernelDesc<SimulateModal<V, 5, false>>(),
     MakeKernelDesc<Interpolate<V>>(),
     MakeKernelDesc<FitCubic<V, 4>>(),
     MakeKernelDesc<FitCubic<V, 5>>(),

@@ -1,8 +1,8 @@
 #include "platform_sim/core/instruction_set.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -37,9 +37,9 @@ std::string RegisterName(const InstructionSet& set, uint32_t reg) {
   for (const RegisterFile& file : set.files)
     if (reg >= file.first && reg < file.first + file.count) {
       const std::string_view prefix = file.prefixes.substr(file.prefixes.rfind(' ') + 1);
-      return fmt::format("{}{}", prefix, reg - file.first);
+      return Format("{}{}", prefix, reg - file.first);
     }
-  return fmt::format("value {}", reg);
+  return Format("value {}", reg);
 }
 
 }  // namespace pelt

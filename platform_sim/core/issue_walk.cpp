@@ -1,10 +1,10 @@
 #include "platform_sim/core/issue_walk.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <map>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -37,9 +37,9 @@ class Walk {
                       error);
       if (issues_++ >= kMaxIssues)
         return Refuse(index,
-                      fmt::format("no end after {} issues and no steady state to leap from: give "
-                                  "a smaller trip count, or one loop",
-                                  kMaxIssues),
+                      Format("no end after {} issues and no steady state to leap from: give "
+                             "a smaller trip count, or one loop",
+                             kMaxIssues),
                       error);
       bool taken = instruction.flow == Flow::kAlways;
       Loop* loop = nullptr;
@@ -74,7 +74,7 @@ class Walk {
   };
 
   static bool Refuse(uint32_t index, std::string_view what, std::string& error) {
-    error = fmt::format("instruction {}: {}", index, what);
+    error = Format("instruction {}: {}", index, what);
     return false;
   }
 
@@ -86,8 +86,7 @@ class Walk {
         return Refuse(trip.head, "a trip count, but no branch goes back to here", error);
       if (trip.turns == 0 || trip.turns > kMaxTurns)
         return Refuse(trip.head,
-                      fmt::format("a trip count of {}; expected 1 to {}", trip.turns, kMaxTurns),
-                      error);
+                      Format("a trip count of {}; expected 1 to {}", trip.turns, kMaxTurns), error);
       loop->second.turns = trip.turns;
       loop->second.assumed = false;
     }
@@ -255,7 +254,7 @@ bool CheckProgram(Program program, uint32_t class_count, std::string& error) {
     if (instruction.target != kNoTarget && instruction.target > program.size())
       wrong = "a target outside of the program";
     if (!wrong) continue;
-    error = fmt::format("instruction {}: {}", i, wrong);
+    error = Format("instruction {}: {}", i, wrong);
     return false;
   }
   return true;

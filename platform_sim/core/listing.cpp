@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/format.hpp"
 #include "platform_sim/core/listing_text.hpp"
 
 namespace pelt {
@@ -64,8 +65,7 @@ class ListingReader {
     }
     if (listing_.program.empty()) {
       line_ = 1;
-      Fail(
-          fmt::format("no instruction; expected a listing of {} instructions", listing_.set->name));
+      Fail(Format("no instruction; expected a listing of {} instructions", listing_.set->name));
       return std::nullopt;
     }
     if (!ResolveReferences()) return std::nullopt;
@@ -74,7 +74,7 @@ class ListingReader {
 
  private:
   bool Fail(std::string_view what) {
-    error_ = fmt::format("{}:{}: {}", listing_.name, line_, what);
+    error_ = Format("{}:{}: {}", listing_.name, line_, what);
     return false;
   }
 
@@ -100,8 +100,8 @@ class ListingReader {
     const bool numeric = std::ranges::all_of(name, IsDigit);
     std::vector<uint32_t>& places = places_[std::string(name)];
     if (!numeric && !places.empty())
-      return Fail(fmt::format("label '{}' a second time; every label needs a name of its own",
-                              Shown(name)));
+      return Fail(
+          Format("label '{}' a second time; every label needs a name of its own", Shown(name)));
     places.push_back(uint32_t(listing_.program.size()));
     listing_.labels.push_back({std::string(name), places.back()});
     return true;
@@ -111,9 +111,9 @@ class ListingReader {
     if (word == ".macro" || word == ".rept" || word == ".irp" || word.starts_with(".if") ||
         word == ".include")
       return Fail(
-          fmt::format("{} makes other statements of these; give the listing as the "
-                      "assembler or compiler prints it, with everything written out",
-                      word));
+          Format("{} makes other statements of these; give the listing as the "
+                 "assembler or compiler prints it, with everything written out",
+                 word));
     const bool power = word == ".align" || word == ".p2align";
     if (!power && word != ".balign") return true;
     const auto arguments = SplitOperands(operands);
@@ -121,8 +121,8 @@ class ListingReader {
     const bool in_range = value && *value >= 0 && *value <= (power ? 12 : int64_t{kMaxAlignBytes});
     const uint32_t bytes = !in_range ? 0 : power ? 1u << *value : uint32_t(*value);
     if (!in_range || (bytes & (bytes - 1)) != 0)
-      return Fail(fmt::format("{} {}; expected a power of two up to {} bytes", word,
-                              Shown(operands), kMaxAlignBytes));
+      return Fail(Format("{} {}; expected a power of two up to {} bytes", word, Shown(operands),
+                         kMaxAlignBytes));
     while (bytes > kInstructionBytes && NextLocation() % bytes != 0)
       if (!ReadInstruction(
               NextLocation() % 8 == 0 ? listing_.set->even_padding : listing_.set->odd_padding, {}))
@@ -138,11 +138,11 @@ class ListingReader {
     const auto written = SplitOperands(operand_text);
     std::vector<std::string_view> wanted = SplitWords(opcode->operands);
     if (!LeaveOut(wanted, written.size()))
-      return Fail(fmt::format("'{}' has {} operand{}; expected {}", mnemonic, written.size(),
-                              written.size() == 1 ? "" : "s", Usage(*opcode)));
+      return Fail(Format("'{}' has {} operand{}; expected {}", mnemonic, written.size(),
+                         written.size() == 1 ? "" : "s", Usage(*opcode)));
     if (listing_.program.size() >= kMaxListingInstructions)
-      return Fail(fmt::format("more than {} instructions; give the loop that matters",
-                              kMaxListingInstructions));
+      return Fail(
+          Format("more than {} instructions; give the loop that matters", kMaxListingInstructions));
     Instruction instruction;
     instruction.op_class = opcode->op_class;
     instruction.flow = opcode->flow;
@@ -162,7 +162,7 @@ class ListingReader {
     }
     if (opcode->sets_cr != kNoRegister) instruction.writes.Add(opcode->sets_cr);
     listing_.program.push_back(instruction);
-    listing_.text.push_back(fmt::format("{} {}", mnemonic, fmt::join(written, ",")));
+    listing_.text.push_back(Format("{} {}", mnemonic, fmt::join(written, ",")));
     if (written.empty()) listing_.text.back().pop_back();
     listing_.line.push_back(line_);
     return true;
@@ -173,16 +173,16 @@ class ListingReader {
         listing_.set == &SpuInstructionSet() ? PpeInstructionSet() : SpuInstructionSet();
     std::string hint;
     if (other.find(mnemonic))
-      hint = fmt::format(", and this is one of the {}'s", other.name);
+      hint = Format(", and this is one of the {}'s", other.name);
     else if (listing_.program.empty())  // the first: hardly a slip of the pen
-      hint = fmt::format(
+      hint = Format(
           "; is this of another machine, or a disassembly? Give what a compiler for the {} writes "
           "with -S",
           listing_.set->name);
     return Fail(
-        fmt::format("'{}' is no {} opcode; expected an opcode, a label with ':' or a "
-                    "directive with '.'{}",
-                    Shown(mnemonic), listing_.set->name, hint));
+        Format("'{}' is no {} opcode; expected an opcode, a label with ':' or a "
+               "directive with '.'{}",
+               Shown(mnemonic), listing_.set->name, hint));
   }
 
   // Takes the '?' from as many optional operands as are there; false: the number is wrong.
@@ -202,8 +202,8 @@ class ListingReader {
     for (const auto operand : SplitWords(opcode.operands)) {
       if (operand.front() == '+') continue;
       const bool optional = operand.back() == '?';
-      out += fmt::format("{}{}{}{}", out.empty() ? "" : ", ", optional ? "[" : "",
-                         OperandInWords(operand), optional ? "]" : "");
+      out += Format("{}{}{}{}", out.empty() ? "" : ", ", optional ? "[" : "",
+                    OperandInWords(operand), optional ? "]" : "");
     }
     return out.empty() ? "none" : out;
   }
@@ -243,7 +243,7 @@ class ListingReader {
   }
 
   bool FailOperand(const Opcode& opcode, std::string_view found, std::string_view expected) {
-    return Fail(fmt::format("'{}' in '{}'; expected {}", Shown(found), opcode.mnemonic, expected));
+    return Fail(Format("'{}' in '{}'; expected {}", Shown(found), opcode.mnemonic, expected));
   }
 
   bool ReadImmediate(const Opcode& opcode, std::string_view text) {
@@ -305,8 +305,8 @@ class ListingReader {
     const std::string_view prefix = file.prefixes.substr(file.prefixes.rfind(' ') + 1);
     if (number >= file.count)
       return FailOperand(opcode, text,
-                         fmt::format("a {}, {}0 to {}{}{}", file.name, prefix, prefix,
-                                     file.count - 1, letter == 's' ? " (or $0, or 0)" : ""));
+                         Format("a {}, {}0 to {}{}{}", file.name, prefix, prefix, file.count - 1,
+                                letter == 's' ? " (or $0, or 0)" : ""));
     reg = file.first + uint32_t(number);
     return true;
   }
@@ -365,9 +365,9 @@ class ListingReader {
       if (!index) {
         std::string names;
         for (size_t l = 0; l < std::min<size_t>(listing_.labels.size(), 8); ++l)
-          names += fmt::format("{}{}", l ? ", " : "", listing_.labels[l].name);
-        return Fail(fmt::format("no place '{}' in this listing; expected one of its labels{}{}",
-                                Shown(reference.operand), names.empty() ? "" : ": ", names));
+          names += Format("{}{}", l ? ", " : "", listing_.labels[l].name);
+        return Fail(Format("no place '{}' in this listing; expected one of its labels{}{}",
+                           Shown(reference.operand), names.empty() ? "" : ": ", names));
       }
       Instruction& instruction = listing_.program[reference.instruction];
       (reference.is_hinted_branch ? instruction.hinted : instruction.target) = *index;

@@ -1,5 +1,4 @@
 // The Cell as frames see it: short streams on the line-level model give its memory's numbers.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

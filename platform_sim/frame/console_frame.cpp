@@ -1,9 +1,8 @@
 #include "platform_sim/frame/console_frame.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
+#include "core/format.hpp"
 #include "platform_sim/frame/item_runner.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
 #include "platform_sim/memory/local_store_budget.hpp"
@@ -32,8 +31,8 @@ bool FitPass(const ConsoleMachine& machine, const Plan& plan, const StageCosts& 
                       store.buffer_bytes, store.buffer_sets},
                      store.free_bytes, why))
     return true;
-  error = fmt::format("pass {} ('{}' and {} more) does not fit: {}", index,
-                      plan.stages[pass.first_stage].kernel.name, pass.stage_count - 1, why);
+  error = Format("pass {} ('{}' and {} more) does not fit: {}", index,
+                 plan.stages[pass.first_stage].kernel.name, pass.stage_count - 1, why);
   return false;
 }
 
@@ -41,8 +40,8 @@ bool CheckCosts(const ConsoleMachine& machine, const StageCosts& costs, const Fr
                 std::string& error) {
   const Plan& plan = *frame.plan;
   if (costs.clock_hz != machine.clock_hz) {
-    error = fmt::format("stage costs are for a clock of {} Hz; the {} has {}", costs.clock_hz,
-                        machine.name, machine.clock_hz);
+    error = Format("stage costs are for a clock of {} Hz; the {} has {}", costs.clock_hz,
+                   machine.name, machine.clock_hz);
     return false;
   }
   bool same = costs.stages.size() == plan.stages.size();
@@ -60,7 +59,7 @@ bool CheckMachine(const ConsoleMachine& m, std::string& error) {
   if (m.units > 0 && m.clock_hz > 0 && m.threads_per_core > 0 && m.line_bytes > 0 &&
       m.largest_transfer_bytes > 0 && m.availability > 0.0 && m.memory.units_per_port > 0)
     return true;
-  error = fmt::format("{}: no unit, clock, line or availability may be zero", m.name);
+  error = Format("{}: no unit, clock, line or availability may be zero", m.name);
   return false;
 }
 

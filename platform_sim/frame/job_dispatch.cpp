@@ -1,11 +1,11 @@
 #include "platform_sim/frame/job_dispatch.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <vector>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -26,12 +26,12 @@ bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, dou
              JobRun& run, std::string& error) {
   constexpr double kLongestJobNs = 1e9;
   if (!(job_ns >= 0.0 && job_ns <= kLongestJobNs)) {
-    error = fmt::format("jobs of {} ns; expected 0 to {}", job_ns, kLongestJobNs);
+    error = Format("jobs of {} ns; expected 0 to {}", job_ns, kLongestJobNs);
     return false;
   }
   if (spe_count == 0 || jobs == 0 || p.jobs_ahead == 0) {
-    error = fmt::format("{} jobs on {} SPEs that may have {}: none may be zero", jobs, spe_count,
-                        p.jobs_ahead);
+    error = Format("{} jobs on {} SPEs that may have {}: none may be zero", jobs, spe_count,
+                   p.jobs_ahead);
     return false;
   }
   run = {};

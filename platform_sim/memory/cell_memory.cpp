@@ -1,8 +1,8 @@
 #include "platform_sim/memory/cell_memory.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -18,12 +18,12 @@ CellMemory::CellMemory(const CellMemoryParameters& p, EventQueue& queue)
 bool CellMemory::Submit(uint32_t spu, const DmaCommand& command, Action accepted, Action done,
                         std::string& error) {
   if (spu >= mfcs_.size()) {
-    error = fmt::format("DMA of SPU {}; there are {}", spu, mfcs_.size());
+    error = Format("DMA of SPU {}; there are {}", spu, mfcs_.size());
     return false;
   }
   if (!CheckDma(p_, command, error)) return false;
   if (command.far == DmaFar::kLocalStore && command.far_spu == spu) {
-    error = fmt::format("SPU {} moves data to its own local store by DMA; copy it there", spu);
+    error = Format("SPU {} moves data to its own local store by DMA; copy it there", spu);
     return false;
   }
   if (command.far == DmaFar::kL2 && command.kind == DmaKind::kPut) {

@@ -1,8 +1,8 @@
 #include "platform_sim/memory/dma_command.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -13,30 +13,29 @@ constexpr bool IsSmall(uint32_t bytes) {
 
 std::string CheckElement(const CellMemoryParameters& p, uint32_t local, const DmaElement& e) {
   if (!IsSmall(e.bytes) && (e.bytes == 0 || e.bytes % 16 != 0))
-    return fmt::format(
+    return Format(
         "{} bytes; a DMA command moves 1, 2, 4, 8 or a multiple of 16 bytes: pad the block",
         e.bytes);
   if (e.bytes > p.largest_command_bytes)
-    return fmt::format("{} bytes; a DMA command moves at most {}: split it, or make it a list",
-                       e.bytes, p.largest_command_bytes);
+    return Format("{} bytes; a DMA command moves at most {}: split it, or make it a list", e.bytes,
+                  p.largest_command_bytes);
   if (((local ^ e.address) & 15) != 0)
-    return fmt::format(
+    return Format(
         "local store {:#x} and effective address {:#x} differ in their low 4 bits; "
         "they must agree",
         local, e.address);
   const uint32_t alignment = std::min(e.bytes, 16u);
   if (local % alignment != 0)
-    return fmt::format(
+    return Format(
         "{} bytes at local store {:#x} and effective address {:#x}; they must lie at "
         "multiples of {} (128 is fastest)",
         e.bytes, local, e.address, alignment);
   if (e.address + e.bytes < e.address)
-    return fmt::format("{} bytes at effective address {:#x} end behind the last address", e.bytes,
-                       e.address);
+    return Format("{} bytes at effective address {:#x} end behind the last address", e.bytes,
+                  e.address);
   if (uint64_t(local) + e.bytes > p.local_store_bytes)
-    return fmt::format("local store {:#x} + {} bytes ends {} bytes behind the local store of {}",
-                       local, e.bytes, uint64_t(local) + e.bytes - p.local_store_bytes,
-                       p.local_store_bytes);
+    return Format("local store {:#x} + {} bytes ends {} bytes behind the local store of {}", local,
+                  e.bytes, uint64_t(local) + e.bytes - p.local_store_bytes, p.local_store_bytes);
   return {};
 }
 
@@ -68,28 +67,28 @@ DmaCommand MakeDma(DmaKind kind, uint32_t local_address, uint64_t address, uint3
 bool CheckDma(const CellMemoryParameters& p, const DmaCommand& command, std::string& error) {
   std::string why;
   if (command.tag >= p.tags)
-    why = fmt::format("tag {}; tags are 0 to {}", command.tag, p.tags - 1);
+    why = Format("tag {}; tags are 0 to {}", command.tag, p.tags - 1);
   else if (command.far == DmaFar::kLocalStore && command.far_spu >= p.spu_count)
-    why = fmt::format("local store of SPU {}; there are {}", command.far_spu, p.spu_count);
+    why = Format("local store of SPU {}; there are {}", command.far_spu, p.spu_count);
   else if (command.elements.empty())
     why = "it has no element; give it something to move";
   else if (!command.list && command.elements.size() != 1)
-    why = fmt::format("{} elements; only a list has more than one", command.elements.size());
+    why = Format("{} elements; only a list has more than one", command.elements.size());
   else if (command.elements.size() > p.list_elements)
-    why = fmt::format("a list of {} elements; {} at most: use a second list",
-                      command.elements.size(), p.list_elements);
+    why = Format("a list of {} elements; {} at most: use a second list", command.elements.size(),
+                 p.list_elements);
   uint32_t local = command.local_address;
   for (size_t i = 0; why.empty() && i < command.elements.size(); ++i) {
     why = CheckElement(p, local, command.elements[i]);
-    if (!why.empty() && command.list) why = fmt::format("list element {}: {}", i, why);
+    if (!why.empty() && command.list) why = Format("list element {}: {}", i, why);
     local = NextListAddress(local, command.elements[i].bytes);
     const uint64_t far_end = command.elements[i].address + command.elements[i].bytes;
     if (why.empty() && command.far == DmaFar::kLocalStore && far_end > p.local_store_bytes)
-      why = fmt::format("it ends {} bytes behind the local store of SPU {}",
-                        far_end - p.local_store_bytes, command.far_spu);
+      why = Format("it ends {} bytes behind the local store of SPU {}",
+                   far_end - p.local_store_bytes, command.far_spu);
   }
   if (why.empty()) return true;
-  error = fmt::format("illegal DMA {}: {}", command.kind == DmaKind::kGet ? "get" : "put", why);
+  error = Format("illegal DMA {}: {}", command.kind == DmaKind::kGet ? "get" : "put", why);
   return false;
 }
 

@@ -1,6 +1,6 @@
 #include "platform_sim/memory/local_store_budget.hpp"
 
-#include <fmt/format.h>
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -12,7 +12,7 @@ bool FitsLocalStore(const CellMemoryParameters& p, const LocalStoreUse& use, uin
     return true;
   }
   free_bytes = 0;
-  error = fmt::format(
+  error = Format(
       "local store: {} bytes are needed, {} too many for {}: code {}, stack {}, data {}, {} x {} "
       "of "
       "buffers; use smaller chunks, fewer fused stages or one buffer set",

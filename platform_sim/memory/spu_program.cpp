@@ -1,8 +1,8 @@
 #include "platform_sim/memory/spu_program.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -144,7 +144,7 @@ bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> pr
   const auto memory = CellMemory::TryMake(p, queue, error);
   if (!memory) return false;
   if (programs.size() > p.spu_count) {
-    error = fmt::format("{} SPU programs; there are {} SPUs", programs.size(), p.spu_count);
+    error = Format("{} SPU programs; there are {} SPUs", programs.size(), p.spu_count);
     return false;
   }
   std::vector<std::unique_ptr<SpuProgram>> spus;
@@ -156,7 +156,7 @@ bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> pr
   run = {};
   for (uint32_t i = 0; i < spus.size(); ++i) {
     if (!spus[i]->error().empty()) {
-      error = fmt::format("SPU {}: {}", i, spus[i]->error());
+      error = Format("SPU {}: {}", i, spus[i]->error());
       return false;
     }
     run.spus.push_back(spus[i]->times());

@@ -1,10 +1,9 @@
 #include "platform_sim/memory/xenon_memory.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <deque>
 
+#include "core/format.hpp"
 #include "platform_sim/memory/cache.hpp"
 
 namespace pelt {
@@ -278,8 +277,7 @@ bool RunCacheMemory(const CacheMemoryParameters& p,
                     std::string& error) {
   if (!CheckCacheMemory(p, error)) return false;
   if (traces.size() > size_t(p.Threads())) {
-    error = fmt::format("{} traces; the {} has {} hardware threads", traces.size(), p.name,
-                        p.Threads());
+    error = Format("{} traces; the {} has {} hardware threads", traces.size(), p.name, p.Threads());
     return false;
   }
   for (size_t t = 0; t < traces.size(); ++t) {
@@ -288,7 +286,7 @@ bool RunCacheMemory(const CacheMemoryParameters& p,
       const MemoryAccess& a = traces[t][i];
       if (a.cycle < before || a.bytes == 0 || a.bytes > p.line_bytes ||
           a.address + a.bytes < a.address) {
-        error = fmt::format(
+        error = Format(
             "thread {}, access {}: {} bytes at {:#x} in cycle {}, after cycle {}; a trace goes "
             "forward in "
             "time, and an access has 1 to {} bytes inside memory",

@@ -1,8 +1,8 @@
 #include "platform_sim/platforms/cell_system.hpp"
 
-#include <fmt/format.h>
-
 #include <bit>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -36,26 +36,25 @@ bool CheckCellSystem(const CellSystem& cell, std::string& error) {
   };
   if (cell.spu_count == 0) return refuse("it has no SPU; a retail PS3 gives a game 6");
   if (cell.spu_count > kMostSpus)
-    return refuse(fmt::format("it has {} SPUs; a retail PS3 gives a game at most {}",
-                              cell.spu_count, kMostSpus));
+    return refuse(
+        Format("it has {} SPUs; a retail PS3 gives a game at most {}", cell.spu_count, kMostSpus));
   if (cell.local_store_bytes < kLeastLocalStoreBytes)
     return refuse(
-        fmt::format("a local store of {} bytes holds no kernel with its double-buffered "
-                    "chunks; at least {} are needed, a Cell has 262144",
-                    cell.local_store_bytes, kLeastLocalStoreBytes));
+        Format("a local store of {} bytes holds no kernel with its double-buffered "
+               "chunks; at least {} are needed, a Cell has 262144",
+               cell.local_store_bytes, kLeastLocalStoreBytes));
   if (cell.local_store_bytes > kMostLocalStoreBytes)
-    return refuse(
-        fmt::format("a local store of {} bytes; a Cell has {}, and no more can be executed",
-                    cell.local_store_bytes, kMostLocalStoreBytes));
+    return refuse(Format("a local store of {} bytes; a Cell has {}, and no more can be executed",
+                         cell.local_store_bytes, kMostLocalStoreBytes));
   if (cell.clock_hz < kLeastClockHz || cell.clock_hz > kMostClockHz)
-    return refuse(fmt::format("a clock of {} Hz; {} to {} make sense, a retail PS3's is 3192000000",
-                              cell.clock_hz, kLeastClockHz, kMostClockHz));
+    return refuse(Format("a clock of {} Hz; {} to {} make sense, a retail PS3's is 3192000000",
+                         cell.clock_hz, kLeastClockHz, kMostClockHz));
   if (!std::has_single_bit(cell.line_bytes) || cell.line_bytes < 16 || cell.line_bytes > 4096)
-    return refuse(fmt::format("lines of {} bytes; they must be a power of two from 16 to 4096",
-                              cell.line_bytes));
+    return refuse(
+        Format("lines of {} bytes; they must be a power of two from 16 to 4096", cell.line_bytes));
   if (cell.availability_permille == 0 || cell.availability_permille > 1000)
-    return refuse(fmt::format("an availability of {} permille; it must be 1 to 1000",
-                              cell.availability_permille));
+    return refuse(
+        Format("an availability of {} permille; it must be 1 to 1000", cell.availability_permille));
   if (cell.ChannelCycles() == 0) return refuse("a channel operation takes no time");
   return true;
 }

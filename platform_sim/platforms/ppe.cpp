@@ -1,13 +1,13 @@
 #include "platform_sim/platforms/ppe.hpp"
 
-#include <fmt/format.h>
+#include "core/format.hpp"
 
 namespace pelt {
 
 std::vector<PlatformNumber> DescribeNumbers(const PpeParameters& ppe) {
   std::vector<PlatformNumber> out;
   for (const PpeClassParameters& c : ppe.classes)
-    out.push_back({fmt::format("{} latency{}", c.name, c.blocks_units ? ", not pipelined" : ""),
+    out.push_back({Format("{} latency{}", c.name, c.blocks_units ? ", not pipelined" : ""),
                    double(c.latency_cycles), "cycles", c.source, c.sure});
   const auto add = [&](const char* name, double value, const char* unit, const char* source,
                        Sureness sure = Sureness::kPublished) {

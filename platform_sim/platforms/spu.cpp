@@ -1,6 +1,6 @@
 #include "platform_sim/platforms/spu.hpp"
 
-#include <fmt/format.h>
+#include "core/format.hpp"
 
 namespace pelt {
 
@@ -8,11 +8,11 @@ std::vector<PlatformNumber> DescribeNumbers(const SpuParameters& spu) {
   std::vector<PlatformNumber> out;
   for (const SpuClassParameters& c : spu.classes) {
     const char* pipe = c.pipe == SpuPipe::kEven ? "even" : "odd";
-    out.push_back({fmt::format("{} latency ({} pipe: {})", c.name, pipe, c.operations),
+    out.push_back({Format("{} latency ({} pipe: {})", c.name, pipe, c.operations),
                    double(c.latency_cycles), "cycles", c.source, c.sure});
     if (c.stall_cycles)
-      out.push_back({fmt::format("{} stall of both pipes", c.name), double(c.stall_cycles),
-                     "cycles", c.source, c.sure});
+      out.push_back({Format("{} stall of both pipes", c.name), double(c.stall_cycles), "cycles",
+                     c.source, c.sure});
   }
   const auto add = [&](const char* name, double value, const char* unit, const char* source) {
     out.push_back({name, value, unit, source, Sureness::kPublished});

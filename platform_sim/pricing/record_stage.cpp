@@ -1,7 +1,6 @@
 #include "platform_sim/pricing/record_stage.hpp"
 
-#include <fmt/format.h>
-
+#include "core/format.hpp"
 #include "jobs/float_environment.hpp"
 
 namespace pelt {
@@ -31,7 +30,7 @@ bool TryRecordStage(const Frame& frame, uint32_t stage_index, uint32_t item, Rec
   const Stage& stage = frame.plan->stages[stage_index];
   const KernelDesc* const kernel = FindRecordingKernel(stage.kernel.name);
   if (!kernel) {
-    error = fmt::format("stage {}: there is no recording kernel of this name", stage.kernel.name);
+    error = Format("stage {}: there is no recording kernel of this name", stage.kernel.name);
     return false;
   }
   const FrameMemory& memory = *frame.memory;
@@ -43,8 +42,8 @@ bool TryRecordStage(const Frame& frame, uint32_t stage_index, uint32_t item, Rec
     fits = fits && recorder.AddBlock(bindings[p].block, BytesOf(port, bindings[p], memory, item));
   }
   if (!fits) {
-    error = fmt::format("stage {}: the blocks of item {} do not fit the recorder's 2 GiB",
-                        stage.kernel.name, item);
+    error = Format("stage {}: the blocks of item {} do not fit the recorder's 2 GiB",
+                   stage.kernel.name, item);
     return false;
   }
   const FloatEnvironment float_environment;

@@ -1,11 +1,11 @@
 // C13: two blocks of 8 x 16 of C in turns, 32 registers each, all 64 steps of k written out; what a
 // multiply-add needs is loaded and spread on the odd pipe under the multiply-adds of the step
 // before, and one block is stored and loaded under the other's.
-#include <fmt/format.h>
 
 #include <string>
 #include <vector>
 
+#include "core/format.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 
 namespace pelt {
@@ -22,8 +22,8 @@ class Schedule {
     std::string text = ".align 3\nloop:\n";
     for (int i = 0; i < kFmas; ++i) {
       const int step = i / kStep, row = i % kStep / kColumns, column = i % kColumns;
-      text += fmt::format("fnms ${0}, ${1}, ${2}, ${0}\n", Sum(i / (kStep * kSteps), i % kStep),
-                          Spread(step, row), RowOfB(step, column));
+      text += Format("fnms ${0}, ${1}, ${2}, ${0}\n", Sum(i / (kStep * kSteps), i % kStep),
+                     Spread(step, row), RowOfB(step, column));
       text += (At(i).empty() ? "lnop" : At(i)) + "\n";
     }
     return text +
@@ -55,26 +55,24 @@ class Schedule {
   void PlaceStep(int step) {
     const int now = kStep * step, before = now - kStep;
     for (int column = 0; column < kColumns; ++column)
-      Place(
-          before + column, now + column - 6,
-          fmt::format("lqd ${}, {}($6)", RowOfB(step, column), 64 * (step % kSteps) + 16 * column));
+      Place(before + column, now + column - 6,
+            Format("lqd ${}, {}($6)", RowOfB(step, column), 64 * (step % kSteps) + 16 * column));
     for (int row = 0; row < kRows; ++row)
       Place(before + 4 * row, now + 4 * row - 4,
-            fmt::format("shufb ${0}, ${1}, ${1}, ${2}", Spread(step, row), QuadOfA(step, row),
-                        112 + step % 4));
+            Format("shufb ${0}, ${1}, ${1}, ${2}", Spread(step, row), QuadOfA(step, row),
+                   112 + step % 4));
     if (step % 4 != 0) return;
     for (int row = 0; row < kRows; ++row)
       Place(now - 4 * kStep + 4 * row, before - 6,
-            fmt::format("lqd ${}, {}($3)", QuadOfA(step, row), 256 * row + 4 * (step % kSteps)));
+            Format("lqd ${}, {}($3)", QuadOfA(step, row), 256 * row + 4 * (step % kSteps)));
   }
 
   void PlaceBlockMove(int acc) {
     const int block = acc / kStep, i = acc % kStep, half = kSteps * kStep;
     const int last_fma = (block + 1) * half - kStep + i;
-    Place(last_fma + 6, last_fma + half / 2,
-          fmt::format("stqd ${}, {}($4)", Sum(block, i), 16 * i));
+    Place(last_fma + 6, last_fma + half / 2, Format("stqd ${}, {}($4)", Sum(block, i), 16 * i));
     Place(last_fma + half / 2 + 1, last_fma + half - kStep,
-          fmt::format("lqd ${}, {}($5)", Sum(block, i), 16 * i));
+          Format("lqd ${}, {}($5)", Sum(block, i), 16 * i));
   }
 
   bool fits_ = true;

@@ -3,8 +3,8 @@
 // What consoles.md does not say of a row's loop is taken to be: a pointer chase is a load and the
 // loop's branch; the vector stream reads a line a turn and adds it to four sums, so that something
 // is done with what was read.
-#include <fmt/format.h>
 
+#include "core/format.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 
 namespace pelt {
@@ -14,9 +14,9 @@ std::string PointerChase() { return "loop: ld r3, 0(r3)\n bdnz loop\n"; }
 std::string VectorStream() {
   constexpr int kVectors = 8, kSums = 4;
   std::string text = "loop:\n";
-  for (int i = 0; i < kVectors; ++i) text += fmt::format(" lvx v{}, r{}, r3\n", i, 4 + i);
+  for (int i = 0; i < kVectors; ++i) text += Format(" lvx v{}, r{}, r3\n", i, 4 + i);
   for (int i = 0; i < kVectors; ++i)
-    text += fmt::format(" vaddfp v{0}, v{0}, v{1}\n", 16 + i % kSums, i);
+    text += Format(" vaddfp v{0}, v{0}, v{1}\n", 16 + i % kSums, i);
   return text + " addi r3, r3, 128\n bdnz loop\n";
 }
 
@@ -24,7 +24,7 @@ std::string VectorFmaChains() {
   constexpr int kChains = 6, kRounds = 16;
   std::string text = "loop:\n";
   for (int r = 0; r < kRounds; ++r)
-    for (int i = 1; i <= kChains; ++i) text += fmt::format(" vmaddfp v{0}, v{0}, v10, v11\n", i);
+    for (int i = 1; i <= kChains; ++i) text += Format(" vmaddfp v{0}, v{0}, v10, v11\n", i);
   return text + " bdnz loop\n";
 }
 
@@ -44,16 +44,14 @@ std::string MixedVectorKernel() {
   for (int step = 0; step < kAxes; ++step)
     for (int v = 0; v < kVectors; ++v)
       for (int a = 0; a < kAxes; ++a)
-        text += fmt::format(" vmaddfp v{}, v{}, v{}, v{}\n", out(v, a), in(v, step),
-                            kMatrix + step * kAxes + a,
-                            step == 0 ? kMatrix + kAxes * kAxes + a : out(v, a));
+        text +=
+            Format(" vmaddfp v{}, v{}, v{}, v{}\n", out(v, a), in(v, step),
+                   kMatrix + step * kAxes + a, step == 0 ? kMatrix + kAxes * kAxes + a : out(v, a));
   for (int v = 0; v < kVectors; ++v)
-    for (int a = 0; a < kAxes; ++a)
-      text += fmt::format(" lvx v{}, r{}, r3\n", in(v, a), 5 + in(v, a));
+    for (int a = 0; a < kAxes; ++a) text += Format(" lvx v{}, r{}, r3\n", in(v, a), 5 + in(v, a));
   text += " addi r3, r3, 144\n";
   for (int v = 0; v < kVectors; ++v)
-    for (int a = 0; a < kAxes; ++a)
-      text += fmt::format(" stvx v{}, r{}, r4\n", out(v, a), 5 + in(v, a));
+    for (int a = 0; a < kAxes; ++a) text += Format(" stvx v{}, r{}, r4\n", out(v, a), 5 + in(v, a));
   return text + " addi r4, r4, 144\n bdnz loop\n";
 }
 

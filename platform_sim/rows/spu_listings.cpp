@@ -1,6 +1,6 @@
 // The SPU rows' listings.
-#include <fmt/format.h>
 
+#include "core/format.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 
 namespace pelt {
@@ -12,7 +12,7 @@ class ListingText {
   // "{0}" is the chain, from 0; an lnop behind each for the odd pipe.
   void Chains(uint32_t count, fmt::string_view statement) {
     for (uint32_t i = 0; i < count; ++i) {
-      Line(fmt::vformat(statement, fmt::make_format_args(i)));
+      Line(Format(fmt::runtime(statement), i));
       Line("lnop");
     }
   }

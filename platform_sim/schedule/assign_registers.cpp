@@ -1,7 +1,5 @@
 #include "platform_sim/schedule/assign_registers.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <deque>
 

@@ -1,9 +1,9 @@
 #include "platform_sim/schedule/check_finished.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
+
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -52,7 +52,7 @@ class Check {
     good = good && Enter();
     for (at_ = 0; good && at_ < finished_.program.size(); ++at_) good = Step();
     good = good && CheckTotals();
-    if (!good) error = fmt::format("instruction {}: {}", at_, why_);
+    if (!good) error = Format("instruction {}: {}", at_, why_);
     return good;
   }
 
@@ -76,7 +76,7 @@ class Check {
   bool Write(uint32_t reg, uint32_t value) {
     const SchedulingCore::File& file = core_.Of(code_.file[value]);
     if (reg < file.first || reg - file.first >= file.count)
-      return Fail(fmt::format("register {} is none of those of value {}", reg, value));
+      return Fail(Format("register {} is none of those of value {}", reg, value));
     registers_[reg] = value;
     return true;
   }
@@ -139,14 +139,14 @@ class Check {
     if (times_run_[origin]++) {
       ++made_again_;
       if (before.address.is_store || before.flow != Flow::kNext)
-        return Fail(fmt::format("instruction {} a second time", origin));
+        return Fail(Format("instruction {} a second time", origin));
     }
     if (now.op_class != before.op_class || now.flow != before.flow ||
         now.reads.count != before.reads.count || now.writes.count != before.writes.count)
-      return Fail(fmt::format("is not instruction {}", origin));
+      return Fail(Format("is not instruction {}", origin));
     for (uint32_t r = 0; r < now.reads.count; ++r)
       if (ValueIn(now.reads.number[r]) != before.reads.number[r])
-        return Fail(fmt::format("operand {} is not value {}", r, before.reads.number[r]));
+        return Fail(Format("operand {} is not value {}", r, before.reads.number[r]));
     for (uint32_t w = 0; w < now.writes.count; ++w)
       if (!Write(now.writes.number[w], before.writes.number[w])) return false;
     for (uint32_t w = 0; w < now.writes.count; ++w)
@@ -157,7 +157,7 @@ class Check {
         a.is_store != b.is_store)
       return Fail("another address");
     if (memory_as_run_.Access(origin, a) != expected_[origin])
-      return Fail(fmt::format("instruction {} finds another store's bytes", origin));
+      return Fail(Format("instruction {} finds another store's bytes", origin));
     if (now.flow == Flow::kConditional) {
       ++branches_run_;
       if (now.target != finished_.program.size()) return Fail("another target");
@@ -169,7 +169,7 @@ class Check {
 
   bool CheckTotals() {
     for (size_t i = 0; i < times_run_.size(); ++i)
-      if (times_run_[i] == 0) return Fail(fmt::format("instruction {} is missing", i));
+      if (times_run_[i] == 0) return Fail(Format("instruction {} is missing", i));
     if (spill_stores_ != finished_.spill_stores || spill_loads_ != finished_.spill_loads ||
         made_again_ != finished_.made_again || padding_ != finished_.padding)
       return Fail("counts that are not right");

@@ -1,10 +1,9 @@
 #include "platform_sim/schedule/fit_registers.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 
+#include "core/format.hpp"
 #include "platform_sim/schedule/value_uses.hpp"
 
 namespace pelt {
@@ -29,7 +28,7 @@ class Fitting {
     PlaceEntryValues();
     for (uint32_t i = 0; i < in_.program.size(); ++i)
       if (!Fit(i)) {
-        error = fmt::format("instruction {}: {}", i, why_);
+        error = Format("instruction {}: {}", i, why_);
         return std::nullopt;
       }
     for (Instruction& instruction : out_.code.program)

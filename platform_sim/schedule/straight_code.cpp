@@ -1,9 +1,8 @@
 #include "platform_sim/schedule/straight_code.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "core/format.hpp"
 #include "platform_sim/core/issue_walk.hpp"
 
 namespace pelt {
@@ -26,7 +25,7 @@ const char* WrongShape(const Instruction& instruction, size_t program_size) {
 }
 
 bool Refuse(size_t index, const char* what, std::string& error) {
-  error = fmt::format("instruction {}: {}", index, what);
+  error = Format("instruction {}: {}", index, what);
   return false;
 }
 

@@ -1,0 +1,157 @@
+// Curl that the parent link carries: the difference between two models of a bent joint, as a force.
+//
+// The modes know a joint whose rest bend turns with the root (model L): k/2 |(d_j - d_p) -
+// (r_j - r_p)|^2, p = j - 1. A curl that keeps its shape when the strand swings is carried by the
+// link above it (model F): k/2 |d_j - T d_p|^2, T d the image of r_j under the smallest rotation
+// that takes r_p to d. The modes go on with L, exactly; what F pulls otherwise, -grad E_F +
+// grad E_L, is a force that goes evenly over the substep from what it is at its start to what it
+// will be where that and the last multipliers lead.
+//
+//   on d_j: k (T - r_j - d_p + r_p)      on d_p: k (dT/dd)^T (d_j - T) - k (d_j - d_p - r_j + r_p)
+//
+// A strand that hangs still is where F balances, whatever the step: the two ends are then one.
+// (A force k (1 - d_j . T), equal at unit length, is not: it blows up.)
+//
+// Invariant: finite in, finite out; a link turned right round against its rest direction, where T
+// is not defined, feels a bounded force.
+#pragma once
+
+#include "core/modal/modal_block.hpp"
+#include "core/simd.hpp"
+
+namespace pelt::modal {
+
+// 1 + r . d is not let below this: 169 degrees.
+inline constexpr float kLeastCarry = 0.02f;
+
+// The image T of v under the smallest rotation that takes the unit vector a to the unit vector d,
+// and the pull of w . T on d.
+template <class W>
+struct Carried {
+  Vec3<W> image, gradient;
+};
+
+template <class W>
+PELT_INLINE Carried<W> Carry(Vec3<W> a, Vec3<W> d, Vec3<W> v, Vec3<W> to) {
+  const W inverse = W(1.0f) / Max(W(1.0f) + Dot(a, d), W(kLeastCarry));
+  const Vec3<W> sum = a + d;
+  const W twice = Dot(a, v) * W(2.0f), share = Dot(sum, v) * inverse;
+  Carried<W> c;
+  c.image = v - sum * share + d * twice;
+  const Vec3<W> w = to - c.image;
+  const W across = Dot(sum, w) * inverse;
+  c.gradient = w * (twice - share) - v * across + a * (across * share);
+  return c;
+}
+
+// What F pulls beyond L on links that point along `d` (unit), rest directions `r`, 1/s^2.
+template <class W, uint32_t N>
+PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Vec3<W> (&d)[N], const Vec3<W> (&r)[N],
+                            Vec3<W> (&force)[N]) {
+  force[0] = {W(0.0f), W(0.0f), W(0.0f)};
+  for (uint32_t j = 1; j < N; ++j) {
+    const uint32_t p = j - 1;
+    const W k = W(t.joint[j]);
+    const Carried<W> c = Carry<W>(r[p], d[p], r[j], d[j]);
+    const Vec3<W> off = d[p] - r[p];
+    force[p] = force[p] + (c.gradient - (d[j] - r[j] - off)) * k;
+    force[j] = (c.image - r[j] - off) * k;
+  }
+}
+
+// The rest directions at a time that `place` weighs the backward differences for.
+template <class W, uint32_t N, class Motion>
+PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSamples - 1],
+                        const Motion& motion, W (&rest)[3][N]) {
+  for (uint32_t k = 0; k < 3; ++k) {
+    const auto& a = motion.axis[k];
+    const W root = a.root[0] * W(place[0]) + a.root[1] * W(place[1]) + a.root[2] * W(place[2]);
+    W bend[N];  // by how much T differs from the newest, the root's place set aside
+    for (uint32_t m = 0; m < N; ++m)
+      bend[m] = a.bend[1][m] * W(place[0]) + a.bend[2][m] * W(place[1]) +
+                a.bend[3][m] * W(place[2]) - root * W(t.bend[m][0]);
+    for (uint32_t i = 0; i < N; ++i) {
+      W r = a.rest[i];
+      for (uint32_t m = 0; m < N; ++m) r = r + bend[m] * W(t.rest_of_bend[i][m]);
+      rest[k][i] = r;
+    }
+  }
+}
+
+template <class W, uint32_t N>
+PELT_INLINE void ToLinks(const W (&rows)[3][N], Vec3<W> (&links)[N]) {
+  for (uint32_t i = 0; i < N; ++i) links[i] = {rows[0][i], rows[1][i], rows[2][i]};
+}
+
+template <class W>
+PELT_INLINE W PartOf(const Vec3<W>& v, uint32_t axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+// Where the links would end under the force of the substep's start and the last multipliers.
+template <class W, uint32_t N, class Motion>
+PELT_INLINE void PredictEnd(const ModalTableBlock& t, const Motion& motion,
+                            const Vec3<W> (&force)[N], W (&end)[3][N]) {
+  for (uint32_t k = 0; k < 3; ++k) {
+    const auto& a = motion.axis[k];
+    W twice[N], free[N];
+    for (uint32_t i = 0; i < N; ++i) twice[i] = PartOf(force[i], k) + PartOf(force[i], k);
+    for (uint32_t i = 0; i < N; ++i) {
+      free[i] = a.p[i];
+      for (uint32_t j = 0; j < N; ++j) free[i] = free[i] + twice[j] * W(t.response[i][j]);
+    }
+    for (uint32_t i = 0; i < N; ++i) {
+      end[k][i] = free[i];
+      for (uint32_t j = 0; j < N; ++j)
+        end[k][i] = end[k][i] + (a.d[j] + free[j]) * motion.lambda[j] * W(t.response[i][j]);
+    }
+  }
+}
+
+// Adds the answer to a force that goes from `first` to `last` over the substep to p and z.
+template <class W, uint32_t N, class Motion>
+PELT_INLINE void AddForce(const ModalTableBlock& t, const Vec3<W> (&first)[N],
+                          const Vec3<W> (&last)[N], Motion& motion) {
+  for (uint32_t k = 0; k < 3; ++k) {
+    auto& a = motion.axis[k];
+    // The table's answers are those to half a constant force and to a change.
+    W sum[N], turn[N];
+    for (uint32_t i = 0; i < N; ++i) {
+      sum[i] = PartOf(last[i], k) + PartOf(first[i], k);
+      turn[i] = PartOf(last[i], k) - PartOf(first[i], k);
+    }
+    for (uint32_t i = 0; i < N; ++i) {
+      W p = a.p[i], push = sum[0] * W(t.shape[0][i]), twist = turn[0] * W(t.shape[0][i]);
+      for (uint32_t j = 0; j < N; ++j)
+        p = p + sum[j] * W(t.response[i][j]) + turn[j] * W(t.slope[i][j]);
+      for (uint32_t j = 1; j < N; ++j) {
+        push = push + sum[j] * W(t.shape[j][i]);
+        twist = twist + turn[j] * W(t.shape[j][i]);
+      }
+      a.p[i] = p;
+      a.z[i] = a.z[i] + push * W(t.impulse[i]) + twist * W(t.impulse_slope[i]);
+    }
+  }
+}
+
+// Adds what the force changes to the free motion (p, z).
+template <class W, uint32_t N, class Motion>
+__attribute__((noinline)) void AddCurl(const ModalTableBlock& t, const ModalSubstep& s,
+                                       Motion& motion) {
+  W rows[3][N];
+  Vec3<W> d[N], r[N], first[N], last[N];
+  RestAt<W, N>(t, s.start_place, motion, rows);
+  ToLinks(rows, r);
+  for (uint32_t i = 0; i < N; ++i)
+    d[i] = {motion.axis[0].d[i], motion.axis[1].d[i], motion.axis[2].d[i]};
+  PullOfCurl<W, N>(t, d, r, first);
+  PredictEnd<W, N>(t, motion, first, rows);
+  for (uint32_t i = 0; i < N; ++i)
+    d[i] = NormalizeOr<W>({rows[0][i], rows[1][i], rows[2][i]}, d[i]);
+  RestAt<W, N>(t, s.root_place, motion, rows);
+  ToLinks(rows, r);
+  PullOfCurl<W, N>(t, d, r, last);
+  AddForce<W, N>(t, first, last, motion);
+}
+
+}  // namespace pelt::modal

@@ -1,0 +1,72 @@
+// How the points of a chain give way to pushes along given normals while its links keep their
+// length: the Schur complement of the lengths (modal_touch.hpp has the formulas). For forces over a
+// substep and for impulses.
+#pragma once
+
+#include "core/kernels/modal_matrix.hpp"
+
+namespace pelt::modal {
+
+// Sweeps over the contacts of one chain; they act on each other.
+inline constexpr int kTouchSweeps = 4;
+// A point can hardly be pushed along its links: this share of what it would give way without them.
+inline constexpr float kLeastGive = 0.02f;
+
+// What unit forces (impulses) along normals at the points do, the lengths kept.
+template <class W, uint32_t N>
+struct Levers {
+  float give[N][N];  // [point][link]: without the lengths
+  W hold[N][N];      // [point][link]: multipliers that keep the lengths
+  W matrix[N][N];    // [point][point], symmetric
+
+  // `share` of b . kappa: 1/2 where the lengths' directions are d + p, 1 where they are d.
+  PELT_INLINE void Make(const float (&response)[N][N], const Vec3<W> (&along)[N],
+                        const NewtonMatrix<W, N>& lengths, const Vec3<W> (&normal)[N],
+                        float share) {
+    W b[N][N];
+    for (uint32_t q = 0; q < N; ++q) {
+      for (uint32_t i = 0; i < N; ++i) {
+        give[q][i] = response[i][0];
+        for (uint32_t j = 1; j <= q; ++j) give[q][i] += response[i][j];
+        b[q][i] = Dot(normal[q], along[i]) * W(give[q][i]);
+        hold[q][i] = W(0.0f) - b[q][i];
+      }
+      SolveFactored<W, N>(lengths.lower, lengths.inverse, hold[q]);
+    }
+    for (uint32_t r = 0; r < N; ++r)
+      for (uint32_t q = 0; q <= r; ++q) {
+        float bare = give[q][0];
+        for (uint32_t i = 1; i <= r; ++i) bare += give[q][i];
+        W sum = b[r][0] * hold[q][0];
+        for (uint32_t j = 1; j < N; ++j) sum = sum + b[r][j] * hold[q][j];
+        matrix[r][q] = Dot(normal[r], normal[q]) * W(bare) + sum * W(share);
+        if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive * bare));
+        matrix[q][r] = matrix[r][q];
+      }
+  }
+
+  // Pushes that bring about `wanted`, each at least `least`.
+  PELT_INLINE void Solve(const W (&wanted)[N], const W (&least)[N], W (&push)[N]) const {
+    W inverse[N];
+    for (uint32_t q = 0; q < N; ++q) {
+      push[q] = W(0.0f);
+      inverse[q] = W(1.0f) / matrix[q][q];
+    }
+    for (int sweep = 0; sweep < kTouchSweeps; ++sweep)
+      for (uint32_t q = 0; q < N; ++q) {
+        W left = wanted[q];
+        for (uint32_t r = 0; r < N; ++r) left = left - matrix[q][r] * push[r];
+        push[q] = Max(push[q] + left * inverse[q], least[q]);
+      }
+  }
+
+  // Multipliers of the lengths that go with the pushes.
+  PELT_INLINE void Hold(const W (&push)[N], W (&multiplier)[N]) const {
+    for (uint32_t j = 0; j < N; ++j) {
+      multiplier[j] = hold[0][j] * push[0];
+      for (uint32_t q = 1; q < N; ++q) multiplier[j] = multiplier[j] + hold[q][j] * push[q];
+    }
+  }
+};
+
+}  // namespace pelt::modal

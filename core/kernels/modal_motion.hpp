@@ -1,0 +1,65 @@
+// A group of modal chains while it moves, one axis at a time, and the small products with the
+// table's matrices that its steps are made of.
+#pragma once
+
+#include "core/kernels/modal_matrix.hpp"
+#include "core/modal/modal_block.hpp"
+#include "core/simd.hpp"
+
+namespace pelt::modal {
+
+// What moves and what pushes it, along one axis, in links.
+template <class W, uint32_t N>
+struct Axis {
+  W d[N];        // directions
+  W z[N];        // dD/dt by mode, 1/s
+  W bend[4][N];  // T = omega^2 Phi^T M r by mode, and its backward differences
+  W force[N];    // T with gravity and wind: what pushes the modes all frame long, 1/s^2
+  W root[3];     // the root's backward differences
+  W wind_step;   // the wind's change since last frame, links/s^2
+  W rest[N];     // rest directions; set only where the curl follows its parent or motion is limited
+  // Of one substep: the free motion's links; d + y and (best tier) y - d, as they are expected; the
+  // constrained links.
+  W p[N], w[N], turn[N], y[N];
+};
+
+template <class W, uint32_t N>
+struct Motion {
+  Axis<W, N> axis[3];
+  W lambda[N];  // multipliers of the lengths
+};
+
+template <class W, uint32_t N>
+PELT_INLINE Vec3<W> Row(const Motion<W, N>& m, W (Axis<W, N>::*row)[N], uint32_t i) {
+  return {(m.axis[0].*row)[i], (m.axis[1].*row)[i], (m.axis[2].*row)[i]};
+}
+template <class W>
+PELT_INLINE W Component(const Vec3<W>& v, uint32_t axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+// Row `weights` of a matrix times a column.
+template <class W, uint32_t N>
+PELT_INLINE W Weigh(const float (&weights)[kMaxLinks], const W (&v)[N]) {
+  W sum = v[0] * W(weights[0]);
+  PELT_UNROLL
+  for (uint32_t j = 1; j < N; ++j) sum = sum + v[j] * W(weights[j]);
+  return sum;
+}
+
+// Column `column` of a matrix times a column.
+template <class W, uint32_t N>
+PELT_INLINE W WeighColumn(const float (&matrix)[kMaxLinks][kMaxLinks], uint32_t column,
+                          const W (&v)[N]) {
+  W sum = v[0] * W(matrix[0][column]);
+  PELT_UNROLL
+  for (uint32_t j = 1; j < N; ++j) sum = sum + v[j] * W(matrix[j][column]);
+  return sum;
+}
+
+template <class W>
+PELT_INLINE W WeighRoot(const float (&weights)[kModalSamples - 1], const W (&root)[3]) {
+  return root[0] * W(weights[0]) + root[1] * W(weights[1]) + root[2] * W(weights[2]);
+}
+
+}  // namespace pelt::modal

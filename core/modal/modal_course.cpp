@@ -1,0 +1,38 @@
+#include "core/modal/modal_course.hpp"
+
+#include <algorithm>
+
+namespace pelt {
+
+bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
+                          std::span<const ModalCourse> others, const ModalTableBlock* tables,
+                          ModalTableBlock* table) {
+  ModalCourse next = *this;
+  next.begun_ = true;
+  next.rod_ = rod;
+  next.quality_ = quality;
+  for (size_t k = std::size(times_.dt_s); k-- > 0;)
+    next.times_.dt_s[k] = k == 0 || !begun_ ? dt_s : times_.dt_s[k - 1];
+  if (HasTableOf(next)) return false;
+
+  const auto twin = std::find_if(others.begin(), others.end(),
+                                 [&](const ModalCourse& other) { return next.HasTableOf(other); });
+  if (twin != others.end()) {
+    *table = tables[twin - others.begin()];
+    next.layer_ = twin->layer_;
+  } else {
+    if (!begun_ || !(rod == rod_))
+      next.layer_ = MakeModalLayer(
+          CalibratedMaterial(rod.links, rod.frequency_hz, rod.damping_ratio, rod.drag_per_s));
+    FillModalTable(next.layer_, quality, next.times_, table);
+  }
+  *this = next;
+  return true;
+}
+
+bool ModalCourse::HasTableOf(const ModalCourse& other) const {
+  return begun_ && other.begun_ && rod_ == other.rod_ && quality_ == other.quality_ &&
+         std::equal(std::begin(times_.dt_s), std::end(times_.dt_s), other.times_.dt_s);
+}
+
+}  // namespace pelt

@@ -1,0 +1,45 @@
+// A layer's modal table from frame to frame: what its strands are made of, as weather bends it, and
+// how long the last frames were.
+//
+// Idea: a table costs some microseconds, and in most frames neither the material nor the lengths of
+// the frames have changed; then it stays as it is. Layers of one material share the work (`twin`).
+//
+// Invariant: the table is a function of the rod, the quality and the last three frame lengths
+// alone, so that layers that share and layers that do not get the same bits.
+#pragma once
+
+#include <span>
+
+#include "core/modal/modal_table.hpp"
+
+namespace pelt {
+
+// What CalibratedMaterial takes.
+struct RodMaterial {
+  uint32_t links;        // 3 or 4
+  double frequency_hz;   // of the first bending mode, without gravity
+  double damping_ratio;  // that bending gives it
+  double drag_per_s;
+  friend bool operator==(const RodMaterial&, const RodMaterial&) = default;
+};
+
+class ModalCourse {
+ public:
+  // Fills the table for a frame of dt_s seconds; the first call assumes that the frames before were
+  // as long. Says whether the table changed. `others` and `tables` are courses that have advanced
+  // to this frame, with their tables.
+  bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
+               std::span<const ModalCourse> others, const ModalTableBlock* tables,
+               ModalTableBlock* table);
+
+ private:
+  bool HasTableOf(const ModalCourse& other) const;
+
+  bool begun_ = false;
+  RodMaterial rod_{};
+  ModalQuality quality_{};
+  FrameTimes times_{};
+  ModalLayer layer_{};
+};
+
+}  // namespace pelt

@@ -1,0 +1,255 @@
+#include "core/modal/modal_table.hpp"
+
+#include "core/exact_math.hpp"
+#include "core/modal/modal_response.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kSamples = kModalSamples;
+
+// Coefficients of t^0 .. t^3, t in seconds from the frame's end, that each backward difference
+// of the samples contributes to their polynomial.
+struct DifferenceBasis {
+  double coefficient[kSamples][kSamples];
+};
+
+DifferenceBasis MakeBasis(const FrameTimes& times) {
+  double at[kSamples] = {};
+  for (uint32_t j = 1; j < kSamples; ++j) at[j] = at[j - 1] - times.dt_s[j - 1];
+  // Lagrange's polynomial of each sample.
+  double sample[kSamples][kSamples] = {};
+  for (uint32_t j = 0; j < kSamples; ++j) {
+    sample[j][0] = 1.0;
+    uint32_t degree = 0;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+      if (i == j) continue;
+      const double scale = 1.0 / (at[j] - at[i]);
+      ++degree;
+      for (uint32_t k = degree + 1; k-- > 0;)
+        sample[j][k] =
+            ((k > 0 ? sample[j][k - 1] : 0.0) - at[i] * (k < degree ? sample[j][k] : 0.0)) * scale;
+    }
+  }
+  // Sample j is the sum over k <= j of (-1)^k binomial(j, k) times difference k.
+  static constexpr double kSigned[kSamples][kSamples] = {
+      {1, 0, 0, 0}, {1, -1, 0, 0}, {1, -2, 1, 0}, {1, -3, 3, -1}};
+  DifferenceBasis basis = {};
+  for (uint32_t j = 0; j < kSamples; ++j)
+    for (uint32_t k = 0; k <= j; ++k)
+      for (uint32_t power = 0; power < kSamples; ++power)
+        basis.coefficient[k][power] += kSigned[j][k] * sample[j][power];
+  return basis;
+}
+
+// The polynomial's Taylor coefficients about time t.
+void ShiftTo(const double (&c)[kSamples], double t, double (&out)[kSamples]) {
+  out[0] = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+  out[1] = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
+  out[2] = c[2] + 3.0 * t * c[3];
+  out[3] = c[3];
+}
+
+struct ModeSteps {
+  OscillatorStep mode[kMaxLinks];
+};
+
+void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const DifferenceBasis& basis,
+                 double start, double h, double frame, bool last, ModalSubstep* s) {
+  const double bend = layer.material.bend_damping_s;
+  // Difference 0 is the newest sample itself: constant, and so part of the frame's constant force.
+  for (uint32_t k = 1; k < kSamples; ++k) {
+    double from[kSamples], to[kSamples];
+    ShiftTo(basis.coefficient[k], start, from);
+    ShiftTo(basis.coefficient[k], start + h, to);
+    for (uint32_t m = 0; m < layer.modes.links; ++m) {
+      // Force: T + beta dT/dt.
+      double q = 0.0, z = 0.0;
+      for (uint32_t power = 0; power < kSamples; ++power) {
+        const double next = power + 1 < kSamples ? double(power + 1) * from[power + 1] : 0.0;
+        const double force = from[power] + bend * next;
+        q += steps.mode[m].y_of_force[power] * force;
+        z += steps.mode[m].v_of_force[power] * force;
+      }
+      s->bend_q[k - 1][m] = float(q);
+      s->bend_z[k - 1][m] = float(z);
+    }
+    s->root_place[k - 1] = last ? 0.0f : float(to[0]);
+    s->root_speed[k - 1] = float(to[1]);
+    s->start_place[k - 1] = float(from[0]);
+  }
+  for (uint32_t m = 0; m < layer.modes.links; ++m) {
+    const OscillatorStep& step = steps.mode[m];
+    const double weight = layer.modes.image[m][0];  // Phi^T b: b is the first column of M
+    s->wind_q[m] = float(weight * (step.y_of_force[0] * start + step.y_of_force[1]) / frame);
+    s->wind_z[m] = float(weight * (step.v_of_force[0] * start + step.v_of_force[1]) / frame);
+  }
+}
+
+// The longest substeps, s: one and two at 60 frames a second. The length, not their number, is what
+// an error and a steady state depend on: at 15 frames a second substeps of a fixed number leave a
+// static shape 3e-4 off and single strands trembling for ever.
+constexpr double kLongestFast = 1.0 / 48.0, kLongest = 1.0 / 80.0;
+
+void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.links;
+  // A change of force over the substep, 0 in its middle.
+  const auto slope_of = [&](double constant, double linear) { return linear / h - 0.5 * constant; };
+  for (uint32_t m = 0; m < n; ++m) {
+    const OscillatorStep& step = steps.mode[m];
+    t->impulse[m] = float(0.5 * step.v_of_force[0]);
+    t->impulse_slope[m] = float(slope_of(step.v_of_force[0], step.v_of_force[1]));
+    t->y_of_force[m] = float(step.y_of_force[0]);
+    t->v_of_force[m] = float(step.v_of_force[0]);
+    t->y_of_y[m] = float(step.y_of_y);
+    t->y_of_v[m] = float(step.y_of_v);
+    t->v_of_y[m] = float(step.v_of_y);
+    t->v_of_v[m] = float(step.v_of_v);
+  }
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) {
+      double constant = 0.0, slope = 0.0;
+      for (uint32_t m = 0; m < n; ++m) {
+        const OscillatorStep& step = steps.mode[m];
+        const double pair = layer.modes.shape[i][m] * layer.modes.shape[j][m];
+        constant += pair * step.y_of_force[0];
+        slope += pair * slope_of(step.y_of_force[0], step.y_of_force[1]);
+      }
+      t->response[i][j] = float(0.5 * constant);
+      t->slope[i][j] = float(slope);
+    }
+}
+
+// Gauss-Jordan without pivots: a is positive definite. a is lost.
+void Invert(double (&a)[kMaxLinks][kMaxLinks], uint32_t n,
+            double (&inverse)[kMaxLinks][kMaxLinks]) {
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) inverse[i][j] = i == j ? 1.0 : 0.0;
+  for (uint32_t i = 0; i < n; ++i) {
+    const double scale = 1.0 / a[i][i];
+    for (uint32_t j = 0; j < n; ++j) a[i][j] *= scale, inverse[i][j] *= scale;
+    for (uint32_t r = 0; r < n; ++r) {
+      if (r == i) continue;
+      const double factor = a[r][i];
+      for (uint32_t j = 0; j < n; ++j) {
+        a[r][j] -= factor * a[i][j];
+        inverse[r][j] -= factor * inverse[i][j];
+      }
+    }
+  }
+}
+
+void FillEuler(const ModalLayer& layer, double frame, ModalTableBlock* t) {
+  const double place = 1.0 / (frame * frame) + layer.material.drag_per_s / frame;
+  const double bend = layer.material.bend_damping_s / frame;
+  double euler[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
+  for (uint32_t i = 0; i < layer.modes.links; ++i)
+    for (uint32_t j = 0; j < layer.modes.links; ++j) {
+      const double m = layer.modes.mass[i][j], k = layer.modes.stiffness[i][j];
+      t->mass[i][j] = float(m);
+      t->stiffness[i][j] = float(k);
+      euler[i][j] = m * place + k * (1.0 + bend);
+      t->euler[i][j] = float(euler[i][j]);
+    }
+  Invert(euler, layer.modes.links, inverse);
+  for (uint32_t i = 0; i < layer.modes.links; ++i)
+    for (uint32_t j = 0; j < layer.modes.links; ++j) t->euler_inverse[i][j] = float(inverse[i][j]);
+  t->euler_place = float(place);
+  t->euler_speed = float(1.0 / frame);
+  t->euler_bend = float(bend);
+  t->frame_s = float(frame);
+}
+
+// Stiffnesses more uneven than this along a chain keep the curl in the root's frame: an explicit
+// correction would be unstable.
+constexpr double kMostUneven = 64.0;
+
+bool IsEven(const double (&value)[kMaxLinks], uint32_t links) {
+  double low = value[0], high = low;
+  for (uint32_t i = 1; i < links; ++i) {
+    low = value[i] < low ? value[i] : low;
+    high = value[i] > high ? value[i] : high;
+  }
+  return high <= kMostUneven * low;
+}
+
+void FillCurl(const ModalLayer& layer, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.links;
+  // An explicit force cannot hold joints a million times stiffer than their neighbours still.
+  if (!IsEven(layer.material.stiffness, n)) return;
+  double stiffness[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
+  for (uint32_t i = 0; i < n; ++i) {
+    if (layer.material.stiffness[i] <= 0.0) return;
+    for (uint32_t j = 0; j < n; ++j) stiffness[i][j] = layer.modes.stiffness[i][j];
+  }
+  Invert(stiffness, n, inverse);
+  t->parent_curl = 1;
+  for (uint32_t i = 0; i < n; ++i) {
+    t->joint[i] = float(layer.material.stiffness[i]);
+    for (uint32_t m = 0; m < n; ++m) {
+      double sum = 0.0;
+      for (uint32_t j = 0; j < n; ++j) sum += inverse[i][j] * layer.modes.image[m][j];
+      t->rest_of_bend[i][m] = float(sum);
+    }
+  }
+}
+
+// A quarter of the slowest swing, or of a second without stiffness.
+double QuietTime(const ModalLayer& layer) {
+  const double omega = std::sqrt(layer.modes.omega2[0]);
+  const double quarter = omega > 0.0 ? 0.5 * exact::kPi / omega : 0.25;
+  return quarter < 0.25 ? quarter : 0.25;
+}
+
+// Substeps that keep a frame's as short as the quality asks for.
+uint32_t SubstepsOf(ModalQuality quality, double frame) {
+  const double longest = quality == ModalQuality::kFast ? kLongestFast : kLongest;
+  uint32_t count = 1;
+  while (count < kModalSubsteps && frame > count * longest) ++count;
+  return count;
+}
+
+}  // namespace
+
+ModalLayer MakeModalLayer(const ModalMaterial& material) { return {material, FindModes(material)}; }
+
+void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
+                    ModalTableBlock* table) {
+  ModalTableBlock& t = *table;
+  t = {};
+  const ModalModes& modes = layer.modes;
+  t.links = modes.links;
+  t.substeps = SubstepsOf(quality, times.dt_s[0]);
+  t.use_slope = quality == ModalQuality::kBest ? 1 : 0;
+  t.looks = quality == ModalQuality::kDefault ? 2 : 1;
+  t.look_share = quality == ModalQuality::kFast ? 0.5f : 1.0f;
+  const double frame = times.dt_s[0], h = frame / t.substeps;
+  ModeSteps steps;
+  for (uint32_t m = 0; m < modes.links; ++m) {
+    const double damping =
+        layer.material.drag_per_s + layer.material.bend_damping_s * modes.omega2[m];
+    steps.mode[m] = StepOscillator(damping, modes.omega2[m], h);
+  }
+  const DifferenceBasis basis = MakeBasis(times);
+  for (uint32_t s = 0; s < t.substeps; ++s)
+    FillSubstep(layer, steps, basis, double(s) * h - frame, h, frame, s + 1 == t.substeps,
+                &t.substep[s]);
+  FillConstraint(layer, steps, h, &t);
+  FillEuler(layer, frame, &t);
+  if (layer.material.parent_curl) FillCurl(layer, &t);
+  for (uint32_t k = 0; k + 1 < kSamples; ++k)
+    t.root_end_speed[k] = t.substep[t.substeps - 1].root_speed[k];
+  for (uint32_t i = 0; i < modes.links; ++i) {
+    t.inverse_mass[i] = float(modes.inverse_mass_diagonal[i]);
+    t.inverse_mass_off[i] = float(modes.inverse_mass_off[i]);
+    for (uint32_t j = 0; j < modes.links; ++j) {
+      t.shape[i][j] = float(modes.shape[i][j]);
+      t.image[i][j] = float(modes.image[i][j]);
+      t.bend[i][j] = float(modes.omega2[i] * modes.image[i][j]);
+      t.mass_shape[j][i] = float(modes.image[i][j]);
+    }
+  }
+  t.quiet_s = float(QuietTime(layer));
+}
+
+}  // namespace pelt

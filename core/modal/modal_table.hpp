@@ -1,0 +1,40 @@
+// Fills a layer's ModalTableBlock for one frame: everything about a modal step that does not depend
+// on the strand.
+//
+// The root's motion is the polynomial through its last four poses, at the times they had: frames
+// need not be equally long. In backward differences S, S - S1, S - 2 S1 + S2, ... its value and
+// derivatives at any time are weights that depend on the four times alone, and the modes' answers
+// to them are weights too. Cost: some 5 microseconds a layer and frame (dt varies), nothing a
+// strand.
+//
+// Invariant: double precision and exact arithmetic throughout (core/exact_math.hpp), rounded to
+// float once, at the end.
+#pragma once
+
+#include "core/modal/modal_block.hpp"
+#include "core/modal/modal_modes.hpp"
+#include "core/modal/modal_quality.hpp"
+
+namespace pelt {
+
+// ModalQuality at 60 frames a second: kFast takes one substep, kDefault two, kBest two with three
+// Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s for
+// kFast, 1/80 s for the others), so a frame of 1/30 s takes two or three, and one of 1/120 s one.
+// What each gets wrong, and costs: README.md, `pelt accuracy`.
+
+// The last frames' lengths, s: this one's first. All > 0.
+struct FrameTimes {
+  double dt_s[kModalSamples - 1];
+};
+
+// What depends on the material alone; made once.
+struct ModalLayer {
+  ModalMaterial material;
+  ModalModes modes;
+};
+ModalLayer MakeModalLayer(const ModalMaterial& material);
+
+void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
+                    ModalTableBlock* table);
+
+}  // namespace pelt
