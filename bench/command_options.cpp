@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <optional>
+
 namespace pelt {
 namespace {
 
@@ -11,15 +14,26 @@ std::vector<std::string> Names(const auto& range) {
   return names;
 }
 
-std::vector<std::string> IsaNames() {
-  std::vector<std::string> names;
-  for (const Isa isa : kAllIsas) names.emplace_back(IsaName(isa));
-  return names;
+// An option that is one of a few words.
+template <class Enum>
+void AddWord(CLI::App& app, const char* name, const char* help, std::optional<Enum>& target,
+             const std::map<std::string, Enum>& words) {
+  std::vector<std::string> allowed;
+  for (const auto& [word, value] : words) allowed.push_back(word);
+  app.add_option_function<std::string>(
+         name, [&target, words](const std::string& word) { target = words.at(word); }, help)
+      ->check(CLI::IsMember(allowed));
 }
 
 }  // namespace
 
 CLI::Validator IsScene() { return CLI::IsMember(Names(ScenarioNames())); }
+
+CLI::Validator IsIsa() {
+  std::vector<std::string> names;
+  for (const Isa isa : kAllIsas) names.emplace_back(IsaName(isa));
+  return CLI::IsMember(names);
+}
 
 CLI::Validator InRange(double least, double most) {
   const auto check = [=](std::string& text) {
@@ -48,6 +62,13 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
   static_cast<void>(groom);
   app.add_option("--seed", request.seed, "Another groom from the same setups")
       ->capture_default_str();
+  AddWord(app, "--solver", "Of every layer that can have it, instead of its own", request.solver,
+          {{"pbd", Solver::kPbd}, {"verlet", Solver::kVerlet}, {"modal", Solver::kModal}});
+  AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
+          request.quality,
+          {{"fast", ModalQuality::kFast},
+           {"default", ModalQuality::kDefault},
+           {"best", ModalQuality::kBest}});
 }
 
 void CompleteSource(ScenarioRequest& request) {
@@ -66,7 +87,7 @@ void AddFrames(CLI::App& app, uint32_t& frames) {
 void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set) {
   app.add_option_function<std::string>(
          "--isa", [set](const std::string& name) { set(*ParseIsa(name)); }, help)
-      ->check(CLI::IsMember(IsaNames()));
+      ->check(IsIsa());
 }
 
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {

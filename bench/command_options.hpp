@@ -25,9 +25,14 @@ struct Subcommand {
 // Of a listing or a scene on a console's core (console_options.cpp).
 Subcommand SetUpTiming(CLI::App& root);
 Subcommand SetUpBudget(CLI::App& root);
+// Of strand solvers (accuracy_options.cpp).
+Subcommand SetUpAccuracy(CLI::App& root);
+Subcommand SetUpStress(CLI::App& root);
 
 // A built-in scene's name.
 CLI::Validator IsScene();
+// An instruction set's name, or several.
+CLI::Validator IsIsa();
 // As CLI::Range, but for "nan", which it lets through.
 CLI::Validator InRange(double least, double most);
 

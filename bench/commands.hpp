@@ -78,6 +78,7 @@ struct ReportArgs {
   RunArgs run;
   std::string out = "report.html";
   bool consoles = true;  // model the scene on both, too
+  std::string accuracy;  // JSON file of `pelt accuracy` to show as well
 };
 int Report(const ReportArgs& args);
 
@@ -140,5 +141,37 @@ struct ConformanceArgs {
 };
 std::vector<std::string> ConformanceDoorNames();
 int CheckConformance(const ConformanceArgs& args);
+
+// Error against run time of every strand solver; or, with `scene`, of every way to run its frames;
+// or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
+// root.
+struct AccuracyArgs {
+  std::vector<int> rates, links;     // empty: all
+  std::vector<std::string> presets;  // empty: all
+  bool calibrated = false;  // strands as layers have them, not with equal masses and joints
+  Isa isa = BestIsa();
+  bool quick = false;     // few solvers, cases and rounds
+  std::string json, svg;  // files to write
+  std::string roots, strand, out;
+  std::string solver = "modal";
+  double stiffness_scale = 1.0;  // for solvers whose stiffness is not the material's
+  bool exact = false;            // the reference integrator instead of a solver
+  std::string write_example;     // folder
+  std::string scene;
+  uint32_t frames = 0;  // of the scene; 0: enough
+  bool contact = true;  // in the scene
+  bool features = false;
+};
+int MeasureAccuracy(const AccuracyArgs& args);
+
+struct StressArgs {
+  std::vector<std::string> solvers;  // empty: ours, XPBD and implicit Euler
+  std::vector<int> rates, links;     // empty: all
+  std::vector<Isa> isas;             // empty: all this processor runs
+  bool quick = false;
+  std::string json;  // file to write
+};
+// 1 when a modal solver broke its promise.
+int StressSolvers(const StressArgs& args);
 
 }  // namespace pelt

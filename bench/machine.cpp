@@ -38,6 +38,14 @@ Machine DescribeMachine() {
           PELT_COMMIT};
 }
 
+void AddMachine(const Machine& machine, JsonText& json) {
+  json.Add("processor", machine.processor);
+  json.Add("cores", machine.cores);
+  json.Add("compiler", machine.compiler);
+  json.Add("build_type", machine.build_type);
+  json.Add("commit", machine.commit);
+}
+
 bool IsTerminal() { return isatty(STDERR_FILENO) != 0; }
 
 }  // namespace pelt

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "bench/json_text.hpp"
+
 namespace pelt {
 
 struct Machine {
@@ -15,6 +17,9 @@ struct Machine {
 };
 
 Machine DescribeMachine();
+
+// Into an open object: "processor", "cores", "compiler", "build_type", "commit".
+void AddMachine(const Machine& machine, JsonText& json);
 
 // Whether standard error is a terminal: where progress is shown.
 bool IsTerminal();

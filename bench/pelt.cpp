@@ -109,6 +109,7 @@ Subcommand SetUpReport(CLI::App& root) {
   app->add_option("--out", args.out, "Page to write; needs nothing else to be read")
       ->capture_default_str();
   app->add_flag("!--no-consoles", args.consoles, "Leave out what consoles would make of it");
+  app->add_option("--accuracy", args.accuracy, "Also what pelt accuracy --json wrote to this file");
   app->footer(
       "Examples:\n"
       "  pelt report --scene tiny --frames 60 --out report.html\n"
@@ -285,10 +286,10 @@ int Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
   app.footer("See 'pelt bake --help' and so on for each.");
-  const Subcommand subcommands[] = {SetUpBake(app),        SetUpRun(app),    SetUpPlan(app),
-                                    SetUpVerify(app),      SetUpTiming(app), SetUpBudget(app),
-                                    SetUpConformance(app), SetUpTrace(app),  SetUpDiff(app),
-                                    SetUpGolden(app),      SetUpReport(app)};
+  const Subcommand subcommands[] = {
+      SetUpBake(app),   SetUpRun(app),         SetUpPlan(app),  SetUpVerify(app), SetUpTiming(app),
+      SetUpBudget(app), SetUpConformance(app), SetUpTrace(app), SetUpDiff(app),   SetUpGolden(app),
+      SetUpReport(app), SetUpAccuracy(app),    SetUpStress(app)};
   const Subcommand* chosen = nullptr;
   try {
     app.parse(argc, argv);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bench/accuracy_section.hpp"
 #include "bench/commands.hpp"
 #include "bench/console_report.hpp"
 #include "bench/progress.hpp"
@@ -39,6 +40,13 @@ void AddModelledConsole(Console console, const ReportArgs& args, Scenario& scena
 
 int Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
+  // Read first: a mistake in it should not be told after a long run.
+  std::vector<std::byte> accuracy;
+  if (!args.accuracy.empty()) {
+    accuracy = ReadFileBytes("accuracy", args.accuracy);
+    JsonText tried;
+    AddAccuracySection(tried, AsText(accuracy), args.accuracy);
+  }
   Scenario scenario = LoadForRun(args.run, stdout);
   RunOptions options = args.run.options;
   RunningScenario running(scenario, options.scene);
@@ -56,8 +64,12 @@ int Report(const ReportArgs& args) {
     if (!args.consoles) return;
     for (const Console console : kAllConsoles) AddModelledConsole(console, args, scenario, json);
   };
-  WriteFileBytes("report", args.out,
-                 AsBytes(recorder.Page(report, tick_scale.NsPerTick(), add_consoles)));
+  const auto add_accuracy = [&](JsonText& json) {
+    if (!accuracy.empty()) AddAccuracySection(json, AsText(accuracy), args.accuracy);
+  };
+  WriteFileBytes(
+      "report", args.out,
+      AsBytes(recorder.Page(report, tick_scale.NsPerTick(), add_consoles, add_accuracy)));
   fmt::print("report of {} frames {}\n", report.frames, args.out);
   return 0;
 }

@@ -34,7 +34,8 @@ class PageData {
         report_(report),
         ms_per_tick_(ns_per_tick * 1e-6) {}
 
-  std::string Text(const std::function<void(JsonText&)>& add_consoles) {
+  std::string Text(const std::function<void(JsonText&)>& add_consoles,
+                   const std::function<void(JsonText&)>& add_accuracy) {
     json_.BeginObject();
     AddHead();
     AddStages();
@@ -47,6 +48,9 @@ class PageData {
     json_.EndArray();
     json_.BeginArray("consoles");
     if (add_consoles) add_consoles(json_);
+    json_.EndArray();
+    json_.BeginArray("accuracy");
+    if (add_accuracy) add_accuracy(json_);
     json_.EndArray();
     AddMemory();
     json_.EndObject();
@@ -88,11 +92,7 @@ class PageData {
     json_.Add("executor", ExecutorName(r.options.executor));
     json_.Add("isa", IsaName(r.options.scene.isa));
     json_.Add("fused", r.options.scene.plan.fuse);
-    json_.Add("processor", r.machine.processor);
-    json_.Add("cores", r.machine.cores);
-    json_.Add("compiler", r.machine.compiler);
-    json_.Add("build_type", r.machine.build_type);
-    json_.Add("commit", r.machine.commit);
+    AddMachine(r.machine, json_);
     json_.Add("digest", r.options.digest ? fmt::format("{:016x}", r.digest) : "not taken");
     using Row = ReportRecorder::Row;
     AddSpread("frame_ms", Series([](const Row& row) { return row.frame_ticks; }));
@@ -303,8 +303,9 @@ void ReportRecorder::Add(const FinishedFrame& frame) {
 }
 
 std::string ReportRecorder::Page(const RunReport& report, double ns_per_tick,
-                                 const std::function<void(JsonText&)>& add_consoles) const {
-  std::string data = PageData(*this, report, ns_per_tick).Text(add_consoles);
+                                 const std::function<void(JsonText&)>& add_consoles,
+                                 const std::function<void(JsonText&)>& add_accuracy) const {
+  std::string data = PageData(*this, report, ns_per_tick).Text(add_consoles, add_accuracy);
   // '<' occurs in JSON only inside strings, where its escape means the same.
   for (size_t at = 0; (at = data.find('<', at)) != std::string::npos;)
     data.replace(at, 1, "\\u003c");

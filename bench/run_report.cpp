@@ -120,11 +120,7 @@ std::string RunAsJson(const RunReport& r) {
   json.Add("layers", r.layers);
   json.Add("characters", r.characters);
   json.Add("frames", r.frames);
-  json.Add("processor", r.machine.processor);
-  json.Add("cores", r.machine.cores);
-  json.Add("compiler", r.machine.compiler);
-  json.Add("build_type", r.machine.build_type);
-  json.Add("commit", r.machine.commit);
+  AddMachine(r.machine, json);
   json.Add("executor", ExecutorName(r.options.executor));
   json.Add("workers", r.workers);
   json.Add("workers_observed", r.workers_observed);

@@ -142,6 +142,21 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   return scenario;
 }
 
+void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) {
+      LayerParams params = layer.params;
+      params.solver = request.solver.value_or(params.solver);
+      params.quality = request.quality.value_or(params.quality);
+      if (const auto bad = FindBadCombination(params)) {
+        scenario.notes.push_back(
+            fmt::format("layer '{}' keeps its {}: {}", layer.name, bad->key, bad->reason));
+        params.solver = layer.params.solver;
+      }
+      layer.params = params;
+    }
+}
+
 }  // namespace
 
 std::span<const std::string_view> ScenarioNames() { return kNames; }
@@ -217,6 +232,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   } else {
     scenario = MakeFromFiles(request);
   }
+  OverrideSolver(request, scenario);
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;
   return scenario;
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -116,6 +117,9 @@ struct ScenarioRequest {
   std::string setup = {};  // name or path; or, with this empty:
   std::string groom = {};  // path of a groom file, baked for this character
   uint64_t seed = 0;       // other than 0: another groom from the same setups
+  // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
+  std::optional<Solver> solver = {};
+  std::optional<ModalQuality> quality = {};
 };
 
 std::span<const std::string_view> ScenarioNames();

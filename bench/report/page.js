@@ -465,12 +465,118 @@ function fillConsoles() {
   return data.consoles.map(fillConsole);
 }
 
+// ---- accuracy --------------------------------------------------------------------------------------
+
+// Around (0, 0); by a family's place, so that colour is not all that tells them apart.
+const kMarks = [
+  'M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z', 'M-4-4L4 4M4-4L-4 4', 'M-1.5-4H1.5V4H-1.5Z', 'M-4-1.5H4V1.5H-4Z',
+  'M0-5L5 0L0 5L-5 0Z', 'M0 5L5-4H-5Z', 'M0-5L5 4H-5Z', 'M-4-4H4V4H-4Z',
+];
+// Per cent: what lies outside stands on the edge.
+const kErrors = {least: 0.02, most: 300, ticks: [0.1, 1, 10, 100]};
+const shownScore = (row, rate) => row.ns > 0 && row.scores[rate].finite;
+const percent = (share) => (100 * share).toPrecision(100 * share < 9.995 ? 2 : 3) + ' %';
+
+// The newest method first: it is the one to look at.
+function familiesOf(accuracy) {
+  return [...new Set(accuracy.panels.flatMap((p) => p.rows.map((r) => r.family)))].reverse();
+}
+
+function drawPanel(parent, accuracy, panel, rate, families) {
+  const width = Math.max(200, Math.floor(parent.clientWidth)), height = 250, left = 42, right = 8, up = 22, down = 34;
+  const times = accuracy.panels.flatMap((p) => p.rows.map((r) => r.ns)).filter((ns) => ns > 0);
+  const least = 0.8 * Math.min(...times), most = 1.25 * Math.max(...times);
+  const share = (value, from, to) => Math.min(1, Math.max(0, Math.log(value / from) / Math.log(to / from)));
+  const x = (ns) => left + (width - left - right) * share(ns, least, most);
+  const y = (error) => up + (height - up - down) * (1 - share(100 * error, kErrors.least, kErrors.most));
+  const front = panel.rows.filter((r) => shownScore(r, rate) && r.scores[rate].on_front).map((r) => `${r.label} ${percent(r.scores[rate].error)}`);
+  const svg = add(parent, 'svg', {
+    width, height, role: 'img', 'data-picture': 'accuracy',
+    'aria-label': `Error against ns a strand, ${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz. On the front: ${front.join(', ')}. The table below has all figures.`,
+  });
+  add(svg, 'rect', {class: 'frame', x: left, y: up, width: width - left - right, height: height - up - down});
+  add(svg, 'text', {class: 'panel-title', x: left, y: 14}, `${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz`);
+  for (const tick of kErrors.ticks) {
+    add(svg, 'line', {class: 'axis', x1: left, x2: width - right, y1: y(tick / 100), y2: y(tick / 100)});
+    add(svg, 'text', {x: left - 5, y: y(tick / 100) + 4, 'text-anchor': 'end'}, tick + '%');
+  }
+  for (const tick of [1, 3, 10, 30, 100, 300, 1000, 3000].filter((t) => t >= least && t <= most)) {
+    add(svg, 'line', {class: 'axis', x1: x(tick), x2: x(tick), y1: up, y2: height - down});
+    add(svg, 'text', {x: x(tick), y: height - down + 13, 'text-anchor': 'middle'}, tick);
+  }
+  add(svg, 'text', {x: (left + width - right) / 2, y: height - 5, 'text-anchor': 'middle'}, 'ns a strand a frame');
+  add(svg, 'line', {class: 'input', x1: left, x2: width - right, y1: y(panel.input_errors[rate]), y2: y(panel.input_errors[rate])});
+  families.forEach((family, f) => {
+    const rows = panel.rows.filter((r) => r.family === family && shownScore(r, rate));
+    const at = rows.map((r) => [x(r.ns).toFixed(1), y(r.scores[rate].error).toFixed(1)]);
+    if (at.length) add(svg, 'path', {class: 'curve s' + f, d: 'M' + at.map((p) => p.join(' ')).join('L')});
+    rows.forEach((row, i) => {
+      const mark = add(svg, 'path', {class: 'mark s' + f, d: kMarks[f % kMarks.length], transform: `translate(${at[i].join(' ')}) scale(0.8)`});
+      if (row.scores[rate].on_front) add(svg, 'circle', {class: 'ring s' + f, cx: at[i][0], cy: at[i][1], r: 7});
+      const text = `${row.label}\n${percent(row.scores[rate].error)} wrong\n${row.ns.toFixed(1)} ns, ${row.of_pbd.toFixed(2)} of PBD's`;
+      mark.addEventListener('pointermove', (event) => showTip(event, text));
+      mark.addEventListener('pointerleave', () => showTip());
+    });
+  });
+}
+
+function fillAccuracyTable(accuracy, panels, rate) {
+  byId('accuracy-table').replaceChildren();
+  table(byId('accuracy-table'), 'Error against run time', ['solver', ...panels.flatMap((p) => [`${p.preset}: ns`, 'of PBD', 'error'])],
+        panels[0].rows.map((row, i) => [row.label, ...panels.flatMap((p) => {
+          const r = p.rows[i];
+          return r ? [r.ns.toFixed(1), r.of_pbd.toFixed(2), r.scores[rate].finite ? percent(r.scores[rate].error) : 'not finite'] : ['', '', ''];
+        })]), {tall: true});
+}
+
+// A button for each value; returns what tells the chosen one's place.
+function chooser(parent, values, name, chosen, redraw) {
+  const buttons = values.map((value, i) => {
+    const button = add(parent, 'button', {type: 'button', 'aria-pressed': i === chosen}, name(value));
+    button.addEventListener('click', () => {
+      chosen = i;
+      buttons.forEach((other, o) => other.setAttribute('aria-pressed', o === i));
+      redraw();
+    });
+    return button;
+  });
+  return () => chosen;
+}
+
+function fillAccuracy() {
+  byId('accuracy-section').hidden = data.accuracy.length === 0;
+  const accuracy = data.accuracy[0];
+  if (!accuracy) return () => {};
+  const families = familiesOf(accuracy), links = [...new Set(accuracy.panels.map((p) => p.links))];
+  byId('accuracy-note').textContent =
+      `${accuracy.processor}, one core, ${accuracy.isa} kernels, ${accuracy.timed_strands} strands, fastest of ${accuracy.rounds} rounds taken in turn; ` +
+      `${accuracy.compiler}, ${accuracy.build_type}, commit ${accuracy.commit}; digest of the errors ${accuracy.error_digest}.` +
+      (accuracy.calibrated ? ' Strands with calibrated coefficients.' : '') +
+      (accuracy.quick ? ' Quick: few solvers, cases and rounds.' : '');
+  families.forEach((family, f) => {
+    const item = add(byId('accuracy-legend'), 'li');
+    const swatch = add(item, 'svg', {class: 'swatch', viewBox: '-6 -6 12 12', 'aria-hidden': 'true'});
+    add(swatch, 'path', {class: 'mark s' + f, d: kMarks[f % kMarks.length]});
+    item.append(family);
+  });
+  const draw = () => {
+    const rate = rateAt(), panels = accuracy.panels.filter((p) => p.links === links[linksAt()]);
+    byId('accuracy').replaceChildren();
+    const boxes = panels.map(() => add(byId('accuracy'), 'div'));
+    panels.forEach((panel, i) => drawPanel(boxes[i], accuracy, panel, rate, families));
+    fillAccuracyTable(accuracy, panels, rate);
+  };
+  const linksAt = chooser(byId('accuracy-links'), links, (n) => n + ' links', 0, draw);
+  const rateAt = chooser(byId('accuracy-rates'), accuracy.rates, (r) => r + ' Hz', Math.max(0, accuracy.rates.indexOf(60)), draw);
+  return draw;
+}
+
 // ---- all of it -------------------------------------------------------------------------------------
 
 fillFacts();
 fillTables();
 fillFramesTable();
-const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles()];
+const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillAccuracy()];
 const drawAll = () => draws.forEach((draw) => draw());
 drawAll();
 let drawnWidth = innerWidth;

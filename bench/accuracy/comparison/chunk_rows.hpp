@@ -1,0 +1,120 @@
+// The blocks of one chunk that every simulation kernel of core reads, filled from a batch's rows:
+// no frame around them.
+//
+// Rest shapes are given in the root's frame, whose normal is the first link's rest direction and
+// whose tangent leans towards the second's; it turns with the rest directions.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <new>
+
+#include "bench/accuracy/strand_solver.hpp"
+#include "core/chunk.hpp"
+#include "core/streams.hpp"
+
+namespace pelt::accuracy {
+
+// A zeroed, aligned block.
+template <class Block>
+struct Owned {
+  Block* block = static_cast<Block*>(::operator new(sizeof(Block), std::align_val_t(128)));
+  Owned() { std::memset(static_cast<void*>(block), 0, sizeof(Block)); }
+  ~Owned() { ::operator delete(block, std::align_val_t(128)); }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  Block* operator->() const { return block; }
+};
+
+template <uint32_t kPoints>
+struct ChunkRows {
+  static constexpr int kLinks = kPoints - 1;
+
+  Owned<ChunkStateBlock> state;
+  Owned<RestBlock<kPoints>> rest;
+  Owned<RootBlock> roots;
+  Owned<WindBlock> wind;
+  Owned<StrandBlock> strands;
+  Owned<PointBlock<kPoints>> position;
+
+  // The block of a stream that every solver's kernel has; null for others.
+  void* Find(Stream stream) {
+    switch (stream) {
+      case Stream::kChunkState:
+        return state.block;
+      case Stream::kStrandRest4:
+      case Stream::kStrandRest5:
+        return rest.block;
+      case Stream::kRoots:
+        return roots.block;
+      case Stream::kWind:
+        return wind.block;
+      case Stream::kStrands:
+        return strands.block;
+      case Stream::kStrandPoints4:
+      case Stream::kStrandPoints5:
+        return position.block;
+      default:
+        return nullptr;
+    }
+  }
+
+  // Lane `lane` of the batch at rest in the world, links along `start`; lanes in ascending order.
+  void Start(const FrameRows& frame, uint32_t lane, float link, const float* const (*start)[3]) {
+    const uint32_t at = lane % kStrandsPerChunk;
+    LoadRoots(frame, lane, 0.0f);
+    state->live_strands = state->first_new_strand = at + 1;
+    state->flags = kChunkVisible | kChunkSimulate;
+    rest->segment_length[at] = link;
+    rest->strength[at] = 1.0f;
+    SetRest(frame, lane, double(link));
+    for (int k = 0; k < 3; ++k) {
+      float place = frame.position[k][lane];
+      for (int i = 0; i < kLinks; ++i) {
+        place += start[i][k][lane] * link;
+        position->position[i][k][at] = place;
+      }
+    }
+  }
+
+  // `wind_response`: acceleration a m/s of wind, 1/s. A straight strand's tangent is any.
+  void LoadRoots(const FrameRows& frame, uint32_t lane, float wind_response) {
+    const uint32_t at = lane % kStrandsPerChunk;
+    const Double3 normal = RestOf(frame, 0, lane);
+    Double3 across = RestOf(frame, 1, lane);
+    across = across - normal * Dot(normal, across);
+    if (Length(across) < 1e-3)
+      across = Cross(normal, std::abs(normal.y) < 0.9 ? Double3{0, 1, 0} : Double3{1, 0, 0});
+    across = Unit(across);
+    const double n[3] = {normal.x, normal.y, normal.z}, t[3] = {across.x, across.y, across.z};
+    for (int k = 0; k < 3; ++k) {
+      roots->position[k][at] = frame.position[k][lane];
+      roots->motion[k][at] = frame.motion[k][lane];
+      roots->normal[k][at] = float(n[k]);
+      roots->tangent[k][at] = float(t[k]);
+      wind->acceleration[k][at] = frame.wind[k][lane] * wind_response;
+    }
+  }
+
+ private:
+  void SetRest(const FrameRows& frame, uint32_t lane, double link) {
+    const uint32_t at = lane % kStrandsPerChunk;
+    const auto axis = [&](const float(&rows)[3][kStrandsPerChunk]) {
+      return Double3{rows[0][at], rows[1][at], rows[2][at]};
+    };
+    const Double3 normal = axis(roots->normal), tangent = axis(roots->tangent);
+    Double3 offset = kZero3;
+    for (int i = 0; i < kLinks; ++i) {
+      offset = offset + RestOf(frame, i, lane) * link;
+      rest->offset[i][0][at] = float(Dot(offset, tangent));
+      rest->offset[i][1][at] = float(Dot(offset, Cross(normal, tangent)));
+      rest->offset[i][2][at] = float(Dot(offset, normal));
+    }
+  }
+  static Double3 RestOf(const FrameRows& frame, int link, uint32_t lane) {
+    const auto& rows = frame.rest[link];
+    return Unit({rows[0][lane], rows[1][lane], rows[2][lane]});
+  }
+};
+
+}  // namespace pelt::accuracy

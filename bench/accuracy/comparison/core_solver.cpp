@@ -1,0 +1,139 @@
+// Pelt's own PBD and Verlet kernels as StrandSolvers: chunks of strands with their blocks, no frame
+// around them.
+//
+// The layer has gravity, drag and hardness only: no contact, clump, sleep or strength.
+#include <memory>
+#include <vector>
+
+#include "bench/accuracy/comparison/chunk_rows.hpp"
+#include "bench/accuracy/comparison/comparison.hpp"
+#include "core/exact_math.hpp"
+#include "core/kernels/chain.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+template <uint32_t kPoints>
+struct Blocks : ChunkRows<kPoints> {
+  Owned<PointBlock<kPoints>> previous;
+};
+
+template <uint32_t kPoints>
+class ChunkSolver final : public StrandSolver {
+ public:
+  static constexpr int kLinks = kPoints - 1;
+
+  ChunkSolver(const KernelDesc& kernel, const CoreSettings& settings, const SolverSetup& setup)
+      : kernel_(kernel), settings_(settings), material_(setup.material), lanes_(setup.lanes) {
+    for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
+      chunks_.push_back(std::make_unique<Blocks<kPoints>>());
+    params_ = {};
+    SetFrameTime(setup.frame_seconds);
+  }
+
+  void SetFrameTime(double seconds) override {
+    LayerBlock& layer = *layer_.block;
+    layer.flags = kLayerEnabled | kLayerSimulate | kLayerWind;
+    layer.gravity[0] = float(material_.gravity.x);
+    layer.gravity[1] = float(material_.gravity.y);
+    layer.gravity[2] = float(material_.gravity.z);
+    layer.velocity_keep = float(exact::Exp(-material_.drag * seconds));
+    layer.segment_hardness = 1.0f;
+    layer.angular_middle = Hardness(0, seconds);
+    layer.angular_end = Hardness(kLinks - 1, seconds);
+    layer.stiffness = Hardness(kLinks - 1, seconds);
+    layer.iterations = settings_.iterations;
+    layer.width = 1.0f;
+    params_.dt = float(seconds);
+    // Towards the wind: v <- u + (v - u) keep, as an acceleration.
+    wind_response_ = float((1.0 - exact::Exp(-material_.drag * seconds)) / seconds);
+  }
+
+  void Start(const FrameRows& frame, const float* const (*start)[3]) override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      Blocks<kPoints>& c = ChunkOf(lane);
+      const uint32_t at = lane % kStrandsPerChunk;
+      c.Start(frame, lane, float(material_.length[0]), start);
+      for (int i = 0; i < kLinks; ++i)
+        for (int k = 0; k < 3; ++k) c.previous->position[i][k][at] = c.position->position[i][k][at];
+    }
+  }
+
+  void Prepare(const FrameRows& frame) override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane)
+      ChunkOf(lane).LoadRoots(frame, lane, wind_response_);
+  }
+  void Step(const FrameRows&) override {
+    for (auto& c : chunks_) {
+      Binding bindings[kMaxPorts];
+      for (size_t p = 0; p < kernel_.ports.size(); ++p)
+        bindings[p] = {Find(kernel_.ports[p].stream, *c), nullptr, 1};
+      kernel_.run(&params_, bindings);
+    }
+  }
+
+  void Points(int i, float* const (&rows)[3]) const override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
+      const uint32_t at = lane % kStrandsPerChunk;
+      for (int k = 0; k < 3; ++k)
+        rows[k][lane] = c.position->position[i][k][at] - c.roots->position[k][at];
+    }
+  }
+  void Velocities(int i, float* const (&rows)[3]) const override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
+      const uint32_t at = lane % kStrandsPerChunk;
+      for (int k = 0; k < 3; ++k)
+        rows[k][lane] =
+            (c.position->position[i][k][at] - c.previous->position[i][k][at]) / params_.dt;
+    }
+  }
+
+ private:
+  // As the share of PBD's sweeps: see tables.cpp.
+  float Hardness(int link, double seconds) const {
+    const double l = material_.length[link];
+    const double a = settings_.stiffness_scale * material_.stiffness[link] * seconds * seconds /
+                     (l * l * material_.mass[link]);
+    return float(1.0 - exact::Pow(1.0 + a, -1.0 / settings_.iterations));
+  }
+  Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
+
+  void* Find(Stream stream, Blocks<kPoints>& c) {
+    if (stream == Stream::kLayers) return layer_.block;
+    void* shared = c.Find(stream);
+    return shared ? shared : c.previous.block;
+  }
+
+  const KernelDesc& kernel_;
+  CoreSettings settings_;
+  ChainMaterial material_;
+  uint32_t lanes_;
+  float wind_response_ = 0.0f;
+  SimulateParams params_;
+  Owned<LayerBlock> layer_;
+  std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
+};
+
+}  // namespace
+
+std::unique_ptr<StrandSolver> MakeCoreSolver(Isa isa, const CoreSettings& settings,
+                                             const SolverSetup& setup) {
+  const KernelTable* table = FindKernels(isa);
+  if (!table) return nullptr;
+  const bool pbd = settings.method == CoreMethod::kPbd;
+  if (setup.material.links == 3)
+    return std::make_unique<ChunkSolver<4>>((*table)[pbd ? Kernel::kPbdStrand4 : Kernel::kVerlet4],
+                                            settings, setup);
+  if (setup.material.links == 4)
+    return std::make_unique<ChunkSolver<5>>((*table)[pbd ? Kernel::kPbdStrand5 : Kernel::kVerlet5],
+                                            settings, setup);
+  return nullptr;
+}
+
+SolverFactory CoreFactory(Isa isa, const CoreSettings& settings) {
+  return [=](const SolverSetup& setup) { return MakeCoreSolver(isa, settings, setup); };
+}
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,301 @@
+#include "bench/accuracy/error_metric.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "bench/accuracy/solver_run.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+constexpr double kNudge = 1e-7;
+
+std::array<Double3, kMaxLinks> Nudged(std::array<Double3, kMaxLinks> d, int links) {
+  for (int i = 0; i < links; ++i) d[i] = Unit(d[i] + Double3{0.3 + 0.1 * i, -0.7, 0.5} * kNudge);
+  return d;
+}
+
+// Points of an integrator's problem relative to the root.
+void RelativePoints(const ReferenceIntegrator& integrator, size_t problem,
+                    const ChainMaterial& material, std::vector<Double3>& out) {
+  Double3 at = kZero3;
+  for (int i = 0; i < material.links; ++i) {
+    at = at + integrator.state(problem).direction[i] * material.length[i];
+    out.push_back(at);
+  }
+}
+
+std::vector<SuiteCase> MakeCases(const SuiteOptions& options) {
+  std::vector<SuiteCase> cases;
+  const std::vector<Strand> strands =
+      SeededStrands(options.links, options.strands, options.seed, options.degrees);
+  for (size_t preset = 0; preset < options.presets.size(); ++preset) {
+    ChainProblem problem;
+    problem.material = MakeMaterial(options.presets[preset], options.links, options.coefficients);
+    problem.material.curl = options.curl;
+    std::vector<std::array<Double3, kMaxLinks>> starts;
+    for (const Strand& strand : strands)
+      starts.push_back(FindEquilibrium(problem.material, strand));
+    for (const Motion motion : options.motions)
+      for (size_t s = 0; s < strands.size(); ++s) {
+        problem.strand = strands[s];
+        problem.motion = MotionOf(motion);
+        problem.start = starts[s];
+        cases.push_back({preset, motion, problem, 0.0, true, {}, {}});
+      }
+  }
+  return cases;
+}
+
+// Cases that share a motion and a step are solved together, each beside its nudged copy.
+void SolveTogether(const std::vector<SuiteCase*>& group, int rate, double seconds) {
+  std::vector<ChainProblem> problems;
+  for (const SuiteCase* c : group) {
+    problems.push_back(c->problem);
+    problems.push_back(c->problem);
+    problems.back().start = Nudged(c->problem.start, c->problem.material.links);
+  }
+  ReferenceIntegrator integrator(problems, rate);
+  const int frames = int(std::lround(seconds * kKeptRate));
+  std::vector<Double3> nudged;
+  for (int frame = 0; frame <= frames; ++frame) {
+    const BodyPose pose = problems[0].motion(double(frame) / kKeptRate);
+    for (size_t g = 0; g < group.size(); ++g) {
+      SuiteCase& c = *group[g];
+      const ChainMaterial& material = c.problem.material;
+      const size_t first = c.exact.size();
+      RelativePoints(integrator, 2 * g, material, c.exact);
+      nudged.clear();
+      RelativePoints(integrator, 2 * g + 1, material, nudged);
+      Double3 rigid = kZero3;
+      for (int i = 0; i < material.links; ++i) {
+        rigid = rigid + pose.Turn(c.problem.start[i]) * material.length[i];
+        c.rigid.push_back(rigid);
+        const double off = Length(nudged[size_t(i)] - c.exact[first + size_t(i)]);
+        // Model F has no direction to carry the curl to where a link turns right round.
+        if (!std::isfinite(off)) c.growth = std::numeric_limits<double>::infinity();
+        c.growth = std::max(c.growth, off / (kNudge * material.TotalLength()));
+      }
+    }
+    if (frame < frames)
+      for (int s = 0; s < rate / kKeptRate; ++s) integrator.Step();
+  }
+  for (SuiteCase* c : group) c->scored = c->growth < kMostGrowth;
+}
+
+// Sums over the frames of one case.
+struct CaseSums {
+  double error = 0.0, secondary = 0.0;
+};
+
+// The cases of one preset and motion that share a batch.
+std::vector<const SuiteCase*> BatchOf(const Suite& suite, size_t preset, Motion motion) {
+  std::vector<const SuiteCase*> batch;
+  for (const SuiteCase& c : suite.cases)
+    if (c.preset == preset && c.motion == motion) batch.push_back(&c);
+  return batch;
+}
+
+// Adds what point i of a case at a frame is off to the case's sums and the score.
+void Compare(const SuiteCase& c, int frame, int rate, const SolverRun& run, size_t strand,
+             CaseSums& sums, Score& score) {
+  const ChainMaterial& material = c.problem.material;
+  Double3 upper = kZero3;
+  for (int i = 0; i < material.links; ++i) {
+    const Double3 point = run.Point(strand, i);
+    score.finite = score.finite && IsFinite(point);
+    const size_t at = size_t(frame) * (kKeptRate / rate) * material.links + size_t(i);
+    const Double3 off = point - c.exact[at], moved = c.exact[at] - c.rigid[at];
+    sums.error += Dot(off, off);
+    sums.secondary += Dot(moved, moved);
+    score.worst = std::max(score.worst, Length(off) / material.TotalLength());
+    score.stretch =
+        std::max(score.stretch, std::abs(Length(point - upper) / material.length[i] - 1.0));
+    upper = point;
+  }
+}
+
+// Runs the cases of a batch; returns the sum of their squared errors.
+double RunBatch(const std::vector<const SuiteCase*>& batch, const SolverFactory& factory, int rate,
+                double seconds, Score& score) {
+  std::vector<LinkDirections> starts;
+  std::vector<Strand> strands;
+  for (const SuiteCase* c : batch) {
+    strands.push_back(c->problem.strand);
+    starts.push_back(c->problem.start);
+  }
+  const BodyMotion& motion = batch[0]->problem.motion;
+  SolverRun run(factory, batch[0]->problem.material, 1.0 / rate, strands, starts, motion(0.0));
+  if (!run.valid()) return 0.0;
+  std::vector<CaseSums> sums(batch.size());
+  const int frames = int(std::lround(seconds * rate));
+  for (int f = 1; f <= frames && score.finite; ++f) {
+    run.Step(motion(double(f) / rate));
+    for (size_t s = 0; s < batch.size(); ++s)
+      if (batch[s]->scored) Compare(*batch[s], f, rate, run, s, sums[s], score);
+  }
+  double squares = 0.0;
+  for (size_t s = 0; s < batch.size(); ++s) {
+    if (!batch[s]->scored) continue;
+    squares += sums[s].error / sums[s].secondary;
+    ++score.cases;
+  }
+  return squares;
+}
+
+Score ScoreMotions(const Suite& suite, size_t preset, std::span<const Motion> motions,
+                   const SolverFactory& factory, int frames_per_second) {
+  Score score;
+  double square_sum = 0.0;
+  for (const Motion motion : motions) {
+    const auto batch = BatchOf(suite, preset, motion);
+    if (!batch.empty())
+      square_sum += RunBatch(batch, factory, frames_per_second, suite.options.seconds, score);
+  }
+  score.error = score.cases > 0 ? std::sqrt(square_sum / score.cases) : 0.0;
+  return score;
+}
+
+// The pose between samples: the polynomial through the end of frame `frame` and those before.
+BodyMotion SampledMotion(const BodyMotion& exact, int rate, int frame, int degree) {
+  std::array<BodyPose, 4> sample;
+  for (int j = 0; j < 4; ++j) sample[size_t(j)] = exact(std::max(frame - j, 0) / double(rate));
+  return [=](double t) {
+    // Lagrange's polynomial of the lower degrees is the cubic's formula on fewer nodes.
+    const double s = t * rate - (frame - 1);
+    double value[4] = {}, slope[4] = {}, bend[4] = {};
+    for (int j = 0; j <= degree; ++j) {
+      value[j] = 1.0;
+      for (int i = 0; i <= degree; ++i) {
+        if (i == j) continue;
+        const double per = 1.0 / (i - j), f = (s - 1.0 + i) * per;
+        bend[j] = bend[j] * f + 2.0 * slope[j] * per;
+        slope[j] = slope[j] * f + value[j] * per;
+        value[j] *= f;
+      }
+    }
+    BodyPose pose{};
+    for (int j = 0; j <= degree; ++j) {
+      const BodyPose& p = sample[size_t(j)];
+      const double v = value[j], d = slope[j] * rate, b = bend[j] * rate * rate;
+      pose.position = pose.position + p.position * v;
+      pose.velocity = pose.velocity + p.position * d;
+      pose.acceleration = pose.acceleration + p.position * b;
+      for (int k = 0; k < 3; ++k) {
+        pose.axis[k] = pose.axis[k] + p.axis[k] * v;
+        pose.axis_rate[k] = pose.axis_rate[k] + p.axis[k] * d;
+        pose.axis_bend[k] = pose.axis_bend[k] + p.axis[k] * b;
+      }
+    }
+    const double share = std::clamp(s, 0.0, 1.0);
+    pose.wind = sample[1].wind + (sample[0].wind - sample[1].wind) * share;
+    return pose;
+  };
+}
+
+double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& suite, int rate,
+                    int degree, int& cases) {
+  std::vector<ChainProblem> problems;
+  for (const SuiteCase* c : batch) problems.push_back(c->problem);
+  // An error in per cent needs no thirteen digits.
+  const int steps = ReferenceRate(problems[0].material) / 4;
+  const BodyMotion exact = problems[0].motion;
+  ReferenceIntegrator integrator(problems, steps);
+  std::vector<CaseSums> sums(batch.size());
+  std::vector<Double3> points;
+  std::vector<Double3> root_rate(batch.size(), kZero3);
+  const int frames = int(std::lround(suite.options.seconds * rate));
+  for (int frame = 1; frame <= frames; ++frame) {
+    const BodyMotion motion = SampledMotion(exact, rate, frame, degree);
+    integrator.SetMotion(motion);
+    const BodyPose begin = motion(double(frame - 1) / rate), end = motion(double(frame) / rate);
+    for (size_t s = 0; s < batch.size(); ++s) {
+      const Double3 root = problems[s].strand.root;
+      integrator.Kick(s, begin.PlaceRate(root) - root_rate[s]);
+      root_rate[s] = end.PlaceRate(root);
+    }
+    for (int k = 0; k < steps / rate; ++k) integrator.Step();
+    for (size_t s = 0; s < batch.size(); ++s) {
+      points.clear();
+      RelativePoints(integrator, s, problems[s].material, points);
+      const size_t at = size_t(frame) * (kKeptRate / rate) * points.size();
+      for (size_t i = 0; i < points.size(); ++i) {
+        const Double3 off = points[i] - batch[s]->exact[at + i];
+        const Double3 moved = batch[s]->exact[at + i] - batch[s]->rigid[at + i];
+        sums[s].error += Dot(off, off);
+        sums[s].secondary += Dot(moved, moved);
+      }
+    }
+  }
+  double squares = 0.0;
+  for (size_t s = 0; s < batch.size(); ++s) {
+    if (!batch[s]->scored) continue;
+    squares += sums[s].error / sums[s].secondary;
+    ++cases;
+  }
+  return squares;
+}
+
+}  // namespace
+
+Suite SolveSuite(const SuiteOptions& options) {
+  Suite suite{options, MakeCases(options)};
+  std::map<std::pair<Motion, int>, std::vector<SuiteCase*>> groups;
+  for (SuiteCase& c : suite.cases)
+    groups[{c.motion, ReferenceRate(c.problem.material) * options.rate_scale}].push_back(&c);
+  for (const auto& [key, group] : groups) SolveTogether(group, key.second, options.seconds);
+  return suite;
+}
+
+double SuiteDistance(const Suite& suite, const Suite& other, size_t preset) {
+  double squares = 0.0;
+  int cases = 0;
+  for (size_t c = 0; c < suite.cases.size(); ++c) {
+    const SuiteCase &a = suite.cases[c], &b = other.cases[c];
+    if (a.preset != preset || !a.scored || !b.scored) continue;
+    CaseSums sums;
+    for (size_t i = 0; i < a.exact.size(); ++i) {
+      const Double3 off = b.exact[i] - a.exact[i], moved = a.exact[i] - a.rigid[i];
+      sums.error += Dot(off, off);
+      sums.secondary += Dot(moved, moved);
+    }
+    squares += sums.error / sums.secondary;
+    ++cases;
+  }
+  return cases > 0 ? std::sqrt(squares / cases) : 0.0;
+}
+
+Score ScoreSolver(const Suite& suite, size_t preset, const SolverFactory& factory,
+                  int frames_per_second) {
+  return ScoreMotions(suite, preset, suite.options.motions, factory, frames_per_second);
+}
+
+Score ScoreSolver(const Suite& suite, size_t preset, Motion motion, const SolverFactory& factory,
+                  int frames_per_second) {
+  return ScoreMotions(suite, preset, std::span(&motion, 1), factory, frames_per_second);
+}
+
+TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
+                         const std::function<SolverFactory(double scale)>& make) {
+  TunedScore best;
+  for (const double scale : kStiffnessScales) {
+    const Score score = ScoreSolver(suite, preset, make(scale), frames_per_second);
+    if (!score.finite || score.cases == 0) continue;
+    if (best.scale == 0.0 || score.error < best.score.error) best = {score, scale};
+  }
+  return best;
+}
+
+double InputError(const Suite& suite, size_t preset, int frames_per_second, int degree) {
+  double squares = 0.0;
+  int cases = 0;
+  for (const Motion motion : suite.options.motions) {
+    const auto batch = BatchOf(suite, preset, motion);
+    if (!batch.empty()) squares += InputSquares(batch, suite, frames_per_second, degree, cases);
+  }
+  return cases > 0 ? std::sqrt(squares / cases) : 0.0;
+}
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,213 @@
+#include "bench/accuracy/modal_solver.hpp"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "bench/accuracy/comparison/chunk_rows.hpp"
+#include "core/error.hpp"
+#include "core/kernels/chain.hpp"
+#include "core/modal/modal_block.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+template <uint32_t kPoints>
+struct Blocks : ChunkRows<kPoints> {
+  Owned<ModalStateBlock<kPoints>> chain;
+};
+
+template <uint32_t kPoints>
+class ModalSolver final : public StrandSolver {
+ public:
+  static constexpr int kLinks = kPoints - 1;
+
+  ModalSolver(const KernelDesc& kernel, ModalQuality quality, const ModalFeatures& features,
+              const SolverSetup& setup)
+      : kernel_(kernel),
+        quality_(quality),
+        strength_(features.strength),
+        shaped_(features.strength < 1.0f || features.clump > 0.0f),
+        material_(setup.material),
+        layer_params_(MakeModalLayer(ToModal(setup.material))),
+        lanes_(setup.lanes) {
+    for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
+      chunks_.push_back(std::make_unique<Blocks<kPoints>>());
+    for (double& dt : times_.dt_s) dt = setup.frame_seconds;
+    FillModalTable(layer_params_, quality_, times_, table_.block);
+    layer_->flags = kLayerEnabled | kLayerSimulate | kLayerModal;
+    layer_->gravity[0] = float(material_.gravity.x);
+    layer_->gravity[1] = float(material_.gravity.y);
+    layer_->gravity[2] = float(material_.gravity.z);
+    layer_->width = 1.0f;
+    params_ = {};
+    params_.dt = float(setup.frame_seconds);
+    SetFeatures(features);
+  }
+
+  // Takes effect at the next frame, whose history keeps the lengths its frames had.
+  void SetFrameTime(double seconds) override { next_dt_ = seconds; }
+
+  void Start(const FrameRows& frame, const float* const (*start)[3]) override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      Blocks<kPoints>& c = ChunkOf(lane);
+      const uint32_t at = lane % kStrandsPerChunk;
+      c.Start(frame, lane, float(material_.length[0]), start);
+      c.rest->strength[at] = strength_;
+      for (int k = 0; k < 3; ++k) {
+        c.chain->wind[k][at] = frame.wind[k][lane] * float(material_.drag);
+        for (int i = 0; i < kLinks; ++i) {
+          c.chain->direction[i][k][at] = start[i][k][lane];
+          float pull = 0.0f;
+          for (int j = 0; j < kLinks; ++j) pull += table_->bend[i][j] * frame.rest[j][k][lane];
+          c.chain->bend[i][k][at] = pull;
+        }
+      }
+    }
+  }
+
+  // A layer's table is made once a frame, on the caller's thread: not the kernel's time.
+  void Prepare(const FrameRows& frame) override {
+    if (next_dt_ > 0.0) {
+      times_.dt_s[2] = times_.dt_s[1];
+      times_.dt_s[1] = times_.dt_s[0];
+      times_.dt_s[0] = next_dt_;
+      params_.dt = float(next_dt_);
+      FillModalTable(layer_params_, quality_, times_, table_.block);
+    }
+    for (uint32_t lane = 0; lane < lanes_; ++lane)
+      ChunkOf(lane).LoadRoots(frame, lane, float(material_.drag));
+  }
+  void Step(const FrameRows&) override {
+    for (auto& c : chunks_) {
+      Binding bindings[kMaxPorts];
+      for (size_t p = 0; p < kernel_.ports.size(); ++p)
+        bindings[p] = {Find(kernel_.ports[p].stream, *c), nullptr, 1};
+      kernel_.run(&params_, bindings);
+    }
+  }
+
+  void Points(int i, float* const (&rows)[3]) const override {
+    // From the directions: what the solver knows, without the root's place in the world. Where it
+    // shapes them further, from the points.
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      if (shaped_) {
+        const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
+        const uint32_t at = lane % kStrandsPerChunk;
+        for (int k = 0; k < 3; ++k)
+          rows[k][lane] = c.position->position[i][k][at] - c.roots->position[k][at];
+        continue;
+      }
+      const ModalStateBlock<kPoints>& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
+      for (int k = 0; k < 3; ++k) {
+        float sum = 0.0f;
+        for (int j = 0; j <= i; ++j) sum += chain.direction[j][k][lane % kStrandsPerChunk];
+        rows[k][lane] = sum * float(material_.length[0]);
+      }
+    }
+  }
+  // Modes to links; the root's own speed is in the first link's.
+  void Velocities(int i, float* const (&rows)[3]) const override {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      const ModalStateBlock<kPoints>& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
+      for (int k = 0; k < 3; ++k) {
+        float sum = 0.0f;
+        for (int j = 0; j <= i; ++j)
+          for (int m = 0; m < kLinks; ++m)
+            sum += table_->shape[j][m] * chain.velocity[m][k][lane % kStrandsPerChunk];
+        rows[k][lane] = sum * float(material_.length[0]);
+      }
+    }
+  }
+
+ private:
+  void SetFeatures(const ModalFeatures& f) {
+    if (f.wind) layer_->flags |= kLayerWind;
+    layer_->surface_hardness = f.surface_hardness;
+    layer_->bounce = f.bounce;
+    layer_->max_distance = f.max_distance;
+    layer_->clump = f.clump;
+    if (f.clump > 0.0f) {
+      layer_->flags |= kLayerClump;
+      for (auto& c : chunks_) {
+        c->strands->control_count = kLaneGroup;
+        for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+          c->strands->control[lane] = uint8_t(lane % kLaneGroup);
+      }
+    }
+    params_.use_ground = f.use_ground ? 1 : 0;
+    const double ground[4] = {f.ground_normal.x, f.ground_normal.y, f.ground_normal.z,
+                              f.ground_offset};
+    const double sphere[4] = {f.sphere_centre.x, f.sphere_centre.y, f.sphere_centre.z,
+                              f.sphere_radius};
+    params_.sphere_count = f.sphere_radius > 0.0 ? 1 : 0;
+    for (int k = 0; k < 4; ++k) {
+      params_.ground[k] = float(ground[k]);
+      params_.sphere[0][k] = float(sphere[k]);
+    }
+  }
+  Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
+  void* Find(Stream stream, Blocks<kPoints>& c) {
+    if (stream == Stream::kLayers) return layer_.block;
+    if (stream == Stream::kModalTables) return table_.block;
+    void* shared = c.Find(stream);
+    return shared ? shared : c.chain.block;
+  }
+
+  KernelDesc kernel_;
+  ModalQuality quality_;
+  float strength_;
+  bool shaped_;
+  ChainMaterial material_;
+  ModalLayer layer_params_;
+  uint32_t lanes_;
+  FrameTimes times_;
+  double next_dt_ = 0.0;  // 0: as they were
+  SimulateParams params_;
+  Owned<LayerBlock> layer_;
+  Owned<ModalTableBlock> table_;
+  std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
+};
+
+bool IsUniform(const ChainMaterial& material) {
+  for (int i = 1; i < material.links; ++i)
+    if (material.length[i] != material.length[0]) return false;
+  return true;
+}
+
+}  // namespace
+
+ModalMaterial ToModal(const ChainMaterial& material) {
+  ModalMaterial m{};
+  m.links = uint32_t(material.links);
+  double total = 0.0;
+  for (int i = 0; i < material.links; ++i) total += material.mass[i];
+  for (int i = 0; i < material.links; ++i) {
+    m.mass[i] = material.mass[i] / total;
+    m.stiffness[i] = material.stiffness[i] / (total * material.length[i] * material.length[i]);
+  }
+  m.drag_per_s = material.drag;
+  m.bend_damping_s = material.bending_damping;
+  m.parent_curl = material.curl == CurlModel::kParent;
+  return m;
+}
+
+ModalKernels ModalKernelsOf(Isa isa) {
+  const KernelTable* table = FindKernels(isa);
+  if (!table) throw Error("no " + std::string(IsaName(isa)) + " kernels here");
+  return {(*table)[Kernel::kModalStrand4], (*table)[Kernel::kModalStrand5]};
+}
+
+SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
+                           const ModalFeatures& features) {
+  return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
+    if (!IsUniform(setup.material)) return nullptr;
+    if (setup.material.links == 3)
+      return std::make_unique<ModalSolver<4>>(kernels.three_links, quality, features, setup);
+    if (setup.material.links == 4)
+      return std::make_unique<ModalSolver<5>>(kernels.four_links, quality, features, setup);
+    return nullptr;
+  };
+}
+
+}  // namespace pelt::accuracy

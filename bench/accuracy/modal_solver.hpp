@@ -1,0 +1,38 @@
+// Pelt's modal kernel under the yardstick: any build of it, handed over as its description.
+#pragma once
+
+#include "bench/accuracy/strand_solver.hpp"
+#include "core/kernels/kernel_table.hpp"
+#include "core/modal/modal_table.hpp"
+
+namespace pelt::accuracy {
+
+// SimulateModal<V, 4, false> and <V, 5, false> of one V; kept by the factory. Materials with links
+// of equal length.
+struct ModalKernels {
+  KernelDesc three_links, four_links;
+};
+// As built for an instruction set. Throws Error when this program or processor lacks it.
+ModalKernels ModalKernelsOf(Isa isa);
+
+// What acts on the strands besides their material, gravity and wind. As it stands here: nothing.
+struct ModalFeatures {
+  bool wind = true;               // the layer reads the wind
+  float surface_hardness = 0.0f;  // contact with the plane across the first link's rest direction
+  bool use_ground = false;
+  Double3 ground_normal = {0.0, 1.0, 0.0};
+  double ground_offset = 0.0;  // free space is n . x + offset >= 0
+  double sphere_radius = 0.0;  // 0: no sphere
+  Double3 sphere_centre = kZero3;
+  float bounce = 0.0f;
+  float max_distance = 0.0f;  // of a point from the groom, share of its distance along the strand
+  float clump = 0.0f;         // towards the first strands of a chunk
+  float strength = 1.0f;      // of every strand
+};
+SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
+                           const ModalFeatures& features = {});
+
+// The material in the modal solver's terms: links of length 1, total mass 1.
+ModalMaterial ToModal(const ChainMaterial& material);
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,186 @@
+#include "bench/accuracy/named_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "bench/accuracy/modal_solver.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+struct NamedQuality {
+  ModalQuality quality;
+  std::string_view name, label;
+};
+constexpr NamedQuality kQualities[] = {{ModalQuality::kFast, "modal-fast", "modal, fast"},
+                                       {ModalQuality::kDefault, "modal", "modal"},
+                                       {ModalQuality::kBest, "modal-best", "modal, best"}};
+
+constexpr int kNewtonSteps = 6;  // of implicit Euler: fully converged
+constexpr int kTrapezoidNewtonSteps = 2;
+constexpr int kLayerIterations = 4;  // of "pbd" and "verlet", as of a layer that says no more
+
+// The names of one family's members: "xpbd-8".
+std::string_view NameStem(Family family) {
+  switch (family) {
+    case Family::kFollowTheLeader:
+      return "dftl";
+    case Family::kPbd:
+      return "textbook-pbd";
+    case Family::kPeltPbd:
+      return "pbd";
+    case Family::kVerlet:
+      return "verlet";
+    case Family::kXpbd:
+      return "xpbd";
+    case Family::kImplicitEuler:
+      return "euler";
+    case Family::kTrapezoid:
+      return "trapezoid";
+    case Family::kModal:
+      break;
+  }
+  return "modal";
+}
+
+MethodSettings MethodOf(Family family, int spent) {
+  switch (family) {
+    case Family::kFollowTheLeader:
+      return {Method::kFollowTheLeader, spent, 1};
+    case Family::kPbd:
+      return {Method::kPbd, 1, spent};
+    case Family::kXpbd:
+      return {Method::kXpbd, spent, 1};
+    case Family::kImplicitEuler:
+      return {Method::kImplicitEuler, spent, kNewtonSteps};
+    default:
+      return {Method::kTrapezoid, spent, kTrapezoidNewtonSteps};
+  }
+}
+
+bool IsCore(Family family) { return family == Family::kPeltPbd || family == Family::kVerlet; }
+
+NamedSolver MakeNamed(Family family, int spent) {
+  NamedSolver solver{family, fmt::format("{}-{}", NameStem(family), spent), {}, spent, {}, {}};
+  if (IsCore(family)) {
+    solver.core = {family == Family::kPeltPbd ? CoreMethod::kPbd : CoreMethod::kVerlet,
+                   uint32_t(spent)};
+    solver.label =
+        fmt::format("{}, {} iteration{}", FamilyName(family), spent, spent == 1 ? "" : "s");
+  } else {
+    solver.method = MethodOf(family, spent);
+    solver.label = MethodLabel(solver.method);
+  }
+  return solver;
+}
+
+NamedSolver MakeModal(const NamedQuality& quality) {
+  return {Family::kModal,
+          std::string(quality.name),
+          std::string(quality.label),
+          int(quality.quality) + 1,
+          {},
+          {},
+          quality.quality};
+}
+
+struct Members {
+  Family family;
+  std::vector<int> all, quick;
+};
+const std::vector<Members>& AllMembers() {
+  static const std::vector<Members> members = {{Family::kFollowTheLeader, {1, 2, 4, 8}, {1}},
+                                               {Family::kPbd, {1, 2, 4, 8, 16}, {4}},
+                                               {Family::kPeltPbd, {1, 2, 4, 8, 16}, {1, 4}},
+                                               {Family::kVerlet, {1, 4, 16}, {4}},
+                                               {Family::kXpbd, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
+                                               {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
+                                               {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};
+  return members;
+}
+
+SolverFactory ScaledFactory(const NamedSolver& solver, Isa isa, double scale) {
+  NamedSolver scaled = solver;
+  scaled.method.stiffness_scale = scaled.core.stiffness_scale = scale;
+  return FactoryOf(scaled, isa);
+}
+
+}  // namespace
+
+std::string_view FamilyName(Family family) {
+  static constexpr std::string_view kNames[kFamilies] = {
+      "follow-the-leader", "PBD, textbook", "PBD, Pelt's",  "Verlet, Pelt's", "XPBD",
+      "implicit Euler",    "trapezoid",     "modal, Pelt's"};
+  return kNames[size_t(family)];
+}
+
+bool NamedSolver::Tuned() const {
+  return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader;
+}
+
+std::vector<NamedSolver> AllSolvers(bool quick) {
+  std::vector<NamedSolver> solvers;
+  for (const Members& members : AllMembers())
+    for (const int spent : quick ? members.quick : members.all)
+      solvers.push_back(MakeNamed(members.family, spent));
+  for (const NamedQuality& quality : kQualities) solvers.push_back(MakeModal(quality));
+  return solvers;
+}
+
+std::optional<NamedSolver> FindSolver(std::string_view name) {
+  for (const NamedQuality& quality : kQualities)
+    if (quality.name == name) return MakeModal(quality);
+  for (const Members& members : AllMembers()) {
+    const std::string_view stem = NameStem(members.family);
+    if (!name.starts_with(stem)) continue;
+    const std::string_view rest = name.substr(stem.size());
+    if (rest.empty() && IsCore(members.family)) return MakeNamed(members.family, kLayerIterations);
+    int spent = 0;
+    const auto [end, error] = std::from_chars(rest.data() + !rest.empty(), rest.end(), spent);
+    if (rest.starts_with('-') && error == std::errc() && end == rest.end() && spent >= 1 &&
+        spent <= kMaxSubsteps)
+      return MakeNamed(members.family, spent);
+  }
+  return std::nullopt;
+}
+
+std::string SolverNames() {
+  std::vector<std::string> names;
+  for (const NamedQuality& quality : kQualities) names.emplace_back(quality.name);
+  for (const Members& members : AllMembers()) {
+    const std::string_view stem = NameStem(members.family);
+    names.push_back(IsCore(members.family) ? fmt::format("{0}, {0}-N", stem)
+                                           : fmt::format("{}-N", stem));
+  }
+  return fmt::format("{} (N from 1 to {})", fmt::join(names, ", "), kMaxSubsteps);
+}
+
+SolverFactory FactoryOf(const NamedSolver& solver, Isa isa) {
+  if (IsCore(solver.family)) return CoreFactory(isa, solver.core);
+  if (solver.family != Family::kModal) return ComparisonFactory(isa, solver.method);
+  if (!FindKernels(isa)) return [](const SolverSetup&) { return std::unique_ptr<StrandSolver>(); };
+  return ModalFactory(ModalKernelsOf(isa), solver.quality);
+}
+
+TunedSolver ScoreNamed(const NamedSolver& solver, Isa isa, const Suite& suite, size_t preset,
+                       int frames_per_second) {
+  TunedSolver tuned{solver, {}, 1.0};
+  if (!solver.Tuned()) {
+    tuned.score = ScoreSolver(suite, preset, FactoryOf(solver, isa), frames_per_second);
+  } else if (IsCore(solver.family)) {
+    const TunedScore best = TuneStiffness(suite, preset, frames_per_second, [&](double scale) {
+      return ScaledFactory(solver, isa, scale);
+    });
+    tuned.score = best.score;
+    tuned.scale = tuned.solver.core.stiffness_scale = best.scale;
+  } else {
+    const TunedMethod best = TuneMethod(isa, solver.method, suite, preset, frames_per_second);
+    tuned.score = best.score;
+    tuned.solver.method = best.settings;
+    tuned.scale = best.settings.stiffness_scale;
+  }
+  return tuned;
+}
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,65 @@
+// Every solver under its name: one list for the work-precision table, the stress table and
+// `--solver`.
+//
+// A family is one method; its members differ in what they spend a frame (substeps, iterations,
+// quality), so a family is one curve of the diagram and a member one point on it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/accuracy/comparison/comparison.hpp"
+#include "core/modal/modal_quality.hpp"
+
+namespace pelt::accuracy {
+
+enum class Family : uint8_t {
+  kFollowTheLeader,
+  kPbd,      // the textbook's, bench/accuracy/comparison
+  kPeltPbd,  // ours, as it runs in a frame
+  kVerlet,   // ours
+  kXpbd,
+  kImplicitEuler,
+  kTrapezoid,
+  kModal,  // ours
+};
+inline constexpr size_t kFamilies = 8;
+std::string_view FamilyName(Family family);  // "implicit Euler"
+
+struct NamedSolver {
+  Family family;
+  std::string name;   // for the command line: "xpbd-8", "modal-fast"
+  std::string label;  // for people: "XPBD, 8 substeps"
+  int spent;          // substeps or iterations
+  // What the family is made from; one of them counts.
+  MethodSettings method;
+  CoreSettings core;
+  ModalQuality quality = ModalQuality::kDefault;
+
+  // Its stiffness is not the material's but found by trying (TuneStiffness).
+  bool Tuned() const;
+};
+
+// Family after family, from cheapest to most exact. `quick`: one or two members of each.
+std::vector<NamedSolver> AllSolvers(bool quick = false);
+// By name, with any count: "xpbd-50". The layers' own names ("modal", "pbd", "verlet") are what
+// layers run.
+std::optional<NamedSolver> FindSolver(std::string_view name);
+// The names there are, for messages.
+std::string SolverNames();
+
+SolverFactory FactoryOf(const NamedSolver& solver, Isa isa);
+
+// The solver with the stiffness that suits the suite's preset best, where it has to be found; scale
+// 0: no stiffness came out finite.
+struct TunedSolver {
+  NamedSolver solver;
+  Score score;
+  double scale = 1.0;
+};
+TunedSolver ScoreNamed(const NamedSolver& solver, Isa isa, const Suite& suite, size_t preset,
+                       int frames_per_second);
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,80 @@
+// Whole frames of a scene, run in every way there is to pay less for them, from no simulation at
+// all to the best quality: what each costs and how wrong it is.
+//
+// The measure is the scene itself, modal solver at its best, with more frames a second and so the
+// exact pose in between; the same with half as many tells what that reference is good to
+// (self_error). An error is a share of the secondary motion, over all strands, free points and
+// frames after the warm-up (the first frames start from the groom): RMS(x - reference) /
+// RMS(reference - rigid), rigid being the scene with simulation switched off, whose error is
+// therefore 1. The reference knows where roots are between the frames and the ways do not: their
+// error holds the input error (work_precision.hpp) as a game has it.
+//
+// All ways, the rigid run and the references go through the frames in lockstep, in one thread, so
+// that what a busy machine does to one it does to all, and no run has to be stored. Of each frame
+// the fastest round counts.
+//
+// Invariant: errors depend on nothing but the arithmetic, which is the same on every instruction
+// set. The scene is dry (its wetting counts frames, not seconds) and nothing is culled.
+//
+// After the frames that are compared nothing moves. Ways that sleep go on through still frames,
+// which count in their time: what they save is a matter of how many there are. That they do the
+// same as the way that does not sleep is told by the digests of all points of all frames.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/scene_way.hpp"
+
+namespace pelt::accuracy {
+
+struct ScenePrecisionOptions {
+  std::string scene = "monster";
+  uint32_t frames = 0;          // even; 0: by the scene and `quick`
+  double warm_up_share = 0.5;   // of the frames: not counted
+  uint32_t still_frames = 480;  // after them, for ways that sleep
+  uint32_t reference_rate = 8;  // frames of the reference for one; a power of two from 2 on
+  int rounds = 3;               // of the timing
+  Isa isa = BestIsa();
+  bool contact = true;  // else no surface, ground or spheres
+  bool quick = false;
+  std::function<void(size_t done, size_t total)> progress;
+};
+
+struct ScenePrecisionRow {
+  SceneWay way;
+  double simulate_ns = 0.0;  // a strand of the scene and frame, in wind and simulation stages
+  double frame_ns = 0.0;     // the same of the whole frame
+  double of_pbd = 0.0, frame_of_pbd = 0.0;  // over the same of PBD in every frame
+  double error = 0.0;                       // share of the secondary motion
+  double off_m = 0.0;                       // RMS distance to the reference
+  double live_share = 1.0;                  // of the strands
+  double simulate_runs = 0.0;               // of those stages on a chunk, a frame
+  uint64_t points_digest = 0;               // of all points of all frames
+};
+
+// ScenePrecisionRow::simulate_ns or ::frame_ns.
+using SceneTime = double ScenePrecisionRow::*;
+
+struct ScenePrecision {
+  ScenePrecisionOptions options;  // as used
+  uint64_t strands = 0;
+  uint32_t layers = 0, warm_up = 0;
+  double frames_per_second = 0.0;
+  double self_error = 0.0;              // of the reference: its distance to one of half its rate
+  double secondary_m = 0.0;             // RMS of reference - rigid
+  std::vector<ScenePrecisionRow> rows;  // cheapest first
+  std::vector<std::string> notes;       // ways that the scene has no layer for
+  uint64_t error_digest = 0;
+
+  // Nothing as cheap, by that time, is more exact. Only among ways to choose from.
+  bool OnFront(const ScenePrecisionRow& row, SceneTime time) const;
+  const ScenePrecisionRow* Find(std::string_view way) const;
+};
+
+ScenePrecision MeasureScenePrecision(const ScenePrecisionOptions& options);
+// Of a scene that was not made by name.
+ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecisionOptions& options);
+
+}  // namespace pelt::accuracy

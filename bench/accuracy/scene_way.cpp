@@ -1,0 +1,118 @@
+#include "bench/accuracy/scene_way.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace pelt::accuracy {
+
+SceneWay RigidWay() {
+  return {.name = "rigid", .label = "no simulation", .solver = Solver::kPbd, .simulate = false};
+}
+
+std::vector<SceneWay> AllSceneWays() {
+  std::vector<SceneWay> ways;
+  ways.push_back(RigidWay());
+  const struct {
+    const char *name, *label;
+    Solver solver;
+    ModalQuality quality;
+  } solvers[] = {{"verlet", "Verlet", Solver::kVerlet, {}},
+                 {"pbd", "PBD", Solver::kPbd, {}},
+                 {"fast", "modal fast", Solver::kModal, ModalQuality::kFast},
+                 {"default", "modal default", Solver::kModal, ModalQuality::kDefault},
+                 {"best", "modal best", Solver::kModal, ModalQuality::kBest}};
+  for (const auto& s : solvers) {
+    ways.push_back({.name = s.name, .label = s.label, .solver = s.solver, .quality = s.quality});
+    ways.push_back({.name = fmt::format("{}-halved", s.name),
+                    .label = fmt::format("{}, every second frame", s.label),
+                    .solver = s.solver,
+                    .quality = s.quality,
+                    .halved = true});
+  }
+  ways.push_back(
+      {.name = "default-sleep", .label = "modal default, sleeping when still", .sleep = true});
+  for (const int divisor : {2, 4})
+    ways.push_back({.name = fmt::format("default-lod-{}", divisor),
+                    .label = fmt::format("modal default, LOD to 1/{} of the strands", divisor),
+                    .strand_share = 1.0 / divisor});
+  return ways;
+}
+
+Scenario AtRate(const Scenario& base, uint32_t multiply, uint32_t divide) {
+  Scenario scenario = base;
+  scenario.dt_s = base.dt_s * divide / multiply;
+  const auto scaled = [&](uint32_t frame) { return (frame * multiply + divide - 1) / divide; };
+  scenario.rest_from_frame = scaled(base.rest_from_frame);
+  for (Actor& actor : scenario.actors)
+    if (actor.teleport_frame >= 0)
+      actor.teleport_frame = int32_t(scaled(uint32_t(actor.teleport_frame)));
+  return scenario;
+}
+
+bool SetWay(const SceneWay& way, const Scenario& base, Scenario& scenario) {
+  bool any = false;
+  for (size_t g = 0; g < scenario.grooms.size(); ++g)
+    for (size_t l = 0; l < scenario.grooms[g].layers.size(); ++l) {
+      const LayerParams& own = base.grooms[g].layers[l].params;
+      LayerParams params = own;
+      params.solver = way.solver;
+      params.quality = way.quality;
+      if (FindBadCombination(params)) params.solver = own.solver;
+      any = any || params.solver == way.solver;
+      scenario.grooms[g].layers[l].params = params;
+    }
+  return any;
+}
+
+void RemoveStrength(Groom& groom) {
+  const auto clear = [](auto& blocks) {
+    for (auto& block : blocks)
+      std::fill(std::begin(block.strength), std::end(block.strength), 0.0f);
+  };
+  clear(groom.vertex_rest);
+  clear(groom.strand_rest4);
+  clear(groom.strand_rest5);
+}
+
+SceneRun::SceneRun(const SceneWay& way, Scenario& scenario, Isa isa)
+    : running_(scenario, SceneOptions{.isa = isa}),
+      recording_(running_.scene().plan(), running_.scene().shape()) {
+  skip_.cull = false;
+  skip_.sleep = way.sleep;
+  skip_.lod = way.strand_share < 1.0;
+  // The budget alone decides.
+  lod_.full_detail_px = 0.0f;
+  lod_.strand_budget = uint32_t(way.strand_share * double(scenario.StrandCount()));
+  for (uint32_t s = 0; s < plan().stages.size(); ++s) {
+    const std::string_view name = plan().stages[s].kernel.name;
+    if (name.starts_with("simulate_") || name.starts_with("wind_")) simulation_.push_back(s);
+  }
+}
+
+void SceneRun::RunFrame(uint32_t frame) {
+  const auto begin = std::chrono::steady_clock::now();
+  running_.Begin(frame, skip_, lod_);
+  Frame current = scene().CurrentFrame();
+  current.profile = recording_.profile();
+  executor_.Run(current);
+  const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
+  frame_ns_ = time.count();
+}
+
+SceneRun::Simulation SceneRun::Simulated() const {
+  Simulation simulated;
+  uint64_t ticks = 0;
+  for (const uint32_t s : simulation_)
+    for (uint32_t i = 0; i < scene().shape().ItemCount(plan().stages[s].domain); ++i) {
+      const Slice slice = recording_.Stage(s, i);
+      if (!slice.Ran()) continue;
+      ticks += slice.Ticks();
+      ++simulated.runs;
+    }
+  simulated.ns = double(ticks) * recording_.NsPerTick();
+  return simulated;
+}
+
+}  // namespace pelt::accuracy

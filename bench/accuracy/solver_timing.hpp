@@ -1,0 +1,48 @@
+// What a solver costs: nanoseconds a strand a frame on one core, for batches as large as a
+// character's.
+//
+// Solvers that are compared are timed in turn: a round runs each of them over the same frames, and
+// of each frame the fastest round counts, so that what a busy machine does to one solver it does to
+// all. Only StrandSolver::Step is timed, which reads the frame's rows and the solver's own state;
+// in a turn that state comes from the second or third level of cache, as it does in a frame.
+#pragma once
+
+#include <span>
+
+#include "bench/accuracy/solver_run.hpp"
+#include "bench/accuracy/strand_solver.hpp"
+
+namespace pelt::accuracy {
+
+struct TimingOptions {
+  uint32_t strands = 8192;
+  int frames = 60;  // one after the other
+  int repeats = 5;  // rounds
+  int frames_per_second = 60;
+  double (*now)() = nullptr;  // s, never backwards; null: std::chrono::steady_clock
+};
+
+// What is simulated while the clock runs: a few strands, many times over (what a lane holds does
+// not change what it costs).
+struct TimedProblem {
+  ChainMaterial material;
+  std::vector<Strand> strands;
+  std::vector<LinkDirections> start;
+  BodyMotion motion;
+  double begin = 0.0;  // s of the motion
+};
+// Curled strands in the middle of the headshake, as if the body had come there at once.
+TimedProblem HeadshakeProblem(const ChainMaterial& material);
+
+struct SolverTime {
+  double ns = 0.0;      // a strand a frame; 0 where the solver cannot run the material
+  uint64_t digest = 0;  // of the points after the last frame
+};
+std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
+                                   const TimedProblem& problem, const TimingOptions& options);
+
+// One solver alone. `digest`, if given: a hash of the points after the last frame.
+double NanosecondsPerStrand(const SolverFactory& factory, const ChainMaterial& material,
+                            const TimingOptions& options, uint64_t* digest = nullptr);
+
+}  // namespace pelt::accuracy

@@ -1,0 +1,150 @@
+#include "bench/accuracy/work_precision.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "bench/accuracy/solver_timing.hpp"
+#include "core/random.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+constexpr int kTimedRate = 60;
+constexpr std::string_view kYardstick = "pbd-4";
+
+SuiteOptions SuiteFor(const WorkPrecisionOptions& options, int links) {
+  SuiteOptions suite;
+  suite.links = links;
+  suite.presets = options.presets;
+  suite.coefficients = options.coefficients;
+  if (options.quick) {
+    suite.strands = 3;
+    suite.seconds = 2.5;
+    suite.motions = {Motion::kWalk, Motion::kHeadshake};
+  }
+  return suite;
+}
+
+TimingOptions TimingFor(bool quick) {
+  return {.strands = quick ? 1024u : 4096u,
+          .frames = quick ? 8 : 24,
+          .repeats = quick ? 3 : 7,
+          .frames_per_second = kTimedRate};
+}
+
+uint64_t MixDouble(uint64_t digest, double value) {
+  uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return MixSeed(digest, bits);
+}
+
+// Fills the scores of a panel's rows; returns what runs at `kTimedRate`, for the clock.
+class PanelScores {
+ public:
+  PanelScores(const WorkPrecisionOptions& options, const Suite& suite, size_t preset)
+      : options_(options), suite_(suite), preset_(preset) {}
+
+  NamedSolver Fill(WorkPrecisionRow& row) const {
+    NamedSolver timed = row.solver;
+    const size_t middle = MiddleRate(options_.rates);
+    for (size_t r = 0; r < options_.rates.size(); ++r) {
+      const TunedSolver tuned =
+          ScoreNamed(row.solver, options_.isa, suite_, preset_, options_.rates[r]);
+      row.scores.push_back(tuned.score);
+      row.scales.push_back(tuned.scale);
+      if (r == middle) timed = tuned.solver;
+    }
+    return timed;
+  }
+
+ private:
+  const WorkPrecisionOptions& options_;
+  const Suite& suite_;
+  size_t preset_;
+};
+
+void TimePanel(const std::vector<NamedSolver>& solvers, const ChainMaterial& material,
+               const WorkPrecisionOptions& options, WorkPrecisionPanel& panel) {
+  std::vector<SolverFactory> factories;
+  for (const NamedSolver& solver : solvers) factories.push_back(FactoryOf(solver, options.isa));
+  const std::vector<SolverTime> times =
+      TimeInTurn(factories, HeadshakeProblem(material), TimingFor(options.quick));
+  double yardstick = 0.0;
+  for (size_t s = 0; s < solvers.size(); ++s)
+    if (solvers[s].name == kYardstick) yardstick = times[s].ns;
+  for (size_t s = 0; s < solvers.size(); ++s) {
+    panel.rows[s].ns = times[s].ns;
+    panel.rows[s].ratio = yardstick > 0.0 ? times[s].ns / yardstick : 0.0;
+  }
+}
+
+uint64_t DigestOf(const std::vector<WorkPrecisionPanel>& panels) {
+  uint64_t digest = 0;
+  for (const WorkPrecisionPanel& panel : panels)
+    for (const WorkPrecisionRow& row : panel.rows)
+      for (size_t r = 0; r < row.scores.size(); ++r)
+        for (const double value :
+             {row.scores[r].error, row.scores[r].worst, row.scores[r].stretch, row.scales[r]})
+          digest = MixDouble(digest, value);
+  return digest;
+}
+
+}  // namespace
+
+bool WorkPrecisionPanel::OnFront(const WorkPrecisionRow& row, size_t rate) const {
+  return row.ns > 0.0 && row.Finite(rate) &&
+         std::none_of(rows.begin(), rows.end(), [&](const WorkPrecisionRow& other) {
+           return other.ns > 0.0 && other.ns <= row.ns && other.Finite(rate) &&
+                  other.scores[rate].error < row.scores[rate].error;
+         });
+}
+
+size_t MiddleRate(const std::vector<int>& rates) {
+  size_t middle = 0;
+  for (size_t r = 1; r < rates.size(); ++r)
+    if (std::abs(rates[r] - kTimedRate) < std::abs(rates[middle] - kTimedRate)) middle = r;
+  return middle;
+}
+
+WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
+  WorkPrecision result{options, {}};
+  const TimingOptions timing = TimingFor(options.quick);
+  result.rounds = timing.repeats;
+  result.timed_strands = int(timing.strands);
+  result.timed_frames = timing.frames;
+  const std::vector<NamedSolver> solvers = AllSolvers(options.quick);
+  // A panel counts as two more: its suite and its times.
+  const size_t total = options.links.size() * options.presets.size() * (solvers.size() + 2);
+  size_t done = 0;
+  const auto show = [&](size_t more) {
+    done += more;
+    if (options.progress) options.progress(done, total);
+  };
+  for (const int links : options.links) {
+    show(0);
+    const Suite suite = SolveSuite(SuiteFor(options, links));
+    for (size_t preset = 0; preset < options.presets.size(); ++preset) {
+      show(1);
+      WorkPrecisionPanel panel{links, preset, {}, {}};
+      for (const int rate : options.rates)
+        panel.input_errors.push_back(InputError(suite, preset, rate, 3));
+      const PanelScores scores(options, suite, preset);
+      std::vector<NamedSolver> timed;
+      for (const NamedSolver& solver : solvers) {
+        panel.rows.push_back({solver, 0.0, 0.0, {}, {}});
+        timed.push_back(scores.Fill(panel.rows.back()));
+        show(1);
+      }
+      if (options.timed)
+        TimePanel(timed, MakeMaterial(options.presets[preset], links, options.coefficients),
+                  options, panel);
+      show(1);
+      result.panels.push_back(std::move(panel));
+    }
+  }
+  result.error_digest = DigestOf(result.panels);
+  return result;
+}
+
+}  // namespace pelt::accuracy
