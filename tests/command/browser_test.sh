@@ -32,7 +32,7 @@ fi
 open() {
   local profile
   profile=$(mktemp -d)
-  timeout 50 "$browser" --headless --no-sandbox --disable-gpu --enable-unsafe-swiftshader --disable-quic --no-first-run \
+  timeout 150 "$browser" --headless --no-sandbox --disable-gpu --enable-unsafe-swiftshader --disable-quic --no-first-run \
     --disable-background-networking --disable-component-update --disable-sync --disable-dev-shm-usage \
     --user-data-dir="$profile" --window-size="$2,900" --enable-logging=stderr --virtual-time-budget=6000 --dump-dom \
     "$1" >"$3.html" 2>"$3.log" </dev/null
@@ -73,9 +73,10 @@ addEventListener("load", () => setTimeout(() => {
 
 attribute() { sed -n "s/.*<html[^>]* data-$2=\"\([^\"]*\)\".*/\1/p" "$1" | head -n 1; }
 
-# check_page PAGE WIDTH [CONSOLES]: silent when all is well, else a line for each fault. CONSOLES: 2 if not given.
+# check_page PAGE WIDTH [CONSOLES [DIAGRAMS]]: silent when all is well, else a line for each fault. CONSOLES: 2 if not
+# given; DIAGRAMS: panels of error against run time, 0 if not given.
 check_page() {
-  local page=$1 width=$2 consoles=${3-2} out=$work/page.$2 name=
+  local page=$1 width=$2 consoles=${3-2} diagrams=${4-0} out=$work/page.$2 name=
   python3 - "$page" "$out.probed.html" "$probe" "$width" <<'PYTHON' || { echo "cannot be probed"; return; }
 import sys
 width = sys.argv[4]
@@ -94,15 +95,16 @@ PYTHON
     echo "the page is $(attribute "$out.html" scroll) wide in a frame of $width"
   local counts
   counts=$(attribute "$out.html" pictures)
-  [ "$(wc -w <<<"$counts")" -eq $((3 + consoles)) ] || echo "pictures: '$counts', not $((3 + consoles))"
+  [ "$(wc -w <<<"$counts")" -eq $((3 + consoles + diagrams)) ] || echo "pictures: '$counts', not $((3 + consoles + diagrams))"
+  [ "$(grep -o 'accuracy:' <<<"$counts" | wc -l)" -eq "$diagrams" ] || echo "diagrams: '$counts', not $diagrams"
   [ "$(grep -o 'console:' <<<"$counts" | wc -l)" -eq "$consoles" ] || echo "consoles: '$counts', not $consoles"
   for name in $counts; do
     [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
   done
-  [ "$(attribute "$out.html" named)" = $((3 + consoles)) ] || echo "a picture has no name"
-  # Of each console: its units, and its stages.
-  [ "$(attribute "$out.html" tables)" = $((7 + 2 * consoles)) ] ||
-    echo "$(attribute "$out.html" tables) tables, not $((7 + 2 * consoles))"
+  [ "$(attribute "$out.html" named)" = $((3 + consoles + diagrams)) ] || echo "a picture has no name"
+  # Of each console: its units, and its stages; of the diagrams: one.
+  [ "$(attribute "$out.html" tables)" = $((7 + 2 * consoles + (diagrams > 0))) ] ||
+    echo "$(attribute "$out.html" tables) tables, not $((7 + 2 * consoles + (diagrams > 0)))"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
   [ "$(attribute "$out.html" uncoloured)" = 0 ] || echo "$(attribute "$out.html" uncoloured) bars have no colour"
@@ -143,6 +145,14 @@ TOML
   said=$(check_page "$work/plain.html" 390 0)
   [ -z "$said" ] || fail "without consoles: $said"
   must_fail "$work/plain.html" "consoles: "
+  (cd "$work" && "$pelt" accuracy --quick --presets soft,stiff --json accuracy.json >/dev/null &&
+    "$pelt" report --scene tiny --frames 5 --no-consoles --accuracy accuracy.json --out accuracy.html) \
+    >"$work/accuracy.log" 2>&1 || fail "pelt report --accuracy: $(cat "$work/accuracy.log")"
+  for width in 1280 390; do
+    said=$(check_page "$work/accuracy.html" "$width" 0 2)
+    [ -z "$said" ] || fail "with diagrams, at $width px: $said"
+  done
+  must_fail "$work/accuracy.html" "diagrams: "
   (cd "$work" && "$pelt" report --character builtin --setup ./large.toml --frames 3 --out large.html) >"$work/large.log" 2>&1 ||
     fail "pelt report, of what a PS3 cannot run: $(cat "$work/large.log")"
   said=$(check_page "$work/large.html" 390 1)

@@ -22,7 +22,7 @@ run_examples() {
   local count=0
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
-  for subcommand in bake run plan verify report trace diff golden timing budget conformance; do
+  for subcommand in bake run plan verify report trace diff golden timing budget conformance accuracy stress; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
     while read -r -a words; do
       count=$((count + 1))
@@ -106,6 +106,40 @@ check_errors() {
   expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
   check_timing_errors
   check_budget_errors
+  check_accuracy_errors
+}
+
+check_accuracy_errors() {
+  expect 2 --rates accuracy --quick --rates 50
+  expect 2 --presets accuracy --quick --presets hard
+  expect 2 --strand accuracy --roots roots.csv
+  expect 2 --roots accuracy --solver modal
+  expect 2 --json accuracy --roots roots.csv --strand strand.toml --out x.csv --json x.json
+  expect 2 nowhere accuracy --scene nowhere
+  expect 2 --roots accuracy --roots roots.csv --strand strand.toml --out x.csv --scene tiny
+  expect 2 --presets accuracy --scene tiny --presets soft
+  expect 2 --scene accuracy --frames 10
+  expect 2 --features accuracy --scene tiny --features
+  expect 2 --svg accuracy --features --svg x.svg
+  expect 1 /nowhere/ accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
+  "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
+  local run=(accuracy --out points.csv --strand strand.toml --roots)
+  expect 1 missing.csv "${run[@]}" missing.csv
+  expect 1 'there are modal-fast' "${run[@]}" roots.csv --solver xpbd-99
+  sed '5s/,[^,]*$//' roots.csv >short.csv
+  expect 1 'short.csv:5: 10 cells' "${run[@]}" short.csv
+  sed '7s/^[^,]*/nan/' roots.csv >nan.csv
+  expect 1 "nan.csv:7: column 'time'" "${run[@]}" nan.csv
+  sed -e '3{h;d}' -e '4{G}' roots.csv >order.csv
+  expect 1 'does not come after' "${run[@]}" order.csv
+  head -c 3000 roots.csv >cut.csv
+  expect 1 'cut.csv:' "${run[@]}" cut.csv
+  sed 's/length/lenght/' strand.toml >typo.toml
+  expect 1 "did you mean 'length'" accuracy --out points.csv --strand typo.toml --roots roots.csv
+  expect 1 /nowhere/ accuracy --out /nowhere/x.csv --strand strand.toml --roots roots.csv
+  expect 1 'no such solver' stress --quick --solvers magic
+  expect 2 --links stress --links 5
+  expect 1 'not JSON' report --scene tiny --frames 1 --accuracy roots.csv --out x.html
 }
 
 check_timing_errors() {

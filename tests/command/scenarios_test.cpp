@@ -84,7 +84,7 @@ TEST(Scenarios, TinyHasEverySolverChainAndOutput) {
     outputs.insert(layer.params.output);
     points.insert(layer.params.points);
   }
-  EXPECT_EQ(solvers.size(), 2u);
+  EXPECT_EQ(solvers.size(), 3u);
   EXPECT_EQ(chains.size(), 2u);
   EXPECT_EQ(outputs.size(), 2u);
   EXPECT_EQ(points.size(), 2u);

@@ -187,7 +187,7 @@ TEST_F(TraceCommand, ShowTellsWhatIsInside) {
   const std::string text = testing::internal::GetCapturedStdout();
   EXPECT_NE(text.find("scene tiny"), std::string::npos);
   EXPECT_NE(text.find("3 frames, 1 characters"), std::string::npos) << text;
-  EXPECT_NE(text.find("5 layers, 1050 strands, 24 joints"), std::string::npos) << text;
+  EXPECT_NE(text.find("8 layers, 1410 strands, 24 joints"), std::string::npos) << text;
   args.json = true;
   testing::internal::CaptureStdout();
   EXPECT_EQ(ShowRecording(args), 0);

@@ -21,6 +21,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "core/kernels/sort_layer.hpp"
 #include "core/kernels/sort_pieces.hpp"
@@ -198,7 +199,9 @@ TEST(PlantedFaults, ScatteringOutsideTheLayerIsNamedByLocalStore) {
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
   ASSERT_FALSE(local.faults().empty());
-  EXPECT_NE(local.faults()[0].what.find("scattered to place 512 of 512"), std::string::npos)
+  const std::string end = std::to_string(4 * kStrandsPerChunk);
+  EXPECT_NE(local.faults()[0].what.find("scattered to place " + end + " of " + end),
+            std::string::npos)
       << local.faults()[0].what;
   EXPECT_EQ(scene.DigestOf({Stream::kOrder}), before) << "nothing may be put outside";
 }

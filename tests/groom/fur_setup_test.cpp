@@ -113,6 +113,10 @@ std::vector<KeyCase> ListKeyCases() {
        [](L l) { return l.colour_map.map && l.colour_map.channel == 0; }},
       {"film_strips", "7", [](L l) { return l.film_strip_count == 7; }},
       {"strength", "0.5", [](L l) { return l.strength.value == 0.5f; }},
+      {"frequency", "2.5", [](L l) { return l.params.frequency_hz == 2.5f; }},
+      {"damping_ratio", "0.25", [](L l) { return l.params.damping_ratio == 0.25f; }},
+      {"quality", "'best'", [](L l) { return l.params.quality == ModalQuality::kBest; }},
+      {"max_distance", "0.25", [](L l) { return l.params.max_distance == 0.25f; }},
       {"iterations", "9", [](L l) { return l.params.iterations == 9; }},
       {"weight", "1.25", [](L l) { return l.params.weight == 1.25f; }},
       {"bounce", "0.125", [](L l) { return l.params.bounce == 0.125f; }},
@@ -321,7 +325,8 @@ TEST_F(FurSetupTest, EveryBoundHolds) {
 
 TEST_F(FurSetupTest, WrongValuesAreTold) {
   const std::pair<const char*, const char*> cases[] = {
-      {"solver = 'pdb'", "key 'solver': 'pdb' is not one of pbd, verlet; did you mean 'pbd'?"},
+      {"solver = 'pdb'",
+       "key 'solver': 'pdb' is not one of pbd, verlet, modal; did you mean 'pbd'?"},
       {"chain = 3", "key 'chain': expected a text in quotes, found a whole number"},
       {"enabled = 1", "key 'enabled': expected true or false, found a whole number"},
       {"points = 4.5", "key 'points': expected a whole number, found a number"},
@@ -329,6 +334,8 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
        "key 'points': chains at mesh vertices have 4 points; chain = \"strand\" has 4 or 5"},
       {"solver = 'verlet'",
        "key 'solver': verlet needs a chain for each strand: chain = \"strand\""},
+      {"max_distance = 0.04",
+       "key 'max_distance': 0 (no limit) or at least 0.05; strength = 0 holds a strand"},
       {"seed = -1", "key 'seed': -1 is out of bounds; allowed are 0 to 9223372036854775807"},
       {"max_strands = 9000000",
        "key 'max_strands': 9000000 is out of bounds; allowed are 0 to 8388608"},
@@ -470,7 +477,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
   expect(Schema<Mask::Range>());
   expect(Schema<CombVector>());
   EXPECT_NE(text.find("default 0.03"), std::string::npos);
-  EXPECT_NE(text.find("pbd | verlet"), std::string::npos);
+  EXPECT_NE(text.find("pbd | verlet | modal"), std::string::npos);
 }
 
 TEST_F(FurSetupTest, ShippedSetupsAreRead) {
@@ -499,7 +506,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
     kinds.insert(std::to_string(int(layer.params.solver)) +
                  std::to_string(int(layer.params.chain)) + std::to_string(layer.params.points));
   }
-  EXPECT_EQ(kinds, (std::set<std::string>{"004", "014", "015", "114", "115"}));
+  EXPECT_EQ(kinds, (std::set<std::string>{"004", "014", "015", "114", "115", "204", "214", "215"}));
 }
 
 TEST_F(FurSetupTest, DamagedTextsNeverCrash) {

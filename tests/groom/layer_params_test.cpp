@@ -21,7 +21,7 @@ TEST(LayerParams, SetupAndGroomHaveTheSameBounds) {
     EXPECT_EQ(bounds->low, row.info.low) << row.info.key;
     EXPECT_EQ(bounds->high, high) << row.info.key;
   }
-  EXPECT_EQ(bounded.size(), 24u);
+  EXPECT_EQ(bounded.size(), 28u);
 }
 
 TEST(LayerParams, ValuesOnTheBoundsAreGoodAndBeyondAreNot) {
@@ -34,6 +34,11 @@ TEST(LayerParams, ValuesOnTheBoundsAreGoodAndBeyondAreNot) {
   params = {};
   params.output = Output(2);
   EXPECT_EQ(FindBadParam(params), "output is not between 0 and 1");
+  params = {};
+  params.max_distance = kLeastMaxDistance;
+  EXPECT_EQ(FindBadParam(params), "");
+  params.solver = Solver::kPbd;
+  EXPECT_EQ(FindBadParam(params), "max_distance: only solver = \"modal\" keeps it");
   params = {};
   params.dirt_colour[2] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(FindBadParam(params), "dirt_colour is not between 0 and 1");

@@ -16,6 +16,7 @@ constexpr Stream kRestarted[] = {
     Stream::kSkinned,         Stream::kAnchors,        Stream::kRoots,
     Stream::kVertexPoints,    Stream::kVertexPrevious, Stream::kStrandPoints4,
     Stream::kStrandPrevious4, Stream::kStrandPoints5,  Stream::kStrandPrevious5,
+    Stream::kVertexModal,     Stream::kStrandModal4,   Stream::kStrandModal5,
     Stream::kCurves,          Stream::kRibbons,        Stream::kSortKeys,
     Stream::kOrder,           Stream::kInstances,      Stream::kRibbonVertices};
 

@@ -18,7 +18,7 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
   LayerParams params;
   const LayerBlock b = Fill(params, {});
   EXPECT_EQ(b.flags, uint32_t(kLayerEnabled | kLayerVertexChains | kLayerBackFaceCull | kLayerWind |
-                              kLayerSimulate));
+                              kLayerSimulate | kLayerModal));
   EXPECT_EQ(b.gravity[1], -9.81f);
   EXPECT_FLOAT_EQ(b.velocity_keep, std::exp(-3.0f / 60.0f));
   EXPECT_EQ(b.angular_middle, params.angular_hardness_middle);

@@ -35,12 +35,6 @@ struct BrokenDoor {
   }
 };
 
-ConformanceReport ReportOf(EngineDoor door) {
-  ConformanceOptions options;
-  options.limit_s = 3.0;
-  return CheckDoor(door, options);
-}
-
 void ExpectFails(const ConformanceReport& report, const char* check, const char* why) {
   EXPECT_FALSE(report.Passed());
   const ConformanceCheck* found = report.Find(check);
@@ -55,7 +49,7 @@ TEST(BrokenDoors, DropsTasks) {
     BrokenDoor& self = BrokenDoor::Of(user);
     return ++self.count % 4 == 0 ? user : self.PassOn(task, context);
   };
-  const auto report = ReportOf({enqueue, &BrokenDoor::Finish, &broken, 3});
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 3});
   ExpectFails(report, "tasks", "before its task had run");
   ExpectFails(report, "as it is", "never called");
   EXPECT_TRUE(report.Find("one worker")->passed) << report.Text();
@@ -74,7 +68,7 @@ TEST(BrokenDoors, StartsTasksTwice) {
       if (one) BrokenDoor::Finish(one, user);
     delete pair;
   };
-  const auto report = ReportOf({enqueue, finish, &broken, 3});
+  const auto report = CheckDoor({enqueue, finish, &broken, 3});
   ExpectFails(report, "tasks", "called 2 times");
   ExpectFails(report, "as it is", "called again");
 }
@@ -89,15 +83,13 @@ TEST(BrokenDoors, ReturnsNullForQueuedTasks) {
     });
     return nullptr;
   };
-  ConformanceOptions options;
-  options.limit_s = 3.0;
   // One frame only: every task is a thread.
   const auto course = [](Executor& executor) {
     conformance::SyntheticFrames frames;
     executor.Run(frames.frame());
     return frames.Digest();
   };
-  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course, options);
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course);
   ExpectFails(report, "tasks", "null");
   ExpectFails(report, "as it is", "null");
 }
@@ -116,9 +108,7 @@ TEST(BrokenDoors, FinishReturnsEarly) {
     executor.Run(frames.frame());
     return frames.Digest();
   };
-  ConformanceOptions options;
-  options.limit_s = 3.0;
-  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course, options);
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course);
   ExpectFails(report, "tasks", "before its task had run");
   ExpectFails(report, "as it is", "never called");
 }
@@ -133,7 +123,7 @@ TEST(BrokenDoors, PassesTheWrongContext) {
     last = {task, context};
     return BrokenDoor::Of(user).PassOn(task, given);
   };
-  const auto report = ReportOf({enqueue, &BrokenDoor::Finish, &broken, 3});
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 3});
   EXPECT_FALSE(report.Find("tasks")->passed) << report.Text();
 }
 

@@ -83,6 +83,15 @@ TEST(Diff, LinesThatOnlyOneHasAreLeftOutAndTold) {
   EXPECT_NE(found->remark.find("2 lines of a frame are in one log only"), std::string::npos);
 }
 
+// Small layers sort whole in both: the same stage, of other layers.
+TEST(Diff, AStageThatStandsForOtherLayersIsLeftOut) {
+  DigestLog whole = MakeDigestLog(), pieces = MakeDigestLog();
+  whole.columns[0] = pieces.columns[0] = {"sort_layer", "order"};
+  pieces.columns[1] = {"sort_scatter3", "order"};
+  pieces.digests[0] ^= 1;
+  EXPECT_EQ(Describe(whole, pieces), "same");
+}
+
 TEST(Diff, FieldsOfAFramesInputAreNamed) {
   const RecordedFrames base = MakeRecordedFrames();
   RecordedFrames other = base;

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "pelt/core/bind_pose.hpp"
-#include "pelt/core/groom/groom_file.hpp"
-#include "pelt/jobs/float_environment.hpp"
-#include "pelt/jobs/scene.hpp"
-#include "pelt/platform_sim/local_store.hpp"
-#include "pelt/traces/digest.hpp"
+#include "core/bind_pose.hpp"
+#include "core/groom/groom_file.hpp"
+#include "jobs/float_environment.hpp"
+#include "jobs/scene.hpp"
+#include "platform_sim/local_store.hpp"
+#include "traces/digest.hpp"
 
 namespace {
 

@@ -1,0 +1,139 @@
+// The scale from the cheapest way to run a scene to the most exact: its ends, its order, and that
+// nothing but the way itself is in an error.
+#include "bench/accuracy/scene_precision.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "bench/accuracy/scene_points.hpp"
+
+namespace pelt::accuracy {
+namespace {
+
+ScenePrecisionOptions Quick(uint32_t frames) {
+  ScenePrecisionOptions options;
+  options.scene = "tiny";
+  options.frames = frames;
+  options.rounds = 1;
+  return options;
+}
+
+const ScenePrecision& Tiny() {
+  static const ScenePrecision result = MeasureScenePrecision(Quick(120));
+  return result;
+}
+const ScenePrecisionRow& Row(const ScenePrecision& result, std::string_view way) {
+  const ScenePrecisionRow* row = result.Find(way);
+  if (!row) ADD_FAILURE() << "no row " << way;
+  return *row;
+}
+double ErrorOf(std::string_view way) { return Row(Tiny(), way).error; }
+
+TEST(ErrorSum, IsTheShareOfTheSecondaryMotion) {
+  const ScenePoints rigid = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f};
+  const ScenePoints reference = {1.5f, 2.0f, 2.0f, 4.0f, 5.25f, 6.0f};
+  ScenePoints points = reference;
+  for (size_t i = 0; i < points.size(); ++i) points[i] += 0.25f * (reference[i] - rigid[i]);
+  ErrorSum sum;
+  sum.Add(points, reference, rigid);
+  EXPECT_DOUBLE_EQ(sum.Share(), 0.25);
+  sum.Add(rigid, reference, rigid);
+  EXPECT_DOUBLE_EQ(sum.Share(), std::sqrt((1.0 + 0.0625) / 2));
+  // Two points, twice.
+  EXPECT_DOUBLE_EQ(sum.MovedRms(), std::sqrt((0.25 + 1.0 + 0.0625) / 2));
+}
+
+TEST(ScenePrecision, RunsFromNoSimulationToTheReference) {
+  EXPECT_DOUBLE_EQ(ErrorOf("rigid"), 1.0);
+  EXPECT_GT(Tiny().self_error, 0.0);
+  for (const ScenePrecisionRow& row : Tiny().rows) {
+    EXPECT_GT(row.error, Tiny().self_error) << row.way.label;
+    EXPECT_GT(row.simulate_ns, 0.0) << row.way.label;
+    EXPECT_GT(row.frame_ns, row.simulate_ns) << row.way.label;
+    if (row.way.simulate && row.way.OnReferenceMaterial()) {
+      EXPECT_LT(row.error, 0.8) << row.way.label;
+    }
+  }
+  EXPECT_EQ(Tiny().rows.size(), AllSceneWays().size());
+  EXPECT_GT(Tiny().secondary_m, 1e-3);
+}
+
+// Without contacts, which are met once a frame whatever the quality.
+TEST(ScenePrecision, QualitiesAreInOrder) {
+  ScenePrecisionOptions options = Quick(90);
+  options.contact = false;
+  const ScenePrecision result = MeasureScenePrecision(options);
+  EXPECT_LT(Row(result, "default").error, Row(result, "fast").error);
+  EXPECT_LT(Row(result, "best").error, Row(result, "default").error);
+  EXPECT_LT(result.self_error, Row(result, "best").error);
+  EXPECT_LT(Row(result, "best").error, 0.3 * ErrorOf("best"));
+  EXPECT_LT(Row(result, "fast").error, Row(result, "fast-halved").error);
+}
+
+TEST(ScenePrecision, EverySecondFrameLiesBetween) {
+  for (const std::string way : {"fast", "default", "best"}) {
+    EXPECT_GT(ErrorOf(way + "-halved"), 1.1 * ErrorOf(way)) << way;
+    EXPECT_LT(ErrorOf(way + "-halved"), 0.5) << way;
+  }
+}
+
+TEST(ScenePrecision, SleepingIsTheSameForLess) {
+  const ScenePrecisionRow &sleep = Row(Tiny(), "default-sleep"), &awake = Row(Tiny(), "default");
+  EXPECT_EQ(sleep.points_digest, awake.points_digest);
+  EXPECT_NE(sleep.points_digest, Row(Tiny(), "best").points_digest);
+  EXPECT_EQ(sleep.error, awake.error);
+  EXPECT_LT(sleep.simulate_runs, 0.5 * awake.simulate_runs);
+  EXPECT_GT(sleep.simulate_runs, 0.0);
+}
+
+// Dropped strands move with their neighbours: worse than their own motion, better than none.
+TEST(ScenePrecision, LodCarriesWhatItDrops) {
+  const ScenePrecisionRow &half = Row(Tiny(), "default-lod-2"),
+                          &quarter = Row(Tiny(), "default-lod-4");
+  EXPECT_NEAR(half.live_share, 0.5, 0.05);
+  EXPECT_NEAR(quarter.live_share, 0.25, 0.05);
+  EXPECT_EQ(Row(Tiny(), "default").live_share, 1.0);
+  EXPECT_GT(half.error, ErrorOf("default"));
+  EXPECT_GT(quarter.error, half.error);
+  // Alone with what lives, the rest rigid, at least sqrt(share dropped) would be wrong.
+  EXPECT_LT(half.error, 0.9 * std::sqrt(0.5));
+  EXPECT_LT(quarter.error, 0.9 * std::sqrt(0.75));
+}
+
+TEST(ScenePrecision, ErrorsAreTheSameOnEveryInstructionSet) {
+  ScenePrecisionOptions options = Quick(16);
+  options.still_frames = 4;
+  const ScenePrecision wide = MeasureScenePrecision(options);
+  options.isa = Isa::kReference;
+  const ScenePrecision reference = MeasureScenePrecision(options);
+  EXPECT_EQ(wide.error_digest, reference.error_digest);
+  EXPECT_NE(wide.error_digest, Tiny().error_digest);
+}
+
+ScenePrecisionRow Made(double simulate_ns, double frame_ns, double error, SceneWay way = {}) {
+  return {.way = std::move(way), .simulate_ns = simulate_ns, .frame_ns = frame_ns, .error = error};
+}
+
+TEST(ScenePrecision, FrontIsWhatNothingCheaperBeats) {
+  constexpr SceneTime kSimulate = &ScenePrecisionRow::simulate_ns;
+  constexpr SceneTime kFrame = &ScenePrecisionRow::frame_ns;
+  ScenePrecision made;
+  made.rows = {Made(1.0, 10.0, 1.0),
+               Made(2.0, 9.0, 0.5),
+               Made(3.0, 11.0, 0.6),
+               Made(4.0, 11.0, 0.5),
+               Made(5.0, 12.0, 0.1),
+               Made(0.5, 1.0, 0.01, {.name = "", .label = "", .solver = Solver::kPbd}),
+               Made(0.5, 1.0, 0.01, {.name = "", .label = "", .sleep = true})};
+  const std::vector<bool> simulate = {true, true, false, false, true, false, false};
+  const std::vector<bool> frame = {false, true, false, false, true, false, false};
+  for (size_t i = 0; i < made.rows.size(); ++i) {
+    EXPECT_EQ(made.OnFront(made.rows[i], kSimulate), simulate[i]) << i;
+    EXPECT_EQ(made.OnFront(made.rows[i], kFrame), frame[i]) << i;
+  }
+}
+
+}  // namespace
+}  // namespace pelt::accuracy

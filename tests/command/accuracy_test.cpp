@@ -1,0 +1,343 @@
+// `pelt accuracy` and `pelt stress` as commands: files they write, the section of the report that
+// reads one of them, exit codes. What is measured is tested in tests/accuracy.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/accuracy_features.hpp"
+#include "bench/accuracy_report.hpp"
+#include "bench/accuracy_scene.hpp"
+#include "bench/accuracy_section.hpp"
+#include "bench/commands.hpp"
+#include "core/error.hpp"
+#include "traces/file_bytes.hpp"
+
+namespace pelt {
+namespace {
+
+using Json = nlohmann::json;
+
+// A folder of its own, gone afterwards.
+class Folder {
+ public:
+  Folder() : path_(std::filesystem::temp_directory_path() / ("pelt_" + Name())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  static std::string Name() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    return std::string(test->test_suite_name()) + "_" + test->name() + "_" +
+           std::to_string(testing::UnitTest::GetInstance()->random_seed()) + "_" +
+           std::to_string(reinterpret_cast<uintptr_t>(&test));
+  }
+  std::filesystem::path path_;
+};
+
+std::string TextOf(const std::string& path) {
+  const std::vector<std::byte> bytes = ReadFileBytes("test", path);
+  return std::string(AsText(bytes));
+}
+
+AccuracyReport SmallReport() {
+  AccuracyReport report;
+  accuracy::WorkPrecisionOptions options;
+  options.links = {3};
+  options.rates = {30, 60};
+  options.presets = {accuracy::kPresets[1], accuracy::kPresets[2]};
+  options.quick = true;
+  report.table = accuracy::MeasureWorkPrecision(options);
+  report.pendulum = {{*accuracy::FindSolver("modal"), 1e-3, 10.0, 0.2}};
+  report.machine = {"a <processor>", 2, "compiler", "type", "commit"};
+  return report;
+}
+const AccuracyReport& SharedReport() {
+  static const AccuracyReport report = SmallReport();
+  return report;
+}
+
+size_t Count(const std::string& text, const std::string& what) {
+  size_t count = 0;
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
+  return count;
+}
+
+TEST(AccuracyReport, JsonHoldsTheTable) {
+  const AccuracyReport& report = SharedReport();
+  const Json json = Json::parse(AccuracyJson(report));
+  EXPECT_EQ(json["format"], kAccuracyFormat);
+  EXPECT_EQ(json["rates"], Json::parse("[30, 60]"));
+  ASSERT_EQ(json["panels"].size(), 2u);
+  for (size_t p = 0; p < 2; ++p) {
+    const accuracy::WorkPrecisionPanel& panel = report.table.panels[p];
+    EXPECT_EQ(json["panels"][p]["preset"], p == 0 ? "soft" : "medium");
+    ASSERT_EQ(json["panels"][p]["rows"].size(), panel.rows.size());
+    for (size_t r = 0; r < panel.rows.size(); ++r) {
+      const Json& row = json["panels"][p]["rows"][r];
+      EXPECT_EQ(row["solver"], panel.rows[r].solver.name);
+      EXPECT_EQ(row["ns"], panel.rows[r].ns);
+      EXPECT_EQ(row["scores"][1]["rate"], 60);
+      EXPECT_EQ(row["scores"][1]["error"], panel.rows[r].scores[1].error);
+      EXPECT_EQ(row["scores"][1]["on_front"], panel.OnFront(panel.rows[r], 1));
+    }
+  }
+}
+
+TEST(AccuracyReport, TextNamesAllThatWasMeasured) {
+  const std::string text = AccuracyText(SharedReport());
+  for (const char* part : {"soft, 3 links", "medium, 3 links", "30 Hz, %", "60 Hz, %",
+                           "modal, best", "a <processor>", "commit", "digest"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  for (const accuracy::WorkPrecisionRow& row : SharedReport().table.panels[0].rows)
+    EXPECT_GE(Count(text, row.solver.label), 2u) << row.solver.label;
+}
+
+TEST(AccuracyReport, DiagramHasACurveAMethodAndAPointAMember) {
+  const AccuracyReport& report = SharedReport();
+  const std::string svg = WorkPrecisionSvg(report.table);
+  EXPECT_TRUE(svg.starts_with("<svg "));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* wrong : {"nan", "inf"})
+    EXPECT_EQ(
+        Count(svg.substr(0, svg.find("<title>")), wrong) + Count(svg, std::string(wrong) + " "), 0u)
+        << wrong;
+  // Two panels at two rates; a title for the picture and one for each point that is finite.
+  size_t points = 1, rings = 0;
+  for (const accuracy::WorkPrecisionPanel& panel : report.table.panels)
+    for (const accuracy::WorkPrecisionRow& row : panel.rows)
+      for (size_t r = 0; r < 2; ++r) {
+        points += row.Finite(r);
+        rings += panel.OnFront(row, r);
+      }
+  EXPECT_EQ(Count(svg, "<title>"), points);
+  EXPECT_EQ(Count(svg, "<circle "), rings);
+  EXPECT_GE(rings, 4u);
+  EXPECT_EQ(Count(svg, "<rect x="), 4u);
+  EXPECT_EQ(Count(svg, "stroke-width=\"2.5\""), 4u);  // the modal solver's curves
+  for (size_t f = 0; f < accuracy::kFamilies; ++f)
+    EXPECT_GE(Count(svg, std::string(accuracy::FamilyName(accuracy::Family(f)))), 1u);
+}
+
+std::string SectionMessage(const std::string& text) {
+  try {
+    JsonText json;
+    AddAccuracySection(json, text, "a.json");
+    return Json::parse(json.text()).is_object() ? "no error" : "not an object";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(AccuracySection, PassesOnWhatThePageDraws) {
+  const std::string text = AccuracyJson(SharedReport());
+  JsonText json;
+  AddAccuracySection(json, text, "a.json");
+  const Json section = Json::parse(json.text()), file = Json::parse(text);
+  EXPECT_EQ(section["panels"].size(), 2u);
+  EXPECT_EQ(section["panels"][1]["rows"][3]["scores"][0]["error"],
+            file["panels"][1]["rows"][3]["scores"][0]["error"]);
+  EXPECT_EQ(section["error_digest"], file["error_digest"]);
+  EXPECT_EQ(section["processor"], "a <processor>");
+}
+
+// Every member that is taken away or of another type is missed, or was not needed.
+TEST(AccuracySection, RefusesOtherFiles) {
+  const Json good = Json::parse(AccuracyJson(SharedReport()));
+  EXPECT_EQ(SectionMessage(good.dump()), "no error");
+  EXPECT_NE(SectionMessage("").find("a.json: not JSON"), std::string::npos);
+  EXPECT_NE(SectionMessage("{\"traceEvents\": []}").find("a.json: is not of the format"),
+            std::string::npos);
+  EXPECT_NE(SectionMessage("[1, 2]").find("is not of the format"), std::string::npos);
+  const std::string whole = good.dump();
+  for (size_t cut : {size_t{1}, whole.size() / 2, whole.size() - 1})
+    EXPECT_NE(SectionMessage(whole.substr(0, cut)).find("not JSON"), std::string::npos) << cut;
+  for (const char* needed : {"isa", "rates", "panels", "rounds", "commit"}) {
+    Json less = good;
+    less.erase(needed);
+    EXPECT_NE(SectionMessage(less.dump()).find(needed), std::string::npos) << needed;
+    Json other = good;
+    other[needed] = Json::object();
+    EXPECT_NE(SectionMessage(other.dump()).find(needed), std::string::npos) << needed;
+  }
+  Json fewer = good;
+  fewer["panels"][0]["rows"][2]["scores"].erase(1);
+  EXPECT_NE(SectionMessage(fewer.dump()).find("scores"), std::string::npos);
+  Json text = good;
+  text["panels"][0]["rows"][2]["ns"] = "fast";
+  EXPECT_NE(SectionMessage(text.dump()).find("'ns' is not a number"), std::string::npos);
+}
+
+// ---- Scenes and features -----------------------------------------------------------------------
+
+SceneReport SmallSceneReport() {
+  SceneReport report;
+  accuracy::ScenePrecisionOptions options;
+  options.scene = "tiny";
+  options.frames = 24;
+  options.still_frames = 8;
+  options.rounds = 1;
+  report.table = accuracy::MeasureScenePrecision(options);
+  report.machine = {"a <processor>", 2, "compiler", "type", "commit"};
+  return report;
+}
+const SceneReport& SharedSceneReport() {
+  static const SceneReport report = SmallSceneReport();
+  return report;
+}
+
+TEST(SceneReport, JsonHoldsTheTable) {
+  const accuracy::ScenePrecision& table = SharedSceneReport().table;
+  const Json json = Json::parse(SceneJson(SharedSceneReport()));
+  EXPECT_EQ(json["format"], kSceneAccuracyFormat);
+  EXPECT_EQ(json["scene"], "tiny");
+  EXPECT_EQ(json["reference_self_error"], table.self_error);
+  ASSERT_EQ(json["rows"].size(), table.rows.size());
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    const accuracy::ScenePrecisionRow& row = table.rows[r];
+    EXPECT_EQ(json["rows"][r]["way"], row.way.name);
+    EXPECT_EQ(json["rows"][r]["error"], row.error);
+    EXPECT_EQ(json["rows"][r]["frame_ns"], row.frame_ns);
+    EXPECT_EQ(json["rows"][r]["frame_on_front"],
+              table.OnFront(row, &accuracy::ScenePrecisionRow::frame_ns));
+  }
+}
+
+TEST(SceneReport, TextGoesFromCheapestToMostExact) {
+  const SceneReport& report = SharedSceneReport();
+  const std::string text = SceneText(report);
+  size_t at = 0;
+  double last_ns = 0.0;
+  for (const accuracy::ScenePrecisionRow& row : report.table.rows) {
+    const size_t found = text.find("\n  " + row.way.label + " ");
+    ASSERT_NE(found, std::string::npos) << row.way.label;
+    EXPECT_GT(found, at) << row.way.label;
+    EXPECT_GE(row.frame_ns, last_ns);
+    at = found;
+    last_ns = row.frame_ns;
+  }
+  // PBD and Verlet, and their halves.
+  EXPECT_EQ(Count(text.substr(text.find("frame, ns")), "~"), 4u);
+  for (const char* part : {"--quality fast", "--quality best", "the same bits as awake", "digest"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST(SceneReport, DiagramHasANamedPointAWay) {
+  const accuracy::ScenePrecision& table = SharedSceneReport().table;
+  const std::string svg = SceneSvg(table);
+  EXPECT_TRUE(svg.starts_with("<svg "));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* wrong : {"nan", "inf "}) EXPECT_EQ(Count(svg, wrong), 0u) << wrong;
+  EXPECT_EQ(Count(svg, "<circle "), 2 * table.rows.size());
+  EXPECT_EQ(Count(svg, "fill=\"#fff\" stroke=\""), 2u * 4);  // hollow
+  EXPECT_EQ(Count(svg, "stroke-width=\"2\""), 2u);           // a front a panel
+  // Labels find room; one or two may not where points lie on each other.
+  size_t labels = 0;
+  for (const accuracy::ScenePrecisionRow& row : table.rows)
+    labels += Count(svg, ">" + row.way.label + "</text>");
+  EXPECT_GE(labels, 2 * table.rows.size() - 4);
+}
+
+TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
+  FeatureReport report = MeasureFeatureReport(BestIsa(), {4}, true);
+  ASSERT_EQ(report.chains.size(), 1u);
+  const std::vector<accuracy::FeatureError>& rows = report.chains[0].rows;
+  ASSERT_EQ(rows.size(), 3 * accuracy::FeatureProblems(4).size());
+  const Json json = Json::parse(FeatureJson(report));
+  EXPECT_EQ(json["format"], kFeatureAccuracyFormat);
+  ASSERT_EQ(json["rows"].size(), rows.size());
+  EXPECT_EQ(json["rows"][4]["links"], 4);
+  EXPECT_EQ(json["rows"][4]["feature"], rows[4].name);
+  EXPECT_EQ(json["rows"][4]["quality"], "default");
+  EXPECT_EQ(json["rows"][4]["error"], rows[4].error);
+  EXPECT_EQ(json["rows"][4]["more_ns"], rows[4].nanoseconds);
+  const std::string text = FeatureText(report);
+  EXPECT_NE(text.find("4 links"), std::string::npos);
+  EXPECT_EQ(Count(text, "\n!"), 0u) << text;
+  report.chains[0].rows[4].penetration = 0.02;
+  EXPECT_EQ(Count(FeatureText(report), "\n!"), 1u);
+}
+
+TEST(AccuracyCommand, RunsAScene) {
+  const Folder folder;
+  AccuracyArgs args;
+  args.scene = "tiny";
+  args.frames = 12;
+  args.quick = true;
+  args.contact = false;
+  args.json = folder / "scene.json";
+  args.svg = folder / "scene.svg";
+  ASSERT_EQ(MeasureAccuracy(args), 0);
+  const Json json = Json::parse(TextOf(args.json));
+  EXPECT_EQ(json["frames"], 12);
+  EXPECT_EQ(json["contact"], false);
+  EXPECT_TRUE(TextOf(args.svg).starts_with("<svg "));
+  // It is not what the report page shows.
+  EXPECT_NE(SectionMessage(TextOf(args.json)).find("is not of the format"), std::string::npos);
+  args.scene = "nowhere";
+  EXPECT_THROW(MeasureAccuracy(args), Error);
+}
+
+TEST(AccuracyCommand, RunsAStrandUnderARecordedRoot) {
+  const Folder folder;
+  AccuracyArgs args;
+  args.write_example = folder / "example";
+  ASSERT_EQ(MeasureAccuracy(args), 0);
+  args.write_example.clear();
+  args.roots = folder / "example/roots.csv";
+  args.strand = folder / "example/strand.toml";
+  args.out = folder / "points.csv";
+  ASSERT_EQ(MeasureAccuracy(args), 0);
+  const std::string roots = TextOf(args.roots), points = TextOf(args.out);
+  EXPECT_EQ(Count(points, "\n"), Count(roots, "\n"));
+  // The same bits on every instruction set.
+  args.isa = Isa::kReference;
+  args.out = folder / "reference.csv";
+  ASSERT_EQ(MeasureAccuracy(args), 0);
+  EXPECT_EQ(TextOf(args.out), points);
+  args.exact = true;
+  args.out = folder / "exact.csv";
+  ASSERT_EQ(MeasureAccuracy(args), 0);
+  EXPECT_NE(TextOf(args.out), points);
+  EXPECT_EQ(Count(TextOf(args.out), "\n"), Count(points, "\n"));
+  args.exact = false;
+  args.solver = "modl";
+  EXPECT_THROW(MeasureAccuracy(args), Error);
+  args.solver = "modal";
+  args.out = "/nowhere/points.csv";
+  EXPECT_THROW(MeasureAccuracy(args), Error);
+}
+
+TEST(StressCommand, WritesItsRows) {
+  const Folder folder;
+  StressArgs args;
+  args.solvers = {"euler-1", "xpbd-8"};
+  args.links = {3};
+  args.rates = {60};
+  args.isas = {BestIsa()};
+  args.quick = true;
+  args.json = folder / "stress.json";
+  EXPECT_EQ(StressSolvers(args), 0);
+  const Json json = Json::parse(TextOf(args.json));
+  EXPECT_EQ(json["broken"], 0);
+  ASSERT_GT(json["rows"].size(), 2u * 12);
+  double worst = 0.0;
+  for (const Json& row : json["rows"]) {
+    EXPECT_EQ(row["links"], 3);
+    EXPECT_FALSE(row["promised"]);
+    if (row["solver"] == "euler-1") {
+      EXPECT_LT(double(row["stretch"]), 1e-5);
+    } else {
+      worst = std::max(worst, double(row["stretch"]));
+    }
+  }
+  EXPECT_GT(worst, 10.0);  // the teleport stretches XPBD
+  args.solvers = {"magic"};
+  EXPECT_THROW(StressSolvers(args), Error);
+}
+
+}  // namespace
+}  // namespace pelt

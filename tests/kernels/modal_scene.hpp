@@ -1,0 +1,118 @@
+// One chunk of modal chains driven by hand: what the modal solver's tests share.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/simulate_modal.hpp"
+#include "core/modal/modal_table.hpp"
+#include "tests/kernels/run_kernel.hpp"
+
+namespace pelt::test {
+
+struct Point3 {
+  double x, y, z;
+  friend Point3 operator+(Point3 a, Point3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Point3 operator-(Point3 a, Point3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Point3 operator*(Point3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+};
+inline double Norm(Point3 a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+
+// The root frame is the world's axes turned by nothing: rest offsets are given in world axes.
+template <uint32_t kPoints>
+struct ModalScene {
+  static constexpr uint32_t kLinks = kPoints - 1;
+  LayerBlock layer{};
+  ModalTableBlock table;
+  ModalLayer material;
+  ModalQuality quality = ModalQuality::kDefault;
+  SimulateParams params{};
+  ChunkStateBlock state{};
+  RestBlock<kPoints> rest{};
+  RootBlock roots{};
+  WindBlock wind{};
+  StrandBlock strands{};
+  ModalStateBlock<kPoints> chain;
+  PointBlock<kPoints> position;
+  FrameTimes times{};
+
+  explicit ModalScene(const ModalMaterial& m, uint32_t lanes = kStrandsPerChunk)
+      : material(MakeModalLayer(m)) {
+    Poison(chain);
+    Poison(position);
+    layer.flags = kLayerEnabled | kLayerSimulate;
+    layer.gravity[1] = -9.81f;
+    state.flags = kChunkRestart;
+    state.live_strands = state.first_new_strand = lanes;
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+      roots.normal[2][lane] = roots.tangent[0][lane] = 1.0f;
+      rest.strength[lane] = 1.0f;
+      SetRest(lane, 0.01, {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}});
+    }
+  }
+  void SetRest(uint32_t lane, double link, const std::vector<Point3>& d) {
+    Point3 at{};
+    rest.segment_length[lane] = float(link);
+    for (uint32_t i = 0; i < kLinks; ++i) {
+      at = at + d[i] * link;
+      rest.offset[i][0][lane] = float(at.x);
+      rest.offset[i][1][lane] = float(at.y);
+      rest.offset[i][2][lane] = float(at.z);
+    }
+  }
+  void SetDirection(uint32_t lane, uint32_t link, Point3 d) {
+    chain.direction[link][0][lane] = float(d.x);
+    chain.direction[link][1][lane] = float(d.y);
+    chain.direction[link][2][lane] = float(d.z);
+  }
+  void MoveRoot(uint32_t lane, Point3 to) {
+    const float p[3] = {float(to.x), float(to.y), float(to.z)};
+    for (int k = 0; k < 3; ++k) {
+      roots.motion[k][lane] = (state.flags & kChunkRestart) ? 0 : p[k] - roots.position[k][lane];
+      roots.position[k][lane] = p[k];
+    }
+  }
+  void HoldRoots() { std::memset(roots.motion, 0, sizeof roots.motion); }
+  Point3 Tip(uint32_t lane) const {
+    const auto& p = position.position[kLinks - 1];
+    return {p[0][lane], p[1][lane], p[2][lane]};
+  }
+  void Step(double dt, Isa isa = BestIsa()) {
+    times = {{dt, times.dt_s[0] > 0 ? times.dt_s[0] : dt, times.dt_s[1] > 0 ? times.dt_s[1] : dt}};
+    FillModalTable(material, quality, times, &table);
+    params.dt = float(dt);
+    Run(isa);
+    state.flags = 0;
+  }
+  // The kernel as it is built for an instruction set: compiling it again for each test takes
+  // minutes.
+  void Run(Isa isa) {
+    const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
+    const Binding bindings[] = {one(layer), one(table),   one(state), one(rest),    one(roots),
+                                one(wind),  one(strands), one(chain), one(position)};
+    const KernelDesc& kernel =
+        (*FindKernels(isa))[kPoints == 4 ? Kernel::kModalStrand4 : Kernel::kModalStrand5];
+    ASSERT_EQ(kernel.ports.size(), std::size(bindings));
+    kernel.run(&params, bindings);
+  }
+  // Largest error of a link's length, as a share of it; infinite for anything not finite.
+  double Stretch() const {
+    double worst = 0.0;
+    for (uint32_t lane = 0; lane < state.live_strands; ++lane)
+      for (uint32_t i = 0; i < kLinks; ++i) {
+        double square = 0.0;
+        for (int k = 0; k < 3; ++k)
+          square += double(chain.direction[i][k][lane]) * chain.direction[i][k][lane];
+        const double velocity = double(chain.velocity[i][0][lane]) + chain.velocity[i][1][lane] +
+                                chain.velocity[i][2][lane] + position.position[i][0][lane];
+        if (!std::isfinite(velocity)) return INFINITY;
+        worst = std::max(worst, std::fabs(std::sqrt(square) - 1.0));
+      }
+    return worst;
+  }
+};
+
+}  // namespace pelt::test

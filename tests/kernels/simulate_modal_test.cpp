@@ -1,0 +1,305 @@
+// The modal solver as a kernel: same bits on every vector, rest, restart, strength, contacts, and
+// that nothing breaks it. Its accuracy: simulate_modal_accuracy_test.cpp.
+#include <gtest/gtest.h>
+
+#include "core/groom/layer_params.hpp"
+#include "tests/kernels/modal_scene.hpp"
+
+namespace pelt::test {
+namespace {
+
+constexpr double kDt = 1.0 / 60.0;
+
+Point3 RandomUnit(std::mt19937& random) {
+  for (;;) {
+    const Point3 p = {Uniform(random, -1, 1), Uniform(random, -1, 1), Uniform(random, -1, 1)};
+    const double length = Norm(p);
+    if (length > 0.1 && length < 1.0) return p * (1.0 / length);
+  }
+}
+
+// What a layer asks of all its lanes: each lets a lane's neighbours take other ways than its own.
+struct BusyLayer {
+  bool clump;
+  float surface_hardness, max_distance;
+};
+constexpr BusyLayer kBusyLayers[] = {
+    {true, 1.0f, 0.6f}, {false, 0.5f, 0.0f}, {false, 1.0f, 0.6f}, {true, 0.0f, 0.0f}};
+
+// Everything at once: curl, strength, new lanes, wind, clump, surface, sphere, ground, violence.
+template <uint32_t kPoints>
+std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
+  auto s =
+      std::make_unique<ModalScene<kPoints>>(CalibratedMaterial(kPoints - 1, 3.0, 0.05, 4.0), 100);
+  std::mt19937 random(7);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const Point3 d = RandomUnit(random), e = RandomUnit(random);
+    std::vector<Point3> links;
+    for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+      const Point3 link = d + e * (0.3 * i);
+      links.push_back(link * (1.0 / Norm(link)));
+    }
+    s->SetRest(lane, Uniform(random, 0.005f, 0.02f), links);
+    s->rest.strength[lane] = lane % 5 == 0 ? Uniform(random, 0.0f, 1.0f) : 1.0f;
+    if (lane % 17 == 0) s->rest.strength[lane] = 0.0f;
+    s->strands.control[lane] = uint8_t(lane % 16);
+    s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, 0.0f, 0.1f), 0.0});
+  }
+  s->strands.control_count = 16;
+  s->layer.flags |= kLayerWind | (what.clump ? kLayerClump : 0u);
+  s->layer.clump = 0.3f;
+  s->layer.surface_hardness = what.surface_hardness;
+  s->layer.max_distance = what.max_distance;
+  s->params.rest_threshold = kRestThreshold;
+  s->params.use_ground = 1;
+  s->params.ground[1] = 1.0f;
+  s->params.sphere_count = 1;
+  s->params.sphere[0][3] = 0.03f;
+  return s;
+}
+
+template <uint32_t kPoints>
+void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
+  s.state.live_strands = frame < 10 ? 90 : 100;
+  s.state.first_new_strand = frame == 10 ? 90 : s.state.live_strands;
+  const double jump = frame == 20 ? 0.3 : 0.01 * std::sin(0.4 * frame);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    s.MoveRoot(lane, {s.roots.position[0][lane] + jump, s.roots.position[1][lane],
+                      s.roots.position[2][lane]});
+    s.wind.acceleration[2][lane] = float(10.0 * std::sin(0.2 * frame + lane));
+  }
+  s.Step(frame % 7 == 3 ? 1.0 / 30.0 : kDt, isa);
+}
+
+// Compared after every frame: what is seen of a lane may differ while its state does not.
+template <uint32_t kPoints>
+void ExpectSameOnEverySet(const BusyLayer& layer, ModalQuality quality) {
+  std::vector<std::pair<Isa, std::unique_ptr<ModalScene<kPoints>>>> sets;
+  for (const Isa isa : kAllIsas) {
+    if (!FindKernels(isa)) continue;
+    sets.emplace_back(isa, MakeBusyScene<kPoints>(layer));
+    sets.back().second->quality = quality;
+  }
+  ASSERT_GT(sets.size(), 1u);
+  for (uint32_t frame = 0; frame < 40; ++frame)
+    for (auto& [isa, s] : sets) {
+      const ModalScene<kPoints>& first = *sets[0].second;
+      RunBusyFrame(frame, isa, *s);
+      ASSERT_LT(s->Stretch(), 1e-5) << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(0, std::memcmp(&first.chain, &s->chain, sizeof s->chain))
+          << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(0, std::memcmp(&first.position, &s->position, sizeof s->position))
+          << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(first.state.state_changed, s->state.state_changed)
+          << IsaName(isa) << ", frame " << frame;
+    }
+}
+
+template <uint32_t kPoints>
+void ExpectSameOnEverySet() {
+  for (const BusyLayer& layer : kBusyLayers)
+    for (const ModalQuality quality :
+         {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest}) {
+      SCOPED_TRACE(testing::Message()
+                   << "layer " << &layer - kBusyLayers << ", quality " << int(quality));
+      ExpectSameOnEverySet<kPoints>(layer, quality);
+    }
+}
+
+TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
+TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
+
+TEST(SimulateModal, StillSceneReachesAFixedPoint) {
+  auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 5.0, 0.05, 6.0));
+  s->params.rest_threshold = kRestThreshold;
+  int frames = 0;
+  do {
+    s->Step(kDt);
+  } while (s->state.state_changed && ++frames < 1200);
+  EXPECT_LT(frames, 600);
+  const auto chain = s->chain;
+  const auto position = s->position;
+  s->Step(kDt);
+  EXPECT_EQ(s->state.state_changed, 0u);
+  EXPECT_EQ(0, std::memcmp(&chain, &s->chain, sizeof chain));
+  EXPECT_EQ(0, std::memcmp(&position, &s->position, sizeof position));
+  // A root that moves wakes it.
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) s->MoveRoot(lane, {0.001, 0, 0});
+  s->Step(kDt);
+  EXPECT_EQ(s->state.state_changed, 1u);
+  // And without a threshold nothing is held.
+  s->params.rest_threshold = 0.0f;
+  s->HoldRoots();
+  s->Step(kDt);
+  EXPECT_EQ(s->state.state_changed, 1u);
+}
+
+TEST(SimulateModal, RestartNewLanesAndNoStrengthLieOnTheGroom) {
+  auto s = MakeBusyScene<4>(kBusyLayers[0]);
+  const auto on_groom = [&](uint32_t lane) {
+    for (uint32_t i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const float turned = s->rest.offset[i][k][lane];
+        if (s->position.position[i][k][lane] != s->roots.position[k][lane] + turned) return false;
+      }
+    return true;
+  };
+  s->state.live_strands = s->state.first_new_strand = 90;
+  s->Step(kDt);
+  for (uint32_t lane = 0; lane < 90; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
+  s->Step(kDt);
+  uint32_t away = 0;
+  for (uint32_t lane = 0; lane < 90; ++lane) {
+    EXPECT_TRUE(on_groom(lane) || s->rest.strength[lane] > 0.0f) << lane;
+    away += !on_groom(lane);
+  }
+  EXPECT_GT(away, 60u);
+  s->state.live_strands = 100;
+  s->Step(kDt);
+  for (uint32_t lane = 90; lane < 100; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
+}
+
+TEST(SimulateModal, KeepsOutOfSurfaceSphereAndGround) {
+  auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+  std::mt19937 random(3);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+    s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), 0.02, Uniform(random, 0.021f, 0.03f)});
+  }
+  s->layer.surface_hardness = 1.0f;
+  s->params.use_ground = 1;
+  s->params.ground[1] = 1.0f;
+  s->params.sphere_count = 1;
+  s->params.sphere[0][3] = 0.02f;
+  double worst = 0.0;
+  for (int frame = 0; frame < 240; ++frame) {
+    s->Step(kDt);
+    s->HoldRoots();
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      for (uint32_t i = 0; i < 4; ++i) {
+        const auto& p = s->position.position[i];
+        const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
+        worst = std::max({worst, -at.y, 0.02 - Norm(at), s->roots.position[2][lane] - at.z});
+      }
+    ASSERT_LT(s->Stretch(), 1e-5);
+  }
+  RecordProperty("worst_penetration_um", int(worst * 1e6));
+  EXPECT_LT(worst, 0.01 * 0.04);
+}
+
+// Largest distance of a point from the groom over its distance along the strand.
+template <uint32_t kPoints>
+double FarthestFromGroom(const ModalScene<kPoints>& s) {
+  double worst = 0.0;
+  for (uint32_t lane = 0; lane < s.state.live_strands; ++lane)
+    for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+      Point3 off;
+      double* const to[] = {&off.x, &off.y, &off.z};
+      for (int k = 0; k < 3; ++k)
+        *to[k] = double(s.position.position[i][k][lane]) - s.roots.position[k][lane] -
+                 s.rest.offset[i][k][lane];
+      worst = std::max(worst, Norm(off) / (double(s.rest.segment_length[lane]) * (i + 1)));
+    }
+  return worst;
+}
+
+// Strands so soft that they lie on their limits, shaken and then left alone.
+TEST(SimulateModal, KeepsWithinMaxDistanceAndComesToRestThere) {
+  for (const ModalQuality quality :
+       {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest})
+    for (const float limit : {kLeastMaxDistance, 0.3f, 1.0f}) {
+      SCOPED_TRACE(testing::Message() << "limit " << limit << ", quality " << int(quality));
+      auto s = std::make_unique<ModalScene<5>>(UniformMaterial(4, 0.5, 0.2, 6.0));
+      s->quality = quality;
+      s->layer.max_distance = limit;
+      s->params.rest_threshold = kRestThreshold;
+      std::mt19937 random(5);
+      for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+        // Upright ones would slide round a limit that is nearly level for minutes.
+        Point3 d = RandomUnit(random);
+        while (std::fabs(d.y) > 0.9) d = RandomUnit(random);
+        s->SetRest(lane, 0.01, std::vector<Point3>(4, d));
+      }
+      double worst = 0.0;
+      for (int frame = 0; frame < 120; ++frame) {
+        for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+          s->MoveRoot(lane, {0.02 * std::sin(0.7 * frame), 0.0, 0.03 * std::cos(0.3 * frame)});
+        s->Step(kDt);
+        worst = std::max(worst, FarthestFromGroom(*s));
+        ASSERT_LT(s->Stretch(), 1e-5);
+      }
+      EXPECT_LT(worst, limit + 1e-3f);
+      s->HoldRoots();
+      int frames = 0;
+      do {
+        s->Step(kDt);
+      } while (s->state.state_changed && ++frames < 1800);
+      EXPECT_LT(frames, 1800);
+      EXPECT_LT(FarthestFromGroom(*s), limit + 1e-3f);
+      // Strands that point sideways hang at the limit.
+      EXPECT_GT(FarthestFromGroom(*s), std::min(limit, 0.9f) - 0.01f);
+    }
+}
+
+// Starts and motions that make bare Newton solvers stick in wrong states.
+struct Trial {
+  const char* name;
+  ModalMaterial material;
+  double jump;    // m, at the first frame
+  double jitter;  // m, every frame of the first second
+};
+
+std::vector<Trial> Trials() {
+  ModalMaterial uneven = UniformMaterial(3, 5.0, 0.05, 6.0);
+  uneven.stiffness[1] *= 1e6;
+  ModalMaterial masses = UniformMaterial(3, 5.0, 0.05, 6.0);
+  masses.mass[1] *= 1e-4;
+  const ModalMaterial fur = UniformMaterial(3, 5.0, 0.05, 6.0);
+  return {{"random starts and root jumps", fur, 0.1, 0.0},
+          {"teleport", fur, 5.0, 0.0},
+          {"jitter", fur, 0.0, 0.02},
+          {"1,000 Hz", UniformMaterial(3, 1000.0, 0.05, 6.0), 0.1, 0.0},
+          {"stiffness ratio 1e6", uneven, 0.1, 0.0},
+          {"mass ratio 1e4", masses, 0.1, 0.0},
+          {"no stiffness", UniformMaterial(3, 0.0, 0.0, 6.0), 0.1, 0.01}};
+}
+
+TEST(SimulateModal, NothingBreaksIt) {
+  for (const Trial& trial : Trials())
+    for (ModalQuality quality : {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest})
+      for (const double rate : {15.0, 60.0, 240.0}) {
+        SCOPED_TRACE(testing::Message()
+                     << trial.name << ", quality " << int(quality) << ", " << rate << " fps");
+        auto s = std::make_unique<ModalScene<4>>(trial.material);
+        s->quality = quality;
+        std::mt19937 random(11);
+        s->Step(1.0 / rate);
+        for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+          for (uint32_t i = 0; i < 3; ++i) s->SetDirection(lane, i, RandomUnit(random));
+          if (lane == 0)  // folded
+            for (uint32_t i = 0; i < 3; ++i) s->SetDirection(lane, i, {i % 2 ? -1.0 : 1.0, 0, 0});
+          s->MoveRoot(lane, RandomUnit(random) * trial.jump);
+        }
+        for (int frame = 0; frame < int(rate * 8); ++frame) {
+          if (frame < rate)
+            for (uint32_t lane = 0; lane < kStrandsPerChunk && trial.jitter > 0; ++lane)
+              s->MoveRoot(lane, RandomUnit(random) * trial.jitter);
+          s->Step(1.0 / rate);
+          s->HoldRoots();
+          ASSERT_LT(s->Stretch(), 1e-5) << "frame " << frame;
+        }
+        // Links of 1 cm without stiffness swing faster than 15 fps can tell: they tremble, bounded.
+        if (trial.material.stiffness[0] == 0.0 && rate < 30.0) continue;
+        // All lanes have one rest shape and so one place to settle.
+        for (uint32_t lane = 1; lane < kStrandsPerChunk; ++lane) {
+          const auto offset = [&](uint32_t l) {
+            return s->Tip(l) - Point3{s->roots.position[0][l], s->roots.position[1][l],
+                                      s->roots.position[2][l]};
+          };
+          ASSERT_LT(Norm(offset(lane) - offset(1)), 1e-3 * 0.03) << "lane " << lane;
+        }
+      }
+}
+
+}  // namespace
+}  // namespace pelt::test
