@@ -12,6 +12,8 @@ namespace {
 
 using V = Vec<IsaSse4>;
 
+constexpr uint32_t kVertices = kVerticesPerChunk * 3 / 4;
+
 struct Scene {
   ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
 };
@@ -24,9 +26,9 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
   MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
   s->chains.layer.clump = 0.7f;
   s->chains.state.live_strands = s->strands.state.live_strands;
-  s->chains.state.live_vertices = 96;
+  s->chains.state.live_vertices = kVertices;
   StrandBlock& strands = s->strands.strands;
-  strands.vertex_count = 96;
+  strands.vertex_count = kVertices;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const auto groom = GroomOf(s->chains.rest, s->chains.roots, lane);
     for (uint32_t i = 0; i < 3; ++i) {
@@ -40,7 +42,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
     const float bary[3] = {a, b, 1.0f - a - b};
     for (int k = 0; k < 3; ++k) {
       strands.bary[k][lane] = bary[k];
-      strands.vertex[k][lane] = uint8_t(random() % 96);
+      strands.vertex[k][lane] = uint8_t(random() % kVertices);
     }
   }
   return s;

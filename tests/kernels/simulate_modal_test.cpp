@@ -30,7 +30,7 @@ constexpr BusyLayer kBusyLayers[] = {
 template <uint32_t kPoints>
 std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
   auto s =
-      std::make_unique<ModalScene<kPoints>>(CalibratedMaterial(kPoints - 1, 3.0, 0.05, 4.0), 100);
+      std::make_unique<ModalScene<kPoints>>(CalibratedMaterial(kPoints - 1, 3.0, 0.05, 4.0), 60);
   std::mt19937 random(7);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const Point3 d = RandomUnit(random), e = RandomUnit(random);
@@ -60,8 +60,8 @@ std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
 
 template <uint32_t kPoints>
 void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
-  s.state.live_strands = frame < 10 ? 90 : 100;
-  s.state.first_new_strand = frame == 10 ? 90 : s.state.live_strands;
+  s.state.live_strands = frame < 10 ? 50 : 60;
+  s.state.first_new_strand = frame == 10 ? 50 : s.state.live_strands;
   const double jump = frame == 20 ? 0.3 : 0.01 * std::sin(0.4 * frame);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     s.MoveRoot(lane, {s.roots.position[0][lane] + jump, s.roots.position[1][lane],
@@ -144,19 +144,19 @@ TEST(SimulateModal, RestartNewLanesAndNoStrengthLieOnTheGroom) {
       }
     return true;
   };
-  s->state.live_strands = s->state.first_new_strand = 90;
+  s->state.live_strands = s->state.first_new_strand = 50;
   s->Step(kDt);
-  for (uint32_t lane = 0; lane < 90; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
+  for (uint32_t lane = 0; lane < 50; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
   s->Step(kDt);
   uint32_t away = 0;
-  for (uint32_t lane = 0; lane < 90; ++lane) {
+  for (uint32_t lane = 0; lane < 50; ++lane) {
     EXPECT_TRUE(on_groom(lane) || s->rest.strength[lane] > 0.0f) << lane;
     away += !on_groom(lane);
   }
-  EXPECT_GT(away, 60u);
-  s->state.live_strands = 100;
+  EXPECT_GT(away, 33u);
+  s->state.live_strands = 60;
   s->Step(kDt);
-  for (uint32_t lane = 90; lane < 100; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
+  for (uint32_t lane = 50; lane < 60; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
 }
 
 TEST(SimulateModal, KeepsOutOfSurfaceSphereAndGround) {
