@@ -10,17 +10,16 @@ namespace pelt {
 
 using namespace accuracy;
 
-namespace {
-
-// A share as per cent in seven columns.
-std::string Percent(double share) {
+std::string PercentText(double share) {
   const double percent = 100.0 * share;
   if (!std::isfinite(percent)) return "-";
   return fmt::format("{:.{}f}", percent, percent < 10.0 ? 2 : percent < 100.0 ? 1 : 0);
 }
 
+namespace {
+
 std::string PercentOf(const WorkPrecisionRow& row, size_t rate) {
-  return row.Finite(rate) ? Percent(row.scores[rate].error) : "not finite";
+  return row.Finite(rate) ? PercentText(row.scores[rate].error) : "not finite";
 }
 
 void AddPanelText(const WorkPrecision& table, const WorkPrecisionPanel& panel, std::string& text) {
@@ -38,7 +37,7 @@ void AddPanelText(const WorkPrecision& table, const WorkPrecisionPanel& panel, s
     text += fmt::format(" {:>9.0e}\n", row.scores[middle].stretch);
   }
   text += fmt::format("  {:<42} {:>8} {:>7}", "exact, root as samples", "", "");
-  for (const double error : panel.input_errors) text += fmt::format(" {:>10}", Percent(error));
+  for (const double error : panel.input_errors) text += fmt::format(" {:>10}", PercentText(error));
   text += '\n';
 }
 

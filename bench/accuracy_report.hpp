@@ -24,6 +24,8 @@ struct AccuracyReport {
   double seconds = 0.0;  // that all of it took
 };
 
+// A share as per cent, three digits or so; "-" for what is not finite.
+std::string PercentText(double share);
 std::string AccuracyText(const AccuracyReport& report);
 std::string AccuracyJson(const AccuracyReport& report);
 // An SVG file: error against ns a strand, both logarithmic; a column for each preset, a row for

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
+#include "bench/accuracy_report.hpp"
 #include "bench/json_text.hpp"
 
 namespace pelt {
@@ -11,13 +10,6 @@ namespace pelt {
 using namespace accuracy;
 
 namespace {
-
-// A share as per cent in seven columns.
-std::string Percent(double share) {
-  const double percent = 100.0 * share;
-  if (!std::isfinite(percent)) return "-";
-  return fmt::format("{:.{}f}", percent, percent < 10.0 ? 2 : percent < 100.0 ? 1 : 0);
-}
 
 void AddHead(const ScenePrecision& t, std::string& text) {
   const ScenePrecisionOptions& o = t.options;
@@ -46,12 +38,12 @@ void AddRows(const ScenePrecision& t, std::string& text) {
     text += fmt::format(
         "  {:<40} {:>8.1f}{} {:>7.2f} {:>10.1f}{} {:>7.2f} {:>8}{} {:>9.3f} {:>10.0f}\n",
         row.way.label, row.frame_ns, t.OnFront(row, kFrame) ? '*' : ' ', row.frame_of_pbd,
-        row.simulate_ns, t.OnFront(row, kSimulate) ? '*' : ' ', row.of_pbd, Percent(row.error),
+        row.simulate_ns, t.OnFront(row, kSimulate) ? '*' : ' ', row.of_pbd, PercentText(row.error),
         row.way.OnReferenceMaterial() ? ' ' : '~', 1e3 * row.off_m, 100.0 * row.live_share);
   text +=
       fmt::format("  {:<40} {:>9} {:>7} {:>11} {:>7} {:>8}\n",
                   fmt::format("the reference at {} times the rate", t.options.reference_rate / 2),
-                  "", "", "", "", Percent(t.self_error));
+                  "", "", "", "", PercentText(t.self_error));
   for (const std::string& note : t.notes) text += fmt::format("  {}\n", note);
 }
 
@@ -59,9 +51,9 @@ void AddFindings(const ScenePrecision& t, std::string& text) {
   text += "\n--quality picks one:\n";
   for (const char* name : {"fast", "default", "best"})
     if (const ScenePrecisionRow* row = t.Find(name))
-      text +=
-          fmt::format("  --quality {:<8} {:>6.1f} ns, {} of PBD, {:>6} % wrong\n", name,
-                      row->simulate_ns, fmt::format("{:.2f}", row->of_pbd), Percent(row->error));
+      text += fmt::format("  --quality {:<8} {:>6.1f} ns, {} of PBD, {:>6} % wrong\n", name,
+                          row->simulate_ns, fmt::format("{:.2f}", row->of_pbd),
+                          PercentText(row->error));
   const ScenePrecisionRow *halved = t.Find("default-halved"), *fast = t.Find("fast");
   if (halved && fast)
     text += fmt::format(
@@ -70,7 +62,8 @@ void AddFindings(const ScenePrecision& t, std::string& text) {
         "% against {:.1f} ns\nand {} %. What a frame costs besides its steps is saved as well; the "
         "poses between are not seen. Carrying strands\nwith the skin in the other frames is not in "
         "its time.\n",
-        halved->simulate_ns, Percent(halved->error), fast->simulate_ns, Percent(fast->error));
+        halved->simulate_ns, PercentText(halved->error), fast->simulate_ns,
+        PercentText(fast->error));
   const ScenePrecisionRow *sleep = t.Find("default-sleep"), *awake = t.Find("default");
   if (sleep && awake)
     text += fmt::format(

@@ -6,7 +6,6 @@
 
 #include "bench/accuracy/comparison/chunk_rows.hpp"
 #include "core/error.hpp"
-#include "core/kernels/chain.hpp"
 #include "core/modal/modal_block.hpp"
 
 namespace pelt::accuracy {
@@ -79,12 +78,8 @@ class ModalSolver final : public StrandSolver {
       ChunkOf(lane).LoadRoots(frame, lane, float(material_.drag));
   }
   void Step(const FrameRows&) override {
-    for (auto& c : chunks_) {
-      Binding bindings[kMaxPorts];
-      for (size_t p = 0; p < kernel_.ports.size(); ++p)
-        bindings[p] = {Find(kernel_.ports[p].stream, *c), nullptr, 1};
-      kernel_.run(&params_, bindings);
-    }
+    for (auto& c : chunks_)
+      RunOnChunk(kernel_, params_, [&](Stream stream) { return Find(stream, *c); });
   }
 
   void Points(int i, float* const (&rows)[3]) const override {
@@ -92,10 +87,7 @@ class ModalSolver final : public StrandSolver {
     // shapes them further, from the points.
     for (uint32_t lane = 0; lane < lanes_; ++lane) {
       if (shaped_) {
-        const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
-        const uint32_t at = lane % kStrandsPerChunk;
-        for (int k = 0; k < 3; ++k)
-          rows[k][lane] = c.position->position[i][k][at] - c.roots->position[k][at];
+        chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
         continue;
       }
       const ModalStateBlock<kPoints>& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;

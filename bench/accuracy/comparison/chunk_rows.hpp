@@ -11,6 +11,8 @@
 
 #include "bench/accuracy/strand_solver.hpp"
 #include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/kernels/chain.hpp"
 #include "core/streams.hpp"
 
 namespace pelt::accuracy {
@@ -77,6 +79,13 @@ struct ChunkRows {
     }
   }
 
+  // Point i of lane `lane` of the batch, from the root.
+  void ReadPoint(int i, uint32_t lane, float* const (&rows)[3]) const {
+    const uint32_t at = lane % kStrandsPerChunk;
+    for (int k = 0; k < 3; ++k)
+      rows[k][lane] = position->position[i][k][at] - roots->position[k][at];
+  }
+
   // `wind_response`: acceleration a m/s of wind, 1/s. A straight strand's tangent is any.
   void LoadRoots(const FrameRows& frame, uint32_t lane, float wind_response) {
     const uint32_t at = lane % kStrandsPerChunk;
@@ -116,5 +125,14 @@ struct ChunkRows {
     return Unit({rows[0][lane], rows[1][lane], rows[2][lane]});
   }
 };
+
+// Runs a kernel on one chunk; find(stream) gives the block of a stream.
+template <class Find>
+void RunOnChunk(const KernelDesc& kernel, const SimulateParams& params, Find&& find) {
+  Binding bindings[kMaxPorts];
+  for (size_t p = 0; p < kernel.ports.size(); ++p)
+    bindings[p] = {find(kernel.ports[p].stream), nullptr, 1};
+  kernel.run(&params, bindings);
+}
 
 }  // namespace pelt::accuracy

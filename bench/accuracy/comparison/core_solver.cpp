@@ -8,7 +8,6 @@
 #include "bench/accuracy/comparison/chunk_rows.hpp"
 #include "bench/accuracy/comparison/comparison.hpp"
 #include "core/exact_math.hpp"
-#include "core/kernels/chain.hpp"
 
 namespace pelt::accuracy {
 namespace {
@@ -64,21 +63,13 @@ class ChunkSolver final : public StrandSolver {
       ChunkOf(lane).LoadRoots(frame, lane, wind_response_);
   }
   void Step(const FrameRows&) override {
-    for (auto& c : chunks_) {
-      Binding bindings[kMaxPorts];
-      for (size_t p = 0; p < kernel_.ports.size(); ++p)
-        bindings[p] = {Find(kernel_.ports[p].stream, *c), nullptr, 1};
-      kernel_.run(&params_, bindings);
-    }
+    for (auto& c : chunks_)
+      RunOnChunk(kernel_, params_, [&](Stream stream) { return Find(stream, *c); });
   }
 
   void Points(int i, float* const (&rows)[3]) const override {
-    for (uint32_t lane = 0; lane < lanes_; ++lane) {
-      const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
-      const uint32_t at = lane % kStrandsPerChunk;
-      for (int k = 0; k < 3; ++k)
-        rows[k][lane] = c.position->position[i][k][at] - c.roots->position[k][at];
-    }
+    for (uint32_t lane = 0; lane < lanes_; ++lane)
+      chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
   }
   void Velocities(int i, float* const (&rows)[3]) const override {
     for (uint32_t lane = 0; lane < lanes_; ++lane) {

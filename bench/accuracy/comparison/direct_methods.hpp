@@ -117,15 +117,8 @@ struct ImplicitEuler {
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    Input before = state.sample[0];
-    const Input last = before;
-    for (int s = 0; s < t.step.substeps; ++s) {
-      Input now;
-      Halfway(last, next, s, t.step.substeps, now);
-      Substep(t, before, now, state);
-      before = now;
-    }
-    state.sample[0] = next;
+    OverSubsteps(state.sample[0], next, t.step.substeps,
+                 [&](const Input& before, const Input& now) { Substep(t, before, now, state); });
   }
 
   PELT_INLINE static Vec3<V> Velocity(const Table& t, const State& state, int i) {

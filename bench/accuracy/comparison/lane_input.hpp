@@ -3,7 +3,7 @@
 //
 // Between frames the root and the rest directions are not known; each method fills them in as its
 // users do. The position-based ones and implicit Euler move them linearly from sample to sample
-// (Halfway below); the trapezoid puts a cubic through the last four samples.
+// (OverSubsteps below); the trapezoid puts a cubic through the last four samples.
 #pragma once
 
 #include "core/simd/maths.hpp"
@@ -30,6 +30,21 @@ PELT_INLINE void Halfway(const LaneInput<V, n>& last, const LaneInput<V, n>& nex
   now.motion = next.motion * V(1.0f / float(substeps));
   now.wind = last.wind + (next.wind - last.wind) * share;
   for (int i = 0; i < n; ++i) now.rest[i] = last.rest[i] + (next.rest[i] - last.rest[i]) * share;
+}
+
+// Calls substep(before, now) with the input at both ends of each substep of a frame; `last` becomes
+// `next`.
+template <class V, int n, class Substep>
+PELT_INLINE void OverSubsteps(LaneInput<V, n>& last, const LaneInput<V, n>& next, int substeps,
+                              Substep&& substep) {
+  LaneInput<V, n> before = last;
+  for (int s = 0; s < substeps; ++s) {
+    LaneInput<V, n> now;
+    Halfway(last, next, s, substeps, now);
+    substep(before, now);
+    before = now;
+  }
+  last = next;
 }
 
 // Solves a x = b for n x n without pivots; a is destroyed, b becomes x.

@@ -48,12 +48,8 @@ struct FollowTheLeader {
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    for (int s = 0; s < t.step.substeps; ++s) {
-      Input now;
-      Halfway(state.last, next, s, t.step.substeps, now);
-      Substep(t, now, state);
-    }
-    state.last = next;
+    OverSubsteps(state.last, next, t.step.substeps,
+                 [&](const Input&, const Input& now) { Substep(t, now, state); });
   }
 
   PELT_INLINE static Vec3<V> Velocity(const Table&, const State& state, int i) {
@@ -91,12 +87,8 @@ struct Pbd {
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    for (int s = 0; s < t.step.substeps; ++s) {
-      Input now;
-      Halfway(state.last, next, s, t.step.substeps, now);
-      Substep(t, now, state);
-    }
-    state.last = next;
+    OverSubsteps(state.last, next, t.step.substeps,
+                 [&](const Input&, const Input& now) { Substep(t, now, state); });
   }
 
   PELT_INLINE static Vec3<V> Velocity(const Table& t, const State& state, int i) {
@@ -150,14 +142,8 @@ struct Xpbd {
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    Input before = state.last;
-    for (int s = 0; s < t.step.substeps; ++s) {
-      Input now;
-      Halfway(state.last, next, s, t.step.substeps, now);
-      Substep(t, before, now, state);
-      before = now;
-    }
-    state.last = next;
+    OverSubsteps(state.last, next, t.step.substeps,
+                 [&](const Input& before, const Input& now) { Substep(t, before, now, state); });
   }
 
   PELT_INLINE static Vec3<V> Velocity(const Table&, const State& state, int i) {
