@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#ifndef PELT_SOURCE_DIR
-#define PELT_SOURCE_DIR "."
-#endif
+#include "tests/source_folder.hpp"
 
 namespace pelt::test {
 
@@ -15,7 +13,7 @@ namespace pelt::test {
 inline std::string FindShared(const std::string& file) {
   const char* from = std::getenv("PELT_SHARED");
   const std::filesystem::path folder =
-      from ? std::filesystem::path(from) : std::filesystem::path(PELT_SOURCE_DIR) / "../shared";
+      from ? std::filesystem::path(from) : std::filesystem::path(SourceFolder()) / "../shared";
   const std::filesystem::path path = folder / "assets" / file;
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) ? path.string() : std::string();

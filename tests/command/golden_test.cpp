@@ -5,6 +5,7 @@
 
 #include "bench/commands.hpp"
 #include "core/error.hpp"
+#include "tests/source_folder.hpp"
 #include "traces/digest_log.hpp"
 #include "traces/file_bytes.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kKept = PELT_SOURCE_DIR "/traces/golden";
+const std::string kKept = test::SourceFolder() + "/traces/golden";
 
 class GoldenCommand : public testing::Test {
  protected:

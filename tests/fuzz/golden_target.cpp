@@ -3,13 +3,15 @@
 #include <cstdlib>
 
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/source_folder.hpp"
 #include "traces/diff.hpp"
 #include "traces/digest_log.hpp"
 
 namespace pelt::fuzz {
 
 void ReadHostile(std::span<const std::byte> input) {
-  static const DigestLog kTiny = ReadDigestLogFile(PELT_SOURCE_DIR "/traces/golden/tiny.digests");
+  static const DigestLog kTiny =
+      ReadDigestLogFile(test::SourceFolder() + "/traces/golden/tiny.digests");
   std::string error;
   const auto stored =
       TryReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz", error);

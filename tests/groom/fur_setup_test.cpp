@@ -15,10 +15,7 @@
 #include "core/error.hpp"
 #include "core/groom/setup_schema.hpp"
 #include "tests/groom/png.hpp"
-
-#ifndef PELT_SOURCE_DIR
-#define PELT_SOURCE_DIR "."
-#endif
+#include "tests/source_folder.hpp"
 
 namespace pelt {
 namespace {
@@ -483,7 +480,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
 TEST_F(FurSetupTest, ShippedSetupsAreRead) {
   int read = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(PELT_SOURCE_DIR) + "/bench/setups")) {
+       std::filesystem::directory_iterator(test::SourceFolder() + "/bench/setups")) {
     if (entry.path().extension() != ".toml") continue;
     FurSetup setup;
     ASSERT_NO_THROW(setup = ReadFurSetupFile(entry.path().string())) << entry.path();
@@ -491,9 +488,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
     ++read;
   }
   EXPECT_GE(read, 6);
-  const auto path = [](const char* name) {
-    return std::string(PELT_SOURCE_DIR) + "/bench/setups/" + name;
-  };
+  const auto path = [](const char* name) { return test::SourceFolder() + "/bench/setups/" + name; };
   uint32_t monster = 0;
   for (const auto& layer : ReadFurSetupFile(path("monster.toml")).layers)
     monster += layer.max_strands;
@@ -510,7 +505,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
 }
 
 TEST_F(FurSetupTest, DamagedTextsNeverCrash) {
-  std::ifstream file(std::string(PELT_SOURCE_DIR) + "/bench/setups/tiny.toml", std::ios::binary);
+  std::ifstream file(test::SourceFolder() + "/bench/setups/tiny.toml", std::ios::binary);
   const std::string good{std::istreambuf_iterator<char>(file), {}};
   ASSERT_EQ(ErrorOf(good), "");
   std::mt19937 random(4242);

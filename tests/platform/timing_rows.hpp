@@ -14,6 +14,7 @@
 #include "platform_sim/core/spu_core.hpp"
 #include "platform_sim/platforms/spu.hpp"
 #include "platform_sim/rows/row_listings.hpp"
+#include "tests/source_folder.hpp"
 
 namespace pelt::testing {
 
@@ -34,7 +35,7 @@ inline IssueChart TimeOnSpu(const std::string& text, const SpuParameters& spu = 
 }
 
 inline std::string ReadListingFile(const std::string& name) {
-  std::ifstream in(std::string(PELT_SOURCE_DIR "/tests/platform/listings/") + name);
+  std::ifstream in(test::SourceFolder() + "/tests/platform/listings/" + name);
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
