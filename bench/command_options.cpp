@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <map>
 #include <optional>
+
+#include "core/error.hpp"
 
 namespace pelt {
 namespace {
@@ -88,6 +91,26 @@ void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa
   app.add_option_function<std::string>(
          "--isa", [set](const std::string& name) { set(*ParseIsa(name)); }, help)
       ->check(IsIsa());
+}
+
+void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge) {
+  app.add_option_function<std::string>(
+      "--shard",
+      [&shard](const std::string& text) {
+        try {
+          shard =
+              ParseShard(text, [](const char* name) -> const char* { return std::getenv(name); });
+        } catch (const Error& error) {
+          throw CLI::ValidationError(error.what());
+        }
+      },
+      "Only this share of the cases: 0/3, 1/3 or 2/3 of three; env: as mpirun, Slurm or the CI "
+      "numbers this process");
+  auto* files = app.add_option("--merge", merge,
+                               "What every shard printed with --json: one verdict of them all");
+  for (CLI::Option* other : app.get_options())
+    if (other != files && other->get_name() != "--json" && other != app.get_help_ptr())
+      files->excludes(other);
 }
 
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {

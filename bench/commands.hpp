@@ -71,6 +71,9 @@ int Diff(const DiffArgs& args);
 struct GoldenArgs {
   std::string check, renew;  // folders; one of them
   std::string scene;         // empty: all
+  bool json = false;
+  Shard shard = {};
+  std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };
 int CheckOrRenewGolden(const GoldenArgs& args);
 
@@ -131,6 +134,9 @@ struct VerifyArgs {
   uint32_t frames = 20;
   std::optional<Isa> isa;  // only this instruction set, besides the reference
   bool skips = true, json = false;
+  bool stop_at_failure = false;
+  Shard shard = {};
+  std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };
 int VerifyScene(const VerifyArgs& args);
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "bench/commands.hpp"
+#include "bench/merge_shards.hpp"
 #include "bench/stage_digests.hpp"
 #include "core/error.hpp"
 #include "traces/diff.hpp"
@@ -63,24 +64,63 @@ std::optional<std::string> FindGoldenFault(const DigestLog& stored, const Digest
   return std::nullopt;
 }
 
-bool Check(const Golden& golden, const std::string& folder) {
+struct GoldenResult {
+  const Golden* golden = nullptr;
+  uint32_t place = 0;  // in the list that shards split
+  bool passed = true;
+  bool compared = true;     // else of another chunk capacity
+  std::string reason = {};  // what was found
+};
+
+GoldenResult Check(const Golden& golden, const std::string& folder) {
+  GoldenResult result{.golden = &golden};
   const DigestLog stored = ReadDigestLogFile(PathOf(folder, golden));
   if (stored.chunk_strands != kStrandsPerChunk) {
-    fmt::print("{}: skipped, it is of {} strands a chunk and this build has {}\n", golden.name,
-               stored.chunk_strands, kStrandsPerChunk);
-    return true;
+    result.compared = false;
+    result.reason = fmt::format("skipped, it is of {} strands a chunk and this build has {}",
+                                stored.chunk_strands, kStrandsPerChunk);
+    return result;
   }
   const DigestLog now = RunGolden(golden);
-  if (const auto fault = FindGoldenFault(stored, now)) {
-    fmt::print(
-        "{}: DIFFERENT, kept and computed: {}\n"
-        "  if the change is meant: pelt golden --renew {} says all that changed\n",
-        golden.name, *fault, folder);
-    return false;
+  const auto fault = FindGoldenFault(stored, now);
+  result.passed = !fault;
+  result.reason =
+      fault ? "DIFFERENT, kept and computed: " + *fault
+            : fmt::format("same, {} frames of {} lines", now.FrameCount(), now.columns.size());
+  return result;
+}
+
+void PrintResult(const GoldenResult& result, const std::string& folder) {
+  fmt::print("{}: {}\n", result.golden->name, result.reason);
+  if (!result.passed)
+    fmt::print("  if the change is meant: pelt golden --renew {} says all that changed\n", folder);
+}
+
+Fingerprint FingerprintOf(const GoldenArgs& args) {
+  Fingerprint all = FingerprintOfBuild("golden");
+  all.emplace_back("scene", args.scene.empty() ? "all" : args.scene);
+  return all;
+}
+
+std::string ResultsAsJson(const GoldenArgs& args, const std::vector<GoldenResult>& results,
+                          uint32_t places, bool passed) {
+  JsonText json;
+  json.BeginObject();
+  AddShardHeader(FingerprintOf(args), args.shard, places, json);
+  json.Add("passed", passed);
+  json.BeginArray("logs");
+  for (const GoldenResult& result : results) {
+    json.BeginObject();
+    json.Add("place", result.place);
+    json.Add("name", result.golden->name);
+    json.Add("passed", result.passed);
+    json.Add("compared", result.compared);
+    json.Add("reason", result.reason);
+    json.EndObject();
   }
-  fmt::print("{}: same, {} frames of {} lines\n", golden.name, now.FrameCount(),
-             now.columns.size());
-  return true;
+  json.EndArray();
+  json.EndObject();
+  return json.text();
 }
 
 // The digest of a line, or nothing when the log does not have it.
@@ -134,18 +174,27 @@ void Renew(const Golden& golden, const std::string& folder) {
 }  // namespace
 
 int CheckOrRenewGolden(const GoldenArgs& args) {
+  if (!args.merge.empty()) return PrintMergedShards("golden", args.merge, args.json);
   if (!args.renew.empty() && kStrandsPerChunk != kGoldenChunkStrands)
     throw Error(fmt::format("golden digests are kept for {} strands a chunk; this build has {}",
                             kGoldenChunkStrands, kStrandsPerChunk));
+  std::vector<GoldenResult> results;
+  uint32_t places = 0;
   bool passed = true;
   for (const Golden& golden : kGoldens) {
     if (!args.scene.empty() && golden.scene != args.scene) continue;
-    if (args.renew.empty()) {
-      passed &= Check(golden, args.check);
-    } else {
+    const uint32_t place = places++;
+    if (!args.shard.Takes(place)) continue;
+    if (!args.renew.empty()) {
       Renew(golden, args.renew);
+      continue;
     }
+    results.push_back(Check(golden, args.check));
+    results.back().place = place;
+    passed &= results.back().passed;
+    if (!args.json) PrintResult(results.back(), args.check);
   }
+  if (args.json) fmt::print("{}\n", ResultsAsJson(args, results, places, passed));
   return passed ? 0 : 1;
 }
 

@@ -9,6 +9,9 @@
 #ifndef PELT_COMMIT
 #define PELT_COMMIT "unknown"
 #endif
+#ifndef PELT_VERSION
+#define PELT_VERSION "unknown"
+#endif
 #ifndef PELT_BUILD_TYPE
 #define PELT_BUILD_TYPE "unknown"
 #endif
@@ -37,6 +40,8 @@ Machine DescribeMachine() {
   return {ProcessorName(), std::thread::hardware_concurrency(), compiler, PELT_BUILD_TYPE,
           PELT_COMMIT};
 }
+
+std::string_view PeltVersion() { return PELT_VERSION; }
 
 void AddMachine(const Machine& machine, JsonText& json) {
   json.Add("processor", machine.processor);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "bench/json_text.hpp"
 
@@ -17,6 +18,8 @@ struct Machine {
 };
 
 Machine DescribeMachine();
+
+std::string_view PeltVersion();  // "0.1.0"
 
 // Into an open object: "processor", "cores", "compiler", "build_type", "commit".
 void AddMachine(const Machine& machine, JsonText& json);

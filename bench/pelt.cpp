@@ -153,11 +153,19 @@ Subcommand SetUpVerify(CLI::App& root) {
   AddIsa(*app, "Only this instruction set, against the reference",
          [&args](Isa isa) { args.isa = isa; });
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
+  app->add_flag("--stop-at-failure", args.stop_at_failure,
+                "Run nothing after the first case that fails");
   app->add_flag("--json", args.json, "Machine-readable output");
+  AddShards(*app, args.shard, args.merge);
   app->footer(
       "Examples:\n"
       "  pelt verify --scene tiny --frames 5\n"
-      "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --json");
+      "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --json\n"
+      "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
+      "Several processes, and the one verdict of what they print:\n"
+      "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
+      "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"
+      "  and then: pelt verify --merge 0.json 1.json 2.json");
   return {app, [kept] { CompleteSource(kept->request); }, [kept] { return VerifyScene(*kept); }};
 }
 
@@ -242,15 +250,21 @@ Subcommand SetUpGolden(CLI::App& root) {
   app->add_option("--renew", args.renew, "Folder of digest logs to write; says all that changed")
       ->excludes(check);
   app->add_option("--scene", args.scene, "Only the logs of this scene")->check(IsScene());
-  app->require_option(1, 2);
+  app->add_flag("--json", args.json, "Machine-readable output of --check");
+  AddShards(*app, args.shard, args.merge);
   app->footer(
       "Examples:\n"
       "  pelt golden --renew . --scene tiny\n"
-      "  pelt golden --check . --scene tiny");
+      "  pelt golden --check . --scene tiny\n"
+      "  pelt golden --check . --scene tiny --json\n"
+      "Several processes: pelt golden --check . --shard 0/2 --json > 0.json, and so on; then\n"
+      "pelt golden --merge 0.json 1.json.");
   return {app,
           [kept] {
-            if (kept->check.empty() == kept->renew.empty())
-              throw CLI::RequiredError("--check or --renew, which");
+            const int ways = !kept->check.empty() + !kept->renew.empty() + !kept->merge.empty();
+            if (ways != 1) throw CLI::RequiredError("--check, --renew or --merge, which");
+            if (!kept->renew.empty() && (kept->json || !kept->shard.IsAll()))
+              throw CLI::ValidationError("--json and --shard are for --check, not for --renew");
           },
           [kept] { return CheckOrRenewGolden(*kept); }};
 }

@@ -14,6 +14,12 @@
 namespace pelt {
 namespace {
 
+// Whether the next place of the list is this shard's, and still to be run.
+bool TakesNext(const VerifyOptions& options, VerifyReport& report) {
+  report.stopped = options.stop_at_failure && !report.Passed();
+  return report.shard.Takes(report.places++) && !report.stopped;
+}
+
 constexpr uint32_t kWorkerCounts[] = {1, 2, 3, 7, 16};
 constexpr Settings kAllSettings[] = {Settings::kSkips, Settings::kNoSkips, Settings::kLod};
 constexpr uint64_t kOrderSeeds[] = {0, 1, 2};
@@ -201,15 +207,21 @@ void VerifySkips(Scenario& scenario, const VerifyOptions& options, VerifyReport&
   VerifyCase what;
   what.isa = BestIsa();
   const uint32_t rest_before = scenario.rest_from_frame;
+  const auto compare = [&](const SwitchDesc* off, std::optional<SkipCourse>& base,
+                           const std::string& course, uint32_t frames) {
+    if (!TakesNext(options, report)) return;
+    if (!base) base = RecordSkips(scenario, what, SkipSettings{}, frames);
+    report.skips.push_back(CompareSkip(scenario, what, *base, off, course, frames));
+    report.skips.back().place = report.places - 1;
+  };
   for (const bool at_rest : {false, true}) {
     const std::string course = at_rest ? "coming to rest" : "as it runs";
     // A scene that stands still from a third of the way on is where skips have something to do.
     if (at_rest) scenario.rest_from_frame = options.frames / 3;
     const uint32_t frames = options.frames + (at_rest ? kSettleFrames : 0);
-    const SkipCourse base = RecordSkips(scenario, what, SkipSettings{}, frames);
-    for (const SwitchDesc& s : kSwitches)
-      report.skips.push_back(CompareSkip(scenario, what, base, &s, course, frames));
-    report.skips.push_back(CompareSkip(scenario, what, base, nullptr, course, frames));
+    std::optional<SkipCourse> base;  // made when the shard first needs it
+    for (const SwitchDesc& s : kSwitches) compare(&s, base, course, frames);
+    compare(nullptr, base, course, frames);
   }
   scenario.rest_from_frame = rest_before;
 }
@@ -248,6 +260,7 @@ VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
   VerifyReport report;
   report.scene = scenario.name;
   report.frames = options.frames;
+  report.shard = options.shard;
   report.strands = scenario.StrandCount();
   for (const Isa isa : kAllIsas)
     if (!FindKernels(isa)) report.not_run.emplace_back(IsaName(isa));
@@ -266,13 +279,17 @@ VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
   for (const StreamDigests& frame : reference_for({}))
     for (const uint64_t digest : frame) fold.Add64(digest);
   report.digest = fold.Value();
+  const auto add = [&report](CaseResult result) {
+    result.place = report.places - 1;
+    report.cases.push_back(std::move(result));
+  };
   for (const Settings settings : kAllSettings)
-    report.cases.push_back(CompareVertexOrders(settings, reference_for));
+    if (TakesNext(options, report)) add(CompareVertexOrders(settings, reference_for));
 
   uint32_t done = 0;
   for (const VerifyCase& what : cases) {
     if (options.progress) options.progress(done++, uint32_t(cases.size()), NameCase(what));
-    report.cases.push_back(RunCase(scenario, what, reference_for(what), options));
+    if (TakesNext(options, report)) add(RunCase(scenario, what, reference_for(what), options));
   }
   if (options.skips) VerifySkips(scenario, options, report);
   return report;

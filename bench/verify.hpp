@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "bench/scenarios.hpp"
+#include "bench/shard.hpp"
 
 namespace pelt {
 
@@ -68,6 +69,7 @@ std::string DescribeMismatch(const Mismatch& mismatch);
 
 struct CaseResult {
   VerifyCase what;
+  uint32_t place = 0;  // in the list that shards split: cases and skips, as they are reported
   bool passed = true;
   std::string reason;  // of a failure, one line
   std::optional<Mismatch> mismatch;
@@ -77,6 +79,7 @@ struct CaseResult {
 struct SkipResult {
   std::string name;    // the switch
   std::string course;  // "as it runs" or "coming to rest"
+  uint32_t place = 0;
   bool passed = true;
   bool compared = true;
   std::string reason;
@@ -91,6 +94,9 @@ struct VerifyReport {
   uint64_t digest = 0;  // of the reference, vertices sorted, all frames
   std::vector<CaseResult> cases;
   std::vector<SkipResult> skips;
+  uint32_t places = 0;  // length of the whole list, of which this has the shard's
+  Shard shard;
+  bool stopped = false;              // at a failure
   std::vector<std::string> not_run;  // instruction sets that this processor or build lacks
   bool Passed() const;
 };
@@ -103,6 +109,8 @@ struct VerifyOptions {
   // Runs only cases this accepts; empty: all.
   std::function<bool(const VerifyCase&)> filter;
   bool skips = true;
+  Shard shard;                   // of the list: everything that has a place in it
+  bool stop_at_failure = false;  // what comes after the first one is not run, nor reported
 };
 
 VerifyReport Verify(Scenario& scenario, const VerifyOptions& options);
@@ -112,6 +120,7 @@ std::vector<VerifyCase> AllCases();
 
 // A table, what failed, and one verdict line.
 std::string DescribeReport(const VerifyReport& report);
-std::string ReportAsJson(const VerifyReport& report);
+// Shards of equal fingerprints can be merged: bench/merge_shards.hpp.
+std::string ReportAsJson(const VerifyReport& report, const Fingerprint& fingerprint = {});
 
 }  // namespace pelt

@@ -129,15 +129,21 @@ std::string DescribeReport(const VerifyReport& report) {
       out += fmt::format("\nFAILED {}\n  {}\n", NameCase(c.what), c.reason);
   if (failed > 10) out += fmt::format("\n... and {} more cases failed\n", failed - 10);
   for (const SkipResult& s : report.skips) failed += !s.passed;
+  const std::string of = report.shard.IsAll()
+                             ? std::string()
+                             : fmt::format(" of shard {}/{} (of {} in all)", report.shard.index,
+                                           report.shard.count, report.places);
+  if (report.stopped) out += "\nstopped there: what comes after it was not run\n";
   out += report.Passed()
-             ? fmt::format("\nverdict: SAME BITS in all {} cases\n", report.cases.size())
-             : fmt::format("\nverdict: DIFFERENT BITS in {} cases\n", failed);
+             ? fmt::format("\nverdict: SAME BITS in all {} cases{}\n", report.cases.size(), of)
+             : fmt::format("\nverdict: DIFFERENT BITS in {} cases{}\n", failed, of);
   return out;
 }
 
-std::string ReportAsJson(const VerifyReport& report) {
+std::string ReportAsJson(const VerifyReport& report, const Fingerprint& fingerprint) {
   JsonText json;
   json.BeginObject();
+  AddShardHeader(fingerprint, report.shard, report.places, json);
   json.Add("scene", report.scene);
   json.Add("strands", report.strands);
   json.Add("frames", report.frames);
@@ -146,6 +152,8 @@ std::string ReportAsJson(const VerifyReport& report) {
   json.BeginArray("cases");
   for (const CaseResult& c : report.cases) {
     json.BeginObject();
+    json.Add("place", c.place);
+    json.Add("name", NameCase(c.what));
     json.Add("executor", ExecutorName(c.what.executor));
     json.Add("workers", c.what.workers);
     if (HasWorkers(c.what.executor)) json.Add("workers_observed", c.workers_observed);
@@ -167,6 +175,8 @@ std::string ReportAsJson(const VerifyReport& report) {
   json.BeginArray("skips");
   for (const SkipResult& s : report.skips) {
     json.BeginObject();
+    json.Add("place", s.place);
+    json.Add("name", fmt::format("skip {} off, {}", s.name, s.course));
     json.Add("switch", s.name);
     json.Add("course", s.course);
     json.Add("passed", s.passed);
