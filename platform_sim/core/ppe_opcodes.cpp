@@ -101,7 +101,7 @@ constexpr OpcodeGroup kGroups[] = {
     {Id(PpeClass::kVectorStore), "rv b0 xg", "stvx stvxl stvlx stvlxl stvrx stvrxl", Flow::kNext,
      16, true},
     {Id(PpeClass::kVectorLoad), "wv r0 rg", "lvsl lvsr"},
-    {Id(PpeClass::kStore), "r0 rg", "dcbt dcbtst dcbz dcbst dcbf"},
+    {Id(PpeClass::kStore), "b0 xg", "dcbt dcbtst dcbz dcbst dcbf"},
     {Id(PpeClass::kFloat), "wf rf rf", "fadd fadds fsub fsubs fmul fmuls"},
     {Id(PpeClass::kFloat), "wf rf rf rf",
      "fmadd fmadds fmsub fmsubs fnmadd fnmadds fnmsub fnmsubs fsel"},

@@ -59,12 +59,16 @@ class Machine {
   Machine(const CacheMemoryParameters& p, std::span<const std::vector<MemoryAccess>> traces)
       : p_(p),
         cores_(p.cores, Core{Cache(p.l1_bytes, p.l1_ways, p.line_bytes), {}}),
+        busy_threads_(p.cores),
         l2_(p.l2_bytes, p.l2_ways, p.line_bytes),
         l2_rate_(p.l2_milli_bytes_per_cycle),
         bus_read_(p.bus_milli_bytes_per_cycle),
         bus_write_(p.bus_milli_bytes_per_cycle),
         memory_(uint64_t(p.memory_milli_bytes_per_cycle) * (1000 - p.gpu_permille) / 1000) {
-    for (const auto& trace : traces) threads_.push_back({&trace, 0, 0, {}});
+    for (const auto& trace : traces) {
+      busy_threads_[threads_.size() / p.core.smt_threads] += !trace.empty();
+      threads_.push_back({&trace, 0, 0, {}});
+    }
     run_.threads.resize(threads_.size());
   }
 
@@ -122,8 +126,8 @@ class Machine {
     run_.threads[t].*reason += cycles;
   }
 
-  Cycles ToSlot(Cycles cycles) const {
-    const Cycles slot = p_.core.smt_threads;
+  Cycles ToSlot(uint32_t t, Cycles cycles) const {
+    const Cycles slot = busy_threads_[t / p_.core.smt_threads];
     return (cycles + slot - 1) / slot * slot;
   }
 
@@ -164,8 +168,8 @@ class Machine {
       ready = fetched.ready;
       from_memory = fetched.from_memory;
     }
-    const Cycles l1 = ToSlot(p_.core.load_to_address_cycles);
-    const Cycles later = ToSlot(ready - threads_[t].Time()) - l1 - access.use_cycles;
+    const Cycles l1 = ToSlot(t, p_.core.load_to_address_cycles);
+    const Cycles later = ToSlot(t, ready - threads_[t].Time()) - l1 - access.use_cycles;
     Stall(t, later, from_memory ? &ThreadMemoryTimes::memory_stall : &ThreadMemoryTimes::l2_stall);
   }
 
@@ -174,6 +178,7 @@ class Machine {
     if (core.l1.Touch(line, false) || InFlight(core, line, threads_[t].Time())) return;
     WaitForMissSlot(t);
     Fetch(t, line);
+    Stall(t, p_.l1_fill_cycles, &ThreadMemoryTimes::l2_stall);
   }
 
   // Stores go to L2, which owns the line first; the line in other cores' L1 is stale.
@@ -264,6 +269,7 @@ class Machine {
 
   const CacheMemoryParameters& p_;
   std::vector<Core> cores_;
+  std::vector<uint32_t> busy_threads_;  // of each core: those that take turns
   Cache l2_;
   Channel l2_rate_, bus_read_, bus_write_, memory_;
   std::vector<Thread> threads_;

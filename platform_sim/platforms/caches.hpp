@@ -24,6 +24,9 @@ struct CacheParameters {
   uint32_t l2_hit_cycles = 40;
   uint32_t l2_milli_bytes_per_cycle = 16000;
   uint32_t outstanding_misses = 8;  // of a core
+  // For which a line that was fetched ahead keeps loads out of L1 while it comes in. What a load
+  // that misses waits is l2_hit_cycles, all in all. Nothing is known of a Xenon's.
+  uint32_t l1_fill_cycles = 0;
 };
 
 // All that the cache model takes.

@@ -13,7 +13,9 @@ std::vector<PlatformNumber> DescribeNumbers(const PpeParameters& ppe) {
                        Sureness sure = Sureness::kPublished) {
     out.push_back({name, value, unit, source, sure});
   };
-  add("load to a dependent address", ppe.load_to_address_cycles, "cycles", "GCC");
+  add("load to a dependent address", ppe.load_to_address_cycles, "cycles",
+      "PPE User's Manual as quoted by cellmark: 4 to 6, chained loads at the upper end",
+      Sureness::kSecondHand);
   add("integer to a dependent address", ppe.integer_to_address_cycles, "cycles", "GCC");
   add("FP compare to branch", ppe.float_compare_to_branch_cycles, "cycles", "GCC");
   add("mtctr to bctr", ppe.count_to_register_branch_cycles, "cycles", "GCC");

@@ -21,7 +21,7 @@ CacheMemoryRun MustRun(const CacheMemoryParameters& p, const std::vector<Trace>&
 // Through `bytes` in one random cycle, a line after the other, each load waiting for the last one.
 Trace Chase(uint32_t bytes) {
   Trace trace;
-  for (const uint32_t line : LinesInRandomCycle(bytes / 128))
+  for (const uint32_t line : WalkAtRandom(bytes / 128, 1).loads)
     trace.push_back({AccessKind::kLoad, 8, uint64_t{line} * 128, Cycles(trace.size()) * 6, 0});
   return trace;
 }
@@ -84,6 +84,31 @@ TEST(XenonMemory, LoadHitStoreIsFoundFromAddresses) {
   EXPECT_EQ(stall(16, 4, 16, 4, 40), 0) << "late enough";
   EXPECT_EQ(stall(16, 16, 31, 1, 2), 38) << "overlap";
   EXPECT_EQ(stall(16, 4, 20, 4, 2), 0) << "beside";
+}
+
+TEST(XenonMemory, AFetchedLineTakesTheL1WhileItComesIn) {
+  XenonParameters p;
+  p.l1_fill_cycles = 8;
+  Trace trace = {{AccessKind::kLoad, 4, 0, 0, 0}};  // brings its line into L2 and L1
+  trace.push_back({AccessKind::kPrefetch, 4, 0, 5000, 0});
+  const Cycles in_l1 = MustRun(p, {trace}).threads[0].l2_stall;
+  EXPECT_EQ(in_l1, 0) << "it is there";
+  trace.back().address = 4096;
+  trace.push_back({AccessKind::kLoad, 4, 4096, 9000, 0});
+  const ThreadMemoryTimes t = MustRun(p, {trace}).threads[0];
+  EXPECT_EQ(t.l2_stall, 8);
+  EXPECT_EQ(t.memory_stall, 610 - 6) << "of the first load only";
+}
+
+// With one thread running every cycle is its own; two have every other one.
+TEST(XenonMemory, StallsEndInAThreadsOwnCycle) {
+  XenonParameters p;
+  p.l2_hit_cycles = 41;
+  const Trace trace = {{AccessKind::kStore, 4, 0, 0, 0}, {AccessKind::kLoad, 4, 64, 5000, 0}};
+  const Trace far = {{AccessKind::kLoad, 4, 1 << 20, 0, 0}};
+  EXPECT_EQ(MustRun(p, {trace}).threads[0].l2_stall, 41 - 6);
+  EXPECT_EQ(MustRun(p, {trace, far}).threads[0].l2_stall, 42 - 6);
+  EXPECT_EQ(MustRun(p, {trace, {}, far}).threads[0].l2_stall, 41 - 6) << "on another core";
 }
 
 TEST(XenonMemory, AtMostEightMissesOfACoreAreOut) {

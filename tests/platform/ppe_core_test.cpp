@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "platform_sim/core/ppe_pair.hpp"
 #include "tests/platform/timing_rows.hpp"
 
 namespace pelt {
@@ -47,10 +48,11 @@ TEST(PpeCore, NothingGoesBehindABranchAMultiplyOrADivide) {
 
 TEST(PpeCore, ResultsAreLaterForAddresses) {
   EXPECT_EQ(Cycles("lwz 3,0(4); add 5,3,3").back(), 2);
-  EXPECT_EQ(Cycles("lwz 3,0(4); lwz 5,0(3)").back(), 5);
+  EXPECT_EQ(Cycles("lwz 3,0(4); lwz 5,0(3)").back(), 6);
+  EXPECT_EQ(Cycles("addi 3,3,4; dcbt 0,3").back(), 5);
   EXPECT_EQ(Cycles("addi 3,3,4; lvx 5,0,3").back(), 5);
-  EXPECT_EQ(Cycles("addi 3,3,4; stw 3,0(4)").back(), 2);  // data, not address
-  EXPECT_EQ(Cycles("lwzu 3,4(4); lwzu 3,4(4)").back(), 5);
+  EXPECT_EQ(Cycles("addi 3,3,4; stw 3,0(4)").back(), 2);    // data, not address
+  EXPECT_EQ(Cycles("lwzu 3,4(4); lwzu 3,4(4)").back(), 5);  // the address that it counted up
 }
 
 TEST(PpeCore, LatenciesAreThoseOfTheClasses) {
@@ -94,6 +96,87 @@ TEST(PpeCore, ALoadThatHitsAStoreWaitsForIt) {
 TEST(PpeCore, WithTwoThreadsEveryOtherCycleIsItsOwn) {
   EXPECT_EQ(Cycles("add 3,4,5; add 6,7,8; lwz 9,0(10); lwz 3,0(9)", {}, {.smt = true}),
             (V{0, 2, 2, 8}));
+}
+
+// ---- two threads -----------------------------------------------------------------------------
+
+PpePairTiming TimePair(const std::string& first, const std::string& second,
+                       const PpeParameters& ppe = {}) {
+  const Listing a = ReadListing(first, "a.s", PpeInstructionSet());
+  const Listing b = ReadListing(second, "b.s", PpeInstructionSet());
+  return ValueOrThrow([&](std::string& error) {
+    return TryTimePpePair({a.program, b.program}, ppe, error);
+  });
+}
+
+std::string Adds(int count) {
+  std::string text = "loop:\n";
+  for (int i = 0; i < count; ++i) text += "add " + std::to_string(3 + i) + ",20,21\n";
+  return text + "bdnz loop\n";
+}
+
+TEST(PpePair, ThreadsThatNeverWaitHaveEveryOtherCycle) {
+  const PpePairTiming same = TimePair(Adds(8), Adds(8));
+  EXPECT_EQ(same.CyclesPerTurn(0), 16.0);
+  EXPECT_EQ(same.CyclesPerTurn(1), 16.0);
+  const PpePairTiming unequal = TimePair(Adds(4), Adds(12));
+  EXPECT_EQ(unequal.CyclesPerTurn(0), 8.0);
+  EXPECT_EQ(unequal.CyclesPerTurn(1), 24.0);
+}
+
+// One thread a cycle, even where the two want different units.
+TEST(PpePair, TwoThreadsDoNotShareACycle) {
+  std::string loads = "loop:\n";
+  for (int i = 0; i < 8; ++i) loads += "lwz " + std::to_string(3 + i) + ",0(20)\n";
+  const PpePairTiming both = TimePair(Adds(8), loads + "bdnz loop\n");
+  EXPECT_EQ(both.CyclesPerTurn(0), 16.0);
+  EXPECT_EQ(both.CyclesPerTurn(1), 16.0);
+}
+
+TEST(PpePair, WhatOneThreadWaitsForIsTheOthers) {
+  // A chase dispatches once in six cycles; five are left.
+  const PpePairTiming both = TimePair("loop: lwz 3,0(3); bdnz loop", Adds(15));
+  EXPECT_NEAR(both.CyclesPerTurn(1), 15 * 6.0 / 5.0, 0.1);
+  EXPECT_NEAR(both.CyclesPerTurn(0), 6.0, 0.3);
+  // Two that wait all the time do not slow each other down.
+  const PpePairTiming chases =
+      TimePair("loop: lwz 3,0(3); bdnz loop", "loop: lwz 3,0(3); bdnz loop");
+  EXPECT_NEAR(chases.CyclesPerTurn(0), 6.0, 1e-9);
+  EXPECT_NEAR(chases.CyclesPerTurn(1), 6.0, 1e-9);
+}
+
+TEST(PpePair, WhatIsNotPipelinedHoldsBoth) {
+  const std::string divide = "loop: fdiv 1,2,3; bdnz loop";
+  const PpePairTiming both = TimePair(divide, divide);
+  EXPECT_EQ(both.CyclesPerTurn(0), 2 * 74.0);
+  const PpePairTiming adds = TimePair("loop: divw 4,5,6; bdnz loop", Adds(1));
+  EXPECT_GT(adds.CyclesPerTurn(1), 2.0);
+}
+
+TEST(PpePair, TheOrderOfTheThreadsDoesNotMatter) {
+  const std::string loops[] = {Adds(7), "loop: lwz 3,0(3); add 4,3,3; bdnz loop",
+                               "loop: vmaddfp 1,1,2,3; lvx 4,5,6; addi 6,6,16; bdnz loop"};
+  for (const std::string& a : loops)
+    for (const std::string& b : loops) {
+      const PpePairTiming ab = TimePair(a, b), ba = TimePair(b, a);
+      EXPECT_NEAR(ab.CyclesPerTurn(0), ba.CyclesPerTurn(1), 0.02 * ab.CyclesPerTurn(0)) << a << b;
+      EXPECT_NEAR(ab.CyclesPerTurn(1), ba.CyclesPerTurn(0), 0.02 * ab.CyclesPerTurn(1)) << a << b;
+    }
+}
+
+TEST(PpePair, WhatIsNoPairOfLoopsIsRefused) {
+  const auto why = [](const std::string& text, const PpeParameters& ppe) {
+    const Listing a = ReadListing(text, "a.s", PpeInstructionSet());
+    const Listing b = ReadListing(Adds(2), "b.s", PpeInstructionSet());
+    std::string error;
+    EXPECT_FALSE(TryTimePpePair({a.program, b.program}, ppe, error)) << text;
+    return error;
+  };
+  EXPECT_NE(why("add 3,4,5", {}).find("0 loops"), std::string::npos);
+  EXPECT_NE(why("a: b: add 3,4,5; bdnz b; bdnz a; c: bdnz c", {}).find("loops"), std::string::npos);
+  PpeParameters one;
+  one.smt_threads = 1;
+  EXPECT_NE(why(Adds(2), one).find("1 hardware threads"), std::string::npos);
 }
 
 TEST(PpeCore, AllCyclesAreAccountedFor) {

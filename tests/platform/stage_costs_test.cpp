@@ -188,7 +188,7 @@ uint64_t DigestOf(const StageCosts& costs) {
 // changes a kernel, a core or a schedule changes these: put in what the test prints, once the costs
 // themselves have been looked at.
 TEST(StageCosts, AreTheSameFromEveryCompilerAndInEveryPlace) {
-  constexpr uint64_t kOnSpu = 12946121495901285422u, kOnXenon = 13837471794260260899u;
+  constexpr uint64_t kOnSpu = 12946121495901285422u, kOnXenon = 8740228712505154468u;
   EXPECT_EQ(DigestOf(OnSpu().costs), kOnSpu);
   const auto in_between = std::make_unique<char[]>(12345);
   PricedScene elsewhere("tiny");

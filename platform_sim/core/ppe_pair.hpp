@@ -1,0 +1,38 @@
+// Two loops on the PPE's two hardware threads, each with a mix of its own: how fast each goes.
+//
+// Idea: a cycle's dispatch, one or two instructions, is one thread's. Who could dispatch earlier
+// does; when both could, the one that did not dispatch last. So two threads that never wait have
+// every other cycle each, and what a thread waits for (a result, a divide, a branch) is the other's
+// to use. Instructions that are not pipelined hold their unit against both (GCC: "stall point").
+// Source: CBE handbook as quoted by cellmark (one thread a cycle, alternating); that a cycle which
+// its thread cannot use goes to the other is how this model reads "stall only one thread" (GCC,
+// IB2), class L: no measured pair tells it from strict alternation.
+//
+// Exact, as with one thread: when the state of both comes back, the rates are those of the period.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "platform_sim/core/instruction.hpp"
+#include "platform_sim/platforms/ppe.hpp"
+
+namespace pelt {
+
+struct PpePairTiming {
+  int64_t period_cycles = 0;
+  std::array<uint64_t, 2> period_turns{};
+
+  double CyclesPerTurn(uint32_t thread) const {
+    return double(period_cycles) / double(period_turns[thread]);
+  }
+};
+
+// Each program has one loop, which runs for ever; what lies before and behind it does not run.
+// Nothing, and the reason in `error`, when they cannot be run so, or reach no steady state.
+std::optional<PpePairTiming> TryTimePpePair(const std::array<Program, 2>& programs,
+                                            const PpeParameters& ppe, std::string& error);
+
+}  // namespace pelt
