@@ -5,7 +5,10 @@
 namespace pelt {
 namespace {
 
-constexpr std::array<uint32_t, 8> kSpeStop = {10, 1, 9, 2, 8, 3, 7, 4};
+// SPEs by their stops, upward round the ring.
+constexpr std::array<uint32_t, 8> kSpeOfOrder = {1, 3, 5, 7, 6, 4, 2, 0};
+constexpr std::array<uint32_t, 8> kStopOfOrder = {1, 2, 3, 4, 7, 8, 9, 10};
+constexpr uint32_t kGameSpes = 6;
 
 // Segment k of a way, named by the lower of its two stops.
 uint32_t Segment(bool upward, uint32_t from, uint32_t k) {
@@ -15,9 +18,10 @@ uint32_t Segment(bool upward, uint32_t from, uint32_t k) {
 }  // namespace
 
 uint32_t BusStop(const CellMemoryParameters& p, uint32_t spu) {
-  for (uint32_t spe = 0, seen = 0; spe < kSpeStop.size(); ++spe) {
-    if (spe == p.missing_spe[0] || spe == p.missing_spe[1]) continue;
-    if (seen++ == spu) return kSpeStop[spe];
+  const uint32_t place = (spu + p.first_spu) % kGameSpes;
+  for (uint32_t i = 0, seen = 0; i < kSpeOfOrder.size(); ++i) {
+    if (kSpeOfOrder[i] == p.missing_spe[0] || kSpeOfOrder[i] == p.missing_spe[1]) continue;
+    if (seen++ == place) return kStopOfOrder[i];
   }
   return kMemoryStop;  // unreachable: CheckCellMemory allows six
 }

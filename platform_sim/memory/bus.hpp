@@ -29,7 +29,8 @@ inline constexpr uint32_t kBusStops = 12;
 inline constexpr uint32_t kPpeStop = 0;
 inline constexpr uint32_t kMemoryStop = 11;
 
-// Where the game's SPU `spu` sits, on a console that lacks the SPEs that `p` says.
+// Where the game's SPU `spu` sits, on a console that lacks the SPEs that `p` says: SPUs follow each
+// other upward round the ring.
 uint32_t BusStop(const CellMemoryParameters& p, uint32_t spu);
 
 class Bus {

@@ -65,6 +65,7 @@ bool CheckCellMemory(const CellMemoryParameters& p, std::string& error) {
                p.local_store_bytes, p.largest_command_bytes));
   if (p.missing_spe[0] == p.missing_spe[1] || p.missing_spe[0] > 7 || p.missing_spe[1] > 7)
     return refuse("missing_spe must name two of the SPEs 0 to 7");
+  if (p.first_spu > 5) return refuse("first_spu must be 0 to 5");
   if (p.rings < 2 || p.rings % 2 != 0 || p.rings > 4)
     return refuse(Format("{} EIB rings; it needs 2 or 4, half of them each way", p.rings));
   if (p.line_bytes % p.ring_bytes != 0 || (p.line_bytes & (p.line_bytes - 1)) != 0)

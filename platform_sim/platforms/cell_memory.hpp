@@ -44,10 +44,11 @@ struct CellMemoryParameters : CellSystem {
   uint32_t snoop_cycles = 100;         // a command's coherence phase; one starts each bus cycle
   uint32_t local_store_cycles = 118;   // of a line in another SPE's local store, without the ring
   // Ring stops 0 .. 11 are PPE, SPE1, SPE3, SPE5, SPE7, IOIF1, IOIF0, SPE6, SPE4, SPE2, SPE0, MIC.
-  // Two of the eight SPEs are not the game's; which two differs from console to console and decides
-  // what pairs of SPEs reach (row E1: 88 to 141 GB/s). Row E1 is held against the mean of all 28
-  // consoles; this default is one of the seven that come near what was measured (class L).
-  uint32_t missing_spe[2] = {0, 6};
+  // A game's SPUs 0 .. 5 follow each other round the ring, and 3 further on is as far one way as
+  // the other (cellmark, all 30 pairs): so the two SPEs that are not the game's lie opposite each
+  // other. Which of the four such pairs, and which SPU is the first, it leaves open (class L).
+  uint32_t missing_spe[2] = {0, 7};
+  uint32_t first_spu = 0;  // how many SPEs that are the game's lie between the PPE and SPU 0
 
   // Memory controller, XDR, L2
   uint32_t memory_line_cycles = 16;     // 128 B at 8 B/cycle: 25.6 GB/s at 3.2 GHz

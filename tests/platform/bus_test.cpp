@@ -13,6 +13,20 @@ namespace {
 
 using namespace testing;
 
+// Four pairs of SPEs lie opposite each other, and any SPU may be the first.
+std::vector<CellMemoryParameters> ConsolesOfOneTopology() {
+  std::vector<CellMemoryParameters> consoles;
+  for (const auto& [a, b] : {std::pair{0u, 7u}, {1u, 6u}, {2u, 5u}, {3u, 4u}})
+    for (uint32_t first = 0; first < 6; ++first) {
+      CellMemoryParameters p;
+      p.missing_spe[0] = a;
+      p.missing_spe[1] = b;
+      p.first_spu = first;
+      consoles.push_back(p);
+    }
+  return consoles;
+}
+
 TEST(Bus, StopsAreDistinctOnEveryConsole) {
   CellMemoryParameters p;
   for (p.missing_spe[0] = 0; p.missing_spe[0] < 8; ++p.missing_spe[0])
@@ -22,6 +36,32 @@ TEST(Bus, StopsAreDistinctOnEveryConsole) {
       EXPECT_EQ(stops.size(), 6u);
       EXPECT_EQ(stops.count(kPpeStop) + stops.count(kMemoryStop), 0u);
     }
+}
+
+// cellmark's thirty pairs: one and two SPUs further on a line goes one way, three further on it may
+// go either, as far one way as the other.
+TEST(Bus, SpusFollowEachOtherRoundTheRing) {
+  for (const CellMemoryParameters& p : ConsolesOfOneTopology())
+    for (uint32_t spu = 0; spu < 6; ++spu) {
+      const auto up = [&](uint32_t further) {
+        return (BusStop(p, (spu + further) % 6) + kBusStops - BusStop(p, spu)) % kBusStops;
+      };
+      EXPECT_LT(up(1), kBusStops / 2);
+      EXPECT_LT(up(2), kBusStops / 2);
+      EXPECT_LT(up(1), up(2));
+      EXPECT_EQ(up(3), kBusStops / 2);
+      EXPECT_GT(up(4), kBusStops / 2);
+      EXPECT_GT(up(5), up(4));
+    }
+}
+
+// Row E1: on none of the consoles that cellmark's topology leaves open do neighbours meet on the
+// ring, so which of them it was makes no difference.
+TEST(Bus, NeighboursDoNotMeetOnTheRing) {
+  const CellMemoryParameters one;
+  const double rate = ReadLocalStores(one, {1, 0, 3, 2, 5, 4}).GigabytesPerSecond(one);
+  for (const CellMemoryParameters& p : ConsolesOfOneTopology())
+    EXPECT_NEAR(ReadLocalStores(p, {1, 0, 3, 2, 5, 4}).GigabytesPerSecond(p) / rate, 1.0, 0.01);
 }
 
 TEST(Bus, NeverCarriesMoreThanItsRings) {
@@ -79,6 +119,9 @@ TEST(CellPlatform, ImpossibleOnesAreRefusedWithAReason) {
   p = {};
   p.missing_spe[1] = p.missing_spe[0];
   EXPECT_NE(why(p).find("missing_spe"), std::string::npos);
+  p = {};
+  p.first_spu = 6;
+  EXPECT_NE(why(p).find("first_spu"), std::string::npos);
   p = {};
   p.spu_count = 8;
   EXPECT_NE(why(p).find("at most 6"), std::string::npos);
