@@ -26,11 +26,6 @@ std::string AllowedOff(const RowResult& row) {
   return fmt::format("{}{}", row.allowed, row.allowed_in == Allowed::kPercent ? " %" : "");
 }
 
-std::string_view Verdict(const RowResult& row) {
-  if (!row.passes) return "MISSED";
-  return row.is_parameter ? "parameter" : "ok";
-}
-
 // The prediction that counts has a star.
 std::string Prediction(const RowResult& row, double value, RowKind counts) {
   return fmt::format("{:>9} {:>+7.2f}{}", Number(value), row.ErrorPercent(value),
@@ -38,24 +33,50 @@ std::string Prediction(const RowResult& row, double value, RowKind counts) {
 }
 
 void PrintTable(const std::vector<RowResult>& rows) {
-  fmt::print("{:<5} {:<55} {:<16} {:>12}  {:>18} {:>18}  {:>7}  {}\n", "row", "work", "unit",
-             "measured", "raw, off %", "available, off %", "allowed", "verdict");
+  fmt::print("{:<5} {:<55} {:<16} {:>12}  {:>18} {:>18}  {:>7}  {:<12}  {}\n", "row", "work",
+             "unit", "measured", "raw, off %", "available, off %", "allowed", "class", "verdict");
   for (const RowResult& row : rows) {
     if (!row.failure.empty()) {
       fmt::print("{:<5} {:<55} cannot be run: {}\n", row.id, row.work, row.failure);
       continue;
     }
-    fmt::print("{:<5} {:<55} {:<16} {:>12}  {} {}  {:>7}  {}\n", row.id, row.work, row.unit,
+    fmt::print("{:<5} {:<55} {:<16} {:>12}  {} {}  {:>7}  {:<12}  {}\n", row.id, row.work, row.unit,
                Measured(row), Prediction(row, row.predicted_raw, RowKind::kWay),
                Prediction(row, row.predicted_with_availability, RowKind::kRate), AllowedOff(row),
-               Verdict(row));
+               RowClassName(row.row_class), row.passes ? "ok" : "MISSED");
   }
+}
+
+// What is no evidence of its own is named beside the count, never in it.
+void PrintCounts(const std::vector<RowResult>& rows, const RowCount& independent) {
+  fmt::print("{} independent rows: {} predicted within what they allow, {} missed. Not counted:",
+             independent.rows, independent.rows - independent.missed, independent.missed);
+  for (const RowClass c : {RowClass::kDerived, RowClass::kPlausibility, RowClass::kParameter}) {
+    const RowCount count = CountRows(rows, c);
+    fmt::print("{} {} {}", c == RowClass::kDerived ? "" : ",", count.rows, RowClassName(c));
+    if (count.missed > 0) fmt::print(" ({} missed)", count.missed);
+  }
+  fmt::print(".\n");
+  for (const RowResult& row : rows)
+    if (!row.missed_because.empty()) fmt::print("{}: {}.\n", row.id, row.missed_because);
+  fmt::print(
+      "* is held against the measurement: rates with the console's availability, single ways "
+      "without.\n");
 }
 
 std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
   JsonText json;
   json.BeginObject();
   json.Add("pass", pass);
+  json.BeginObject("count");
+  for (uint32_t c = 0; c < kRowClassCount; ++c) {
+    const RowCount count = CountRows(rows, RowClass(c));
+    json.BeginObject(RowClassName(RowClass(c)));
+    json.Add("rows", count.rows);
+    json.Add("missed", count.missed);
+    json.EndObject();
+  }
+  json.EndObject();
   json.BeginArray("rows");
   for (const RowResult& row : rows) {
     json.BeginObject();
@@ -72,7 +93,9 @@ std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
     json.Add("allowed", row.allowed);
     json.Add("allowed_in", row.allowed_in == Allowed::kPercent ? "percent" : "units");
     json.Add("allowed_from", row.allowed_from);
-    json.Add("is_parameter", row.is_parameter);
+    json.Add("class", RowClassName(row.row_class));
+    if (!row.class_because.empty()) json.Add("class_because", row.class_because);
+    if (!row.missed_because.empty()) json.Add("missed_because", row.missed_because);
     json.Add("pass", row.passes);
     if (!row.failure.empty()) json.Add("failure", row.failure);
     json.EndObject();
@@ -86,19 +109,15 @@ std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
 
 int PrintValidation(const ValidateArgs& args) {
   const std::vector<RowResult> rows = PredictRows();
-  const auto missed = std::ranges::count(rows, false, &RowResult::passes);
-  const auto parameters = std::ranges::count(rows, true, &RowResult::is_parameter);
+  const RowCount independent = CountRows(rows, RowClass::kIndependent);
+  const bool pass = std::ranges::none_of(rows, &RowResult::Surprises);
   if (args.json) {
-    fmt::print("{}\n", RowsAsJson(rows, missed == 0));
+    fmt::print("{}\n", RowsAsJson(rows, pass));
   } else {
     PrintTable(rows);
-    fmt::print(
-        "{} rows: {} predictions and {} that are the models' own parameters; {} missed.\n"
-        "* is held against the measurement: rates with the console's availability, single ways "
-        "without.\n",
-        rows.size(), std::ptrdiff_t(rows.size()) - parameters, parameters, missed);
+    PrintCounts(rows, independent);
   }
-  return missed == 0 ? 0 : 1;
+  return pass ? 0 : 1;
 }
 
 }  // namespace pelt

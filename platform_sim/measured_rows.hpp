@@ -4,11 +4,12 @@
 //
 // Idea: a row is its work (rows/), what was measured, how far off a prediction may be, and of which
 // kind it is, because one rule says where a platform's availability counts (cell_system.hpp): on
-// rates, not on single ways. Both predictions are in the result; `Predicted()` is the one that the
-// rule picks and that is held against the measurement.
+// what was held up over many turns, not on single ways. Both predictions are in the result;
+// `Predicted()` is the one that the rule picks and that is held against the measurement.
 //
-// Invariant: no row has a number of its own in the models. Rows that are their own parameter
-// (`is_parameter`) are listed so that nobody counts them as predictions.
+// Invariant: no row has a number of its own in the models. Each row says of which class it is, and
+// only independent ones count as predictions: a row that repeats another, that holds a loop of our
+// own making or that is the models' own number would pad the count and prove nothing.
 #pragma once
 
 #include <cstdint>
@@ -24,16 +25,26 @@ namespace pelt {
 
 // What a row measures, for the availability.
 enum class RowKind : uint8_t {
-  kRate,  // operations, bytes or jobs held up over many turns: availability counts
-  kWay,   // the time or the gain of a single way: it does not
+  kRate,  // work held up over many turns, as a rate or as the mean of a turn: availability counts
+  kWay,   // a message's way, what an SPU counted of itself, a vendor's print: it does not
 };
 enum class Allowed : uint8_t { kPercent, kUnits };
+
+// What a row is worth as evidence.
+enum class RowClass : uint8_t {
+  kIndependent,   // known work, measured, and none of the models' numbers comes from it
+  kDerived,       // follows from another row or from its own measurement: no news
+  kPlausibility,  // the work is of our choosing, or the prediction rests on guesses: size only
+  kParameter,     // the measurement is the models' number
+};
+inline constexpr uint32_t kRowClassCount = 4;
+std::string_view RowClassName(RowClass c);
 
 struct RowDefinition {
   std::string_view id, work, unit;
   double measured_least, measured_most;  // equal: one value
   RowKind kind;
-  bool is_parameter;
+  RowClass row_class;
   double allowed;  // beyond the measured range
   Allowed allowed_in;
   std::string_view allowed_from;
@@ -42,6 +53,8 @@ struct RowDefinition {
   bool (*predict)(const PlatformParameters& p, double availability, uint32_t argument,
                   double& predicted, std::string& error);
   uint32_t argument = 0;  // what differs between rows of one kind: block bytes, job length
+  std::string_view class_because = {};   // why it is not independent
+  std::string_view missed_because = {};  // of a row that the models are known to miss
 };
 
 struct RowResult {
@@ -49,12 +62,15 @@ struct RowResult {
   double measured_least, measured_most;
   double predicted_raw = 0.0, predicted_with_availability = 0.0;
   RowKind kind;
-  bool is_parameter;
+  RowClass row_class;
   double allowed;
   Allowed allowed_in;
-  std::string_view allowed_from;
+  std::string_view allowed_from, class_because, missed_because;
   std::string failure;  // why there is no prediction; empty
   bool passes = false;
+
+  // Missed, and nobody has said why, or said to be missed, and is not.
+  bool Surprises() const { return passes != missed_because.empty(); }
 
   double Predicted() const {
     return kind == RowKind::kRate ? predicted_with_availability : predicted_raw;
@@ -69,5 +85,11 @@ const RowDefinition* FindRow(std::string_view id);
 
 RowResult PredictRow(const RowDefinition& row, const PlatformParameters& p);
 std::vector<RowResult> PredictRows(const PlatformParameters& p = {});
+
+// How many rows of a class there are and how many of them are missed.
+struct RowCount {
+  uint32_t rows = 0, missed = 0;
+};
+RowCount CountRows(std::span<const RowResult> rows, RowClass c);
 
 }  // namespace pelt

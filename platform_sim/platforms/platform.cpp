@@ -41,9 +41,11 @@ std::vector<PlatformNumber> DescribeCell(const CellParameters& cell) {
        {"L1 ways", double(c.l1_ways), "ways", "taken from the Xenon", kSecondHand},
        {"L2", double(c.l2_bytes), "B", "cellmark", kPublished},
        {"L2 ways", double(c.l2_ways), "ways", "cellmark", kPublished},
-       {"L2 hit", double(c.l2_hit_cycles), "cycles", "cellmark: row P3, not a prediction",
-        kPublished},
+       {"L2 hit", double(c.l2_hit_cycles), "cycles",
+        "cellmark: what row P3 leaves for an L1 miss, not a prediction", kPublished},
        {"L2 rate", c.l2_milli_bytes_per_cycle / 1000.0, "B/cycle", "taken from the Xenon", kLead},
+       {"L1 filled by a line for", double(c.l1_fill_cycles), "cycles",
+        "the line at the L2's rate; that loads wait meanwhile is the model's", kLead},
        {"misses in flight", double(c.outstanding_misses), "lines", "taken from the Xenon", kLead}});
   append("jobs: ", DescribeDispatch(cell.jobs));
   return out;

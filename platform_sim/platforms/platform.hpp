@@ -19,7 +19,8 @@ namespace pelt {
 
 struct CellParameters : CellMemoryParameters {
   PpeParameters ppe;
-  CacheParameters ppe_caches{.l2_bytes = 512 * 1024, .l2_hit_cycles = 36};
+  // A line fills L1 at the L2's rate, 16 bytes a cycle.
+  CacheParameters ppe_caches{.l2_bytes = 512 * 1024, .l2_hit_cycles = 42, .l1_fill_cycles = 8};
   DispatchParameters jobs = kGcellDispatch;
 };
 

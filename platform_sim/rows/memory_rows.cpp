@@ -45,20 +45,26 @@ bool EightInFlight(const PlatformParameters& p, double availability, uint32_t bl
                     error);
 }
 
-// Which two of its eight SPEs the console lacks decides where the pairs sit, and is not known: the
-// mean of all 28 that may be.
+bool DoubleBufferedWrites(const PlatformParameters& p, double availability, uint32_t block_bytes,
+                          double& predicted, std::string& error) {
+  return StreamRate(p.cell, {.block_bytes = block_bytes, .in_flight = 2, .get = false, .put = true},
+                    availability, predicted, error);
+}
+
+// The pairs are neighbours in the ring's order: 0 and 1, 2 and 3, 4 and 5 (cellmark).
 bool PairsBothWays(const PlatformParameters& p, double availability, uint32_t, double& predicted,
                    std::string& error) {
-  CellMemoryParameters cell = p.cell;
-  double sum = 0.0;
-  uint32_t consoles = 0;
-  for (uint32_t a = 0; a < 8; ++a)
-    for (uint32_t b = a + 1; b < 8; ++b, ++consoles) {
-      cell.missing_spe[0] = a;
-      cell.missing_spe[1] = b;
-      if (!LocalStoreRate(cell, {1, 0, 3, 2, 5, 4}, sum, error)) return false;
-    }
-  predicted = sum / consoles * availability;
+  double rate = 0.0;
+  if (!LocalStoreRate(p.cell, {1, 0, 3, 2, 5, 4}, rate, error)) return false;
+  predicted = rate * availability;
+  return true;
+}
+
+bool OneStoreReadByAll(const PlatformParameters& p, double availability, uint32_t,
+                       double& predicted, std::string& error) {
+  double rate = 0.0;
+  if (!LocalStoreRate(p.cell, {-1, 0, 0, 0, 0, 0}, rate, error)) return false;
+  predicted = rate * availability;
   return true;
 }
 

@@ -17,11 +17,14 @@ PredictFunction SinglePrecisionRate, IntegerRate, NewtonRate, DoublePrecisionRat
 PredictFunction BranchTurn, MatrixPeakShare, PublishedTurn, PublishedIssueTimes;
 
 // PPE and Xenon cores (ppe_rows.cpp). `argument`: bytes walked through.
-PredictFunction PpeChase, PpeStream, PpeVectorFma;
+PredictFunction PpeChase, PpeIndexChase, PpeStream, PpePrefetchedStream;
+PredictFunction PpeVectorFma, PpeScalarFma, PpeIntegerAdd;
+PredictFunction PpeScalarFmaTwice, PpeScalarFmaBesideAdds, PpeAddsBesideScalarFma;
 PredictFunction XenonLoadHitStore, XenonSynchronisation, XenonSecondThreadGain;
 
 // DMA and bus (memory_rows.cpp). `argument`: bytes of a block.
-PredictFunction DoubleBufferedReads, EightInFlight, PairsBothWays, OnePairAfterAnother;
+PredictFunction DoubleBufferedReads, DoubleBufferedWrites, EightInFlight;
+PredictFunction PairsBothWays, OneStoreReadByAll, OnePairAfterAnother;
 PredictFunction AtomicBounce, Mailbox;
 
 // Jobs (job_rows.cpp). `argument`: microseconds of a job.

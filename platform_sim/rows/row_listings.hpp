@@ -22,9 +22,17 @@ std::string PublishedListing();                               // C23
 
 // ---- PPE and Xenon listings ------------------------------------------------------------------
 
-std::string PointerChase();       // P1, P3: a load a turn, its address the last one's result
-std::string VectorStream();       // P5: 128 bytes a turn
-std::string VectorFmaChains();    // P7
+std::string
+PointerChase();  // P1, P3: eight loads a turn, the address of each the last one's result
+inline constexpr uint32_t kChasesOfATurn = 8;
+std::string IndexChase();              // P2, P4: what is loaded is an index, one a turn
+std::string VectorStream();            // P5: 128 bytes a turn
+std::string PrefetchedVectorStream();  // P6: the same, with a dcbt for the line four further on
+inline constexpr uint32_t kLinesAhead = 4;
+std::string VectorFmaChains();   // P7: six chains, eight rounds
+std::string ScalarFmaChains();   // P8: eight chains, eight rounds
+std::string IntegerAddChains();  // P9
+inline constexpr uint32_t kEightChains = 8 * 8;
 std::string MixedVectorKernel();  // X6
 std::string LoadHitStore();       // X5
 

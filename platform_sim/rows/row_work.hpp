@@ -12,6 +12,7 @@
 
 #include "platform_sim/core/issue_chart.hpp"
 #include "platform_sim/core/ppe_core.hpp"
+#include "platform_sim/core/ppe_pair.hpp"
 #include "platform_sim/core/spu_core.hpp"
 #include "platform_sim/memory/spu_program.hpp"
 #include "platform_sim/platforms/platform.hpp"
@@ -29,13 +30,23 @@ std::optional<IssueChart> TimePpeListing(const std::string& text, const PpeRules
 // Of the chart's only loop, at its steady state; nothing if it has none.
 std::optional<double> CyclesPerTurn(const IssueChart& chart, std::string& error);
 
-// A PPE loop whose turns walk through memory: what its core takes and what its caches add. `lines`:
-// the line (of 128 bytes) that turn t's loads are in, repeated round after round.
+// Two loops, one on each of the PPE's threads.
+std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::string& second,
+                                         const PpeParameters& ppe, std::string& error);
+
+// The lines (of 128 bytes) that a loop's loads and its dcbts are in, one after another as they run,
+// around and around.
+struct PpeWalk {
+  std::vector<uint32_t> loads, prefetches;
+};
+PpeWalk WalkInOrder(uint32_t lines, uint32_t loads_of_a_line, uint32_t lines_ahead = 0);
+// Once around all elements of an array, in an order without a pattern.
+PpeWalk WalkAtRandom(uint32_t elements, uint32_t elements_of_a_line);
+
+// A PPE loop that walks through memory, alone on its core: what its core takes and what its caches
+// add.
 std::optional<double> PpeCyclesPerTurn(const CellParameters& cell, const std::string& listing,
-                                       const std::vector<uint32_t>& lines, std::string& error);
-// `count` lines, one after the other; or once around in an order without a pattern.
-std::vector<uint32_t> LinesInOrder(uint32_t count);
-std::vector<uint32_t> LinesInRandomCycle(uint32_t count);
+                                       const PpeWalk& walk, std::string& error);
 
 // ---- DMA -------------------------------------------------------------------------------------
 

@@ -18,14 +18,34 @@ std::vector<TripCount> Trips(const Listing& listing) {
   return loop ? std::vector<TripCount>{{loop->index, kTurns}} : std::vector<TripCount>{};
 }
 
-// The loads of a turn, by their cycles from its first.
-std::vector<Cycles> LoadCycles(const LoopTiming& loop, Program program) {
-  std::vector<Cycles> cycles;
-  for (const IssueSlot& slot : loop.slots) {
-    const AddressOperand& address = program[slot.instruction].address;
-    if (address.size_bytes > 0 && !address.is_store) cycles.push_back(slot.cycle);
-  }
-  return cycles;
+bool IsLoad(const AddressOperand& address) { return address.size_bytes > 0 && !address.is_store; }
+// dcbt: an address, and nothing moved to a register.
+bool IsPrefetch(const AddressOperand& address) {
+  return address.size_bytes == 0 && address.index != kNoRegister;
+}
+
+// What `turns` turns of the loop touch, at the core's own pace.
+std::vector<MemoryAccess> TouchedBy(const LoopTiming& loop, Program program, const PpeWalk& walk,
+                                    uint64_t turns, uint32_t line_bytes) {
+  std::vector<MemoryAccess> trace;
+  size_t load = 0, prefetch = 0;
+  for (uint64_t turn = 0; turn < turns; ++turn)
+    for (const IssueSlot& slot : loop.slots) {
+      const AddressOperand& address = program[slot.instruction].address;
+      MemoryAccess access;
+      access.cycle = Cycles(double(turn) * loop.CyclesPerTurn()) + slot.cycle;
+      if (IsLoad(address)) {
+        access.address = uint64_t{walk.loads[load++ % walk.loads.size()]} * line_bytes;
+      } else if (IsPrefetch(address) && !walk.prefetches.empty()) {
+        access.kind = AccessKind::kPrefetch;
+        access.address =
+            uint64_t{walk.prefetches[prefetch++ % walk.prefetches.size()]} * line_bytes;
+      } else {
+        continue;
+      }
+      trace.push_back(access);
+    }
+  return trace;
 }
 
 }  // namespace
@@ -50,51 +70,62 @@ std::optional<double> CyclesPerTurn(const IssueChart& chart, std::string& error)
   return std::nullopt;
 }
 
+std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::string& second,
+                                         const PpeParameters& ppe, std::string& error) {
+  const auto read = [&](const std::string& text) {
+    return TryReadListing(text, "row", PpeInstructionSet(), error);
+  };
+  const auto a = read(first), b = a ? read(second) : std::nullopt;
+  if (!b) return std::nullopt;
+  return TryTimePpePair({a->program, b->program}, ppe, error);
+}
+
 // The turns as the core has them go to the caches, once around and twice around; what the second
 // time adds is a round that finds the caches as the first has left them.
 std::optional<double> PpeCyclesPerTurn(const CellParameters& cell, const std::string& text,
-                                       const std::vector<uint32_t>& lines, std::string& error) {
+                                       const PpeWalk& walk, std::string& error) {
   const auto listing = TryReadListing(text, "row", PpeInstructionSet(), error);
   if (!listing) return std::nullopt;
-  const auto chart =
-      TryTimeOnPpe(listing->program, Trips(*listing), {.smt = true}, cell.ppe, error);
+  const auto chart = TryTimeOnPpe(listing->program, Trips(*listing), {}, cell.ppe, error);
   const auto turn = chart ? CyclesPerTurn(*chart, error) : std::nullopt;
   if (!turn) return std::nullopt;
-  const std::vector<Cycles> loads = LoadCycles(chart->loops[0], listing->program);
+  const LoopTiming& loop = chart->loops[0];
+  const auto loads_a_turn = uint64_t(std::ranges::count_if(loop.slots, [&](const IssueSlot& slot) {
+    return IsLoad(listing->program[slot.instruction].address);
+  }));
+  const uint64_t turns = walk.loads.size() / loads_a_turn;
   const CacheMemoryParameters caches = PpeMemory(cell);
-  const auto stall_of = [&](uint32_t rounds) -> std::optional<Cycles> {
-    std::vector<MemoryAccess> trace;
-    for (uint32_t r = 0; r < rounds; ++r)
-      for (size_t i = 0; i < lines.size(); ++i)
-        for (const Cycles load : loads) {
-          MemoryAccess access;
-          access.address = uint64_t{lines[i]} * caches.line_bytes;
-          access.cycle = Cycles((double(r) * double(lines.size()) + double(i)) * *turn) + load;
-          trace.push_back(access);
-        }
+  const auto stall_of = [&](uint64_t rounds) -> std::optional<Cycles> {
+    const auto trace = TouchedBy(loop, listing->program, walk, rounds * turns, caches.line_bytes);
     CacheMemoryRun run;
     if (!RunCacheMemory(caches, {{trace}}, run, error)) return std::nullopt;
     return run.threads[0].Stall();
   };
   const auto once = stall_of(1), twice = stall_of(2);
   if (!once || !twice) return std::nullopt;
-  return *turn + double(*twice - *once) / double(lines.size());
+  return *turn + double(*twice - *once) / double(turns);
 }
 
-std::vector<uint32_t> LinesInOrder(uint32_t count) {
-  std::vector<uint32_t> lines(count);
-  std::iota(lines.begin(), lines.end(), 0u);
-  return lines;
-}
-
-std::vector<uint32_t> LinesInRandomCycle(uint32_t count) {
-  std::vector<uint32_t> lines = LinesInOrder(count);
-  uint64_t seed = 1;
-  for (uint32_t i = count; i > 1; --i) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    std::swap(lines[i - 1], lines[(seed >> 33) % i]);
+PpeWalk WalkInOrder(uint32_t lines, uint32_t loads_of_a_line, uint32_t lines_ahead) {
+  PpeWalk walk;
+  for (uint32_t line = 0; line < lines; ++line) {
+    walk.loads.insert(walk.loads.end(), loads_of_a_line, line);
+    if (lines_ahead > 0) walk.prefetches.push_back((line + lines_ahead) % lines);
   }
-  return lines;
+  return walk;
+}
+
+PpeWalk WalkAtRandom(uint32_t elements, uint32_t elements_of_a_line) {
+  PpeWalk walk;
+  walk.loads.resize(elements);
+  std::iota(walk.loads.begin(), walk.loads.end(), 0u);
+  uint64_t seed = 1;
+  for (uint32_t i = elements; i > 1; --i) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    std::swap(walk.loads[i - 1], walk.loads[(seed >> 33) % i]);
+  }
+  for (uint32_t& element : walk.loads) element /= elements_of_a_line;
+  return walk;
 }
 
 std::optional<SpuRun> RunStream(const CellMemoryParameters& p, const StreamOfBlocks& stream,

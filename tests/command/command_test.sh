@@ -233,6 +233,10 @@ check_readme() {
   "$pelt" plan --scene monster | sed -e '/^$/d' -e 's/ *$//' >real.txt
   [ -s shown.txt ] || fail "the README shows no plan"
   diff -u shown.txt real.txt || fail "the README's plan is not what pelt plan prints"
+  sed -n '/^row   work/,/^\* is held/p' "$source_dir/platform_sim/README.md" >shown.txt
+  "$pelt" budget --validate >real.txt
+  [ -s shown.txt ] || fail "the consoles' README shows no measured rows"
+  diff -u shown.txt real.txt || fail "the consoles' README does not show what pelt budget --validate prints"
 }
 
 for part in "${parts[@]}"; do

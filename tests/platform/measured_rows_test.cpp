@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
+#include "platform_sim/memory/xenon_memory.hpp"
 #include "platform_sim/rows/row_work.hpp"
 #include "tests/platform/timing_rows.hpp"
 
@@ -22,8 +24,17 @@ TEST(MeasuredRows, EachIsPredictedWithinWhatItAllows) {
         row.predicted_with_availability, row.ErrorPercent(row.predicted_with_availability),
         row.measured_least, row.measured_most, row.unit);
     EXPECT_EQ(row.failure, "") << row.id;
-    EXPECT_TRUE(row.passes) << row.id << ": " << row.Predicted();
+    EXPECT_EQ(row.passes, row.missed_because.empty()) << row.id << ": " << row.Predicted();
+    EXPECT_EQ(row.Surprises(), false) << row.id;
   }
+}
+
+// A miss is stated with its reason, and only there.
+TEST(MeasuredRows, ThoseThatAreKnownToBeMissed) {
+  std::set<std::string_view> missed;
+  for (const RowDefinition& row : MeasuredRows())
+    if (!row.missed_because.empty()) missed.insert(row.id);
+  EXPECT_EQ(missed, (std::set<std::string_view>{"E1", "P5"}));
 }
 
 TEST(MeasuredRows, AreAllThatTheReferenceLists) {
@@ -32,27 +43,46 @@ TEST(MeasuredRows, AreAllThatTheReferenceLists) {
     EXPECT_TRUE(ids.insert(row.id).second) << row.id;
     EXPECT_FALSE(row.work.empty() || row.unit.empty() || row.allowed_from.empty()) << row.id;
   }
-  for (const char* id : {"C1", "C2", "C5", "C7", "C9", "C13", "C23", "D1", "D3",  "D4",  "D5",
-                         "D6", "D7", "D8", "D9", "E1", "E8",  "S1",  "S2", "J1a", "J1b", "J1c",
-                         "J4", "P1", "P3", "P5", "P7", "X1",  "X2",  "X3", "X4",  "X5",  "X6"})
+  for (const char* id :
+       {"C1", "C2", "C5", "C7", "C9", "C13", "C23", "D1",  "D3",  "D4", "D5", "D6", "D7", "D8",
+        "D9", "E1", "E2", "E8", "S1", "S2",  "J1a", "J1b", "J1c", "J4", "P1", "P2", "P3", "P4",
+        "P5", "P6", "P7", "P8", "P9", "P10", "P11", "P12", "X1",  "X2", "X3", "X4", "X5", "X6"})
     EXPECT_EQ(ids.count(id), 1u) << id;
+}
+
+// What repeats another row, restates its own measurement, is a loop of our choosing or is the
+// models' own number is no evidence: it is listed, with the reason, and not counted.
+TEST(MeasuredRows, OnlyIndependentOnesCount) {
+  const std::map<RowClass, std::set<std::string_view>> expected = {
+      {RowClass::kDerived, {"C23t", "D4", "D5", "D6", "D7", "D8", "D9", "J1a", "J1b", "J1c"}},
+      {RowClass::kPlausibility, {"C13", "S1", "X6"}},
+      {RowClass::kParameter, {"S2", "J4", "P1", "P3", "X1", "X2", "X3", "X4", "X5"}}};
+  std::map<RowClass, std::set<std::string_view>> found;
+  for (const RowDefinition& row : MeasuredRows()) {
+    EXPECT_EQ(row.class_because.empty(), row.row_class == RowClass::kIndependent) << row.id;
+    if (row.row_class != RowClass::kIndependent) found[row.row_class].insert(row.id);
+  }
+  EXPECT_EQ(found, expected);
+}
+
+TEST(MeasuredRows, AreCountedByClass) {
+  std::vector<RowResult> rows(4);
+  rows[0].row_class = rows[1].row_class = RowClass::kIndependent;
+  rows[2].row_class = rows[3].row_class = RowClass::kDerived;
+  rows[0].passes = rows[2].passes = rows[3].passes = true;
+  EXPECT_EQ(CountRows(rows, RowClass::kIndependent).rows, 2u);
+  EXPECT_EQ(CountRows(rows, RowClass::kIndependent).missed, 1u);
+  EXPECT_EQ(CountRows(rows, RowClass::kDerived).missed, 0u);
+  EXPECT_EQ(CountRows(rows, RowClass::kParameter).rows, 0u);
 }
 
 // Both figures that are given for the clock; cycles do not know it.
 TEST(MeasuredRows, HoldAtTheRoundClockToo) {
   PlatformParameters p;
   p.cell.clock_hz = 3'200'000'000;
-  for (const char* id : {"C1", "C2", "C5", "C7", "D1", "D3", "E8", "S1", "P5", "P7"})
+  for (const char* id :
+       {"C1", "C2", "C5", "C7", "D1", "D2", "D3", "E2", "E8", "S1", "P6", "P7", "P8", "P9", "P11"})
     EXPECT_TRUE(PredictRow(*FindRow(id), p).passes) << id;
-  const RowDefinition& pairs = *FindRow("E1");
-  CellMemoryParameters one = p.cell;  // the 28 consoles of E1 stretch by the clock like this one
-  std::string error;
-  const auto run = RunLocalStoreReads(one, {1, 0, 3, 2, 5, 4}, 8, error);
-  ASSERT_TRUE(run) << error;
-  const double round = run->GigabytesPerSecond(one);
-  one.clock_hz = CellSystem{}.clock_hz;
-  EXPECT_NEAR(run->GigabytesPerSecond(one) / round, 0.9975, 1e-9);
-  EXPECT_EQ(pairs.kind, RowKind::kRate);
 }
 
 // What makes it one constant: without it every rate of the SPUs is too fast by the same.
@@ -100,9 +130,9 @@ TEST(MeasuredRows, ASecondThreadGainsWhatTheFirstWaits) {
     std::string error;
     const PpeParameters core = XenonMemory().core;
     const auto alone = TimePpeListing(text, {}, core, error);
-    const auto shared = TimePpeListing(text, {.smt = true}, core, error);
-    EXPECT_TRUE(alone && shared) << error;
-    return 2.0 * CyclesPerTurn(*alone) / CyclesPerTurn(*shared) - 1.0;
+    const auto both = TimePpePair(text, text, core, error);
+    EXPECT_TRUE(alone && both) << error;
+    return 2.0 * CyclesPerTurn(*alone) / both->CyclesPerTurn(0) - 1.0;
   };
   std::string twelve_chains = "loop:\n";
   for (int i = 1; i <= 12; ++i) twelve_chains += fmt::format(" vmaddfp v{0}, v{0}, v20, v21\n", i);
@@ -110,12 +140,35 @@ TEST(MeasuredRows, ASecondThreadGainsWhatTheFirstWaits) {
   EXPECT_NEAR(gain(VectorFmaChains()), 1.0, 0.01);
 }
 
-// The rows of one P: the chase by the core alone and by core and caches are one number.
+// A chase that stays in L1 is the core's own turn: the caches add nothing.
 TEST(MeasuredRows, TheL1ChaseIsTheCoresOwnTurn) {
   std::string error;
-  const auto chart = TimePpeListing(PointerChase(), {.smt = true}, CellParameters{}.ppe, error);
+  const auto chart = TimePpeListing(PointerChase(), {}, CellParameters{}.ppe, error);
   ASSERT_TRUE(chart) << error;
-  EXPECT_EQ(PredictRow(*FindRow("P1"), {}).predicted_raw, CyclesPerTurn(*chart));
+  EXPECT_EQ(PredictRow(*FindRow("P1"), {}).predicted_raw, CyclesPerTurn(*chart) / kChasesOfATurn);
+}
+
+// The console counts 390,000 L1 misses of 524,288 loads in row P3's chase: three quarters.
+TEST(MeasuredRows, AQuarterOfTheL2ChaseHitsL1) {
+  const PpeWalk walk = WalkAtRandom(128 * 1024 / 4, 128 / 4);
+  std::vector<MemoryAccess> trace;
+  for (int round = 0; round < 2; ++round)
+    for (const uint32_t line : walk.loads)
+      trace.push_back({AccessKind::kLoad, 4, uint64_t{line} * 128, int64_t(trace.size()) * 100, 0});
+  CacheMemoryRun run;
+  std::string error;
+  ASSERT_TRUE(RunCacheMemory(PpeMemory(), {{trace}}, run, error)) << error;
+  EXPECT_NEAR(double(run.threads[0].l1_misses) / double(trace.size()), 390.0 / 524.288, 0.02);
+}
+
+// The measured pair's rates are of unequal work: the scalar thread has its core for itself once the
+// other is done. Beside each other they have half of the cycles each.
+TEST(MeasuredRows, ThePairsThreadsHaveHalfOfTheCyclesEach) {
+  std::string error;
+  const auto both = TimePpePair(ScalarFmaChains(), IntegerAddChains(), CellParameters{}.ppe, error);
+  ASSERT_TRUE(both) << error;
+  EXPECT_NEAR(both->CyclesPerTurn(0), 2 * kEightChains, 1.0);
+  EXPECT_NEAR(both->CyclesPerTurn(1), 2 * kEightChains, 1.0);
 }
 
 }  // namespace
