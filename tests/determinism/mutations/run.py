@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+"""The mutation suite: which of `pelt verify`, `pelt golden` and the unit tests catch which small fault.
+
+    run.py check                     every site of mutations.toml still stands in the sources, once
+    run.py build  [--build DIR]      a copy of the tree with every mutant in it, built once
+    run.py run    [--build DIR] [--shard I/N] [--only NAME]... [--detector verify|golden|tests]... [--results FILE]
+    run.py table  FILE...            the Markdown table of ../README.md, from one results file or of all shards
+
+A variable chooses the mutant (mutation.hpp), so one build serves them all. `run` begins with the copy as it is, on
+which every detector must pass; a results file that is there already is gone on with. Not part of the gate, which only
+runs `check`.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True  # beside the sources
+import sites  # noqa: E402
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+SUITE = HERE / "mutations.toml"
+DETECTORS = ("verify", "golden", "tests")
+
+# What is run on each mutant, cheapest first; a detector stops at its first failure.
+VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "8", "--stop-at-failure"]
+# What is wrong everywhere alike is the goldens' to see: a short look tells whether it is not.
+SHORT_VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "2", "--isa", "avx2", "--no-skips",
+                "--stop-at-failure"]
+GOLDEN = [["bench/pelt", "golden", "--check", "{root}/traces/golden", "--scene", s]
+          for s in ("tiny", "eyepet", "monster", "cast")]
+# Test programs of the rooms a file belongs to, the likeliest first.
+TESTS = {
+    "core/kernels/": ["kernels", "jobs", "determinism"],
+    "core/simd/": ["kernels", "jobs", "determinism"],
+    "core/exact_math": ["character", "kernels"],
+    "core/": ["kernels", "jobs", "determinism"],
+    "jobs/": ["jobs", "porting", "determinism"],
+    "platform_sim/": ["determinism"],
+    "traces/": ["traces", "jobs", "determinism"],
+}
+PROGRAMS = sorted({p for programs in TESTS.values() for p in programs})
+# A mutant may hang: it is given what the unmutated copy took, many times over.
+PATIENCE, LEAST_S = 4, 60
+
+
+def fail(text):
+    sys.exit(f"mutations: {text}")
+
+
+def sources():
+    """Every file of the tree that git knows or would know, from the root."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+                            check=True, capture_output=True).stdout
+    return [name for name in listed.decode().split("\0") if name and (ROOT / name).is_file()]
+
+
+def write_if_other(path, data):
+    """So that a file that did not change is not built again."""
+    if path.is_file() and path.read_bytes() == data:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
+
+
+def copy_mutated(suite, target):
+    mutated = sites.mutate(suite, ROOT)
+    names = sources()
+    for name in names:
+        data = mutated[name].encode() if name in mutated else (ROOT / name).read_bytes()
+        write_if_other(target / name, data)
+    kept = set(names)
+    for path in target.rglob("*"):
+        if path.is_file() and str(path.relative_to(target)) not in kept:
+            path.unlink()
+
+
+def build(args, suite):
+    source, binary = args.build / "source", args.build / "binary"
+    copy_mutated(suite, source)
+    header = source / HERE.relative_to(ROOT) / "mutation.hpp"
+    targets = ["pelt"] + [f"pelt_{p}_test" for p in PROGRAMS]
+    isas = ["-DPELT_ISAS=avx2"] if os.uname().machine == "x86_64" else []
+    # Warnings are the sources' business, and mutants are odd on purpose.
+    flags = f"-w -include {header}"
+    subprocess.run(["cmake", "-S", source, "-B", binary, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                    "-DPELT_TEST_WIDE_KERNELS=OFF", f"-DCMAKE_CXX_FLAGS={flags}", *isas], check=True,
+                   stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", binary, "--target", *targets, "--parallel", str(args.jobs)], check=True)
+
+
+class Bench:
+    """Runs the detectors on one mutant after the other."""
+
+    def __init__(self, args):
+        self.binary = args.build / "binary"
+        self.limits = {}
+        self.work = pathlib.Path(tempfile.mkdtemp(prefix="mutations."))
+
+    def close(self):
+        shutil.rmtree(self.work, ignore_errors=True)
+
+    def command(self, name, words, number):
+        """(caught, how, seconds) of one command."""
+        reached = self.work / "reached"
+        environment = dict(os.environ, PELT_MUTATION=str(number), PELT_MUTATION_REACHED=str(reached))
+        limit = self.limits.get(name, 3600.0)
+        start = time.monotonic()
+        process = subprocess.Popen(words, cwd=self.work, env=environment, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            output = process.communicate(timeout=limit)[0].decode(errors="replace")
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+            return True, f"hangs ({limit:.0f} s)", time.monotonic() - start
+        seconds = time.monotonic() - start
+        if process.returncode == 0:
+            return False, "", seconds
+        return True, self.reason(process.returncode, output), seconds
+
+    @staticmethod
+    def reason(code, output):
+        if code < 0:
+            return f"signal {signal.Signals(-code).name}"
+        lines = output.splitlines()
+        for i, line in enumerate(lines):
+            if line.startswith("[  FAILED  ]"):
+                return line.split("]", 1)[1].split("(")[0].strip(" ,")
+            if line.startswith("FAILED "):
+                return " ".join(lines[i:i + 2])[:200]
+            if "DIFFERENT" in line or line.startswith("pelt: "):
+                return line[:200]
+        return f"exit {code}"
+
+    def steps(self, detector, programs, area):
+        if detector == "verify":
+            words = SHORT_VERIFY if area == "other" else VERIFY
+            return [("verify", [str(self.binary / words[0]), *words[1:]])]
+        if detector == "golden":
+            return [(f"golden {g[-1]}", [str(self.binary / g[0]), *(w.format(root=ROOT) for w in g[1:])])
+                    for g in GOLDEN]
+        return [(p, [str(self.binary / f"tests/pelt_{p}_test"), "--gtest_fail_fast", "--gtest_brief=1"])
+                for p in programs]
+
+    def detect(self, detector, programs, number, area=""):
+        total = 0.0
+        for name, words in self.steps(detector, programs, area):
+            caught, how, seconds = self.command(name, words, number)
+            total += seconds
+            if number == 0:
+                self.limits[name] = max(LEAST_S, PATIENCE * seconds)
+            if caught:
+                return {"caught": True, "how": f"{name}: {how}" if detector != "verify" else how,
+                        "seconds": round(total, 1)}
+        return {"caught": False, "how": "", "seconds": round(total, 1)}
+
+    def reached(self):
+        path = self.work / "reached"
+        found = path.exists()
+        path.unlink(missing_ok=True)
+        return found
+
+
+def programs_of(mutation):
+    out = []
+    for site in mutation.sites:
+        prefix = next(p for p in TESTS if site.file.startswith(p))
+        out += [p for p in TESTS[prefix] if p not in out]
+    return out
+
+
+def read_results(path):
+    """{(mutation, detector): result}"""
+    results = {}
+    if path.is_file():
+        for line in path.read_text().splitlines():
+            entry = json.loads(line)
+            results[entry["name"], entry["detector"]] = entry
+    return results
+
+
+def run(args, suite):
+    shard = [int(part) for part in args.shard.split("/")] if args.shard else [0, 1]
+    if len(shard) != 2 or not 0 <= shard[0] < shard[1]:
+        fail(f"--shard {args.shard}: not I/N with I from 0 to N - 1")
+    wanted = [m for m in suite.mutations if not args.only or m.name in args.only]
+    wanted = [m for m in wanted if m.number % shard[1] == shard[0]]
+    detectors = args.detector or DETECTORS
+    results = read_results(args.results)
+    bench = Bench(args)
+    try:
+        for detector in detectors:
+            result = bench.detect(detector, PROGRAMS, 0)
+            print(f"unmutated: {detector} {'FAILS: ' + result['how'] if result['caught'] else 'passes'}"
+                  f" in {result['seconds']} s", flush=True)
+            if result["caught"]:
+                fail("the copy does not pass as it is; nothing is told apart from that")
+        bench.reached()
+        for mutation in wanted:
+            for detector in detectors:
+                if (mutation.name, detector) in results:
+                    continue
+                result = bench.detect(detector, programs_of(mutation), mutation.number, mutation.area)
+                # A process that crashed or hung did not say so.
+                result["reached"] = bench.reached() or result["caught"]
+                with open(args.results, "a") as file:
+                    file.write(json.dumps({"name": mutation.name, "detector": detector} | result) + "\n")
+                print(f"{mutation.number:3} {mutation.area:11} {mutation.name}: {detector} "
+                      f"{'caught' if result['caught'] else 'passes' if result['reached'] else 'never runs'} "
+                      f"in {result['seconds']} s: {result['how']}", flush=True)
+    finally:
+        bench.close()
+
+
+def table(args, suite):
+    results = {}
+    for path in args.files:
+        for key, entry in read_results(path).items():
+            if key in results:
+                fail(f"{key[0]} is in more than one results file")
+            results[key] = entry
+    missing = sorted({m.name for m in suite.mutations for d in DETECTORS if (m.name, d) not in results})
+    if missing:
+        fail(f"not all results of {len(missing)} mutations: {', '.join(missing[:5])} ...")
+
+    def hit(mutation, detector):
+        return results[mutation.name, detector]["caught"]
+
+    def mark(mutation, detector):
+        entry = results[mutation.name, detector]
+        return "**caught**" if entry["caught"] else "passes" if entry["reached"] else "never runs"
+
+    print("| mutation | in | area | verify | golden | unit tests |\n|---|---|---|---|---|---|")
+    for m in suite.mutations:
+        file = pathlib.PurePath(m.sites[0].file).name
+        print(f"| {m.name} | `{file}` | {m.area} | {' | '.join(mark(m, d) for d in DETECTORS)} |")
+    real = [m for m in suite.mutations if not m.equivalent]
+    anything = [m for m in real if any(hit(m, d) for d in DETECTORS)]
+    print(f"\n{len(suite.mutations)} mutations, {len(suite.mutations) - len(real)} of them equivalent. Of the other "
+          f"{len(real)} the three together catch {len(anything)}.\n")
+    print("| area | mutations | verify | golden | unit tests | any |\n|---|---|---|---|---|---|")
+    for area in sites.AREAS:
+        of = [m for m in real if m.area == area]
+        counts = [sum(hit(m, d) for m in of) for d in DETECTORS] + [sum(m in anything for m in of)]
+        print(f"| {area} | {len(of)} | {' | '.join(map(str, counts))} |")
+    proof = [m for m in real if m.area != "other"]
+    seen = sum(hit(m, "verify") for m in proof)
+    print(f"\n`pelt verify` alone: {seen} of the {len(proof)} of determinism, skips and declared access, "
+          f"{100 * seen / len(proof):.0f} %.")
+    for m in suite.mutations:
+        if m.equivalent:
+            print(f"\n- *{m.name}*: {m.equivalent}")
+    for m in real:
+        if m not in anything:
+            print(f"\nNOT CAUGHT: {m.name}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("check")
+    for name in ("build", "run"):
+        sub = commands.add_parser(name)
+        sub.add_argument("--build", type=pathlib.Path, default=ROOT / "build/mutations")
+        if name == "build":
+            sub.add_argument("--jobs", type=int, default=os.cpu_count())
+        else:
+            sub.add_argument("--shard", default="")
+            sub.add_argument("--only", action="append", default=[])
+            sub.add_argument("--detector", action="append", choices=DETECTORS, default=[])
+            sub.add_argument("--results", type=pathlib.Path)
+    commands.add_parser("table").add_argument("files", type=pathlib.Path, nargs="+")
+    args = parser.parse_args()
+    try:
+        suite = sites.read_suite(SUITE)
+        if args.command == "check":
+            sites.mutate(suite, ROOT)
+            print(f"{len(suite.mutations)} mutations, every site stands once")
+            return
+        if args.command in ("build", "run"):
+            args.build = args.build.resolve()
+        if args.command == "run" and not args.results:
+            args.results = args.build / "results.jsonl"
+        {"build": build, "run": run, "table": table}[args.command](args, suite)
+    except sites.SiteError as error:
+        fail(error)
+
+
+if __name__ == "__main__":
+    main()
