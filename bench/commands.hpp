@@ -108,7 +108,7 @@ int PrintKernelTiming(const TimingArgs& args);
 struct ValidateArgs {
   bool json = false;
 };
-// The measured rows beside the consoles' models; 1 if one is further off than it may be.
+// The measured rows beside the consoles' models; 1 if one is missed that is not known to be.
 int PrintValidation(const ValidateArgs& args);
 
 struct BudgetArgs {

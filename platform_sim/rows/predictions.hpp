@@ -14,7 +14,7 @@ using PredictFunction = bool(const PlatformParameters& p, double availability, u
 
 // SPU (spu_rows.cpp). A rate is of all SPUs together.
 PredictFunction SinglePrecisionRate, IntegerRate, NewtonRate, DoublePrecisionRate;
-PredictFunction BranchTurn, MatrixPeakShare, PublishedTurn, PublishedIssueTimes;
+PredictFunction BranchTurn, HintedBranchTurn, MatrixPeakShare, PublishedTurn, PublishedIssueTimes;
 
 // PPE and Xenon cores (ppe_rows.cpp). `argument`: bytes walked through.
 PredictFunction PpeChase, PpeIndexChase, PpeStream, PpePrefetchedStream;

@@ -14,6 +14,7 @@ std::string IntegerMultiplyAdd();  // C2
 std::string NewtonSteps();         // C5
 std::string DoublePrecisionFma();  // C7
 std::string UnhintedBranch();      // C9
+std::string HintedBranch();        // C10
 // C13: no listing of the row's kernel is published; this is a schedule of our own for the same
 // work.
 std::string MatrixMultiply();

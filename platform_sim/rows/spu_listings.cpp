@@ -62,13 +62,19 @@ std::string DoublePrecisionFma() {
   return CountedLoop(body);
 }
 
+// Twelve instructions, of which the last is taken.
 std::string UnhintedBranch() {
   ListingText body;
   for (int i = 0; i < 5; ++i) body.Line("lnop");
   body.Line("ai $7, $7, -1");
   for (int i = 0; i < 5; ++i) body.Line("lnop");
-  body.Line("brnz $7, loop");
+  body.Line("branch: brnz $7, loop");
   return "loop:\n" + body.text;
+}
+
+std::string HintedBranch() {
+  std::string text = UnhintedBranch();
+  return text.insert(text.find('\n') + 1, "  hbrr branch, loop\n");
 }
 
 // With the operands that the print leaves out: what ila and lqa load, where brnz goes.

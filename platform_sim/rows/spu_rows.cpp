@@ -58,6 +58,13 @@ bool BranchTurn(const PlatformParameters& p, double availability, uint32_t, doub
   return true;
 }
 
+bool HintedBranchTurn(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                      std::string& error) {
+  if (!Turn(HintedBranch(), p.cell, predicted, error)) return false;
+  predicted /= availability;
+  return true;
+}
+
 // Of one SPE's peak, a multiply-add of four lanes a cycle: measured on a blade, so a share.
 bool MatrixPeakShare(const PlatformParameters& p, double availability, uint32_t, double& predicted,
                      std::string& error) {
