@@ -172,7 +172,8 @@ ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
     if (all || f >= kTrialFrames / 2) statistics.Add(console->modelled());
   }
   const FrameSummary summary = statistics.Summarise();
-  return {all ? summary.p95_ms : summary.worst_ms, running.scene().LiveStrands()};
+  return {machine_.Available(all ? summary.p95_ms : summary.worst_ms),
+          running.scene().LiveStrands()};
 }
 
 }  // namespace pelt

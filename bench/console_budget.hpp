@@ -57,7 +57,9 @@ struct ConsoleBudget {
   uint64_t digest = 0;                 // of the last frame
   std::vector<std::string> faults;     // of the local stores
 
-  bool Fits(double target_ms) const { return summary.p95_ms <= target_ms; }
+  // What the verdict is about: the 95th percentile, with the console's availability.
+  double VerdictMs() const { return machine.Available(summary.p95_ms); }
+  bool Fits(double target_ms) const { return VerdictMs() <= target_ms; }
 };
 
 // The machine of a request, checked. Throws Error for one that cannot be.
@@ -72,11 +74,11 @@ class ConsoleRun {
   // Runs the request's frames from the first. Throws Error when the scene does not fit the local
   // stores, or a frame refuses its input.
   ConsoleBudget Run();
-  // With LOD, timed only: the worst of a few frames, which is quick, or what Run's summary would
-  // have for its 95th percentile.
+  // With LOD, timed only: the worst of a few frames, which is quick, or what Run's verdict would
+  // be about.
   enum class Trial : uint8_t { kFewFrames, kAllFrames };
   struct LodTrial {
-    double ms = 0.0;
+    double ms = 0.0;  // as a verdict takes it
     uint32_t live_strands = 0;
   };
   LodTrial TryLod(const LodSettings& lod, Trial trial);

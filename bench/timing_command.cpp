@@ -129,7 +129,7 @@ void PrintTotals(const IssueChart& chart, const IssueTotals& totals) {
 }
 
 void PrintLoop(const Listing& listing, const IssueChart& chart, const LoopTiming& loop,
-               uint64_t clock_hz, bool is_spu) {
+               uint64_t clock_hz) {
   const std::string name = LabelAt(listing, loop.head);
   if (!loop.steady) {
     fmt::print("\nloop {}: {} turns, over before its state came back\n", name, loop.turns);
@@ -139,7 +139,7 @@ void PrintLoop(const Listing& listing, const IssueChart& chart, const LoopTiming
   fmt::print("\nloop {}: {} cycles a turn = {:.2f} ns at {:.3f} GHz", name, loop.CyclesPerTurn(),
              ns, double(clock_hz) * 1e-9);
   const double availability = CellSystem{}.Availability();
-  if (is_spu) fmt::print(", {:.2f} ns with {} available", ns / availability, availability);
+  fmt::print(", {:.2f} ns with {} available", ns / availability, availability);
   fmt::print("; {}{} turns\n", loop.turns, loop.turns_assumed ? " (assumed)" : "");
   PrintSlots(listing, chart, loop.slots);
   PrintTotals(chart, loop.period);
@@ -152,8 +152,7 @@ void PrintChart(const Listing& listing, const IssueChart& chart, const TimingArg
   fmt::print("\nfirst pass\n");
   PrintSlots(listing, chart, chart.first_pass);
   PrintTotals(chart, chart.first_pass_totals);
-  for (const LoopTiming& loop : chart.loops)
-    PrintLoop(listing, chart, loop, clock_hz, args.core == "spu");
+  for (const LoopTiming& loop : chart.loops) PrintLoop(listing, chart, loop, clock_hz);
   fmt::print("\nin all\n");
   PrintTotals(chart, chart.totals);
   for (const LiveRegisters& live : chart.live)
@@ -206,7 +205,7 @@ std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const T
   json.Add("core", args.core);
   json.Add("clock_hz", clock_hz);
   json.Add("pair_by_order", args.pair_by_order);
-  if (args.core == "spu") json.Add("availability", CellSystem{}.Availability());
+  json.Add("availability", CellSystem{}.Availability());
   json.BeginObject("first_pass");
   AddSlots(json, listing, chart, chart.first_pass);
   AddTotals(json, "totals", chart, chart.first_pass_totals);

@@ -109,11 +109,11 @@ std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
   m.clock_hz = p.clock_hz;
   m.units = p.spu_count;
   m.availability = p.Availability();
+  m.availability_from = "measured on a retail PS3";
 
   Bench bench(p, error = {});
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return std::nullopt;
-  m.memory.ScaleRates(m.availability);
   m.command_cycles = Cycles(p.ChannelCycles()) * p.channels_per_command;
   m.wait_cycles = Cycles(p.ChannelCycles()) * p.channels_per_wait;
   m.largest_transfer_bytes = p.largest_command_bytes;

@@ -24,9 +24,14 @@ struct ConsoleMachine {
   uint64_t clock_hz = 0;
   uint32_t units = 0;             // SPUs, or hardware threads
   uint32_t threads_per_core = 1;  // neighbouring units that share a core
-  // Of all the machine's rates, compute and memory: what measured kernels and streams reach. It is
-  // in `memory` already.
+  // Of what the models say: what measured kernels and streams reach. No model applies it, and the
+  // times of a frame and of its parts are without it. A verdict takes the frame's time with it, the
+  // same on every console: what a budget must hold is the slower of the two, and a console that
+  // nobody measured must not win by that.
   double availability = 1.0;
+  std::string availability_from = {};
+  double Available(double ms) const { return ms / availability; }
+  bool compute_is_free = false;  // computing takes no time: a question, not a machine
 
   SharedMemory memory;
   Cycles command_cycles = 0;            // of the unit, for a command (a list is one)

@@ -7,8 +7,6 @@
 namespace pelt {
 namespace {
 
-constexpr double kNoTime = 1e30;  // an availability at which nothing takes a cycle
-
 void AddCycles(WorkMs& sum, const WorkCycles& cycles, double share) {
   for (uint32_t w = 0; w < kUnitWorkCount; ++w) sum[w] += double(cycles[w]) * share;
 }
@@ -30,7 +28,7 @@ ConsoleMachine WithoutLimit(const ConsoleMachine& machine, PassLimit limit) {
   ConsoleMachine free = machine;
   switch (limit) {
     case PassLimit::kCompute:
-      free.availability = kNoTime;
+      free.compute_is_free = true;
       break;
     case PassLimit::kMemory:
       free.memory = FreeMemory(machine.memory.units_per_port);

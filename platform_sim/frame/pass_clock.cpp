@@ -286,8 +286,7 @@ void PassClock::StartCompute(uint32_t u) {
     unit.cycles += stage.cycles;
     unit.shared_cycles += stage.shared_cycles;
   }
-  unit.cycles /= machine_.availability;
-  unit.shared_cycles /= machine_.availability;
+  if (machine_.compute_is_free) unit.cycles = unit.shared_cycles = 0.0;
   unit.left = 1.0;
   unit.pace = 0.0;
   unit.compute_begin = unit.clocked = now_;
@@ -317,7 +316,7 @@ void PassClock::EndCompute(uint32_t u) {
   double done = 0.0;
   Cycles told = 0;
   for (const ItemWork::StageTime& stage : unit.current.work->stages) {
-    done += stage.cycles / machine_.availability;
+    done += stage.cycles;
     const Cycles until =
         unit.cycles > 0.0 ? Cycles(std::llround(double(length) * done / unit.cycles)) : 0;
     frame_->stage_cycles[stage.stage] += until - told;

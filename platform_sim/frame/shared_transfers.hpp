@@ -38,11 +38,6 @@ struct SharedMemory {
   // Of the port, for each; a command is also what the first bytes of an idle port wait for.
   Cycles command_cycles = 0, element_cycles = 0, line_cycles = 0;
   uint32_t units_per_port = 1;
-
-  void ScaleRates(double by) {
-    for (double* rate : {&read_rate, &write_rate, &mixed_rate, &port_read_rate, &port_write_rate})
-      *rate *= by;
-  }
 };
 // Moves anything in no time.
 SharedMemory FreeMemory(uint32_t units_per_port);

@@ -95,11 +95,11 @@ std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string
   m.units = p.cores * p.core.smt_threads;
   m.threads_per_core = p.core.smt_threads;
   m.availability = p.Availability();
+  m.availability_from = "the PS3's: none was measured on an Xbox 360";
 
   Bench bench(p, error = {});
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return std::nullopt;
-  m.memory.ScaleRates(m.availability);
   m.largest_transfer_bytes = p.line_bytes;
   m.line_bytes = p.line_bytes;
   m.l2_bytes = p.l2_bytes;

@@ -6,11 +6,10 @@
 // percent between them moves no row over its limit, which a test holds.
 //
 // Availability: measured throughput kernels reach this part of what the exact issue model says, the
-// same for every kernel, cause unknown (cellmark; P, derived). One rule says where it counts: a
-// rate that is held up over many turns (operations, bytes or jobs a second) is this part of the
-// model's, on SPUs, PPE and DMA alike; a single way's time (cycles of a turn, of a pointer, of a
-// bounce) is the model's own. The evidence is row C9: 30 cycles a turn were measured where the
-// model without it says 30. No model applies it; whoever reports a rate says it with and without.
+// same for every kernel, cause unknown (cellmark; P, derived). No model applies it: cores, memory
+// and frames are timed without. It is applied in two places, and both tell their figures with and
+// without: to the measured rows of work held up over many turns (RowKind), and to a frame, for the
+// verdict whether it fits (ConsoleMachine::Available), on every console alike.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,8 @@ std::vector<PlatformNumber> DescribeXenon(const XenonParameters& p) {
   constexpr std::string_view kTalks = "IBM, Microsoft talks, as reported";
   std::vector<PlatformNumber> out = {
       {"clock", double(p.clock_hz), "Hz", kTalks, kSecondHand},
-      {"availability", p.Availability(), "of a rate", "none measured on an Xbox 360", kLead},
+      {"availability", p.Availability(), "of a rate", "the PS3's: none was measured on an Xbox 360",
+       kLead},
       {"cores", double(p.cores), "cores", kTalks, kSecondHand},
       {"line", double(p.line_bytes), "B", kTalks, kSecondHand},
       {"L1 data", double(p.l1_bytes), "B", kTalks, kSecondHand},

@@ -133,6 +133,14 @@ TEST_P(ConsoleOf, JsonHasTheFiguresOfTheSummary) {
   EXPECT_EQ(json["frame_ms"]["median"], s.median_ms);
   EXPECT_EQ(json["frame_ms"]["p95"], s.p95_ms);
   EXPECT_EQ(json["frame_ms"]["worst"], s.worst_ms);
+  const auto& with = json["frame_ms_with_availability"];
+  EXPECT_EQ(json["availability"], 0.92) << "on both consoles";
+  EXPECT_DOUBLE_EQ(double(with["median"]) * 0.92, s.median_ms);
+  EXPECT_DOUBLE_EQ(double(with["p95"]) * 0.92, s.p95_ms);
+  EXPECT_DOUBLE_EQ(double(with["worst"]) * 0.92, s.worst_ms);
+  EXPECT_EQ(json["verdict_takes"], "frame_ms_with_availability.p95");
+  EXPECT_EQ(std::string(json["availability_from"]).find("none was measured") != std::string::npos,
+            GetParam() == Console::kXbox360);
   EXPECT_EQ(json["digest"], fmt::format("{:016x}", b.digest));
   EXPECT_EQ(json["digests_equal"], true);
   ASSERT_EQ(json["passes"].size(), s.passes.size());
@@ -170,6 +178,18 @@ std::string Joined(const std::vector<std::string>& lines) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
+// Between the two times only the one with the availability decides.
+TEST_P(ConsoleOf, TheVerdictTakesTheTimeWithTheAvailability) {
+  const ConsoleBudget& b = on().budget;
+  EXPECT_DOUBLE_EQ(b.VerdictMs(), b.summary.p95_ms / 0.92);
+  EXPECT_FALSE(b.Fits((b.summary.p95_ms + b.VerdictMs()) / 2));
+  EXPECT_TRUE(b.Fits(b.VerdictMs()));
+  const std::string text = DescribeConsole(b, on().scene());
+  EXPECT_NE(text.find("availability of 0.92"), text.npos) << text;
+  EXPECT_NE(text.find("which the verdict takes"), text.npos) << text;
+  EXPECT_NE(text.find(fmt::format("p95 {:.2f}", b.VerdictMs())), text.npos) << text;
+}
+
 TEST_P(ConsoleOf, NoAdviceForWhatFits) { EXPECT_TRUE(Advise(on().run, on().budget, 8.0).empty()); }
 
 // The budget that the advice names is set, and the scene fits.
@@ -191,7 +211,7 @@ TEST_P(ConsoleOf, AStrandBudgetThatIsAdvisedFits) {
   request.lod.strand_budget = strands;
   const Modelled again(request);
   EXPECT_TRUE(again.budget.Fits(target_ms))
-      << strands << " strands: " << again.budget.summary.p95_ms << " ms, not " << target_ms << "\n"
+      << strands << " strands: " << again.budget.VerdictMs() << " ms, not " << target_ms << "\n"
       << advice;
   EXPECT_NE(advice.find("what binds: "), advice.npos) << advice;
 }

@@ -174,15 +174,34 @@ TEST(PassClock, DrawingAndMeetingAreAllThatIsLeft) {
 TEST(PassClock, ComputeAloneIsItemsOverUnits) {
   ConsoleMachine machine =
       WithoutLimit(WithoutLimit(Ps3(), PassLimit::kMemory), PassLimit::kDispatch);
-  machine.availability = 1.0;
   EXPECT_EQ(TimeFrame(MadeWork(60, 1000.0), machine).cycles, 10'000);
   // One item more than fits the last round leaves five units idle for one item's time.
   const ModelledFrame frame = TimeFrame(MadeWork(61, 1000.0), machine);
   EXPECT_EQ(frame.cycles, 11'000);
   EXPECT_EQ(frame.passes[0].unit_cycles[size_t(UnitWork::kImbalance)], 5'000);
   EXPECT_EQ(frame.passes[0].last_unit_items.size(), 11u);
+  // No model applies the availability; a verdict does, to the frame's whole time.
   machine.availability = 0.5;
-  EXPECT_EQ(TimeFrame(MadeWork(60, 1000.0), machine).cycles, 20'000);
+  EXPECT_EQ(TimeFrame(MadeWork(60, 1000.0), machine).cycles, 10'000);
+  EXPECT_EQ(machine.Available(10.0), 20.0);
+}
+
+// Neither console is favoured: what nobody measured on the one is taken from the other.
+TEST(ConsoleMachines, HaveOneAvailability) {
+  EXPECT_EQ(Ps3().availability, 0.92);
+  EXPECT_EQ(Xbox().availability, Ps3().availability);
+  EXPECT_NE(Ps3().availability_from.find("measured on a retail PS3"), std::string::npos);
+  EXPECT_NE(Xbox().availability_from.find("none was measured"), std::string::npos);
+}
+
+// The same machine whatever its availability: rates of memory and compute are the models' own.
+TEST(ConsoleMachines, AreTimedWithoutTheirAvailability) {
+  CellParameters cell;
+  XenonParameters xenon;
+  cell.availability_permille = xenon.availability_permille = 500;
+  EXPECT_EQ(MakeCell(cell, AtomicDispatch(150)).memory.read_rate,
+            MakeCell({}, AtomicDispatch(150)).memory.read_rate);
+  EXPECT_EQ(MakeXenon(xenon).memory.read_rate, MakeXenon({}).memory.read_rate);
 }
 
 TEST(PassClock, ThreadsOfACoreSlowEachOtherDown) {

@@ -31,7 +31,6 @@ struct Items {
 CellMemoryParameters Cell(uint32_t spus = 6) {
   CellMemoryParameters p;
   p.spu_count = spus;
-  p.availability_permille = 1000;  // the line-level model does not apply it
   return p;
 }
 
