@@ -8,6 +8,8 @@
 // overlapping offsets) a store wrote less than 40 cycles ago waits for that store to get out.
 //
 // With SMT the two threads take turns, a cycle each: this thread dispatches in every other one.
+// That is what a thread has beside one that never waits; two listings beside each other:
+// ppe_pair.hpp.
 //
 // Source: platforms/ppe.hpp. If ignored: float-to-int through memory looks free and costs 40
 // cycles.

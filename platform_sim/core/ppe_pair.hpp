@@ -8,6 +8,9 @@
 // its thread cannot use goes to the other is how this model reads "stall only one thread" (GCC,
 // IB2), class L: no measured pair tells it from strict alternation.
 //
+// Not modelled: caches. Both threads hit L1 throughout; what a miss of one leaves to the other is
+// not in it.
+//
 // Exact, as with one thread: when the state of both comes back, the rates are those of the period.
 #pragma once
 

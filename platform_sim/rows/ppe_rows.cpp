@@ -2,7 +2,7 @@
 //
 // cellmark's chases are through 4-byte pointers and indices (its compiler loads them with lwz): its
 // 32768 pointers are 128 KiB, in which a quarter of the loads still hits L1. Its counters say the
-// same: 390,000 misses of 524,288 loads.
+// same: 390,000 misses of 524,288 loads. Its first chases, by index, were through 14 and 256 KiB.
 #include <algorithm>
 #include <array>
 

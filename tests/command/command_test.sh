@@ -234,7 +234,14 @@ check_readme() {
   [ -s shown.txt ] || fail "the README shows no plan"
   diff -u shown.txt real.txt || fail "the README's plan is not what pelt plan prints"
   sed -n '/^row   work/,/^\* is held/p' "$source_dir/platform_sim/README.md" >shown.txt
-  "$pelt" budget --validate >real.txt
+  "$pelt" budget --validate >real.txt || fail "budget --validate: a row is missed that is not known to be"
+  "$pelt" budget --validate --json >rows.json || fail "budget --validate --json"
+  for class in independent derived plausibility parameter; do
+    grep -q "\"class\": \"$class\"" rows.json || fail "budget --validate --json has no $class row"
+  done
+  for part in '"class_because": "repeats D3' '"missed_because": ' '"independent": {'; do
+    grep -qF "$part" rows.json || fail "budget --validate --json lacks $part"
+  done
   [ -s shown.txt ] || fail "the consoles' README shows no measured rows"
   diff -u shown.txt real.txt || fail "the consoles' README does not show what pelt budget --validate prints"
 }

@@ -169,6 +169,7 @@ TEST(ReportPage, ConsolesAreThereWhenTheyWereModelled) {
     EXPECT_EQ(console["units"].size(), 6u);
     EXPECT_FALSE(console["stages"].empty());
     EXPECT_NE(std::string(console["verdict"]).find("fits 5 ms"), std::string::npos);
+    EXPECT_NE(std::string(console["verdict"]).find("availability of 0.92"), std::string::npos);
     // The page names a slice's item by its pass's domain.
     for (const auto& unit : console["units"])
       for (size_t i = 0; i < unit["slices"].size(); i += 5) {
