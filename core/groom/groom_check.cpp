@@ -6,6 +6,11 @@
 // them read outside their blocks or produce a value that is not finite. Lanes that kernels read,
 // padding up to the lane group included, are held to the rules of live ones.
 //
+// Indices are held to their range in every entry of their array, behind the live ones too: no count
+// that comes from elsewhere (a pose's joints, a level of detail) can then make a kernel follow one
+// out of its table. What breaks if only live entries are checked: a recorded pose of more joints
+// than its groom walks parents that nobody looked at.
+//
 // Every check returns whether all is well, and stops at the first fault: later ones trust what
 // earlier ones found.
 
@@ -150,7 +155,7 @@ bool Checker::CheckSkeleton() {
   };
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
     const int32_t parent = groom_.skeleton.parent[j];
-    if (j < groom_.joint_count && (parent < -1 || parent >= int32_t(j))) {
+    if (parent < -1 || parent >= int32_t(j)) {
       return fail(&groom_.skeleton.parent[j],
                   Format("parent {} of joint {} does not come before it", parent, j));
     }
@@ -259,18 +264,19 @@ bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
   if (block.count > kJointsPerCharacter) {
     return Fail(items, index, &block.count, Format("{} joints", block.count));
   }
-  for (uint32_t i = 0; i < block.count; ++i) {
-    if (block.joint[i] >= groom_.joint_count || moved[block.joint[i]]) {
+  for (uint32_t i = 0; i < kJointsPerCharacter; ++i) {
+    const bool live = i < block.count;
+    if (block.joint[i] >= groom_.joint_count || (live && moved[block.joint[i]])) {
       return Fail(items, index, &block.joint[i],
                   Format("joint {} is unknown or named twice", block.joint[i]));
     }
-    moved.set(block.joint[i]);
+    if (live) moved.set(block.joint[i]);
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (!CheckRange(items, index, block.low[axis], kJointsPerCharacter, -kLargest, kLargest) ||
         !CheckRange(items, index, block.high[axis], kJointsPerCharacter, -kLargest, kLargest))
       return false;
-    for (uint32_t i = 0; i < block.count; ++i) {
+    for (uint32_t i = 0; i < kJointsPerCharacter; ++i) {
       if (block.low[axis][i] > block.high[axis][i]) {
         return Fail(items, index, &block.low[axis][i], "the box is inside out");
       }
@@ -313,12 +319,15 @@ bool Checker::CheckWeights(size_t chunk, JointSet& used) {
                   Format("{}: rows must ascend, up to {}", row, kInfluenceRows));
     }
   }
+  for (const uint8_t& joint : block.row_joint)
+    if (joint >= groom_.joint_count)
+      return Fail(items, chunk, &joint, Format("joint {} is unknown or out of order", joint));
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
     const uint32_t begin = block.group_first_row[g], end = block.group_first_row[g + 1];
     float sum[kLaneGroup] = {};
     for (uint32_t row = begin; row < end; ++row) {
       const uint8_t joint = block.row_joint[row];
-      if (joint >= groom_.joint_count || (row > begin && joint <= block.row_joint[row - 1])) {
+      if (row > begin && joint <= block.row_joint[row - 1]) {
         return Fail(items, chunk, &block.row_joint[row],
                     Format("joint {} is unknown or out of order", joint));
       }
@@ -360,6 +369,17 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
       !CheckRange(items, chunk, block.width, kStrandsPerChunk, 0.0f, kLongest_m))
     return false;
   const uint32_t controls = block.control_count ? block.control_count : lanes;
+  for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+    for (const auto& corner : block.vertex)
+      if (corner[i] >= block.vertex_count)
+        return fail(&corner[i], Format("no vertex {}", corner[i]));
+    if (block.vertex_prefix[i] >= block.vertex_count) {
+      return fail(&block.vertex_prefix[i], Format("no vertex {}", block.vertex_prefix[i]));
+    }
+    if (block.control[i] >= controls) {
+      return fail(&block.control[i], Format("strand {} is no control strand", block.control[i]));
+    }
+  }
   uint8_t highest = 0;
   for (uint32_t i = 0; i < lanes; ++i) {
     const float sum = block.bary[0][i] + block.bary[1][i] + block.bary[2][i];
@@ -367,17 +387,10 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
       return fail(&block.bary[0][i], Format("barycentrics sum to {}", sum));
     }
     if (!(block.length[i] > 0.0f)) return fail(&block.length[i], "not above 0");
-    for (int corner = 0; corner < 3; ++corner) {
-      const uint8_t& vertex = block.vertex[corner][i];
-      if (vertex >= block.vertex_count) return fail(&vertex, Format("no vertex {}", vertex));
-      highest = std::max(highest, vertex);
-    }
-    if (block.vertex_prefix[i] < highest || block.vertex_prefix[i] >= block.vertex_count) {
+    for (const auto& corner : block.vertex) highest = std::max(highest, corner[i]);
+    if (block.vertex_prefix[i] < highest) {
       return fail(&block.vertex_prefix[i],
                   Format("{}, strands up to here use vertex {}", block.vertex_prefix[i], highest));
-    }
-    if (block.control[i] >= controls) {
-      return fail(&block.control[i], Format("strand {} is no control strand", block.control[i]));
     }
   }
   for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
