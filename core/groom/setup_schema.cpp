@@ -275,10 +275,11 @@ std::span<const KeyRow<LayerSetup>> Schema() {
       ParamNumber<&P::backface_tolerance>("backface_tolerance", "",
                                           "how far a strand may face away and still be drawn"),
       // What water and dirt do to it.
-      ParamNumber<&P::wet_weight>("wet_weight", "", "added to weight when soaked"),
-      ParamNumber<&P::wet_clump>("wet_clump", "", "added to clump when soaked"),
-      ParamNumber<&P::wet_hardness>("wet_hardness", "", "hardness lost when soaked"),
-      ParamNumber<&P::wet_darken>("wet_darken", "", "brightness lost when soaked"),
+      ParamNumber<&P::wet_weight>("wet_weight", "", "soaked: factor on weight"),
+      ParamNumber<&P::wet_clump>("wet_clump", "", "soaked: share of the way from clump to 1"),
+      ParamNumber<&P::wet_hardness>("wet_hardness", "",
+                                    "soaked: share of the hardness that is left"),
+      ParamNumber<&P::wet_darken>("wet_darken", "", "soaked: share of the brightness that is left"),
       Colour<kParams, &P::dirt_colour>("dirt_colour", "mixed into the colours when dirty"),
   };
   return kRows;

@@ -250,6 +250,25 @@ length = { randomise = 0.1 }
   EXPECT_EQ(setup.layers[2].length.value, 0.03f) << "the built-in value";
 }
 
+// What the text says of each is what FillLayerBlock does with it (tests/kernels/layer_block_test.cpp
+// holds the numbers).
+TEST_F(FurSetupTest, WetKeysSayWhatIsLeft) {
+  std::istringstream lines(DescribeSetupKeys());
+  const std::pair<const char*, const char*> wanted[] = {
+      {"wet_weight", "factor on weight"},
+      {"wet_clump", "share of the way from clump to 1"},
+      {"wet_hardness", "share of the hardness that is left"},
+      {"wet_darken", "share of the brightness that is left"}};
+  size_t found = 0;
+  for (std::string line; std::getline(lines, line);)
+    for (const auto& [key, text] : wanted) {
+      if (line.find(key) == std::string::npos) continue;
+      EXPECT_NE(line.find(text), std::string::npos) << line;
+      ++found;
+    }
+  EXPECT_EQ(found, std::size(wanted));
+}
+
 TEST_F(FurSetupTest, MistypedKeysAreNamedWithASuggestion) {
   EXPECT_EQ(LayerError("width = 0.001\nlenght = 0.3"),
             "fur.toml:4: layer 'head': unknown key 'lenght'; did you mean 'length'?");

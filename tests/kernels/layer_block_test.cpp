@@ -58,6 +58,26 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
   EXPECT_EQ(Fill(params, {7.0f, 0.0f}).darken, wet.darken);
 }
 
+// Far from one half, where what is lost and what is left look alike.
+TEST(LayerBlock, WetSharesAreWhatIsLeft) {
+  LayerParams params;
+  params.weight = 2.0f;
+  params.clump = 0.5f;
+  params.wet_weight = params.wet_clump = params.wet_hardness = params.wet_darken = 0.2f;
+  const LayerBlock wet = Fill(params, {1.0f, 0.0f}), damp = Fill(params, {0.5f, 0.0f});
+  EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * 2.0f * 0.2f) << "a factor on the weight";
+  EXPECT_FLOAT_EQ(damp.gravity[1], -9.81f * 2.0f * 0.6f);
+  EXPECT_FLOAT_EQ(wet.clump, 0.6f) << "a fifth of the way from 0.5 to 1";
+  EXPECT_FLOAT_EQ(damp.clump, 0.55f);
+  EXPECT_FLOAT_EQ(wet.darken, 0.2f) << "a fifth of the brightness is left";
+  EXPECT_FLOAT_EQ(damp.darken, 0.6f);
+  EXPECT_FLOAT_EQ(wet.angular_end, 0.2f * params.angular_hardness_end) << "and of the hardness";
+  EXPECT_FLOAT_EQ(wet.angular_middle, 0.2f * params.angular_hardness_middle);
+  EXPECT_FLOAT_EQ(wet.stiffness, 0.2f * params.stiffness);
+  const double dry_hz = LayerRod(params, {}).frequency_hz;
+  EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}).frequency_hz, dry_hz * std::sqrt(0.2), 1e-6);
+}
+
 TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
   LayerParams params;
   params.dirt_colour = {0.0f, 0.5f, 1.5f};
