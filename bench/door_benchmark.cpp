@@ -132,7 +132,7 @@ void DoorItem(benchmark::State& state) {
 class HandWritten final : public Executor {
  public:
   explicit HandWritten(tbb::task_arena& arena) : arena_(arena) {}
-  void Run(const Frame& frame) override {
+  void RunPasses(const Frame& frame) override {
     arena_.execute([&] {
       ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
         tbb::parallel_for(0u, count, [&](uint32_t item) { RunItem(frame, pass, item); });
@@ -149,7 +149,7 @@ class DoorOnTbb final : public Executor {
   DoorOnTbb(tbb::task_arena& arena, uint32_t workers)
       : arena_(arena), tasks_(workers), executor_(tasks_.door()) {}
   ~DoorOnTbb() noexcept override {}  // a task group may throw when it goes
-  void Run(const Frame& frame) override {
+  void RunPasses(const Frame& frame) override {
     arena_.execute([&] { executor_.Run(frame); });
   }
 

@@ -63,7 +63,7 @@ bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t i
 class PooledDoorExecutor final : public Executor {
  public:
   explicit PooledDoorExecutor(uint32_t workers) : pool_(workers), executor_(pool_.door()) {}
-  void Run(const Frame& frame) override { executor_.Run(frame); }
+  void RunPasses(const Frame& frame) override { executor_.Run(frame); }
   uint32_t ObservedWorkers() { return pool_.ObservedWorkers(); }
   DoorFaults faults() const { return executor_.faults(); }
 

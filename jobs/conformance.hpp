@@ -198,13 +198,14 @@ inline Finding JudgeDigest(Context& c, uint64_t digest) {
 class Counted final : public Executor {
  public:
   explicit Counted(DoorExecutor& executor) : executor_(executor) {}
-  void Run(const Frame& frame) override {
-    executor_.Run(frame);
-    max_tasks += executor_.MaxTasks(*frame.plan, *frame.memory->shape);
-  }
   uint64_t max_tasks = 0;
 
  private:
+  void RunPasses(const Frame& frame) override {
+    executor_.Run(frame);
+    max_tasks += executor_.MaxTasks(*frame.plan, *frame.memory->shape);
+  }
+
   DoorExecutor& executor_;
 };
 

@@ -88,7 +88,7 @@ DoorFaults DoorExecutor::faults() const {
   return faults;
 }
 
-void DoorExecutor::Run(const Frame& frame) {
+void DoorExecutor::RunPasses(const Frame& frame) {
   if (running_.exchange(true, std::memory_order_acquire) || !pull_.Begin(frame)) {
     run_while_running_.fetch_add(1, std::memory_order_relaxed);
     SerialExecutor().Run(frame);

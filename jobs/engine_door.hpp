@@ -75,8 +75,6 @@ class DoorExecutor final : public Executor {
   explicit DoorExecutor(const EngineDoor& door, uint32_t max_passes = kDefaultPasses);
   ~DoorExecutor() override;
 
-  void Run(const Frame& frame) override;
-
   // Most tasks one frame of this plan enqueues.
   uint64_t MaxTasks(const Plan& plan, const SceneShape& shape) const;
   // Tasks enqueued since the executor was made.
@@ -85,6 +83,7 @@ class DoorExecutor final : public Executor {
 
  private:
   struct Task;
+  void RunPasses(const Frame& frame) override;
   static void RunTask(void* context);
   void Help(uint32_t worker);
 

@@ -15,6 +15,11 @@ uint32_t LayerOf(const SceneShape& shape, Domain domain, uint32_t item) {
   return domain == Domain::kChunk ? shape.chunk_layer[item] : item;
 }
 
+bool IsFrameGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+  if (memory.paused) return stage.gate.frame == FrameGate::kAlsoPaused;
+  return stage.gate.frame != FrameGate::kNewPose || !memory.holds_pose || !memory.holds_pose[item];
+}
+
 bool IsLayerGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item, uint32_t layer) {
   if (stage.gate.layer == LayerGate::kAlways) return true;
   const auto& sort = *memory.As<LayerSortBlock>(Stream::kLayerSort, layer);
@@ -26,6 +31,7 @@ bool IsLayerGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t ite
 }  // namespace
 
 bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+  if (!IsFrameGateOpen(stage, memory, item)) return false;
   if (stage.domain < Domain::kLayer) return true;
   const SceneShape& shape = *memory.shape;
   const uint32_t layer = LayerOf(shape, stage.domain, item);
@@ -136,13 +142,27 @@ void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t wo
     if (IsWanted(plan.stages[s], *frame.memory, item)) RunStage(frame, plan.stages[s], item);
 }
 
-void SerialExecutor::Run(const Frame& frame) {
+const char* Executor::Run(const Frame& frame) {
+  if (!frame.phase) return RunPasses(frame), nullptr;
+  if (const char* fault = frame.phase->StartRun()) return fault;
+  struct EndRun {  // also when an executor of somebody else's throws
+    FramePhase* phase;
+    ~EndRun() { phase->EndRun(); }
+  };
+  const EndRun end_run{frame.phase};
+  Frame work = frame;
+  work.phase = nullptr;
+  RunPasses(work);
+  return nullptr;
+}
+
+void SerialExecutor::RunPasses(const Frame& frame) {
   ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) RunItem(frame, pass, i);
   });
 }
 
-void PermutedExecutor::Run(const Frame& frame) {
+void PermutedExecutor::RunPasses(const Frame& frame) {
   ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0u);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/chunk.hpp"
+#include "jobs/frame_phase.hpp"
 #include "jobs/plan.hpp"
 
 namespace pelt {
@@ -19,6 +20,10 @@ struct FrameMemory {
   std::byte* base[kStreamCount];
   const uint32_t* slot[kStreamCount];  // null: item i has block i
   uint32_t block_count[kStreamCount];
+  // Decided before the frame, and what Gate::frame looks at. Of each character, not 0: its pose was
+  // refused and it keeps the matrices of its last one; null: none was.
+  const uint8_t* holds_pose = nullptr;
+  bool paused = false;  // a frame of no time: only what depends on the view is done
 
   // First byte of the block that `item` of the stream's own domain has; null if it has none.
   std::byte* Block(Stream stream, uint32_t item) const {
@@ -65,6 +70,7 @@ struct Frame {
   const Plan* plan;
   const FrameMemory* memory;
   const FrameProfile* profile = nullptr;
+  FramePhase* phase = nullptr;  // of the scene the frame is of; null: nobody watches the order
 };
 
 // Whether `stage` runs on `item` this frame, from the chunk states and layer blocks in main memory.
@@ -92,12 +98,19 @@ void RunItem(const Frame& frame, uint32_t pass, uint32_t item, uint32_t worker =
 class Executor {
  public:
   virtual ~Executor() = default;
-  virtual void Run(const Frame& frame) = 0;
+
+  // Returns when the frame is done: null; or why it was not run, and then nothing has happened: it
+  // was not begun, was run already, or is running now. The text is a literal.
+  const char* Run(const Frame& frame);
+
+ private:
+  // All passes in order, all items of each. The frame comes without its phase, so that an executor
+  // may hand it on to another.
+  virtual void RunPasses(const Frame& frame) = 0;
 };
 
 class SerialExecutor final : public Executor {
- public:
-  void Run(const Frame& frame) override;
+  void RunPasses(const Frame& frame) override;
 };
 
 // Serial, with the items of every pass in a seeded order: finds what an item wrongly takes from
@@ -106,9 +119,10 @@ class SerialExecutor final : public Executor {
 class PermutedExecutor final : public Executor {
  public:
   explicit PermutedExecutor(uint64_t seed) : seed_(seed), state_(seed) {}
-  void Run(const Frame& frame) override;
 
  private:
+  void RunPasses(const Frame& frame) override;
+
   uint64_t seed_, state_;
   std::vector<uint32_t> order_;
 };

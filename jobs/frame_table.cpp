@@ -6,13 +6,17 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
   using enum Kernel;
   constexpr auto kCharacter = Domain::kCharacter, kLayer = Domain::kLayer, kChunk = Domain::kChunk;
   constexpr Gate kAlways{};
+  constexpr Gate kPosed{.frame = FrameGate::kNewPose};
   constexpr Gate kSkinned{.chunk_flags = kChunkSkin};
   constexpr Gate kSimulated{.chunk_flags = kChunkSimulate};
   constexpr Gate kBlown{.chunk_flags = kChunkSimulate, .layer_flags = kLayerWind};
   constexpr Gate kFitted{.chunk_flags = kChunkFit};
-  constexpr Gate kKeyed{.chunk_flags = kChunkKeys};
-  constexpr Gate kResorted{.layer = LayerGate::kKeysChanged};
-  constexpr Gate kRedrawn{.layer = LayerGate::kRedraw};
+  // What follows the view goes on when time does not.
+  constexpr FrameGate kView = FrameGate::kAlsoPaused;
+  constexpr Gate kKeyed{.chunk_flags = kChunkKeys, .frame = kView};
+  constexpr Gate kCollected{.frame = kView};
+  constexpr Gate kResorted{.layer = LayerGate::kKeysChanged, .frame = kView};
+  constexpr Gate kRedrawn{.layer = LayerGate::kRedraw, .frame = kView};
   // Kinds a stage's streams do not tell apart.
   constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
   constexpr KindMask kStrandChains{0, kLayerVertexChains};
@@ -27,8 +31,8 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
   };
 
   // Where everything is, what is seen and what needs doing.
-  add(kSamplePose, none, kCharacter, kAlways);
-  add(kJointPalette, none, kCharacter, kAlways);
+  add(kSamplePose, none, kCharacter, kPosed);
+  add(kJointPalette, none, kCharacter, kPosed);
   add(kBoundLayer, none, kLayer, kAlways);
   add(kSelectLod, &p.select_lod, kLayer, kAlways);
 
@@ -56,7 +60,7 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
   add(kSortKey5, &p.sort_key, kChunk, kKeyed);
 
   // A layer sorts as one; layers too large for a local store in pieces, four 8-bit digits.
-  add(kCollectChanges, &p.collect_changes, kLayer, kAlways);
+  add(kCollectChanges, &p.collect_changes, kLayer, kCollected);
   add(kSortLayer, none, kLayer, kResorted, kWhole);
   constexpr Kernel kCounts[] = {kSortCount0, kSortCount1, kSortCount2, kSortCount3};
   constexpr Kernel kOffsets[] = {kSortOffsets0, kSortOffsets1, kSortOffsets2, kSortOffsets3};
@@ -66,7 +70,7 @@ std::vector<Stage> MakeFrameTable(const KernelTable& k, const FrameParams& p, Ve
     add(kOffsets[digit], none, kLayer, kResorted, kPieces);
     add(kScatters[digit], none, kChunk, kResorted, kPieces);
   }
-  add(kOrderLayers, &p.order_layers, Domain::kScene, kAlways);
+  add(kOrderLayers, &p.order_layers, Domain::kScene, kCollected);
 
   // Vertices, in pieces of a chunk's size.
   if (order == VertexOrder::kSorted) {

@@ -60,6 +60,8 @@ const char* FindPortFault(const PortDesc& p, Domain domain) {
 const char* FindGateFault(const Gate& gate, Domain domain) {
   const bool of_chunk = gate.chunk_flags != 0 || gate.layer == LayerGate::kRedraw;
   const bool of_layer = gate.layer_flags != 0 || gate.layer != LayerGate::kAlways;
+  if (gate.frame == FrameGate::kNewPose && domain != Domain::kCharacter)
+    return "its gate is for characters";
   if (of_chunk && domain != Domain::kChunk) return "its gate is for chunks";
   if (of_layer && domain < Domain::kLayer) return "its gate is for layers and chunks";
   return nullptr;
@@ -134,6 +136,16 @@ bool IsAlways(const Gate& gate) {
   return gate.chunk_flags == 0 && gate.layer_flags == 0 && gate.layer == LayerGate::kAlways;
 }
 
+// Whether every stage of [first, first + count) that uses the stream is left out of the same
+// frames: then nobody reads in one what was not written in it.
+bool ShareFrameGate(const std::vector<Stage>& stages, uint32_t first, uint32_t count, Stream stream,
+                    FrameGate gate) {
+  for (uint32_t s = first; s < first + count; ++s)
+    for (const PortDesc& p : stages[s].kernel.ports)
+      if (p.stream == stream && stages[s].gate.frame != gate) return false;
+  return true;
+}
+
 // The streams stages [first, first + count) keep resident for an item of `layer`.
 std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_t first,
                                        uint32_t count, const SceneShape& shape, uint32_t layer,
@@ -152,7 +164,8 @@ std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_
         const bool inside = use.first_stage >= first && use.last_stage < first + count;
         const bool transient =
             inside && !IsRead(p.access) && !IsOutput(p.stream) &&
-            (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch);
+            (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch) &&
+            ShareFrameGate(stages, first, count, p.stream, stage.gate.frame);
         out.push_back({p.stream, p.access, bytes, IsRead(p.access), false, transient});
         it = out.end() - 1;
       }

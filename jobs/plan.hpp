@@ -40,6 +40,7 @@ struct SceneShape {
   uint32_t LayerChunks(uint32_t layer) const {
     return layer_first_chunk[layer + 1] - layer_first_chunk[layer];
   }
+  friend bool operator==(const SceneShape&, const SceneShape&) = default;
 };
 
 // When a stage runs on an item that has its streams; evaluated just before it would run.
@@ -48,11 +49,18 @@ enum class LayerGate : uint8_t {
   kKeysChanged,  // LayerSortBlock::keys_changed
   kRedraw,       // the piece holds drawn strands, and keys or records of the layer changed
 };
+// What a frame as a whole may leave out.
+enum class FrameGate : uint8_t {
+  kNotPaused,   // in every frame but a paused one (FrameMemory::paused)
+  kAlsoPaused,  // there too
+  kNewPose,     // a character's stage: not for one that holds its last pose, nor in a pause
+};
 struct Gate {
   uint32_t chunk_flags = 0;  // all of these ChunkFlag bits
   uint32_t layer_flags =
       0;  // all of these LayerFlag bits, of those that may change from frame to frame
   LayerGate layer = LayerGate::kAlways;
+  FrameGate frame = FrameGate::kNotPaused;
 };
 
 // Layer kinds that have all bits of `required` and none of `forbidden`.

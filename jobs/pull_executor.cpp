@@ -19,13 +19,20 @@ struct FramePasses {
   }
   void OnEnd(uint32_t pass) const {
     if (frame.profile) frame.profile->passes[pass].end_ticks = ReadTicks();
+    if (frame.phase && pass + 1 == Count()) frame.phase->EndRun();
   }
 };
 
 }  // namespace
 
-bool PullExecutor::Begin(const Frame& frame) {
-  if (!scheduler_.TakeForFrame()) return false;
+bool PullExecutor::Begin(const Frame& frame, const char** why) {
+  const char* fault = frame.phase ? frame.phase->StartRun() : nullptr;
+  if (!fault && !scheduler_.TakeForFrame()) {
+    fault = "another frame is open on this executor";
+    if (frame.phase) frame.phase->UndoStart();
+  }
+  if (why) *why = fault;
+  if (fault) return false;
   frame_ = frame;
   scheduler_.Open(FramePasses{frame_});
   return true;
@@ -41,7 +48,7 @@ PullResult PullExecutor::TryRun(uint32_t worker) {
   return result;
 }
 
-void PullExecutor::Run(const Frame& frame) {
+void PullExecutor::RunPasses(const Frame& frame) {
   SpinWait wait;
   const auto help = [&] {
     const PullResult result = TryRun();

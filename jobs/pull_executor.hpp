@@ -20,8 +20,9 @@ namespace pelt {
 
 class PullExecutor final : public Executor {
  public:
-  // Opens a frame. False, and nothing done, while another one is open.
-  [[nodiscard]] bool Begin(const Frame& frame);
+  // Opens a frame. False, and nothing done, while this executor has another one open, or when the
+  // frame was not begun, was run already or is running; `why`, unless null, gets a text.
+  [[nodiscard]] bool Begin(const Frame& frame, const char** why = nullptr);
 
   // `worker` is for the profile only.
   PullResult TryRun(uint32_t worker = 0);
@@ -30,11 +31,12 @@ class PullExecutor final : public Executor {
   // Pass and unclaimed items a moment ago: a hint for how much help is worth asking for.
   PullScheduler<std::atomic>::Item Peek() const { return scheduler_.Peek(); }
 
-  // Begins the frame and works on it until it is done; other threads may help by TryRun. Waits only
-  // for items that other threads are running. While another frame is open it works on that first.
-  void Run(const Frame& frame) override;
-
  private:
+  // Run begins the frame and works on it until it is done; other threads may help by TryRun. Waits
+  // only for items that other threads are running. While another frame is open it works on that
+  // first.
+  void RunPasses(const Frame& frame) override;
+
   PullScheduler<std::atomic> scheduler_;
   Frame frame_{};  // written between TakeForFrame and Open, read between a claim and its Finish
 };

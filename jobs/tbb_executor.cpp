@@ -41,7 +41,7 @@ uint32_t TbbExecutor::workers() const { return state_->workers; }
 // Ranges of items, which oneTBB halves as workers come: neighbours stay on one core, and so does
 // most of what they had in its cache a pass or a frame ago. (Handing out single items by a counter
 // measured 15 % slower on two cores.)
-void TbbExecutor::Run(const Frame& frame) {
+void TbbExecutor::RunPasses(const Frame& frame) {
   state_->arena.execute([&] {
     ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
       tbb::parallel_for(0u, count, [&](uint32_t i) {

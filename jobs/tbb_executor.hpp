@@ -16,14 +16,14 @@ class TbbExecutor final : public Executor {
   explicit TbbExecutor(uint32_t workers);
   ~TbbExecutor() override;
 
-  void Run(const Frame& frame) override;
-
   uint32_t workers() const;
   // Threads that were inside the arena at one time, found by a rendezvous. Below workers() when
   // oneTBB gave fewer within ten seconds.
   uint32_t ObservedWorkers();
 
  private:
+  void RunPasses(const Frame& frame) override;
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -56,7 +56,7 @@ LocalStoreExecutor::LocalStoreExecutor(uint32_t data_bytes)
 
 LocalStoreExecutor::~LocalStoreExecutor() = default;
 
-void LocalStoreExecutor::Run(const Frame& frame) {
+void LocalStoreExecutor::RunPasses(const Frame& frame) {
   ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) RunStages(frame, frame.plan->passes[pass], i, nullptr);
   });

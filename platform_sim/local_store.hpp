@@ -65,7 +65,6 @@ class LocalStoreExecutor final : public Executor {
   explicit LocalStoreExecutor(uint32_t data_bytes);
   ~LocalStoreExecutor() override;
 
-  void Run(const Frame& frame) override;
   // One item of one pass, as Run does it; what it moved is added to `moved`.
   void RunItem(const Frame& frame, uint32_t pass, uint32_t item, StageObserver& observer,
                LocalStoreItem& moved);
@@ -85,6 +84,7 @@ class LocalStoreExecutor final : public Executor {
   };
   struct Buffer;
 
+  void RunPasses(const Frame& frame) override;
   void RunStages(const Frame& frame, const Pass& pass, uint32_t item, StageObserver* observer);
   void RunStage(const Frame& frame, const Stage& stage, uint32_t item);
   // Null when it does not fit.

@@ -24,14 +24,6 @@ class PullPool final : public Executor {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  void Run(const Frame& frame) override {
-    // Threads that wake before the frame is open poll in vain until it is.
-    frame_open_.store(true, std::memory_order_relaxed);
-    Wake();
-    pull_.Run(frame);
-    frame_open_.store(false, std::memory_order_relaxed);
-  }
-
   // Threads that were awake at one time, the caller's included.
   uint32_t ObservedWorkers() {
     Rendezvous rendezvous(uint32_t(threads_.size()) + 1);
@@ -46,6 +38,14 @@ class PullPool final : public Executor {
   }
 
  private:
+  void RunPasses(const Frame& frame) override {
+    // Threads that wake before the frame is open poll in vain until it is.
+    frame_open_.store(true, std::memory_order_relaxed);
+    Wake();
+    pull_.Run(frame);
+    frame_open_.store(false, std::memory_order_relaxed);
+  }
+
   void Wake() {
     round_.fetch_add(1, std::memory_order_release);
     round_.notify_all();

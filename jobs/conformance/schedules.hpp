@@ -201,7 +201,8 @@ class OneItemATask final : public Executor {
  public:
   explicit OneItemATask(const EngineDoor& engine) : engine_(engine) {}
 
-  void Run(const Frame& frame) override {
+ private:
+  void RunPasses(const Frame& frame) override {
     if (!pull_.Begin(frame)) return;  // the digest will show it
     const auto run_one = [](void* pull) { static_cast<PullExecutor*>(pull)->TryRun(1); };
     while (!pull_.IsIdle()) {
@@ -213,7 +214,6 @@ class OneItemATask final : public Executor {
     }
   }
 
- private:
   EngineDoor engine_;
   PullExecutor pull_;
   std::vector<void*> handles_;

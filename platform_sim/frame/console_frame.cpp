@@ -119,7 +119,7 @@ std::unique_ptr<ConsoleExecutor> ConsoleExecutor::TryMake(const ConsoleMachine& 
 ConsoleExecutor::ConsoleExecutor(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ConsoleExecutor::~ConsoleExecutor() = default;
 
-void ConsoleExecutor::Run(const Frame& frame) {
+void ConsoleExecutor::RunPasses(const Frame& frame) {
   State& s = *state_;
   s.frame = &frame;
   s.clock.BeginFrame(s.work.stage_count, s.timelines, s.modelled);

@@ -43,7 +43,6 @@ class ConsoleExecutor final : public Executor {
                                                   std::string& error);
   ~ConsoleExecutor() override;
 
-  void Run(const Frame& frame) override;
   void KeepTimelines(bool keep);
 
   const ConsoleMachine& machine() const;
@@ -56,6 +55,8 @@ class ConsoleExecutor final : public Executor {
   std::vector<LocalStoreFault> faults() const;
 
  private:
+  void RunPasses(const Frame& frame) override;
+
   struct State;
   explicit ConsoleExecutor(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

@@ -33,7 +33,7 @@ class ThreadExecutor final : public Executor {
   explicit ThreadExecutor(uint32_t threads, bool interleaved = false)
       : threads_(threads), interleaved_(interleaved) {}
 
-  void Run(const Frame& frame) override {
+  void RunPasses(const Frame& frame) override {
     const size_t passes = frame.plan->passes.size();
     std::vector<std::atomic<uint32_t>> next(passes);
     std::barrier<> end_of_pass{std::ptrdiff_t(threads_)};
