@@ -53,6 +53,9 @@ ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor
       if (!result.first) result.first = {f, recorded, 0, fault};
       break;
     }
+    for (const RefusedPose& refused : replay.scene().RefusedPoses())
+      if (result.refused_pose.empty())
+        result.refused_pose = fmt::format("frame {}: {}", f, DescribeRefusedPose(refused));
     executor.Run(replay.scene().CurrentFrame());
     ++result.frames;
     const uint64_t found = replay.scene().DigestFrame();
@@ -68,14 +71,18 @@ ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor
 }
 
 std::string DescribeReplay(const ReplayResult& result) {
+  const std::string held =
+      result.refused_pose.empty() ? std::string() : "; not used, " + result.refused_pose;
   if (result.Same())
-    return fmt::format("SAME BITS in all {} frames, digest {:016x}", result.frames, result.digest);
+    return fmt::format("SAME BITS in all {} frames, digest {:016x}{}", result.frames, result.digest,
+                       held);
   const ReplayMismatch& first = *result.first;
   if (!first.refused.empty())
     return fmt::format("REFUSED: frame {} cannot run: {}", first.frame, first.refused);
   return fmt::format(
-      "DIFFERENT BITS in {} of {} frames, the first is frame {}: recorded {:016x}, found {:016x}",
-      result.mismatches, result.frames, first.frame, first.recorded, first.found);
+      "DIFFERENT BITS in {} of {} frames, the first is frame {}: recorded {:016x}, found "
+      "{:016x}{}",
+      result.mismatches, result.frames, first.frame, first.recorded, first.found, held);
 }
 
 }  // namespace pelt

@@ -50,7 +50,8 @@ struct ReplayResult {
   uint32_t frames = 0;  // that ran
   std::optional<ReplayMismatch> first;
   uint32_t mismatches = 0;
-  uint64_t digest = 0;  // of all frames, folded as `pelt run` does
+  std::string refused_pose;  // the first pose that was not used, and in which frame
+  uint64_t digest = 0;       // of all frames, folded as `pelt run` does
   bool Same() const { return !first; }
 };
 

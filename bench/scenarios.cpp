@@ -309,6 +309,9 @@ void RunningScenario::Begin(uint32_t frame, const SkipSettings& skip, const LodS
   input.lod = lod;
   if (const char* fault = scene_.BeginFrame(input))
     throw Error(fmt::format("{}: frame {}: {}", scenario_.name, frame, fault));
+  for (const RefusedPose& refused : scene_.RefusedPoses())
+    throw Error(
+        fmt::format("{}: frame {}: {}", scenario_.name, frame, DescribeRefusedPose(refused)));
 }
 
 }  // namespace pelt

@@ -27,7 +27,7 @@ struct SkipSettings {
 };
 
 struct FrameInput {
-  double dt_s = 1.0 / 60.0;
+  double dt_s = 1.0 / 60.0;  // 1e-6 to 1; or 0: a pause
   double time_s = 0.0;
   Camera camera;
   WindSetup wind;

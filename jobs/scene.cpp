@@ -7,6 +7,7 @@
 
 #include "core/format.hpp"
 #include "jobs/float_environment.hpp"
+#include "jobs/input_check.hpp"
 #include "traces/digest.hpp"
 
 #if defined(__linux__)
@@ -18,67 +19,6 @@ namespace {
 
 constexpr size_t kPageBytes = size_t(2) << 20;  // a huge page
 
-// Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
-// squared. A larger value would not be refused by arithmetic, only turned into infinities.
-constexpr float kLargest = 1.0e6f;
-constexpr const char* kNotUsable = "is not finite, or beyond 1e6";
-
-bool AreUsable(const float* v, size_t n) {
-  return std::all_of(v, v + n, [](float x) { return x >= -kLargest && x <= kLargest; });
-}
-
-// Null, or the name of the first group of values of a pose that cannot be used.
-const char* FindPoseFault(const PoseBlock& pose) {
-  if (pose.joint_count == 0 || pose.joint_count > kJointsPerCharacter) return "joint count";
-  if (!AreUsable(pose.root, 12)) return "root placement";
-  const auto usable = [&](const auto& rows) {
-    using Row = float[kJointsPerCharacter];
-    const auto* row = reinterpret_cast<const Row*>(&rows);
-    for (size_t r = 0; r < sizeof rows / sizeof(Row); ++r)
-      if (!AreUsable(row[r], pose.joint_count)) return false;
-    return true;
-  };
-  if (!usable(pose.translation_key)) return "translation keys";
-  if (!usable(pose.rotation_key)) return "rotation keys";
-  if (!usable(pose.scale_key)) return "scale keys";
-  if (!usable(pose.translation_weight)) return "translation weights";
-  if (!usable(pose.rotation_weight)) return "rotation weights";
-  if (!usable(pose.scale_weight)) return "scale weights";
-  return nullptr;
-}
-
-const char* FindWindFault(const WindSetup& w) {
-  const float all[] = {w.velocity[0], w.velocity[1],   w.velocity[2],       w.gust_strength,
-                       w.turbulence,  w.gust_period_s, w.turbulence_scale_m};
-  if (!AreUsable(all, std::size(all))) return "a value is not finite, or beyond 1e6";
-  if (w.gust_period_s < 1.0e-3f) return "the gust period is below 1 ms";
-  if (w.turbulence_scale_m < 1.0e-3f) return "the turbulence scale is below 1 mm";
-  return nullptr;
-}
-
-const char* FindObstacleFault(const FrameInput& in) {
-  if (in.use_ground) {
-    if (!AreUsable(in.ground, 4)) return "the ground plane is not finite, or beyond 1e6";
-    const float* n = in.ground;
-    const float length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (std::abs(length2 - 1.0f) > 1.0e-3f) return "the ground plane's normal is not unit";
-  }
-  if (in.sphere_count > kSpheresPerScene) return "more spheres than a scene holds";
-  for (uint32_t s = 0; s < in.sphere_count; ++s)
-    if (!AreUsable(in.sphere[s], 4) || in.sphere[s][3] < 0.0f)
-      return "a sphere is not finite, beyond 1e6, or has a negative radius";
-  return nullptr;
-}
-
-const char* FindLodFault(const LodSettings& lod) {
-  if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
-    return "full_detail_px is not a number from 0 on";
-  const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share};
-  for (float share : shares)
-    if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";
-  return nullptr;
-}
-
 // Copies `value` over `target` and says whether a bit of it changed. Both are zero-initialised
 // plain data without padding.
 template <class T>
@@ -87,6 +27,15 @@ bool Replace(T& target, const T& value) {
   target = value;
   return true;
 }
+
+uint32_t SwitchesOf(const SkipSettings& skip) {
+  return (skip.sleep ? kSwitchSleep : 0u) | (skip.unmoved ? kSwitchSkipUnmoved : 0u) |
+         (skip.sort ? kSwitchSkipSort : 0u);
+}
+
+// A first frame of no time lays the fur on its groom (no layer simulates in it): what is divided by
+// the step's length needs one all the same.
+double StepOf(const FrameInput& input) { return input.dt_s > 0.0 ? input.dt_s : 1.0 / 60.0; }
 
 }  // namespace
 
@@ -122,8 +71,7 @@ bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& o
   layout_ = std::move(layout);
   const std::optional<SceneLayout> measured = TryMeasureScene(grooms, options, error);
   if (!measured) return false;
-  if (measured->total_bytes != layout_.total_bytes)
-    return fail("the layout was measured for other grooms or options");
+  if (*measured != layout_) return fail("the layout was measured for other grooms or options");
   if (memory.size() < layout_.total_bytes)
     return fail(
         Format("the scene needs {} bytes and was given {}", layout_.total_bytes, memory.size()));
@@ -134,6 +82,8 @@ bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& o
     return fail(Format("this processor or build has no {} kernels", IsaName(options_.isa)));
   Place(memory);
   CopyGrooms(grooms);
+  pose_gate_ = PoseGate(grooms, *kernels);
+  memory_.holds_pose = pose_gate_.holds_pose();
   std::optional<Plan> plan =
       TryCompilePlan(MakeFrameTable(*kernels, params_, options_.vertex_order), layout_.shape,
                      options_.plan, error);
@@ -202,36 +152,19 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   }
 }
 
-const char* FurScene::CheckInput(const FrameInput& in) {
-  const auto fault = [&]<class... Args>(fmt::format_string<Args...> text, Args&&... args) {
-    fault_.clear();
-    FormatTo(fault_, text, std::forward<Args>(args)...);
-    return fault_.c_str();
-  };
-  if (!std::isfinite(in.dt_s) || in.dt_s <= 0.0 || in.dt_s > 1.0)
-    return fault("dt_s is {}, not in (0, 1] s", in.dt_s);
-  if (!std::isfinite(in.time_s) || in.time_s < 0.0)
-    return fault("time_s is {}, not a time from 0 on", in.time_s);
-  if (const char* camera = FindCameraFault(in.camera)) return fault("camera: {}", camera);
-  if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
-  if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
-  if (const char* what = FindObstacleFault(in)) return fault("{}", what);
-  if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
-  if (!in.weather.empty() && in.weather.size() != shape().character_count)
-    return fault("weather for {} characters, the scene has {}", in.weather.size(),
-                 shape().character_count);
-  for (size_t c = 0; c < in.weather.size(); ++c)
-    if (!std::isfinite(in.weather[c].wetness) || !std::isfinite(in.weather[c].dirt))
-      return fault("weather of character {} is not finite", c);
-  for (uint32_t c = 0; c < shape().character_count; ++c)
-    if (const char* what = FindPoseFault(Pose(c)))
-      return fault("pose of character {}: bad {}", c, what);
-  return nullptr;
-}
-
 const char* FurScene::BeginFrame(const FrameInput& input) {
   const FloatEnvironment float_environment;  // parameters are part of the bits
-  if (const char* fault = CheckInput(input)) return fault;
+  if (const char* fault = phase_.StartFilling()) return fault;
+  const char* fault = FindInputFault(input, shape(), fault_);
+  if (!fault) FillFrame(input);
+  phase_.EndFilling(!fault);
+  return fault;
+}
+
+void FurScene::FillFrame(const FrameInput& input) {
+  memory_.paused = input.dt_s == 0.0 && !first_frame_;
+  if (memory_.paused) return FillPausedFrame(input);
+  pose_gate_.Judge(memory_);
   const WindSetup& w = input.wind;
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
@@ -239,30 +172,58 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
   FillLayers(input, wind_blows);
   FillParams(input, wind_blows);
   first_frame_ = false;
-  return nullptr;
+}
+
+// Time stands still: state, layers, poses and level of detail stay what they are, and so does what
+// the next frame is compared with. What is left is to draw the same strands from another eye.
+void FurScene::FillPausedFrame(const FrameInput& in) {
+  SelectLodParams lod = params_.select_lod;
+  lod.view = MakeView(in.camera);
+  const bool view_changed = FillView(in, lod);
+  const bool keys = view_changed || !in.skip.sort;
+  for (uint32_t c = 0; c < shape().chunk_count; ++c) {
+    auto& state = *memory_.As<ChunkStateBlock>(Stream::kChunkState, c);
+    const uint32_t visible = state.flags & kChunkVisible;
+    state.flags = visible | (visible && keys ? kChunkKeys : 0u);
+    state.keys_changed = state.records_changed = 0;
+  }
 }
 
 void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
+  const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
     auto& block = *memory_.As<LayerBlock>(Stream::kLayers, l);
     const Weather weather =
         input.weather.empty() ? Weather{} : input.weather[shape().layer_character[l]];
-    block = FillLayerBlock(layer_params_[l], weather, float(input.dt_s), input.gravity, wind_blows,
-                           layer_strands_[l], layer_length_max_[l], layer_simulates_[l] != 0,
+    block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
+                           layer_strands_[l], layer_length_max_[l],
+                           layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block);
     if (block.flags & kLayerModal) {
       auto* tables = memory_.As<ModalTableBlock>(Stream::kModalTables, 0);
-      if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality,
-                            input.dt_s, {modal_.data(), l}, tables, tables + l))
+      if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,
+                            {modal_.data(), l}, tables, tables + l))
         block.changed = 1;
     }
   }
 }
 
+// The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
+bool FurScene::FillView(const FrameInput& in, const SelectLodParams& lod) {
+  const bool changed = Replace(params_.select_lod, lod) || first_frame_;
+  const View& view = params_.select_lod.view;
+  std::copy_n(view.eye, 3, params_.sort_key.eye);
+  std::copy_n(view.forward, 3, params_.sort_key.forward);
+  std::copy_n(view.eye, 3, params_.order_layers.eye);
+  std::copy_n(view.forward, 3, params_.order_layers.forward);
+  std::copy_n(view.eye, 3, params_.write_ribbons.eye);
+  params_.collect_changes = {SwitchesOf(in.skip), changed};
+  return changed;
+}
+
 void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
-  const View view = MakeView(in.camera);
   SelectLodParams lod{};
-  lod.view = view;
+  lod.view = MakeView(in.camera);
   lod.full_detail_pixels = in.lod.full_detail_px;
   lod.min_fraction = in.lod.min_fraction;
   lod.hysteresis = in.lod.hysteresis;
@@ -271,10 +232,10 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   lod.budget_scale = BudgetScale({memory_.As<LodBlock>(Stream::kLod, 0), shape().layer_count},
                                  {memory_.As<LayerBlock>(Stream::kLayers, 0), shape().layer_count},
                                  in.lod.strand_budget);
-  const bool view_changed = Replace(params_.select_lod, lod) || first_frame_;
+  const bool view_changed = FillView(in, lod);
 
   SimulateParams simulate{};
-  simulate.dt = float(in.dt_s);
+  simulate.dt = float(StepOf(in));
   simulate.rest_threshold = kRestThreshold;
   simulate.use_ground = in.use_ground;
   if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
@@ -283,17 +244,7 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   const bool simulate_changed = Replace(params_.simulate, simulate);
 
   if (wind_blows) params_.wind = MakeWindParams(in.wind, in.time_s);
-  params_.activate = {(in.skip.sleep ? kSwitchSleep : 0u) |
-                          (in.skip.unmoved ? kSwitchSkipUnmoved : 0u) |
-                          (in.skip.sort ? kSwitchSkipSort : 0u),
-                      simulate_changed, view_changed, first_frame_};
-  params_.collect_changes.switches = params_.activate.switches;
-  params_.collect_changes.view_changed = view_changed;
-  std::copy_n(view.eye, 3, params_.sort_key.eye);
-  std::copy_n(view.forward, 3, params_.sort_key.forward);
-  std::copy_n(view.eye, 3, params_.order_layers.eye);
-  std::copy_n(view.forward, 3, params_.order_layers.forward);
-  std::copy_n(view.eye, 3, params_.write_ribbons.eye);
+  params_.activate = {SwitchesOf(in.skip), simulate_changed, view_changed, first_frame_};
 }
 
 uint64_t FurScene::HeapBytes() const {
@@ -303,7 +254,8 @@ uint64_t FurScene::HeapBytes() const {
                  bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
                  bytes(slots_) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
                  bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
-                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_);
+                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_) +
+                 pose_gate_.HeapBytes();
   for (const auto& slots : slots_) sum += bytes(slots);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);

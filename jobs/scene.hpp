@@ -10,7 +10,8 @@
 // Without exceptions: TryMeasureScene and FurScene::TryCreate, which return the reason as a text.
 //
 // Invariant: after construction nothing allocates. BeginFrame refuses input that is not finite and
-// leaves the scene as it was; state never becomes non-finite.
+// leaves the scene as it was; state never becomes non-finite. Calls out of order (a frame begun
+// twice, run twice, or begun while it runs) are refused too, on any thread, and change nothing.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +28,7 @@
 #include "core/groom/groom.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/frame_table.hpp"
+#include "jobs/pose_gate.hpp"
 
 namespace pelt {
 
@@ -48,6 +50,7 @@ struct MemoryRange {
   uint64_t bytes;
   uint32_t blocks;
   Role role;
+  friend bool operator==(const MemoryRange&, const MemoryRange&) = default;
 };
 std::string_view RoleName(Role role);  // "booking"
 
@@ -59,6 +62,7 @@ struct SceneLayout {
   uint64_t strand_count = 0;
   // Bytes of simulation state (present and last points of every chain) for a strand.
   double StateBytesPerStrand() const;
+  friend bool operator==(const SceneLayout&, const SceneLayout&) = default;
 };
 
 // Layout of a scene of these grooms, one for each character (a groom may serve several). Fails when
@@ -110,11 +114,26 @@ class FurScene {
   PoseBlock& Pose(uint32_t character) { return *memory_.As<PoseBlock>(Stream::kPose, character); }
 
   // Fills every parameter of the frame, which must then be run, once. Returns null, or the reason
-  // the frame must not run: what is not finite or out of range, and where; the scene is then as it
-  // was. The text lives until the next call.
+  // the frame must not run: what is not finite or out of range, and where; or that the last frame
+  // was begun and not run, or is running. The scene is then as it was. The text lives until the
+  // next call.
+  //
+  // A pose that cannot be used stops nobody but its character: see RefusedPoses.
+  //
+  // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles
+  // and level of detail are not looked at, and the frame after it is what it would have been
+  // without. Only the view counts: what was visible is sorted and written for it. As a scene's
+  // first frame it lays the fur on its groom.
   const char* BeginFrame(const FrameInput& input);
 
-  Frame CurrentFrame() const { return {&plan_, &memory_, nullptr}; }
+  // The poses that the last BeginFrame did not use, one for each such character, and why
+  // (jobs/pose_gate.hpp): those characters keep their last accepted pose. Empty in good frames.
+  std::span<const RefusedPose> RefusedPoses() const {
+    return memory_.paused ? std::span<const RefusedPose>() : pose_gate_.refused();
+  }
+
+  // For any executor, once for each BeginFrame.
+  Frame CurrentFrame() const { return {&plan_, &memory_, nullptr, &phase_}; }
 
   const Plan& plan() const { return plan_; }
   const FrameMemory& memory() const { return memory_; }
@@ -141,9 +160,11 @@ class FurScene {
              std::span<std::byte> memory, std::string& error);
   void Place(std::span<std::byte> memory);
   void CopyGrooms(std::span<const Groom* const> grooms);
-  const char* CheckInput(const FrameInput& input);
+  void FillFrame(const FrameInput& input);
+  void FillPausedFrame(const FrameInput& input);
   void FillLayers(const FrameInput& input, bool wind_blows);
   void FillParams(const FrameInput& input, bool wind_blows);
+  bool FillView(const FrameInput& input, const SelectLodParams& lod);
 
   SceneOptions options_;
   SceneLayout layout_;
@@ -157,6 +178,8 @@ class FurScene {
   std::vector<float> layer_length_max_;
   std::vector<uint32_t> layer_strands_;
   std::vector<uint8_t> layer_simulates_;
+  PoseGate pose_gate_;
+  mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;
   std::string fault_;
 };

@@ -58,6 +58,11 @@ uint32_t BlockCount(const SceneShape& shape, const StreamDesc& desc) {
 std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
                                            const SceneOptions& options, std::string& error) {
   SceneLayout layout;
+  for (size_t c = 0; c < grooms.size(); ++c) {
+    if (grooms[c]) continue;
+    error = Format("character {} has no groom", c);
+    return std::nullopt;
+  }
   layout.shape = ShapeOf(grooms, options);
   if (grooms.empty() || layout.shape.chunk_count == 0) {
     error = "a scene needs at least one groom with one chunk of strands";

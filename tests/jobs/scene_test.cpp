@@ -76,7 +76,45 @@ TEST(FurSceneMemory, RefusesTooLittleUnalignedAndForeignMemory) {
   EXPECT_NE(other.find("other grooms"), std::string::npos) << other;
 }
 
-TEST(FurSceneMemory, NeedsAGroom) { EXPECT_THROW(MeasureScene({}, {}), Error); }
+// Two layers that have changed places need the same bytes, and every block lies elsewhere.
+TEST(FurSceneMemory, RefusesALayoutOfOtherGroomsOfTheSameSize) {
+  const Scenario scenario = TinyScenario();
+  const Groom& groom = *scenario.ActorGrooms()[0];
+  const SceneLayout layout = MeasureScene(scenario.ActorGrooms(), {});
+  SceneBlock block(layout.total_bytes);
+  const auto expect_refused = [&](const SceneLayout& other, const char* what) {
+    ASSERT_EQ(other.total_bytes, layout.total_bytes) << what;
+    const std::string error = ConstructionError(other, block.bytes());
+    EXPECT_NE(error.find("other grooms"), std::string::npos) << what << ": " << error;
+  };
+  SceneLayout moved = layout;
+  ASSERT_GE(groom.layers.size(), 2u);
+  std::swap(moved.shape.layer_kind[0], moved.shape.layer_kind[1]);
+  expect_refused(moved, "kinds");
+  moved = layout;
+  ++moved.shape.layer_first_chunk[1];
+  expect_refused(moved, "first chunk");
+  moved = layout;
+  moved.shape.chunk_layer[0] = moved.shape.layer_count - 1;
+  expect_refused(moved, "layer of a chunk");
+  moved = layout;
+  moved.ranges[size_t(Stream::kMesh)].bytes -= 128;
+  moved.ranges[size_t(Stream::kStrands)].bytes += 128;
+  expect_refused(moved, "ranges");
+  moved = layout;
+  moved.ranges.clear();
+  expect_refused(moved, "no ranges");
+  moved = layout;
+  moved.shape.layer_character.clear();
+  expect_refused(moved, "no layers");
+  EXPECT_EQ(ConstructionError(layout, block.bytes()), "");
+}
+
+TEST(FurSceneMemory, NeedsAGroom) {
+  EXPECT_THROW(MeasureScene({}, {}), Error);
+  const std::vector<const Groom*> none(1, nullptr);
+  EXPECT_THROW(MeasureScene(none, {}), Error);
+}
 
 // ---- Bad input
 // ------------------------------------------------------------------------------------
@@ -87,14 +125,21 @@ struct BadInput {
 };
 
 const std::vector<BadInput> kBadInputs = {
-    {"dt_s", [](FrameInput& in, FurScene&) { in.dt_s = 0.0; }},
+    {"dt_s is 1e-38", [](FrameInput& in, FurScene&) { in.dt_s = 1e-38; }},
+    {"dt_s is 5e-324", [](FrameInput& in, FurScene&) { in.dt_s = 5e-324; }},
+    {"neither 0 nor in [1e-06, 1] s", [](FrameInput& in, FurScene&) { in.dt_s = 9e-7; }},
     {"dt_s", [](FrameInput& in, FurScene&) { in.dt_s = -0.01; }},
     {"dt_s", [](FrameInput& in, FurScene&) { in.dt_s = double(kNaN); }},
     {"dt_s", [](FrameInput& in, FurScene&) { in.dt_s = double(kInf); }},
     {"dt_s", [](FrameInput& in, FurScene&) { in.dt_s = 1.5; }},
     {"time_s", [](FrameInput& in, FurScene&) { in.time_s = double(kNaN); }},
     {"time_s", [](FrameInput& in, FurScene&) { in.time_s = -1.0; }},
+    {"time_s", [](FrameInput& in, FurScene&) { in.time_s = 1e300; }},
     {"camera", [](FrameInput& in, FurScene&) { in.camera.position[1] = kNaN; }},
+    {"camera's position is beyond",
+     [](FrameInput& in, FurScene&) { in.camera.position[1] = 3e38f; }},
+    {"camera's target is beyond", [](FrameInput& in, FurScene&) { in.camera.target[1] = -3e38f; }},
+    {"camera's up vector is beyond", [](FrameInput& in, FurScene&) { in.camera.up[1] = 3e38f; }},
     {"camera", [](FrameInput& in, FurScene&) { in.camera.vertical_fov_rad = 0.0f; }},
     {"camera",
      [](FrameInput& in, FurScene&) {
@@ -142,23 +187,6 @@ const std::vector<BadInput> kBadInputs = {
     {"lod", [](FrameInput& in, FurScene&) { in.lod.min_fraction = kNaN; }},
     {"lod", [](FrameInput& in, FurScene&) { in.lod.hysteresis = -1.0f; }},
     {"lod", [](FrameInput& in, FurScene&) { in.lod.fade_share = 2.0f; }},
-    {"pose of character 0: bad joint count",
-     [](FrameInput&, FurScene& s) { s.Pose(0).joint_count = 0; }},
-    {"joint count",
-     [](FrameInput&, FurScene& s) { s.Pose(0).joint_count = kJointsPerCharacter + 1; }},
-    {"root placement", [](FrameInput&, FurScene& s) { s.Pose(0).root[3] = kNaN; }},
-    {"root placement", [](FrameInput&, FurScene& s) { s.Pose(0).root[3] = 1e9f; }},
-    {"translation keys",
-     [](FrameInput&, FurScene& s) { s.Pose(0).translation_key[0][1][0] = kNaN; }},
-    {"rotation keys",
-     [](FrameInput&, FurScene& s) {
-       s.Pose(0).rotation_key[3][3][s.Pose(0).joint_count - 1] = -kInf;
-     }},
-    {"scale keys", [](FrameInput&, FurScene& s) { s.Pose(0).scale_key[2][0][1] = kNaN; }},
-    {"translation weights",
-     [](FrameInput&, FurScene& s) { s.Pose(0).translation_weight[1][0] = kNaN; }},
-    {"rotation weights", [](FrameInput&, FurScene& s) { s.Pose(0).rotation_weight[1][0] = kNaN; }},
-    {"scale weights", [](FrameInput&, FurScene& s) { s.Pose(0).scale_weight[1][0] = kNaN; }},
 };
 
 TEST(FurSceneInput, BadInputIsRefusedAndLeavesNoTrace) {

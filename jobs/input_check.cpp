@@ -1,0 +1,90 @@
+#include "jobs/input_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "core/format.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr const char* kNotUsable = "is not finite, or beyond 1e6";
+
+// Shorter frames than a microsecond have no use, and what is divided by their length grows without
+// bound: by 1e-38 s it is infinite.
+constexpr double kShortest_s = 1.0e-6;
+// A lifetime. The wind's course is a function of the time, and a double has to hold it.
+constexpr double kLatest_s = 1.0e9;
+
+const char* FindCameraRangeFault(const Camera& c) {
+  if (const char* fault = FindCameraFault(c)) return fault;
+  if (!AreUsable(c.position, 3)) return "the camera's position is beyond 1e6";
+  if (!AreUsable(c.target, 3)) return "the camera's target is beyond 1e6";
+  return AreUsable(c.up, 3) ? nullptr : "the camera's up vector is beyond 1e6";
+}
+
+const char* FindWindFault(const WindSetup& w) {
+  const float all[] = {w.velocity[0], w.velocity[1],   w.velocity[2],       w.gust_strength,
+                       w.turbulence,  w.gust_period_s, w.turbulence_scale_m};
+  if (!AreUsable(all, std::size(all))) return "a value is not finite, or beyond 1e6";
+  if (w.gust_period_s < 1.0e-3f) return "the gust period is below 1 ms";
+  if (w.turbulence_scale_m < 1.0e-3f) return "the turbulence scale is below 1 mm";
+  return nullptr;
+}
+
+const char* FindObstacleFault(const FrameInput& in) {
+  if (in.use_ground) {
+    if (!AreUsable(in.ground, 4)) return "the ground plane is not finite, or beyond 1e6";
+    const float* n = in.ground;
+    const float length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (std::abs(length2 - 1.0f) > 1.0e-3f) return "the ground plane's normal is not unit";
+  }
+  if (in.sphere_count > kSpheresPerScene) return "more spheres than a scene holds";
+  for (uint32_t s = 0; s < in.sphere_count; ++s)
+    if (!AreUsable(in.sphere[s], 4) || in.sphere[s][3] < 0.0f)
+      return "a sphere is not finite, beyond 1e6, or has a negative radius";
+  return nullptr;
+}
+
+const char* FindLodFault(const LodSettings& lod) {
+  if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
+    return "full_detail_px is not a number from 0 on";
+  const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share};
+  for (float share : shares)
+    if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";
+  return nullptr;
+}
+
+}  // namespace
+
+bool AreUsable(const float* v, size_t n) {
+  return std::all_of(v, v + n, [](float x) { return x >= -kLargestInput && x <= kLargestInput; });
+}
+
+const char* FindInputFault(const FrameInput& in, const SceneShape& shape, std::string& text) {
+  const auto fault = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    text.clear();
+    FormatTo(text, format, std::forward<Args>(args)...);
+    return text.c_str();
+  };
+  if (!(in.dt_s == 0.0 || (in.dt_s >= kShortest_s && in.dt_s <= 1.0)))
+    return fault("dt_s is {}, neither 0 nor in [{}, 1] s", in.dt_s, kShortest_s);
+  if (!(in.time_s >= 0.0 && in.time_s <= kLatest_s))
+    return fault("time_s is {}, not in [0, {}] s", in.time_s, kLatest_s);
+  if (const char* camera = FindCameraRangeFault(in.camera)) return fault("camera: {}", camera);
+  if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
+  if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
+  if (const char* what = FindObstacleFault(in)) return fault("{}", what);
+  if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
+  if (!in.weather.empty() && in.weather.size() != shape.character_count)
+    return fault("weather for {} characters, the scene has {}", in.weather.size(),
+                 shape.character_count);
+  for (size_t c = 0; c < in.weather.size(); ++c)
+    if (!std::isfinite(in.weather[c].wetness) || !std::isfinite(in.weather[c].dirt))
+      return fault("weather of character {} is not finite", c);
+  return nullptr;
+}
+
+}  // namespace pelt

@@ -1,0 +1,22 @@
+// What a frame may be told, poses apart: everything finite, and small enough that no kernel can
+// make an infinity of it. Poses have a door of their own (jobs/pose_gate.hpp).
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "core/frame_input.hpp"
+#include "jobs/plan.hpp"
+
+namespace pelt {
+
+// Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
+// squared. A larger value would not be refused by arithmetic, only turned into infinities.
+inline constexpr float kLargestInput = 1.0e6f;
+bool AreUsable(const float* v, size_t n);
+
+// Null, or why no frame can be run with this; written to `text`, which is not made to grow beyond
+// what a fault takes.
+const char* FindInputFault(const FrameInput& input, const SceneShape& shape, std::string& text);
+
+}  // namespace pelt

@@ -1,0 +1,177 @@
+// Input at the limits of what the frame's door lets through, drawn at random: whatever comes, every
+// value that a frame computes is finite, and a scene that is put back in order has its fur near its
+// skin again.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+#include "core/random.hpp"
+#include "tests/jobs/pair_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr float kLargest = 1e6f;
+
+// One of the limits, nothing, next to nothing, something small, or anything between.
+float Extreme(Random& random, float largest = kLargest) {
+  const float sign = random.Below(2) ? 1.0f : -1.0f;
+  switch (random.Below(6)) {
+    case 0:
+      return sign * largest;
+    case 1:
+      return sign * 0.0f;
+    case 2:
+      return sign * 1e-40f;  // denormal
+    case 3:
+      return sign * float(random.Uniform(0.0, 1.0));
+    case 4:
+      return sign * 1e-20f;
+    default:
+      return sign * float(random.Uniform(0.0, 1.0)) * largest;
+  }
+}
+
+template <class T>
+void FillExtreme(Random& random, T& rows, uint32_t one_in) {
+  auto* value = reinterpret_cast<float*>(&rows);
+  for (size_t i = 0; i < sizeof rows / sizeof(float); ++i)
+    if (random.Below(one_in) == 0) value[i] = Extreme(random);
+}
+
+void SpoilPose(Random& random, PoseBlock& pose) {
+  // Mostly a few values, sometimes all.
+  const uint32_t one_in = 1u << random.Below(10);
+  switch (random.Below(6)) {
+    case 0:
+      return FillExtreme(random, pose.root, 1 + random.Below(4));
+    case 1:
+      return FillExtreme(random, pose.translation_key, one_in);
+    case 2:
+      return FillExtreme(random, pose.rotation_key, one_in);
+    case 3:
+      return FillExtreme(random, pose.scale_key, one_in);
+    case 4:
+      return FillExtreme(random, pose.rotation_weight, one_in);
+    default:
+      pose.teleported = random.Below(2);
+  }
+}
+
+void SpoilInput(Random& random, FrameInput& in) {
+  const double lengths[] = {1e-6, 1e-5, 1e-3, 1.0 / 60.0, 0.3, 1.0};
+  in.dt_s = lengths[random.Below(6)];
+  if (random.Below(2)) in.time_s = random.Below(2) ? 1e9 : random.Uniform(0.0, 1e9);
+  if (random.Below(2)) FillExtreme(random, in.gravity, 2);
+  if (random.Below(2)) {
+    FillExtreme(random, in.wind.velocity, 2);
+    in.wind.turbulence = Extreme(random);
+    in.wind.gust_strength = Extreme(random);
+    in.wind.gust_period_s = random.Below(2) ? 1e-3f : 1e6f;
+    in.wind.turbulence_scale_m = random.Below(2) ? 1e-3f : 1e6f;
+  }
+  if (random.Below(2)) {
+    in.sphere_count = kSpheresPerScene;
+    FillExtreme(random, in.sphere, 2);
+    for (auto& sphere : in.sphere) sphere[3] = std::abs(sphere[3]);
+  }
+  if (random.Below(3) == 0) {
+    in.use_ground = true;
+    in.ground[3] = Extreme(random);
+  }
+  if (random.Below(4) == 0)
+    for (float& c : in.camera.position) c = Extreme(random);
+  in.skip.lod = random.Below(2) != 0;
+}
+
+// The streams whose rows are floats throughout, or records with floats in known places.
+std::string FindNonFinite(const FurScene& scene) {
+  const SceneShape& shape = scene.shape();
+  for (uint32_t s = 1; s < kStreamCount; ++s) {
+    const StreamDesc& desc = DescribeStream(Stream(s));
+    if (desc.role != Role::kValue) continue;
+    for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
+      const std::byte* block = scene.memory().Block(Stream(s), i);
+      if (!block) continue;
+      const uint32_t lanes = scene.LiveLanes(Stream(s), desc.domain == Domain::kChunk ? i : 0);
+      for (const RowDesc& row : desc.rows) {
+        const size_t per_record = row.element_count / row.lane_count;
+        for (uint32_t e = 0; e < row.element_count; ++e) {
+          const size_t lane = row.lane_major ? e / per_record : e % row.lane_count;
+          if (desc.domain == Domain::kChunk && lane >= lanes) continue;
+          // Words of records: those that hold a float.
+          bool is_float = row.type == ElementType::kFloat;
+          const size_t word = e % per_record;
+          if (Stream(s) == Stream::kSkinned) is_float = true;
+          if (Stream(s) == Stream::kCurves || Stream(s) == Stream::kInstances)
+            is_float = word < 12 || word == 14;
+          if (Stream(s) == Stream::kRibbons) is_float = word < 15 || word == 17;
+          if (Stream(s) == Stream::kRibbonVertices) is_float = word % 8 < 6;
+          if (!is_float) continue;
+          float value;
+          std::memcpy(&value, block + row.offset_bytes + 4 * size_t(e), 4);
+          if (!std::isfinite(value))
+            return std::string(desc.name) + " " + std::string(row.name) + " of item " +
+                   std::to_string(i) + ", element " + std::to_string(e);
+        }
+      }
+    }
+  }
+  return {};
+}
+
+void RunHostileCourse(uint64_t seed, std::optional<Solver> solver) {
+  Scenario scenario = PairScenario();
+  if (solver)
+    for (Groom& groom : scenario.grooms)
+      for (GroomLayer& layer : groom.layers)
+        if (layer.params.solver != Solver::kVerlet || *solver != Solver::kModal)
+          if (layer.params.chain == ChainKind::kStrand || *solver != Solver::kVerlet)
+            layer.params.solver = *solver;
+  RunningScenario running(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  Random random(seed);
+  for (uint32_t f = 0; f < 16; ++f) {
+    FrameInput input = scenario.PrepareFrame(f, scene);
+    SpoilInput(random, input);
+    for (uint32_t c = 0; c < 2; ++c)
+      if (random.Below(2)) SpoilPose(random, scene.Pose(c));
+    ASSERT_EQ(BeginError(scene, input), "") << "seed " << seed << ", frame " << f;
+    serial.Run(scene.CurrentFrame());
+    ASSERT_EQ(FindNonFinite(scene), "") << "seed " << seed << ", frame " << f;
+  }
+  for (uint32_t f = 0; f < 60; ++f) {
+    running.Begin(f);
+    serial.Run(scene.CurrentFrame());
+  }
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    const auto expect_near = [&](Stream stream, uint32_t points) {
+      const float* p = scene.memory().As<float>(stream, c);
+      for (uint32_t row = 0; p && row < 3 * (points - 1); ++row)
+        for (uint32_t i = 0; i < scene.LiveLanes(stream, c); ++i)
+          ASSERT_LT(std::abs(p[row * kStrandsPerChunk + i]), 10.0f)
+              << "seed " << seed << ": " << DescribeStream(stream).name << " of chunk " << c
+              << ", lane " << i;
+    };
+    expect_near(Stream::kVertexPoints, 4);
+    expect_near(Stream::kStrandPoints4, 4);
+    expect_near(Stream::kStrandPoints5, 5);
+  }
+}
+
+TEST(HostileInput, NothingMakesTheStateNonFinite) {
+  for (uint64_t seed = 0; seed < 12; ++seed) RunHostileCourse(seed, std::nullopt);
+}
+TEST(HostileInput, NothingMakesModalNonFinite) {
+  for (uint64_t seed = 100; seed < 108; ++seed) RunHostileCourse(seed, Solver::kModal);
+}
+TEST(HostileInput, NothingMakesPbdNonFinite) {
+  for (uint64_t seed = 200; seed < 204; ++seed) RunHostileCourse(seed, Solver::kPbd);
+}
+
+}  // namespace
+}  // namespace pelt

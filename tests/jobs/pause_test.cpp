@@ -1,0 +1,149 @@
+// A frame of no time: nothing moves, nothing is forgotten, and the view is still followed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "platform_sim/local_store.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+const FrameInput PausedInput(Scenario& scenario, uint32_t frame, FurScene& scene) {
+  FrameInput input = scenario.PrepareFrame(frame, scene);
+  input.dt_s = 0.0;
+  return input;
+}
+
+// After every frame of a course, one to three pauses in which everything else changes: the frames
+// themselves have the bits of the course without, so state, sleep and comparisons were kept.
+void ExpectPausesChangeNothing(Scenario scenario, uint32_t frames, const SkipSettings& skip,
+                               const LodSettings& lod, Executor& executor,
+                               const SceneOptions& options) {
+  Scenario plain = scenario;
+  SerialExecutor serial;
+  const std::vector<uint64_t> truth = RunDigests(plain, options, serial, frames, skip, lod);
+  RunningScenario running(scenario, options);
+  FurScene& scene = running.scene();
+  const Weather soaked[] = {{1.0f, 1.0f}};
+  for (uint32_t f = 0; f < frames; ++f) {
+    running.Begin(f, skip, lod);
+    executor.Run(scene.CurrentFrame());
+    ASSERT_EQ(scene.DigestFrame(), truth[f]) << "frame " << f;
+    for (uint32_t p = 0; p <= f % 3; ++p) {
+      FrameInput input = PausedInput(scenario, f + 7, scene);
+      input.skip = skip;
+      input.lod = lod;
+      input.lod.strand_budget /= 2;
+      input.weather = soaked;
+      input.wind.velocity[0] = 20.0f;
+      input.gravity[1] = 3.0f;
+      scene.Pose(0).root[3] += 100.0f;
+      scene.Pose(0).translation_key[0][0][1] = std::nanf("");
+      input.camera = scenario.PrepareFrame(f, scene).camera;
+      ASSERT_EQ(BeginError(scene, input), "");
+      EXPECT_TRUE(scene.RefusedPoses().empty());
+      executor.Run(scene.CurrentFrame());
+      ASSERT_EQ(scene.DigestFrame(), truth[f]) << "pause " << p << " after frame " << f;
+    }
+  }
+}
+
+TEST(Pause, KeepsEverything) {
+  SerialExecutor serial;
+  LodSettings lod;
+  ExpectPausesChangeNothing(TinyScenario(), 30, {}, lod, serial, OptionsFor(BestIsa()));
+  lod.strand_budget = 300;
+  ExpectPausesChangeNothing(TinyScenario(), 12, {.lod = true}, lod, serial, OptionsFor(BestIsa()));
+  const SkipSettings no_skips{
+      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false};
+  ExpectPausesChangeNothing(TinyScenario(), 8, no_skips, {}, serial, OptionsFor(BestIsa()));
+}
+
+TEST(Pause, IsTheSameOnOtherExecutorsAndOrders) {
+  PermutedExecutor permuted(2);
+  ExpectPausesChangeNothing(TinyScenario(), 8, {}, {}, permuted, OptionsFor(Isa::kReference));
+  SceneOptions pieces = OptionsFor(BestIsa());
+  pieces.piecewise_sort_chunks = 1;
+  LocalStoreExecutor local(pieces.plan.local_store_data_bytes);
+  ExpectPausesChangeNothing(TinyScenario(), 8, {}, {}, local, pieces);
+  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+  SceneOptions unsorted = OptionsFor(BestIsa());
+  unsorted.vertex_order = VertexOrder::kIndexBuffer;
+  SerialExecutor serial;
+  ExpectPausesChangeNothing(TinyScenario(), 8, {}, {}, serial, unsorted);
+}
+
+TEST(Pause, KeepsSleepersAsleep) {
+  Scenario scenario = RestingScenario(4);
+  RunningScenario running(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  uint32_t f = 0;
+  for (; f < 400 && CountAsleep(scene) == 0; ++f) {
+    running.Begin(f);
+    serial.Run(scene.CurrentFrame());
+  }
+  const uint32_t asleep = CountAsleep(scene);
+  ASSERT_GT(asleep, 0u);
+  ASSERT_EQ(BeginError(scene, PausedInput(scenario, f, scene)), "");
+  serial.Run(scene.CurrentFrame());
+  running.Begin(f);
+  serial.Run(scene.CurrentFrame());
+  EXPECT_GE(CountAsleep(scene), asleep);
+}
+
+// A turned camera in a pause: the order is that of a scene which saw the same state from there, and
+// the course goes on with the bits of one that never looked.
+TEST(Pause, FollowsTheView) {
+  Scenario scenario = TinyScenario();
+  RunningScenario looking(scenario, OptionsFor(BestIsa())), plain(scenario, OptionsFor(BestIsa()));
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 10; ++f) {
+    for (RunningScenario* running : {&looking, &plain}) {
+      running->Begin(f);
+      serial.Run(running->scene().CurrentFrame());
+    }
+    ASSERT_EQ(looking.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
+    FurScene& scene = looking.scene();
+    const uint64_t points = scene.DigestStream(Stream::kCurves),
+                   keys = scene.DigestStream(Stream::kSortKeys);
+    FrameInput turned = PausedInput(scenario, f, scene);
+    std::swap(turned.camera.position[0], turned.camera.position[2]);
+    turned.camera.position[1] += 0.1f;
+    ASSERT_EQ(BeginError(scene, turned), "");
+    serial.Run(scene.CurrentFrame());
+    EXPECT_EQ(scene.DigestStream(Stream::kCurves), points);
+    EXPECT_NE(scene.DigestStream(Stream::kSortKeys), keys);
+    const uint64_t order = scene.DigestStream(Stream::kOrder);
+    // Without skipping the sort, from the same place.
+    turned.skip.sort = false;
+    ASSERT_EQ(BeginError(scene, turned), "");
+    serial.Run(scene.CurrentFrame());
+    EXPECT_EQ(scene.DigestStream(Stream::kOrder), order);
+  }
+}
+
+TEST(Pause, AsTheFirstFrameShowsTheGroom) {
+  Scenario scenario = TinyScenario();
+  RunningScenario paused(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = paused.scene();
+  SerialExecutor serial;
+  ASSERT_EQ(BeginError(scene, PausedInput(scenario, 0, scene)), "");
+  serial.Run(scene.CurrentFrame());
+  EXPECT_GT(scene.DrawnStrands(), 0u);
+  const uint64_t at_first = scene.DigestFrame();
+  ASSERT_EQ(BeginError(scene, PausedInput(scenario, 0, scene)), "");
+  serial.Run(scene.CurrentFrame());
+  EXPECT_EQ(scene.DigestFrame(), at_first);
+  for (uint32_t f = 0; f < 5; ++f) {
+    paused.Begin(f);
+    serial.Run(scene.CurrentFrame());
+    EXPECT_NE(scene.DigestFrame(), at_first);
+  }
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,202 @@
+// A pose that cannot be used stops its character and nobody else: the others keep the bits of a
+// scene in which nothing was wrong, and the character those of one whose pose was given again.
+#include "jobs/pose_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/bind_pose.hpp"
+#include "jobs/adapters/pull_pool.hpp"
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "tests/jobs/pair_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct BadPose {
+  const char* says;
+  void (*spoil)(PoseBlock&);
+};
+const BadPose kBadPoses[] = {
+    {"joint count is not its groom's", [](PoseBlock& p) { p.joint_count = 0; }},
+    {"joint count is not its groom's", [](PoseBlock& p) { --p.joint_count; }},
+    {"joint count is not its groom's", [](PoseBlock& p) { p.joint_count = kJointsPerCharacter; }},
+    {"joint count is not its groom's", [](PoseBlock& p) { p.joint_count = ~0u; }},
+    {"character 1: its root placement", [](PoseBlock& p) { p.root[3] = kNaN; }},
+    {"root placement", [](PoseBlock& p) { p.root[3] = 1e9f; }},
+    {"joint 2: its translation keys", [](PoseBlock& p) { p.translation_key[0][1][2] = kNaN; }},
+    {"rotation keys", [](PoseBlock& p) { p.rotation_key[3][3][p.joint_count - 1] = -kInf; }},
+    {"joint 1: its scale keys", [](PoseBlock& p) { p.scale_key[2][0][1] = kNaN; }},
+    {"joint 0: its translation weights", [](PoseBlock& p) { p.translation_weight[1][0] = kNaN; }},
+    {"rotation weights", [](PoseBlock& p) { p.rotation_weight[1][0] = kNaN; }},
+    {"scale weights", [](PoseBlock& p) { p.scale_weight[1][0] = 1e7f; }},
+    {"it takes the skin beyond 1e7 m",
+     [](PoseBlock& p) {
+       for (uint32_t j = 0; j < p.joint_count; ++j)
+         for (int c = 0; c < 3; ++c) p.scale_key[0][c][j] = 1e6f;
+     }},
+    {"it takes the skin beyond 1e7 m",
+     [](PoseBlock& p) {
+       for (uint32_t j = 0; j < p.joint_count; ++j) p.translation_key[0][1][j] = -1e6f;
+       for (float& w : p.translation_weight[0]) w = 1e6f;
+     }},
+};
+
+FrameInput Prepare(Scenario& scenario, uint32_t frame, FurScene& scene) {
+  return scenario.PrepareFrame(frame, scene);
+}
+
+// `bad` runs with a refused pose of character 1 in every third frame; `good` with the pose it had
+// before. Frame by frame they must not differ in a bit, and character 0 not from the undisturbed.
+void ExpectHeld(const BadPose& fault, Executor& executor, const SceneOptions& options) {
+  Scenario scenario = PairScenario();
+  RunningScenario bad(scenario, options), good(scenario, options);
+  SerialExecutor serial;
+  PoseBlock last{};
+  for (uint32_t f = 0; f < 10; ++f) {
+    const bool spoiled = f % 3 == 2;
+    const FrameInput input = Prepare(scenario, f, bad.scene());
+    if (spoiled) fault.spoil(bad.scene().Pose(1));
+    ASSERT_EQ(BeginError(bad.scene(), input), "");
+    ASSERT_EQ(bad.scene().RefusedPoses().size(), spoiled ? 1u : 0u);
+    if (spoiled) {
+      const std::string text = DescribeRefusedPose(bad.scene().RefusedPoses()[0]);
+      EXPECT_NE(text.find("pose of character 1"), std::string::npos) << text;
+      EXPECT_NE(text.find(fault.says), std::string::npos) << text;
+    }
+    executor.Run(bad.scene().CurrentFrame());
+
+    const FrameInput same = Prepare(scenario, f, good.scene());
+    if (spoiled) good.scene().Pose(1) = last;
+    last = good.scene().Pose(1);
+    ASSERT_EQ(BeginError(good.scene(), same), "");
+    ASSERT_TRUE(good.scene().RefusedPoses().empty());
+    serial.Run(good.scene().CurrentFrame());
+    ASSERT_EQ(bad.scene().DigestFrame(), good.scene().DigestFrame())
+        << fault.says << ", frame " << f;
+  }
+}
+
+TEST(PoseGate, HoldsTheLastPoseAndDisturbsNobody) {
+  for (const BadPose& fault : kBadPoses) {
+    SerialExecutor serial;
+    ExpectHeld(fault, serial, OptionsFor(BestIsa()));
+  }
+}
+
+TEST(PoseGate, IsTheSameOnEveryExecutor) {
+  const BadPose& fault = kBadPoses[6];
+  PermutedExecutor permuted(5);
+  ExpectHeld(fault, permuted, OptionsFor(Isa::kReference));
+  TbbExecutor tbb(3);
+  ExpectHeld(fault, tbb, OptionsFor(BestIsa()));
+  PullPool pull(2);
+  ExpectHeld(fault, pull, OptionsFor(BestIsa()));
+  SceneOptions options = OptionsFor(BestIsa());
+  LocalStoreExecutor local(options.plan.local_store_data_bytes);
+  ExpectHeld(fault, local, options);
+  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+}
+
+// The other character, against a scene in which nothing was ever wrong.
+TEST(PoseGate, LeavesTheOthersAsTheyWere) {
+  Scenario scenario = PairScenario();
+  RunningScenario bad(scenario, {}), good(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 12; ++f) {
+    const FrameInput input = Prepare(scenario, f, bad.scene());
+    bad.scene().Pose(1).rotation_key[0][0][0] = kNaN;
+    ASSERT_EQ(BeginError(bad.scene(), input), "");
+    serial.Run(bad.scene().CurrentFrame());
+    good.Begin(f);
+    serial.Run(good.scene().CurrentFrame());
+    ASSERT_EQ(DigestCharacter(bad.scene(), 0), DigestCharacter(good.scene(), 0)) << f;
+    ASSERT_NE(DigestCharacter(bad.scene(), 1), DigestCharacter(good.scene(), 1)) << f;
+  }
+}
+
+// As it was bound, at the origin; and its fur starts from the groom when its pose comes.
+TEST(PoseGate, ACharacterWithoutAPoseStandsAsItWasBound) {
+  Scenario scenario = PairScenario();
+  RunningScenario late(scenario, {});
+  FurScene& scene = late.scene();
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 4; ++f) {
+    const FrameInput input = Prepare(scenario, f, scene);
+    scene.Pose(1).joint_count = 3;
+    ASSERT_EQ(BeginError(scene, input), "");
+    serial.Run(scene.CurrentFrame());
+    const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, 1);
+    const float scale = scenario.ActorGrooms()[1]->unit_scale;
+    for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
+  }
+  late.Begin(4);
+  serial.Run(scene.CurrentFrame());
+  uint32_t restarted = 0, chunks = 0;
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    if (scene.shape().layer_character[scene.shape().chunk_layer[c]] != 1) continue;
+    ++chunks;
+    restarted +=
+        (scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags & kChunkRestart) != 0;
+  }
+  EXPECT_GT(chunks, 0u);
+  EXPECT_EQ(restarted, chunks);
+}
+
+// A teleport that came with a refused pose is not lost.
+TEST(PoseGate, ARefusedTeleportHappensWithTheNextPose) {
+  Scenario scenario = PairScenario();
+  RunningScenario running(scenario, {});
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 6; ++f) {
+    const FrameInput input = Prepare(scenario, f, scene);
+    if (f == 4) {
+      scene.Pose(1).teleported = 1;
+      scene.Pose(1).root[0] = kInf;
+    }
+    ASSERT_EQ(BeginError(scene, input), "");
+    serial.Run(scene.CurrentFrame());
+    const bool restarts = f == 0 || f == 5;
+    EXPECT_EQ(CountChunks(scene, kChunkRestart) > 0, restarts) << f;
+  }
+}
+
+// Scales that cancel along the chain are absurd one by one and harmless together: the bound does
+// not pass them, the kernels' own bits do.
+TEST(PoseGate, AcceptsWhatTheKernelsMakeHarmless) {
+  Scenario scenario = PairScenario();
+  RunningScenario running(scenario, {});
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  FrameInput input = Prepare(scenario, 0, scene);
+  const SkeletonBlock& skeleton = scenario.ActorGrooms()[1]->skeleton;
+  PoseBlock& pose = scene.Pose(1);
+  uint32_t stretched = 0;
+  std::vector<int> depths(pose.joint_count, 0);
+  for (uint32_t j = 0; j < pose.joint_count; ++j) {
+    const int32_t parent = skeleton.parent[j];
+    const int depth = parent < 0 ? 0 : depths[size_t(parent)] + 1;
+    depths[j] = depth;
+    // Stretched along one axis by a joint, flattened along it by the next.
+    const float along = depth % 2 == 0 ? 1e4f : 1e-4f;
+    SetJoint(pose, j, {.scale = {along, 1.0f / along, 1.0f}});
+    stretched += depth >= 2;
+  }
+  ASSERT_GT(stretched, 0u);
+  ASSERT_EQ(BeginError(scene, input), "");
+  for (const RefusedPose& refused : scene.RefusedPoses())
+    ADD_FAILURE() << DescribeRefusedPose(refused);
+  serial.Run(scene.CurrentFrame());
+}
+
+}  // namespace
+}  // namespace pelt
