@@ -13,7 +13,8 @@ using PredictFunction = bool(const PlatformParameters& p, double availability, u
                              double& predicted, std::string& error);
 
 // SPU (spu_rows.cpp). A rate is of all SPUs together.
-PredictFunction SinglePrecisionRate, IntegerRate, NewtonRate, DoublePrecisionRate;
+PredictFunction SinglePrecisionRate, IntegerRate, ShuffleRate, DualIssueRate;
+PredictFunction NewtonRate, EvenNopNewtonRate, DoublePrecisionRate;
 PredictFunction BranchTurn, HintedBranchTurn, MatrixPeakShare, PublishedTurn, PublishedIssueTimes;
 
 // PPE and Xenon cores (ppe_rows.cpp). `argument`: bytes walked through.

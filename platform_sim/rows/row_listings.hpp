@@ -9,12 +9,15 @@ namespace pelt {
 
 // ---- SPU listings, their loop labelled "loop" ------------------------------------------------
 
-std::string SinglePrecisionFma();  // C1
-std::string IntegerMultiplyAdd();  // C2
-std::string NewtonSteps();         // C5
-std::string DoublePrecisionFma();  // C7
-std::string UnhintedBranch();      // C9
-std::string HintedBranch();        // C10
+std::string SinglePrecisionFma();       // C1
+std::string IntegerMultiplyAdd();       // C2
+std::string Shuffles();                 // C3
+std::string FmaBesideShuffles();        // C4
+std::string NewtonSteps();              // C5
+std::string NewtonStepsWithEvenNops();  // C6: behind each "and" a nop of its own pipe
+std::string DoublePrecisionFma();       // C7
+std::string UnhintedBranch();           // C9
+std::string HintedBranch();             // C10
 // C13: no listing of the row's kernel is published; this is a schedule of our own for the same
 // work.
 std::string MatrixMultiply();

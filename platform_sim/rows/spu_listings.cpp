@@ -1,5 +1,7 @@
 // The SPU rows' listings.
 
+#include <string_view>
+
 #include "core/format.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 
@@ -36,6 +38,42 @@ std::string IntegerMultiplyAdd() {
   ListingText body;
   for (int r = 0; r < 32; ++r) body.Chains(7, "mpya $2{0}, $2{0}, $10, $11");
   return CountedLoop(body);
+}
+
+// Five chains of shuffles, each of which reads the next one's result, and four of rotates.
+std::string Shuffles() {
+  constexpr const char* kOps[] = {
+      "shufb $20, $20, $21, $10", "shufb $21, $21, $22, $10", "shufb $22, $22, $23, $10",
+      "shufb $23, $23, $24, $10", "shufb $24, $24, $20, $10", "rotqbi $30, $30, $11",
+      "rotqbi $31, $31, $11",     "shlqbi $32, $32, $11",     "shlqbi $33, $33, $11"};
+  ListingText body;
+  for (int r = 0; r < 64; ++r)
+    for (const char* op : kOps) {
+      body.Line("nop");
+      body.Line(op);
+    }
+  return CountedLoop(body);
+}
+
+std::string FmaBesideShuffles() {
+  constexpr const char* kOdd[] = {"shufb $30, $30, $31, $12", "shufb $31, $31, $32, $12",
+                                  "rotqbi $32, $32, $13",     "rotqbi $33, $33, $13",
+                                  "shufb $34, $34, $35, $12", "shlqbi $35, $35, $13"};
+  ListingText body;
+  for (int r = 0; r < 64; ++r)
+    for (int i = 0; i < 6; ++i) {
+      body.Line(Format("fma $2{0}, $2{0}, $10, $11", i));
+      body.Line(kOdd[i]);
+    }
+  return CountedLoop(body);
+}
+
+std::string NewtonStepsWithEvenNops() {
+  std::string text = NewtonSteps();
+  constexpr std::string_view kAnd = "  and ", kOddNop = "lnop";
+  for (size_t at = text.find(kAnd); at != text.npos; at = text.find(kAnd, at + 1))
+    text.replace(text.find(kOddNop, at), kOddNop.size(), "nop");
+  return text;
 }
 
 std::string NewtonSteps() {

@@ -42,6 +42,19 @@ bool IntegerRate(const PlatformParameters& p, double availability, uint32_t, dou
                  std::string& error) {
   return Rate(IntegerMultiplyAdd(), 32 * 7 * 4 * 2, p.cell, availability, predicted, error);
 }
+// Nine a round, of four words each; six multiply-adds of two operations and six others.
+bool ShuffleRate(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                 std::string& error) {
+  return Rate(Shuffles(), 64 * 9 * 4, p.cell, availability, predicted, error);
+}
+bool DualIssueRate(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                   std::string& error) {
+  return Rate(FmaBesideShuffles(), 64 * 6 * (4 * 2 + 4), p.cell, availability, predicted, error);
+}
+bool EvenNopNewtonRate(const PlatformParameters& p, double availability, uint32_t,
+                       double& predicted, std::string& error) {
+  return Rate(NewtonStepsWithEvenNops(), 2112, p.cell, availability, predicted, error);
+}
 bool NewtonRate(const PlatformParameters& p, double availability, uint32_t, double& predicted,
                 std::string& error) {
   return Rate(NewtonSteps(), 2112, p.cell, availability, predicted, error);
