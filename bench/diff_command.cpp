@@ -5,9 +5,9 @@
 #include "bench/groom_diff.hpp"
 #include "bench/json_text.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
 #include "traces/diff.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {

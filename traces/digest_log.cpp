@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "traces/file_bytes.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
 

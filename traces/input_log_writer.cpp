@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "traces/file_bytes.hpp"
+#include "core/file_bytes.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log.hpp"
 #include "traces/input_log_format.hpp"

@@ -8,8 +8,8 @@
 
 #include "bench/accuracy/jet.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/groom/nearest_word.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt::accuracy {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_schema.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt::accuracy {
 namespace {

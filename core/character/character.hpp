@@ -68,6 +68,7 @@ struct Character {
   std::vector<Clip> clips;
   std::vector<std::string>
       notes;  // repairs and guesses made on import, one sentence each, to be shown
+  std::vector<std::string> files_read;  // besides the file itself: its buffers
 };
 
 // The mesh in its rest pose, in metres and world axes (y up): what grooming measures on.

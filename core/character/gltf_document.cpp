@@ -8,10 +8,11 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "core/character/gltf_json_guard.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
+#include "core/output_place.hpp"
 
 // The distribution's library holds the implementation (define PELT_TINYGLTF_HEADER_ONLY where
 // tinygltf is headers alone).
@@ -31,30 +32,33 @@ constexpr uint64_t kMaxExternalBytes = 1ull << 30;
 struct BufferFolder {
   std::string folder;
   uint64_t bytes_left = kMaxExternalBytes;
+  std::vector<std::string> read = {};
 };
 
 bool BufferFileExists(const std::string& path, void* user) {
   const BufferFolder& from = *static_cast<const BufferFolder*>(user);
   if (from.folder.empty() || path.compare(0, from.folder.size(), from.folder) != 0) return false;
   std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
+  return std::filesystem::exists(path, error);
 }
 
 bool ReadBufferFile(std::vector<unsigned char>* out, std::string* reason, const std::string& path,
                     void* user) {
   BufferFolder& from = *static_cast<BufferFolder*>(user);
   std::error_code error;
-  const uint64_t size = std::filesystem::file_size(path, error);
-  if (error || size > from.bytes_left) {
-    *reason = error ? error.message() : "too large";
+  const auto type = std::filesystem::status(path, error).type();
+  // Whoever made the file must not make us wait for a FIFO.
+  if (type != std::filesystem::file_type::regular) {
+    *reason = std::string(DescribeFileType(type)) + ", not a file";
     return false;
   }
-  from.bytes_left -= size;
-  out->resize(size);
-  std::ifstream in(path, std::ios::binary);
-  in.read(reinterpret_cast<char*>(out->data()), std::streamsize(size));
-  if (!in) *reason = "cannot be read";
-  return bool(in);
+  const auto bytes = TryReadWhole(path, from.bytes_left, *reason);
+  if (!bytes) return false;
+  from.bytes_left -= bytes->size();
+  from.read.push_back(path);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes->data());
+  out->assign(data, data + bytes->size());
+  return true;
 }
 
 std::string SamePath(const std::string& path, void*) { return path; }
@@ -104,14 +108,14 @@ std::string DropHarmless(std::string errors) {
 }
 
 tinygltf::Model ParseModel(std::span<unsigned char> file, const std::string& name,
-                           const std::string& folder) {
+                           BufferFolder& from) {
+  const std::string& folder = from.folder;
   if (file.empty()) throw Error(name + ": the file is empty");
   if (file.size() > 0xffffffffull) throw Error(name + ": larger than 4 GiB");
   const std::span<unsigned char> json = FindJson(file, name);
   const std::string reason = GuardJson({reinterpret_cast<char*>(json.data()), json.size()});
   if (!reason.empty()) throw Error(name + ": " + reason);
 
-  BufferFolder from{folder};
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(SkipImage, nullptr);
   loader.SetFsCallbacks({BufferFileExists, SamePath, ReadBufferFile, nullptr, &from});
@@ -182,9 +186,11 @@ Document ParseDocument(std::span<const std::byte> bytes, const std::string& name
                        const std::string& folder) {
   const unsigned char* first = reinterpret_cast<const unsigned char*>(bytes.data());
   std::vector<unsigned char> file(first, first + bytes.size());  // the guard masks in place
-  tinygltf::Model model = ParseModel(file, name, folder);
+  BufferFolder from{folder};
+  tinygltf::Model model = ParseModel(file, name, from);
 
   Document to;
+  to.files_read = std::move(from.read);
   to.name = name;
   to.file_bytes = bytes.size();
   for (tinygltf::Buffer& b : model.buffers) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "core/character/gltf_read.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -28,6 +28,7 @@ Character ImportDocument(const gltf::Document& document, const std::string& name
                    extension + " is not supported; export without compression");
   Character character;
   character.name = name;
+  character.files_read = document.files_read;
   gltf::SkeletonImport skeleton = gltf::ReadSkeleton(document, &character.notes);
   character.mesh = gltf::ReadMesh(document, skeleton, &character.notes);
   character.clips = gltf::ReadClips(document, skeleton, &character.notes);
@@ -49,19 +50,13 @@ Character ImportGltf(std::span<const std::byte> bytes, const std::string& name) 
 }
 
 Character ImportGltfFile(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw Error(path + ": no such file");
-  const uint64_t size = std::filesystem::file_size(path, error);
-  if (error) throw Error(path + ": cannot be read: " + error.message());
-  if (size > 0xffffffffull) throw Error(path + ": larger than 4 GiB");
-  std::vector<std::byte> bytes(size);
-  std::ifstream in(path, std::ios::binary);
-  in.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
-  if (!in) throw Error(path + ": cannot be read");
+  std::string reason;
+  const auto bytes = TryReadWhole(path, 0xffffffffull, reason);
+  if (!bytes) throw Error(path + ": " + reason);
   const std::filesystem::path file(path);
   std::string folder = file.parent_path().string();
   if (folder.empty()) folder = ".";
-  return ImportDocument(gltf::ParseDocument(bytes, path, folder), file.stem().string());
+  return ImportDocument(gltf::ParseDocument(*bytes, path, folder), file.stem().string());
 }
 
 }  // namespace pelt

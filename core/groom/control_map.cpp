@@ -8,10 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/format.hpp"
 #include "core/groom/fur_setup.hpp"
 
@@ -19,7 +18,7 @@ namespace pelt {
 namespace {
 
 constexpr int kSideLimit = 4096;
-constexpr size_t kFileBytesLimit = 64u << 20;
+constexpr size_t kPngBytesLimit = 64u << 20;
 // A picture of the largest side, four 16-bit channels, and a filter byte a row.
 constexpr size_t kAllocationLimit = size_t(kSideLimit) * kSideLimit * 8 + kSideLimit;
 
@@ -53,8 +52,8 @@ void* ResizeBounded(void* block, size_t bytes) {
 namespace pelt {
 
 ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name) {
-  if (png.size() > kFileBytesLimit) {
-    throw Error(Format("control map '{}': larger than {} bytes", name, kFileBytesLimit));
+  if (png.size() > kPngBytesLimit) {
+    throw Error(Format("control map '{}': larger than {} bytes", name, kPngBytesLimit));
   }
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(png.data(), int(png.size()), &width, &height, &channels)) {
@@ -81,24 +80,10 @@ ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name)
 }
 
 ControlMap ReadControlMapFile(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    throw Error(Format("control map '{}': no such file", path));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw Error(Format("control map '{}': not a file", path));
-  }
-  const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kFileBytesLimit) {
-    throw Error(Format("control map '{}': larger than {} bytes", path, kFileBytesLimit));
-  }
-  std::vector<uint8_t> png(bytes);
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(png.data()), std::streamsize(png.size()))) {
-    throw Error(Format("control map '{}': cannot be read", path));
-  }
-  return ReadControlMap(png, path);
+  std::string reason;
+  const auto png = TryReadWhole(path, kPngBytesLimit, reason);
+  if (!png) throw Error(Format("control map '{}': {}", path, reason));
+  return ReadControlMap({reinterpret_cast<const uint8_t*>(png->data()), png->size()}, path);
 }
 
 namespace {

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "core/chunk.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
 
@@ -183,20 +183,15 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                      "another layer has this name");
     }
   }
+  setup.files_read = reader.MapPaths();
   return setup;
 }
 
 FurSetup ReadFurSetupFile(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw Error(Format("{}: no such file", path));
-  if (!std::filesystem::is_regular_file(status)) throw Error(Format("{}: not a file", path));
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kSetupBytesLimit + 1, '\0');
-  file.read(text.data(), std::streamsize(text.size()));
-  if (!file.eof() && !file) throw Error(Format("{}: cannot be read", path));
-  text.resize(size_t(file.gcount()));
-  return ReadFurSetup(text, path, std::filesystem::path(path).parent_path().string());
+  std::string reason;
+  const auto bytes = TryReadWhole(path, kSetupBytesLimit, reason);
+  if (!bytes) throw Error(Format("{}: {}", path, reason));
+  return ReadFurSetup(AsText(*bytes), path, std::filesystem::path(path).parent_path().string());
 }
 
 }  // namespace pelt

@@ -111,6 +111,7 @@ struct FurSetup {
   std::optional<float> unit_scale;  // metres a file unit; default from the bounding box
   std::string clip;                 // to play; empty: the first
   std::vector<LayerSetup> layers;
+  std::vector<std::string> files_read;  // besides the setup itself: its maps
 };
 
 // Reads a setup from TOML text. `path` names it in messages; maps are found relative to

@@ -6,16 +6,13 @@
 // fields needs no check of its own; whoever loops over items looks at ok().
 #include "core/groom/groom_file.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <utility>
 
+#include "core/file_bytes.hpp"
 #include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 
@@ -27,7 +24,6 @@ using namespace groom_file;
 constexpr char kMagic[8] = {'P', 'E', 'L', 'T', 'G', 'R', 'M', '\n'};
 constexpr uint64_t kHashAt = 40;
 constexpr uint64_t kTextBytesLimit = 4096;
-constexpr uint64_t kFileBytesLimit = uint64_t{8} << 30;
 
 // Appends to one buffer whose size was reckoned before.
 class Writer {
@@ -331,46 +327,13 @@ std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::s
 bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error) {
   const std::optional<std::vector<std::byte>> bytes = TryWriteGroom(groom, error);
   if (!bytes) return false;
-  const std::string partial = Format("{}.{}.partial", path, getpid());
-  std::error_code code;
-  {
-    std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
-    file.close();
-    if (!file) {
-      std::filesystem::remove(partial, code);
-      error = Format(
-          "groom '{}': cannot be written there; is the folder there, writable and not full?", path);
-      return false;
-    }
-  }
-  std::filesystem::rename(partial, path, code);
-  if (code) {
-    error = Format("groom '{}': cannot be put in place: {}", path, code.message());
-    std::filesystem::remove(partial, code);
-  }
-  return error.empty();
+  return TryWriteFileBytes("groom", path, *bytes, error);
 }
 
 std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    error = Format("groom '{}': no such file", path);
-    return std::nullopt;
-  }
-  const uintmax_t size = std::filesystem::file_size(path, code);
-  if (code || size > kFileBytesLimit) {
-    error = Format("groom '{}': larger than {} bytes", path, kFileBytesLimit);
-    return std::nullopt;
-  }
-  std::vector<std::byte> bytes(size);
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
-  if (!file) {
-    error = Format("groom '{}': cannot be read", path);
-    return std::nullopt;
-  }
-  return TryReadGroom(bytes, path, error);
+  const std::optional<std::vector<std::byte>> bytes = TryReadFileBytes("groom", path, error);
+  if (!bytes) return std::nullopt;
+  return TryReadGroom(*bytes, path, error);
 }
 
 }  // namespace pelt

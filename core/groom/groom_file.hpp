@@ -36,7 +36,7 @@ std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& erro
 
 // Fails when the groom is not one that TryReadGroom would accept.
 std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::string& error);
-// Written beside the target first and renamed onto it, so that a reader never sees half a file.
+// As TryWriteFileBytes (core/file_bytes.hpp): a file is replaced whole.
 bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error);
 
 // What the frame assumes of a groom and the types do not say: the text of the first thing that is

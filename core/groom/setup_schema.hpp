@@ -92,6 +92,12 @@ class SetupReader {
  public:
   SetupReader(std::string path, std::string map_directory)
       : path_(std::move(path)), map_directory_(std::move(map_directory)) {}
+  // Of the maps that were read.
+  std::vector<std::string> MapPaths() const {
+    std::vector<std::string> paths;
+    for (const auto& [path, map] : maps_) paths.push_back(path);
+    return paths;
+  }
 
   // Whose keys these are: "layer 'head': ", or empty.
   void SetOwner(std::string owner) { owner_ = std::move(owner); }

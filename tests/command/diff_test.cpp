@@ -8,9 +8,9 @@
 #include "bench/commands.hpp"
 #include "bench/groom_diff.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
 #include "tests/traces/recorded_frames.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {

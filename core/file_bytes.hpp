@@ -1,8 +1,10 @@
-// Whole files in and out, for logs.
+// Whole files in and out. This is the one place that opens a file to write it: what it does with
+// links, devices, modes and full disks then holds for every output there is.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,16 +15,32 @@
 
 namespace pelt {
 
-// Largest file that is read: more than any log that could be of use.
-inline constexpr uint64_t kLogFileBytesLimit = uint64_t{8} << 30;
+// Largest file that is read: more than any groom or log that could be of use.
+inline constexpr uint64_t kFileBytesLimit = uint64_t{8} << 30;
+
+// All bytes of a file, or of a FIFO until its writer closes it. `reason` does not name the file:
+// "no such file", "a folder, not a file".
+std::optional<std::vector<std::byte>> TryReadWhole(const std::string& path, uint64_t bytes_limit,
+                                                   std::string& reason);
+
+// The same of what is open.
+std::optional<std::vector<std::byte>> TryReadToEnd(std::FILE* file, uint64_t bytes_limit,
+                                                   std::string& reason);
 
 // `what` is for messages: "digest log 'a.digests': no such file".
 std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
                                                        const std::string& path, std::string& error);
 
-// Written beside the target first and renamed onto it, so that a reader never sees half a file.
+// A regular file is replaced whole (output_place.hpp) and keeps its mode and owner; a FIFO or a
+// device is written to. When the new file cannot be renamed into place it is kept beside it, and
+// named in the error.
 bool TryWriteFileBytes(std::string_view what, const std::string& path,
                        std::span<const std::byte> bytes, std::string& error);
+
+// Whether TryWriteFileBytes would come to writing: before work whose result goes there. Leaves
+// everything as it was; of a FIFO or a device, which may not be opened for a try, it looks at the
+// permissions.
+bool TryOutput(std::string_view what, const std::string& path, std::string& error);
 
 #if defined(__cpp_exceptions)
 // The same, throwing Error.
