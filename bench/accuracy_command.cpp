@@ -14,7 +14,6 @@
 #include "bench/commands.hpp"
 #include "bench/progress.hpp"
 #include "core/error.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 
@@ -55,13 +54,13 @@ std::function<void(size_t, size_t)> ShowOn(std::optional<Progress>& shown) {
 
 void WriteJson(const AccuracyArgs& args, const std::string& json) {
   if (args.json.empty()) return;
-  WriteFileBytes("accuracy", args.json, AsBytes(json + "\n"));
-  fmt::print("json      {}\n", args.json);
+  WriteOutput("accuracy", args.json, json + "\n");
+  fmt::print("json      {}\n", args.json.path());
 }
 
 void WriteDiagram(const AccuracyArgs& args, const std::string& svg) {
-  WriteFileBytes("diagram", args.svg, AsBytes(svg));
-  fmt::print("diagram   {}\n", args.svg);
+  WriteOutput("diagram", args.svg, svg);
+  fmt::print("diagram   {}\n", args.svg.path());
 }
 
 int MeasureScene(const AccuracyArgs& args) {
@@ -133,10 +132,10 @@ int RunRecorded(const AccuracyArgs& args) {
       args.exact ? exact : RunSolver(strand, samples, FactoryOf(solver, args.isa));
   if (track.links == 0)
     throw Error(fmt::format("{}: {} does not run such a strand", args.strand, solver.label));
-  WriteFileBytes("points", args.out, AsBytes(PointsText(track)));
+  WriteOutput("points", args.out, PointsText(track));
   fmt::print("{} frames in {:.4g} s, {} links, {} points a frame: {}\n", samples.size() - 1,
              samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
-             args.out);
+             args.out.path());
   if (args.exact) {
     fmt::print("the exact motion, the root between samples by cubic splines\n");
     return 0;
@@ -152,15 +151,19 @@ int RunRecorded(const AccuracyArgs& args) {
   return 0;
 }
 
-int WriteExample(const std::string& folder) {
+int WriteExample(const OutputPath& folder) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Error(fmt::format("cannot make the folder {}: {}", folder, error.message()));
-  const std::string roots = (std::filesystem::path(folder) / "roots.csv").string();
-  const std::string strand = (std::filesystem::path(folder) / "strand.toml").string();
-  WriteFileBytes("example", roots, AsBytes(RootsText(ExampleRoots())));
-  WriteFileBytes("example", strand, AsBytes(ExampleStrand()));
-  fmt::print("{}\n{}\n", roots, strand);
+  std::filesystem::create_directories(folder.path(), error);
+  if (error)
+    throw Error(fmt::format("cannot make the folder {}: {}", folder.path(), error.message()));
+  const std::pair<OutputPath, std::string> files[] = {
+      {folder.Inside("roots.csv"), RootsText(ExampleRoots())},
+      {folder.Inside("strand.toml"), ExampleStrand()}};
+  for (const auto& [path, text] : files) CheckOutput("example", path);
+  for (const auto& [path, text] : files) {
+    WriteOutput("example", path, text);
+    fmt::print("{}\n", path.path());
+  }
   return 0;
 }
 

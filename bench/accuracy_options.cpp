@@ -4,7 +4,9 @@
 
 #include "bench/accuracy/body_motion.hpp"
 #include "bench/accuracy/chain_problem.hpp"
+#include "bench/accuracy/named_solver.hpp"
 #include "bench/command_options.hpp"
+#include "bench/file_options.hpp"
 
 namespace pelt {
 namespace {
@@ -31,16 +33,16 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
   app.add_flag("--calibrated", args.calibrated,
                "Strands with the calibrated coefficients of layers, not equal masses and joints");
   app.add_flag("--quick", args.quick, "Few solvers and cases, 3 links at 60 Hz: seconds");
-  app.add_option("--json", args.json, "JSON file to write; see pelt report --accuracy");
-  app.add_option("--svg", args.svg, "Work-precision diagram to write");
+  AddOutputFile(app, "--json", args.json, "JSON file to write; see pelt report --accuracy");
+  AddOutputFile(app, "--svg", args.svg, "Work-precision diagram to write", ".svg");
 }
 
 void AddRecorded(CLI::App& app, AccuracyArgs& args) {
-  auto* roots = app.add_option(
-      "--roots", args.roots, "Instead of the benchmark: CSV file with a pose of the root a frame");
+  auto* roots = AddInputFile(app, "--roots", args.roots,
+                             "Instead of the benchmark: CSV file with a pose of the root a frame");
   auto* strand =
-      app.add_option("--strand", args.strand, "TOML file with the strand that it drives");
-  auto* out = app.add_option("--out", args.out, "CSV file to write: its points at every frame");
+      AddInputFile(app, "--strand", args.strand, "TOML file with the strand that it drives");
+  auto* out = AddOutputFile(app, "--out", args.out, "CSV file to write: its points at every frame");
   roots->needs(strand)->needs(out);
   strand->needs(roots);
   out->needs(roots);
@@ -57,8 +59,8 @@ void AddRecorded(CLI::App& app, AccuracyArgs& args) {
   app.add_flag("--exact", args.exact, "The reference integrator instead of a solver")
       ->needs(roots)
       ->excludes(solver);
-  app.add_option("--write-example", args.write_example,
-                 "Write roots.csv and strand.toml to this folder, to try it")
+  AddOutputFolder(app, "--write-example", args.write_example,
+                  "Write roots.csv and strand.toml to this folder, to try it")
       ->excludes(roots);
 }
 
@@ -82,21 +84,18 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
 }
 
 // What replaces the benchmark has options of its own.
-void CheckAccuracy(const CLI::App& app) {
-  const struct {
-    const char* instead;
-    std::vector<const char*> without;
-  } rules[] = {
-      {"--roots",
-       {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--svg", "--scene",
-        "--features"}},
-      {"--scene",
-       {"--rates", "--links", "--presets", "--calibrated", "--features", "--write-example"}},
-      {"--features", {"--rates", "--presets", "--calibrated", "--svg", "--write-example"}}};
-  for (const auto& rule : rules)
-    for (const char* other : rule.without)
-      if (app.count(rule.instead) && app.count(other))
-        throw CLI::ExcludesError(rule.instead, other);
+void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
+  RefuseBeside(app, "--roots",
+               {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--svg",
+                "--scene", "--features"});
+  RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
+  RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated", "--svg"});
+  RefuseAllBut(app, "--write-example", {});
+  RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
+  const auto solver = accuracy::FindSolver(args.solver);
+  if (solver)
+    RefuseUnless(app, solver->Tuned(), {"--stiffness-scale"},
+                 "pbd, verlet, textbook-pbd and dftl, which have no stiffness of their own");
 }
 
 }  // namespace
@@ -127,7 +126,8 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "
       "modal-best\n"
       "  pelt accuracy --roots roots.csv --strand strand.toml --out exact.csv --exact");
-  return {app, [app] { CheckAccuracy(*app); }, [kept] { return MeasureAccuracy(*kept); }};
+  return {app, [app, kept] { CheckAccuracy(*app, *kept); },
+          [kept] { return MeasureAccuracy(*kept); }};
 }
 
 Subcommand SetUpStress(CLI::App& root) {
@@ -150,7 +150,7 @@ Subcommand SetUpStress(CLI::App& root) {
       ->delimiter(',')
       ->check(IsIsa());
   app->add_flag("--quick", args.quick, "Few random starts and frame rates");
-  app->add_option("--json", args.json, "JSON file to write");
+  AddOutputFile(*app, "--json", args.json, "JSON file to write");
   app->footer(
       "All of it takes about a minute and a quarter of one core with three instruction sets.\n"
       "Examples:\n"

@@ -22,7 +22,7 @@ struct BakeReport {
   std::vector<std::string> notes;
   Groom groom;
   ScatterStats stats;
-  std::string out;
+  OutputPath out;
   uint64_t file_bytes = 0, digest = 0;
   double import_ms = 0.0, bake_ms = 0.0;
 };
@@ -54,7 +54,7 @@ std::string DescribeBake(const BakeReport& report, bool with_stats) {
                      report.bake_ms, 1000.0 * report.bake_ms / double(strands));
   out += fmt::format("groom {} bytes, digest {:016x}", report.file_bytes, report.digest);
   return out + (report.out.empty() ? ", not written: no --out\n"
-                                   : fmt::format(", written to {}\n", report.out));
+                                   : fmt::format(", written to {}\n", report.out.path()));
 }
 
 void AddSpacing(JsonText& json, std::string_view key, const SpacingStats& s) {
@@ -80,7 +80,7 @@ std::string BakeAsJson(const BakeReport& report, bool with_stats) {
   json.AddDigest("digest", report.digest);
   json.Add("import_ms", report.import_ms);
   json.Add("bake_ms", report.bake_ms);
-  if (!report.out.empty()) json.Add("out", report.out);
+  if (!report.out.empty()) json.Add("out", report.out.path());
   json.BeginArray("layers");
   for (size_t l = 0; l < report.groom.layers.size(); ++l) {
     const GroomLayer& layer = report.groom.layers[l];
@@ -121,6 +121,7 @@ int Bake(const BakeArgs& args) {
   auto start = Clock::now();
   const Character character = LoadCharacter(args.character);
   const FurSetup setup = LoadSetup(args.setup, args.seed);
+  if (args.check_files_read) args.check_files_read(FilesReadFor(character, setup));
   report.notes = character.notes;
   const float unit_scale = ChooseUnitScale(setup, character, report.notes);
   const RestGeometry rest = ComputeRestGeometry(character, unit_scale);
@@ -138,7 +139,7 @@ int Bake(const BakeArgs& args) {
   const std::vector<std::byte> bytes = WriteGroom(report.groom);
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);
-  if (!args.out.empty()) WriteGroomFile(report.groom, args.out);
+  if (!args.out.empty()) WriteOutput("groom", args.out, bytes);
   fmt::print("{}{}", args.json ? BakeAsJson(report, args.stats) : DescribeBake(report, args.stats),
              args.json ? "\n" : "");
   return 0;

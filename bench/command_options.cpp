@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <optional>
 
+#include "bench/file_options.hpp"
+#include "bench/usage_error.hpp"
 #include "core/error.hpp"
 
 namespace pelt {
@@ -50,20 +53,21 @@ CLI::Validator InRange(double least, double most) {
 
 void AddSource(CLI::App& app, ScenarioRequest& request) {
   auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
-  auto* character =
-      app.add_option("--character", request.character, "A .glb or .gltf file, or 'builtin'")
-          ->excludes(scene)
-          ->capture_default_str();
-  auto* setup = app.add_option("--setup", request.setup,
-                               "A fur setup: a .toml file, or the name of a built-in one")
+  AddInputFileOrName(app, "--character", request.character, "A .glb or .gltf file, or 'builtin'")
+      ->excludes(scene)
+      ->capture_default_str();
+  auto* setup = AddInputFileOrName(app, "--setup", request.setup,
+                                   "A fur setup: a .toml file, or the name of a built-in one")
                     ->excludes(scene);
-  auto* groom =
-      app.add_option("--groom", request.groom, "A baked groom instead of a setup; for --character")
-          ->excludes(scene)
-          ->excludes(setup);
-  static_cast<void>(character);
-  static_cast<void>(groom);
+  auto* groom = AddInputFile(app, "--groom", request.groom,
+                             "A baked groom instead of a setup; for --character")
+                    ->excludes(scene)
+                    ->excludes(setup);
+  request.check_files_read = [&app](const std::vector<std::string>& files) {
+    CheckFilesRead(app, files);
+  };
   app.add_option("--seed", request.seed, "Another groom from the same setups")
+      ->excludes(groom)
       ->capture_default_str();
   AddWord(app, "--solver", "Of every layer that can have it, instead of its own", request.solver,
           {{"pbd", Solver::kPbd}, {"verlet", Solver::kVerlet}, {"modal", Solver::kModal}});
@@ -74,10 +78,11 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
            {"best", ModalQuality::kBest}});
 }
 
-void CompleteSource(ScenarioRequest& request) {
+void CompleteSource(const CLI::App& app, ScenarioRequest& request) {
+  RefuseUnless(app, request.solver.value_or(Solver::kModal) == Solver::kModal, {"--quality"},
+               "the modal solver");
   if (!request.scene.empty() || !request.setup.empty() || !request.groom.empty()) return;
-  if (request.character != "builtin")
-    throw CLI::RequiredError("--character needs --setup or --groom, which");
+  if (request.character != "builtin") throw UsageError("--character needs --setup or --groom");
   request.scene = "monster";
 }
 
@@ -106,8 +111,8 @@ void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge) {
       },
       "Only this share of the cases: 0/3, 1/3 or 2/3 of three; env: as mpirun, Slurm or the CI "
       "numbers this process");
-  auto* files = app.add_option("--merge", merge,
-                               "What every shard printed with --json: one verdict of them all");
+  auto* files = AddInputFile(app, "--merge", merge,
+                             "What every shard printed with --json: one verdict of them all");
   for (CLI::Option* other : app.get_options())
     if (other != files && other->get_name() != "--json" && other != app.get_help_ptr())
       files->excludes(other);
@@ -133,9 +138,11 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
   for (const auto& [name, value] : skips)
     app.add_flag(fmt::format("!--no-{}", name), *value,
                  fmt::format("Do not skip what '{}' finds needless", name));
-  app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
+  auto* with_lod =
+      app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
   app.add_option("--strand-budget", lod.strand_budget,
                  "With --lod: most strands in all; 0: no budget")
+      ->needs(with_lod)
       ->capture_default_str();
 }
 
@@ -151,6 +158,13 @@ void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint6
       ->capture_default_str();
 }
 
+void CheckExecutor(const CLI::App& app, ExecutorKind executor) {
+  const bool has_workers = executor == ExecutorKind::kTbb || executor == ExecutorKind::kDoor ||
+                           executor == ExecutorKind::kPull;
+  RefuseUnless(app, has_workers, {"--workers"}, "--executor tbb, door and pull");
+  RefuseUnless(app, executor == ExecutorKind::kPermuted, {"--order-seed"}, "--executor permuted");
+}
+
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
   app.add_option("--fps", fps, "Frames a second of the simulation; 0: the scene's own")
       ->check(InRange(0.0, 1000.0))
@@ -159,6 +173,37 @@ void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
   app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(InRange(0.0, 1.0));
   app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
       ->capture_default_str();
+}
+
+std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather) {
+  const bool given = app.count("--wetness") || app.count("--dirt");
+  RefuseUnless(app, given, {"--wet-at"}, "--wetness and --dirt");
+  if (!given) return std::nullopt;
+  return weather;
+}
+
+void RefuseBeside(const CLI::App& app, const std::string& present,
+                  std::initializer_list<const char*> ignored) {
+  for (const char* option : ignored)
+    if (app.count(present) && app.count(option))
+      throw UsageError(fmt::format("{} has no effect with {}", option, present));
+}
+
+void RefuseAllBut(const CLI::App& app, const std::string& present,
+                  const std::vector<std::string>& allowed) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (app.count(present) && option->count() && name != present &&
+        std::ranges::count(allowed, name) == 0)
+      throw UsageError(fmt::format("{} has no effect with {}", name, present));
+  }
+}
+
+void RefuseUnless(const CLI::App& app, bool has_effect, std::initializer_list<const char*> options,
+                  const std::string& where) {
+  for (const char* option : options)
+    if (!has_effect && app.count(option))
+      throw UsageError(fmt::format("{} has an effect only with {}", option, where));
 }
 
 }  // namespace pelt

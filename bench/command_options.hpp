@@ -8,6 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +41,7 @@ CLI::Validator InRange(double least, double most);
 // What to run, for the subcommands that take a scene or files.
 void AddSource(CLI::App& app, ScenarioRequest& request);
 // The scene is the monster unless something else is named.
-void CompleteSource(ScenarioRequest& request);
+void CompleteSource(const CLI::App& app, ScenarioRequest& request);
 
 void AddFrames(CLI::App& app, uint32_t& frames);
 void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set);
@@ -49,6 +51,20 @@ void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge);
 void AddPlanOptions(CLI::App& app, SceneOptions& options);
 void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod);
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed);
+// Refuses an option that the executor has no use for.
+void CheckExecutor(const CLI::App& app, ExecutorKind executor);
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather);
+// The weather that was asked for, if any was.
+std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather);
+
+// Throws when an option was given beside `present`, with which it would be ignored.
+void RefuseBeside(const CLI::App& app, const std::string& present,
+                  std::initializer_list<const char*> ignored);
+// Throws when one was given beside `present` that is none of `allowed`.
+void RefuseAllBut(const CLI::App& app, const std::string& present,
+                  const std::vector<std::string>& allowed);
+// Throws when one was given though it has an effect only where `where` says: "the ppe".
+void RefuseUnless(const CLI::App& app, bool has_effect, std::initializer_list<const char*> options,
+                  const std::string& where);
 
 }  // namespace pelt

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/output_path.hpp"
 #include "bench/run_report.hpp"
 #include "bench/scenarios.hpp"
 
@@ -16,9 +17,10 @@ namespace pelt {
 struct BakeArgs {
   std::string character = "builtin";
   std::string setup = "monster";
-  std::string out;
+  OutputPath out;
   uint64_t seed = 0;
   bool stats = false, keys = false, json = false;
+  CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
 };
 int Bake(const BakeArgs& args);
 
@@ -27,11 +29,11 @@ struct RunArgs {
   RunOptions options;
   std::optional<WeatherCourse> weather;  // the scenario's own if not given
   double fps = 0.0;                      // 0: the scenario's own
-  std::string picture;
+  OutputPath picture;
   uint32_t picture_width_px = 1200, picture_height_px = 900;
-  std::string trace;           // Chrome trace file to write
+  OutputPath trace;            // Chrome trace file to write
   uint32_t trace_frames = 10;  // the last ones; 0: all
-  std::string digest_log;      // to write
+  OutputPath digest_log;       // to write
   bool json = false;
 };
 int Run(const RunArgs& args);
@@ -43,7 +45,7 @@ std::string DescribeSettings(const RunArgs& args);
 
 struct RecordArgs {
   RunArgs run;
-  std::string out;
+  OutputPath out;
 };
 int Record(const RecordArgs& args);
 
@@ -51,7 +53,7 @@ struct ReplayArgs {
   std::string path;
   // What runs it; the vertex order is the recording's.
   VerifyCase as{.executor = ExecutorKind::kTbb, .workers = 0, .isa = BestIsa()};
-  std::string digest_log;
+  OutputPath digest_log;
   bool json = false;
 };
 int ReplayRecording(const ReplayArgs& args);
@@ -69,8 +71,9 @@ struct DiffArgs {
 int Diff(const DiffArgs& args);
 
 struct GoldenArgs {
-  std::string check, renew;  // folders; one of them
-  std::string scene;         // empty: all
+  std::string check;  // a folder; or
+  OutputPath renew;   // a folder
+  std::string scene;  // empty: all
   bool json = false;
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
@@ -79,7 +82,7 @@ int CheckOrRenewGolden(const GoldenArgs& args);
 
 struct ReportArgs {
   RunArgs run;
-  std::string out = "report.html";
+  OutputPath out = OutputPath::Of("report.html");
   bool consoles = true;  // model the scene on both, too
   std::string accuracy;  // JSON file of `pelt accuracy` to show as well
 };
@@ -120,7 +123,7 @@ struct BudgetArgs {
   LodSettings lod;
   // What the consoles have instead of their own; not given: theirs.
   std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
-  std::string trace;  // Chrome trace of the modelled consoles to write
+  OutputPath trace;  // Chrome trace of the modelled consoles to write
   bool advice = true;
   bool numbers = false;   // only print the platforms' numbers
   bool validate = false;  // only hold the models against the measured rows
@@ -156,13 +159,14 @@ struct AccuracyArgs {
   std::vector<std::string> presets;  // empty: all
   bool calibrated = false;  // strands as layers have them, not with equal masses and joints
   Isa isa = BestIsa();
-  bool quick = false;     // few solvers, cases and rounds
-  std::string json, svg;  // files to write
-  std::string roots, strand, out;
+  bool quick = false;    // few solvers, cases and rounds
+  OutputPath json, svg;  // files to write
+  std::string roots, strand;
+  OutputPath out;
   std::string solver = "modal";
   double stiffness_scale = 1.0;  // for solvers whose stiffness is not the material's
   bool exact = false;            // the reference integrator instead of a solver
-  std::string write_example;     // folder
+  OutputPath write_example;      // folder
   std::string scene;
   uint32_t frames = 0;  // of the scene; 0: enough
   bool contact = true;  // in the scene
@@ -175,7 +179,7 @@ struct StressArgs {
   std::vector<int> rates, links;     // empty: all
   std::vector<Isa> isas;             // empty: all this processor runs
   bool quick = false;
-  std::string json;  // file to write
+  OutputPath json;  // file to write
 };
 // 1 when a modal solver broke its promise.
 int StressSolvers(const StressArgs& args);

@@ -1,7 +1,10 @@
 // The options of `pelt timing` and `pelt budget`.
+#include <algorithm>
 #include <memory>
 
 #include "bench/command_options.hpp"
+#include "bench/file_options.hpp"
+#include "bench/usage_error.hpp"
 
 namespace pelt {
 namespace {
@@ -9,13 +12,27 @@ namespace {
 // A listing and a kernel have options of their own.
 void CheckTiming(const CLI::App& app, const TimingArgs& args) {
   if (!args.path.empty()) {
-    if (args.core == "xenon")
-      throw CLI::ValidationError("--core xenon", "a listing runs on spu or ppe");
+    if (args.core == "xenon") throw UsageError("--core xenon: a listing runs on spu or ppe");
+    RefuseUnless(app, args.core == "spu", {"--pair-by-order", "--hinted"}, "--core spu");
+    RefuseUnless(app, args.core == "ppe", {"--smt"}, "--core ppe");
     return;
   }
-  if (app.count("--kernel") == 0) throw CLI::RequiredError("a listing or --kernel, one of them");
-  for (const char* of_listing : {"--trip", "--pair-by-order", "--hinted", "--smt"})
-    if (app.count(of_listing)) throw CLI::ExcludesError("--kernel", of_listing);
+  if (app.count("--kernel") == 0) throw UsageError("a listing or --kernel is required");
+  RefuseBeside(app, "--kernel", {"--trip", "--pair-by-order", "--hinted", "--smt"});
+  RefuseBeside(app, "--json", {"--chart"});
+}
+
+// Each console has options of its own, and what only prints has none of a scene's.
+void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
+  const auto asks_for = [&](const char* platform) {
+    return std::ranges::count(args.platforms, platform) != 0;
+  };
+  RefuseAllBut(app, "--validate", {"--json"});
+  RefuseAllBut(app, "--numbers", {"--spus", "--local-store-kib", "--cores", "--gpu-percent"});
+  RefuseUnless(app, asks_for("ps3"), {"--spus", "--local-store-kib"}, "--platform ps3");
+  RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
+  RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice"},
+               "--platform ps3 or xbox360");
 }
 
 }  // namespace
@@ -26,8 +43,8 @@ Subcommand SetUpTiming(CLI::App& root) {
   auto* app = root.add_subcommand(
       "timing",
       "When each instruction of a listing, or of a kernel of ours, issues on a console's core");
-  auto* file = app->add_option("file", args.path,
-                               "Listing in the GNU assembler's syntax; -: standard input");
+  auto* file = AddInputFile(*app, "file", args.path,
+                            "Listing in the GNU assembler's syntax; -: standard input");
   auto* kernel = app->add_option("--kernel", args.kernel,
                                  "Instead of a listing: the stages whose names begin so");
   kernel->excludes(file);
@@ -87,8 +104,8 @@ Subcommand SetUpBudget(CLI::App& root) {
   app->add_option("--gpu-percent", args.gpu_percent,
                   "Of the Xbox 360's memory bandwidth that its GPU takes")
       ->check(CLI::Range(0, 100));
-  app->add_option("--trace", args.trace,
-                  "Chrome trace of each console's slowest frame, in the console's own time");
+  AddOutputFile(*app, "--trace", args.trace,
+                "Chrome trace of each console's slowest frame, in the console's own time");
   app->add_flag("!--no-advice", args.advice, "Do not look for what would make it fit");
   app->add_flag("--numbers", args.numbers, "Print the consoles' numbers, their sources, and stop");
   app->add_flag("--validate", args.validate,
@@ -101,7 +118,12 @@ Subcommand SetUpBudget(CLI::App& root) {
       "  pelt budget --scene tiny --frames 10 --platform ps3,xbox360 --spus 4 --json\n"
       "  pelt budget --validate\n"
       "  pelt budget --numbers");
-  return {app, [kept] { CompleteSource(kept->request); }, [kept] { return PrintBudget(*kept); }};
+  return {app,
+          [app, kept] {
+            CompleteSource(*app, kept->request);
+            CheckBudget(*app, *kept);
+          },
+          [kept] { return PrintBudget(*kept); }};
 }
 
 }  // namespace pelt

@@ -51,9 +51,7 @@ DigestLog RunGolden(const Golden& golden) {
   return log;
 }
 
-std::string PathOf(const std::string& folder, const Golden& golden) {
-  return fmt::format("{}/{}.digests", folder, golden.name);
-}
+std::string FileName(const Golden& golden) { return fmt::format("{}.digests", golden.name); }
 
 // Stricter than a diff of two runs: what a log is of, and which lines it has, is golden too.
 std::optional<std::string> FindGoldenFault(const DigestLog& stored, const DigestLog& now) {
@@ -74,7 +72,7 @@ struct GoldenResult {
 
 GoldenResult Check(const Golden& golden, const std::string& folder) {
   GoldenResult result{.golden = &golden};
-  const DigestLog stored = ReadDigestLogFile(PathOf(folder, golden));
+  const DigestLog stored = ReadDigestLogFile(fmt::format("{}/{}", folder, FileName(golden)));
   if (stored.chunk_strands != kStrandsPerChunk) {
     result.compared = false;
     result.reason = fmt::format("skipped, it is of {} strands a chunk and this build has {}",
@@ -152,10 +150,9 @@ size_t PrintChanges(const Golden& golden, const DigestLog& old, const DigestLog&
   return changes;
 }
 
-void Renew(const Golden& golden, const std::string& folder) {
-  const std::string path = PathOf(folder, golden);
+void Renew(const Golden& golden, const OutputPath& path) {
   std::string error;
-  const std::optional<DigestLog> old = TryReadDigestLogFile(path, error);
+  const std::optional<DigestLog> old = TryReadDigestLogFile(path.path(), error);
   const DigestLog now = RunGolden(golden);
   const std::string text = WriteDigestLog(now);
   if (old && WriteDigestLog(*old) == text) {
@@ -168,7 +165,7 @@ void Renew(const Golden& golden, const std::string& folder) {
   } else {
     fmt::print("{}: new ({})\n", golden.name, error);
   }
-  WriteDigestLogFile(now, path);
+  WriteOutput("digest log", path, text);
 }
 
 }  // namespace
@@ -178,6 +175,10 @@ int CheckOrRenewGolden(const GoldenArgs& args) {
   if (!args.renew.empty() && kStrandsPerChunk != kGoldenChunkStrands)
     throw Error(fmt::format("golden digests are kept for {} strands a chunk; this build has {}",
                             kGoldenChunkStrands, kStrandsPerChunk));
+  if (!args.renew.empty())
+    for (const Golden& golden : kGoldens)
+      if (args.scene.empty() || golden.scene == args.scene)
+        CheckOutput("digest log", args.renew.Inside(FileName(golden)));
   std::vector<GoldenResult> results;
   uint32_t places = 0;
   bool passed = true;
@@ -186,7 +187,7 @@ int CheckOrRenewGolden(const GoldenArgs& args) {
     const uint32_t place = places++;
     if (!args.shard.Takes(place)) continue;
     if (!args.renew.empty()) {
-      Renew(golden, args.renew);
+      Renew(golden, args.renew.Inside(FileName(golden)));
       continue;
     }
     results.push_back(Check(golden, args.check));

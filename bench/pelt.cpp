@@ -3,36 +3,47 @@
 // Exit codes: 0 done (for verify: same bits), 1 bad input or a failed check, 2 wrong usage. Every
 // error is one line "pelt: ..." on standard error. The examples in the help texts are run by a
 // test.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <iterator>
 #include <memory>
-#include <span>
 #include <string>
-#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "bench/command_options.hpp"
-#include "core/groom/nearest_word.hpp"
+#include "bench/file_options.hpp"
+#include "bench/usage_error.hpp"
+#include "bench/usage_text.hpp"
+#include "bench/version.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
 
 constexpr int kUsageError = 2;
 
+// One line, whatever the message quotes. Not by fmt, which throws where standard error is closed.
+void PrintError(const std::string& message) {
+  std::fputs(("pelt: " + Printable(message) + "\n").c_str(), stderr);
+}
+
 Subcommand SetUpBake(CLI::App& root) {
   const auto kept = std::make_shared<BakeArgs>();
   BakeArgs& args = *kept;
   auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
-  app->add_option("--character", args.character, "A .glb or .gltf file, or 'builtin'")
+  AddInputFileOrName(*app, "--character", args.character, "A .glb or .gltf file, or 'builtin'")
       ->capture_default_str();
-  app->add_option("--setup", args.setup, "A fur setup: a .toml file, or the name of a built-in one")
+  AddInputFileOrName(*app, "--setup", args.setup,
+                     "A fur setup: a .toml file, or the name of a built-in one")
       ->capture_default_str();
-  app->add_option("--out", args.out, "Groom file to write");
+  AddOutputFile(*app, "--out", args.out, "Groom file to write");
+  args.check_files_read = [app](const std::vector<std::string>& files) {
+    CheckFilesRead(*app, files);
+  };
   app->add_option("--seed", args.seed, "Another groom from the same setup")->capture_default_str();
   app->add_flag("--stats", args.stats, "How even every prefix of the scatter is");
   app->add_flag("--keys", args.keys, "Explain the keys of a fur setup");
@@ -43,13 +54,13 @@ Subcommand SetUpBake(CLI::App& root) {
       "  pelt bake --setup eyepet --stats\n"
       "  pelt bake --setup tiny --json\n"
       "  pelt bake --keys");
-  return {app, [] {}, [kept] { return Bake(*kept); }};
+  return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
 }
 
 // What may be set to other than the scene's own.
-void CompleteRun(const WeatherCourse& weather, RunArgs& args) {
-  CompleteSource(args.request);
-  if (weather.wetness > 0.0f || weather.dirt > 0.0f) args.weather = weather;
+void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& args) {
+  CompleteSource(app, args.request);
+  args.weather = WeatherOf(app, weather);
 }
 
 // What runs and how.
@@ -71,22 +82,26 @@ Subcommand SetUpRun(CLI::App& root) {
   RunArgs& args = *kept;
   auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
   AddRun(*app, args, *weather);
-  app->add_option("--picture", args.picture, "PNG file for a picture of the last frame");
+  auto* picture = AddOutputFile(*app, "--picture", args.picture,
+                                "PNG file for a picture of the last frame", ".png");
   app->add_option("--picture-width", args.picture_width_px, "In pixels")
+      ->needs(picture)
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   app->add_option("--picture-height", args.picture_height_px, "In pixels")
+      ->needs(picture)
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  app->add_option(
-      "--trace", args.trace,
+  auto* trace = AddOutputFile(
+      *app, "--trace", args.trace,
       "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
       "every fourth frame, which keeps its cost below 2 %");
   app->add_option("--trace-frames", args.trace_frames, "With --trace: how many frames; 0: all")
+      ->needs(trace)
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  app->add_option("--digest-log", args.digest_log,
-                  "Text file with a digest for each frame, stage and stream; see pelt diff");
+  AddOutputFile(*app, "--digest-log", args.digest_log,
+                "Text file with a digest for each frame, stage and stream; see pelt diff");
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"
@@ -97,7 +112,12 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene tiny --wetness 1 --dirt 0.5 --wet-at 20 --fps 30 --json\n"
       "  pelt run --character builtin --setup eyepet --frames 10 --picture eyepet.png\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
-  return {app, [kept, weather] { CompleteRun(*weather, *kept); }, [kept] { return Run(*kept); }};
+  return {app,
+          [app, kept, weather] {
+            CompleteRun(*app, *weather, *kept);
+            CheckExecutor(*app, kept->options.executor);
+          },
+          [kept] { return Run(*kept); }};
 }
 
 Subcommand SetUpReport(CLI::App& root) {
@@ -106,15 +126,19 @@ Subcommand SetUpReport(CLI::App& root) {
   ReportArgs& args = *kept;
   auto* app = root.add_subcommand("report", "Run frames and write one HTML page about them");
   AddRun(*app, args.run, *weather);
-  app->add_option("--out", args.out, "Page to write; needs nothing else to be read")
-      ->capture_default_str();
+  AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be read");
   app->add_flag("!--no-consoles", args.consoles, "Leave out what consoles would make of it");
-  app->add_option("--accuracy", args.accuracy, "Also what pelt accuracy --json wrote to this file");
+  AddInputFile(*app, "--accuracy", args.accuracy,
+               "Also what pelt accuracy --json wrote to this file");
   app->footer(
       "Examples:\n"
       "  pelt report --scene tiny --frames 60 --out report.html\n"
       "  pelt report --character builtin --setup eyepet --frames 30 --workers 2 --no-consoles");
-  return {app, [kept, weather] { CompleteRun(*weather, kept->run); },
+  return {app,
+          [app, kept, weather] {
+            CompleteRun(*app, *weather, kept->run);
+            CheckExecutor(*app, kept->run.options.executor);
+          },
           [kept] { return Report(*kept); }};
 }
 
@@ -138,7 +162,12 @@ Subcommand SetUpPlan(CLI::App& root) {
       "  pelt plan --scene tiny --unfused --chunk\n"
       "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
       "  pelt plan --scene eyepet --json");
-  return {app, [kept] { CompleteSource(kept->request); }, [kept] { return PrintPlan(*kept); }};
+  return {app,
+          [app, kept] {
+            CompleteSource(*app, kept->request);
+            RefuseBeside(*app, "--json", {"--chunk"});
+          },
+          [kept] { return PrintPlan(*kept); }};
 }
 
 Subcommand SetUpVerify(CLI::App& root) {
@@ -166,7 +195,8 @@ Subcommand SetUpVerify(CLI::App& root) {
       "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
       "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"
       "  and then: pelt verify --merge 0.json 1.json 2.json");
-  return {app, [kept] { CompleteSource(kept->request); }, [kept] { return VerifyScene(*kept); }};
+  return {app, [app, kept] { CompleteSource(*app, kept->request); },
+          [kept] { return VerifyScene(*kept); }};
 }
 
 struct TraceArgs {
@@ -204,24 +234,28 @@ Subcommand SetUpTrace(CLI::App& root) {
   AddPlanOptions(*record, args.record.run.options.scene);
   AddSkips(*record, args.record.run.options.skip, args.record.run.options.lod);
   AddTimeAndWeather(*record, args.record.run.fps, *weather);
-  record->add_option("--out", args.record.out, "Input log to write")->required();
+  AddOutputFile(*record, "--out", args.record.out, "Input log to write")->required();
 
   auto* replay = app->add_subcommand(
       "replay", "Run an input log again; exit code 1 when a digest is not the recorded one");
-  replay->add_option("file", args.replay.path, "Input log")->required();
+  AddInputFile(*replay, "file", args.replay.path, "Input log")->required();
   AddExecutor(*replay, args.replay.as.executor, args.replay.as.workers, args.replay.as.order_seed);
   AddIsa(*replay, "Instruction set of the kernels: the widest there is if not given",
          [&args](Isa isa) { args.replay.as.isa = isa; });
   replay->add_flag("!--unfused", args.replay.as.fuse, "One stage a pass");
   replay->add_flag("--sort-pieces", args.replay.as.piecewise_sort, "Every layer sorts in pieces");
-  replay->add_option("--digest-log", args.replay.digest_log,
-                     "Text file with a digest for each frame, stage and stream");
+  AddOutputFile(*replay, "--digest-log", args.replay.digest_log,
+                "Text file with a digest for each frame, stage and stream");
   replay->add_flag("--json", args.replay.json, "Machine-readable output");
 
   auto* show = app->add_subcommand("show", "What an input log holds");
-  show->add_option("file", args.show.path, "Input log")->required();
+  AddInputFile(*show, "file", args.show.path, "Input log")->required();
   show->add_flag("--json", args.show.json, "Machine-readable output");
-  return {app, [kept, weather] { CompleteRun(*weather, kept->record.run); },
+  return {app,
+          [=] {
+            if (*record) CompleteRun(*record, *weather, kept->record.run);
+            if (*replay) CheckExecutor(*replay, kept->replay.as.executor);
+          },
           [app, kept] { return RunTrace(*app, *kept); }};
 }
 
@@ -230,8 +264,8 @@ Subcommand SetUpDiff(CLI::App& root) {
   DiffArgs& args = *kept;
   auto* app = root.add_subcommand(
       "diff", "The first difference of two digest logs, input logs or grooms; exit code 1 if any");
-  app->add_option("left", args.left, "File")->required();
-  app->add_option("right", args.right, "Another of its kind")->required();
+  AddInputFile(*app, "left", args.left, "File")->required();
+  AddInputFile(*app, "right", args.right, "Another of its kind")->required();
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"
@@ -247,7 +281,8 @@ Subcommand SetUpGolden(CLI::App& root) {
   auto* app = root.add_subcommand("golden", "Check the built-in scenes against kept digests");
   auto* check =
       app->add_option("--check", args.check, "Folder of digest logs; exit code 1 when one differs");
-  app->add_option("--renew", args.renew, "Folder of digest logs to write; says all that changed")
+  AddOutputFolder(*app, "--renew", args.renew,
+                  "Folder of digest logs to write; says all that changed")
       ->excludes(check);
   app->add_option("--scene", args.scene, "Only the logs of this scene")->check(IsScene());
   app->add_flag("--json", args.json, "Machine-readable output of --check");
@@ -262,9 +297,9 @@ Subcommand SetUpGolden(CLI::App& root) {
   return {app,
           [kept] {
             const int ways = !kept->check.empty() + !kept->renew.empty() + !kept->merge.empty();
-            if (ways != 1) throw CLI::RequiredError("--check, --renew or --merge, which");
+            if (ways != 1) throw UsageError("one of --check, --renew and --merge is required");
             if (!kept->renew.empty() && (kept->json || !kept->shard.IsAll()))
-              throw CLI::ValidationError("--json and --shard are for --check, not for --renew");
+              throw UsageError("--json and --shard are for --check, not for --renew");
           },
           [kept] { return CheckOrRenewGolden(*kept); }};
 }
@@ -287,50 +322,49 @@ Subcommand SetUpConformance(CLI::App& root) {
   return {app, [] {}, [kept] { return CheckConformance(*kept); }};
 }
 
-// What CLI11 calls a missing subcommand when the one that is named does not exist.
-std::string UnknownSubcommand(const std::string& word, std::span<const Subcommand> subcommands) {
-  std::vector<std::string_view> names;
-  for (const Subcommand& s : subcommands) names.push_back(s.app->get_name());
-  const std::string_view nearest = FindNearestWord(word, names);
-  if (!nearest.empty()) return fmt::format("no subcommand '{}'; did you mean '{}'?", word, nearest);
-  return fmt::format("no subcommand '{}'; there are: {}", word, fmt::join(names, ", "));
-}
-
 int Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
+  app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
   app.footer("See 'pelt bake --help' and so on for each.");
   const Subcommand subcommands[] = {
       SetUpBake(app),   SetUpRun(app),         SetUpPlan(app),  SetUpVerify(app), SetUpTiming(app),
       SetUpBudget(app), SetUpConformance(app), SetUpTrace(app), SetUpDiff(app),   SetUpGolden(app),
       SetUpReport(app), SetUpAccuracy(app),    SetUpStress(app)};
-  const Subcommand* chosen = nullptr;
   try {
     app.parse(argc, argv);
-    chosen = std::find_if(std::begin(subcommands), std::end(subcommands),
-                          [](const Subcommand& s) { return s.app->parsed(); });
-    chosen->complete();
+    const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),
+                                             [](const Subcommand& s) { return s.app->parsed(); });
+    chosen.complete();
+    CheckFiles(*chosen.app);
+    return chosen.run();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
-    std::string message = unknown ? UnknownSubcommand(argv[1], subcommands) : error.what();
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    fmt::print(stderr, "pelt: {} (see pelt --help)\n", message);
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    PrintError(DescribeUsage(app, error));
     return kUsageError;
   }
-  return chosen->run();
+}
+
+// What is still in the buffer may find the disk full or the reader gone.
+int FinishOutput(int exit_code) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exit_code;
+  PrintError(std::string("standard output: ") +
+             (errno ? std::generic_category().message(errno) : "not all could be written"));
+  return exit_code ? exit_code : 1;
 }
 
 }  // namespace
 }  // namespace pelt
 
 int main(int argc, char** argv) {
+  int exit_code = 1;
   try {
-    return pelt::Main(argc, argv);
+    exit_code = pelt::Main(argc, argv);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "pelt: out of memory\n");
+    pelt::PrintError("out of memory");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "pelt: {}\n", error.what());
+    if (!std::ferror(stdout)) pelt::PrintError(error.what());
   }
-  return 1;
+  return pelt::FinishOutput(exit_code);
 }

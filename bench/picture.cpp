@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 
 #define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb/stb_image_write.h>
 
@@ -308,8 +309,9 @@ void DrawGround(const Projection& projection, const LightMap& light, Canvas& can
 
 }  // namespace
 
-void WritePicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
-                  VertexOrder order, const PictureOptions& options, const std::string& path) {
+std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
+                                   const Camera& camera, VertexOrder order,
+                                   const PictureOptions& options) {
   Canvas canvas(options.width_px * options.samples, options.height_px * options.samples);
   const Projection projection(camera, canvas.width(), canvas.height());
   std::vector<Body> bodies;
@@ -335,9 +337,16 @@ void WritePicture(const Scenario& scenario, const FurScene& scene, const Camera&
   for (const Body& body : bodies) DrawBody(body, projection, light, canvas);
   DrawHairs(hairs, projection, light, canvas);
   const std::vector<uint8_t> rgb = canvas.Resolve(options.samples);
-  if (!stbi_write_png(path.c_str(), int(options.width_px), int(options.height_px), 3, rgb.data(),
-                      int(options.width_px) * 3))
-    throw Error(fmt::format("{}: cannot write the picture", path));
+  std::vector<std::byte> png;
+  const auto append = [](void* to, void* data, int bytes) {
+    const std::byte* first = static_cast<const std::byte*>(data);
+    static_cast<std::vector<std::byte>*>(to)->insert(
+        static_cast<std::vector<std::byte>*>(to)->end(), first, first + bytes);
+  };
+  if (!stbi_write_png_to_func(append, &png, int(options.width_px), int(options.height_px), 3,
+                              rgb.data(), int(options.width_px) * 3))
+    throw Error("picture: no memory to write it as PNG");
+  return png;
 }
 
 }  // namespace pelt

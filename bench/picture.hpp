@@ -5,7 +5,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <vector>
 
 #include "bench/scenarios.hpp"
 
@@ -16,9 +16,9 @@ struct PictureOptions {
   uint32_t samples = 3;  // a side of each pixel
 };
 
-// Writes a PNG of the scene's last frame as `camera` saw it. Throws Error when the file cannot be
-// written.
-void WritePicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
-                  VertexOrder order, const PictureOptions& options, const std::string& path);
+// A PNG of the scene's last frame as `camera` saw it.
+std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
+                                   const Camera& camera, VertexOrder order,
+                                   const PictureOptions& options);
 
 }  // namespace pelt

@@ -8,8 +8,8 @@
 #include "bench/progress.hpp"
 #include "bench/report_page.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "jobs/tick_clock.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -67,10 +67,9 @@ int Report(const ReportArgs& args) {
   const auto add_accuracy = [&](JsonText& json) {
     if (!accuracy.empty()) AddAccuracySection(json, AsText(accuracy), args.accuracy);
   };
-  WriteFileBytes(
-      "report", args.out,
-      AsBytes(recorder.Page(report, tick_scale.NsPerTick(), add_consoles, add_accuracy)));
-  fmt::print("report of {} frames {}\n", report.frames, args.out);
+  WriteOutput("report", args.out,
+              recorder.Page(report, tick_scale.NsPerTick(), add_consoles, add_accuracy));
+  fmt::print("report of {} frames {}\n", report.frames, args.out.path());
   return 0;
 }
 

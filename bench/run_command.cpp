@@ -10,13 +10,12 @@
 #include "core/error.hpp"
 #include "jobs/tick_clock.hpp"
 #include "traces/chrome_trace.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {
 
-void WriteTrace(const FurScene& scene, const RunReport& report, std::span<const FrameRecord> frames,
-                double ns_per_tick, const std::string& path) {
+std::string TraceText(const FurScene& scene, const RunReport& report,
+                      std::span<const FrameRecord> frames, double ns_per_tick) {
   Timeline timeline = BuildTimeline(scene, frames, report.workers, ns_per_tick);
   timeline.process = fmt::format("pelt {}", report.scene);
   timeline.metadata = {
@@ -28,7 +27,7 @@ void WriteTrace(const FurScene& scene, const RunReport& report, std::span<const 
       {"machine", fmt::format("{} ({} cores)", report.machine.processor, report.machine.cores)},
       {"compiler", report.machine.compiler},
       {"commit", report.machine.commit}};
-  WriteFileBytes("trace", path, AsBytes(ChromeTrace(timeline)));
+  return ChromeTrace(timeline);
 }
 
 }  // namespace
@@ -78,19 +77,27 @@ int Run(const RunArgs& args) {
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     report = RunFrames(scenario, running, options);
   }
-  if (!args.digest_log.empty()) WriteDigestLogFile(digest_log, args.digest_log);
-  if (!args.trace.empty())
-    WriteTrace(running.scene(), report, records, tick_scale.NsPerTick(), args.trace);
-  if (!args.picture.empty()) {
-    const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
-    WritePicture(scenario, running.scene(), camera, options.scene.vertex_order,
-                 {args.picture_width_px, args.picture_height_px}, args.picture);
-  }
   fmt::print("{}\n", args.json ? RunAsJson(report) : DescribeRun(report));
-  if (!args.picture.empty() && !args.json) fmt::print("picture {}\n", args.picture);
-  if (!args.trace.empty() && !args.json)
-    fmt::print("trace of {} frames {}\n", records.size(), args.trace);
-  if (!args.digest_log.empty() && !args.json) fmt::print("digest log {}\n", args.digest_log);
+  // One that cannot be written keeps no other from being written.
+  std::vector<std::string> faults;
+  const auto write = [&](std::string_view what, const OutputPath& path, const auto& make) {
+    if (path.empty()) return;
+    try {
+      WriteOutput(what, path, make());
+      if (!args.json) fmt::print("{} {}\n", what, path.path());
+    } catch (const Error& error) {
+      faults.push_back(error.what());
+    }
+  };
+  write("picture", args.picture, [&] {
+    const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
+    return DrawPicture(scenario, running.scene(), camera, options.scene.vertex_order,
+                       {args.picture_width_px, args.picture_height_px});
+  });
+  write(fmt::format("trace of {} frames", records.size()), args.trace,
+        [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });
+  write("digest log", args.digest_log, [&] { return WriteDigestLog(digest_log); });
+  if (!faults.empty()) throw Error(fmt::format("{}", fmt::join(faults, "; ")));
   if (!report.faults.empty())
     throw Error(
         fmt::format("{} faults, the first: {}", report.faults.size(), report.faults.front()));

@@ -18,7 +18,14 @@
 namespace pelt {
 namespace {
 
+constexpr std::string_view kBuiltInCharacter = "builtin";
 constexpr std::string_view kNames[] = {"monster", "cast", "eyepet", "tiny"};
+
+const EmbeddedSetup* FindEmbeddedSetup(std::string_view name) {
+  for (const EmbeddedSetup& setup : EmbeddedSetups())
+    if (setup.name == name) return &setup;
+  return nullptr;
+}
 
 double Wave(double time_s, double period_s) {
   return exact::Sin(2.0 * exact::kPi * time_s / period_s);
@@ -128,11 +135,14 @@ void PointCameraAt(Scenario& scenario) {
 Scenario MakeFromFiles(const ScenarioRequest& request) {
   Scenario scenario;
   scenario.base.wind = Breeze();
+  Character character = LoadCharacter(request.character);
+  FurSetup setup;
+  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed);
+  if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
   if (request.groom.empty()) {
-    AddActor(scenario, LoadCharacter(request.character), LoadSetup(request.setup, request.seed),
-             "");
+    AddActor(scenario, std::move(character), setup, "");
   } else {
-    scenario.characters.push_back(LoadCharacter(request.character));
+    scenario.characters.push_back(std::move(character));
     scenario.grooms.push_back(ReadGroomFile(request.groom));
     CheckGroomFits(scenario.grooms[0], request.groom, scenario.characters[0]);
     scenario.actors.push_back(MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
@@ -162,16 +172,24 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
 std::span<const std::string_view> ScenarioNames() { return kNames; }
 
 Character LoadCharacter(const std::string& name_or_path) {
-  if (name_or_path == "builtin") return MakeBuiltinCharacter({});
+  if (name_or_path == kBuiltInCharacter) return MakeBuiltinCharacter({});
   return ImportGltfFile(name_or_path);
+}
+
+bool IsBuiltInName(std::string_view value) {
+  return value == kBuiltInCharacter || FindEmbeddedSetup(value);
+}
+
+std::vector<std::string> FilesReadFor(const Character& character, const FurSetup& setup) {
+  std::vector<std::string> files = character.files_read;
+  files.insert(files.end(), setup.files_read.begin(), setup.files_read.end());
+  return files;
 }
 
 FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed) {
   FurSetup setup;
   const auto embedded = EmbeddedSetups();
-  const auto found = std::find_if(embedded.begin(), embedded.end(),
-                                  [&](const EmbeddedSetup& e) { return e.name == name_or_path; });
-  if (found != embedded.end()) {
+  if (const EmbeddedSetup* found = FindEmbeddedSetup(name_or_path)) {
     setup = ReadFurSetup(found->text, name_or_path + ".toml", "");
   } else if (name_or_path.find_first_of("./") == std::string::npos) {
     std::string names;

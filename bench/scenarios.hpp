@@ -37,6 +37,12 @@ std::span<const EmbeddedSetup> EmbeddedSetups();
 // "builtin", or the path of a .glb or .gltf file. Throws Error.
 Character LoadCharacter(const std::string& name_or_path);
 
+// Whether `value` names what is built in, in place of a file: a setup or the character.
+bool IsBuiltInName(std::string_view value);
+
+// The files that the two led to besides their own.
+std::vector<std::string> FilesReadFor(const Character& character, const FurSetup& setup);
+
 // Throws Error when the groom was baked for other joints than the character's; `path` is for the
 // message.
 void CheckGroomFits(const Groom& groom, const std::string& path, const Character& character);
@@ -111,6 +117,9 @@ struct Scenario {
   std::vector<Weather> weather_;
 };
 
+// Called before the bake with every file that the named ones led to: maps, buffers. May throw.
+using CheckFilesReadHook = std::function<void(const std::vector<std::string>& files)>;
+
 struct ScenarioRequest {
   std::string scene = {};  // a scenario's name; or, with this empty:
   std::string character = "builtin";
@@ -120,6 +129,7 @@ struct ScenarioRequest {
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
+  CheckFilesReadHook check_files_read = {};
 };
 
 std::span<const std::string_view> ScenarioNames();

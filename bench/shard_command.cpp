@@ -5,8 +5,8 @@
 #include "bench/machine.hpp"
 #include "bench/merge_shards.hpp"
 #include "core/chunk.hpp"
+#include "core/file_bytes.hpp"
 #include "core/kernels/kernel_table.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 

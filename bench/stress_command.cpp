@@ -17,7 +17,6 @@
 #include "bench/machine.hpp"
 #include "bench/progress.hpp"
 #include "core/error.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 
@@ -195,8 +194,8 @@ int StressSolvers(const StressArgs& args) {
       machine.commit,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   if (!args.json.empty()) {
-    WriteFileBytes("stress", args.json, AsBytes(StressJson(rows, isas, broken)));
-    fmt::print("json      {}\n", args.json);
+    WriteOutput("stress", args.json, StressJson(rows, isas, broken));
+    fmt::print("json      {}\n", args.json.path());
   }
   fmt::print("{}\n", broken == 0 ? std::string("KEPT: finite, within 1e-5 of its length, settled, "
                                                "the same on every instruction set")

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <memory>
 
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
+#include "core/file_bytes.hpp"
 #include "platform_sim/core/issue_walk.hpp"
 #include "platform_sim/core/listing.hpp"
 #include "platform_sim/core/ppe_core.hpp"
@@ -15,30 +15,19 @@
 namespace pelt {
 namespace {
 
-constexpr size_t kMostListingBytes = 64u << 20;
+constexpr uint64_t kListingBytesLimit = 64u << 20;
+
+std::string DisplayName(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 // "-" is standard input.
 std::string ReadText(const std::string& path) {
-  const auto close = [](std::FILE* file) {
-    if (file != stdin) std::fclose(file);
-  };
-  std::unique_ptr<std::FILE, decltype(close)> file(
-      path == "-" ? stdin : std::fopen(path.c_str(), "rb"), close);
-  if (!file) throw Error(fmt::format("cannot open {}; expected an instruction listing", path));
-  std::string text;
-  char buffer[65536];
-  while (const size_t got = std::fread(buffer, 1, sizeof(buffer), file.get())) {
-    text.append(buffer, got);
-    if (text.size() > kMostListingBytes)
-      throw Error(fmt::format("{}: more than {} bytes; give the loop that matters", path,
-                              kMostListingBytes));
-  }
-  if (std::ferror(file.get()))
-    throw Error(fmt::format("cannot read {}; expected a file with an instruction listing", path));
-  return text;
+  std::string reason;
+  const auto bytes = path == "-" ? TryReadToEnd(stdin, kListingBytesLimit, reason)
+                                 : TryReadWhole(path, kListingBytesLimit, reason);
+  if (!bytes)
+    throw Error(fmt::format("{}: {}; expected an instruction listing", DisplayName(path), reason));
+  return std::string(AsText(*bytes));
 }
-
-std::string DisplayName(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 std::string LabelAt(const Listing& listing, uint32_t index) {
   for (const ListingLabel& label : listing.labels)

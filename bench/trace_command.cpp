@@ -12,7 +12,6 @@
 #include "bench/stage_digests.hpp"
 #include "core/error.hpp"
 #include "core/groom/groom_file.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -153,9 +152,9 @@ int Record(const RecordArgs& args) {
     RunFrames(scenario, running, options);
   }
   const std::vector<std::byte> bytes = writer.Finish();
-  WriteFileBytes("input log", args.out, bytes);
-  fmt::print("{}: {} frames of scene {}, {} bytes\n", args.out, writer.FrameCount(), scenario.name,
-             bytes.size());
+  WriteOutput("input log", args.out, bytes);
+  fmt::print("{}: {} frames of scene {}, {} bytes\n", args.out.path(), writer.FrameCount(),
+             scenario.name, bytes.size());
   return 0;
 }
 
@@ -174,8 +173,8 @@ int ReplayRecording(const ReplayArgs& args) {
       if (!args.digest_log.empty()) stage_digests.AddFrame(replay.scene(), digests);
     });
   }
-  if (!args.digest_log.empty()) WriteDigestLogFile(digests, args.digest_log);
   fmt::print("{}\n", args.json ? ReplayAsJson(result) : "verdict: " + DescribeReplay(result));
+  if (!args.digest_log.empty()) WriteOutput("digest log", args.digest_log, WriteDigestLog(digests));
   if (const std::vector<std::string> faults = FaultsOf(*executor); !faults.empty())
     throw Error(fmt::format("{} faults, the first: {}", faults.size(), faults.front()));
   return result.Same() ? 0 : 1;

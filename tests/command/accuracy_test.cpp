@@ -12,7 +12,7 @@
 #include "bench/accuracy_section.hpp"
 #include "bench/commands.hpp"
 #include "core/error.hpp"
-#include "traces/file_bytes.hpp"
+#include "core/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -268,15 +268,16 @@ TEST(AccuracyCommand, RunsAScene) {
   args.frames = 12;
   args.quick = true;
   args.contact = false;
-  args.json = folder / "scene.json";
-  args.svg = folder / "scene.svg";
+  args.json = OutputPath::Of(folder / "scene.json");
+  args.svg = OutputPath::Of(folder / "scene.svg");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  const Json json = Json::parse(TextOf(args.json));
+  const Json json = Json::parse(TextOf(args.json.path()));
   EXPECT_EQ(json["frames"], 12);
   EXPECT_EQ(json["contact"], false);
-  EXPECT_TRUE(TextOf(args.svg).starts_with("<svg "));
+  EXPECT_TRUE(TextOf(args.svg.path()).starts_with("<svg "));
   // It is not what the report page shows.
-  EXPECT_NE(SectionMessage(TextOf(args.json)).find("is not of the format"), std::string::npos);
+  EXPECT_NE(SectionMessage(TextOf(args.json.path())).find("is not of the format"),
+            std::string::npos);
   args.scene = "nowhere";
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }
@@ -284,30 +285,30 @@ TEST(AccuracyCommand, RunsAScene) {
 TEST(AccuracyCommand, RunsAStrandUnderARecordedRoot) {
   const Folder folder;
   AccuracyArgs args;
-  args.write_example = folder / "example";
+  args.write_example = OutputPath::Of(folder / "example");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  args.write_example.clear();
+  args.write_example = {};
   args.roots = folder / "example/roots.csv";
   args.strand = folder / "example/strand.toml";
-  args.out = folder / "points.csv";
+  args.out = OutputPath::Of(folder / "points.csv");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  const std::string roots = TextOf(args.roots), points = TextOf(args.out);
+  const std::string roots = TextOf(args.roots), points = TextOf(args.out.path());
   EXPECT_EQ(Count(points, "\n"), Count(roots, "\n"));
   // The same bits on every instruction set.
   args.isa = Isa::kReference;
-  args.out = folder / "reference.csv";
+  args.out = OutputPath::Of(folder / "reference.csv");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  EXPECT_EQ(TextOf(args.out), points);
+  EXPECT_EQ(TextOf(args.out.path()), points);
   args.exact = true;
-  args.out = folder / "exact.csv";
+  args.out = OutputPath::Of(folder / "exact.csv");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  EXPECT_NE(TextOf(args.out), points);
-  EXPECT_EQ(Count(TextOf(args.out), "\n"), Count(points, "\n"));
+  EXPECT_NE(TextOf(args.out.path()), points);
+  EXPECT_EQ(Count(TextOf(args.out.path()), "\n"), Count(points, "\n"));
   args.exact = false;
   args.solver = "modl";
   EXPECT_THROW(MeasureAccuracy(args), Error);
   args.solver = "modal";
-  args.out = "/nowhere/points.csv";
+  args.out = OutputPath::Of("/nowhere/points.csv");
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }
 
@@ -319,9 +320,9 @@ TEST(StressCommand, WritesItsRows) {
   args.rates = {60};
   args.isas = {BestIsa()};
   args.quick = true;
-  args.json = folder / "stress.json";
+  args.json = OutputPath::Of(folder / "stress.json");
   EXPECT_EQ(StressSolvers(args), 0);
-  const Json json = Json::parse(TextOf(args.json));
+  const Json json = Json::parse(TextOf(args.json.path()));
   EXPECT_EQ(json["broken"], 0);
   ASSERT_GT(json["rows"].size(), 2u * 12);
   double worst = 0.0;

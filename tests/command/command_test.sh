@@ -183,7 +183,7 @@ check_budget_errors() {
   expect 2 --target-ms "${budget[@]}" --target-ms nan
   expect 2 '{host,ps3,xbox360}' "${budget[@]}" --platform wii
   expect 2 --spuz "${budget[@]}" --spuz 3
-  expect 1 'only consoles are traced' "${budget[@]}" --platform host --trace x.json
+  expect 2 '--trace has an effect only with --platform ps3 or xbox360' "${budget[@]}" --platform host --trace x.json
   expect 1 /nowhere/ "${budget[@]}" --platform ps3 --trace /nowhere/x.json
   # What does not fit is a verdict: exit code 1, and nothing on standard error.
   "$pelt" "${budget[@]}" --platform ps3,xbox360 --target-ms 0.01 >out.txt 2>err.txt && fail "0.01 ms: exit 0"

@@ -5,9 +5,9 @@
 
 #include "bench/commands.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "tests/source_folder.hpp"
 #include "traces/digest_log.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -25,8 +25,8 @@ class GoldenCommand : public testing::Test {
       fs::copy_file(fs::path(kKept) / name, folder_ / name, fs::copy_options::overwrite_existing);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  int Check(const std::string& folder) { return Run({folder, "", "tiny"}); }
-  int Renew() { return Run({"", folder_.string(), "tiny"}); }
+  int Check(const std::string& folder) { return Run({folder, {}, "tiny"}); }
+  int Renew() { return Run({"", OutputPath::Of(folder_.string()), "tiny"}); }
   int Run(const GoldenArgs& args) {
     testing::internal::CaptureStdout();
     int code = -1;

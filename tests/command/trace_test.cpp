@@ -9,8 +9,8 @@
 #include "bench/lockstep.hpp"
 #include "bench/replay.hpp"
 #include "bench/stage_digests.hpp"
+#include "core/file_bytes.hpp"
 #include "traces/diff.hpp"
-#include "traces/file_bytes.hpp"
 
 namespace pelt {
 namespace {
@@ -33,11 +33,11 @@ class TraceCommand : public testing::Test {
     args.run.options.skip.lod = lod;
     args.run.options.lod.strand_budget = lod ? 400 : 0;
     args.run.options.scene.vertex_order = order;
-    args.out = Path(name);
+    args.out = OutputPath::Of(Path(name));
     testing::internal::CaptureStdout();
     EXPECT_EQ(Record(args), 0);
     testing::internal::GetCapturedStdout();
-    return args.out;
+    return args.out.path();
   }
 
   fs::path folder_ =
@@ -163,12 +163,12 @@ TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
   RunArgs run;
   run.request.scene = "tiny";
   run.options.frames = 5;
-  run.digest_log = Path("run.digests");
+  run.digest_log = OutputPath::Of(Path("run.digests"));
   EXPECT_EQ(pelt::Run(run), 0);
   ReplayArgs replay;
   replay.path = path;
   replay.as = {.isa = Isa::kReference};
-  replay.digest_log = Path("replay.digests");
+  replay.digest_log = OutputPath::Of(Path("replay.digests"));
   replay.json = true;
   testing::internal::GetCapturedStdout();
   testing::internal::CaptureStdout();
@@ -176,7 +176,8 @@ TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
   const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
   EXPECT_EQ(json["same"], true);
   EXPECT_EQ(json["frames"], 5);
-  EXPECT_EQ(ReadFileBytes("log", run.digest_log), ReadFileBytes("log", replay.digest_log));
+  EXPECT_EQ(ReadFileBytes("log", run.digest_log.path()),
+            ReadFileBytes("log", replay.digest_log.path()));
 }
 
 TEST_F(TraceCommand, ShowTellsWhatIsInside) {

@@ -1,0 +1,295 @@
+#!/usr/bin/env bash
+# The files of the `pelt` command as a user meets them: what is written where a link, a FIFO, a long
+# name or a protected file is; what is refused before the work begins; what may be read. The options
+# are taken from the help texts, where each shows its type, so that a new one is tested too.
+#   files_test.sh PELT SOURCE_DIR [outputs|conflicts|inputs|full]...   (all, if none is named)
+# Nothing here writes to a device but the shell, and that only to standard output.
+set -uo pipefail
+pelt=$(realpath "$1")
+source_dir=$(realpath "$2")
+shift 2
+parts=("$@")
+[ "${#parts[@]}" -eq 0 ] && parts=(outputs conflicts inputs full)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+# expect CODE WORD... -- ARGS: exit code, one line "pelt: ...", containing every WORD.
+expect() {
+  local code=$1 words=() word got
+  shift
+  while [ "$1" != -- ]; do
+    words+=("$1")
+    shift
+  done
+  shift
+  timeout 300 "$pelt" "$@" >out.txt 2>err.txt
+  got=$?
+  [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code: $(cat err.txt)"
+  [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt $*: not one line of error: $(cat err.txt)"
+  for word in "${words[@]}"; do
+    grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
+  done
+}
+
+# The subcommands that `pelt --help` lists, and those below them.
+subcommands() {
+  local name below
+  for name in $("$pelt" $1 --help | sed -n '/^Subcommands:/,/^[A-Z]\|^$/s/^  \([a-z]*\) .*/\1/p'); do
+    below=$(subcommands "$1 $name")
+    if [ -n "$below" ]; then echo "$below"; else echo "$1 $name"; fi
+  done
+}
+# options_of SUBCOMMAND TYPE: the names of its options and positionals of that type.
+options_of() {
+  # shellcheck disable=SC2086
+  "$pelt" $1 --help | grep -oE "^  (-{0,2}[a-z][a-z-]*) $2( |$)" | awk '{print $1}'
+}
+
+# What a subcommand needs besides the output, and how much of it: as little as there is.
+base_of() {
+  case "$1 $2" in
+    'bake '*) echo --setup tiny ;;
+    'run '*) echo --scene tiny --frames 2 ;;
+    'report '*) echo --scene tiny --frames 2 --no-consoles ;;
+    'trace record '*) echo --scene tiny --frames 2 ;;
+    'trace replay '*) echo tiny.peltinput ;;
+    'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
+    'accuracy --out') echo --roots roots.csv --strand strand.toml ;;
+    'accuracy --json') echo --features --quick --links 3 ;;
+    'accuracy '*) echo --scene tiny --quick --frames 12 ;;
+    'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
+    *) return 1 ;;
+  esac
+}
+extension_of() {
+  case $1 in
+    --picture) echo .png ;;
+    --svg) echo .svg ;;
+    *) echo .out ;;
+  esac
+}
+
+make_inputs() {
+  "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
+  "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
+  "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
+  cp "$source_dir/bench/setups/tiny.toml" tiny.toml
+}
+
+no_debris() {
+  local left
+  left=$(find . -name '*partial*')
+  [ -z "$left" ] || fail "$1: left behind: $left"
+}
+
+# check_output SUBCOMMAND OPTION
+check_output() {
+  local run=() ending name base
+  base=$(base_of "$1" "$2") || { fail "no test for the output $2 of pelt $1: tell base_of"; return; }
+  # shellcheck disable=SC2206
+  run=($1 $base)
+  ending=$(extension_of "$2")
+  expect 1 "$2" "/nowhere" -- "${run[@]}" "$2" "/nowhere/x$ending"
+  # One run: a link to a file of mode 600 that has as long a name as there can be.
+  mkdir -p there
+  name=$(printf 'n%.0s' $(seq $((255 - ${#ending}))))$ending
+  printf 'old' >"there/$name"
+  chmod 600 "there/$name"
+  ln -sf "there/$name" "link$ending"
+  "$pelt" "${run[@]}" "$2" "link$ending" >out.txt 2>&1 || fail "pelt ${run[*]} $2: $(tail -n 3 out.txt)"
+  [ -L "link$ending" ] || fail "pelt $1 $2: a link was replaced"
+  [ "$(stat -c %a "there/$name")" = 600 ] || fail "pelt $1 $2: mode 600 is $(stat -c %a "there/$name")"
+  [ "$(stat -c %s "there/$name")" -gt 3 ] || fail "pelt $1 $2: nothing written through the link"
+  # A FIFO's reader gets what a file gets, once, and it is a FIFO still.
+  mkfifo "fifo$ending"
+  timeout 300 cat "fifo$ending" >got.txt &
+  timeout 300 "$pelt" "${run[@]}" "$2" "fifo$ending" >out.txt 2>&1 || fail "pelt ${run[*]} $2 FIFO: $(tail -n 3 out.txt)"
+  wait $!
+  [ -p "fifo$ending" ] || fail "pelt $1 $2: a FIFO was replaced"
+  [ "$(head -c 16 got.txt | od -An -c)" = "$(head -c 16 "there/$name" | od -An -c)" ] && [ -s got.txt ] ||
+    fail "pelt $1 $2: the FIFO got $(stat -c %s got.txt) bytes of something else"
+  no_debris "pelt $1 $2"
+  rm -r there "link$ending" "fifo$ending"
+}
+
+check_outputs() {
+  local subcommand option count=0
+  while read -r subcommand; do
+    while read -r option; do
+      check_output "$subcommand" "$option"
+      count=$((count + 1))
+    done < <(options_of "$subcommand" OUTPUT-FILE)
+  done < <(subcommands '')
+  [ "$count" -ge 11 ] || fail "only $count outputs in the help texts"
+  echo "$count outputs"
+  expect 1 'a folder' -- bake --setup tiny --out .
+  expect 1 'too long' -- bake --setup tiny --out "$(printf 'n%.0s' {1..256})"
+  expect 1 'is not a folder' -- bake --setup tiny --out tiny.toml/x
+  ln -s nowhere/x dangling
+  expect 1 "'nowhere' is not there" -- bake --setup tiny --out dangling
+  ln -s loop loop
+  expect 1 'symbolic links' -- bake --setup tiny --out loop
+  ln -sf new.groom dangling
+  "$pelt" bake --setup tiny --out dangling >/dev/null || fail "bake to a link without an end"
+  [ -L dangling ] && [ -s new.groom ] || fail "a link without an end was replaced"
+  expect 2 'the path is empty' -- bake --setup tiny --out ''
+  expect 2 .png -- run --scene tiny --picture x.jpg
+  expect 2 .svg -- accuracy --quick --svg x.png
+  expect 1 'not a folder' -- accuracy --write-example tiny.toml
+  expect 1 'not a folder' -- golden --renew tiny.toml/x --scene tiny
+  if [ "$(id -u)" -ne 0 ]; then
+    mkdir locked && chmod 500 locked
+    expect 1 "'locked'" 'ermission' -- bake --setup tiny --out locked/x.groom
+    cp tiny.toml readonly && chmod 400 readonly
+    expect 1 'may not be written' -- bake --setup tiny --out readonly
+  fi
+  check_kept
+}
+
+# What fails later leaves an output as it was.
+check_kept() {
+  printf 'kept' >kept.json
+  head -c 5000 tiny.groom >cut.groom
+  expect 1 cut.groom -- run --groom cut.groom --trace kept.json
+  [ "$(cat kept.json)" = kept ] || fail "a run that failed has changed its output"
+  # No room: 1 KiB is all that a file may have.
+  (trap '' XFSZ && ulimit -f 1 && exec "$pelt" run --scene tiny --frames 1 --trace kept.json) 2>&1 | cat >full.txt
+  [ "${PIPESTATUS[0]}" -eq 1 ] || fail "no room for a trace: not exit 1"
+  grep -q "kept.json': cannot be written: File too large" full.txt || fail "no room: $(tail -n 2 full.txt)"
+  [ "$(cat kept.json)" = kept ] || fail "a file was lost to one that found no room"
+  grep -q '^digest ' full.txt || fail "the figures were lost to a trace that found no room"
+  no_debris "no room"
+}
+
+check_conflicts() {
+  cp tiny.toml setup.toml
+  ln setup.toml hard.toml
+  ln -s setup.toml soft.toml
+  mkdir -p folder
+  local before name
+  before=$(cksum <setup.toml)
+  for name in setup.toml ./setup.toml folder/../setup.toml "$work/setup.toml" hard.toml soft.toml; do
+    expect 2 --out --setup -- bake --setup ./setup.toml --out "$name"
+    expect 2 --trace --setup -- run --setup ./setup.toml --trace "$name"
+  done
+  [ "$(cksum <setup.toml)" = "$before" ] || fail "a setup was overwritten"
+  for name in new.json ./new.json folder/../new.json "$work/new.json"; do
+    expect 2 --trace --digest-log -- run --scene tiny --trace new.json --digest-log "$name"
+  done
+  ln -s folder other
+  expect 2 --trace --digest-log -- run --scene tiny --trace folder/a --digest-log other/a
+  expect 2 --picture --trace -- run --scene tiny --picture a.png --trace a.png
+  expect 2 --groom --digest-log -- run --groom tiny.groom --digest-log tiny.groom
+  expect 2 --out --groom -- trace record --groom tiny.groom --frames 1 --out tiny.groom
+  expect 2 --digest-log file -- trace replay tiny.peltinput --digest-log ./tiny.peltinput
+  expect 2 --out --roots -- accuracy --roots roots.csv --strand strand.toml --out roots.csv
+  expect 2 --out --strand -- accuracy --roots roots.csv --strand strand.toml --out strand.toml
+  expect 2 --json --svg -- accuracy --quick --json x.svg --svg x.svg
+  printf '{}' >accuracy.json
+  expect 2 --out --accuracy -- report --scene tiny --accuracy accuracy.json --out accuracy.json
+  cp accuracy.json report.html
+  expect 2 --out --accuracy -- report --scene tiny --accuracy report.html
+  # What a setup or a model leads to is read too.
+  printf '[[layer]]\nname = "a"\ndensity = { value = 10, map = "map.png" }\n' >mapped.toml
+  cp "$source_dir/bench/pictures/monster.png" map.png
+  before=$(cksum <map.png)
+  expect 2 --picture map.png -- run --setup ./mapped.toml --frames 1 --picture map.png
+  expect 2 --out map.png -- bake --setup ./mapped.toml --out "$work/map.png"
+  [ "$(cksum <map.png)" = "$before" ] || fail "a map was overwritten"
+  # What the shell opened for standard output.
+  "$pelt" bake --setup tiny --out same.txt >same.txt 2>err.txt
+  [ $? -eq 2 ] && grep -q 'standard output' err.txt || fail "an output that is standard output: $(cat err.txt)"
+  # A pipe may have both.
+  "$pelt" trace replay tiny.peltinput --digest-log /dev/stdout | grep -c whole_frame >/dev/null || fail "no log in the pipe"
+  no_debris conflicts
+}
+
+# SUBCOMMAND OPTION: what an input may be. `files` has something to read for each.
+check_input() {
+  local file=$3
+  shift 3
+  mkfifo in
+  timeout 300 cat "$file" >in &
+  timeout 300 "$pelt" "$@" >out.txt 2>err.txt || fail "pelt $*: a FIFO is not read: $(cat err.txt)"
+  wait $!
+  rm in
+  mkdir in
+  expect 1 'a folder, not a file' -- "$@"
+  rmdir in
+  ln -s missing in
+  expect 1 'a link to what is not there' -- "$@"
+  rm in
+  expect 1 'no such file' -- "$@"
+}
+
+check_inputs() {
+  check_input bake --setup tiny.toml bake --setup ./in
+  check_input run --groom tiny.groom run --frames 1 --groom in
+  check_input 'trace replay' file tiny.peltinput trace replay in
+  check_input 'trace show' file tiny.peltinput trace show in
+  check_input diff left tiny.groom diff in tiny.groom
+  check_input diff right tiny.groom diff tiny.groom in
+  check_input accuracy --roots roots.csv accuracy --roots in --strand strand.toml --out points.csv
+  check_input accuracy --strand strand.toml accuracy --roots roots.csv --strand in --out points.csv
+  printf 'nop\n' >nop.s
+  check_input timing file nop.s timing in
+  "$pelt" timing - <nop.s >/dev/null || fail "timing of standard input"
+  expect 1 'not readable' -- bake --character <(printf '{}') --setup tiny
+  expect 1 'a folder, not a file' -- bake --character . --setup tiny
+}
+
+# Standard output with no room: whatever is printed, the exit code says that it was lost.
+check_full() {
+  local count=0 words
+  while read -r -a words; do
+    timeout 300 "$pelt" "${words[@]}" >/dev/full 2>err.txt && fail "pelt ${words[*]}: exit 0 on a full standard output"
+    grep -q '^pelt: standard output: No space left' err.txt || fail "pelt ${words[*]}: $(cat err.txt)"
+    [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt ${words[*]}: not one line of error: $(cat err.txt)"
+    count=$((count + 1))
+  done < <(
+    echo --help
+    echo --version
+    subcommands '' | sed 's/$/ --help/'
+    echo bake --keys
+    echo bake --setup tiny
+    echo run --scene tiny --frames 1
+    echo report --scene tiny --frames 1 --no-consoles --out page.html
+    echo plan --scene tiny
+    echo verify --scene tiny --frames 1 --isa reference --no-skips
+    echo trace record --scene tiny --frames 1 --out again.peltinput
+    echo trace replay tiny.peltinput
+    echo trace show tiny.peltinput
+    echo diff tiny.groom tiny.groom
+    echo "golden --check $source_dir/traces/golden --scene tiny"
+    echo timing --kernel skin
+    echo budget --numbers
+    echo budget --validate
+    echo conformance --door inline
+    echo accuracy --write-example .
+    echo stress --quick --solvers modal --links 3 --rates 60 --isa reference
+  )
+  [ "$count" -ge 32 ] || fail "only $count commands"
+  echo "$count commands with a full standard output"
+  "$pelt" diff tiny.groom tiny.groom >&- 2>/dev/null && fail "exit 0 on a closed standard output"
+  "$pelt" nonsense 2>&-
+  [ $? -eq 2 ] || fail "a closed standard error: exit $?"
+}
+
+make_inputs
+for part in "${parts[@]}"; do
+  case $part in
+    outputs) check_outputs ;;
+    conflicts) check_conflicts ;;
+    inputs) check_inputs ;;
+    full) check_full ;;
+    *) fail "no part '$part'" ;;
+  esac
+done
+[ "$failures" -eq 0 ] || exit 1
+echo "all passed: ${parts[*]}"
