@@ -36,7 +36,8 @@ constexpr std::string_view kNothingShared =
     "in the ring's order its three pairs share no part of it, so the model has every port at its "
     "full rate; what holds them back on the console is not known";
 constexpr std::string_view kLeavesL1 =
-    "what it reads does not stay in L1: the console counts 0.4 misses a line, and the model knows "
+    "what it reads does not stay in L1: the console counts up to 0.4 misses a line, and the model "
+    "knows "
     "no reason for them";
 
 constexpr std::string_view kPieces = "main memory to local store, 8 pieces in flight";

@@ -11,9 +11,10 @@
 namespace pelt {
 namespace {
 
-// Turns of the first thread, and instructions of both, within which the state must come back.
+// How many turns of the first thread are remembered to see the state come back, and how many
+// instructions of both are walked.
 constexpr size_t kMostTurns = 2000;
-constexpr uint64_t kMostIssues = 4'000'000;
+constexpr uint64_t kMostIssues = 1'000'000;
 
 struct LoopThread {
   Program program;
@@ -33,6 +34,18 @@ std::optional<LoopThread> MakeThread(Program program, const PpeParameters& ppe,
   }
   uint32_t branch = heads[0];
   while (program[branch].target != heads[0]) ++branch;
+  for (uint32_t i = heads[0]; i < program.size(); ++i) {
+    const Instruction& instruction = program[i];
+    const bool leaves =
+        i < branch && (instruction.flow == Flow::kCall || instruction.flow == Flow::kEnd ||
+                       (instruction.flow == Flow::kAlways && instruction.target > branch));
+    const bool again = i > branch && instruction.target == heads[0];
+    if (!leaves && !again) continue;
+    error = Format("instruction {}: {}", i,
+                   leaves ? "the loop leaves for what is not in it: give it with its calls inlined"
+                          : "a second branch to the loop's head; a loop of a pair has one");
+    return std::nullopt;
+  }
   return LoopThread{program, heads[0], branch, PpeThread(RegisterEnd(program), ppe), heads[0]};
 }
 
@@ -46,20 +59,30 @@ class Pair {
       std::array<uint64_t, 2> turns;
     };
     std::map<std::vector<int64_t>, Moment> seen;
-    for (uint64_t issues = 0; issues < kMostIssues && seen.size() < kMostTurns; ++issues) {
+    Moment first{}, now{};
+    for (uint64_t issues = 0; issues < kMostIssues; ++issues) {
       if (Step() != 0 || threads_[0].next != threads_[0].head) continue;
-      const Moment now = {threads_[0].thread.last_cycle(), {threads_[0].turns, threads_[1].turns}};
+      now = {threads_[0].thread.last_cycle(), {threads_[0].turns, threads_[1].turns}};
+      if (first.turns[1] == 0) first = now;  // both have begun
+      if (seen.size() == kMostTurns) continue;
       const auto [before, is_new] = seen.emplace(State(now.cycle), now);
       const Moment& then = before->second;
-      if (is_new || now.turns[1] == then.turns[1]) continue;
-      return PpePairTiming{now.cycle - then.cycle,
-                           {now.turns[0] - then.turns[0], now.turns[1] - then.turns[1]}};
+      if (!is_new && now.turns[1] > then.turns[1])
+        return Between(then.cycle, now.cycle, then.turns, now.turns, true);
     }
-    error = "the two loops reach no steady state together";
+    if (now.turns[0] > first.turns[0] && now.turns[1] > first.turns[1])
+      return Between(first.cycle, now.cycle, first.turns, now.turns, false);
+    error = "the two loops are too long to be timed together";
     return std::nullopt;
   }
 
  private:
+  using Turns = std::array<uint64_t, 2>;
+  static PpePairTiming Between(int64_t from, int64_t to, const Turns& before, const Turns& after,
+                               bool steady) {
+    return {steady, to - from, {after[0] - before[0], after[1] - before[1]}};
+  }
+
   IssueSlot Propose(uint32_t t) const {
     const LoopThread& own = threads_[t];
     const PpeThread& other = threads_[1 - t].thread;
@@ -78,10 +101,12 @@ class Pair {
     const bool second =
         slots[1].cycle < slots[0].cycle || (slots[1].cycle == slots[0].cycle && last(1) < last(0));
     LoopThread& thread = threads_[second];
+    const Instruction& instruction = thread.program[thread.next];
     const bool ends = thread.next == thread.branch;
-    thread.thread.Commit(thread.program[thread.next], slots[second], ends, units_);
+    thread.thread.Commit(instruction, slots[second], ends, units_);
     thread.turns += ends;
-    thread.next = ends ? thread.head : thread.next + 1;
+    const bool jumps = ends || instruction.flow == Flow::kAlways;
+    thread.next = jumps ? instruction.target : thread.next + 1;
     return second;
   }
 

@@ -11,7 +11,9 @@
 // Not modelled: caches. Both threads hit L1 throughout; what a miss of one leaves to the other is
 // not in it.
 //
-// Exact, as with one thread: when the state of both comes back, the rates are those of the period.
+// Exact, as with one thread, when the state of both comes back: the rates are those of the period.
+// Where it takes too long to (long loops without a common divisor), they are the mean of many
+// turns.
 #pragma once
 
 #include <array>
@@ -25,6 +27,7 @@
 namespace pelt {
 
 struct PpePairTiming {
+  bool steady = false;  // false: not a period, but a long stretch
   int64_t period_cycles = 0;
   std::array<uint64_t, 2> period_turns{};
 
@@ -34,7 +37,8 @@ struct PpePairTiming {
 };
 
 // Each program has one loop, which runs for ever; what lies before and behind it does not run.
-// Nothing, and the reason in `error`, when they cannot be run so, or reach no steady state.
+// Forward branches are as in issue_walk.hpp. Nothing, and the reason in `error`, when they cannot
+// be run so.
 std::optional<PpePairTiming> TryTimePpePair(const std::array<Program, 2>& programs,
                                             const PpeParameters& ppe, std::string& error);
 

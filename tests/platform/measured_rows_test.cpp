@@ -44,10 +44,10 @@ TEST(MeasuredRows, AreAllThatTheReferenceLists) {
     EXPECT_FALSE(row.work.empty() || row.unit.empty() || row.allowed_from.empty()) << row.id;
   }
   for (const char* id :
-       {"C1",  "C2",  "C3",  "C4",  "C5", "C6", "C7", "C9", "C10", "C13", "C23", "D1",
-        "D3",  "D4",  "D5",  "D6",  "D7", "D8", "D9", "E1", "E2",  "E8",  "S1",  "S2",
-        "J1a", "J1b", "J1c", "J4",  "P1", "P2", "P3", "P4", "P5",  "P6",  "P7",  "P8",
-        "P9",  "P10", "P11", "P12", "X1", "X2", "X3", "X4", "X5",  "X6"})
+       {"C1", "C2",  "C3",  "C4",  "C5",  "C6", "C7", "C9", "C10", "C13", "C23", "D1",
+        "D2", "D3",  "D4",  "D5",  "D6",  "D7", "D8", "D9", "E1",  "E2",  "E8",  "S1",
+        "S2", "J1a", "J1b", "J1c", "J4",  "P1", "P2", "P3", "P4",  "P5",  "P6",  "P7",
+        "P8", "P9",  "P10", "P11", "P12", "X1", "X2", "X3", "X4",  "X5",  "X6"})
     EXPECT_EQ(ids.count(id), 1u) << id;
 }
 

@@ -164,6 +164,23 @@ TEST(PpePair, TheOrderOfTheThreadsDoesNotMatter) {
     }
 }
 
+// A forward branch that is always taken is followed, as with one thread.
+TEST(PpePair, WhatABranchSkipsDoesNotRun) {
+  const std::string skips = "loop: add 3,4,5; b on; divd 6,7,8; divd 9,10,11; on: bdnz loop";
+  EXPECT_LT(TimePair(skips, Adds(4)).CyclesPerTurn(0), 10.0);
+}
+
+// Loops without a common divisor come back too late to be waited for: the mean is near enough.
+TEST(PpePair, LongLoopsAreTimedByTheirMean) {
+  std::string text = "loop:\n";
+  for (int i = 0; i < 4099; ++i) text += "add " + std::to_string(3 + i % 15) + ",20,21\n";
+  const PpePairTiming both = TimePair(Adds(7), text + "bdnz loop\n");
+  EXPECT_NEAR(both.CyclesPerTurn(0), 14.0, 0.1);
+  EXPECT_NEAR(both.CyclesPerTurn(1), 2 * 4099.0, 100.0);
+  EXPECT_FALSE(both.steady);
+  EXPECT_TRUE(TimePair(Adds(7), Adds(5)).steady);
+}
+
 TEST(PpePair, WhatIsNoPairOfLoopsIsRefused) {
   const auto why = [](const std::string& text, const PpeParameters& ppe) {
     const Listing a = ReadListing(text, "a.s", PpeInstructionSet());
@@ -174,6 +191,11 @@ TEST(PpePair, WhatIsNoPairOfLoopsIsRefused) {
   };
   EXPECT_NE(why("add 3,4,5", {}).find("0 loops"), std::string::npos);
   EXPECT_NE(why("a: b: add 3,4,5; bdnz b; bdnz a; c: bdnz c", {}).find("loops"), std::string::npos);
+  EXPECT_NE(why("loop: add 3,4,5; b out; bdnz loop; out:", {}).find("instruction 1"),
+            std::string::npos);
+  EXPECT_NE(why("loop: add 3,4,5; bl far; bdnz loop", {}).find("instruction 1"), std::string::npos);
+  EXPECT_NE(why("loop: add 3,4,5; bdnz loop; bdnz loop", {}).find("second branch"),
+            std::string::npos);
   PpeParameters one;
   one.smt_threads = 1;
   EXPECT_NE(why(Adds(2), one).find("1 hardware threads"), std::string::npos);
