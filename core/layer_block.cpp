@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/chunk.hpp"
+#include "core/float_rules.hpp"
 #include "core/modal/modal_block.hpp"
 
 namespace pelt {

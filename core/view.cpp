@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 #include "core/kernels/wind.hpp"
 
 namespace pelt {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 
 namespace pelt {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "jobs/input_check.hpp"
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <new>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/input_check.hpp"

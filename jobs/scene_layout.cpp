@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "jobs/scene.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "core/character/builtin_clips.hpp"
 #include "core/character/gltf_import.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt::builtin {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/character/builtin_shape.hpp"
+#include "core/float_rules.hpp"
 #include "core/random.hpp"
 
 namespace pelt::builtin {

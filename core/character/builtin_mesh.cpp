@@ -10,6 +10,7 @@
 #include "core/character/builtin_shape.hpp"
 #include "core/character/mesh_repair.hpp"
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt::builtin {
 namespace {

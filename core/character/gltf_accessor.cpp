@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt::gltf {
 namespace {

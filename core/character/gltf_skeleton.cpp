@@ -11,6 +11,7 @@
 
 #include "core/character/gltf_accessor.hpp"
 #include "core/character/gltf_read.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt::gltf {
 namespace {

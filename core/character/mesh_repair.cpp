@@ -6,6 +6,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

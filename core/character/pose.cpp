@@ -8,6 +8,7 @@
 
 #include "core/character/mesh_repair.hpp"
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {

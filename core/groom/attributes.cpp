@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 #include "core/random.hpp"
 
 namespace pelt {

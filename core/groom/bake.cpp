@@ -4,6 +4,7 @@
 
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
 

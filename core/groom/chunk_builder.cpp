@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

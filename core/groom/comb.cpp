@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 #include "core/groom/growth.hpp"
 
 namespace pelt {

@@ -18,6 +18,7 @@
 #include <bitset>
 #include <cmath>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"

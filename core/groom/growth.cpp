@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/random.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 
 namespace pelt {

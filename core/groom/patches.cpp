@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

@@ -15,6 +15,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/sample_elimination.hpp"
 #include "core/random.hpp"

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "core/error.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_schema.hpp"

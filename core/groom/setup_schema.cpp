@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "core/chunk.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 
 namespace pelt {

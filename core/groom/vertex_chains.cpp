@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

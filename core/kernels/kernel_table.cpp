@@ -2,6 +2,7 @@
 // PELT_KERNELS the name of the table's function, and the flags that let the compiler use the set.
 #include "core/kernels/kernel_table.hpp"
 
+#include "core/float_rules.hpp"
 #include "core/kernels/activate.hpp"
 #include "core/kernels/anchors.hpp"
 #include "core/kernels/bound_layer.hpp"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 
 bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,

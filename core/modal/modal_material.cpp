@@ -1,6 +1,7 @@
 #include "core/modal/modal_material.hpp"
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 #include "core/modal/modal_modes.hpp"
 
 namespace pelt {

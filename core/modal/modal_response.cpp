@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/float_rules.hpp"
+
 namespace pelt {
 namespace {
 

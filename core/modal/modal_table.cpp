@@ -1,6 +1,7 @@
 #include "core/modal/modal_table.hpp"
 
 #include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
 #include "core/modal/modal_response.hpp"
 
 namespace pelt {
