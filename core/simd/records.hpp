@@ -119,16 +119,16 @@ PELT_INLINE V JoinRecords(RecordOfGroup record) {
   else if constexpr (IsRegister<V> && V::kLanes == 8) {
     const F4 a = record(0).r, b = record(1).r;
     return V(
-        (typename V::Raw)_mm256_insertf128_ps(_mm256_castps128_ps256((__m128)a), (__m128)b, 1));
+        typename V::Raw(_mm256_insertf128_ps(_mm256_castps128_ps256(__m128(a)), __m128(b), 1)));
   }
 #endif
 #if defined(__AVX512F__)
   else if constexpr (IsRegister<V> && V::kLanes == 16) {
     const F4 a = record(0).r, b = record(1).r, c = record(2).r, d = record(3).r;
-    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256((__m128)a), (__m128)b, 1);
-    const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256((__m128)c), (__m128)d, 1);
-    return V((typename V::Raw)__builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
-                                                      11, 12, 13, 14, 15));
+    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(__m128(a)), __m128(b), 1);
+    const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(__m128(c)), __m128(d), 1);
+    return V(typename V::Raw(
+        __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)));
   }
 #endif
   else {
@@ -145,8 +145,8 @@ PELT_INLINE void SplitRecords(V a, StoreGroup store) {
   }
 #if defined(__AVX__)
   else if constexpr (IsRegister<V> && V::kLanes == 8) {
-    store(0, Record4{(F4)_mm256_castps256_ps128((__m256)a.v)});
-    store(1, Record4{(F4)_mm256_extractf128_ps((__m256)a.v, 1)});
+    store(0, Record4{F4(_mm256_castps256_ps128(__m256(a.v)))});
+    store(1, Record4{F4(_mm256_extractf128_ps(__m256(a.v), 1))});
   }
 #endif
 #if defined(__AVX512F__)
@@ -154,10 +154,10 @@ PELT_INLINE void SplitRecords(V a, StoreGroup store) {
     // Shuffles and maskless 256-bit intrinsics: g++ 12 warns inside its own 512-bit extractions.
     const auto low = __builtin_shufflevector(a.v, a.v, 0, 1, 2, 3, 4, 5, 6, 7);
     const auto high = __builtin_shufflevector(a.v, a.v, 8, 9, 10, 11, 12, 13, 14, 15);
-    store(0, Record4{(F4)_mm256_castps256_ps128((__m256)low)});
-    store(1, Record4{(F4)_mm256_extractf128_ps((__m256)low, 1)});
-    store(2, Record4{(F4)_mm256_castps256_ps128((__m256)high)});
-    store(3, Record4{(F4)_mm256_extractf128_ps((__m256)high, 1)});
+    store(0, Record4{F4(_mm256_castps256_ps128(__m256(low)))});
+    store(1, Record4{F4(_mm256_extractf128_ps(__m256(low), 1))});
+    store(2, Record4{F4(_mm256_castps256_ps128(__m256(high)))});
+    store(3, Record4{F4(_mm256_extractf128_ps(__m256(high), 1))});
   }
 #endif
   else {

@@ -77,13 +77,13 @@ struct Vec {
     PELT_INLINE friend Mask operator!(Mask a) { return {~a.m}; }
     PELT_INLINE friend bool Any(Mask a) {
 #if defined(__AVX512F__)
-      if constexpr (kLanes == 16) return _mm512_test_epi32_mask((__m512i)a.m, (__m512i)a.m) != 0;
+      if constexpr (kLanes == 16) return _mm512_test_epi32_mask(__m512i(a.m), __m512i(a.m)) != 0;
 #endif
 #if defined(__AVX__)
-      if constexpr (kLanes == 8) return !_mm256_testz_si256((__m256i)a.m, (__m256i)a.m);
+      if constexpr (kLanes == 8) return !_mm256_testz_si256(__m256i(a.m), __m256i(a.m));
 #endif
 #if defined(__SSE4_1__)
-      if constexpr (kLanes == 4) return !_mm_testz_si128((__m128i)a.m, (__m128i)a.m);
+      if constexpr (kLanes == 4) return !_mm_testz_si128(__m128i(a.m), __m128i(a.m));
 #endif
       int32_t any = 0;
       for (int i = 0; i < kLanes; ++i) any |= a.m[i];
@@ -113,18 +113,18 @@ struct Vec {
 #if defined(__AVX512F__)
       // The masked form: g++ 12 warns inside its own unmasked one.
       if constexpr (kLanes == 16)
-        return (RawInt)_mm512_maskz_cvtepu8_epi32(
-            0xffff, _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
+        return RawInt(_mm512_maskz_cvtepu8_epi32(
+            0xffff, _mm_loadu_si128(reinterpret_cast<const __m128i*>(p))));
 #endif
 #if defined(__AVX2__)
       if constexpr (kLanes == 8)
-        return (RawInt)_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+        return RawInt(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
 #endif
 #if defined(__SSE4_1__)
       if constexpr (kLanes == 4) {
         int32_t four;
         std::memcpy(&four, p, 4);
-        return (RawInt)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(four));
+        return RawInt(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(four)));
       }
 #endif
       RawInt r{};
@@ -140,14 +140,14 @@ struct Vec {
     PELT_INLINE void Store(int32_t* p) const { std::memcpy(p, &i, sizeof i); }
     PELT_INLINE void Store(uint32_t* p) const { std::memcpy(p, &i, sizeof i); }
     PELT_INLINE int32_t operator[](int lane) const { return i[lane]; }
-    PELT_INLINE friend Int operator+(Int a, Int b) { return (RawInt)((RawUint)a.i + (RawUint)b.i); }
-    PELT_INLINE friend Int operator-(Int a, Int b) { return (RawInt)((RawUint)a.i - (RawUint)b.i); }
-    PELT_INLINE friend Int operator*(Int a, Int b) { return (RawInt)((RawUint)a.i * (RawUint)b.i); }
+    PELT_INLINE friend Int operator+(Int a, Int b) { return RawInt(RawUint(a.i) + RawUint(b.i)); }
+    PELT_INLINE friend Int operator-(Int a, Int b) { return RawInt(RawUint(a.i) - RawUint(b.i)); }
+    PELT_INLINE friend Int operator*(Int a, Int b) { return RawInt(RawUint(a.i) * RawUint(b.i)); }
     PELT_INLINE friend Int operator&(Int a, Int b) { return a.i & b.i; }
     PELT_INLINE friend Int operator|(Int a, Int b) { return a.i | b.i; }
     PELT_INLINE friend Int operator^(Int a, Int b) { return a.i ^ b.i; }
-    PELT_INLINE friend Int operator<<(Int a, int n) { return (RawInt)((RawUint)a.i << n); }
-    PELT_INLINE friend Int operator>>(Int a, int n) { return (RawInt)((RawUint)a.i >> n); }
+    PELT_INLINE friend Int operator<<(Int a, int n) { return RawInt(RawUint(a.i) << n); }
+    PELT_INLINE friend Int operator>>(Int a, int n) { return RawInt(RawUint(a.i) >> n); }
     PELT_INLINE friend Mask operator==(Int a, Int b) { return {a.i == b.i}; }
     PELT_INLINE friend Mask operator<(Int a, Int b) { return {a.i < b.i}; }
     PELT_INLINE friend Mask operator>(Int a, Int b) { return {a.i > b.i}; }
@@ -182,8 +182,8 @@ struct Vec {
   // a < b ? a : b and a > b ? a : b: the second operand is returned for NaN and for equal zeros.
   PELT_INLINE friend Vec Min(Vec a, Vec b) { return a.v < b.v ? a.v : b.v; }
   PELT_INLINE friend Vec Max(Vec a, Vec b) { return a.v > b.v ? a.v : b.v; }
-  PELT_INLINE friend Int Bits(Vec a) { return (RawInt)a.v; }
-  PELT_INLINE friend Vec FromBits(Int a) { return (Raw)a.i; }
+  PELT_INLINE friend Int Bits(Vec a) { return RawInt(a.v); }
+  PELT_INLINE friend Vec FromBits(Int a) { return Raw(a.i); }
   // Rounds towards zero; |a| must be below 2^31.
   PELT_INLINE friend Int Truncate(Vec a) { return __builtin_convertvector(a.v, RawInt); }
   PELT_INLINE friend Vec ToFloat(Int a) { return __builtin_convertvector(a.i, Raw); }

@@ -54,6 +54,7 @@ grep -rlF -e "$build" -e "$source_dir" -e "$work/first" "$work/moved" --include=
 outside_build "$work/found" "${launcher[@]}" -DCMAKE_PREFIX_PATH="$work/moved" -DEMBEDDING="$work/embedding.cpp" && {
   expect_digest "find_package" "$work/found/embedding"
   expect_digest "find_package, second program" "$work/found/no_exceptions"
+  expect_digest "find_package, in a shared library" "$work/found/plugin_host"
   "$work/found/own_names" || fail "own_names"
 }
 # What was not asked for is not needed; what is asked for and was never built is refused by name.
@@ -121,12 +122,24 @@ part=(-DOUTSIDE_PELT_SOURCE="$source_dir")
 [ "$(uname -m)" = x86_64 ] && part+=(-DPELT_ISAS=sse4)  # a minute less to compile
 outside_build "$kept/part" "${launcher[@]}" "${part[@]}" -DEMBEDDING="$work/embedding.cpp" && {
   expect_digest "FetchContent" "$kept/part/embedding"
+  expect_digest "FetchContent, in a shared library" "$kept/part/plugin_host"
   "$kept/part/own_names" || fail "own_names as part of the build"
   cmake -N -L "$kept/part" | grep '^PELT_' && fail "options of Pelt's show in the parent's cache"
   (cd "$kept/part" && ctest -N) | grep -q 'Total Tests: 0' || fail "Pelt's tests are among the parent's"
   cmake --build "$kept/part" --target help | grep -E 'pelt_\w*(test|bench|scenarios|groom|tbb)|gtest|benchmark' &&
     fail "targets that the parent did not ask for"
 }
+
+# The kernels of the other sets, which that build leaves out, under the same warnings.
+if [ "$(uname -m)" = x86_64 ]; then
+  kernels() {  # vector, flags...
+    quietly "$compiler" -std=c++20 -ffp-contract=off -fsyntax-only -I"$source_dir" -DPELT_CHUNK_STRANDS=128 -DPELT_KERNELS=Kernels \
+      -DPELT_VECTOR="Vec<$1>" "${@:2}" -Wall -Wextra -Wpedantic -Wold-style-cast -Wshadow -Wcast-qual -Wextra-semi -Wundef -Werror \
+      "$source_dir/core/kernels/kernel_table.cpp"
+  }
+  kernels IsaAvx2 -mavx2 -mno-fma
+  kernels IsaAvx512 -mavx512f -mavx512dq -mavx512bw -mavx512vl
+fi
 
 # 4. The same without exceptions and RTTI.
 outside_build "$kept/no_exceptions" "${launcher[@]}" "${part[@]}" "-DCMAKE_CXX_FLAGS=-fno-exceptions -fno-rtti" &&

@@ -1,0 +1,26 @@
+// What Unity or Godot would load: a shared library that has Pelt inside and shows one C function.
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "pelt/core/bind_pose.hpp"
+#include "pelt/core/groom/groom_file.hpp"
+#include "pelt/jobs/scene.hpp"
+
+extern "C" uint64_t PluginFirstFrame(const char* groom_path);
+
+// The digest of the README's example; 0 when anything fails.
+extern "C" uint64_t PluginFirstFrame(const char* groom_path) {
+  std::string error;
+  const std::optional<pelt::Groom> groom = pelt::TryReadGroomFile(groom_path, error);
+  if (!groom) return 0;
+  const pelt::Groom* grooms[] = {&*groom};
+  const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);
+  if (!layout) return 0;
+  pelt::SceneBlock block(layout->total_bytes);
+  const auto scene = pelt::FurScene::TryCreate(grooms, {}, *layout, block.bytes(), error);
+  if (!scene) return 0;
+  pelt::FillBindPose(*groom, scene->Pose(0));
+  if (scene->BeginFrame({}) || pelt::SerialExecutor().Run(scene->CurrentFrame())) return 0;
+  return scene->DigestFrame();
+}
