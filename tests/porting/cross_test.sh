@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The same bits on other processors: big-endian PowerPC with AltiVec (the consoles' family) and AArch64.
-# Builds tests/porting/cross with Debian's cross compilers, runs it under qemu, compares what it prints with
-# the host's, and holds what it computes from a recording of tiny against the golden digests. Exit code 77, and
-# why, when a compiler or qemu is missing.
+# The same bits on other machines: big-endian PowerPC with AltiVec (the consoles' family) and AArch64 under qemu, and
+# Windows (another ABI, C library and thread library, every instruction set of this processor) under wine.
+# Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's, and holds what it
+# computes from a recording of tiny against the golden digests. A machine whose compiler or emulator is missing is
+# left out, and said to be; exit code 77 when that is all of them.
 #   cross_test.sh BUILD_DIR SOURCE_DIR COMPILER PELT HOST_DIR [FRAMES]
 # COMPILER is the host's; PELT bakes the groom; HOST_DIR has the host's cross_frames and cross_golden.
 set -uo pipefail
@@ -11,13 +12,26 @@ mkdir -p "$1/cross_test"
 kept=$(realpath "$1")/cross_test
 source_dir=$(realpath "$2") compiler=$3 pelt=$(realpath "$4") host_dir=$(realpath "$5") frames=${6:-8}
 
-for tool in powerpc-linux-gnu-g++ qemu-ppc aarch64-linux-gnu-g++ qemu-aarch64; do
-  command -v "$tool" >/dev/null || missing+=("$tool")
-done
-if [ -n "${missing[*]:-}" ]; then
-  echo "skipped, missing: ${missing[*]} (Debian: g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user)"
-  exit 77
-fi
+# Debian's wine64 is not on the path; the package `wine` puts a wrapper there.
+wine=$(command -v wine64 || command -v wine || { [ -x /usr/lib/wine/wine64 ] && echo /usr/lib/wine/wine64; }) || wine=""
+mingw=$(command -v x86_64-w64-mingw32-g++-posix) || mingw=""
+skipped=() left=()
+has() {  # machine, its Debian packages, tools...
+  local machine=$1 packages=$2 tool
+  shift 2
+  for tool in "$@"; do
+    [ -n "$tool" ] && command -v "$tool" >/dev/null && continue
+    skipped+=("$machine (Debian: $packages)")
+    return 1
+  done
+  left+=("$machine")
+}
+has powerpc "g++-powerpc-linux-gnu qemu-user" powerpc-linux-gnu-g++ qemu-ppc
+has aarch64 "g++-aarch64-linux-gnu qemu-user" aarch64-linux-gnu-g++ qemu-aarch64
+has windows "g++-mingw-w64-x86-64-posix wine64" "$mingw" "$wine"
+if [ "${#skipped[@]}" -gt 0 ]; then printf 'SKIPPED, compiler or emulator missing: %s\n' "${skipped[@]}"; fi
+if [ "${#left[@]}" -eq 0 ]; then exit 77; fi
+tried() { [[ " ${left[*]} " == *" $1 "* ]]; }
 
 # fmt's headers and nothing else: /usr/include belongs to the host.
 mkdir -p "$kept/include"
@@ -35,10 +49,11 @@ fail() {
   echo "FAILED: $*" >&2
   failures=$((failures + 1))
 }
-# try NAME "RUN PREFIX" CMAKE ARGUMENTS...: builds and runs.
+# try NAME "RUN PREFIX" CMAKE ARGUMENTS...: builds and runs, if NAME's tools are here.
 try() {
   local name=$1 prefix=$2 start=$SECONDS
   shift 2
+  tried "$name" || return
   { cmake -G Ninja -S "$source_dir/tests/porting/cross" -B "$kept/$name" -DCMAKE_BUILD_TYPE=Release -DFMT_INCLUDE="$kept/include" \
     "${launcher[@]}" "$@" && cmake --build "$kept/$name" --target cross_frames cross_golden; } >"$kept/$name.log" 2>&1 ||
     { grep -E -A 20 -m 3 'FAILED|error:' "$kept/$name.log" >&2; fail "$name: build"; return; }
@@ -47,14 +62,15 @@ try() {
 }
 # run NAME "RUN PREFIX" DIR: the programs in DIR; what the first printed goes into NAME.out.
 run() {
-  local name=$1 prefix=$2 dir=$3 start=$SECONDS
+  local name=$1 prefix=$2 dir=$3 start=$SECONDS end=""
+  [ "$name" = windows ] && end=.exe
   # shellcheck disable=SC2086
-  $prefix "$dir/cross_frames" "$kept/tiny.groom" "$frames" >"$kept/$name.out" || fail "$name: exit $?"
+  $prefix "$dir/cross_frames$end" "$kept/tiny.groom" "$frames" | tr -d '\r' >"$kept/$name.out" || fail "$name: exit $?"
   echo "== $name: ran in $((SECONDS - start)) s"
   cat "$kept/$name.out"
   rm -f "$kept/$name.digests"
   # shellcheck disable=SC2086
-  $prefix "$dir/cross_golden" "$kept/tiny.peltinput" "$kept/$name.digests" || fail "$name: another digest than recorded"
+  $prefix "$dir/cross_golden$end" "$kept/tiny.peltinput" "$kept/$name.digests" || fail "$name: another digest than recorded"
   "$pelt" diff "$source_dir/traces/golden/tiny.digests" "$kept/$name.digests" || fail "$name: not the golden digests"
   grep '^same' "$kept/$name.out" >"$kept/$name.same"
   [ "$(wc -l <"$kept/$name.same")" -eq 3 ] || fail "$name: printed no digest"
@@ -65,6 +81,15 @@ try powerpc "qemu-ppc -cpu 7447a" -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCE
   "-DCMAKE_CXX_FLAGS=-mcpu=cell -maltivec -mno-powerpc-gpopt -mno-mfcrf" -DCMAKE_EXE_LINKER_FLAGS=-static
 try aarch64 qemu-aarch64 -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
   -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ -DCMAKE_EXE_LINKER_FLAGS=-static
-grep -q 'big-endian' "$kept/powerpc.out" || fail "powerpc is not big-endian"
+# The prefix (wine's idea of a disk) stays beside the build; making it takes half a minute, once.
+export WINEPREFIX=$kept/wine WINEDEBUG=-all WINEDLLOVERRIDES="mscoree=;mshtml="
+try windows "$wine" -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER="$mingw" \
+  -DCMAKE_EXE_LINKER_FLAGS=-static
+if tried windows; then
+  # As many sets of kernels as here, each with three executors.
+  here=$(grep -c '^here .*the same digest' "$kept/host.out") there=$(grep -c '^here .*the same digest' "$kept/windows.out")
+  [ "$there" -ge "$here" ] || fail "windows: $there combinations of kernels and executor, the host has $here"
+fi
+tried powerpc && { grep -q 'big-endian' "$kept/powerpc.out" || fail "powerpc is not big-endian"; }
 [ "$failures" -eq 0 ] || exit 1
-echo "the same bits on all three"
+echo "the same bits here and on: ${left[*]}"
