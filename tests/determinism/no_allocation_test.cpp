@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include "jobs/adapters/pull_pool.hpp"
@@ -88,7 +89,8 @@ TEST(NoAllocation, TheCounterCounts) {
 }
 
 // Calls to the allocator in frames [warm_up, warm_up + 12): preparing poses, BeginFrame and Run.
-// The course passes wetting, a teleport, and one refused frame.
+// The course passes wetting, a teleport, a refused frame,
+// a refused pose and a pause.
 uint64_t CallsInFrames(Executor& executor, const SceneOptions& options, uint32_t warm_up) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, options);
@@ -102,7 +104,10 @@ uint64_t CallsInFrames(Executor& executor, const SceneOptions& options, uint32_t
       if (scene.BeginFrame(input) == nullptr) return ~0ull;
       input.dt_s = scenario.dt_s;
     }
+    if (f == warm_up + 7) scene.Pose(0).root[3] = std::numeric_limits<float>::quiet_NaN();
+    if (f == warm_up + 9) input.dt_s = 0.0;
     if (scene.BeginFrame(input) != nullptr) return ~0ull;
+    if (scene.RefusedPoses().empty() != (f != warm_up + 7)) return ~0ull;
     executor.Run(scene.CurrentFrame());
     const uint64_t digest = scene.DigestFrame();
     asm volatile("" : : "r"(digest));

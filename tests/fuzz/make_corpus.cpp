@@ -3,6 +3,8 @@
 // Run it when a format changes, and commit what it wrote. The corpus of setups is bench/setups;
 // golden digests are digest logs, and traces/golden is a corpus of those. What fuzzing found stays
 // beside the seeds, under the name of the fault.
+#include <bit>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -21,7 +23,9 @@
 #include "jobs/scene.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "traces/digest_log.hpp"
+#include "traces/input_fields.hpp"
 #include "traces/input_log.hpp"
+#include "traces/input_log_format.hpp"
 
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -133,6 +137,40 @@ std::vector<std::byte> RecordWalk(const Fur& fur) {
   return writer.Finish();
 }
 
+// Records of pose_target.cpp.
+void WritePoses(const std::filesystem::path& folder) {
+  using input_log::PutNumber;
+  const auto word = [](std::vector<std::byte>& to, size_t offset_bytes, float value) {
+    PutNumber(to, uint8_t{0});
+    PutNumber(to, uint16_t(offset_bytes / 4));
+    PutNumber(to, std::bit_cast<uint32_t>(value));
+  };
+  const auto run = [](std::vector<std::byte>& to) { PutNumber(to, uint8_t{2}); };
+  std::vector<std::byte> walk, stretched, hostile;
+  FrameInput input;
+  input.wind.velocity[0] = 3.0f;
+  for (int frame = 0; frame < 4; ++frame) {
+    word(walk, offsetof(PoseBlock, root) + 12, 0.05f * float(frame));
+    PutNumber(walk, uint8_t{1});
+    input.time_s = frame / 60.0;
+    ListInputFields(input_log::Writer{walk}, input);
+    for (const auto& sphere : input.sphere) input_log::Writer{walk}("sphere", sphere);
+    run(walk);
+  }
+  Write(folder / "walk.pose", walk);
+  for (size_t joint = 0; joint < 24; ++joint)
+    for (size_t c = 0; c < 3; ++c)
+      word(stretched, offsetof(PoseBlock, scale_key) + 4 * (c * kJointsPerCharacter + joint), 1e6f);
+  run(stretched);
+  Write(folder / "stretched.pose", stretched);
+  run(hostile);
+  word(hostile, offsetof(PoseBlock, rotation_key), std::bit_cast<float>(0x7fc00000u));
+  run(hostile);
+  word(hostile, offsetof(PoseBlock, joint_count), std::bit_cast<float>(256u));
+  run(hostile);
+  Write(folder / "hostile.pose", hostile);
+}
+
 void WriteDigestLogs(const std::filesystem::path& folder) {
   DigestLog log{"seed", "", kStrandsPerChunk, "sorted", {}, {}};
   for (const char* stage : {"skin", "roots", "fit_cubic_4"}) log.columns.push_back({stage, "rows"});
@@ -159,6 +197,7 @@ int main(int argc, char** argv) {
     pelt::Write(folder / "groom" / "vertex_chains.groom", WriteGroom(vertex.groom));
     pelt::Write(folder / "groom" / "strand_chains.groom", WriteGroom(strand.groom));
     pelt::Write(folder / "input_log" / "walk.peltinput", RecordWalk(vertex));
+    pelt::WritePoses(folder / "pose");
     pelt::WriteDigestLogs(folder / "digest_log");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_corpus: %s\n", error.what());

@@ -3,10 +3,10 @@
 // skin again.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 
 #include "core/random.hpp"
+#include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/pair_scene.hpp"
 
 namespace pelt {
@@ -85,42 +85,6 @@ void SpoilInput(Random& random, FrameInput& in) {
   if (random.Below(4) == 0)
     for (float& c : in.camera.position) c = Extreme(random);
   in.skip.lod = random.Below(2) != 0;
-}
-
-// The streams whose rows are floats throughout, or records with floats in known places.
-std::string FindNonFinite(const FurScene& scene) {
-  const SceneShape& shape = scene.shape();
-  for (uint32_t s = 1; s < kStreamCount; ++s) {
-    const StreamDesc& desc = DescribeStream(Stream(s));
-    if (desc.role != Role::kValue) continue;
-    for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
-      const std::byte* block = scene.memory().Block(Stream(s), i);
-      if (!block) continue;
-      const uint32_t lanes = scene.LiveLanes(Stream(s), desc.domain == Domain::kChunk ? i : 0);
-      for (const RowDesc& row : desc.rows) {
-        const size_t per_record = row.element_count / row.lane_count;
-        for (uint32_t e = 0; e < row.element_count; ++e) {
-          const size_t lane = row.lane_major ? e / per_record : e % row.lane_count;
-          if (desc.domain == Domain::kChunk && lane >= lanes) continue;
-          // Words of records: those that hold a float.
-          bool is_float = row.type == ElementType::kFloat;
-          const size_t word = e % per_record;
-          if (Stream(s) == Stream::kSkinned) is_float = true;
-          if (Stream(s) == Stream::kCurves || Stream(s) == Stream::kInstances)
-            is_float = word < 12 || word == 14;
-          if (Stream(s) == Stream::kRibbons) is_float = word < 15 || word == 17;
-          if (Stream(s) == Stream::kRibbonVertices) is_float = word % 8 < 6;
-          if (!is_float) continue;
-          float value;
-          std::memcpy(&value, block + row.offset_bytes + 4 * size_t(e), 4);
-          if (!std::isfinite(value))
-            return std::string(desc.name) + " " + std::string(row.name) + " of item " +
-                   std::to_string(i) + ", element " + std::to_string(e);
-        }
-      }
-    }
-  }
-  return {};
 }
 
 void RunHostileCourse(uint64_t seed, std::optional<Solver> solver) {
