@@ -69,6 +69,8 @@ if [ "$what" = all ]; then
   check gcc-chunk64 -R 'kernels_test|jobs_test|determinism_test'
   build clang-release clang++ Release pelt_tests -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_PRECOMPILE=ON
   check clang-release -LE slow
+  # The other compiler as a whole: the kept digests are among the above.
+  check clang-release -R '^pelt_verify_tiny$'
 fi
 # Last, because it has every test: its summary is the closing line.
 build gcc g++ RelWithDebInfo all
