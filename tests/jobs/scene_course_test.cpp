@@ -1,6 +1,8 @@
 // Courses of a scene: restarts, weather, falling asleep and waking, and that no skip changes a bit.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
@@ -160,9 +162,13 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
   // Each stays in force for the changes after it.
   const std::vector<std::pair<const char*, Change>> changes = {
       {"dt", [](FrameInput& in, FurScene&) { in.dt_s = 1.0 / 50.0; }},
+      {"dt by an ulp",
+       [](FrameInput& in, FurScene&) { in.dt_s = std::nextafter(float(in.dt_s), 1.0f); }},
       {"gravity", [](FrameInput& in, FurScene&) { in.gravity[1] = -9.0f; }},
       {"ground", [](FrameInput& in, FurScene&) { in.ground[3] = -0.01f; }},
       {"sphere", [](FrameInput& in, FurScene&) { in.sphere[0][3] += 0.01f; }},
+      {"one sphere more",
+       [](FrameInput& in, FurScene&) { in.sphere[in.sphere_count++][3] = 0.01f; }},
       {"weather",
        [](FrameInput& in, FurScene&) {
          static const Weather kWet[1] = {{1.0f, 0.0f}};

@@ -94,6 +94,15 @@ void ExpectLook(const Scene& s, const Record& record, uint32_t lane, bool exact)
   EXPECT_EQ(record.tag, (7 * kStrandsPerChunk + lane) | uint32_t(s.strands.film_strip[lane]) << 24);
 }
 
+TEST(FitCubic, DirtAloneIsSeen) {
+  auto s = MakeScene<4>(19, false);
+  s->layer.dirt = 0.4f;
+  CurveBlock out;
+  Fit<FitCubic<V, 4>>(*s, out);
+  for (uint32_t lane = 0; lane < s->state.live_strands; ++lane)
+    ExpectLook(*s, out.record[lane], lane, false);
+}
+
 D3 Evaluate(const CurveRecord& r, double t) {
   D3 sum;
   for (int j = 3; j >= 0; --j) sum = sum * t + D3{r.curve[j][0], r.curve[j][1], r.curve[j][2]};

@@ -151,6 +151,20 @@ TEST(SortKey, ReportsChangeExactlyWhenAKeyChanged) {
   EXPECT_EQ(w.state[0].keys_changed, 1u);
 }
 
+// Also where no lane that is still alive has another key.
+TEST(SortKey, FewerLiveStrandsAreAChange) {
+  for (const uint32_t live : {16u, 64u, kStrandsPerChunk - kLaneGroup}) {
+    World<4> w(5);
+    w.layer[0].flags = 0;
+    w.Run();
+    w.Run();
+    EXPECT_EQ(w.state[0].keys_changed, 0u);
+    w.state[0].live_strands = live;
+    w.Run();
+    EXPECT_EQ(w.state[0].keys_changed, 1u) << live;
+  }
+}
+
 TEST(SortKey, NoInputGivesTheCulledKeyByAccident) {
   World<5> w(1);
   w.layer[0].flags = 0;

@@ -162,6 +162,19 @@ TEST(Sort, TwentyThousandKeys) {
 
 // A local store hands Scatter a list to fill instead of places to write; the result must not
 // differ.
+// A digit counts as one that all keys share only when they all do.
+TEST(Sort, OneKeyThatDiffersInOneBitFindsItsPlace) {
+  for (uint32_t bit = 0; bit < 31; ++bit) {
+    World w(2);
+    for (uint32_t i = 0; i < w.lanes(); ++i) w.Key(i) = 0x1000u;
+    w.Key(10) = 0x1000u + (1u << bit);
+    const std::vector<uint32_t> wanted = w.SortPlainly();
+    EXPECT_EQ(wanted.back(), 10u);
+    EXPECT_EQ(w.SortWhole<ArrayVec<4>>(), wanted) << "bit " << bit;
+    EXPECT_EQ(w.SortInPieces<ArrayVec<4>>(), wanted) << "bit " << bit;
+  }
+}
+
 TEST(Sort, ScatterByListPutsTheSameStrands) {
   World world(3);
   std::mt19937 random(1);
