@@ -111,7 +111,8 @@ class Bench:
     def command(self, name, words, number):
         """(caught, how, seconds) of one command."""
         reached = self.work / "reached"
-        environment = dict(os.environ, PELT_MUTATION=str(number), PELT_MUTATION_REACHED=str(reached))
+        environment = dict(os.environ, PELT_MUTATION=str(number), PELT_MUTATION_REACHED=str(reached),
+                           TMPDIR=str(self.work), TEST_TMPDIR=str(self.work))
         limit = self.limits.get(name, 3600.0)
         start = time.monotonic()
         process = subprocess.Popen(words, cwd=self.work, env=environment, stdout=subprocess.PIPE,
