@@ -12,7 +12,8 @@
 // than its groom walks parents that nobody looked at.
 //
 // Every check returns whether all is well, and stops at the first fault: later ones trust what
-// earlier ones found.
+// earlier ones found. Long, because the rules of one block lean on those of the others and are read
+// against core/chunk.hpp in one go.
 
 #include <algorithm>
 #include <bitset>
