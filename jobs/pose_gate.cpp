@@ -193,6 +193,15 @@ void PoseGate::Accept(const FrameMemory& memory, uint32_t character) {
       memory.As<ChunkStateBlock>(Stream::kChunkState, c)->flags = 0;
 }
 
+void PoseGate::CopyStateFrom(const PoseGate& other) {
+  for (size_t c = 0; c < characters_.size(); ++c) {
+    characters_[c].had_pose = other.characters_[c].had_pose;
+    characters_[c].must_restart = other.characters_[c].must_restart;
+    holds_pose_[c] = other.holds_pose_[c];  // in place: the scene's memory points here
+  }
+  refused_.assign(other.refused_.begin(), other.refused_.end());
+}
+
 uint64_t PoseGate::HeapBytes() const {
   return characters_.capacity() * sizeof(CharacterLimits) +
          inverse_bind_.capacity() * sizeof(Reach) + holds_pose_.capacity() +

@@ -54,6 +54,9 @@ class PoseGate {
   // keep their last one.
   void Judge(const FrameMemory& memory);
 
+  // What it remembers of earlier frames, from the gate of a scene of the same grooms.
+  void CopyStateFrom(const PoseGate& other);
+
   std::span<const RefusedPose> refused() const { return refused_; }
   // For FrameMemory::holds_pose.
   const uint8_t* holds_pose() const { return holds_pose_.data(); }

@@ -248,6 +248,27 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   params_.activate = {SwitchesOf(in.skip), simulate_changed, view_changed, first_frame_};
 }
 
+bool FurScene::CopyStateFrom(const FurScene& other) {
+  const SceneShape &mine = layout_.shape, &its = other.layout_.shape;
+  if (layout_.total_bytes != other.layout_.total_bytes ||
+      mine.layer_character != its.layer_character ||
+      mine.layer_first_chunk != its.layer_first_chunk || mine.layer_kind != its.layer_kind)
+    return false;
+  if (this == &other) return true;
+  // Ranges lie back to back from the first stream on, in the same places of both blocks.
+  std::memcpy(memory_.base[0], other.memory_.base[0], layout_.total_bytes);
+  params_ = other.params_;
+  layer_params_ = other.layer_params_;
+  modal_ = other.modal_;
+  layer_length_max_ = other.layer_length_max_;
+  layer_strands_ = other.layer_strands_;
+  layer_simulates_ = other.layer_simulates_;
+  pose_gate_.CopyStateFrom(other.pose_gate_);
+  memory_.paused = other.memory_.paused;
+  first_frame_ = other.first_frame_;
+  return true;
+}
+
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;

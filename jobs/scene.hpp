@@ -132,6 +132,11 @@ class FurScene {
     return memory_.paused ? std::span<const RefusedPose>() : pose_gate_.refused();
   }
 
+  // Takes over the other scene's state, as it is between two frames: from here on both give the
+  // same bits for the same input. For going back to an earlier frame, or trying one out. False, and
+  // nothing done, when the other is not of the same grooms and options that shape its memory.
+  bool CopyStateFrom(const FurScene& other);
+
   // For any executor, once for each BeginFrame.
   Frame CurrentFrame() const { return {&plan_, &memory_, nullptr, &phase_}; }
 
