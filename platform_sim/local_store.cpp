@@ -134,10 +134,11 @@ void LocalStoreExecutor::CheckUntouched(const Stage& stage, uint32_t item, const
     return;
   for (const PortDesc& port : stage.kernel.ports)
     if (port.stream == block.stream && SameBinding(port.access, block.access))
-      return Fault(stage, item, Format("wrote through its read-only port '{}'", port.name));
-  Fault(
-      stage, item,
-      Format("wrote to stream '{}', which it has no port for", DescribeStream(block.stream).name));
+      return Fault(stage, item, Format("wrote through its read-only port '{}'", port.name),
+                   DescribeStream(block.stream).name);
+  Fault(stage, item,
+        Format("wrote to stream '{}', which it has no port for", DescribeStream(block.stream).name),
+        DescribeStream(block.stream).name);
 }
 
 LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame, const Stage& stage,
@@ -154,7 +155,8 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
   if (over_data > data_bytes_ || end > kLocalStoreBytes) {
     Fault(stage, item,
           Format("port '{}' needs {} bytes; of {} in local store {} are taken", port.name, bytes,
-                 data_bytes_, data_used_));
+                 data_bytes_, data_used_),
+          DescribeStream(port.stream).name, LocalStoreFault::Kind::kDoesNotFit);
     return nullptr;
   }
   resident_.push_back({port.stream,
@@ -226,7 +228,8 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
   for (uint32_t i = 0; i < block.count; ++i) {
     if (index[i] == kNotPut) continue;
     if (index[i] >= places) {
-      Fault(stage, item, Format("scattered to place {} of {} in its layer", index[i], places));
+      Fault(stage, item, Format("scattered to place {} of {} in its layer", index[i], places),
+            DescribeStream(block.stream).name);
       continue;
     }
     std::memcpy(to + size_t(index[i]) * block.record_bytes,
@@ -247,15 +250,17 @@ void LocalStoreExecutor::CheckGuards(const Stage& stage, uint32_t item) {
   };
   for (const Resident& r : resident_)
     if (!poisoned(r.offset + r.bytes, r.offset + uint32_t(RoundUp(r.bytes)) + kGuardBytes))
-      Fault(
-          stage, item,
-          Format("wrote past the end of its block of stream '{}'", DescribeStream(r.stream).name));
+      Fault(stage, item,
+            Format("wrote past the end of its block of stream '{}'", DescribeStream(r.stream).name),
+            DescribeStream(r.stream).name);
   const uint32_t after = std::min(top_ + kWatchedBytes, kLocalStoreBytes);
-  if (!poisoned(top_, after)) Fault(stage, item, "wrote past its last block");
+  if (!poisoned(top_, after)) Fault(stage, item, "wrote past its last block", {});
 }
 
-void LocalStoreExecutor::Fault(const Stage& stage, uint32_t item, std::string what) {
-  if (faults_.size() < kMostFaults) faults_.push_back({stage.kernel.name, item, std::move(what)});
+void LocalStoreExecutor::Fault(const Stage& stage, uint32_t item, std::string what,
+                               std::string_view stream, LocalStoreFault::Kind kind) {
+  if (faults_.size() < kMostFaults)
+    faults_.push_back({stage.kernel.name, item, std::move(what), kind, stream});
 }
 
 void LocalStoreExecutor::CountTransfer(uint64_t bytes, bool get) {

@@ -20,9 +20,15 @@ namespace pelt {
 inline constexpr uint32_t kLocalStoreBytes = 256 * 1024;
 
 struct LocalStoreFault {
+  enum class Kind : uint8_t {
+    kWrote,       // where no port lets it
+    kDoesNotFit,  // the plan is for another local store
+  };
   std::string_view stage;
   uint32_t item;
   std::string what;
+  Kind kind = Kind::kWrote;
+  std::string_view stream = {};  // of the block; empty for a write past all of them
 };
 
 struct LocalStoreCounts {
@@ -95,7 +101,8 @@ class LocalStoreExecutor final : public Executor {
   void Scatter(const Frame& frame, const Stage& stage, uint32_t item, Resident& block);
   void CheckUntouched(const Stage& stage, uint32_t item, const Resident& block);
   void CheckGuards(const Stage& stage, uint32_t item);
-  void Fault(const Stage& stage, uint32_t item, std::string what);
+  void Fault(const Stage& stage, uint32_t item, std::string what, std::string_view stream,
+             LocalStoreFault::Kind kind = LocalStoreFault::Kind::kWrote);
   void CountTransfer(uint64_t bytes, bool get);
 
   uint32_t data_bytes_;
