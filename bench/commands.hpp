@@ -136,7 +136,7 @@ struct VerifyArgs {
   ScenarioRequest request;
   uint32_t frames = 20;
   std::optional<Isa> isa;  // only this instruction set, besides the reference
-  bool skips = true, json = false;
+  bool skips = true, checks = true, every_executor = false, json = false;
   bool stop_at_failure = false;
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <thread>
 
+#include "bench/verify/guarded_executor.hpp"
+#include "bench/verify/odd_floats.hpp"
+#include "core/error.hpp"
 #include "jobs/adapters/pull_pool.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
 #include "jobs/engine_door.hpp"
@@ -102,6 +105,8 @@ std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
       return std::make_unique<PermutedExecutor>(what.order_seed);
     case ExecutorKind::kLocalStore:
       return std::make_unique<LocalStoreExecutor>(PlanOptions{}.local_store_data_bytes);
+    case ExecutorKind::kGuarded:
+      return std::make_unique<GuardedExecutor>();
     default:
       return std::make_unique<SerialExecutor>();
   }
@@ -114,24 +119,40 @@ uint32_t ObservedWorkers(Executor& executor) {
   return 1;
 }
 
-std::vector<std::string> FaultsOf(const Executor& executor) {
-  std::vector<std::string> faults;
+std::vector<Finding> FindingsOf(const Executor& executor) {
+  if (const auto* guarded = dynamic_cast<const GuardedExecutor*>(&executor))
+    return guarded->findings();
+  std::vector<Finding> findings;
   const auto* door = dynamic_cast<const PooledDoorExecutor*>(&executor);
   if (door && door->faults().Any()) {
-    faults.push_back("door: " + door->faults().Text());
-    std::replace(faults.back().begin(), faults.back().end(), '\n', ' ');
+    std::string text = "door: " + door->faults().Text();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    findings.push_back({FindingKind::kExecutor, {}, {}, std::move(text)});
   }
   if (const auto* store = dynamic_cast<const LocalStoreExecutor*>(&executor))
     for (const LocalStoreFault& fault : store->faults())
-      faults.push_back(
-          fmt::format("local store: stage {}, item {}: {}", fault.stage, fault.item, fault.what));
-  return faults;
+      findings.push_back(
+          {fault.kind == LocalStoreFault::Kind::kWrote ? FindingKind::kUndeclaredWrite
+                                                       : FindingKind::kExecutor,
+           std::string(fault.stage), std::string(fault.stream),
+           fmt::format("local store: stage {}, item {}: {}", fault.stage, fault.item, fault.what)});
+  return findings;
+}
+
+std::vector<std::string> FaultsOf(const Executor& executor) {
+  std::vector<std::string> texts;
+  for (Finding& finding : FindingsOf(executor)) texts.push_back(std::move(finding.text));
+  return texts;
+}
+
+SkipSettings NoSkips(bool lod) {
+  return {
+      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .lod = lod};
 }
 
 FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {
   FrameSettings all;
-  if (settings == Settings::kNoSkips)
-    all.skip = {.sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false};
+  if (settings == Settings::kNoSkips) all.skip = NoSkips();
   if (settings == Settings::kLod) {
     all.skip.lod = true;
     all.lod.strand_budget = uint32_t(scenario.StrandCount() / 2);
@@ -141,34 +162,48 @@ FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {
 
 CaseRun::CaseRun(Scenario& scenario, const VerifyCase& what, const FrameSettings& settings,
                  const std::function<void(const VerifyCase&, Plan&)>& tamper)
-    : running_(scenario, SceneOptionsOf(what)),
+    : odd_floats_(what.odd_floats),
+      running_(scenario, SceneOptionsOf(what)),
       plan_(running_.scene().plan()),
-      executor_(MakeExecutor(what)),
       settings_(settings) {
+  const OddFloats odd(odd_floats_);  // its threads inherit them
+  executor_ = MakeExecutor(what);
   if (tamper) tamper(what, plan_);
 }
 
-void CaseRun::RunFrame(uint32_t frame) {
-  running_.Begin(frame, settings_.skip, settings_.lod);
+void CaseRun::RunFrame(uint32_t frame, const Change& change) {
+  if (!TryRunFrame(frame, change)) throw Error(running_.RefusalText(frame));
+}
+
+bool CaseRun::TryRunFrame(uint32_t frame, const Change& change) {
+  FrameInput input = running_.Prepare(frame, settings_.skip, settings_.lod);
+  if (change) change(input, running_.scene());
+  const OddFloats odd(odd_floats_);
+  if (!running_.TryBegin(input)) return false;
   Frame work = running_.scene().CurrentFrame();
   work.plan = &plan_;
   executor_->Run(work);
+  return true;
 }
 
-std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame) {
+std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame,
+                                     bool booking) {
   const SceneShape& shape = expected.scene().shape();
   Mismatch out;
   out.frame = frame;
-  for (const Stage& stage : expected.plan().stages) {
-    for (const PortDesc& port : stage.kernel.ports) {
-      const StreamDesc& desc = DescribeStream(port.stream);
-      if (!IsWritten(port.access) || desc.role != Role::kValue) continue;
-      for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
-        if (!Admits(stage, shape, desc.domain, i)) continue;
-        out.stage = stage.kernel.name;
-        if (CompareBlock(expected.scene(), found.scene(), port.stream, i, out)) return out;
+  // Bookings follow from values, so a wrong value is looked for first.
+  for (const Role role : {Role::kValue, Role::kBooking}) {
+    if (role == Role::kBooking && !booking) break;
+    for (const Stage& stage : expected.plan().stages)
+      for (const PortDesc& port : stage.kernel.ports) {
+        const StreamDesc& desc = DescribeStream(port.stream);
+        if (!IsWritten(port.access) || desc.role != role) continue;
+        for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
+          if (!Admits(stage, shape, desc.domain, i)) continue;
+          out.stage = stage.kernel.name;
+          if (CompareBlock(expected.scene(), found.scene(), port.stream, i, out)) return out;
+        }
       }
-    }
   }
   return std::nullopt;
 }

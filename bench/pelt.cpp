@@ -184,12 +184,16 @@ Subcommand SetUpVerify(CLI::App& root) {
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
   app->add_flag("--stop-at-failure", args.stop_at_failure,
                 "Run nothing after the first case that fails");
+  app->add_flag("!--no-checks", args.checks,
+                "Leave out the checks of access, waking, culling and digests");
+  app->add_flag("--full", args.every_executor,
+                "Every changed input under every executor, which take turns otherwise");
   app->add_flag("--json", args.json, "Machine-readable output");
   AddShards(*app, args.shard, args.merge);
   app->footer(
       "Examples:\n"
       "  pelt verify --scene tiny --frames 5\n"
-      "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --json\n"
+      "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --no-checks --json\n"
       "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
       "Several processes, and the one verdict of what they print:\n"
       "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"

@@ -306,9 +306,9 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
       (double(std::min(frame, rest_from_frame)) - weather_course.from_frame + 1.0) / kWettingFrames,
       0.0, 1.0);
   weather_.resize(actors.size());
-  for (Weather& weather : weather_) {
-    weather.wetness = float(weather_course.wetness * share);
-    weather.dirt = float(weather_course.dirt * share);
+  for (size_t a = 0; a < actors.size(); ++a) {
+    weather_[a].wetness = float(weather_course.wetness * share * actors[a].weather_share);
+    weather_[a].dirt = float(weather_course.dirt * share * actors[a].weather_share);
   }
   input_.weather = weather_;
   return input_;
@@ -321,15 +321,31 @@ RunningScenario::RunningScenario(Scenario& scenario, const SceneOptions& options
       memory_(layout_.total_bytes),
       scene_(grooms_, options, layout_, memory_.bytes()) {}
 
-void RunningScenario::Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod) {
+FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
+                                    const LodSettings& lod) {
   FrameInput input = scenario_.PrepareFrame(frame, scene_);
   input.skip = skip;
   input.lod = lod;
-  if (const char* fault = scene_.BeginFrame(input))
-    throw Error(fmt::format("{}: frame {}: {}", scenario_.name, frame, fault));
+  return input;
+}
+
+bool RunningScenario::TryBegin(const FrameInput& input) {
+  if (const char* fault = scene_.BeginFrame(input)) {
+    refusal_ = fault;
+    return false;
+  }
+  // The frame is begun all the same, with that character as it was: not what was asked for.
   for (const RefusedPose& refused : scene_.RefusedPoses())
-    throw Error(
-        fmt::format("{}: frame {}: {}", scenario_.name, frame, DescribeRefusedPose(refused)));
+    throw Error(fmt::format("{}: {}", scenario_.name, DescribeRefusedPose(refused)));
+  return true;
+}
+
+std::string RunningScenario::RefusalText(uint32_t frame) const {
+  return fmt::format("{}: frame {}: {}", scenario_.name, frame, refusal_);
+}
+
+void RunningScenario::Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod) {
+  if (!TryBegin(Prepare(frame, skip, lod))) throw Error(RefusalText(frame));
 }
 
 }  // namespace pelt

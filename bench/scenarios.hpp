@@ -63,6 +63,7 @@ struct Actor {
   double phase_s;      // into the clip at frame 0
   glm::mat4 placement{1.0f};
   float unit_scale = 1.0f;
+  float weather_share = 1.0f;   // of the scenario's weather
   int32_t teleport_frame = -1;  // moved by teleport_by and restarted from this frame on; -1: never
   glm::vec3 teleport_by{0.0f};  // m
 };
@@ -151,6 +152,11 @@ class RunningScenario {
 
   FurScene& scene() { return scene_; }
   const FurScene& scene() const { return scene_; }
+  // Fills the poses of a frame and returns its input, valid until the next call.
+  FrameInput Prepare(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
+  // False when the frame refuses the input; RefusalText() says why.
+  bool TryBegin(const FrameInput& input);
+  std::string RefusalText(uint32_t frame) const;
   // Prepares and begins a frame. Throws Error when the frame refuses its input.
   void Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
   void Begin(uint32_t frame) { Begin(frame, scenario_.base.skip, scenario_.base.lod); }
@@ -161,6 +167,7 @@ class RunningScenario {
   SceneLayout layout_;
   SceneBlock memory_;
   FurScene scene_;
+  std::string refusal_;
 };
 
 }  // namespace pelt

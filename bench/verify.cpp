@@ -3,47 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <utility>
 
 #include "bench/lockstep.hpp"
-#include "core/error.hpp"
+#include "bench/verify/checks.hpp"
+#include "bench/verify/frame_digests.hpp"
+#include "bench/verify/guarded_executor.hpp"
+#include "bench/verify/verified_scene.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
 namespace {
 
-// Whether the next place of the list is this shard's, and still to be run.
-bool TakesNext(const VerifyOptions& options, VerifyReport& report) {
-  report.stopped = options.stop_at_failure && !report.Passed();
-  return report.shard.Takes(report.places++) && !report.stopped;
-}
-
 constexpr uint32_t kWorkerCounts[] = {1, 2, 3, 7, 16};
 constexpr Settings kAllSettings[] = {Settings::kSkips, Settings::kNoSkips, Settings::kLod};
 constexpr uint64_t kOrderSeeds[] = {0, 1, 2};
-
-using StreamDigests = std::array<uint64_t, kStreamCount>;
-
-StreamDigests DigestsOf(const FurScene& scene) {
-  StreamDigests digests{};
-  for (uint32_t s = 0; s < kStreamCount; ++s) digests[s] = scene.DigestStream(Stream(s));
-  return digests;
-}
-
-// Streams whose layout depends on the vertex order.
-bool IsVertexStream(uint32_t s) {
-  return Stream(s) == Stream::kInstances || Stream(s) == Stream::kRibbonVertices;
-}
-
-bool SameDigests(const StreamDigests& a, const StreamDigests& b, bool with_vertices) {
-  for (uint32_t s = 0; s < kStreamCount; ++s)
-    if (a[s] != b[s] && (with_vertices || !IsVertexStream(s))) return false;
-  return true;
-}
-
-using Course = std::vector<StreamDigests>;  // by frame
+// Locating a difference runs two courses again: of a broken build a few places say enough.
+constexpr uint32_t kMostLocated = 12;
 
 Course RecordCourse(Scenario& scenario, const VerifyCase& what, uint32_t frames) {
   CaseRun run(scenario, what, FrameSettingsOf(what.settings, scenario), {});
@@ -53,19 +30,6 @@ Course RecordCourse(Scenario& scenario, const VerifyCase& what, uint32_t frames)
     course.push_back(DigestsOf(run.scene()));
   }
   return course;
-}
-
-// Runs both again, frame by frame together, until they part.
-Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame) {
-  for (uint32_t f = 0; f <= frame; ++f) {
-    expected.RunFrame(f);
-    found.RunFrame(f);
-    if (auto mismatch = FindMismatch(expected, found, f)) return *mismatch;
-  }
-  Mismatch unknown;
-  unknown.frame = frame;
-  unknown.reproduced = false;
-  return unknown;
 }
 
 VerifyCase ReferenceFor(const VerifyCase& what) {
@@ -82,10 +46,9 @@ CaseResult CompareVertexOrders(Settings settings, const auto& reference_for) {
   result.what = {.vertex_order = VertexOrder::kIndexBuffer, .settings = settings};
   const Course &expected = reference_for(sorted), &found = reference_for(result.what);
   for (uint32_t f = 0; f < expected.size() && result.passed; ++f)
-    if (!SameDigests(expected[f], found[f], false)) {
-      result.passed = false;
-      result.reason = fmt::format("frame {}: the vertex orders differ before the vertices", f);
-    }
+    if (!SameDigests(expected[f], found[f], {.vertices = false}))
+      result.Fail({FindingKind::kValue, "", "",
+                   fmt::format("frame {}: the vertex orders differ before the vertices", f)});
   return result;
 }
 
@@ -93,20 +56,31 @@ void CheckWorkers(CaseRun& run, CaseResult& result) {
   if (!HasWorkers(result.what.executor)) return;
   result.workers_observed = ObservedWorkers(run.executor());
   if (result.workers_observed == result.what.workers) return;
-  result.passed = false;
-  result.reason =
-      fmt::format("{} workers ran together, not {}", result.workers_observed, result.what.workers);
+  result.Fail({FindingKind::kWorkers, "", "",
+               fmt::format("{} workers ran together, not {}", result.workers_observed,
+                           result.what.workers)});
 }
 
-void CheckFaults(CaseRun& run, CaseResult& result) {
-  const std::vector<std::string> faults = FaultsOf(run.executor());
-  if (faults.empty()) return;
-  result.passed = false;
-  result.reason = fmt::format("{} ({} faults)", faults.front(), faults.size());
+void CheckFindings(CaseRun& run, CaseResult& result) {
+  const std::vector<Finding> findings = FindingsOf(run.executor());
+  if (findings.empty()) return;
+  Finding first = findings.front();
+  if (findings.size() > 1) first.text += fmt::format(" (and {} more)", findings.size() - 1);
+  result.Fail(first);
+}
+
+// What the case alone may be the reason for.
+FindingKind KindOf(const VerifyCase& what, const Mismatch& mismatch) {
+  if (!mismatch.reproduced) return FindingKind::kRace;
+  if (what.odd_floats) return FindingKind::kFloats;
+  const bool in_order = what.executor == ExecutorKind::kSerial ||
+                        what.executor == ExecutorKind::kLocalStore ||
+                        what.executor == ExecutorKind::kGuarded;
+  return in_order ? FindingKind::kValue : FindingKind::kOrder;
 }
 
 CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& reference,
-                   const VerifyOptions& options) {
+                   const VerifyOptions& options, uint32_t& located) {
   CaseResult result;
   result.what = what;
   const FrameSettings settings = FrameSettingsOf(what.settings, scenario);
@@ -116,117 +90,72 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
     CheckWorkers(run, result);
     for (; frame < options.frames; ++frame) {
       run.RunFrame(frame);
-      if (!SameDigests(reference[frame], DigestsOf(run.scene()), true)) break;
+      if (!SameDigests(reference[frame], DigestsOf(run.scene()), {})) break;
     }
-    CheckFaults(run, result);
+    CheckFindings(run, result);
   }
   if (frame == options.frames) return result;
-  result.passed = false;
-  result.mismatch = Locate(CaseRun(scenario, ReferenceFor(what), settings, {}),
-                           CaseRun(scenario, what, settings, options.tamper), frame);
-  const std::string difference = DescribeMismatch(*result.mismatch);
-  result.reason = result.reason.empty() ? difference : result.reason + "; " + difference;
-  return result;
-}
-
-// ---- Skips
-// --------------------------------------------------------------------------------------
-
-struct SwitchDesc {
-  std::string_view name;
-  bool SkipSettings::*member;
-};
-constexpr SwitchDesc kSwitches[] = {{"sleep", &SkipSettings::sleep},
-                                    {"unmoved", &SkipSettings::unmoved},
-                                    {"sort", &SkipSettings::sort},
-                                    {"wind", &SkipSettings::wind},
-                                    {"cull", &SkipSettings::cull}};
-
-// Stage items that run in the frame just run: what skipping saves.
-uint64_t CountWork(CaseRun& run) {
-  const FurScene& scene = run.scene();
-  uint64_t work = 0;
-  for (const Stage& stage : run.plan().stages)
-    for (uint32_t i = 0; i < scene.shape().ItemCount(stage.domain); ++i)
-      work += IsWanted(stage, scene.memory(), i);
-  return work;
-}
-
-// Most chains lie still, bit for bit, this many frames after everything around them does.
-constexpr uint32_t kSettleFrames = 240;
-
-struct SkipCourse {
-  Course digests;
-  uint64_t work = 0;
-  std::string hidden;  // the first layer that left the view, and when; empty: none did
-};
-
-SkipCourse RecordSkips(Scenario& scenario, const VerifyCase& what, const SkipSettings& skip,
-                       uint32_t frames) {
-  CaseRun run(scenario, what, FrameSettings{skip, {}}, {});
-  SkipCourse course;
-  for (uint32_t f = 0; f < frames; ++f) {
-    run.RunFrame(f);
-    const FurScene& scene = run.scene();
-    course.digests.push_back(DigestsOf(scene));
-    course.work += CountWork(run);
-    for (uint32_t l = 0; l < scene.shape().layer_count && course.hidden.empty(); ++l)
-      if (!scene.memory().As<LodBlock>(Stream::kLod, l)->visible)
-        course.hidden = fmt::format("layer '{}' is out of view in frame {}", scene.LayerName(l), f);
-  }
-  return course;
-}
-
-SkipResult CompareSkip(Scenario& scenario, const VerifyCase& what, const SkipCourse& base,
-                       const SwitchDesc* off, const std::string& course, uint32_t frames) {
-  SkipResult result;
-  result.name = off ? off->name : "all of them";
-  result.course = course;
-  if ((!off || off->name == "cull") && !base.hidden.empty()) {
-    result.compared = false;
-    result.reason = "not compared: " + base.hidden + ", and culling stops its simulation";
+  if (located++ >= kMostLocated) {
+    result.Fail({FindingKind::kValue, "", "",
+                 fmt::format("frame {} differs; earlier cases say where", frame)});
     return result;
   }
-  SkipSettings skip;
-  for (const SwitchDesc& s : kSwitches)
-    if (!off || off == &s) skip.*s.member = false;
-  const SkipCourse without = RecordSkips(scenario, what, skip, frames);
-  result.items_skipped = without.work > base.work ? without.work - base.work : 0;
-  for (uint32_t f = 0; f < frames; ++f) {
-    if (SameDigests(base.digests[f], without.digests[f], true)) continue;
-    result.passed = false;
-    result.mismatch = Locate(CaseRun(scenario, what, FrameSettings{skip, {}}, {}),
-                             CaseRun(scenario, what, {}, {}), f);
-    result.reason = DescribeMismatch(*result.mismatch);
-    break;
-  }
+  const Mismatch mismatch = Locate(CaseRun(scenario, ReferenceFor(what), settings, {}),
+                                   CaseRun(scenario, what, settings, options.tamper), frame, true);
+  // What a stage takes from where it may not shows as a wrong value somewhere: ask the guard.
+  if (const auto cause = FindUndeclared(scenario, what, options, frame)) result.Fail(*cause);
+  result.Fail(KindOf(what, mismatch), mismatch);
   return result;
 }
 
-void VerifySkips(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
-  VerifyCase what;
-  what.isa = BestIsa();
-  const uint32_t rest_before = scenario.rest_from_frame;
-  const auto compare = [&](const SwitchDesc* off, std::optional<SkipCourse>& base,
-                           const std::string& course, uint32_t frames) {
-    if (!TakesNext(options, report)) return;
-    if (!base) base = RecordSkips(scenario, what, SkipSettings{}, frames);
-    report.skips.push_back(CompareSkip(scenario, what, *base, off, course, frames));
-    report.skips.back().place = report.places - 1;
-  };
-  for (const bool at_rest : {false, true}) {
-    const std::string course = at_rest ? "coming to rest" : "as it runs";
-    // A scene that stands still from a third of the way on is where skips have something to do.
-    if (at_rest) scenario.rest_from_frame = options.frames / 3;
-    const uint32_t frames = options.frames + (at_rest ? kSettleFrames : 0);
-    std::optional<SkipCourse> base;  // made when the shard first needs it
-    for (const SwitchDesc& s : kSwitches) compare(&s, base, course, frames);
-    compare(nullptr, base, course, frames);
-  }
-  scenario.rest_from_frame = rest_before;
+// Each stage alone, so fusion is nothing to it: every setting, order and sort once.
+void AddGuardedCases(Isa isa, std::vector<VerifyCase>& cases) {
+  if (!GuardedExecutor::IsAvailable()) return;
+  VerifyCase c{.executor = ExecutorKind::kGuarded, .isa = isa};
+  cases.push_back(c);
+  c.settings = Settings::kLod;
+  c.vertex_order = VertexOrder::kIndexBuffer;
+  c.piecewise_sort = true;
+  cases.push_back(c);
+  c.settings = Settings::kNoSkips;
+  c.vertex_order = VertexOrder::kSorted;
+  cases.push_back(c);
+}
+
+void AddOddFloatCases(Isa isa, std::vector<VerifyCase>& cases) {
+  for (const ExecutorKind kind :
+       {ExecutorKind::kSerial, ExecutorKind::kTbb, ExecutorKind::kDoor, ExecutorKind::kPull,
+        ExecutorKind::kPermuted, ExecutorKind::kLocalStore})
+    cases.push_back(
+        {.executor = kind, .workers = HasWorkers(kind) ? 2u : 1u, .isa = isa, .odd_floats = true});
 }
 
 }  // namespace
+
+bool TakesNext(const VerifyOptions& options, VerifyReport& report) {
+  report.stopped = options.stop_at_failure && !report.Passed();
+  return report.shard.Takes(report.places++) && !report.stopped;
+}
+
+void Outcome::Fail(Finding finding) {
+  passed = false;
+  if (kind == FindingKind::kNone) {
+    kind = finding.kind;
+    stage = finding.stage;
+    stream = finding.stream;
+  }
+  reason += (reason.empty() ? "" : "; ") + finding.text;
+}
+
+void Outcome::Fail(FindingKind why, const Mismatch& where) {
+  if (!mismatch) mismatch = where;
+  Fail({why, where.stage, where.stream, DescribeMismatch(where)});
+}
+
+void Outcome::LeaveOut(std::string why) {
+  compared = false;
+  reason = std::move(why);
+}
 
 std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> executors;
@@ -252,18 +181,24 @@ std::vector<VerifyCase> AllCases() {
               c.fuse = fuse;
               cases.push_back(c);
             }
+    AddGuardedCases(isa, cases);
+    AddOddFloatCases(isa, cases);
   }
   return cases;
 }
 
-VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
+VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options) {
+  Scenario verified = MakeVerifiedScene(scenario);
   VerifyReport report;
-  report.scene = scenario.name;
+  report.scene = verified.name;
   report.frames = options.frames;
   report.shard = options.shard;
-  report.strands = scenario.StrandCount();
+  report.strands = verified.StrandCount();
+  report.characters = uint32_t(verified.actors.size());
   for (const Isa isa : kAllIsas)
-    if (!FindKernels(isa)) report.not_run.emplace_back(IsaName(isa));
+    if (!FindKernels(isa))
+      report.not_run.push_back(fmt::format("instruction set {}", IsaName(isa)));
+  if (!GuardedExecutor::IsAvailable()) report.not_run.emplace_back("closed pages");
 
   std::vector<VerifyCase> cases = AllCases();
   if (options.filter) std::erase_if(cases, [&](const VerifyCase& c) { return !options.filter(c); });
@@ -272,12 +207,13 @@ VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
   std::map<std::pair<Settings, VertexOrder>, Course> references;
   const auto reference_for = [&](const VerifyCase& what) -> const Course& {
     auto [at, fresh] = references.try_emplace({what.settings, what.vertex_order});
-    if (fresh) at->second = RecordCourse(scenario, ReferenceFor(what), options.frames);
+    if (fresh) at->second = RecordCourse(verified, ReferenceFor(what), options.frames);
     return at->second;
   };
   Digest fold;
   for (const StreamDigests& frame : reference_for({}))
-    for (const uint64_t digest : frame) fold.Add64(digest);
+    for (uint32_t s = 0; s < kStreamCount; ++s)
+      if (DescribeStream(Stream(s)).role == Role::kValue) fold.Add64(frame[s]);
   report.digest = fold.Value();
   const auto add = [&report](CaseResult result) {
     result.place = report.places - 1;
@@ -286,18 +222,22 @@ VerifyReport Verify(Scenario& scenario, const VerifyOptions& options) {
   for (const Settings settings : kAllSettings)
     if (TakesNext(options, report)) add(CompareVertexOrders(settings, reference_for));
 
-  uint32_t done = 0;
+  uint32_t done = 0, located = 0;
   for (const VerifyCase& what : cases) {
     if (options.progress) options.progress(done++, uint32_t(cases.size()), NameCase(what));
-    if (TakesNext(options, report)) add(RunCase(scenario, what, reference_for(what), options));
+    if (TakesNext(options, report))
+      add(RunCase(verified, what, reference_for(what), options, located));
   }
-  if (options.skips) VerifySkips(scenario, options, report);
+  if (options.skips) VerifySkips(verified, options, report);
+  if (options.checks) RunChecks(verified, options, report);
   return report;
 }
 
 bool VerifyReport::Passed() const {
-  return std::all_of(cases.begin(), cases.end(), [](const CaseResult& c) { return c.passed; }) &&
-         std::all_of(skips.begin(), skips.end(), [](const SkipResult& s) { return s.passed; });
+  const auto passed = [](const Outcome& o) { return o.passed; };
+  return std::all_of(cases.begin(), cases.end(), passed) &&
+         std::all_of(skips.begin(), skips.end(), passed) &&
+         std::all_of(checks.begin(), checks.end(), passed);
 }
 
 }  // namespace pelt

@@ -27,6 +27,7 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
   add("frames", fmt::format("{}", report.frames));
   add("only", args.isa ? std::string(IsaName(*args.isa)) : std::string("-"));
   add("skips", args.skips ? "yes" : "no");
+  add("checks", !args.checks ? "no" : args.every_executor ? "full" : "yes");
   // Says the rest: solver, quality, what is in the files.
   add("digest", fmt::format("{:016x}", report.digest));
   return all;
@@ -42,14 +43,17 @@ int VerifyScene(const VerifyArgs& args) {
   options.skips = args.skips;
   options.shard = args.shard;
   options.stop_at_failure = args.stop_at_failure;
+  options.checks = args.checks;
+  options.every_executor = args.every_executor;
   if (args.isa) options.filter = [&](const VerifyCase& c) { return c.isa == *args.isa; };
   VerifyReport report;
   {
     const std::vector<VerifyCase> all = AllCases();
     const auto wanted = [&](const VerifyCase& c) { return !options.filter || options.filter(c); };
-    Progress progress("verify", uint64_t(std::count_if(all.begin(), all.end(), wanted)));
-    options.progress = [&](uint32_t done, uint32_t, const std::string& now) {
-      progress.Show(done, now);
+    const auto cases = uint32_t(std::count_if(all.begin(), all.end(), wanted));
+    Progress progress("verify", cases);
+    options.progress = [&](uint32_t done, uint32_t total, const std::string& now) {
+      progress.Show(total == 0 ? cases : done, now);
     };
     report = Verify(scenario, options);
   }

@@ -1,0 +1,26 @@
+// The digests of a scene after a frame, one for each stream: values, and what was booked as run.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "jobs/scene.hpp"
+
+namespace pelt {
+
+using StreamDigests = std::array<uint64_t, kStreamCount>;
+using Course = std::vector<StreamDigests>;  // by frame
+
+StreamDigests DigestsOf(const FurScene& scene);
+
+// Which streams two scenes must agree on.
+struct Agreement {
+  bool vertices = true;  // their layout depends on the vertex order
+  bool booking = true;   // depends on what is skipped, not on what runs it
+};
+bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement);
+
+// Of one layer's part of every value stream of layers and chunks.
+uint64_t DigestLayer(const FurScene& scene, uint32_t layer);
+
+}  // namespace pelt
