@@ -38,7 +38,8 @@ struct CheckSection {
   std::string_view name;
   void (*run)(Scenario&, const VerifyOptions&, VerifyReport&);
 };
-constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest}};
+constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest},
+                                      {"waking", CheckWaking}};
 
 }  // namespace
 

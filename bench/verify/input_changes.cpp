@@ -1,0 +1,179 @@
+#include "bench/verify/input_changes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <type_traits>
+
+#include "traces/input_fields.hpp"
+#include "traces/input_log_format.hpp"
+
+namespace pelt {
+namespace {
+
+// A number added to what a frame is told is listed in input_fields.hpp or below, or this does not
+// compile.
+[[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
+  [[maybe_unused]] const auto& [dt, time, camera, wind, gravity, use_ground, ground, spheres,
+                                sphere, weather, lod, skip] = in;
+  [[maybe_unused]] const auto& [position, target, up, fov, width, height, near_m, far_m] = camera;
+  [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
+  [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget] = lod;
+  [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, lod_too] = skip;
+  [[maybe_unused]] const auto& [wetness, dirt] = Weather{};
+}
+
+template <class T>
+void Change(T& value, Amount amount) {
+  if constexpr (std::is_same_v<T, bool>) {
+    value = !value;
+  } else if constexpr (std::is_integral_v<T>) {
+    value += amount == Amount::kOneUlp ? 1 : 1 + value / 2;
+  } else if (amount == Amount::kOneUlp) {
+    value = std::nextafter(value, std::numeric_limits<T>::infinity());
+  } else if (amount == Amount::kBelowFloat) {
+    value += value * T(0x1p-27);
+  } else {
+    constexpr T kShare[] = {T(0), T(1), T(0.05), T(0.0005)};
+    value += (T(0.5) * std::abs(value) + T(0.05)) * kShare[size_t(amount)];
+  }
+}
+
+template <class T>
+constexpr InputChange::Type TypeOf() {
+  if (std::is_same_v<T, double>) return InputChange::Type::kDouble;
+  if (std::is_same_v<T, bool>) return InputChange::Type::kOneWay;
+  return std::is_integral_v<T> ? InputChange::Type::kWhole : InputChange::Type::kFloat;
+}
+
+// An archive of ListInputFields, and of what stands beside it: notes every number's name, or
+// changes one of them.
+class Numbers {
+ public:
+  struct Name {
+    std::string text;
+    InputChange::Type type;
+  };
+  explicit Numbers(std::vector<Name>* names) : names_(names) {}
+  Numbers(size_t change, Amount amount) : change_(change), amount_(amount) {}
+
+  template <class T>
+  void operator()(const std::string& name, T& value) {
+    if constexpr (std::is_array_v<T>) {
+      for (size_t i = 0; i < std::extent_v<T>; ++i)
+        (*this)(fmt::format("{}[{}]", name, i), value[i]);
+    } else {
+      if (names_) names_->push_back({name, TypeOf<T>()});
+      if (at_++ == change_) Change(value, amount_);
+    }
+  }
+
+ private:
+  std::vector<Name>* names_ = nullptr;
+  size_t at_ = 0, change_ = ~size_t(0);
+  Amount amount_{};
+};
+
+void Visit(Numbers& numbers, FrameInput& in, uint32_t spheres, std::vector<Weather>& weather) {
+  ListInputFields(numbers, in);
+  for (uint32_t s = 0; s < spheres; ++s) numbers(fmt::format("sphere {}", s), in.sphere[s]);
+  for (size_t c = 0; c < weather.size(); ++c) {
+    numbers(fmt::format("wetness of character {}", c), weather[c].wetness);
+    numbers(fmt::format("dirt of character {}", c), weather[c].dirt);
+  }
+}
+
+InputChange::Part PartOf(const std::string& name) {
+  if (name.starts_with("skip.")) return InputChange::Part::kSkip;
+  if (name.starts_with("lod.")) return InputChange::Part::kLod;
+  return InputChange::Part::kFrame;
+}
+
+void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) {
+  std::vector<Numbers::Name> names;
+  Numbers lister(&names);
+  FrameInput copy = input;
+  std::vector<Weather> weather(input.weather.begin(), input.weather.end());
+  Visit(lister, copy, input.sphere_count, weather);
+  const auto kept = std::make_shared<std::vector<Weather>>();
+  for (size_t n = 0; n < names.size(); ++n) {
+    const std::string& name = names[n].text;
+    if (name == "skip.cull" || name == "skip.lod") continue;
+    changes.push_back(
+        {name, PartOf(name), names[n].type, [n, kept](FrameInput& in, FurScene&, Amount a) {
+           kept->assign(in.weather.begin(), in.weather.end());
+           Numbers changer(n, a);
+           Visit(changer, in, in.sphere_count, *kept);
+           in.weather = *kept;
+         }});
+  }
+}
+
+std::string NameOfPoseWord(size_t offset_bytes) {
+  for (const RowDesc& row : DescribeStream(Stream::kPose).rows)
+    if (offset_bytes >= row.offset_bytes &&
+        offset_bytes < row.offset_bytes + 4 * row.element_count) {
+      const size_t element = (offset_bytes - row.offset_bytes) / 4;
+      return row.element_count == row.lane_count
+                 ? fmt::format("{}[{}]", row.name, element)
+                 : fmt::format("{}[{}], joint {}", row.name, element / row.lane_count,
+                               element % row.lane_count);
+    }
+  return fmt::format("byte {}", offset_bytes);
+}
+
+void AddPoseWord(uint32_t character, size_t offset, std::vector<InputChange>& changes) {
+  changes.push_back({fmt::format("pose of character {}, {}", character, NameOfPoseWord(offset)),
+                     InputChange::Part::kPose, InputChange::Type::kFloat,
+                     [character, offset](FrameInput&, FurScene& scene, Amount amount) {
+                       auto* at = reinterpret_cast<std::byte*>(&scene.Pose(character)) + offset;
+                       float value;
+                       std::memcpy(&value, at, 4);
+                       Change(value, amount);
+                       std::memcpy(at, &value, 4);
+                     }});
+}
+
+void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
+  const SceneShape& shape = scene.shape();
+  uint32_t row = 0;
+  const uint32_t joints = scene.memory().As<PoseBlock>(Stream::kPose, 0)->joint_count;
+  input_log::ForEachPoseRow(joints, [&](size_t offset, uint32_t lanes) {
+    const uint32_t turn = row++;
+    if (lanes != joints)  // not one a joint: the placement
+      for (uint32_t lane = 0; lane < lanes; ++lane)
+        AddPoseWord(lane % shape.character_count, offset + 4 * lane, changes);
+    if (lanes != joints) return;
+    const uint32_t layer = turn % shape.layer_count;
+    const auto& moved_by = *scene.memory().As<LayerJointBlock>(Stream::kLayerJoints, layer);
+    if (moved_by.count == 0) return;
+    AddPoseWord(shape.layer_character[layer],
+                offset + 4 * moved_by.joint[turn / shape.layer_count % moved_by.count], changes);
+  });
+  for (uint32_t c = 0; c < std::min(shape.character_count, 2u); ++c)
+    changes.push_back({fmt::format("character {} teleported", c), InputChange::Part::kPose,
+                       InputChange::Type::kOneWay,
+                       [c](FrameInput&, FurScene& s, Amount) { s.Pose(c).teleported = 1; }});
+}
+
+}  // namespace
+
+std::string_view AmountName(Amount amount) {
+  return amount == Amount::kOneUlp       ? "one ulp"
+         : amount == Amount::kBelowFloat ? "less than a float's ulp"
+                                         : "a lot";
+}
+
+std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScene& scene) {
+  std::vector<InputChange> changes;
+  AddFrameInputs(input, changes);
+  changes.push_back({"dt_s 0: a pause", InputChange::Part::kFrame, InputChange::Type::kOneWay,
+                     [](FrameInput& in, FurScene&, Amount) { in.dt_s = 0.0; }});
+  AddPoses(scene, changes);
+  return changes;
+}
+
+}  // namespace pelt
