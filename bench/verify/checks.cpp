@@ -39,7 +39,8 @@ struct CheckSection {
   void (*run)(Scenario&, const VerifyOptions&, VerifyReport&);
 };
 constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest},
-                                      {"waking", CheckWaking}};
+                                      {"waking", CheckWaking},
+                                      {"culling", CheckCulling}};
 
 }  // namespace
 

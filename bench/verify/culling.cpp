@@ -1,0 +1,291 @@
+// Culling, judged by something else than culling.
+//
+// The camera looks away from the scene to every side and back, and its near and far planes pass
+// through it, so that every layer leaves the view and returns. A second scene culls nothing and
+// skips nothing. Where one of a layer's strands is in view there, point by point (view_test.hpp),
+// the layer must not be culled. One that has been in view from the first frame must have the second
+// scene's bits; one that returns, those of a scene that begins in that frame, because it starts
+// from its groom. What is out of view is not drawn.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bench/verify/checks.hpp"
+#include "bench/verify/frame_digests.hpp"
+#include "bench/verify/view_test.hpp"
+#include "core/exact_math.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kFramesAfterReturn = 3;
+// Frames of each part of the camera's course.
+constexpr uint32_t kTurning = 13, kNodding = 11, kNear = 6, kFar = 6, kLast = 2;
+constexpr uint32_t kFrames = kTurning + kNodding + kNear + kFar + kLast;
+
+void LookAside(Camera& camera, double turn_rad, double nod_rad, double distance) {
+  double forward[3];
+  for (int i = 0; i < 3; ++i)
+    forward[i] = (double(camera.target[i]) - camera.position[i]) / distance;
+  const double s = exact::Sin(turn_rad), c = exact::Cos(turn_rad);
+  const double turned[3] = {c * forward[0] + s * forward[2], forward[1],
+                            c * forward[2] - s * forward[0]};
+  // Nods by lifting the target: never straight up.
+  const double lift = exact::Sin(nod_rad) / exact::Cos(nod_rad);
+  for (int i = 0; i < 3; ++i)
+    camera.target[i] = float(camera.position[i] + distance * (turned[i] + (i == 1 ? lift : 0.0)));
+}
+
+// The frame's camera instead of the scene's.
+void AimCamera(uint32_t frame, Camera& camera) {
+  double d2 = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double along = double(camera.target[i]) - camera.position[i];
+    d2 += along * along;
+  }
+  const double distance = std::sqrt(d2);
+  constexpr double kStepRad = 0.12;
+  if (frame < kTurning + kNodding) {
+    camera.vertical_fov_rad = 0.3f;
+    if (frame < kTurning)
+      LookAside(camera, (double(frame) - kTurning / 2) * kStepRad, 0.0, distance);
+    else
+      LookAside(camera, 0.0, (double(frame - kTurning) - kNodding / 2) * kStepRad, distance);
+    return;
+  }
+  uint32_t step = frame - kTurning - kNodding;
+  if (step < kNear) {
+    camera.near_m = float(distance * (0.4 + 0.25 * step));
+  } else if (step -= kNear; step < kFar) {
+    camera.far_m = float(distance * (1.5 - 0.2 * step));
+  }
+}
+
+class CullingCheck {
+ public:
+  CullingCheck(Scenario& scenario, const VerifyOptions& options)
+      : scenario_(scenario),
+        options_(options),
+        culled_(scenario, Best(), {}, options.tamper),
+        seen_(scenario, Best(), {NoSkips(), {}}, {}),
+        since_(culled_.scene().shape().layer_count, 0) {
+    in_view_ = NewResult("no layer in view is culled");
+    stayed_ = NewResult("layers that stay in view");
+    returned_ = NewResult("layers that return");
+    drawn_ = NewResult("what is out of view is not drawn");
+  }
+
+  void Run(VerifyReport& report) {
+    for (uint32_t f = 0; f < kFrames; ++f) {
+      Camera camera;
+      const auto aim = [&](FrameInput& input, FurScene&) {
+        AimCamera(f, input.camera);
+        camera = input.camera;
+      };
+      culled_.RunFrame(f, aim);
+      seen_.RunFrame(f, aim);
+      StartFresh(f);
+      for (Fresh& fresh : fresh_) fresh.run->RunFrame(f, aim);
+      JudgeFrame(f, ViewTest(camera));
+      std::erase_if(fresh_, [&](const Fresh& x) { return f + 1 >= x.from + kFramesAfterReturn; });
+    }
+    if (returned_.seen == 0)
+      returned_.LeaveOut("no layer left the view and came back on this course");
+    for (CheckResult* result : {&in_view_, &stayed_, &returned_, &drawn_})
+      report.checks.push_back(*result);
+    for (const ExecutorKind kind :
+         {ExecutorKind::kTbb, ExecutorKind::kPermuted, ExecutorKind::kLocalStore})
+      report.checks.push_back(CompareExecutor(kind));
+  }
+
+ private:
+  struct Fresh {
+    uint32_t from;
+    std::unique_ptr<CaseRun> run;
+  };
+  static constexpr uint32_t kHidden = ~0u;
+
+  static VerifyCase Best() { return {.isa = BestIsa()}; }
+  static CheckResult NewResult(std::string name) {
+    CheckResult result;
+    result.section = "culling";
+    result.name = std::move(name);
+    return result;
+  }
+  static bool IsVisible(const FurScene& scene, uint32_t layer) {
+    return scene.memory().As<LodBlock>(Stream::kLod, layer)->visible != 0;
+  }
+  std::string NameLayer(uint32_t layer) {
+    return fmt::format("layer '{}' of character {}", culled_.scene().LayerName(layer),
+                       culled_.scene().shape().layer_character[layer]);
+  }
+  static void FailOnce(CheckResult& result, std::string_view stage, std::string_view stream,
+                       std::string text) {
+    if (result.passed)
+      result.Fail({FindingKind::kCull, std::string(stage), std::string(stream), std::move(text)});
+  }
+
+  // A scene that begins in this frame, if some layer returns in it.
+  void StartFresh(uint32_t frame) {
+    bool any = false;
+    for (uint32_t l = 0; l < since_.size(); ++l) {
+      if (!IsVisible(culled_.scene(), l)) {
+        since_[l] = kHidden;
+      } else if (since_[l] == kHidden) {
+        since_[l] = frame;
+        any = true;
+      }
+    }
+    if (!any) return;
+    auto run = std::make_unique<CaseRun>(scenario_, Best(), FrameSettings{NoSkips(), {}},
+                                         std::function<void(const VerifyCase&, Plan&)>{});
+    fresh_.push_back({frame, std::move(run)});
+  }
+
+  void JudgeFrame(uint32_t frame, const ViewTest& view) {
+    for (uint32_t l = 0; l < since_.size(); ++l) {
+      const auto point = FindPointInView(l, view);
+      in_view_.seen += point.has_value();
+      if (since_[l] == kHidden) {
+        if (point) FailInView(frame, l, *point);
+        JudgeHidden(frame, l);
+      } else if (since_[l] == 0) {
+        ++stayed_.seen;
+        if (DigestLayer(culled_.scene(), l) != DigestLayer(seen_.scene(), l))
+          FailOnce(stayed_, "", "",
+                   fmt::format("frame {}: {} was in view from the first frame on, and is not what "
+                               "it is without culling",
+                               frame, NameLayer(l)));
+      } else {
+        JudgeReturned(frame, l);
+      }
+    }
+    JudgeDrawList(frame);
+  }
+
+  struct Point {
+    uint32_t chunk, strand, number;
+    float at[3];
+  };
+  static constexpr uint32_t kRoot = 0;
+
+  // Of the scene that culls nothing: a point in view that is no farther from its root than the
+  // layer's box is promised to hold.
+  std::optional<Point> FindPointInView(uint32_t layer, const ViewTest& view) {
+    const FurScene& scene = seen_.scene();
+    if (!IsVisible(scene, layer)) return std::nullopt;  // switched off, or without strands
+    const SceneShape& shape = scene.shape();
+    const float reach = scene.memory().As<LayerBlock>(Stream::kLayers, layer)->length_max;
+    const bool five = shape.layer_kind[layer] & kLayerFivePoints;
+    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
+      const auto& roots = *scene.memory().As<RootBlock>(Stream::kRoots, c);
+      const auto* four_points = scene.memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
+      const auto* five_points = scene.memory().As<PointBlock<5>>(Stream::kStrandPoints5, c);
+      const uint32_t strands = scene.memory().As<StrandBlock>(Stream::kStrands, c)->strand_count;
+      for (uint32_t s = 0; s < strands; ++s)
+        for (uint32_t p = 0; p < (five ? 5u : 4u); ++p) {
+          Point point{c, s, p, {}};
+          double away2 = 0.0;
+          for (int axis = 0; axis < 3; ++axis) {
+            const float root = roots.position[axis][s];
+            point.at[axis] = p == kRoot ? root
+                             : five     ? five_points->position[p - 1][axis][s]
+                                        : four_points->position[p - 1][axis][s];
+            away2 += (double(point.at[axis]) - root) * (double(point.at[axis]) - root);
+          }
+          if (away2 < double(reach) * reach && view.IsClearlyInside(point.at)) return point;
+        }
+    }
+    return std::nullopt;
+  }
+
+  void FailInView(uint32_t frame, uint32_t layer, const Point& p) {
+    FailOnce(in_view_, "select_lod", "lod",
+             fmt::format("frame {}: {} is culled, and point {} of strand {} of its chunk {} stands "
+                         "in view at ({:.4g}, {:.4g}, {:.4g})",
+                         frame, NameLayer(layer), p.number, p.strand,
+                         p.chunk - culled_.scene().shape().layer_first_chunk[layer], p.at[0],
+                         p.at[1], p.at[2]));
+  }
+
+  void JudgeHidden(uint32_t frame, uint32_t layer) {
+    const FurScene& scene = culled_.scene();
+    const SceneShape& shape = scene.shape();
+    ++drawn_.seen;
+    uint32_t left = scene.memory().As<LayerSortBlock>(Stream::kLayerSort, layer)->visible_count;
+    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
+      const auto& state = *scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+      left |= state.flags | state.live_strands | state.live_vertices | state.visible_strands;
+    }
+    if (left)
+      FailOnce(drawn_, "activate", "chunk_state",
+               fmt::format("frame {}: {} is out of view and something of it still lives", frame,
+                           NameLayer(layer)));
+  }
+
+  void JudgeReturned(uint32_t frame, uint32_t layer) {
+    for (Fresh& fresh : fresh_) {
+      if (fresh.from != since_[layer]) continue;
+      ++returned_.seen;
+      if (DigestLayer(culled_.scene(), layer) != DigestLayer(fresh.run->scene(), layer))
+        FailOnce(returned_, "", "",
+                 fmt::format("frame {}: {} came back into view in frame {}, and is not what it is "
+                             "in a scene that begins there",
+                             frame, NameLayer(layer), fresh.from));
+    }
+  }
+
+  // Every layer in view with a strand to draw, once, and no other.
+  void JudgeDrawList(uint32_t frame) {
+    const FurScene& scene = culled_.scene();
+    const auto& list = *scene.memory().As<DrawListBlock>(Stream::kDrawList, 0);
+    std::vector<uint32_t> wanted,
+        listed(list.layer, list.layer + std::min(list.count, kLayersPerScene));
+    for (uint32_t l = 0; l < since_.size(); ++l)
+      if (since_[l] != kHidden &&
+          scene.memory().As<LayerSortBlock>(Stream::kLayerSort, l)->visible_count > 0)
+        wanted.push_back(l);
+    std::sort(listed.begin(), listed.end());
+    if (listed != wanted)
+      FailOnce(drawn_, "order_layers", "draw_list",
+               fmt::format("frame {}: the draw list is not the layers in view", frame));
+  }
+
+  CheckResult CompareExecutor(ExecutorKind kind) {
+    VerifyCase what = Best();
+    what.executor = kind;
+    what.workers = HasWorkers(kind) ? 2 : 1;
+    CheckResult result = NewResult("the same with " + std::string(ExecutorName(kind)));
+    CaseRun serial(scenario_, Best(), {}, {}), other(scenario_, what, {}, options_.tamper);
+    for (uint32_t f = 0; f < kFrames && result.passed; ++f) {
+      const auto aim = [&](FrameInput& input, FurScene&) { AimCamera(f, input.camera); };
+      serial.RunFrame(f, aim);
+      other.RunFrame(f, aim);
+      ++result.seen;
+      if (SameDigests(DigestsOf(serial.scene()), DigestsOf(other.scene()), {})) continue;
+      if (const auto mismatch = FindMismatch(serial, other, f, true))
+        result.Fail(kind == ExecutorKind::kLocalStore ? FindingKind::kValue : FindingKind::kOrder,
+                    *mismatch);
+    }
+    return result;
+  }
+
+  Scenario& scenario_;
+  const VerifyOptions& options_;
+  CaseRun culled_, seen_;
+  std::vector<uint32_t> since_;  // by layer: in view from this frame on, or kHidden
+  std::vector<Fresh> fresh_;
+  CheckResult in_view_, stayed_, returned_, drawn_;
+};
+
+}  // namespace
+
+void CheckCulling(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+  CullingCheck(scenario, options).Run(report);
+}
+
+}  // namespace pelt
