@@ -40,7 +40,8 @@ struct CheckSection {
 };
 constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest},
                                       {"waking", CheckWaking},
-                                      {"culling", CheckCulling}};
+                                      {"culling", CheckCulling},
+                                      {"digest", CheckDigests}};
 
 }  // namespace
 
