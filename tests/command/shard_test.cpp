@@ -130,7 +130,7 @@ VerifyOptions OneFrame(const Shard& shard) {
   VerifyOptions options;
   options.frames = 1;
   options.shard = shard;
-  options.skips = false;
+  options.skips = options.checks = false;
   options.filter = [](const VerifyCase& c) {
     return c.isa == Isa::kReference && c.settings == Settings::kSkips && c.fuse;
   };
@@ -219,6 +219,20 @@ TEST(MergeShards, SkipsAreSplitToo) {
   const MergedShards merged = MergeShards("verify", files);
   EXPECT_TRUE(merged.passed);
   EXPECT_EQ(Json::parse(merged.json)["skips"].size(), skips);
+}
+
+// A section of checks is one case of the list.
+TEST(MergeShards, ChecksAreSplitToo) {
+  const auto with_checks = [](VerifyOptions& options) {
+    options.filter = [](const VerifyCase&) { return false; };
+    options.checks = true;
+    options.sections = {"culling", "digest"};
+  };
+  const std::vector<ShardFile> files = RunShards(2, with_checks);
+  for (const ShardFile& file : files) EXPECT_EQ(Json::parse(file.text)["checks"].size(), 1u);
+  const MergedShards merged = MergeShards("verify", files);
+  EXPECT_TRUE(merged.passed);
+  EXPECT_EQ(Json::parse(merged.json)["checks"].size(), 2u);
 }
 
 TEST(MergeShards, OneCaseThatFailsFailsTheWhole) {
