@@ -22,6 +22,7 @@ struct BakeReport {
   std::vector<std::string> notes;
   Groom groom;
   ScatterStats stats;
+  std::vector<LayerDensity> densities = {};
   OutputPath out;
   uint64_t file_bytes = 0, digest = 0;
   double import_ms = 0.0, bake_ms = 0.0;
@@ -37,15 +38,28 @@ double Fill(uint64_t strands, uint64_t chunks) {
   return chunks ? double(strands) / (double(chunks) * kStrandsPerChunk) : 0.0;
 }
 
+// What max_strands took away.
+std::string DescribeCut(const LayerDensity& density) {
+  const ScatterDensity& s = density.scatter;
+  if (!density.IsCut()) return {};
+  return fmt::format("  max_strands leaves {:.2g} % of the density's {:.0f}",
+                     100.0 * double(s.grown) / s.asked, s.asked);
+}
+
 std::string DescribeBake(const BakeReport& report, bool with_stats) {
   std::string out;
   for (const std::string& note : report.notes) out += fmt::format("note: {}\n", note);
-  out += fmt::format("{:<20} {:>8} {:>7} {:>7} {:>12}\n", "layer", "strands", "chunks", "fill",
-                     "longest mm");
-  for (const GroomLayer& layer : report.groom.layers)
-    out += fmt::format("{:<20} {:>8} {:>7} {:>6.1f}% {:>12.1f}\n", layer.name, layer.strand_count,
-                       layer.chunk_count, 100.0 * Fill(layer.strand_count, layer.chunk_count),
-                       1000.0 * double(layer.length_max));
+  out += fmt::format("{:<20} {:>8} {:>7} {:>7} {:>12} {:>10}\n", "layer", "strands", "chunks",
+                     "fill", "longest mm", "spacing mm");
+  for (size_t l = 0; l < report.groom.layers.size(); ++l) {
+    const GroomLayer& layer = report.groom.layers[l];
+    const LayerDensity& density = report.densities[l];
+    out += fmt::format("{:<20} {:>8} {:>7} {:>6.1f}% {:>12.1f} {:>10.2f}{}\n", layer.name,
+                       layer.strand_count, layer.chunk_count,
+                       100.0 * Fill(layer.strand_count, layer.chunk_count),
+                       1000.0 * double(layer.length_max),
+                       1000.0 * double(density.scatter.spacing_m), DescribeCut(density));
+  }
   const uint64_t strands = Strands(report.groom), chunks = report.groom.strands.size();
   out += fmt::format("{:<20} {:>8} {:>7} {:>6.1f}%\n", "all", strands, chunks,
                      100.0 * Fill(strands, chunks));
@@ -88,6 +102,8 @@ std::string BakeAsJson(const BakeReport& report, bool with_stats) {
     json.Add("layer", layer.name);
     json.Add("strands", layer.strand_count);
     json.Add("chunks", layer.chunk_count);
+    json.Add("density_strands", report.densities[l].scatter.asked);
+    json.Add("spacing_mm", 1000.0 * double(report.densities[l].scatter.spacing_m));
     if (with_stats) {
       json.BeginArray("prefixes");
       for (const PrefixStats& prefix : report.stats.layers[l].prefix) {
@@ -132,10 +148,12 @@ int Bake(const BakeArgs& args) {
     const BakeProgress show = [&](std::string_view layer, float share) {
       bar.Show(uint64_t(100.0f * share), layer);
     };
-    report.groom =
-        BakeGroom(character, rest, setup, unit_scale, &show, args.stats ? &report.stats : nullptr);
+    report.groom = BakeGroom(character, rest, setup, unit_scale, &show,
+                             args.stats ? &report.stats : nullptr, &report.densities);
   }
   report.bake_ms = MsSince(start);
+  for (std::string& warning : WarnOfBaldness(report.densities))
+    report.notes.push_back(std::move(warning));
   const std::vector<std::byte> bytes = WriteGroom(report.groom);
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);

@@ -59,8 +59,11 @@ Actor MakeActor(const Scenario& scenario, const FurSetup& setup, const std::stri
 void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
               const std::string& clip) {
   const float unit_scale = ChooseUnitScale(setup, character, scenario.notes);
-  scenario.grooms.push_back(
-      BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup, unit_scale));
+  std::vector<LayerDensity> densities;
+  scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup,
+                                      unit_scale, nullptr, nullptr, &densities));
+  for (std::string& warning : WarnOfBaldness(densities))
+    scenario.notes.push_back(std::move(warning));
   scenario.characters.push_back(std::move(character));
   scenario.actors.push_back(MakeActor(scenario, setup, clip, unit_scale));
 }

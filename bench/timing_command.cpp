@@ -6,6 +6,7 @@
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
 #include "core/file_bytes.hpp"
+#include "core/printable.hpp"
 #include "platform_sim/core/issue_walk.hpp"
 #include "platform_sim/core/listing.hpp"
 #include "platform_sim/core/ppe_core.hpp"
@@ -31,7 +32,7 @@ std::string ReadText(const std::string& path) {
 
 std::string LabelAt(const Listing& listing, uint32_t index) {
   for (const ListingLabel& label : listing.labels)
-    if (label.index == index) return label.name;
+    if (label.index == index) return Printable(label.name);
   return fmt::format("line {}", listing.line[index]);
 }
 
@@ -97,7 +98,7 @@ void PrintSlots(const Listing& listing, const IssueChart& chart,
     std::string line =
         fmt::format("{:>8}  {:<11} {:>6}  {:<30}  {}", paired ? "+" : fmt::format("{}", slot.cycle),
                     chart.pipes[slot.pipe], listing.line[slot.instruction],
-                    listing.text[slot.instruction], DescribeStalls(listing, slot));
+                    Printable(listing.text[slot.instruction]), DescribeStalls(listing, slot));
     line.erase(line.find_last_not_of(' ') + 1);
     fmt::print("{}\n", line);
   }

@@ -7,6 +7,7 @@
 
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -20,9 +21,9 @@ constexpr size_t kColumnsLimit = 1024;
 constexpr std::string_view kNoSettings = "none";
 
 std::string OnOneLine(std::string_view text) {
-  std::string line(text.substr(0, kTextBytesLimit));
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  std::string line = Printable(text);
+  line.resize(std::min<size_t>(line.size(), kTextBytesLimit));
+  while (!IsPrintable(line)) line.pop_back();  // a character that the cut went through
   return line;
 }
 

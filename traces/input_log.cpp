@@ -7,6 +7,7 @@
 
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
+#include "core/printable.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
 
@@ -65,7 +66,9 @@ class Reader {
     const auto size = Get<uint32_t>();
     if (size > kTextBytesLimit) Fail(start, Format("a text of {} bytes", size));
     const std::byte* from = Take(size);
-    return from ? std::string(AsText({from, size})) : std::string();
+    if (from && !IsPrintable(AsText({from, size})))
+      Fail(start, "a text that holds a control character or is no UTF-8");
+    return failed_ ? std::string() : std::string(AsText({from, size}));
   }
   // A count of things that take at least `least_bytes` each in what is left of the file.
   void CheckCount(size_t at, uint64_t count, uint64_t least_bytes, std::string_view what) {

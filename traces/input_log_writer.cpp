@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/file_bytes.hpp"
+#include "core/printable.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log.hpp"
 #include "traces/input_log_format.hpp"
@@ -43,6 +44,8 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
                                   std::span<const std::span<const std::byte>> character_grooms) {
   if (character_grooms.empty() || character_grooms.size() > kCharactersLimit)
     return "no character, or more than a scene can have";
+  if (!IsPrintable(about.scene) || !IsPrintable(about.note))
+    return "the scene's name or the note holds a control character or is no UTF-8";
   std::vector<std::span<const std::byte>> grooms;
   std::vector<uint32_t> character_groom;
   for (const std::span<const std::byte> groom : character_grooms) {

@@ -226,7 +226,7 @@ std::vector<float> ReadFloats(const Document& document, int accessor, const Want
   reader.ForEach([&](uint64_t element, const unsigned char* p) {
     for (int c = 0; c < n; ++c) {
       const float v = ReadNumber(p + size * uint64_t(c), from.component, normalised);
-      if (!std::isfinite(v))
+      if (wanted.finite && !std::isfinite(v))
         reader.Refuse("element " + std::to_string(element) + " is not a finite number");
       out[element * uint64_t(n) + uint64_t(c)] = v;
     }

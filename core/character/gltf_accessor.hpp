@@ -33,12 +33,13 @@ struct Wanted {
   int components = 1;  // 16: MAT4
   uint32_t allowed = kSetF32;
   Scaling scaling = Scaling::kAsFlagged;
+  bool finite = true;  // else what is not finite is kept, for the reader to repair
 };
 
 // Elements of the accessor. Throws Error (file, place, reason) for a bad accessor.
 uint64_t CountElements(const Document& document, int accessor, const std::string& place);
 
-// components * count finite floats. Throws Error as above.
+// components * count floats, finite unless others are wanted. Throws Error as above.
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
                               const std::string& place);
 

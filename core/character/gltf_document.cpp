@@ -6,13 +6,16 @@
 // directory. All three are caught here.
 #include "core/character/gltf_document.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 
 #include "core/character/gltf_json_guard.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/format.hpp"
 #include "core/output_place.hpp"
+#include "core/printable.hpp"
 
 // The distribution's library holds the implementation (define PELT_TINYGLTF_HEADER_ONLY where
 // tinygltf is headers alone).
@@ -107,6 +110,37 @@ std::string DropHarmless(std::string errors) {
   return errors;
 }
 
+// Extensions without which the accessors mean something else.
+constexpr std::string_view kUnreadable[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                                            "KHR_meshopt_compression"};
+// Of materials, lights and pictures, none of which is looked at; or read as plain glTF.
+constexpr std::string_view kHarmless[] = {"KHR_materials_", "KHR_lights_", "KHR_texture_",
+                                          "EXT_texture_", "KHR_mesh_quantization"};
+
+// A file that needs an extension is refused in its name: what the library stumbles over, views and
+// accessors without content, follows from it. Where the file could be read without, only `failed`.
+void CheckExtensions(const tinygltf::Model& model, const std::string& name, bool failed) {
+  const auto check = [&](const std::vector<std::string>& extensions, std::string_view member) {
+    for (const std::string& extension : extensions)
+      for (std::string_view unreadable : kUnreadable)
+        if (extension == unreadable)
+          throw Error(Format("{}: {}: {} is not supported; export without compression", name,
+                             member, extension));
+  };
+  check(model.extensionsRequired, "extensionsRequired");
+  if (failed) check(model.extensionsUsed, "extensionsUsed");
+}
+
+// The other extensions that the file says it cannot do without.
+std::vector<std::string> ListUnknown(const tinygltf::Model& model) {
+  std::vector<std::string> unknown;
+  for (const std::string& extension : model.extensionsRequired)
+    if (std::none_of(std::begin(kHarmless), std::end(kHarmless),
+                     [&](std::string_view known) { return extension.starts_with(known); }))
+      unknown.push_back(Printable(extension));
+  return unknown;
+}
+
 tinygltf::Model ParseModel(std::span<unsigned char> file, const std::string& name,
                            BufferFolder& from) {
   const std::string& folder = from.folder;
@@ -129,14 +163,20 @@ tinygltf::Model ParseModel(std::span<unsigned char> file, const std::string& nam
                                                     reinterpret_cast<const char*>(file.data()),
                                                     unsigned(file.size()), folder);
   } catch (const std::exception& e) {
-    throw Error(name + ": not readable as glTF: " + e.what());
+    throw Error(name + ": not readable as glTF: " + Printable(e.what()));
   }
   errors = DropHarmless(errors);
-  if (!read || !errors.empty())
-    throw Error(name + ": not readable as glTF: " +
-                (errors.empty() ? std::string("no reason given") : errors));
+  const bool failed = !read || !errors.empty();
+  CheckExtensions(model, name, failed);
+  if (failed) {
+    std::string reason = errors.empty() ? std::string("no reason given") : Printable(errors);
+    for (const std::string& extension : ListUnknown(model))
+      reason += "; it requires " + extension + ", which is not supported";
+    throw Error(name + ": not readable as glTF: " + reason);
+  }
   if (model.asset.version.compare(0, 2, "2.") != 0)
-    throw Error(name + ": asset.version is \"" + model.asset.version + "\", only 2.x is known");
+    throw Error(name + ": asset.version is \"" + Printable(model.asset.version) +
+                "\", only 2.x is known");
   return model;
 }
 
@@ -164,7 +204,7 @@ Accessor Convert(const tinygltf::Accessor& from) {
 
 MeshDesc Convert(const tinygltf::Mesh& from) {
   MeshDesc to;
-  to.name = from.name;
+  to.name = Printable(from.name);
   for (const tinygltf::Primitive& p : from.primitives)
     to.primitives.push_back({p.attributes, p.indices, p.material, p.mode, !p.targets.empty()});
   return to;
@@ -172,7 +212,7 @@ MeshDesc Convert(const tinygltf::Mesh& from) {
 
 Animation Convert(const tinygltf::Animation& from) {
   Animation to;
-  to.name = from.name;
+  to.name = Printable(from.name);
   for (const tinygltf::AnimationSampler& s : from.samplers)
     to.samplers.push_back({s.input, s.output, s.interpolation});
   for (const tinygltf::AnimationChannel& c : from.channels)
@@ -202,13 +242,13 @@ Document ParseDocument(std::span<const std::byte> bytes, const std::string& name
   for (const tinygltf::Accessor& a : model.accessors) to.accessors.push_back(Convert(a));
   for (const tinygltf::Mesh& m : model.meshes) to.meshes.push_back(Convert(m));
   for (const tinygltf::Node& n : model.nodes)
-    to.nodes.push_back(
-        {n.name, n.children, n.mesh, n.skin, n.matrix, n.translation, n.rotation, n.scale});
+    to.nodes.push_back({Printable(n.name), n.children, n.mesh, n.skin, n.matrix, n.translation,
+                        n.rotation, n.scale});
   for (const tinygltf::Skin& s : model.skins)
-    to.skins.push_back({s.name, s.joints, s.inverseBindMatrices});
+    to.skins.push_back({Printable(s.name), s.joints, s.inverseBindMatrices});
   for (const tinygltf::Animation& a : model.animations) to.animations.push_back(Convert(a));
-  for (const tinygltf::Material& m : model.materials) to.materials.push_back(m.name);
-  to.extensions_required = model.extensionsRequired;
+  for (const tinygltf::Material& m : model.materials) to.materials.push_back(Printable(m.name));
+  to.extensions_unknown = ListUnknown(model);
   return to;
 }
 

@@ -102,8 +102,8 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<std::string> materials;
-  std::vector<std::string> extensions_required;
-  std::vector<std::string> files_read;  // the buffers that are files of their own
+  std::vector<std::string> extensions_unknown;  // that the file requires
+  std::vector<std::string> files_read;          // the buffers that are files of their own
 };
 
 // Parses .glb or .gltf bytes. Buffers in other files are looked up below `folder`; with an empty

@@ -1,10 +1,8 @@
 // The order of an import; each step is a file of its own. Idea and promise: see gltf_import.hpp.
 #include "core/character/gltf_import.hpp"
 
-#include <array>
 #include <cmath>
 #include <filesystem>
-#include <string_view>
 #include <vector>
 
 #include "core/character/gltf_accessor.hpp"
@@ -16,19 +14,13 @@
 namespace pelt {
 namespace {
 
-// Extensions that change what accessors mean; the rest concern materials, lights and the like.
-constexpr std::array<std::string_view, 3> kUnreadable = {
-    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
-
 Character ImportDocument(const gltf::Document& document, const std::string& name) {
-  for (const std::string& extension : document.extensions_required)
-    for (std::string_view unreadable : kUnreadable)
-      if (extension == unreadable)
-        gltf::Fail(document, "extensionsRequired",
-                   extension + " is not supported; export without compression");
   Character character;
   character.name = name;
   character.files_read = document.files_read;
+  for (const std::string& extension : document.extensions_unknown)
+    character.notes.push_back("The file requires " + extension +
+                              ", which is not supported; it was read without.");
   gltf::SkeletonImport skeleton = gltf::ReadSkeleton(document, &character.notes);
   character.mesh = gltf::ReadMesh(document, skeleton, &character.notes);
   character.clips = gltf::ReadClips(document, skeleton, &character.notes);

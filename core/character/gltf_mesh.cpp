@@ -29,6 +29,8 @@ struct Influence {
 struct RepairCounts {
   size_t no_indices = 0, morphs = 0, negative = 0, extra = 0, not_one = 0, unweighted = 0;
   size_t bad_unused_joint = 0, no_uv = 0;
+  // Vertices with something that is no finite number.
+  size_t odd_weights = 0, odd_normals = 0, odd_tangents = 0, odd_uvs = 0;
 };
 
 class MeshReader {
@@ -116,20 +118,33 @@ class MeshReader {
     return length > 1e-12 ? glm::vec3(v / length) : glm::vec3(0.0f);
   }
 
+  // Whether the attribute is there and finite for vertex v; counts those that are not finite.
+  static bool IsFinite(const std::vector<float>& values, size_t v, size_t components, size_t& odd) {
+    if (values.empty()) return false;
+    const auto first = values.begin() + std::ptrdiff_t(v * components);
+    const bool finite = std::all_of(first, first + std::ptrdiff_t(components),
+                                    [](float value) { return std::isfinite(value); });
+    odd += !finite;
+    return finite;
+  }
+
   // Normals and tangents; zero where the file has none or has zeros.
   void ReadFrames(const Primitive& primitive, const SkinBinding& binding, size_t count,
                   const std::string& place) {
-    const std::vector<float> n = ReadAttribute(
-        primitive, "NORMAL", {3, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised}, count, place);
-    const std::vector<float> t = ReadAttribute(
-        primitive, "TANGENT", {4, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised}, count, place);
+    const std::vector<float> n =
+        ReadAttribute(primitive, "NORMAL",
+                      {3, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
+    const std::vector<float> t =
+        ReadAttribute(primitive, "TANGENT",
+                      {4, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
     const glm::dmat3 linear(binding.to_bind);
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
     for (size_t v = 0; v < count; ++v) {
       glm::dvec3 normal(0.0);
       glm::dvec4 tangent(0.0);
-      if (!n.empty()) normal = {n[3 * v], n[3 * v + 1], n[3 * v + 2]};
-      if (!t.empty()) tangent = {t[4 * v], t[4 * v + 1], t[4 * v + 2], t[4 * v + 3]};
+      if (IsFinite(n, v, 3, repairs_.odd_normals)) normal = {n[3 * v], n[3 * v + 1], n[3 * v + 2]};
+      if (IsFinite(t, v, 4, repairs_.odd_tangents))
+        tangent = {t[4 * v], t[4 * v + 1], t[4 * v + 2], t[4 * v + 3]};
       out_.normal.push_back(Unit(for_normals * normal));
       out_.tangent.push_back(
           glm::vec4(Unit(linear * glm::dvec3(tangent)), tangent.w < 0.0 ? -1.0f : 1.0f));
@@ -139,11 +154,12 @@ class MeshReader {
   void ReadUvs(const Primitive& primitive, size_t count, const std::string& place) {
     const std::vector<float> uv =
         ReadAttribute(primitive, "TEXCOORD_0",
-                      {2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised}, count, place);
+                      {2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false}, count, place);
     has_uv_ |= !uv.empty();
     if (uv.empty()) repairs_.no_uv += count;
     for (size_t v = 0; v < count; ++v)
-      out_.uv.push_back(uv.empty() ? glm::vec2(0.0f) : glm::vec2(uv[2 * v], uv[2 * v + 1]));
+      out_.uv.push_back(IsFinite(uv, v, 2, repairs_.odd_uvs) ? glm::vec2(uv[2 * v], uv[2 * v + 1])
+                                                             : glm::vec2(0.0f));
   }
 
   // Every JOINTS_n, WEIGHTS_n pair of a primitive, one after the other.
@@ -165,13 +181,18 @@ class MeshReader {
       joints.push_back(
           ReadIntegers(document_, accessor, {4, kSetU8 | kSetU16, Scaling::kAsFlagged}, where));
       weights.push_back(ReadAttribute(primitive, weights_name.c_str(),
-                                      {4, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised}, count,
-                                      place));
+                                      {4, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false},
+                                      count, place));
     }
     std::vector<Influence> influences;
     for (size_t v = 0; v < count; ++v) {
       influences.clear();
-      for (size_t set = 0; set < joints.size(); ++set) {
+      bool finite = true;
+      for (size_t set = 0; set < joints.size() && finite; ++set)
+        finite = IsFinite(weights[set], v, 4, repairs_.odd_weights);
+      no_weights_.push_back(!finite);
+      // Its other weights were meant to go with those that are lost.
+      for (size_t set = 0; set < joints.size() && finite; ++set) {
         for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
           const float weight = weights[set][i];
           repairs_.negative += weight < 0.0f;
@@ -186,6 +207,7 @@ class MeshReader {
           AddInfluence(&influences, binding.joint[joints[set][i]], double(weight));
         }
       }
+      if (!finite) influences.assign(1, {binding.joint[0], 1.0});
       StoreInfluences(&influences, binding.joint[0]);
     }
   }
@@ -285,6 +307,16 @@ class MeshReader {
       Note(repairs_.no_uv, "vertices have no UVs although others do; theirs are (0, 0).");
     }
     Note(repairs_.morphs, "primitives have morph targets; they were left out.");
+    Note(repairs_.odd_uvs, "vertices had UVs that are no finite numbers; theirs are (0, 0).");
+    Note(repairs_.odd_normals, "vertices had a normal that is no finite number; made anew.");
+    Note(repairs_.odd_tangents, "vertices had a tangent that is no finite number; made anew.");
+    const size_t borrowed = BorrowWeights(&out_, no_weights_);
+    Note(borrowed,
+         "vertices had skin weights that are no finite numbers; a neighbour's were taken.");
+    Note(
+        repairs_.odd_weights - borrowed,
+        "vertices had skin weights that are no finite numbers, and no neighbour with others; bound "
+        "to the first joint.");
     Note(repairs_.negative, "skin weights were negative; taken as 0.");
     Note(repairs_.bad_unused_joint, "joint indices of weight 0 were out of range; ignored.");
     Note(repairs_.unweighted, "vertices had no skin weight at all; bound to the first joint.");
@@ -313,6 +345,7 @@ class MeshReader {
   std::vector<int> material_of_;
   bool has_uv_ = false;
   RepairCounts repairs_;
+  std::vector<uint8_t> no_weights_;  // of each vertex: its weights were not finite
   Mesh out_;
 };
 

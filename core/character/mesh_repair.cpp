@@ -198,6 +198,43 @@ size_t GenerateNormals(Mesh* mesh) {
   return filled;
 }
 
+size_t BorrowWeights(Mesh* mesh, std::vector<uint8_t> lost) {
+  if (std::none_of(lost.begin(), lost.end(), [](uint8_t l) { return l != 0; })) return 0;
+  constexpr uint32_t kNobody = ~0u;
+  const std::vector<uint32_t> first = FindSamePositions(mesh->position);
+  std::vector<uint32_t> last = first;  // of those at one position, one that has weights
+  std::vector<uint32_t> nearest(lost.size());
+  const auto offer = [&](uint32_t to, uint32_t from) {
+    if (!lost[to] || lost[from]) return;
+    const auto distance = [&](uint32_t other) {
+      const glm::dvec3 d = glm::dvec3(mesh->position[to]) - glm::dvec3(mesh->position[other]);
+      return glm::dot(d, d);
+    };
+    uint32_t& best = nearest[to];
+    if (best == kNobody || distance(from) < distance(best)) best = from;
+  };
+  size_t borrowed = 0;
+  for (bool more = true; more;) {
+    std::fill(nearest.begin(), nearest.end(), kNobody);
+    for (uint32_t v = 0; v < lost.size(); ++v)
+      if (!lost[v]) last[first[v]] = v;
+    for (uint32_t v = 0; v < lost.size(); ++v) offer(v, last[first[v]]);
+    for (const auto& t : mesh->triangles)
+      for (const uint32_t to : t)
+        for (const uint32_t from : t) offer(to, from);
+    more = false;
+    for (uint32_t v = 0; v < lost.size(); ++v) {
+      if (nearest[v] == kNobody) continue;
+      mesh->joints[v] = mesh->joints[nearest[v]];
+      mesh->weights[v] = mesh->weights[nearest[v]];
+      lost[v] = 0;
+      ++borrowed;
+      more = true;
+    }
+  }
+  return borrowed;
+}
+
 glm::dvec3 PickTangent(const glm::dvec3& n) {
   const glm::dvec3 up =
       std::abs(n.y) < 0.98 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(0.0, 0.0, -1.0);

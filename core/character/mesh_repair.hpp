@@ -28,6 +28,11 @@ size_t GenerateNormals(Mesh* mesh);
 // the normal. Returns how many were filled.
 size_t GenerateTangents(Mesh* mesh);
 
+// Gives every vertex that is marked in `lost` the joints and weights of the nearest vertex that it
+// shares a triangle or its position with and that has some; those that then have some serve the
+// next ones. Returns how many got some.
+size_t BorrowWeights(Mesh* mesh, std::vector<uint8_t> lost);
+
 // A unit vector orthogonal to the unit vector n, a fixed function of n: horizontal where there is
 // a horizontal (y up), continuous except near the poles.
 glm::dvec3 PickTangent(const glm::dvec3& n);

@@ -42,17 +42,20 @@ void CheckParams(const FurSetup& setup, const LayerSetup& layer) {
 
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer, std::span<const uint32_t> twins, float metres_per_mesh_unit,
-               Groom& groom, ScatterStats* stats) {
+               Groom& groom, ScatterStats* stats, std::vector<LayerDensity>* densities) {
   CheckParams(setup, layer);
   const Growth growth(character, rest, setup, layer);
   const AttributeMaker maker(character, rest, setup, layer);
-  const std::vector<ScatterPoint> points = ScatterLayer(character, rest, setup, layer, growth);
+  ScatterDensity density;
+  const std::vector<ScatterPoint> points =
+      ScatterLayer(character, rest, setup, layer, growth, &density);
   std::vector<GroomedStrand> strands(points.size());
   for (uint32_t i = 0; i < points.size(); ++i) strands[i] = maker.Groom(points[i], i);
   const VertexChains vertices(character.mesh, rest, twins, maker, strands);
   const std::vector<Patch> patches =
       CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
   AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit}, patches, groom);
+  if (densities) densities->push_back({layer.name, density, groom.layers.back().length_max});
   if (stats) {
     stats->layers.push_back(MeasureLayerScatter(character, rest, layer, growth, points, patches));
   }
@@ -60,8 +63,31 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
 
 }  // namespace
 
+bool LayerDensity::IsCutBald() const {
+  const double cover = 0.5 * double(longest_m), spacing = double(scatter.spacing_m);
+  const double asked_spacing = spacing * std::sqrt(double(scatter.grown) / scatter.asked);
+  return IsCut() && spacing > cover && asked_spacing <= cover;
+}
+
+std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers) {
+  std::vector<std::string> warnings;
+  for (const LayerDensity& l : layers)
+    if (l.IsCutBald())
+      warnings.push_back(
+          Format("WARNING: layer '{}' is bald: max_strands leaves {} of the {:.0f} strands that "
+                 "its density "
+                 "asks for ({:.2g} %), {:.0f} mm apart and at most {:.0f} mm long",
+                 l.layer, l.scatter.grown, l.scatter.asked,
+                 100.0 * double(l.scatter.grown) / l.scatter.asked,
+                 1e3 * double(l.scatter.spacing_m), 1e3 * double(l.longest_m)));
+  if (!layers.empty() && warnings.size() == layers.size())
+    warnings.push_back("WARNING: the whole character is bald: max_strands cuts every layer so");
+  return warnings;
+}
+
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-                float unit_scale, const BakeProgress* progress, ScatterStats* stats) {
+                float unit_scale, const BakeProgress* progress, ScatterStats* stats,
+                std::vector<LayerDensity>* densities) {
   if (setup.layers.empty()) {
     throw Error(Format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
   }
@@ -79,7 +105,8 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   const float count = float(setup.layers.size());
   for (size_t i = 0; i < setup.layers.size(); ++i) {
     if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);
-    BakeLayer(character, rest, setup, setup.layers[i], twins, metres_per_mesh_unit, groom, stats);
+    BakeLayer(character, rest, setup, setup.layers[i], twins, metres_per_mesh_unit, groom, stats,
+              densities);
   }
   if (progress && *progress) (*progress)(setup.layers.back().name, 1.0f);
   return groom;

@@ -7,11 +7,15 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/character/character.hpp"
 #include "core/groom/fur_setup.hpp"
 #include "core/groom/groom.hpp"
+#include "core/groom/scatter.hpp"
 #include "core/groom/scatter_stats.hpp"
 
 namespace pelt {
@@ -19,12 +23,26 @@ namespace pelt {
 // Called on the caller's thread with the layer at work and the share of the bake that is done.
 using BakeProgress = std::function<void(std::string_view layer, float share)>;
 
-// `rest` is ComputeRestGeometry(character, unit_scale). `progress` and `stats` may be null; stats
-// cost about as much again as the bake.
-// Throws pelt::Error "path: layer 'x': key 'y': reason" for what the setup asks of a character that
-// lacks it (texture coordinates, joints, materials) and for a layer that ends without a strand.
+// What max_strands left of a layer's density.
+struct LayerDensity {
+  std::string layer;
+  ScatterDensity scatter;
+  float longest_m = 0.0f;  // strand
+
+  bool IsCut() const { return scatter.asked > 1.1 * double(scatter.grown); }
+  // The density that was asked for would cover the skin, and what is left of it does not: strands
+  // stand further apart than half their length.
+  bool IsCutBald() const;
+};
+// A warning for each layer that is, and one more where all are.
+std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers);
+
+// `rest` is ComputeRestGeometry(character, unit_scale). `progress`, `stats` and `densities` may be
+// null; stats cost about as much again as the bake. Throws pelt::Error "path: layer 'x': key 'y':
+// reason" for what the setup asks of a character that lacks it (texture coordinates, joints,
+// materials) and for a layer that ends without a strand.
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                 float unit_scale, const BakeProgress* progress = nullptr,
-                ScatterStats* stats = nullptr);
+                ScatterStats* stats = nullptr, std::vector<LayerDensity>* densities = nullptr);
 
 }  // namespace pelt

@@ -12,6 +12,7 @@
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -135,8 +136,9 @@ toml::table ParseToml(std::string_view text, const std::string& path) {
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    throw Error(Format("{}:{}: not valid TOML: {}", path,
-                       std::max<uint32_t>(error.source().begin.line, 1), error.description()));
+    throw Error(
+        Printable(Format("{}:{}: not valid TOML: {}", path,
+                         std::max<uint32_t>(error.source().begin.line, 1), error.description())));
   } catch (const TomlAssertion&) {
     throw Error(Format("{}:{}: not valid TOML: a key is missing or malformed", path,
                        FindTrippingLine(text)));

@@ -23,6 +23,7 @@
 #include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -148,6 +149,9 @@ bool Checker::CheckSkeleton() {
     return FailSection(groom_.joint_names, Format("{} names for {} joints",
                                                   groom_.joint_names.size(), groom_.joint_count));
   }
+  for (size_t i = 0; i < groom_.joint_names.size(); ++i)
+    if (!IsPrintable(groom_.joint_names[i]))
+      return Fail(groom_.joint_names, i, nullptr, "a joint's name holds control characters");
   const uint64_t skeleton_at = general_at + CountItemBytes(General{});
   const auto fail = [&](const void* field, std::string_view reason) {
     FieldLocator locator{.wanted = field};
@@ -178,8 +182,7 @@ bool Checker::CheckLayout() {
   uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
-    if (layer.name.empty() || std::any_of(layer.name.begin(), layer.name.end(),
-                                          [](unsigned char c) { return c < 32 || c == 127; })) {
+    if (layer.name.empty() || !IsPrintable(layer.name)) {
       return Fail(layers, i, nullptr, "its name is empty or holds control characters");
     }
     const std::string bad = FindBadParam(layer.params);

@@ -78,6 +78,14 @@ std::vector<Candidate> DrawCandidates(const Mesh& mesh, const Growth& growth, co
   return drawn;
 }
 
+float MedianSpacing(std::span<const ScatterPoint> points) {
+  std::vector<float> radius;
+  for (const ScatterPoint& point : points) radius.push_back(point.radius);
+  const auto middle = radius.begin() + std::ptrdiff_t(radius.size() / 2);
+  std::nth_element(radius.begin(), middle, radius.end());
+  return 2.0f * *middle;
+}
+
 }  // namespace
 
 glm::vec3 InterpolateNormal(const Mesh& mesh, const RestGeometry& rest, const SurfacePoint& place) {
@@ -89,7 +97,7 @@ glm::vec3 InterpolateNormal(const Mesh& mesh, const RestGeometry& rest, const Su
 
 std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeometry& rest,
                                        const FurSetup& setup, const LayerSetup& layer,
-                                       const Growth& growth) {
+                                       const Growth& growth, ScatterDensity* density) {
   const Mesh& mesh = character.mesh;
   const Area area = WeighTriangles(mesh, rest, growth);
   auto fail_empty = [&]() {
@@ -97,11 +105,12 @@ std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeo
   };
   double strands = double(growth.densest()) * area.sum;  // where no map takes any away
   if (!(strands > 0.0)) fail_empty();
-  double scale = 1.0;
+  double scale = 1.0, asked = 0.0;
   if (layer.max_strands > 0 && strands > double(layer.max_strands)) {
     const size_t kept = DrawCandidates(mesh, growth, area, kEstimateCandidates, layer.seed).size();
     const double estimate = strands * double(kept) / double(kEstimateCandidates);
     // A little above the cap: the elimination makes it exact.
+    asked = estimate;
     scale = std::min(1.0, 1.05 * double(layer.max_strands) / std::max(estimate, 1.0));
   }
   strands *= scale;
@@ -138,6 +147,7 @@ std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeo
     const SamplePoint& sample = samples[order[i]];
     points[i] = {drawn[order[i]].place, sample.position, sample.normal, sample.radius};
   }
+  if (density) *density = {std::max(asked, double(keep)), uint32_t(keep), MedianSpacing(points)};
   return points;
 }
 

@@ -20,6 +20,13 @@ struct ScatterPoint {
   float radius;        // DensestPackingRadius of the density that the layer reaches here, m
 };
 
+// What became of a layer's density.
+struct ScatterDensity {
+  double asked = 0.0;      // strands that the density alone would grow, about
+  uint32_t grown = 0;      // what max_strands left of them
+  float spacing_m = 0.0f;  // between the strands that were grown, the median
+};
+
 // Most strands of a layer: beyond it the density is a slip.
 inline constexpr uint32_t kMostStrandsOfLayer = 1u << 22;
 
@@ -27,7 +34,8 @@ inline constexpr uint32_t kMostStrandsOfLayer = 1u << 22;
 // everywhere alike. Throws pelt::Error when no strand is left, naming what removed them, or when
 // there are more than kMostStrandsOfLayer.
 std::vector<ScatterPoint> ScatterLayer(const Character&, const RestGeometry&, const FurSetup&,
-                                       const LayerSetup&, const Growth&);
+                                       const LayerSetup&, const Growth&,
+                                       ScatterDensity* density = nullptr);
 
 // Unit normal at a place of the surface.
 glm::vec3 InterpolateNormal(const Mesh&, const RestGeometry&, const SurfacePoint&);

@@ -14,6 +14,7 @@
 #include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_schema.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -44,7 +45,7 @@ std::string_view NameType(const toml::node& node) {
 // ---- Messages -----------------------------------------------------------------------------------
 
 void SetupReader::Fail(uint32_t line, std::string_view reason) const {
-  throw Error(Format("{}:{}: {}{}", path_, line, owner_, reason));
+  throw Error(Printable(Format("{}:{}: {}{}", path_, line, owner_, reason)));
 }
 
 void SetupReader::FailKey(uint32_t line, std::string_view key, std::string_view reason) const {
@@ -184,7 +185,7 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::string&
   if (text.size() > kNameBytesLimit) {
     FailKey(LineOf(node), info.key, Format("is longer than {} bytes", kNameBytesLimit));
   }
-  if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; })) {
+  if (!IsPrintable(text)) {
     FailKey(LineOf(node), info.key, "holds a control character");
   }
   value = text;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
@@ -417,6 +418,44 @@ TEST(GltfImport, ImagesAreNotLookedAt) {
   b.more = R"(,"images":[{"bufferView":999,"mimeType":"image/png"},{"uri":"nowhere.png"}],)"
            R"("textures":[{"source":0}],"extras":{"a":[1,2]})";
   ExpectQuad(Import(b));
+}
+
+// One vertex that no tool could have meant is no reason to refuse the others.
+TEST(GltfImport, WhatIsNoNumberIsRepairedWithANote) {
+  for (const float bad :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    GltfBuilder b = MakeQuad({.weights = false});
+    std::vector<float> weights = test::kQuadWeights, normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    std::vector<float> uvs = {0, 0, 1, 0, 1, 1, 0, 1};
+    weights[4 * 3] = normals[3 * 2 + 1] = uvs[2 * 1] = bad;
+    b.Attribute("WEIGHTS_0", b.Floats("VEC4", weights));
+    b.Attribute("NORMAL", b.Floats("VEC3", normals));
+    b.Attribute("TEXCOORD_0", b.Floats("VEC2", uvs));
+    const Character character = ImportGltf(b.Glb(), "odd");
+    std::string notes;
+    for (const std::string& note : character.notes) notes += note + "\n";
+    for (const char* part :
+         {"1 vertices had skin weights that are no finite numbers; a neighbour's were taken",
+          "1 vertices had a normal that is no finite number", "1 vertices had UVs"})
+      EXPECT_NE(notes.find(part), std::string::npos) << part << " is not in: " << notes;
+    ASSERT_EQ(character.mesh.position.size(), 4u);
+    for (size_t v = 0; v < 4; ++v) {
+      EXPECT_EQ(character.mesh.weights[v], glm::vec4(1, 0, 0, 0)) << v;
+      EXPECT_NEAR(character.mesh.normal[v].z, 1.0f, 1e-6f) << v;
+      EXPECT_TRUE(std::isfinite(character.mesh.uv[v].x)) << v;
+    }
+  }
+}
+
+TEST(GltfImport, AnUnknownRequiredExtensionIsANote) {
+  GltfBuilder b = MakeQuad();
+  b.more = R"(,"extensionsRequired":["KHR_materials_unlit","ACME_rig"])";
+  const Character character = ImportGltf(b.Glb(), "quad");
+  std::string notes;
+  for (const std::string& note : character.notes) notes += note + "\n";
+  EXPECT_NE(notes.find("The file requires ACME_rig, which is not supported"), std::string::npos)
+      << notes;
+  EXPECT_EQ(notes.find("unlit"), std::string::npos) << notes;
 }
 
 }  // namespace

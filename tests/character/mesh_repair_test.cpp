@@ -160,5 +160,37 @@ TEST(MeshRepair, PickedTangentIsAcross) {
   }
 }
 
+// A strip of triangles whose middle lost its weights: each takes them from the nearer end.
+TEST(MeshRepair, LostWeightsAreBorrowed) {
+  std::vector<glm::vec3> position;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  for (uint32_t i = 0; i < 9; ++i) position.push_back({float(i), float(i % 2), 0});
+  for (uint32_t i = 0; i + 2 < 9; ++i) triangles.push_back({i, i + 1, i + 2});
+  position.push_back({0, 9, 0});  // of no triangle
+  Mesh m = Bare(position, triangles);
+  std::vector<uint8_t> lost(10, 1);
+  lost[0] = lost[8] = 0;
+  m.joints[0] = {3, 4, 0, 0};
+  m.weights[0] = {0.75f, 0.25f, 0, 0};
+  m.joints[8] = {5, 0, 0, 0};
+  EXPECT_EQ(BorrowWeights(&m, lost), 7u);
+  for (size_t v = 0; v < 9; ++v) {
+    EXPECT_EQ(m.joints[v], m.joints[v < 4 ? 0 : v > 4 ? 8 : (m.joints[4][0] == 3 ? 0 : 8)]) << v;
+    EXPECT_EQ(m.weights[v], m.weights[m.joints[v][0] == 3 ? 0 : 8]) << v;
+  }
+  EXPECT_EQ(m.joints[9][0], 0) << "nobody to borrow from";
+  EXPECT_EQ(BorrowWeights(&m, std::vector<uint8_t>(10, 0)), 0u);
+  EXPECT_EQ(BorrowWeights(&m, std::vector<uint8_t>(10, 1)), 0u) << "nobody has any";
+}
+
+// A seam's other side is at the same place, nearer than any corner.
+TEST(MeshRepair, LostWeightsAreBorrowedAcrossSeams) {
+  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                {{0, 1, 2}, {3, 5, 4}});
+  m.joints[3] = {7, 0, 0, 0};
+  EXPECT_EQ(BorrowWeights(&m, {0, 1, 0, 0, 0, 0}), 1u);
+  EXPECT_EQ(m.joints[1][0], 7);
+}
+
 }  // namespace
 }  // namespace pelt

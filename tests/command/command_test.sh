@@ -50,6 +50,7 @@ expect() {
   local got=$?
   [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code"
   [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt $*: $(wc -l <err.txt) lines of error: $(cat err.txt)"
+  LC_ALL=C grep -q '[^ -~]' err.txt && fail "pelt $*: control characters in: $(cat -v err.txt)"
   grep -q '^pelt: ' err.txt || fail "pelt $*: error does not begin with 'pelt: '"
   grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
 }
@@ -104,9 +105,80 @@ check_errors() {
   expect 1 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
   expect 2 --core timing noise --core gpu
   expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
+  check_suggestions
+  check_ignored
+  check_control_characters
   check_timing_errors
   check_budget_errors
   check_accuracy_errors
+}
+
+# A mistyped word is answered with the one that was meant, in every subcommand.
+check_suggestions() {
+  for subcommand in bake run plan verify timing budget conformance diff golden accuracy stress 'trace show' \
+    'trace replay'; do
+    # shellcheck disable=SC2086
+    expect 2 "no option '--jsno'; did you mean '--json'? (see pelt $subcommand --help)" $subcommand --jsno
+  done
+  expect 2 "no option '--sceen'; did you mean '--scene'" run --sceen monster
+  expect 2 "no option '--sceen'; did you mean '--scene'" run --sceen=monster --frames 1
+  expect 2 "did you mean '--out'" report --otu x.html
+  expect 2 "no subcommand 'recrod'; did you mean 'record'" trace recrod --scene tiny
+  expect 2 "no option '--versoin'; did you mean '--version'" --versoin
+  expect 2 "'extra' is one argument too many" run extra
+  expect 2 "one of --check, --renew and --merge is required (" golden --scene tiny
+  expect 2 '--character needs --setup or --groom (' run --character some.glb
+  expect 2 'a listing or --kernel is required (' timing
+  "$pelt" --version >out.txt || fail "--version"
+  for word in '^pelt [0-9]' '^commit' '^compiler' '^instruction_sets .*reference' '^chunk_strands *[0-9]'; do
+    grep -q "$word" out.txt || fail "--version says no $word: $(cat out.txt)"
+  done
+}
+
+# An option without effect is a mistake of somebody who thinks it has one.
+check_ignored() {
+  expect 2 '--strand-budget requires --lod' run --scene tiny --strand-budget 100
+  expect 2 '--strand-budget requires --lod' budget --scene tiny --strand-budget 100
+  for executor in serial permuted local-store; do
+    expect 2 --workers run --scene tiny --executor $executor --workers 2
+    expect 2 --workers report --scene tiny --executor $executor --workers 2
+    expect 2 --workers trace replay tiny.peltinput --executor $executor --workers 2
+  done
+  expect 2 --order-seed run --scene tiny --order-seed 3
+  expect 2 --picture-width run --scene tiny --picture-width 100
+  expect 2 --picture-height run --scene tiny --picture-height 100
+  expect 2 --trace-frames run --scene tiny --trace-frames 3
+  expect 2 --wet-at run --scene tiny --wet-at 3
+  expect 2 --seed run --groom tiny.groom --seed 3
+  expect 2 --quality run --scene tiny --solver pbd --quality best
+  expect 2 --setup bake --keys --setup tiny
+  expect 2 --chunk plan --scene tiny --json --chunk
+  expect 2 --spus budget --scene tiny --platform xbox360 --spus 4
+  expect 2 --local-store-kib budget --scene tiny --platform host --local-store-kib 128
+  expect 2 --gpu-percent budget --scene tiny --platform ps3 --gpu-percent 4
+  expect 2 --cores budget --scene tiny --platform ps3 --cores 2
+  expect 2 --no-advice budget --scene tiny --platform host --no-advice
+  expect 2 --scene budget --validate --scene tiny
+  expect 2 --frames budget --numbers --frames 3
+  expect 2 --hinted timing short.s --core ppe --hinted
+  expect 2 --smt timing short.s --smt
+  expect 2 --chart timing --kernel skin --chart 3 --json
+  expect 2 --quick accuracy --write-example . --quick
+  expect 2 --stiffness-scale accuracy --roots a --strand b --out c --solver modal --stiffness-scale 2
+}
+
+# What files say reaches no terminal as it is.
+check_control_characters() {
+  printf '"\\u001b[2Jlenght" = 1\n[[layer]]\nname = "a"\n' >escape.toml
+  expect 1 '\x1b[2Jlenght' bake --setup ./escape.toml
+  printf '{"asset":{"version":"2\\u001b[2J"}}' >escape.gltf
+  expect 1 '2\x1b[2J' bake --character escape.gltf --setup tiny
+  printf 'b\033[2Jad 3\n' >escape.s
+  expect 1 'no SPU opcode' timing escape.s
+  printf 'time\033[2J,x\n' >escape.csv
+  expect 1 escape.csv accuracy --roots escape.csv --strand strand.toml --out points.csv
+  expect 1 '\x1b[2J.groom' run --groom $'no\033[2J.groom'
+  grep -q $'\033' err.txt && fail "an escape character on the terminal"
 }
 
 check_accuracy_errors() {

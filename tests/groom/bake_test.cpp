@@ -179,5 +179,21 @@ TEST(Bake, RefusesWhatItCannotMake) {
   EXPECT_THROW(BakeGroom(character, rest, setup, 1.0f), Error);
 }
 
+TEST(Bake, MaxStrandsThatLeavesSkinBareIsAWarning) {
+  const auto warn = [](double asked, uint32_t grown, float spacing_m) {
+    const LayerDensity layer{"coat", {asked, grown, spacing_m}, 0.05f};
+    return WarnOfBaldness({&layer, 1}).size();
+  };
+  EXPECT_EQ(warn(1000.0, 1000, 0.2f), 0u) << "as sparse as its density asks for";
+  EXPECT_EQ(warn(100000.0, 1000, 0.01f), 0u) << "cut, but close enough";
+  EXPECT_EQ(warn(1100.0, 900, 0.5f), 0u) << "bare with and without the cut";
+  EXPECT_EQ(warn(1e6, 100, 0.3f), 2u) << "the layer, and with it the whole";
+  const LayerDensity both[] = {{"bald", {1e6, 100, 0.3f}, 0.05f}, {"coat", {9, 9, 0.01f}, 0.05f}};
+  const auto warnings = WarnOfBaldness(both);
+  ASSERT_EQ(warnings.size(), 1u);
+  for (const char* part : {"layer 'bald'", "100 of the 1000000", "300 mm apart", "50 mm long"})
+    EXPECT_NE(warnings[0].find(part), std::string::npos) << warnings[0];
+}
+
 }  // namespace
 }  // namespace pelt

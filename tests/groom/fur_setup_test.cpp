@@ -393,10 +393,15 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
       {"clump = 0.5\nclump_controls = 0", "key 'clump': needs clump_controls above 0"},
       {"comb_joint = ''", "key 'comb_joint': is empty"},
       {"comb_joint = \"a\\u0007\"", "key 'comb_joint': holds a control character"},
+      {"comb_joint = \"a\\u009b\"", "key 'comb_joint': holds a control character"},
   };
   for (const auto& [line, reason] : cases) {
     EXPECT_EQ(LayerError(line), std::string("fur.toml:3: layer 'head': ") + reason) << line;
   }
+  // What an error quotes of the file must not reach a terminal as it is.
+  EXPECT_NE(LayerError("\"a\\u001b[2J\" = 1").find("unknown key 'a\\x1b[2J'"), std::string::npos);
+  EXPECT_NE(LayerError("solver = \"m\\u001b[1m\"").find("'m\\x1b[1m' is not one of"),
+            std::string::npos);
   // A rule between keys is told at the key, wherever it stands.
   EXPECT_EQ(ErrorOf("[defaults]\n\npoints = 5\n[[layer]]\nname = 'x'"),
             "fur.toml:3: layer 'x': key 'points': chains at mesh vertices have 4 points; chain = "

@@ -362,6 +362,8 @@ TEST(GroomFile, EveryRuleHolds) {
       {"general", "joints", [](Groom& g) { g.joint_count = 0; }},
       {"general", "joints", [](Groom& g) { g.joint_count = 257; }},
       {"joint_names", "names for", [](Groom& g) { g.joint_names.pop_back(); }},
+      {"joint_names", "control characters", [](Groom& g) { g.joint_names[1] = "\x1b[2J"; }},
+      {"layers", "control characters", [](Groom& g) { g.layers[0].name = "coat\xc2\x9b"; }},
       {"skeleton", "does not come before", [](Groom& g) { g.skeleton.parent[3] = 3; }},
       {"skeleton", "does not come before", [](Groom& g) { g.skeleton.parent[3] = -2; }},
       {"skeleton", "does not come before", [](Groom& g) { g.skeleton.parent[7] = 7; }},

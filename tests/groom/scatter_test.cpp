@@ -401,5 +401,22 @@ TEST(Scatter, AbsurdDensitiesAreErrors) {
   EXPECT_EQ(torus.Scatter(layer).size(), 500u);
 }
 
+TEST(Scatter, DensitySaysWhatMaxStrandsLeft) {
+  const Torus torus;
+  for (const uint32_t most : {0u, 100u, 500u, 5000u}) {
+    LayerSetup layer = torus.Layer(2000);
+    layer.max_strands = most;
+    ScatterDensity density;
+    const auto points =
+        ScatterLayer(torus.character, torus.rest, torus.setup, layer,
+                     Growth(torus.character, torus.rest, torus.setup, layer), &density);
+    EXPECT_EQ(density.grown, points.size());
+    EXPECT_NEAR(density.asked, 2000.0, 100.0) << most;
+    // Strands on a hexagonal grid: s = sqrt(2 / sqrt(3) area / n).
+    const double spacing = std::sqrt(1.1547 * torus.area / double(points.size()));
+    EXPECT_NEAR(double(density.spacing_m), spacing, 0.1 * spacing) << most;
+  }
+}
+
 }  // namespace
 }  // namespace pelt

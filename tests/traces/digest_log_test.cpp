@@ -52,7 +52,7 @@ TEST(DigestLog, ALogWithoutFramesIsOne) {
 TEST(DigestLog, ControlCharactersCannotBreakALine) {
   DigestLog log = MakeDigestLog();
   log.scene = "a\nend 0\rb";
-  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").scene, "a end 0 b");
+  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").scene, "a\\x0aend 0\\x0db");
 }
 
 TEST(DigestLog, EveryTruncationIsAnError) {

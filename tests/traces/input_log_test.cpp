@@ -162,6 +162,11 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   EXPECT_NE(writer.Begin(recorded.about, {}), nullptr);
   const std::vector<std::span<const std::byte>> each(recorded.grooms.begin(),
                                                      recorded.grooms.end());
+  // A recording's texts are printed by whoever opens it.
+  for (const std::string text : {"\x1b[2J", "two\nlines", "\xc2\x9b", "\xff"}) {
+    EXPECT_NE(writer.Begin({text, "", false}, each), nullptr);
+    EXPECT_NE(writer.Begin({"scene", text, false}, each), nullptr);
+  }
   ASSERT_EQ(writer.Begin(recorded.about, each), nullptr);
   const std::vector<std::byte> before = writer.Finish();
   EXPECT_NE(writer.AddFrame(recorded.inputs[0], std::span(recorded.poses[0]).first(2), 0), nullptr);
