@@ -7,6 +7,9 @@
 
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
+#include "bench/kernel_rows_report.hpp"
+#include "bench/usage_error.hpp"
+#include "platform_sim/core/instruction_set.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "platform_sim/pricing/stage_costs.hpp"
 
@@ -33,8 +36,8 @@ std::vector<TimedStage> FindStages(const Plan& plan, const TimingArgs& args) {
     if (name.starts_with(args.kernel)) out.push_back({s, name});
   }
   if (out.empty() || args.kernel.empty())
-    throw Error(fmt::format("--kernel '{}': no stage of scene {} begins so; there are {}",
-                            args.kernel, args.scene, names));
+    throw UsageError(fmt::format("--kernel '{}': no stage of scene {} begins so; there are {}",
+                                 args.kernel, args.scene, names));
   return out;
 }
 
@@ -59,12 +62,19 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
 // Cycles a strand: a turn is four.
 double PerStrand(double cycles_per_turn) { return cycles_per_turn / 4.0; }
 
+// Where measured kernels lay in their range.
+double ExpectedCycles(const KernelCost& c) {
+  const double least = c.scheduled.cycles_per_turn, most = c.as_written.cycles_per_turn;
+  return least + MeasuredCodePlace().mean * (most - least);
+}
+
 void PrintTable(const std::vector<TimedStage>& stages, const PricedCore& core) {
   const bool shares = core.caches.has_value();
-  fmt::print("{:<22} {:>9} {:>9} {:>9} {:>9}{} {:>8} {:<14} {:>5} {:>6} {:>9} {:>7} {:>7} {:>6}\n",
-             "cycles a strand", "operat.", "instruct.", "in order", "scheduled",
-             shares ? fmt::format(" {:>9} {:>7} {:>9}", "two thr.", "waits", "unfetched") : "",
-             "fixed", "binds", "busy", "dual", "registers", "spills", "code B", "turns");
+  fmt::print(
+      "{:<22} {:>9} {:>9} {:>9} {:>9} {:>9}{} {:>8} {:<14} {:>5} {:>6} {:>9} {:>7} {:>7} {:>6}\n",
+      "cycles a strand", "operat.", "instruct.", "scheduled", "expected", "written",
+      shares ? fmt::format(" {:>9} {:>7} {:>9}", "two thr.", "waits", "unfetched") : "", "fixed",
+      "binds", "busy", "dual", "registers", "spills", "code B", "turns");
   for (const TimedStage& timed : stages) {
     const KernelCost& c = timed.cost;
     if (c.operations == 0) {
@@ -73,25 +83,45 @@ void PrintTable(const std::vector<TimedStage>& stages, const PricedCore& core) {
       continue;
     }
     fmt::print(
-        "{:<22} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f}{} {:>8.0f} {:<14} {:>4.0f}% {:>5.0f}% "
+        "{:<22} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f}{} {:>8.0f} {:<14} {:>4.0f}% {:>5.0f}% "
         "{:>9} {:>7} {:>7} {:>6}\n",
         timed.name, PerStrand(double(c.operations) / c.turns), PerStrand(c.instructions_per_turn),
-        PerStrand(c.plain_cycles_per_turn), PerStrand(c.scheduled_cycles_per_turn),
-        shares ? fmt::format(" {:>9.1f} {:>7.1f} {:>9.1f}", PerStrand(c.shared_cycles_per_turn),
-                             PerStrand(c.wait_cycles_per_turn),
-                             PerStrand(c.unfetched_wait_cycles_per_turn))
+        PerStrand(c.scheduled.cycles_per_turn), PerStrand(ExpectedCycles(c)),
+        PerStrand(c.as_written.cycles_per_turn),
+        shares ? fmt::format(
+                     " {:>9.1f} {:>7.1f} {:>9.1f}", PerStrand(c.scheduled.shared_cycles_per_turn),
+                     PerStrand(c.wait_cycles_per_turn), PerStrand(c.unfetched_wait_cycles_per_turn))
                : "",
-        c.fixed_cycles, c.binding, 100.0 * c.busiest_unit_share, 100.0 * c.dual_issue_rate,
-        fmt::format("{}/{}", c.most_live, c.register_limit), c.spill_stores + c.spill_loads,
-        c.code_bytes, c.window_turns);
+        c.scheduled.fixed_cycles, c.binding, 100.0 * c.busiest_unit_share,
+        100.0 * c.dual_issue_rate, fmt::format("{}/{}", c.most_live, c.register_limit),
+        c.spill_stores + c.spill_loads, c.code_bytes, c.window_turns);
   }
+  fmt::print("\nexpected: {}\n", DescribePlace(MeasuredCodePlace().mean));
 }
 
-void PrintWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t slots) {
+// "fma $5,$4,$6,$5"; a place in memory is the recorder's, in its own space.
+std::string InstructionText(const ScheduledWindow& window, uint32_t index,
+                            const InstructionSet& set) {
+  const Instruction& it = window.code.program[index];
+  std::string out(window.name[index]);
+  const char* before = " ";
+  for (const auto& registers : {std::vector<uint32_t>(it.writes.begin(), it.writes.end()),
+                                std::vector<uint32_t>(it.reads.begin(), it.reads.end())})
+    for (const uint32_t reg : registers) {
+      out += before + RegisterName(set, reg);
+      before = ",";
+    }
+  if (it.address.size_bytes)
+    out += fmt::format("{}[{:#x}]", before, uint32_t(it.address.displacement_bytes));
+  return out;
+}
+
+void PrintWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t slots,
+                 const InstructionSet& set) {
   fmt::print(
-      "\n{}: {} turns scheduled together, first {} of {} instructions\n{:>8}  {:<11} {:<10} {}\n",
+      "\n{}: {} turns scheduled together, first {} of {} instructions\n{:>8}  {:<11} {:<34} {}\n",
       timed.name, timed.cost.window_turns, std::min<size_t>(slots, window.chart.first_pass.size()),
-      window.chart.first_pass.size(), "cycle", "pipe", "operation", "cycles waited for");
+      window.chart.first_pass.size(), "cycle", "pipe", "instruction", "cycles waited for");
   for (const IssueSlot& slot : window.chart.first_pass) {
     if (slots-- == 0) break;
     const bool paired = slot.unpaired == Unpaired::kPaired;
@@ -99,9 +129,9 @@ void PrintWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_
     for (uint32_t s = 0; s < slot.stall_count; ++s)
       waited += fmt::format("{}{} {}", s ? ", " : "", slot.stalls[s].cycles,
                             StallCauseName(slot.stalls[s].cause));
-    std::string line =
-        fmt::format("{:>8}  {:<11} {:<10} {}", paired ? "+" : fmt::format("{}", slot.cycle),
-                    window.chart.pipes[slot.pipe], window.name[slot.instruction], waited);
+    std::string line = fmt::format(
+        "{:>8}  {:<11} {:<34} {}", paired ? "+" : fmt::format("{}", slot.cycle),
+        window.chart.pipes[slot.pipe], InstructionText(window, slot.instruction, set), waited);
     line.erase(line.find_last_not_of(' ') + 1);
     fmt::print("{}\n", line);
   }
@@ -115,6 +145,9 @@ std::string AsJson(const std::vector<TimedStage>& stages, const PricedCore& core
   json.Add("core", CoreKindName(core.kind));
   json.Add("clock_hz", core.clock_hz);
   json.Add("host_operations", args.host_operations);
+  json.Add("code_order", MeasuredCodePlace().mean);
+  json.Add("code_order_least", MeasuredCodePlace().least);
+  json.Add("code_order_most", MeasuredCodePlace().most);
   json.BeginArray("kernels");
   for (const TimedStage& timed : stages) {
     const KernelCost& c = timed.cost;
@@ -124,12 +157,13 @@ std::string AsJson(const std::vector<TimedStage>& stages, const PricedCore& core
     json.Add("turns", timed.turns);
     json.Add("operations", c.operations);
     json.Add("instructions_per_turn", c.instructions_per_turn);
-    json.Add("in_order_cycles_per_turn", c.plain_cycles_per_turn);
-    json.Add("scheduled_cycles_per_turn", c.scheduled_cycles_per_turn);
-    json.Add("shared_cycles_per_turn", c.shared_cycles_per_turn);
-    json.Add("in_order_cycles_per_strand", PerStrand(c.plain_cycles_per_turn));
-    json.Add("scheduled_cycles_per_strand", PerStrand(c.scheduled_cycles_per_turn));
-    json.Add("fixed_cycles", c.fixed_cycles);
+    json.Add("as_written_cycles_per_turn", c.as_written.cycles_per_turn);
+    json.Add("expected_cycles_per_turn", ExpectedCycles(c));
+    json.Add("scheduled_cycles_per_turn", c.scheduled.cycles_per_turn);
+    json.Add("shared_cycles_per_turn", c.scheduled.shared_cycles_per_turn);
+    json.Add("as_written_cycles_per_strand", PerStrand(c.as_written.cycles_per_turn));
+    json.Add("scheduled_cycles_per_strand", PerStrand(c.scheduled.cycles_per_turn));
+    json.Add("fixed_cycles", c.scheduled.fixed_cycles);
     if (core.caches) {
       json.Add("lines_per_turn", c.lines_per_turn);
       json.Add("wait_cycles_per_turn", c.wait_cycles_per_turn);
@@ -186,7 +220,8 @@ int PrintKernelTiming(const TimingArgs& args) {
       PrintWindow(timed, ValueOrThrow([&](std::string& error) {
                     return TryScheduleWindow(timed.trace, timed.turns, core, rules, error);
                   }),
-                  args.chart_slots);
+                  args.chart_slots,
+                  core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet());
   return 0;
 }
 

@@ -7,6 +7,7 @@
 
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
+#include "bench/kernel_rows_report.hpp"
 #include "platform_sim/measured_rows.hpp"
 
 namespace pelt {
@@ -64,7 +65,8 @@ void PrintCounts(const std::vector<RowResult>& rows, const RowCount& independent
       "without.\n");
 }
 
-std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
+std::string RowsAsJson(const std::vector<RowResult>& rows, const std::vector<KernelRow>& kernels,
+                       bool pass) {
   JsonText json;
   json.BeginObject();
   json.Add("pass", pass);
@@ -101,6 +103,7 @@ std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
     json.EndObject();
   }
   json.EndArray();
+  AddKernelRows(json, kernels);
   json.EndObject();
   return json.text();
 }
@@ -109,13 +112,15 @@ std::string RowsAsJson(const std::vector<RowResult>& rows, bool pass) {
 
 int PrintValidation(const ValidateArgs& args) {
   const std::vector<RowResult> rows = PredictRows();
+  const std::vector<KernelRow> kernels = PriceKernelRows();
   const RowCount independent = CountRows(rows, RowClass::kIndependent);
-  const bool pass = std::ranges::none_of(rows, &RowResult::Surprises);
+  const bool pass = std::ranges::none_of(rows, &RowResult::Surprises) && AllPass(kernels);
   if (args.json) {
-    fmt::print("{}\n", RowsAsJson(rows, pass));
+    fmt::print("{}\n", RowsAsJson(rows, kernels, pass));
   } else {
     PrintTable(rows);
     PrintCounts(rows, independent);
+    fmt::print("\n{}", DescribeKernelRows(kernels));
   }
   return pass ? 0 : 1;
 }

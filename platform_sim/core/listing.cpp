@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/format.hpp"
+#include "platform_sim/core/listing_repeats.hpp"
 #include "platform_sim/core/listing_text.hpp"
 
 namespace pelt {
@@ -59,7 +60,13 @@ class ListingReader {
       Fail("a comment begins with /* and does not end; expected */");
       return std::nullopt;
     }
-    for (const Statement& statement : SplitStatements(bare)) {
+    std::string why;
+    const auto statements = TryWriteOutRepeats(SplitStatements(bare), why, line_);
+    if (!statements) {
+      Fail(why);
+      return std::nullopt;
+    }
+    for (const Statement& statement : *statements) {
       line_ = statement.line;
       if (!ReadStatement(statement.text)) return std::nullopt;
     }
@@ -108,7 +115,7 @@ class ListingReader {
   }
 
   bool ReadDirective(std::string_view word, std::string_view operands) {
-    if (word == ".macro" || word == ".rept" || word == ".irp" || word.starts_with(".if") ||
+    if (word == ".macro" || word.starts_with(".irp") || word.starts_with(".if") ||
         word == ".include")
       return Fail(
           Format("{} makes other statements of these; give the listing as the "

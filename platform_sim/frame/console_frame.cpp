@@ -5,6 +5,7 @@
 #include "core/format.hpp"
 #include "platform_sim/frame/item_runner.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
+#include "platform_sim/frame/what_if.hpp"
 #include "platform_sim/memory/local_store_budget.hpp"
 
 namespace pelt {
@@ -48,8 +49,10 @@ bool CheckCosts(const ConsoleMachine& machine, const StageCosts& costs, const Fr
   for (size_t s = 0; same && s < plan.stages.size(); ++s) {
     const size_t items = frame.memory->shape->ItemCount(plan.stages[s].domain);
     const StageCosts::Stage& cost = costs.stages[s];
-    same = cost.name == plan.stages[s].kernel.name && cost.cycles_per_turn.size() == items &&
-           cost.shared_cycles_per_turn.size() == items;
+    same = cost.name == plan.stages[s].kernel.name;
+    for (const StageCosts::Stage::Price* price : {&cost.as_written, &cost.scheduled})
+      same = same && price->cycles_per_turn.size() == items &&
+             price->shared_cycles_per_turn.size() == items;
   }
   if (!same) error = "stage costs are of another plan or scene: price the stages of this one";
   return same;
@@ -57,9 +60,12 @@ bool CheckCosts(const ConsoleMachine& machine, const StageCosts& costs, const Fr
 
 bool CheckMachine(const ConsoleMachine& m, std::string& error) {
   if (m.units > 0 && m.clock_hz > 0 && m.threads_per_core > 0 && m.line_bytes > 0 &&
-      m.largest_transfer_bytes > 0 && m.availability > 0.0 && m.memory.units_per_port > 0)
+      m.largest_transfer_bytes > 0 && m.availability > 0.0 && m.memory.units_per_port > 0 &&
+      m.code_order >= 0.0)
     return true;
-  error = Format("{}: no unit, clock, line or availability may be zero", m.name);
+  error = Format(
+      "{}: no unit, clock, line or availability may be zero, no code better than its best schedule",
+      m.name);
   return false;
 }
 
@@ -67,16 +73,18 @@ bool CheckMachine(const ConsoleMachine& m, std::string& error) {
 
 struct ConsoleExecutor::State final : WorkSource {
   State(const ConsoleMachine& machine, const StageCosts& stage_costs)
-      : costs(stage_costs), clock(machine) {}
+      : costs(stage_costs), clock(machine), change(machine.what_if, machine) {}
 
   const ItemWork& Take(uint32_t unit, uint32_t item) override {
     ItemWork& item_work = work.passes[pass].items[item];
     runner->Run(*frame, unit, pass, item, item_work);
+    change.Apply(*frame, unit, pass, item, item_work);
     return item_work;
   }
 
   const StageCosts costs;
   PassClock clock;
+  WorkChange change;
   std::unique_ptr<ItemRunner> runner;
   std::vector<PassStore> stores;
   FrameWork work;
@@ -100,6 +108,7 @@ std::unique_ptr<ConsoleExecutor> ConsoleExecutor::TryMake(const ConsoleMachine& 
     const Pass& pass = plan.passes[p];
     PassWork& work = state->work.passes.emplace_back();
     work.pass = p;
+    work.left_out = !state->change.KeepsPass(plan, p);
     // The blocks of the next items must not drive those of these out of the cache.
     work.double_buffered = has_stores
                                ? pass.double_buffered
@@ -125,7 +134,12 @@ void ConsoleExecutor::RunPasses(const Frame& frame) {
   s.clock.BeginFrame(s.work.stage_count, s.timelines, s.modelled);
   for (s.pass = 0; s.pass < s.work.passes.size(); ++s.pass) {
     const PassWork& work = s.work.passes[s.pass];
-    s.clock.Run(work, uint32_t(work.items.size()), s, s.modelled);
+    const auto items = uint32_t(work.items.size());
+    s.change.BeginPass();
+    // Bits are of the whole plan, whatever takes time.
+    if (work.left_out)
+      for (uint32_t item = 0; item < items; ++item) s.Take(0, item);
+    s.clock.Run(work, work.left_out ? 0 : items, s, s.modelled);
   }
 }
 

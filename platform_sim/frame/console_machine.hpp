@@ -19,6 +19,9 @@
 
 namespace pelt {
 
+// Changes of the frame's data movement that are tried in the model: what_if.hpp.
+enum class WhatIf : uint8_t { kNothing, kResidentPalette, kLivePrefix, kWiderDigits };
+
 struct ConsoleMachine {
   std::string name;  // "PS3"
   uint64_t clock_hz = 0;
@@ -32,6 +35,10 @@ struct ConsoleMachine {
   std::string availability_from = {};
   double Available(double ms) const { return ms / availability; }
   bool compute_is_free = false;  // computing takes no time: a question, not a machine
+  // Where the code lies in the range of its price: 0 the best schedule, 1 the order it was written
+  // in. What measured kernels reached: measured_kernels.hpp.
+  double code_order = 0.0;
+  WhatIf what_if = WhatIf::kNothing;
 
   SharedMemory memory;
   Cycles command_cycles = 0;            // of the unit, for a command (a list is one)

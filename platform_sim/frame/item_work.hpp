@@ -11,10 +11,13 @@
 namespace pelt {
 
 struct ItemWork {
-  struct StageTime {
-    uint32_t stage;
+  struct CodeTime {
     double cycles;         // with the core to itself
     double shared_cycles;  // while the core's other thread computes too
+  };
+  struct StageTime {
+    uint32_t stage;
+    CodeTime as_written, scheduled;  // the ends of its price
   };
   struct StreamBytes {
     Stream stream;
@@ -37,6 +40,7 @@ struct PassWork {
   uint64_t code_bytes = 0;  // that a unit must have to run it
   uint64_t parameter_bytes = 0;
   std::vector<ItemWork> items;
+  bool left_out = false;  // they take no time
 };
 
 // All that the timing of a frame depends on, beside the machine.

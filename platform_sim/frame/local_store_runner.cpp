@@ -90,9 +90,12 @@ ItemWork::StageTime TimeStage(const StageCosts& costs, const Frame& frame, uint3
                               uint32_t item) {
   const StageCosts::Stage& cost = costs.stages[stage];
   const double turns = CountTurns(frame, stage, item);
-  const double fixed = cost.fixed_cycles;
-  return {stage, turns * double(cost.cycles_per_turn[item]) + fixed,
-          turns * double(cost.shared_cycles_per_turn[item]) + fixed};
+  const auto time = [&](const StageCosts::Stage::Price& price) -> ItemWork::CodeTime {
+    const double fixed = price.fixed_cycles;
+    return {turns * double(price.cycles_per_turn[item]) + fixed,
+            turns * double(price.shared_cycles_per_turn[item]) + fixed};
+  };
+  return {stage, time(cost.as_written), time(cost.scheduled)};
 }
 
 std::unique_ptr<ItemRunner> MakeLocalStoreRunner(const ConsoleMachine& machine,

@@ -279,12 +279,22 @@ bool PassClock::SharesCore(uint32_t u) const {
   return false;
 }
 
+// Of the machine's code.
+ItemWork::CodeTime PassClock::TimeOf(const ItemWork::StageTime& stage) const {
+  const auto between = [&](double scheduled, double as_written) {
+    return scheduled + machine_.code_order * (as_written - scheduled);
+  };
+  return {between(stage.scheduled.cycles, stage.as_written.cycles),
+          between(stage.scheduled.shared_cycles, stage.as_written.shared_cycles)};
+}
+
 void PassClock::StartCompute(uint32_t u) {
   Unit& unit = units_[u];
   unit.cycles = unit.shared_cycles = 0.0;
   for (const ItemWork::StageTime& stage : unit.current.work->stages) {
-    unit.cycles += stage.cycles;
-    unit.shared_cycles += stage.shared_cycles;
+    const ItemWork::CodeTime time = TimeOf(stage);
+    unit.cycles += time.cycles;
+    unit.shared_cycles += time.shared_cycles;
   }
   if (machine_.compute_is_free) unit.cycles = unit.shared_cycles = 0.0;
   unit.left = 1.0;
@@ -316,7 +326,7 @@ void PassClock::EndCompute(uint32_t u) {
   double done = 0.0;
   Cycles told = 0;
   for (const ItemWork::StageTime& stage : unit.current.work->stages) {
-    done += stage.cycles;
+    done += TimeOf(stage).cycles;
     const Cycles until =
         unit.cycles > 0.0 ? Cycles(std::llround(double(length) * done / unit.cycles)) : 0;
     frame_->stage_cycles[stage.stage] += until - told;
@@ -385,7 +395,7 @@ ModelledFrame TimeFrame(const FrameWork& work, const ConsoleMachine& machine) {
   clock.BeginFrame(work.stage_count, false, frame);
   for (const PassWork& pass : work.passes) {
     source.pass = &pass;
-    clock.Run(pass, uint32_t(pass.items.size()), source, frame);
+    clock.Run(pass, pass.left_out ? 0 : uint32_t(pass.items.size()), source, frame);
   }
   return frame;
 }

@@ -95,6 +95,7 @@ class PassClock {
   void StartGet(uint32_t u);
   void Stand(uint32_t u);
   void StartCompute(uint32_t u);
+  ItemWork::CodeTime TimeOf(const ItemWork::StageTime& stage) const;
   void EndCompute(uint32_t u);
   void StartPut(uint32_t u);
   void Drain(Unit& unit);

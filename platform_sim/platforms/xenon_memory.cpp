@@ -1,5 +1,7 @@
 #include "platform_sim/platforms/xenon_memory.hpp"
 
+#include "core/format.hpp"
+
 namespace pelt {
 
 std::vector<PlatformNumber> DescribeXenon(const XenonParameters& p) {
@@ -32,6 +34,10 @@ std::vector<PlatformNumber> DescribeXenon(const XenonParameters& p) {
 
 bool CheckXenon(const XenonParameters& p, std::string& error) {
   if (!CheckCacheMemory(p, error)) return false;
+  if (p.cores > kMostXenonCores) {
+    error = Format("Xenon refused: it has {} cores; an Xbox 360 has {}", p.cores, kMostXenonCores);
+    return false;
+  }
   if (p.clock_hz == 0) {
     error = "Xenon refused: its clock is zero";
     return false;

@@ -14,6 +14,8 @@
 
 namespace pelt {
 
+inline constexpr uint32_t kMostXenonCores = 3;
+
 struct XenonParameters : CacheMemoryParameters {
   uint64_t clock_hz = 3'200'000'000;
   // Nobody measured an Xbox 360's. The PS3's stands in for it (class L): with 1 here a verdict
@@ -23,7 +25,7 @@ struct XenonParameters : CacheMemoryParameters {
   // The defaults of the bases are the Xenon's, but for these.
   XenonParameters() {
     name = "Xenon";
-    cores = 3;
+    cores = kMostXenonCores;
     core.vector_register_count = 128;  // VMX128
   }
   double Availability() const { return availability_permille / 1000.0; }

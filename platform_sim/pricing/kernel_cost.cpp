@@ -5,7 +5,7 @@
 
 #include "platform_sim/core/issue_walk.hpp"
 #include "platform_sim/pricing/cache_cost.hpp"
-#include "platform_sim/pricing/order_of_need.hpp"
+#include "platform_sim/pricing/written_order.hpp"
 #include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {
@@ -86,13 +86,30 @@ uint64_t CountOf(const Trace& trace, RecordedKind kind) {
                                 [&](const RecordedOperation& o) { return o.kind == kind; }));
 }
 
+// Cycles of code: alone on its core, and beside the other hardware thread.
+struct CodeCycles {
+  double alone = 0.0, shared = 0.0;
+};
+
 // One stretch of the trace, timed in every way.
 struct Timed {
-  double operations = 0.0, instructions = 0.0;
-  double plain = 0.0, scheduled = 0.0, shared = 0.0, bound = 0.0;
+  double operations = 0.0, instructions = 0.0, bound = 0.0;
+  CodeCycles as_written, scheduled;
   FinishedCode code;
-  IssueChart chart;
+  IssueChart chart;  // scheduled
 };
+
+std::optional<IssueChart> TryTimeCode(const FinishedCode& code, const PricedCore& core,
+                                      CodeCycles& cycles, std::string& error) {
+  auto chart = core.scheduling.time(code.program, error);
+  if (!chart) return std::nullopt;
+  cycles.alone = cycles.shared = double(chart->totals.cycles);
+  if (!core.time_shared) return chart;
+  const auto shared = core.time_shared(code.program, error);
+  if (!shared) return std::nullopt;
+  cycles.shared = double(shared->totals.cycles);
+  return chart;
+}
 
 std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, uint32_t turns,
                              const PricedCore& core, const PriceRules& rules, std::string& error) {
@@ -102,20 +119,13 @@ std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, u
   Timed out;
   out.operations = std::max(CountSeen(trace, begin, end), 1u);
   out.instructions = double(lowered.code.program.size());
-  const auto plain = TryAllocateInOrder(lowered.code, core.scheduling, error);
+  const auto as_written = TryAllocateInOrder(lowered.code, core.scheduling, error);
   auto scheduled = TryScheduleTurns(lowered.code, turns, core.scheduling, error);
-  if (!plain || !scheduled) return std::nullopt;
-  const auto plain_chart = core.scheduling.time(plain->program, error);
-  auto chart = core.scheduling.time(scheduled->program, error);
-  if (!plain_chart || !chart) return std::nullopt;
-  out.plain = double(plain_chart->totals.cycles);
-  out.scheduled = out.shared = double(chart->totals.cycles);
+  if (!as_written || !scheduled) return std::nullopt;
+  if (!TryTimeCode(*as_written, core, out.as_written, error)) return std::nullopt;
+  auto chart = TryTimeCode(*scheduled, core, out.scheduled, error);
+  if (!chart) return std::nullopt;
   out.bound = double(*std::ranges::max_element(chart->totals.pipe_cycles));
-  if (core.time_shared) {
-    const auto shared = core.time_shared(scheduled->program, error);
-    if (!shared) return std::nullopt;
-    out.shared = double(shared->totals.cycles);
-  }
   out.code = *std::move(scheduled);
   out.chart = *std::move(chart);
   return out;
@@ -123,33 +133,25 @@ std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, u
 
 // Cycles of one operation once the pipeline is full: not below what the units can do, nor above
 // what the long stretch took with filling and draining.
-double SteadyRate(double short_cycles, double long_cycles, double least, const Timed& small,
-                  const Timed& large) {
+double SteadyRate(double short_cycles, double long_cycles, const Timed& small, const Timed& large) {
   const double most = long_cycles / large.operations;
   const double rate = (long_cycles - short_cycles) / (large.operations - small.operations);
-  return std::clamp(rate, std::min(least / large.operations, most), most);
+  return std::clamp(rate, std::min(large.bound / large.operations, most), most);
 }
 
-struct Rates {
-  double instructions = 0.0, plain = 0.0, scheduled = 0.0, shared = 0.0, fixed = 0.0;
-};
-
-Rates RatesOf(const Timed& small, const Timed& large, bool whole) {
-  Rates r;
-  r.instructions = large.instructions / large.operations;
-  if (whole) {
-    r.plain = large.plain / large.operations;
-    r.scheduled = large.scheduled / large.operations;
-    r.shared = large.shared / large.operations;
-    return r;
+// Of `window`, into `price`: `share` of it for every operation.
+void AddPrice(const Timed& small, const Timed& large, CodeCycles Timed::*code, bool whole,
+              double share, uint32_t windows, CodePrice& price) {
+  const CodeCycles &less = small.*code, &more = large.*code;
+  CodeCycles rate{more.alone / large.operations, more.shared / large.operations};
+  if (!whole) {
+    rate.alone = SteadyRate(less.alone, more.alone, small, large);
+    // Two threads share the dispatch: neither is faster for it.
+    rate.shared = std::max(rate.alone, SteadyRate(less.shared, more.shared, small, large));
+    price.fixed_cycles += std::max(0.0, more.alone - rate.alone * large.operations) / windows;
   }
-  r.plain = SteadyRate(small.plain, large.plain, large.bound, small, large);
-  r.scheduled = SteadyRate(small.scheduled, large.scheduled, large.bound, small, large);
-  // Two threads share the dispatch: each has every other cycle at most.
-  r.shared =
-      std::max(r.scheduled, SteadyRate(small.shared, large.shared, large.bound, small, large));
-  r.fixed = std::max(0.0, large.scheduled - r.scheduled * large.operations);
-  return r;
+  price.cycles_per_turn += rate.alone * share;
+  price.shared_cycles_per_turn += rate.shared * share;
 }
 
 void NoteWindow(const Timed& window, uint32_t turns, const PricedCore& core, KernelCost& cost,
@@ -167,22 +169,23 @@ void NoteWindow(const Timed& window, uint32_t turns, const PricedCore& core, Ker
 // Where one thread waits, the other has the core: two take as long as both need of it, or as one
 // does with its waiting.
 bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std::string& error) {
-  const auto price = [&](double cycles_per_turn, uint32_t threads) {
-    return TryPriceCaches(trace, cost.turns, cycles_per_turn, threads, *core.caches, error);
+  const auto add = [&](CodePrice& price, double CacheCost::*wait, bool fetches) {
+    const auto alone =
+        TryPriceCaches(trace, cost.turns, price.cycles_per_turn, 1, *core.caches, error);
+    const auto both = TryPriceCaches(trace, cost.turns, price.shared_cycles_per_turn,
+                                     core.caches->core.smt_threads, *core.caches, error);
+    if (!alone || !both) return false;
+    price.shared_cycles_per_turn =
+        std::max(price.shared_cycles_per_turn + (fetches ? both->lines_per_turn : 0.0),
+                 price.cycles_per_turn + *both.*wait);
+    price.cycles_per_turn += *alone.*wait;
+    cost.lines_per_turn = alone->lines_per_turn;
+    if (!fetches) cost.unfetched_wait_cycles_per_turn = *alone.*wait;
+    if (fetches) cost.wait_cycles_per_turn = *alone.*wait;
+    return true;
   };
-  const auto plain = price(cost.plain_cycles_per_turn, 1);
-  const auto alone = price(cost.scheduled_cycles_per_turn, 1);
-  const auto both = price(cost.shared_cycles_per_turn, core.caches->core.smt_threads);
-  if (!plain || !alone || !both) return false;
-  cost.lines_per_turn = alone->lines_per_turn;
-  cost.wait_cycles_per_turn = alone->wait_cycles_per_turn;
-  cost.unfetched_wait_cycles_per_turn = alone->unfetched_wait_cycles_per_turn;
-  cost.shared_cycles_per_turn =
-      std::max(cost.shared_cycles_per_turn + both->lines_per_turn,
-               cost.scheduled_cycles_per_turn + both->wait_cycles_per_turn);
-  cost.plain_cycles_per_turn += plain->unfetched_wait_cycles_per_turn;
-  cost.scheduled_cycles_per_turn += alone->wait_cycles_per_turn;
-  return true;
+  return add(cost.as_written, &CacheCost::unfetched_wait_cycles_per_turn, false) &&
+         add(cost.scheduled, &CacheCost::wait_cycles_per_turn, true);
 }
 
 }  // namespace
@@ -193,9 +196,9 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
   KernelCost cost;
   cost.turns = std::max(turns, 1u);
   cost.register_limit = core.register_limit;
-  cost.fixed_cycles = core.call_cycles;
+  cost.as_written.fixed_cycles = cost.scheduled.fixed_cycles = core.call_cycles;
   cost.operations = CountSeen(recorded);
-  const Trace trace = OrderByNeed(recorded);
+  const Trace trace = InWrittenOrder(recorded);
   if (trace.operations.empty()) return cost;
   const std::vector<Window> windows = PlaceWindows(trace, cost.turns, rules);
   const double operations_per_turn = double(CountSeen(trace)) / cost.turns;
@@ -208,13 +211,13 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
     if (!window.whole)
       small = TryTime(trace, window.begin, window.middle, window.turns / 2, core, rules, error);
     if (!small) return std::nullopt;
-    const Rates rates = RatesOf(*small, *large, window.whole);
     const double share = operations_per_turn / double(windows.size());
-    cost.instructions_per_turn += rates.instructions * share;
-    cost.plain_cycles_per_turn += rates.plain * share;
-    cost.scheduled_cycles_per_turn += rates.scheduled * share;
-    cost.shared_cycles_per_turn += rates.shared * share;
-    cost.fixed_cycles += rates.fixed / double(windows.size());
+    cost.instructions_per_turn += large->instructions / large->operations * share;
+    const auto add = [&](CodeCycles Timed::*code, CodePrice& price) {
+      AddPrice(*small, *large, code, window.whole, share, uint32_t(windows.size()), price);
+    };
+    add(&Timed::as_written, cost.as_written);
+    add(&Timed::scheduled, cost.scheduled);
     NoteWindow(*large, window.turns, core, cost, totals);
     last = large->chart;
   }
@@ -232,7 +235,7 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
 std::optional<ScheduledWindow> TryScheduleWindow(const Trace& recorded, uint32_t turns,
                                                  const PricedCore& core, const PriceRules& rules,
                                                  std::string& error) {
-  const Trace trace = OrderByNeed(recorded);
+  const Trace trace = InWrittenOrder(recorded);
   const Window window = PlaceWindows(trace, turns, rules).front();
   const auto simple = SimplifyTrace(trace, window.begin, window.end,
                                     {.fuse_multiply_add = !rules.lowering.host_operations});

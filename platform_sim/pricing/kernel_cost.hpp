@@ -1,8 +1,9 @@
 // What a kernel costs on a core, from one item's trace.
 //
-// The trace is put in an order that does not show which compiler built the kernels
-// (order_of_need.hpp). A few windows of it, spread over it, are lowered, put on registers and
-// timed, as they come ("plain": in that order) and scheduled. A window begins and ends where the
+// The trace is put in the order its source was written in, whatever compiler built the kernels
+// (written_order.hpp). A few windows of it, spread over it, are lowered, put on registers and
+// timed, as they are written and scheduled: the two ends of every price. What compilers and hands
+// reached lies between (measured_kernels.hpp). A window begins and ends where the
 // fewest values are alive, which is between two turns of a loop. Each is taken twice, once twice as
 // long: the difference is what further turns cost once the pipeline is full, free of filling and
 // draining it; what the short one costs beyond that is the fixed part.
@@ -37,15 +38,21 @@ struct PriceRules {
 
 inline constexpr uint32_t kLoopTurns = 2;
 
+// Cycles of code that is ordered one way.
+struct CodePrice {
+  double cycles_per_turn = 0.0;
+  double shared_cycles_per_turn = 0.0;  // beside the other hardware thread; without one: the same
+  double fixed_cycles = 0.0;            // the call, and filling and draining
+};
+
 struct KernelCost {
   uint64_t operations = 0;  // recorded on the item, needed or not
   uint32_t turns = 0;       // of the item; four strands each
   double instructions_per_turn = 0.0;
-  double plain_cycles_per_turn = 0.0, scheduled_cycles_per_turn = 0.0;
-  double shared_cycles_per_turn = 0.0;  // scheduled, beside the other hardware thread
-  double fixed_cycles = 0.0;            // the call, and filling and draining
-  // Of a core with caches (cache_cost.hpp), in the cycles above: in program order nothing is
-  // fetched ahead, in the scheduled code every line is.
+  // In the order of the source, one turn after the other; and the best schedule that is found.
+  CodePrice as_written, scheduled;
+  // Of a core with caches (cache_cost.hpp), in the cycles above: as written nothing is fetched
+  // ahead, in the scheduled code every line is.
   double lines_per_turn = 0.0;
   double wait_cycles_per_turn = 0.0, unfetched_wait_cycles_per_turn = 0.0;
   double divides_per_turn = 0.0, roots_per_turn = 0.0;
@@ -60,11 +67,9 @@ struct KernelCost {
   // not: the first is far more than the second, so real code is smaller.
   uint32_t code_bytes = 0;
 
-  double ScheduledPerOperation() const {
-    return operations ? scheduled_cycles_per_turn * turns / double(operations) : 0.0;
-  }
-  double SharedPerOperation() const {
-    return operations ? shared_cycles_per_turn * turns / double(operations) : 0.0;
+  // Of `price`, spread over what was recorded.
+  double PerOperation(double cycles_per_turn) const {
+    return operations ? cycles_per_turn * turns / double(operations) : 0.0;
   }
 };
 

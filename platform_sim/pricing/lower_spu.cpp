@@ -62,6 +62,8 @@ class SpuLowering {
         return Bind(o, LoadRecord(o.address));
       case Kind::kLoadBytes:
         return Bind(o, LoadBytes(o.address));
+      case Kind::kLoadSplat:
+        return Bind(o, SplatLane(LoadWord(o), 0));
       case Kind::kStore:
         return StoreQuad(o.address, In(o, 0));
       case Kind::kAdd:
@@ -80,6 +82,10 @@ class SpuLowering {
         return Bind(o, Divide(In(o, 0), In(o, 1)));
       case Kind::kReciprocalRoot:
         return Bind(o, rules_.host_operations ? SeededRoot(In(o, 0)) : Root(In(o, 0)));
+      case Kind::kReciprocalEstimate:
+        return Bind(o, Interpolated("frest", In(o, 0)));
+      case Kind::kReciprocalRootEstimate:
+        return Bind(o, Interpolated("frsqest", In(o, 0)));
       case Kind::kNegate:
         return Bind(o, writer_.Emit(Fx2("xor"), {In(o, 0), writer_.Constant(kSign)}));
       case Kind::kMin:
@@ -131,7 +137,7 @@ class SpuLowering {
       case Kind::kTranspose:
         return Transpose(o);
       case Kind::kSplatInFours:
-        return Bind(o, Permute(In(o, 0), In(o, 0), kSplatLane + o.bits));
+        return Bind(o, SplatLane(In(o, 0), o.bits));
       case Kind::kExtract:
         if (o.bits) writer_.Emit(Shuffle("rotqbyi"), {In(o, 0)});
         return;
@@ -187,6 +193,8 @@ class SpuLowering {
     return writer_.Emit(Shuffle("shufb"), {a, b, writer_.Constant(pattern)});
   }
 
+  uint32_t SplatLane(uint32_t a, uint32_t lane) { return Permute(a, a, kSplatLane + lane); }
+
   // One immediate makes it, or it is loaded and spread.
   uint32_t Splat(const RecordedOperation& o) {
     const auto value = int32_t(o.bits);
@@ -194,7 +202,7 @@ class SpuLowering {
     if ((o.bits & 0xFFFF) == 0) return writer_.Emit(Fx2("ilhu"), {});
     if (o.bits < 1u << 18) return writer_.Emit(Fx2("ila"), {});
     const uint32_t word = writer_.EmitLoad(kLoadDisplaced, QuadOf(o.address), kQuadBytes);
-    return Permute(word, word, kSplatLane);
+    return SplatLane(word, 0);
   }
 
   uint32_t LoadQuad(int32_t address) {
@@ -239,10 +247,14 @@ class SpuLowering {
     return writer_.Emit(Fx2("selb"), {In(o, 1), In(o, 0), is_less});
   }
 
+  // An estimate is a base and a slope until fi makes it a number.
+  uint32_t Interpolated(std::string_view estimate, uint32_t a) {
+    return writer_.Emit(Fp7("fi"), {a, writer_.Emit(Estimate(estimate), {a})});
+  }
+
   // Estimate, Newton step, product, and what the product still lacks.
   uint32_t Divide(uint32_t a, uint32_t b) {
-    const uint32_t estimate = writer_.Emit(Estimate("frest"), {b});
-    uint32_t y = writer_.Emit(Fp7("fi"), {b, estimate});
+    uint32_t y = Interpolated("frest", b);
     const uint32_t error = writer_.Emit(Fp6("fnms"), {y, b, writer_.Constant(kOne)});
     y = writer_.Emit(Fp6("fma"), {error, y, y});
     const uint32_t quotient = writer_.Emit(Fp6("fm"), {a, y});

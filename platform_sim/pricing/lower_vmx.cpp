@@ -70,6 +70,8 @@ class VmxLowering {
         const uint32_t quad = writer_.EmitLoad(kLoadVector, QuadOf(o.address), kQuadBytes);
         return Bind(o, writer_.Emit(Permuting("vperm"), {quad, Vector(kZero), Vector(kJoin)}));
       }
+      case Kind::kLoadSplat:
+        return Bind(o, LoadSplat(o));
       case Kind::kStore:
         return StoreQuad(o.address, In(o, 0));
       case Kind::kAdd:
@@ -88,6 +90,10 @@ class VmxLowering {
         return Bind(o, Divide(In(o, 0), In(o, 1)));
       case Kind::kReciprocalRoot:
         return Bind(o, rules_.host_operations ? SeededRoot(In(o, 0)) : Root(In(o, 0)));
+      case Kind::kReciprocalEstimate:
+        return Bind(o, writer_.Emit(Estimate("vrefp"), {In(o, 0)}));
+      case Kind::kReciprocalRootEstimate:
+        return Bind(o, writer_.Emit(Estimate("vrsqrtefp"), {In(o, 0)}));
       case Kind::kNegate:
         return Bind(o, writer_.Emit(Simple("vxor"), {In(o, 0), Vector(kSign)}));
       case Kind::kMin:
@@ -209,6 +215,18 @@ class VmxLowering {
     const uint32_t next =
         writer_.EmitLoad(kLoadVector, QuadOf(address) + int32_t(kQuadBytes), kQuadBytes);
     return writer_.Emit(Permuting("vperm"), {quad, next, Vector(kJoin)});
+  }
+
+  // An indexed word is turned to the front first.
+  uint32_t LoadSplat(const RecordedOperation& o) {
+    const int32_t quad = QuadOf(o.address);
+    if (o.operand_count == 0)
+      return writer_.Emit(Permuting("vspltw"), {writer_.EmitLoad(kLoadVector, quad, kQuadBytes)});
+    const uint32_t offset = Offset(o, 0);
+    const uint32_t turn = writer_.EmitLoad(Op("lvsl", PpeClass::kVectorLoad), 0, 0, {offset});
+    const uint32_t word = writer_.EmitLoad(kLoadVector, quad, kQuadBytes, {offset});
+    return writer_.Emit(Permuting("vspltw"),
+                        {writer_.Emit(Permuting("vperm"), {word, word, turn})});
   }
 
   // Its number is a byte somewhere near; loaded, made an offset, and followed.

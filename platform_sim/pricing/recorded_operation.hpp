@@ -22,6 +22,7 @@ enum class RecordedKind : uint8_t {
   kLoad,        // 16 bytes
   kLoadRecord,  // 16 bytes, whose place was looked up: a lane's own record
   kLoadBytes,   // four bytes, widened
+  kLoadSplat,   // four bytes on all lanes; operand 0: index, if a value
   kStore,       // 16 bytes
   kAdd,
   kSubtract,
@@ -29,6 +30,8 @@ enum class RecordedKind : uint8_t {
   kDivide,
   kNegate,
   kReciprocalRoot,
+  kReciprocalEstimate,  // what the machine has, without a Newton step
+  kReciprocalRootEstimate,
   kMin,
   kMax,
   kLess,       // a < b; a > b is b < a
@@ -93,7 +96,8 @@ struct RecordedOperation {
 
 constexpr bool IsLoad(RecordedKind kind) {
   return kind == RecordedKind::kLoad || kind == RecordedKind::kLoadRecord ||
-         kind == RecordedKind::kLoadBytes || kind == RecordedKind::kWordLoad;
+         kind == RecordedKind::kLoadBytes || kind == RecordedKind::kLoadSplat ||
+         kind == RecordedKind::kWordLoad;
 }
 constexpr bool IsStore(RecordedKind kind) {
   return kind == RecordedKind::kStore || kind == RecordedKind::kWordStore;

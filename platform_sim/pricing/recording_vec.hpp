@@ -239,6 +239,19 @@ struct RecordingVec {
   static RecordingVec ReciprocalRoot(RecordingVec a) {
     return {Rsqrt(a.v), recording::Make(Kind::kReciprocalRoot, {a.id})};
   }
+  // What pricing/machine_operations.hpp asks for.
+  static RecordingVec ReciprocalEstimate(RecordingVec a) {
+    return {Base(1.0f) / a.v, recording::Make(Kind::kReciprocalEstimate, {a.id})};
+  }
+  static RecordingVec ReciprocalRootEstimate(RecordingVec a) {
+    return {Rsqrt(a.v), recording::Make(Kind::kReciprocalRootEstimate, {a.id})};
+  }
+  template <class Index>
+  static RecordingVec LoadSplat(const float* base, Index index) {
+    const Word<uint32_t> at(index);
+    const float* p = base + at.value;
+    return {Base(*p), recording::Load(Kind::kLoadSplat, p, sizeof(float), at.id)};
+  }
   using Record = RecordingVec;
   static RecordingVec LoadRecord(const float* p) {
     return {Base::Load(p), recording::Load(Kind::kLoadRecord, p, 16)};

@@ -107,7 +107,7 @@ class Simplifier {
   static bool MayMerge(const RecordedOperation& operation) {
     const Kind kind = operation.kind;
     if (HasEffect(kind) || kind == Kind::kLoadRecord) return false;
-    return kind != Kind::kWordLoad || operation.operand_count == 0;
+    return !IsLoad(kind) || operation.operand_count == 0;
   }
 
   uint32_t FindLoad(const Key& key, const RecordedOperation& operation) {

@@ -101,8 +101,10 @@ class Pricing {
       const uint32_t items = frame.memory->shape->ItemCount(stage.domain);
       StageCosts::Stage& priced = costs_.stages.emplace_back();
       priced.name = stage.kernel.name;
-      priced.cycles_per_turn.resize(items);
-      priced.shared_cycles_per_turn.resize(items);
+      for (StageCosts::Stage::Price* price : {&priced.as_written, &priced.scheduled}) {
+        price->cycles_per_turn.resize(items);
+        price->shared_cycles_per_turn.resize(items);
+      }
     }
     for (StageWork& work : work_) work.layer_seen.resize(frame.memory->shape->layer_count + 1);
   }
@@ -181,6 +183,14 @@ class Pricing {
   }
 
   void FillStage(const StageWork& work, StageCosts::Stage& out) const {
+    FillPrice(work, out.kinds, &KernelCost::as_written, out.as_written);
+    FillPrice(work, out.kinds, &KernelCost::scheduled, out.scheduled);
+    for (const KernelCost& cost : out.kinds)
+      out.code_bytes = std::max(out.code_bytes, cost.code_bytes);
+  }
+
+  void FillPrice(const StageWork& work, const std::vector<KernelCost>& kinds,
+                 CodePrice KernelCost::*code, StageCosts::Stage::Price& out) const {
     double fixed = 0.0;
     for (const Item& item : work.items) {
       if (item.profile.operations_per_turn == 0.0 || work.profiles.empty()) {
@@ -191,15 +201,15 @@ class Pricing {
         fixed += core_.call_cycles;
         continue;
       }
-      const KernelCost& cost = out.kinds[NearestKind(work, item.profile)];
+      const KernelCost& cost = kinds[NearestKind(work, item.profile)];
+      const CodePrice& price = cost.*code;
       const double operations = item.profile.operations_per_turn;
-      out.cycles_per_turn[item.item] = float(cost.ScheduledPerOperation() * operations);
-      out.shared_cycles_per_turn[item.item] = float(cost.SharedPerOperation() * operations);
-      fixed += cost.fixed_cycles;
+      out.cycles_per_turn[item.item] = float(cost.PerOperation(price.cycles_per_turn) * operations);
+      out.shared_cycles_per_turn[item.item] =
+          float(cost.PerOperation(price.shared_cycles_per_turn) * operations);
+      fixed += price.fixed_cycles;
     }
     if (!work.items.empty()) out.fixed_cycles = float(fixed / double(work.items.size()));
-    for (const KernelCost& cost : out.kinds)
-      out.code_bytes = std::max(out.code_bytes, cost.code_bytes);
   }
 
   const Frame& frame_;

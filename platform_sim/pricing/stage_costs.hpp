@@ -33,12 +33,15 @@ struct StageCosts {
   struct Stage {
     std::string_view name;
     uint32_t code_bytes = 0;  // of its loop as scheduled, unrolled as far as it was
-    // Of each item of the stage's domain; 0 where the stage never runs. One hardware thread alone.
-    std::vector<float> cycles_per_turn;
-    // The same while the core's other hardware thread runs too (a core without: the same).
-    std::vector<float> shared_cycles_per_turn;
-    // Cycles that do not grow with turns: the call, its set-up, filling and draining the pipeline.
-    float fixed_cycles = 0.0f;
+    // Ordered one way, of each item of the stage's domain; 0 where the stage never runs.
+    struct Price {
+      std::vector<float> cycles_per_turn;         // one hardware thread alone
+      std::vector<float> shared_cycles_per_turn;  // while the core's other one runs too
+      // Cycles that do not grow with turns: the call, its set-up, filling and draining the
+      // pipeline.
+      float fixed_cycles = 0.0f;
+    };
+    Price as_written, scheduled;  // what code reaches lies between
     // One for each kind of work that was found, the first item of it.
     std::vector<KernelCost> kinds;
   };

@@ -138,7 +138,7 @@ TEST(ConsoleFrame, NothingIsLost) {
 
 FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double_buffered = true) {
   ItemWork item;
-  item.stages = {{0, cycles, cycles * 1.5}};
+  item.stages = {{0, {cycles, cycles * 1.5}, {cycles, cycles * 1.5}}};
   if (kib > 0) {
     item.get = item.put = {kib * 1024ull, 1, 1, kib * 8};
     item.streams = {{Stream::kCurves, kib * 1024ull, kib * 1024ull}};
@@ -211,7 +211,7 @@ TEST(PassClock, ThreadsOfACoreSlowEachOtherDown) {
   EXPECT_EQ(TimeFrame(MadeWork(6, 1000.0, 0), machine).cycles, 1500);
   // Of two, the longer has the core to itself when the shorter is done: 600 of its 1000 are left.
   FrameWork two = MadeWork(2, 1000.0, 0);
-  two.passes[0].items[1].stages[0] = {0, 400.0, 600.0};
+  two.passes[0].items[1].stages[0] = {0, {400.0, 600.0}, {400.0, 600.0}};
   EXPECT_EQ(TimeFrame(two, machine).cycles, 1200);
 }
 
@@ -281,7 +281,7 @@ TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
   EXPECT_EQ(summarise(MadeWork(120, 10.0, 0)).passes[0].binds, PassLimit::kDispatch);
   EXPECT_EQ(summarise(MadeWork(7, 60'000.0)).passes[0].binds, PassLimit::kCompute);
   FrameWork uneven = MadeWork(6, 1'000.0, 0);
-  uneven.passes[0].items[0].stages[0].cycles = 60'000.0;
+  uneven.passes[0].items[0].stages[0].scheduled.cycles = 60'000.0;
   EXPECT_EQ(summarise(uneven).passes[0].GainMs(PassLimit::kImbalance) > 0.0, true);
 
   const auto total = [](const WorkMs& ms) { return std::accumulate(ms.begin(), ms.end(), 0.0); };

@@ -163,7 +163,7 @@ TEST(Listing, RefusesWithPlaceReasonAndExpectation) {
       {"# nothing", "t.s:1:", "no instruction"},
       {".align 40\nnop", "t.s:1:", "power of two"},
       {".balign 12\nnop", "t.s:1:", "power of two"},
-      {".rept 4\nnop\n.endr", "t.s:1:", "written out"},
+      {".irp x,1\nnop\n.endr", "t.s:1:", "written out"},
       {"lwz 3,0(3)", "t.s:1:", "one of the PPE's"},
       {"ceqi 1,2,3,4\n", "t.s:1:", "4 operands"},
       {"nop\n\x01\xff\x80", "t.s:2:", "no SPU opcode"},
@@ -195,6 +195,66 @@ TEST(Listing, EveryCutOfAListingIsReadOrRefused) {
           EXPECT_EQ(error.rfind("t.s:", 0), 0u) << error;
         }
     }
+}
+
+// ---- .rept -------------------------------------------------------------------------------------
+
+TEST(ListingRepeats, AreWrittenOutOnTheLinesTheyStandOn) {
+  const Listing listing =
+      Spu("loop: .rept 3\n"
+          "fa $4,$5,$6\n"
+          ".rept 2; lnop; .endr\n"
+          "9: .endr\n"
+          "brnz $7, loop\n");
+  EXPECT_EQ(listing.line, (R{2, 3, 3, 2, 3, 3, 2, 3, 3, 5}));
+  EXPECT_EQ(listing.FindLabel("loop")->index, 0u);
+  EXPECT_EQ(listing.program.back().target, 0u);
+}
+
+TEST(ListingRepeats, GiveTheSameProgramAsWrittenOutByHand) {
+  const std::string fma = "fma $20,$20,$10,$11\nlnop\n", tail = "ai $7,$7,-1\nbrnz $7,loop\n";
+  std::string by_hand = "loop:\n";
+  for (int i = 0; i < 64; ++i) by_hand += fma;
+  const Listing written = Spu(by_hand + tail);
+  const Listing repeated = Spu("loop:\n.rept 64\n" + fma + ".endr\n" + tail);
+  EXPECT_EQ(repeated.text, written.text);
+  ASSERT_EQ(repeated.program.size(), written.program.size());
+  for (size_t i = 0; i < written.program.size(); ++i)
+    EXPECT_EQ(repeated.program[i].location_bytes, written.program[i].location_bytes);
+}
+
+TEST(ListingRepeats, NoneLeavesNothingAndNumericLabelsRepeat) {
+  EXPECT_EQ(Spu(".rept 0\nlnop\n.rept 5\nnop\n.endr\n.endr\nnop").program.size(), 1u);
+  const Listing listing = Spu(".rept 2\n1: nop\nbrnz $3, 1b\n.endr");
+  EXPECT_EQ(listing.program[1].target, 0u);
+  EXPECT_EQ(listing.program[3].target, 2u);
+}
+
+TEST(ListingRepeats, SayWhereTheyAreWrong) {
+  EXPECT_EQ(Refusal("nop\n.endr"), "t.s:2: .endr without a .rept before it");
+  EXPECT_EQ(Refusal("nop\n.rept 2\nnop\n.rept 3\nnop\n.endr"),
+            "t.s:2: .rept without an .endr behind it");
+  for (const char* count : {"", "x", "-1", "2000000", "99999999999999999999"}) {
+    const std::string error = Refusal(std::string("nop\n.rept ") + count + "\nnop\n.endr");
+    EXPECT_TRUE(error.starts_with("t.s:2: .rept")) << error;
+    EXPECT_NE(error.find("expected how often, 0 to "), error.npos) << error;
+  }
+  EXPECT_NE(Refusal(".rept 2\nhere: nop\n.endr").find("t.s:2: label 'here' a second time"),
+            std::string::npos);
+  EXPECT_TRUE(Refusal(".irp x,1,2\nnop\n.endr").starts_with("t.s:"));
+}
+
+// Counts that multiply beyond all memory, and nesting that would be beyond all stack.
+TEST(ListingRepeats, AreBounded) {
+  std::string bomb = "nop\n";
+  for (int i = 0; i < 12; ++i) bomb = ".rept 1000\n" + bomb + ".endr\n";
+  EXPECT_NE(Refusal(bomb).find("written out"), std::string::npos);
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += ".rept 1\n";
+  deep += "nop\n";
+  for (int i = 0; i < 100'000; ++i) deep += ".endr\n";
+  EXPECT_EQ(Spu(deep).program.size(), 1u);
+  EXPECT_NE(Refusal(".rept 500000\nnop\n.endr").find("instructions"), std::string::npos);
 }
 
 }  // namespace

@@ -27,8 +27,10 @@ inline StageCosts FlatCosts(const Plan& plan, const SceneShape& shape, uint64_t 
     StageCosts::Stage& cost = costs.stages.emplace_back();
     cost.name = stage.kernel.name;
     cost.code_bytes = code_bytes;
-    cost.cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn);
-    cost.shared_cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn * 4 / 3);
+    cost.scheduled.cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn);
+    cost.scheduled.shared_cycles_per_turn.assign(shape.ItemCount(stage.domain),
+                                                 cycles_per_turn * 4 / 3);
+    cost.as_written = cost.scheduled;
   }
   return costs;
 }

@@ -118,7 +118,8 @@ ConsoleMachine SixSpus() {
 
 Cycles Fluid(const Items& items, const ConsoleMachine& machine) {
   ItemWork item;
-  item.stages = {{0, double(items.compute), double(items.compute)}};
+  const auto cycles = double(items.compute);
+  item.stages = {{0, {cycles, cycles}, {cycles, cycles}}};
   item.get = Shape(items.get_elements, items.element_bytes);
   item.put = Shape(items.put_elements, items.element_bytes);
   FrameWork work;

@@ -1,7 +1,8 @@
 // One order, whichever operand a compiler computed first.
-#include "platform_sim/pricing/order_of_need.hpp"
+#include "platform_sim/pricing/written_order.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "tests/platform/recording.hpp"
 
@@ -36,7 +37,7 @@ std::pair<V, V> Both(bool right_first, Left left, Right right) {
   return out;
 }
 
-TEST(OrderByNeed, IsTheSameWhicheverOperandCameFirst) {
+TEST(WrittenOrder, IsTheSameWhicheverOperandCameFirst) {
   const auto record = [](bool right_first) {
     return Record([=](Rows& rows) {
       alignas(64) float temporary[2][16];
@@ -55,21 +56,21 @@ TEST(OrderByNeed, IsTheSameWhicheverOperandCameFirst) {
   const Trace left = record(false), right = record(true);
   const RecordedOperation &l = left.operations[0], &r = right.operations[0];
   ASSERT_FALSE(l.kind == r.kind && l.address == r.address) << "recorded in one order";
-  ExpectSame(OrderByNeed(left), OrderByNeed(right));
+  ExpectSame(InWrittenOrder(left), InWrittenOrder(right));
 }
 
-TEST(OrderByNeed, IsTheSameTheSecondTime) {
-  const Trace once = OrderByNeed(Record([](Rows& rows) {
+TEST(WrittenOrder, IsTheSameTheSecondTime) {
+  const Trace once = InWrittenOrder(Record([](Rows& rows) {
     const V late = V::Load(rows.row[0]) + V(1.0f), early = V::Load(rows.row[1]) * V(2.0f);
     early.Store(rows.row[2]);
     static_cast<void>(Any(late < early));
     late.Store(rows.row[1]);
   }));
-  ExpectSame(OrderByNeed(once), once);
+  ExpectSame(InWrittenOrder(once), once);
 }
 
-TEST(OrderByNeed, LeavesOutWhatNobodyNeeds) {
-  const Trace trace = OrderByNeed(Record([](Rows& rows) {
+TEST(WrittenOrder, LeavesOutWhatNobodyNeeds) {
+  const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     const V a = V::Load(rows.row[0]);
     [[maybe_unused]] const V unused = a * a + V(7.0f);
     a.Store(rows.row[1]);
@@ -79,21 +80,21 @@ TEST(OrderByNeed, LeavesOutWhatNobodyNeeds) {
 }
 
 // A value that was loaded early and is needed late is what was there early.
-TEST(OrderByNeed, LoadsStayBeforeTheStoresThatOverwriteThem) {
+TEST(WrittenOrder, LoadsStayBeforeTheStoresThatOverwriteThem) {
   for (const int lane : {0, 2, 4}) {
-    const Trace trace = OrderByNeed(Record([&](Rows& rows) {
+    const Trace trace = InWrittenOrder(Record([&](Rows& rows) {
       const V before = V::Load(rows.row[0]);
       V(1.0f).Store(rows.row[0] + lane);
       before.Store(rows.row[1]);
     }));
     ASSERT_EQ(trace.operations.size(), 4u);
-    EXPECT_EQ(trace.operations[1].kind, Kind::kLoad) << lane;
+    EXPECT_EQ(trace.operations[0].kind, Kind::kLoad) << lane;
     EXPECT_EQ(trace.operations[2].kind, Kind::kStore) << lane;
   }
 }
 
-TEST(OrderByNeed, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
-  const Trace trace = OrderByNeed(Record([](Rows& rows) {
+TEST(WrittenOrder, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
+  const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     V carried = V::Load(rows.row[0]);
     for (int turn = 0; turn < 3; ++turn) {
       const V next = V::Load(rows.row[0]) + V(1.0f);
@@ -113,6 +114,57 @@ TEST(OrderByNeed, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
   }
   EXPECT_EQ(loads, 4u);
   EXPECT_EQ(stores, 6u);
+}
+
+// No work of a later statement goes before an earlier one's, and no turn of a loop into another,
+// whatever hangs on what: that is a scheduler's doing.
+TEST(WrittenOrder, StatementsAndTurnsStayOneAfterAnother) {
+  const Trace trace = InWrittenOrder(Record([](Rows& rows) {
+    V sum(0.0f), product(1.0f);
+    for (int turn = 0; turn < 3; ++turn) {
+      const V x = V::Load(rows.row[turn]);
+      const V shallow = Min(x, V(2.0f));
+      const V deep = x * x * x * x;
+      sum = sum + deep;
+      product = product + shallow + deep;
+    }
+    sum.Store(rows.row[4]);
+    product.Store(rows.row[5]);
+  }));
+  std::vector<Kind> kinds;
+  for (const RecordedOperation& operation : trace.operations)
+    if (operation.kind != Kind::kSplat) kinds.push_back(operation.kind);
+  const std::vector<Kind> turn = {Kind::kLoad,     Kind::kMin, Kind::kMultiply, Kind::kMultiply,
+                                  Kind::kMultiply, Kind::kAdd, Kind::kAdd,      Kind::kAdd};
+  ASSERT_EQ(kinds.size(), 3 * turn.size() + 2);
+  for (size_t i = 0; i < 3 * turn.size(); ++i)
+    EXPECT_EQ(RecordedKindName(kinds[i]), RecordedKindName(turn[i % turn.size()])) << i;
+}
+
+// What stands before an expression and is read in one operand of it only goes with that operand:
+// the trace does not say whether it was a statement or a part of it.
+TEST(WrittenOrder, WhatOneOperandAloneReadsGoesWithIt) {
+  const auto record = [](bool right_first) {
+    return Record([=](Rows& rows) {
+      const V x = V::Load(rows.row[0]), y = V::Load(rows.row[1]), z = V::Load(rows.row[2]);
+      const V before = y * z;
+      const auto [a, b] = Both(
+          right_first, [&] { return x + y; },
+          [&] {
+            const auto [p, q] = Both(
+                right_first, [&] { return before - x; }, [&] { return before + z; });
+            return p / q;
+          });
+      (a * b).Store(rows.row[3]);
+    });
+  };
+  const Trace left = InWrittenOrder(record(false));
+  ExpectSame(left, InWrittenOrder(record(true)));
+  std::vector<Kind> kinds;
+  for (const RecordedOperation& operation : left.operations) kinds.push_back(operation.kind);
+  EXPECT_EQ(kinds, (std::vector<Kind>{Kind::kLoad, Kind::kLoad, Kind::kAdd, Kind::kLoad,
+                                      Kind::kMultiply, Kind::kSubtract, Kind::kAdd, Kind::kDivide,
+                                      Kind::kMultiply, Kind::kStore}));
 }
 
 }  // namespace
