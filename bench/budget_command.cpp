@@ -9,12 +9,13 @@
 #include "bench/console_advice.hpp"
 #include "bench/console_report.hpp"
 #include "bench/console_timeline.hpp"
+#include "bench/kernel_rows_report.hpp"
 #include "bench/progress.hpp"
 #include "core/error.hpp"
+#include "platform_sim/frame/what_if.hpp"
 #include "traces/chrome_trace.hpp"
 
 namespace pelt {
-namespace {
 
 PlatformParameters NumbersOf(const BudgetArgs& args) {
   PlatformParameters p;
@@ -27,6 +28,8 @@ PlatformParameters NumbersOf(const BudgetArgs& args) {
   if (args.gpu_percent) p.xenon.gpu_permille = *args.gpu_percent * 10;
   return p;
 }
+
+namespace {
 
 int PrintNumbers(const BudgetArgs& args) {
   const PlatformParameters p = NumbersOf(args);
@@ -49,6 +52,7 @@ struct Verdict {
   Spread frame_ms = {};
   double ms = 0.0;  // what it is about
   bool fits = false;
+  std::string range = {};    // of a console
   std::string refusal = {};  // why it cannot run there at all
 };
 
@@ -66,6 +70,7 @@ class BudgetPrinter {
     json_.Add("scene", scenario_.name);
     json_.Add("strands", scenario_.StrandCount());
     json_.Add("frames", frames_);
+    json_.Add("warm_up_frames", args_.warm_up);
     json_.Add("target_ms", args_.target_ms);
     json_.BeginArray("platforms");
     for (const std::string& platform : args_.platforms) {
@@ -96,6 +101,7 @@ class BudgetPrinter {
   void AddHost() {
     RunOptions options;
     options.frames = frames_;
+    options.warm_up = args_.warm_up;
     options.skip = args_.skip;
     options.lod = args_.lod;
     options.digest = false;
@@ -135,6 +141,8 @@ class BudgetPrinter {
     ConsoleRequest request{.console = console,
                            .numbers = NumbersOf(args_),
                            .frames = frames_,
+                           .warm_up = args_.warm_up,
+                           .what_if = *ParseWhatIf(args_.what_if),
                            .skip = args_.skip,
                            .lod = args_.lod};
     Progress progress(ConsoleName(console), frames_);
@@ -151,8 +159,13 @@ class BudgetPrinter {
                                      budget.machine.local_store_bytes ? "SPUs" : "threads"),
                          {s.median_ms, s.p95_ms, s.worst_ms},
                          budget.VerdictMs(),
-                         budget.Fits(args_.target_ms)});
+                         budget.Fits(args_.target_ms),
+                         RangeOf(budget)});
     AddConsole(json_, budget, run.scene());
+    json_.Add("fits_scheduled",
+              budget.machine.Available(budget.scheduled_ms.p95) <= args_.target_ms);
+    json_.Add("fits_as_written",
+              budget.machine.Available(budget.as_written_ms.p95) <= args_.target_ms);
     json_.BeginArray("advice");
     for (const std::string& line : advice) json_.Add("", line);
     json_.EndArray();
@@ -172,12 +185,19 @@ class BudgetPrinter {
                            budget.faults.size(), budget.faults.front());
   }
 
+  std::string RangeOf(const ConsoleBudget& budget) const {
+    std::string out = DescribeRange(budget);
+    if (budget.FitsOnlyAtOneEnd(args_.target_ms)) out += ": THE VERDICT HANGS ON THE SCHEDULE";
+    return out;
+  }
+
   void PrintVerdicts() const {
     fmt::print(
-        "{}: {} strands, {} frames; a frame may take {} ms, by its 95th percentile: as measured on "
-        "this machine, with {} availability on a console\n",
-        scenario_.name, scenario_.StrandCount(), frames_, args_.target_ms,
+        "{}: {} strands, {} frames behind {} to warm up; a frame may take {} ms, by its 95th "
+        "percentile: as measured on this machine, with {} availability on a console\n",
+        scenario_.name, scenario_.StrandCount(), frames_, args_.warm_up, args_.target_ms,
         CellSystem{}.Availability());
+    bool has_range = false;
     for (const Verdict& v : verdicts_) {
       if (!v.refusal.empty()) {
         fmt::print("  {:<8} CANNOT RUN: {}\n", v.platform, v.refusal);
@@ -188,7 +208,12 @@ class BudgetPrinter {
           "({})\n",
           v.platform, v.what, v.frame_ms.median, v.frame_ms.p95, v.frame_ms.worst, v.ms,
           v.fits ? "FITS" : "DOES NOT FIT", args_.target_ms, DescribeFit(v.ms));
+      if (!v.range.empty()) fmt::print("  {:<8} {}\n", "", v.range);
+      has_range = has_range || !v.range.empty();
     }
+    if (has_range)
+      fmt::print("consoles' verdicts: code {}\n",
+                 DescribePlace(std::clamp(MeasuredCodePlace().mean, 0.0, 1.0)));
     if (!args_.trace.empty()) fmt::print("trace {}\n", args_.trace.path());
   }
 
@@ -212,12 +237,6 @@ class BudgetPrinter {
 int PrintBudget(const BudgetArgs& args) {
   if (args.validate) return PrintValidation({args.json});
   if (args.numbers) return PrintNumbers(args);
-  // A machine that cannot be is refused before anything runs.
-  for (const std::string& platform : args.platforms) {
-    if (platform == "host") continue;
-    MakeConsole({.console = platform == "ps3" ? Console::kPs3 : Console::kXbox360,
-                 .numbers = NumbersOf(args)});
-  }
   return BudgetPrinter(args).Print();
 }
 

@@ -22,6 +22,8 @@ struct Subcommand {
   // Called once the arguments are parsed; throws CLI::ParseError for those that do not go together.
   std::function<void()> complete;
   std::function<int()> run;  // returns the exit code
+  // The exit code when an Error keeps it from running to its end: where 1 is an answer, another.
+  int no_answer = 1;
 };
 
 // Of a listing or a scene on a console's core (console_options.cpp).

@@ -11,6 +11,7 @@
 #include "bench/output_path.hpp"
 #include "bench/run_report.hpp"
 #include "bench/scenarios.hpp"
+#include "platform_sim/platforms/platform.hpp"
 
 namespace pelt {
 
@@ -103,6 +104,7 @@ struct TimingArgs {
   bool host_operations = false;  // LoweringRules
   std::string core = "spu";
   std::vector<std::string> trips;  // LABEL=N
+  std::string second_thread;       // a listing that the PPE's other thread runs
   bool pair_by_order = false, hinted = false, smt = false, json = false;
 };
 int PrintTiming(const TimingArgs& args);
@@ -123,13 +125,17 @@ struct BudgetArgs {
   LodSettings lod;
   // What the consoles have instead of their own; not given: theirs.
   std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
-  OutputPath trace;  // Chrome trace of the modelled consoles to write
+  uint32_t warm_up = 60;            // frames before those that count
+  std::string what_if = "nothing";  // a change of the consoles' data movement, by name
+  OutputPath trace;                 // Chrome trace of the modelled consoles to write
   bool advice = true;
   bool numbers = false;   // only print the platforms' numbers
   bool validate = false;  // only hold the models against the measured rows
   bool json = false;
 };
-// 0: the scene fits every platform asked for.
+// The consoles' numbers as the arguments change them.
+PlatformParameters NumbersOf(const BudgetArgs& args);
+// 0: the scene fits every platform asked for; 1: it does not, and nothing else; 2: no answer.
 int PrintBudget(const BudgetArgs& args);
 
 struct VerifyArgs {

@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "core/error.hpp"
+#include "platform_sim/frame/pass_clock.hpp"
+#include "platform_sim/kernel_rows.hpp"
 #include "platform_sim/memory/spu_program.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
 
@@ -48,6 +50,28 @@ StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneO
   });
 }
 
+// Frames whose work was done, timed again with other code.
+class OtherOrder {
+ public:
+  OtherOrder(ConsoleMachine machine, double code_order, const Plan& plan)
+      : machine_(With(std::move(machine), code_order)), statistics_(machine_, plan) {}
+
+  void Add(const FrameWork& work) { statistics_.Add(TimeFrame(work, machine_)); }
+  Spread Summarise() const {
+    const FrameSummary s = statistics_.Summarise();
+    return {s.median_ms, s.p95_ms, s.worst_ms};
+  }
+
+ private:
+  static ConsoleMachine With(ConsoleMachine machine, double code_order) {
+    machine.code_order = code_order;
+    return machine;
+  }
+
+  ConsoleMachine machine_;
+  FrameStatistics statistics_;
+};
+
 bool IsPriced(const Plan& plan, const StageCosts& costs) {
   return std::equal(plan.stages.begin(), plan.stages.end(), costs.stages.begin(),
                     costs.stages.end(), [](const Stage& stage, const StageCosts::Stage& cost) {
@@ -69,13 +93,16 @@ std::string_view ConsoleName(Console console) {
 }
 
 ConsoleMachine MakeConsole(const ConsoleRequest& request) {
-  return ValueOrThrow([&](std::string& error) -> std::optional<ConsoleMachine> {
+  ConsoleMachine machine = ValueOrThrow([&](std::string& error) -> std::optional<ConsoleMachine> {
     if (!CheckPlatforms(request.numbers, error)) return std::nullopt;
     if (request.console == Console::kXbox360) return TryMakeXenon(request.numbers.xenon, error);
     const CellParameters& cell = request.numbers.cell;
     const double draw_ns = cell.Nanoseconds(double(AtomicBounceCycles(cell)));
     return TryMakeCell(cell, AtomicDispatch(uint32_t(draw_ns + 0.5)), error);
   });
+  machine.code_order = std::clamp(MeasuredCodePlace().mean, 0.0, 1.0);
+  machine.what_if = request.what_if;
+  return machine;
 }
 
 ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
@@ -109,9 +136,10 @@ bool ConsoleRun::FuseLess(const FurScene& scene) {
   return true;
 }
 
-std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene) const {
+std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,
+                                                          const ConsoleMachine& machine) const {
   std::string error;
-  auto console = ConsoleExecutor::TryMake(machine_, costs_, scene.CurrentFrame(), error);
+  auto console = ConsoleExecutor::TryMake(machine, costs_, scene.CurrentFrame(), error);
   if (!console) throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error));
   return console;
 }
@@ -120,7 +148,7 @@ ConsoleBudget ConsoleRun::Run() {
   running_ = std::make_unique<RunningScenario>(scenario_, options_);
   RunningScenario host(scenario_, options_);
   FurScene& scene = running_->scene();
-  const auto console = MakeExecutor(scene);
+  const auto console = MakeExecutor(scene, machine_);
   console->KeepTimelines(true);
   ConsoleBudget budget;
   budget.scene = scenario_.name;
@@ -133,17 +161,25 @@ ConsoleBudget ConsoleRun::Run() {
 
   SerialExecutor serial;
   FrameStatistics statistics(machine_, scene.plan());
+  OtherOrder scheduled(machine_, 0.0, scene.plan()), as_written(machine_, 1.0, scene.plan());
+  for (uint32_t f = 0; f < request_.warm_up; ++f)
+    for (RunningScenario* running : {running_.get(), &host}) {
+      running->Begin(f, request_.skip, request_.lod);
+      serial.Run(running->scene().CurrentFrame());
+    }
   for (uint32_t f = 0; f < request_.frames; ++f) {
     if (request_.progress) request_.progress(f, request_.frames);
-    running_->Begin(f, request_.skip, request_.lod);
+    running_->Begin(request_.warm_up + f, request_.skip, request_.lod);
     console->Run(scene.CurrentFrame());
     const ModelledFrame& frame = console->modelled();
     statistics.Add(frame);
+    scheduled.Add(console->work());
+    as_written.Add(console->work());
     // Not the first frames, in which all starts afresh; of few frames the last.
     if (f % kLimitsEvery == kLimitsEvery - 1 || (f + 1 == request_.frames && f < kLimitsEvery))
       statistics.AddLimits(frame, console->work());
     if (frame.cycles > budget.slowest.cycles) budget.slowest = frame;
-    host.Begin(f, request_.skip, request_.lod);
+    host.Begin(request_.warm_up + f, request_.skip, request_.lod);
     serial.Run(host.scene().CurrentFrame());
     if (f % kDigestEvery != 0 && f + 1 != request_.frames) continue;
     budget.digest = scene.DigestFrame();
@@ -151,29 +187,54 @@ ConsoleBudget ConsoleRun::Run() {
     if (budget.digest != host.scene().DigestFrame() && !budget.differs_at) budget.differs_at = f;
   }
   budget.summary = statistics.Summarise();
+  budget.scheduled_ms = scheduled.Summarise();
+  budget.as_written_ms = as_written.Summarise();
+  budget.warm_up = request_.warm_up;
   budget.live_strands = scene.LiveStrands();
   budget.drawn_strands = scene.DrawnStrands();
   budget.faults = Describe(console->faults());
   return budget;
 }
 
-ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
+FrameSummary ConsoleRun::Time(const ConsoleMachine& machine, const SkipSettings& skip,
+                              const LodSettings& lod, uint32_t warm_up, uint32_t frames,
+                              uint32_t* live_strands) const {
   RunningScenario running(scenario_, options_);
-  const auto console = MakeExecutor(running.scene());
-  FrameStatistics statistics(machine_, running.scene().plan());
+  const auto console = MakeExecutor(running.scene(), machine);
+  FrameStatistics statistics(machine, running.scene().plan());
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < warm_up + frames; ++f) {
+    running.Begin(f, skip, lod);
+    if (f < warm_up) {
+      serial.Run(running.scene().CurrentFrame());
+      continue;
+    }
+    console->Run(running.scene().CurrentFrame());
+    statistics.Add(console->modelled());
+  }
+  if (live_strands) *live_strands = running.scene().LiveStrands();
+  return statistics.Summarise();
+}
+
+ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
   SkipSettings skip = request_.skip;
   skip.lod = true;
   const bool all = trial == Trial::kAllFrames;
-  const uint32_t frames = all ? request_.frames : kTrialFrames;
-  for (uint32_t f = 0; f < frames; ++f) {
-    running.Begin(f, skip, lod);
-    console->Run(running.scene().CurrentFrame());
-    // Of few frames the first, in which all starts afresh, would be too many.
-    if (all || f >= kTrialFrames / 2) statistics.Add(console->modelled());
-  }
-  const FrameSummary summary = statistics.Summarise();
-  return {machine_.Available(all ? summary.p95_ms : summary.worst_ms),
-          running.scene().LiveStrands()};
+  // Of few frames the first, in which all starts afresh, would be too many.
+  const uint32_t warm_up = std::max(request_.warm_up, all ? 0 : kTrialFrames / 2);
+  LodTrial out;
+  const FrameSummary summary = Time(machine_, skip, lod, warm_up,
+                                    all ? request_.frames : kTrialFrames / 2, &out.live_strands);
+  out.ms = machine_.Available(all ? summary.p95_ms : summary.worst_ms);
+  return out;
+}
+
+double ConsoleRun::TryWhatIf(WhatIf what_if) {
+  ConsoleMachine machine = machine_;
+  machine.what_if = what_if;
+  return machine.Available(
+      Time(machine, request_.skip, request_.lod, request_.warm_up, request_.frames, nullptr)
+          .p95_ms);
 }
 
 }  // namespace pelt

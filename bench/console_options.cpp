@@ -5,6 +5,7 @@
 #include "bench/command_options.hpp"
 #include "bench/file_options.hpp"
 #include "bench/usage_error.hpp"
+#include "platform_sim/frame/what_if.hpp"
 
 namespace pelt {
 namespace {
@@ -14,11 +15,15 @@ void CheckTiming(const CLI::App& app, const TimingArgs& args) {
   if (!args.path.empty()) {
     if (args.core == "xenon") throw UsageError("--core xenon: a listing runs on spu or ppe");
     RefuseUnless(app, args.core == "spu", {"--pair-by-order", "--hinted"}, "--core spu");
-    RefuseUnless(app, args.core == "ppe", {"--smt"}, "--core ppe");
+    RefuseUnless(app, args.core == "ppe", {"--smt", "--second-thread"}, "--core ppe");
+    RefuseBeside(app, "--second-thread", {"--trip", "--smt"});
+    if (args.path == "-" && args.second_thread == "-")
+      throw UsageError("--second-thread -: standard input is the first listing");
     return;
   }
   if (app.count("--kernel") == 0) throw UsageError("a listing or --kernel is required");
-  RefuseBeside(app, "--kernel", {"--trip", "--pair-by-order", "--hinted", "--smt"});
+  RefuseBeside(app, "--kernel",
+               {"--trip", "--pair-by-order", "--hinted", "--smt", "--second-thread"});
   RefuseBeside(app, "--json", {"--chart"});
 }
 
@@ -31,8 +36,20 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
   RefuseAllBut(app, "--numbers", {"--spus", "--local-store-kib", "--cores", "--gpu-percent"});
   RefuseUnless(app, asks_for("ps3"), {"--spus", "--local-store-kib"}, "--platform ps3");
   RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
-  RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice"},
+  RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice", "--what-if"},
                "--platform ps3 or xbox360");
+}
+
+CLI::Validator IsWhatIf() {
+  std::vector<std::string> names = {std::string(WhatIfName(WhatIf::kNothing))};
+  for (const WhatIf what_if : kAllWhatIfs) names.emplace_back(WhatIfName(what_if));
+  return CLI::IsMember(names);
+}
+
+// A machine that cannot be is refused before anything runs.
+void CheckConsoles(const BudgetArgs& args) {
+  std::string error;
+  if (!CheckPlatforms(NumbersOf(args), error)) throw UsageError(error);
 }
 
 }  // namespace
@@ -66,6 +83,8 @@ Subcommand SetUpTiming(CLI::App& root) {
                 "Pair without looking at addresses, as the vendor's published static tool");
   app->add_flag("--hinted", args.hinted, "Every branch of an SPU as if it were hinted in time");
   app->add_flag("--smt", args.smt, "The PPE's other thread takes every second cycle");
+  AddInputFile(*app, "--second-thread", args.second_thread,
+               "Listing that the PPE's other thread runs meanwhile: the loop of each, for ever");
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "A listing, for example add.s:\n"
@@ -75,6 +94,7 @@ Subcommand SetUpTiming(CLI::App& root) {
       "  pelt timing add.s\n"
       "  pelt timing add.s --trip loop=256 --hinted\n"
       "  pelt timing add.s --pair-by-order --json\n"
+      "  pelt timing --core ppe a.s --second-thread b.s\n"
       "  pelt timing --kernel simulate_pbd\n"
       "  pelt timing --kernel sort --scene monster --core xenon\n"
       "  pelt timing --kernel fit_cubic_4 --chart 40");
@@ -88,7 +108,7 @@ Subcommand SetUpBudget(CLI::App& root) {
   auto* app = root.add_subcommand(
       "budget",
       "Does a scene fit its milliseconds on the host, a PS3 and an Xbox 360? Exit code 1 "
-      "when it does not");
+      "when it does not, 2 when there is no answer");
   AddSource(*app, args.request);
   app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")
       ->check(CLI::IsMember({"host", "ps3", "xbox360"}))
@@ -97,7 +117,14 @@ Subcommand SetUpBudget(CLI::App& root) {
       ->check(InRange(0.001, 1000.0))
       ->capture_default_str();
   AddFrames(*app, args.frames);
+  app->add_option("--warm-up", args.warm_up, "Frames before those that count")
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
   AddSkips(*app, args.skip, args.lod);
+  app->add_option("--what-if", args.what_if,
+                  "On consoles, in the model: a change of how a frame moves its data")
+      ->check(IsWhatIf())
+      ->capture_default_str();
   app->add_option("--spus", args.spus, "SPUs of the PS3, instead of the 6 that a game has");
   app->add_option("--local-store-kib", args.local_store_kib, "Of an SPU, instead of 256");
   app->add_option("--cores", args.cores, "Cores of the Xbox 360, instead of 3");
@@ -122,8 +149,9 @@ Subcommand SetUpBudget(CLI::App& root) {
           [app, kept] {
             CompleteSource(*app, kept->request);
             CheckBudget(*app, *kept);
+            CheckConsoles(*kept);
           },
-          [kept] { return PrintBudget(*kept); }};
+          [kept] { return PrintBudget(*kept); }, 2};
 }
 
 }  // namespace pelt

@@ -6,7 +6,9 @@
 #include <numeric>
 
 #include "bench/console_timeline.hpp"
+#include "bench/kernel_rows_report.hpp"
 #include "bench/timeline.hpp"
+#include "platform_sim/frame/what_if.hpp"
 
 namespace pelt {
 namespace {
@@ -119,6 +121,14 @@ void AddWork(JsonText& json, std::string_view key, const WorkMs& work) {
   json.EndObject();
 }
 
+void AddSpread(JsonText& json, std::string_view key, const Spread& ms) {
+  json.BeginObject(key);
+  json.Add("median", ms.median);
+  json.Add("p95", ms.p95);
+  json.Add("worst", ms.worst);
+  json.EndObject();
+}
+
 void AddStages(JsonText& json, const ConsoleBudget& b, const Plan& plan) {
   double all_ms = 0.0;
   for (const FrameSummary::Stage& stage : b.summary.stages) all_ms += stage.core_ms;
@@ -204,15 +214,25 @@ std::string DescribeVerdictTime(const ConsoleBudget& b) {
       m.Available(s.worst_ms));
 }
 
+std::string DescribeRange(const ConsoleBudget& b) {
+  return fmt::format("p95 {:.2f} ms with the best schedules, {:.2f} ms as written",
+                     b.machine.Available(b.scheduled_ms.p95),
+                     b.machine.Available(b.as_written_ms.p95));
+}
+
 std::string DescribeConsole(const ConsoleBudget& b, const FurScene& scene) {
   const Plan& plan = scene.plan();
   const FrameSummary& s = b.summary;
   std::string out = fmt::format(
       "{}, modelled: {} {} at {:.3f} GHz; frame median {:.2f}, p95 {:.2f}, worst {:.2f} ms (frame "
-      "{} of {}) as the models have it, like all figures below\n{}\n\n",
+      "{} of {}, behind {} to warm up) as the models have it, like all figures below\n{}\n",
       b.machine.name, b.machine.units, b.machine.local_store_bytes ? "SPUs" : "hardware threads",
       double(b.machine.clock_hz) * 1e-9, s.median_ms, s.p95_ms, s.worst_ms, s.worst_frame, s.frames,
-      DescribeVerdictTime(b));
+      b.warm_up, DescribeVerdictTime(b));
+  if (b.machine.what_if != WhatIf::kNothing)
+    out += fmt::format("what if: {}\n", DescribeWhatIf(b.machine.what_if));
+  out += fmt::format("its range, availability in it: {}; all else here is {}\n\n", DescribeRange(b),
+                     DescribePlace(b.machine.code_order));
   out += StageTable(b, plan) + '\n' + PassTable(b, plan) + '\n' + MemoryText(b);
   if (!b.stores.empty()) out += '\n' + StoreTable(b, plan);
   out += '\n' + DigestText(b);
@@ -227,17 +247,19 @@ void AddConsole(JsonText& json, const ConsoleBudget& b, const FurScene& scene) {
   json.Add("clock_hz", b.machine.clock_hz);
   json.Add("availability", b.machine.availability);
   json.Add("availability_from", b.machine.availability_from);
-  json.BeginObject("frame_ms");
-  json.Add("median", s.median_ms);
-  json.Add("p95", s.p95_ms);
-  json.Add("worst", s.worst_ms);
-  json.EndObject();
-  json.BeginObject("frame_ms_with_availability");
-  json.Add("median", b.machine.Available(s.median_ms));
-  json.Add("p95", b.VerdictMs());
-  json.Add("worst", b.machine.Available(s.worst_ms));
-  json.EndObject();
+  AddSpread(json, "frame_ms", {s.median_ms, s.p95_ms, s.worst_ms});
+  AddSpread(json, "frame_ms_with_availability",
+            {b.machine.Available(s.median_ms), b.VerdictMs(), b.machine.Available(s.worst_ms)});
   json.Add("verdict_takes", "frame_ms_with_availability.p95");
+  json.BeginObject("range");
+  AddSpread(json, "scheduled_ms", b.scheduled_ms);
+  AddSpread(json, "as_written_ms", b.as_written_ms);
+  json.Add("code_order", b.machine.code_order);
+  json.Add("code_order_least", MeasuredCodePlace().least);
+  json.Add("code_order_most", MeasuredCodePlace().most);
+  json.EndObject();
+  json.Add("warm_up_frames", b.warm_up);
+  json.Add("what_if", WhatIfName(b.machine.what_if));
   json.Add("worst_frame", s.worst_frame);
   AddStages(json, b, scene.plan());
   AddPasses(json, b, scene.plan());
@@ -266,13 +288,14 @@ void AddConsoleFrame(JsonText& json, const ConsoleBudget& b, const FurScene& sce
   };
   json.BeginObject();
   json.Add("name", b.machine.name);
-  json.Add(
-      "verdict",
-      fmt::format("{}: median {:.2f}, p95 {:.2f}, worst {:.2f} ms over {} frames; {}: {}. {} % "
-                  "of the memory's rate is used.",
-                  b.machine.name, b.summary.median_ms, b.summary.p95_ms, b.summary.worst_ms,
-                  b.summary.frames, DescribeVerdictTime(b), DescribeFit(b.VerdictMs()),
-                  int(100.0 * b.summary.bus_use + 0.5)));
+  json.Add("verdict",
+           fmt::format("{}: median {:.2f}, p95 {:.2f}, worst {:.2f} ms over {} frames; {}: {}. "
+                       "Range: {}; the picture is {}. {} % "
+                       "of the memory's rate is used.",
+                       b.machine.name, b.summary.median_ms, b.summary.p95_ms, b.summary.worst_ms,
+                       b.summary.frames, DescribeVerdictTime(b), DescribeFit(b.VerdictMs()),
+                       DescribeRange(b), DescribePlace(b.machine.code_order),
+                       int(100.0 * b.summary.bus_use + 0.5)));
   json.Add("frame", b.summary.worst_frame);
   json.Add("ns", ns(b.slowest.cycles));
   json.BeginArray("works");

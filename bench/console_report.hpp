@@ -14,6 +14,10 @@ namespace pelt {
 // "fits 5 ms", "fits 8 ms, not 5 ms", "does not fit 8 ms": against the lines of the originals.
 std::string DescribeFit(double ms);
 
+// The ends of the range that the frame lies in: "p95 2.10 ms with the best schedules, 4.00 ms as
+// written".
+std::string DescribeRange(const ConsoleBudget& budget);
+
 // Stages, passes, critical path, bytes by name, local stores, digests; ends with a newline.
 std::string DescribeConsole(const ConsoleBudget& budget, const FurScene& scene);
 // Members of the object that is open.

@@ -19,6 +19,7 @@
 #include "bench/usage_error.hpp"
 #include "bench/usage_text.hpp"
 #include "bench/version.hpp"
+#include "core/error.hpp"
 #include "core/printable.hpp"
 
 namespace pelt {
@@ -326,6 +327,18 @@ Subcommand SetUpConformance(CLI::App& root) {
   return {app, [] {}, [kept] { return CheckConformance(*kept); }};
 }
 
+int RunChosen(const Subcommand& chosen) {
+  try {
+    chosen.complete();
+    CheckFiles(*chosen.app);
+    return chosen.run();
+  } catch (const Error& error) {
+    if (chosen.no_answer == 1) throw;  // told where all others are
+    PrintError(error.what());
+    return chosen.no_answer;
+  }
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
@@ -339,9 +352,7 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),
                                              [](const Subcommand& s) { return s.app->parsed(); });
-    chosen.complete();
-    CheckFiles(*chosen.app);
-    return chosen.run();
+    return RunChosen(chosen);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     PrintError(DescribeUsage(app, error));

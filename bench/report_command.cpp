@@ -23,6 +23,7 @@ void AddModelledConsole(Console console, const ReportArgs& args, Scenario& scena
   const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
   ConsoleRequest request{.console = console,
                          .frames = std::min(frames, kConsoleFrames),
+                         .warm_up = BudgetArgs{}.warm_up,
                          .skip = options.skip,
                          .lod = options.lod};
   Progress progress(ConsoleName(console), request.frames);

@@ -65,6 +65,10 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
 
   BudgetRecorder recorder(scene, report.frames);
   Digest fold;
+  for (uint32_t f = 0; f < options.warm_up; ++f) {
+    running.Begin(f, options.skip, options.lod);
+    executor->Run(scene.CurrentFrame());
+  }
   for (uint32_t f = 0; f < report.frames; ++f) {
     if (options.progress) options.progress(f, report.frames);
     const bool observed = options.observe && f >= options.observe_from_frame;
@@ -73,7 +77,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     FrameTicks ticks;
     const TimePoint start = Now();
     ticks.begin = ReadTicks();
-    running.Begin(f, options.skip, options.lod);
+    running.Begin(options.warm_up + f, options.skip, options.lod);
     ticks.prepared = ReadTicks();
     const uint64_t caller_ns = ElapsedNs(start);
     Frame frame = scene.CurrentFrame();

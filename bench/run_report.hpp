@@ -27,6 +27,7 @@ struct RunOptions {
   uint32_t workers = 0;     // tbb; 0: one for each core
   uint64_t order_seed = 1;  // permuted
   uint32_t frames = 0;      // 0: the scenario's own
+  uint32_t warm_up = 0;     // frames before them, which nothing sees
   SkipSettings skip;
   LodSettings lod;
   bool digest = true;  // of every frame; taken outside the timed part

@@ -1,15 +1,18 @@
 // `pelt timing`: an instruction listing through a core model, as a chart.
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdio>
 
 #include "bench/commands.hpp"
 #include "bench/json_text.hpp"
+#include "bench/usage_error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/printable.hpp"
 #include "platform_sim/core/issue_walk.hpp"
 #include "platform_sim/core/listing.hpp"
 #include "platform_sim/core/ppe_core.hpp"
+#include "platform_sim/core/ppe_pair.hpp"
 #include "platform_sim/core/spu_core.hpp"
 #include "platform_sim/platforms/cell_system.hpp"
 
@@ -45,7 +48,8 @@ TripCount ParseTrip(const Listing& listing, const std::string& text) {
   char extra = 0;
   if (equals == text.npos || *digits < '0' || *digits > '9' || text.size() - equals > 14 ||
       std::sscanf(digits, "%lu%c", &turns, &extra) != 1 || turns == 0 || turns > kMaxTurns)
-    throw Error(fmt::format("--trip {}; expected LABEL=N with N from 1 to {}", text, kMaxTurns));
+    throw UsageError(
+        fmt::format("--trip {}; expected LABEL=N with N from 1 to {}", text, kMaxTurns));
   const std::vector<uint32_t> heads = LoopHeads(listing.program);
   const ListingLabel* label = listing.FindLabel(name);
   for (const uint32_t head : heads)
@@ -53,8 +57,8 @@ TripCount ParseTrip(const Listing& listing, const std::string& text) {
   std::string loops;
   for (const uint32_t head : heads)
     loops += fmt::format("{}{}", loops.empty() ? "" : ", ", LabelAt(listing, head));
-  throw Error(fmt::format("--trip {}: no branch of {} goes back to '{}'; its loops: {}", text,
-                          listing.name, name, loops.empty() ? "none" : loops));
+  throw UsageError(fmt::format("--trip {}: no branch of {} goes back to '{}'; its loops: {}", text,
+                               listing.name, name, loops.empty() ? "none" : loops));
 }
 
 IssueChart Time(const Listing& listing, const TimingArgs& args) {
@@ -230,9 +234,75 @@ std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const T
   return json.text();
 }
 
+// ---- Two threads
+
+Listing ReadPpeListing(const std::string& path) {
+  return ReadListing(ReadText(path), DisplayName(path), PpeInstructionSet());
+}
+
+struct ThreadTime {
+  const Listing* listing;
+  std::string loop;
+  double alone, beside;  // cycles a turn
+};
+
+// The only loop of it, alone on the core.
+ThreadTime TimeAlone(const Listing& listing) {
+  const IssueChart chart = ValueOrThrow([&](std::string& error) {
+    return TryTimeOnPpe(listing.program, {}, {}, PpeParameters{}, error);
+  });
+  if (chart.loops.size() != 1 || !chart.loops[0].steady)
+    throw Error(fmt::format(
+        "{}: {} loops that reach a steady state; a thread of two runs one for ever: give that loop",
+        listing.name, chart.loops.size()));
+  return {&listing, LabelAt(listing, chart.loops[0].head), chart.loops[0].CyclesPerTurn(), 0.0};
+}
+
+int PrintThreadPair(const TimingArgs& args) {
+  const Listing listings[] = {ReadPpeListing(args.path), ReadPpeListing(args.second_thread)};
+  std::array<ThreadTime, 2> threads = {TimeAlone(listings[0]), TimeAlone(listings[1])};
+  const PpePairTiming pair = ValueOrThrow([&](std::string& error) {
+    return TryTimePpePair({listings[0].program, listings[1].program}, PpeParameters{}, error);
+  });
+  for (uint32_t t = 0; t < 2; ++t) threads[t].beside = pair.CyclesPerTurn(t);
+  const uint64_t clock_hz = CellSystem{}.clock_hz;
+  const double gained =
+      threads[0].alone / threads[0].beside + threads[1].alone / threads[1].beside - 1.0;
+  if (args.json) {
+    JsonText json;
+    json.BeginObject();
+    json.Add("core", "ppe");
+    json.Add("clock_hz", clock_hz);
+    json.Add("period_cycles", pair.period_cycles);
+    json.BeginArray("threads");
+    for (const ThreadTime& thread : threads) {
+      json.BeginObject();
+      json.Add("listing", thread.listing->name);
+      json.Add("loop", thread.loop);
+      json.Add("cycles_per_turn_alone", thread.alone);
+      json.Add("cycles_per_turn", thread.beside);
+      json.EndObject();
+    }
+    json.EndArray();
+    json.Add("gained", gained);
+    json.EndObject();
+    fmt::print("{}\n", json.text());
+    return 0;
+  }
+  fmt::print("two threads of a PPE at {:.3f} GHz, each its loop for ever\n",
+             double(clock_hz) * 1e-9);
+  for (const ThreadTime& thread : threads)
+    fmt::print("{} {}: {:.2f} cycles a turn, {:.2f} alone: {:.0f} % of its own rate\n",
+               thread.listing->name, thread.loop, thread.beside, thread.alone,
+               100.0 * thread.alone / thread.beside);
+  fmt::print("both together: {:.2f} times the work of one thread after the other\n", 1.0 + gained);
+  return 0;
+}
+
 }  // namespace
 
 int PrintTiming(const TimingArgs& args) {
+  if (!args.second_thread.empty()) return PrintThreadPair(args);
   const bool is_spu = args.core == "spu";
   const Listing listing = ReadListing(ReadText(args.path), DisplayName(args.path),
                                       is_spu ? SpuInstructionSet() : PpeInstructionSet());

@@ -101,8 +101,8 @@ check_errors() {
   expect 1 'short.s:2' timing short.s
   expect 1 'r127' timing <(echo 'ai 128,4,1')
   expect 1 'of the PPE' timing <(echo 'lwz r3,0(r3)')
-  expect 1 'its loops: a' timing <(echo 'a: brnz 3,a') --trip b=3
-  expect 1 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
+  expect 2 'its loops: a' timing <(echo 'a: brnz 3,a') --trip b=3
+  expect 2 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
   expect 2 --core timing noise --core gpu
   expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
   check_suggestions
@@ -221,8 +221,8 @@ check_timing_errors() {
   expect 2 --chart timing fine.s --chart 4
   expect 2 --trip timing --kernel skin --trip a=4
   expect 2 xenon timing fine.s --core xenon
-  expect 1 'simulate_pbd_4, ' timing --kernel simulat_pbd
-  expect 1 "begins so" timing --kernel ''
+  expect 2 'simulate_pbd_4, ' timing --kernel simulat_pbd
+  expect 2 "begins so" timing --kernel ''
   "$pelt" timing --kernel fit_cubic_4 --chart 7 >out.txt || fail "timing --chart"
   [ "$(sed -n '/^ *cycle  pipe/,$p' out.txt | wc -l)" -eq 8 ] || fail "--chart 7 is not 7 lines: $(cat out.txt)"
   # Cut off in the middle; of other machines; a disassembly; no text at all.
@@ -239,24 +239,28 @@ check_timing_errors() {
 
 check_budget_errors() {
   local budget=(budget --scene tiny --frames 2)
-  expect 1 'gives a game 6' "${budget[@]}" --spus 0
-  expect 1 '7 SPUs; a retail PS3 gives a game at most 6' "${budget[@]}" --spus 7
-  expect 1 'at least 65536 are needed' "${budget[@]}" --local-store-kib 16
-  expect 1 'a Cell has' "${budget[@]}" --local-store-kib 99999999
+  expect 2 'gives a game 6' "${budget[@]}" --spus 0
+  expect 2 '7 SPUs; a retail PS3 gives a game at most 6' "${budget[@]}" --spus 7
+  expect 2 'at least 65536 are needed' "${budget[@]}" --local-store-kib 16
+  expect 2 'a Cell has' "${budget[@]}" --local-store-kib 99999999
   # A scene the console cannot run is a verdict, in its place in the table, not an error of the command.
   "$pelt" "${budget[@]}" --platform ps3 --local-store-kib 64 >out.txt 2>&1
   [ $? -eq 1 ] || fail "a scene that does not fit a local store: not exit 1"
   grep -q "CANNOT RUN: tiny on PS3: pass 0 ('sample_pose'.* too many for 65536" out.txt || fail "no verdict in: $(cat out.txt)"
-  expect 1 'no core' "${budget[@]}" --cores 0
-  expect 1 '99 cores of 2 threads; at most' "${budget[@]}" --cores 99
-  expect 1 'leave the cores some' "${budget[@]}" --gpu-percent 100
+  expect 2 'no core' "${budget[@]}" --cores 0
+  expect 2 '99 cores' "${budget[@]}" --cores 99
+  expect 2 '4 cores; an Xbox 360 has 3' "${budget[@]}" --cores 4
+  expect 2 --cores "${budget[@]}" --cores -1
+  expect 2 'no scene' budget --scene tinny --frames 2
+  expect 2 missing budget --character missing.glb --frames 2
+  expect 2 'leave the cores some' "${budget[@]}" --gpu-percent 100
   expect 2 --gpu-percent "${budget[@]}" --gpu-percent 101
   expect 2 --target-ms "${budget[@]}" --target-ms 0
   expect 2 --target-ms "${budget[@]}" --target-ms nan
   expect 2 '{host,ps3,xbox360}' "${budget[@]}" --platform wii
   expect 2 --spuz "${budget[@]}" --spuz 3
   expect 2 '--trace has an effect only with --platform ps3 or xbox360' "${budget[@]}" --platform host --trace x.json
-  expect 1 /nowhere/ "${budget[@]}" --platform ps3 --trace /nowhere/x.json
+  expect 2 /nowhere/ "${budget[@]}" --platform ps3 --trace /nowhere/x.json
   # What does not fit is a verdict: exit code 1, and nothing on standard error.
   "$pelt" "${budget[@]}" --platform ps3,xbox360 --target-ms 0.01 >out.txt 2>err.txt && fail "0.01 ms: exit 0"
   [ -s err.txt ] && fail "a verdict on standard error: $(cat err.txt)"
@@ -306,7 +310,7 @@ check_readme() {
   [ -s shown.txt ] || fail "the README shows no plan"
   diff -u shown.txt real.txt || fail "the README's plan is not what pelt plan prints"
   sed -n '/^row   work/,/^\* is held/p' "$source_dir/platform_sim/README.md" >shown.txt
-  "$pelt" budget --validate >real.txt || fail "budget --validate: a row is missed that is not known to be"
+  "$pelt" budget --validate >validate.txt || fail "budget --validate: a row is missed that is not known to be"
   "$pelt" budget --validate --json >rows.json || fail "budget --validate --json"
   for class in independent derived plausibility parameter; do
     grep -q "\"class\": \"$class\"" rows.json || fail "budget --validate --json has no $class row"
@@ -314,8 +318,13 @@ check_readme() {
   for part in '"class_because": "repeats D3' '"missed_because": ' '"independent": {'; do
     grep -qF "$part" rows.json || fail "budget --validate --json lacks $part"
   done
+  sed -n '/^row   work/,/^\* is held/p' validate.txt >real.txt
   [ -s shown.txt ] || fail "the consoles' README shows no measured rows"
   diff -u shown.txt real.txt || fail "the consoles' README does not show what pelt budget --validate prints"
+  sed -n '/^kernel work/,/^A measurement/p' "$source_dir/platform_sim/README.md" >shown.txt
+  sed -n '/^kernel work/,/^A measurement/p' validate.txt >real.txt
+  [ -s shown.txt ] || fail "the consoles' README shows no measured kernels"
+  diff -u shown.txt real.txt || fail "the consoles' README does not show the measured kernels that pelt prints"
 }
 
 for part in "${parts[@]}"; do
