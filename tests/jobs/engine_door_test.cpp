@@ -175,7 +175,10 @@ TEST(DoorFaults, NeverRun) {
   const DoorFaults faults = FaultsOf(door);
   EXPECT_EQ(faults.never_run, door.given.size());
   EXPECT_NE(faults.Text().find("never called"), std::string::npos) << faults.Text();
-  // Tasks that the engine kept may come at any time: they are not lent again, and do no harm.
+  // Tasks that the engine kept may come at any time: they do no harm, and are not lent again.
+  std::set<void*> contexts;
+  for (const auto& given : door.given) contexts.insert(given.context);
+  EXPECT_EQ(contexts.size(), door.given.size());
 }
 
 TEST(DoorFaults, AKeptTaskThatComesInALaterFrameDoesNoHarm) {
@@ -205,17 +208,20 @@ struct HoldHelpers {
   using Ports = conformance::StirChunk::Ports;
   static constexpr auto kPorts = conformance::StirChunk::kPorts;
   static inline std::thread::id caller;
-  static inline std::atomic<bool> inside{false}, released{false};
+  static inline std::atomic<uint32_t> inside{0};
+  static inline std::atomic<bool> released{false};
   static void Run(const Params&, const Ports&) {
     if (std::this_thread::get_id() == caller) {
       released = true;
     } else {
-      inside = true;
+      ++inside;
       while (!released) std::this_thread::yield();
     }
   }
 };
 
+// Two helpers, so that the second is asked for while the first one's task runs: that task is its
+// own still, or the end of one call would pass for the end of the other.
 TEST(DoorFaults, NullThoughRunningElsewhere) {
   SyntheticFrames frames;
   const Frame frame = frames.frame();
@@ -225,17 +231,26 @@ TEST(DoorFaults, NullThoughRunningElsewhere) {
                      *frame.memory->shape, {}, error);
   ASSERT_TRUE(plan) << error;
   HoldHelpers::caller = std::this_thread::get_id();
-  std::thread helper;
+  HoldHelpers::inside = 0;
+  HoldHelpers::released = false;
+  struct Door {
+    std::deque<std::thread> threads;
+    std::set<void*> contexts;
+  } self;
   const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
-    *static_cast<std::thread*>(user) = std::thread(task, context);
-    while (!HoldHelpers::inside) std::this_thread::yield();
+    auto& door = *static_cast<Door*>(user);
+    door.contexts.insert(context);
+    door.threads.emplace_back(task, context);
+    while (HoldHelpers::inside < door.threads.size()) std::this_thread::yield();
     return nullptr;
   };
-  DoorExecutor executor({enqueue, [](void*, void*) {}, &helper, 2});
+  DoorExecutor executor({enqueue, [](void*, void*) {}, &self, 3});
   executor.Run({&*plan, frame.memory});
-  helper.join();
-  EXPECT_EQ(executor.faults().null_but_running, 1u);
-  EXPECT_EQ(executor.faults().null_but_not_run, 0u);
+  for (std::thread& thread : self.threads) thread.join();
+  EXPECT_EQ(self.threads.size(), 2u);
+  EXPECT_EQ(self.contexts.size(), 2u) << "a task that runs was lent again";
+  EXPECT_EQ(executor.faults().null_but_running, 2u);
+  EXPECT_EQ(executor.faults().null_but_not_run + executor.faults().started_twice, 0u);
 }
 
 // Threads that cannot have come to their end when finish returns: they start when the frame is
