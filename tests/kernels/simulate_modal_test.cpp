@@ -109,14 +109,20 @@ void ExpectSameOnEverySet() {
 TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
 TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
 
-TEST(SimulateModal, StillSceneReachesAFixedPoint) {
+std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0) {
   auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 5.0, 0.05, 6.0));
+  s->layer.flags |= layer_flags;
   s->params.rest_threshold = kRestThreshold;
   int frames = 0;
   do {
     s->Step(kDt);
   } while (s->state.state_changed && ++frames < 1200);
   EXPECT_LT(frames, 600);
+  return s;
+}
+
+TEST(SimulateModal, StillSceneReachesAFixedPoint) {
+  auto s = RestingScene();
   const auto chain = s->chain;
   const auto position = s->position;
   s->Step(kDt);
@@ -132,6 +138,65 @@ TEST(SimulateModal, StillSceneReachesAFixedPoint) {
   s->HoldRoots();
   s->Step(kDt);
   EXPECT_EQ(s->state.state_changed, 1u);
+}
+
+// Of the lane groups some change whole, some in part, some not at all.
+bool IsTouched(uint32_t lane) { return lane < 32 ? lane % 3 == 0 : lane < 64; }
+
+// Same bits in a lane of every row of a block of such rows.
+template <uint32_t kRow, class Block>
+bool SameLane(const Block& a, const Block& b, uint32_t lane) {
+  for (size_t at = lane; at < sizeof a / sizeof(float); at += kRow)
+    if (std::memcmp(reinterpret_cast<const float*>(&a) + at,
+                    reinterpret_cast<const float*>(&b) + at, sizeof(float)) != 0)
+      return false;
+  return true;
+}
+
+// Steps a scene at rest in which `change` was done to the touched lanes. It was so small that no
+// link turned by what counts as motion; still none of them may keep what it knew of the last frame,
+// or it would answer to all that was kept from it at once when it wakes. The others keep every bit.
+template <class Change>
+void ExpectOnlyTheTouchedWake(ModalScene<4>& s, Change change) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    if (IsTouched(lane)) change(lane);
+  const auto before = s.chain;
+  const auto position = s.position;
+  s.Step(kDt);
+  EXPECT_EQ(s.state.state_changed, 1u);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    SCOPED_TRACE(lane);
+    for (uint32_t i = 0; i < 3; ++i) {
+      const auto turn = [&](int k) {
+        return double(s.chain.direction[i][k][lane]) - before.direction[i][k][lane];
+      };
+      ASSERT_LT(Norm({turn(0), turn(1), turn(2)}), modal::kStillTurn)
+          << "the change is not small enough to show anything";
+    }
+    EXPECT_GT(before.quiet_s[lane], 0.0f);
+    if (IsTouched(lane)) {
+      EXPECT_EQ(s.chain.quiet_s[lane], 0.0f);
+    } else {
+      EXPECT_TRUE(SameLane<kModalRow>(s.chain, before, lane));
+      EXPECT_TRUE(SameLane<kStrandsPerChunk>(s.position, position, lane));
+    }
+  }
+}
+
+TEST(SimulateModal, TheLeastChangeOfWindWakes) {
+  auto s = RestingScene(kLayerWind);
+  ExpectOnlyTheTouchedWake(*s, [&](uint32_t lane) { s->wind.acceleration[2][lane] = 1.0e-5f; });
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    EXPECT_EQ(s->chain.wind[2][lane], s->wind.acceleration[2][lane]) << lane;
+}
+
+// The root stays where it is and turns its frame about the normal, by less than a link may turn.
+TEST(SimulateModal, TheLeastChangeOfTheRestDirectionWakes) {
+  constexpr float kTurn = 2.0e-7f;
+  auto s = RestingScene();
+  ExpectOnlyTheTouchedWake(*s, [&](uint32_t lane) { s->roots.tangent[1][lane] = kTurn; });
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    EXPECT_EQ(s->chain.bend[0][1][lane] != 0.0f, IsTouched(lane)) << lane;
 }
 
 TEST(SimulateModal, RestartNewLanesAndNoStrengthLieOnTheGroom) {
