@@ -46,8 +46,7 @@ Character ImportGltfFile(const std::string& path) {
   const auto bytes = TryReadWhole(path, 0xffffffffull, reason);
   if (!bytes) throw Error(path + ": " + reason);
   const std::filesystem::path file(path);
-  std::string folder = file.parent_path().string();
-  if (folder.empty()) folder = ".";
+  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   return ImportDocument(gltf::ParseDocument(*bytes, path, folder), file.stem().string());
 }
 
