@@ -108,7 +108,8 @@ std::string InstructionText(const ScheduledWindow& window, uint32_t index,
   for (const auto& registers : {std::vector<uint32_t>(it.writes.begin(), it.writes.end()),
                                 std::vector<uint32_t>(it.reads.begin(), it.reads.end())})
     for (const uint32_t reg : registers) {
-      out += before + RegisterName(set, reg);
+      out += before;
+      out += RegisterName(set, reg);
       before = ",";
     }
   if (it.address.size_bytes)
