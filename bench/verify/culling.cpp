@@ -5,13 +5,15 @@
 // skips nothing. Where one of a layer's strands is in view there, point by point (view_test.hpp),
 // the layer must not be culled. One that has been in view from the first frame must have the second
 // scene's bits; one that returns, those of a scene that begins in that frame, because it starts
-// from its groom. What is out of view is not drawn.
+// from its groom. What is out of view is not drawn. At last cameras stand so that of each layer the
+// outermost tip alone is in view, from six sides: the box has to hold the fur, not only the skin.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bench/verify/checks.hpp"
@@ -77,6 +79,7 @@ class CullingCheck {
     stayed_ = NewResult("layers that stay in view");
     returned_ = NewResult("layers that return");
     drawn_ = NewResult("what is out of view is not drawn");
+    tips_ = NewResult("no layer is culled whose tips alone are in view");
   }
 
   void Run(VerifyReport& report) {
@@ -93,9 +96,10 @@ class CullingCheck {
       JudgeFrame(f, ViewTest(camera));
       std::erase_if(fresh_, [&](const Fresh& x) { return f + 1 >= x.from + kFramesAfterReturn; });
     }
+    JudgeTips();
     if (returned_.seen == 0)
       returned_.LeaveOut("no layer left the view and came back on this course");
-    for (CheckResult* result : {&in_view_, &stayed_, &returned_, &drawn_})
+    for (CheckResult* result : {&in_view_, &stayed_, &returned_, &drawn_, &tips_})
       report.checks.push_back(*result);
     for (const ExecutorKind kind :
          {ExecutorKind::kTbb, ExecutorKind::kPermuted, ExecutorKind::kLocalStore})
@@ -129,6 +133,15 @@ class CullingCheck {
       result.Fail({FindingKind::kCull, std::string(stage), std::string(stream), std::move(text)});
   }
 
+  // What each chunk of the layer does in the frame just run.
+  static std::vector<uint32_t> FlagsOf(const FurScene& scene, uint32_t layer) {
+    const std::vector<uint32_t>& first = scene.shape().layer_first_chunk;
+    std::vector<uint32_t> flags;
+    for (uint32_t c = first[layer]; c < first[layer + 1]; ++c)
+      flags.push_back(scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags);
+    return flags;
+  }
+
   // A scene that begins in this frame, if some layer returns in it.
   void StartFresh(uint32_t frame) {
     bool any = false;
@@ -151,7 +164,7 @@ class CullingCheck {
       const auto point = FindPointInView(l, view);
       in_view_.seen += point.has_value();
       if (since_[l] == kHidden) {
-        if (point) FailInView(frame, l, *point);
+        if (point) FailInView(in_view_, frame, l, *point);
         JudgeHidden(frame, l);
       } else if (since_[l] == 0) {
         ++stayed_.seen;
@@ -173,11 +186,12 @@ class CullingCheck {
   };
   static constexpr uint32_t kRoot = 0;
 
-  // Of the scene that culls nothing: a point in view that is no farther from its root than the
-  // layer's box is promised to hold.
-  std::optional<Point> FindPointInView(uint32_t layer, const ViewTest& view) {
+  // Of the scene that culls nothing: each point that is no farther from its root than the layer's
+  // box is promised to hold, until `visit` returns true.
+  template <class Visit>
+  void ForEachPoint(uint32_t layer, Visit visit) {
     const FurScene& scene = seen_.scene();
-    if (!IsVisible(scene, layer)) return std::nullopt;  // switched off, or without strands
+    if (!IsVisible(scene, layer)) return;  // switched off, or without strands
     const SceneShape& shape = scene.shape();
     const float reach = scene.memory().As<LayerBlock>(Stream::kLayers, layer)->length_max;
     const bool five = shape.layer_kind[layer] & kLayerFivePoints;
@@ -197,14 +211,71 @@ class CullingCheck {
                                         : four_points->position[p - 1][axis][s];
             away2 += (double(point.at[axis]) - root) * (double(point.at[axis]) - root);
           }
-          if (away2 < double(reach) * reach && view.IsClearlyInside(point.at)) return point;
+          if (away2 < double(reach) * reach && visit(point)) return;
         }
     }
-    return std::nullopt;
   }
 
-  void FailInView(uint32_t frame, uint32_t layer, const Point& p) {
-    FailOnce(in_view_, "select_lod", "lod",
+  std::optional<Point> FindPointInView(uint32_t layer, const ViewTest& view) {
+    std::optional<Point> found;
+    ForEachPoint(layer, [&](const Point& point) {
+      if (view.IsClearlyInside(point.at)) found = point;
+      return found.has_value();
+    });
+    return found;
+  }
+
+  // A camera before the layer's outermost point, looking at the layer, that sees no farther.
+  static void AimAtTip(const Point& tip, int axis, float inwards, float reach, Camera& camera) {
+    for (int i = 0; i < 3; ++i) {
+      camera.target[i] = tip.at[i];
+      camera.position[i] = tip.at[i] - (i == axis ? inwards * reach : 0.0f);
+      camera.up[i] = i == (axis + 1) % 3 ? 1.0f : 0.0f;
+    }
+    camera.vertical_fov_rad = 0.3f;
+    camera.near_m = 0.5f * reach;
+    camera.far_m = 1.001f * reach;
+  }
+
+  // All of one frame of the pose: the boxes depend on nothing else. In the rest pose no joint's box
+  // is turned, so that those of the skin alone are as small as they can be.
+  void JudgeTips() {
+    const std::vector<Actor> actors = scenario_.actors;
+    for (Actor& actor : scenario_.actors) actor.clip = -1;
+    seen_.RunFrame(kFrames);
+    for (uint32_t l = 0; l < since_.size(); ++l) {
+      Point outermost[3][2] = {};
+      bool any = false;
+      ForEachPoint(l, [&](const Point& point) {
+        for (int axis = 0; axis < 3; ++axis) {
+          auto& [low, high] = outermost[axis];
+          if (!any || point.at[axis] < low.at[axis]) low = point;
+          if (!any || point.at[axis] > high.at[axis]) high = point;
+        }
+        any = true;
+        return false;
+      });
+      const float reach = seen_.scene().memory().As<LayerBlock>(Stream::kLayers, l)->length_max;
+      for (int side = 0; any && side < 6; ++side)
+        JudgeTip(l, outermost[side / 2][side % 2], side / 2, side % 2 ? -1.0f : 1.0f, reach);
+    }
+    scenario_.actors = actors;
+    if (tips_.seen == 0) tips_.LeaveOut("no layer has a strand");
+  }
+
+  void JudgeTip(uint32_t layer, const Point& tip, int axis, float inwards, float reach) {
+    Camera camera;
+    culled_.RunFrame(kFrames, [&](FrameInput& input, FurScene&) {
+      AimAtTip(tip, axis, inwards, reach, input.camera);
+      camera = input.camera;
+    });
+    if (!ViewTest(camera).IsClearlyInside(tip.at)) return;
+    ++tips_.seen;
+    if (!IsVisible(culled_.scene(), layer)) FailInView(tips_, kFrames, layer, tip);
+  }
+
+  void FailInView(CheckResult& result, uint32_t frame, uint32_t layer, const Point& p) {
+    FailOnce(result, "select_lod", "lod",
              fmt::format("frame {}: {} is culled, and point {} of strand {} of its chunk {} stands "
                          "in view at ({:.4g}, {:.4g}, {:.4g})",
                          frame, NameLayer(layer), p.number, p.strand,
@@ -231,6 +302,12 @@ class CullingCheck {
     for (Fresh& fresh : fresh_) {
       if (fresh.from != since_[layer]) continue;
       ++returned_.seen;
+      if (frame == fresh.from &&
+          FlagsOf(culled_.scene(), layer) != FlagsOf(fresh.run->scene(), layer))
+        FailOnce(returned_, "activate", "chunk_state",
+                 fmt::format("frame {}: {} came back into view, and does not start as in a first "
+                             "frame",
+                             frame, NameLayer(layer)));
       if (DigestLayer(culled_.scene(), layer) != DigestLayer(fresh.run->scene(), layer))
         FailOnce(returned_, "", "",
                  fmt::format("frame {}: {} came back into view in frame {}, and is not what it is "
@@ -279,13 +356,42 @@ class CullingCheck {
   CaseRun culled_, seen_;
   std::vector<uint32_t> since_;  // by layer: in view from this frame on, or kHidden
   std::vector<Fresh> fresh_;
-  CheckResult in_view_, stayed_, returned_, drawn_;
+  CheckResult in_view_, stayed_, returned_, drawn_, tips_;
 };
+
+// Nothing moves but the camera: away, and back to where it was. What returns has the keys it had,
+// and must say all the same that they are new: its order may be from any time.
+CheckResult CheckSamePicture(Scenario& scenario, const VerifyOptions& options) {
+  CheckResult result;
+  result.section = "culling";
+  result.name = "layers that return to the same picture";
+  const uint32_t rest_before = std::exchange(scenario.rest_from_frame, 0);
+  CaseRun run(scenario, {.isa = BestIsa()}, {}, options.tamper);
+  for (uint32_t f = 0; f < 3; ++f)
+    run.RunFrame(f, [&](FrameInput& input, FurScene&) {
+      Camera& c = input.camera;
+      for (int i = 0; f == 1 && i < 3; ++i) c.target[i] = 2.0f * c.position[i] - c.target[i];
+    });
+  scenario.rest_from_frame = rest_before;
+  for (uint32_t c = 0; c < run.scene().shape().chunk_count; ++c) {
+    const auto& state = *run.scene().memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+    if (!(state.flags & kChunkRestart)) continue;
+    ++result.seen;
+    if (!state.keys_changed && result.passed)
+      result.Fail({FindingKind::kCull, "sort_key", "chunk_state",
+                   fmt::format("chunk {} came back into view and did not report its keys as "
+                               "changed, so that it would not be sorted",
+                               c)});
+  }
+  if (result.seen == 0) result.LeaveOut("no layer left the view and came back");
+  return result;
+}
 
 }  // namespace
 
 void CheckCulling(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
   CullingCheck(scenario, options).Run(report);
+  report.checks.push_back(CheckSamePicture(scenario, options));
 }
 
 }  // namespace pelt

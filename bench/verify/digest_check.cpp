@@ -3,7 +3,8 @@
 // All else that a verification says rests on digests, so they are held against the frame itself:
 // what the plan's stages leave behind must be of a stream that is digested; what a stream's rows do
 // not cover must hold nothing; and one flipped bit in any stream, item, row or live lane must
-// change the stream's digest, the frame's, and a column of the digest log.
+// change the stream's digest, the frame's, and a column of the digest log. So must two values that
+// change places: lanes, rows, items.
 //
 // What counts as live is counted here from what the chunks booked, not asked of the scene.
 #include <fmt/format.h>
@@ -101,10 +102,7 @@ class DigestCheck {
     const StreamDesc& desc = DescribeStream(stream);
     std::vector<bool> covered(desc.block_bytes, false);
     for (const RowDesc& row : desc.rows) {
-      const uint32_t element = row.type == ElementType::kU8    ? 1
-                               : row.type == ElementType::kU16 ? 2
-                                                               : 4;
-      const size_t end = row.offset_bytes + size_t(row.element_count) * element;
+      const size_t end = row.offset_bytes + size_t(row.element_count) * BytesOf(row);
       std::fill(covered.begin() + row.offset_bytes,
                 covered.begin() + ptrdiff_t(std::min(end, covered.size())), true);
     }
@@ -157,6 +155,8 @@ class DigestCheck {
       const uint32_t one = random_.Below(uint32_t(desc.rows.size()));
       for (uint32_t r = 0; r < desc.rows.size() && result.passed; ++r)
         if (all_rows || r == one) FlipRow(stream, items[n], desc.rows[r], live, result);
+      if (live != 0 && all_rows && result.passed)
+        SwapElements(stream, items[n], items[(n + step) % items.size()], live, result);
     }
     if (result.passed && result.seen == 0)
       result.LeaveOut("no live lane in the last frame of this course");
@@ -176,7 +176,7 @@ class DigestCheck {
     const Element elements[] = {
         {0, components - 1}, {lanes - 1, 0}, {random_.Below(lanes), random_.Below(components)}};
     for (const Element& e : elements) {
-      std::byte* at = AddressOf(stream, item, row, e);
+      std::byte* at = AddressOf(stream, item, row, e) + random_.Below(BytesOf(row));
       const auto bit = std::byte(1u << random_.Below(8));
       *at ^= bit;
       ++result.seen;
@@ -189,14 +189,44 @@ class DigestCheck {
     }
   }
 
-  // One of the element's bytes.
-  std::byte* AddressOf(Stream stream, uint32_t item, const RowDesc& row, const Element& e) {
-    const uint32_t bytes = row.type == ElementType::kU8 ? 1 : row.type == ElementType::kU16 ? 2 : 4;
+  // The first value of each row with the last one, with the next row's and with another item's.
+  void SwapElements(Stream stream, uint32_t item, uint32_t other, uint32_t live,
+                    CheckResult& result) {
+    const StreamDesc& desc = DescribeStream(stream);
+    const bool all = desc.lanes == Lanes::kAll;
+    for (size_t r = 0; r < desc.rows.size(); ++r) {
+      const RowDesc& row = desc.rows[r];
+      const uint32_t lanes = all ? row.lane_count : std::min(row.lane_count, live);
+      const uint32_t components = row.element_count / row.lane_count;
+      std::byte* first = AddressOf(stream, item, row, {0, 0});
+      const auto swap = [&](std::byte* with, std::string_view what) {
+        if (std::equal(first, first + BytesOf(row), with)) return;
+        std::swap_ranges(first, first + BytesOf(row), with);
+        ++result.seen;
+        if (DigestOf(stream) == before_)
+          Fail(result, stream,
+               fmt::format("the first value of item {}, row {}, and that of {} change places, and "
+                           "its digest stays as it was",
+                           item, row.name, what));
+        std::swap_ranges(first, first + BytesOf(row), with);
+      };
+      swap(AddressOf(stream, item, row, {lanes - 1, components - 1}), "the last lane");
+      if (r + 1 < desc.rows.size() && BytesOf(desc.rows[r + 1]) == BytesOf(row))
+        swap(AddressOf(stream, item, desc.rows[r + 1], {0, 0}), "the next row");
+      if (all || CountLive(stream, other) != 0)
+        swap(AddressOf(stream, other, row, {0, 0}), "another item");
+    }
+  }
+
+  static uint32_t BytesOf(const RowDesc& row) {
+    return row.type == ElementType::kU8 ? 1 : row.type == ElementType::kU16 ? 2 : 4;
+  }
+  std::byte* AddressOf(Stream stream, uint32_t item, const RowDesc& row, const Element& e) const {
     const uint32_t components = row.element_count / row.lane_count;
     const uint32_t index =
         row.lane_major ? e.lane * components + e.component : e.component * row.lane_count + e.lane;
-    return run_.scene().memory().Block(stream, item) + row.offset_bytes + size_t(index) * bytes +
-           random_.Below(bytes);
+    return run_.scene().memory().Block(stream, item) + row.offset_bytes +
+           size_t(index) * BytesOf(row);
   }
 
   // The frame's digest and the log's columns, once a stream: each is as long as all of it.

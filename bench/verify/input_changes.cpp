@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <type_traits>
+#include <utility>
 
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
@@ -125,9 +127,10 @@ std::string NameOfPoseWord(size_t offset_bytes) {
   return fmt::format("byte {}", offset_bytes);
 }
 
-void AddPoseWord(uint32_t character, size_t offset, std::vector<InputChange>& changes) {
+void AddPoseWord(uint32_t character, size_t offset, InputChange::Type type,
+                 std::vector<InputChange>& changes) {
   changes.push_back({fmt::format("pose of character {}, {}", character, NameOfPoseWord(offset)),
-                     InputChange::Part::kPose, InputChange::Type::kFloat,
+                     InputChange::Part::kPose, type,
                      [character, offset](FrameInput&, FurScene& scene, Amount amount) {
                        auto* at = reinterpret_cast<std::byte*>(&scene.Pose(character)) + offset;
                        float value;
@@ -140,23 +143,87 @@ void AddPoseWord(uint32_t character, size_t offset, std::vector<InputChange>& ch
 void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
   const SceneShape& shape = scene.shape();
   uint32_t row = 0;
+  size_t first_joint_row = 0;
+  std::set<std::pair<uint32_t, uint32_t>> moved;  // character, joint
   const uint32_t joints = scene.memory().As<PoseBlock>(Stream::kPose, 0)->joint_count;
   input_log::ForEachPoseRow(joints, [&](size_t offset, uint32_t lanes) {
     const uint32_t turn = row++;
     if (lanes != joints)  // not one a joint: the placement
       for (uint32_t lane = 0; lane < lanes; ++lane)
-        AddPoseWord(lane % shape.character_count, offset + 4 * lane, changes);
+        AddPoseWord(lane % shape.character_count, offset + 4 * lane, InputChange::Type::kFloat,
+                    changes);
     if (lanes != joints) return;
+    if (moved.empty()) first_joint_row = offset;
     const uint32_t layer = turn % shape.layer_count;
     const auto& moved_by = *scene.memory().As<LayerJointBlock>(Stream::kLayerJoints, layer);
     if (moved_by.count == 0) return;
-    AddPoseWord(shape.layer_character[layer],
-                offset + 4 * moved_by.joint[turn / shape.layer_count % moved_by.count], changes);
+    const uint32_t joint = moved_by.joint[turn / shape.layer_count % moved_by.count];
+    moved.insert({shape.layer_character[layer], joint});
+    AddPoseWord(shape.layer_character[layer], offset + 4 * joint, InputChange::Type::kFloat,
+                changes);
   });
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    const auto& moved_by = *scene.memory().As<LayerJointBlock>(Stream::kLayerJoints, l);
+    for (uint32_t j = 0; j < moved_by.count; ++j)
+      if (moved.insert({shape.layer_character[l], moved_by.joint[j]}).second)
+        AddPoseWord(shape.layer_character[l], first_joint_row + 4 * moved_by.joint[j],
+                    InputChange::Type::kOneWay, changes);
+  }
   for (uint32_t c = 0; c < std::min(shape.character_count, 2u); ++c)
     changes.push_back({fmt::format("character {} teleported", c), InputChange::Part::kPose,
                        InputChange::Type::kOneWay,
                        [c](FrameInput&, FurScene& s, Amount) { s.Pose(c).teleported = 1; }});
+}
+
+// A sphere more, around one that stands there already and a quarter larger; the last one gone.
+void AddSpheres(const FrameInput& input, std::vector<InputChange>& changes) {
+  for (uint32_t s = 0; s < input.sphere_count && input.sphere_count < kSpheresPerScene; ++s)
+    changes.push_back({fmt::format("a sphere more, around sphere {}", s), InputChange::Part::kFrame,
+                       InputChange::Type::kOneWay, [s](FrameInput& in, FurScene&, Amount) {
+                         std::copy_n(in.sphere[s], 4, in.sphere[in.sphere_count]);
+                         in.sphere[in.sphere_count++][3] *= 1.25f;
+                       }});
+  if (input.sphere_count > 0)
+    changes.push_back({"a sphere less", InputChange::Part::kFrame, InputChange::Type::kOneWay,
+                       [](FrameInput& in, FurScene&, Amount) { --in.sphere_count; }});
+}
+
+// Wind has a chunk awake because it blows, not because it changed. One too weak to move a bit lets
+// every step give back its state, as in a long constant wind: only then is that rule looked at.
+void AddWind(std::vector<InputChange>& changes) {
+  constexpr float kTooWeak = 1.0e-20f, kStrong = 5.0f;  // m/s
+  const auto blow = [](FrameInput& in, float speed) {
+    in.wind = {};
+    in.wind.velocity[0] = speed;
+  };
+  changes.push_back({"wind that blew already", InputChange::Part::kFrame,
+                     InputChange::Type::kOneWay,
+                     [blow](FrameInput& in, FurScene&, Amount) { blow(in, kStrong); },
+                     [blow](FrameInput& in) { blow(in, kTooWeak); }});
+}
+
+// The camera looks along an axis and moves across it: no strand's depth changes, so no sort key
+// does, and what faces the camera does all the same. So little that none turns its back.
+void AddEye(std::vector<InputChange>& changes) {
+  const auto along_z = [](FrameInput& in) {
+    Camera& c = in.camera;
+    const float distance = std::hypot(c.position[0] - c.target[0], c.position[1] - c.target[1],
+                                      c.position[2] - c.target[2]);
+    for (int i = 0; i < 3; ++i) {
+      c.position[i] = c.target[i] + (i == 2 ? distance : 0.0f);
+      c.up[i] = i == 1 ? 1.0f : 0.0f;
+    }
+  };
+  for (const int axis : {0, 1})
+    changes.push_back({fmt::format("eye and target[{}]", axis), InputChange::Part::kFrame,
+                       InputChange::Type::kOneWay,
+                       [axis](FrameInput& in, FurScene&, Amount) {
+                         Camera& c = in.camera;
+                         const float across = 1.0e-5f * (c.position[2] - c.target[2]);
+                         c.position[axis] += across;
+                         c.target[axis] = c.position[axis];
+                       },
+                       along_z});
 }
 
 }  // namespace
@@ -172,6 +239,9 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   AddFrameInputs(input, changes);
   changes.push_back({"dt_s 0: a pause", InputChange::Part::kFrame, InputChange::Type::kOneWay,
                      [](FrameInput& in, FurScene&, Amount) { in.dt_s = 0.0; }});
+  AddSpheres(input, changes);
+  AddWind(changes);
+  AddEye(changes);
   AddPoses(scene, changes);
   return changes;
 }

@@ -29,11 +29,15 @@ struct InputChange {
   enum class Type : uint8_t { kFloat, kDouble, kWhole, kOneWay } type = Type::kFloat;
   // Changes the input before the frame begins; poses lie in the scene.
   std::function<void(FrameInput&, FurScene&, Amount)> apply;
+  // What the frames around it are told, from a few before it on; empty: the course's input.
+  std::function<void(FrameInput&)> around = {};
 };
 
 // For inputs like `input` in a scene like `scene`. Of the pose, every row with one of the joints
-// that move hair, characters and joints taking turns. Left out are the switches that change the
-// picture (culling, LOD) and what counts things (joints).
+// that move hair, characters and joints taking turns, and every such joint at least once. Besides
+// single numbers: spheres that come and go, wind that grows from next to none, an eye that moves
+// where no depth changes. Left out are the switches that change the picture (culling, LOD) and the
+// number of joints.
 std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScene& scene);
 
 }  // namespace pelt

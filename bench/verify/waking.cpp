@@ -21,6 +21,7 @@ namespace pelt {
 namespace {
 
 constexpr uint32_t kFramesEach = 4, kFramesChanged = 2;
+constexpr uint32_t kFramesAhead = 4;  // where what is around a change differs too
 
 uint32_t CountChunks(const FurScene& scene, bool asleep) {
   uint32_t count = 0;
@@ -161,9 +162,14 @@ class WakingCheck {
     }
   }
 
+  static uint32_t AheadOf(const InputChange& change) { return change.around ? kFramesAhead : 0; }
+
+  // Frame k of those ahead of the change and the ones from it on.
   bool Step(CaseRun& run, uint32_t k, const InputChange& change, Amount amount, bool apply) {
+    const uint32_t from = AheadOf(change);
     const auto changed = [&](FrameInput& input, FurScene& scene) {
-      if (k < kFramesChanged && apply) change.apply(input, scene, amount);
+      if (change.around) change.around(input);
+      if (k >= from && k < from + kFramesChanged && apply) change.apply(input, scene, amount);
     };
     return run.TryRunFrame(first_frame_ + k, changed);
   }
@@ -173,7 +179,7 @@ class WakingCheck {
     const bool apply = change.part != InputChange::Part::kSkip;  // it keeps all of them off
     reference_.scene().CopyStateFrom(awake_.scene());
     course.clear();
-    for (uint32_t k = 0; k < kFramesEach; ++k) {
+    for (uint32_t k = 0; k < AheadOf(change) + kFramesEach; ++k) {
       if (!Step(reference_, k, change, amount, apply)) return false;
       course.push_back(DigestsOf(reference_.scene()));
       if (k == 0 && change.part == InputChange::Part::kPose)
@@ -211,8 +217,10 @@ class WakingCheck {
     if (!accepted) {
       result.LeaveOut("the frame refuses the changed input");
     } else {
+      const uint32_t ahead = AheadOf(change);
       for (uint32_t k = 0; k < kFramesEach; ++k)
-        result.felt |= !SameDigests(course[k], unchanged_[k], {.booking = false});
+        result.felt |= !SameDigests(course[ahead + k], ahead ? course[ahead - 1] : unchanged_[k],
+                                    {.booking = false});
       for (size_t r = 0; r < runs_.size(); ++r)
         if (r == 0 || options_.every_executor || r == 1 + turn_ % (runs_.size() - 1))
           CompareRun(runs_[r], change, amount, course, result);
@@ -225,10 +233,11 @@ class WakingCheck {
                   CheckResult& result) {
     CaseRun& run = *turn.run;
     run.scene().CopyStateFrom(asleep_.scene());
-    const uint32_t awake_before = CountChunks(run.scene(), false);
-    for (uint32_t k = 0; k < kFramesEach; ++k) {
+    uint32_t awake_before = 0;
+    for (uint32_t k = 0; k < AheadOf(change) + kFramesEach; ++k) {
+      if (k == AheadOf(change)) awake_before = CountChunks(run.scene(), false);
       Step(run, k, change, amount, true);
-      if (k == 0) result.seen += CountChunks(run.scene(), false) - awake_before;
+      if (k == AheadOf(change)) result.seen += CountChunks(run.scene(), false) - awake_before;
       if (SameDigests(course[k], DigestsOf(run.scene()), {.booking = false})) continue;
       FailAt(turn, change, amount, k, result);
       return;
@@ -251,8 +260,8 @@ class WakingCheck {
       }
     }
     result.Fail(FindingKind::kSleep, where);
-    result.reason = fmt::format("{}, {} frames after the change: {}", NameCase(turn.what), frames,
-                                result.reason);
+    result.reason = fmt::format("{}, {} frames after the change: {}", NameCase(turn.what),
+                                int(frames) - int(AheadOf(change)), result.reason);
   }
 
   Scenario& scenario_;

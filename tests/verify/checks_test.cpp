@@ -17,6 +17,7 @@
 #include "bench/verify/verified_scene.hpp"
 #include "bench/verify/view_test.hpp"
 #include "core/kernels/activate.hpp"
+#include "core/kernels/collect_changes.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "traces/digest.hpp"
 
@@ -261,6 +262,34 @@ TEST(VerifyAccess, ActivatesStateDeclaredOutIsFound) {
   ExpectReadsOutFound("activate", Stream::kChunkState);
 }
 
+VerifyReport RunAccessAtRest(std::function<void(const VerifyCase&, Plan&)> tamper) {
+  VerifyOptions options = NoCases(6);
+  options.checks = true;
+  options.sections = {"access"};
+  options.tamper = std::move(tamper);
+  return Verify(Tiny(), options);
+}
+
+TEST(VerifyAccess, HealthyScenePassesAtRest) {
+  const VerifyReport report = RunAccessAtRest({});
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+}
+
+// Lanes that do not live, of the last group that is worked on, read vertices that nobody skins.
+void ActivateWithoutTheLastLaneGroup(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  auto& state = *twin.As<ChunkStateBlock>(bindings, Stream::kChunkState);
+  const auto& strands = *twin.As<const StrandBlock>(bindings, Stream::kStrands);
+  if (state.live_strands > 0)
+    state.live_vertices = strands.vertex_prefix[state.live_strands - 1] + 1u;
+}
+
+TEST(VerifyAccess, VerticesOfTheLastLaneGroupLeftOutAreFound) {
+  const VerifyReport report =
+      RunAccessAtRest(Planting("activate", ActivateWithoutTheLastLaneGroup));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "access"), FindingKind::kReadsOut, "whole lane groups"));
+}
+
 // ---- Waking
 // --------------------------------------------------------------------------------------
 
@@ -295,8 +324,14 @@ TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
        {"dt_s, less than a float's ulp", "dt_s, a lot", "gravity[1], one ulp", "sphere 1[0], a lot",
         "sphere 1[3], a lot", "wetness of character 0, one ulp", "wetness of character 1, a lot",
         "wind.velocity[0], a lot", "ground[3], a lot", "use_ground",
-        "pose of character 0, root[0], one ulp", "character 0 teleported"})
+        "pose of character 0, root[0], one ulp", "character 0 teleported",
+        "a sphere more, around sphere 1", "a sphere less"})
     EXPECT_TRUE(woke(name)) << name;
+  // What blows already keeps awake, and what moves the eye wakes no chain.
+  for (const char* name : {"wind that blew already", "eye and target[0]", "eye and target[1]"})
+    EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [&](const CheckResult& c) {
+      return c.name == name && c.compared && c.felt;
+    })) << name;
   EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const CheckResult& c) {
     return c.name.starts_with("sphere ") && c.name.ends_with("one ulp") && c.felt;
   }));
@@ -310,8 +345,8 @@ TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
   const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
   const auto checks = ChecksOf(report, "waking");
   // dt reaches a chunk through its layer too: what hides it alone is below.
-  for (const char* name :
-       {"sphere 1[0], a lot", "sphere 1[3], a lot", "ground[3], a lot", "use_ground"})
+  for (const char* name : {"sphere 1[0], a lot", "sphere 1[3], a lot", "ground[3], a lot",
+                           "use_ground", "a sphere more", "a sphere less"})
     EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, name)) << name;
 }
 
@@ -338,6 +373,48 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "wetness of character 0, a lot"));
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "dt_s, less than a float's ulp"))
       << "of the modal tables alone";
+}
+
+// Wind has nobody awake: only its beginning and its end, which change the layer's flags.
+void ActivateWithoutWind(const void* params, const Binding* bindings) {
+  Binding hiding[kMaxPorts];
+  std::copy_n(bindings, twin.ports.size(), hiding);
+  LayerBlock layer = *twin.As<const LayerBlock>(bindings, Stream::kLayers);
+  layer.flags &= ~uint32_t(kLayerWind);
+  for (size_t p = 0; p < twin.ports.size(); ++p)
+    if (twin.ports[p].stream == Stream::kLayers) hiding[p].block = &layer;
+  twin.run(params, hiding);
+}
+
+TEST(VerifyWaking, WindThatBlewAlreadyAndChangesHiddenFromSleepersIsFound) {
+  const VerifyReport report = RunWaking(Planting("activate", ActivateWithoutWind));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "wind that blew already"));
+}
+
+// Vertices are written again only when a key or a record changed.
+void CollectWithoutTheEye(const void* params, const Binding* bindings) {
+  auto hiding = *static_cast<const CollectChangesParams*>(params);
+  hiding.view_changed = 0;
+  twin.run(&hiding, bindings);
+}
+
+TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
+  const VerifyReport report = RunWaking(Planting("collect_changes", CollectWithoutTheEye));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "eye and target["));
+}
+
+// A joint that moves and does not say so.
+uint32_t still_joint;
+void PaletteWithAStillJoint(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  auto& palette = *twin.As<PaletteBlock>(bindings, Stream::kPalette);
+  palette.moved[still_joint / 32] &= ~(1u << still_joint % 32);
+}
+
+TEST(VerifyWaking, AJointThatNeverMovesIsFound) {
+  still_joint = 7;
+  const VerifyReport report = RunWaking(Planting("joint_palette", PaletteWithAStillJoint));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "joint 7"));
 }
 
 // Joints that moved by less than a millionth did not move.
@@ -417,6 +494,52 @@ TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
       << DescribeReport(report);
 }
 
+// Only the flag that says so: all lanes are new in any case.
+void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->flags &= ~uint32_t(kChunkRestart);
+}
+
+TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
+  const VerifyReport report = RunCulling(Planting("activate", ActivateWithoutTheRestartFlag));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
+      << DescribeReport(report);
+}
+
+// Keys that are those of the last time in view are reported as unchanged.
+void KeysWithoutTheRestart(const void* params, const Binding* bindings) {
+  const SortKeyBlock before = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  twin.run(params, bindings);
+  const auto& keys = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  if (std::memcmp(&before, &keys, sizeof keys) == 0)
+    twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->keys_changed = 0;
+}
+
+TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
+  const VerifyReport report = RunCulling(Planting("sort_key4", KeysWithoutTheRestart));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "the same picture"))
+      << DescribeReport(report);
+}
+
+// The box of the skin, on its low or its high side.
+bool skin_low;
+void BoundOfTheSkin(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  const float margin = twin.As<const LayerBlock>(bindings, Stream::kLayers)->length_max;
+  auto& bounds = *twin.As<BoundsBlock>(bindings, Stream::kBounds);
+  for (int axis = 0; axis < 3; ++axis)
+    (skin_low ? bounds.low : bounds.high)[axis] += skin_low ? margin : -margin;
+}
+
+TEST(VerifyCulling, ABoxWithoutTheFursLengthIsFound) {
+  for (const bool low : {true, false}) {
+    skin_low = low;
+    const VerifyReport report = RunCulling(Planting("bound_layer", BoundOfTheSkin));
+    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "tips"))
+        << DescribeReport(report);
+  }
+}
+
 TEST(ViewTest, SeesWhatStandsBeforeTheCamera) {
   Camera camera;  // at (0, 1, 3), towards (0, 1, 0)
   camera.near_m = 0.5f;
@@ -482,6 +605,32 @@ TEST(VerifyDigests, AnItemOrALaneLeftOutIsFound) {
     EXPECT_TRUE(AnyFailed(ChecksOf(report, "digest"), FindingKind::kDigest, "stream roots"))
         << (lane ? "lane" : "item");
   }
+}
+
+// A sum of its words: what a digest must not be.
+TEST(VerifyDigests, ADigestThatDoesNotKnowOrderIsFound) {
+  const VerifyReport report = RunDigests([](const FurScene& scene, Stream stream) {
+    const StreamDesc& desc = DescribeStream(stream);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < scene.shape().ItemCount(desc.domain); ++i) {
+      const std::byte* block = scene.memory().Block(stream, i);
+      if (!block) continue;
+      const uint32_t live = scene.LiveLanes(stream, desc.domain == Domain::kChunk ? i : 0);
+      for (const RowDesc& row : desc.rows)
+        for (uint32_t e = 0; e < row.element_count; ++e) {
+          const uint32_t lane =
+              row.lane_major ? e / (row.element_count / row.lane_count) : e % row.lane_count;
+          if (desc.lanes != Lanes::kAll && lane >= live) continue;
+          Digest word;
+          word.Add(RowElement(block, row, e));
+          sum += word.Value();
+        }
+    }
+    return sum;
+  });
+  const auto checks = ChecksOf(report, "digest");
+  for (const char* stream : {"stream roots", "stream curves", "stream sort_keys"})
+    EXPECT_TRUE(AnyFailed(checks, FindingKind::kDigest, stream)) << stream;
 }
 
 // ---- Floats
