@@ -52,8 +52,9 @@ struct LayerParams {
   bool backface_cull = true;
   float backface_tolerance = 0.2f;
   float wind_response = 1.0f;  // 1/s
-  // How wetness and dirt (0..1, at run time) act on the layer. Soaked: the factor on the weight, the
-  // share of the way from `clump` to 1, and the shares of hardness and brightness that are left.
+  // How wetness and dirt (0..1, at run time) act on the layer. Soaked: the factor on the weight,
+  // the share of the way from `clump` to 1, and the shares of hardness and brightness that are
+  // left.
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
 };

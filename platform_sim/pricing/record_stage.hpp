@@ -22,8 +22,8 @@ bool TryRecordStage(const Frame& frame, uint32_t stage, uint32_t item, Recorder&
 
 // Runs the whole frame so: `record(pass, stage, item)` is called, in the order of a serial run, for
 // every stage that wants to run on an item, and must run it (TryRecordStage). False stops. A frame
-// that was begun is run by this; one that was run before may be recorded again, for other prices: it
-// then steps once more, and its scene is good for nothing else.
+// that was begun is run by this; one that was run before may be recorded again, for other prices:
+// it then steps once more, and its scene is good for nothing else.
 template <class RecordItem>
 bool RecordFrame(const Frame& frame, RecordItem record) {
   struct EndRun {

@@ -250,8 +250,8 @@ length = { randomise = 0.1 }
   EXPECT_EQ(setup.layers[2].length.value, 0.03f) << "the built-in value";
 }
 
-// What the text says of each is what FillLayerBlock does with it (tests/kernels/layer_block_test.cpp
-// holds the numbers).
+// What the text says of each is what FillLayerBlock does with it
+// (tests/kernels/layer_block_test.cpp holds the numbers).
 TEST_F(FurSetupTest, WetKeysSayWhatIsLeft) {
   std::istringstream lines(DescribeSetupKeys());
   const std::pair<const char*, const char*> wanted[] = {
