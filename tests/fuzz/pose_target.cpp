@@ -14,6 +14,7 @@
 #include "jobs/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/jobs/non_finite.hpp"
+#include "tests/source_folder.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
 
@@ -60,7 +61,7 @@ void RunFrame(FurScene& scene, const FrameInput& input) {
 
 void ReadHostile(std::span<const std::byte> bytes) {
   static const Groom kGroom =
-      ReadGroomFile(PELT_SOURCE_DIR "/tests/fuzz/corpus/groom/strand_chains.groom");
+      ReadGroomFile(test::SourceFolder() + "/tests/fuzz/corpus/groom/strand_chains.groom");
   static const Groom* const kGrooms[] = {&kGroom};
   static const SceneLayout kLayout = MeasureScene(kGrooms, {});
   SceneBlock block(kLayout.total_bytes);
