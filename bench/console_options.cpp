@@ -94,7 +94,6 @@ Subcommand SetUpTiming(CLI::App& root) {
       "  pelt timing add.s\n"
       "  pelt timing add.s --trip loop=256 --hinted\n"
       "  pelt timing add.s --pair-by-order --json\n"
-      "  pelt timing --core ppe a.s --second-thread b.s\n"
       "  pelt timing --kernel simulate_pbd\n"
       "  pelt timing --kernel sort --scene monster --core xenon\n"
       "  pelt timing --kernel fit_cubic_4 --chart 40");

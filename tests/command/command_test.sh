@@ -251,8 +251,8 @@ check_budget_errors() {
   expect 2 '99 cores' "${budget[@]}" --cores 99
   expect 2 '4 cores; an Xbox 360 has 3' "${budget[@]}" --cores 4
   expect 2 --cores "${budget[@]}" --cores -1
-  expect 2 'no scene' budget --scene tinny --frames 2
-  expect 2 missing budget --character missing.glb --frames 2
+  expect 2 tinny budget --scene tinny --frames 2
+  expect 2 missing.glb budget --character missing.glb --setup tiny --frames 2
   expect 2 'leave the cores some' "${budget[@]}" --gpu-percent 100
   expect 2 --gpu-percent "${budget[@]}" --gpu-percent 101
   expect 2 --target-ms "${budget[@]}" --target-ms 0
