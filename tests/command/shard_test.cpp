@@ -288,7 +288,7 @@ TEST(MergeShards, CasesThatWereTakenOutAddedOrChangedAreRefused) {
   ExpectRefused(With(0, [](Json& json) { json["cases"].push_back(json["cases"][0]); }),
                 "case 0 is there twice");
   ExpectRefused(With(1, [](Json& json) { json["cases"][0]["place"] = 2; }),
-                "case 2 of 83 is none of shard 1/3");
+                "case 2 of 90 is none of shard 1/3");
   ExpectRefused(With(1, [](Json& json) { json["cases"][0].erase("place"); }), "'place' is missing");
   ExpectRefused(With(1, [](Json& json) { json["cases"][0]["passed"] = "yes"; }), "neither true");
   ExpectRefused(With(1, [](Json& json) { json["cases"][0]["passed"] = false; }),
