@@ -1,5 +1,5 @@
 // When what ran, for a viewer: tracks of nested slices, arrows between them, and counters. It
-// knows nothing of frames or plans; bench/timeline.hpp makes one of recorded frames.
+// knows nothing of frames or plans; bench/report/timeline.hpp makes one of recorded frames.
 //
 // Invariant: the slices of a track are in the order of a walk through the tree: by begin, parents
 // before children, each inside its parent and after the slice before it on its own depth. A viewer

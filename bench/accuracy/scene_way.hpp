@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 #include "jobs/frame_recording.hpp"
 
 namespace pelt::accuracy {

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "bench/lockstep.hpp"
-#include "bench/verify.hpp"
+#include "bench/verify/lockstep.hpp"
+#include "bench/verify/verify.hpp"
 
 namespace pelt {
 

@@ -12,9 +12,9 @@
 #include <algorithm>
 #include <set>
 
-#include "bench/stage_digests.hpp"
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
+#include "bench/verify/stage_digests.hpp"
 #include "core/random.hpp"
 
 namespace pelt {

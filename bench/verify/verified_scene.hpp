@@ -10,7 +10,7 @@
 // the last one of a scene that had several.
 #pragma once
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 
 namespace pelt {
 

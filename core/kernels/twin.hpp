@@ -4,7 +4,7 @@
 // A chain is solved point after point, so one group of strands is a long string of operations that
 // each wait for the last. Twin<V> runs the same body on two groups at once; the compiler lays the
 // two strings down alternately and the core overlaps them. Measured on the PBD solver: see
-// bench/kernels/simulation_benchmark.cpp.
+// bench/benchmarks/kernels/simulation_benchmark.cpp.
 //
 // Invariant: lane l of Twin<V> sees exactly the operations lane l of V would see. Nothing crosses
 // from one half to the other, so the bits cannot depend on whether a body ran on V or on Twin<V>.

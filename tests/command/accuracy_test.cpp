@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/accuracy_features.hpp"
-#include "bench/accuracy_report.hpp"
-#include "bench/accuracy_scene.hpp"
-#include "bench/accuracy_section.hpp"
-#include "bench/commands.hpp"
+#include "bench/accuracy/report/accuracy_features.hpp"
+#include "bench/accuracy/report/accuracy_report.hpp"
+#include "bench/accuracy/report/accuracy_scene.hpp"
+#include "bench/accuracy/report/accuracy_section.hpp"
+#include "bench/command/commands.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 

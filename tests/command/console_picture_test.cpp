@@ -5,10 +5,10 @@
 #include <map>
 #include <numeric>
 
-#include "bench/console_report.hpp"
-#include "bench/console_timeline.hpp"
-#include "bench/report_page.hpp"
-#include "bench/timeline.hpp"
+#include "bench/consoles/console_report.hpp"
+#include "bench/consoles/console_timeline.hpp"
+#include "bench/report/report_page.hpp"
+#include "bench/report/timeline.hpp"
 #include "tests/command/modelled_console.hpp"
 #include "tests/traces/trace_checker.hpp"
 #include "traces/chrome_trace.hpp"

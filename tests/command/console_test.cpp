@@ -5,10 +5,10 @@
 #include <numeric>
 #include <sstream>
 
-#include "bench/console_advice.hpp"
-#include "bench/console_budget.hpp"
-#include "bench/console_report.hpp"
-#include "bench/run_report.hpp"
+#include "bench/consoles/console_advice.hpp"
+#include "bench/consoles/console_budget.hpp"
+#include "bench/consoles/console_report.hpp"
+#include "bench/report/run_report.hpp"
 #include "platform_sim/frame/what_if.hpp"
 #include "tests/command/modelled_console.hpp"
 

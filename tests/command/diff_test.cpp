@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.hpp"
-#include "bench/groom_diff.hpp"
+#include "bench/command/commands.hpp"
+#include "bench/command/groom_diff.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"

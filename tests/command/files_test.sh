@@ -79,7 +79,7 @@ make_inputs() {
   "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
-  cp "$source_dir/bench/setups/tiny.toml" tiny.toml
+  cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
 }
 
 no_debris() {
@@ -199,7 +199,7 @@ check_conflicts() {
   expect 2 --out --accuracy -- report --scene tiny --accuracy report.html
   # What a setup or a model leads to is read too.
   printf '[[layer]]\nname = "a"\ndensity = { value = 10, map = "map.png" }\n' >mapped.toml
-  cp "$source_dir/bench/pictures/monster.png" map.png
+  cp "$source_dir/bench/picture/monster.png" map.png
   before=$(cksum <map.png)
   expect 2 --picture map.png -- run --setup ./mapped.toml --frames 1 --picture map.png
   expect 2 --out map.png -- bake --setup ./mapped.toml --out "$work/map.png"

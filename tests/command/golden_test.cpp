@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "bench/commands.hpp"
+#include "bench/command/commands.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "tests/source_folder.hpp"

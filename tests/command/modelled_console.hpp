@@ -7,8 +7,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/console_budget.hpp"
-#include "bench/json_text.hpp"
+#include "bench/consoles/console_budget.hpp"
+#include "bench/report/json_text.hpp"
 
 namespace pelt::testing {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output_path.hpp"
+#include "bench/command/output_path.hpp"
 #include "tests/source_folder.hpp"
 
 namespace pelt {
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Source {
-  std::string name, text;  // "bench/pelt.cpp"
+  std::string name, text;  // "bench/command/pelt.cpp"
 };
 
 std::vector<Source> SourcesOf(const std::vector<std::string>& rooms) {
@@ -55,10 +55,11 @@ TEST(Outputs, OnePlaceOpensFilesToWrite) {
 
 TEST(Outputs, CommandsWriteWhatTheCommandLineTried) {
   EXPECT_EQ(FilesWith(R"(\b(Try)?Write(FileBytes|GroomFile|DigestLogFile)\()", {"bench"}),
-            std::set<std::string>{"bench/output_path.cpp"});
+            std::set<std::string>{"bench/command/output_path.cpp"});
   // commands.hpp: the report's own default, which is tried like any other.
   EXPECT_EQ(FilesWith(R"(OutputPath::Of\()", {"bench"}),
-            (std::set<std::string>{"bench/commands.hpp", "bench/file_options.cpp"}));
+            (std::set<std::string>{"bench/command/commands.hpp",
+                                   "bench/command/file_options.cpp"}));
 }
 
 // A text is no path to write to: neither in a command nor for an option that is declared in another

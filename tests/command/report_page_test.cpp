@@ -1,5 +1,5 @@
 // The report's page as text and data: complete, consistent, and harmless whatever things are named.
-#include "bench/report_page.hpp"
+#include "bench/report/report_page.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/console_budget.hpp"
-#include "bench/console_report.hpp"
+#include "bench/consoles/console_budget.hpp"
+#include "bench/consoles/console_report.hpp"
 #include "core/error.hpp"
 #include "jobs/tick_clock.hpp"
 

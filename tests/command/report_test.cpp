@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "bench/json_text.hpp"
-#include "bench/run_report.hpp"
+#include "bench/report/json_text.hpp"
+#include "bench/report/run_report.hpp"
 
 namespace pelt {
 namespace {

@@ -1,12 +1,12 @@
 // The scenarios are what they say, the same every time, and refuse what does not fit together.
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <set>
 
-#include "bench/cast.hpp"
+#include "bench/scenarios/cast.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/error.hpp"
 #include "jobs/frame.hpp"

@@ -1,14 +1,14 @@
 // Shards: which cases one has, where its number comes from, and that a merge gives the verdict of
 // the whole run or refuses.
-#include "bench/shard.hpp"
+#include "bench/verify/shard.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bench/merge_shards.hpp"
-#include "bench/verify.hpp"
+#include "bench/verify/merge_shards.hpp"
+#include "bench/verify/verify.hpp"
 #include "core/error.hpp"
 
 namespace pelt {

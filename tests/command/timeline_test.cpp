@@ -1,6 +1,6 @@
 // Recorded frames as a timeline and a trace: the right slices on the right tracks, arrows along
 // what the ports say, and nothing before what it needs.
-#include "bench/timeline.hpp"
+#include "bench/report/timeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <memory>
 #include <set>
 
-#include "bench/run_report.hpp"
+#include "bench/report/run_report.hpp"
 #include "jobs/tick_clock.hpp"
 #include "tests/traces/trace_checker.hpp"
 #include "traces/chrome_trace.hpp"

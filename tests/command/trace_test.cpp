@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "bench/commands.hpp"
-#include "bench/lockstep.hpp"
-#include "bench/replay.hpp"
-#include "bench/stage_digests.hpp"
+#include "bench/command/commands.hpp"
+#include "bench/verify/lockstep.hpp"
+#include "bench/verify/replay.hpp"
+#include "bench/verify/stage_digests.hpp"
 #include "core/file_bytes.hpp"
 #include "traces/diff.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bench/replay.hpp"
+#include "bench/verify/replay.hpp"
 #include "core/error.hpp"
 #include "core/groom/groom_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

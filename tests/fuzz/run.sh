@@ -22,7 +22,7 @@ for format in "${formats[@]}"; do
   [ -x "$target" ] || { echo "no format '$format'" >&2; exit 2; }
   seeds=(tests/fuzz/corpus/"$format")
   case $format in
-    setup) seeds+=(bench/setups) ;;
+    setup) seeds+=(bench/scenarios/setups) ;;
     golden) seeds=(tests/fuzz/corpus/digest_log traces/golden) ;;
   esac
   mkdir -p "$build/$format/corpus"

@@ -504,7 +504,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
 TEST_F(FurSetupTest, ShippedSetupsAreRead) {
   int read = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(test::SourceFolder() + "/bench/setups")) {
+       std::filesystem::directory_iterator(test::SourceFolder() + "/bench/scenarios/setups")) {
     if (entry.path().extension() != ".toml") continue;
     FurSetup setup;
     ASSERT_NO_THROW(setup = ReadFurSetupFile(entry.path().string())) << entry.path();
@@ -512,7 +512,9 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
     ++read;
   }
   EXPECT_GE(read, 6);
-  const auto path = [](const char* name) { return test::SourceFolder() + "/bench/setups/" + name; };
+  const auto path = [](const char* name) {
+    return test::SourceFolder() + "/bench/scenarios/setups/" + name;
+  };
   uint32_t monster = 0;
   for (const auto& layer : ReadFurSetupFile(path("monster.toml")).layers)
     monster += layer.max_strands;
@@ -529,7 +531,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
 }
 
 TEST_F(FurSetupTest, DamagedTextsNeverCrash) {
-  std::ifstream file(test::SourceFolder() + "/bench/setups/tiny.toml", std::ios::binary);
+  std::ifstream file(test::SourceFolder() + "/bench/scenarios/setups/tiny.toml", std::ios::binary);
   const std::string good{std::istreambuf_iterator<char>(file), {}};
   ASSERT_EQ(ErrorOf(good), "");
   std::mt19937 random(4242);

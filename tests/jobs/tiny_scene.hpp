@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt::testing {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/frame/console_frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
 

@@ -3,7 +3,7 @@
 #include <bit>
 #include <memory>
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "tests/platform/recording.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <numeric>
 
-#include "bench/scenarios.hpp"
+#include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "platform_sim/schedule/check_finished.hpp"
 #include "tests/platform/recording.hpp"

@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
-#include "bench/verify.hpp"
 #include "bench/verify/guarded_executor.hpp"
 #include "bench/verify/odd_floats.hpp"
 #include "bench/verify/verified_scene.hpp"
+#include "bench/verify/verify.hpp"
 #include "bench/verify/view_test.hpp"
 #include "core/kernels/activate.hpp"
 #include "core/kernels/collect_changes.hpp"

@@ -1,5 +1,5 @@
 // Verification passes what is right, and names the place of what is wrong.
-#include "bench/verify.hpp"
+#include "bench/verify/verify.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "bench/replay.hpp"
-#include "bench/stage_digests.hpp"
+#include "bench/verify/replay.hpp"
+#include "bench/verify/stage_digests.hpp"
 
 namespace pelt {
 namespace {

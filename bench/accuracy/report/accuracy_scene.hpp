@@ -1,0 +1,25 @@
+// What `pelt accuracy --scene` found, as text, as JSON and as one diagram from the cheapest way to
+// run the scene to the most exact.
+#pragma once
+
+#include <string>
+
+#include "bench/accuracy/scene_precision.hpp"
+#include "bench/report/machine.hpp"
+
+namespace pelt {
+
+inline constexpr std::string_view kSceneAccuracyFormat = "pelt scene accuracy 1";
+
+struct SceneReport {
+  accuracy::ScenePrecision table;
+  Machine machine;
+  double seconds = 0.0;  // that all of it took
+};
+
+std::string SceneText(const SceneReport& report);
+std::string SceneJson(const SceneReport& report);
+// An SVG file: error against ns a strand in the simulation, both logarithmic; a named point a way.
+std::string SceneSvg(const accuracy::ScenePrecision& table);
+
+}  // namespace pelt

@@ -1,0 +1,19 @@
+// The accuracy section of the report page: what `pelt accuracy --json` wrote, checked and passed
+// on.
+//
+// Measuring takes longer than a report may, so the report reads it from a file. Invariant: the file
+// comes from outside; only members that are known, of the right type and within limits reach the
+// page, and a file that lacks one is an Error that names it.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "bench/report/json_text.hpp"
+
+namespace pelt {
+
+// Adds one object, or throws. `path` is for messages.
+void AddAccuracySection(JsonText& json, std::string_view text, const std::string& path);
+
+}  // namespace pelt

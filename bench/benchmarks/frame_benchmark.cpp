@@ -1,0 +1,228 @@
+// The whole frame, and each stage of it held against what the machine could do at most.
+//
+//   frame/serial/SCENE        the whole frame on one core, ns a strand
+//   frame/workers/SCENE       one and two workers in turn, 10 frames each, and their ratio
+//   stage/NAME/SCENE          a stage inside the frame: ns a strand, its limit and the ratio to it
+//
+// A stage's limit is the larger of its ports' bytes at the rate of the second-level cache (where a
+// fused pass keeps its blocks) and its operations at the rate of multiplies and adds. All rates are
+// measured at the start of this run; `from_memory_ns` is what the same bytes would take from main
+// memory. Bytes are whole blocks, as a DMA would move them: a stage that touches a part of its
+// blocks (the pose of a small skeleton, chunks that are not full) can come out below a ratio of 1.
+// --isa=NAME chooses the kernels (the widest there is if not given).
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "bench/benchmarks/benchmark_main.hpp"
+#include "bench/benchmarks/limits.hpp"
+#include "bench/report/budget.hpp"
+#include "bench/scenarios/scenarios.hpp"
+#include "jobs/tbb_executor.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr uint32_t kDigestFrames = 10;
+
+Isa bench_isa = BestIsa();
+MachineLimits limits;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Scenario& GetScenario(const std::string& name) {
+  static std::map<std::string, Scenario> loaded;
+  auto [at, fresh] = loaded.try_emplace(name);
+  if (fresh) at->second = LoadScenario(name);
+  return at->second;
+}
+
+SceneOptions Options() {
+  SceneOptions options;
+  options.isa = bench_isa;
+  return options;
+}
+
+// A scenario that has run its first frames, whose digest stands beside every figure.
+struct WarmScenario {
+  RunningScenario running;
+  uint32_t frame = 0;
+  Digest digest;
+
+  explicit WarmScenario(const std::string& name) : running(GetScenario(name), Options()) {
+    SerialExecutor serial;
+    while (frame < kDigestFrames) {
+      running.Begin(frame++);
+      serial.Run(running.scene().CurrentFrame());
+      digest.Add64(running.scene().DigestFrame());
+    }
+  }
+  double strands() { return double(running.scene().layout().strand_count); }
+  std::string Label() const {
+    return fmt::format("{} digest of {} frames {:016x}", IsaName(bench_isa), kDigestFrames,
+                       digest.Value());
+  }
+};
+
+void RunSerialFrames(benchmark::State& state, const std::string& scene) {
+  WarmScenario warm(scene);
+  SerialExecutor serial;
+  double seconds = 0.0;
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    warm.running.Begin(warm.frame++);
+    serial.Run(warm.running.scene().CurrentFrame());
+    const double took = SecondsSince(start);
+    state.SetIterationTime(took);
+    seconds += took;
+  }
+  state.counters["ns_per_strand"] = seconds * 1e9 / (double(state.iterations()) * warm.strands());
+  state.SetLabel(warm.Label());
+}
+
+// Seconds of `frames` frames on `workers` workers. oneTBB's limit on threads holds for as long as
+// an executor lives, so each slice has its own; making it is not timed.
+double TimeSlice(WarmScenario& warm, uint32_t workers, uint32_t frames) {
+  TbbExecutor tbb(workers);
+  if (tbb.ObservedWorkers() != workers) return -1.0;
+  const auto start = Clock::now();
+  for (uint32_t f = 0; f < frames; ++f) {
+    warm.running.Begin(warm.frame++);
+    tbb.Run(warm.running.scene().CurrentFrame());
+  }
+  return SecondsSince(start);
+}
+
+void RunWorkers(benchmark::State& state, const std::string& scene) {
+  constexpr uint32_t kSlice = 10;
+  WarmScenario one(scene), two(scene);
+  std::vector<double> ratio;
+  double one_s = 0.0, two_s = 0.0;
+  for (auto _ : state) {
+    const double a = TimeSlice(one, 1, kSlice), b = TimeSlice(two, 2, kSlice);
+    if (a < 0.0 || b < 0.0) {
+      state.SkipWithError("oneTBB gave fewer workers than asked for");
+      return;
+    }
+    state.SetIterationTime(a + b);
+    ratio.push_back(a / b);
+    one_s += a;
+    two_s += b;
+  }
+  const double frames = double(state.iterations()) * kSlice;
+  state.counters["one_ms"] = one_s * 1e3 / frames;
+  state.counters["two_ms"] = two_s * 1e3 / frames;
+  state.counters["ratio"] = SpreadOf(ratio).median;
+  const bool same = one.running.scene().DigestFrame() == two.running.scene().DigestFrame();
+  if (!same) return state.SkipWithError("one and two workers differ in the last frame's digest");
+  state.SetLabel(one.Label());
+}
+
+void RunStage(benchmark::State& state, const std::string& scene_name, uint32_t stage_index) {
+  WarmScenario warm(scene_name);
+  FurScene& scene = warm.running.scene();
+  BudgetRecorder recorder(scene, 4096);
+  SerialExecutor serial;
+  for (auto _ : state) {
+    // The recorder profiles every second frame.
+    for (int i = 0; i < 2; ++i) {
+      warm.running.Begin(warm.frame++);
+      Frame frame = scene.CurrentFrame();
+      frame.profile = recorder.Begin();
+      serial.Run(frame);
+      recorder.Finish(0, 0);
+    }
+    state.SetIterationTime(recorder.LastStageMs(stage_index) * 1e-3);
+  }
+  const StageBudget stage = recorder.Summarise().stages[stage_index];
+  warm.running.Begin(warm.frame++);
+  const double operations = double(CountOperations(scene)[stage_index]);
+  const double strands = warm.strands();
+  const double limit_s =
+      std::max(stage.bytes / limits.cache_bytes_per_s, operations / limits.lane_operations_per_s);
+  state.counters["ns_per_strand"] = stage.ns_per_strand;
+  state.counters["B_per_strand"] = stage.bytes / strands;
+  state.counters["ops_per_strand"] = operations / strands;
+  state.counters["from_memory_ns"] = stage.bytes / limits.memory_bytes_per_s * 1e9 / strands;
+  state.counters["limit_ns"] = limit_s * 1e9 / strands;
+  state.counters["ratio"] = stage.core_ms.median * 1e-3 / limit_s;
+  state.SetLabel(warm.Label());
+}
+
+void RegisterStages(const std::string& scene_name) {
+  RunningScenario running(GetScenario(scene_name), Options());
+  SerialExecutor serial;
+  BudgetRecorder recorder(running.scene(), 4);
+  for (uint32_t f = 0; f < 4; ++f) {
+    running.Begin(f);
+    Frame frame = running.scene().CurrentFrame();
+    frame.profile = recorder.Begin();
+    serial.Run(frame);
+    recorder.Finish(0, 0);
+  }
+  const Budget budget = recorder.Summarise();
+  for (uint32_t s = 0; s < budget.stages.size(); ++s) {
+    if (budget.stages[s].ran == 0.0) continue;
+    benchmark::RegisterBenchmark(
+        fmt::format("stage/{}/{}", budget.stages[s].name, scene_name).c_str(),
+        [scene_name, s](benchmark::State& state) { RunStage(state, scene_name, s); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(15);
+  }
+}
+
+void RegisterAll() {
+  limits = MeasureLimits(bench_isa);
+  benchmark::AddCustomContext(
+      "limits of one core",
+      fmt::format("memory {:.1f} GB/s, cache {:.1f} GB/s, {:.1f} G lane operations/s ({})",
+                  limits.memory_bytes_per_s * 1e-9, limits.cache_bytes_per_s * 1e-9,
+                  limits.lane_operations_per_s * 1e-9, IsaName(bench_isa)));
+  for (const std::string scene : {"cast", "monster"}) {
+    benchmark::RegisterBenchmark(("frame/serial/" + scene).c_str(),
+                                 [scene](benchmark::State& s) { RunSerialFrames(s, scene); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(100);
+    benchmark::RegisterBenchmark(("frame/workers/" + scene).c_str(),
+                                 [scene](benchmark::State& s) { RunWorkers(s, scene); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(10);
+  }
+  RegisterStages("cast");
+  RegisterStages("eyepet");
+}
+
+// Takes --isa=NAME out of the arguments. The exit code.
+int Main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (std::strncmp(argv[i], "--isa=", 6) != 0) continue;
+    const auto isa = ParseIsa(argv[i] + 6);
+    if (!isa || !FindKernels(*isa)) {
+      fmt::print(stderr, "frame_benchmark: no kernels '{}' here\n", argv[i] + 6);
+      return 2;
+    }
+    bench_isa = *isa;
+    std::copy(argv + i + 1, argv + argc + 1, argv + i);
+    --argc;
+    break;
+  }
+  return RunBenchmarks(argc, argv, RegisterAll);
+}
+
+}  // namespace
+}  // namespace pelt
+
+int main(int argc, char** argv) { return pelt::Main(argc, argv); }

@@ -1,0 +1,181 @@
+// `pelt accuracy`: the whole benchmark of error against run time; the same of a scene's frames; the
+// features; or one strand under a recorded root.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "bench/accuracy/recorded_run.hpp"
+#include "bench/accuracy/report/accuracy_features.hpp"
+#include "bench/accuracy/report/accuracy_report.hpp"
+#include "bench/accuracy/report/accuracy_scene.hpp"
+#include "bench/command/commands.hpp"
+#include "bench/command/progress.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+
+using namespace accuracy;
+
+namespace {
+
+WorkPrecisionOptions OptionsOf(const AccuracyArgs& args) {
+  WorkPrecisionOptions options;
+  options.isa = args.isa;
+  options.quick = args.quick;
+  if (args.calibrated) options.coefficients = Coefficients::kCalibrated;
+  if (args.quick) {
+    options.rates = {60};
+    options.links = {3};
+  }
+  if (!args.rates.empty()) options.rates = args.rates;
+  if (!args.links.empty()) options.links = args.links;
+  if (!args.presets.empty()) {
+    options.presets.clear();
+    for (const Preset& preset : kPresets)
+      if (std::count(args.presets.begin(), args.presets.end(), preset.name))
+        options.presets.push_back(preset);
+  }
+  for (auto* values : {&options.rates, &options.links}) {
+    std::sort(values->begin(), values->end());
+    values->erase(std::unique(values->begin(), values->end()), values->end());
+  }
+  return options;
+}
+
+std::function<void(size_t, size_t)> ShowOn(std::optional<Progress>& shown) {
+  return [&shown](size_t done, size_t total) {
+    if (!shown) shown.emplace("accuracy", total);
+    shown->Show(done);
+  };
+}
+
+void WriteJson(const AccuracyArgs& args, const std::string& json) {
+  if (args.json.empty()) return;
+  WriteOutput("accuracy", args.json, json + "\n");
+  fmt::print("json      {}\n", args.json.path());
+}
+
+void WriteDiagram(const AccuracyArgs& args, const std::string& svg) {
+  WriteOutput("diagram", args.svg, svg);
+  fmt::print("diagram   {}\n", args.svg.path());
+}
+
+int MeasureScene(const AccuracyArgs& args) {
+  const auto begin = std::chrono::steady_clock::now();
+  ScenePrecisionOptions options;
+  options.scene = args.scene;
+  options.frames = args.frames;
+  options.isa = args.isa;
+  options.quick = args.quick;
+  options.contact = args.contact;
+  SceneReport report;
+  {
+    std::optional<Progress> shown;
+    options.progress = ShowOn(shown);
+    report.table = MeasureScenePrecision(options);
+  }
+  report.machine = DescribeMachine();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  fmt::print("{}", SceneText(report));
+  WriteJson(args, SceneJson(report));
+  if (!args.svg.empty()) WriteDiagram(args, SceneSvg(report.table));
+  return 0;
+}
+
+int MeasureAllFeatures(const AccuracyArgs& args) {
+  FeatureReport report = MeasureFeatureReport(args.isa, args.links, args.quick);
+  report.machine = DescribeMachine();
+  fmt::print("{}", FeatureText(report));
+  WriteJson(args, FeatureJson(report));
+  return 0;
+}
+
+int MeasureAll(const AccuracyArgs& args) {
+  AccuracyReport report;
+  const auto begin = std::chrono::steady_clock::now();
+  WorkPrecisionOptions options = OptionsOf(args);
+  {
+    std::optional<Progress> shown;
+    options.progress = ShowOn(shown);
+    report.table = MeasureWorkPrecision(options);
+    report.table.options.progress = {};
+  }
+  report.cantilever = MeasureCantilever(args.isa);
+  report.pendulum = MeasurePendulum(args.isa, args.quick);
+  report.stability = MeasureStability(args.isa, args.quick);
+  report.machine = DescribeMachine();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  fmt::print("{}", AccuracyText(report));
+  WriteJson(args, AccuracyJson(report));
+  if (!args.svg.empty()) WriteDiagram(args, WorkPrecisionSvg(report.table));
+  return 0;
+}
+
+NamedSolver SolverOf(const AccuracyArgs& args) {
+  std::optional<NamedSolver> solver = FindSolver(args.solver);
+  if (!solver)
+    throw Error(
+        fmt::format("--solver {}: no such solver; there are {}", args.solver, SolverNames()));
+  solver->method.stiffness_scale = solver->core.stiffness_scale = args.stiffness_scale;
+  return *std::move(solver);
+}
+
+int RunRecorded(const AccuracyArgs& args) {
+  const std::vector<RootSample> samples = ReadRootsFile(args.roots);
+  const StrandFile strand = ReadStrandFile(args.strand);
+  const NamedSolver solver = SolverOf(args);
+  const PointTrack exact = RunExact(strand, samples);
+  const PointTrack track =
+      args.exact ? exact : RunSolver(strand, samples, FactoryOf(solver, args.isa));
+  if (track.links == 0)
+    throw Error(fmt::format("{}: {} does not run such a strand", args.strand, solver.label));
+  WriteOutput("points", args.out, PointsText(track));
+  fmt::print("{} frames in {:.4g} s, {} links, {} points a frame: {}\n", samples.size() - 1,
+             samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
+             args.out.path());
+  if (args.exact) {
+    fmt::print("the exact motion, the root between samples by cubic splines\n");
+    return 0;
+  }
+  const TrackError error = CompareTracks(strand, samples, track, exact);
+  fmt::print("{} ({} kernels): ", solver.label, IsaName(args.isa));
+  if (!std::isfinite(error.share) && std::isfinite(error.worst))
+    fmt::print("no secondary motion to compare\n");
+  else
+    fmt::print(
+        "{:.2f} % of the secondary motion differs from the exact one, by {:.3g} mm at most\n",
+        100.0 * error.share, 1e3 * error.worst);
+  return 0;
+}
+
+int WriteExample(const OutputPath& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder.path(), error);
+  if (error)
+    throw Error(fmt::format("cannot make the folder {}: {}", folder.path(), error.message()));
+  const std::pair<OutputPath, std::string> files[] = {
+      {folder.Inside("roots.csv"), RootsText(ExampleRoots())},
+      {folder.Inside("strand.toml"), ExampleStrand()}};
+  for (const auto& [path, text] : files) CheckOutput("example", path);
+  for (const auto& [path, text] : files) {
+    WriteOutput("example", path, text);
+    fmt::print("{}\n", path.path());
+  }
+  return 0;
+}
+
+}  // namespace
+
+int MeasureAccuracy(const AccuracyArgs& args) {
+  if (!FindKernels(args.isa))
+    throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
+  if (!args.write_example.empty()) return WriteExample(args.write_example);
+  if (!args.scene.empty()) return MeasureScene(args);
+  if (args.features) return MeasureAllFeatures(args);
+  return args.roots.empty() ? MeasureAll(args) : RunRecorded(args);
+}
+
+}  // namespace pelt

@@ -1,0 +1,163 @@
+// The options of `pelt accuracy` and `pelt stress`.
+#include <memory>
+#include <set>
+
+#include "bench/accuracy/body_motion.hpp"
+#include "bench/accuracy/chain_problem.hpp"
+#include "bench/accuracy/named_solver.hpp"
+#include "bench/command/command_options.hpp"
+#include "bench/command/file_options.hpp"
+
+namespace pelt {
+namespace {
+
+void AddRatesAndLinks(CLI::App& app, std::vector<int>& rates, const std::set<int>& known,
+                      std::vector<int>& links) {
+  app.add_option("--rates", rates, "Frames a second, all if not given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(known));
+  app.add_option("--links", links, "Links of a strand, 3 or 4, both if not given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::set<int>{3, 4}));
+}
+
+void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
+  std::vector<std::string> presets;
+  for (const accuracy::Preset& preset : accuracy::kPresets) presets.emplace_back(preset.name);
+  AddRatesAndLinks(app, args.rates, {15, 30, 60, 120, 240}, args.links);
+  app.add_option("--presets", args.presets, "Materials, all if not given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(presets));
+  AddIsa(app, "Instruction set: the widest there is if not given",
+         [&args](Isa isa) { args.isa = isa; });
+  app.add_flag("--calibrated", args.calibrated,
+               "Strands with the calibrated coefficients of layers, not equal masses and joints");
+  app.add_flag("--quick", args.quick, "Few solvers and cases, 3 links at 60 Hz: seconds");
+  AddOutputFile(app, "--json", args.json, "JSON file to write; see pelt report --accuracy");
+  AddOutputFile(app, "--svg", args.svg, "Work-precision diagram to write", ".svg");
+}
+
+void AddRecorded(CLI::App& app, AccuracyArgs& args) {
+  auto* roots = AddInputFile(app, "--roots", args.roots,
+                             "Instead of the benchmark: CSV file with a pose of the root a frame");
+  auto* strand =
+      AddInputFile(app, "--strand", args.strand, "TOML file with the strand that it drives");
+  auto* out = AddOutputFile(app, "--out", args.out, "CSV file to write: its points at every frame");
+  roots->needs(strand)->needs(out);
+  strand->needs(roots);
+  out->needs(roots);
+  auto* solver =
+      app.add_option("--solver", args.solver,
+                     "modal-fast, modal, modal-best, pbd, verlet, xpbd-8, trapezoid-2, ...")
+          ->needs(roots)
+          ->capture_default_str();
+  app.add_option("--stiffness-scale", args.stiffness_scale,
+                 "For pbd, verlet, textbook-pbd and dftl, which have no stiffness of their own")
+      ->needs(roots)
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+  app.add_flag("--exact", args.exact, "The reference integrator instead of a solver")
+      ->needs(roots)
+      ->excludes(solver);
+  AddOutputFolder(app, "--write-example", args.write_example,
+                  "Write roots.csv and strand.toml to this folder, to try it")
+      ->excludes(roots);
+}
+
+void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
+  auto* scene = app.add_option("--scene", args.scene,
+                               "Instead of the benchmark: every way to run the frames of a "
+                               "built-in scene, from cheapest to most exact")
+                    ->check(IsScene());
+  app.add_option("--frames", args.frames, "With --scene: frames to run; 0: enough")
+      ->needs(scene)
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
+  app.add_flag(
+         "!--no-contact", args.contact,
+         "With --scene: without surface, ground and spheres, whose impacts no quality follows "
+         "more closely than its substeps")
+      ->needs(scene);
+  app.add_flag("--features", args.features,
+               "Instead of the benchmark: error, penetration and time of contacts, max_distance, "
+               "clumps, strength and wind");
+}
+
+// What replaces the benchmark has options of its own.
+void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
+  RefuseBeside(app, "--roots",
+               {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--svg",
+                "--scene", "--features"});
+  RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
+  RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated", "--svg"});
+  RefuseAllBut(app, "--write-example", {});
+  RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
+  const auto solver = accuracy::FindSolver(args.solver);
+  if (solver)
+    RefuseUnless(app, solver->Tuned(), {"--stiffness-scale"},
+                 "pbd, verlet, textbook-pbd and dftl, which have no stiffness of their own");
+}
+
+}  // namespace
+
+Subcommand SetUpAccuracy(CLI::App& root) {
+  const auto kept = std::make_shared<AccuracyArgs>();
+  AccuracyArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "accuracy",
+      "Error against run time of every strand solver, or a strand under your own motion");
+  AddBenchmark(*app, args);
+  AddSceneAndFeatures(*app, args);
+  AddRecorded(*app, args);
+  app->footer(
+      "All of it takes about a minute and a half, --scene monster as long. With --roots: columns "
+      "time,x,y,z,qx,qy,qz,qw "
+      "and\n"
+      "wind_x,wind_y,wind_z or no wind; a row a frame, in s, m and m/s. For --exact the root "
+      "moves\n"
+      "between them on cubic splines of position and quaternion that begin at rest; wind is "
+      "linear.\n"
+      "Examples:\n"
+      "  pelt accuracy --quick\n"
+      "  pelt accuracy --quick --presets soft,stiff --json accuracy.json --svg accuracy.svg\n"
+      "  pelt accuracy --scene tiny --quick --json scene.json --svg scene.svg\n"
+      "  pelt accuracy --features --quick --links 3 --json features.json\n"
+      "  pelt accuracy --write-example .\n"
+      "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "
+      "modal-best\n"
+      "  pelt accuracy --roots roots.csv --strand strand.toml --out exact.csv --exact");
+  return {app, [app, kept] { CheckAccuracy(*app, *kept); },
+          [kept] { return MeasureAccuracy(*kept); }};
+}
+
+Subcommand SetUpStress(CLI::App& root) {
+  const auto kept = std::make_shared<StressArgs>();
+  StressArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "stress",
+      "What strand solvers come out of: teleports, white noise, violent motion; exit code 1 "
+      "when the modal solver is not finite, settled and unstretched on every row");
+  app->add_option("--solvers", args.solvers, "Only these: modal, pbd, xpbd-8, euler-1, ...")
+      ->delimiter(',');
+  AddRatesAndLinks(*app, args.rates, {15, 24, 30, 60, 120, 240}, args.links);
+  app->add_option_function<std::vector<std::string>>(
+         "--isa",
+         [&args](const std::vector<std::string>& names) {
+           args.isas.clear();
+           for (const std::string& name : names) args.isas.push_back(*ParseIsa(name));
+         },
+         "Instruction sets, all there are if not given; figures are the first's")
+      ->delimiter(',')
+      ->check(IsIsa());
+  app->add_flag("--quick", args.quick, "Few random starts and frame rates");
+  AddOutputFile(*app, "--json", args.json, "JSON file to write");
+  app->footer(
+      "All of it takes about a minute and a quarter of one core with three instruction sets.\n"
+      "Examples:\n"
+      "  pelt stress --quick --solvers modal-best,pbd --links 3\n"
+      "  pelt stress --quick --solvers modal-best,xpbd-8 --links 4 --rates 15,240 --json "
+      "stress.json");
+  return {app, [] {}, [kept] { return StressSolvers(*kept); }};
+}
+
+}  // namespace pelt

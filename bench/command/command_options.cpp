@@ -1,0 +1,209 @@
+#include "bench/command/command_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "bench/command/file_options.hpp"
+#include "bench/command/usage_error.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+namespace {
+
+std::vector<std::string> Names(const auto& range) {
+  std::vector<std::string> names;
+  for (const auto& name : range) names.emplace_back(name);
+  return names;
+}
+
+// An option that is one of a few words.
+template <class Enum>
+void AddWord(CLI::App& app, const char* name, const char* help, std::optional<Enum>& target,
+             const std::map<std::string, Enum>& words) {
+  std::vector<std::string> allowed;
+  for (const auto& [word, value] : words) allowed.push_back(word);
+  app.add_option_function<std::string>(
+         name, [&target, words](const std::string& word) { target = words.at(word); }, help)
+      ->check(CLI::IsMember(allowed));
+}
+
+}  // namespace
+
+CLI::Validator IsScene() { return CLI::IsMember(Names(ScenarioNames())); }
+
+CLI::Validator IsIsa() {
+  std::vector<std::string> names;
+  for (const Isa isa : kAllIsas) names.emplace_back(IsaName(isa));
+  return CLI::IsMember(names);
+}
+
+CLI::Validator InRange(double least, double most) {
+  const auto check = [=](std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most)
+      return std::string();
+    return fmt::format("{} is not in the range from {} to {}", text, least, most);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{} - {}]", least, most));
+}
+
+void AddSource(CLI::App& app, ScenarioRequest& request) {
+  auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
+  AddInputFileOrName(app, "--character", request.character, "A .glb or .gltf file, or 'builtin'")
+      ->excludes(scene)
+      ->capture_default_str();
+  auto* setup = AddInputFileOrName(app, "--setup", request.setup,
+                                   "A fur setup: a .toml file, or the name of a built-in one")
+                    ->excludes(scene);
+  auto* groom = AddInputFile(app, "--groom", request.groom,
+                             "A baked groom instead of a setup; for --character")
+                    ->excludes(scene)
+                    ->excludes(setup);
+  request.check_files_read = [&app](const std::vector<std::string>& files) {
+    CheckFilesRead(app, files);
+  };
+  app.add_option("--seed", request.seed, "Another groom from the same setups")
+      ->excludes(groom)
+      ->capture_default_str();
+  AddWord(app, "--solver", "Of every layer that can have it, instead of its own", request.solver,
+          {{"pbd", Solver::kPbd}, {"verlet", Solver::kVerlet}, {"modal", Solver::kModal}});
+  AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
+          request.quality,
+          {{"fast", ModalQuality::kFast},
+           {"default", ModalQuality::kDefault},
+           {"best", ModalQuality::kBest}});
+}
+
+void CompleteSource(const CLI::App& app, ScenarioRequest& request) {
+  RefuseUnless(app, request.solver.value_or(Solver::kModal) == Solver::kModal, {"--quality"},
+               "the modal solver");
+  if (!request.scene.empty() || !request.setup.empty() || !request.groom.empty()) return;
+  if (request.character != "builtin") throw UsageError("--character needs --setup or --groom");
+  request.scene = "monster";
+}
+
+void AddFrames(CLI::App& app, uint32_t& frames) {
+  app.add_option("--frames", frames, "Frames to run; 0: the scene's own number")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+}
+
+void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set) {
+  app.add_option_function<std::string>(
+         "--isa", [set](const std::string& name) { set(*ParseIsa(name)); }, help)
+      ->check(IsIsa());
+}
+
+void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge) {
+  app.add_option_function<std::string>(
+      "--shard",
+      [&shard](const std::string& text) {
+        try {
+          shard =
+              ParseShard(text, [](const char* name) -> const char* { return std::getenv(name); });
+        } catch (const Error& error) {
+          throw CLI::ValidationError(error.what());
+        }
+      },
+      "Only this share of the cases: 0/3, 1/3 or 2/3 of three; env: as mpirun, Slurm or the CI "
+      "numbers this process");
+  auto* files = AddInputFile(app, "--merge", merge,
+                             "What every shard printed with --json: one verdict of them all");
+  for (CLI::Option* other : app.get_options())
+    if (other != files && other->get_name() != "--json" && other != app.get_help_ptr())
+      files->excludes(other);
+}
+
+void AddPlanOptions(CLI::App& app, SceneOptions& options) {
+  app.add_flag("!--unfused", options.plan.fuse, "One stage a pass");
+  app.add_flag_function(
+      "--index-buffer", [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
+      "Vertices in strand order with a sorted index buffer, not in draw order");
+  app.add_option("--sort-pieces", options.piecewise_sort_chunks,
+                 "Layers of more chunks than this sort in pieces; 0: those that do not fit a local "
+                 "store")
+      ->capture_default_str();
+}
+
+void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
+  const std::pair<const char*, bool*> skips[] = {{"sleep", &skip.sleep},
+                                                 {"unmoved", &skip.unmoved},
+                                                 {"sort", &skip.sort},
+                                                 {"wind", &skip.wind},
+                                                 {"cull", &skip.cull}};
+  for (const auto& [name, value] : skips)
+    app.add_flag(fmt::format("!--no-{}", name), *value,
+                 fmt::format("Do not skip what '{}' finds needless", name));
+  auto* with_lod =
+      app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
+  app.add_option("--strand-budget", lod.strand_budget,
+                 "With --lod: most strands in all; 0: no budget")
+      ->needs(with_lod)
+      ->capture_default_str();
+}
+
+void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {
+  app.add_option_function<std::string>(
+         "--executor", [&executor](const std::string& name) { executor = *ParseExecutor(name); },
+         "What runs the frames: tbb if not given")
+      ->check(CLI::IsMember({"serial", "tbb", "door", "pull", "permuted", "local-store"}));
+  app.add_option("--workers", workers, "Threads for tbb, door and pull; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--order-seed", order_seed, "Order for permuted; 0: backwards")
+      ->capture_default_str();
+}
+
+void CheckExecutor(const CLI::App& app, ExecutorKind executor) {
+  const bool has_workers = executor == ExecutorKind::kTbb || executor == ExecutorKind::kDoor ||
+                           executor == ExecutorKind::kPull;
+  RefuseUnless(app, has_workers, {"--workers"}, "--executor tbb, door and pull");
+  RefuseUnless(app, executor == ExecutorKind::kPermuted, {"--order-seed"}, "--executor permuted");
+}
+
+void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
+  app.add_option("--fps", fps, "Frames a second of the simulation; 0: the scene's own")
+      ->check(InRange(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--wetness", weather.wetness, "0 dry to 1 wet")->check(InRange(0.0, 1.0));
+  app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(InRange(0.0, 1.0));
+  app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
+      ->capture_default_str();
+}
+
+std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather) {
+  const bool given = app.count("--wetness") || app.count("--dirt");
+  RefuseUnless(app, given, {"--wet-at"}, "--wetness and --dirt");
+  if (!given) return std::nullopt;
+  return weather;
+}
+
+void RefuseBeside(const CLI::App& app, const std::string& present,
+                  std::initializer_list<const char*> ignored) {
+  for (const char* option : ignored)
+    if (app.count(present) && app.count(option))
+      throw UsageError(fmt::format("{} has no effect with {}", option, present));
+}
+
+void RefuseAllBut(const CLI::App& app, const std::string& present,
+                  const std::vector<std::string>& allowed) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (app.count(present) && option->count() && name != present &&
+        std::ranges::count(allowed, name) == 0)
+      throw UsageError(fmt::format("{} has no effect with {}", name, present));
+  }
+}
+
+void RefuseUnless(const CLI::App& app, bool has_effect, std::initializer_list<const char*> options,
+                  const std::string& where) {
+  for (const char* option : options)
+    if (!has_effect && app.count(option))
+      throw UsageError(fmt::format("{} has an effect only with {}", option, where));
+}
+
+}  // namespace pelt

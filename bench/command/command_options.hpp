@@ -1,0 +1,72 @@
+// What the subcommands of `pelt` have in common: how one is declared, and the groups of options
+// that several take.
+//
+// A subcommand is one function that declares its options and returns what is to be done with them,
+// so that everything about it stands in one place and `main` knows none of it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/command/commands.hpp"
+
+namespace pelt {
+
+struct Subcommand {
+  CLI::App* app;
+  // Called once the arguments are parsed; throws CLI::ParseError for those that do not go together.
+  std::function<void()> complete;
+  std::function<int()> run;  // returns the exit code
+  // The exit code when an Error keeps it from running to its end: where 1 is an answer, another.
+  int no_answer = 1;
+};
+
+// Of a listing or a scene on a console's core (console_options.cpp).
+Subcommand SetUpTiming(CLI::App& root);
+Subcommand SetUpBudget(CLI::App& root);
+// Of strand solvers (accuracy_options.cpp).
+Subcommand SetUpAccuracy(CLI::App& root);
+Subcommand SetUpStress(CLI::App& root);
+
+// A built-in scene's name.
+CLI::Validator IsScene();
+// An instruction set's name, or several.
+CLI::Validator IsIsa();
+// As CLI::Range, but for "nan", which it lets through.
+CLI::Validator InRange(double least, double most);
+
+// What to run, for the subcommands that take a scene or files.
+void AddSource(CLI::App& app, ScenarioRequest& request);
+// The scene is the monster unless something else is named.
+void CompleteSource(const CLI::App& app, ScenarioRequest& request);
+
+void AddFrames(CLI::App& app, uint32_t& frames);
+void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa)>& set);
+// --shard and --merge, for subcommands that go through a list of cases. Declared last: a merge
+// takes no other option but --json.
+void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge);
+void AddPlanOptions(CLI::App& app, SceneOptions& options);
+void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod);
+void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed);
+// Refuses an option that the executor has no use for.
+void CheckExecutor(const CLI::App& app, ExecutorKind executor);
+void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather);
+// The weather that was asked for, if any was.
+std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather);
+
+// Throws when an option was given beside `present`, with which it would be ignored.
+void RefuseBeside(const CLI::App& app, const std::string& present,
+                  std::initializer_list<const char*> ignored);
+// Throws when one was given beside `present` that is none of `allowed`.
+void RefuseAllBut(const CLI::App& app, const std::string& present,
+                  const std::vector<std::string>& allowed);
+// Throws when one was given though it has an effect only where `where` says: "the ppe".
+void RefuseUnless(const CLI::App& app, bool has_effect, std::initializer_list<const char*> options,
+                  const std::string& where);
+
+}  // namespace pelt

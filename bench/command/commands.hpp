@@ -1,0 +1,193 @@
+// What the `pelt` command can do. Each function does one subcommand, writes its result to standard
+// output and returns the exit code; bad input is thrown as Error.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/command/output_path.hpp"
+#include "bench/report/run_report.hpp"
+#include "bench/scenarios/scenarios.hpp"
+#include "platform_sim/platforms/platform.hpp"
+
+namespace pelt {
+
+struct BakeArgs {
+  std::string character = "builtin";
+  std::string setup = "monster";
+  OutputPath out;
+  uint64_t seed = 0;
+  bool stats = false, keys = false, json = false;
+  CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
+};
+int Bake(const BakeArgs& args);
+
+struct RunArgs {
+  ScenarioRequest request;
+  RunOptions options;
+  std::optional<WeatherCourse> weather;  // the scenario's own if not given
+  double fps = 0.0;                      // 0: the scenario's own
+  OutputPath picture;
+  uint32_t picture_width_px = 1200, picture_height_px = 900;
+  OutputPath trace;            // Chrome trace file to write
+  uint32_t trace_frames = 10;  // the last ones; 0: all
+  OutputPath digest_log;       // to write
+  bool json = false;
+};
+int Run(const RunArgs& args);
+
+// The scenario as the arguments change it; what was assumed goes to `notes`, unless that is null.
+Scenario LoadForRun(const RunArgs& args, std::FILE* notes);
+// What makes its digests others than the scene's own: "lod, strand budget 400"; empty: nothing.
+std::string DescribeSettings(const RunArgs& args);
+
+struct RecordArgs {
+  RunArgs run;
+  OutputPath out;
+};
+int Record(const RecordArgs& args);
+
+struct ReplayArgs {
+  std::string path;
+  // What runs it; the vertex order is the recording's.
+  VerifyCase as{.executor = ExecutorKind::kTbb, .workers = 0, .isa = BestIsa()};
+  OutputPath digest_log;
+  bool json = false;
+};
+int ReplayRecording(const ReplayArgs& args);
+
+struct ShowArgs {
+  std::string path;
+  bool json = false;
+};
+int ShowRecording(const ShowArgs& args);
+
+struct DiffArgs {
+  std::string left, right;
+  bool json = false;
+};
+int Diff(const DiffArgs& args);
+
+struct GoldenArgs {
+  std::string check;  // a folder; or
+  OutputPath renew;   // a folder
+  std::string scene;  // empty: all
+  bool json = false;
+  Shard shard = {};
+  std::vector<std::string> merge = {};  // files of shards to join, instead of running
+};
+int CheckOrRenewGolden(const GoldenArgs& args);
+
+struct ReportArgs {
+  RunArgs run;
+  OutputPath out = OutputPath::Of("report.html");
+  bool consoles = true;  // model the scene on both, too
+  std::string accuracy;  // JSON file of `pelt accuracy` to show as well
+};
+int Report(const ReportArgs& args);
+
+struct PlanArgs {
+  ScenarioRequest request;
+  SceneOptions options;
+  bool chunk = false, memory = false, json = false;
+};
+int PrintPlan(const PlanArgs& args);
+
+struct TimingArgs {
+  std::string path;    // of a listing; "-": standard input; or, with this empty:
+  std::string kernel;  // how the names of the stages begin that are timed
+  std::string scene = "tiny";
+  uint32_t chart_slots = 0;      // of each kernel's scheduled code to print
+  bool host_operations = false;  // LoweringRules
+  std::string core = "spu";
+  std::vector<std::string> trips;  // LABEL=N
+  std::string second_thread;       // a listing that the PPE's other thread runs
+  bool pair_by_order = false, hinted = false, smt = false, json = false;
+};
+int PrintTiming(const TimingArgs& args);
+int PrintKernelTiming(const TimingArgs& args);
+
+struct ValidateArgs {
+  bool json = false;
+};
+// The measured rows beside the consoles' models; 1 if one is missed that is not known to be.
+int PrintValidation(const ValidateArgs& args);
+
+struct BudgetArgs {
+  ScenarioRequest request;
+  std::vector<std::string> platforms = {"host", "ps3", "xbox360"};
+  double target_ms = 8.0;
+  uint32_t frames = 60;
+  SkipSettings skip;
+  LodSettings lod;
+  // What the consoles have instead of their own; not given: theirs.
+  std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
+  uint32_t warm_up = 60;            // frames before those that count
+  std::string what_if = "nothing";  // a change of the consoles' data movement, by name
+  OutputPath trace;                 // Chrome trace of the modelled consoles to write
+  bool advice = true;
+  bool numbers = false;   // only print the platforms' numbers
+  bool validate = false;  // only hold the models against the measured rows
+  bool json = false;
+};
+// The consoles' numbers as the arguments change them.
+PlatformParameters NumbersOf(const BudgetArgs& args);
+// 0: the scene fits every platform asked for; 1: it does not, and nothing else; 2: no answer.
+int PrintBudget(const BudgetArgs& args);
+
+struct VerifyArgs {
+  ScenarioRequest request;
+  uint32_t frames = 20;
+  std::optional<Isa> isa;  // only this instruction set, besides the reference
+  bool skips = true, checks = true, every_executor = false, json = false;
+  bool stop_at_failure = false;
+  Shard shard = {};
+  std::vector<std::string> merge = {};  // files of shards to join, instead of running
+};
+int VerifyScene(const VerifyArgs& args);
+
+struct ConformanceArgs {
+  std::string door;      // empty: all
+  uint32_t workers = 0;  // 0: one for each core, at least two
+  bool json = false;
+};
+std::vector<std::string> ConformanceDoorNames();
+int CheckConformance(const ConformanceArgs& args);
+
+// Error against run time of every strand solver; or, with `scene`, of every way to run its frames;
+// or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
+// root.
+struct AccuracyArgs {
+  std::vector<int> rates, links;     // empty: all
+  std::vector<std::string> presets;  // empty: all
+  bool calibrated = false;  // strands as layers have them, not with equal masses and joints
+  Isa isa = BestIsa();
+  bool quick = false;    // few solvers, cases and rounds
+  OutputPath json, svg;  // files to write
+  std::string roots, strand;
+  OutputPath out;
+  std::string solver = "modal";
+  double stiffness_scale = 1.0;  // for solvers whose stiffness is not the material's
+  bool exact = false;            // the reference integrator instead of a solver
+  OutputPath write_example;      // folder
+  std::string scene;
+  uint32_t frames = 0;  // of the scene; 0: enough
+  bool contact = true;  // in the scene
+  bool features = false;
+};
+int MeasureAccuracy(const AccuracyArgs& args);
+
+struct StressArgs {
+  std::vector<std::string> solvers;  // empty: ours, XPBD and implicit Euler
+  std::vector<int> rates, links;     // empty: all
+  std::vector<Isa> isas;             // empty: all this processor runs
+  bool quick = false;
+  OutputPath json;  // file to write
+};
+// 1 when a modal solver broke its promise.
+int StressSolvers(const StressArgs& args);
+
+}  // namespace pelt

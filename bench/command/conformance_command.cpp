@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "bench/command/commands.hpp"
+#include "bench/report/json_text.hpp"
+#include "jobs/adapters/tbb_door.hpp"
+#include "jobs/adapters/thread_pool_door.hpp"
+#include "jobs/conformance.hpp"
+
+namespace pelt {
+namespace {
+
+ConformanceReport CheckThreadPool(uint32_t workers) {
+  ThreadPoolDoor pool(workers);
+  return CheckDoor(pool.door());
+}
+
+ConformanceReport CheckOneTbb(uint32_t workers) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, workers);
+  tbb::task_arena arena{int(workers)};
+  TbbDoor tasks(workers);
+  ConformanceOptions options;
+  options.enter = [&](const auto& body) { arena.execute(body); };
+  return CheckDoor(tasks.door(), options);
+}
+
+// The smallest door there is.
+ConformanceReport CheckInline(uint32_t workers) {
+  const auto enqueue = [](PeltTask task, void* context, void*, const char*) -> void* {
+    task(context);
+    return nullptr;
+  };
+  return CheckDoor({enqueue, [](void*, void*) {}, nullptr, workers});
+}
+
+struct BuiltInDoor {
+  std::string_view name;
+  ConformanceReport (*check)(uint32_t workers);
+};
+constexpr BuiltInDoor kDoors[] = {
+    {"threads", CheckThreadPool}, {"tbb", CheckOneTbb}, {"inline", CheckInline}};
+
+void AddReport(JsonText& json, std::string_view door, const ConformanceReport& report) {
+  json.BeginObject();
+  json.Add("door", door);
+  json.Add("conforms", report.Passed());
+  json.BeginArray("checks");
+  for (const ConformanceCheck& check : report.checks) {
+    json.BeginObject();
+    json.Add("check", check.name);
+    json.Add("passed", check.passed);
+    json.Add("detail", check.detail);
+    json.EndObject();
+  }
+  json.EndArray();
+  json.EndObject();
+}
+
+}  // namespace
+
+std::vector<std::string> ConformanceDoorNames() {
+  std::vector<std::string> names;
+  for (const BuiltInDoor& door : kDoors) names.emplace_back(door.name);
+  return names;
+}
+
+int CheckConformance(const ConformanceArgs& args) {
+  const uint32_t workers =
+      args.workers ? args.workers : std::max(2u, std::thread::hardware_concurrency());
+  bool passed = true;
+  JsonText json;
+  json.BeginArray();
+  for (const BuiltInDoor& door : kDoors) {
+    if (!args.door.empty() && args.door != door.name) continue;
+    const ConformanceReport report = door.check(workers);
+    passed &= report.Passed();
+    if (args.json) {
+      AddReport(json, door.name, report);
+    } else {
+      fmt::print("door '{}', {} workers\n{}\n", door.name, workers, report.Text());
+    }
+  }
+  json.EndArray();
+  if (args.json) fmt::print("{}\n", json.text());
+  return passed ? 0 : 1;
+}
+
+}  // namespace pelt

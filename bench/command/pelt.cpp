@@ -1,0 +1,385 @@
+// The `pelt` command: arguments in, exit code out.
+//
+// Exit codes: 0 done (for verify: same bits), 1 bad input or a failed check, 2 wrong usage. Every
+// error is one line "pelt: ..." on standard error. The examples in the help texts are run by a
+// test.
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "bench/command/command_options.hpp"
+#include "bench/command/file_options.hpp"
+#include "bench/command/usage_error.hpp"
+#include "bench/command/usage_text.hpp"
+#include "bench/command/version.hpp"
+#include "core/error.hpp"
+#include "core/printable.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr int kUsageError = 2;
+
+// One line, whatever the message quotes. Not by fmt, which throws where standard error is closed.
+void PrintError(const std::string& message) {
+  std::fputs(("pelt: " + Printable(message) + "\n").c_str(), stderr);
+}
+
+Subcommand SetUpBake(CLI::App& root) {
+  const auto kept = std::make_shared<BakeArgs>();
+  BakeArgs& args = *kept;
+  auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
+  AddInputFileOrName(*app, "--character", args.character, "A .glb or .gltf file, or 'builtin'")
+      ->capture_default_str();
+  AddInputFileOrName(*app, "--setup", args.setup,
+                     "A fur setup: a .toml file, or the name of a built-in one")
+      ->capture_default_str();
+  AddOutputFile(*app, "--out", args.out, "Groom file to write");
+  args.check_files_read = [app](const std::vector<std::string>& files) {
+    CheckFilesRead(*app, files);
+  };
+  app->add_option("--seed", args.seed, "Another groom from the same setup")->capture_default_str();
+  app->add_flag("--stats", args.stats, "How even every prefix of the scatter is");
+  app->add_flag("--keys", args.keys, "Explain the keys of a fur setup");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt bake --character builtin --setup monster --out monster.groom\n"
+      "  pelt bake --setup eyepet --stats\n"
+      "  pelt bake --setup tiny --json\n"
+      "  pelt bake --keys");
+  return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
+}
+
+// What may be set to other than the scene's own.
+void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& args) {
+  CompleteSource(app, args.request);
+  args.weather = WeatherOf(app, weather);
+}
+
+// What runs and how.
+void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
+  AddSource(app, args.request);
+  AddFrames(app, args.options.frames);
+  AddExecutor(app, args.options.executor, args.options.workers, args.options.order_seed);
+  AddIsa(app, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.options.scene.isa = isa; });
+  AddPlanOptions(app, args.options.scene);
+  AddSkips(app, args.options.skip, args.options.lod);
+  AddTimeAndWeather(app, args.fps, weather);
+  app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
+}
+
+Subcommand SetUpRun(CLI::App& root) {
+  const auto kept = std::make_shared<RunArgs>();
+  const auto weather = std::make_shared<WeatherCourse>();
+  RunArgs& args = *kept;
+  auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
+  AddRun(*app, args, *weather);
+  auto* picture = AddOutputFile(*app, "--picture", args.picture,
+                                "PNG file for a picture of the last frame", ".png");
+  app->add_option("--picture-width", args.picture_width_px, "In pixels")
+      ->needs(picture)
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app->add_option("--picture-height", args.picture_height_px, "In pixels")
+      ->needs(picture)
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  auto* trace = AddOutputFile(
+      *app, "--trace", args.trace,
+      "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
+      "every fourth frame, which keeps its cost below 2 %");
+  app->add_option("--trace-frames", args.trace_frames, "With --trace: how many frames; 0: all")
+      ->needs(trace)
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  AddOutputFile(*app, "--digest-log", args.digest_log,
+                "Text file with a digest for each frame, stage and stream; see pelt diff");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt run --scene monster --frames 20\n"
+      "  pelt run --scene tiny --frames 20 --digest-log tiny.digests\n"
+      "  pelt run --scene tiny --frames 20 --trace trace.json --trace-frames 5\n"
+      "  pelt run --scene tiny --executor serial --isa reference --no-sleep\n"
+      "  pelt run --scene tiny --wetness 1 --dirt 0.5 --wet-at 20 --fps 30 --json\n"
+      "  pelt run --character builtin --setup eyepet --frames 10 --picture eyepet.png\n"
+      "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
+  return {app,
+          [app, kept, weather] {
+            CompleteRun(*app, *weather, *kept);
+            CheckExecutor(*app, kept->options.executor);
+          },
+          [kept] { return Run(*kept); }};
+}
+
+Subcommand SetUpReport(CLI::App& root) {
+  const auto kept = std::make_shared<ReportArgs>();
+  const auto weather = std::make_shared<WeatherCourse>();
+  ReportArgs& args = *kept;
+  auto* app = root.add_subcommand("report", "Run frames and write one HTML page about them");
+  AddRun(*app, args.run, *weather);
+  AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be read");
+  app->add_flag("!--no-consoles", args.consoles, "Leave out what consoles would make of it");
+  AddInputFile(*app, "--accuracy", args.accuracy,
+               "Also what pelt accuracy --json wrote to this file");
+  app->footer(
+      "Examples:\n"
+      "  pelt report --scene tiny --frames 60 --out report.html\n"
+      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2 --no-consoles");
+  return {app,
+          [app, kept, weather] {
+            CompleteRun(*app, *weather, kept->run);
+            CheckExecutor(*app, kept->run.options.executor);
+          },
+          [kept] { return Report(*kept); }};
+}
+
+Subcommand SetUpPlan(CLI::App& root) {
+  const auto kept = std::make_shared<PlanArgs>();
+  PlanArgs& args = *kept;
+  auto* app = root.add_subcommand("plan", "Print the passes, barriers and bytes of a frame");
+  AddSource(*app, args.request);
+  AddPlanOptions(*app, args.options);
+  app->add_flag("--chunk", args.chunk, "Also the blocks of a chunk and their sizes");
+  app->add_flag("--memory", args.memory, "Also what every range of the scene's block takes");
+  app->add_option_function<double>(
+         "--memory-budget-mb",
+         [&args](double mb) { args.options.memory_budget_bytes = uint64_t(mb * 1e6); },
+         "Refuse a scene whose block is larger (1 MB = 10^6 bytes)")
+      ->check(CLI::PositiveNumber);
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt plan --scene monster\n"
+      "  pelt plan --scene tiny --unfused --chunk\n"
+      "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
+      "  pelt plan --scene eyepet --json");
+  return {app,
+          [app, kept] {
+            CompleteSource(*app, kept->request);
+            RefuseBeside(*app, "--json", {"--chunk"});
+          },
+          [kept] { return PrintPlan(*kept); }};
+}
+
+Subcommand SetUpVerify(CLI::App& root) {
+  const auto kept = std::make_shared<VerifyArgs>();
+  VerifyArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "verify", "Check that every executor, order, plan and instruction set gives the same bits");
+  AddSource(*app, args.request);
+  app->add_option("--frames", args.frames, "Frames to compare")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  AddIsa(*app, "Only this instruction set, against the reference",
+         [&args](Isa isa) { args.isa = isa; });
+  app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
+  app->add_flag("--stop-at-failure", args.stop_at_failure,
+                "Run nothing after the first case that fails");
+  app->add_flag("!--no-checks", args.checks,
+                "Leave out the checks of access, waking, culling and digests");
+  app->add_flag("--full", args.every_executor,
+                "Every changed input under every executor, which take turns otherwise");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  AddShards(*app, args.shard, args.merge);
+  app->footer(
+      "Examples:\n"
+      "  pelt verify --scene tiny --frames 5\n"
+      "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --no-checks --json\n"
+      "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
+      "Several processes, and the one verdict of what they print:\n"
+      "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
+      "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"
+      "  and then: pelt verify --merge 0.json 1.json 2.json");
+  return {app, [app, kept] { CompleteSource(*app, kept->request); },
+          [kept] { return VerifyScene(*kept); }};
+}
+
+struct TraceArgs {
+  RecordArgs record;
+  ReplayArgs replay;
+  ShowArgs show;
+};
+
+int RunTrace(const CLI::App& trace, const TraceArgs& args) {
+  if (trace.got_subcommand("record")) return Record(args.record);
+  if (trace.got_subcommand("replay")) return ReplayRecording(args.replay);
+  return ShowRecording(args.show);
+}
+
+Subcommand SetUpTrace(CLI::App& root) {
+  const auto kept = std::make_shared<TraceArgs>();
+  const auto weather = std::make_shared<WeatherCourse>();
+  TraceArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "trace", "Record all that a scene is told; replay it bit for bit, anywhere");
+  app->require_subcommand(1);
+  app->footer(
+      "Examples:\n"
+      "  pelt trace record --scene tiny --frames 20 --out tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput --executor serial --isa reference --digest-log "
+      "again.digests\n"
+      "  pelt trace show tiny.peltinput\n"
+      "  pelt trace replay tiny.peltinput --executor tbb --workers 3 --unfused --json");
+  auto* record = app->add_subcommand("record", "Run frames and write an input log");
+  AddSource(*record, args.record.run.request);
+  AddFrames(*record, args.record.run.options.frames);
+  AddIsa(*record, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.record.run.options.scene.isa = isa; });
+  AddPlanOptions(*record, args.record.run.options.scene);
+  AddSkips(*record, args.record.run.options.skip, args.record.run.options.lod);
+  AddTimeAndWeather(*record, args.record.run.fps, *weather);
+  AddOutputFile(*record, "--out", args.record.out, "Input log to write")->required();
+
+  auto* replay = app->add_subcommand(
+      "replay", "Run an input log again; exit code 1 when a digest is not the recorded one");
+  AddInputFile(*replay, "file", args.replay.path, "Input log")->required();
+  AddExecutor(*replay, args.replay.as.executor, args.replay.as.workers, args.replay.as.order_seed);
+  AddIsa(*replay, "Instruction set of the kernels: the widest there is if not given",
+         [&args](Isa isa) { args.replay.as.isa = isa; });
+  replay->add_flag("!--unfused", args.replay.as.fuse, "One stage a pass");
+  replay->add_flag("--sort-pieces", args.replay.as.piecewise_sort, "Every layer sorts in pieces");
+  AddOutputFile(*replay, "--digest-log", args.replay.digest_log,
+                "Text file with a digest for each frame, stage and stream");
+  replay->add_flag("--json", args.replay.json, "Machine-readable output");
+
+  auto* show = app->add_subcommand("show", "What an input log holds");
+  AddInputFile(*show, "file", args.show.path, "Input log")->required();
+  show->add_flag("--json", args.show.json, "Machine-readable output");
+  return {app,
+          [=] {
+            if (*record) CompleteRun(*record, *weather, kept->record.run);
+            if (*replay) CheckExecutor(*replay, kept->replay.as.executor);
+          },
+          [app, kept] { return RunTrace(*app, *kept); }};
+}
+
+Subcommand SetUpDiff(CLI::App& root) {
+  const auto kept = std::make_shared<DiffArgs>();
+  DiffArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "diff", "The first difference of two digest logs, input logs or grooms; exit code 1 if any");
+  AddInputFile(*app, "left", args.left, "File")->required();
+  AddInputFile(*app, "right", args.right, "Another of its kind")->required();
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt diff tiny.digests again.digests\n"
+      "  pelt diff tiny.peltinput tiny.peltinput\n"
+      "  pelt diff monster.groom monster.groom --json");
+  return {app, [] {}, [kept] { return Diff(*kept); }};
+}
+
+Subcommand SetUpGolden(CLI::App& root) {
+  const auto kept = std::make_shared<GoldenArgs>();
+  GoldenArgs& args = *kept;
+  auto* app = root.add_subcommand("golden", "Check the built-in scenes against kept digests");
+  auto* check =
+      app->add_option("--check", args.check, "Folder of digest logs; exit code 1 when one differs");
+  AddOutputFolder(*app, "--renew", args.renew,
+                  "Folder of digest logs to write; says all that changed")
+      ->excludes(check);
+  app->add_option("--scene", args.scene, "Only the logs of this scene")->check(IsScene());
+  app->add_flag("--json", args.json, "Machine-readable output of --check");
+  AddShards(*app, args.shard, args.merge);
+  app->footer(
+      "Examples:\n"
+      "  pelt golden --renew . --scene tiny\n"
+      "  pelt golden --check . --scene tiny\n"
+      "  pelt golden --check . --scene tiny --json\n"
+      "Several processes: pelt golden --check . --shard 0/2 --json > 0.json, and so on; then\n"
+      "pelt golden --merge 0.json 1.json.");
+  return {app,
+          [kept] {
+            const int ways = !kept->check.empty() + !kept->renew.empty() + !kept->merge.empty();
+            if (ways != 1) throw UsageError("one of --check, --renew and --merge is required");
+            if (!kept->renew.empty() && (kept->json || !kept->shard.IsAll()))
+              throw UsageError("--json and --shard are for --check, not for --renew");
+          },
+          [kept] { return CheckOrRenewGolden(*kept); }};
+}
+
+Subcommand SetUpConformance(CLI::App& root) {
+  const auto kept = std::make_shared<ConformanceArgs>();
+  ConformanceArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "conformance", "Check that job systems do what an engine door promises (jobs/README.md)");
+  app->add_option("--door", args.door, "Only this one")
+      ->check(CLI::IsMember(ConformanceDoorNames()));
+  app->add_option("--workers", args.workers, "Threads, this one included; 0: one for each core")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt conformance\n"
+      "  pelt conformance --door threads --workers 4 --json");
+  return {app, [] {}, [kept] { return CheckConformance(*kept); }};
+}
+
+int RunChosen(const Subcommand& chosen) {
+  try {
+    chosen.complete();
+    CheckFiles(*chosen.app);
+    return chosen.run();
+  } catch (const Error& error) {
+    if (chosen.no_answer == 1) throw;  // told where all others are
+    PrintError(error.what());
+    return chosen.no_answer;
+  }
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
+  app.footer("See 'pelt bake --help' and so on for each.");
+  const Subcommand subcommands[] = {
+      SetUpBake(app),   SetUpRun(app),         SetUpPlan(app),  SetUpVerify(app), SetUpTiming(app),
+      SetUpBudget(app), SetUpConformance(app), SetUpTrace(app), SetUpDiff(app),   SetUpGolden(app),
+      SetUpReport(app), SetUpAccuracy(app),    SetUpStress(app)};
+  try {
+    app.parse(argc, argv);
+    const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),
+                                             [](const Subcommand& s) { return s.app->parsed(); });
+    return RunChosen(chosen);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    PrintError(DescribeUsage(app, error));
+    return kUsageError;
+  }
+}
+
+// What is still in the buffer may find the disk full or the reader gone.
+int FinishOutput(int exit_code) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exit_code;
+  PrintError(std::string("standard output: ") +
+             (errno ? std::generic_category().message(errno) : "not all could be written"));
+  return exit_code ? exit_code : 1;
+}
+
+}  // namespace
+}  // namespace pelt
+
+int main(int argc, char** argv) {
+  int exit_code = 1;
+  try {
+    exit_code = pelt::Main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    pelt::PrintError("out of memory");
+  } catch (const std::exception& error) {
+    if (!std::ferror(stdout)) pelt::PrintError(error.what());
+  }
+  return pelt::FinishOutput(exit_code);
+}

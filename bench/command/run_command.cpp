@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "bench/command/commands.hpp"
+#include "bench/command/progress.hpp"
+#include "bench/picture/picture.hpp"
+#include "bench/report/timeline.hpp"
+#include "bench/verify/stage_digests.hpp"
+#include "core/error.hpp"
+#include "jobs/tick_clock.hpp"
+#include "traces/chrome_trace.hpp"
+
+namespace pelt {
+namespace {
+
+std::string TraceText(const FurScene& scene, const RunReport& report,
+                      std::span<const FrameRecord> frames, double ns_per_tick) {
+  Timeline timeline = BuildTimeline(scene, frames, report.workers, ns_per_tick);
+  timeline.process = fmt::format("pelt {}", report.scene);
+  timeline.metadata = {
+      {"scene", report.scene},
+      {"digest", report.options.digest ? fmt::format("{:016x}", report.digest) : "not taken"},
+      {"executor", std::string(ExecutorName(report.options.executor))},
+      {"workers", fmt::format("{}", report.workers)},
+      {"kernels", std::string(IsaName(report.options.scene.isa))},
+      {"machine", fmt::format("{} ({} cores)", report.machine.processor, report.machine.cores)},
+      {"compiler", report.machine.compiler},
+      {"commit", report.machine.commit}};
+  return ChromeTrace(timeline);
+}
+
+}  // namespace
+
+Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
+  Scenario scenario;
+  {
+    Progress progress("bake", 1);
+    scenario = LoadScenario(args.request, [&](uint32_t done, uint32_t total) {
+      progress.Show(done, fmt::format("character {} of {}", done + 1, total));
+    });
+  }
+  if (notes)
+    for (const std::string& note : scenario.notes) fmt::print(notes, "note: {}\n", note);
+  if (args.weather) scenario.weather_course = *args.weather;
+  if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
+  return scenario;
+}
+
+int Run(const RunArgs& args) {
+  if (!args.trace.empty()) CheckRecords(args.options.executor);
+  // In JSON output only the JSON goes to standard output.
+  Scenario scenario = LoadForRun(args, args.json ? stderr : stdout);
+  RunOptions options = args.options;
+  options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
+  RunningScenario running(scenario, options.scene);
+  std::vector<FrameRecord> records;
+  const TickScale tick_scale;
+  if (!args.trace.empty()) {
+    const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
+    if (args.trace_frames && args.trace_frames < frames)
+      options.observe_from_frame = frames - args.trace_frames;
+    options.observe = [&](const FinishedFrame& f) {
+      records.push_back(RecordFrame(f.scene, f.profile, f.frame, f.ticks));
+    };
+  }
+  const StageDigests stage_digests(running.scene());
+  DigestLog digest_log =
+      stage_digests.Begin(scenario.name, DescribeSettings(args), options.scene.vertex_order);
+  if (!args.digest_log.empty())
+    options.after_frame = [&](uint32_t, const FurScene& scene) {
+      stage_digests.AddFrame(scene, digest_log);
+    };
+  RunReport report;
+  {
+    Progress progress("run", options.frames ? options.frames : scenario.default_frames);
+    options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
+    report = RunFrames(scenario, running, options);
+  }
+  fmt::print("{}\n", args.json ? RunAsJson(report) : DescribeRun(report));
+  // One that cannot be written keeps no other from being written.
+  std::vector<std::string> faults;
+  const auto write = [&](std::string_view what, const OutputPath& path, const auto& make) {
+    if (path.empty()) return;
+    try {
+      WriteOutput(what, path, make());
+      if (!args.json) fmt::print("{} {}\n", what, path.path());
+    } catch (const Error& error) {
+      faults.push_back(error.what());
+    }
+  };
+  write("picture", args.picture, [&] {
+    const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
+    return DrawPicture(scenario, running.scene(), camera, options.scene.vertex_order,
+                       {args.picture_width_px, args.picture_height_px});
+  });
+  write(fmt::format("trace of {} frames", records.size()), args.trace,
+        [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });
+  write("digest log", args.digest_log, [&] { return WriteDigestLog(digest_log); });
+  if (!faults.empty()) throw Error(fmt::format("{}", fmt::join(faults, "; ")));
+  if (!report.faults.empty())
+    throw Error(
+        fmt::format("{} faults, the first: {}", report.faults.size(), report.faults.front()));
+  return 0;
+}
+
+}  // namespace pelt

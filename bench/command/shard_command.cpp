@@ -1,0 +1,36 @@
+// What --shard and --merge need of this build and its files.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/report/machine.hpp"
+#include "bench/verify/merge_shards.hpp"
+#include "core/chunk.hpp"
+#include "core/file_bytes.hpp"
+#include "core/kernels/kernel_table.hpp"
+
+namespace pelt {
+
+Fingerprint FingerprintOfBuild(std::string_view command) {
+  const Machine machine = DescribeMachine();
+  std::vector<std::string_view> isas;
+  for (const Isa isa : kAllIsas)
+    if (FindKernels(isa)) isas.push_back(IsaName(isa));
+  return {{"command", std::string(command)},
+          {"version", std::string(PeltVersion())},
+          {"commit", machine.commit},
+          {"compiler", machine.compiler},
+          {"build_type", machine.build_type},
+          {"chunk_strands", fmt::format("{}", kStrandsPerChunk)},
+          {"instruction_sets", fmt::format("{}", fmt::join(isas, " "))}};
+}
+
+int PrintMergedShards(std::string_view command, const std::vector<std::string>& paths, bool json) {
+  std::vector<ShardFile> files;
+  for (const std::string& path : paths)
+    files.push_back({path, std::string(AsText(ReadFileBytes("shard", path)))});
+  const MergedShards merged = MergeShards(command, files);
+  fmt::print("{}{}", json ? merged.json : merged.description, json ? "\n" : "");
+  return merged.passed ? 0 : 1;
+}
+
+}  // namespace pelt

@@ -1,0 +1,206 @@
+// `pelt stress`: problems no solver should come out of with a NaN, a stretched hair or a strand
+// that never settles, for several solvers, frame rates and instruction sets.
+//
+// Our modal solver promises three things on every row: every value finite, links within
+// kMostPromisedStretch of their length, every strand at rest in the end. Exit code 1 says that a
+// promise was broken, or that an instruction set gave other results than the first. The other
+// solvers' figures are shown, not judged.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "bench/accuracy/named_solver.hpp"
+#include "bench/accuracy/stress.hpp"
+#include "bench/command/commands.hpp"
+#include "bench/command/progress.hpp"
+#include "bench/report/json_text.hpp"
+#include "bench/report/machine.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+
+using namespace accuracy;
+
+namespace {
+
+constexpr std::string_view kUsualSolvers[] = {"modal-fast", "modal",  "modal-best", "pbd",
+                                              "verlet",     "xpbd-8", "euler-1"};
+
+struct StressRow {
+  int links;
+  std::string problem;
+  int frames_per_second;
+  size_t strands;
+  NamedSolver solver;
+  StressResult result;          // on the first instruction set
+  std::vector<Isa> other_bits;  // sets that gave another result
+
+  bool Promised() const { return solver.family == Family::kModal; }
+  // What it broke, for people; empty: nothing.
+  std::string Broken() const {
+    std::vector<std::string> broken;
+    if (Promised()) broken = BrokenPromises(result);
+    for (const Isa isa : other_bits) broken.push_back(fmt::format("other on {}", IsaName(isa)));
+    return fmt::format("{}", fmt::join(broken, ", "));
+  }
+};
+
+bool SameResult(const StressResult& a, const StressResult& b) {
+  return a.ran == b.ran && a.non_finite == b.non_finite && a.worst_stretch == b.worst_stretch &&
+         a.unsettled == b.unsettled && a.stuck == b.stuck &&
+         a.worst_off_balance == b.worst_off_balance && a.recovery_seconds == b.recovery_seconds;
+}
+
+std::vector<NamedSolver> SolversOf(const StressArgs& args) {
+  std::vector<NamedSolver> solvers;
+  const auto add = [&](std::string_view name) {
+    std::optional<NamedSolver> solver = FindSolver(name);
+    if (!solver)
+      throw Error(fmt::format("--solvers {}: no such solver; there are {}", name, SolverNames()));
+    solvers.push_back(*std::move(solver));
+  };
+  if (args.solvers.empty())
+    for (const std::string_view name : kUsualSolvers) add(name);
+  for (const std::string& name : args.solvers) add(name);
+  return solvers;
+}
+
+// The widest first: its figures are the ones that are shown.
+std::vector<Isa> IsasOf(const StressArgs& args) {
+  std::vector<Isa> isas = args.isas;
+  if (isas.empty())
+    for (const Isa isa : kAllIsas)
+      if (FindKernels(isa)) isas.insert(isas.begin(), isa);
+  for (const Isa isa : isas)
+    if (!FindKernels(isa))
+      throw Error(fmt::format("no {} kernels in this program or processor", IsaName(isa)));
+  return isas;
+}
+
+std::vector<StressProblem> ProblemsOf(const StressArgs& args) {
+  std::vector<StressProblem> problems;
+  std::vector<int> links = args.links;
+  if (links.empty()) links = {3, 4};
+  for (const int n : links) {
+    StressOptions options{.links = n, .calibrated = true};
+    if (args.quick) {
+      options.random_starts = 80;
+      options.frame_rates = {15, 60, 240};
+    }
+    if (!args.rates.empty()) options.frame_rates = args.rates;
+    for (StressProblem& problem : StressProblems(options)) problems.push_back(std::move(problem));
+  }
+  return problems;
+}
+
+std::vector<StressRow> RunAll(const StressArgs& args, const std::vector<Isa>& isas) {
+  const std::vector<NamedSolver> solvers = SolversOf(args);
+  const std::vector<StressProblem> problems = ProblemsOf(args);
+  std::vector<StressRow> rows;
+  Progress progress("stress", problems.size() * solvers.size());
+  for (const StressProblem& problem : problems)
+    for (const NamedSolver& solver : solvers) {
+      progress.Show(rows.size(), problem.name);
+      StressRow row{problem.material.links,
+                    problem.name,
+                    problem.frames_per_second,
+                    problem.strands.size(),
+                    solver,
+                    RunStress(problem, FactoryOf(solver, isas[0])),
+                    {}};
+      for (size_t i = 1; i < isas.size(); ++i)
+        if (!SameResult(RunStress(problem, FactoryOf(solver, isas[i])), row.result))
+          row.other_bits.push_back(isas[i]);
+      rows.push_back(std::move(row));
+    }
+  return rows;
+}
+
+std::vector<std::string_view> NamesOf(const std::vector<Isa>& isas) {
+  std::vector<std::string_view> names;
+  for (const Isa isa : isas) names.push_back(IsaName(isa));
+  return names;
+}
+
+void PrintRows(const std::vector<StressRow>& rows) {
+  const StressRow* before = nullptr;
+  for (const StressRow& row : rows) {
+    if (!before || before->problem != row.problem || before->links != row.links)
+      fmt::print("\n{}, {} links, {} strands at {} Hz\n  {:<28} {:>9} {:>10} {:>9} {:>6} {:>11}\n",
+                 row.problem, row.links, row.strands, row.frames_per_second, "", "stretch",
+                 "not finite", "unsettled", "stuck", "recovery, s");
+    before = &row;
+    const std::string broken = row.Broken();
+    fmt::print("  {:<28} {:>9.1e} {:>10} {:>9} {:>6} {:>11.2f}{}\n", row.solver.label,
+               row.result.worst_stretch, row.result.non_finite, row.result.unsettled,
+               row.result.stuck, row.result.recovery_seconds,
+               broken.empty() ? "" : "  BROKEN: " + broken);
+  }
+}
+
+std::string StressJson(const std::vector<StressRow>& rows, const std::vector<Isa>& isas,
+                       size_t broken) {
+  JsonText json;
+  json.BeginObject();
+  AddMachine(DescribeMachine(), json);
+  json.BeginArray("isas");
+  for (const std::string_view name : NamesOf(isas)) json.Add("", name);
+  json.EndArray();
+  json.Add("broken", broken);
+  json.BeginArray("rows");
+  for (const StressRow& row : rows) {
+    json.BeginObject();
+    json.Add("problem", row.problem);
+    json.Add("links", row.links);
+    json.Add("rate", row.frames_per_second);
+    json.Add("strands", row.strands);
+    json.Add("solver", row.solver.name);
+    json.Add("stretch", row.result.worst_stretch);
+    json.Add("not_finite", row.result.non_finite);
+    json.Add("unsettled", row.result.unsettled);
+    json.Add("stuck", row.result.stuck);
+    json.Add("off_balance", row.result.worst_off_balance);
+    json.Add("recovery_s", row.result.recovery_seconds);
+    json.Add("promised", row.Promised());
+    json.Add("broken", row.Broken());
+    json.EndObject();
+  }
+  json.EndArray();
+  json.EndObject();
+  return json.text() + "\n";
+}
+
+}  // namespace
+
+int StressSolvers(const StressArgs& args) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<Isa> isas = IsasOf(args);
+  const std::vector<StressRow> rows = RunAll(args, isas);
+  const size_t broken = size_t(std::count_if(
+      rows.begin(), rows.end(), [](const StressRow& row) { return !row.Broken().empty(); }));
+  fmt::print(
+      "Stretch: the worst of any link, over its length. Unsettled: strands that still move at the "
+      "end.\nStuck: at rest, but with a link off balance by more than 0.1 rad (position-based "
+      "solvers by design).\nRecovery: until all strands stay within 1 % of their length of where "
+      "they "
+      "end.\n");
+  PrintRows(rows);
+  const Machine machine = DescribeMachine();
+  fmt::print(
+      "\ninstruction sets {}: figures are the first's, the others' were compared with them\n"
+      "machine   {}, {}, {}\ncommit    {}\ntook      {:.1f} s\n",
+      fmt::join(NamesOf(isas), ", "), machine.processor, machine.compiler, machine.build_type,
+      machine.commit,
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  if (!args.json.empty()) {
+    WriteOutput("stress", args.json, StressJson(rows, isas, broken));
+    fmt::print("json      {}\n", args.json.path());
+  }
+  fmt::print("{}\n", broken == 0 ? std::string("KEPT: finite, within 1e-5 of its length, settled, "
+                                               "the same on every instruction set")
+                                 : fmt::format("BROKEN in {} of {} rows", broken, rows.size()));
+  return broken == 0 ? 0 : 1;
+}
+
+}  // namespace pelt

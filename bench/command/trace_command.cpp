@@ -1,0 +1,189 @@
+// `pelt trace`: record what a scene is told, replay it anywhere, show what a recording holds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "bench/command/commands.hpp"
+#include "bench/command/progress.hpp"
+#include "bench/report/json_text.hpp"
+#include "bench/verify/lockstep.hpp"
+#include "bench/verify/replay.hpp"
+#include "bench/verify/stage_digests.hpp"
+#include "core/error.hpp"
+#include "core/groom/groom_file.hpp"
+
+namespace pelt {
+namespace {
+
+void CheckRecorded(const char* fault) {
+  if (fault) throw Error(fmt::format("recording: {}", fault));
+}
+
+void BeginRecording(const Scenario& scenario, const RunArgs& args, InputLogWriter& writer) {
+  std::vector<std::vector<std::byte>> grooms;
+  for (const Groom& groom : scenario.grooms) grooms.push_back(WriteGroom(groom));
+  std::vector<std::span<const std::byte>> each;
+  for (const Actor& actor : scenario.actors) each.emplace_back(grooms[actor.groom]);
+  const bool index_buffer = args.options.scene.vertex_order == VertexOrder::kIndexBuffer;
+  CheckRecorded(writer.Begin({scenario.name, DescribeSettings(args), index_buffer}, each));
+}
+
+// Poses that are the same as in the frame before.
+uint64_t CountUnchangedPoses(const InputLog& log) {
+  return uint64_t(log.FrameCount()) * log.CharacterCount() - log.poses.size();
+}
+
+std::string ShowAsJson(const InputLog& log) {
+  JsonText json;
+  json.BeginObject();
+  json.Add("scene", log.about.scene);
+  json.Add("note", log.about.note);
+  json.Add("bytes", log.file_bytes);
+  json.Add("chunk_strands", log.chunk_strands);
+  json.Add("vertex_order", VertexOrderName(log.about.index_buffer ? VertexOrder::kIndexBuffer
+                                                                  : VertexOrder::kSorted));
+  json.BeginArray("grooms");
+  for (const std::vector<std::byte>& groom : log.grooms) json.Add("", groom.size());
+  json.EndArray();
+  json.BeginArray("character_groom");
+  for (const uint32_t groom : log.character_groom) json.Add("", groom);
+  json.EndArray();
+  json.Add("poses_unchanged", CountUnchangedPoses(log));
+  json.BeginArray("frames");
+  for (const InputLogFrame& frame : log.frames) {
+    json.BeginObject();
+    json.Add("time_s", frame.input.time_s);
+    json.Add("dt_s", frame.input.dt_s);
+    json.AddDigest("digest", frame.digest);
+    json.EndObject();
+  }
+  json.EndArray();
+  json.EndObject();
+  return json.text();
+}
+
+// A groom file that this program cannot read is still named and measured.
+std::string DescribeGroom(const InputLog& log, size_t index) {
+  const auto users =
+      std::count(log.character_groom.begin(), log.character_groom.end(), uint32_t(index));
+  std::string text =
+      fmt::format("groom {}: {} bytes, of {} characters", index, log.grooms[index].size(), users);
+  std::string error;
+  const auto groom =
+      TryReadGroom(log.grooms[index], fmt::format("groom {} of the log", index), error);
+  if (!groom) return text + "; cannot be read: " + error + '\n';
+  uint64_t strands = 0;
+  for (const GroomLayer& layer : groom->layers) strands += layer.strand_count;
+  return text + fmt::format("; {} layers, {} strands, {} joints\n", groom->layers.size(), strands,
+                            groom->joint_count);
+}
+
+std::string DescribeLog(const InputLog& log) {
+  std::string out = fmt::format("scene {}; {} bytes\n", log.about.scene, log.file_bytes);
+  if (!log.about.note.empty()) out += fmt::format("note {}\n", log.about.note);
+  out += fmt::format("recorded with {} strands a chunk, vertices {}\n", log.chunk_strands,
+                     log.about.index_buffer ? "in strand order" : "in draw order");
+  for (size_t g = 0; g < log.grooms.size(); ++g) out += DescribeGroom(log, g);
+  out += fmt::format("{} frames, {} characters; {} of {} poses are as in the frame before\n",
+                     log.FrameCount(), log.CharacterCount(), CountUnchangedPoses(log),
+                     uint64_t(log.FrameCount()) * log.CharacterCount());
+  uint32_t f = 0;
+  for (const InputLogFrame& frame : log.frames)
+    out += fmt::format("frame {:<4} time {:9.4f} s, dt {:.5f} s, digest {:016x}\n", f++,
+                       frame.input.time_s, frame.input.dt_s, frame.digest);
+  return out;
+}
+
+std::string ReplayAsJson(const ReplayResult& result) {
+  JsonText json;
+  json.BeginObject();
+  json.Add("same", result.Same());
+  json.Add("frames", result.frames);
+  json.Add("mismatches", result.mismatches);
+  json.AddDigest("digest", result.digest);
+  if (result.first) {
+    json.BeginObject("first");
+    json.Add("frame", result.first->frame);
+    json.AddDigest("recorded", result.first->recorded);
+    json.AddDigest("found", result.first->found);
+    json.Add("refused", result.first->refused);
+    json.EndObject();
+  }
+  json.EndObject();
+  return json.text();
+}
+
+}  // namespace
+
+std::string DescribeSettings(const RunArgs& args) {
+  std::vector<std::string> all;
+  if (args.request.seed) all.push_back(fmt::format("seed {}", args.request.seed));
+  if (args.fps > 0.0) all.push_back(fmt::format("{} fps", args.fps));
+  if (args.weather)
+    all.push_back(fmt::format("wetness {}, dirt {} from frame {}", args.weather->wetness,
+                              args.weather->dirt, args.weather->from_frame));
+  if (args.options.skip.lod) all.push_back("lod");
+  if (args.options.skip.lod && args.options.lod.strand_budget)
+    all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));
+  if (!args.options.skip.cull) all.push_back("no culling");
+  return fmt::format("{}", fmt::join(all, ", "));
+}
+
+int Record(const RecordArgs& args) {
+  Scenario scenario = LoadForRun(args.run, stdout);
+  RunOptions options = args.run.options;
+  options.digest = false;
+  options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
+  RunningScenario running(scenario, options.scene);
+  InputLogWriter writer;
+  BeginRecording(scenario, args.run, writer);
+  options.after_frame = [&](uint32_t frame, const FurScene& scene) {
+    // The frame's input again: it depends on the frame's number alone.
+    FrameInput input = scenario.PrepareFrame(frame, running.scene());
+    input.skip = options.skip;
+    input.lod = options.lod;
+    CheckRecorded(writer.AddFrame(input, {&running.scene().Pose(0), scene.shape().character_count},
+                                  scene.DigestFrame()));
+  };
+  {
+    Progress progress("record", options.frames ? options.frames : scenario.default_frames);
+    options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
+    RunFrames(scenario, running, options);
+  }
+  const std::vector<std::byte> bytes = writer.Finish();
+  WriteOutput("input log", args.out, bytes);
+  fmt::print("{}: {} frames of scene {}, {} bytes\n", args.out.path(), writer.FrameCount(),
+             scenario.name, bytes.size());
+  return 0;
+}
+
+int ReplayRecording(const ReplayArgs& args) {
+  const InputLog log = ReadInputLogFile(args.path);
+  ReplayScene replay(log, args.path, SceneOptionsOf(args.as));
+  const std::unique_ptr<Executor> executor = MakeExecutor(args.as);
+  const StageDigests stage_digests(replay.scene());
+  DigestLog digests =
+      stage_digests.Begin(log.about.scene, log.about.note, replay.options().vertex_order);
+  ReplayResult result;
+  {
+    Progress progress("replay", log.FrameCount());
+    result = Replay(log, replay, *executor, [&](uint32_t frame) {
+      progress.Show(frame + 1);
+      if (!args.digest_log.empty()) stage_digests.AddFrame(replay.scene(), digests);
+    });
+  }
+  fmt::print("{}\n", args.json ? ReplayAsJson(result) : "verdict: " + DescribeReplay(result));
+  if (!args.digest_log.empty()) WriteOutput("digest log", args.digest_log, WriteDigestLog(digests));
+  if (const std::vector<std::string> faults = FaultsOf(*executor); !faults.empty())
+    throw Error(fmt::format("{} faults, the first: {}", faults.size(), faults.front()));
+  return result.Same() ? 0 : 1;
+}
+
+int ShowRecording(const ShowArgs& args) {
+  const InputLog log = ReadInputLogFile(args.path);
+  fmt::print("{}\n", args.json ? ShowAsJson(log) : DescribeLog(log));
+  return 0;
+}
+
+}  // namespace pelt

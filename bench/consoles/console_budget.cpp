@@ -1,0 +1,240 @@
+#include "bench/consoles/console_budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/error.hpp"
+#include "platform_sim/frame/pass_clock.hpp"
+#include "platform_sim/kernel_rows.hpp"
+#include "platform_sim/memory/spu_program.hpp"
+#include "platform_sim/pricing/priced_core.hpp"
+
+namespace pelt {
+namespace {
+
+// By then chains hang and swing as they do from there on, and nothing starts afresh.
+constexpr uint32_t kPricedFrame = 30;
+// A frame's limits are four more timings of it.
+constexpr uint32_t kLimitsEvery = 10;
+constexpr uint32_t kTrialFrames = 8;
+
+// A plan that fuses less needs less code at a time: it is tried for stores smaller by this much.
+constexpr uint32_t kFusionStepBytes = 16 * 1024;
+
+SceneOptions OptionsOn(const ConsoleRequest& request) {
+  SceneOptions options = request.scene;
+  options.plan.must_fit = request.console == Console::kPs3;
+  return options;
+}
+
+// What every stage costs there, from a frame that skips nothing; of all strands, so that it is the
+// same whatever LOD leaves.
+StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneOptions& options) {
+  RunningScenario running(scenario, options);
+  SerialExecutor serial;
+  SkipSettings skip = request.skip;
+  skip.lod = false;
+  for (uint32_t f = 0; f < kPricedFrame; ++f) {
+    running.Begin(f, skip, {});
+    serial.Run(running.scene().CurrentFrame());
+  }
+  const SkipSettings all{
+      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .lod = false};
+  running.Begin(kPricedFrame, all, {});
+  const CoreKind kind = request.console == Console::kPs3 ? CoreKind::kSpu : CoreKind::kXenon;
+  const PricedCore core = MakePricedCore(kind, request.numbers);
+  return ValueOrThrow([&](std::string& error) {
+    return TryPriceStages(running.scene().CurrentFrame(), core, {}, error);
+  });
+}
+
+// Frames whose work was done, timed again with other code.
+class OtherOrder {
+ public:
+  OtherOrder(ConsoleMachine machine, double code_order, const Plan& plan)
+      : machine_(With(std::move(machine), code_order)), statistics_(machine_, plan) {}
+
+  void Add(const FrameWork& work) { statistics_.Add(TimeFrame(work, machine_)); }
+  Spread Summarise() const {
+    const FrameSummary s = statistics_.Summarise();
+    return {s.median_ms, s.p95_ms, s.worst_ms};
+  }
+
+ private:
+  static ConsoleMachine With(ConsoleMachine machine, double code_order) {
+    machine.code_order = code_order;
+    return machine;
+  }
+
+  ConsoleMachine machine_;
+  FrameStatistics statistics_;
+};
+
+bool IsPriced(const Plan& plan, const StageCosts& costs) {
+  return std::equal(plan.stages.begin(), plan.stages.end(), costs.stages.begin(),
+                    costs.stages.end(), [](const Stage& stage, const StageCosts::Stage& cost) {
+                      return stage.kernel.name == cost.name;
+                    });
+}
+
+std::vector<std::string> Describe(const std::vector<LocalStoreFault>& faults) {
+  std::vector<std::string> out;
+  for (const LocalStoreFault& fault : faults)
+    out.push_back(fmt::format("{} on item {} {}", fault.stage, fault.item, fault.what));
+  return out;
+}
+
+}  // namespace
+
+std::string_view ConsoleName(Console console) {
+  return console == Console::kPs3 ? "ps3" : "xbox360";
+}
+
+ConsoleMachine MakeConsole(const ConsoleRequest& request) {
+  ConsoleMachine machine = ValueOrThrow([&](std::string& error) -> std::optional<ConsoleMachine> {
+    if (!CheckPlatforms(request.numbers, error)) return std::nullopt;
+    if (request.console == Console::kXbox360) return TryMakeXenon(request.numbers.xenon, error);
+    const CellParameters& cell = request.numbers.cell;
+    const double draw_ns = cell.Nanoseconds(double(AtomicBounceCycles(cell)));
+    return TryMakeCell(cell, AtomicDispatch(uint32_t(draw_ns + 0.5)), error);
+  });
+  machine.code_order = std::clamp(MeasuredCodePlace().mean, 0.0, 1.0);
+  machine.what_if = request.what_if;
+  return machine;
+}
+
+ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
+    : scenario_(scenario),
+      request_(request),
+      options_(OptionsOn(request)),
+      machine_(MakeConsole(request)) {  // before pricing: what cannot be needs none
+  if (request_.frames == 0) request_.frames = scenario.default_frames;
+  std::string first_error, error;
+  for (;;) {
+    const RunningScenario running(scenario_, options_);
+    const Plan& plan = running.scene().plan();
+    if (!IsPriced(plan, costs_)) costs_ = Price(scenario_, request_, options_);
+    if (ConsoleExecutor::TryMake(machine_, costs_, running.scene().CurrentFrame(), error)) return;
+    if (first_error.empty()) first_error = error;
+    if (!FuseLess(running.scene()))
+      throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, first_error));
+  }
+}
+
+// A plan knows the blocks of a pass, not its code. Where the two do not fit together it is made
+// again for less data, which cuts passes. False: they are cut as far as they can be.
+bool ConsoleRun::FuseLess(const FurScene& scene) {
+  uint32_t largest = 0;  // what cannot be cut
+  for (const Pass& pass : scene.plan().passes)
+    if (pass.stage_count == 1)
+      largest = std::max(largest, pass.resident_bytes / (pass.double_buffered ? 2 : 1));
+  uint32_t& data_bytes = options_.plan.local_store_data_bytes;
+  if (request_.console != Console::kPs3 || data_bytes < largest + kFusionStepBytes) return false;
+  data_bytes -= kFusionStepBytes;
+  return true;
+}
+
+std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,
+                                                          const ConsoleMachine& machine) const {
+  std::string error;
+  auto console = ConsoleExecutor::TryMake(machine, costs_, scene.CurrentFrame(), error);
+  if (!console) throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error));
+  return console;
+}
+
+ConsoleBudget ConsoleRun::Run() {
+  running_ = std::make_unique<RunningScenario>(scenario_, options_);
+  RunningScenario host(scenario_, options_);
+  FurScene& scene = running_->scene();
+  const auto console = MakeExecutor(scene, machine_);
+  console->KeepTimelines(true);
+  ConsoleBudget budget;
+  budget.scene = scenario_.name;
+  budget.layers = scene.shape().layer_count;
+  budget.characters = scene.shape().character_count;
+  budget.strands = scene.layout().strand_count;
+  budget.machine = machine_;
+  budget.costs = costs_;
+  budget.stores = console->stores();
+
+  SerialExecutor serial;
+  FrameStatistics statistics(machine_, scene.plan());
+  OtherOrder scheduled(machine_, 0.0, scene.plan()), as_written(machine_, 1.0, scene.plan());
+  for (uint32_t f = 0; f < request_.warm_up; ++f)
+    for (RunningScenario* running : {running_.get(), &host}) {
+      running->Begin(f, request_.skip, request_.lod);
+      serial.Run(running->scene().CurrentFrame());
+    }
+  for (uint32_t f = 0; f < request_.frames; ++f) {
+    if (request_.progress) request_.progress(f, request_.frames);
+    running_->Begin(request_.warm_up + f, request_.skip, request_.lod);
+    console->Run(scene.CurrentFrame());
+    const ModelledFrame& frame = console->modelled();
+    statistics.Add(frame);
+    scheduled.Add(console->work());
+    as_written.Add(console->work());
+    // Not the first frames, in which all starts afresh; of few frames the last.
+    if (f % kLimitsEvery == kLimitsEvery - 1 || (f + 1 == request_.frames && f < kLimitsEvery))
+      statistics.AddLimits(frame, console->work());
+    if (frame.cycles > budget.slowest.cycles) budget.slowest = frame;
+    host.Begin(request_.warm_up + f, request_.skip, request_.lod);
+    serial.Run(host.scene().CurrentFrame());
+    if (f % kDigestEvery != 0 && f + 1 != request_.frames) continue;
+    budget.digest = scene.DigestFrame();
+    ++budget.digests_compared;
+    if (budget.digest != host.scene().DigestFrame() && !budget.differs_at) budget.differs_at = f;
+  }
+  budget.summary = statistics.Summarise();
+  budget.scheduled_ms = scheduled.Summarise();
+  budget.as_written_ms = as_written.Summarise();
+  budget.warm_up = request_.warm_up;
+  budget.live_strands = scene.LiveStrands();
+  budget.drawn_strands = scene.DrawnStrands();
+  budget.faults = Describe(console->faults());
+  return budget;
+}
+
+FrameSummary ConsoleRun::Time(const ConsoleMachine& machine, const SkipSettings& skip,
+                              const LodSettings& lod, uint32_t warm_up, uint32_t frames,
+                              uint32_t* live_strands) const {
+  RunningScenario running(scenario_, options_);
+  const auto console = MakeExecutor(running.scene(), machine);
+  FrameStatistics statistics(machine, running.scene().plan());
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < warm_up + frames; ++f) {
+    running.Begin(f, skip, lod);
+    if (f < warm_up) {
+      serial.Run(running.scene().CurrentFrame());
+      continue;
+    }
+    console->Run(running.scene().CurrentFrame());
+    statistics.Add(console->modelled());
+  }
+  if (live_strands) *live_strands = running.scene().LiveStrands();
+  return statistics.Summarise();
+}
+
+ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
+  SkipSettings skip = request_.skip;
+  skip.lod = true;
+  const bool all = trial == Trial::kAllFrames;
+  // Of few frames the first, in which all starts afresh, would be too many.
+  const uint32_t warm_up = std::max(request_.warm_up, all ? 0 : kTrialFrames / 2);
+  LodTrial out;
+  const FrameSummary summary = Time(machine_, skip, lod, warm_up,
+                                    all ? request_.frames : kTrialFrames / 2, &out.live_strands);
+  out.ms = machine_.Available(all ? summary.p95_ms : summary.worst_ms);
+  return out;
+}
+
+double ConsoleRun::TryWhatIf(WhatIf what_if) {
+  ConsoleMachine machine = machine_;
+  machine.what_if = what_if;
+  return machine.Available(
+      Time(machine, request_.skip, request_.lod, request_.warm_up, request_.frames, nullptr)
+          .p95_ms);
+}
+
+}  // namespace pelt

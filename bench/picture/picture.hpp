@@ -1,0 +1,24 @@
+// A picture of the last frame, drawn in software from what the frame wrote: the draw list, the
+// sorted instances and ribbons, and the palette for the body under them.
+//
+// For people who want to see what they measure. Nothing here is timed, or fast.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/scenarios/scenarios.hpp"
+
+namespace pelt {
+
+struct PictureOptions {
+  uint32_t width_px = 1200, height_px = 900;
+  uint32_t samples = 3;  // a side of each pixel
+};
+
+// A PNG of the scene's last frame as `camera` saw it.
+std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
+                                   const Camera& camera, VertexOrder order,
+                                   const PictureOptions& options);
+
+}  // namespace pelt

@@ -1,0 +1,196 @@
+#include "bench/report/budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace pelt {
+namespace {
+
+constexpr double kLinesMs[] = {5.0, 8.0};
+
+uint64_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain, uint32_t item) {
+  switch (port.access) {
+    case Access::kAll:
+    case Access::kAllOut:
+    case Access::kAllInOut:
+      return uint64_t(port.block_bytes) *
+             ChildItems(shape, domain, item, DescribeStream(port.stream).domain).count;
+    case Access::kGather:
+    case Access::kScatter:
+      return uint64_t(port.block_bytes) * kStrandsPerChunk;
+    default:
+      return port.block_bytes;
+  }
+}
+
+uint32_t LayerOfItem(const SceneShape& shape, Domain domain, uint32_t item) {
+  if (domain == Domain::kChunk) return shape.chunk_layer[item];
+  return domain == Domain::kLayer ? item : 0;
+}
+
+bool Admits(const Stage& stage, const SceneShape& shape, uint32_t item) {
+  return stage.domain < Domain::kLayer ||
+         stage.kinds.Admits(shape.layer_kind[LayerOfItem(shape, stage.domain, item)]);
+}
+
+}  // namespace
+
+Spread SpreadOf(std::span<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[size_t(share * double(values.size() - 1) + 0.5)];
+  };
+  return {at(0.5), at(0.95), values.back()};
+}
+
+PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t item) {
+  PortTraffic traffic{};
+  for (const PortDesc& port : stage.kernel.ports) {
+    if (port.access == Access::kShared) continue;
+    const uint64_t bytes = PortBytes(port, shape, stage.domain, item);
+    const bool out_only = port.access == Access::kOut || port.access == Access::kAllOut ||
+                          port.access == Access::kScatter;
+    const bool in_only =
+        port.access == Access::kIn || port.access == Access::kAll || port.access == Access::kGather;
+    if (!out_only) traffic.in_bytes += bytes;
+    if (!in_only) traffic.out_bytes += bytes;
+  }
+  return traffic;
+}
+
+BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames)
+    : scene_(scene), times_(scene.plan(), scene.shape()) {
+  const Plan& plan = scene.plan();
+  const SceneShape& shape = scene.shape();
+  for (const Stage& stage : plan.stages) {
+    const uint32_t items = shape.ItemCount(stage.domain);
+    uint64_t admitted = 0;
+    std::vector<uint64_t> of_layer(stage.domain < Domain::kLayer ? 1 : shape.layer_count);
+    for (uint32_t i = 0; i < items; ++i) {
+      if (!Admits(stage, shape, i)) continue;
+      ++admitted;
+      const PortTraffic traffic = StageTraffic(stage, shape, i);
+      of_layer[LayerOfItem(shape, stage.domain, i)] = traffic.in_bytes + traffic.out_bytes;
+    }
+    admitted_.push_back(admitted);
+    item_bytes_.push_back(std::move(of_layer));
+  }
+  stage_ms_.resize(plan.stages.size());
+  pass_ms_.resize(plan.passes.size());
+  for (auto& row : stage_ms_) row.reserve(frames);
+  for (auto& row : pass_ms_) row.reserve(frames);
+  caller_ms_.reserve(frames);
+  wall_ms_.reserve(frames);
+  ran_.resize(plan.stages.size());
+  bytes_.resize(plan.stages.size());
+}
+
+const FrameProfile* BudgetRecorder::Begin(Recording recording) {
+  const bool all = recording == Recording::kAll, trace = recording == Recording::kTrace;
+  has_stages_ = all || frame_ % (trace ? 4 : 2) == 1;
+  has_wall_ = all || !has_stages_;
+  times_.TimeStages(has_stages_);
+  return has_stages_ || trace ? times_.profile() : nullptr;
+}
+
+void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
+  ++frame_;
+  caller_ms_.push_back(double(caller_ns) * 1e-6);
+  if (has_wall_) wall_ms_.push_back(double(wall_ns) * 1e-6);
+  if (!has_stages_) return;
+  const double ms_per_tick = times_.NsPerTick() * 1e-6;
+  const Plan& plan = scene_.plan();
+  const SceneShape& shape = scene_.shape();
+  for (size_t s = 0; s < plan.stages.size(); ++s) {
+    const Domain domain = plan.stages[s].domain;
+    uint64_t sum_ticks = 0;
+    for (uint32_t i = 0; i < shape.ItemCount(domain); ++i) {
+      const Slice slice = times_.Stage(uint32_t(s), i);
+      if (!slice.Ran()) continue;
+      sum_ticks += slice.Ticks();
+      ++ran_[s];
+      bytes_[s] += item_bytes_[s][LayerOfItem(shape, domain, i)];
+    }
+    stage_ms_[s].push_back(double(sum_ticks) * ms_per_tick);
+  }
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    pass_ms_[p].push_back(double(times_.Pass(uint32_t(p)).Ticks()) * ms_per_tick);
+}
+
+Budget BudgetRecorder::Summarise() const {
+  const Plan& plan = scene_.plan();
+  Budget budget;
+  budget.frames = frame_;
+  const auto spread = [](std::vector<double> values) { return SpreadOf(values); };
+  const double strands = double(scene_.layout().strand_count);
+  for (size_t s = 0; s < plan.stages.size(); ++s) {
+    const double profiled = std::max<double>(1.0, double(stage_ms_[s].size()));
+    StageBudget row;
+    row.name = plan.stages[s].kernel.name;
+    row.domain = plan.stages[s].domain;
+    row.core_ms = spread(stage_ms_[s]);
+    row.ns_per_strand = row.core_ms.median * 1e6 / strands;
+    row.bytes = double(bytes_[s]) / profiled;
+    row.ran = double(ran_[s]) / profiled;
+    row.skipped = double(admitted_[s]) - row.ran;
+    budget.stages.push_back(row);
+  }
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    const Pass& pass = plan.passes[p];
+    const uint32_t last = pass.first_stage + pass.stage_count - 1;
+    std::string stages(plan.stages[pass.first_stage].kernel.name);
+    if (pass.stage_count > 1) stages += fmt::format(" .. {}", plan.stages[last].kernel.name);
+    budget.passes.push_back({stages, spread(pass_ms_[p])});
+  }
+  budget.caller_ms = spread(caller_ms_);
+  budget.wall_ms = spread(wall_ms_);
+  budget.ns_per_strand = budget.wall_ms.median * 1e6 / strands;
+  return budget;
+}
+
+std::string DescribeBudget(const Budget& budget, uint32_t workers) {
+  std::string out = fmt::format("{:<22} {:>8} {:>8} {:>8} {:>9} {:>9} {:>7} {:>7} {:>6} {:>6}\n",
+                                "stage (core ms)", "median", "p95", "worst", "ns/strand",
+                                "MB moved", "ran", "skipped", "of 5ms", "of 8ms");
+  const auto shares = [&](double ms, double cores) {
+    return fmt::format("{:>5.1f}% {:>5.1f}%", 100.0 * ms / (cores * kLinesMs[0]),
+                       100.0 * ms / (cores * kLinesMs[1]));
+  };
+  double bytes = 0.0, core_ms = 0.0;
+  for (const StageBudget& s : budget.stages) {
+    bytes += s.bytes;
+    core_ms += s.core_ms.median;
+    if (s.ran + s.skipped == 0.0) continue;  // no layer of the scene has it
+    out += fmt::format("{:<22} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>9.2f} {:>7.1f} {:>7.1f} {}\n",
+                       s.name, s.core_ms.median, s.core_ms.p95, s.core_ms.worst, s.ns_per_strand,
+                       s.bytes * 1e-6, s.ran, s.skipped, shares(s.core_ms.median, workers));
+  }
+  out += fmt::format("{:<22} {:>8.3f} {:>28} {:>9.2f} {:>15} {}\n", "all stages", core_ms, "",
+                     bytes * 1e-6, "", shares(core_ms, workers));
+  out += fmt::format(
+      "shares are of 5 and 8 ms on each of {} workers; ran and skipped are items "
+      "(chunks, layers, characters) a frame\n\n",
+      workers);
+  out += fmt::format("{:<5} {:>8} {:>8} {:>8}  {}\n", "pass", "median", "p95", "worst",
+                     "stages (wall ms)");
+  for (size_t p = 0; p < budget.passes.size(); ++p) {
+    const PassBudget& pass = budget.passes[p];
+    out += fmt::format("{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  {}\n", p, pass.wall_ms.median,
+                       pass.wall_ms.p95, pass.wall_ms.worst, pass.stages);
+  }
+  out += fmt::format(
+      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  poses and parameters, on the caller's "
+      "thread\n",
+      "", budget.caller_ms.median, budget.caller_ms.p95, budget.caller_ms.worst);
+  out += fmt::format(
+      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  whole frame: {:.1f} ns a strand, {:.1f} % "
+      "of 5 ms, {:.1f} % of 8 ms\n",
+      "frame", budget.wall_ms.median, budget.wall_ms.p95, budget.wall_ms.worst,
+      budget.ns_per_strand, 100.0 * budget.wall_ms.median / kLinesMs[0],
+      100.0 * budget.wall_ms.median / kLinesMs[1]);
+  return out;
+}
+
+}  // namespace pelt

@@ -1,0 +1,72 @@
+// Frames run and measured: what `pelt run` and the frame benchmarks report.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/report/budget.hpp"
+#include "bench/report/machine.hpp"
+#include "bench/report/timeline.hpp"
+#include "bench/verify/verify.hpp"
+
+namespace pelt {
+
+// A frame that has run, for RunOptions::observe.
+struct FinishedFrame {
+  uint32_t frame;
+  FrameTicks ticks;
+  const FrameProfile& profile;
+  const FurScene& scene;
+};
+
+struct RunOptions {
+  SceneOptions scene;
+  ExecutorKind executor = ExecutorKind::kTbb;
+  uint32_t workers = 0;     // tbb; 0: one for each core
+  uint64_t order_seed = 1;  // permuted
+  uint32_t frames = 0;      // 0: the scenario's own
+  uint32_t warm_up = 0;     // frames before them, which nothing sees
+  SkipSettings skip;
+  LodSettings lod;
+  bool digest = true;  // of every frame; taken outside the timed part
+  std::function<void(uint32_t done, uint32_t total)> progress;
+  // Called after every frame from `observe_from_frame` on, outside the timed part. Each of these is
+  // recorded, so the budget's wall times hold what recording costs.
+  std::function<void(const FinishedFrame&)> observe;
+  uint32_t observe_from_frame = 0;
+  Recording observed_as = Recording::kTrace;
+  // Called after every frame, outside the timed part; changes nothing about how frames are run.
+  std::function<void(uint32_t frame, const FurScene&)> after_frame;
+};
+
+struct RunReport {
+  std::string scene;
+  Machine machine;
+  RunOptions options;
+  uint32_t workers = 1, workers_observed = 1;
+  uint32_t frames = 0;
+  uint64_t strands = 0;
+  uint32_t characters = 0, layers = 0, chunks = 0;
+  uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
+  Budget budget;
+  std::vector<MemoryRange> memory;
+  std::string memory_table;  // the same for people
+  uint64_t memory_bytes = 0;
+  double state_bytes_per_strand = 0.0;
+  uint64_t digest = 0;              // of all frames, folded; 0 when not taken
+  std::vector<std::string> faults;  // of the local store
+};
+
+// Throws Error when an executor records no times, for those who want to see them.
+void CheckRecords(ExecutorKind executor);
+
+// Runs the scenario from frame 0. `running` must have been made with options.scene, and has run
+// nothing yet. Throws Error when a frame refuses its input.
+RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options);
+
+std::string DescribeRun(const RunReport& report);
+std::string RunAsJson(const RunReport& report);
+
+}  // namespace pelt

@@ -1,0 +1,354 @@
+#include "bench/scenarios/scenarios.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "bench/scenarios/cast.hpp"
+#include "core/character/builtin_character.hpp"
+#include "core/character/gltf_import.hpp"
+#include "core/character/pose.hpp"
+#include "core/error.hpp"
+#include "core/exact_math.hpp"
+#include "core/groom/bake.hpp"
+#include "core/groom/groom_file.hpp"
+#include "core/random.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr std::string_view kBuiltInCharacter = "builtin";
+constexpr std::string_view kNames[] = {"monster", "cast", "eyepet", "tiny"};
+
+const EmbeddedSetup* FindEmbeddedSetup(std::string_view name) {
+  for (const EmbeddedSetup& setup : EmbeddedSetups())
+    if (setup.name == name) return &setup;
+  return nullptr;
+}
+
+double Wave(double time_s, double period_s) {
+  return exact::Sin(2.0 * exact::kPi * time_s / period_s);
+}
+
+// The clip a scenario plays: the one asked for, else the setup's, else the file's first.
+int32_t ChooseClip(const Character& character, const std::string& wanted, const FurSetup& setup) {
+  const std::string& name = wanted.empty() ? setup.clip : wanted;
+  for (size_t i = 0; i < character.clips.size(); ++i)
+    if (character.clips[i].name == name) return int32_t(i);
+  if (wanted.empty() && !setup.clip.empty()) {
+    std::string have;
+    for (const Clip& clip : character.clips) have += (have.empty() ? "" : ", ") + clip.name;
+    throw Error(fmt::format("{}: clip '{}' is not in {}; it has: {}", setup.path, setup.clip,
+                            character.name, have.empty() ? "none" : have));
+  }
+  return character.clips.empty() ? -1 : 0;
+}
+
+Actor MakeActor(const Scenario& scenario, const FurSetup& setup, const std::string& clip,
+                float unit_scale) {
+  Actor actor{};
+  actor.character = uint32_t(scenario.characters.size()) - 1;
+  actor.groom = uint32_t(scenario.grooms.size()) - 1;
+  actor.clip = ChooseClip(scenario.characters.back(), clip, setup);
+  actor.unit_scale = unit_scale;
+  return actor;
+}
+
+// Imports, bakes and places one character that plays `clip`.
+void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
+              const std::string& clip) {
+  const float unit_scale = ChooseUnitScale(setup, character, scenario.notes);
+  std::vector<LayerDensity> densities;
+  scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup,
+                                      unit_scale, nullptr, nullptr, &densities));
+  for (std::string& warning : WarnOfBaldness(densities))
+    scenario.notes.push_back(std::move(warning));
+  scenario.characters.push_back(std::move(character));
+  scenario.actors.push_back(MakeActor(scenario, setup, clip, unit_scale));
+}
+
+WindSetup Breeze() {
+  WindSetup wind;
+  wind.velocity[0] = 1.6f;
+  wind.velocity[2] = 0.7f;
+  wind.gust_strength = 0.6f;
+  wind.gust_period_s = 3.0f;
+  wind.turbulence = 1.0f;
+  wind.turbulence_scale_m = 0.5f;
+  return wind;
+}
+
+CameraOrbit MonsterCamera() {
+  CameraOrbit camera;
+  camera.target = {0.0f, 0.63f, 0.0f};
+  camera.radius_m = 2.5;
+  camera.height_m = 0.25;
+  camera.start_rad = -0.35;
+  camera.vertical_fov_rad = 0.62;
+  return camera;
+}
+
+Scenario MakeMonster(uint64_t seed) {
+  Scenario scenario;
+  AddActor(scenario, LoadCharacter("builtin"), LoadSetup("monster", seed), "walk");
+  scenario.base.wind = Breeze();
+  scenario.camera = MonsterCamera();
+  return scenario;
+}
+
+Scenario MakeEyePet(uint64_t seed) {
+  Scenario scenario;
+  AddActor(scenario, LoadCharacter("builtin"), LoadSetup("eyepet", seed), "walk");
+  scenario.base.wind = Breeze();
+  scenario.base.use_ground = true;
+  scenario.camera = MonsterCamera();
+  scenario.spheres.push_back({{0.0f, 0.75f, 0.42f}, {0.3f, 0.0f, 0.0f}, 2.5, 0.15f});
+  return scenario;
+}
+
+Scenario MakeTiny(uint64_t seed) {
+  Scenario scenario;
+  AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), LoadSetup("tiny", seed), "walk");
+  scenario.default_frames = 60;
+  scenario.base.wind = Breeze();
+  scenario.base.use_ground = true;
+  scenario.spheres.push_back({{0.0f, 0.9f, 0.3f}, {0.25f, 0.0f, 0.1f}, 0.7, 0.2f});
+  scenario.weather_course = {0.7f, 0.4f, 8};
+  scenario.actors[0].teleport_frame = 20;
+  scenario.actors[0].teleport_by = {0.4f, 0.0f, -0.3f};
+  return scenario;
+}
+
+// Far enough away to see the whole character in its rest pose.
+void PointCameraAt(Scenario& scenario) {
+  const RestGeometry rest =
+      ComputeRestGeometry(scenario.characters[0], scenario.actors[0].unit_scale);
+  glm::vec3 low = rest.position[0], high = low;
+  for (const glm::vec3& p : rest.position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::vec3 extent = high - low;
+  scenario.camera.target = (low + high) * 0.5f;
+  scenario.camera.radius_m = 1.8 * double(std::max({extent.x, extent.y, extent.z, 1e-3f}));
+  scenario.camera.height_m = 0.2 * scenario.camera.radius_m;
+}
+
+Scenario MakeFromFiles(const ScenarioRequest& request) {
+  Scenario scenario;
+  scenario.base.wind = Breeze();
+  Character character = LoadCharacter(request.character);
+  FurSetup setup;
+  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed);
+  if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
+  if (request.groom.empty()) {
+    AddActor(scenario, std::move(character), setup, "");
+  } else {
+    scenario.characters.push_back(std::move(character));
+    scenario.grooms.push_back(ReadGroomFile(request.groom));
+    CheckGroomFits(scenario.grooms[0], request.groom, scenario.characters[0]);
+    scenario.actors.push_back(MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
+  }
+  for (const std::string& note : scenario.characters[0].notes) scenario.notes.push_back(note);
+  PointCameraAt(scenario);
+  return scenario;
+}
+
+void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) {
+      LayerParams params = layer.params;
+      params.solver = request.solver.value_or(params.solver);
+      params.quality = request.quality.value_or(params.quality);
+      if (const auto bad = FindBadCombination(params)) {
+        scenario.notes.push_back(
+            fmt::format("layer '{}' keeps its {}: {}", layer.name, bad->key, bad->reason));
+        params.solver = layer.params.solver;
+      }
+      layer.params = params;
+    }
+}
+
+}  // namespace
+
+std::span<const std::string_view> ScenarioNames() { return kNames; }
+
+Character LoadCharacter(const std::string& name_or_path) {
+  if (name_or_path == kBuiltInCharacter) return MakeBuiltinCharacter({});
+  return ImportGltfFile(name_or_path);
+}
+
+bool IsBuiltInName(std::string_view value) {
+  return value == kBuiltInCharacter || FindEmbeddedSetup(value);
+}
+
+std::vector<std::string> FilesReadFor(const Character& character, const FurSetup& setup) {
+  std::vector<std::string> files = character.files_read;
+  files.insert(files.end(), setup.files_read.begin(), setup.files_read.end());
+  return files;
+}
+
+FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed) {
+  FurSetup setup;
+  const auto embedded = EmbeddedSetups();
+  if (const EmbeddedSetup* found = FindEmbeddedSetup(name_or_path)) {
+    setup = ReadFurSetup(found->text, name_or_path + ".toml", "");
+  } else if (name_or_path.find_first_of("./") == std::string::npos) {
+    std::string names;
+    for (const EmbeddedSetup& e : embedded)
+      names += (names.empty() ? "" : ", ") + std::string(e.name);
+    throw Error(fmt::format("no built-in setup '{}' (there are: {}); a file's path ends in .toml",
+                            name_or_path, names));
+  } else {
+    setup = ReadFurSetupFile(name_or_path);
+  }
+  if (seed != 0)
+    for (LayerSetup& layer : setup.layers) layer.seed = MixSeed(layer.seed, seed);
+  return setup;
+}
+
+float ChooseUnitScale(const FurSetup& setup, const Character& character,
+                      std::vector<std::string>& notes) {
+  if (setup.unit_scale) {
+    notes.push_back(fmt::format("unit_scale {} m a file unit, from the setup", *setup.unit_scale));
+    return *setup.unit_scale;
+  }
+  UnitScale guess = DefaultUnitScale(character);
+  notes.push_back(std::move(guess.sentence));
+  return guess.metres_per_unit;
+}
+
+// A groom fits a character when it was baked for the same joints in the same order.
+void CheckGroomFits(const Groom& groom, const std::string& path, const Character& character) {
+  const std::vector<std::string>& have = character.skeleton.name;
+  if (groom.joint_names == have) return;
+  size_t at = 0;
+  while (at < groom.joint_names.size() && at < have.size() && groom.joint_names[at] == have[at])
+    ++at;
+  const auto name = [&](const std::vector<std::string>& names) {
+    return at < names.size() ? fmt::format("'{}'", names[at]) : std::string("nothing");
+  };
+  throw Error(fmt::format(
+      "{}: baked for another character than {}: joint {} is {} in the groom and {} in the "
+      "character; bake it again for this one",
+      path, character.name, at, name(groom.joint_names), name(have)));
+}
+
+Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progress) {
+  Scenario scenario;
+  if (request.scene == "monster") {
+    scenario = MakeMonster(request.seed);
+  } else if (request.scene == "cast") {
+    scenario = MakeCast(request.seed, progress);
+  } else if (request.scene == "eyepet") {
+    scenario = MakeEyePet(request.seed);
+  } else if (request.scene == "tiny") {
+    scenario = MakeTiny(request.seed);
+  } else if (!request.scene.empty()) {
+    std::string names;
+    for (const std::string_view name : kNames)
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    throw Error(fmt::format("no scene '{}'; there are: {}", request.scene, names));
+  } else {
+    scenario = MakeFromFiles(request);
+  }
+  OverrideSolver(request, scenario);
+  scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;
+  return scenario;
+}
+
+std::vector<const Groom*> Scenario::ActorGrooms() const {
+  std::vector<const Groom*> all;
+  for (const Actor& actor : actors) all.push_back(&grooms[actor.groom]);
+  return all;
+}
+
+uint64_t Scenario::StrandCount() const {
+  uint64_t strands = 0;
+  for (const Actor& actor : actors)
+    for (const GroomLayer& layer : grooms[actor.groom].layers) strands += layer.strand_count;
+  return strands;
+}
+
+const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
+  const double time_s = std::min(frame, rest_from_frame) * dt_s;
+  for (uint32_t a = 0; a < actors.size(); ++a) {
+    const Actor& actor = actors[a];
+    const Character& character = characters[actor.character];
+    const Clip* clip = actor.clip < 0 ? nullptr : &character.clips[size_t(actor.clip)];
+    glm::mat4 placement = actor.placement;
+    if (actor.teleport_frame >= 0 && int32_t(frame) >= actor.teleport_frame)
+      placement[3] += glm::vec4(actor.teleport_by, 0.0f);
+    PoseBlock& pose = scene.Pose(a);
+    FillPose(character.skeleton, clip, time_s + actor.phase_s, true,
+             PlaceCharacter(placement, actor.unit_scale), &pose);
+    pose.teleported = int32_t(frame) == actor.teleport_frame;
+  }
+  input_ = base;
+  input_.dt_s = dt_s;
+  input_.time_s = frame * dt_s;
+  if (frame >= rest_from_frame) input_.wind = WindSetup{};
+  const double angle = camera.start_rad + camera.rate_rad_per_s * time_s;
+  const glm::vec3 from(float(camera.radius_m * exact::Sin(angle)), float(camera.height_m),
+                       float(camera.radius_m * exact::Cos(angle)));
+  for (int c = 0; c < 3; ++c) {
+    input_.camera.target[c] = camera.target[c];
+    input_.camera.position[c] = camera.target[c] + from[c];
+  }
+  input_.camera.vertical_fov_rad = float(camera.vertical_fov_rad);
+  input_.sphere_count = uint32_t(spheres.size());
+  for (size_t s = 0; s < spheres.size(); ++s) {
+    const float wave = float(Wave(time_s, spheres[s].period_s));
+    for (int c = 0; c < 3; ++c)
+      input_.sphere[s][c] = spheres[s].centre[c] + spheres[s].swing[c] * wave;
+    input_.sphere[s][3] = spheres[s].radius;
+  }
+  constexpr double kWettingFrames = 30.0;
+  const double share = std::clamp(
+      (double(std::min(frame, rest_from_frame)) - weather_course.from_frame + 1.0) / kWettingFrames,
+      0.0, 1.0);
+  weather_.resize(actors.size());
+  for (size_t a = 0; a < actors.size(); ++a) {
+    weather_[a].wetness = float(weather_course.wetness * share * actors[a].weather_share);
+    weather_[a].dirt = float(weather_course.dirt * share * actors[a].weather_share);
+  }
+  input_.weather = weather_;
+  return input_;
+}
+
+RunningScenario::RunningScenario(Scenario& scenario, const SceneOptions& options)
+    : scenario_(scenario),
+      grooms_(scenario.ActorGrooms()),
+      layout_(MeasureScene(grooms_, options)),
+      memory_(layout_.total_bytes),
+      scene_(grooms_, options, layout_, memory_.bytes()) {}
+
+FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
+                                    const LodSettings& lod) {
+  FrameInput input = scenario_.PrepareFrame(frame, scene_);
+  input.skip = skip;
+  input.lod = lod;
+  return input;
+}
+
+bool RunningScenario::TryBegin(const FrameInput& input) {
+  if (const char* fault = scene_.BeginFrame(input)) {
+    refusal_ = fault;
+    return false;
+  }
+  // The frame is begun all the same, with that character as it was: not what was asked for.
+  for (const RefusedPose& refused : scene_.RefusedPoses())
+    throw Error(fmt::format("{}: {}", scenario_.name, DescribeRefusedPose(refused)));
+  return true;
+}
+
+std::string RunningScenario::RefusalText(uint32_t frame) const {
+  return fmt::format("{}: frame {}: {}", scenario_.name, frame, refusal_);
+}
+
+void RunningScenario::Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod) {
+  if (!TryBegin(Prepare(frame, skip, lod))) throw Error(RefusalText(frame));
+}
+
+}  // namespace pelt

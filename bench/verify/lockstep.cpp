@@ -1,0 +1,211 @@
+#include "bench/verify/lockstep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "bench/verify/guarded_executor.hpp"
+#include "bench/verify/odd_floats.hpp"
+#include "core/error.hpp"
+#include "jobs/adapters/pull_pool.hpp"
+#include "jobs/adapters/thread_pool_door.hpp"
+#include "jobs/engine_door.hpp"
+#include "jobs/tbb_executor.hpp"
+#include "platform_sim/local_store.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+bool Admits(const Stage& stage, const SceneShape& shape, Domain domain, uint32_t item) {
+  if (domain < Domain::kLayer) return true;
+  return stage.kinds.Admits(
+      shape.layer_kind[domain == Domain::kChunk ? shape.chunk_layer[item] : item]);
+}
+
+void NamePlace(const FurScene& scene, const StreamDesc& desc, uint32_t item, Mismatch& out) {
+  const SceneShape& shape = scene.shape();
+  out.item = item;
+  if (desc.domain < Domain::kLayer) return;
+  const uint32_t layer = desc.domain == Domain::kChunk ? shape.chunk_layer[item] : item;
+  out.layer = scene.LayerName(layer);
+  if (desc.domain == Domain::kChunk) out.chunk_in_layer = item - shape.layer_first_chunk[layer];
+}
+
+// Compares one block; true when `out` names a difference.
+bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t item,
+                  Mismatch& out) {
+  const StreamDesc& desc = DescribeStream(stream);
+  const std::byte* left = expected.memory().Block(stream, item);
+  const std::byte* right = found.memory().Block(stream, item);
+  if (!left || !right) return false;
+  const uint32_t at = desc.domain == Domain::kChunk ? item : 0;
+  const uint32_t lanes = expected.LiveLanes(stream, at), have = found.LiveLanes(stream, at);
+  out.stream = desc.name;
+  if (lanes != have) {
+    out.row = "live lanes";
+    out.expected = lanes;
+    out.found = have;
+    NamePlace(expected, desc, item, out);
+    return true;
+  }
+  const BlockDifference difference = FindDifference(desc, left, right, lanes);
+  if (!difference.differs) return false;
+  out.row = difference.row->name;
+  out.component = difference.component;
+  out.lane = difference.lane;
+  out.expected = difference.left;
+  out.found = difference.right;
+  out.is_float = difference.row->type == ElementType::kFloat;
+  NamePlace(expected, desc, item, out);
+  return true;
+}
+
+// The door with an engine behind it.
+class PooledDoorExecutor final : public Executor {
+ public:
+  explicit PooledDoorExecutor(uint32_t workers) : pool_(workers), executor_(pool_.door()) {}
+  void RunPasses(const Frame& frame) override { executor_.Run(frame); }
+  uint32_t ObservedWorkers() { return pool_.ObservedWorkers(); }
+  DoorFaults faults() const { return executor_.faults(); }
+
+ private:
+  ThreadPoolDoor pool_;
+  DoorExecutor executor_;
+};
+
+}  // namespace
+
+SceneOptions SceneOptionsOf(const VerifyCase& what) {
+  SceneOptions options;
+  options.plan.must_fit = what.executor == ExecutorKind::kLocalStore;
+  options.isa = what.isa;
+  options.plan.fuse = what.fuse;
+  options.vertex_order = what.vertex_order;
+  options.piecewise_sort_chunks = what.piecewise_sort ? 1 : 0;
+  return options;
+}
+
+uint32_t WorkersOf(const VerifyCase& what) {
+  if (!HasWorkers(what.executor)) return 1;
+  return what.workers ? what.workers : std::max(1u, std::thread::hardware_concurrency());
+}
+
+std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
+  const uint32_t workers = WorkersOf(what);
+  switch (what.executor) {
+    case ExecutorKind::kTbb:
+      return std::make_unique<TbbExecutor>(workers);
+    case ExecutorKind::kDoor:
+      return std::make_unique<PooledDoorExecutor>(workers);
+    case ExecutorKind::kPull:
+      return std::make_unique<PullPool>(workers);
+    case ExecutorKind::kPermuted:
+      return std::make_unique<PermutedExecutor>(what.order_seed);
+    case ExecutorKind::kLocalStore:
+      return std::make_unique<LocalStoreExecutor>(PlanOptions{}.local_store_data_bytes);
+    case ExecutorKind::kGuarded:
+      return std::make_unique<GuardedExecutor>();
+    default:
+      return std::make_unique<SerialExecutor>();
+  }
+}
+
+uint32_t ObservedWorkers(Executor& executor) {
+  if (auto* tbb = dynamic_cast<TbbExecutor*>(&executor)) return tbb->ObservedWorkers();
+  if (auto* door = dynamic_cast<PooledDoorExecutor*>(&executor)) return door->ObservedWorkers();
+  if (auto* pull = dynamic_cast<PullPool*>(&executor)) return pull->ObservedWorkers();
+  return 1;
+}
+
+std::vector<Finding> FindingsOf(const Executor& executor) {
+  if (const auto* guarded = dynamic_cast<const GuardedExecutor*>(&executor))
+    return guarded->findings();
+  std::vector<Finding> findings;
+  const auto* door = dynamic_cast<const PooledDoorExecutor*>(&executor);
+  if (door && door->faults().Any()) {
+    std::string text = "door: " + door->faults().Text();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    findings.push_back({FindingKind::kExecutor, {}, {}, std::move(text)});
+  }
+  if (const auto* store = dynamic_cast<const LocalStoreExecutor*>(&executor))
+    for (const LocalStoreFault& fault : store->faults())
+      findings.push_back(
+          {fault.kind == LocalStoreFault::Kind::kWrote ? FindingKind::kUndeclaredWrite
+                                                       : FindingKind::kExecutor,
+           std::string(fault.stage), std::string(fault.stream),
+           fmt::format("local store: stage {}, item {}: {}", fault.stage, fault.item, fault.what)});
+  return findings;
+}
+
+std::vector<std::string> FaultsOf(const Executor& executor) {
+  std::vector<std::string> texts;
+  for (Finding& finding : FindingsOf(executor)) texts.push_back(std::move(finding.text));
+  return texts;
+}
+
+SkipSettings NoSkips(bool lod) {
+  return {
+      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .lod = lod};
+}
+
+FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {
+  FrameSettings all;
+  if (settings == Settings::kNoSkips) all.skip = NoSkips();
+  if (settings == Settings::kLod) {
+    all.skip.lod = true;
+    all.lod.strand_budget = uint32_t(scenario.StrandCount() / 2);
+  }
+  return all;
+}
+
+CaseRun::CaseRun(Scenario& scenario, const VerifyCase& what, const FrameSettings& settings,
+                 const std::function<void(const VerifyCase&, Plan&)>& tamper)
+    : odd_floats_(what.odd_floats),
+      running_(scenario, SceneOptionsOf(what)),
+      plan_(running_.scene().plan()),
+      settings_(settings) {
+  const OddFloats odd(odd_floats_);  // its threads inherit them
+  executor_ = MakeExecutor(what);
+  if (tamper) tamper(what, plan_);
+}
+
+void CaseRun::RunFrame(uint32_t frame, const Change& change) {
+  if (!TryRunFrame(frame, change)) throw Error(running_.RefusalText(frame));
+}
+
+bool CaseRun::TryRunFrame(uint32_t frame, const Change& change) {
+  FrameInput input = running_.Prepare(frame, settings_.skip, settings_.lod);
+  if (change) change(input, running_.scene());
+  const OddFloats odd(odd_floats_);
+  if (!running_.TryBegin(input)) return false;
+  Frame work = running_.scene().CurrentFrame();
+  work.plan = &plan_;
+  executor_->Run(work);
+  return true;
+}
+
+std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame,
+                                     bool booking) {
+  const SceneShape& shape = expected.scene().shape();
+  Mismatch out;
+  out.frame = frame;
+  // Bookings follow from values, so a wrong value is looked for first.
+  for (const Role role : {Role::kValue, Role::kBooking}) {
+    if (role == Role::kBooking && !booking) break;
+    for (const Stage& stage : expected.plan().stages)
+      for (const PortDesc& port : stage.kernel.ports) {
+        const StreamDesc& desc = DescribeStream(port.stream);
+        if (!IsWritten(port.access) || desc.role != role) continue;
+        for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
+          if (!Admits(stage, shape, desc.domain, i)) continue;
+          out.stage = stage.kernel.name;
+          if (CompareBlock(expected.scene(), found.scene(), port.stream, i, out)) return out;
+        }
+      }
+  }
+  return std::nullopt;
+}
+
+}  // namespace pelt

@@ -1,0 +1,45 @@
+// The one verdict of a matrix that several processes went through, from what each of them printed
+// with --json.
+//
+// What a shard prints is an object with (AddShardHeader, bench/verify/shard.hpp)
+//
+//   "fingerprint"  the run it is part of: build, instruction sets, options, the reference's digest
+//   "shard"        {"index": i, "count": n}
+//   "places"       length of the whole list of cases
+//   lists          whose entries are cases: {"place": 7, "name": .., "passed": .., "reason": ..}
+//
+// Invariant: a merge passes only when every place of the list is there exactly once, in the shard
+// that the split gives it to, and all of them passed in one and the same run.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/verify/shard.hpp"
+
+namespace pelt {
+
+struct ShardFile {
+  std::string name;  // for messages
+  std::string text;
+};
+
+struct MergedShards {
+  bool passed = true;
+  std::string description;  // sections, what failed, one verdict line
+  std::string json;         // as one process would have printed it
+};
+
+// `command`: what must have printed them ("verify"). Throws Error when they are not the shards of
+// one run.
+MergedShards MergeShards(std::string_view command, const std::vector<ShardFile>& files);
+
+// What every shard of `command` has in its fingerprint: this build, and the instruction sets that
+// this processor has of it.
+Fingerprint FingerprintOfBuild(std::string_view command);
+
+// `--merge`: reads the files and prints the verdict; 1 if a case did not pass. Throws Error.
+int PrintMergedShards(std::string_view command, const std::vector<std::string>& paths, bool json);
+
+}  // namespace pelt

@@ -1,0 +1,88 @@
+#include "bench/verify/replay.hpp"
+
+#include <fmt/format.h>
+
+#include "core/groom/groom_file.hpp"
+#include "traces/digest.hpp"
+
+namespace pelt {
+namespace {
+
+std::vector<Groom> ReadGrooms(const InputLog& log, const std::string& name) {
+  std::vector<Groom> grooms;
+  for (size_t g = 0; g < log.grooms.size(); ++g)
+    grooms.push_back(ReadGroom(log.grooms[g], fmt::format("{}, groom {}", name, g)));
+  return grooms;
+}
+
+std::vector<const Groom*> GroomOfEach(const InputLog& log, const std::vector<Groom>& grooms) {
+  std::vector<const Groom*> each;
+  for (const uint32_t groom : log.character_groom) each.push_back(&grooms[groom]);
+  return each;
+}
+
+SceneOptions WithOrderOf(const InputLog& log, SceneOptions options) {
+  options.vertex_order = log.about.index_buffer ? VertexOrder::kIndexBuffer : VertexOrder::kSorted;
+  return options;
+}
+
+}  // namespace
+
+ReplayScene::ReplayScene(const InputLog& log, const std::string& name, SceneOptions options)
+    : log_(log),
+      options_(WithOrderOf(log, options)),
+      grooms_(ReadGrooms(log, name)),
+      character_groom_(GroomOfEach(log, grooms_)),
+      layout_(MeasureScene(character_groom_, options_)),
+      memory_(layout_.total_bytes),
+      scene_(character_groom_, options_, layout_, memory_.bytes()) {}
+
+const char* ReplayScene::Begin(uint32_t frame) {
+  for (uint32_t c = 0; c < log_.CharacterCount(); ++c) log_.FillPose(frame, c, &scene_.Pose(c));
+  return scene_.BeginFrame(log_.Input(frame));
+}
+
+ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor,
+                    const std::function<void(uint32_t frame)>& after_frame) {
+  ReplayResult result;
+  Digest fold;
+  for (uint32_t f = 0; f < log.FrameCount(); ++f) {
+    const uint64_t recorded = log.frames[f].digest;
+    if (const char* fault = replay.Begin(f)) {
+      ++result.mismatches;
+      if (!result.first) result.first = {f, recorded, 0, fault};
+      break;
+    }
+    for (const RefusedPose& refused : replay.scene().RefusedPoses())
+      if (result.refused_pose.empty())
+        result.refused_pose = fmt::format("frame {}: {}", f, DescribeRefusedPose(refused));
+    executor.Run(replay.scene().CurrentFrame());
+    ++result.frames;
+    const uint64_t found = replay.scene().DigestFrame();
+    fold.Add64(found);
+    if (found != recorded) {
+      ++result.mismatches;
+      if (!result.first) result.first = {f, recorded, found, {}};
+    }
+    if (after_frame) after_frame(f);
+  }
+  result.digest = fold.Value();
+  return result;
+}
+
+std::string DescribeReplay(const ReplayResult& result) {
+  const std::string held =
+      result.refused_pose.empty() ? std::string() : "; not used, " + result.refused_pose;
+  if (result.Same())
+    return fmt::format("SAME BITS in all {} frames, digest {:016x}{}", result.frames, result.digest,
+                       held);
+  const ReplayMismatch& first = *result.first;
+  if (!first.refused.empty())
+    return fmt::format("REFUSED: frame {} cannot run: {}", first.frame, first.refused);
+  return fmt::format(
+      "DIFFERENT BITS in {} of {} frames, the first is frame {}: recorded {:016x}, found "
+      "{:016x}{}",
+      result.mismatches, result.frames, first.frame, first.recorded, first.found, held);
+}
+
+}  // namespace pelt

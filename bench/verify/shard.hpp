@@ -1,0 +1,45 @@
+// A share of a long matrix: of `count` processes that each go through the same list of cases, the
+// one with number `index` runs every case whose place in the list leaves that remainder.
+//
+// Cases need no messages, so whatever starts processes carries the matrix: a CI matrix, a Slurm
+// array, GNU parallel, mpirun. What says that the shares belong together and leave no gap is the
+// merge (bench/verify/merge_shards.hpp), not the launcher.
+//
+// Invariant: the split depends on the place in the list alone. The list depends on the build, the
+// instruction sets and the options, all of which are in the fingerprint that a merge compares.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bench/report/json_text.hpp"
+
+namespace pelt {
+
+struct Shard {
+  uint32_t index = 0, count = 1;
+
+  bool Takes(uint32_t place) const { return place % count == index; }
+  bool IsAll() const { return count == 1; }
+  bool operator==(const Shard&) const = default;
+};
+
+inline constexpr uint32_t kMostShards = 100'000;
+
+using ReadEnvironment = const char* (*)(const char* name);
+
+// "2/8": the third of eight. "env": rank and size of the process as its launcher gives them.
+// Throws Error.
+Shard ParseShard(std::string_view text, ReadEnvironment read_environment);
+
+// Names and values of what must be equal for shards to be of one run: {"frames", "20"}.
+using Fingerprint = std::vector<std::pair<std::string, std::string>>;
+
+// What a merge goes by, into the open object that a shard prints. `places`: length of the list.
+void AddShardHeader(const Fingerprint& fingerprint, const Shard& shard, uint32_t places,
+                    JsonText& json);
+
+}  // namespace pelt
