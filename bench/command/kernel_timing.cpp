@@ -9,7 +9,7 @@
 #include "bench/command/usage_error.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/report/json_text.hpp"
-#include "platform_sim/core/instruction_set.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "platform_sim/pricing/stage_costs.hpp"
 

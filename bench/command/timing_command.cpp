@@ -9,11 +9,11 @@
 #include "bench/report/json_text.hpp"
 #include "core/file_bytes.hpp"
 #include "core/printable.hpp"
-#include "platform_sim/core/issue_walk.hpp"
-#include "platform_sim/core/listing.hpp"
-#include "platform_sim/core/ppe_core.hpp"
-#include "platform_sim/core/ppe_pair.hpp"
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
+#include "platform_sim/pipeline/listing.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
+#include "platform_sim/pipeline/ppe_pair.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 #include "platform_sim/platforms/cell_system.hpp"
 
 namespace pelt {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
 #include "platform_sim/pricing/cache_cost.hpp"
 #include "platform_sim/pricing/written_order.hpp"
 #include "platform_sim/schedule/schedule.hpp"

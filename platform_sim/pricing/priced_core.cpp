@@ -1,6 +1,6 @@
 #include "platform_sim/pricing/priced_core.hpp"
 
-#include "platform_sim/core/ppe_core.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
 
 namespace pelt {
 namespace {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/core/issue_chart.hpp"
-#include "platform_sim/core/ppe_core.hpp"
-#include "platform_sim/core/ppe_pair.hpp"
-#include "platform_sim/core/spu_core.hpp"
 #include "platform_sim/memory/spu_program.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
+#include "platform_sim/pipeline/ppe_pair.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 #include "platform_sim/platforms/platform.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 

@@ -2,9 +2,9 @@
 #include <numeric>
 #include <utility>
 
-#include "platform_sim/core/issue_walk.hpp"
-#include "platform_sim/core/listing.hpp"
 #include "platform_sim/memory/xenon_memory.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
+#include "platform_sim/pipeline/listing.hpp"
 #include "platform_sim/rows/row_work.hpp"
 
 namespace pelt {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "platform_sim/core/instruction_set.hpp"
-#include "platform_sim/core/ppe_core.hpp"
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 
 namespace pelt {
 namespace {

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 #include "platform_sim/platforms/spu.hpp"
 #include "platform_sim/schedule/straight_code.hpp"

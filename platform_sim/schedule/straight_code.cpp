@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/format.hpp"
-#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
 
 namespace pelt {
 namespace {

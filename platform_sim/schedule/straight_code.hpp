@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/core/instruction.hpp"
+#include "platform_sim/pipeline/instruction.hpp"
 
 namespace pelt {
 

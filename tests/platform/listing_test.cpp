@@ -1,5 +1,5 @@
 // What the listing reader takes and what it refuses, and how it says so.
-#include "platform_sim/core/listing.hpp"
+#include "platform_sim/pipeline/listing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Lowering: known kernels to known instructions, and every instruction to its class.
 #include <set>
 
-#include "platform_sim/core/instruction_set.hpp"
-#include "platform_sim/core/issue_walk.hpp"
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 #include "tests/platform/recording.hpp"
 #include "tests/platform/timing_rows.hpp"
 

@@ -1,9 +1,9 @@
 // The PPE's dispatch, rule by rule and against the measured rows.
-#include "platform_sim/core/ppe_core.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
 
 #include <gtest/gtest.h>
 
-#include "platform_sim/core/ppe_pair.hpp"
+#include "platform_sim/pipeline/ppe_pair.hpp"
 #include "tests/platform/timing_rows.hpp"
 
 namespace pelt {

@@ -1,9 +1,9 @@
 // The SPU's issue, rule by rule. The measured rows are in timing_rows_test.cpp.
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 
 #include <gtest/gtest.h>
 
-#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
 #include "tests/platform/timing_rows.hpp"
 
 namespace pelt {

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <string>
 
-#include "platform_sim/core/listing.hpp"
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/listing.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 #include "platform_sim/platforms/spu.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 #include "tests/source_folder.hpp"

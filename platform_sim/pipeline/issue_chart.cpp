@@ -1,4 +1,4 @@
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "platform_sim/core/instruction_set.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
 
 namespace pelt {
 

@@ -1,10 +1,10 @@
-#include "platform_sim/core/ppe_core.hpp"
+#include "platform_sim/pipeline/ppe_core.hpp"
 
 #include <algorithm>
 
-#include "platform_sim/core/instruction_set.hpp"
-#include "platform_sim/core/issue_walk.hpp"
-#include "platform_sim/core/ppe_thread.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
+#include "platform_sim/pipeline/ppe_thread.hpp"
 
 namespace pelt {
 namespace {

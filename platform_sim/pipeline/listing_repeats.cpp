@@ -1,4 +1,4 @@
-#include "platform_sim/core/listing_repeats.hpp"
+#include "platform_sim/pipeline/listing_repeats.hpp"
 
 #include "core/format.hpp"
 

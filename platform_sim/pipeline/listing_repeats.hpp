@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/core/listing_text.hpp"
+#include "platform_sim/pipeline/listing_text.hpp"
 
 namespace pelt {
 

@@ -23,7 +23,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform_sim/core/instruction.hpp"
+#include "platform_sim/pipeline/instruction.hpp"
 
 namespace pelt {
 

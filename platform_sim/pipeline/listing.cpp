@@ -1,5 +1,5 @@
 // One class, over 400 lines: every operand form needs the message's place and the opcode's name.
-#include "platform_sim/core/listing.hpp"
+#include "platform_sim/pipeline/listing.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <map>
 
 #include "core/format.hpp"
-#include "platform_sim/core/listing_repeats.hpp"
-#include "platform_sim/core/listing_text.hpp"
+#include "platform_sim/pipeline/listing_repeats.hpp"
+#include "platform_sim/pipeline/listing_text.hpp"
 
 namespace pelt {
 namespace {

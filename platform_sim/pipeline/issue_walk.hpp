@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/core/instruction.hpp"
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/instruction.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 
 namespace pelt {
 

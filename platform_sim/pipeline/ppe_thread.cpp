@@ -1,4 +1,4 @@
-#include "platform_sim/core/ppe_thread.hpp"
+#include "platform_sim/pipeline/ppe_thread.hpp"
 
 #include <algorithm>
 #include <bit>

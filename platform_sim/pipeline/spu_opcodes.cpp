@@ -3,7 +3,7 @@
 //
 // Not in it: the double-precision compares of the later PowerXCell 8i (dfceq, dfcgt ...), which no
 // PlayStation 3 has.
-#include "platform_sim/core/instruction_set.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/platforms/spu.hpp"
 
 namespace pelt {

@@ -1,4 +1,4 @@
-#include "platform_sim/core/instruction_set.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
 
 #include <algorithm>
 

@@ -25,7 +25,7 @@
 #include <span>
 #include <string>
 
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
 namespace pelt {

@@ -1,8 +1,8 @@
-#include "platform_sim/core/spu_core.hpp"
+#include "platform_sim/pipeline/spu_core.hpp"
 
 #include <algorithm>
 
-#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
 
 namespace pelt {
 namespace {

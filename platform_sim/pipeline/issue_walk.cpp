@@ -1,4 +1,4 @@
-#include "platform_sim/core/issue_walk.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
 
 #include <algorithm>
 #include <bit>

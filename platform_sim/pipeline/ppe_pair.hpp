@@ -21,7 +21,7 @@
 #include <optional>
 #include <string>
 
-#include "platform_sim/core/instruction.hpp"
+#include "platform_sim/pipeline/instruction.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
 namespace pelt {

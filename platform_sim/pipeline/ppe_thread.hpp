@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
 namespace pelt {

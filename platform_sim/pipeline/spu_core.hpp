@@ -28,7 +28,7 @@
 #include <span>
 #include <string>
 
-#include "platform_sim/core/issue_chart.hpp"
+#include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/spu.hpp"
 
 namespace pelt {

@@ -1,12 +1,12 @@
-#include "platform_sim/core/ppe_pair.hpp"
+#include "platform_sim/pipeline/ppe_pair.hpp"
 
 #include <algorithm>
 #include <map>
 #include <vector>
 
 #include "core/format.hpp"
-#include "platform_sim/core/issue_walk.hpp"
-#include "platform_sim/core/ppe_thread.hpp"
+#include "platform_sim/pipeline/issue_walk.hpp"
+#include "platform_sim/pipeline/ppe_thread.hpp"
 
 namespace pelt {
 namespace {

@@ -3,7 +3,7 @@
 //
 // Not in it: string and multiple loads and stores (microcoded), privileged instructions, and the
 // Xenon core's own VMX128 encodings, whose timings nobody published.
-#include "platform_sim/core/instruction_set.hpp"
+#include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
 namespace pelt {

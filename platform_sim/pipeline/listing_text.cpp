@@ -1,4 +1,4 @@
-#include "platform_sim/core/listing_text.hpp"
+#include "platform_sim/pipeline/listing_text.hpp"
 
 #include <algorithm>
 #include <charconv>
