@@ -127,6 +127,22 @@ TEST(CallOrder, AFrameThatABusyExecutorRefusedCanStillBeRun) {
   EXPECT_EQ(first.scene().DigestFrame(), second.scene().DigestFrame());
 }
 
+// Input that is refused begins no frame: there is nothing to run, and the next one may be begun.
+TEST(CallOrder, AFrameWhoseInputWasRefusedCannotBeRun) {
+  Scenario scenario = TinyScenario();
+  SerialExecutor serial;
+  const uint64_t truth = RunDigests(scenario, OptionsFor(BestIsa()), serial, 1)[0];
+  RunningScenario running(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = running.scene();
+  FrameInput input = scenario.PrepareFrame(0, scene);
+  input.dt_s = -1.0;
+  EXPECT_NE(BeginError(scene, input).find("dt_s"), std::string::npos);
+  EXPECT_NE(RunError(serial, scene.CurrentFrame()).find("no frame was begun"), std::string::npos);
+  running.Begin(0);
+  EXPECT_EQ(RunError(serial, scene.CurrentFrame()), "");
+  EXPECT_EQ(scene.DigestFrame(), truth);
+}
+
 // Many threads, one frame: one of them runs it, all others are told.
 TEST(CallOrder, OneOfManyThreadsRunsTheFrame) {
   Scenario scenario = TinyScenario();

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/bind_pose.hpp"
 #include "jobs/adapters/pull_pool.hpp"
@@ -123,50 +126,74 @@ TEST(PoseGate, LeavesTheOthersAsTheyWere) {
   }
 }
 
-// As it was bound, at the origin; and its fur starts from the groom when its pose comes.
+// As it was bound, at the origin.
 TEST(PoseGate, ACharacterWithoutAPoseStandsAsItWasBound) {
   Scenario scenario = PairScenario();
   RunningScenario late(scenario, {});
   FurScene& scene = late.scene();
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 4; ++f) {
-    const FrameInput input = Prepare(scenario, f, scene);
-    scene.Pose(1).joint_count = 3;
-    ASSERT_EQ(BeginError(scene, input), "");
-    serial.Run(scene.CurrentFrame());
-    const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, 1);
-    const float scale = scenario.ActorGrooms()[1]->unit_scale;
-    for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
-  }
-  late.Begin(4);
-  serial.Run(scene.CurrentFrame());
-  uint32_t restarted = 0, chunks = 0;
-  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    if (scene.shape().layer_character[scene.shape().chunk_layer[c]] != 1) continue;
-    ++chunks;
-    restarted +=
-        (scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags & kChunkRestart) != 0;
-  }
-  EXPECT_GT(chunks, 0u);
-  EXPECT_EQ(restarted, chunks);
+  const FrameInput input = Prepare(scenario, 0, scene);
+  scene.Pose(1).joint_count = 3;
+  ASSERT_EQ(BeginError(scene, input), "");
+  SerialExecutor().Run(scene.CurrentFrame());
+  const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, 1);
+  const float scale = scenario.ActorGrooms()[1]->unit_scale;
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
 }
 
-// A teleport that came with a refused pose is not lost.
-TEST(PoseGate, ARefusedTeleportHappensWithTheNextPose) {
-  Scenario scenario = PairScenario();
-  RunningScenario running(scenario, {});
-  FurScene& scene = running.scene();
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 6; ++f) {
-    const FrameInput input = Prepare(scenario, f, scene);
-    if (f == 4) {
-      scene.Pose(1).teleported = 1;
-      scene.Pose(1).root[0] = kInf;
+// Chunks of a character that start from their groom in the last frame, and all it has.
+std::pair<uint32_t, uint32_t> CountStarts(const FurScene& scene, uint32_t character) {
+  const SceneShape& shape = scene.shape();
+  uint32_t starts = 0, all = 0;
+  for (uint32_t c = 0; c < shape.chunk_count; ++c) {
+    if (shape.layer_character[shape.chunk_layer[c]] != character) continue;
+    ++all;
+    starts +=
+        (scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags & kChunkRestart) != 0;
+  }
+  return {starts, all};
+}
+
+// In which frames character 1 is given a pose that is refused, or is said to teleport; and in which
+// its fur starts from its groom then.
+struct StartCase {
+  const char* name;
+  std::vector<uint32_t> refused, teleports, starts;
+};
+const StartCase kStartCases[] = {
+    {"a first pose that comes late", {0, 1, 2, 3}, {}, {0, 4}},
+    {"a teleport with a pose that is refused happens with the next", {4}, {4}, {0, 5}},
+    {"a teleport that happened does not happen again", {3, 4}, {2}, {0, 2}},
+};
+
+// The other character starts with the scene and never again; and a scene that takes the state over
+// before any of these frames goes on as the one it is from.
+TEST(PoseGate, FurStartsFromItsGroomWhenAPoseComesThatWasMissed) {
+  const auto holds = [](const std::vector<uint32_t>& frames, uint32_t f) {
+    return std::find(frames.begin(), frames.end(), f) != frames.end();
+  };
+  for (const StartCase& start : kStartCases) {
+    SCOPED_TRACE(start.name);
+    Scenario scenario = PairScenario();
+    RunningScenario running(scenario, {});
+    SerialExecutor serial;
+    for (uint32_t f = 0; f < 7; ++f) {
+      RunningScenario copied(scenario, {});
+      ASSERT_TRUE(copied.scene().CopyStateFrom(running.scene()));
+      for (FurScene* scene : {&running.scene(), &copied.scene()}) {
+        const FrameInput input = Prepare(scenario, f, *scene);
+        scene->Pose(1).teleported = holds(start.teleports, f);
+        if (holds(start.refused, f)) scene->Pose(1).root[0] = kInf;
+        ASSERT_EQ(BeginError(*scene, input), "");
+        ASSERT_EQ(scene->RefusedPoses().size(), holds(start.refused, f) ? 1u : 0u);
+        serial.Run(scene->CurrentFrame());
+      }
+      const auto [starts, all] = CountStarts(running.scene(), 1);
+      EXPECT_GT(all, 0u);
+      EXPECT_EQ(starts, holds(start.starts, f) ? all : 0u) << "frame " << f;
+      const auto [others, all_others] = CountStarts(running.scene(), 0);
+      EXPECT_EQ(others, f == 0 ? all_others : 0u) << "frame " << f;
+      EXPECT_EQ(copied.scene().DigestFrame(), running.scene().DigestFrame()) << "frame " << f;
     }
-    ASSERT_EQ(BeginError(scene, input), "");
-    serial.Run(scene.CurrentFrame());
-    const bool restarts = f == 0 || f == 5;
-    EXPECT_EQ(CountChunks(scene, kChunkRestart) > 0, restarts) << f;
   }
 }
 
