@@ -92,6 +92,9 @@ int Report(const ReportArgs& args);
 struct PlanArgs {
   ScenarioRequest request;
   SceneOptions options;
+  // The plan of `run --executor local-store`, in which every item fits; else that of all other
+  // executors, which sort layers of any size whole.
+  bool local_store = false;
   bool chunk = false, memory = false, json = false;
 };
 int PrintPlan(const PlanArgs& args);

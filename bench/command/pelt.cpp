@@ -149,6 +149,8 @@ Subcommand SetUpPlan(CLI::App& root) {
   auto* app = root.add_subcommand("plan", "Print the passes, barriers and bytes of a frame");
   AddSource(*app, args.request);
   AddPlanOptions(*app, args.options);
+  app->add_flag("--local-store", args.local_store,
+                "The plan for local stores, as pelt run --executor local-store runs it");
   app->add_flag("--chunk", args.chunk, "Also the blocks of a chunk and their sizes");
   app->add_flag("--memory", args.memory, "Also what every range of the scene's block takes");
   app->add_option_function<double>(
@@ -160,6 +162,7 @@ Subcommand SetUpPlan(CLI::App& root) {
   app->footer(
       "Examples:\n"
       "  pelt plan --scene monster\n"
+      "  pelt plan --scene monster --local-store\n"
       "  pelt plan --scene tiny --unfused --chunk\n"
       "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
       "  pelt plan --scene eyepet --json");

@@ -20,11 +20,23 @@ std::string DescribeChunks() {
   return out;
 }
 
-std::string PlanAsJson(const FurScene& scene) {
+// Which of the two plans it is.
+std::string DescribePlace(const PlanOptions& options) {
+  if (options.must_fit)
+    return fmt::format(
+        "For local stores with {} bytes for data. In main memory large layers sort whole: "
+        "without --local-store.\n",
+        options.local_store_data_bytes);
+  return "For main memory, as pelt run runs it. In local stores large layers sort in pieces: "
+         "--local-store.\n";
+}
+
+std::string PlanAsJson(const FurScene& scene, const PlanOptions& options) {
   const Plan& plan = scene.plan();
   JsonText json;
   json.BeginObject();
   json.Add("strands_per_chunk", kStrandsPerChunk);
+  json.Add("place", options.must_fit ? "local store" : "main memory");
   json.Add("barriers", plan.passes.size());
   json.BeginArray("passes");
   for (const Pass& pass : plan.passes) {
@@ -67,17 +79,15 @@ std::string PlanAsJson(const FurScene& scene) {
 
 int PrintPlan(const PlanArgs& args) {
   Scenario scenario = LoadScenario(args.request);
-  // The plan shown is the one that runs in a local store; main memory runs the same passes, but
-  // sorts layers of any size whole.
   SceneOptions options = args.options;
-  options.plan.must_fit = true;
+  options.plan.must_fit = args.local_store;
   const RunningScenario running(scenario, options);
   const FurScene& scene = running.scene();
   if (args.json) {
-    fmt::print("{}\n", PlanAsJson(scene));
+    fmt::print("{}\n", PlanAsJson(scene, options.plan));
     return 0;
   }
-  fmt::print("{}", DescribePlan(scene.plan(), scene.shape()));
+  fmt::print("{}{}", DescribePlan(scene.plan(), scene.shape()), DescribePlace(options.plan));
   if (args.chunk) fmt::print("\n{}", DescribeChunks());
   if (args.memory)
     fmt::print("\n{}and {} bytes outside the block: plan and tables of the scene\n",

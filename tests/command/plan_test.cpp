@@ -1,0 +1,78 @@
+// `pelt plan` shows the plans that run: main memory's as every executor but one runs it, and that of
+// local stores.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/command/commands.hpp"
+
+namespace pelt {
+namespace {
+
+using nlohmann::json;
+
+std::string Printed(const PlanArgs& args) {
+  testing::internal::CaptureStdout();
+  const int code = PrintPlan(args);
+  const std::string out = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(code, 0);
+  return out;
+}
+
+// The passes that `pelt run` took the times of, as it says itself.
+std::vector<json> PassesOfRun(ExecutorKind executor) {
+  RunArgs args;
+  args.request.scene = "monster";
+  args.options.executor = executor;
+  args.options.frames = 1;
+  args.options.digest = false;
+  args.json = true;
+  testing::internal::CaptureStdout();
+  const int code = Run(args);
+  const std::string out = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(code, 0);
+  return json::parse(out)["passes"];
+}
+
+PlanArgs MonsterPlan(bool local_store) {
+  PlanArgs args;
+  args.request.scene = "monster";
+  args.local_store = local_store;
+  args.json = true;
+  return args;
+}
+
+void ExpectPlanIsThatOfRun(bool local_store, ExecutorKind executor) {
+  const json plan = json::parse(Printed(MonsterPlan(local_store)));
+  const std::vector<json> run = PassesOfRun(executor);
+  ASSERT_EQ(plan["passes"].size(), run.size());
+  EXPECT_EQ(plan["barriers"], run.size());
+  for (size_t p = 0; p < run.size(); ++p) {
+    const json& stages = plan["passes"][p]["stages"];
+    std::string ends = stages.front();
+    if (stages.size() > 1) ends += " .. " + std::string(stages.back());
+    EXPECT_EQ(run[p]["stages"], ends) << p;
+  }
+}
+
+TEST(PlanCommand, ShowsThePlanThatRunRuns) { ExpectPlanIsThatOfRun(false, ExecutorKind::kSerial); }
+
+TEST(PlanCommand, ShowsThePlanOfLocalStores) {
+  ExpectPlanIsThatOfRun(true, ExecutorKind::kLocalStore);
+}
+
+TEST(PlanCommand, NamesWhichOfTheTwoItShows) {
+  const json main = json::parse(Printed(MonsterPlan(false)));
+  const json local = json::parse(Printed(MonsterPlan(true)));
+  EXPECT_EQ(main["place"], "main memory");
+  EXPECT_EQ(local["place"], "local store");
+  EXPECT_LT(main["passes"].size(), local["passes"].size()) << "large layers sort in pieces there";
+  PlanArgs text = MonsterPlan(true);
+  text.json = false;
+  EXPECT_NE(Printed(text).find("For local stores"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pelt
