@@ -118,9 +118,7 @@ RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl,
 
 AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
                                const FurSetup& setup, const LayerSetup& layer)
-    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {
-  CheckMapsHaveUvs(mesh_, setup, layer);
-}
+    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {}
 
 GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) const {
   GroomedStrand groomed{};

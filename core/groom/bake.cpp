@@ -30,20 +30,12 @@ float MeasureMetresPerMeshUnit(const Mesh& mesh, const RestGeometry& rest, float
   return float(std::sqrt(rest_area / mesh_area));
 }
 
-void CheckParams(const FurSetup& setup, const LayerSetup& layer) {
-  const uint32_t points = layer.params.points;
-  if (points != 4 && points != 5) {
-    FailLayerKey(setup, layer, "points", Format("{}; a strand has 4 or 5", points));
-  }
-  if (points == 5 && layer.params.chain == ChainKind::kVertex) {
-    FailLayerKey(setup, layer, "points", "chains at mesh vertices have 4");
-  }
-}
-
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer, std::span<const uint32_t> twins, float metres_per_mesh_unit,
                Groom& groom, ScatterStats* stats, std::vector<LayerDensity>* densities) {
-  CheckParams(setup, layer);
+  // A setup need not come from a file: ReadFurSetup has said as much, with the line.
+  if (const std::string bad = FindBadParam(layer.params); !bad.empty())
+    throw Error(Format("{}: layer '{}': {}", setup.path, layer.name, bad));
   const Growth growth(character, rest, setup, layer);
   const AttributeMaker maker(character, rest, setup, layer);
   ScatterDensity density;

@@ -6,6 +6,7 @@
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/groom/growth.hpp"
+#include "core/groom/setup_names.hpp"
 
 namespace pelt {
 namespace {

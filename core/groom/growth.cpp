@@ -1,11 +1,10 @@
 #include "core/groom/growth.hpp"
 
 #include <algorithm>
-#include <utility>
 
-#include "core/error.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/groom/setup_names.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -19,84 +18,7 @@ float SmoothRamp(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-std::string ListNames(const std::vector<std::string>& names) {
-  constexpr size_t kShown = 60;
-  std::string list;
-  for (size_t i = 0; i < names.size() && i < kShown; ++i) {
-    list += Format("{}'{}'", i ? ", " : "", names[i]);
-  }
-  if (names.size() > kShown) list += Format(" and {} more", names.size() - kShown);
-  return list.empty() ? "none" : list;
-}
-
-// Letters to insert, delete or replace to turn one word into the other.
-size_t EditDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
-std::string DescribeUnknown(const std::string& kind, const std::string& name,
-                            std::vector<std::string> known) {
-  std::stable_sort(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return EditDistance(name, a) < EditDistance(name, b);
-  });
-  return Format("the character has no {} '{}'; it has, the most alike first: {}", kind, name,
-                ListNames(known));
-}
-
-bool NeedsUvs(const MapChannel& map) { return map.map != nullptr; }
-
 }  // namespace
-
-void FailLayerKey(const FurSetup& setup, const LayerSetup& layer, const std::string& key,
-                  const std::string& reason) {
-  throw Error(Format("{}: layer '{}': key '{}': {}", setup.path, layer.name, key, reason));
-}
-
-void CheckMapsHaveUvs(const Mesh& mesh, const FurSetup& setup, const LayerSetup& layer) {
-  if (!mesh.uv.empty()) return;
-  const std::pair<const char*, const MapChannel*> maps[] = {
-      {"density", &layer.density_map},     {"mask.uv", &layer.mask.uv},
-      {"mask.bald", &layer.mask.bald},     {"offset", &layer.offset.map},
-      {"length", &layer.length.map},       {"width", &layer.width.map},
-      {"direction", &layer.direction.map}, {"curl", &layer.curl.map},
-      {"twist", &layer.twist.map},         {"azimuth", &layer.azimuth.map},
-      {"elevation", &layer.elevation.map}, {"frizz", &layer.frizz.map},
-      {"strength", &layer.strength.map},   {"colour_variation", &layer.colour_variation.map},
-      {"colour_map", &layer.colour_map},
-  };
-  for (const auto& [key, map] : maps) {
-    if (!NeedsUvs(*map)) continue;
-    FailLayerKey(setup, layer, key,
-                 "asks for a map over the surface, but the mesh has no texture coordinates; choose "
-                 "the region with mask.materials, mask.joints, mask.range or a projected mask.box "
-                 "instead, and give different values in layers of their own");
-  }
-}
-
-std::vector<uint8_t> FindJoints(const Skeleton& skeleton, const FurSetup& setup,
-                                const LayerSetup& layer, const std::string& key,
-                                const std::string& joint, bool subtree) {
-  std::vector<uint8_t> found(skeleton.name.size(), 0);
-  bool any = false;
-  for (size_t j = 0; j < found.size(); ++j) {
-    const int32_t parent = skeleton.parent[j];
-    const bool named = skeleton.name[j] == joint;
-    found[j] = named || (subtree && parent >= 0 && found[size_t(parent)]);
-    any = any || named;
-  }
-  if (!any) FailLayerKey(setup, layer, key, DescribeUnknown("joint", joint, skeleton.name));
-  return found;
-}
 
 Growth::Growth(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer)
@@ -114,19 +36,7 @@ Growth::Growth(const Character& character, const RestGeometry& rest, const FurSe
     }
     box_extent_ = high - box_low_;
   }
-  if (!layer.mask.materials.empty()) {
-    material_grows_.assign(mesh_.materials.size(), 0);
-    for (const std::string& name : layer.mask.materials) {
-      const auto at = std::find(mesh_.materials.begin(), mesh_.materials.end(), name);
-      if (at == mesh_.materials.end()) {
-        FailLayerKey(setup, layer, "mask.materials",
-                     DescribeUnknown("material", name, mesh_.materials));
-      }
-      for (size_t i = 0; i < mesh_.materials.size(); ++i) {
-        if (mesh_.materials[i] == name) material_grows_[i] = 1;
-      }
-    }
-  }
+  if (!layer.mask.materials.empty()) material_grows_ = FindMaterials(mesh_, setup, layer);
   for (const Mask::JointWeight& mask : layer.mask.joints) {
     const auto counts =
         FindJoints(character.skeleton, setup, layer, "mask.joints.joint", mask.joint, mask.subtree);

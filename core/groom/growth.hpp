@@ -28,17 +28,6 @@ T Interpolate(const std::vector<T>& at_vertex, const Mesh& mesh, const SurfacePo
          at_vertex[v[2]] * point.bary.z;
 }
 
-// "path: layer 'x': key 'y': reason", thrown as pelt::Error.
-[[noreturn]] void FailLayerKey(const FurSetup&, const LayerSetup&, const std::string& key,
-                               const std::string& reason);
-
-// Throws when a map of the layer needs texture coordinates and the mesh has none.
-void CheckMapsHaveUvs(const Mesh&, const FurSetup&, const LayerSetup&);
-
-// Node of that name and, with `subtree`, all its descendants. Throws for a name that is unknown.
-std::vector<uint8_t> FindJoints(const Skeleton&, const FurSetup&, const LayerSetup&,
-                                const std::string& key, const std::string& joint, bool subtree);
-
 class Growth {
  public:
   // References are kept. Throws pelt::Error for unknown names and for maps without UVs.

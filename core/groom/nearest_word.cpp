@@ -4,9 +4,7 @@
 #include <vector>
 
 namespace pelt {
-namespace {
 
-// Edits (insert, delete, replace, swap of neighbours) between two short words.
 size_t CountEdits(std::string_view a, std::string_view b) {
   std::vector<std::vector<size_t>> cost(a.size() + 1, std::vector<size_t>(b.size() + 1));
   for (size_t i = 0; i <= a.size(); ++i) {
@@ -24,8 +22,6 @@ size_t CountEdits(std::string_view a, std::string_view b) {
   }
   return cost[a.size()][b.size()];
 }
-
-}  // namespace
 
 std::string_view FindNearestWord(std::string_view word, std::span<const std::string_view> known) {
   if (word.size() > 64) return {};

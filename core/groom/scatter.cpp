@@ -7,6 +7,7 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/sample_elimination.hpp"
+#include "core/groom/setup_names.hpp"
 #include "core/random.hpp"
 
 namespace pelt {

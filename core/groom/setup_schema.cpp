@@ -71,6 +71,13 @@ std::string Show(const KeyInfo&, const std::vector<T>&) {
   return "none";
 }
 
+const MapChannel* SurfaceMap(const MapChannel& value) { return &value; }
+const MapChannel* SurfaceMap(const Attribute& value) { return &value.map; }
+template <class T>
+const MapChannel* SurfaceMap(const T&) {
+  return nullptr;
+}
+
 template <class M>
 struct OwnerOf;
 template <class C, class F>
@@ -93,7 +100,8 @@ auto MakeRow(const KeyInfo& info) {
       },
       [](const KeyInfo& key, const Object& object) {
         return Show(key, Field<kFirst, kRest...>(object));
-      }};
+      },
+      [](const Object& object) { return SurfaceMap(Field<kFirst, kRest...>(object)); }};
 }
 
 using Text = std::string_view;
@@ -179,7 +187,8 @@ KeyRow<L> DensityRow() {
           [](SetupReader& reader, const KeyInfo& key, const toml::node& node, L& layer) {
             reader.ReadDensity(key, node, layer);
           },
-          [](const KeyInfo& key, const L& layer) { return Show(key, layer.density); }};
+          [](const KeyInfo& key, const L& layer) { return Show(key, layer.density); },
+          [](const L& layer) { return SurfaceMap(layer.density_map); }};
 }
 
 }  // namespace
@@ -365,6 +374,25 @@ std::span<const KeyRow<CombVector>> Schema() {
       Number<&C::reach>("reach", "m", 1e-4, kReachLimit, "how far it acts"),
   };
   return kRows;
+}
+
+namespace {
+
+template <class T>
+std::string FindMapKey(const T& object, const std::string& prefix = {}) {
+  for (const auto& row : Schema<T>()) {
+    const MapChannel* map = row.map ? row.map(object) : nullptr;
+    if (map && map->map) return prefix + std::string(row.info.key);
+  }
+  return {};
+}
+
+}  // namespace
+
+// Not a box's map, which is projected.
+std::string FindSurfaceMap(const LayerSetup& layer) {
+  const std::string key = FindMapKey(layer);
+  return key.empty() ? FindMapKey(layer.mask, "mask.") : key;
 }
 
 // ---- The list for people ------------------------------------------------------------------------

@@ -56,6 +56,7 @@ struct KeyRow {
   KeyInfo info;
   void (*read)(SetupReader&, const KeyInfo&, const toml::node&, T&);
   std::string (*show)(const KeyInfo&, const T&);  // the value, for the key list
+  const MapChannel* (*map)(const T&) = nullptr;   // the value's map over the surface, if it has one
 };
 
 // The rows of each thing that is written as a TOML table.
