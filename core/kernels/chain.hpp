@@ -92,7 +92,7 @@ PELT_INLINE Vec3<W> ClampBox(Vec3<W> v, W reach) {
 // Offset in the root frame (tangent, normal x tangent, normal) to world axes.
 template <class W>
 PELT_INLINE Vec3<W> Turn(Vec3<W> tangent, Vec3<W> bitangent, Vec3<W> normal, Vec3<W> offset) {
-  return tangent * offset.x + bitangent * offset.y + normal * offset.z;
+  return Combine(tangent, offset.x, bitangent, offset.y, normal, offset.z);
 }
 
 template <class W, uint32_t kPoints>
@@ -119,8 +119,8 @@ PELT_INLINE void Predict(const PointBlock<kPoints>& position, const PointBlock<k
   for (uint32_t i = 0; i < kPoints - 1; ++i) {
     const Vec3<W> old = Load3<W>(position.position[i], lane);
     const Vec3<W> step = old - Load3<W>(previous.position[i], lane);
-    g.point[i] =
-        ClampBox(old - g.root + shift + step * W(keep), g.length * W(kBoxReach * float(i + 1)));
+    const Vec3<W> onward = step * W(keep), reached = old - g.root + shift + onward;
+    g.point[i] = ClampBox(reached, g.length * W(kBoxReach * float(i + 1)));
   }
 }
 

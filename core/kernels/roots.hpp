@@ -69,9 +69,11 @@ struct Roots {
   static PELT_INLINE VertexRecords BlendVertices(const StrandBlock& strands,
                                                  const SkinnedVertex* vertices, uint32_t s,
                                                  const Vec3<V>& bary) {
-    return Add(Add(WeighVertex<k>(vertices, strands.vertex[0] + s, bary.x),
-                   WeighVertex<k>(vertices, strands.vertex[1] + s, bary.y)),
-               WeighVertex<k>(vertices, strands.vertex[2] + s, bary.z));
+    // Named, so that no compiler computes them in another order (pricing/written_order.hpp).
+    const VertexRecords a = WeighVertex<k>(vertices, strands.vertex[0] + s, bary.x);
+    const VertexRecords b = WeighVertex<k>(vertices, strands.vertex[1] + s, bary.y);
+    const VertexRecords c = WeighVertex<k>(vertices, strands.vertex[2] + s, bary.z);
+    return Add(Add(a, b), c);
   }
 
   static PELT_INLINE Vec3<V> Columns(V a, V b, V c, V d) {

@@ -55,7 +55,7 @@ PELT_INLINE BlendedMatrix<V> BlendMatrices(const PaletteBlock& palette, const Me
 
 template <class V>
 PELT_INLINE Vec3<V> TransformDirection(const BlendedMatrix<V>& m, Vec3<V> a) {
-  return m.x * a.x + m.y * a.y + m.z * a.z;
+  return Combine(m.x, a.x, m.y, a.y, m.z, a.z);
 }
 
 // Blended normals and tangents, before they are made unit.

@@ -66,7 +66,9 @@ PELT_INLINE Vec3<V> TangentAt(const Hairs<V>& h, uint32_t i) {
   const uint32_t last = kRibbonPoints - 1;
   const Vec3<V> d = h.point[i < last ? i + 1 : last] - h.point[i > 0 ? i - 1 : 0];
   const Vec3<V> up{V(0.0f), V(1.0f), V(0.0f)};
-  return Select<V>(Dot(d, d) > V(1e-20f), Normalize(d), up);
+  const V squared = Dot(d, d);
+  const Vec3<V> tangent = d * Rsqrt(squared);
+  return Select<V>(squared > V(1e-20f), tangent, up);
 }
 
 // Unit, across the hair and across the line of sight.
@@ -122,8 +124,8 @@ PELT_INLINE void WriteHairs(const Hairs<V>& h, Vec3<V> eye, V tip_width, RibbonV
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
     const V v(float(i) / float(kRibbonPoints - 1));
     const Vec3<V> tangent = TangentAt(h, i);
-    const Vec3<V> side =
-        SideAt(tangent, eye - h.point[i]) * (half_width * (V(1.0f) + (tip_width - V(1.0f)) * v));
+    const V reach = half_width * (V(1.0f) + (tip_width - V(1.0f)) * v);
+    const Vec3<V> side = SideAt(tangent, eye - h.point[i]) * reach;
     const typename V::Int colour = MixColours<V>(h.base_colour, h.tip_colour, i);
     StoreSide<V>(out, hair, i, 0, h.point[i] - side, tangent, colour, h.film_strip);
     StoreSide<V>(out, hair, i, 1, h.point[i] + side, tangent, colour, h.film_strip);

@@ -86,14 +86,19 @@ PELT_INLINE Vec3<V> PerlinVector(Vec3<V> p) {
   const V u = simd_detail::QuinticFade(f.x);
   const V v = simd_detail::QuinticFade(f.y);
   const V w = simd_detail::QuinticFade(f.z);
+  // Every corner and plane is named, so that no compiler computes them in another order
+  // (pricing/written_order.hpp).
   const auto blend_plane = [&](Int z, V fz) {
-    const Vec3<V> near = Lerp(CornerRamps<V>(corner(c00, z), f.x, f.y, fz),
-                              CornerRamps<V>(corner(c10, z), g.x, f.y, fz), u);
-    const Vec3<V> far = Lerp(CornerRamps<V>(corner(c01, z), f.x, g.y, fz),
-                             CornerRamps<V>(corner(c11, z), g.x, g.y, fz), u);
+    const Vec3<V> r00 = CornerRamps<V>(corner(c00, z), f.x, f.y, fz);
+    const Vec3<V> r10 = CornerRamps<V>(corner(c10, z), g.x, f.y, fz);
+    const Vec3<V> near = Lerp(r00, r10, u);
+    const Vec3<V> r01 = CornerRamps<V>(corner(c01, z), f.x, g.y, fz);
+    const Vec3<V> r11 = CornerRamps<V>(corner(c11, z), g.x, g.y, fz);
+    const Vec3<V> far = Lerp(r01, r11, u);
     return Lerp(near, far, v);
   };
-  return Lerp(blend_plane(z0, f.z), blend_plane(z1, g.z), w) * V(2.0f / 3.0f);
+  const Vec3<V> lower = blend_plane(z0, f.z), upper = blend_plane(z1, g.z);
+  return Lerp(lower, upper, w) * V(2.0f / 3.0f);
 }
 
 }  // namespace pelt

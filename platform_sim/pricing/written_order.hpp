@@ -14,6 +14,10 @@
 //   ... | x = ... | y = x * x | z = x + y ...                              x is read by two: its
 //   own
 //
+// What stays open are operands of several values, such as the vectors of a * s + b * t: no single
+// operation is their last. Kernels give such operands names, or use Combine (core/simd/maths.hpp);
+// a test holds the prices of every compiler against the same digest.
+//
 // Nobody's needs are left out. Constants come right before their first reader: which expression
 // names one first is open as well.
 //
