@@ -1,0 +1,175 @@
+// Reads and writes that no port declares, and state that is nobody's, are found and named.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "bench/verify/guarded_executor.hpp"
+#include "tests/verify/planting.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+VerifyReport RunAccessAtRest(Tamper tamper) { return RunSection("access", 6, std::move(tamper)); }
+
+TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    const auto* next = Launder(twin.As<const StrandBlock>(bindings, Stream::kStrands)) + 1;
+    if (*Launder(next->length) > 1000.0f)
+      twin.As<RootBlock>(bindings, Stream::kRoots)->position[0][0] = 0.0f;
+  });
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.kind, FindingKind::kUndeclaredRead) << result.reason;
+  EXPECT_EQ(result.stage, "roots");
+  EXPECT_EQ(result.stream, "strands");
+  // The other executors cannot see it: no value depends on it.
+  options.filter = OneExecutor(ExecutorKind::kLocalStore, 2).filter;
+  EXPECT_TRUE(RunOne(options).passed);
+}
+
+TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
+  VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
+  options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    // One character on: in a scene of one there is nothing there but another stream.
+    const auto* next = Launder(twin.As<const PaletteBlock>(bindings, Stream::kPalette)) + 1;
+    twin.As<SkinnedBlock>(bindings, Stream::kSkinned)->vertex[0].position[0] +=
+        Launder(next->matrix[0])[3];
+  });
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  if (!GuardedExecutor::IsAvailable()) return;
+  EXPECT_EQ(result.kind, FindingKind::kUndeclaredRead) << result.reason;
+  EXPECT_EQ(result.stage, "skin");
+}
+
+TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    auto* mesh = twin.As<std::byte>(bindings, Stream::kMesh);
+    if (twin.kept && *Launder(twin.kept) == std::byte{77})
+      twin.As<SkinnedBlock>(bindings, Stream::kSkinned)->vertex[0].position[0] = 0.0f;
+    twin.kept = mesh;
+  });
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.stage, "skin");
+  EXPECT_TRUE(result.kind == FindingKind::kUndeclaredRead) << result.reason;
+}
+
+TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    auto* behind =
+        reinterpret_cast<std::byte*>(Launder(twin.As<CurveBlock>(bindings, Stream::kCurves)) + 1);
+    *Launder(behind) = *Launder(behind);
+  });
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.stage, "fit_cubic_4");
+  EXPECT_EQ(result.stream, "curves") << result.reason;
+}
+
+TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    Launder(reinterpret_cast<uint32_t*>(twin.As<RootBlock>(bindings, Stream::kRoots)))[-1] = 0;
+  });
+  CaseResult result = RunOne(options);
+  EXPECT_EQ(result.kind, FindingKind::kUndeclaredWrite) << result.reason;
+  options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    auto* length =
+        const_cast<float*>(Launder(twin.As<const StrandBlock>(bindings, Stream::kStrands))->length);
+    *Launder(length) = *Launder(length);  // the same value: no comparison shows it
+  });
+  result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.stream, "strands") << result.reason;
+  EXPECT_NE(result.reason.find("read-only port 'strands'"), std::string::npos) << result.reason;
+}
+
+TEST(VerifyAccess, StaticStateIsFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  static uint32_t runs;
+  runs = 0;
+  options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
+    twin.run(params, bindings);
+    twin.As<LocalPoseBlock>(bindings, Stream::kLocalPose)->translation[0][0] += float(runs++);
+  });
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.kind, FindingKind::kHiddenState) << result.reason;
+  EXPECT_EQ(result.stage, "sample_pose");
+}
+
+// A port declared Out that the kernel reads. Sort keys: what it finds there decides only whether
+// the layer is sorted again, so every value stays right, however it is poisoned.
+void DeclareOut(Plan& plan, std::string_view stage, Stream stream) {
+  static std::vector<PortDesc> ports;
+  for (Stage& s : plan.stages) {
+    if (s.kernel.name != stage) continue;
+    ports.assign(s.kernel.ports.begin(), s.kernel.ports.end());
+    for (PortDesc& port : ports)
+      if (port.stream == stream) port.access = Access::kOut;
+    s.kernel.ports = ports;
+  }
+}
+
+void ExpectReadsOutFound(std::string_view stage, Stream stream) {
+  const VerifyReport report =
+      RunAccessAtRest([&](const VerifyCase&, Plan& plan) { DeclareOut(plan, stage, stream); });
+  const auto checks = ChecksOf(report, "access");
+  ASSERT_TRUE(AnyFailed(checks, FindingKind::kReadsOut, "at rest")) << DescribeReport(report);
+  const auto failed = std::find_if(checks.begin(), checks.end(), [](const CheckResult& c) {
+    return c.kind == FindingKind::kReadsOut;
+  });
+  EXPECT_EQ(failed->stage, stage);
+  EXPECT_EQ(failed->stream, DescribeStream(stream).name);
+}
+
+TEST(VerifyAccess, SortKeysDeclaredOutAreFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  ExpectReadsOutFound("sort_key4", Stream::kSortKeys);
+}
+
+TEST(VerifyAccess, ActivatesStateDeclaredOutIsFound) {
+  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  ExpectReadsOutFound("activate", Stream::kChunkState);
+}
+
+TEST(VerifyAccess, HealthyScenePassesAtRest) {
+  const VerifyReport report = RunAccessAtRest({});
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+}
+
+// Lanes that do not live, of the last group that is worked on, read vertices that nobody skins.
+void ActivateWithoutTheLastLaneGroup(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  auto& state = *twin.As<ChunkStateBlock>(bindings, Stream::kChunkState);
+  const auto& strands = *twin.As<const StrandBlock>(bindings, Stream::kStrands);
+  if (state.live_strands > 0)
+    state.live_vertices = strands.vertex_prefix[state.live_strands - 1] + 1u;
+}
+
+TEST(VerifyAccess, VerticesOfTheLastLaneGroupLeftOutAreFound) {
+  const VerifyReport report =
+      RunAccessAtRest(Planting("activate", ActivateWithoutTheLastLaneGroup));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "access"), FindingKind::kReadsOut, "whole lane groups"));
+}
+
+}  // namespace
+}  // namespace pelt

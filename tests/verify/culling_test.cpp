@@ -1,0 +1,128 @@
+// Layers that are culled though they are seen, and returns that are no start, are found.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "bench/verify/view_test.hpp"
+#include "core/kernels/select_lod.hpp"
+#include "tests/verify/planting.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+VerifyReport RunCulling(Tamper tamper) { return RunSection("culling", 6, std::move(tamper)); }
+
+TEST(VerifyCulling, HealthyScenePassesWithLayersThatLeaveAndReturn) {
+  const VerifyReport report = RunCulling({});
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+  for (const CheckResult& c : ChecksOf(report, "culling")) {
+    EXPECT_TRUE(c.compared) << c.name << ": " << c.reason;
+    EXPECT_GT(c.seen, 0u) << c.name;
+  }
+}
+
+void CullEverything(const void* params, const Binding* bindings) {
+  auto wrong = *static_cast<const SelectLodParams*>(params);
+  for (auto& plane : wrong.view.planes)
+    for (float& x : plane) x = -x;
+  twin.run(&wrong, bindings);
+}
+void CullAtTheMiddle(const void* params, const Binding* bindings) {
+  auto wrong = *static_cast<const SelectLodParams*>(params);
+  // The left plane through the middle of the picture: half of what is seen is lost.
+  for (int i = 0; i < 3; ++i)
+    wrong.view.planes[0][i] = wrong.view.planes[0][i] - wrong.view.planes[1][i];
+  wrong.view.planes[0][3] = wrong.view.planes[0][3] - wrong.view.planes[1][3];
+  twin.run(&wrong, bindings);
+}
+
+TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
+  for (const Planted planted : {CullEverything, CullAtTheMiddle}) {
+    const VerifyReport report = RunCulling(Planting("select_lod", planted));
+    const auto checks = ChecksOf(report, "culling");
+    EXPECT_TRUE(AnyFailed(checks, FindingKind::kCull, "no layer in view"))
+        << DescribeReport(report);
+  }
+}
+
+// A layer that returns goes on from where it left instead of starting from its groom.
+void ActivateWithoutRestart(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  auto& state = *twin.As<ChunkStateBlock>(bindings, Stream::kChunkState);
+  state.flags &= ~uint32_t(kChunkRestart);
+  state.first_new_strand = state.live_strands;
+  state.first_new_vertex = state.live_vertices;
+}
+
+TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
+  const VerifyReport report = RunCulling(Planting("activate", ActivateWithoutRestart));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
+      << DescribeReport(report);
+}
+
+// Only the flag that says so: all lanes are new in any case.
+void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->flags &= ~uint32_t(kChunkRestart);
+}
+
+TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
+  const VerifyReport report = RunCulling(Planting("activate", ActivateWithoutTheRestartFlag));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
+      << DescribeReport(report);
+}
+
+// Keys that are those of the last time in view are reported as unchanged.
+void KeysWithoutTheRestart(const void* params, const Binding* bindings) {
+  const SortKeyBlock before = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  twin.run(params, bindings);
+  const auto& keys = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  if (std::memcmp(&before, &keys, sizeof keys) == 0)
+    twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->keys_changed = 0;
+}
+
+TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
+  const VerifyReport report = RunCulling(Planting("sort_key4", KeysWithoutTheRestart));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "the same picture"))
+      << DescribeReport(report);
+}
+
+// The box of the skin, on its low or its high side.
+bool skin_low;
+void BoundOfTheSkin(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  const float margin = twin.As<const LayerBlock>(bindings, Stream::kLayers)->length_max;
+  auto& bounds = *twin.As<BoundsBlock>(bindings, Stream::kBounds);
+  for (int axis = 0; axis < 3; ++axis)
+    (skin_low ? bounds.low : bounds.high)[axis] += skin_low ? margin : -margin;
+}
+
+TEST(VerifyCulling, ABoxWithoutTheFursLengthIsFound) {
+  for (const bool low : {true, false}) {
+    skin_low = low;
+    const VerifyReport report = RunCulling(Planting("bound_layer", BoundOfTheSkin));
+    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "tips"))
+        << DescribeReport(report);
+  }
+}
+
+TEST(ViewTest, SeesWhatStandsBeforeTheCamera) {
+  Camera camera;  // at (0, 1, 3), towards (0, 1, 0)
+  camera.near_m = 0.5f;
+  camera.far_m = 10.0f;
+  const ViewTest view(camera);
+  EXPECT_TRUE(view.IsClearlyInside({0.0f, 1.0f, 0.0f}));
+  EXPECT_FALSE(view.IsClearlyInside({0.0f, 1.0f, 2.9f})) << "nearer than near";
+  EXPECT_FALSE(view.IsClearlyInside({0.0f, 1.0f, -8.0f})) << "beyond far";
+  EXPECT_FALSE(view.IsClearlyInside({0.0f, 1.0f, 4.0f})) << "behind";
+  EXPECT_FALSE(view.IsClearlyInside({3.5f, 1.0f, 0.0f}));
+  EXPECT_FALSE(view.IsClearlyInside({-3.5f, 1.0f, 0.0f}));
+  EXPECT_FALSE(view.IsClearlyInside({0.0f, 3.0f, 0.0f}));
+  EXPECT_FALSE(view.IsClearlyInside({0.0f, -1.0f, 0.0f}));
+  EXPECT_TRUE(view.IsClearlyInside({2.0f, 1.0f, 0.0f})) << "wider than high";
+}
+
+}  // namespace
+}  // namespace pelt

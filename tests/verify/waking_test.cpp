@@ -1,0 +1,154 @@
+// What a change of the input hides from those that sleep is found, whatever the input.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "core/kernels/activate.hpp"
+#include "core/kernels/collect_changes.hpp"
+#include "tests/verify/planting.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+VerifyReport RunWaking(Tamper tamper) { return RunSection("waking", 12, std::move(tamper)); }
+
+// The plan's `activate` with one of its parameters switched off.
+uint32_t ActivateParams::*hidden_param;
+void ActivateWithout(const void* params, const Binding* bindings) {
+  auto hiding = *static_cast<const ActivateParams*>(params);
+  hiding.*hidden_param = 0;
+  twin.run(&hiding, bindings);
+}
+
+TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
+  const VerifyReport report = RunWaking({});
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+  const auto checks = ChecksOf(report, "waking");
+  // Some chunk sleeps, or nothing was proven; and every kind of input wakes one.
+  EXPECT_GT(checks.front().seen, 10u) << "asleep";
+  const auto woke = [&](std::string_view name) {
+    return std::any_of(checks.begin(), checks.end(), [&](const CheckResult& c) {
+      return c.name == name && c.compared && c.seen > 0 && c.felt;
+    });
+  };
+  for (const char* name :
+       {"dt_s, less than a float's ulp", "dt_s, a lot", "gravity[1], one ulp", "sphere 1[0], a lot",
+        "sphere 1[3], a lot", "wetness of character 0, one ulp", "wetness of character 1, a lot",
+        "wind.velocity[0], a lot", "ground[3], a lot", "use_ground",
+        "pose of character 0, root[0], one ulp", "character 0 teleported",
+        "a sphere more, around sphere 1", "a sphere less"})
+    EXPECT_TRUE(woke(name)) << name;
+  // What blows already keeps awake, and what moves the eye wakes no chain.
+  for (const char* name : {"wind that blew already", "eye and target[0]", "eye and target[1]"})
+    EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [&](const CheckResult& c) {
+      return c.name == name && c.compared && c.felt;
+    })) << name;
+  EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const CheckResult& c) {
+    return c.name.starts_with("sphere ") && c.name.ends_with("one ulp") && c.felt;
+  }));
+  // Every number of the input is there, and what is not compared says why.
+  EXPECT_GT(checks.size(), 200u);
+  for (const CheckResult& c : checks) EXPECT_TRUE(c.compared) << c.name << ": " << c.reason;
+}
+
+TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
+  hidden_param = &ActivateParams::frame_inputs_changed;
+  const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
+  const auto checks = ChecksOf(report, "waking");
+  // dt reaches a chunk through its layer too: what hides it alone is below.
+  for (const char* name : {"sphere 1[0], a lot", "sphere 1[3], a lot", "ground[3], a lot",
+                           "use_ground", "a sphere more", "a sphere less"})
+    EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, name)) << name;
+}
+
+TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
+  hidden_param = &ActivateParams::view_changed;
+  const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.position[0]"));
+}
+
+// Weather and the modal solver's course tables reach a chunk through its layer's `changed`.
+void ActivateUnchangedLayers(const void* params, const Binding* bindings) {
+  Binding hiding[kMaxPorts];
+  std::copy_n(bindings, twin.ports.size(), hiding);
+  LayerBlock layer = *twin.As<const LayerBlock>(bindings, Stream::kLayers);
+  layer.changed = 0;
+  for (size_t p = 0; p < twin.ports.size(); ++p)
+    if (twin.ports[p].stream == Stream::kLayers) hiding[p].block = &layer;
+  twin.run(params, hiding);
+}
+
+TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
+  const VerifyReport report = RunWaking(Planting("activate", ActivateUnchangedLayers));
+  const auto checks = ChecksOf(report, "waking");
+  EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "wetness of character 0, a lot"));
+  EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "dt_s, less than a float's ulp"))
+      << "of the modal tables alone";
+}
+
+// Wind has nobody awake: only its beginning and its end, which change the layer's flags.
+void ActivateWithoutWind(const void* params, const Binding* bindings) {
+  Binding hiding[kMaxPorts];
+  std::copy_n(bindings, twin.ports.size(), hiding);
+  LayerBlock layer = *twin.As<const LayerBlock>(bindings, Stream::kLayers);
+  layer.flags &= ~uint32_t(kLayerWind);
+  for (size_t p = 0; p < twin.ports.size(); ++p)
+    if (twin.ports[p].stream == Stream::kLayers) hiding[p].block = &layer;
+  twin.run(params, hiding);
+}
+
+TEST(VerifyWaking, WindThatBlewAlreadyAndChangesHiddenFromSleepersIsFound) {
+  const VerifyReport report = RunWaking(Planting("activate", ActivateWithoutWind));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "wind that blew already"));
+}
+
+// Vertices are written again only when a key or a record changed.
+void CollectWithoutTheEye(const void* params, const Binding* bindings) {
+  auto hiding = *static_cast<const CollectChangesParams*>(params);
+  hiding.view_changed = 0;
+  twin.run(&hiding, bindings);
+}
+
+TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
+  const VerifyReport report = RunWaking(Planting("collect_changes", CollectWithoutTheEye));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "eye and target["));
+}
+
+// A joint that moves and does not say so.
+uint32_t still_joint;
+void PaletteWithAStillJoint(const void* params, const Binding* bindings) {
+  twin.run(params, bindings);
+  auto& palette = *twin.As<PaletteBlock>(bindings, Stream::kPalette);
+  palette.moved[still_joint / 32] &= ~(1u << still_joint % 32);
+}
+
+TEST(VerifyWaking, AJointThatNeverMovesIsFound) {
+  still_joint = 7;
+  const VerifyReport report = RunWaking(Planting("joint_palette", PaletteWithAStillJoint));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "joint 7"));
+}
+
+// Joints that moved by less than a millionth did not move.
+void PaletteWithThreshold(const void* params, const Binding* bindings) {
+  auto& palette = *twin.As<PaletteBlock>(bindings, Stream::kPalette);
+  const PaletteBlock before = palette;
+  twin.run(params, bindings);
+  for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
+    float most = 0.0f;
+    for (int i = 0; i < 12; ++i)
+      most = std::max(most, std::abs(palette.matrix[j][i] - before.matrix[j][i]));
+    if (most < 1e-6f) palette.moved[j / 32] &= ~(1u << j % 32);
+  }
+}
+
+TEST(VerifyWaking, PosesThatChangeByLessThanAMillionthAreFound) {
+  const VerifyReport report = RunWaking(Planting("joint_palette", PaletteWithThreshold));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "one ulp"));
+}
+
+}  // namespace
+}  // namespace pelt
