@@ -66,7 +66,8 @@ struct SceneLayout {
 };
 
 // Layout of a scene of these grooms, one for each character (a groom may serve several). Fails when
-// grooms do not fit together (no strands, too many layers) or the scene is over its budget.
+// one holds what no groom file may (FindGroomFault), when they do not fit together (no strands, too
+// many layers) or the scene is over its budget.
 std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
                                            const SceneOptions& options, std::string& error);
 #if defined(__cpp_exceptions)
@@ -100,7 +101,8 @@ class FurScene {
  public:
   // `memory` must hold layout.total_bytes, aligned to kBlockAlignment, and outlive the scene;
   // grooms are copied into it. Null, and the reason in `error`, when the memory is too small or not
-  // aligned, the layout is of other grooms, or the plan cannot be made.
+  // aligned, a groom holds what no groom file may, the layout is of other grooms, or the plan
+  // cannot be made.
   static std::unique_ptr<FurScene> TryCreate(std::span<const Groom* const> grooms,
                                              const SceneOptions& options, SceneLayout layout,
                                              std::span<std::byte> memory, std::string& error);

@@ -5,6 +5,7 @@
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/groom/groom_file.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -54,14 +55,26 @@ uint32_t BlockCount(const SceneShape& shape, const StreamDesc& desc) {
   return count;
 }
 
+// What no file was read for may hold anything: kernels would follow its indices, and memory would
+// be asked for by its counts. A groom of several characters is looked at once. Empty: all is well.
+std::string FindFaultOf(std::span<const Groom* const> grooms) {
+  for (size_t c = 0; c < grooms.size(); ++c) {
+    if (!grooms[c]) return Format("character {} has no groom", c);
+    const auto before = grooms.first(c);
+    if (std::find(before.begin(), before.end(), grooms[c]) != before.end()) continue;
+    std::string fault = FindGroomFault(*grooms[c], Format("of character {}", c));
+    if (!fault.empty()) return fault;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
                                            const SceneOptions& options, std::string& error) {
   SceneLayout layout;
-  for (size_t c = 0; c < grooms.size(); ++c) {
-    if (grooms[c]) continue;
-    error = Format("character {} has no groom", c);
+  if (std::string fault = FindFaultOf(grooms); !fault.empty()) {
+    error = std::move(fault);
     return std::nullopt;
   }
   layout.shape = ShapeOf(grooms, options);
