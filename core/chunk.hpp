@@ -33,6 +33,10 @@ static_assert(kStrandsPerChunk == 64 || kStrandsPerChunk == 128 || kStrandsPerCh
 
 // Widest vector any kernel is built for; lane counts are rounded up to it.
 inline constexpr uint32_t kLaneGroup = 16;
+// Always inline, as what is called within kernels: no copy of it that needs an instruction set.
+[[gnu::always_inline]] constexpr uint32_t RoundUpToLaneGroups(uint32_t lanes) {
+  return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+}
 inline constexpr uint32_t kJointsPerCharacter = 256;
 inline constexpr uint32_t kBlockAlignment = 128;
 // Dense weight rows of one chunk: on average 8 joints for each group of 16 vertices.

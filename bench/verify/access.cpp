@@ -26,7 +26,7 @@ std::string FindUnskinnedVertex(const FurScene& scene) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     const auto& state = *scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c);
     const auto& strands = *scene.memory().As<StrandBlock>(Stream::kStrands, c);
-    const uint32_t groups = (state.live_strands + kLaneGroup - 1) / kLaneGroup;
+    const uint32_t groups = RoundUpToLaneGroups(state.live_strands) / kLaneGroup;
     for (uint32_t lane = 0; lane < std::min(groups * kLaneGroup, strands.strand_count); ++lane)
       for (const auto& vertex : strands.vertex)
         if (vertex[lane] >= state.live_vertices)

@@ -183,7 +183,7 @@ void FillPose(const Skeleton& skeleton, const Clip* clip, double time_s, bool lo
     const double t = WrapTime(*clip, time_s, loop);
     for (const Track& track : clip->tracks) StoreTrack(track, t, pose);
   }
-  const uint32_t padded = (count + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+  const uint32_t padded = RoundUpToLaneGroups(count);
   for (uint32_t j = count; j < padded; ++j) {
     CopyLane(pose->translation_key, pose->translation_weight, count - 1, j);
     CopyLane(pose->rotation_key, pose->rotation_weight, count - 1, j);

@@ -39,8 +39,6 @@ constexpr uint32_t kStrandsPerLayer = 1u << 24;
 
 using JointSet = std::bitset<kJointsPerCharacter>;
 
-uint32_t RoundUpLanes(uint32_t lanes) { return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup; }
-
 class Checker {
  public:
   Checker(const Groom& groom, const std::string& name) : groom_(groom), name_(name) {}
@@ -307,7 +305,7 @@ bool Checker::CheckMesh(size_t chunk, JointSet& used) {
     return std::fabs(square - 1.0f) <= kUnitTolerance ||
            Fail(items, chunk, &row[0][v], "not a unit vector");
   };
-  for (uint32_t v = 0; v < RoundUpLanes(block.vertex_count); ++v)
+  for (uint32_t v = 0; v < RoundUpToLaneGroups(block.vertex_count); ++v)
     if (!is_unit(block.normal, v) || !is_unit(block.tangent, v)) return false;
   return CheckWeights(chunk, used);
 }
@@ -365,7 +363,7 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
     return fail(&block.vertex_count, Format("{} vertices, the mesh block has {}",
                                             block.vertex_count, groom_.mesh[chunk].vertex_count));
   }
-  const uint32_t lanes = RoundUpLanes(block.strand_count);
+  const uint32_t lanes = RoundUpToLaneGroups(block.strand_count);
   if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
     return fail(&block.control_count, Format("{} control strands", block.control_count));
   }
@@ -417,7 +415,7 @@ bool Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t coun
       !CheckRange(items, index, block.segment_length, kStrandsPerChunk, 0.0f, kLongest_m) ||
       !CheckRange(items, index, block.strength, kStrandsPerChunk, 0.0f, 1.0f))
     return false;
-  for (uint32_t i = 0; i < RoundUpLanes(count); ++i) {
+  for (uint32_t i = 0; i < RoundUpToLaneGroups(count); ++i) {
     if (!(block.segment_length[i] > 0.0f)) {
       return Fail(items, index, &block.segment_length[i], "not above 0");
     }

@@ -55,10 +55,6 @@ struct ActivateParams {
 
 namespace activate_detail {
 
-PELT_INLINE uint32_t RoundUpToLaneGroup(uint32_t lanes) {
-  return (lanes + (kLaneGroup - 1)) & ~(kLaneGroup - 1);
-}
-
 // `exact` rounded up, at least 1 and at most `count`.
 PELT_INLINE uint32_t CountLive(float exact, uint32_t count) {
   uint32_t live = uint32_t(exact);
@@ -69,7 +65,7 @@ PELT_INLINE uint32_t CountLive(float exact, uint32_t count) {
 
 // Vertices used by every lane a vector kernel touches for `live` strands.
 PELT_INLINE uint32_t CountVertices(const StrandBlock& strands, uint32_t live) {
-  uint32_t last = RoundUpToLaneGroup(live);
+  uint32_t last = RoundUpToLaneGroups(live);
   if (last > strands.strand_count) last = strands.strand_count;
   const uint32_t vertices = uint32_t(strands.vertex_prefix[last - 1]) + 1;
   return vertices < strands.vertex_count ? vertices : strands.vertex_count;

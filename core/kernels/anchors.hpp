@@ -28,7 +28,7 @@ struct Anchors {
                                           Port<&Ports::anchors>(Stream::kAnchors, "anchors"));
 
   static void Run(const Params&, const Ports& ports) {
-    const uint32_t lanes = (ports.state->live_vertices + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
     RootBlock& anchors = *ports.anchors;
     for (uint32_t v = 0; v < lanes; v += V::kLanes) {
       const SkinnedVertex* const in = ports.skinned->vertex + v;

@@ -65,10 +65,6 @@ inline constexpr float kBoxReach = 2.0f;
 // Four steps of a float: below this share of a coordinate, motion is rounding.
 inline constexpr float kRoundingShare = 4.8e-7f;
 
-PELT_INLINE constexpr uint32_t RoundUpLanes(uint32_t live) {
-  return (live + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
-}
-
 // One group of chains, relative to their roots.
 template <class W, uint32_t kFree>
 struct Group {

@@ -65,6 +65,49 @@ constexpr auto MakePorts() {
   }
 }
 
+// Chains in lanes [begin, end), both multiples of kLaneGroup: two groups at once where the machine
+// has registers, as a step's operations wait for each other; on arrays twins would only be more
+// code.
+template <class V, class Controls, class Group>
+bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* controls,
+              const Group& group) {
+  bool changed = false;
+  uint32_t lane = begin;
+  if constexpr (simd_detail::IsRegister<V>)
+    for (; lane + Twin<V>::kLanes <= end; lane += Twin<V>::kLanes)
+      changed |= group.template operator()<Twin<V>>(lane, live, controls);
+  if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
+    for (; lane < end; lane += V::kLanes)
+      changed |= group.template operator()<V>(lane, live, controls);
+  return changed;
+}
+
+// All live chains of a chunk: the control strands, then with their records those that follow them.
+// group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or Twin<V>, and
+// says whether a bit of a live one changed; `controls` is null for whom nobody is followed.
+template <class V, uint32_t kFree, bool kVertexChains, class Ports, class Group>
+PELT_INLINE void RunChunk(const Ports& ports, const Group& group) {
+  using Controls = ControlRecords<V, kFree>;
+  ChunkStateBlock& state = *ports.state;
+  const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
+  const uint32_t end = RoundUpToLaneGroups(live);
+  uint32_t controls = end;
+  if constexpr (!kVertexChains)
+    if (ports.layer->flags & kLayerClump) {
+      const uint32_t count = ports.strands->control_count;
+      if (count > 0 && count < end) controls = count;
+    }
+  const Controls* none = nullptr;
+  bool changed = RunRange<V>(0, controls, live, none, group);
+  if constexpr (!kVertexChains)
+    if (controls < end) {
+      Controls records;
+      records.Fill(*ports.position, controls);
+      changed |= RunRange<V>(controls, end, live, &records, group);
+    }
+  state.state_changed = changed ? 1 : 0;
+}
+
 // Solver<V, kPoints>::Iterate(layer, obstacles, clump, clump_pull, group) moves the group's points.
 // `clump_pull` is the control strand's offset from the follower's root times the share of the
 // point; it is read only when `clump` is set.
@@ -76,41 +119,13 @@ struct Step {
   using Controls = ControlRecords<V, kFree>;
 
   PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports) {
-    ChunkStateBlock& state = *ports.state;
-    const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
-    const uint32_t end = RoundUpLanes(live);
-    uint32_t controls = end;
-    if constexpr (!kVertexChains)
-      if (ports.layer->flags & kLayerClump) {
-        const uint32_t count = ports.strands->control_count;
-        if (count > 0 && count < end) controls = count;
-      }
-    bool changed = SolveRange(params, ports, 0, controls, live, nullptr);
-    if constexpr (!kVertexChains)
-      if (controls < end) {
-        Controls records;
-        records.Fill(*ports.position, controls);
-        changed |= SolveRange(params, ports, controls, end, live, &records);
-      }
-    state.state_changed = changed ? 1 : 0;
+    RunChunk<V, kFree, kVertexChains>(
+        ports, [&]<class W>(uint32_t lane, uint32_t live, const Controls* controls) {
+          return SolveGroup<W>(params, ports, lane, live, controls);
+        });
   }
 
  private:
-  // Chains in lanes [begin, end), both multiples of kLaneGroup.
-  static bool SolveRange(const SimulateParams& params, const Ports& ports, uint32_t begin,
-                         uint32_t end, uint32_t live, const Controls* controls) {
-    // Twins only of machine registers: on arrays they would only be more code.
-    bool changed = false;
-    uint32_t lane = begin;
-    if constexpr (simd_detail::IsRegister<V>)
-      for (; lane + Twin<V>::kLanes <= end; lane += Twin<V>::kLanes)
-        changed |= SolveGroup<Twin<V>>(params, ports, lane, live, controls);
-    if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
-      for (; lane < end; lane += V::kLanes)
-        changed |= SolveGroup<V>(params, ports, lane, live, controls);
-    return changed;
-  }
-
   template <class W>
   PELT_INLINE static bool SolveGroup(const SimulateParams& params, const Ports& ports,
                                      uint32_t lane, uint32_t live, const Controls* controls) {

@@ -84,7 +84,7 @@ struct FitRibbon {
                Port<&Ports::ribbons>(Stream::kRibbons, "ribbons"));
 
   static void Run(const Params&, const Ports& ports) {
-    const uint32_t end = chain::RoundUpLanes(ports.state->live_strands);
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) FitGroup(ports, lane);
   }
 

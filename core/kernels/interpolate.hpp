@@ -58,7 +58,7 @@ struct Interpolate {
   static void Run(const Params&, const Ports& ports) {
     Displacements displacements;
     FillDisplacements(ports, displacements);
-    const uint32_t end = chain::RoundUpLanes(ports.state->live_strands);
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     uint32_t controls = end;
     if (ports.layer->flags & kLayerClump) {
       const uint32_t count = ports.strands->control_count;
@@ -83,7 +83,7 @@ struct Interpolate {
   }
 
   PELT_INLINE static void FillDisplacements(const Ports& ports, Displacements& out) {
-    const uint32_t end = chain::RoundUpLanes(ports.state->live_vertices);
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
       chain::Group<V, kFree> g;
       LoadOnGroom(*ports.chain_rest, *ports.anchors, lane, g);

@@ -42,7 +42,7 @@ struct JointPalette {
     const SkeletonBlock& skeleton = *ports.skeleton;
     PaletteBlock& palette = *ports.palette;
     alignas(64) float world[kJointsPerCharacter][12];
-    const uint32_t lanes = (joint_count + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const uint32_t lanes = RoundUpToLaneGroups(joint_count);
     for (uint32_t j = 0; j < lanes; j += V::kLanes) BuildLocalMatrices(*ports.local, j, world);
 
     for (uint32_t& word : palette.moved) word = 0;

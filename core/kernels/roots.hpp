@@ -35,7 +35,7 @@ struct Roots {
                                           Port<&Ports::roots>(Stream::kRoots, "roots"));
 
   static void Run(const Params&, const Ports& ports) {
-    const uint32_t lanes = (ports.state->live_strands + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t s = 0; s < lanes; s += V::kLanes)
       BlendStrands(*ports.strands, ports.skinned->vertex, s, *ports.roots);
     // A loop of its own: making a frame unit is a chain of some 200 cycles, and only short loop

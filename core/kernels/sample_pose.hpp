@@ -32,7 +32,7 @@ struct SamplePose {
   static void Run(const Params&, const Ports& ports) {
     const PoseBlock& pose = *ports.pose;
     LocalPoseBlock& local = *ports.local;
-    const uint32_t lanes = (pose.joint_count + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const uint32_t lanes = RoundUpToLaneGroups(pose.joint_count);
     for (uint32_t j = 0; j < lanes; j += V::kLanes) {
       for (int c = 0; c < 3; ++c) {
         BlendKeys(pose.translation_key, pose.translation_weight, c, j)

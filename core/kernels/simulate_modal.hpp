@@ -44,46 +44,19 @@ struct SimulateModal {
   using Controls = chain::ControlRecords<V, N>;
 
   static void Run(const Params& params, const Ports& ports) {
-    ChunkStateBlock& state = *ports.state;
-    const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
-    const uint32_t end = chain::RoundUpLanes(live);
-    uint32_t controls = end;
-    if constexpr (!kVertexChains)
-      if (ports.layer->flags & kLayerClump) {
-        const uint32_t count = ports.strands->control_count;
-        if (count > 0 && count < end) controls = count;
-      }
-    bool changed = RunRange(params, ports, 0, controls, live, nullptr);
-    if constexpr (!kVertexChains)
-      if (controls < end) {
-        Controls records;
-        records.Fill(*ports.position, controls);
-        changed |= RunRange(params, ports, controls, end, live, &records);
-      }
-    state.state_changed = changed ? 1 : 0;
+    if (ports.table->use_slope != 0)
+      RunAs<true>(params, ports);
+    else
+      RunAs<false>(params, ports);
   }
 
  private:
-  static bool RunRange(const Params& params, const Ports& ports, uint32_t begin, uint32_t end,
-                       uint32_t live, const Controls* controls) {
-    const bool best = ports.table->use_slope != 0;
-    return best ? RunLanes<true>(params, ports, begin, end, live, controls)
-                : RunLanes<false>(params, ports, begin, end, live, controls);
-  }
-
-  // Two groups at once where the machine has registers: a step's operations wait for each other.
   template <bool kBest>
-  static bool RunLanes(const Params& params, const Ports& ports, uint32_t begin, uint32_t end,
-                       uint32_t live, const Controls* controls) {
-    bool changed = false;
-    uint32_t lane = begin;
-    if constexpr (simd_detail::IsRegister<V>)
-      for (; lane + Twin<V>::kLanes <= end; lane += Twin<V>::kLanes)
-        changed |= Lanes<Twin<V>>::template RunGroup<kBest>(params, ports, lane, live, controls);
-    if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
-      for (; lane < end; lane += V::kLanes)
-        changed |= Lanes<V>::template RunGroup<kBest>(params, ports, lane, live, controls);
-    return changed;
+  PELT_INLINE static void RunAs(const Params& params, const Ports& ports) {
+    chain::RunChunk<V, N, kVertexChains>(
+        ports, [&]<class W>(uint32_t lane, uint32_t live, const Controls* controls) {
+          return Lanes<W>::template RunGroup<kBest>(params, ports, lane, live, controls);
+        });
   }
 
   // A group's frame on W: V or Twin<V>.

@@ -145,7 +145,7 @@ struct Skin {
     const ChunkStateBlock& state = *ports.state;
     const bool restart = (state.flags & kChunkRestart) != 0 || ports.palette->teleported != 0;
     const uint32_t first_new = restart ? 0 : state.first_new_vertex;
-    const uint32_t lanes = (state.live_vertices + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+    const uint32_t lanes = RoundUpToLaneGroups(state.live_vertices);
     skin_detail::SkinChunk<V, true>(*ports.palette, *ports.mesh, lanes, first_new, *ports.skinned);
   }
 };

@@ -13,7 +13,7 @@ constexpr uint32_t kLanesPerTurn = 4;
 
 uint32_t TurnsOf(uint32_t lanes) { return (lanes + kLanesPerTurn - 1) / kLanesPerTurn; }
 uint32_t TurnsOfGroups(uint32_t lanes) {
-  return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup / kLanesPerTurn;
+  return RoundUpToLaneGroups(lanes) / kLanesPerTurn;
 }
 
 bool Binds(const Stage& stage, Stream stream) {

@@ -65,7 +65,8 @@ void ExpectPatches(const Mesh& mesh, std::span<const PatchStrand> strands,
     }
     ASSERT_EQ(used, std::set<uint32_t>(patch.vertices.begin(), patch.vertices.end()));
     ASSERT_EQ(used.size(), patch.vertices.size());
-    ASSERT_EQ(patch.groups.size(), (patch.vertices.size() + kLaneGroup - 1) / kLaneGroup);
+    ASSERT_EQ(patch.groups.size(),
+              RoundUpToLaneGroups(uint32_t(patch.vertices.size())) / kLaneGroup);
     size_t rows = 0;
     for (size_t g = 0; g < patch.groups.size(); ++g) {
       std::set<uint8_t> joints;

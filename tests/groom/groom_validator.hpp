@@ -14,9 +14,6 @@
 
 namespace pelt::test {
 
-inline uint32_t RoundUpToLaneGroup(uint32_t n) {
-  return (n + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
-}
 
 template <class T, size_t kRows, size_t kLanes>
 void ExpectPadded(const T (&rows)[kRows][kLanes], uint32_t used) {
@@ -57,7 +54,7 @@ inline void ExpectMesh(const MeshBlock& mesh) {
   ExpectPadded(mesh.position, mesh.vertex_count);
   ExpectPadded(mesh.normal, mesh.vertex_count);
   ExpectPadded(mesh.tangent, mesh.vertex_count);
-  const uint32_t groups = RoundUpToLaneGroup(mesh.vertex_count) / kLaneGroup;
+  const uint32_t groups = RoundUpToLaneGroups(mesh.vertex_count) / kLaneGroup;
   ASSERT_EQ(mesh.group_first_row[0], 0u);
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
     const uint32_t first = mesh.group_first_row[g], last = mesh.group_first_row[g + 1];

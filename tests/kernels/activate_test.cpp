@@ -82,7 +82,7 @@ TEST(Activate, LiveVerticesCoverEveryLaneAKernelTouches) {
       w.lod[0].fraction = float(i) / 100.0f;
       const ChunkStateBlock& s = w.Run();
       const uint32_t touched =
-          std::min((s.live_strands + kLaneGroup - 1) / kLaneGroup * kLaneGroup, kStrandsPerChunk);
+          std::min(RoundUpToLaneGroups(s.live_strands), kStrandsPerChunk);
       uint32_t needed = 0;
       for (uint32_t lane = 0; lane < std::min(touched, count); ++lane)
         needed = std::max(needed, uint32_t(w.strands[0].vertex_prefix[lane]) + 1);

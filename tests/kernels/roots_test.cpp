@@ -113,7 +113,7 @@ TEST(Roots, SameBitsOnEveryVectorForAnyLiveCount) {
     ForEveryVector([&]<class V>(const char* name) {
       SCOPED_TRACE(name);
       scene->template RunRoots<V>();
-      const uint32_t lanes = (live + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+      const uint32_t lanes = RoundUpToLaneGroups(live);
       ExpectSameBits(scene->roots.position, expected.position, lanes, "position");
       ExpectSameBits(scene->roots.normal, expected.normal, lanes, "normal");
       ExpectSameBits(scene->roots.tangent, expected.tangent, lanes, "tangent");
@@ -163,7 +163,7 @@ TEST(Anchors, AreTheVerticesBitForBit) {
       const auto scene = MakeScene(1, live, 20 + live);
       scene->skinned.vertex[0].motion[0] = -0.0f;
       scene->template RunAnchors<V>();
-      const uint32_t lanes = (live + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+      const uint32_t lanes = RoundUpToLaneGroups(live);
       for (uint32_t v = 0; v < lanes; ++v) {
         for (int c = 0; c < 3; ++c) {
           const SkinnedVertex& in = scene->skinned.vertex[v];
