@@ -238,12 +238,12 @@ bool CanJoin(const std::vector<Stage>& stages, uint32_t first, uint32_t next) {
   return true;
 }
 
-const char* DomainName(Domain d) {
-  constexpr const char* kNames[] = {"scene", "character", "layer", "chunk"};
-  return kNames[size_t(d)];
-}
-
 }  // namespace
+
+const char* DomainName(Domain domain) {
+  constexpr const char* kNames[] = {"scene", "character", "layer", "chunk"};
+  return kNames[size_t(domain)];
+}
 
 uint32_t SceneShape::ItemCount(Domain domain) const {
   const uint32_t counts[] = {1, character_count, layer_count, chunk_count};

@@ -25,6 +25,8 @@ namespace pelt {
 // store.
 inline constexpr uint32_t kKindSortInPieces = 1u << 31;
 
+const char* DomainName(Domain domain);  // "chunk"
+
 // What is in the scene and what belongs to what. Chunks of a layer, and layers of a character, are
 // contiguous.
 struct SceneShape {

@@ -242,11 +242,6 @@ std::vector<PassDependency> FindDependencies(const Plan& plan, const std::vector
   return found;
 }
 
-std::string_view DomainName(Domain domain) {
-  constexpr std::string_view kNames[] = {"scene", "character", "layer", "chunk"};
-  return kNames[size_t(domain)];
-}
-
 std::string PassName(const Plan& plan, uint32_t pass) {
   const auto stages = StagesOf(plan, pass);
   std::string name = fmt::format("pass {}: {}", pass, stages.front().kernel.name);

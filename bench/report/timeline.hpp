@@ -53,7 +53,6 @@ struct PassDependency {
 // the last pass before the consumer that did and writes it.
 std::vector<PassDependency> FindDependencies(const Plan& plan, const std::vector<bool>& ran);
 
-std::string_view DomainName(Domain domain);  // "chunk"
 // "pass 2: activate and 9 more"
 std::string PassName(const Plan& plan, uint32_t pass);
 // "chunk 3 of layer 7 brows"

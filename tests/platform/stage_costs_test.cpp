@@ -8,7 +8,7 @@
 
 #include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
-#include "platform_sim/schedule/check_finished.hpp"
+#include "tests/platform/check_finished.hpp"
 #include "tests/platform/recording.hpp"
 #include "traces/digest.hpp"
 

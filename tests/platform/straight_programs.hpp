@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/schedule/check_finished.hpp"
 #include "platform_sim/schedule/schedule.hpp"
+#include "tests/platform/check_finished.hpp"
 
 namespace pelt::testing {
 

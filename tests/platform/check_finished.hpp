@@ -7,7 +7,7 @@
 // the same store as in the straight code; no store is ahead of a branch that it was behind; padding
 // has no operands; locations follow on each other; the counts are right. Not checked: cycles.
 //
-// For tests and for finding faults: it shares nothing with what made the code.
+// It shares nothing with what made the code.
 #pragma once
 
 #include <string>

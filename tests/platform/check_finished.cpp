@@ -1,4 +1,4 @@
-#include "platform_sim/schedule/check_finished.hpp"
+#include "tests/platform/check_finished.hpp"
 
 #include <algorithm>
 #include <map>
