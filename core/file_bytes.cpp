@@ -209,10 +209,10 @@ std::optional<std::vector<std::byte>> TryReadToEnd(std::FILE* file, uint64_t byt
 }
 
 std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
-                                                       const std::string& path,
-                                                       std::string& error) {
+                                                       const std::string& path, std::string& error,
+                                                       uint64_t bytes_limit) {
   std::string reason;
-  auto bytes = TryReadWhole(path, kFileBytesLimit, reason);
+  auto bytes = TryReadWhole(path, bytes_limit, reason);
   if (!bytes) error = Named(what, path, reason);
   return bytes;
 }

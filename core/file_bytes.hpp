@@ -27,9 +27,11 @@ std::optional<std::vector<std::byte>> TryReadWhole(const std::string& path, uint
 std::optional<std::vector<std::byte>> TryReadToEnd(std::FILE* file, uint64_t bytes_limit,
                                                    std::string& reason);
 
-// `what` is for messages: "digest log 'a.digests': no such file".
+// `what` is for messages: "digest log 'a.digests': no such file". More than the limit is not read
+// and then refused: it is not read.
 std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
-                                                       const std::string& path, std::string& error);
+                                                       const std::string& path, std::string& error,
+                                                       uint64_t bytes_limit = kFileBytesLimit);
 
 // A regular file is replaced whole (output_place.hpp) and keeps its mode and owner; a FIFO or a
 // device is written to. When the new file cannot be renamed into place it is kept beside it, and
@@ -44,8 +46,10 @@ bool TryOutput(std::string_view what, const std::string& path, std::string& erro
 
 #if defined(__cpp_exceptions)
 // The same, throwing Error.
-inline std::vector<std::byte> ReadFileBytes(std::string_view what, const std::string& path) {
-  return ValueOrThrow([&](std::string& error) { return TryReadFileBytes(what, path, error); });
+inline std::vector<std::byte> ReadFileBytes(std::string_view what, const std::string& path,
+                                            uint64_t bytes_limit = kFileBytesLimit) {
+  return ValueOrThrow(
+      [&](std::string& error) { return TryReadFileBytes(what, path, error, bytes_limit); });
 }
 inline void WriteFileBytes(std::string_view what, const std::string& path,
                            std::span<const std::byte> bytes) {

@@ -12,6 +12,7 @@
 // that the split gives it to, and all of them passed in one and the same run.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,9 @@
 #include "bench/verify/shard.hpp"
 
 namespace pelt {
+
+// Of one shard's file: far more than the longest matrix prints.
+inline constexpr uint64_t kShardBytesLimit = 256u << 20;
 
 struct ShardFile {
   std::string name;  // for messages

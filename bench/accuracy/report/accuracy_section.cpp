@@ -13,7 +13,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr size_t kMostEntries = 256;  // of any list
-constexpr size_t kMostBytes = 16u << 20;
 
 class SectionWriter {
  public:
@@ -108,8 +107,6 @@ class SectionWriter {
 }  // namespace
 
 void AddAccuracySection(JsonText& json, std::string_view text, const std::string& path) {
-  if (text.size() > kMostBytes)
-    throw Error(fmt::format("{}: {} bytes; at most {} are read", path, text.size(), kMostBytes));
   const Json file = Json::parse(text, nullptr, false);
   if (file.is_discarded())
     throw Error(fmt::format("{}: not JSON; expected what pelt accuracy --json writes", path));

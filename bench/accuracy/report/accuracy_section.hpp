@@ -6,12 +6,15 @@
 // page, and a file that lacks one is an Error that names it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "bench/report/json_text.hpp"
 
 namespace pelt {
+
+inline constexpr uint64_t kAccuracyBytesLimit = 16u << 20;
 
 // Adds one object, or throws. `path` is for messages.
 void AddAccuracySection(JsonText& json, std::string_view text, const std::string& path);
