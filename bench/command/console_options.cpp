@@ -38,6 +38,8 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
   RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
   RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice", "--what-if"},
                "--platform ps3 or xbox360");
+  if (args.what_if == WhatIfName(WhatIf::kResidentPalette) && !asks_for("ps3"))
+    throw UsageError("--what-if " + args.what_if + " has an effect only with --platform ps3");
 }
 
 CLI::Validator IsWhatIf() {

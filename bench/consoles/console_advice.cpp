@@ -61,22 +61,17 @@ std::string AdviseLod(ConsoleRun& run, const ConsoleBudget& budget, double targe
 
 constexpr double kLeastGain = 0.01;  // of the frame, to be named
 
-bool Applies(WhatIf what_if, const Plan& plan, const ConsoleMachine& machine) {
-  if (what_if == WhatIf::kResidentPalette) return machine.local_store_bytes > 0;
-  if (what_if != WhatIf::kWiderDigits) return true;
-  return std::ranges::any_of(plan.stages, [](const Stage& stage) {
-    return stage.kernel.name.starts_with("sort_scatter");
-  });
-}
-
 // What moves less data, each tried in the model; for frames that wait for memory.
 void AdviseMemory(ConsoleRun& run, const ConsoleBudget& budget, double target_ms,
                   std::vector<std::string>& lines) {
   const double now_ms = budget.VerdictMs();
-  std::string vain;
+  std::string vain, nothing;
   for (const WhatIf what_if : kAllWhatIfs) {
     if (what_if == budget.machine.what_if) continue;
-    if (!Applies(what_if, run.scene().plan(), budget.machine)) continue;
+    if (const std::string why = run.WhyNoChange(what_if); !why.empty()) {
+      nothing += fmt::format("{}{} ({})", nothing.empty() ? "" : ", ", WhatIfName(what_if), why);
+      continue;
+    }
     const double ms = run.TryWhatIf(what_if);
     if (ms > now_ms * (1.0 - kLeastGain)) {
       vain += fmt::format("{}{} ({:.2f} ms)", vain.empty() ? "" : ", ", WhatIfName(what_if), ms);
@@ -87,6 +82,7 @@ void AdviseMemory(ConsoleRun& run, const ConsoleBudget& budget, double target_ms
                                 ms <= target_ms ? ", and fits" : "", WhatIfName(what_if)));
   }
   if (!vain.empty()) lines.push_back("memory: less than 1 % by " + vain);
+  if (!nothing.empty()) lines.push_back("memory: nothing by " + nothing);
 }
 
 // What one item costs beside its work shrinks with larger chunks, until two of them no longer fit.

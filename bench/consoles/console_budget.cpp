@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/error.hpp"
+#include "core/groom/fewer_points.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
 #include "platform_sim/kernel_rows.hpp"
 #include "platform_sim/memory/spu_program.hpp"
@@ -72,6 +73,12 @@ class OtherOrder {
   FrameStatistics statistics_;
 };
 
+Scenario Resample(const Scenario& scenario) {
+  Scenario out = scenario;
+  std::ranges::transform(out.grooms, out.grooms.begin(), ResampleToFewestPoints);
+  return out;
+}
+
 bool IsPriced(const Plan& plan, const StageCosts& costs) {
   return std::equal(plan.stages.begin(), plan.stages.end(), costs.stages.begin(),
                     costs.stages.end(), [](const Stage& stage, const StageCosts::Stage& cost) {
@@ -106,7 +113,10 @@ ConsoleMachine MakeConsole(const ConsoleRequest& request) {
 }
 
 ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
-    : scenario_(scenario),
+    : given_(scenario),
+      resampled_(request.what_if == WhatIf::kFewerPoints ? std::optional(Resample(scenario))
+                                                         : std::nullopt),
+      scenario_(resampled_ ? *resampled_ : given_),
       request_(request),
       options_(OptionsOn(request)),
       machine_(MakeConsole(request)) {  // before pricing: what cannot be needs none
@@ -190,6 +200,7 @@ ConsoleBudget ConsoleRun::Run() {
   budget.scheduled_ms = scheduled.Summarise();
   budget.as_written_ms = as_written.Summarise();
   budget.warm_up = request_.warm_up;
+  budget.why_no_change = WhyNoChange(request_.what_if);
   budget.live_strands = scene.LiveStrands();
   budget.drawn_strands = scene.DrawnStrands();
   budget.faults = Describe(console->faults());
@@ -230,11 +241,38 @@ ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
 }
 
 double ConsoleRun::TryWhatIf(WhatIf what_if) {
+  // Another scene is priced and planned anew.
+  if ((what_if == WhatIf::kFewerPoints) != (request_.what_if == WhatIf::kFewerPoints)) {
+    ConsoleRequest request = request_;
+    request.what_if = what_if;
+    return ConsoleRun(given_, request).TryWhatIf(what_if);
+  }
   ConsoleMachine machine = machine_;
   machine.what_if = what_if;
   return machine.Available(
       Time(machine, request_.skip, request_.lod, request_.warm_up, request_.frames, nullptr)
           .p95_ms);
+}
+
+std::string ConsoleRun::WhyNoChange(WhatIf what_if) const {
+  switch (what_if) {
+    case WhatIf::kNothing:
+    case WhatIf::kLivePrefix:
+      return {};
+    case WhatIf::kResidentPalette:
+      return machine_.local_store_bytes > 0 ? "" : "caches hold it already";
+    case WhatIf::kWiderDigits: {
+      const bool pieces = std::ranges::any_of(scene().shape().layer_kind, [](uint32_t kind) {
+        return (kind & kKindSortInPieces) != 0;
+      });
+      return pieces ? "" : "no layer is sorted in pieces";
+    }
+    case WhatIf::kFewerPoints:
+      return std::ranges::any_of(given_.grooms, HasMorePoints)
+                 ? ""
+                 : fmt::format("no strand has more than {} points", FewestPoints());
+  }
+  return {};
 }
 
 }  // namespace pelt

@@ -62,6 +62,7 @@ struct ConsoleBudget {
   uint32_t digests_compared = 0;
   std::optional<uint32_t> differs_at;  // the first frame whose digest is not the host's
   uint64_t digest = 0;                 // of the last frame
+  std::string why_no_change = {};      // that the request's what-if makes; empty: it makes one
   std::vector<std::string> faults;     // of the local stores
 
   // What the verdict is about: the 95th percentile, with the console's availability.
@@ -83,6 +84,8 @@ class ConsoleRun {
  public:
   // The scenario must outlive this. Throws Error when the console cannot be.
   ConsoleRun(Scenario& scenario, const ConsoleRequest& request);
+  ConsoleRun(const ConsoleRun&) = delete;
+  ConsoleRun& operator=(const ConsoleRun&) = delete;
 
   // Runs the request's frames from the first. Throws Error when the scene does not fit the local
   // stores, or a frame refuses its input.
@@ -96,8 +99,11 @@ class ConsoleRun {
   };
   LodTrial TryLod(const LodSettings& lod, Trial trial);
 
-  // The 95th percentile of Run's frames with a change of the data movement.
+  // What Run's verdict would be about with this change instead of the request's.
   double TryWhatIf(WhatIf what_if);
+  // Why it would change nothing in Run's frames: "no strand has more than 4 points". Empty: it
+  // would change something.
+  std::string WhyNoChange(WhatIf what_if) const;
 
   const ConsoleRequest& request() const { return request_; }
   // The scene of the last Run.
@@ -111,7 +117,9 @@ class ConsoleRun {
   FrameSummary Time(const ConsoleMachine& machine, const SkipSettings& skip, const LodSettings& lod,
                     uint32_t warm_up, uint32_t frames, uint32_t* live_strands) const;
 
-  Scenario& scenario_;
+  Scenario& given_;
+  std::optional<Scenario> resampled_;  // with fewer points, where those are asked for
+  Scenario& scenario_;                 // the one of the two that runs
   ConsoleRequest request_;
   SceneOptions options_;
   ConsoleMachine machine_;

@@ -230,7 +230,8 @@ std::string DescribeConsole(const ConsoleBudget& b, const FurScene& scene) {
       double(b.machine.clock_hz) * 1e-9, s.median_ms, s.p95_ms, s.worst_ms, s.worst_frame, s.frames,
       b.warm_up, DescribeVerdictTime(b));
   if (b.machine.what_if != WhatIf::kNothing)
-    out += fmt::format("what if: {}\n", DescribeWhatIf(b.machine.what_if));
+    out += fmt::format("what if: {}{}\n", DescribeWhatIf(b.machine.what_if),
+                       b.why_no_change.empty() ? "" : ": CHANGES NOTHING: " + b.why_no_change);
   out += fmt::format("its range, availability in it: {}; all else here is {}\n\n", DescribeRange(b),
                      DescribePlace(b.machine.code_order));
   out += StageTable(b, plan) + '\n' + PassTable(b, plan) + '\n' + MemoryText(b);
@@ -260,6 +261,7 @@ void AddConsole(JsonText& json, const ConsoleBudget& b, const FurScene& scene) {
   json.EndObject();
   json.Add("warm_up_frames", b.warm_up);
   json.Add("what_if", WhatIfName(b.machine.what_if));
+  if (!b.why_no_change.empty()) json.Add("what_if_changes_nothing", b.why_no_change);
   json.Add("worst_frame", s.worst_frame);
   AddStages(json, b, scene.plan());
   AddPasses(json, b, scene.plan());

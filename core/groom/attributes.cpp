@@ -116,6 +116,22 @@ RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl,
   return shape;
 }
 
+RestShape MakeEqualSegments(const RestShape& places, double length, uint32_t points,
+                            const glm::dvec3& first) {
+  RestShape made{};
+  const double segment = length / double(points - 1);
+  glm::dvec3 last(0.0), end(0.0), along = first;
+  for (uint32_t i = 0; i + 1 < points; ++i) {
+    const glm::dvec3 step = places.offset[i] - last;
+    last = places.offset[i];
+    const double size = std::sqrt(glm::dot(step, step));
+    if (size > 1e-3 * segment) along = step / size;
+    end += along * segment;
+    made.offset[i] = end;
+  }
+  return made;
+}
+
 AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
                                const FurSetup& setup, const LayerSetup& layer)
     : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {}

@@ -42,6 +42,12 @@ struct GroomedStrand {
 RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
                         uint32_t points);
 
+// A strand of `length` with `points` points and equal segments that go the way of those through
+// `places`. A segment that is nothing there goes on as the one before it, the first one along
+// `first`, which is unit.
+RestShape MakeEqualSegments(const RestShape& places, double length, uint32_t points,
+                            const glm::dvec3& first);
+
 class AttributeMaker {
  public:
   AttributeMaker(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);

@@ -21,22 +21,6 @@ struct Sum {
   RestShape offset{};  // rest pose, world axes
 };
 
-// Strands above and below may cancel; what is left then is the direction `fallback`.
-RestShape MakeEqualSegments(const RestShape& mean, double length, const glm::dvec3& fallback) {
-  RestShape made{};
-  const double segment = length / double(kChainPoints - 1);
-  glm::dvec3 last(0.0), end(0.0), along = fallback;
-  for (uint32_t i = 0; i + 1 < kChainPoints; ++i) {
-    const glm::dvec3 step = mean.offset[i] - last;
-    last = mean.offset[i];
-    const double size = std::sqrt(glm::dot(step, step));
-    if (size > 1e-3 * segment) along = step / size;
-    end += along * segment;
-    made.offset[i] = end;
-  }
-  return made;
-}
-
 }  // namespace
 
 std::vector<uint32_t> FindSeamTwins(const Mesh& mesh) {
@@ -93,7 +77,8 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
       mean.offset[k] = frame.ToFrame(sum.offset.offset[k] / sum.weight);
     }
     const double length = sum.length / sum.weight;
-    chains_[i].rest = MakeEqualSegments(mean, length, glm::dvec3(0.0, 0.0, 1.0));
+    chains_[i].rest = // Strands above and below may cancel.
+        MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));
     chains_[i].lift = maker.LiftVertex(twins[v]);

@@ -19,8 +19,14 @@
 
 namespace pelt {
 
-// Changes of the frame's data movement that are tried in the model: what_if.hpp.
-enum class WhatIf : uint8_t { kNothing, kResidentPalette, kLivePrefix, kWiderDigits };
+// Changes of the frame's data that are tried in the model: what_if.hpp.
+enum class WhatIf : uint8_t {
+  kNothing,
+  kResidentPalette,
+  kLivePrefix,
+  kWiderDigits,
+  kFewerPoints
+};
 
 struct ConsoleMachine {
   std::string name;  // "PS3"

@@ -27,6 +27,8 @@ constexpr Names kNames[] = {
     {WhatIf::kLivePrefix, "live-prefix", "of every row only the lanes that live moved"},
     {WhatIf::kWiderDigits, "wider-digits",
      "layers that are sorted in pieces sorted on three digits of 11 bits"},
+    {WhatIf::kFewerPoints, "fewer-points",
+     "strands of 5 points resampled to 4, as a bake with points = 4 would"},
 };
 
 template <size_t kCount>
@@ -82,6 +84,7 @@ void WorkChange::Apply(const Frame& frame, uint32_t unit, uint32_t pass, uint32_
                        ItemWork& work) {
   switch (what_if_) {
     case WhatIf::kNothing:
+    case WhatIf::kFewerPoints:
       return;
     case WhatIf::kResidentPalette:
       return DropPalette(frame, unit, pass, item, work);

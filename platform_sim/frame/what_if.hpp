@@ -8,6 +8,9 @@
 //   resident palette   an SPU keeps a character's joint palette from item to item of a pass
 //   live prefix        of rows, only the lanes that live are moved, not whole blocks
 //   wider digits       layers that are sorted in pieces take three digits of 11 bits, not four of 8
+//   fewer points       strands have the fewest points that kernels take: of the scene's grooms, so
+//                      whoever makes the scene does it (core/groom/fewer_points.hpp), the bits are
+//                      those of that scene, and the work of its frames is left as it is
 #pragma once
 
 #include <cstdint>
@@ -22,7 +25,7 @@
 namespace pelt {
 
 inline constexpr WhatIf kAllWhatIfs[] = {WhatIf::kResidentPalette, WhatIf::kLivePrefix,
-                                         WhatIf::kWiderDigits};
+                                         WhatIf::kWiderDigits, WhatIf::kFewerPoints};
 std::string_view WhatIfName(WhatIf what_if);  // "resident-palette"
 std::optional<WhatIf> ParseWhatIf(std::string_view name);
 std::string_view DescribeWhatIf(WhatIf what_if);

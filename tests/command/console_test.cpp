@@ -9,7 +9,6 @@
 #include "bench/consoles/console_budget.hpp"
 #include "bench/consoles/console_report.hpp"
 #include "bench/report/run_report.hpp"
-#include "platform_sim/frame/what_if.hpp"
 #include "tests/command/modelled_console.hpp"
 
 namespace pelt {
@@ -230,8 +229,8 @@ TEST_P(ConsoleOf, FewerStrandsTakeLess) {
   EXPECT_LT(less.ms, all.ms);
 }
 
-// ---- Ranges, warming up, what-ifs
-// ----------------------------------------------------------------
+// ---- Ranges, warming up
+// --------------------------------------------------------------------------
 
 TEST_P(ConsoleOf, AFrameLiesInTheRangeOfItsCode) {
   const ConsoleBudget& b = on().budget;
@@ -270,61 +269,6 @@ TEST(ConsoleBudget, WarmingUpLeavesTheRampOfLodOut) {
   EXPECT_EQ(warm.warm_up, 30u);
   EXPECT_FALSE(warm.differs_at);
   EXPECT_EQ(warm.summary.frames, 4u);
-}
-
-// What advice says of a change is what a run with that change takes.
-TEST_P(ConsoleOf, AdviceOnMemoryIsWhatARunWithTheChangeTakes) {
-  const std::string advice = Joined(Advise(on().run, on().budget, 0.001));
-  for (const WhatIf what_if : kAllWhatIfs) {
-    SCOPED_TRACE(WhatIfName(what_if));
-    ConsoleRequest request{.console = GetParam(), .frames = kModelledFrames, .what_if = what_if};
-    const Modelled changed(request);
-    const FrameSummary &was = on().budget.summary, &is = changed.budget.summary;
-    EXPECT_FALSE(changed.budget.differs_at);  // the bits stay
-    EXPECT_EQ(changed.budget.digest, on().budget.digest);
-    EXPECT_EQ(on().run.TryWhatIf(what_if), changed.budget.VerdictMs());
-    EXPECT_EQ(ParseWhatIf(WhatIfName(what_if)), what_if);
-    const bool applies = what_if == WhatIf::kLivePrefix ||
-                         (what_if == WhatIf::kResidentPalette && GetParam() == Console::kPs3);
-    EXPECT_EQ(advice.find(WhatIfName(what_if)) != advice.npos, applies) << advice;
-    if (applies) {
-      EXPECT_NE(advice.find(fmt::format("{:.2f} ms", changed.budget.VerdictMs())), advice.npos)
-          << advice;
-    } else {
-      EXPECT_EQ(SumOf(is.stream_get_bytes), SumOf(was.stream_get_bytes));
-    }
-    if (what_if == WhatIf::kResidentPalette && applies) {
-      EXPECT_LT(is.stream_get_bytes[size_t(Stream::kPalette)],
-                0.9 * was.stream_get_bytes[size_t(Stream::kPalette)]);
-      EXPECT_EQ(is.stream_get_bytes[size_t(Stream::kMesh)],
-                was.stream_get_bytes[size_t(Stream::kMesh)]);
-    }
-    if (what_if == WhatIf::kLivePrefix) {
-      EXPECT_LT(SumOf(is.stream_get_bytes), SumOf(was.stream_get_bytes));
-      EXPECT_EQ(is.stream_get_bytes[size_t(Stream::kPalette)],
-                was.stream_get_bytes[size_t(Stream::kPalette)]);
-    }
-  }
-}
-
-// Where layers are sorted in pieces: three rounds instead of four.
-TEST(ConsoleBudget, WiderDigitsLeaveARoundOfTheSortOut) {
-  Scenario eyepet = LoadScenario("eyepet");
-  ConsoleRequest request{.console = Console::kPs3, .frames = 3};
-  ConsoleRun run(eyepet, request);
-  const ConsoleBudget was = run.Run();
-  request.what_if = WhatIf::kWiderDigits;
-  ConsoleRun changed(eyepet, request);
-  const ConsoleBudget is = changed.Run();
-  EXPECT_FALSE(is.differs_at);
-  EXPECT_EQ(is.digest, was.digest);
-  EXPECT_EQ(run.TryWhatIf(WhatIf::kWiderDigits), is.VerdictMs());
-  uint32_t left_out = 0;
-  for (uint32_t p = 0; p < is.summary.passes.size(); ++p)
-    left_out += was.summary.passes[p].items > 0.0 && is.summary.passes[p].items == 0.0;
-  EXPECT_EQ(left_out, 3u);  // count, offsets, scatter
-  EXPECT_GT(is.summary.stream_get_bytes[size_t(Stream::kDigits)],
-            3.0 * was.summary.stream_get_bytes[size_t(Stream::kDigits)]);
 }
 
 double MedianMs(Scenario& scenario, const ConsoleRequest& request) {
