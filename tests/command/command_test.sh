@@ -1,21 +1,9 @@
 #!/usr/bin/env bash
 # The `pelt` command as a user meets it: the examples of every help text work, errors are one line
 # with the right exit code, pipes get no progress bar, and the README shows the real plan.
-#   command_test.sh PELT SOURCE_DIR [examples|errors|readme]...   (all, if none is named)
+#   command_test.sh PELT SOURCE_DIR [examples|errors|output|readme]...   (all, if none is named)
 set -uo pipefail
-pelt=$(realpath "$1")
-source_dir=$(realpath "$2")
-shift 2
-parts=("$@")
-[ "${#parts[@]}" -eq 0 ] && parts=(examples errors output readme)
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
+. "$(dirname "$0")/head.sh" "$@"
 
 # Every line of a help text that starts with two blanks and "pelt".
 run_examples() {
@@ -42,74 +30,64 @@ run_examples() {
   echo "$count examples"
 }
 
-# expect CODE WORD ARGS...: exit code, one line "pelt: ...", containing WORD.
-expect() {
-  local code=$1 word=$2
-  shift 2
-  "$pelt" "$@" >out.txt 2>err.txt
-  local got=$?
-  [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code"
-  [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt $*: $(wc -l <err.txt) lines of error: $(cat err.txt)"
-  LC_ALL=C grep -q '[^ -~]' err.txt && fail "pelt $*: control characters in: $(cat -v err.txt)"
-  grep -q '^pelt: ' err.txt || fail "pelt $*: error does not begin with 'pelt: '"
-  grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
-}
 check_errors() {
-  expect 2 subcommand
-  expect 2 "no subcommand 'budgte'; did you mean 'budget'" budgte --scene tiny
-  expect 2 "no subcommand 'xyzzy'; there are: bake, run" xyzzy
-  expect 2 --sceen run --sceen monster
-  expect 2 nowhere run --scene nowhere
-  expect 2 frames run --scene tiny --frames many
-  expect 2 executor run --scene tiny --executor magic
-  expect 2 --setup run --character some.glb
-  expect 2 --scene run --scene tiny --setup tiny
-  expect 1 missing.glb run --character missing.glb --setup tiny
-  expect 1 missing.toml bake --setup ./missing.toml
-  expect 1 missing.groom run --groom missing.groom
-  expect 1 there run --setup nosuch
-  expect 1 "memory budget" plan --scene tiny --memory-budget-mb 1
+  expect 2 subcommand --
+  expect 2 "no subcommand 'budgte'; did you mean 'budget'" -- budgte --scene tiny
+  expect 2 "no subcommand 'xyzzy'; there are: bake, run" -- xyzzy
+  expect 2 --sceen -- run --sceen monster
+  expect 2 nowhere -- run --scene nowhere
+  expect 2 frames -- run --scene tiny --frames many
+  expect 2 executor -- run --scene tiny --executor magic
+  expect 2 --setup -- run --character some.glb
+  expect 2 --scene -- run --scene tiny --setup tiny
+  expect 1 missing.glb -- run --character missing.glb --setup tiny
+  expect 1 missing.toml -- bake --setup ./missing.toml
+  expect 1 missing.groom -- run --groom missing.groom
+  expect 1 there -- run --setup nosuch
+  expect 1 "memory budget" -- plan --scene tiny --memory-budget-mb 1
   head -c 4000 /dev/urandom >noise
   cp noise noise.glb
-  expect 1 noise.glb bake --character noise.glb
-  expect 1 noise.groom run --groom noise.groom
+  expect 1 noise.glb -- bake --character noise.glb
+  expect 1 noise.groom -- run --groom noise.groom
   printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
-  expect 1 typo.toml:3 bake --setup ./typo.toml
+  expect 1 typo.toml:3 -- bake --setup ./typo.toml
   grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
-  expect 1 /nowhere/ bake --setup tiny --out /nowhere/x.groom
-  expect 1 /nowhere/ run --scene tiny --frames 1 --picture /nowhere/x.png
+  expect 1 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
+  expect 1 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake tiny"
   head -c 5000 tiny.groom >cut.groom
-  expect 1 cut.groom run --groom cut.groom
-  expect 1 /nowhere/ run --scene tiny --frames 1 --trace /nowhere/x.json
-  expect 1 /nowhere/ report --scene tiny --frames 1 --out /nowhere/x.html
-  expect 1 local-store run --scene tiny --frames 1 --executor local-store --trace x.json
-  expect 1 local-store report --scene tiny --frames 1 --executor local-store
-  expect 1 noise trace replay noise
-  expect 1 noise trace show noise
-  expect 1 noise diff noise tiny.groom
-  expect 1 'of kind groom' diff tiny.groom "$source_dir/traces/golden/tiny.digests"
-  expect 2 --out trace record --scene tiny
-  expect 2 subcommand trace
-  expect 2 right diff tiny.groom
-  expect 2 --renew golden --scene tiny
-  expect 1 tiny.digests golden --check nowhere --scene tiny
-  expect 1 /nowhere/ run --scene tiny --frames 1 --digest-log /nowhere/x.digests
-  expect 1 missing.s timing missing.s
-  expect 1 noise timing noise
+  expect 1 cut.groom -- run --groom cut.groom
+  expect 1 /nowhere/ -- run --scene tiny --frames 1 --trace /nowhere/x.json
+  expect 1 /nowhere/ -- report --scene tiny --frames 1 --out /nowhere/x.html
+  expect 1 local-store -- run --scene tiny --frames 1 --executor local-store --trace x.json
+  expect 1 local-store -- report --scene tiny --frames 1 --executor local-store
+  expect 1 noise -- trace replay noise
+  expect 1 noise -- trace show noise
+  expect 1 noise -- diff noise tiny.groom
+  expect 1 'of kind groom' -- diff tiny.groom "$source_dir/traces/golden/tiny.digests"
+  expect 2 --out -- trace record --scene tiny
+  expect 2 subcommand -- trace
+  expect 2 right -- diff tiny.groom
+  expect 2 --renew -- golden --scene tiny
+  expect 1 tiny.digests -- golden --check nowhere --scene tiny
+  expect 1 /nowhere/ -- run --scene tiny --frames 1 --digest-log /nowhere/x.digests
+  expect 1 missing.s -- timing missing.s
+  expect 1 noise -- timing noise
   printf 'ai 3,4,1\nfma 3,4\n' >short.s
-  expect 1 'short.s:2' timing short.s
-  expect 1 'r127' timing <(echo 'ai 128,4,1')
-  expect 1 'of the PPE' timing <(echo 'lwz r3,0(r3)')
-  expect 2 'its loops: a' timing <(echo 'a: brnz 3,a') --trip b=3
-  expect 2 'LABEL=N' timing <(echo 'a: brnz 3,a') --trip a
-  expect 2 --core timing noise --core gpu
-  expect 1 /nowhere/ trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
+  expect 1 'short.s:2' -- timing short.s
+  expect 1 'r127' -- timing <(echo 'ai 128,4,1')
+  expect 1 'of the PPE' -- timing <(echo 'lwz r3,0(r3)')
+  expect 2 'its loops: a' -- timing <(echo 'a: brnz 3,a') --trip b=3
+  expect 2 'LABEL=N' -- timing <(echo 'a: brnz 3,a') --trip a
+  expect 2 --core -- timing noise --core gpu
+  expect 1 /nowhere/ -- trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
   check_suggestions
   check_ignored
   check_control_characters
   check_timing_errors
+  check_second_thread
   check_budget_errors
+  check_what_if
   check_accuracy_errors
 }
 
@@ -118,17 +96,17 @@ check_suggestions() {
   for subcommand in bake run plan verify timing budget conformance diff golden accuracy stress 'trace show' \
     'trace replay'; do
     # shellcheck disable=SC2086
-    expect 2 "no option '--jsno'; did you mean '--json'? (see pelt $subcommand --help)" $subcommand --jsno
+    expect 2 "no option '--jsno'; did you mean '--json'? (see pelt $subcommand --help)" -- $subcommand --jsno
   done
-  expect 2 "no option '--sceen'; did you mean '--scene'" run --sceen monster
-  expect 2 "no option '--sceen'; did you mean '--scene'" run --sceen=monster --frames 1
-  expect 2 "did you mean '--out'" report --otu x.html
-  expect 2 "no subcommand 'recrod'; did you mean 'record'" trace recrod --scene tiny
-  expect 2 "no option '--versoin'; did you mean '--version'" --versoin
-  expect 2 "'extra' is one argument too many" run extra
-  expect 2 "one of --check, --renew and --merge is required (" golden --scene tiny
-  expect 2 '--character needs --setup or --groom (' run --character some.glb
-  expect 2 'a listing or --kernel is required (' timing
+  expect 2 "no option '--sceen'; did you mean '--scene'" -- run --sceen monster
+  expect 2 "no option '--sceen'; did you mean '--scene'" -- run --sceen=monster --frames 1
+  expect 2 "did you mean '--out'" -- report --otu x.html
+  expect 2 "no subcommand 'recrod'; did you mean 'record'" -- trace recrod --scene tiny
+  expect 2 "no option '--versoin'; did you mean '--version'" -- --versoin
+  expect 2 "'extra' is one argument too many" -- run extra
+  expect 2 "one of --check, --renew and --merge is required (" -- golden --scene tiny
+  expect 2 '--character needs --setup or --groom (' -- run --character some.glb
+  expect 2 'a listing or --kernel is required (' -- timing
   "$pelt" --version >out.txt || fail "--version"
   for word in '^pelt [0-9]' '^commit' '^compiler' '^instruction_sets .*reference' '^chunk_strands *[0-9]'; do
     grep -q "$word" out.txt || fail "--version says no $word: $(cat out.txt)"
@@ -137,130 +115,203 @@ check_suggestions() {
 
 # An option without effect is a mistake of somebody who thinks it has one.
 check_ignored() {
-  expect 2 '--strand-budget requires --lod' run --scene tiny --strand-budget 100
-  expect 2 '--strand-budget requires --lod' budget --scene tiny --strand-budget 100
+  expect 2 '--strand-budget requires --lod' -- run --scene tiny --strand-budget 100
+  expect 2 '--strand-budget requires --lod' -- budget --scene tiny --strand-budget 100
   for executor in serial permuted local-store; do
-    expect 2 --workers run --scene tiny --executor $executor --workers 2
-    expect 2 --workers report --scene tiny --executor $executor --workers 2
-    expect 2 --workers trace replay tiny.peltinput --executor $executor --workers 2
+    expect 2 --workers -- run --scene tiny --executor $executor --workers 2
+    expect 2 --workers -- report --scene tiny --executor $executor --workers 2
+    expect 2 --workers -- trace replay tiny.peltinput --executor $executor --workers 2
   done
-  expect 2 --order-seed run --scene tiny --order-seed 3
-  expect 2 --picture-width run --scene tiny --picture-width 100
-  expect 2 --picture-height run --scene tiny --picture-height 100
-  expect 2 --trace-frames run --scene tiny --trace-frames 3
-  expect 2 --wet-at run --scene tiny --wet-at 3
-  expect 2 --seed run --groom tiny.groom --seed 3
-  expect 2 --quality run --scene tiny --solver pbd --quality best
-  expect 2 --setup bake --keys --setup tiny
-  expect 2 --chunk plan --scene tiny --json --chunk
-  expect 2 --spus budget --scene tiny --platform xbox360 --spus 4
-  expect 2 --local-store-kib budget --scene tiny --platform host --local-store-kib 128
-  expect 2 --gpu-percent budget --scene tiny --platform ps3 --gpu-percent 4
-  expect 2 --cores budget --scene tiny --platform ps3 --cores 2
-  expect 2 --no-advice budget --scene tiny --platform host --no-advice
-  expect 2 --scene budget --validate --scene tiny
-  expect 2 --frames budget --numbers --frames 3
-  expect 2 --hinted timing short.s --core ppe --hinted
-  expect 2 --smt timing short.s --smt
-  expect 2 --chart timing --kernel skin --chart 3 --json
-  expect 2 --quick accuracy --write-example . --quick
-  expect 2 --stiffness-scale accuracy --roots a --strand b --out c --solver modal --stiffness-scale 2
+  expect 2 --order-seed -- run --scene tiny --order-seed 3
+  expect 2 --picture-width -- run --scene tiny --picture-width 100
+  expect 2 --picture-height -- run --scene tiny --picture-height 100
+  expect 2 --trace-frames -- run --scene tiny --trace-frames 3
+  expect 2 --wet-at -- run --scene tiny --wet-at 3
+  expect 2 --seed -- run --groom tiny.groom --seed 3
+  expect 2 --quality -- run --scene tiny --solver pbd --quality best
+  expect 2 --setup -- bake --keys --setup tiny
+  expect 2 --chunk -- plan --scene tiny --json --chunk
+  expect 2 --spus -- budget --scene tiny --platform xbox360 --spus 4
+  expect 2 --local-store-kib -- budget --scene tiny --platform host --local-store-kib 128
+  expect 2 --gpu-percent -- budget --scene tiny --platform ps3 --gpu-percent 4
+  expect 2 --cores -- budget --scene tiny --platform ps3 --cores 2
+  expect 2 --no-advice -- budget --scene tiny --platform host --no-advice
+  expect 2 --scene -- budget --validate --scene tiny
+  expect 2 --frames -- budget --numbers --frames 3
+  expect 2 --hinted -- timing short.s --core ppe --hinted
+  expect 2 --smt -- timing short.s --smt
+  expect 2 --chart -- timing --kernel skin --chart 3 --json
+  expect 2 --quick -- accuracy --write-example . --quick
+  expect 2 --stiffness-scale -- accuracy --roots a --strand b --out c --solver modal --stiffness-scale 2
 }
 
 # What files say reaches no terminal as it is.
 check_control_characters() {
   printf '"\\u001b[2Jlenght" = 1\n[[layer]]\nname = "a"\n' >escape.toml
-  expect 1 '\x1b[2Jlenght' bake --setup ./escape.toml
+  expect 1 '\x1b[2Jlenght' -- bake --setup ./escape.toml
   printf '{"asset":{"version":"2\\u001b[2J"}}' >escape.gltf
-  expect 1 '2\x1b[2J' bake --character escape.gltf --setup tiny
+  expect 1 '2\x1b[2J' -- bake --character escape.gltf --setup tiny
   printf 'b\033[2Jad 3\n' >escape.s
-  expect 1 'no SPU opcode' timing escape.s
+  expect 1 'no SPU opcode' -- timing escape.s
   printf 'time\033[2J,x\n' >escape.csv
-  expect 1 escape.csv accuracy --roots escape.csv --strand strand.toml --out points.csv
-  expect 1 '\x1b[2J.groom' run --groom $'no\033[2J.groom'
+  expect 1 escape.csv -- accuracy --roots escape.csv --strand strand.toml --out points.csv
+  expect 1 '\x1b[2J.groom' -- run --groom $'no\033[2J.groom'
   grep -q $'\033' err.txt && fail "an escape character on the terminal"
 }
 
 check_accuracy_errors() {
-  expect 2 --rates accuracy --quick --rates 50
-  expect 2 --presets accuracy --quick --presets hard
-  expect 2 --strand accuracy --roots roots.csv
-  expect 2 --roots accuracy --solver modal
-  expect 2 --json accuracy --roots roots.csv --strand strand.toml --out x.csv --json x.json
-  expect 2 nowhere accuracy --scene nowhere
-  expect 2 --roots accuracy --roots roots.csv --strand strand.toml --out x.csv --scene tiny
-  expect 2 --presets accuracy --scene tiny --presets soft
-  expect 2 --scene accuracy --frames 10
-  expect 2 --features accuracy --scene tiny --features
-  expect 2 --svg accuracy --features --svg x.svg
-  expect 1 /nowhere/ accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
+  expect 2 --rates -- accuracy --quick --rates 50
+  expect 2 --presets -- accuracy --quick --presets hard
+  expect 2 --strand -- accuracy --roots roots.csv
+  expect 2 --roots -- accuracy --solver modal
+  expect 2 --json -- accuracy --roots roots.csv --strand strand.toml --out x.csv --json x.json
+  expect 2 nowhere -- accuracy --scene nowhere
+  expect 2 --roots -- accuracy --roots roots.csv --strand strand.toml --out x.csv --scene tiny
+  expect 2 --presets -- accuracy --scene tiny --presets soft
+  expect 2 --scene -- accuracy --frames 10
+  expect 2 --features -- accuracy --scene tiny --features
+  expect 2 --svg -- accuracy --features --svg x.svg
+  expect 1 /nowhere/ -- accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   local run=(accuracy --out points.csv --strand strand.toml --roots)
-  expect 1 missing.csv "${run[@]}" missing.csv
-  expect 1 'there are modal-fast' "${run[@]}" roots.csv --solver xpbd-99
+  expect 1 missing.csv -- "${run[@]}" missing.csv
+  expect 1 'there are modal-fast' -- "${run[@]}" roots.csv --solver xpbd-99
   sed '5s/,[^,]*$//' roots.csv >short.csv
-  expect 1 'short.csv:5: 10 cells' "${run[@]}" short.csv
+  expect 1 'short.csv:5: 10 cells' -- "${run[@]}" short.csv
   sed '7s/^[^,]*/nan/' roots.csv >nan.csv
-  expect 1 "nan.csv:7: column 'time'" "${run[@]}" nan.csv
+  expect 1 "nan.csv:7: column 'time'" -- "${run[@]}" nan.csv
   sed -e '3{h;d}' -e '4{G}' roots.csv >order.csv
-  expect 1 'does not come after' "${run[@]}" order.csv
+  expect 1 'does not come after' -- "${run[@]}" order.csv
   head -c 3000 roots.csv >cut.csv
-  expect 1 'cut.csv:' "${run[@]}" cut.csv
+  expect 1 'cut.csv:' -- "${run[@]}" cut.csv
   sed 's/length/lenght/' strand.toml >typo.toml
-  expect 1 "did you mean 'length'" accuracy --out points.csv --strand typo.toml --roots roots.csv
-  expect 1 /nowhere/ accuracy --out /nowhere/x.csv --strand strand.toml --roots roots.csv
-  expect 1 'no such solver' stress --quick --solvers magic
-  expect 2 --links stress --links 5
-  expect 1 'not JSON' report --scene tiny --frames 1 --accuracy roots.csv --out x.html
+  expect 1 "did you mean 'length'" -- accuracy --out points.csv --strand typo.toml --roots roots.csv
+  expect 1 /nowhere/ -- accuracy --out /nowhere/x.csv --strand strand.toml --roots roots.csv
+  expect 1 'no such solver' -- stress --quick --solvers magic
+  expect 2 --links -- stress --links 5
+  expect 1 'not JSON' -- report --scene tiny --frames 1 --accuracy roots.csv --out x.html
 }
 
 check_timing_errors() {
   printf 'nop\n' >fine.s
-  expect 2 --kernel timing fine.s --kernel simulate_pbd
-  expect 2 --kernel timing
-  expect 2 --chart timing fine.s --chart 4
-  expect 2 --trip timing --kernel skin --trip a=4
-  expect 2 xenon timing fine.s --core xenon
-  expect 2 'simulate_pbd_4, ' timing --kernel simulat_pbd
-  expect 2 "begins so" timing --kernel ''
+  expect 2 --kernel -- timing fine.s --kernel simulate_pbd
+  expect 2 --kernel -- timing
+  expect 2 --chart -- timing fine.s --chart 4
+  expect 2 --trip -- timing --kernel skin --trip a=4
+  expect 2 xenon -- timing fine.s --core xenon
+  expect 2 'simulate_pbd_4, ' -- timing --kernel simulat_pbd
+  expect 2 "begins so" -- timing --kernel ''
   "$pelt" timing --kernel fit_cubic_4 --chart 7 >out.txt || fail "timing --chart"
   [ "$(sed -n '/^ *cycle  pipe/,$p' out.txt | wc -l)" -eq 8 ] || fail "--chart 7 is not 7 lines: $(cat out.txt)"
   # Cut off in the middle; of other machines; a disassembly; no text at all.
   printf 'lqd $4, 0($3)\n ai ' >cut.s
-  expect 1 "cut.s:2: 'ai' has 0 operands; expected register" timing cut.s
+  expect 1 "cut.s:2: 'ai' has 0 operands; expected register" -- timing cut.s
   printf '\t.text\nf:\n\tpushq\t%%rbp\n\tmovaps\t(%%rdi), %%xmm0\n' >x86.s
-  expect 1 "x86.s:3: 'pushq' is no SPU opcode" timing x86.s
-  expect 1 'of another machine' timing x86.s
-  expect 1 'for the PPE' timing x86.s --core ppe
+  expect 1 "x86.s:3: 'pushq' is no SPU opcode" -- timing x86.s
+  expect 1 'of another machine' -- timing x86.s
+  expect 1 'for the PPE' -- timing x86.s --core ppe
   printf '\na.out:     file format elf32-spu\n   0:\t34 00 01 84\tlqd\t$4,0($3)\n' >dump.s
-  expect 1 'a disassembly' timing dump.s
-  expect 1 'no instruction' timing /dev/null
+  expect 1 'a disassembly' -- timing dump.s
+  expect 1 'no instruction' -- timing /dev/null
+}
+
+# Two loops on the PPE's two threads: each told beside what it takes alone, whichever of them is named first.
+check_second_thread() {
+  printf 'loop: add r3,r3,r4\n addi r5,r5,1\n bdnz loop\n' >adds.s
+  printf 'turn: vmaddfp v1,v1,v2,v3\n bdnz turn\n' >chain.s
+  printf 'add r3,r3,r4\n' >straight.s
+  local pair=(timing adds.s --core ppe --second-thread)
+  expect 1 'missing.s: no such file' -- "${pair[@]}" missing.s
+  expect 1 'a folder, not a file' -- "${pair[@]}" .
+  expect 2 'the path is empty' -- "${pair[@]}" ''
+  expect 1 'straight.s: 0 loops' -- "${pair[@]}" straight.s
+  expect 1 'straight.s: 0 loops' -- timing straight.s --core ppe --second-thread adds.s
+  printf 'a: lqd $4,0($3)\n brnz $7,a\n' >spu.s
+  expect 1 "spu.s:1: 'lqd' is no PPE opcode" -- "${pair[@]}" spu.s
+  expect 2 '--core ppe' -- timing adds.s --second-thread chain.s
+  expect 2 --smt -- "${pair[@]}" chain.s --smt
+  expect 2 --trip -- "${pair[@]}" chain.s --trip loop=3
+  expect 2 --second-thread -- timing --kernel skin --second-thread chain.s
+  expect 2 'standard input is the first listing' -- timing - --core ppe --second-thread -
+  "$pelt" "${pair[@]}" chain.s >there.txt || fail "timing --second-thread"
+  "$pelt" timing chain.s --core ppe --second-thread adds.s >back.txt || fail "timing --second-thread, the other way"
+  grep -q '^adds.s loop: [0-9.]* cycles a turn, 2.00 alone' there.txt || fail "first thread: $(cat there.txt)"
+  grep -q '^chain.s turn: 12.00 cycles a turn, 12.00 alone: 100 %' there.txt || fail "second thread: $(cat there.txt)"
+  diff <(sort there.txt) <(sort back.txt) || fail "which thread is named first changes what they take"
+  "$pelt" "${pair[@]}" - <chain.s | diff - <(sed 's/^chain.s/standard input/' there.txt) ||
+    fail "a second thread from a pipe"
+  # A loop that leaves no cycle unused has half of them beside itself.
+  "$pelt" "${pair[@]}" adds.s >same.txt || fail "timing --second-thread, twice the same"
+  [ "$(grep -c '^adds.s loop: 4.00 cycles a turn, 2.00 alone: 50 %' same.txt)" -eq 2 ] ||
+    fail "twice the same: $(cat same.txt)"
+  "$pelt" "${pair[@]}" chain.s --json | grep -q '"listing": "chain.s", "loop": "turn", "cycles_per_turn_alone": 12' ||
+    fail "timing --second-thread --json"
+}
+
+# p95 of a tiny frame on CONSOLE with a change, and what is said of the change.
+what_if() {
+  "$pelt" budget --scene tiny --frames 2 --platform "$1" --what-if "$2" --no-advice --target-ms 1000 >"$2.txt" ||
+    fail "budget --what-if $2: exit $?"
+  awk -v console="$1" '$1 == console {for (i = 1; i < NF; i++) if ($i == "p95") {print $(i + 1); exit}}' "$2.txt"
+}
+check_what_if() {
+  local budget=(budget --scene tiny --frames 2) fits=(--no-advice --target-ms 1000) name names now
+  expect 2 '{nothing,resident-palette,live-prefix,wider-digits,fewer-points}' -- "${budget[@]}" --what-if magic
+  expect 2 --what-if -- "${budget[@]}" --what-if ''
+  expect 2 --what-if -- "${budget[@]}" --what-if
+  expect 2 '--platform ps3 or xbox360' -- "${budget[@]}" --platform host --what-if live-prefix
+  expect 2 '--what-if resident-palette has an effect only with --platform ps3' -- \
+    "${budget[@]}" --platform xbox360 --what-if resident-palette
+  expect 2 --validate -- budget --validate --what-if live-prefix
+  now=$(what_if ps3 nothing)
+  grep -q '^what if' nothing.txt && fail "--what-if nothing is told as a change"
+  names=$("$pelt" "${budget[@]}" --what-if magic 2>&1 | sed 's/.*{nothing,\(.*\)}.*/\1/' | tr , ' ')
+  [ "$(wc -w <<<"$names")" -ge 4 ] || fail "the changes that --what-if takes: $names"
+  for name in $names; do
+    what_if ps3 "$name" >"$name.p95"
+    grep -q '^what if: ' "$name.txt" || fail "--what-if $name is not told: $(head -n 4 "$name.txt")"
+    grep -q "digests equal the host's in" "$name.txt" || fail "--what-if $name: other bits than the host's"
+    awk -v now="$now" '{exit !($1 <= now)}' "$name.p95" || fail "--what-if $name: $(cat "$name.p95") ms, $now without"
+  done
+  awk -v now="$now" '{exit !($1 < 0.95 * now)}' fewer-points.p95 ||
+    fail "fewer points: $(cat fewer-points.p95) ms of $now"
+  grep -q '^what if: .*CHANGES NOTHING: no layer is sorted in pieces' wider-digits.txt ||
+    fail "wider digits on tiny change something"
+  "$pelt" "${budget[@]}" --platform ps3,xbox360 --what-if resident-palette "${fits[@]}" >both.txt || fail "both consoles"
+  [ "$(grep -c 'CHANGES NOTHING: caches hold it already' both.txt)" -eq 1 ] ||
+    fail "of two consoles one has caches: $(grep '^what if' both.txt)"
+  # A groom file needs no setup for it.
+  "$pelt" bake --setup tiny --out points.groom >/dev/null || fail "bake"
+  "$pelt" budget --groom points.groom --frames 2 --platform ps3 --what-if fewer-points "${fits[@]}" --json >points.json ||
+    fail "fewer points of a groom file"
+  grep -q '"what_if": "fewer-points"' points.json || fail "fewer points of a groom file: $(head -c 300 points.json)"
+  grep -q what_if_changes_nothing points.json && fail "fewer points of a groom file change nothing"
 }
 
 check_budget_errors() {
   local budget=(budget --scene tiny --frames 2)
-  expect 2 'gives a game 6' "${budget[@]}" --spus 0
-  expect 2 '7 SPUs; a retail PS3 gives a game at most 6' "${budget[@]}" --spus 7
-  expect 2 'at least 65536 are needed' "${budget[@]}" --local-store-kib 16
-  expect 2 'a Cell has' "${budget[@]}" --local-store-kib 99999999
+  expect 2 'gives a game 6' -- "${budget[@]}" --spus 0
+  expect 2 '7 SPUs; a retail PS3 gives a game at most 6' -- "${budget[@]}" --spus 7
+  expect 2 'at least 65536 are needed' -- "${budget[@]}" --local-store-kib 16
+  expect 2 'a Cell has' -- "${budget[@]}" --local-store-kib 99999999
   # A scene the console cannot run is a verdict, in its place in the table, not an error of the command.
   "$pelt" "${budget[@]}" --platform ps3 --local-store-kib 64 >out.txt 2>&1
   [ $? -eq 1 ] || fail "a scene that does not fit a local store: not exit 1"
   grep -q "CANNOT RUN: tiny on PS3: pass 0 ('sample_pose'.* too many for 65536" out.txt || fail "no verdict in: $(cat out.txt)"
-  expect 2 'no core' "${budget[@]}" --cores 0
-  expect 2 '99 cores' "${budget[@]}" --cores 99
-  expect 2 '4 cores; an Xbox 360 has 3' "${budget[@]}" --cores 4
-  expect 2 --cores "${budget[@]}" --cores -1
-  expect 2 tinny budget --scene tinny --frames 2
-  expect 2 missing.glb budget --character missing.glb --setup tiny --frames 2
-  expect 2 'leave the cores some' "${budget[@]}" --gpu-percent 100
-  expect 2 --gpu-percent "${budget[@]}" --gpu-percent 101
-  expect 2 --target-ms "${budget[@]}" --target-ms 0
-  expect 2 --target-ms "${budget[@]}" --target-ms nan
-  expect 2 '{host,ps3,xbox360}' "${budget[@]}" --platform wii
-  expect 2 --spuz "${budget[@]}" --spuz 3
-  expect 2 '--trace has an effect only with --platform ps3 or xbox360' "${budget[@]}" --platform host --trace x.json
-  expect 2 /nowhere/ "${budget[@]}" --platform ps3 --trace /nowhere/x.json
+  expect 2 'no core' -- "${budget[@]}" --cores 0
+  expect 2 '99 cores' -- "${budget[@]}" --cores 99
+  expect 2 '4 cores; an Xbox 360 has 3' -- "${budget[@]}" --cores 4
+  expect 2 --cores -- "${budget[@]}" --cores -1
+  expect 2 tinny -- budget --scene tinny --frames 2
+  expect 2 missing.glb -- budget --character missing.glb --setup tiny --frames 2
+  expect 2 'leave the cores some' -- "${budget[@]}" --gpu-percent 100
+  expect 2 --gpu-percent -- "${budget[@]}" --gpu-percent 101
+  expect 2 --target-ms -- "${budget[@]}" --target-ms 0
+  expect 2 --target-ms -- "${budget[@]}" --target-ms nan
+  expect 2 '{host,ps3,xbox360}' -- "${budget[@]}" --platform wii
+  expect 2 --spuz -- "${budget[@]}" --spuz 3
+  expect 2 '--trace has an effect only with --platform ps3 or xbox360' -- "${budget[@]}" --platform host --trace x.json
+  expect 2 /nowhere/ -- "${budget[@]}" --platform ps3 --trace /nowhere/x.json
   # What does not fit is a verdict: exit code 1, and nothing on standard error.
   "$pelt" "${budget[@]}" --platform ps3,xbox360 --target-ms 0.01 >out.txt 2>err.txt && fail "0.01 ms: exit 0"
   [ -s err.txt ] && fail "a verdict on standard error: $(cat err.txt)"
@@ -327,14 +378,4 @@ check_readme() {
   diff -u shown.txt real.txt || fail "the consoles' README does not show the measured kernels that pelt prints"
 }
 
-for part in "${parts[@]}"; do
-  case $part in
-    examples) run_examples ;;
-    errors) check_errors ;;
-    output) check_output ;;
-    readme) check_readme ;;
-    *) fail "no part '$part'" ;;
-  esac
-done
-[ "$failures" -eq 0 ] || exit 1
-echo "all passed: ${parts[*]}"
+run_parts examples=run_examples errors=check_errors output=check_output readme=check_readme

@@ -5,37 +5,7 @@
 #   files_test.sh PELT SOURCE_DIR [outputs|conflicts|inputs|full]...   (all, if none is named)
 # Nothing here writes to a device but the shell, and that only to standard output.
 set -uo pipefail
-pelt=$(realpath "$1")
-source_dir=$(realpath "$2")
-shift 2
-parts=("$@")
-[ "${#parts[@]}" -eq 0 ] && parts=(outputs conflicts inputs full)
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
-
-# expect CODE WORD... -- ARGS: exit code, one line "pelt: ...", containing every WORD.
-expect() {
-  local code=$1 words=() word got
-  shift
-  while [ "$1" != -- ]; do
-    words+=("$1")
-    shift
-  done
-  shift
-  timeout 300 "$pelt" "$@" >out.txt 2>err.txt
-  got=$?
-  [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code: $(cat err.txt)"
-  [ "$(wc -l <err.txt)" -eq 1 ] || fail "pelt $*: not one line of error: $(cat err.txt)"
-  for word in "${words[@]}"; do
-    grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
-  done
-}
+. "$(dirname "$0")/head.sh" "$@"
 
 # The subcommands that `pelt --help` lists, and those below them.
 subcommands() {
@@ -241,6 +211,18 @@ check_inputs() {
   check_input accuracy --strand strand.toml accuracy --roots roots.csv --strand in --out points.csv
   printf 'nop\n' >nop.s
   check_input timing file nop.s timing in
+  # A byte more than is read of each: it is not read at all. Holes take no room.
+  local limit words
+  while read -r limit words; do
+    truncate -s $((limit + 1)) huge
+    # shellcheck disable=SC2086
+    expect 1 "larger than $limit bytes" -- $words
+  done <<<"$((256 << 20)) verify --merge huge
+$((16 << 20)) report --scene tiny --frames 1 --accuracy huge --out page.html
+$((1 << 20)) accuracy --roots roots.csv --strand huge --out points.csv
+$((64 << 20)) timing huge
+$((4 << 20)) bake --setup ./huge"
+  rm huge
   "$pelt" timing - <nop.s >/dev/null || fail "timing of standard input"
   expect 1 'not readable' -- bake --character <(printf '{}') --setup tiny
   expect 1 'a folder, not a file' -- bake --character . --setup tiny
@@ -284,14 +266,4 @@ check_full() {
 }
 
 make_inputs
-for part in "${parts[@]}"; do
-  case $part in
-    outputs) check_outputs ;;
-    conflicts) check_conflicts ;;
-    inputs) check_inputs ;;
-    full) check_full ;;
-    *) fail "no part '$part'" ;;
-  esac
-done
-[ "$failures" -eq 0 ] || exit 1
-echo "all passed: ${parts[*]}"
+run_parts outputs=check_outputs conflicts=check_conflicts inputs=check_inputs full=check_full

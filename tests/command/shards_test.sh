@@ -3,15 +3,8 @@
 # Both must merge to what one process prints.
 #   shards_test.sh PELT SOURCE_DIR
 set -euo pipefail
-pelt=$(realpath "$1")
-golden=$(realpath "$2")/traces/golden
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-fail() {
-  echo "FAILED: $*" >&2
-  exit 1
-}
+. "$(dirname "$0")/head.sh" "$@"
+golden=$source_dir/traces/golden
 matrix=(verify --scene tiny --frames 1 --isa reference --json)
 "$pelt" "${matrix[@]}" >whole.json
 
@@ -28,31 +21,25 @@ echo "three shards one by one: the whole run's report"
 for i in 0 1; do "$pelt" golden --check "$golden" --scene tiny --json --shard "$i/2" >"g$i.json"; done
 "$pelt" golden --merge g0.json g1.json | grep -q '^verdict: SAME BITS in all 2 cases' || fail "golden shards"
 
-# refused CODE WORD ARGS...
-refused() {
-  local code=$1 word=$2 got=0
-  shift 2
-  "$pelt" "$@" >out.txt 2>err.txt || got=$?
-  [ "$got" -eq "$code" ] || fail "pelt $*: exit $got, not $code: $(cat err.txt)"
-  [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF -- "$word" err.txt || fail "pelt $*: no '$word' in: $(cat err.txt)"
-}
-refused 1 "missing: 1/3" verify --merge 0.json 2.json
-refused 1 "both shard 0/3" verify --merge 0.json 0.json 1.json
-refused 1 "printed by pelt golden" verify --merge 0.json g1.json
-refused 1 "nowhere.json" verify --merge nowhere.json
+expect 1 "missing: 1/3" -- verify --merge 0.json 2.json
+expect 1 "both shard 0/3" -- verify --merge 0.json 0.json 1.json
+expect 1 "printed by pelt golden" -- verify --merge 0.json g1.json
+expect 1 "nowhere.json" -- verify --merge nowhere.json
 head -c 2000 1.json >cut.json
-refused 1 "cut.json: not one whole JSON value" verify --merge 0.json cut.json 2.json
+expect 1 "cut.json: not one whole JSON value" -- verify --merge 0.json cut.json 2.json
 "$pelt" verify --scene tiny --frames 2 --isa reference --json --shard 1/3 >other.json
-refused 1 "'frames'" verify --merge 0.json other.json 2.json
-refused 2 "from 0/3 to 2/3" verify --scene tiny --shard 3/3
-refused 2 "no launcher" verify --scene tiny --shard env
-refused 2 --merge verify --merge 0.json --scene tiny
-refused 2 "for --check" golden --renew . --scene tiny --shard 0/2
+expect 1 "'frames'" -- verify --merge 0.json other.json 2.json
+expect 2 "from 0/3 to 2/3" -- verify --scene tiny --shard 3/3
+expect 2 "no launcher" -- verify --scene tiny --shard env
+expect 2 --merge -- verify --merge 0.json --scene tiny
+expect 2 "for --check" -- golden --renew . --scene tiny --shard 0/2
 [ ! -e tiny.digests ] || fail "a refused renewal wrote"
 
+[ "$failures" -eq 0 ] || exit 1
 command -v mpirun >/dev/null || { echo "SKIPPED: no mpirun here; the same by three processes at once"; exit 77; }
 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
   mpirun -n 3 --oversubscribe sh -c '"$0" "$@" --shard env >"rank$OMPI_COMM_WORLD_RANK.json"' "$pelt" "${matrix[@]}"
 "$pelt" verify --merge rank0.json rank1.json rank2.json --json >mpi.json
 same mpi.json
 echo "mpirun -n 3: the whole run's report"
+[ "$failures" -eq 0 ] || exit 1
