@@ -14,7 +14,7 @@ what=${1:-one}
 extra=()
 # Without these the tests that need them say that they are skipped.
 if [ "$what" = all ]; then
-  extra=(ccache clang libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin
+  extra=(ccache clang libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin python3
     g++-mingw-w64-x86-64-posix wine64)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
 fi

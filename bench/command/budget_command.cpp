@@ -121,10 +121,12 @@ class BudgetPrinter {
     json_.Add("p95", ms.p95);
     json_.Add("worst", ms.worst);
     json_.EndObject();
-    if (!args_.json)
+    if (!args_.json) {
+      ReportTree tree;
+      AddBudget(report.budget, report.workers, tree);
       fmt::print("host: {} ({} cores), {}; commit {}\n{}\n", report.machine.processor,
-                 report.machine.cores, what, report.machine.commit,
-                 DescribeBudget(report.budget, report.workers));
+                 report.machine.cores, what, report.machine.commit, tree.Text());
+    }
   }
 
   // A scene that a console cannot run at all is a verdict too; the others still get theirs.

@@ -100,25 +100,16 @@ Fingerprint FingerprintOf(const GoldenArgs& args) {
   return all;
 }
 
-std::string ResultsAsJson(const GoldenArgs& args, const std::vector<GoldenResult>& results,
-                          uint32_t places, bool passed) {
-  JsonText json;
-  json.BeginObject();
-  AddShardHeader(FingerprintOf(args), args.shard, places, json);
-  json.Add("passed", passed);
-  json.BeginArray("logs");
-  for (const GoldenResult& result : results) {
-    json.BeginObject();
-    json.Add("place", result.place);
-    json.Add("name", result.golden->name);
-    json.Add("passed", result.passed);
-    json.Add("compared", result.compared);
-    json.Add("reason", result.reason);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
+ReportTree MakeTree(const GoldenArgs& args, const std::vector<GoldenResult>& results,
+                    uint32_t places, bool passed) {
+  ReportTree tree;
+  AddShardHeader(FingerprintOf(args), args.shard, places, tree);
+  tree.Add({"passed"}, passed);
+  ReportTable& logs =
+      tree.AddTable("logs", {{"place"}, {"name"}, {"passed"}, {"compared"}, {"reason"}});
+  for (const GoldenResult& r : results)
+    logs.Add({r.place, r.golden->name, r.passed, r.compared, r.reason});
+  return tree;
 }
 
 // The digest of a line, or nothing when the log does not have it.
@@ -195,7 +186,7 @@ int CheckOrRenewGolden(const GoldenArgs& args) {
     passed &= results.back().passed;
     if (!args.json) PrintResult(results.back(), args.check);
   }
-  if (args.json) fmt::print("{}\n", ResultsAsJson(args, results, places, passed));
+  if (args.json) fmt::print("{}", MakeTree(args, results, places, passed).Json());
   return passed ? 0 : 1;
 }
 

@@ -1,78 +1,78 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "bench/command/commands.hpp"
-#include "bench/report/json_text.hpp"
-#include "bench/report/timeline.hpp"
+#include "bench/report/memory_table.hpp"
+#include "bench/report/report_tree.hpp"
 
 namespace pelt {
 namespace {
 
-std::string DescribeChunks() {
-  std::string out = fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:\n",
-                                kStrandsPerChunk, kVerticesPerChunk);
-  for (uint32_t s = 1; s < kStreamCount; ++s) {
-    const StreamDesc& desc = DescribeStream(Stream(s));
-    if (desc.domain == Domain::kChunk)
-      out += fmt::format("  {:<18} {:>7} bytes\n", desc.name, desc.block_bytes);
+void AddPasses(const FurScene& scene, ReportTree& report) {
+  const Plan& plan = scene.plan();
+  ReportTable& passes = report.AddTable("passes", {{.key = "pass", .show = Show::kText},
+                                                   {"domain"},
+                                                   {"items"},
+                                                   {"resident_bytes", "B", -1, "resident"},
+                                                   {.key = "double_buffered", .heading = "twice"},
+                                                   {"get_bytes", "B", -1, "get"},
+                                                   {"put_bytes", "B", -1, "put"},
+                                                   {"stages"},
+                                                   {.key = "streams", .show = Show::kJson}});
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    const Pass& pass = plan.passes[p];
+    std::vector<std::string> stages;
+    for (uint32_t s = 0; s < pass.stage_count; ++s)
+      stages.emplace_back(plan.stages[pass.first_stage + s].kernel.name);
+    ReportTable streams{{}, {{"stream"}, {"bytes"}, {"get"}, {"put"}, {"transient"}}};
+    for (const PassStream& stream : pass.streams)
+      streams.Add({DescribeStream(stream.stream).name, stream.bytes, stream.get, stream.put,
+                   stream.transient});
+    passes.Add({p, DomainName(pass.domain), scene.shape().ItemCount(pass.domain),
+                pass.resident_bytes, pass.double_buffered, pass.get_bytes, pass.put_bytes, stages,
+                streams});
   }
-  return out;
 }
 
 // Which of the two plans it is.
 std::string DescribePlace(const PlanOptions& options) {
   if (options.must_fit)
     return fmt::format(
-        "For local stores with {} bytes for data. In main memory large layers sort whole: "
-        "without --local-store.\n",
+        "For local stores with {} bytes for data. In main memory large layers sort whole: without "
+        "--local-store.",
         options.local_store_data_bytes);
   return "For main memory, as pelt run runs it. In local stores large layers sort in pieces: "
-         "--local-store.\n";
+         "--local-store.";
 }
 
-std::string PlanAsJson(const FurScene& scene, const PlanOptions& options) {
-  const Plan& plan = scene.plan();
-  JsonText json;
-  json.BeginObject();
-  json.Add("strands_per_chunk", kStrandsPerChunk);
-  json.Add("place", options.must_fit ? "local store" : "main memory");
-  json.Add("barriers", plan.passes.size());
-  json.BeginArray("passes");
-  for (const Pass& pass : plan.passes) {
-    json.BeginObject();
-    json.Add("domain", DomainName(pass.domain));
-    json.Add("items", scene.shape().ItemCount(pass.domain));
-    json.Add("resident_bytes", pass.resident_bytes);
-    json.Add("get_bytes", pass.get_bytes);
-    json.Add("put_bytes", pass.put_bytes);
-    json.Add("double_buffered", pass.double_buffered);
-    json.BeginArray("stages");
-    for (uint32_t s = 0; s < pass.stage_count; ++s)
-      json.Add("", plan.stages[pass.first_stage + s].kernel.name);
-    json.EndArray();
-    json.BeginArray("streams");
-    for (const PassStream& stream : pass.streams) {
-      json.BeginObject();
-      json.Add("stream", DescribeStream(stream.stream).name);
-      json.Add("bytes", stream.bytes);
-      json.Add("get", stream.get);
-      json.Add("put", stream.put);
-      json.Add("transient", stream.transient);
-      json.EndObject();
-    }
-    json.EndArray();
-    json.EndObject();
+void AddChunks(ReportTree& report) {
+  report.Say(fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:",
+                         kStrandsPerChunk, kVerticesPerChunk));
+  ReportTable& blocks = report.AddTable("chunk_blocks", {{"stream"}, {"bytes"}});
+  for (uint32_t s = 1; s < kStreamCount; ++s) {
+    const StreamDesc& desc = DescribeStream(Stream(s));
+    if (desc.domain == Domain::kChunk) blocks.Add({desc.name, desc.block_bytes});
   }
-  json.EndArray();
-  json.BeginObject("memory");
-  for (const MemoryRange& range : scene.layout().ranges)
-    if (range.bytes) json.Add(range.name, range.bytes);
-  json.EndObject();
-  json.Add("memory_bytes", scene.layout().total_bytes);
-  json.Add("heap_bytes", scene.HeapBytes());
-  json.EndObject();
-  return json.text();
+}
+
+ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const PlanOptions& options) {
+  ReportTree report;
+  report.Add({.key = "strands_per_chunk", .show = Show::kJson}, kStrandsPerChunk);
+  report.Add({.key = "place", .show = Show::kJson},
+             options.must_fit ? "local store" : "main memory");
+  AddPasses(scene, report);
+  report.Add({"stages"}, scene.plan().stages.size());
+  report.Add({"barriers"}, scene.plan().passes.size());
+  report.Say(
+      "Bytes are for one item of the layer kind that needs most; resident: in the local store, "
+      "with "
+      "room for two items where that fits (twice).");
+  report.Say(DescribePlace(options));
+  if (args.chunk) AddChunks(report);
+  if (args.memory || args.json) AddMemory(scene.layout(), report);
+  if (args.memory || args.json)
+    report.Add({"heap_bytes", "B: plan and tables of the scene", -1, "outside the block"},
+               scene.HeapBytes());
+  return report;
 }
 
 }  // namespace
@@ -82,16 +82,8 @@ int PrintPlan(const PlanArgs& args) {
   SceneOptions options = args.options;
   options.plan.must_fit = args.local_store;
   const RunningScenario running(scenario, options);
-  const FurScene& scene = running.scene();
-  if (args.json) {
-    fmt::print("{}\n", PlanAsJson(scene, options.plan));
-    return 0;
-  }
-  fmt::print("{}{}", DescribePlan(scene.plan(), scene.shape()), DescribePlace(options.plan));
-  if (args.chunk) fmt::print("\n{}", DescribeChunks());
-  if (args.memory)
-    fmt::print("\n{}and {} bytes outside the block: plan and tables of the scene\n",
-               DescribeMemory(scene.layout()), scene.HeapBytes());
+  const ReportTree report = MakePlanReport(running.scene(), args, options.plan);
+  fmt::print("{}", args.json ? report.Json() : report.Text());
   return 0;
 }
 

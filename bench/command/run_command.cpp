@@ -77,7 +77,8 @@ int Run(const RunArgs& args) {
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     report = RunFrames(scenario, running, options);
   }
-  fmt::print("{}\n", args.json ? RunAsJson(report) : DescribeRun(report));
+  const ReportTree tree = MakeRunTree(report);
+  fmt::print("{}", args.json ? tree.Json() : tree.Text() + '\n');
   // One that cannot be written keeps no other from being written.
   std::vector<std::string> faults;
   const auto write = [&](std::string_view what, const OutputPath& path, const auto& make) {

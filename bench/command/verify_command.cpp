@@ -57,8 +57,8 @@ int VerifyScene(const VerifyArgs& args) {
     };
     report = Verify(scenario, options);
   }
-  fmt::print("{}\n", args.json ? ReportAsJson(report, FingerprintOf(args, report))
-                               : DescribeReport(report));
+  const ReportTree tree = MakeVerifyTree(report, FingerprintOf(args, report));
+  fmt::print("{}", args.json ? tree.Json() : tree.Text());
   return report.Passed() ? 0 : 1;
 }
 

@@ -150,47 +150,60 @@ Budget BudgetRecorder::Summarise() const {
   return budget;
 }
 
-std::string DescribeBudget(const Budget& budget, uint32_t workers) {
-  std::string out = fmt::format("{:<22} {:>8} {:>8} {:>8} {:>9} {:>9} {:>7} {:>7} {:>6} {:>6}\n",
-                                "stage (core ms)", "median", "p95", "worst", "ns/strand",
-                                "MB moved", "ran", "skipped", "of 5ms", "of 8ms");
-  const auto shares = [&](double ms, double cores) {
-    return fmt::format("{:>5.1f}% {:>5.1f}%", 100.0 * ms / (cores * kLinesMs[0]),
-                       100.0 * ms / (cores * kLinesMs[1]));
-  };
+void AddSpread(const std::string& key, const std::string& heading, const Spread& spread,
+               ReportTree& tree) {
+  ReportTree& of = tree.AddSection(key, heading);
+  of.Add({"median", "ms", 3}, spread.median).Add({"p95", "ms", 3}, spread.p95);
+  of.Add({"worst", "ms", 3}, spread.worst);
+}
+
+void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree) {
+  ReportTable& stages = tree.AddTable("stages", {{"stage"},
+                                                 {"core_ms.median", "core ms", 3},
+                                                 {"core_ms.p95", "core ms", 3},
+                                                 {"core_ms.worst", "core ms", 3},
+                                                 {"ns_per_strand", "ns/strand", 2, "median"},
+                                                 {"bytes_moved", "MB", 2, "moved", 1e-6},
+                                                 {"items_run", "items", 1, "run"},
+                                                 {"items_skipped", "items", 1, "skipped"},
+                                                 {"share_of_5ms", "%", 1, "of 5 ms", 100},
+                                                 {"share_of_8ms", "%", 1, "of 8 ms", 100}});
+  const auto share = [&](double ms, int line) { return ms / (workers * kLinesMs[line]); };
   double bytes = 0.0, core_ms = 0.0;
   for (const StageBudget& s : budget.stages) {
     bytes += s.bytes;
     core_ms += s.core_ms.median;
     if (s.ran + s.skipped == 0.0) continue;  // no layer of the scene has it
-    out += fmt::format("{:<22} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>9.2f} {:>7.1f} {:>7.1f} {}\n",
-                       s.name, s.core_ms.median, s.core_ms.p95, s.core_ms.worst, s.ns_per_strand,
-                       s.bytes * 1e-6, s.ran, s.skipped, shares(s.core_ms.median, workers));
+    stages.Add({s.name, s.core_ms.median, s.core_ms.p95, s.core_ms.worst, s.ns_per_strand, s.bytes,
+                s.ran, s.skipped, share(s.core_ms.median, 0), share(s.core_ms.median, 1)});
   }
-  out += fmt::format("{:<22} {:>8.3f} {:>28} {:>9.2f} {:>15} {}\n", "all stages", core_ms, "",
-                     bytes * 1e-6, "", shares(core_ms, workers));
-  out += fmt::format(
-      "shares are of 5 and 8 ms on each of {} workers; ran and skipped are items "
-      "(chunks, layers, characters) a frame\n\n",
-      workers);
-  out += fmt::format("{:<5} {:>8} {:>8} {:>8}  {}\n", "pass", "median", "p95", "worst",
-                     "stages (wall ms)");
+  stages.Add(
+      {"all stages", core_ms, {}, {}, {}, bytes, {}, {}, share(core_ms, 0), share(core_ms, 1)},
+      Show::kText);
+  tree.Say(
+      fmt::format("Shares are of 5 and 8 ms on each of {} workers; items are chunks, layers or "
+                  "characters of a frame.",
+                  workers));
+  ReportTable& passes = tree.AddTable("passes", {{.key = "pass", .show = Show::kText},
+                                                 {"wall_ms.median", "wall ms", 3},
+                                                 {"wall_ms.p95", "wall ms", 3},
+                                                 {"wall_ms.worst", "wall ms", 3},
+                                                 {"stages"}});
   for (size_t p = 0; p < budget.passes.size(); ++p) {
-    const PassBudget& pass = budget.passes[p];
-    out += fmt::format("{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  {}\n", p, pass.wall_ms.median,
-                       pass.wall_ms.p95, pass.wall_ms.worst, pass.stages);
+    const Spread& ms = budget.passes[p].wall_ms;
+    passes.Add({p, ms.median, ms.p95, ms.worst, budget.passes[p].stages});
   }
-  out += fmt::format(
-      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  poses and parameters, on the caller's "
-      "thread\n",
-      "", budget.caller_ms.median, budget.caller_ms.p95, budget.caller_ms.worst);
-  out += fmt::format(
-      "{:<5} {:>8.3f} {:>8.3f} {:>8.3f}  whole frame: {:.1f} ns a strand, {:.1f} % "
-      "of 5 ms, {:.1f} % of 8 ms\n",
-      "frame", budget.wall_ms.median, budget.wall_ms.p95, budget.wall_ms.worst,
-      budget.ns_per_strand, 100.0 * budget.wall_ms.median / kLinesMs[0],
-      100.0 * budget.wall_ms.median / kLinesMs[1]);
-  return out;
+  tree.BlankLine();
+  AddSpread("caller_ms", "poses and parameters, on the caller's thread", budget.caller_ms, tree);
+  AddSpread("frame_ms", "whole frame", budget.wall_ms, tree);
+  tree.Add({"ns_per_strand", "ns", 1}, budget.ns_per_strand);
+  for (const double line : kLinesMs)
+    tree.Add({.key = fmt::format("of {} ms", line),
+              .unit = "%",
+              .decimals = 1,
+              .scale = 100,
+              .show = Show::kText},
+             budget.wall_ms.median / line);
 }
 
 }  // namespace pelt

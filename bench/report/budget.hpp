@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/report_tree.hpp"
 #include "jobs/frame_recording.hpp"
 #include "jobs/scene.hpp"
 
@@ -84,7 +85,7 @@ class BudgetRecorder {
   std::vector<std::vector<uint64_t>> item_bytes_;  // [stage][layer, or 0]
 };
 
-// One line as the tables print it.
-std::string DescribeBudget(const Budget& budget, uint32_t workers);
+// "stages", "passes", "caller_ms", "frame_ms" and "ns_per_strand".
+void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree);
 
 }  // namespace pelt

@@ -51,6 +51,12 @@ void AddMachine(const Machine& machine, JsonText& json) {
   json.Add("commit", machine.commit);
 }
 
+void AddMachine(const Machine& machine, ReportTree& tree) {
+  tree.Add({"processor"}, machine.processor).Add({"cores"}, machine.cores);
+  tree.Add({"compiler"}, machine.compiler).Add({"build_type"}, machine.build_type);
+  tree.Add({"commit"}, machine.commit);
+}
+
 bool IsTerminal() { return isatty(STDERR_FILENO) != 0; }
 
 }  // namespace pelt

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 
 namespace pelt {
 
@@ -23,6 +24,7 @@ std::string_view PeltVersion();  // "0.1.0"
 
 // Into an open object: "processor", "cores", "compiler", "build_type", "commit".
 void AddMachine(const Machine& machine, JsonText& json);
+void AddMachine(const Machine& machine, ReportTree& tree);
 
 // Whether standard error is a terminal: where progress is shown.
 bool IsTerminal();

@@ -54,7 +54,7 @@ class PageData {
     json_.EndArray();
     AddMemory();
     json_.EndObject();
-    return json_.text();
+    return json_.Compact();
   }
 
  private:
@@ -255,10 +255,10 @@ class PageData {
   }
 
   void AddMemory() {
-    json_.Add("memory_bytes", report_.memory_bytes);
-    json_.Add("state_bytes_per_strand", report_.state_bytes_per_strand);
+    json_.Add("memory_bytes", report_.layout.total_bytes);
+    json_.Add("state_bytes_per_strand", report_.layout.StateBytesPerStrand());
     json_.BeginArray("memory");
-    for (const MemoryRange& range : report_.memory) {
+    for (const MemoryRange& range : report_.layout.ranges) {
       if (!range.bytes) continue;
       json_.BeginObject();
       json_.Add("name", range.name);

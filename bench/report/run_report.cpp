@@ -4,34 +4,13 @@
 
 #include <memory>
 
-#include "bench/report/json_text.hpp"
+#include "bench/report/memory_table.hpp"
 #include "bench/verify/lockstep.hpp"
 #include "core/error.hpp"
 #include "jobs/pass_loop.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
-namespace {
-
-void AddSpread(JsonText& json, std::string_view key, const Spread& spread) {
-  json.BeginObject(key);
-  json.Add("median", spread.median);
-  json.Add("p95", spread.p95);
-  json.Add("worst", spread.worst);
-  json.EndObject();
-}
-
-std::string DescribeExecutor(const RunReport& report) {
-  const RunOptions& o = report.options;
-  if (HasWorkers(o.executor))
-    return fmt::format("{}, {} workers asked for, {} observed", ExecutorName(o.executor),
-                       report.workers, report.workers_observed);
-  if (o.executor == ExecutorKind::kPermuted) return fmt::format("permuted, seed {}", o.order_seed);
-  return std::string(ExecutorName(o.executor));
-}
-
-}  // namespace
-
 void CheckRecords(ExecutorKind executor) {
   if (executor == ExecutorKind::kLocalStore)
     throw Error(
@@ -58,10 +37,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.characters = scene.shape().character_count;
   report.layers = scene.shape().layer_count;
   report.chunks = scene.shape().chunk_count;
-  report.memory = scene.layout().ranges;
-  report.memory_table = DescribeMemory(scene.layout());
-  report.memory_bytes = scene.layout().total_bytes;
-  report.state_bytes_per_strand = scene.layout().StateBytesPerStrand();
+  report.layout = scene.layout();
 
   BudgetRecorder recorder(scene, report.frames);
   Digest fold;
@@ -97,79 +73,32 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   return report;
 }
 
-std::string DescribeRun(const RunReport& r) {
-  std::string out =
-      fmt::format("scene {}: {} strands in {} chunks, {} layers, {} characters; {} frames\n",
-                  r.scene, r.strands, r.chunks, r.layers, r.characters, r.frames);
-  out += fmt::format("on {} ({} cores), {}, {}, commit {}\n", r.machine.processor, r.machine.cores,
-                     r.machine.compiler, r.machine.build_type, r.machine.commit);
-  out += fmt::format("executor {}; kernels {}; {} plan\n\n", DescribeExecutor(r),
-                     IsaName(r.options.scene.isa), r.options.scene.plan.fuse ? "fused" : "unfused");
-  out += DescribeBudget(r.budget, r.workers) + '\n' + r.memory_table + '\n';
-  out += fmt::format("last frame: {} strands live, {} drawn\n", r.live_strands, r.drawn_strands);
-  for (const std::string& fault : r.faults) out += "FAULT " + fault + '\n';
+ReportTree MakeRunTree(const RunReport& r) {
+  ReportTree tree;
+  tree.Add({"scene"}, r.scene).Add({"strands"}, r.strands).Add({"chunks"}, r.chunks);
+  tree.Add({"layers"}, r.layers).Add({"characters"}, r.characters).Add({"frames"}, r.frames);
+  tree.EndLine();
+  AddMachine(r.machine, tree);
+  tree.EndLine();
+  tree.Add({"executor"}, ExecutorName(r.options.executor));
+  if (r.options.executor == ExecutorKind::kPermuted)
+    tree.Add({.key = "seed", .show = Show::kText}, r.options.order_seed);
+  const Show if_workers = HasWorkers(r.options.executor) ? Show::kBoth : Show::kJson;
+  tree.Add({.key = "workers", .heading = "workers asked for", .show = if_workers}, r.workers);
+  tree.Add({.key = "workers_observed", .heading = "observed", .show = if_workers},
+           r.workers_observed);
+  tree.Add({"isa", "", -1, "kernels"}, IsaName(r.options.scene.isa));
+  tree.Add({"fused"}, r.options.scene.plan.fuse);
+  AddBudget(r.budget, r.workers, tree);
+  AddMemory(r.layout, tree);
+  tree.BlankLine();
+  tree.Add({"live_strands"}, r.live_strands).Add({"drawn_strands"}, r.drawn_strands);
+  tree.AddTexts("faults", r.faults, "FAULT");
   if (r.options.digest)
-    out += fmt::format("digest {:016x}\n", r.digest);
+    tree.Add({"digest"}, DigestText(r.digest));
   else
-    out += "digest not taken\n";
-  return out;
-}
-
-std::string RunAsJson(const RunReport& r) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("scene", r.scene);
-  json.Add("strands", r.strands);
-  json.Add("chunks", r.chunks);
-  json.Add("layers", r.layers);
-  json.Add("characters", r.characters);
-  json.Add("frames", r.frames);
-  AddMachine(r.machine, json);
-  json.Add("executor", ExecutorName(r.options.executor));
-  json.Add("workers", r.workers);
-  json.Add("workers_observed", r.workers_observed);
-  json.Add("isa", IsaName(r.options.scene.isa));
-  json.Add("fused", r.options.scene.plan.fuse);
-  json.BeginArray("stages");
-  for (const StageBudget& s : r.budget.stages) {
-    if (s.ran + s.skipped == 0.0) continue;
-    json.BeginObject();
-    json.Add("stage", s.name);
-    AddSpread(json, "core_ms", s.core_ms);
-    json.Add("ns_per_strand", s.ns_per_strand);
-    json.Add("bytes_moved", s.bytes);
-    json.Add("items_run", s.ran);
-    json.Add("items_skipped", s.skipped);
-    json.Add("share_of_5ms", s.core_ms.median / (5.0 * r.workers));
-    json.Add("share_of_8ms", s.core_ms.median / (8.0 * r.workers));
-    json.EndObject();
-  }
-  json.EndArray();
-  json.BeginArray("passes");
-  for (const PassBudget& p : r.budget.passes) {
-    json.BeginObject();
-    json.Add("stages", p.stages);
-    AddSpread(json, "wall_ms", p.wall_ms);
-    json.EndObject();
-  }
-  json.EndArray();
-  AddSpread(json, "caller_ms", r.budget.caller_ms);
-  AddSpread(json, "frame_ms", r.budget.wall_ms);
-  json.Add("ns_per_strand", r.budget.ns_per_strand);
-  json.BeginObject("memory");
-  for (const MemoryRange& range : r.memory)
-    if (range.bytes) json.Add(range.name, range.bytes);
-  json.EndObject();
-  json.Add("memory_bytes", r.memory_bytes);
-  json.Add("state_bytes_per_strand", r.state_bytes_per_strand);
-  json.Add("live_strands", r.live_strands);
-  json.Add("drawn_strands", r.drawn_strands);
-  json.BeginArray("faults");
-  for (const std::string& fault : r.faults) json.Add("", fault);
-  json.EndArray();
-  if (r.options.digest) json.AddDigest("digest", r.digest);
-  json.EndObject();
-  return json.text();
+    tree.Say("digest not taken");
+  return tree;
 }
 
 }  // namespace pelt

@@ -8,6 +8,7 @@
 
 #include "bench/report/budget.hpp"
 #include "bench/report/machine.hpp"
+#include "bench/report/report_tree.hpp"
 #include "bench/report/timeline.hpp"
 #include "bench/verify/verify.hpp"
 
@@ -51,10 +52,7 @@ struct RunReport {
   uint32_t characters = 0, layers = 0, chunks = 0;
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   Budget budget;
-  std::vector<MemoryRange> memory;
-  std::string memory_table;  // the same for people
-  uint64_t memory_bytes = 0;
-  double state_bytes_per_strand = 0.0;
+  SceneLayout layout;
   uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store
 };
@@ -66,7 +64,6 @@ void CheckRecords(ExecutorKind executor);
 // nothing yet. Throws Error when a frame refuses its input.
 RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options);
 
-std::string DescribeRun(const RunReport& report);
-std::string RunAsJson(const RunReport& report);
+ReportTree MakeRunTree(const RunReport& report);
 
 }  // namespace pelt

@@ -97,15 +97,12 @@ Shard ParseShard(std::string_view text, ReadEnvironment read_environment) {
 }
 
 void AddShardHeader(const Fingerprint& fingerprint, const Shard& shard, uint32_t places,
-                    JsonText& json) {
-  json.BeginObject("fingerprint");
-  for (const auto& [name, value] : fingerprint) json.Add(name, value);
-  json.EndObject();
-  json.BeginObject("shard");
-  json.Add("index", shard.index);
-  json.Add("count", shard.count);
-  json.EndObject();
-  json.Add("places", places);
+                    ReportTree& tree) {
+  const auto json = [](std::string key) { return Quantity{.key = key, .show = Show::kJson}; };
+  ReportTree& of = tree.AddSection("fingerprint");
+  for (const auto& [name, value] : fingerprint) of.Add(json(name), value);
+  tree.AddSection("shard").Add(json("index"), shard.index).Add(json("count"), shard.count);
+  tree.Add(json("places"), places);
 }
 
 }  // namespace pelt

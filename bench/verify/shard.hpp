@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 
 namespace pelt {
 
@@ -38,8 +38,8 @@ Shard ParseShard(std::string_view text, ReadEnvironment read_environment);
 // Names and values of what must be equal for shards to be of one run: {"frames", "20"}.
 using Fingerprint = std::vector<std::pair<std::string, std::string>>;
 
-// What a merge goes by, into the open object that a shard prints. `places`: length of the list.
+// What a merge goes by, into the tree that a shard prints. `places`: length of the list.
 void AddShardHeader(const Fingerprint& fingerprint, const Shard& shard, uint32_t places,
-                    JsonText& json);
+                    ReportTree& tree);
 
 }  // namespace pelt

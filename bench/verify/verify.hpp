@@ -152,7 +152,8 @@ VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options);
 // Every case of the full matrix for instruction sets this processor has.
 std::vector<VerifyCase> AllCases();
 
-// A table, what failed, and one verdict line.
+// Tables, what failed, and one verdict line.
+ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerprint = {});
 std::string DescribeReport(const VerifyReport& report);
 // Shards of equal fingerprints can be merged: bench/verify/merge_shards.hpp.
 std::string ReportAsJson(const VerifyReport& report, const Fingerprint& fingerprint = {});

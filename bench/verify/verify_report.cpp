@@ -1,11 +1,11 @@
-// The words of a verification: names, the table, the verdict, JSON.
+// The words of a verification: names, tables, failures, the verdict.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <map>
 
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "bench/verify/verify.hpp"
 
 namespace pelt {
@@ -32,106 +32,179 @@ struct Cell {
   uint32_t same = 0, cases = 0;
 };
 
-// One part of the report's third section.
-struct Section {
-  std::string name;
-  uint32_t checks = 0, compared = 0, passed = 0;
-  uint64_t seen = 0;
-};
+Quantity InJson(std::string key) { return {.key = std::move(key), .show = Show::kJson}; }
+Quantity InText(std::string key) { return {.key = std::move(key), .show = Show::kText}; }
 
-std::vector<Section> SectionsOf(const VerifyReport& report) {
-  std::vector<Section> sections;
-  for (const CheckResult& c : report.checks) {
-    if (sections.empty() || sections.back().name != c.section) sections.push_back({c.section});
-    Section& section = sections.back();
-    ++section.checks;
-    section.compared += c.compared;
-    section.passed += c.compared && c.passed;
-    section.seen += c.seen;
-  }
-  return sections;
+// Columns of what a case, a skip or a check came to; members that it has not are left out.
+void AddOutcomeColumns(std::vector<Quantity>& columns) {
+  for (const char* key :
+       {"passed", "compared", "reason", "kind", "stage", "stream", "mismatch.reproduced",
+        "mismatch.frame", "mismatch.stage", "mismatch.stream", "mismatch.layer", "mismatch.item",
+        "mismatch.chunk_in_layer", "mismatch.row", "mismatch.component", "mismatch.lane",
+        "mismatch.expected", "mismatch.found"})
+    columns.push_back(InJson(key));
 }
 
-std::string DescribeChecks(const VerifyReport& report) {
-  if (report.checks.empty()) return {};
-  std::string out =
-      fmt::format("\n{:<10} {:>8} {:>8} {:>10}\n", "check", "passed", "of", "looked at");
-  for (const Section& s : SectionsOf(report))
-    out += fmt::format("{:<10} {:>8} {:>8} {:>10}\n", s.name, s.passed, s.checks, s.seen);
-  for (const CheckResult& c : report.checks)
-    if (!c.compared) out += fmt::format("not compared: {}, {}: {}\n", c.section, c.name, c.reason);
-  return out;
+void AddOutcome(const Outcome& outcome, std::vector<Value>& row) {
+  row.push_back(outcome.passed);
+  row.push_back(outcome.compared);
+  row.push_back(outcome.reason.empty() ? Value{} : outcome.reason);
+  const bool found = outcome.kind != FindingKind::kNone;
+  row.push_back(found ? FindingName(outcome.kind) : Value{});
+  row.push_back(found ? outcome.stage : Value{});
+  row.push_back(found ? outcome.stream : Value{});
+  if (!outcome.mismatch) return;
+  const Mismatch& m = *outcome.mismatch;
+  for (Value value :
+       {Value(m.reproduced), Value(m.frame), Value(m.stage), Value(m.stream), Value(m.layer),
+        Value(m.item), Value(m.chunk_in_layer), Value(m.row), Value(m.component), Value(m.lane),
+        Value(fmt::format("{:08x}", m.expected)), Value(fmt::format("{:08x}", m.found))})
+    row.push_back(std::move(value));
+}
+
+// Executors down, instruction sets across; a cell counts fusion x vertex order x sort.
+void AddMatrix(const VerifyReport& report, ReportTree& tree) {
+  std::vector<std::string> rows;
+  std::vector<Isa> isas;
+  std::map<std::pair<std::string, Isa>, Cell> cells;
+  for (const CaseResult& c : report.cases) {
+    const std::string row = ExecutorColumn(c.what);
+    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+    if (std::find(isas.begin(), isas.end(), c.what.isa) == isas.end()) isas.push_back(c.what.isa);
+    Cell& cell = cells[{row, c.what.isa}];
+    ++cell.cases;
+    cell.same += c.passed;
+  }
+  std::vector<Quantity> columns = {InText("same / cases")};
+  for (const Isa isa : isas) columns.push_back(InText(std::string(IsaName(isa))));
+  ReportTable& table = tree.AddTable({}, columns);
+  for (const std::string& row : rows) {
+    std::vector<Value> values = {row};
+    for (const Isa isa : isas) {
+      const Cell cell = cells[{row, isa}];
+      values.push_back(cell.cases ? Value(fmt::format("{}/{}", cell.same, cell.cases)) : Value{});
+    }
+    table.Add(std::move(values));
+  }
+  tree.Say(
+      "each cell: fused and unfused plan x sorted vertices and index buffer x whole and piecewise "
+      "sort x skips on, off and LOD; odd: threads that round upwards and flush denormals; guarded: "
+      "each stage between closed pages");
+}
+
+void AddCases(const VerifyReport& report, ReportTree& tree) {
+  std::vector<Quantity> columns;
+  for (const char* key :
+       {"place", "name", "executor", "workers", "workers_observed", "order_seed", "isa", "fused",
+        "vertex_order", "piecewise_sort", "settings", "odd_floats"})
+    columns.push_back(InJson(key));
+  AddOutcomeColumns(columns);
+  ReportTable& cases = tree.AddTable("cases", columns);
+  for (const CaseResult& c : report.cases) {
+    std::vector<Value> row = {c.place,
+                              NameCase(c.what),
+                              ExecutorName(c.what.executor),
+                              c.what.workers,
+                              HasWorkers(c.what.executor) ? Value(c.workers_observed) : Value{},
+                              c.what.order_seed,
+                              IsaName(c.what.isa),
+                              c.what.fuse,
+                              OrderName(c.what.vertex_order),
+                              c.what.piecewise_sort,
+                              SettingsName(c.what.settings),
+                              c.what.odd_floats};
+    AddOutcome(c, row);
+    cases.Add(std::move(row));
+  }
+}
+
+void AddSkips(const VerifyReport& report, ReportTree& tree) {
+  std::vector<Quantity> columns = {
+      InJson("place"), InJson("name"),   {"switch", "", -1, "skip off"},
+      {"course"},      InText("result"), {"items_saved"}};
+  AddOutcomeColumns(columns);
+  columns.push_back(InText(" "));  // the reason, last and wrapped
+  ReportTable& skips = tree.AddTable("skips", columns);
+  for (const SkipResult& s : report.skips) {
+    const char* result = !s.compared ? "skipped" : s.passed ? "same" : "DIFFERS";
+    std::vector<Value> row = {s.place, fmt::format("skip {} off, {}", s.name, s.course),
+                              s.name,  s.course,
+                              result,  s.items_skipped};
+    AddOutcome(s, row);
+    row.resize(columns.size() - 1);
+    row.push_back(s.reason.empty() ? Value{} : s.reason);
+    skips.Add(std::move(row));
+  }
+}
+
+// A section is one case of the list, with what it looked at inside.
+void AddChecks(const VerifyReport& report, ReportTree& tree) {
+  ReportTable& checks = tree.AddTable("checks", {InJson("place"),
+                                                 {"name", "", -1, "check"},
+                                                 InJson("passed"),
+                                                 InJson("reason"),
+                                                 InText("passed "),
+                                                 InText("of"),
+                                                 InText("looked at"),
+                                                 InJson("results")});
+  std::vector<std::string> not_compared;
+  for (size_t first = 0, end = 0; first < report.checks.size(); first = end) {
+    const std::string& section = report.checks[first].section;
+    while (end < report.checks.size() && report.checks[end].section == section) ++end;
+    std::vector<Quantity> columns = {{"name"}, {"looked_at"}, {"felt"}};
+    AddOutcomeColumns(columns);
+    ReportTable results{{}, columns};
+    const CheckResult* failed = nullptr;
+    uint64_t seen = 0;
+    uint32_t passed = 0;
+    for (size_t i = first; i < end; ++i) {
+      const CheckResult& c = report.checks[i];
+      if (!c.passed && !failed) failed = &c;
+      if (!c.compared) not_compared.push_back(fmt::format("{}, {}: {}", section, c.name, c.reason));
+      seen += c.seen;
+      passed += c.compared && c.passed;
+      std::vector<Value> row = {c.name, c.seen, section == "waking" ? Value(c.felt) : Value{}};
+      AddOutcome(c, row);
+      results.Add(std::move(row));
+    }
+    checks.Add({report.checks[first].place, section, !failed,
+                failed ? Value(fmt::format("{}: {}: {}", failed->name, FindingName(failed->kind),
+                                           failed->reason))
+                       : Value{},
+                passed, end - first, seen, results});
+  }
+  tree.AddTexts({}, not_compared, "not compared");
 }
 
 // Failures of one part, the first ten in full.
 template <class Result>
 void AddFailures(const std::vector<Result>& results, auto name, std::string_view what,
-                 std::string& out) {
+                 ReportTree& tree) {
   uint32_t failed = 0;
-  for (const Result& r : results)
-    if (!r.passed && ++failed <= 10)
-      out += fmt::format("\nFAILED {}\n  {}: {}\n", name(r), FindingName(r.kind), r.reason);
-  if (failed > 10) out += fmt::format("\n... and {} more {} failed\n", failed - 10, what);
-}
-
-void AddMismatch(JsonText& json, const Mismatch& m) {
-  json.BeginObject("mismatch");
-  json.Add("reproduced", m.reproduced);
-  json.Add("frame", m.frame);
-  json.Add("stage", m.stage);
-  json.Add("stream", m.stream);
-  json.Add("layer", m.layer);
-  json.Add("item", m.item);
-  json.Add("chunk_in_layer", m.chunk_in_layer);
-  json.Add("row", m.row);
-  json.Add("component", m.component);
-  json.Add("lane", m.lane);
-  json.Add("expected", fmt::format("{:08x}", m.expected));
-  json.Add("found", fmt::format("{:08x}", m.found));
-  json.EndObject();
-}
-
-void AddOutcome(JsonText& json, const Outcome& outcome) {
-  json.Add("passed", outcome.passed);
-  json.Add("compared", outcome.compared);
-  if (!outcome.reason.empty()) json.Add("reason", outcome.reason);
-  if (outcome.kind != FindingKind::kNone) {
-    json.Add("kind", FindingName(outcome.kind));
-    json.Add("stage", outcome.stage);
-    json.Add("stream", outcome.stream);
+  for (const Result& r : results) {
+    if (r.passed || ++failed > 10) continue;
+    tree.BlankLine();
+    tree.Say("FAILED " + name(r));
+    tree.Say(fmt::format("  {}: {}", FindingName(r.kind), r.reason));
   }
-  if (outcome.mismatch) AddMismatch(json, *outcome.mismatch);
+  if (failed > 10) tree.Say(fmt::format("... and {} more {} failed", failed - 10, what));
 }
 
-// A section is one case of the list, with what it looked at inside.
-void AddChecks(const VerifyReport& report, JsonText& json) {
-  json.BeginArray("checks");
-  for (size_t first = 0, end = 0; first < report.checks.size(); first = end) {
-    const std::string& section = report.checks[first].section;
-    while (end < report.checks.size() && report.checks[end].section == section) ++end;
-    const auto from = report.checks.begin() + ptrdiff_t(first);
-    const auto to = report.checks.begin() + ptrdiff_t(end);
-    const auto failed = std::find_if(from, to, [](const CheckResult& c) { return !c.passed; });
-    json.BeginObject();
-    json.Add("place", from->place);
-    json.Add("name", section);
-    json.Add("passed", failed == to);
-    if (failed != to)
-      json.Add("reason",
-               fmt::format("{}: {}: {}", failed->name, FindingName(failed->kind), failed->reason));
-    json.BeginArray("results");
-    for (auto c = from; c != to; ++c) {
-      json.BeginObject();
-      json.Add("name", c->name);
-      json.Add("looked_at", c->seen);
-      if (section == "waking") json.Add("felt", c->felt);
-      AddOutcome(json, *c);
-      json.EndObject();
-    }
-    json.EndArray();
-    json.EndObject();
-  }
-  json.EndArray();
+void AddVerdict(const VerifyReport& report, ReportTree& tree) {
+  const auto failed = [](const auto& results) {
+    return std::count_if(results.begin(), results.end(), [](const auto& r) { return !r.passed; });
+  };
+  const std::string of = report.shard.IsAll()
+                             ? std::string()
+                             : fmt::format(" of shard {}/{} (of {} in all)", report.shard.index,
+                                           report.shard.count, report.places);
+  tree.BlankLine();
+  if (report.stopped) tree.Say("stopped there: what comes after it was not run");
+  tree.Say(report.Passed()
+               ? fmt::format("verdict: SAME BITS in all {} cases{}", report.cases.size(), of)
+               : fmt::format("verdict: DIFFERENT BITS or a fault in {} cases{}",
+                             failed(report.cases) + failed(report.skips) + failed(report.checks),
+                             of));
 }
 
 }  // namespace
@@ -168,119 +241,32 @@ std::string DescribeMismatch(const Mismatch& m) {
                      m.stream, place, m.row, m.component, m.lane, values);
 }
 
-std::string DescribeReport(const VerifyReport& report) {
-  // Executors down, instruction sets across; a cell counts fusion x vertex order x sort.
-  std::vector<std::string> rows;
-  std::vector<Isa> columns;
-  std::map<std::pair<std::string, Isa>, Cell> cells;
-  for (const CaseResult& c : report.cases) {
-    const std::string row = ExecutorColumn(c.what);
-    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
-    if (std::find(columns.begin(), columns.end(), c.what.isa) == columns.end())
-      columns.push_back(c.what.isa);
-    Cell& cell = cells[{row, c.what.isa}];
-    ++cell.cases;
-    cell.same += c.passed;
-  }
-  std::string out =
-      fmt::format("scene {}: {} characters, {} strands, {} frames, reference digest {:016x}\n",
-                  report.scene, report.characters, report.strands, report.frames, report.digest);
-  out += fmt::format("{:<16}", "same / cases");
-  for (const Isa isa : columns) out += fmt::format("{:>11}", IsaName(isa));
-  out += '\n';
-  for (const std::string& row : rows) {
-    out += fmt::format("{:<16}", row);
-    for (const Isa isa : columns) {
-      const Cell cell = cells[{row, isa}];
-      out += fmt::format("{:>11}", cell.cases ? fmt::format("{}/{}", cell.same, cell.cases) : "");
-    }
-    out += '\n';
-  }
-  out +=
-      "each cell: fused and unfused plan x sorted vertices and index buffer x whole and "
-      "piecewise sort x skips on, off and LOD; odd: threads that round upwards and flush "
-      "denormals; "
-      "guarded: each stage between closed pages\n";
-  for (const std::string& what : report.not_run)
-    out += fmt::format("skipped: {} (this processor, system or build lacks it)\n", what);
-  if (!report.skips.empty())
-    out += fmt::format("\n{:<14} {:<15} {:<9} {:>16}\n", "skip off", "course", "result",
-                       "items it saved");
-  for (const SkipResult& s : report.skips)
-    out += fmt::format("{:<14} {:<15} {:<9} {:>16}{}{}\n", s.name, s.course,
-                       !s.compared ? "skipped"
-                       : s.passed  ? "same"
-                                   : "DIFFERS",
-                       s.items_skipped, s.reason.empty() ? "" : "  ", s.reason);
-  out += DescribeChecks(report);
+ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerprint) {
+  ReportTree tree;
+  AddShardHeader(fingerprint, report.shard, report.places, tree);
+  tree.Add({"scene"}, report.scene).Add({"characters"}, report.characters);
+  tree.Add({"strands"}, report.strands).Add({"frames"}, report.frames);
+  tree.Add({"digest", "", -1, "reference digest"}, DigestText(report.digest));
+  tree.Add(InJson("passed"), report.Passed());
+  AddMatrix(report, tree);
+  AddCases(report, tree);
+  tree.AddTexts("not_run", report.not_run, "not run, as this processor, system or build lacks it");
+  AddSkips(report, tree);
+  AddChecks(report, tree);
   AddFailures(
-      report.cases, [](const CaseResult& c) { return NameCase(c.what); }, "cases", out);
+      report.cases, [](const CaseResult& c) { return NameCase(c.what); }, "cases", tree);
   AddFailures(
-      report.skips, [](const SkipResult& s) { return s.name + ", " + s.course; }, "skips", out);
+      report.skips, [](const SkipResult& s) { return s.name + ", " + s.course; }, "skips", tree);
   AddFailures(
-      report.checks, [](const CheckResult& c) { return c.section + ": " + c.name; }, "checks", out);
-  const auto failed = [](const auto& results) {
-    return std::count_if(results.begin(), results.end(), [](const auto& r) { return !r.passed; });
-  };
-  const std::string of = report.shard.IsAll()
-                             ? std::string()
-                             : fmt::format(" of shard {}/{} (of {} in all)", report.shard.index,
-                                           report.shard.count, report.places);
-  if (report.stopped) out += "\nstopped there: what comes after it was not run\n";
-  out += report.Passed()
-             ? fmt::format("\nverdict: SAME BITS in all {} cases{}\n", report.cases.size(), of)
-             : fmt::format("\nverdict: DIFFERENT BITS or a fault in {} cases{}\n",
-                           failed(report.cases) + failed(report.skips) + failed(report.checks), of);
-  return out;
+      report.checks, [](const CheckResult& c) { return c.section + ": " + c.name; }, "checks",
+      tree);
+  AddVerdict(report, tree);
+  return tree;
 }
 
+std::string DescribeReport(const VerifyReport& report) { return MakeVerifyTree(report).Text(); }
 std::string ReportAsJson(const VerifyReport& report, const Fingerprint& fingerprint) {
-  JsonText json;
-  json.BeginObject();
-  AddShardHeader(fingerprint, report.shard, report.places, json);
-  json.Add("scene", report.scene);
-  json.Add("characters", report.characters);
-  json.Add("strands", report.strands);
-  json.Add("frames", report.frames);
-  json.AddDigest("digest", report.digest);
-  json.Add("passed", report.Passed());
-  json.BeginArray("cases");
-  for (const CaseResult& c : report.cases) {
-    json.BeginObject();
-    json.Add("place", c.place);
-    json.Add("name", NameCase(c.what));
-    json.Add("executor", ExecutorName(c.what.executor));
-    json.Add("workers", c.what.workers);
-    if (HasWorkers(c.what.executor)) json.Add("workers_observed", c.workers_observed);
-    json.Add("order_seed", c.what.order_seed);
-    json.Add("isa", IsaName(c.what.isa));
-    json.Add("fused", c.what.fuse);
-    json.Add("vertex_order", OrderName(c.what.vertex_order));
-    json.Add("piecewise_sort", c.what.piecewise_sort);
-    json.Add("settings", SettingsName(c.what.settings));
-    json.Add("odd_floats", c.what.odd_floats);
-    AddOutcome(json, c);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.BeginArray("not_run");
-  for (const std::string& what : report.not_run) json.Add("", what);
-  json.EndArray();
-  json.BeginArray("skips");
-  for (const SkipResult& s : report.skips) {
-    json.BeginObject();
-    json.Add("place", s.place);
-    json.Add("name", fmt::format("skip {} off, {}", s.name, s.course));
-    json.Add("switch", s.name);
-    json.Add("course", s.course);
-    json.Add("items_saved", s.items_skipped);
-    AddOutcome(json, s);
-    json.EndObject();
-  }
-  json.EndArray();
-  AddChecks(report, json);
-  json.EndObject();
-  return json.text();
+  return MakeVerifyTree(report, fingerprint).Json();
 }
 
 }  // namespace pelt

@@ -84,7 +84,7 @@ TEST(ReportPage, FiguresAgreeWithEachOther) {
   }
   uint64_t bytes = 0;
   for (const auto& range : data["memory"]) bytes += uint64_t(range["bytes"]);
-  EXPECT_EQ(bytes, report.run.memory_bytes);
+  EXPECT_EQ(bytes, report.run.layout.total_bytes);
   for (const auto& stage : data["stages"])
     if (stage["name"] == "activate") {
       EXPECT_EQ(stage["ran"], report.run.chunks);

@@ -76,8 +76,8 @@ TEST(Report, RunAccountsForEveryItemOfEveryFrame) {
   EXPECT_GT(report.drawn_strands, 0u);
   EXPECT_LE(report.drawn_strands, report.live_strands);
   uint64_t bytes = 0;
-  for (const MemoryRange& range : report.memory) bytes += range.bytes;
-  EXPECT_EQ(bytes, report.memory_bytes);
+  for (const MemoryRange& range : report.layout.ranges) bytes += range.bytes;
+  EXPECT_EQ(bytes, report.layout.total_bytes);
   for (const StageBudget& stage : report.budget.stages) {
     if (stage.name != "activate") continue;
     EXPECT_EQ(stage.ran, double(report.chunks));
@@ -103,14 +103,14 @@ TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
   EXPECT_EQ(digests[0], digests[1]);
 }
 
-TEST(Report, RunAsJsonIsValid) {
+TEST(Report, ARunsTreeHasItsFigures) {
   Scenario tiny = LoadScenario("tiny");
   RunOptions options;
   options.frames = 4;
   options.workers = 2;
   RunningScenario running(tiny, options.scene);
   const RunReport report = RunFrames(tiny, running, options);
-  const nlohmann::json json = nlohmann::json::parse(RunAsJson(report));
+  const nlohmann::json json = nlohmann::json::parse(MakeRunTree(report).Json());
   EXPECT_EQ(json["strands"], report.strands);
   EXPECT_EQ(json["workers_observed"], 2);
   EXPECT_FALSE(json["stages"].empty());

@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# What the commands print with --json is as bench/report/schemas says: every key documented, of the type that it
+# says, and no key missing.
+#   schemas_test.sh PELT SOURCE_DIR
+set -uo pipefail
+pelt=$(realpath "$1")
+source_dir=$(realpath "$2")
+command -v python3 >/dev/null || { echo "SKIPPED: no python3"; exit 77; }
+schemas=$source_dir/bench/report/schemas
+check=$source_dir/tests/command/json_schema.py
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+declare -A seen
+fail() {
+  echo "FAILED: $*" >&2
+  failures=$((failures + 1))
+}
+
+python3 "$check" --self-test || fail "the checker itself"
+
+# hold SCHEMA arguments...: what pelt prints is JSON by that schema; the exit code may be a verdict.
+hold() {
+  local schema=$1
+  shift
+  seen[$schema]=1
+  "$pelt" "$@" --json >out.json 2>err.txt
+  [ $? -le 1 ] || fail "pelt $* --json: $(cat err.txt)"
+  python3 "$check" "$schemas/$schema.json" out.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
+}
+
+printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
+printf 'loop: lwz 4,0(3); addi 3,3,4; bdnz loop\n' >load.s
+printf 'loop: fadd 1,1,2; bdnz loop\n' >sum.s
+"$pelt" bake --setup tiny --seed 1 --out a.groom >/dev/null 2>&1
+"$pelt" bake --setup tiny --seed 2 --out b.groom >/dev/null 2>&1
+"$pelt" trace record --scene tiny --frames 3 --out tiny.peltinput >/dev/null 2>&1
+"$pelt" trace record --scene tiny --frames 3 --lod --out lod.peltinput >/dev/null 2>&1
+
+hold bake bake --setup tiny
+hold bake bake --setup tiny --stats --out c.groom
+hold run run --scene tiny --frames 2
+hold run run --scene tiny --frames 1 --executor local-store
+hold plan plan --scene tiny
+hold plan plan --scene tiny --local-store --unfused
+hold verify verify --scene tiny --frames 1 --isa reference
+hold verify verify --scene tiny --frames 1 --isa reference --shard 1/3 --no-checks
+hold golden golden --check "$source_dir/traces/golden" --scene tiny
+hold diff diff a.groom b.groom
+hold diff diff a.groom a.groom
+hold diff diff tiny.peltinput lod.peltinput
+hold trace_show trace show tiny.peltinput
+hold trace_replay trace replay tiny.peltinput
+hold conformance conformance --door inline
+hold budget budget --scene tiny --frames 2
+hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01
+hold budget budget --scene tiny --frames 2 --platform ps3 --local-store-kib 64
+hold budget_validate budget --validate
+hold timing timing add.s --trip loop=8
+hold timing_pair timing load.s --core ppe --second-thread sum.s
+hold timing_kernel timing --kernel skin
+"$pelt" stress --quick --solvers modal --links 3 --rates 60 --isa reference --json stress.json >/dev/null 2>&1
+seen[stress]=1
+python3 "$check" "$schemas/stress.json" stress.json >faults.txt || fail "pelt stress --json: $(cat faults.txt)"
+
+# A key that nobody documented, and one that went missing, are seen.
+sed 's/"scene": /"scenery": /' <("$pelt" run --scene tiny --frames 1 --json 2>/dev/null) >renamed.json
+python3 "$check" "$schemas/run.json" renamed.json >faults.txt && fail "a renamed key passes"
+grep -q "'scenery' is not documented" faults.txt || fail "the renamed key is not named: $(cat faults.txt)"
+grep -q "has no 'scene'" faults.txt || fail "the missing key is not named: $(cat faults.txt)"
+
+for schema in "$schemas"/*.json; do
+  name=$(basename "$schema" .json)
+  [ -n "${seen[$name]:-}" ] || fail "no output is held to $name.json"
+done
+[ "$failures" -eq 0 ] || exit 1
+echo "all passed: ${#seen[@]} schemas"
