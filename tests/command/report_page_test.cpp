@@ -135,9 +135,9 @@ TEST(ReportPage, LongRunsStaySmall) {
 // Names come from files.
 TEST(ReportPage, HostileNamesStayText) {
   Scenario tiny = LoadScenario("tiny");
-  const std::string hostile =
-      "</script><script>alert(\"1\")</script><!-- ' & @PELT_SCRIPT@ \xff\xfe \"";
-  tiny.name = hostile;
+  // A layer's name is printable: a groom with another is refused.
+  const std::string hostile = "</script><script>alert(\"1\")</script><!-- ' & @PELT_SCRIPT@ \"";
+  tiny.name = hostile + " \xff\xfe";
   for (Groom& groom : tiny.grooms)
     for (auto& layer : groom.layers) layer.name = hostile;
   const Report report = MakeReport(tiny, 3, ExecutorKind::kSerial, 1);
