@@ -70,7 +70,7 @@ Groom MakeNeighbour(const Groom& groom) {
   Groom neighbour = TakeLayers(groom, layers);
   for (GroomLayer& layer : neighbour.layers) {
     layer.name += " (neighbour)";
-    layer.params.weight *= 1.25f;
+    layer.params.weight *= 0.8f;  // less: more could be more than a groom may have
   }
   // Moved inside its joints, so that the layers' boxes, which are kept by joint, still hold it.
   for (uint32_t j = 0; j < neighbour.joint_count; ++j)

@@ -6,6 +6,7 @@
 
 #include "bench/verify/odd_floats.hpp"
 #include "bench/verify/verified_scene.hpp"
+#include "core/groom/groom_file.hpp"
 #include "tests/verify/planting.hpp"
 
 namespace pelt {
@@ -23,6 +24,17 @@ TEST(VerifiedScene, HasTwoCharactersThatDiffer) {
   EXPECT_NE(std::memcmp(&first.skeleton, &second.skeleton, sizeof first.skeleton), 0);
   EXPECT_NE(verified.actors[0].weather_share, verified.actors[1].weather_share);
   EXPECT_EQ(Tiny().actors.size(), 1u) << "the scene itself stays what it is";
+}
+
+// What a setup may say at most stays within what a groom may have.
+TEST(VerifiedScene, IsOneThatCanBeMade) {
+  Scenario heavy = Tiny();
+  for (GroomLayer& layer : heavy.grooms[0].layers)
+    layer.params.weight = float(FindParamBounds("weight")->high);
+  const Scenario verified = MakeVerifiedScene(heavy);
+  for (const Groom& groom : verified.grooms) EXPECT_EQ(FindGroomFault(groom, "verified"), "");
+  EXPECT_NE(verified.grooms[0].layers.back().params.weight,
+            verified.grooms[1].layers[0].params.weight);
 }
 
 // A worker that flushes denormals while this stage runs, as an engine's thread might.
