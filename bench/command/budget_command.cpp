@@ -33,16 +33,19 @@ namespace {
 
 int PrintNumbers(const BudgetArgs& args) {
   const PlatformParameters p = NumbersOf(args);
-  const auto print = [](std::string_view console, const std::vector<PlatformNumber>& numbers) {
+  ReportTree tree;
+  tree.Say(
+      "How sure: P published or measured and read at its source; S second-hand; L a lead only.");
+  ReportTable& table = tree.AddTable(
+      "numbers", {{"console"}, {"sure"}, {"value"}, {"unit"}, {"number"}, {"source"}});
+  const auto add = [&](std::string_view console, const std::vector<PlatformNumber>& numbers) {
     for (const PlatformNumber& n : numbers)
-      fmt::print("{:<8} {} {:>14} {:<24} {:<60} {}\n", console, SurenessLetter(n.sure), n.value,
-                 n.unit, n.name, n.source);
+      table.Add({console, std::string(1, SurenessLetter(n.sure)), fmt::format("{}", n.value),
+                 n.unit, n.name, n.source});
   };
-  fmt::print(
-      "How sure: P published or measured and read at its source; S second-hand; L a lead "
-      "only.\n");
-  print("ps3", DescribeCell(p.cell));
-  print("xbox360", DescribeXenon(p.xenon));
+  add("ps3", DescribeCell(p.cell));
+  add("xbox360", DescribeXenon(p.xenon));
+  fmt::print("{}", tree.Text());
   return 0;
 }
 

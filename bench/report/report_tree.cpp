@@ -122,12 +122,8 @@ class TableText {
     for (size_t c = 0; c < table.columns.size(); ++c)
       if (table.columns[c].show != Show::kJson) AddColumn(table, c);
     for (const Column& column : columns_) has_units_ = has_units_ || !column.unit.empty();
-    size_t used = 0;
-    for (Column& column : columns_) {
-      if (&column == &columns_.back() && column.left)
-        column.width = std::min(column.width, std::max(kLeastWrappedWidth, kReportColumns - used));
-      used += column.width + kGap;
-    }
+    while (Width() > kReportColumns)
+      if (!NarrowWidest()) break;
   }
 
   std::string Text() const {
@@ -169,19 +165,40 @@ class TableText {
     columns_.push_back(std::move(column));
   }
 
-  // The last cell may take more than one line.
+  size_t Width() const {
+    size_t width = 0;
+    for (const Column& column : columns_) width += column.width + (width ? kGap : 0);
+    return width;
+  }
+
+  // Of the columns of texts; false when none may be narrower.
+  bool NarrowWidest() {
+    Column* widest = nullptr;
+    for (Column& column : columns_)
+      if (column.left && (!widest || column.width >= widest->width)) widest = &column;
+    if (!widest || widest->width <= kLeastWrappedWidth) return false;
+    --widest->width;
+    return true;
+  }
+
+  // Texts that are wider than their column go on in the lines below.
   std::string Line(const std::vector<std::string>& cells) const {
-    std::string line;
-    for (size_t c = 0; c + 1 < cells.size(); ++c)
-      line += columns_[c].left ? fmt::format("{:<{}}", cells[c], columns_[c].width + kGap)
-                               : fmt::format("{:>{}}{:{}}", cells[c], columns_[c].width, "", kGap);
-    const Column& last = columns_.back();
-    if (!last.left) return Ended(line + fmt::format("{:>{}}", cells.back(), last.width));
+    std::vector<std::vector<std::string>> parts;
+    size_t lines = 1;
+    for (size_t c = 0; c < cells.size(); ++c) {
+      parts.push_back(Wrap(cells[c], columns_[c].width));
+      lines = std::max(lines, parts.back().size());
+    }
     std::string out;
-    const size_t indent = line.size();
-    for (const std::string& part : Wrap(cells.back(), last.width)) {
-      out += Ended(line + part);
-      line.assign(indent, ' ');
+    for (size_t l = 0; l < lines; ++l) {
+      std::string line;
+      for (size_t c = 0; c < cells.size(); ++c) {
+        const std::string part = l < parts[c].size() ? parts[c][l] : "";
+        if (c) line.append(kGap, ' ');
+        line += columns_[c].left ? fmt::format("{:<{}}", part, columns_[c].width)
+                                 : fmt::format("{:>{}}", part, columns_[c].width);
+      }
+      out += Ended(line);
     }
     return out;
   }

@@ -186,7 +186,7 @@ class Machine {
     const Cycles now = threads_[t].Time();
     for (Core& core : cores_)
       if (&core != &CoreOf(t)) core.l1.Drop(line);
-    const uint64_t bytes = std::min(access.bytes, p_.line_bytes);
+    const uint64_t bytes = std::min<uint32_t>(access.bytes, p_.line_bytes);
     run_.l2_bytes += bytes;
     l2_rate_.Take(now, bytes);
     if (l2_.Touch(line, true)) return;

@@ -111,7 +111,7 @@ class SpuIssue final : public IssueModel {
     branched_ = taken;
     if (IsMispredicted(instruction, index, taken))
       restart_ = slot.cycle + 1 + spu_.mispredict_cycles;
-    since_hint_ = std::min(since_hint_ + 1, spu_.hint_reach_instructions);
+    since_hint_ = std::min<uint32_t>(since_hint_ + 1, spu_.hint_reach_instructions);
     if (instruction.flow == Flow::kHint) {
       since_hint_ = 0;
       hint_cycle_ = slot.cycle;

@@ -15,30 +15,44 @@
 
 namespace pelt {
 
-// What L1 and L2 are, whatever lies around them.
+inline constexpr std::string_view kXenonTalks = "IBM, Microsoft talks, as reported";
+
+// What L1 and L2 are, whatever lies around them: a Xenon's, where nothing else is said.
 struct CacheParameters {
-  uint32_t l1_bytes = 32 * 1024;
-  uint32_t l1_ways = 4;
-  uint32_t l2_bytes = 1024 * 1024;
-  uint32_t l2_ways = 8;
-  uint32_t l2_hit_cycles = 40;
-  uint32_t l2_milli_bytes_per_cycle = 16000;
-  uint32_t outstanding_misses = 8;  // of a core
+  Number<uint32_t> l1_bytes = {32 * 1024, "L1 data", "B", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> l1_ways = {4, "L1 ways", "ways", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> l2_bytes = {1024 * 1024, "L2", "B", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> l2_ways = {8, "L2 ways", "ways", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> l2_hit_cycles = {40, "L2 hit", "cycles", "39 to 40, widely repeated",
+                                    Sureness::kLead};
+  Number<uint32_t> l2_milli_bytes_per_cycle = {
+      16000, "L2 rate", "B/cycle", "51.2 GB/s, IBM talk", Sureness::kPublished, 1e-3};
+  Number<uint32_t> outstanding_misses = {8, "misses in flight, a core", "lines", "Microsoft"};
   // For which a line that was fetched ahead keeps loads out of L1 while it comes in. What a load
-  // that misses waits is l2_hit_cycles, all in all. Nothing is known of a Xenon's.
-  uint32_t l1_fill_cycles = 0;
+  // that misses waits is l2_hit_cycles, all in all.
+  Number<uint32_t> l1_fill_cycles = {0, "L1 filled by a line for", "cycles",
+                                     "nothing is known of a Xenon's", Sureness::kLead};
+};
+
+// What lies around them.
+struct MemoryNumbers {
+  Number<uint32_t> cores = {3, "cores", "cores", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> line_bytes = {128, "line", "B", kXenonTalks, Sureness::kSecondHand};
+  Number<uint32_t> memory_cycles = {610, "memory", "cycles", "about 610, widely repeated",
+                                    Sureness::kLead};
+  Number<uint32_t> bus_milli_bytes_per_cycle = {
+      3375, "front-side bus, each way", "B/cycle", "10.8 GB/s, Microsoft", Sureness::kPublished,
+      1e-3};
+  Number<uint32_t> memory_milli_bytes_per_cycle = {
+      7000, "memory rate", "B/cycle", "22.4 GB/s, Microsoft", Sureness::kPublished, 1e-3};
+  Number<uint32_t> gpu_permille = {
+      0, "the GPU's share of memory", "of the rate", "the caller's", Sureness::kLead, 1e-3};
 };
 
 // All that the cache model takes.
-struct CacheMemoryParameters : CacheParameters {
+struct CacheMemoryParameters : CacheParameters, MemoryNumbers {
   std::string_view name;
   PpeParameters core;
-  uint32_t cores = 1;
-  uint32_t line_bytes = 128;
-  uint32_t memory_cycles = 610;
-  uint32_t bus_milli_bytes_per_cycle = 3375;     // each way
-  uint32_t memory_milli_bytes_per_cycle = 7000;  // both ways, shared with the GPU
-  uint32_t gpu_permille = 0;                     // of the memory, taken by the GPU
 
   uint32_t Threads() const { return cores * core.smt_threads; }
 };

@@ -20,47 +20,89 @@
 
 namespace pelt {
 
-// The system, as its memory needs it, and the memory.
-struct CellMemoryParameters : CellSystem {
-  SpuRuntimeParameters runtime;  // what of the local store is no kernel's
+struct CellMemoryNumbers {
+  static constexpr std::string_view kSdk = "IBM SDK 3.0 tutorial";
+  static constexpr std::string_view kKistler =
+      "Kistler, Perrone, Petrini, IEEE Micro 2006: 290 cycles in all";
+  static constexpr std::string_view kRings = "D. Krolak (IBM), interview, as quoted";
+  static constexpr std::string_view kChen =
+      "Chen et al., IBM J. R&D 51 (2007): 24.6 GB/s, mixed 21 GB/s";
 
   // MFC
-  uint32_t largest_command_bytes = 16 * 1024;
-  uint32_t queue_commands = 16;
-  uint32_t list_elements = 2048;
-  uint32_t tags = 32;
-  uint32_t channels_per_command = 6;  // LSA, EAH, EAL, size, tag, command
-  uint32_t channels_per_wait = 3;     // tag mask, update request, status
-  uint32_t command_cycles = 30;       // the MFC takes up a command; not overlapped with another's
-  uint32_t list_element_cycles = 10;  // and fetches a list element
-  uint32_t lines_in_flight = 16;      // of one MFC
+  Number<uint32_t> largest_command_bytes = {16 * 1024, "largest DMA command", "B", kSdk};
+  Number<uint32_t> queue_commands = {16, "DMA queue", "commands", kSdk};
+  Number<uint32_t> list_elements = {2048, "DMA list", "elements", "CBE handbook, as quoted",
+                                    Sureness::kSecondHand};
+  Number<uint32_t> tags = {32, "tags", "tags", kSdk};
+  // LSA, EAH, EAL, size, tag, command.
+  Number<uint32_t> channels_per_command = {6, "channel operations of a command", "operations",
+                                           kSdk};
+  // Tag mask, update request, status.
+  Number<uint32_t> channels_per_wait = {3, "channel operations of a wait", "operations", kSdk};
+  // The MFC takes up a command; not overlapped with another's.
+  Number<uint32_t> command_cycles = {30, "MFC takes up a command", "cycles", kKistler,
+                                     Sureness::kLead};
+  // And fetches a list element.
+  Number<uint32_t> list_element_cycles = {10, "MFC fetches a list element", "cycles", kKistler,
+                                          Sureness::kLead};
+  // Of one MFC.
+  Number<uint32_t> lines_in_flight = {16, "lines an MFC has in flight", "lines", "CBE handbook",
+                                      Sureness::kLead};
 
   // EIB
-  uint32_t bus_cycle_cycles = 2;
-  uint32_t rings = 4;  // half of them each way round
-  uint32_t ring_bytes = 16;
-  uint32_t transfers_per_ring = 3;
-  uint32_t ring_start_bus_cycles = 3;  // between two starts on one ring
-  uint32_t snoop_cycles = 100;         // a command's coherence phase; one starts each bus cycle
-  uint32_t local_store_cycles = 118;   // of a line in another SPE's local store, without the ring
+  Number<uint32_t> bus_cycle_cycles = {2, "bus cycle", "cycles", "half clock, as quoted",
+                                       Sureness::kSecondHand};
+  // Half of them each way round.
+  Number<uint32_t> rings = {4, "rings", "rings", "as quoted", Sureness::kSecondHand};
+  Number<uint32_t> ring_bytes = {16, "ring width", "B/bus cycle", "as quoted",
+                                 Sureness::kSecondHand};
+  Number<uint32_t> transfers_per_ring = {3, "transfers on a ring", "transfers", "as quoted",
+                                         Sureness::kSecondHand};
+  // Between two starts on one ring.
+  Number<uint32_t> ring_start_bus_cycles = {3, "starts on a ring, apart", "bus cycles", kRings,
+                                            Sureness::kSecondHand};
+  // A command's coherence phase; one starts each bus cycle.
+  Number<uint32_t> snoop_cycles = {100, "snoop", "cycles", kKistler, Sureness::kLead};
+  // Of a line in another SPE's local store, without the ring.
+  Number<uint32_t> local_store_cycles = {118, "local store of another SPE", "cycles", kKistler,
+                                         Sureness::kLead};
+
+  // Memory controller, XDR, L2
+  // 128 B at 8 B/cycle: 25.6 GB/s at 3.2 GHz.
+  Number<uint32_t> memory_line_cycles = {16, "memory, a line", "cycles", "25.6 GB/s, cellmark"};
+  // Of a line, without queue, snoop and ring.
+  Number<uint32_t> memory_access_cycles = {438, "memory access", "cycles",
+                                           "round trip about 180 ns", Sureness::kLead};
+  Number<uint32_t> refresh_interval_cycles = {3200, "refresh and scrub every", "cycles",
+                                              "the model's; only the share counts",
+                                              Sureness::kLead};
+  // Leaves 24.6 GB/s.
+  Number<uint32_t> refresh_cycles = {125, "refresh and scrub take", "cycles", kChen,
+                                     Sureness::kLead};
+  // From reads to writes and back.
+  Number<uint32_t> turnaround_cycles = {22, "memory turns its direction in", "cycles", kChen,
+                                        Sureness::kLead};
+  // Served one way before the other way has its turn.
+  Number<uint32_t> turnaround_lines = {8, "lines one way before it turns", "lines", kChen,
+                                       Sureness::kLead};
+  // 128 B at 7 GB/s.
+  Number<uint32_t> l2_line_cycles = {58, "L2, a line for an SPE", "cycles",
+                                     "7 GB/s in all, Perrone, MIT 6.189, 2007"};
+
+  // Through the operating system: one of the two calls that a mailbox round trip makes.
+  Number<uint32_t> os_call_ns = {5800, "operating-system call", "ns",
+                                 "cellmark: half the mailbox round trip S2, not a prediction"};
+};
+
+// The system, as its memory needs it, and the memory.
+struct CellMemoryParameters : CellSystem, CellMemoryNumbers {
+  SpuRuntimeParameters runtime = {};  // what of the local store is no kernel's
   // Ring stops 0 .. 11 are PPE, SPE1, SPE3, SPE5, SPE7, IOIF1, IOIF0, SPE6, SPE4, SPE2, SPE0, MIC.
   // A game's SPUs 0 .. 5 follow each other round the ring, and 3 further on is as far one way as
   // the other (cellmark, all 30 pairs): so the two SPEs that are not the game's lie opposite each
   // other. Which of the four such pairs, and which SPU is the first, it leaves open (class L).
   uint32_t missing_spe[2] = {0, 7};
   uint32_t first_spu = 0;  // how many SPEs that are the game's lie between the PPE and SPU 0
-
-  // Memory controller, XDR, L2
-  uint32_t memory_line_cycles = 16;     // 128 B at 8 B/cycle: 25.6 GB/s at 3.2 GHz
-  uint32_t memory_access_cycles = 438;  // of a line, without queue, snoop and ring
-  uint32_t refresh_interval_cycles = 3200;
-  uint32_t refresh_cycles = 125;    // leaves 24.6 GB/s
-  uint32_t turnaround_cycles = 22;  // from reads to writes and back
-  uint32_t turnaround_lines = 8;    // lines served one way before the other way has its turn
-  uint32_t l2_line_cycles = 58;     // 128 B at 7 GB/s
-
-  // Through the operating system
-  uint32_t os_call_ns = 5800;  // one of the two that a mailbox round trip makes
 };
 
 // The table that reports print: every number above with unit, source and how sure it is.

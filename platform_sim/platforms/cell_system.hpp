@@ -21,13 +21,18 @@
 
 namespace pelt {
 
-struct CellSystem {
-  uint64_t clock_hz = 3'192'000'000;
-  uint32_t spu_count = 6;  // that a game can use
-  uint32_t local_store_bytes = 256 * 1024;
-  uint32_t line_bytes = 128;  // of the bus, the memory and the PPE's caches
-  uint32_t availability_permille = 920;
-  SpuParameters spu;
+struct CellSystemNumbers {
+  Number<uint32_t> spu_count = {6, "SPEs a game can use", "SPEs", "cellmark"};
+  Number<uint32_t> local_store_bytes = {256 * 1024, "local store", "B", "IBM SDK 3.0 tutorial"};
+  // Of the bus, the memory and the PPE's caches.
+  Number<uint32_t> line_bytes = {128, "line", "B", "IBM SDK 3.0 tutorial"};
+  Number<uint32_t> availability_permille = {
+      920, "availability", "of a rate", "cellmark, derived", Sureness::kPublished, 1e-3};
+};
+
+struct CellSystem : CellSystemNumbers {
+  Number<uint64_t> clock_hz = {3'192'000'000, "clock", "Hz", "cellmark: timebase x 40"};
+  SpuParameters spu = {};
 
   double Availability() const { return availability_permille / 1000.0; }
   double GigaHertz() const { return double(clock_hz) * 1e-9; }

@@ -13,22 +13,31 @@ namespace pelt {
 
 // One PPE thread hands jobs to the SPEs, one after another; each SPE then spends something on its
 // own for every job.
-struct DispatchParameters {
-  std::string_view name;
-  uint32_t ppe_job_ns;      // of the PPE, for every job; nothing else is dispatched meanwhile
-  uint32_t spe_job_ns;      // of the SPE, for every job, beside the work
-  uint32_t jobs_ahead = 2;  // of an SPE: the job it runs and those that wait for it
+struct DispatchNumbers {
+  // Nothing else is dispatched meanwhile.
+  Number<uint32_t> ppe_job_ns = {0, "PPE, for a job", "ns", "the model's, row S1"};
+  // Beside the work.
+  Number<uint32_t> spe_job_ns = {0, "SPE, for a job", "ns", "the model's, row S1"};
+  // The job it runs and those that wait for it.
+  Number<uint32_t> jobs_ahead = {2, "jobs an SPE may have", "jobs", "the model's", Sureness::kLead};
+};
+
+struct DispatchParameters : DispatchNumbers {
+  std::string_view name = {};
 };
 
 // GNU Radio's gcell (2007): jobs through shared queues, completion told through the OS.
-inline constexpr DispatchParameters kGcellDispatch = {"gcell", 22000, 1000};
+inline constexpr DispatchParameters kGcellDispatch = {
+    {.ppe_job_ns = {22000, "PPE, for a job", "ns", "gcell, 2007, derived: row J4"},
+     .spe_job_ns = {1000, "SPE, for a job", "ns", "gcell, 2007, derived: row J4"}},
+    "gcell"};
 // SPEs that draw the next job's number from an atomic line; the PPE only starts them. `draw_ns`:
 // what AtomicBounceCycles (memory/spu_program.hpp) predicts, row S1.
 constexpr DispatchParameters AtomicDispatch(uint32_t draw_ns) {
-  return {"atomic line", 0, draw_ns};
+  DispatchParameters p = {{}, "atomic line"};
+  p.spe_job_ns = draw_ns;
+  return p;
 }
-
-std::vector<PlatformNumber> DescribeDispatch(const DispatchParameters& p);
 
 // Microsoft's figures for the Xenon. What a load-hit-store costs, the fifth of them, is the core's:
 // PpeParameters::load_hit_store_cycles.

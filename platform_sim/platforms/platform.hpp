@@ -17,10 +17,24 @@
 
 namespace pelt {
 
+inline constexpr CacheParameters kPpeCaches = {
+    .l1_bytes = {32 * 1024, "L1 data", "B", "cellmark, GCC"},
+    .l1_ways = {4, "L1 ways", "ways", "taken from the Xenon", Sureness::kSecondHand},
+    .l2_bytes = {512 * 1024, "L2", "B", "cellmark"},
+    .l2_ways = {8, "L2 ways", "ways", "cellmark"},
+    .l2_hit_cycles = {42, "L2 hit", "cycles",
+                      "cellmark: what row P3 leaves for an L1 miss, not a prediction"},
+    .l2_milli_bytes_per_cycle = {16000, "L2 rate", "B/cycle", "taken from the Xenon",
+                                 Sureness::kLead, 1e-3},
+    .outstanding_misses = {8, "misses in flight", "lines", "taken from the Xenon", Sureness::kLead},
+    .l1_fill_cycles = {8, "L1 filled by a line for", "cycles",
+                       "the line at the L2's rate; that loads wait meanwhile is the model's",
+                       Sureness::kLead},
+};
+
 struct CellParameters : CellMemoryParameters {
   PpeParameters ppe;
-  // A line fills L1 at the L2's rate, 16 bytes a cycle.
-  CacheParameters ppe_caches{.l2_bytes = 512 * 1024, .l2_hit_cycles = 42, .l1_fill_cycles = 8};
+  CacheParameters ppe_caches = kPpeCaches;
   DispatchParameters jobs = kGcellDispatch;
 };
 

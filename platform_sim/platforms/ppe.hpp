@@ -75,7 +75,30 @@ struct PpeClassParameters {
   std::string_view source = "GCC";
 };
 
-struct PpeParameters {
+struct PpeNumbers {
+  // Into an address the way is longer: a load or an integer result is ready for it only this late.
+  // The PPE's manual: 4 to 6, by the way the result takes; GCC schedules with 5. Chained loads take
+  // the long way (row P1).
+  Number<uint32_t> load_to_address_cycles = {
+      6, "load to a dependent address", "cycles",
+      "PPE User's Manual as quoted by cellmark: 4 to 6, chained loads at the upper end",
+      Sureness::kSecondHand};
+  Number<uint32_t> integer_to_address_cycles = {5, "integer to a dependent address", "cycles",
+                                                "GCC"};
+  Number<uint32_t> float_compare_to_branch_cycles = {6, "FP compare to branch", "cycles", "GCC"};
+  Number<uint32_t> count_to_register_branch_cycles = {10, "mtctr to bctr", "cycles", "GCC"};
+  Number<uint32_t> load_hit_store_cycles = {40, "load-hit-store, at most", "cycles", "MS"};
+  Number<uint32_t> dispatch_width = {2, "dispatch", "instructions a cycle", "GCC"};
+  Number<uint32_t> mispredict_cycles = {23, "mispredicted branch", "cycles", "widely repeated",
+                                        Sureness::kLead};  // where a loop ends
+  Number<uint32_t> smt_threads = {2, "hardware threads", "threads", "GCC"};
+  Number<uint32_t> general_register_count = {32, "general registers", "registers", "architecture"};
+  Number<uint32_t> float_register_count = {32, "FP registers", "registers", "architecture"};
+  // 128 on the Xenon core.
+  Number<uint32_t> vector_register_count = {32, "vector registers", "registers", "architecture"};
+};
+
+struct PpeParameters : PpeNumbers {
   std::array<PpeClassParameters, kPpeClassCount> classes = {{
       {"integer", uint8_t(PpeUnit::kFixedPoint), 2},
       {"compare", uint8_t(PpeUnit::kFixedPoint), 1},
@@ -109,20 +132,6 @@ struct PpeParameters {
       {"cr logical", uint8_t(PpeUnit::kBranch), 1},
       {"sync", uint8_t(PpeUnit::kLoadStore), 11},
   }};
-
-  // Into an address the way is longer: a load or an integer result is ready for it only this late.
-  // The PPE's manual: 4 to 6, by the way the result takes; GCC schedules with 5. Chained loads take
-  // the long way (row P1).
-  uint32_t load_to_address_cycles = 6;                              // S
-  uint32_t integer_to_address_cycles = 5;                           // GCC, P
-  uint32_t float_compare_to_branch_cycles = 6;                      // GCC, P
-  uint32_t count_to_register_branch_cycles = 10;                    // mtctr to bctr; GCC, P
-  uint32_t load_hit_store_cycles = 40;                              // MS, P: "up to"
-  uint32_t dispatch_width = 2;                                      // GCC, P
-  uint32_t mispredict_cycles = 23;                                  // L: where a loop ends
-  uint32_t smt_threads = 2;                                         // GCC, P
-  uint32_t general_register_count = 32, float_register_count = 32;  // architecture
-  uint32_t vector_register_count = 32;                              // 128 on the Xenon core (S)
 
   const PpeClassParameters& Of(PpeClass c) const { return classes[uint32_t(c)]; }
   PpeClassParameters& Of(PpeClass c) { return classes[uint32_t(c)]; }

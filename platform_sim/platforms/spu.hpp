@@ -50,7 +50,19 @@ struct SpuClassParameters {
   std::string_view source;
 };
 
-struct SpuParameters {
+struct SpuNumbers {
+  Number<uint32_t> fetch_group_bytes = {8, "fetch group", "bytes", "SDK"};
+  Number<uint32_t> instruction_bytes = {4, "instruction", "bytes", "SDK"};
+  Number<uint32_t> mispredict_cycles = {18, "mispredicted branch", "cycles", "SDK"};
+  // A younger hint's branch waits for its target.
+  Number<uint32_t> hint_lead_cycles = {15, "lead of a branch hint", "cycles", "SDK"};
+  // Fewer between hint and branch: no hint at all.
+  Number<uint32_t> hint_reach_instructions = {8, "reach of a branch hint", "instructions", "GCC"};
+  Number<uint32_t> fp6_after_fp7_cycles = {1, "FP6 right after an FP7", "cycles", "SDK"};
+  Number<uint32_t> register_count = {128, "registers", "registers", "SDK"};
+};
+
+struct SpuParameters : SpuNumbers {
   std::array<SpuClassParameters, kSpuClassCount> classes = {{
       {"FX2", "a ai and or xor selb il ila ceq cgt fcgt", SpuPipe::kEven, 2, 0,
        Sureness::kPublished, "SDK, GCC"},
@@ -73,14 +85,6 @@ struct SpuParameters {
       {"SYNC", "sync dsync stop stopd", SpuPipe::kOdd, 0, 0, Sureness::kLead,
        "pipe by the instruction table; what they wait for is not modelled"},
   }};
-
-  uint32_t fetch_group_bytes = 8;        // SDK, P
-  uint32_t instruction_bytes = 4;        // SDK, P
-  uint32_t mispredict_cycles = 18;       // SDK, P
-  uint32_t hint_lead_cycles = 15;        // SDK, P: a younger hint's branch waits for its target
-  uint32_t hint_reach_instructions = 8;  // GCC, P: fewer between hint and branch: no hint at all
-  uint32_t fp6_after_fp7_cycles = 1;     // lost by an FP6 right after an FP7; SDK, P
-  uint32_t register_count = 128;         // SDK, P
 
   const SpuClassParameters& Of(SpuClass c) const { return classes[uint32_t(c)]; }
   SpuClassParameters& Of(SpuClass c) { return classes[uint32_t(c)]; }

@@ -2,15 +2,16 @@
 // shipped, so class L all of them. Numbers only; cell_memory.cpp tells them with the rest.
 #pragma once
 
-#include <cstdint>
+#include "platform_sim/platforms/number.hpp"
 
 namespace pelt {
 
 struct SpuRuntimeParameters {
   // Draws items from the counter, makes and gives DMA lists, runs a pass's kernels.
-  uint32_t code_bytes = 8 * 1024;
+  Number<uint32_t> code_bytes = {8 * 1024, "code of the loop over items", "B", "the model's",
+                                 Sureness::kLead};
   // Kernels have no large arrays of their own and do not call each other.
-  uint32_t stack_bytes = 8 * 1024;
+  Number<uint32_t> stack_bytes = {8 * 1024, "stack", "B", "the model's", Sureness::kLead};
 };
 
 }  // namespace pelt

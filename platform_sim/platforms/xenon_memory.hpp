@@ -17,15 +17,19 @@ namespace pelt {
 inline constexpr uint32_t kMostXenonCores = 3;
 
 struct XenonParameters : CacheMemoryParameters {
-  uint64_t clock_hz = 3'200'000'000;
+  Number<uint64_t> clock_hz = {3'200'000'000, "clock", "Hz", kXenonTalks, Sureness::kSecondHand};
   // Nobody measured an Xbox 360's. The PS3's stands in for it (class L): with 1 here a verdict
   // would favour the Xbox 360 by 8.7 % for want of a measurement.
-  uint32_t availability_permille = CellSystem{}.availability_permille;
+  Number<uint32_t> availability_permille = {CellSystem{}.availability_permille,
+                                            "availability",
+                                            "of a rate",
+                                            "the PS3's: none was measured on an Xbox 360",
+                                            Sureness::kLead,
+                                            1e-3};
 
   // The defaults of the bases are the Xenon's, but for these.
   XenonParameters() {
     name = "Xenon";
-    cores = kMostXenonCores;
     core.vector_register_count = 128;  // VMX128
   }
   double Availability() const { return availability_permille / 1000.0; }

@@ -78,6 +78,24 @@ TEST(ReportTree, TablesWrapTheirLastColumnAndFitTheWidth) {
   for (const std::string& line : lines) EXPECT_LE(line.size(), kReportColumns) << line;
 }
 
+TEST(ReportTree, TheWidestTextsWrapWhereverTheyStand) {
+  ReportTree report;
+  ReportTable& table = report.AddTable("numbers", {{"name"}, {"value"}, {"source"}});
+  std::string words;
+  while (words.size() < 150) words += "word ";
+  table.Add({words + "end", 5, words + "done"});
+  table.Add({"short", 7, "one"});
+  const std::string text = report.Text();
+  size_t lines = 0;
+  for (const std::string& line : LinesOf(text)) {
+    EXPECT_LE(line.size(), kReportColumns) << line;
+    ++lines;
+  }
+  EXPECT_GT(lines, 5u);
+  EXPECT_NE(text.find(" end"), std::string::npos) << text;
+  EXPECT_NE(text.find(" done"), std::string::npos) << text;
+}
+
 TEST(ReportTree, DottedKeysNestAndTextRowsAreNotInJson) {
   const json read = json::parse(WideTable().Json());
   ASSERT_EQ(read["passes"].size(), 1u);

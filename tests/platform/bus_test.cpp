@@ -156,6 +156,22 @@ TEST(Platforms, EveryNumberIsToldOnceWithUnitAndSource) {
   }
 }
 
+TEST(Platforms, ANumberIsToldByItsMember) {
+  CellMemoryNumbers numbers;
+  numbers.tags = 7;
+  numbers.os_call_ns = 1;
+  std::vector<PlatformNumber> told;
+  TellNumbers(numbers, told, "MFC: ");
+  ASSERT_EQ(told.size(), sizeof numbers / sizeof numbers.tags) << "one left out";
+  EXPECT_EQ(told[3].name, "MFC: tags");
+  EXPECT_EQ(told[3].value, 7.0);
+  EXPECT_EQ(told[3].unit, numbers.tags.unit);
+  EXPECT_EQ(told[3].source, numbers.tags.source);
+  EXPECT_EQ(told.back().value, 1.0);
+  // Thousandths are told as the rate they are.
+  EXPECT_EQ(TellNumber(CacheParameters{}.l2_milli_bytes_per_cycle).value, 16.0);
+}
+
 TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
   CellParameters cell;
   cell.line_bytes = 64;
