@@ -3,21 +3,11 @@
 # says, and no key missing.
 #   schemas_test.sh PELT SOURCE_DIR
 set -uo pipefail
-pelt=$(realpath "$1")
-source_dir=$(realpath "$2")
+. "$(dirname "$0")/head.sh" "$@"
 command -v python3 >/dev/null || { echo "SKIPPED: no python3"; exit 77; }
 schemas=$source_dir/bench/report/schemas
 check=$source_dir/tests/command/json_schema.py
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failures=0
 declare -A seen
-fail() {
-  echo "FAILED: $*" >&2
-  failures=$((failures + 1))
-}
-
 python3 "$check" --self-test || fail "the checker itself"
 
 # hold SCHEMA arguments...: what pelt prints is JSON by that schema; the exit code may be a verdict.
@@ -54,7 +44,7 @@ hold trace_show trace show tiny.peltinput
 hold trace_replay trace replay tiny.peltinput
 hold conformance conformance --door inline
 hold budget budget --scene tiny --frames 2
-hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01
+hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01 --what-if resident-palette
 hold budget budget --scene tiny --frames 2 --platform ps3 --local-store-kib 64
 hold budget_validate budget --validate
 hold timing timing add.s --trip loop=8
