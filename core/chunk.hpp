@@ -106,10 +106,12 @@ enum LayerFlag : uint32_t {
   kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
   kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
 };
-// The flags that are fixed when the scene is made: they decide which streams and stages a layer
-// has.
+// The flags that are fixed when the scene is made are its kind: they decide which streams and
+// stages a layer has.
 inline constexpr uint32_t kLayerKindFlags =
     kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerModal;
+// Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
+inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
 // Parameters of a layer for this frame, filled on the caller's thread from the setup, wetness and
 // dirt. All hardness and factor values are in [0, 1]; `keep` factors are already for this frame's

@@ -1,5 +1,5 @@
 // Refuses to compile what would compute other bits. Included by every source that computes a value
-// of a frame or a groom: the kernels (kernels/kernel_table.cpp), the parameters, the baking.
+// of a frame or a groom: the kernels (kernels/frame_table.cpp), the parameters, the baking.
 //
 // The bits are those of IEEE-754 single and double arithmetic, one rounded operation at a time, in
 // the order written. Contraction of a * b + c leaves no trace for the preprocessor: configuring

@@ -1,40 +1,36 @@
 // How a kernel declares what it touches. Everything else (barriers, fusion, DMA, residency) is
 // derived.
 //
-//   template <class V> struct FitCubic {
+//   template <class V>
+//   struct FitCubic {
 //     static constexpr std::string_view kName = "fit_cubic";
-//     struct Params { ... };                        // trivially copyable; filled once a frame by
-//     the caller struct Ports { In<RootBlock> roots; Out<CurveBlock> curves; }; static constexpr
-//     auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
-//                                             Port<&Ports::curves>(Stream::kCurves, "curves"));
-//     static void Run(const Params&, const Ports&); // one item: no loop over items, no thread, no
-//     allocation
-//   };
+//     using Params = FitCubicParams;  // trivially copyable, filled once a frame by the caller; may
+//                                     // be left out
+//     struct Ports {
+//       In<&Streams::roots> roots;  // the stream is the type
+//       Out<&Streams::curves> curves;
+//     };
+//     static void Run(const Params&, const Ports&);  // one item: no loop over items, no thread, no
+//   };                                               // allocation
 //
-// Invariant: a kernel reads and writes only through its ports. A port left out of kPorts does not
-// compile; writing through In, Shared, All or Gather does not compile; touching undeclared memory
-// is caught by the local-store executor, which copies the declared blocks into a poisoned buffer
-// and runs the kernel there.
+// Invariant: a kernel reads and writes only through its ports, which are read off the struct: there
+// is no second list of them. Writing through In, Shared, All or Gather does not compile; touching
+// undeclared memory is caught by the local-store executor, which copies the declared blocks into a
+// poisoned buffer and runs the kernel there.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "core/simd.hpp"
+#include "core/stream_table.hpp"
 
 namespace pelt {
-
-enum class Stream : uint8_t;  // core/streams.hpp
-
-// What an item of a stage, or a block of a stream, stands for. Each is a refinement of the one
-// before: a scene has characters, a character layers, a layer chunks.
-enum class Domain : uint8_t { kScene, kCharacter, kLayer, kChunk };
 
 enum class Access : uint8_t {
   kIn,        // own block, read
@@ -66,96 +62,97 @@ struct Binding {
   uint32_t count;
 };
 
-template <class T>
-struct In {
-  using Block = T;
-  static constexpr Access kAccess = Access::kIn;
-  const T* block;
-  PELT_INLINE explicit In(const Binding& b) : block(static_cast<const T*>(b.block)) {}
-  PELT_INLINE const T* operator->() const { return block; }
-  PELT_INLINE const T& operator*() const { return *block; }
+namespace kernel_detail {
+
+// What every port has: its stream, taken from the row, and how it is reached.
+template <auto kRow, Access kHow>
+struct PortOf {
+  using Block = BlockOf<kRow>;
+  static_assert(std::is_trivially_copyable_v<Block>);
+  static constexpr Stream kStream = StreamOf<kRow>;
+  static constexpr Stream kRecordList = Stream::kNone;
+  static constexpr Access kAccess = kHow;
 };
-template <class T>
-struct Shared {
-  using Block = T;
-  static constexpr Access kAccess = Access::kShared;
-  const T* block;
-  PELT_INLINE explicit Shared(const Binding& b) : block(static_cast<const T*>(b.block)) {}
-  PELT_INLINE const T* operator->() const { return block; }
-  PELT_INLINE const T& operator*() const { return *block; }
-};
-template <class T>
-struct Out {
-  using Block = T;
-  static constexpr Access kAccess = Access::kOut;
-  T* block;
-  PELT_INLINE explicit Out(const Binding& b) : block(static_cast<T*>(b.block)) {}
+
+template <auto kRow, Access kHow, class T>
+struct OneBlock : PortOf<kRow, kHow> {
+  static_assert(sizeof(T) % 16 == 0, "a block must be a legal DMA transfer");
+  static constexpr uint32_t kBytes = sizeof(T);
+  T* block = nullptr;
+  PELT_INLINE void Bind(const Binding& b) { block = static_cast<T*>(b.block); }
   PELT_INLINE T* operator->() const { return block; }
   PELT_INLINE T& operator*() const { return *block; }
 };
-template <class T>
-struct InOut {
-  using Block = T;
-  static constexpr Access kAccess = Access::kInOut;
-  T* block;
-  PELT_INLINE explicit InOut(const Binding& b) : block(static_cast<T*>(b.block)) {}
-  PELT_INLINE T* operator->() const { return block; }
-  PELT_INLINE T& operator*() const { return *block; }
-};
-template <class T>
-struct All {
-  using Block = T;
-  static constexpr Access kAccess = Access::kAll;
-  const T* blocks;
-  uint32_t count;
-  PELT_INLINE explicit All(const Binding& b)
-      : blocks(static_cast<const T*>(b.block)), count(b.count) {}
-  PELT_INLINE const T& operator[](uint32_t i) const { return blocks[i]; }
-};
-template <class T>
-struct AllOut {
-  using Block = T;
-  static constexpr Access kAccess = Access::kAllOut;
-  T* blocks;
-  uint32_t count;
-  PELT_INLINE explicit AllOut(const Binding& b)
-      : blocks(static_cast<T*>(b.block)), count(b.count) {}
+
+template <auto kRow, Access kHow, class T>
+struct AllBlocks : PortOf<kRow, kHow> {
+  static_assert(sizeof(T) % 16 == 0, "a block must be a legal DMA transfer");
+  static constexpr uint32_t kBytes = sizeof(T);
+  T* blocks = nullptr;
+  uint32_t count = 0;
+  PELT_INLINE void Bind(const Binding& b) {
+    blocks = static_cast<T*>(b.block);
+    count = b.count;
+  }
   PELT_INLINE T& operator[](uint32_t i) const { return blocks[i]; }
 };
-template <class T>
-struct AllInOut {
-  using Block = T;
-  static constexpr Access kAccess = Access::kAllInOut;
-  T* blocks;
-  uint32_t count;
-  PELT_INLINE explicit AllInOut(const Binding& b)
-      : blocks(static_cast<T*>(b.block)), count(b.count) {}
-  PELT_INLINE T& operator[](uint32_t i) const { return blocks[i]; }
-};
-// Record `i` of this item's record list. In main memory the list is followed; in a local store the
-// executor has fetched the listed records already and they lie in list order (index is null).
-template <class T>
-struct Gather {
-  using Block = T;
-  static constexpr Access kAccess = Access::kGather;
-  const T* records;
-  const uint32_t* index;
-  PELT_INLINE explicit Gather(const Binding& b)
-      : records(static_cast<const T*>(b.block)), index(b.index) {}
-  PELT_INLINE const T& operator[](uint32_t i) const { return records[index ? index[i] : i]; }
+
+// A block that is one array of records is gathered and scattered by these.
+template <class Block>
+constexpr auto FirstRecord(Block& block) {
+  auto& [records] = block;
+  return records[0];
+}
+template <class Block>
+using RecordOf = decltype(FirstRecord(std::declval<Block&>()));
+
+}  // namespace kernel_detail
+
+template <auto kRow>
+struct In : kernel_detail::OneBlock<kRow, Access::kIn, const BlockOf<kRow>> {};
+template <auto kRow>
+struct Shared : kernel_detail::OneBlock<kRow, Access::kShared, const BlockOf<kRow>> {};
+template <auto kRow>
+struct Out : kernel_detail::OneBlock<kRow, Access::kOut, BlockOf<kRow>> {};
+template <auto kRow>
+struct InOut : kernel_detail::OneBlock<kRow, Access::kInOut, BlockOf<kRow>> {};
+template <auto kRow>
+struct All : kernel_detail::AllBlocks<kRow, Access::kAll, const BlockOf<kRow>> {};
+template <auto kRow>
+struct AllOut : kernel_detail::AllBlocks<kRow, Access::kAllOut, BlockOf<kRow>> {};
+template <auto kRow>
+struct AllInOut : kernel_detail::AllBlocks<kRow, Access::kAllInOut, BlockOf<kRow>> {};
+
+// Record `i` of this item's record list, an uint32_t array at the head of the item's own block of
+// the stream kList. In main memory the list is followed; in a local store the executor has fetched
+// the listed records already and they lie in list order (index is null).
+template <auto kRow, auto kList>
+struct Gather : kernel_detail::PortOf<kRow, Access::kGather> {
+  using Record = kernel_detail::RecordOf<BlockOf<kRow>>;
+  static constexpr Stream kRecordList = StreamOf<kList>;
+  static constexpr uint32_t kBytes = sizeof(Record);
+  const Record* records = nullptr;
+  const uint32_t* index = nullptr;
+  PELT_INLINE void Bind(const Binding& b) {
+    records = static_cast<const Record*>(b.block);
+    index = b.index;
+  }
+  PELT_INLINE const Record& operator[](uint32_t i) const { return records[index ? index[i] : i]; }
 };
 // Put(i, to, value): the i-th record this item writes, to layer-wide place `to`. In main memory it
 // is stored at once; in a local store value and place are kept in list order and put by the
 // executor.
-template <class T>
-struct Scatter {
-  using Block = T;
-  static constexpr Access kAccess = Access::kScatter;
-  T* records;
-  uint32_t* index;
-  PELT_INLINE explicit Scatter(const Binding& b)
-      : records(static_cast<T*>(b.block)), index(b.index) {}
-  PELT_INLINE void Put(uint32_t i, uint32_t to, const T& value) const {
+template <auto kRow>
+struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
+  using Record = kernel_detail::RecordOf<BlockOf<kRow>>;
+  static constexpr uint32_t kBytes = sizeof(Record);
+  Record* records = nullptr;
+  uint32_t* index = nullptr;
+  PELT_INLINE void Bind(const Binding& b) {
+    records = static_cast<Record*>(b.block);
+    index = b.index;
+  }
+  PELT_INLINE void Put(uint32_t i, uint32_t to, const Record& value) const {
     if (index) {
       index[i] = to;
       records[i] = value;
@@ -166,10 +163,8 @@ struct Scatter {
 };
 
 // The kernel's view of one port, for the plan. `record_list` names the stream that holds the
-// indices of a Gather port (an uint32_t array at the head of the item's own block); unused
-// otherwise.
+// indices of a Gather port.
 struct PortDesc {
-  std::string_view name;
   Stream stream;
   Access access;
   uint32_t block_bytes;  // Gather, Scatter: bytes of one record
@@ -186,70 +181,39 @@ struct KernelDesc {
   void (*run)(const void* params, const Binding* bindings);
 };
 
-namespace kernel_detail {
-template <class M>
-struct MemberOf;
-template <class C, class T>
-struct MemberOf<T C::*> {
-  using Class = C;
-  using Type = T;
-};
-template <auto kMember>
-struct PortEntry {
-  using Type = typename MemberOf<decltype(kMember)>::Type;
-  PortDesc desc;
-};
-}  // namespace kernel_detail
-
-template <auto kMember>
-constexpr auto Port(Stream stream, std::string_view name, Stream record_list = Stream{}) {
-  using Entry = kernel_detail::PortEntry<kMember>;
-  using Type = typename Entry::Type;
-  using Block = typename Type::Block;
-  static_assert(std::is_trivially_copyable_v<Block>);
-  static_assert(Type::kAccess == Access::kGather || Type::kAccess == Access::kScatter ||
-                    sizeof(Block) % 16 == 0,
-                "a block must be a legal DMA transfer");
-  return Entry{{name, stream, Type::kAccess, uint32_t(sizeof(Block)), record_list}};
-}
-
-template <class... Entry>
-constexpr auto PortList(Entry... entry) {
-  return std::tuple<Entry...>{entry...};
-}
-
-// Erases a kernel's types. The members of Ports must be listed in kPorts, all of them and in order.
+// Erases a kernel's types.
 template <class K>
 struct KernelTraits {
   using Ports = typename K::Ports;
-  using Params = typename K::Params;
-  using List = std::remove_cvref_t<decltype(K::kPorts)>;
-  static constexpr size_t kCount = std::tuple_size_v<List>;
-  static_assert(std::is_trivially_copyable_v<Params>);
-  static_assert(kCount <= kMaxPorts);
+  static_assert(kMemberCount<Ports> <= kMaxPorts);
 
-  template <size_t... I>
-  static constexpr auto MakeDescs(std::index_sequence<I...>) {
-    return std::array<PortDesc, kCount>{std::get<I>(K::kPorts).desc...};
-  }
-  static constexpr auto kDescs = MakeDescs(std::make_index_sequence<kCount>{});
-
-  template <size_t... I>
-  static PELT_INLINE Ports Bind(const Binding* b, std::index_sequence<I...>) {
-    return Ports{typename std::tuple_element_t<I, List>::Type(b[I])...};
+  static constexpr auto kDescs = WithMembers(Ports{}, [](const auto&... port) {
+    return std::array{PortDesc{port.kStream, port.kAccess, port.kBytes, port.kRecordList}...};
+  });
+  static PELT_INLINE Ports Bind(const Binding* bindings) {
+    Ports ports;
+    WithMembers(ports, [&](auto&... port) { (port.Bind(*bindings++), ...); });
+    return ports;
   }
   static void Run(const void* params, const Binding* bindings) {
-    K::Run(*static_cast<const Params*>(params), Bind(bindings, std::make_index_sequence<kCount>{}));
+    if constexpr (requires { typename K::Params; })
+      K::Run(*static_cast<const typename K::Params*>(params), Bind(bindings));
+    else
+      K::Run(Bind(bindings));
   }
-  // Aggregate initialisation from exactly the listed ports fails to compile if one is missing or
-  // misplaced.
-  static_assert(sizeof(Bind(nullptr, std::make_index_sequence<kCount>{})) == sizeof(Ports));
+  static constexpr uint32_t ParamsBytes() {
+    if constexpr (requires { typename K::Params; }) {
+      static_assert(std::is_trivially_copyable_v<typename K::Params>);
+      return sizeof(typename K::Params);
+    } else {
+      return 0;
+    }
+  }
 };
 
 template <class K>
 constexpr KernelDesc MakeKernelDesc() {
-  return {K::kName, KernelTraits<K>::kDescs, uint32_t(sizeof(typename K::Params)),
-          &KernelTraits<K>::Run};
+  return {K::kName, KernelTraits<K>::kDescs, KernelTraits<K>::ParamsBytes(), &KernelTraits<K>::Run};
 }
 
 }  // namespace pelt

@@ -1,106 +1,121 @@
-// The streams of a frame: every named array of blocks, what its items stand for and which rows it
-// has. Adding a stream is one line in the enum and one in streams.cpp; digests, memory, mismatch
-// reports and the local-store executor all read this table.
+// The streams of a frame of fur: one row says everything about each. Digests, memory, mismatch
+// reports, ports and the local-store executor all read this table; its order is that of memory and
+// digests.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <string_view>
-
-#include "core/kernel.hpp"
+#include "core/chunk.hpp"
+#include "core/modal/modal_block.hpp"
+#include "core/stream_table.hpp"
 
 namespace pelt {
 
-enum class Stream : uint8_t {
-  kNone,
-  // Baked or filled by the caller before the frame.
-  kPose,
-  kSkeleton,
-  kLayers,
-  kLayerJoints,
-  kMesh,
-  kStrands,
-  kVertexRest,   // RestBlock<4>: chains at mesh vertices
-  kStrandRest4,  // RestBlock<4>: strands of vertex-chain layers, and 4-point chains
-  kStrandRest5,
+namespace streams_detail {
+
+using enum Domain;
+using enum Role;
+using enum Lanes;
+using enum Kept;
+
+inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal, kRibbon = kLayerRibbons;
+inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive}, kOf5{kFive, 0};
+inline constexpr KindMask kInstanced{0, kRibbon}, kRibboned{kRibbon, 0};
+
+struct Streams {
+  // Baked, or filled by the caller before the frame.
+  StreamRow<PoseBlock> pose{"pose", kCharacter, kInput};
+  StreamRow<SkeletonBlock> skeleton{"skeleton", kCharacter, kInput};
+  StreamRow<LayerBlock> layers{"layers", kLayer, kInput};
+  StreamRow<LayerJointBlock> layer_joints{"layer_joints", kLayer, kInput};
+  StreamRow<MeshBlock> mesh{"mesh", kChunk, kInput};
+  StreamRow<StrandBlock> strands{"strands", kChunk, kInput};
+  // Of chains at mesh vertices; of strands that follow them, and chains of 4 and 5 points.
+  StreamRow<RestBlock<4>> vertex_rest{"vertex_rest", kChunk, kInput, kAll, kOnVertices};
+  StreamRow<RestBlock<4>> strand_rest4{"strand_rest4", kChunk, kInput, kAll, kOf4};
+  StreamRow<RestBlock<5>> strand_rest5{"strand_rest5", kChunk, kInput, kAll, kOf5};
+
   // Written in the frame.
-  kLocalPose,
-  kPalette,
-  kBounds,
-  kLod,
-  kChunkState,
-  kSkinned,
-  kAnchors,  // RootBlock: lanes are mesh vertices
-  kRoots,    // RootBlock: lanes are strands
-  kWind,     // lanes are chains
-  kVertexPoints,
-  kVertexPrevious,
-  kStrandPoints4,
-  kStrandPrevious4,
-  kStrandPoints5,
-  kStrandPrevious5,
-  kCurves,
-  kRibbons,
-  kSortKeys,
-  kSortPairsA,
-  kSortPairsB,
-  kDigits,
-  kOrder,
-  kLayerSort,
-  kDrawList,
-  kInstances,
-  kRibbonVertices,
-  // Layers with the modal solver.
-  kModalTables,
-  kVertexModal,  // ModalStateBlock<4>: lanes are mesh vertices
-  kStrandModal4,
-  kStrandModal5,
-  kCount,
-};
-inline constexpr uint32_t kStreamCount = uint32_t(Stream::kCount);
+  StreamRow<LocalPoseBlock> local_pose{"local_pose", kCharacter, kValue};
+  StreamRow<PaletteBlock> palette{"palette", kCharacter, kValue};
+  StreamRow<BoundsBlock> bounds{"bounds", kLayer, kValue};
+  StreamRow<LodBlock> lod{"lod", kLayer, kValue, kAll, {}, kOutput};
+  StreamRow<ChunkStateBlock> chunk_state{"chunk_state", kChunk, kBookkeeping, kAll, {}, kOutput};
+  StreamRow<SkinnedBlock> skinned{"skinned", kChunk, kValue, kLiveVertices};
+  StreamRow<RootBlock> anchors{"anchors", kChunk, kValue, kLiveVertices,
+                               kOnVertices};                          // of mesh vertices
+  StreamRow<RootBlock> roots{"roots", kChunk, kValue, kLiveStrands};  // of strands
+  StreamRow<WindBlock> wind{"wind", kChunk, kScratch, kLiveChains};
+  // Points without a last frame (strands that follow vertex chains) are made anew: no state.
+  StreamRow<PointBlock<4>> vertex_points{"vertex_points", kChunk, kValue, kLiveVertices,
+                                         kOnVertices};
+  StreamRow<PointBlock<4>> vertex_previous{
+      "vertex_previous", kChunk, kValue, kLiveVertices, {kLayerVertexChains, kModal}, kState};
+  StreamRow<PointBlock<4>> strand_points4{"strand_points4", kChunk, kValue, kLiveStrands, kOf4};
+  StreamRow<PointBlock<4>> strand_previous4{"strand_previous4",
+                                            kChunk,
+                                            kValue,
+                                            kLiveStrands,
+                                            {0, kFive | kLayerVertexChains | kModal},
+                                            kState};
+  StreamRow<PointBlock<5>> strand_points5{"strand_points5", kChunk, kValue, kLiveStrands, kOf5};
+  StreamRow<PointBlock<5>> strand_previous5{"strand_previous5", kChunk,          kValue,
+                                            kLiveStrands,       {kFive, kModal}, kState};
+  StreamRow<CurveBlock> curves{"curves", kChunk, kValue, kLiveStrands, kInstanced, kOutput};
+  StreamRow<RibbonBlock> ribbons{"ribbons", kChunk, kValue, kLiveStrands, kRibboned};
+  StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue};
+  StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch};
+  StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch};
+  StreamRow<DigitBlock> digits{"digits", kChunk, kScratch};
+  StreamRow<OrderBlock> order{"order", kChunk, kValue, kDrawn, {}, kOutput};
+  StreamRow<LayerSortBlock> layer_sort{"layer_sort", kLayer, kBookkeeping, kAll, {}, kOutput};
+  StreamRow<DrawListBlock> draw_list{"draw_list", kScene, kValue, kAll, {}, kOutput};
+  StreamRow<InstanceBlock> instances{"instances", kChunk, kValue, kDrawn, kInstanced, kOutput};
+  StreamRow<RibbonVertexBlock> ribbon_vertices{"ribbon_vertices", kChunk, kValue, kDrawn,
+                                               kRibboned,         kOutput};
 
-enum class ElementType : uint8_t { kFloat, kU32, kU16, kU8 };
-
-// One named array of a block. Rows are [component][lane]; records (lane_major) are
-// [lane][component].
-struct RowDesc {
-  std::string_view name;
-  uint32_t offset_bytes;
-  uint32_t element_count;
-  uint32_t lane_count;
-  ElementType type;
-  bool lane_major;
-};
-
-// What a stream is to the frame, and so to a digest.
-enum class Role : uint8_t {
-  kInput,    // constant, or filled by the caller before the frame
-  kValue,    // what the frame computes: the same bits whatever runs it and whatever is skipped
-  kBooking,  // what ran and why: the same on every executor, but not with other skip switches
-  kScratch,  // meaningless after the pass that wrote it
+  // Layers with the modal solver: response tables, and the state of their chains.
+  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer, kInput, kAll, {kModal, 0}};
+  StreamRow<ModalStateBlock<4>> vertex_modal{
+      "vertex_modal", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
+  StreamRow<ModalStateBlock<4>> strand_modal4{
+      "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kLayerVertexChains}, kState};
+  StreamRow<ModalStateBlock<5>> strand_modal5{"strand_modal5",     kChunk, kValue, kLiveStrands,
+                                              {kModal | kFive, 0}, kState};
 };
 
-// Which lanes of a block hold values after a frame. Lanes beyond are whatever was there before.
-enum class Lanes : uint8_t {
-  kAll,           // the whole block
-  kLiveStrands,   // lanes below live_strands
-  kLiveVertices,  // lanes below live_vertices
-  kLiveChains,    // vertices in vertex-chain layers, strands otherwise
-  kDrawn,         // places of the layer's order below visible_count
+}  // namespace streams_detail
+
+using streams_detail::Streams;
+
+// The streams of a chunk's chains, by their points and by where they stand: at mesh vertices, or at
+// each strand.
+template <uint32_t kPoints, bool kVertexChains>
+struct ChainStreams;
+template <>
+struct ChainStreams<4, true> {
+  static constexpr auto kRest = &Streams::vertex_rest;
+  static constexpr auto kRoots = &Streams::anchors;
+  static constexpr auto kPosition = &Streams::vertex_points;
+  static constexpr auto kPrevious = &Streams::vertex_previous;
+  static constexpr auto kModal = &Streams::vertex_modal;
+};
+template <>
+struct ChainStreams<4, false> {
+  static constexpr auto kRest = &Streams::strand_rest4;
+  static constexpr auto kRoots = &Streams::roots;
+  static constexpr auto kPosition = &Streams::strand_points4;
+  static constexpr auto kPrevious = &Streams::strand_previous4;
+  static constexpr auto kModal = &Streams::strand_modal4;
+};
+template <>
+struct ChainStreams<5, false> {
+  static constexpr auto kRest = &Streams::strand_rest5;
+  static constexpr auto kRoots = &Streams::roots;
+  static constexpr auto kPosition = &Streams::strand_points5;
+  static constexpr auto kPrevious = &Streams::strand_previous5;
+  static constexpr auto kModal = &Streams::strand_modal5;
 };
 
-struct StreamDesc {
-  std::string_view name;
-  Domain domain;
-  uint32_t block_bytes;
-  Role role;
-  Lanes lanes;
-  // Chunk streams exist for layers that have all of `required` and none of `forbidden` (LayerFlag
-  // bits that never change: kLayerKindFlags). This also says which stages run on which layers.
-  uint32_t required;
-  uint32_t forbidden;
-  std::span<const RowDesc> rows;
-};
+inline constexpr uint32_t kStreamCount = kMemberCount<Streams>;
 
 const StreamDesc& DescribeStream(Stream stream);
 

@@ -22,7 +22,7 @@ bool IsFrameGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t ite
 
 bool IsLayerGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item, uint32_t layer) {
   if (stage.gate.layer == LayerGate::kAlways) return true;
-  const auto& sort = *memory.As<LayerSortBlock>(Stream::kLayerSort, layer);
+  const auto& sort = *memory.Of<&Streams::layer_sort>(layer);
   if (stage.gate.layer == LayerGate::kKeysChanged) return sort.keys_changed != 0;
   const uint32_t place = (item - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
   return place < sort.visible_count && (sort.keys_changed | sort.records_changed) != 0;
@@ -37,11 +37,11 @@ bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
   const uint32_t layer = LayerOf(shape, stage.domain, item);
   if (!stage.kinds.Admits(shape.layer_kind[layer])) return false;
   if (stage.gate.chunk_flags != 0) {
-    const uint32_t flags = memory.As<ChunkStateBlock>(Stream::kChunkState, item)->flags;
+    const uint32_t flags = memory.Of<&Streams::chunk_state>(item)->flags;
     if ((flags & stage.gate.chunk_flags) != stage.gate.chunk_flags) return false;
   }
   if (stage.gate.layer_flags != 0) {
-    const uint32_t flags = memory.As<LayerBlock>(Stream::kLayers, layer)->flags;
+    const uint32_t flags = memory.Of<&Streams::layers>(layer)->flags;
     if ((flags & stage.gate.layer_flags) != stage.gate.layer_flags) return false;
   }
   return IsLayerGateOpen(stage, memory, item, layer);

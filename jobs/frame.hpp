@@ -31,6 +31,11 @@ struct FrameMemory {
     if (at == kNoBlock) return nullptr;
     return base[size_t(stream)] + size_t(at) * DescribeStream(stream).block_bytes;
   }
+  // The same, of a stream that is known here: its block.
+  template <auto kRow>
+  BlockOf<kRow>* Of(uint32_t item) const {
+    return As<BlockOf<kRow>>(StreamOf<kRow>, item);
+  }
   template <class T>
   T* As(Stream stream, uint32_t item) const {
     return reinterpret_cast<T*>(Block(stream, item));

@@ -36,23 +36,19 @@ bool Conflict(const Stage& a, const Stage& b) {
 // Null, or why a port cannot be bound: it would reach another item's block, or none at all.
 const char* FindPortFault(const PortDesc& p, Domain domain) {
   const StreamDesc& stream = DescribeStream(p.stream);
-  if (p.stream == Stream::kNone) return "it names no stream";
   if (Crosses(p.access)) {
     if (domain != Domain::kChunk || stream.domain != Domain::kChunk)
       return "records are gathered and scattered by chunks, among their layer's chunks";
-    if (p.block_bytes * kStrandsPerChunk != stream.block_bytes)
-      return "its record is not the stream's";
     const bool has_list =
         p.record_list != Stream::kNone && DescribeStream(p.record_list).domain == Domain::kChunk;
     return p.access == Access::kGather && !has_list ? "it has no record list" : nullptr;
   }
-  if (p.block_bytes != stream.block_bytes) return "its block is not the stream's";
   if (p.access == Access::kShared)
     return stream.domain < domain ? nullptr : "a shared block is one of a coarser domain";
   if (!IsAll(p.access)) return stream.domain == domain ? nullptr : "own blocks are of one domain";
   if (stream.domain <= domain || domain == Domain::kCharacter)
     return "All is for the scene, and for the chunks of a layer";
-  if (domain == Domain::kScene && (stream.required | stream.forbidden) != 0)
+  if (domain == Domain::kScene && (stream.kinds.required | stream.kinds.forbidden) != 0)
     return "not every layer has the stream";
   return nullptr;
 }
@@ -74,14 +70,13 @@ std::string FindStageFault(const Stage& stage) {
     return Format("stage {}: {}", stage.kernel.name, fault);
   for (size_t i = 0; i < ports.size(); ++i) {
     if (const char* fault = FindPortFault(ports[i], stage.domain))
-      return Format("stage {}: port '{}' (stream {}): {}", stage.kernel.name, ports[i].name,
+      return Format("stage {}: port '{}': {}", stage.kernel.name,
                     DescribeStream(ports[i].stream).name, fault);
     for (size_t j = 0; j < i; ++j)
       if (ports[i].stream == ports[j].stream &&
           (IsWritten(ports[i].access) || IsWritten(ports[j].access)))
-        return Format(
-            "stage {}: ports '{}' and '{}' are one stream ({}) and one of them is written",
-            stage.kernel.name, ports[j].name, ports[i].name, DescribeStream(ports[i].stream).name);
+        return Format("stage {}: two ports are of stream {}, and one of them is written",
+                      stage.kernel.name, DescribeStream(ports[i].stream).name);
   }
   return {};
 }
@@ -124,12 +119,6 @@ std::vector<StreamUse> FindUses(const std::vector<Stage>& stages) {
   return uses;
 }
 
-bool IsOutput(Stream s) {
-  return s == Stream::kInstances || s == Stream::kRibbonVertices || s == Stream::kDrawList ||
-         s == Stream::kOrder || s == Stream::kCurves || s == Stream::kChunkState ||
-         s == Stream::kLod || s == Stream::kLayerSort;
-}
-
 // A stage that may be skipped while its readers run leaves last frame's block to them: it must be
 // kept.
 bool IsAlways(const Gate& gate) {
@@ -163,7 +152,7 @@ std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_
         const StreamUse& use = uses[size_t(p.stream)];
         const bool inside = use.first_stage >= first && use.last_stage < first + count;
         const bool transient =
-            inside && !IsRead(p.access) && !IsOutput(p.stream) &&
+            inside && !IsRead(p.access) && DescribeStream(p.stream).kept != Kept::kOutput &&
             (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch) &&
             ShareFrameGate(stages, first, count, p.stream, stage.gate.frame);
         out.push_back({p.stream, p.access, bytes, IsRead(p.access), false, transient});
@@ -220,8 +209,8 @@ Pass MeasurePass(const std::vector<Stage>& stages, uint32_t first, uint32_t coun
 // A stage runs on the layers that have all its streams.
 void AddStreamKinds(Stage& stage) {
   for (const PortDesc& p : stage.kernel.ports) {
-    stage.kinds.required |= DescribeStream(p.stream).required;
-    stage.kinds.forbidden |= DescribeStream(p.stream).forbidden;
+    stage.kinds.required |= DescribeStream(p.stream).kinds.required;
+    stage.kinds.forbidden |= DescribeStream(p.stream).kinds.forbidden;
   }
 }
 

@@ -1,6 +1,6 @@
 // What runs in a frame, in which order, and what follows from the kernels' ports.
 //
-// A frame is a table of stages (jobs/frame_table.cpp). CompilePlan derives passes from it:
+// A frame is a table of stages (core/kernels/frame_table.cpp). CompilePlan derives passes from it:
 // neighbouring stages of one domain run back to back on an item while it is in cache, or in local
 // store. Between passes every item of the one must be done before any item of the next starts: that
 // is the only synchronisation of a frame.
@@ -16,14 +16,10 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "core/kernel.hpp"
+#include "core/stage.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
-
-// A layer's kind: its kLayerKindFlags, plus this bit for layers whose sort does not fit the local
-// store.
-inline constexpr uint32_t kKindSortInPieces = 1u << 31;
 
 const char* DomainName(Domain domain);  // "chunk"
 
@@ -43,42 +39,6 @@ struct SceneShape {
     return layer_first_chunk[layer + 1] - layer_first_chunk[layer];
   }
   friend bool operator==(const SceneShape&, const SceneShape&) = default;
-};
-
-// When a stage runs on an item that has its streams; evaluated just before it would run.
-enum class LayerGate : uint8_t {
-  kAlways,
-  kKeysChanged,  // LayerSortBlock::keys_changed
-  kRedraw,       // the piece holds drawn strands, and keys or records of the layer changed
-};
-// What a frame as a whole may leave out.
-enum class FrameGate : uint8_t {
-  kNotPaused,   // in every frame but a paused one (FrameMemory::paused)
-  kAlsoPaused,  // there too
-  kNewPose,     // a character's stage: not for one that holds its last pose, nor in a pause
-};
-struct Gate {
-  uint32_t chunk_flags = 0;  // all of these ChunkFlag bits
-  uint32_t layer_flags =
-      0;  // all of these LayerFlag bits, of those that may change from frame to frame
-  LayerGate layer = LayerGate::kAlways;
-  FrameGate frame = FrameGate::kNotPaused;
-};
-
-// Layer kinds that have all bits of `required` and none of `forbidden`.
-struct KindMask {
-  uint32_t required = 0, forbidden = 0;
-  bool Admits(uint32_t kind) const {
-    return (kind & required) == required && (kind & forbidden) == 0;
-  }
-};
-
-struct Stage {
-  KernelDesc kernel;
-  const void* params;
-  Domain domain;
-  Gate gate = {};
-  KindMask kinds = {};  // in the table: besides what its streams demand; in a plan: all of it
 };
 
 // One stream as a pass uses it.

@@ -94,9 +94,9 @@ std::string DescribeRefusedPose(const RefusedPose& refused) {
                 refused.what);
 }
 
-PoseGate::PoseGate(std::span<const Groom* const> grooms, const KernelTable& kernels)
-    : sample_pose_(kernels[Kernel::kSamplePose]),
-      joint_palette_(kernels[Kernel::kJointPalette]),
+PoseGate::PoseGate(std::span<const Groom* const> grooms, const FrameTable& kernels)
+    : sample_pose_(*kernels.Find("sample_pose")),
+      joint_palette_(*kernels.Find("joint_palette")),
       holds_pose_(grooms.size(), 0),
       scratch_(std::make_unique<Scratch>()) {
   for (const Groom* groom : grooms) {
@@ -115,23 +115,23 @@ PoseGate::PoseGate(std::span<const Groom* const> grooms, const KernelTable& kern
 
 // The first joint whose matrix takes the mesh too far, by the kernels' own bits.
 uint32_t PoseGate::FindFarJoint(const FrameMemory& memory, uint32_t character) const {
-  PoseBlock* pose = memory.As<PoseBlock>(Stream::kPose, character);
-  auto* skeleton = memory.As<SkeletonBlock>(Stream::kSkeleton, character);
+  PoseBlock* pose = memory.Of<&Streams::pose>(character);
+  auto* skeleton = memory.Of<&Streams::skeleton>(character);
   LocalPoseBlock& local = scratch_->local;
   PaletteBlock& palette = scratch_->palette;
   // Neither kernel has parameters.
   const Binding sample_ports[] = {{pose, nullptr, 1}, {&local, nullptr, 1}};
-  sample_pose_.run(scratch_.get(), sample_ports);
+  sample_pose_.run(nullptr, sample_ports);
   const Binding palette_ports[] = {
       {pose, nullptr, 1}, {skeleton, nullptr, 1}, {&local, nullptr, 1}, {&palette, nullptr, 1}};
-  joint_palette_.run(scratch_.get(), palette_ports);
+  joint_palette_.run(nullptr, palette_ports);
   for (uint32_t j = 0; j < pose->joint_count; ++j)
     if (!IsNear(ReachOf(palette.matrix[j]), characters_[character].reach_m)) return j;
   return kNoJoint;
 }
 
 RefusedPose PoseGate::FindFault(const FrameMemory& memory, uint32_t character) const {
-  const PoseBlock& pose = *memory.As<PoseBlock>(Stream::kPose, character);
+  const PoseBlock& pose = *memory.Of<&Streams::pose>(character);
   const CharacterLimits& limits = characters_[character];
   // The kernels walk the groom's skeleton by the pose's count.
   if (pose.joint_count != limits.joint_count)
@@ -139,7 +139,7 @@ RefusedPose PoseGate::FindFault(const FrameMemory& memory, uint32_t character) c
   const RefusedPose bad = FindBadValue(pose, character);
   if (bad.what) return bad;
 
-  const SkeletonBlock& skeleton = *memory.As<SkeletonBlock>(Stream::kSkeleton, character);
+  const SkeletonBlock& skeleton = *memory.Of<&Streams::skeleton>(character);
   Reach world[kJointsPerCharacter];
   const Reach root = ReachOf(pose.root);
   bool all_near = true;
@@ -171,10 +171,10 @@ void PoseGate::Judge(const FrameMemory& memory) {
 // What joint_palette leaves when it is given the last pose again.
 void PoseGate::Hold(const FrameMemory& memory, uint32_t character) {
   CharacterLimits& limits = characters_[character];
-  auto& palette = *memory.As<PaletteBlock>(Stream::kPalette, character);
+  auto& palette = *memory.Of<&Streams::palette>(character);
   std::fill(std::begin(palette.moved), std::end(palette.moved), 0u);
   palette.teleported = 0;
-  const bool teleported = memory.As<PoseBlock>(Stream::kPose, character)->teleported != 0;
+  const bool teleported = memory.Of<&Streams::pose>(character)->teleported != 0;
   limits.must_restart |= teleported || !limits.had_pose;
   if (limits.had_pose) return;
   for (auto& matrix : palette.matrix)
@@ -190,7 +190,7 @@ void PoseGate::Accept(const FrameMemory& memory, uint32_t character) {
   const SceneShape& shape = *memory.shape;
   for (uint32_t c = 0; c < shape.chunk_count; ++c)
     if (shape.layer_character[shape.chunk_layer[c]] == character)
-      memory.As<ChunkStateBlock>(Stream::kChunkState, c)->flags = 0;
+      memory.Of<&Streams::chunk_state>(c)->flags = 0;
 }
 
 void PoseGate::CopyStateFrom(const PoseGate& other) {

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "core/groom/groom.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt {
@@ -48,7 +48,7 @@ class PoseGate {
 
   PoseGate() = default;
   // One groom for each character; `kernels` are the scene's.
-  PoseGate(std::span<const Groom* const> grooms, const KernelTable& kernels);
+  PoseGate(std::span<const Groom* const> grooms, const FrameTable& kernels);
 
   // Judges the poses that lie in the scene's memory, and prepares the palettes of characters that
   // keep their last one.

@@ -78,16 +78,15 @@ bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& o
         Format("the scene needs {} bytes and was given {}", layout_.total_bytes, memory.size()));
   if (reinterpret_cast<uintptr_t>(memory.data()) % kBlockAlignment != 0)
     return fail(Format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
-  const KernelTable* kernels = FindKernels(options_.isa);
+  const FrameTable* kernels = FindKernels(options_.isa);
   if (!kernels)
     return fail(Format("this processor or build has no {} kernels", IsaName(options_.isa)));
   Place(memory);
   CopyGrooms(grooms);
   pose_gate_ = PoseGate(grooms, *kernels);
   memory_.holds_pose = pose_gate_.holds_pose();
-  std::optional<Plan> plan =
-      TryCompilePlan(MakeFrameTable(*kernels, params_, options_.vertex_order), layout_.shape,
-                     options_.plan, error);
+  std::optional<Plan> plan = TryCompilePlan(MakeStages(*kernels, params_, options_.vertex_order),
+                                            layout_.shape, options_.plan, error);
   if (!plan) return false;
   plan_ = *std::move(plan);
   fault_.reserve(256);
@@ -109,8 +108,7 @@ void FurScene::Place(std::span<std::byte> memory) {
     slots_[s].assign(shape.chunk_count, kNoBlock);
     uint32_t next = 0;
     for (uint32_t c = 0; c < shape.chunk_count; ++c)
-      if (KindMask{desc.required, desc.forbidden}.Admits(shape.layer_kind[shape.chunk_layer[c]]))
-        slots_[s][c] = next++;
+      if (desc.kinds.Admits(shape.layer_kind[shape.chunk_layer[c]])) slots_[s][c] = next++;
     memory_.slot[s] = slots_[s].data();
   }
 }
@@ -119,11 +117,11 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   uint32_t layer_index = 0, chunk = 0;
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
-    *memory_.As<SkeletonBlock>(Stream::kSkeleton, c) = groom.skeleton;
+    *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
     uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0;
     for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
       const GroomLayer& layer = groom.layers[l];
-      *memory_.As<LayerJointBlock>(Stream::kLayerJoints, layer_index) = groom.layer_joints[l];
+      *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
       layer_names_.push_back(layer.name);
       layer_params_.push_back(layer.params);
       modal_.emplace_back();
@@ -131,18 +129,18 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       layer_strands_.push_back(layer.strand_count);
       layer_simulates_.push_back(0);
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
-        *memory_.As<MeshBlock>(Stream::kMesh, chunk) = groom.mesh[layer.first_chunk + i];
-        *memory_.As<StrandBlock>(Stream::kStrands, chunk) = groom.strands[layer.first_chunk + i];
+        *memory_.Of<&Streams::mesh>(chunk) = groom.mesh[layer.first_chunk + i];
+        *memory_.Of<&Streams::strands>(chunk) = groom.strands[layer.first_chunk + i];
         const bool on_vertices = layer.params.chain == ChainKind::kVertex;
         if (on_vertices)
-          *memory_.As<RestBlock<4>>(Stream::kVertexRest, chunk) = groom.vertex_rest[vertex_rest++];
+          *memory_.Of<&Streams::vertex_rest>(chunk) = groom.vertex_rest[vertex_rest++];
         const float* strength = nullptr;
         if (layer.params.points == 5) {
-          auto& rest = *memory_.As<RestBlock<5>>(Stream::kStrandRest5, chunk);
+          auto& rest = *memory_.Of<&Streams::strand_rest5>(chunk);
           rest = groom.strand_rest5[rest5++];
           strength = rest.strength;
         } else {
-          auto& rest = *memory_.As<RestBlock<4>>(Stream::kStrandRest4, chunk);
+          auto& rest = *memory_.Of<&Streams::strand_rest4>(chunk);
           rest = groom.strand_rest4[rest4++];
           strength = rest.strength;
         }
@@ -183,7 +181,7 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
   const bool view_changed = FillView(in, lod);
   const bool keys = view_changed || !in.skip.sort;
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
-    auto& state = *memory_.As<ChunkStateBlock>(Stream::kChunkState, c);
+    auto& state = *memory_.Of<&Streams::chunk_state>(c);
     const uint32_t visible = state.flags & kChunkVisible;
     state.flags = visible | (visible && keys ? kChunkKeys : 0u);
     state.keys_changed = state.records_changed = 0;
@@ -193,7 +191,7 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
 void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
   const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
-    auto& block = *memory_.As<LayerBlock>(Stream::kLayers, l);
+    auto& block = *memory_.Of<&Streams::layers>(l);
     const Weather weather =
         input.weather.empty() ? Weather{} : input.weather[shape().layer_character[l]];
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
@@ -201,7 +199,7 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block);
     if (block.flags & kLayerModal) {
-      auto* tables = memory_.As<ModalTableBlock>(Stream::kModalTables, 0);
+      auto* tables = memory_.Of<&Streams::modal_tables>(0);
       if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,
                             {modal_.data(), l}, tables, tables + l))
         block.changed = 1;
@@ -230,9 +228,9 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   lod.hysteresis = in.lod.hysteresis;
   lod.fade_share = in.lod.fade_share;
   lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
-  lod.budget_scale = BudgetScale({memory_.As<LodBlock>(Stream::kLod, 0), shape().layer_count},
-                                 {memory_.As<LayerBlock>(Stream::kLayers, 0), shape().layer_count},
-                                 in.lod.strand_budget);
+  lod.budget_scale =
+      BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
+                  {memory_.Of<&Streams::layers>(0), shape().layer_count}, in.lod.strand_budget);
   const bool view_changed = FillView(in, lod);
 
   SimulateParams simulate{};
@@ -287,17 +285,18 @@ uint64_t FurScene::HeapBytes() const {
 uint32_t FurScene::LiveLanes(Stream stream, uint32_t item) const {
   const StreamDesc& desc = DescribeStream(stream);
   if (desc.lanes == Lanes::kAll) return kStrandsPerChunk;
-  const auto& state = *memory_.As<ChunkStateBlock>(Stream::kChunkState, item);
+  const auto& state = *memory_.Of<&Streams::chunk_state>(item);
   const uint32_t layer = shape().chunk_layer[item];
-  const bool strand_order =
-      options_.vertex_order == VertexOrder::kIndexBuffer && stream == Stream::kRibbonVertices;
+  const bool strand_order = options_.vertex_order == VertexOrder::kIndexBuffer &&
+                            stream == StreamOf<&Streams::ribbon_vertices>;
   if (desc.lanes == Lanes::kLiveStrands || strand_order) return state.live_strands;
   if (desc.lanes == Lanes::kLiveVertices) return state.live_vertices;
   if (desc.lanes == Lanes::kLiveChains)
     return shape().layer_kind[layer] & kLayerVertexChains ? state.live_vertices
                                                           : state.live_strands;
-  if (options_.vertex_order == VertexOrder::kIndexBuffer && stream == Stream::kInstances) return 0;
-  const auto& sort = *memory_.As<LayerSortBlock>(Stream::kLayerSort, layer);
+  if (options_.vertex_order == VertexOrder::kIndexBuffer && stream == StreamOf<&Streams::instances>)
+    return 0;
+  const auto& sort = *memory_.Of<&Streams::layer_sort>(layer);
   const uint32_t first = (item - shape().layer_first_chunk[layer]) * kStrandsPerChunk;
   return sort.visible_count > first ? std::min(sort.visible_count - first, kStrandsPerChunk) : 0;
 }
@@ -330,14 +329,14 @@ uint64_t FurScene::DigestFrame() const {
 uint32_t FurScene::LiveStrands() const {
   uint32_t live = 0;
   for (uint32_t c = 0; c < shape().chunk_count; ++c)
-    live += memory_.As<ChunkStateBlock>(Stream::kChunkState, c)->live_strands;
+    live += memory_.Of<&Streams::chunk_state>(c)->live_strands;
   return live;
 }
 
 uint32_t FurScene::DrawnStrands() const {
   uint32_t drawn = 0;
   for (uint32_t l = 0; l < shape().layer_count; ++l)
-    drawn += memory_.As<LayerSortBlock>(Stream::kLayerSort, l)->visible_count;
+    drawn += memory_.Of<&Streams::layer_sort>(l)->visible_count;
   return drawn;
 }
 

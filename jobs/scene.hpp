@@ -26,8 +26,8 @@
 #include "core/error.hpp"
 #include "core/frame_input.hpp"
 #include "core/groom/groom.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
-#include "jobs/frame_table.hpp"
 #include "jobs/pose_gate.hpp"
 
 namespace pelt {
@@ -52,7 +52,6 @@ struct MemoryRange {
   Role role;
   friend bool operator==(const MemoryRange&, const MemoryRange&) = default;
 };
-std::string_view RoleName(Role role);  // "booking"
 
 struct SceneLayout {
   SceneShape shape;
@@ -113,7 +112,7 @@ class FurScene {
   FurScene& operator=(const FurScene&) = delete;
 
   // To be filled before every BeginFrame.
-  PoseBlock& Pose(uint32_t character) { return *memory_.As<PoseBlock>(Stream::kPose, character); }
+  PoseBlock& Pose(uint32_t character) { return *memory_.Of<&Streams::pose>(character); }
 
   // Fills every parameter of the frame, which must then be run, once. Returns null, or the reason
   // the frame must not run: what is not finite or out of range, and where; or that the last frame

@@ -25,7 +25,7 @@ void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks
                SceneShape& shape) {
   for (const GroomLayer& layer : groom.layers) {
     uint32_t kind = KindOf(layer.params);
-    if (layer.chunk_count > piecewise_chunks) kind |= kKindSortInPieces;
+    if (layer.chunk_count > piecewise_chunks) kind |= kLayerSortInPieces;
     shape.layer_kind.push_back(kind);
     shape.layer_character.push_back(character);
     shape.layer_first_chunk.push_back(shape.chunk_count);
@@ -48,10 +48,9 @@ SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& opt
 
 uint32_t BlockCount(const SceneShape& shape, const StreamDesc& desc) {
   if (desc.domain != Domain::kChunk) return shape.ItemCount(desc.domain);
-  const KindMask mask{desc.required, desc.forbidden};
   uint32_t count = 0;
   for (uint32_t l = 0; l < shape.layer_count; ++l)
-    if (mask.Admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
+    if (desc.kinds.Admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
   return count;
 }
 
@@ -102,11 +101,6 @@ std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
   return layout;
 }
 
-std::string_view RoleName(Role role) {
-  constexpr std::string_view kNames[] = {"input", "value", "booking", "scratch"};
-  return kNames[size_t(role)];
-}
-
 std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
   if (layout.total_bytes <= budget_bytes) return {};
   std::string text = Format(
@@ -123,7 +117,7 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
       "; about {:.0f} of its {} strands would fit: lower density or max_strands in the fur setup, "
       "or leave out layers or characters",
       share * double(layout.strand_count), layout.strand_count);
-  if (layout.ranges[size_t(Stream::kRibbonVertices)].bytes != 0)
+  if (layout.ranges[size_t(StreamOf<&Streams::ribbon_vertices>)].bytes != 0)
     text += "; layers with output = \"instances\" need less than ribbons";
   return text;
 }
@@ -141,13 +135,9 @@ std::string DescribeMemory(const SceneLayout& layout) {
 }
 
 double SceneLayout::StateBytesPerStrand() const {
-  // Points without a last frame (strands that follow vertex chains) are made anew each frame: no
-  // state.
   uint64_t bytes = 0;
-  for (Stream s : {Stream::kVertexPrevious, Stream::kStrandPrevious4, Stream::kStrandPrevious5})
-    bytes += 2 * ranges[size_t(s)].bytes;
-  for (Stream s : {Stream::kVertexModal, Stream::kStrandModal4, Stream::kStrandModal5})
-    bytes += ranges[size_t(s)].bytes;
+  for (size_t s = 0; s < ranges.size(); ++s)
+    if (DescribeStream(Stream(s)).kept == Kept::kState) bytes += ranges[s].bytes;
   return double(bytes) / double(strand_count);
 }
 

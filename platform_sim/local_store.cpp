@@ -121,7 +121,7 @@ void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32
     block.writable = false;
     block.written = true;
     // Gates look at what ran in main memory; a console's PPU would be told the same by mailbox.
-    if (DescribeStream(block.stream).role == Role::kBooking) {
+    if (DescribeStream(block.stream).role == Role::kBookkeeping) {
       Store(frame, stage, item, block, false);
       block.written = false;
     }
@@ -134,8 +134,10 @@ void LocalStoreExecutor::CheckUntouched(const Stage& stage, uint32_t item, const
     return;
   for (const PortDesc& port : stage.kernel.ports)
     if (port.stream == block.stream && SameBinding(port.access, block.access))
-      return Fault(stage, item, Format("wrote through its read-only port '{}'", port.name),
-                   DescribeStream(block.stream).name);
+      return Fault(
+          stage, item,
+          Format("wrote through its read-only port '{}'", DescribeStream(port.stream).name),
+          DescribeStream(block.stream).name);
   Fault(stage, item,
         Format("wrote to stream '{}', which it has no port for", DescribeStream(block.stream).name),
         DescribeStream(block.stream).name);
@@ -154,8 +156,8 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
   // another local store, or one that counted wrongly. The stage does not run.
   if (over_data > data_bytes_ || end > kLocalStoreBytes) {
     Fault(stage, item,
-          Format("port '{}' needs {} bytes; of {} in local store {} are taken", port.name, bytes,
-                 data_bytes_, data_used_),
+          Format("port '{}' needs {} bytes; of {} in local store {} are taken",
+                 DescribeStream(port.stream).name, bytes, data_bytes_, data_used_),
           DescribeStream(port.stream).name, LocalStoreFault::Kind::kDoesNotFit);
     return nullptr;
   }
@@ -205,7 +207,7 @@ void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t 
 void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t item,
                                Resident& block, bool transient) {
   if (block.access == Access::kScatter) return Scatter(frame, stage, item, block);
-  const PortDesc port{{}, block.stream, block.access, block.record_bytes, Stream::kNone};
+  const PortDesc port{block.stream, block.access, block.record_bytes, Stream::kNone};
   std::memcpy(BindPort(port, *frame.memory, stage.domain, item).block,
               buffer_->bytes + block.offset, block.bytes);
   if (transient) {

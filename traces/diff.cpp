@@ -137,7 +137,7 @@ std::optional<Difference> ComparePoses(const PoseBlock& a, const PoseBlock& b, u
     return out;
   }
   const BlockDifference found =
-      FindDifference(DescribeStream(Stream::kPose), &a, &b, kJointsPerCharacter);
+      FindDifference(DescribeStream(StreamOf<&Streams::pose>), &a, &b, kJointsPerCharacter);
   if (!found.differs) return std::nullopt;
   const RowDesc& row = *found.row;
   out.place.emplace_back("pose", row.name);

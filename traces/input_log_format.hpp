@@ -63,7 +63,7 @@ inline uint64_t HashOf(std::span<const std::byte> file) {
 // Calls visit(byte offset in PoseBlock, number of words) for every row, of lanes in use only.
 template <class Visit>
 void ForEachPoseRow(uint32_t joint_count, Visit visit) {
-  for (const RowDesc& row : DescribeStream(Stream::kPose).rows) {
+  for (const RowDesc& row : DescribeStream(StreamOf<&Streams::pose>).rows) {
     if (row.lane_count == 1) continue;  // joint_count and teleported stand before the rows
     const bool by_joint = row.lane_count == kJointsPerCharacter;
     const uint32_t lanes = by_joint ? joint_count : row.lane_count;

@@ -140,8 +140,8 @@ class ModalSolver final : public StrandSolver {
   }
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
-    if (stream == Stream::kLayers) return layer_.block;
-    if (stream == Stream::kModalTables) return table_.block;
+    if (stream == StreamOf<&Streams::layers>) return layer_.block;
+    if (stream == StreamOf<&Streams::modal_tables>) return table_.block;
     void* shared = c.Find(stream);
     return shared ? shared : c.chain.block;
   }
@@ -185,9 +185,9 @@ ModalMaterial ToModal(const ChainMaterial& material) {
 }
 
 ModalKernels ModalKernelsOf(Isa isa) {
-  const KernelTable* table = FindKernels(isa);
+  const FrameTable* table = FindKernels(isa);
   if (!table) throw Error("no " + std::string(IsaName(isa)) + " kernels here");
-  return {(*table)[Kernel::kModalStrand4], (*table)[Kernel::kModalStrand5]};
+  return {*table->Find("simulate_modal_4"), *table->Find("simulate_modal_5")};
 }
 
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench/accuracy/strand_solver.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "core/modal/modal_table.hpp"
 
 namespace pelt::accuracy {

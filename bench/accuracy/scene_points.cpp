@@ -14,8 +14,8 @@ bool HasFivePoints(const FurScene& scene, uint32_t chunk) {
 float LengthOf(const FurScene& scene, uint32_t chunk, uint32_t lane) {
   const FrameMemory& memory = scene.memory();
   return HasFivePoints(scene, chunk)
-             ? memory.As<RestBlock<5>>(Stream::kStrandRest5, chunk)->segment_length[lane]
-             : memory.As<RestBlock<4>>(Stream::kStrandRest4, chunk)->segment_length[lane];
+             ? memory.Of<&Streams::strand_rest5>(chunk)->segment_length[lane]
+             : memory.Of<&Streams::strand_rest4>(chunk)->segment_length[lane];
 }
 
 uint32_t FindNearest(const RootBlock& roots, uint32_t lane, uint32_t live) {
@@ -39,7 +39,7 @@ uint32_t FindNearest(const RootBlock& roots, uint32_t lane, uint32_t live) {
 
 ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    const uint32_t live = scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->live_strands;
+    const uint32_t live = scene.memory().Of<&Streams::chunk_state>(c)->live_strands;
     if (live == 0) continue;
     const uint32_t free_points = HasFivePoints(scene, c) ? 4 : 3;
     pieces_.push_back({c, live, free_points, size_});
@@ -51,8 +51,8 @@ ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
 const float* ScenePointsLayout::PointsOf(const FurScene& scene, const Piece& piece) {
   const FrameMemory& memory = scene.memory();
   return piece.free_points == 4
-             ? memory.As<PointBlock<5>>(Stream::kStrandPoints5, piece.chunk)->position[0][0]
-             : memory.As<PointBlock<4>>(Stream::kStrandPoints4, piece.chunk)->position[0][0];
+             ? memory.Of<&Streams::strand_points5>(piece.chunk)->position[0][0]
+             : memory.Of<&Streams::strand_points4>(piece.chunk)->position[0][0];
 }
 
 void ScenePointsLayout::Read(const FurScene& scene, ScenePoints& points) const {
@@ -70,14 +70,14 @@ void ScenePointsLayout::Read(const FurScene& scene, const FurScene& rigid_scene,
   Read(scene, points);
   for (const Piece& piece : pieces_) {
     const uint32_t live =
-        scene.memory().As<ChunkStateBlock>(Stream::kChunkState, piece.chunk)->live_strands;
+        scene.memory().Of<&Streams::chunk_state>(piece.chunk)->live_strands;
     if (live < piece.strands) Carry(piece, live, rigid_scene, rigid, points);
   }
 }
 
 void ScenePointsLayout::Carry(const Piece& piece, uint32_t live, const FurScene& rigid_scene,
                               const ScenePoints& rigid, ScenePoints& points) const {
-  const RootBlock& roots = *rigid_scene.memory().As<RootBlock>(Stream::kRoots, piece.chunk);
+  const RootBlock& roots = *rigid_scene.memory().Of<&Streams::roots>(piece.chunk);
   for (uint32_t lane = live; lane < piece.strands; ++lane) {
     // None lives: the strand lies on its groom.
     const uint32_t by = live > 0 ? FindNearest(roots, lane, live) : lane;

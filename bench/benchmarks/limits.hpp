@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {

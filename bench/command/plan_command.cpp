@@ -48,7 +48,7 @@ void AddChunks(ReportTree& report) {
   report.Say(fmt::format("chunk: {} strands and {} mesh vertices; blocks of one chunk:",
                          kStrandsPerChunk, kVerticesPerChunk));
   ReportTable& blocks = report.AddTable("chunk_blocks", {{"stream"}, {"bytes"}});
-  for (uint32_t s = 1; s < kStreamCount; ++s) {
+  for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     if (desc.domain == Domain::kChunk) blocks.Add({desc.name, desc.block_bytes});
   }

@@ -6,7 +6,7 @@
 #include "bench/verify/merge_shards.hpp"
 #include "core/chunk.hpp"
 #include "core/file_bytes.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 

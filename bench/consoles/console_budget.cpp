@@ -263,7 +263,7 @@ std::string ConsoleRun::WhyNoChange(WhatIf what_if) const {
       return machine_.local_store_bytes > 0 ? "" : "caches hold it already";
     case WhatIf::kWiderDigits: {
       const bool pieces = std::ranges::any_of(scene().shape().layer_kind, [](uint32_t kind) {
-        return (kind & kKindSortInPieces) != 0;
+        return (kind & kLayerSortInPieces) != 0;
       });
       return pieces ? "" : "no layer is sorted in pieces";
     }

@@ -44,10 +44,10 @@ class DrawnHairs {
   template <class Visit, class Finish>
   void ForEach(Visit visit, Finish finish_layer) const {
     const FrameMemory& memory = scene_.memory();
-    const auto& list = *memory.As<DrawListBlock>(Stream::kDrawList, 0);
+    const auto& list = *memory.Of<&Streams::draw_list>(0);
     for (uint32_t i = 0; i < list.count; ++i) {
       const uint32_t layer = list.layer[i];
-      const uint32_t drawn = memory.As<LayerSortBlock>(Stream::kLayerSort, layer)->visible_count;
+      const uint32_t drawn = memory.Of<&Streams::layer_sort>(layer)->visible_count;
       for (uint32_t place = 0; place < drawn; ++place) visit(HairAt(layer, place));
       finish_layer();
     }
@@ -58,7 +58,7 @@ class DrawnHairs {
     const FrameMemory& memory = scene_.memory();
     const SceneShape& shape = scene_.shape();
     const uint32_t first = shape.layer_first_chunk[layer];
-    const auto& order = *memory.As<OrderBlock>(Stream::kOrder, first + place / kStrandsPerChunk);
+    const auto& order = *memory.Of<&Streams::order>(first + place / kStrandsPerChunk);
     const uint32_t strand = order.strand[place % kStrandsPerChunk];
     const uint32_t chunk = first + strand / kStrandsPerChunk, lane = strand % kStrandsPerChunk;
     // Where the vertices lie depends on the order they were written in.
@@ -66,15 +66,15 @@ class DrawnHairs {
     const uint32_t at_chunk = sorted ? first + place / kStrandsPerChunk : chunk;
     const uint32_t at_lane = sorted ? place % kStrandsPerChunk : lane;
     Hair hair{};
-    const auto& roots = *memory.As<RootBlock>(Stream::kRoots, chunk);
+    const auto& roots = *memory.Of<&Streams::roots>(chunk);
     hair.normal = {roots.normal[0][lane], roots.normal[1][lane], roots.normal[2][lane]};
-    const auto& params = *memory.As<LayerBlock>(Stream::kLayers, layer);
+    const auto& params = *memory.Of<&Streams::layers>(layer);
     if (shape.layer_kind[layer] & kLayerRibbons) {
       ReadRibbon(memory, at_chunk, at_lane, hair);
     } else {
       const CurveRecord& record =
-          sorted ? memory.As<InstanceBlock>(Stream::kInstances, at_chunk)->instance[at_lane]
-                 : memory.As<CurveBlock>(Stream::kCurves, at_chunk)->record[at_lane];
+          sorted ? memory.Of<&Streams::instances>(at_chunk)->instance[at_lane]
+                 : memory.Of<&Streams::curves>(at_chunk)->record[at_lane];
       ReadCurve(record, params.tip_width, hair);
     }
     return hair;
@@ -95,7 +95,7 @@ class DrawnHairs {
   }
 
   static void ReadRibbon(const FrameMemory& memory, uint32_t chunk, uint32_t lane, Hair& hair) {
-    const auto& vertex = memory.As<RibbonVertexBlock>(Stream::kRibbonVertices, chunk)->vertex[lane];
+    const auto& vertex = memory.Of<&Streams::ribbon_vertices>(chunk)->vertex[lane];
     hair.knots = kRibbonPoints;
     hair.base_colour = vertex[0][0].colour;
     hair.tip_colour = vertex[kRibbonPoints - 1][0].colour;
@@ -127,7 +127,7 @@ glm::vec3 SkinColour(const FurScene& scene, uint32_t actor) {
   float count = 0.0f;
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     if (shape.layer_character[shape.chunk_layer[c]] != actor) continue;
-    sum += LinearColour(scene.memory().As<StrandBlock>(Stream::kStrands, c)->base_colour[0]);
+    sum += LinearColour(scene.memory().Of<&Streams::strands>(c)->base_colour[0]);
     count += 1.0f;
   }
   return count > 0.0f ? sum / count : glm::vec3(0.1f);
@@ -138,7 +138,7 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor) {
   body.character = &scenario.characters[scenario.actors[actor].character];
   body.skin = SkinColour(scene, actor);
   const Mesh& mesh = body.character->mesh;
-  const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, actor);
+  const auto& palette = *scene.memory().Of<&Streams::palette>(actor);
   for (size_t v = 0; v < mesh.position.size(); ++v) {
     glm::vec3 position(0.0f), normal(0.0f);
     for (int i = 0; i < 4; ++i) {

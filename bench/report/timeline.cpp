@@ -227,7 +227,7 @@ std::vector<PassDependency> FindDependencies(const Plan& plan, const std::vector
   std::vector<PassDependency> found;
   for (uint32_t consumer = 0; consumer < plan.passes.size(); ++consumer) {
     if (!ran[consumer]) continue;
-    for (uint32_t s = 1; s < kStreamCount; ++s) {
+    for (uint32_t s = 0; s < kStreamCount; ++s) {
       if (!Reads(plan, consumer, Stream(s))) continue;
       for (uint32_t producer = consumer; producer-- > 0;) {
         if (!ran[producer] || !Writes(plan, producer, Stream(s))) continue;

@@ -24,8 +24,8 @@ constexpr uint32_t kFrames = 7;  // each of the guard's patterns once
 // A vertex of a lane that a vector kernel works on and that was not skinned; empty: there is none.
 std::string FindUnskinnedVertex(const FurScene& scene) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    const auto& state = *scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c);
-    const auto& strands = *scene.memory().As<StrandBlock>(Stream::kStrands, c);
+    const auto& state = *scene.memory().Of<&Streams::chunk_state>(c);
+    const auto& strands = *scene.memory().Of<&Streams::strands>(c);
     const uint32_t groups = RoundUpToLaneGroups(state.live_strands) / kLaneGroup;
     for (uint32_t lane = 0; lane < std::min(groups * kLaneGroup, strands.strand_count); ++lane)
       for (const auto& vertex : strands.vertex)

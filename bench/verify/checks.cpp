@@ -6,11 +6,11 @@
 
 namespace pelt {
 
-Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool booking) {
+Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool bookkeeping) {
   for (uint32_t f = 0; f <= frame; ++f) {
     expected.RunFrame(f);
     found.RunFrame(f);
-    if (auto mismatch = FindMismatch(expected, found, f, booking)) return *mismatch;
+    if (auto mismatch = FindMismatch(expected, found, f, bookkeeping)) return *mismatch;
   }
   Mismatch unknown;
   unknown.frame = frame;

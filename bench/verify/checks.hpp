@@ -31,7 +31,7 @@ void CheckDigests(Scenario& scenario, const VerifyOptions& options, VerifyReport
 inline constexpr uint32_t kSettleFrames = 240;
 
 // Runs both again, frame by frame together, until they part.
-Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool booking = false);
+Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool bookkeeping = false);
 
 // Runs the case's plan between closed pages up to `frame`: the first access that no port declares.
 std::optional<Finding> FindUndeclared(Scenario& scenario, const VerifyCase& what,

@@ -121,7 +121,7 @@ class CullingCheck {
     return result;
   }
   static bool IsVisible(const FurScene& scene, uint32_t layer) {
-    return scene.memory().As<LodBlock>(Stream::kLod, layer)->visible != 0;
+    return scene.memory().Of<&Streams::lod>(layer)->visible != 0;
   }
   std::string NameLayer(uint32_t layer) {
     return fmt::format("layer '{}' of character {}", culled_.scene().LayerName(layer),
@@ -138,7 +138,7 @@ class CullingCheck {
     const std::vector<uint32_t>& first = scene.shape().layer_first_chunk;
     std::vector<uint32_t> flags;
     for (uint32_t c = first[layer]; c < first[layer + 1]; ++c)
-      flags.push_back(scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags);
+      flags.push_back(scene.memory().Of<&Streams::chunk_state>(c)->flags);
     return flags;
   }
 
@@ -193,13 +193,13 @@ class CullingCheck {
     const FurScene& scene = seen_.scene();
     if (!IsVisible(scene, layer)) return;  // switched off, or without strands
     const SceneShape& shape = scene.shape();
-    const float reach = scene.memory().As<LayerBlock>(Stream::kLayers, layer)->length_max;
+    const float reach = scene.memory().Of<&Streams::layers>(layer)->length_max;
     const bool five = shape.layer_kind[layer] & kLayerFivePoints;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
-      const auto& roots = *scene.memory().As<RootBlock>(Stream::kRoots, c);
-      const auto* four_points = scene.memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
-      const auto* five_points = scene.memory().As<PointBlock<5>>(Stream::kStrandPoints5, c);
-      const uint32_t strands = scene.memory().As<StrandBlock>(Stream::kStrands, c)->strand_count;
+      const auto& roots = *scene.memory().Of<&Streams::roots>(c);
+      const auto* four_points = scene.memory().Of<&Streams::strand_points4>(c);
+      const auto* five_points = scene.memory().Of<&Streams::strand_points5>(c);
+      const uint32_t strands = scene.memory().Of<&Streams::strands>(c)->strand_count;
       for (uint32_t s = 0; s < strands; ++s)
         for (uint32_t p = 0; p < (five ? 5u : 4u); ++p) {
           Point point{c, s, p, {}};
@@ -255,7 +255,7 @@ class CullingCheck {
         any = true;
         return false;
       });
-      const float reach = seen_.scene().memory().As<LayerBlock>(Stream::kLayers, l)->length_max;
+      const float reach = seen_.scene().memory().Of<&Streams::layers>(l)->length_max;
       for (int side = 0; any && side < 6; ++side)
         JudgeTip(l, outermost[side / 2][side % 2], side / 2, side % 2 ? -1.0f : 1.0f, reach);
     }
@@ -287,9 +287,9 @@ class CullingCheck {
     const FurScene& scene = culled_.scene();
     const SceneShape& shape = scene.shape();
     ++drawn_.seen;
-    uint32_t left = scene.memory().As<LayerSortBlock>(Stream::kLayerSort, layer)->visible_count;
+    uint32_t left = scene.memory().Of<&Streams::layer_sort>(layer)->visible_count;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
-      const auto& state = *scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+      const auto& state = *scene.memory().Of<&Streams::chunk_state>(c);
       left |= state.flags | state.live_strands | state.live_vertices | state.visible_strands;
     }
     if (left)
@@ -319,12 +319,12 @@ class CullingCheck {
   // Every layer in view with a strand to draw, once, and no other.
   void JudgeDrawList(uint32_t frame) {
     const FurScene& scene = culled_.scene();
-    const auto& list = *scene.memory().As<DrawListBlock>(Stream::kDrawList, 0);
+    const auto& list = *scene.memory().Of<&Streams::draw_list>(0);
     std::vector<uint32_t> wanted,
         listed(list.layer, list.layer + std::min(list.count, kLayersPerScene));
     for (uint32_t l = 0; l < since_.size(); ++l)
       if (since_[l] != kHidden &&
-          scene.memory().As<LayerSortBlock>(Stream::kLayerSort, l)->visible_count > 0)
+          scene.memory().Of<&Streams::layer_sort>(l)->visible_count > 0)
         wanted.push_back(l);
     std::sort(listed.begin(), listed.end());
     if (listed != wanted)
@@ -374,7 +374,7 @@ CheckResult CheckSamePicture(Scenario& scenario, const VerifyOptions& options) {
     });
   scenario.rest_from_frame = rest_before;
   for (uint32_t c = 0; c < run.scene().shape().chunk_count; ++c) {
-    const auto& state = *run.scene().memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+    const auto& state = *run.scene().memory().Of<&Streams::chunk_state>(c);
     if (!(state.flags & kChunkRestart)) continue;
     ++result.seen;
     if (!state.keys_changed && result.passed)

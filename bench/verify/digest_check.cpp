@@ -70,10 +70,10 @@ class DigestCheck {
   }
 
   // What outlives a frame: results that no stage reads, and state that one reads before any writes
-  // it. Those are values, or bookings.
+  // it. Those are values, or bookkeeping.
   void CheckRoles(VerifyReport& report) {
     CheckResult result = NewResult("streams that outlive the frame");
-    for (uint32_t s = 1; s < kStreamCount; ++s) {
+    for (uint32_t s = 0; s < kStreamCount; ++s) {
       bool written = false, read = false, carried = false;
       for (const Stage& stage : run_.plan().stages)
         for (const PortDesc& port : stage.kernel.ports) {
@@ -87,7 +87,7 @@ class DigestCheck {
       if (!written || (read && !carried)) continue;
       ++result.seen;
       const Role role = DescribeStream(Stream(s)).role;
-      if (role == Role::kValue || (carried && role == Role::kBooking)) continue;
+      if (role == Role::kValue || (carried && role == Role::kBookkeeping)) continue;
       Fail(
           result, Stream(s),
           fmt::format("stream {} is {}, and the stream table has it as '{}', which no digest holds",
@@ -122,12 +122,12 @@ class DigestCheck {
     if (desc.lanes == Lanes::kAll) return kStrandsPerChunk;
     const SceneShape& shape = scene.shape();
     const auto state = [&](uint32_t c) -> const ChunkStateBlock& {
-      return *scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+      return *scene.memory().Of<&Streams::chunk_state>(c);
     };
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
-    if (unsorted && stream == Stream::kInstances) return 0;  // nobody writes it
+    if (unsorted && stream == StreamOf<&Streams::instances>) return 0;  // nobody writes it
     if (desc.lanes == Lanes::kLiveVertices) return state(item).live_vertices;
-    if (desc.lanes == Lanes::kLiveStrands || (unsorted && stream == Stream::kRibbonVertices))
+    if (desc.lanes == Lanes::kLiveStrands || (unsorted && stream == StreamOf<&Streams::ribbon_vertices>))
       return state(item).live_strands;
     const uint32_t layer = shape.chunk_layer[item];
     if (desc.lanes == Lanes::kLiveChains)

@@ -26,7 +26,7 @@ uint64_t DigestBooking(const FurScene& scene, Stream stream) {
 StreamDigests DigestsOf(const FurScene& scene) {
   StreamDigests digests{};
   for (uint32_t s = 0; s < kStreamCount; ++s)
-    digests[s] = DescribeStream(Stream(s)).role == Role::kBooking ? DigestBooking(scene, Stream(s))
+    digests[s] = DescribeStream(Stream(s)).role == Role::kBookkeeping ? DigestBooking(scene, Stream(s))
                                                                   : scene.DigestStream(Stream(s));
   return digests;
 }
@@ -34,9 +34,9 @@ StreamDigests DigestsOf(const FurScene& scene) {
 bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement) {
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     if (a[s] == b[s]) continue;
-    const bool vertices = Stream(s) == Stream::kInstances || Stream(s) == Stream::kRibbonVertices;
-    const bool booking = DescribeStream(Stream(s)).role == Role::kBooking;
-    if ((agreement.vertices || !vertices) && (agreement.booking || !booking)) return false;
+    const bool vertices = Stream(s) == StreamOf<&Streams::instances> || Stream(s) == StreamOf<&Streams::ribbon_vertices>;
+    const bool bookkeeping = DescribeStream(Stream(s)).role == Role::kBookkeeping;
+    if ((agreement.vertices || !vertices) && (agreement.bookkeeping || !bookkeeping)) return false;
   }
   return true;
 }

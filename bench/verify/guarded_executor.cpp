@@ -44,7 +44,7 @@ uint32_t LayerRecords(const SceneShape& shape, uint32_t chunk) {
 
 // "item 3 of stream 'strands'" for an address of the scene's memory; empty outside it.
 std::pair<std::string, std::string> NameAddress(const FrameMemory& memory, const std::byte* at) {
-  for (uint32_t s = 1; s < kStreamCount; ++s) {
+  for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     const std::byte* base = memory.base[s];
     if (!base || at < base || at >= base + size_t(memory.block_count[s]) * desc.block_bytes)
@@ -179,7 +179,7 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
     if (offset >= 0 && offset < bytes) {
       Find(kind, stage, std::string(DescribeStream(ports[p].stream).name),
            fmt::format("stage {}, item {}: writes through its read-only port '{}'",
-                       stage.kernel.name, item, ports[p].name));
+                       stage.kernel.name, item, DescribeStream(ports[p].stream).name));
       return false;
     }
     if (!arena_->pages.IsNear(place.block, stop.address)) continue;
@@ -193,7 +193,8 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
          fmt::format("stage {}, item {}: {} {} bytes {} its block of port '{}': {}, for which it "
                      "has no port",
                      stage.kernel.name, item, did, offset < 0 ? -offset : offset - bytes,
-                     offset < 0 ? "in front of" : "behind", ports[p].name, where));
+                     offset < 0 ? "in front of" : "behind", DescribeStream(ports[p].stream).name,
+                     where));
     return false;
   }
   Find(kind, stage, "",
@@ -214,7 +215,7 @@ bool GuardedExecutor::CheckSlack(const Frame&, const Stage& stage, uint32_t item
     const PortDesc& port = stage.kernel.ports[p];
     Find(FindingKind::kUndeclaredWrite, stage, std::string(DescribeStream(port.stream).name),
          fmt::format("stage {}, item {}: writes {} its block of port '{}'", stage.kernel.name, item,
-                     front ? "past the end of" : "in front of", port.name));
+                     front ? "past the end of" : "in front of", DescribeStream(port.stream).name));
     return false;
   }
   return true;

@@ -115,7 +115,7 @@ void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) 
 }
 
 std::string NameOfPoseWord(size_t offset_bytes) {
-  for (const RowDesc& row : DescribeStream(Stream::kPose).rows)
+  for (const RowDesc& row : DescribeStream(StreamOf<&Streams::pose>).rows)
     if (offset_bytes >= row.offset_bytes &&
         offset_bytes < row.offset_bytes + 4 * row.element_count) {
       const size_t element = (offset_bytes - row.offset_bytes) / 4;
@@ -145,7 +145,7 @@ void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
   uint32_t row = 0;
   size_t first_joint_row = 0;
   std::set<std::pair<uint32_t, uint32_t>> moved;  // character, joint
-  const uint32_t joints = scene.memory().As<PoseBlock>(Stream::kPose, 0)->joint_count;
+  const uint32_t joints = scene.memory().Of<&Streams::pose>(0)->joint_count;
   input_log::ForEachPoseRow(joints, [&](size_t offset, uint32_t lanes) {
     const uint32_t turn = row++;
     if (lanes != joints)  // not one a joint: the placement
@@ -155,7 +155,7 @@ void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
     if (lanes != joints) return;
     if (moved.empty()) first_joint_row = offset;
     const uint32_t layer = turn % shape.layer_count;
-    const auto& moved_by = *scene.memory().As<LayerJointBlock>(Stream::kLayerJoints, layer);
+    const auto& moved_by = *scene.memory().Of<&Streams::layer_joints>(layer);
     if (moved_by.count == 0) return;
     const uint32_t joint = moved_by.joint[turn / shape.layer_count % moved_by.count];
     moved.insert({shape.layer_character[layer], joint});
@@ -163,7 +163,7 @@ void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
                 changes);
   });
   for (uint32_t l = 0; l < shape.layer_count; ++l) {
-    const auto& moved_by = *scene.memory().As<LayerJointBlock>(Stream::kLayerJoints, l);
+    const auto& moved_by = *scene.memory().Of<&Streams::layer_joints>(l);
     for (uint32_t j = 0; j < moved_by.count; ++j)
       if (moved.insert({shape.layer_character[l], moved_by.joint[j]}).second)
         AddPoseWord(shape.layer_character[l], first_joint_row + 4 * moved_by.joint[j],

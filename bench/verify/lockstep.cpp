@@ -187,13 +187,13 @@ bool CaseRun::TryRunFrame(uint32_t frame, const Change& change) {
 }
 
 std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame,
-                                     bool booking) {
+                                     bool bookkeeping) {
   const SceneShape& shape = expected.scene().shape();
   Mismatch out;
   out.frame = frame;
   // Bookings follow from values, so a wrong value is looked for first.
-  for (const Role role : {Role::kValue, Role::kBooking}) {
-    if (role == Role::kBooking && !booking) break;
+  for (const Role role : {Role::kValue, Role::kBookkeeping}) {
+    if (role == Role::kBookkeeping && !bookkeeping) break;
     for (const Stage& stage : expected.plan().stages)
       for (const PortDesc& port : stage.kernel.ports) {
         const StreamDesc& desc = DescribeStream(port.stream);

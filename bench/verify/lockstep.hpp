@@ -60,8 +60,8 @@ class CaseRun {
 SkipSettings NoSkips(bool lod = false);
 
 // The first difference after a frame, going through the table's stages in order: of values, then,
-// when `booking` is set, of what was booked as run.
+// when `bookkeeping` is set, of what was booked as run.
 std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame,
-                                     bool booking = false);
+                                     bool bookkeeping = false);
 
 }  // namespace pelt

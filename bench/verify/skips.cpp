@@ -43,7 +43,7 @@ SkipCourse RecordSkips(Scenario& scenario, const VerifyCase& what, const SkipSet
     course.digests.push_back(DigestsOf(scene));
     course.work += CountWork(run);
     for (uint32_t l = 0; l < scene.shape().layer_count && course.hidden.empty(); ++l)
-      if (!scene.memory().As<LodBlock>(Stream::kLod, l)->visible)
+      if (!scene.memory().Of<&Streams::lod>(l)->visible)
         course.hidden = fmt::format("layer '{}' is out of view in frame {}", scene.LayerName(l), f);
   }
   return course;
@@ -64,7 +64,7 @@ SkipResult CompareSkip(Scenario& scenario, const VerifyCase& what, const SkipCou
   const SkipCourse without = RecordSkips(scenario, what, skip, frames);
   result.items_skipped = without.work > base.work ? without.work - base.work : 0;
   for (uint32_t f = 0; f < frames; ++f) {
-    if (SameDigests(base.digests[f], without.digests[f], {.booking = false})) continue;
+    if (SameDigests(base.digests[f], without.digests[f], {.bookkeeping = false})) continue;
     result.Fail(FindingKind::kSkip, Locate(CaseRun(scenario, what, FrameSettings{skip, {}}, {}),
                                            CaseRun(scenario, what, {}, {}), f));
     break;

@@ -27,7 +27,7 @@ constexpr uint32_t kFramesAhead = 4;  // where what is around a change differs t
 uint32_t CountChunks(const FurScene& scene, bool asleep) {
   uint32_t count = 0;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    const uint32_t flags = scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags;
+    const uint32_t flags = scene.memory().Of<&Streams::chunk_state>(c)->flags;
     count += (flags & kChunkVisible) && ((flags & kChunkSimulate) == 0) == asleep;
   }
   return count;
@@ -38,18 +38,18 @@ struct PoseRow {
   Stream stream;
   std::string_view row;
 };
-constexpr PoseRow kPoseRows[] = {{Stream::kLocalPose, "translation"},
-                                 {Stream::kLocalPose, "rotation"},
-                                 {Stream::kLocalPose, "scale"},
-                                 {Stream::kPalette, "matrix"},
-                                 {Stream::kBounds, "low"},
-                                 {Stream::kBounds, "high"},
-                                 {Stream::kAnchors, "position"},
-                                 {Stream::kAnchors, "normal"},
-                                 {Stream::kAnchors, "tangent"},
-                                 {Stream::kRoots, "position"},
-                                 {Stream::kRoots, "normal"},
-                                 {Stream::kRoots, "tangent"}};
+constexpr PoseRow kPoseRows[] = {{StreamOf<&Streams::local_pose>, "translation"},
+                                 {StreamOf<&Streams::local_pose>, "rotation"},
+                                 {StreamOf<&Streams::local_pose>, "scale"},
+                                 {StreamOf<&Streams::palette>, "matrix"},
+                                 {StreamOf<&Streams::bounds>, "low"},
+                                 {StreamOf<&Streams::bounds>, "high"},
+                                 {StreamOf<&Streams::anchors>, "position"},
+                                 {StreamOf<&Streams::anchors>, "normal"},
+                                 {StreamOf<&Streams::anchors>, "tangent"},
+                                 {StreamOf<&Streams::roots>, "position"},
+                                 {StreamOf<&Streams::roots>, "normal"},
+                                 {StreamOf<&Streams::roots>, "tangent"}};
 
 uint64_t DigestPoseRow(const FurScene& scene, const PoseRow& what) {
   const StreamDesc& desc = DescribeStream(what.stream);
@@ -126,7 +126,7 @@ class WakingCheck {
     }
     result.seen = CountChunks(asleep_.scene(), true);
     const bool rests = result.seen > 0;
-    if (!SameDigests(DigestsOf(asleep_.scene()), DigestsOf(awake_.scene()), {.booking = false})) {
+    if (!SameDigests(DigestsOf(asleep_.scene()), DigestsOf(awake_.scene()), {.bookkeeping = false})) {
       if (const auto mismatch = FindMismatch(awake_, asleep_, first_frame_ - 1))
         result.Fail(FindingKind::kSkip, *mismatch);
     } else if (!rests) {
@@ -221,7 +221,7 @@ class WakingCheck {
       const uint32_t ahead = AheadOf(change);
       for (uint32_t k = 0; k < kFramesEach; ++k)
         result.felt |= !SameDigests(course[ahead + k], ahead ? course[ahead - 1] : unchanged_[k],
-                                    {.booking = false});
+                                    {.bookkeeping = false});
       for (size_t r = 0; r < runs_.size(); ++r)
         if (r == 0 || options_.every_executor || r == 1 + turn_ % (runs_.size() - 1))
           CompareRun(runs_[r], change, amount, course, result);
@@ -241,7 +241,7 @@ class WakingCheck {
       // Fewer are awake where the change lets one sleep: nothing woke then.
       if (k == AheadOf(change))
         result.seen += std::max(CountChunks(run.scene(), false), awake_before) - awake_before;
-      if (SameDigests(course[k], DigestsOf(run.scene()), {.booking = false})) continue;
+      if (SameDigests(course[k], DigestsOf(run.scene()), {.bookkeeping = false})) continue;
       FailAt(turn, change, amount, k, result);
       return;
     }
@@ -293,12 +293,12 @@ void AddTouchingSpheres(Scenario& scenario, uint32_t rest_frames) {
   for (const uint32_t solver : {0u, uint32_t(kLayerVerlet), uint32_t(kLayerModal)}) {
     if (scenario.spheres.size() == kSpheresPerScene) return;
     for (uint32_t l = 0; l < shape.layer_count; ++l) {
-      const auto& layer = *scene.memory().As<LayerBlock>(Stream::kLayers, l);
+      const auto& layer = *scene.memory().Of<&Streams::layers>(l);
       if ((shape.layer_kind[l] & kSolver) != solver || !(layer.flags & kLayerSimulate)) continue;
       const uint32_t chunk = shape.layer_first_chunk[l];
-      const auto& roots = *scene.memory().As<RootBlock>(Stream::kRoots, chunk);
-      const auto* five = scene.memory().As<PointBlock<5>>(Stream::kStrandPoints5, chunk);
-      const auto* four = scene.memory().As<PointBlock<4>>(Stream::kStrandPoints4, chunk);
+      const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
+      const auto* five = scene.memory().Of<&Streams::strand_points5>(chunk);
+      const auto* four = scene.memory().Of<&Streams::strand_points4>(chunk);
       MovingSphere sphere;
       sphere.radius = 0.5f * layer.length_max;
       for (int axis = 0; axis < 3; ++axis) {

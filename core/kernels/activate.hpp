@@ -85,17 +85,12 @@ struct Activate {
   static constexpr std::string_view kName = "activate";
   using Params = ActivateParams;
   struct Ports {
-    Shared<PaletteBlock> palette;
-    Shared<LayerBlock> layer;
-    Shared<LodBlock> lod;
-    In<StrandBlock> strands;
-    InOut<ChunkStateBlock> state;
+    Shared<&Streams::palette> palette;
+    Shared<&Streams::layers> layer;
+    Shared<&Streams::lod> lod;
+    In<&Streams::strands> strands;
+    InOut<&Streams::chunk_state> state;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::palette>(Stream::kPalette, "palette"),
-                                          Port<&Ports::layer>(Stream::kLayers, "layer"),
-                                          Port<&Ports::lod>(Stream::kLod, "lod"),
-                                          Port<&Ports::strands>(Stream::kStrands, "strands"),
-                                          Port<&Ports::state>(Stream::kChunkState, "state"));
 
   // What of last frame's block the rules need.
   struct LastFrame {

@@ -12,22 +12,16 @@
 
 namespace pelt {
 
-struct AnchorsParams {};
-
 template <class V>
 struct Anchors {
   static constexpr std::string_view kName = "anchors";
-  using Params = AnchorsParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<SkinnedBlock> skinned;
-    Out<RootBlock> anchors;
+    In<&Streams::chunk_state> state;
+    In<&Streams::skinned> skinned;
+    Out<&Streams::anchors> anchors;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::skinned>(Stream::kSkinned, "skinned"),
-                                          Port<&Ports::anchors>(Stream::kAnchors, "anchors"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
     RootBlock& anchors = *ports.anchors;
     for (uint32_t v = 0; v < lanes; v += V::kLanes) {

@@ -17,24 +17,17 @@
 
 namespace pelt {
 
-struct BoundLayerParams {};
-
 template <class V>
 struct BoundLayer {
   static constexpr std::string_view kName = "bound_layer";
-  using Params = BoundLayerParams;
   struct Ports {
-    Shared<PaletteBlock> palette;
-    In<LayerBlock> layer;
-    In<LayerJointBlock> joints;
-    Out<BoundsBlock> bounds;
+    Shared<&Streams::palette> palette;
+    In<&Streams::layers> layer;
+    In<&Streams::layer_joints> joints;
+    Out<&Streams::bounds> bounds;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::palette>(Stream::kPalette, "palette"),
-                                          Port<&Ports::layer>(Stream::kLayers, "layer"),
-                                          Port<&Ports::joints>(Stream::kLayerJoints, "joints"),
-                                          Port<&Ports::bounds>(Stream::kBounds, "bounds"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const LayerJointBlock& joints = *ports.joints;
     const PaletteBlock& palette = *ports.palette;
     const V never(3e38f);

@@ -16,54 +16,29 @@
 namespace pelt::chain {
 
 template <uint32_t kPoints, bool kVertexChains>
-struct Ports;
-
-template <uint32_t kPoints>
-struct Ports<kPoints, true> {
-  Shared<LayerBlock> layer;
-  InOut<ChunkStateBlock> state;
-  In<RestBlock<kPoints>> rest;
-  In<RootBlock> roots;
-  In<WindBlock> wind;  // read only where the layer has kLayerWind
-  InOut<PointBlock<kPoints>> position;
-  InOut<PointBlock<kPoints>> previous;
+struct Ports {
+  using Of = ChainStreams<kPoints, kVertexChains>;
+  Shared<&Streams::layers> layer;
+  InOut<&Streams::chunk_state> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<&Streams::wind> wind;  // read only where the layer has kLayerWind
+  InOut<Of::kPosition> position;
+  InOut<Of::kPrevious> previous;
 };
 
 template <uint32_t kPoints>
 struct Ports<kPoints, false> {
-  Shared<LayerBlock> layer;
-  InOut<ChunkStateBlock> state;
-  In<RestBlock<kPoints>> rest;
-  In<RootBlock> roots;
-  In<WindBlock> wind;
-  In<StrandBlock> strands;  // control strands; read only where the layer has kLayerClump
-  InOut<PointBlock<kPoints>> position;
-  InOut<PointBlock<kPoints>> previous;
+  using Of = ChainStreams<kPoints, false>;
+  Shared<&Streams::layers> layer;
+  InOut<&Streams::chunk_state> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<&Streams::wind> wind;
+  In<&Streams::strands> strands;  // control strands; read only where the layer has kLayerClump
+  InOut<Of::kPosition> position;
+  InOut<Of::kPrevious> previous;
 };
-
-template <uint32_t kPoints, bool kVertexChains>
-constexpr auto MakePorts() {
-  using P = Ports<kPoints, kVertexChains>;
-  if constexpr (kVertexChains) {
-    static_assert(kPoints == 4);
-    return PortList(
-        Port<&P::layer>(Stream::kLayers, "layer"), Port<&P::state>(Stream::kChunkState, "state"),
-        Port<&P::rest>(Stream::kVertexRest, "rest"), Port<&P::roots>(Stream::kAnchors, "roots"),
-        Port<&P::wind>(Stream::kWind, "wind"),
-        Port<&P::position>(Stream::kVertexPoints, "position"),
-        Port<&P::previous>(Stream::kVertexPrevious, "previous"));
-  } else {
-    constexpr bool kFour = kPoints == 4;
-    return PortList(
-        Port<&P::layer>(Stream::kLayers, "layer"), Port<&P::state>(Stream::kChunkState, "state"),
-        Port<&P::rest>(kFour ? Stream::kStrandRest4 : Stream::kStrandRest5, "rest"),
-        Port<&P::roots>(Stream::kRoots, "roots"), Port<&P::wind>(Stream::kWind, "wind"),
-        Port<&P::strands>(Stream::kStrands, "strands"),
-        Port<&P::position>(kFour ? Stream::kStrandPoints4 : Stream::kStrandPoints5, "position"),
-        Port<&P::previous>(kFour ? Stream::kStrandPrevious4 : Stream::kStrandPrevious5,
-                           "previous"));
-  }
-}
 
 // Chains in lanes [begin, end), both multiples of kLaneGroup: two groups at once where the machine
 // has registers, as a step's operations wait for each other; on arrays twins would only be more

@@ -27,13 +27,10 @@ struct CollectChanges {
   static constexpr std::string_view kName = "collect_changes";
   using Params = CollectChangesParams;
   struct Ports {
-    In<LayerBlock> layer;
-    All<ChunkStateBlock> chunks;
-    Out<LayerSortBlock> sort;
+    In<&Streams::layers> layer;
+    All<&Streams::chunk_state> chunks;
+    Out<&Streams::layer_sort> sort;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-                                          Port<&Ports::chunks>(Stream::kChunkState, "chunks"),
-                                          Port<&Ports::sort>(Stream::kLayerSort, "sort"));
 
   static void Run(const Params& p, const Ports& ports) {
     uint32_t drawn = 0, live = 0, keys = 0, records = 0;

@@ -19,8 +19,6 @@
 
 namespace pelt {
 
-struct FitCubicParams {};
-
 namespace fit_cubic_detail {
 
 template <uint32_t kFree>
@@ -66,25 +64,16 @@ struct FitCubic {
   static_assert(kPoints == 4 || kPoints == 5);
   static constexpr std::string_view kName = kPoints == 4 ? "fit_cubic_4" : "fit_cubic_5";
   static constexpr uint32_t kFree = kPoints - 1;
-  using Params = FitCubicParams;
   struct Ports {
-    Shared<LayerBlock> layer;
-    In<ChunkStateBlock> state;
-    In<StrandBlock> strands;
-    In<RootBlock> roots;
-    In<PointBlock<kPoints>> points;
-    Out<CurveBlock> curves;
+    Shared<&Streams::layers> layer;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strands> strands;
+    In<&Streams::roots> roots;
+    In<ChainStreams<kPoints, false>::kPosition> points;
+    Out<&Streams::curves> curves;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-               Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::strands>(Stream::kStrands, "strands"),
-               Port<&Ports::roots>(Stream::kRoots, "roots"),
-               Port<&Ports::points>(kPoints == 4 ? Stream::kStrandPoints4 : Stream::kStrandPoints5,
-                                    "points"),
-               Port<&Ports::curves>(Stream::kCurves, "curves"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) FitGroup(ports, lane);
   }

@@ -18,8 +18,6 @@
 
 namespace pelt {
 
-struct FitRibbonParams {};
-
 namespace fit_ribbon_detail {
 
 template <uint32_t kPoints>
@@ -65,25 +63,16 @@ struct FitRibbon {
   static_assert(kPoints == 4 || kPoints == 5);
   static constexpr std::string_view kName = kPoints == 4 ? "fit_ribbon_4" : "fit_ribbon_5";
   static constexpr uint32_t kFree = kPoints - 1;
-  using Params = FitRibbonParams;
   struct Ports {
-    Shared<LayerBlock> layer;
-    In<ChunkStateBlock> state;
-    In<StrandBlock> strands;
-    In<RootBlock> roots;
-    In<PointBlock<kPoints>> points;
-    Out<RibbonBlock> ribbons;
+    Shared<&Streams::layers> layer;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strands> strands;
+    In<&Streams::roots> roots;
+    In<ChainStreams<kPoints, false>::kPosition> points;
+    Out<&Streams::ribbons> ribbons;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-               Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::strands>(Stream::kStrands, "strands"),
-               Port<&Ports::roots>(Stream::kRoots, "roots"),
-               Port<&Ports::points>(kPoints == 4 ? Stream::kStrandPoints4 : Stream::kStrandPoints5,
-                                    "points"),
-               Port<&Ports::ribbons>(Stream::kRibbons, "ribbons"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) FitGroup(ports, lane);
   }

@@ -26,36 +26,23 @@
 
 namespace pelt {
 
-struct InterpolateParams {};
-
 template <class V>
 struct Interpolate {
   static constexpr std::string_view kName = "interpolate";
   static constexpr uint32_t kFree = 3;
-  using Params = InterpolateParams;
   struct Ports {
-    Shared<LayerBlock> layer;
-    In<ChunkStateBlock> state;
-    In<StrandBlock> strands;
-    In<RestBlock<4>> strand_rest;
-    In<RestBlock<4>> chain_rest;
-    In<RootBlock> roots;
-    In<RootBlock> anchors;
-    In<PointBlock<4>> chains;
-    Out<PointBlock<4>> points;
+    Shared<&Streams::layers> layer;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strands> strands;
+    In<&Streams::strand_rest4> strand_rest;
+    In<&Streams::vertex_rest> chain_rest;
+    In<&Streams::roots> roots;
+    In<&Streams::anchors> anchors;
+    In<&Streams::vertex_points> chains;
+    Out<&Streams::strand_points4> points;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-               Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::strands>(Stream::kStrands, "strands"),
-               Port<&Ports::strand_rest>(Stream::kStrandRest4, "strand_rest"),
-               Port<&Ports::chain_rest>(Stream::kVertexRest, "chain_rest"),
-               Port<&Ports::roots>(Stream::kRoots, "roots"),
-               Port<&Ports::anchors>(Stream::kAnchors, "anchors"),
-               Port<&Ports::chains>(Stream::kVertexPoints, "chains"),
-               Port<&Ports::points>(Stream::kStrandPoints4, "points"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     Displacements displacements;
     FillDisplacements(ports, displacements);
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);

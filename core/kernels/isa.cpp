@@ -1,15 +1,15 @@
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 
-// Defined by kernel_table.cpp, once for each instruction set that is built.
-const KernelTable& KernelsReference();
-const KernelTable& KernelsSse4();
-const KernelTable& KernelsAvx2();
-const KernelTable& KernelsAvx512();
-const KernelTable& KernelsSimd128();
+// Defined by frame_table.cpp, once for each instruction set that is built.
+const FrameTable& KernelsReference();
+const FrameTable& KernelsSse4();
+const FrameTable& KernelsAvx2();
+const FrameTable& KernelsAvx512();
+const FrameTable& KernelsSimd128();
 
-const KernelTable* FindKernels(Isa isa) {
+const FrameTable* FindKernels(Isa isa) {
 #ifdef PELT_HAS_SSE4
   if (isa == Isa::kSse4 && __builtin_cpu_supports("sse4.1")) return &KernelsSse4();
 #endif
@@ -32,6 +32,23 @@ Isa BestIsa() {
   for (Isa isa : {Isa::kAvx512, Isa::kAvx2, Isa::kSse4, Isa::kSimd128})
     if (FindKernels(isa)) return isa;
   return Isa::kReference;
+}
+
+const KernelDesc* FrameTable::Find(std::string_view kernel) const {
+  for (const FrameRow& row : rows)
+    if (row.kernel.name == kernel) return &row.kernel;
+  return nullptr;
+}
+
+std::vector<Stage> MakeStages(const FrameTable& table, const FrameParams& params,
+                              VertexOrder order) {
+  std::vector<Stage> stages;
+  for (const FrameRow& row : table.rows) {
+    if (row.vertices && row.vertices != order) continue;
+    stages.push_back(
+        {row.kernel, row.params ? row.params(params) : nullptr, row.domain, row.gate, row.kinds});
+  }
+  return stages;
 }
 
 std::string_view IsaName(Isa isa) {

@@ -20,24 +20,17 @@
 
 namespace pelt {
 
-struct JointPaletteParams {};
-
 template <class V>
 struct JointPalette {
   static constexpr std::string_view kName = "joint_palette";
-  using Params = JointPaletteParams;
   struct Ports {
-    In<PoseBlock> pose;
-    In<SkeletonBlock> skeleton;
-    In<LocalPoseBlock> local;
-    InOut<PaletteBlock> palette;
+    In<&Streams::pose> pose;
+    In<&Streams::skeleton> skeleton;
+    In<&Streams::local_pose> local;
+    InOut<&Streams::palette> palette;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pose>(Stream::kPose, "pose"),
-                                          Port<&Ports::skeleton>(Stream::kSkeleton, "skeleton"),
-                                          Port<&Ports::local>(Stream::kLocalPose, "local_pose"),
-                                          Port<&Ports::palette>(Stream::kPalette, "palette"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t joint_count = ports.pose->joint_count;
     const SkeletonBlock& skeleton = *ports.skeleton;
     PaletteBlock& palette = *ports.palette;

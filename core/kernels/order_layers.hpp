@@ -28,17 +28,12 @@ struct OrderLayers {
   static constexpr std::string_view kName = "order_layers";
   using Params = OrderLayersParams;
   struct Ports {
-    All<LayerBlock> layers;
-    All<BoundsBlock> bounds;
-    All<LodBlock> lod;
-    All<LayerSortBlock> sort;
-    Out<DrawListBlock> list;
+    All<&Streams::layers> layers;
+    All<&Streams::bounds> bounds;
+    All<&Streams::lod> lod;
+    All<&Streams::layer_sort> sort;
+    Out<&Streams::draw_list> list;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layers>(Stream::kLayers, "layers"),
-                                          Port<&Ports::bounds>(Stream::kBounds, "bounds"),
-                                          Port<&Ports::lod>(Stream::kLod, "lod"),
-                                          Port<&Ports::sort>(Stream::kLayerSort, "sort"),
-                                          Port<&Ports::list>(Stream::kDrawList, "list"));
 
   struct Entry {
     uint64_t key;

@@ -17,24 +17,17 @@
 
 namespace pelt {
 
-struct RootsParams {};
-
 template <class V>
 struct Roots {
   static constexpr std::string_view kName = "roots";
-  using Params = RootsParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<StrandBlock> strands;
-    In<SkinnedBlock> skinned;
-    Out<RootBlock> roots;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strands> strands;
+    In<&Streams::skinned> skinned;
+    Out<&Streams::roots> roots;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::strands>(Stream::kStrands, "strands"),
-                                          Port<&Ports::skinned>(Stream::kSkinned, "skinned"),
-                                          Port<&Ports::roots>(Stream::kRoots, "roots"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t s = 0; s < lanes; s += V::kLanes)
       BlendStrands(*ports.strands, ports.skinned->vertex, s, *ports.roots);

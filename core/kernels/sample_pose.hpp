@@ -16,20 +16,15 @@
 
 namespace pelt {
 
-struct SamplePoseParams {};
-
 template <class V>
 struct SamplePose {
   static constexpr std::string_view kName = "sample_pose";
-  using Params = SamplePoseParams;
   struct Ports {
-    In<PoseBlock> pose;
-    Out<LocalPoseBlock> local;
+    In<&Streams::pose> pose;
+    Out<&Streams::local_pose> local;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pose>(Stream::kPose, "pose"),
-                                          Port<&Ports::local>(Stream::kLocalPose, "local_pose"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const PoseBlock& pose = *ports.pose;
     LocalPoseBlock& local = *ports.local;
     const uint32_t lanes = RoundUpToLaneGroups(pose.joint_count);

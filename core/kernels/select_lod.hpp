@@ -116,13 +116,10 @@ struct SelectLod {
   static constexpr std::string_view kName = "select_lod";
   using Params = SelectLodParams;
   struct Ports {
-    In<LayerBlock> layer;
-    In<BoundsBlock> bounds;
-    InOut<LodBlock> lod;
+    In<&Streams::layers> layer;
+    In<&Streams::bounds> bounds;
+    InOut<&Streams::lod> lod;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-                                          Port<&Ports::bounds>(Stream::kBounds, "bounds"),
-                                          Port<&Ports::lod>(Stream::kLod, "lod"));
 
   static PELT_INLINE void SetFraction(const Params& p, const Ports& ports) {
     using namespace select_lod_detail;

@@ -40,7 +40,6 @@ struct SimulateModal {
   static constexpr uint32_t N = kPoints - 1;
   using Params = SimulateParams;
   using Ports = modal::Ports<kPoints, kVertexChains>;
-  static constexpr auto kPorts = modal::MakePorts<kPoints, kVertexChains>();
   using Controls = chain::ControlRecords<V, N>;
 
   static void Run(const Params& params, const Ports& ports) {

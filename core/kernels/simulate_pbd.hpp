@@ -35,7 +35,6 @@ struct SimulatePbd {
   static constexpr uint32_t kFree = kPoints - 1;
   using Params = SimulateParams;
   using Ports = chain::Ports<kPoints, kVertexChains>;
-  static constexpr auto kPorts = chain::MakePorts<kPoints, kVertexChains>();
 
   static void Run(const Params& params, const Ports& ports) {
     chain::Step<V, kPoints, kVertexChains, SimulatePbd>::Run(params, ports);

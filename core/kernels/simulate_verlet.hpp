@@ -24,7 +24,6 @@ struct SimulateVerlet {
   static constexpr uint32_t kFree = kPoints - 1;
   using Params = SimulateParams;
   using Ports = chain::Ports<kPoints, false>;
-  static constexpr auto kPorts = chain::MakePorts<kPoints, false>();
 
   static void Run(const Params& params, const Ports& ports) {
     chain::Step<V, kPoints, false, SimulateVerlet>::Run(params, ports);

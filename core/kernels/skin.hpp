@@ -25,8 +25,6 @@
 
 namespace pelt {
 
-struct SkinParams {};
-
 namespace skin_detail {
 
 // The columns of a 3x4 matrix in every lane.
@@ -129,19 +127,14 @@ PELT_INLINE void SkinChunk(const PaletteBlock& palette, const MeshBlock& mesh, u
 template <class V>
 struct Skin {
   static constexpr std::string_view kName = "skin";
-  using Params = SkinParams;
   struct Ports {
-    Shared<PaletteBlock> palette;
-    In<MeshBlock> mesh;
-    In<ChunkStateBlock> state;
-    InOut<SkinnedBlock> skinned;
+    Shared<&Streams::palette> palette;
+    In<&Streams::mesh> mesh;
+    In<&Streams::chunk_state> state;
+    InOut<&Streams::skinned> skinned;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::palette>(Stream::kPalette, "palette"),
-                                          Port<&Ports::mesh>(Stream::kMesh, "mesh"),
-                                          Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::skinned>(Stream::kSkinned, "skinned"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const ChunkStateBlock& state = *ports.state;
     const bool restart = (state.flags & kChunkRestart) != 0 || ports.palette->teleported != 0;
     const uint32_t first_new = restart ? 0 : state.first_new_vertex;

@@ -38,22 +38,15 @@ PELT_INLINE typename V::Int FarToNearKey(V depth) {
 template <class V, uint32_t kPoints>
 struct SortKey {
   static_assert(kPoints == 4 || kPoints == 5);
-  static constexpr Stream kPointStream =
-      kPoints == 4 ? Stream::kStrandPoints4 : Stream::kStrandPoints5;
   static constexpr std::string_view kName = kPoints == 4 ? "sort_key4" : "sort_key5";
   using Params = SortKeyParams;
   struct Ports {
-    Shared<LayerBlock> layer;
-    InOut<ChunkStateBlock> state;
-    In<RootBlock> roots;
-    In<PointBlock<kPoints>> points;
-    InOut<SortKeyBlock> keys;
+    Shared<&Streams::layers> layer;
+    InOut<&Streams::chunk_state> state;
+    In<&Streams::roots> roots;
+    In<ChainStreams<kPoints, false>::kPosition> points;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayers, "layer"),
-                                          Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::roots>(Stream::kRoots, "roots"),
-                                          Port<&Ports::points>(kPointStream, "points"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
 
   // Point at t = 0.75 on the polyline: 2.25 segments of 3, or 3 of 4.
   static PELT_INLINE Vec3<V> ThreeQuarterPoint(const PointBlock<kPoints>& points, uint32_t lane) {

@@ -35,8 +35,6 @@
 
 namespace pelt {
 
-struct SortLayerParams {};
-
 namespace sort_layer_detail {
 
 inline constexpr uint32_t kMaxDigitBits = 12;
@@ -89,17 +87,12 @@ PELT_INLINE void SumBins(uint32_t* bins, uint32_t bin_count) {
 template <class V>
 struct SortLayer {
   static constexpr std::string_view kName = "sort_layer";
-  using Params = SortLayerParams;
   struct Ports {
-    All<SortKeyBlock> keys;
-    AllOut<SortPairBlock> pairs_a;
-    AllOut<SortPairBlock> pairs_b;
-    AllOut<OrderBlock> order;
+    All<&Streams::sort_keys> keys;
+    AllOut<&Streams::sort_pairs_a> pairs_a;
+    AllOut<&Streams::sort_pairs_b> pairs_b;
+    AllOut<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::pairs_a>(Stream::kSortPairsA, "pairs_a"),
-                                          Port<&Ports::pairs_b>(Stream::kSortPairsB, "pairs_b"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
   // Blocks of a layer lie back to back, so a stream is one array over the layer's lanes.
   static_assert(sizeof(SortKeyBlock) == sizeof(uint32_t) * kStrandsPerChunk);
   static_assert(sizeof(OrderBlock) == sizeof(uint32_t) * kStrandsPerChunk);
@@ -321,7 +314,7 @@ struct SortLayer {
       SortWords<Word64, kPasses>(ports, range, digit_bits, 32);
   }
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     using namespace sort_layer_detail;
     const uint32_t lanes = ports.keys.count * kStrandsPerChunk;
     const Range range = ScanKeys(ports.keys.blocks->key, lanes);

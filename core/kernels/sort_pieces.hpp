@@ -24,8 +24,6 @@
 
 namespace pelt {
 
-struct SortPiecesParams {};
-
 inline constexpr uint32_t kSortDigits = 4;
 
 namespace sort_pieces_detail {
@@ -37,15 +35,15 @@ inline constexpr std::string_view kOffsetNames[] = {"sort_offsets0", "sort_offse
 inline constexpr std::string_view kScatterNames[] = {"sort_scatter0", "sort_scatter1",
                                                      "sort_scatter2", "sort_scatter3"};
 
-// Where digit `digit` reads its pairs (digit 0 reads keys) and writes them (the last: strands).
-constexpr Stream SourceOf(uint32_t digit) {
-  return digit == 0 ? Stream::kSortKeys : digit == 2 ? Stream::kSortPairsB : Stream::kSortPairsA;
-}
-constexpr Stream TargetOf(uint32_t digit) {
-  return digit == kSortDigits - 1 ? Stream::kOrder
-         : digit == 1             ? Stream::kSortPairsB
-                                  : Stream::kSortPairsA;
-}
+// Where digit kDigit reads its pairs (digit 0 reads keys) and writes them (the last: strands).
+template <uint32_t kDigit>
+inline constexpr auto kSource = kDigit == 2 ? &Streams::sort_pairs_b : &Streams::sort_pairs_a;
+template <>
+inline constexpr auto kSource<0> = &Streams::sort_keys;
+template <uint32_t kDigit>
+inline constexpr auto kTarget = kDigit == 1 ? &Streams::sort_pairs_b : &Streams::sort_pairs_a;
+template <>
+inline constexpr auto kTarget<kSortDigits - 1> = &Streams::order;
 
 template <uint32_t kDigit>
 struct SourceBlock {
@@ -78,8 +76,8 @@ PELT_INLINE WordOf<V> TakePlace(DigitBlock& next, WordOf<V> digit) {
 }
 
 // A scattered record is its words to a type that records them.
-template <class V>
-PELT_INLINE void PutPair(const Scatter<SortPair>& sorted, uint32_t i, WordOf<V> to, WordOf<V> key,
+template <class V, auto kRow>
+PELT_INLINE void PutPair(const Scatter<kRow>& sorted, uint32_t i, WordOf<V> to, WordOf<V> key,
                          WordOf<V> strand) {
   if constexpr (simd_detail::HasWords<V>) {
     if (sorted.index) StoreWord<V>(sorted.index, i, to);
@@ -91,7 +89,7 @@ PELT_INLINE void PutPair(const Scatter<SortPair>& sorted, uint32_t i, WordOf<V> 
   }
 }
 template <class V>
-PELT_INLINE void PutStrand(const Scatter<uint32_t>& sorted, uint32_t i, WordOf<V> to,
+PELT_INLINE void PutStrand(const Scatter<&Streams::order>& sorted, uint32_t i, WordOf<V> to,
                            WordOf<V> strand) {
   if constexpr (simd_detail::HasWords<V>) {
     if (sorted.index) StoreWord<V>(sorted.index, i, to);
@@ -107,17 +105,13 @@ template <class V, uint32_t kDigit>
 struct SortCount {
   static_assert(kDigit < kSortDigits);
   static constexpr std::string_view kName = sort_pieces_detail::kCountNames[kDigit];
-  using Params = SortPiecesParams;
   using Source = sort_pieces_detail::SourceBlock<kDigit>;
   struct Ports {
-    In<typename Source::Type> keys;
-    Out<DigitBlock> digits;
+    In<sort_pieces_detail::kSource<kDigit>> keys;
+    Out<&Streams::digits> digits;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::keys>(sort_pieces_detail::SourceOf(kDigit), "keys"),
-               Port<&Ports::digits>(Stream::kDigits, "digits"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     uint32_t* bin = ports.digits->bin;
     for (uint32_t b = 0; b < kDigitBins; ++b) StoreWord<V>(bin, b, 0u);
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
@@ -132,13 +126,11 @@ template <class V, uint32_t kDigit>
 struct SortOffsets {
   static_assert(kDigit < kSortDigits);
   static constexpr std::string_view kName = sort_pieces_detail::kOffsetNames[kDigit];
-  using Params = SortPiecesParams;
   struct Ports {
-    AllInOut<DigitBlock> digits;
+    AllInOut<&Streams::digits> digits;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::digits>(Stream::kDigits, "digits"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     // Dense rows: whole vectors, but for the running sum.
     using I = typename V::Int;
     alignas(64) uint32_t next[kDigitBins];
@@ -160,18 +152,13 @@ template <class V, uint32_t kDigit>
 struct SortScatter {
   static_assert(kDigit > 0 && kDigit + 1 < kSortDigits);
   static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[kDigit];
-  using Params = SortPiecesParams;
   struct Ports {
-    In<SortPairBlock> pairs;
-    In<DigitBlock> places;
-    Scatter<SortPair> sorted;
+    In<sort_pieces_detail::kSource<kDigit>> pairs;
+    In<&Streams::digits> places;
+    Scatter<sort_pieces_detail::kTarget<kDigit>> sorted;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::pairs>(sort_pieces_detail::SourceOf(kDigit), "pairs"),
-               Port<&Ports::places>(Stream::kDigits, "places"),
-               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
@@ -186,20 +173,14 @@ struct SortScatter {
 template <class V>
 struct SortScatter<V, 0> {
   static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[0];
-  using Params = SortPiecesParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<SortKeyBlock> keys;
-    In<DigitBlock> places;
-    Scatter<SortPair> sorted;
+    In<&Streams::chunk_state> state;
+    In<&Streams::sort_keys> keys;
+    In<&Streams::digits> places;
+    Scatter<sort_pieces_detail::kTarget<0>> sorted;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-               Port<&Ports::places>(Stream::kDigits, "places"),
-               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(0), "sorted"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     const uint32_t first = ports.state->first_place;
@@ -215,18 +196,13 @@ template <class V>
 struct SortScatter<V, kSortDigits - 1> {
   static constexpr uint32_t kDigit = kSortDigits - 1;
   static constexpr std::string_view kName = sort_pieces_detail::kScatterNames[kDigit];
-  using Params = SortPiecesParams;
   struct Ports {
-    In<SortPairBlock> pairs;
-    In<DigitBlock> places;
-    Scatter<uint32_t> sorted;
+    In<sort_pieces_detail::kSource<kDigit>> pairs;
+    In<&Streams::digits> places;
+    Scatter<&Streams::order> sorted;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::pairs>(sort_pieces_detail::SourceOf(kDigit), "pairs"),
-               Port<&Ports::places>(Stream::kDigits, "places"),
-               Port<&Ports::sorted>(sort_pieces_detail::TargetOf(kDigit), "sorted"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     using namespace sort_pieces_detail;
     DigitBlock next = *ports.places;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {

@@ -45,16 +45,11 @@ struct Wind {
   static constexpr std::string_view kName = kVertexChains ? "wind_vertices" : "wind_strands";
   using Params = WindParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    Shared<LayerBlock> layer;
-    In<RootBlock> roots;
-    Out<WindBlock> wind;
+    In<&Streams::chunk_state> state;
+    Shared<&Streams::layers> layer;
+    In<kVertexChains ? &Streams::anchors : &Streams::roots> roots;
+    Out<&Streams::wind> wind;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::layer>(Stream::kLayers, "layer"),
-               Port<&Ports::roots>(kVertexChains ? Stream::kAnchors : Stream::kRoots, "roots"),
-               Port<&Ports::wind>(Stream::kWind, "wind"));
 
   static void Run(const Params& params, const Ports& ports) {
     const uint32_t live = kVertexChains ? ports.state->live_vertices : ports.state->live_strands;

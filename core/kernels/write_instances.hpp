@@ -17,8 +17,6 @@
 
 namespace pelt {
 
-struct WriteInstancesParams {};
-
 // Strands drawn from the piece that starts at `first_place`.
 PELT_INLINE uint32_t CountDrawn(uint32_t visible_count, uint32_t first_place) {
   if (visible_count <= first_place) return 0;
@@ -29,22 +27,15 @@ PELT_INLINE uint32_t CountDrawn(uint32_t visible_count, uint32_t first_place) {
 template <class V>
 struct WriteInstances {
   static constexpr std::string_view kName = "write_instances";
-  using Params = WriteInstancesParams;
   struct Ports {
-    In<OrderBlock> order;
-    In<ChunkStateBlock> state;
-    Shared<LayerSortBlock> sort;
-    Gather<CurveRecord> curves;
-    Out<InstanceBlock> instances;
+    In<&Streams::order> order;
+    In<&Streams::chunk_state> state;
+    Shared<&Streams::layer_sort> sort;
+    Gather<&Streams::curves, &Streams::order> curves;
+    Out<&Streams::instances> instances;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::order>(Stream::kOrder, "order"),
-               Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::sort>(Stream::kLayerSort, "sort"),
-               Port<&Ports::curves>(Stream::kCurves, "curves", Stream::kOrder),
-               Port<&Ports::instances>(Stream::kInstances, "instances"));
 
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     CurveRecord* out = ports.instances->instance;
     const uint32_t drawn = CountDrawn(ports.sort->visible_count, ports.state->first_place);
     for (uint32_t i = 0; i < drawn; ++i) CopyRecord<V>(&out[i], &ports.curves[i]);

@@ -156,19 +156,13 @@ struct WriteRibbons {
   static constexpr std::string_view kName = "write_ribbons";
   using Params = WriteRibbonsParams;
   struct Ports {
-    In<OrderBlock> order;
-    In<ChunkStateBlock> state;
-    Shared<LayerSortBlock> sort;
-    Shared<LayerBlock> layer;
-    Gather<RibbonRecord> ribbons;
-    Out<RibbonVertexBlock> vertices;
+    In<&Streams::order> order;
+    In<&Streams::chunk_state> state;
+    Shared<&Streams::layer_sort> sort;
+    Shared<&Streams::layers> layer;
+    Gather<&Streams::ribbons, &Streams::order> ribbons;
+    Out<&Streams::ribbon_vertices> vertices;
   };
-  static constexpr auto kPorts = PortList(
-      Port<&Ports::order>(Stream::kOrder, "order"),
-      Port<&Ports::state>(Stream::kChunkState, "state"),
-      Port<&Ports::sort>(Stream::kLayerSort, "sort"), Port<&Ports::layer>(Stream::kLayers, "layer"),
-      Port<&Ports::ribbons>(Stream::kRibbons, "ribbons", Stream::kOrder),
-      Port<&Ports::vertices>(Stream::kRibbonVertices, "vertices"));
 
   static void Run(const Params& p, const Ports& ports) {
     const uint32_t drawn = CountDrawn(ports.sort->visible_count, ports.state->first_place);
@@ -184,16 +178,11 @@ struct WriteRibbonsUnsorted {
   static constexpr std::string_view kName = "write_ribbons_unsorted";
   using Params = WriteRibbonsParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    Shared<LayerBlock> layer;
-    In<RibbonBlock> ribbons;
-    Out<RibbonVertexBlock> vertices;
+    In<&Streams::chunk_state> state;
+    Shared<&Streams::layers> layer;
+    In<&Streams::ribbons> ribbons;
+    Out<&Streams::ribbon_vertices> vertices;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-               Port<&Ports::layer>(Stream::kLayers, "layer"),
-               Port<&Ports::ribbons>(Stream::kRibbons, "ribbons"),
-               Port<&Ports::vertices>(Stream::kRibbonVertices, "vertices"));
 
   static void Run(const Params& p, const Ports& ports) {
     write_ribbons_detail::WritePiece<V>(

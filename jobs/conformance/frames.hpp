@@ -18,32 +18,24 @@ inline uint32_t Mix(uint32_t a, uint32_t b) {
   for (int round = 0; round < 16; ++round) x = (x ^ (x >> 15)) * 2246822519u + b;
   return x ^ (x >> 13);
 }
-struct NoParams {};
-inline constexpr NoParams kNoParams{};
-
 // Turns every key of a chunk over. Twice is not the same as once.
 struct StirChunk {
   static constexpr std::string_view kName = "conformance_stir";
-  using Params = NoParams;
   struct Ports {
-    InOut<SortKeyBlock> keys;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, 77);
   }
 };
 // A layer's number is of all keys of all its chunks: none may be early, none late.
 struct SumLayer {
   static constexpr std::string_view kName = "conformance_sum_layer";
-  using Params = NoParams;
   struct Ports {
-    All<SortKeyBlock> keys;
-    InOut<LayerSortBlock> layer;
+    All<&Streams::sort_keys> keys;
+    InOut<&Streams::layer_sort> layer;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::layer>(Stream::kLayerSort, "layer"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     uint32_t& sum = ports.layer->visible_count;
     for (uint32_t c = 0; c < ports.keys.count; ++c)
       for (const uint32_t key : ports.keys[c].key) sum = sum * 31u + key;
@@ -51,41 +43,32 @@ struct SumLayer {
 };
 struct SpreadLayer {
   static constexpr std::string_view kName = "conformance_spread_layer";
-  using Params = NoParams;
   struct Ports {
-    Shared<LayerSortBlock> layer;
-    InOut<SortKeyBlock> keys;
+    Shared<&Streams::layer_sort> layer;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layer>(Stream::kLayerSort, "layer"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, ports.layer->visible_count);
   }
 };
 struct SumScene {
   static constexpr std::string_view kName = "conformance_sum_scene";
-  using Params = NoParams;
   struct Ports {
-    All<LayerSortBlock> layers;
-    InOut<DrawListBlock> scene;
+    All<&Streams::layer_sort> layers;
+    InOut<&Streams::draw_list> scene;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::layers>(Stream::kLayerSort, "layers"),
-                                          Port<&Ports::scene>(Stream::kDrawList, "scene"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t l = 0; l < ports.layers.count; ++l)
       ports.scene->count = Mix(ports.scene->count, ports.layers[l].visible_count);
   }
 };
 struct SpreadScene {
   static constexpr std::string_view kName = "conformance_spread_scene";
-  using Params = NoParams;
   struct Ports {
-    Shared<DrawListBlock> scene;
-    InOut<SortKeyBlock> keys;
+    Shared<&Streams::draw_list> scene;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::scene>(Stream::kDrawList, "scene"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, ports.scene->count);
   }
 };
@@ -111,9 +94,9 @@ class SyntheticFrames {
     for (uint32_t c = 0; c < shape_.chunk_count; ++c)
       for (uint32_t i = 0; i < kStrandsPerChunk; ++i) keys_[c].key[i] = c * kStrandsPerChunk + i;
     memory_.shape = &shape_;
-    memory_.base[size_t(Stream::kSortKeys)] = reinterpret_cast<std::byte*>(keys_.data());
-    memory_.base[size_t(Stream::kLayerSort)] = reinterpret_cast<std::byte*>(layers_.data());
-    memory_.base[size_t(Stream::kDrawList)] = reinterpret_cast<std::byte*>(&scene_);
+    memory_.base[size_t(StreamOf<&Streams::sort_keys>)] = reinterpret_cast<std::byte*>(keys_.data());
+    memory_.base[size_t(StreamOf<&Streams::layer_sort>)] = reinterpret_cast<std::byte*>(layers_.data());
+    memory_.base[size_t(StreamOf<&Streams::draw_list>)] = reinterpret_cast<std::byte*>(&scene_);
     std::string error;
     plan_ = *TryCompilePlan({Of<StirChunk>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
                              Of<SpreadLayer>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
@@ -143,7 +126,7 @@ class SyntheticFrames {
  private:
   template <class K>
   static Stage Of(Domain domain) {
-    return {MakeKernelDesc<K>(), &kNoParams, domain};
+    return {MakeKernelDesc<K>(), nullptr, domain};
   }
 
   SceneShape shape_;

@@ -64,9 +64,9 @@ class LocalStoreRunner final : public ItemRunner, private StageObserver {
       const SceneShape& shape = *frame.memory->shape;
       const uint32_t layer = ParentItem(shape, stage.domain, item, Domain::kLayer);
       if (!stage.kinds.Admits(shape.layer_kind[layer])) continue;  // known when the scene is made
-      needed[size_t(Stream::kChunkState)] |= stage.gate.chunk_flags != 0;
-      needed[size_t(Stream::kLayers)] |= stage.gate.layer_flags != 0;
-      needed[size_t(Stream::kLayerSort)] |= stage.gate.layer != LayerGate::kAlways;
+      needed[size_t(StreamOf<&Streams::chunk_state>)] |= stage.gate.chunk_flags != 0;
+      needed[size_t(StreamOf<&Streams::layers>)] |= stage.gate.layer_flags != 0;
+      needed[size_t(StreamOf<&Streams::layer_sort>)] |= stage.gate.layer != LayerGate::kAlways;
     }
     for (const LocalStoreItem::Block& block : moved_.blocks) needed[size_t(block.stream)] = false;
     for (uint32_t s = 0; s < kStreamCount; ++s) {

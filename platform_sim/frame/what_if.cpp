@@ -41,7 +41,7 @@ using sort_pieces_detail::kCountNames, sort_pieces_detail::kOffsetNames,
 
 uint32_t LiveLanes(const Frame& frame, Lanes lanes, uint32_t chunk) {
   const FrameMemory& memory = *frame.memory;
-  const auto& state = *memory.As<ChunkStateBlock>(Stream::kChunkState, chunk);
+  const auto& state = *memory.Of<&Streams::chunk_state>(chunk);
   const uint32_t kind = memory.shape->layer_kind[memory.shape->chunk_layer[chunk]];
   const bool vertices =
       lanes == Lanes::kLiveVertices || (lanes == Lanes::kLiveChains && kind & kLayerVertexChains);
@@ -102,7 +102,7 @@ void WorkChange::DropPalette(const Frame& frame, uint32_t unit, uint32_t pass, u
   if (!has_stores_ || domain <= Domain::kCharacter) return;
   const uint32_t character = ParentItem(*frame.memory->shape, domain, item, Domain::kCharacter);
   for (ItemWork::StreamBytes& moved : work.streams) {
-    if (moved.stream != Stream::kPalette || moved.get_bytes == 0) continue;
+    if (moved.stream != StreamOf<&Streams::palette> || moved.get_bytes == 0) continue;
     if (palette_of_[unit] == character) {
       Replace(Whole(moved.get_bytes), {0, 0, 0}, work.get);
       moved.get_bytes = 0;
@@ -152,7 +152,7 @@ void WorkChange::WidenDigits(const Frame& frame, ItemWork& work) const {
         time->shared_cycles *= double(kMorePlaces);
       }
   for (ItemWork::StreamBytes& moved : work.streams) {
-    if (moved.stream != Stream::kDigits) continue;
+    if (moved.stream != StreamOf<&Streams::digits>) continue;
     const auto widen = [&](uint64_t& bytes, TransferShape& shape) {
       if (bytes == 0) return;
       Replace(Whole(bytes), Whole(bytes * kMorePlaces), shape);

@@ -18,9 +18,7 @@ uint64_t BytesOf(const PortDesc& port, const Binding& binding, const FrameMemory
 
 // The recording twin of a kernel; null for one that is not in the table.
 const KernelDesc* FindRecordingKernel(std::string_view name) {
-  for (const KernelDesc& kernel : KernelsRecording().kernel)
-    if (kernel.name == name) return &kernel;
-  return nullptr;
+  return KernelsRecording().Find(name);
 }
 
 }  // namespace

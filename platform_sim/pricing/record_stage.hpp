@@ -1,4 +1,4 @@
-// Runs a stage of a frame on the recording kernels: core/kernels/kernel_table.cpp once more, with
+// Runs a stage of a frame on the recording kernels: core/kernels/frame_table.cpp once more, with
 // recording_vec.hpp for its vector.
 //
 // Invariant: memory is afterwards as any other instruction set would leave it, so a frame may be
@@ -7,13 +7,13 @@
 
 #include <string>
 
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 #include "platform_sim/pricing/recorder.hpp"
 
 namespace pelt {
 
-const KernelTable& KernelsRecording();
+const FrameTable& KernelsRecording();
 
 // Runs `stage` (of the plan) on `item`, recorded into `recorder`, which is fresh. False, and why in
 // `error`, if it has no twin or its blocks are too many for the recorder's space.

@@ -22,16 +22,16 @@ bool Binds(const Stage& stage, Stream stream) {
 }
 
 uint32_t VisibleOf(const Frame& frame, uint32_t layer) {
-  return frame.memory->As<LayerSortBlock>(Stream::kLayerSort, layer)->visible_count;
+  return frame.memory->Of<&Streams::layer_sort>(layer)->visible_count;
 }
 
 // Of what a chunk's stage writes to one stream.
 uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint32_t chunk) {
   const FrameMemory& memory = *frame.memory;
-  const auto& state = *memory.As<ChunkStateBlock>(Stream::kChunkState, chunk);
+  const auto& state = *memory.Of<&Streams::chunk_state>(chunk);
   const uint32_t layer = memory.shape->chunk_layer[chunk];
-  if (stream == Stream::kChunkState) return 1;
-  if (stream == Stream::kSortKeys) return TurnsOf(state.live_strands);
+  if (stream == StreamOf<&Streams::chunk_state>) return 1;
+  if (stream == StreamOf<&Streams::sort_keys>) return TurnsOf(state.live_strands);
   switch (DescribeStream(stream).lanes) {
     case Lanes::kAll:
       return kStrandsPerChunk / kLanesPerTurn;
@@ -46,8 +46,8 @@ uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint3
     case Lanes::kDrawn:
       break;
   }
-  if (stream == Stream::kOrder) return kStrandsPerChunk / kLanesPerTurn;      // sorted in pieces
-  if (!Binds(stage, Stream::kLayerSort)) return TurnsOf(state.live_strands);  // in strand order
+  if (stream == StreamOf<&Streams::order>) return kStrandsPerChunk / kLanesPerTurn;      // sorted in pieces
+  if (!Binds(stage, StreamOf<&Streams::layer_sort>)) return TurnsOf(state.live_strands);  // in strand order
   const uint32_t place = (chunk - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
   const uint32_t visible = VisibleOf(frame, layer);
   return visible > place ? TurnsOf(std::min(visible - place, kStrandsPerChunk)) : 0;
@@ -57,7 +57,7 @@ uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint3
 
 uint32_t CountTurns(const Frame& frame, uint32_t stage_index, uint32_t item) {
   const Stage& stage = frame.plan->stages[stage_index];
-  if (stage.domain == Domain::kLayer && Binds(stage, Stream::kSortPairsA))
+  if (stage.domain == Domain::kLayer && Binds(stage, StreamOf<&Streams::sort_pairs_a>))
     return TurnsOf(VisibleOf(frame, item));
   if (stage.domain != Domain::kChunk) return 1;
   uint32_t turns = 0;

@@ -57,8 +57,8 @@ TEST_P(ConsoleOf, SaysWhenItsBitsAreNotTheHosts) {
     const SceneShape& shape = run->scene().shape();
     uint32_t chunk = 0;
     while (!(shape.layer_kind[shape.chunk_layer[chunk]] & kLayerFivePoints)) ++chunk;
-    const StreamDesc& points = DescribeStream(Stream::kStrandPoints5);
-    std::byte* block = run->scene().memory().Block(Stream::kStrandPoints5, chunk);
+    const StreamDesc& points = DescribeStream(StreamOf<&Streams::strand_points5>);
+    std::byte* block = run->scene().memory().Block(StreamOf<&Streams::strand_points5>, chunk);
     block[points.rows[0].offset_bytes + 2] ^= std::byte{1};
   };
   ConsoleRun console(tiny, request);

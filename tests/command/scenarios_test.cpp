@@ -108,8 +108,8 @@ TEST(Scenarios, TinyRunsEveryKernelThereIs) {
         for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
           if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
     }
-  for (const KernelDesc& kernel : FindKernels(Isa::kReference)->kernel)
-    EXPECT_TRUE(ran.count(kernel.name)) << kernel.name;
+  for (const FrameRow& row : FindKernels(Isa::kReference)->rows)
+    EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;
 }
 
 TEST(Scenarios, SameScenarioTwiceGivesTheSameBits) {

@@ -207,15 +207,15 @@ TEST(Timeline, DependenciesFollowThePorts) {
       return d.producer == pass_of(from) && d.consumer == pass_of(to) && d.stream == stream;
     });
   };
-  EXPECT_TRUE(has(found, "joint_palette", "skin", Stream::kPalette));
-  EXPECT_TRUE(has(found, "bound_layer", "order_layers", Stream::kBounds));
-  EXPECT_TRUE(has(found, "collect_changes", "write_instances", Stream::kLayerSort));
-  EXPECT_TRUE(has(found, "sort_layer", "write_instances", Stream::kOrder));
+  EXPECT_TRUE(has(found, "joint_palette", "skin", StreamOf<&Streams::palette>));
+  EXPECT_TRUE(has(found, "bound_layer", "order_layers", StreamOf<&Streams::bounds>));
+  EXPECT_TRUE(has(found, "collect_changes", "write_instances", StreamOf<&Streams::layer_sort>));
+  EXPECT_TRUE(has(found, "sort_layer", "write_instances", StreamOf<&Streams::order>));
   // Written and read inside one pass, or read before it is written.
   for (const PassDependency& d : found) {
     EXPECT_LT(d.producer, d.consumer);
-    EXPECT_NE(d.stream, Stream::kPose);
-    EXPECT_NE(d.stream, Stream::kSkinned);
+    EXPECT_NE(d.stream, StreamOf<&Streams::pose>);
+    EXPECT_NE(d.stream, StreamOf<&Streams::skinned>);
   }
   // A pass that did not run gives and takes nothing.
   std::vector<bool> unsorted = all;

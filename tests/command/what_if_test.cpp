@@ -72,14 +72,14 @@ TEST_P(ConsoleOf, AdviceOnAChangeIsWhatARunWithItTakes) {
       EXPECT_TRUE(Holds(advice, fmt::format("{} ({:.2f} ms)", WhatIfName(what_if), ms))) << advice;
     }
     if (what_if == WhatIf::kResidentPalette) {
-      EXPECT_LT(is.stream_get_bytes[size_t(Stream::kPalette)],
-                0.9 * was.stream_get_bytes[size_t(Stream::kPalette)]);
-      EXPECT_EQ(is.stream_get_bytes[size_t(Stream::kMesh)],
-                was.stream_get_bytes[size_t(Stream::kMesh)]);
+      EXPECT_LT(is.stream_get_bytes[size_t(StreamOf<&Streams::palette>)],
+                0.9 * was.stream_get_bytes[size_t(StreamOf<&Streams::palette>)]);
+      EXPECT_EQ(is.stream_get_bytes[size_t(StreamOf<&Streams::mesh>)],
+                was.stream_get_bytes[size_t(StreamOf<&Streams::mesh>)]);
     }
     if (what_if == WhatIf::kLivePrefix) {
-      EXPECT_EQ(is.stream_get_bytes[size_t(Stream::kPalette)],
-                was.stream_get_bytes[size_t(Stream::kPalette)]);
+      EXPECT_EQ(is.stream_get_bytes[size_t(StreamOf<&Streams::palette>)],
+                was.stream_get_bytes[size_t(StreamOf<&Streams::palette>)]);
     }
   }
 }
@@ -100,8 +100,8 @@ TEST(WhatIf, WiderDigitsLeaveARoundOfTheSortOut) {
   for (uint32_t p = 0; p < is.summary.passes.size(); ++p)
     left_out += was.summary.passes[p].items > 0.0 && is.summary.passes[p].items == 0.0;
   EXPECT_EQ(left_out, 3u);  // count, offsets, scatter
-  EXPECT_GT(is.summary.stream_get_bytes[size_t(Stream::kDigits)],
-            3.0 * was.summary.stream_get_bytes[size_t(Stream::kDigits)]);
+  EXPECT_GT(is.summary.stream_get_bytes[size_t(StreamOf<&Streams::digits>)],
+            3.0 * was.summary.stream_get_bytes[size_t(StreamOf<&Streams::digits>)]);
 }
 
 // The scenario as if its setup said `points = 4`.

@@ -6,25 +6,19 @@
 
 namespace pelt {
 
-struct NoParams {};
-
 struct Copy {
   static constexpr std::string_view kName = "copy";
-  using Params = NoParams;
   struct Ports {
-    In<SortKeyBlock> keys;
-    Out<OrderBlock> order;
-  };
-#if FAULT == 1  // a port left out
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-#elif FAULT == 2  // ports in another order
-  static constexpr auto kPorts = PortList(Port<&Ports::order>(Stream::kOrder, "order"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
+#if FAULT == 1  // a stream that is not in the table
+    In<&Streams::no_such_stream> keys;
+#elif FAULT == 2  // a stream of as many bytes, and of another type
+    In<&Streams::order> keys;
 #else
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
+    In<&Streams::sort_keys> keys;
 #endif
-  static void Run(const Params&, const Ports& ports) {
+    Out<&Streams::order> order;
+  };
+  static void Run(const Ports& ports) {
 #if FAULT == 3  // a write through In
     ports.keys->key[0] = 1;
 #endif
@@ -48,10 +42,18 @@ using Kernel = Copy;
 struct OddBlock {
   uint32_t word[3];
 };
-struct OddPorts {
-  In<OddBlock> odd;
+struct OddTable {
+  StreamRow<OddBlock> odd{"odd", Domain::kChunk, Role::kInput};
 };
-constexpr auto kOdd = PortList(Port<&OddPorts::odd>(Stream::kSortKeys, "odd"));
+struct OddPorts {
+  In<&OddTable::odd> odd;
+};
+constexpr OddPorts kOdd{};
+#elif FAULT == 6  // a row that is not named as its member
+struct MisnamedTable {
+  StreamRow<SortKeyBlock> keys{"key", Domain::kChunk, Role::kInput};
+};
+constexpr Stream kMisnamed = StreamOf<&MisnamedTable::keys>;
 #endif
 
 constexpr KernelDesc kDesc = MakeKernelDesc<Kernel>();

@@ -120,22 +120,22 @@ TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
   uint32_t compared = 0;
   for (uint32_t l = 0; l < sorted.shape().layer_count; ++l) {
     const uint32_t first = sorted.shape().layer_first_chunk[l];
-    const auto& count = *sorted.memory().As<LayerSortBlock>(Stream::kLayerSort, l);
+    const auto& count = *sorted.memory().Of<&Streams::layer_sort>(l);
     const bool ribbons = sorted.shape().layer_kind[l] & kLayerRibbons;
     for (uint32_t place = 0; place < count.visible_count; ++place) {
       const uint32_t chunk = first + place / kStrandsPerChunk, lane = place % kStrandsPerChunk;
-      const uint32_t strand = sorted.memory().As<OrderBlock>(Stream::kOrder, chunk)->strand[lane];
-      ASSERT_EQ(unsorted.memory().As<OrderBlock>(Stream::kOrder, chunk)->strand[lane], strand);
+      const uint32_t strand = sorted.memory().Of<&Streams::order>(chunk)->strand[lane];
+      ASSERT_EQ(unsorted.memory().Of<&Streams::order>(chunk)->strand[lane], strand);
       const uint32_t from = first + strand / kStrandsPerChunk, at = strand % kStrandsPerChunk;
       const void *a, *b;
       size_t bytes;
       if (ribbons) {
-        a = sorted.memory().As<RibbonVertexBlock>(Stream::kRibbonVertices, chunk)->vertex[lane];
-        b = unsorted.memory().As<RibbonVertexBlock>(Stream::kRibbonVertices, from)->vertex[at];
+        a = sorted.memory().Of<&Streams::ribbon_vertices>(chunk)->vertex[lane];
+        b = unsorted.memory().Of<&Streams::ribbon_vertices>(from)->vertex[at];
         bytes = sizeof(RibbonVertexBlock::vertex[0]);
       } else {
-        a = &sorted.memory().As<InstanceBlock>(Stream::kInstances, chunk)->instance[lane];
-        b = &unsorted.memory().As<CurveBlock>(Stream::kCurves, from)->record[at];
+        a = &sorted.memory().Of<&Streams::instances>(chunk)->instance[lane];
+        b = &unsorted.memory().Of<&Streams::curves>(from)->record[at];
         bytes = sizeof(CurveRecord);
       }
       ASSERT_EQ(std::memcmp(a, b, bytes), 0) << "layer " << l << ", place " << place;

@@ -56,11 +56,9 @@ struct Fragile {
     float third;
   };
   struct Ports {
-    In<RootBlock> roots;
-    Out<WindBlock> wind;
+    In<&Streams::roots> roots;
+    Out<&Streams::wind> wind;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
-                                          Port<&Ports::wind>(Stream::kWind, "wind"));
   static void Run(const Params& p, const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       const float x = ports.roots->position[0][i];
@@ -105,7 +103,7 @@ uint64_t RunFragile(Executor& executor, bool on_odd_thread) {
   } else {
     executor.Run({&plan, &scene.memory()});
   }
-  return scene.DigestOf({Stream::kWind});
+  return scene.DigestOf({StreamOf<&Streams::wind>});
 }
 
 TEST(FloatEnvironment, EveryExecutorProtectsItsKernels) {
@@ -124,12 +122,12 @@ TEST(FloatEnvironment, UnprotectedTheKernelGivesOtherBits) {
   {
     const OddThread odd;
     for (uint32_t c = 0; c < 3; ++c) {
-      const Binding bindings[] = {{scene.memory().Block(Stream::kRoots, c), nullptr, 1},
-                                  {scene.memory().Block(Stream::kWind, c), nullptr, 1}};
+      const Binding bindings[] = {{scene.memory().Block(StreamOf<&Streams::roots>, c), nullptr, 1},
+                                  {scene.memory().Block(StreamOf<&Streams::wind>, c), nullptr, 1}};
       MakeKernelDesc<Fragile>().run(&kParams, bindings);
     }
   }
-  EXPECT_NE(scene.DigestOf({Stream::kWind}), RunFragile(serial, false));
+  EXPECT_NE(scene.DigestOf({StreamOf<&Streams::wind>}), RunFragile(serial, false));
 }
 
 // Parameters are worked out on the caller's thread: they are part of the bits too.

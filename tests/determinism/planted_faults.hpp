@@ -35,9 +35,8 @@ struct Advance {
   static constexpr std::string_view kName = "advance";
   using Params = FaultParams;
   struct Ports {
-    InOut<SortKeyBlock> keys;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
   static void Run(const Params& p, const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, p.salt);
   }
@@ -45,14 +44,10 @@ struct Advance {
 
 // Ports of `derive` and of what stands in for it.
 struct DerivePorts {
-  In<StrandBlock> strands;
-  In<SortKeyBlock> keys;
-  Out<OrderBlock> order;
+  In<&Streams::strands> strands;
+  In<&Streams::sort_keys> keys;
+  Out<&Streams::order> order;
 };
-inline constexpr auto kDerivePorts =
-    PortList(Port<&DerivePorts::strands>(Stream::kStrands, "strands"),
-             Port<&DerivePorts::keys>(Stream::kSortKeys, "keys"),
-             Port<&DerivePorts::order>(Stream::kOrder, "order"));
 
 // The right result, which every faulty kernel starts from.
 PELT_INLINE void DeriveOrder(const DerivePorts& ports) {
@@ -64,7 +59,6 @@ struct Derive {
   static constexpr std::string_view kName = "derive";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) { DeriveOrder(ports); }
 };
 
@@ -73,7 +67,6 @@ struct ReadsMovingNeighbour {
   static constexpr std::string_view kName = "reads_moving_neighbour";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     ports.order->strand[0] ^= Launder(ports.keys.block)[1].key[0];
@@ -85,7 +78,6 @@ struct ReadsConstantNeighbour {
   static constexpr std::string_view kName = "reads_constant_neighbour";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     uint32_t bits;
@@ -98,7 +90,6 @@ struct WritesThroughConstCast {
   static constexpr std::string_view kName = "writes_through_const_cast";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     const_cast<SortKeyBlock*>(Launder(ports.keys.block))->key[3] ^= 1u;
@@ -110,7 +101,6 @@ struct KeepsStaticState {
   static constexpr std::string_view kName = "keeps_static_state";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static inline uint32_t runs = 0;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
@@ -123,7 +113,6 @@ struct ReadsItsOut {
   static constexpr std::string_view kName = "reads_its_out";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) {
     const uint32_t before = Launder(ports.order.block)->strand[0];
     DeriveOrder(ports);
@@ -136,7 +125,6 @@ struct WritesPastItsBlock {
   static constexpr std::string_view kName = "writes_past_its_block";
   using Params = FaultParams;
   using Ports = DerivePorts;
-  static constexpr auto kPorts = kDerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     Launder(ports.order->strand)[kStrandsPerChunk] = 7;
@@ -149,13 +137,10 @@ struct ReachesAcrossTheLayer {
   static constexpr std::string_view kName = "reaches_across_the_layer";
   using Params = FaultParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<SortKeyBlock> keys;
-    Out<OrderBlock> order;
+    In<&Streams::chunk_state> state;
+    In<&Streams::sort_keys> keys;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
   static void Run(const Params&, const Ports& ports) {
     const uint32_t place = ports.state->first_place / kStrandsPerChunk;
     const SortKeyBlock* first = Launder(ports.keys.block) - place;
@@ -170,16 +155,11 @@ struct GathersAcrossTheLayer {
   static constexpr std::string_view kName = "gathers_across_the_layer";
   using Params = FaultParams;
   struct Ports {
-    In<SortPairBlock> list;
-    In<SortKeyBlock> keys;
-    Gather<uint32_t> first;
-    Out<OrderBlock> order;
+    In<&Streams::sort_pairs_a> list;
+    In<&Streams::sort_keys> keys;
+    Gather<&Streams::sort_keys, &Streams::sort_pairs_a> first;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::list>(Stream::kSortPairsA, "list"),
-               Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-               Port<&Ports::first>(Stream::kSortKeys, "first", Stream::kSortPairsA),
-               Port<&Ports::order>(Stream::kOrder, "order"));
   static void Run(const Params&, const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       ports.order->strand[i] = Mix(ports.keys->key[i], ports.first[i]);
@@ -192,13 +172,10 @@ struct ScatterStrands {
   static constexpr std::string_view kName = kCollide ? "scatter_collides" : "scatter_strands";
   using Params = FaultParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<SortKeyBlock> keys;
-    Scatter<uint32_t> order;
+    In<&Streams::chunk_state> state;
+    In<&Streams::sort_keys> keys;
+    Scatter<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
   static void Run(const Params&, const Ports& ports) {
     const uint32_t first = kCollide ? 0 : ports.state->first_place;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
@@ -213,11 +190,9 @@ struct SumRow {
   static constexpr std::string_view kName = kByLanes ? "sum_by_lanes" : "sum_in_order";
   using Params = FaultParams;
   struct Ports {
-    In<RootBlock> roots;
-    InOut<SortKeyBlock> keys;
+    In<&Streams::roots> roots;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
   static void Run(const Params&, const Ports& ports) {
     const float* row = ports.roots->position[0];
     float sum = 0.0f;
@@ -240,11 +215,9 @@ struct MultiplyAdd {
   static constexpr std::string_view kName = "multiply_add";
   using Params = FaultParams;
   struct Ports {
-    In<RootBlock> roots;
-    Out<WindBlock> wind;
+    In<&Streams::roots> roots;
+    Out<&Streams::wind> wind;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::roots>(Stream::kRoots, "roots"),
-                                          Port<&Ports::wind>(Stream::kWind, "wind"));
   static void Run(const Params&, const Ports& ports) {
     const RootBlock& r = *ports.roots;
     for (int row = 0; row < 3; ++row)

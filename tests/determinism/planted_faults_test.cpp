@@ -54,7 +54,8 @@ uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fu
   SyntheticScene scene(kLayers);
   // Record lists of the gather: lane i of the layer's first chunk.
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    auto* list = reinterpret_cast<uint32_t*>(scene.memory().Block(Stream::kSortPairsA, c));
+    auto* list =
+        reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Streams::sort_pairs_a>, c));
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) list[i] = i;
   }
   Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse});
@@ -62,7 +63,8 @@ uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fu
   Digest digest;
   for (uint32_t f = 0; f < kFrames; ++f) {
     executor.Run({&plan, &scene.memory()});
-    digest.Add64(scene.DigestOf({Stream::kSortKeys, Stream::kOrder, Stream::kWind}));
+    digest.Add64(scene.DigestOf(
+        {StreamOf<&Streams::sort_keys>, StreamOf<&Streams::order>, StreamOf<&Streams::wind>}));
   }
   return digest.Value();
 }
@@ -120,7 +122,7 @@ TEST(PlantedFaults, ConstantNeighbourIsCaughtByLocalStoreOnly) {
 
 TEST(PlantedFaults, ConstCastIsNamedByLocalStore) {
   const Verdict v = Judge(FrameOf<WritesThroughConstCast>());
-  EXPECT_TRUE(v.Named("wrote through its read-only port 'keys'"));
+  EXPECT_TRUE(v.Named("wrote through its read-only port 'sort_keys'"));
   EXPECT_EQ(v.faults.front().stage, "writes_through_const_cast");
 }
 
@@ -185,7 +187,6 @@ struct ScattersOutside {
   static constexpr std::string_view kName = "scatters_outside";
   using Params = FaultParams;
   using Ports = ScatterStrands<false>::Ports;
-  static constexpr auto kPorts = ScatterStrands<false>::kPorts;
   static void Run(const Params&, const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       ports.order.Put(i, 4 * kStrandsPerChunk + i, ports.keys->key[i]);
@@ -195,7 +196,7 @@ struct ScattersOutside {
 TEST(PlantedFaults, ScatteringOutsideTheLayerIsNamedByLocalStore) {
   SyntheticScene scene(kLayers);
   const Plan plan = CompilePlan({Chunk<ScattersOutside>()}, scene.shape(), {});
-  const uint64_t before = scene.DigestOf({Stream::kOrder});
+  const uint64_t before = scene.DigestOf({StreamOf<&Streams::order>});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
   ASSERT_FALSE(local.faults().empty());
@@ -203,7 +204,7 @@ TEST(PlantedFaults, ScatteringOutsideTheLayerIsNamedByLocalStore) {
   EXPECT_NE(local.faults()[0].what.find("scattered to place " + end + " of " + end),
             std::string::npos)
       << local.faults()[0].what;
-  EXPECT_EQ(scene.DigestOf({Stream::kOrder}), before) << "nothing may be put outside";
+  EXPECT_EQ(scene.DigestOf({StreamOf<&Streams::order>}), before) << "nothing may be put outside";
 }
 
 // ---- Lane counts and compilers
@@ -247,14 +248,11 @@ TEST(PlantedFaults, ContractionIsCaughtByInstructionSets) {
 // Sorts right but forgets about ties: the last of equal keys comes first.
 struct SortUnstably {
   static constexpr std::string_view kName = "sort_unstably";
-  using Params = SortLayerParams;
   struct Ports {
-    All<SortKeyBlock> keys;
-    AllOut<OrderBlock> order;
+    All<&Streams::sort_keys> keys;
+    AllOut<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     const uint32_t count = ports.keys.count * kStrandsPerChunk;
     const uint32_t* keys = ports.keys.blocks->key;
     uint32_t* order = ports.order.blocks->strand;
@@ -265,15 +263,12 @@ struct SortUnstably {
   }
 };
 
-constexpr SortLayerParams kSort{};
-constexpr SortPiecesParams kPieces{};
-
 template <uint32_t kDigit>
 void AddDigit(std::vector<Stage>& stages) {
   using V = ArrayVec<4>;
-  stages.push_back(MakeStage<SortCount<V, kDigit>>(Domain::kChunk, kPieces));
-  stages.push_back(MakeStage<SortOffsets<V, kDigit>>(Domain::kLayer, kPieces));
-  stages.push_back(MakeStage<SortScatter<V, kDigit>>(Domain::kChunk, kPieces));
+  stages.push_back(MakeStage<SortCount<V, kDigit>>(Domain::kChunk));
+  stages.push_back(MakeStage<SortOffsets<V, kDigit>>(Domain::kLayer));
+  stages.push_back(MakeStage<SortScatter<V, kDigit>>(Domain::kChunk));
 }
 
 std::vector<Stage> SortInPieces() {
@@ -290,32 +285,32 @@ std::vector<Stage> SortInPieces() {
 uint64_t SortScene(const std::vector<Stage>& stages, uint32_t* first_unstable) {
   SyntheticScene scene(kLayers);
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    for (uint32_t& key : scene.Block<SortKeyBlock>(Stream::kSortKeys, c).key) key &= 0x30005u;
+    for (uint32_t& key : scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key)
+      key &= 0x30005u;
   const Plan plan = CompilePlan(stages, scene.shape(), {});
   PermutedExecutor executor(5);
   executor.Run({&plan, &scene.memory()});
   const uint32_t places = scene.shape().LayerChunks(0) * kStrandsPerChunk;
-  const uint32_t* keys = scene.Block<SortKeyBlock>(Stream::kSortKeys, 0).key;
-  const uint32_t* order = scene.Block<OrderBlock>(Stream::kOrder, 0).strand;
+  const uint32_t* keys = scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, 0).key;
+  const uint32_t* order = scene.Block<OrderBlock>(StreamOf<&Streams::order>, 0).strand;
   uint32_t at = 1;
   while (at < places && (keys[order[at - 1]] < keys[order[at]] ||
                          (keys[order[at - 1]] == keys[order[at]] && order[at - 1] < order[at])))
     ++at;
   *first_unstable = at;
-  return scene.DigestOf({Stream::kOrder});
+  return scene.DigestOf({StreamOf<&Streams::order>});
 }
 
 TEST(PlantedFaults, UnstableTieIsCaughtByTheOrderAndByTheSortInPieces) {
   const uint32_t places = kLayers[0].chunks * kStrandsPerChunk;
   uint32_t first_unstable = 0;
   const uint64_t whole =
-      SortScene({MakeStage<SortLayer<ArrayVec<4>>>(Domain::kLayer, kSort)}, &first_unstable);
+      SortScene({MakeStage<SortLayer<ArrayVec<4>>>(Domain::kLayer)}, &first_unstable);
   EXPECT_EQ(first_unstable, places);
   const uint64_t pieces = SortScene(SortInPieces(), &first_unstable);
   EXPECT_EQ(first_unstable, places);
   EXPECT_EQ(whole, pieces);
-  const uint64_t unstable =
-      SortScene({MakeStage<SortUnstably>(Domain::kLayer, kSort)}, &first_unstable);
+  const uint64_t unstable = SortScene({MakeStage<SortUnstably>(Domain::kLayer)}, &first_unstable);
   EXPECT_LT(first_unstable, places);
   EXPECT_NE(unstable, pieces);
 }
@@ -346,13 +341,20 @@ concept CanWriteIndexed = requires(P port) {
   port[0].key[0] = 1u;
 };
 
-static_assert(CanWriteOwn<Out<SortKeyBlock>> && CanWriteOwn<InOut<SortKeyBlock>>);
-static_assert(!CanWriteOwn<In<SortKeyBlock>> && !CanWriteOwn<Shared<SortKeyBlock>>);
-static_assert(CanWriteDereferenced<Out<SortKeyBlock>>);
-static_assert(!CanWriteDereferenced<In<SortKeyBlock>> &&
-              !CanWriteDereferenced<Shared<SortKeyBlock>>);
-static_assert(CanWriteIndexed<AllOut<SortKeyBlock>> && CanWriteIndexed<AllInOut<SortKeyBlock>>);
-static_assert(!CanWriteIndexed<All<SortKeyBlock>> && !CanWriteIndexed<Gather<SortKeyBlock>>);
+template <class P>
+concept CanWriteRecord = requires(P port) {
+  port[0].key = 1u;
+};
+
+static_assert(CanWriteOwn<Out<&Streams::sort_keys>> && CanWriteOwn<InOut<&Streams::sort_keys>>);
+static_assert(!CanWriteOwn<In<&Streams::sort_keys>> && !CanWriteOwn<Shared<&Streams::sort_keys>>);
+static_assert(CanWriteDereferenced<Out<&Streams::sort_keys>>);
+static_assert(!CanWriteDereferenced<In<&Streams::sort_keys>> &&
+              !CanWriteDereferenced<Shared<&Streams::sort_keys>>);
+static_assert(CanWriteIndexed<AllOut<&Streams::sort_keys>> &&
+              CanWriteIndexed<AllInOut<&Streams::sort_keys>>);
+static_assert(!CanWriteIndexed<All<&Streams::sort_keys>> &&
+              !CanWriteRecord<Gather<&Streams::sort_pairs_a, &Streams::order>>);
 
 }  // namespace
 }  // namespace pelt

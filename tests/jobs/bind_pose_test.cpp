@@ -22,7 +22,7 @@ TEST(BindPose, PutsTheMeshWhereItWasBound) {
   for (uint32_t c = 0; c < grooms.size(); ++c) FillBindPose(*grooms[c], scene.Pose(c));
   ASSERT_EQ(BeginError(scene, {}), "");
   SerialExecutor().Run(scene.CurrentFrame());
-  const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, 0);
+  const auto& palette = *scene.memory().Of<&Streams::palette>(0);
   ASSERT_GT(groom.joint_count, 3u);
   for (uint32_t j = 0; j < groom.joint_count; ++j)
     for (int r = 0; r < 3; ++r)

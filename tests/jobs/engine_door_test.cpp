@@ -204,13 +204,11 @@ TEST(DoorFaults, NullThoughNotRun) {
 // A kernel that holds every thread but the caller's until the caller has run an item too.
 struct HoldHelpers {
   static constexpr std::string_view kName = "hold_helpers";
-  using Params = conformance::NoParams;
   using Ports = conformance::StirChunk::Ports;
-  static constexpr auto kPorts = conformance::StirChunk::kPorts;
   static inline std::thread::id caller;
   static inline std::atomic<uint32_t> inside{0};
   static inline std::atomic<bool> released{false};
-  static void Run(const Params&, const Ports&) {
+  static void Run(const Ports&) {
     if (std::this_thread::get_id() == caller) {
       released = true;
     } else {
@@ -227,7 +225,7 @@ TEST(DoorFaults, NullThoughRunningElsewhere) {
   const Frame frame = frames.frame();
   std::string error;
   const auto plan =
-      TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), &conformance::kNoParams, Domain::kChunk}},
+      TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), nullptr, Domain::kChunk}},
                      *frame.memory->shape, {}, error);
   ASSERT_TRUE(plan) << error;
   HoldHelpers::caller = std::this_thread::get_id();

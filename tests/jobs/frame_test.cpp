@@ -21,18 +21,16 @@ struct AddToKey {
   static constexpr std::string_view kName = "add_to_key";
   using Params = AddParams;
   struct Ports {
-    InOut<SortKeyBlock> keys;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
   static void Run(const Params& p, const Ports& ports) { ports.keys->key[0] += p.add; }
 };
 struct AddToLayer {
   static constexpr std::string_view kName = "add_to_layer";
   using Params = AddParams;
   struct Ports {
-    InOut<LodBlock> lod;
+    InOut<&Streams::lod> lod;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::lod>(Stream::kLod, "lod"));
   static void Run(const Params& p, const Ports& ports) { ports.lod->was_visible += p.add; }
 };
 // Brings the character's root and the layer's box to the chunk.
@@ -40,13 +38,10 @@ struct FetchParents {
   static constexpr std::string_view kName = "fetch_parents";
   using Params = AddParams;
   struct Ports {
-    Shared<PoseBlock> pose;
-    Shared<BoundsBlock> bounds;
-    Out<OrderBlock> order;
+    Shared<&Streams::pose> pose;
+    Shared<&Streams::bounds> bounds;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pose>(Stream::kPose, "pose"),
-                                          Port<&Ports::bounds>(Stream::kBounds, "bounds"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
   static void Run(const Params&, const Ports& ports) {
     ports.order->strand[0] = ports.pose->joint_count;
     std::memcpy(&ports.order->strand[1], ports.bounds->low, 4);
@@ -56,9 +51,8 @@ struct UseVertexPoints {
   static constexpr std::string_view kName = "use_vertex_points";
   using Params = AddParams;
   struct Ports {
-    InOut<PointBlock<4>> points;
+    InOut<&Streams::vertex_points> points;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::points>(Stream::kVertexPoints, "points"));
   static void Run(const Params& p, const Ports& ports) {
     ports.points->position[0][0][0] = float(p.add);
   }
@@ -71,7 +65,7 @@ const std::vector<LayerSpec> kLayers = {
 std::vector<uint32_t> FirstKeys(SyntheticScene& scene) {
   std::vector<uint32_t> keys;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    keys.push_back(scene.Block<SortKeyBlock>(Stream::kSortKeys, c).key[0]);
+    keys.push_back(scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key[0]);
   return keys;
 }
 using Counts = std::vector<uint32_t>;
@@ -79,7 +73,7 @@ using Counts = std::vector<uint32_t>;
 // How often each chunk's stage ran under this gate and kind mask.
 Counts CountRuns(SyntheticScene& scene, Gate gate, KindMask kinds = {}) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    scene.Block<SortKeyBlock>(Stream::kSortKeys, c).key[0] = 0;
+    scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key[0] = 0;
   const Plan plan =
       CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
@@ -94,7 +88,7 @@ TEST(Frame, RunsEveryItemOnce) {
 TEST(Frame, ChunkGateWantsAllItsFlags) {
   SyntheticScene scene(kLayers);
   const auto flags = [&](uint32_t chunk) -> uint32_t& {
-    return scene.Block<ChunkStateBlock>(Stream::kChunkState, chunk).flags;
+    return scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, chunk).flags;
   };
   for (uint32_t c = 0; c < 6; ++c) flags(c) = 0;
   flags(1) = kChunkSkin;
@@ -106,22 +100,22 @@ TEST(Frame, ChunkGateWantsAllItsFlags) {
 
 TEST(Frame, LayerFlagGateLooksAtTheLayersBlock) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l) scene.Block<LayerBlock>(Stream::kLayers, l).flags = 0;
-  scene.Block<LayerBlock>(Stream::kLayers, 1).flags = kLayerWind;
+  for (uint32_t l = 0; l < 3; ++l) scene.Block<LayerBlock>(StreamOf<&Streams::layers>, l).flags = 0;
+  scene.Block<LayerBlock>(StreamOf<&Streams::layers>, 1).flags = kLayerWind;
   EXPECT_EQ(CountRuns(scene, {.layer_flags = kLayerWind}), Counts({0, 0, 1, 1, 1, 0}));
 }
 
 TEST(Frame, SortGateOpensWhenKeysChanged) {
   SyntheticScene scene(kLayers);
   for (uint32_t l = 0; l < 3; ++l)
-    scene.Block<LayerSortBlock>(Stream::kLayerSort, l) = {kStrandsPerChunk, l == 2, 0, {}};
+    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {kStrandsPerChunk, l == 2, 0, {}};
   EXPECT_EQ(CountRuns(scene, {.layer = LayerGate::kKeysChanged}), Counts({0, 0, 0, 0, 0, 1}));
 }
 
 TEST(Frame, RedrawGateOpensForPiecesThatHoldDrawnStrands) {
   SyntheticScene scene(kLayers);
   const auto set = [&](uint32_t layer, uint32_t visible, uint32_t keys, uint32_t records) {
-    scene.Block<LayerSortBlock>(Stream::kLayerSort, layer) = {visible, keys, records, {}};
+    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, layer) = {visible, keys, records, {}};
   };
   set(0, kStrandsPerChunk, 0, 1);      // the first piece only: the second begins behind the last
   set(1, kStrandsPerChunk + 1, 1, 0);  // two of three
@@ -142,18 +136,18 @@ TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
   const Plan plan =
       CompilePlan({MakeStage<UseVertexPoints>(Domain::kChunk, seven)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
-  EXPECT_EQ(scene.memory().Block(Stream::kVertexPoints, 0), nullptr);
+  EXPECT_EQ(scene.memory().Block(StreamOf<&Streams::vertex_points>, 0), nullptr);
   for (uint32_t c = 2; c < 6; ++c)
-    EXPECT_EQ(scene.Block<PointBlock<4>>(Stream::kVertexPoints, c).position[0][0][0], 7.0f);
+    EXPECT_EQ(scene.Block<PointBlock<4>>(StreamOf<&Streams::vertex_points>, c).position[0][0][0], 7.0f);
 }
 
 TEST(Frame, LayerStagesRunOncePerLayer) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l) scene.Block<LodBlock>(Stream::kLod, l).was_visible = 10 * l;
+  for (uint32_t l = 0; l < 3; ++l) scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible = 10 * l;
   const Plan plan = CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
   for (uint32_t l = 0; l < 3; ++l)
-    EXPECT_EQ(scene.Block<LodBlock>(Stream::kLod, l).was_visible, 10 * l + 1);
+    EXPECT_EQ(scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible, 10 * l + 1);
 }
 
 TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
@@ -162,10 +156,10 @@ TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
   SerialExecutor().Run({&plan, &scene.memory()});
   const uint32_t layer_of[] = {0, 0, 1, 1, 1, 2}, character_of[] = {0, 0, 0, 0, 0, 1};
   for (uint32_t c = 0; c < 6; ++c) {
-    const auto& order = scene.Block<OrderBlock>(Stream::kOrder, c);
-    EXPECT_EQ(order.strand[0], scene.Block<PoseBlock>(Stream::kPose, character_of[c]).joint_count);
+    const auto& order = scene.Block<OrderBlock>(StreamOf<&Streams::order>, c);
+    EXPECT_EQ(order.strand[0], scene.Block<PoseBlock>(StreamOf<&Streams::pose>, character_of[c]).joint_count);
     uint32_t low;
-    std::memcpy(&low, scene.Block<BoundsBlock>(Stream::kBounds, layer_of[c]).low, 4);
+    std::memcpy(&low, scene.Block<BoundsBlock>(StreamOf<&Streams::bounds>, layer_of[c]).low, 4);
     EXPECT_EQ(order.strand[1], low);
     EXPECT_EQ(ParentItem(scene.shape(), Domain::kChunk, c, Domain::kScene), 0u);
   }
@@ -183,7 +177,7 @@ TEST(Frame, ChildrenOfALayerAreItsChunks) {
 
 TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   SyntheticScene scene(kLayers);
-  scene.Block<ChunkStateBlock>(Stream::kChunkState, 4).flags = 0;
+  scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, 4).flags = 0;
   const Plan plan =
       CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, {.chunk_flags = kChunkSkin}),
                    MakeStage<AddToLayer>(Domain::kLayer, kOne)},
@@ -224,9 +218,8 @@ struct NoteOrder {
   static constexpr std::string_view kName = "note_order";
   using Params = AddParams;
   struct Ports {
-    In<ChunkStateBlock> state;
+    In<&Streams::chunk_state> state;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"));
   static void Run(const Params&, const Ports& ports) {
     g_visited.push_back(ports.state->first_place / kStrandsPerChunk);
   }

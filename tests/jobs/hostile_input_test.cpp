@@ -121,9 +121,9 @@ void RunHostileCourse(uint64_t seed, std::optional<Solver> solver) {
               << "seed " << seed << ": " << DescribeStream(stream).name << " of chunk " << c
               << ", lane " << i;
     };
-    expect_near(Stream::kVertexPoints, 4);
-    expect_near(Stream::kStrandPoints4, 4);
-    expect_near(Stream::kStrandPoints5, 5);
+    expect_near(StreamOf<&Streams::vertex_points>, 4);
+    expect_near(StreamOf<&Streams::strand_points4>, 4);
+    expect_near(StreamOf<&Streams::strand_points5>, 5);
   }
 }
 

@@ -12,7 +12,7 @@ namespace pelt::testing {
 // The first value that a frame computed and that is not finite, by name; empty when there is none.
 inline std::string FindNonFinite(const FurScene& scene) {
   const SceneShape& shape = scene.shape();
-  for (uint32_t s = 1; s < kStreamCount; ++s) {
+  for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     if (desc.role != Role::kValue) continue;
     for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
@@ -27,11 +27,11 @@ inline std::string FindNonFinite(const FurScene& scene) {
           // Words of records: those that hold a float.
           bool is_float = row.type == ElementType::kFloat;
           const size_t word = e % per_record;
-          if (Stream(s) == Stream::kSkinned) is_float = true;
-          if (Stream(s) == Stream::kCurves || Stream(s) == Stream::kInstances)
+          if (Stream(s) == StreamOf<&Streams::skinned>) is_float = true;
+          if (Stream(s) == StreamOf<&Streams::curves> || Stream(s) == StreamOf<&Streams::instances>)
             is_float = word < 12 || word == 14;
-          if (Stream(s) == Stream::kRibbons) is_float = word < 15 || word == 17;
-          if (Stream(s) == Stream::kRibbonVertices) is_float = word % 8 < 6;
+          if (Stream(s) == StreamOf<&Streams::ribbons>) is_float = word < 15 || word == 17;
+          if (Stream(s) == StreamOf<&Streams::ribbon_vertices>) is_float = word % 8 < 6;
           if (!is_float) continue;
           float value;
           std::memcpy(&value, block + row.offset_bytes + 4 * size_t(e), 4);

@@ -108,21 +108,21 @@ TEST(Pause, FollowsTheView) {
     }
     ASSERT_EQ(looking.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
     FurScene& scene = looking.scene();
-    const uint64_t points = scene.DigestStream(Stream::kCurves),
-                   keys = scene.DigestStream(Stream::kSortKeys);
+    const uint64_t points = scene.DigestStream(StreamOf<&Streams::curves>),
+                   keys = scene.DigestStream(StreamOf<&Streams::sort_keys>);
     FrameInput turned = PausedInput(scenario, f, scene);
     std::swap(turned.camera.position[0], turned.camera.position[2]);
     turned.camera.position[1] += 0.1f;
     ASSERT_EQ(BeginError(scene, turned), "");
     serial.Run(scene.CurrentFrame());
-    EXPECT_EQ(scene.DigestStream(Stream::kCurves), points);
-    EXPECT_NE(scene.DigestStream(Stream::kSortKeys), keys);
-    const uint64_t order = scene.DigestStream(Stream::kOrder);
+    EXPECT_EQ(scene.DigestStream(StreamOf<&Streams::curves>), points);
+    EXPECT_NE(scene.DigestStream(StreamOf<&Streams::sort_keys>), keys);
+    const uint64_t order = scene.DigestStream(StreamOf<&Streams::order>);
     // Without skipping the sort, from the same place.
     turned.skip.sort = false;
     ASSERT_EQ(BeginError(scene, turned), "");
     serial.Run(scene.CurrentFrame());
-    EXPECT_EQ(scene.DigestStream(Stream::kOrder), order);
+    EXPECT_EQ(scene.DigestStream(StreamOf<&Streams::order>), order);
   }
 }
 

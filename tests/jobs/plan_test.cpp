@@ -16,135 +16,100 @@ using testing::LayerSpec;
 using testing::MakeShape;
 using testing::MakeStage;
 
-struct NoParams {};
-constexpr NoParams kNone{};
-
 // keys -> order, own chunk.
 struct KeysToOrder {
   static constexpr std::string_view kName = "keys_to_order";
-  using Params = NoParams;
   struct Ports {
-    In<SortKeyBlock> keys;
-    Out<OrderBlock> order;
+    In<&Streams::sort_keys> keys;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct MakeKeys {
   static constexpr std::string_view kName = "make_keys";
-  using Params = NoParams;
   struct Ports {
-    Out<SortKeyBlock> keys;
+    Out<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 // Scratch between two chunk stages: pairs_b is written and read here and nowhere else.
 struct MakePairs {
   static constexpr std::string_view kName = "make_pairs";
-  using Params = NoParams;
   struct Ports {
-    In<SortKeyBlock> keys;
-    Out<SortPairBlock> pairs;
+    In<&Streams::sort_keys> keys;
+    Out<&Streams::sort_pairs_b> pairs;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct UsePairs {
   static constexpr std::string_view kName = "use_pairs";
-  using Params = NoParams;
   struct Ports {
-    In<SortPairBlock> pairs;
-    Out<OrderBlock> order;
+    In<&Streams::sort_pairs_b> pairs;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct ScatterPairs {
   static constexpr std::string_view kName = "scatter_pairs";
-  using Params = NoParams;
   struct Ports {
-    In<SortKeyBlock> keys;
-    Scatter<SortPair> sorted;
+    In<&Streams::sort_keys> keys;
+    Scatter<&Streams::sort_pairs_a> sorted;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::sorted>(Stream::kSortPairsA, "sorted"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct ReadScattered {
   static constexpr std::string_view kName = "read_scattered";
-  using Params = NoParams;
   struct Ports {
-    In<SortPairBlock> pairs;
-    Out<DigitBlock> digits;
+    In<&Streams::sort_pairs_a> pairs;
+    Out<&Streams::digits> digits;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsA, "pairs"),
-                                          Port<&Ports::digits>(Stream::kDigits, "digits"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct MakeCurves {
   static constexpr std::string_view kName = "make_curves";
-  using Params = NoParams;
   struct Ports {
-    Out<CurveBlock> curves;
+    Out<&Streams::curves> curves;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::curves>(Stream::kCurves, "curves"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct GatherCurves {
   static constexpr std::string_view kName = "gather_curves";
-  using Params = NoParams;
   struct Ports {
-    In<OrderBlock> order;
-    Gather<CurveRecord> curves;
-    Out<InstanceBlock> instances;
+    In<&Streams::order> order;
+    Gather<&Streams::curves, &Streams::order> curves;
+    Out<&Streams::instances> instances;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::order>(Stream::kOrder, "order"),
-               Port<&Ports::curves>(Stream::kCurves, "curves", Stream::kOrder),
-               Port<&Ports::instances>(Stream::kInstances, "instances"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct SumLayer {
   static constexpr std::string_view kName = "sum_layer";
-  using Params = NoParams;
   struct Ports {
-    All<SortKeyBlock> keys;
-    Out<LayerSortBlock> sum;
+    All<&Streams::sort_keys> keys;
+    Out<&Streams::layer_sort> sum;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::sum>(Stream::kLayerSort, "sum"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct UseVertexPoints {
   static constexpr std::string_view kName = "use_vertex_points";
-  using Params = NoParams;
   struct Ports {
-    InOut<PointBlock<4>> points;
+    InOut<&Streams::vertex_points> points;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::points>(Stream::kVertexPoints, "points"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 struct UseBounds {
   static constexpr std::string_view kName = "use_bounds";
-  using Params = NoParams;
   struct Ports {
-    Shared<BoundsBlock> bounds;
-    InOut<SortKeyBlock> keys;
+    Shared<&Streams::bounds> bounds;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::bounds>(Stream::kBounds, "bounds"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports&) {}
+  static void Run(const Ports&) {}
 };
 
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
 
 template <class K>
 Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
-  return MakeStage<K>(Domain::kChunk, kNone, gate, kinds);
+  return MakeStage<K>(Domain::kChunk, gate, kinds);
 }
 
 std::vector<std::string> PassNames(const Plan& plan) {
@@ -189,7 +154,7 @@ TEST(Plan, UnfusedHasOnePassAStage) {
 
 TEST(Plan, PutsABarrierWhereTheDomainChanges) {
   const Plan plan = CompilePlan(
-      {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer, kNone), Chunk<KeysToOrder>()}, kShape,
+      {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()}, kShape,
       {});
   EXPECT_EQ(PassNames(plan), Names({"make_keys", "sum_layer", "keys_to_order"}));
   EXPECT_EQ(plan.passes[1].domain, Domain::kLayer);
@@ -237,22 +202,22 @@ TEST(Plan, FusesOnlyWhatFitsTwiceOver) {
 TEST(Plan, KnowsTransientsAndCountsTheirBytesNowhere) {
   const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
   const Plan fused = CompilePlan(stages, kShape, {});
-  const PassStream& pairs = FindStream(fused.passes[0], Stream::kSortPairsB);
+  const PassStream& pairs = FindStream(fused.passes[0], StreamOf<&Streams::sort_pairs_b>);
   EXPECT_TRUE(pairs.transient);
   EXPECT_FALSE(pairs.get);
   EXPECT_EQ(fused.passes[0].get_bytes, sizeof(SortKeyBlock));
   EXPECT_EQ(fused.passes[0].put_bytes, sizeof(OrderBlock));
 
   const Plan unfused = CompilePlan(stages, kShape, {.fuse = false});
-  EXPECT_FALSE(FindStream(unfused.passes[0], Stream::kSortPairsB).transient);
+  EXPECT_FALSE(FindStream(unfused.passes[0], StreamOf<&Streams::sort_pairs_b>).transient);
   EXPECT_EQ(unfused.passes[0].put_bytes, sizeof(SortPairBlock));
   EXPECT_EQ(unfused.passes[1].get_bytes, sizeof(SortPairBlock));
 }
 
 TEST(Plan, OutCostsNoGetAndInNoPut) {
   const Plan plan = CompilePlan({Chunk<KeysToOrder>()}, kShape, {});
-  const PassStream& keys = FindStream(plan.passes[0], Stream::kSortKeys);
-  const PassStream& order = FindStream(plan.passes[0], Stream::kOrder);
+  const PassStream& keys = FindStream(plan.passes[0], StreamOf<&Streams::sort_keys>);
+  const PassStream& order = FindStream(plan.passes[0], StreamOf<&Streams::order>);
   EXPECT_TRUE(keys.get);
   EXPECT_FALSE(keys.put);
   EXPECT_FALSE(order.get);
@@ -268,7 +233,7 @@ TEST(Plan, SharedBlocksAreResidentOnceAndNotCountedPerItem) {
 
 TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
   const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
-  const std::vector<Stage> stages = {MakeStage<SumLayer>(Domain::kLayer, kNone)};
+  const std::vector<Stage> stages = {MakeStage<SumLayer>(Domain::kLayer)};
   const Plan plan = CompilePlan(stages, kShape, {.local_store_data_bytes = once});
   EXPECT_FALSE(plan.passes[0].double_buffered);
   EXPECT_EQ(plan.passes[0].resident_bytes, once) << "the largest layer, 3 chunks, counts";
@@ -278,7 +243,7 @@ TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
 
 TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
   const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
-  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer, kNone)}, kShape,
+  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer)}, kShape,
                                     {.local_store_data_bytes = once - 1});
   EXPECT_NE(error.find("stage sum_layer"), std::string::npos) << error;
   EXPECT_NE(error.find("one layer needs " + std::to_string(once) + " bytes"), std::string::npos)
@@ -288,7 +253,7 @@ TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
 
 TEST(Plan, InMainMemoryAStageThatDoesNotFitIsAPassOfItsOwn) {
   const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
-  const Stage sum = MakeStage<SumLayer>(Domain::kLayer, kNone);
+  const Stage sum = MakeStage<SumLayer>(Domain::kLayer);
   const Plan roomy = CompilePlan({sum, sum}, kShape, {.must_fit = false});
   EXPECT_EQ(PassNames(roomy), Names({"sum_layer sum_layer"}));
   const Plan tight =
@@ -328,7 +293,7 @@ TEST(Plan, MeasuresTheKindThatNeedsMost) {
 
 TEST(Plan, DescribesPassesBytesAndBarriers) {
   const Plan plan = CompilePlan(
-      {Chunk<MakePairs>(), Chunk<UsePairs>(), MakeStage<SumLayer>(Domain::kLayer, kNone)}, kShape,
+      {Chunk<MakePairs>(), Chunk<UsePairs>(), MakeStage<SumLayer>(Domain::kLayer)}, kShape,
       {.local_store_data_bytes = 4 * 1024});
   const std::string text = DescribePlan(plan, kShape);
   EXPECT_NE(text.find("make_pairs, use_pairs"), std::string::npos) << text;

@@ -135,7 +135,7 @@ TEST(PoseGate, ACharacterWithoutAPoseStandsAsItWasBound) {
   scene.Pose(1).joint_count = 3;
   ASSERT_EQ(BeginError(scene, input), "");
   SerialExecutor().Run(scene.CurrentFrame());
-  const auto& palette = *scene.memory().As<PaletteBlock>(Stream::kPalette, 1);
+  const auto& palette = *scene.memory().Of<&Streams::palette>(1);
   const float scale = scenario.ActorGrooms()[1]->unit_scale;
   for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
 }
@@ -148,7 +148,7 @@ std::pair<uint32_t, uint32_t> CountStarts(const FurScene& scene, uint32_t charac
     if (shape.layer_character[shape.chunk_layer[c]] != character) continue;
     ++all;
     starts +=
-        (scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags & kChunkRestart) != 0;
+        (scene.memory().Of<&Streams::chunk_state>(c)->flags & kChunkRestart) != 0;
   }
   return {starts, all};
 }

@@ -72,7 +72,7 @@ TEST(PullExecutor, PassesOfNoItemsAreSkipped) {
   FrameMemory memory{};
   memory.shape = &shape;
   DrawListBlock scene{};
-  memory.base[size_t(Stream::kDrawList)] = reinterpret_cast<std::byte*>(&scene);
+  memory.base[size_t(StreamOf<&Streams::draw_list>)] = reinterpret_cast<std::byte*>(&scene);
   PullExecutor pull;
   FrameRecording recording(plan, shape);
   ASSERT_TRUE(pull.Begin({&plan, &memory, recording.profile()}));

@@ -15,12 +15,12 @@ using namespace testing;
 // -------------------------------------------------------------------------------------
 
 constexpr Stream kRestarted[] = {
-    Stream::kSkinned,         Stream::kAnchors,        Stream::kRoots,
-    Stream::kVertexPoints,    Stream::kVertexPrevious, Stream::kStrandPoints4,
-    Stream::kStrandPrevious4, Stream::kStrandPoints5,  Stream::kStrandPrevious5,
-    Stream::kVertexModal,     Stream::kStrandModal4,   Stream::kStrandModal5,
-    Stream::kCurves,          Stream::kRibbons,        Stream::kSortKeys,
-    Stream::kOrder,           Stream::kInstances,      Stream::kRibbonVertices};
+    StreamOf<&Streams::skinned>,         StreamOf<&Streams::anchors>,        StreamOf<&Streams::roots>,
+    StreamOf<&Streams::vertex_points>,    StreamOf<&Streams::vertex_previous>, StreamOf<&Streams::strand_points4>,
+    StreamOf<&Streams::strand_previous4>, StreamOf<&Streams::strand_points5>,  StreamOf<&Streams::strand_previous5>,
+    StreamOf<&Streams::vertex_modal>,     StreamOf<&Streams::strand_modal4>,   StreamOf<&Streams::strand_modal5>,
+    StreamOf<&Streams::curves>,          StreamOf<&Streams::ribbons>,        StreamOf<&Streams::sort_keys>,
+    StreamOf<&Streams::order>,           StreamOf<&Streams::instances>,      StreamOf<&Streams::ribbon_vertices>};
 
 // Holds `scene` after `frame` against a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {
@@ -66,7 +66,7 @@ TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
   for (uint32_t f = 5; f < 9; ++f) run(f, true);
   EXPECT_EQ(scene.DrawnStrands(), 0u);
   EXPECT_EQ(scene.LiveStrands(), 0u);
-  EXPECT_EQ(scene.memory().As<DrawListBlock>(Stream::kDrawList, 0)->count, 0u);
+  EXPECT_EQ(scene.memory().Of<&Streams::draw_list>(0)->count, 0u);
   run(9, false);
   ExpectLikeAFirstFrame(scenario, 9, scene);
 }
@@ -93,13 +93,13 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
     if (f == from) {
       // The first wet frame is a small step away from the dry one (towards the control strands,
       // which in this thin fur are decimetres away), not a jump.
-      EXPECT_NE(wet.scene().DigestStream(Stream::kStrandPoints4),
-                dry.scene().DigestStream(Stream::kStrandPoints4));
+      EXPECT_NE(wet.scene().DigestStream(StreamOf<&Streams::strand_points4>),
+                dry.scene().DigestStream(StreamOf<&Streams::strand_points4>));
       for (uint32_t c = 0; c < wet.scene().shape().chunk_count; ++c) {
-        const auto* a = wet.scene().memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
-        const auto* b = dry.scene().memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
+        const auto* a = wet.scene().memory().Of<&Streams::strand_points4>(c);
+        const auto* b = dry.scene().memory().Of<&Streams::strand_points4>(c);
         if (!a) continue;
-        for (uint32_t i = 0; i < wet.scene().LiveLanes(Stream::kStrandPoints4, c); ++i)
+        for (uint32_t i = 0; i < wet.scene().LiveLanes(StreamOf<&Streams::strand_points4>, c); ++i)
           for (int axis = 0; axis < 3; ++axis)
             EXPECT_NEAR(a->position[2][axis][i], b->position[2][axis][i], 0.02f);
       }
@@ -148,7 +148,7 @@ TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
                         kChunkSkin | kChunkSimulate | kChunkFit | kChunkKeys),
             course.scene().shape().chunk_count);
   for (uint32_t l = 0; l < course.scene().shape().layer_count; ++l) {
-    const auto& sort = *course.scene().memory().As<LayerSortBlock>(Stream::kLayerSort, l);
+    const auto& sort = *course.scene().memory().Of<&Streams::layer_sort>(l);
     EXPECT_EQ(sort.keys_changed | sort.records_changed, 0u);
     EXPECT_GT(sort.visible_count, 0u) << "it is still drawn, with last frame's vertices";
   }
@@ -190,9 +190,9 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
   in_force.push_back([](FrameInput& in, FurScene&) { in.wind.velocity[0] = 1.0f; });
   course.Run();
   for (uint32_t c = 0; c < all; ++c) {
-    const auto& state = *course.scene().memory().As<ChunkStateBlock>(Stream::kChunkState, c);
+    const auto& state = *course.scene().memory().Of<&Streams::chunk_state>(c);
     const uint32_t layer = course.scene().shape().chunk_layer[c];
-    const uint32_t flags = course.scene().memory().As<LayerBlock>(Stream::kLayers, layer)->flags;
+    const uint32_t flags = course.scene().memory().Of<&Streams::layers>(layer)->flags;
     EXPECT_EQ((state.flags & kChunkSimulate) != 0, (flags & kLayerWind) != 0) << c;
   }
   EXPECT_GT(course.Awake(), 0u);

@@ -33,8 +33,8 @@ TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
   const FurScene &a = full.scene(), &b = half.scene();
   uint32_t compared = 0;
   for (uint32_t c = 0; c < a.shape().chunk_count; ++c) {
-    const uint32_t strands = a.memory().As<StrandBlock>(Stream::kStrands, c)->strand_count;
-    const uint32_t live = b.LiveLanes(Stream::kRoots, c);
+    const uint32_t strands = a.memory().Of<&Streams::strands>(c)->strand_count;
+    const uint32_t live = b.LiveLanes(StreamOf<&Streams::roots>, c);
     EXPECT_EQ(live, (strands + 1) / 2);
     const auto same = [&](Stream stream, uint32_t rows) {
       const auto *p = a.memory().As<uint32_t>(stream, c), *q = b.memory().As<uint32_t>(stream, c);
@@ -46,13 +46,13 @@ TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
             << DescribeStream(stream).name << " of chunk " << c << ", row " << row;
       ++compared;
     };
-    same(Stream::kRoots, 12);
-    same(Stream::kVertexPoints, 9);
-    same(Stream::kStrandPoints4, 9);
-    same(Stream::kStrandPoints5, 12);
-    if (const auto* p = a.memory().As<CurveBlock>(Stream::kCurves, c)) {
+    same(StreamOf<&Streams::roots>, 12);
+    same(StreamOf<&Streams::vertex_points>, 9);
+    same(StreamOf<&Streams::strand_points4>, 9);
+    same(StreamOf<&Streams::strand_points5>, 12);
+    if (const auto* p = a.memory().Of<&Streams::curves>(c)) {
       EXPECT_EQ(
-          std::memcmp(p, b.memory().As<CurveBlock>(Stream::kCurves, c), live * sizeof(CurveRecord)),
+          std::memcmp(p, b.memory().Of<&Streams::curves>(c), live * sizeof(CurveRecord)),
           0);
     }
   }
@@ -110,10 +110,10 @@ TEST(FurSceneLod, GrowingBackDisturbsNoStrandThatWasThere) {
   const FurScene &a = full.scene(), &b = grown.scene();
   EXPECT_EQ(a.LiveStrands(), b.LiveStrands());
   for (uint32_t c = 0; c < a.shape().chunk_count; ++c) {
-    const auto* p = a.memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
+    const auto* p = a.memory().Of<&Streams::strand_points4>(c);
     if (!p || (a.shape().layer_kind[a.shape().chunk_layer[c]] & kLayerVertexChains)) continue;
-    const auto* q = b.memory().As<PointBlock<4>>(Stream::kStrandPoints4, c);
-    const uint32_t strands = a.memory().As<StrandBlock>(Stream::kStrands, c)->strand_count;
+    const auto* q = b.memory().Of<&Streams::strand_points4>(c);
+    const uint32_t strands = a.memory().Of<&Streams::strands>(c)->strand_count;
     for (uint32_t i = 0; i < (strands + 1) / 2; ++i)
       EXPECT_EQ(std::memcmp(&p->position[2][0][i], &q->position[2][0][i], 4), 0) << c << ' ' << i;
   }

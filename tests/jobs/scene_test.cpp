@@ -98,8 +98,8 @@ TEST(FurSceneMemory, RefusesALayoutOfOtherGroomsOfTheSameSize) {
   moved.shape.chunk_layer[0] = moved.shape.layer_count - 1;
   expect_refused(moved, "layer of a chunk");
   moved = layout;
-  moved.ranges[size_t(Stream::kMesh)].bytes -= 128;
-  moved.ranges[size_t(Stream::kStrands)].bytes += 128;
+  moved.ranges[size_t(StreamOf<&Streams::mesh>)].bytes -= 128;
+  moved.ranges[size_t(StreamOf<&Streams::strands>)].bytes += 128;
   expect_refused(moved, "ranges");
   moved = layout;
   moved.ranges.clear();
@@ -244,9 +244,9 @@ TEST(FurSceneInput, AbsurdButFiniteInputDoesNoLastingHarm) {
           ASSERT_LT(std::abs(p[row * kStrandsPerChunk + i]), 10.0f)
               << DescribeStream(stream).name << " of chunk " << c << ", lane " << i;
     };
-    finite(Stream::kVertexPoints, 4);
-    finite(Stream::kStrandPoints4, 4);
-    finite(Stream::kStrandPoints5, 5);
+    finite(StreamOf<&Streams::vertex_points>, 4);
+    finite(StreamOf<&Streams::strand_points4>, 4);
+    finite(StreamOf<&Streams::strand_points5>, 5);
   }
 }
 

@@ -23,7 +23,7 @@ namespace pelt::testing {
 
 struct LayerSpec {
   uint32_t character;
-  uint32_t kind;  // kLayerKindFlags bits, kKindSortInPieces
+  uint32_t kind;  // kLayerKindFlags bits, kLayerSortInPieces
   uint32_t chunks;
 };
 
@@ -46,11 +46,11 @@ class SyntheticScene {
   explicit SyntheticScene(const std::vector<LayerSpec>& layers, uint64_t seed = 1)
       : shape_(MakeShape(layers)), slots_(kStreamCount) {
     size_t bytes = kBlockAlignment;
-    for (uint32_t s = 1; s < kStreamCount; ++s) bytes += PlaceStream(s, bytes);
+    for (uint32_t s = 0; s < kStreamCount; ++s) bytes += PlaceStream(s, bytes);
     bytes_.resize(bytes + kBlockAlignment);
     auto* aligned = bytes_.data() + (kBlockAlignment - uintptr_t(bytes_.data()) % kBlockAlignment);
     memory_.shape = &shape_;
-    for (uint32_t s = 1; s < kStreamCount; ++s) memory_.base[s] = aligned + offset_[s];
+    for (uint32_t s = 0; s < kStreamCount; ++s) memory_.base[s] = aligned + offset_[s];
     Fill(seed);
   }
   SyntheticScene(const SyntheticScene&) = delete;
@@ -66,21 +66,21 @@ class SyntheticScene {
   // open.
   void Fill(uint64_t seed) {
     Random random(seed);
-    for (uint32_t s = 1; s < kStreamCount; ++s) {
+    for (uint32_t s = 0; s < kStreamCount; ++s) {
       const StreamDesc& desc = DescribeStream(Stream(s));
       for (uint32_t b = 0; b <= memory_.block_count[s]; ++b)
         for (const RowDesc& row : desc.rows)
           FillRow(random, row, memory_.base[s] + size_t(b) * desc.block_bytes);
     }
     for (uint32_t c = 0; c < shape_.chunk_count; ++c) {
-      auto& state = Block<ChunkStateBlock>(Stream::kChunkState, c);
+      auto& state = Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, c);
       state.flags = ~0u;
       state.live_strands = state.live_vertices = kStrandsPerChunk;
       state.first_place = (c - shape_.layer_first_chunk[shape_.chunk_layer[c]]) * kStrandsPerChunk;
     }
     for (uint32_t l = 0; l < shape_.layer_count; ++l) {
-      Block<LayerBlock>(Stream::kLayers, l).flags = ~0u;
-      Block<LayerSortBlock>(Stream::kLayerSort, l) = {
+      Block<LayerBlock>(StreamOf<&Streams::layers>, l).flags = ~0u;
+      Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {
           shape_.LayerChunks(l) * kStrandsPerChunk, 1, 1, {}};
     }
   }
@@ -103,13 +103,11 @@ class SyntheticScene {
     const StreamDesc& desc = DescribeStream(Stream(s));
     offset_[s] = at;
     uint32_t blocks = shape_.ItemCount(desc.domain);
-    if (desc.domain == Domain::kChunk && (desc.required | desc.forbidden) != 0) {
+    if (desc.domain == Domain::kChunk && (desc.kinds.required | desc.kinds.forbidden) != 0) {
       blocks = 0;
       slots_[s].assign(shape_.chunk_count, kNoBlock);
       for (uint32_t c = 0; c < shape_.chunk_count; ++c)
-        if (KindMask{desc.required, desc.forbidden}.Admits(
-                shape_.layer_kind[shape_.chunk_layer[c]]))
-          slots_[s][c] = blocks++;
+        if (desc.kinds.Admits(shape_.layer_kind[shape_.chunk_layer[c]])) slots_[s][c] = blocks++;
       memory_.slot[s] = slots_[s].data();
     }
     memory_.block_count[s] = blocks;
@@ -139,11 +137,17 @@ class SyntheticScene {
   std::vector<std::byte> bytes_;
 };
 
-// A stage of kernel K with these parameters, which must outlive every plan made of it.
+// A stage of kernel K, with its parameters if it has some, which must outlive every plan made of
+// it.
 template <class K>
+requires requires { typename K::Params; }
 Stage MakeStage(Domain domain, const typename K::Params& params, Gate gate = {},
                 KindMask kinds = {}) {
   return {MakeKernelDesc<K>(), &params, domain, gate, kinds};
+}
+template <class K>
+Stage MakeStage(Domain domain, Gate gate = {}, KindMask kinds = {}) {
+  return {MakeKernelDesc<K>(), nullptr, domain, gate, kinds};
 }
 
 }  // namespace pelt::testing

@@ -66,7 +66,7 @@ inline void ExpectSameFrames(const std::vector<uint64_t>& expected,
 inline uint32_t CountChunks(const FurScene& scene, uint32_t set, uint32_t clear = 0) {
   uint32_t count = 0;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    const uint32_t flags = scene.memory().As<ChunkStateBlock>(Stream::kChunkState, c)->flags;
+    const uint32_t flags = scene.memory().Of<&Streams::chunk_state>(c)->flags;
     count += (flags & set) == set && (flags & clear) == 0;
   }
   return count;

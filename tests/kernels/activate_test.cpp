@@ -81,8 +81,7 @@ TEST(Activate, LiveVerticesCoverEveryLaneAKernelTouches) {
     for (int i = 1; i <= 100; ++i) {
       w.lod[0].fraction = float(i) / 100.0f;
       const ChunkStateBlock& s = w.Run();
-      const uint32_t touched =
-          std::min(RoundUpToLaneGroups(s.live_strands), kStrandsPerChunk);
+      const uint32_t touched = std::min(RoundUpToLaneGroups(s.live_strands), kStrandsPerChunk);
       uint32_t needed = 0;
       for (uint32_t lane = 0; lane < std::min(touched, count); ++lane)
         needed = std::max(needed, uint32_t(w.strands[0].vertex_prefix[lane]) + 1);

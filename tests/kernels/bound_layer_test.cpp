@@ -45,7 +45,8 @@ TEST(BoundLayer, IsTheUnionOfAllTransformedCorners) {
     const auto scene = MakeScene(count, count);
     BoundsBlock bounds;
     test::Poison(bounds);
-    RunOnBlocks<BoundLayer<ArrayVec<4>>>({}, scene->palette, scene->layer, scene->joints, bounds);
+    RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
+                                         bounds);
     double low[3] = {1e30, 1e30, 1e30}, high[3] = {-1e30, -1e30, -1e30};
     for (uint32_t i = 0; i < count; ++i) {
       const float* m = scene->palette.matrix[scene->joints.joint[i]];
@@ -84,11 +85,12 @@ TEST(BoundLayer, SameBlockOnEveryVector) {
     }
     BoundsBlock expected;
     test::Poison(expected);
-    RunOnBlocks<BoundLayer<ArrayVec<4>>>({}, scene->palette, scene->layer, scene->joints, expected);
+    RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
+                                         expected);
     ForEveryVector([&]<class V>(const char* name) {
       BoundsBlock bounds;
       test::Poison(bounds);
-      RunOnBlocks<BoundLayer<V>>({}, scene->palette, scene->layer, scene->joints, bounds);
+      RunOnBlocks<BoundLayer<V>>(nullptr, scene->palette, scene->layer, scene->joints, bounds);
       EXPECT_EQ(std::memcmp(&bounds, &expected, sizeof bounds), 0) << name << " " << count;
     });
   }
@@ -98,7 +100,8 @@ TEST(BoundLayer, ALayerWithoutJointsIsAPoint) {
   const auto scene = MakeScene(0, 1);
   BoundsBlock bounds;
   test::Poison(bounds);
-  RunOnBlocks<BoundLayer<ArrayVec<4>>>({}, scene->palette, scene->layer, scene->joints, bounds);
+  RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
+                                       bounds);
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(bounds.low[c], 0.0f);
     EXPECT_EQ(bounds.high[c], 0.0f);

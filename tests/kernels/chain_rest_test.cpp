@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "tests/kernels/chain_scene.hpp"
 
 namespace pelt::test {
@@ -51,14 +51,14 @@ void Run(const KernelDesc& kernel, ChainScene<kPoints>& s) {
 }
 
 template <uint32_t kPoints, class PaceOf>
-void ExpectRest(Kernel kernel, float root_x, PaceOf pace_of) {
+void ExpectRest(const char* kernel, float root_x, PaceOf pace_of) {
   for (const Isa isa : kAllIsas) {
     if (!FindKernels(isa)) continue;
-    SCOPED_TRACE(testing::Message() << (*FindKernels(isa))[kernel].name << ", " << IsaName(isa)
-                                    << ", root at " << root_x << " m");
+    SCOPED_TRACE(testing::Message()
+                 << kernel << ", " << IsaName(isa) << ", root at " << root_x << " m");
     const auto s = CoastingScene<kPoints>(root_x, pace_of);
     const PointBlock<kPoints> before = s->position;
-    Run((*FindKernels(isa))[kernel], *s);
+    Run(*FindKernels(isa)->Find(kernel), *s);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       const uint32_t moving = lane % (kPoints - 1);
       const Pace pace = pace_of(*s, lane);
@@ -76,8 +76,8 @@ void ExpectRest(Kernel kernel, float root_x, PaceOf pace_of) {
 
 template <uint32_t kPoints, class PaceOf>
 void ExpectRestOfBoth(float root_x, PaceOf pace_of) {
-  ExpectRest<kPoints>(kPoints == 4 ? Kernel::kPbdStrand4 : Kernel::kPbdStrand5, root_x, pace_of);
-  ExpectRest<kPoints>(kPoints == 4 ? Kernel::kVerlet4 : Kernel::kVerlet5, root_x, pace_of);
+  ExpectRest<kPoints>(kPoints == 4 ? "simulate_pbd_4" : "simulate_pbd_5", root_x, pace_of);
+  ExpectRest<kPoints>(kPoints == 4 ? "simulate_verlet_4" : "simulate_verlet_5", root_x, pace_of);
 }
 
 TEST(ChainRest, BelowTheThresholdsShareOfASegment) {

@@ -163,7 +163,7 @@ void MakeRandom(ChainScene<kPoints>& s, uint32_t seed) {
 // One frame of kernel K. Blocks go through the same binding an executor uses.
 template <class K, uint32_t kPoints>
 void StepChains(ChainScene<kPoints>& s) {
-  constexpr size_t kCount = KernelTraits<K>::kCount;
+  constexpr size_t kCount = kMemberCount<typename K::Ports>;
   void* all[] = {&s.layer, &s.state,   &s.rest,     &s.roots,
                  &s.wind,  &s.strands, &s.position, &s.previous};
   Binding bindings[kCount];

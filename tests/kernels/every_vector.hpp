@@ -71,6 +71,11 @@ class Blocks {
 
 // Runs kernel K on one item; bindings in the order of its ports.
 template <class K>
+void RunKernel(std::initializer_list<Binding> bindings) {
+  KernelTraits<K>::Run(nullptr, bindings.begin());
+}
+template <class K>
+requires requires { typename K::Params; }
 void RunKernel(const typename K::Params& params, std::initializer_list<Binding> bindings) {
   KernelTraits<K>::Run(&params, bindings.begin());
 }

@@ -51,12 +51,12 @@ std::unique_ptr<FitScene<kPoints>> MakeScene(uint32_t seed, bool weather) {
 template <class K, class Scene, class Block>
 void Fit(Scene& s, Block& out) {
   std::memset(static_cast<void*>(&out), 0xff, sizeof out);
-  RunKernel<K>({}, {{&s.layer, nullptr, 1},
-                    {&s.state, nullptr, 1},
-                    {&s.strands, nullptr, 1},
-                    {&s.roots, nullptr, 1},
-                    {&s.points, nullptr, 1},
-                    {&out, nullptr, 1}});
+  RunKernel<K>({{&s.layer, nullptr, 1},
+                {&s.state, nullptr, 1},
+                {&s.strands, nullptr, 1},
+                {&s.roots, nullptr, 1},
+                {&s.points, nullptr, 1},
+                {&out, nullptr, 1}});
 }
 
 // Colour as the header of strand_look.hpp says, byte by byte.

@@ -51,15 +51,15 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
 template <class K>
 void RunInterpolate(Scene& s, PointBlock<4>& out) {
   std::memset(static_cast<void*>(&out), 0xff, sizeof out);
-  RunKernel<K>({}, {{&s.chains.layer, nullptr, 1},
-                    {&s.chains.state, nullptr, 1},
-                    {&s.strands.strands, nullptr, 1},
-                    {&s.strands.rest, nullptr, 1},
-                    {&s.chains.rest, nullptr, 1},
-                    {&s.strands.roots, nullptr, 1},
-                    {&s.chains.roots, nullptr, 1},
-                    {&s.chains.position, nullptr, 1},
-                    {&out, nullptr, 1}});
+  RunKernel<K>({{&s.chains.layer, nullptr, 1},
+                {&s.chains.state, nullptr, 1},
+                {&s.strands.strands, nullptr, 1},
+                {&s.strands.rest, nullptr, 1},
+                {&s.chains.rest, nullptr, 1},
+                {&s.strands.roots, nullptr, 1},
+                {&s.chains.roots, nullptr, 1},
+                {&s.chains.position, nullptr, 1},
+                {&out, nullptr, 1}});
 }
 
 std::vector<D3> Twin(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {

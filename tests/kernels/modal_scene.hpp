@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "core/kernels/simulate_modal.hpp"
 #include "core/modal/modal_table.hpp"
 #include "tests/kernels/run_kernel.hpp"
@@ -94,7 +94,7 @@ struct ModalScene {
     const Binding bindings[] = {one(layer), one(table),   one(state), one(rest),    one(roots),
                                 one(wind),  one(strands), one(chain), one(position)};
     const KernelDesc& kernel =
-        (*FindKernels(isa))[kPoints == 4 ? Kernel::kModalStrand4 : Kernel::kModalStrand5];
+        *FindKernels(isa)->Find(kPoints == 4 ? "simulate_modal_4" : "simulate_modal_5");
     ASSERT_EQ(kernel.ports.size(), std::size(bindings));
     kernel.run(&params, bindings);
   }

@@ -83,8 +83,8 @@ struct World {
   template <class V = ArrayVec<4>>
   void WriteInstancePieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteInstances<V>>({}, {order.Bind(c), state.Bind(c), sort.Bind(),
-                                              curves.BindList(order[c].strand), instances.Bind(c)});
+      test::RunKernel<WriteInstances<V>>({order.Bind(c), state.Bind(c), sort.Bind(),
+                                          curves.BindList(order[c].strand), instances.Bind(c)});
   }
   template <class V = ArrayVec<4>>
   void WriteRibbonPieces() {
@@ -135,9 +135,9 @@ TEST(WriteInstances, FetchedRecordsGiveTheSameBits) {
     Blocks<CurveBlock> store(1);
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       store[0].record[i] = fetched.Curve(fetched.order[c].strand[i]);
-    test::RunKernel<WriteInstances<ArrayVec<4>>>(
-        {}, {fetched.order.Bind(c), fetched.state.Bind(c), fetched.sort.Bind(), store.Bind(),
-             fetched.instances.Bind(c)});
+    test::RunKernel<WriteInstances<ArrayVec<4>>>({fetched.order.Bind(c), fetched.state.Bind(c),
+                                                  fetched.sort.Bind(), store.Bind(),
+                                                  fetched.instances.Bind(c)});
   }
   EXPECT_TRUE(w.instances.SameBits(fetched.instances));
 }

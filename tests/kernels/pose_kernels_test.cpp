@@ -60,7 +60,7 @@ TEST(SamplePose, BlendsKeysAsTheDoubleTwinDoes) {
   const auto pose = MakePose(65, 1);
   auto local = std::make_unique<LocalPoseBlock>();
   test::Poison(*local);
-  RunOnBlocks<SamplePose<ArrayVec<4>>>({}, *pose, *local);
+  RunOnBlocks<SamplePose<ArrayVec<4>>>(nullptr, *pose, *local);
   for (uint32_t j = 0; j < 65; ++j) {
     double q[4] = {}, length = 0.0;
     for (int c = 0; c < 4; ++c) {
@@ -87,7 +87,7 @@ TEST(SamplePose, JointsNotInUseAndVanishedRotationsAreTheIdentity) {
     for (int c = 0; c < 4; ++c) pose->rotation_key[k][c][5] = 0.0f;
   auto local = std::make_unique<LocalPoseBlock>();
   test::Poison(*local);
-  RunOnBlocks<SamplePose<ArrayVec<8>>>({}, *pose, *local);
+  RunOnBlocks<SamplePose<ArrayVec<8>>>(nullptr, *pose, *local);
   for (int c = 0; c < 4; ++c) EXPECT_EQ(local->rotation[c][5], c == 3 ? 1.0f : 0.0f);
   for (uint32_t j = 17; j < kJointsPerCharacter; ++j) {
     for (int c = 0; c < 4; ++c) ASSERT_EQ(local->rotation[c][j], c == 3 ? 1.0f : 0.0f) << j;
@@ -103,11 +103,11 @@ TEST(SamplePose, SameBlockOnEveryVector) {
     const auto pose = MakePose(joint_count, joint_count);
     auto expected = std::make_unique<LocalPoseBlock>();
     test::Poison(*expected);
-    RunOnBlocks<SamplePose<ArrayVec<4>>>({}, *pose, *expected);
+    RunOnBlocks<SamplePose<ArrayVec<4>>>(nullptr, *pose, *expected);
     ForEveryVector([&]<class V>(const char* name) {
       auto local = std::make_unique<LocalPoseBlock>();
       test::Poison(*local);
-      RunOnBlocks<SamplePose<V>>({}, *pose, *local);
+      RunOnBlocks<SamplePose<V>>(nullptr, *pose, *local);
       EXPECT_EQ(std::memcmp(local.get(), expected.get(), sizeof *local), 0) << name;
     });
   }
@@ -168,10 +168,10 @@ struct PaletteScene {
       : pose(MakePose(joint_count, 31)), skeleton(MakeSkeleton(joint_count, 32)) {
     Sample();
   }
-  void Sample() { RunOnBlocks<SamplePose<ArrayVec<4>>>({}, *pose, *local); }
+  void Sample() { RunOnBlocks<SamplePose<ArrayVec<4>>>(nullptr, *pose, *local); }
   template <class V>
   void BuildPalette() {
-    RunOnBlocks<JointPalette<V>>({}, *pose, *skeleton, *local, *palette);
+    RunOnBlocks<JointPalette<V>>(nullptr, *pose, *skeleton, *local, *palette);
   }
 };
 

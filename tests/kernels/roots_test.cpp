@@ -27,12 +27,12 @@ struct Scene {
   template <class V>
   void RunRoots() {
     test::Poison(roots);
-    RunOnBlocks<Roots<V>>({}, state, strands, skinned, roots);
+    RunOnBlocks<Roots<V>>(nullptr, state, strands, skinned, roots);
   }
   template <class V>
   void RunAnchors() {
     test::Poison(roots);
-    RunOnBlocks<Anchors<V>>({}, state, skinned, roots);
+    RunOnBlocks<Anchors<V>>(nullptr, state, skinned, roots);
   }
 };
 

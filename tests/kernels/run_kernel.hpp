@@ -12,12 +12,13 @@
 
 namespace pelt::test {
 
-// Runs K on one block for each port, in the order of its ports.
+// Runs K on one block for each port, in the order of its ports; `params` are null for a kernel that
+// has none.
 template <class K, class... Block>
-void RunOnBlocks(const typename K::Params& params, Block&... block) {
-  static_assert(sizeof...(Block) == KernelTraits<K>::kCount);
+void RunOnBlocks(const void* params, Block&... block) {
+  static_assert(sizeof...(Block) == kMemberCount<typename K::Ports>);
   const Binding bindings[] = {{const_cast<void*>(static_cast<const void*>(&block)), nullptr, 1}...};
-  KernelTraits<K>::Run(&params, bindings);
+  KernelTraits<K>::Run(params, bindings);
 }
 
 // What an executor's poisoned memory holds: reading it gives NaN.

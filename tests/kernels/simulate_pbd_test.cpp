@@ -54,7 +54,6 @@ struct SweptBackwards {
   static constexpr uint32_t kFree = 3;
   using Params = SimulateParams;
   using Ports = chain::Ports<4, false>;
-  static constexpr auto kPorts = chain::MakePorts<4, false>();
   static void Run(const Params& params, const Ports& ports) {
     chain::Step<V, 4, false, SweptBackwards>::Run(params, ports);
   }

@@ -25,7 +25,7 @@ struct Scene {
 
   template <class V>
   void Run() {
-    RunOnBlocks<Skin<V>>({}, palette, mesh, state, skinned);
+    RunOnBlocks<Skin<V>>(nullptr, palette, mesh, state, skinned);
   }
 };
 

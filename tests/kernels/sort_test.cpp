@@ -44,7 +44,7 @@ struct World {
 
   template <class V>
   std::vector<uint32_t> SortWhole() {
-    test::RunKernel<SortLayer<V>>({}, {keys.Bind(), a.Bind(), b.Bind(), order.Bind()});
+    test::RunKernel<SortLayer<V>>({keys.Bind(), a.Bind(), b.Bind(), order.Bind()});
     return Order();
   }
 
@@ -54,17 +54,16 @@ struct World {
     Blocks<SortPairBlock>& from = kDigit == 2 ? b : a;
     for (uint32_t c : sequence)
       test::RunKernel<SortCount<V, kDigit>>(
-          {}, {kDigit == 0 ? keys.Bind(c) : from.Bind(c), digits.Bind(c)});
-    test::RunKernel<SortOffsets<V, kDigit>>({}, {digits.Bind()});
+          {kDigit == 0 ? keys.Bind(c) : from.Bind(c), digits.Bind(c)});
+    test::RunKernel<SortOffsets<V, kDigit>>({digits.Bind()});
     for (uint32_t c : sequence) {
       if constexpr (kDigit == 0)
-        test::RunKernel<SortScatter<V, 0>>({},
-                                           {state.Bind(c), keys.Bind(c), digits.Bind(c), a.Bind()});
+        test::RunKernel<SortScatter<V, 0>>({state.Bind(c), keys.Bind(c), digits.Bind(c), a.Bind()});
       else if constexpr (kDigit == 3)
-        test::RunKernel<SortScatter<V, 3>>({}, {a.Bind(c), digits.Bind(c), order.Bind()});
+        test::RunKernel<SortScatter<V, 3>>({a.Bind(c), digits.Bind(c), order.Bind()});
       else
         test::RunKernel<SortScatter<V, kDigit>>(
-            {}, {from.Bind(c), digits.Bind(c), kDigit == 1 ? b.Bind() : a.Bind()});
+            {from.Bind(c), digits.Bind(c), kDigit == 1 ? b.Bind() : a.Bind()});
     }
   }
 
@@ -182,14 +181,14 @@ TEST(Sort, ScatterByListPutsTheSameStrands) {
   using V = ArrayVec<4>;
   std::vector<SortPair> placed(world.lanes());
   for (uint32_t c = 0; c < 3; ++c)
-    test::RunKernel<SortCount<V, 0>>({}, {world.keys.Bind(c), world.digits.Bind(c)});
-  test::RunKernel<SortOffsets<V, 0>>({}, {world.digits.Bind()});
+    test::RunKernel<SortCount<V, 0>>({world.keys.Bind(c), world.digits.Bind(c)});
+  test::RunKernel<SortOffsets<V, 0>>({world.digits.Bind()});
   std::vector<int> writes(world.lanes(), 0);
   for (uint32_t c = 0; c < 3; ++c) {
     Blocks<SortPairBlock> list(1);
     uint32_t index[kStrandsPerChunk];
     test::RunKernel<SortScatter<V, 0>>(
-        {}, {world.state.Bind(c), world.keys.Bind(c), world.digits.Bind(c), list.BindList(index)});
+        {world.state.Bind(c), world.keys.Bind(c), world.digits.Bind(c), list.BindList(index)});
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       placed[index[i]] = list[0].pair[i];
       ++writes[index[i]];

@@ -209,7 +209,7 @@ const WindParams kBreeze = {{2.0f, -0.5f, 1.0f}, 0.8f, 3.0f, {10.25f, 255.5f, 0.
 template <class V, bool kVertexChains>
 void RunWind(const WindParams& params, Scene& scene) {
   test::Poison(scene.wind);
-  RunOnBlocks<Wind<V, kVertexChains>>(params, scene.state, scene.layer, scene.roots, scene.wind);
+  RunOnBlocks<Wind<V, kVertexChains>>(&params, scene.state, scene.layer, scene.roots, scene.wind);
 }
 
 TEST(Wind, IsTheDoubleTwin) {

@@ -141,7 +141,7 @@ FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double
   item.stages = {{0, {cycles, cycles * 1.5}, {cycles, cycles * 1.5}}};
   if (kib > 0) {
     item.get = item.put = {kib * 1024ull, 1, 1, kib * 8};
-    item.streams = {{Stream::kCurves, kib * 1024ull, kib * 1024ull}};
+    item.streams = {{StreamOf<&Streams::curves>, kib * 1024ull, kib * 1024ull}};
   }
   FrameWork work;
   work.stage_count = 1;
@@ -290,7 +290,7 @@ TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
     EXPECT_NEAR(total(s->unit_ms), s->median_ms, 1e-9);
     EXPECT_NEAR(s->stages[0].wall_ms, s->passes[0].ms, 1e-9);
     EXPECT_EQ(s->worst_ms, s->median_ms);
-    EXPECT_EQ(s->stream_get_bytes[size_t(Stream::kCurves)], 120 * 16384.0);
+    EXPECT_EQ(s->stream_get_bytes[size_t(StreamOf<&Streams::curves>)], 120 * 16384.0);
   }
 }
 

@@ -11,48 +11,36 @@ namespace {
 
 using namespace testing;
 
-struct NoParams {};
-constexpr NoParams kNone{};
-
 // key -> pair -> order, so that pairs stay in local store when fused.
 struct MakePairs {
   static constexpr std::string_view kName = "make_pairs";
-  using Params = NoParams;
   struct Ports {
-    In<SortKeyBlock> keys;
-    Out<SortPairBlock> pairs;
+    In<&Streams::sort_keys> keys;
+    Out<&Streams::sort_pairs_b> pairs;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       ports.pairs->pair[i] = {ports.keys->key[i], kStrandsPerChunk - 1 - i};
   }
 };
 struct UsePairs {
   static constexpr std::string_view kName = "use_pairs";
-  using Params = NoParams;
   struct Ports {
-    In<SortPairBlock> pairs;
-    Out<OrderBlock> order;
+    In<&Streams::sort_pairs_b> pairs;
+    Out<&Streams::order> order;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::pairs>(Stream::kSortPairsB, "pairs"),
-                                          Port<&Ports::order>(Stream::kOrder, "order"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       ports.order->strand[i] = ports.pairs->pair[i].key ^ ports.pairs->pair[i].strand;
   }
 };
 struct SumLayer {
   static constexpr std::string_view kName = "sum_layer";
-  using Params = NoParams;
   struct Ports {
-    All<SortKeyBlock> keys;
-    Out<LayerSortBlock> sum;
+    All<&Streams::sort_keys> keys;
+    Out<&Streams::layer_sort> sum;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::sum>(Stream::kLayerSort, "sum"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     *ports.sum = {};
     for (uint32_t c = 0; c < ports.keys.count; ++c)
       ports.sum->visible_count += ports.keys[c].key[0];
@@ -60,34 +48,25 @@ struct SumLayer {
 };
 struct GatherCurves {
   static constexpr std::string_view kName = "gather_curves";
-  using Params = NoParams;
   struct Ports {
-    In<OrderBlock> order;
-    Gather<CurveRecord> curves;
-    Out<InstanceBlock> instances;
+    In<&Streams::order> order;
+    Gather<&Streams::curves, &Streams::order> curves;
+    Out<&Streams::instances> instances;
   };
-  static constexpr auto kPorts =
-      PortList(Port<&Ports::order>(Stream::kOrder, "order"),
-               Port<&Ports::curves>(Stream::kCurves, "curves", Stream::kOrder),
-               Port<&Ports::instances>(Stream::kInstances, "instances"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       ports.instances->instance[i] = i < kStrandsPerChunk / 2 ? ports.curves[i] : CurveRecord{};
   }
 };
 struct ReverseIntoLayer {
   static constexpr std::string_view kName = "reverse_into_layer";
-  using Params = NoParams;
   struct Ports {
-    In<ChunkStateBlock> state;
-    In<SortKeyBlock> keys;
-    Scatter<SortPair> pairs;
+    In<&Streams::chunk_state> state;
+    In<&Streams::sort_keys> keys;
+    Scatter<&Streams::sort_pairs_a> pairs;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::state>(Stream::kChunkState, "state"),
-                                          Port<&Ports::keys>(Stream::kSortKeys, "keys"),
-                                          Port<&Ports::pairs>(Stream::kSortPairsA, "pairs"));
   // Every other strand, so that some list entries stay unused.
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     for (uint32_t i = 0; i < kStrandsPerChunk; i += 2)
       ports.pairs.Put(i, ports.state->first_place + (kStrandsPerChunk - 1 - i),
                       {ports.keys->key[i], i});
@@ -112,15 +91,15 @@ LocalStoreCounts ExpectSameAsSerial(const std::vector<Stage>& stages, bool fuse,
 }
 
 TEST(LocalStore, OwnBlocksMoveAsDeclared) {
-  const std::vector<Stage> stages = {MakeStage<MakePairs>(Domain::kChunk, kNone),
-                                     MakeStage<UsePairs>(Domain::kChunk, kNone)};
-  const auto unfused = ExpectSameAsSerial(stages, false, {Stream::kOrder});
+  const std::vector<Stage> stages = {MakeStage<MakePairs>(Domain::kChunk),
+                                     MakeStage<UsePairs>(Domain::kChunk)};
+  const auto unfused = ExpectSameAsSerial(stages, false, {StreamOf<&Streams::order>});
   EXPECT_EQ(unfused.get_bytes, kChunks * (sizeof(SortKeyBlock) + sizeof(SortPairBlock)));
   EXPECT_EQ(unfused.put_bytes, kChunks * (sizeof(SortPairBlock) + sizeof(OrderBlock)));
   EXPECT_EQ(unfused.transient_bytes, 0u);
   EXPECT_EQ(unfused.dma_commands, 4 * kChunks);
 
-  const auto fused = ExpectSameAsSerial(stages, true, {Stream::kOrder});
+  const auto fused = ExpectSameAsSerial(stages, true, {StreamOf<&Streams::order>});
   EXPECT_EQ(fused.get_bytes, kChunks * sizeof(SortKeyBlock));
   EXPECT_EQ(fused.put_bytes, kChunks * sizeof(OrderBlock));
   EXPECT_EQ(fused.transient_bytes, kChunks * sizeof(SortPairBlock));
@@ -128,8 +107,8 @@ TEST(LocalStore, OwnBlocksMoveAsDeclared) {
 }
 
 TEST(LocalStore, WholeLayersMoveAsOne) {
-  const auto counts =
-      ExpectSameAsSerial({MakeStage<SumLayer>(Domain::kLayer, kNone)}, true, {Stream::kLayerSort});
+  const auto counts = ExpectSameAsSerial({MakeStage<SumLayer>(Domain::kLayer)}, true,
+                                         {StreamOf<&Streams::layer_sort>});
   EXPECT_EQ(counts.get_bytes, kChunks * sizeof(SortKeyBlock));
   EXPECT_EQ(counts.put_bytes, 2 * sizeof(LayerSortBlock));
   EXPECT_EQ(counts.peak_bytes, 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock));
@@ -139,31 +118,32 @@ TEST(LocalStore, GathersListedRecordsAndNothingElse) {
   SyntheticScene a(kLayers), b(kLayers);
   for (SyntheticScene* scene : {&a, &b})
     for (uint32_t c = 0; c < kChunks; ++c) {
-      auto& order = scene->Block<OrderBlock>(Stream::kOrder, c);
+      auto& order = scene->Block<OrderBlock>(StreamOf<&Streams::order>, c);
       const uint32_t places = c < 3 ? 3 * kStrandsPerChunk : 2 * kStrandsPerChunk;
       for (uint32_t i = 0; i < kStrandsPerChunk; ++i)  // the second half means nothing
         order.strand[i] = i < kStrandsPerChunk / 2 ? (i * 37 + c) % places : ~0u;
     }
-  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk, kNone)}, a.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {});
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &b.memory()});
-  EXPECT_EQ(a.DigestOf({Stream::kInstances}), b.DigestOf({Stream::kInstances}));
+  EXPECT_EQ(a.DigestOf({StreamOf<&Streams::instances>}),
+            b.DigestOf({StreamOf<&Streams::instances>}));
   EXPECT_TRUE(local.faults().empty());
   EXPECT_EQ(local.counts().list_elements, kChunks * kStrandsPerChunk / 2);
 }
 
 TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
-  const auto counts = ExpectSameAsSerial({MakeStage<ReverseIntoLayer>(Domain::kChunk, kNone)}, true,
-                                         {Stream::kSortPairsA});
+  const auto counts = ExpectSameAsSerial({MakeStage<ReverseIntoLayer>(Domain::kChunk)}, true,
+                                         {StreamOf<&Streams::sort_pairs_a>});
   EXPECT_EQ(counts.list_elements, kChunks * kStrandsPerChunk / 2);
 }
 
 TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
   // A layer of 40 chunks of keys is 20 KiB: two commands of at most 16 KiB, and one for the sum.
   SyntheticScene scene({{0, 0, 40}});
-  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer, kNone)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(), {});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
   const uint64_t bytes = 40 * sizeof(SortKeyBlock);
@@ -173,17 +153,18 @@ TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
 // A plan made for a larger store must not run off this one.
 TEST(LocalStore, ReportsAPlanThatNeedsMoreThanThereIs) {
   SyntheticScene scene({{0, 0, 600}});
-  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer, kNone)}, scene.shape(),
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(),
                                 {.local_store_data_bytes = 1 << 20});
-  const uint64_t before = scene.DigestOf({Stream::kLayerSort});
+  const uint64_t before = scene.DigestOf({StreamOf<&Streams::layer_sort>});
   for (const uint32_t data_bytes : {600 * uint32_t(sizeof(SortKeyBlock)) - 1, 1u << 20}) {
     LocalStoreExecutor local(data_bytes);
     local.Run({&plan, &scene.memory()});
     ASSERT_EQ(local.faults().size(), 1u);
     EXPECT_EQ(local.faults()[0].stage, "sum_layer");
-    EXPECT_NE(local.faults()[0].what.find("port 'keys' needs"), std::string::npos)
+    EXPECT_NE(local.faults()[0].what.find("port 'sort_keys' needs"), std::string::npos)
         << local.faults()[0].what;
-    EXPECT_EQ(scene.DigestOf({Stream::kLayerSort}), before) << "the stage must not have run";
+    EXPECT_EQ(scene.DigestOf({StreamOf<&Streams::layer_sort>}), before)
+        << "the stage must not have run";
   }
 }
 

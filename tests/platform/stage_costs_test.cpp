@@ -266,7 +266,7 @@ TEST(StageCosts, TurnsFollowTheLivingLanes) {
     }
     if (stage.kernel.name != "roots") continue;
     for (uint32_t c = 0; c < frame.memory->shape->chunk_count; ++c) {
-      auto& state = *frame.memory->As<ChunkStateBlock>(Stream::kChunkState, c);
+      auto& state = *frame.memory->Of<&Streams::chunk_state>(c);
       EXPECT_EQ(CountTurns(frame, s, c), (state.live_strands + 15) / 16 * 4);
       state.live_strands = 17;
       EXPECT_EQ(CountTurns(frame, s, c), 8u);

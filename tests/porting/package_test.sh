@@ -135,7 +135,7 @@ if [ "$(uname -m)" = x86_64 ]; then
   kernels() {  # vector, flags...
     quietly "$compiler" -std=c++20 -ffp-contract=off -fsyntax-only -I"$source_dir" -DPELT_CHUNK_STRANDS=128 -DPELT_KERNELS=Kernels \
       -DPELT_VECTOR="Vec<$1>" "${@:2}" -Wall -Wextra -Wpedantic -Wold-style-cast -Wshadow -Wcast-qual -Wextra-semi -Wundef -Werror \
-      "$source_dir/core/kernels/kernel_table.cpp"
+      "$source_dir/core/kernels/frame_table.cpp"
   }
   kernels IsaAvx2 -mavx2 -mno-fma
   kernels IsaAvx512 -mavx512f -mavx512dq -mavx512bw -mavx512vl

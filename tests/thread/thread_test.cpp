@@ -84,16 +84,12 @@ TEST(Threads, SortInPiecesAndUnfusedGiveTheSerialBits) {
 }
 
 // The kernels' way of reading a neighbour is harmless on one thread; here it races.
-struct NoParams {};
-constexpr NoParams kNone{};
 struct ReadsMovingNeighbour {
   static constexpr std::string_view kName = "reads_moving_neighbour";
-  using Params = NoParams;
   struct Ports {
-    InOut<SortKeyBlock> keys;
+    InOut<&Streams::sort_keys> keys;
   };
-  static constexpr auto kPorts = PortList(Port<&Ports::keys>(Stream::kSortKeys, "keys"));
-  static void Run(const Params&, const Ports& ports) {
+  static void Run(const Ports& ports) {
     SortKeyBlock* own = ports.keys.block;
     asm volatile("" : "+r"(own));
     own->key[0] += own[1].key[0];
@@ -103,7 +99,7 @@ struct ReadsMovingNeighbour {
 void RunPlantedRace() {
   SyntheticScene scene({{0, 0, 64}});
   const Plan plan =
-      CompilePlan({MakeStage<ReadsMovingNeighbour>(Domain::kChunk, kNone)}, scene.shape(), {});
+      CompilePlan({MakeStage<ReadsMovingNeighbour>(Domain::kChunk)}, scene.shape(), {});
   ThreadExecutor executor(4, true);
   for (int frame = 0; frame < 20; ++frame) executor.Run({&plan, &scene.memory()});
 }

@@ -32,7 +32,7 @@ void ExpectSamePose(const PoseBlock& expected, const PoseBlock& found) {
   EXPECT_EQ(expected.joint_count, found.joint_count);
   EXPECT_EQ(expected.teleported, found.teleported);
   EXPECT_EQ(std::memcmp(expected.root, found.root, sizeof expected.root), 0);
-  for (const RowDesc& row : DescribeStream(Stream::kPose).rows) {
+  for (const RowDesc& row : DescribeStream(StreamOf<&Streams::pose>).rows) {
     if (row.lane_count != kJointsPerCharacter) continue;
     for (uint32_t e = 0; e < row.element_count; ++e) {
       const bool used = e % row.lane_count < expected.joint_count;

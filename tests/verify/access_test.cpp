@@ -19,9 +19,9 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    const auto* next = Launder(twin.As<const StrandBlock>(bindings, Stream::kStrands)) + 1;
+    const auto* next = Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>)) + 1;
     if (*Launder(next->length) > 1000.0f)
-      twin.As<RootBlock>(bindings, Stream::kRoots)->position[0][0] = 0.0f;
+      twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->position[0][0] = 0.0f;
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);
@@ -38,8 +38,8 @@ TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
     // One character on: in a scene of one there is nothing there but another stream.
-    const auto* next = Launder(twin.As<const PaletteBlock>(bindings, Stream::kPalette)) + 1;
-    twin.As<SkinnedBlock>(bindings, Stream::kSkinned)->vertex[0].position[0] +=
+    const auto* next = Launder(twin.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
+    twin.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
         Launder(next->matrix[0])[3];
   });
   const CaseResult result = RunOne(options);
@@ -54,9 +54,9 @@ TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    auto* mesh = twin.As<std::byte>(bindings, Stream::kMesh);
+    auto* mesh = twin.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
     if (twin.kept && *Launder(twin.kept) == std::byte{77})
-      twin.As<SkinnedBlock>(bindings, Stream::kSkinned)->vertex[0].position[0] = 0.0f;
+      twin.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] = 0.0f;
     twin.kept = mesh;
   });
   const CaseResult result = RunOne(options);
@@ -71,7 +71,7 @@ TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
   options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
     auto* behind =
-        reinterpret_cast<std::byte*>(Launder(twin.As<CurveBlock>(bindings, Stream::kCurves)) + 1);
+        reinterpret_cast<std::byte*>(Launder(twin.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
     *Launder(behind) = *Launder(behind);
   });
   const CaseResult result = RunOne(options);
@@ -85,14 +85,14 @@ TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    Launder(reinterpret_cast<uint32_t*>(twin.As<RootBlock>(bindings, Stream::kRoots)))[-1] = 0;
+    Launder(reinterpret_cast<uint32_t*>(twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)))[-1] = 0;
   });
   CaseResult result = RunOne(options);
   EXPECT_EQ(result.kind, FindingKind::kUndeclaredWrite) << result.reason;
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
     auto* length =
-        const_cast<float*>(Launder(twin.As<const StrandBlock>(bindings, Stream::kStrands))->length);
+        const_cast<float*>(Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>))->length);
     *Launder(length) = *Launder(length);  // the same value: no comparison shows it
   });
   result = RunOne(options);
@@ -108,7 +108,7 @@ TEST(VerifyAccess, StaticStateIsFound) {
   runs = 0;
   options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    twin.As<LocalPoseBlock>(bindings, Stream::kLocalPose)->translation[0][0] += float(runs++);
+    twin.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] += float(runs++);
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);
@@ -143,12 +143,12 @@ void ExpectReadsOutFound(std::string_view stage, Stream stream) {
 
 TEST(VerifyAccess, SortKeysDeclaredOutAreFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  ExpectReadsOutFound("sort_key4", Stream::kSortKeys);
+  ExpectReadsOutFound("sort_key4", StreamOf<&Streams::sort_keys>);
 }
 
 TEST(VerifyAccess, ActivatesStateDeclaredOutIsFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  ExpectReadsOutFound("activate", Stream::kChunkState);
+  ExpectReadsOutFound("activate", StreamOf<&Streams::chunk_state>);
 }
 
 TEST(VerifyAccess, HealthyScenePassesAtRest) {
@@ -159,8 +159,8 @@ TEST(VerifyAccess, HealthyScenePassesAtRest) {
 // Lanes that do not live, of the last group that is worked on, read vertices that nobody skins.
 void ActivateWithoutTheLastLaneGroup(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  auto& state = *twin.As<ChunkStateBlock>(bindings, Stream::kChunkState);
-  const auto& strands = *twin.As<const StrandBlock>(bindings, Stream::kStrands);
+  auto& state = *twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
+  const auto& strands = *twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>);
   if (state.live_strands > 0)
     state.live_vertices = strands.vertex_prefix[state.live_strands - 1] + 1u;
 }

@@ -50,7 +50,7 @@ TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
 // A layer that returns goes on from where it left instead of starting from its groom.
 void ActivateWithoutRestart(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  auto& state = *twin.As<ChunkStateBlock>(bindings, Stream::kChunkState);
+  auto& state = *twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
   state.flags &= ~uint32_t(kChunkRestart);
   state.first_new_strand = state.live_strands;
   state.first_new_vertex = state.live_vertices;
@@ -65,7 +65,7 @@ TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
 // Only the flag that says so: all lanes are new in any case.
 void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->flags &= ~uint32_t(kChunkRestart);
+  twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->flags &= ~uint32_t(kChunkRestart);
 }
 
 TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
@@ -76,11 +76,11 @@ TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
 
 // Keys that are those of the last time in view are reported as unchanged.
 void KeysWithoutTheRestart(const void* params, const Binding* bindings) {
-  const SortKeyBlock before = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  const SortKeyBlock before = *twin.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
   twin.run(params, bindings);
-  const auto& keys = *twin.As<const SortKeyBlock>(bindings, Stream::kSortKeys);
+  const auto& keys = *twin.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
   if (std::memcmp(&before, &keys, sizeof keys) == 0)
-    twin.As<ChunkStateBlock>(bindings, Stream::kChunkState)->keys_changed = 0;
+    twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->keys_changed = 0;
 }
 
 TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
@@ -93,8 +93,8 @@ TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
 bool skin_low;
 void BoundOfTheSkin(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  const float margin = twin.As<const LayerBlock>(bindings, Stream::kLayers)->length_max;
-  auto& bounds = *twin.As<BoundsBlock>(bindings, Stream::kBounds);
+  const float margin = twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>)->length_max;
+  auto& bounds = *twin.As<BoundsBlock>(bindings, StreamOf<&Streams::bounds>);
   for (int axis = 0; axis < 3; ++axis)
     (skin_low ? bounds.low : bounds.high)[axis] += skin_low ? margin : -margin;
 }

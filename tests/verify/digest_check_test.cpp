@@ -31,7 +31,7 @@ TEST(VerifyDigests, HealthyDigestsSeeEverything) {
 
 TEST(VerifyDigests, AStreamLeftOutIsFound) {
   const VerifyReport report = RunDigests([](const FurScene& scene, Stream stream) {
-    return stream == Stream::kInstances ? 0 : scene.DigestStream(stream);
+    return stream == StreamOf<&Streams::instances> ? 0 : scene.DigestStream(stream);
   });
   const auto checks = ChecksOf(report, "digest");
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kDigest, "stream instances"));
@@ -41,7 +41,7 @@ TEST(VerifyDigests, AStreamLeftOutIsFound) {
 TEST(VerifyDigests, AnItemOrALaneLeftOutIsFound) {
   const auto without = [](bool lane) {
     return [lane](const FurScene& scene, Stream stream) {
-      if (stream != Stream::kRoots) return scene.DigestStream(stream);
+      if (stream != StreamOf<&Streams::roots>) return scene.DigestStream(stream);
       Digest digest;
       const uint32_t items = scene.shape().chunk_count;
       for (uint32_t c = 0; c < (lane ? items : items - 1); ++c)

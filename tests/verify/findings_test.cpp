@@ -63,7 +63,7 @@ TEST(VerifyFindings, TextAndJsonSayWhatKindItIs) {
   VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    twin.As<RootBlock>(bindings, Stream::kRoots)->normal[0][0] += 0.5f;
+    twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->normal[0][0] += 0.5f;
   });
   const VerifyReport report = Verify(Tiny(), options);
   EXPECT_NE(DescribeReport(report).find("  value: frame 0, stage roots"), std::string::npos)

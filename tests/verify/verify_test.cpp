@@ -111,7 +111,7 @@ TEST(Verify, APlantedFaultIsNamedToTheLane) {
                              4 * (1 * kStrandsPerChunk + kLane);  // normal y of lane 5
   fault.from_call = 0;
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "roots", Stream::kRoots, kByte);
+    Plant(plan, "roots", StreamOf<&Streams::roots>, kByte);
   };
   const VerifyReport report = Verify(tiny, options);
   EXPECT_FALSE(report.Passed());
@@ -141,7 +141,7 @@ TEST(Verify, TheFrameOfALateFaultIsFound) {
   const uint32_t characters = uint32_t(tiny.actors.size()) + 1;
   fault.from_call = 3 * characters;  // the pose is sampled once a frame and character
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "sample_pose", Stream::kLocalPose, 0);
+    Plant(plan, "sample_pose", StreamOf<&Streams::local_pose>, 0);
   };
   const VerifyReport report = Verify(tiny, options);
   ASSERT_TRUE(report.cases.back().mismatch.has_value());
@@ -154,7 +154,7 @@ TEST(Verify, AWriteThroughAReadOnlyPortIsALocalStoreFault) {
   VerifyOptions options = OneCase(ExecutorKind::kLocalStore, 2);
   fault.from_call = 0;
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "skin", Stream::kMesh, uint32_t(offsetof(MeshBlock, tangent)));
+    Plant(plan, "skin", StreamOf<&Streams::mesh>, uint32_t(offsetof(MeshBlock, tangent)));
   };
   const VerifyReport report = Verify(tiny, options);
   EXPECT_FALSE(report.cases.back().passed);

@@ -75,10 +75,10 @@ TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
 void ActivateUnchangedLayers(const void* params, const Binding* bindings) {
   Binding hiding[kMaxPorts];
   std::copy_n(bindings, twin.ports.size(), hiding);
-  LayerBlock layer = *twin.As<const LayerBlock>(bindings, Stream::kLayers);
+  LayerBlock layer = *twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.changed = 0;
   for (size_t p = 0; p < twin.ports.size(); ++p)
-    if (twin.ports[p].stream == Stream::kLayers) hiding[p].block = &layer;
+    if (twin.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
   twin.run(params, hiding);
 }
 
@@ -94,10 +94,10 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
 void ActivateWithoutWind(const void* params, const Binding* bindings) {
   Binding hiding[kMaxPorts];
   std::copy_n(bindings, twin.ports.size(), hiding);
-  LayerBlock layer = *twin.As<const LayerBlock>(bindings, Stream::kLayers);
+  LayerBlock layer = *twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.flags &= ~uint32_t(kLayerWind);
   for (size_t p = 0; p < twin.ports.size(); ++p)
-    if (twin.ports[p].stream == Stream::kLayers) hiding[p].block = &layer;
+    if (twin.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
   twin.run(params, hiding);
 }
 
@@ -122,7 +122,7 @@ TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
 uint32_t still_joint;
 void PaletteWithAStillJoint(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  auto& palette = *twin.As<PaletteBlock>(bindings, Stream::kPalette);
+  auto& palette = *twin.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
   palette.moved[still_joint / 32] &= ~(1u << still_joint % 32);
 }
 
@@ -134,7 +134,7 @@ TEST(VerifyWaking, AJointThatNeverMovesIsFound) {
 
 // Joints that moved by less than a millionth did not move.
 void PaletteWithThreshold(const void* params, const Binding* bindings) {
-  auto& palette = *twin.As<PaletteBlock>(bindings, Stream::kPalette);
+  auto& palette = *twin.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
   const PaletteBlock before = palette;
   twin.run(params, bindings);
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {

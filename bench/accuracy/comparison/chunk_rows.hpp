@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include "bench/accuracy/strand_solver.hpp"
 #include "core/chunk.hpp"
@@ -41,24 +42,16 @@ struct ChunkRows {
 
   // The block of a stream that every solver's kernel has; null for others.
   void* Find(Stream stream) {
-    switch (stream) {
-      case Stream::kChunkState:
-        return state.block;
-      case Stream::kStrandRest4:
-      case Stream::kStrandRest5:
-        return rest.block;
-      case Stream::kRoots:
-        return roots.block;
-      case Stream::kWind:
-        return wind.block;
-      case Stream::kStrands:
-        return strands.block;
-      case Stream::kStrandPoints4:
-      case Stream::kStrandPoints5:
-        return position.block;
-      default:
-        return nullptr;
-    }
+    using Of = ChainStreams<kPoints, false>;
+    const std::pair<Stream, void*> blocks[] = {{StreamOf<&Streams::chunk_state>, state.block},
+                                               {StreamOf<Of::kRest>, rest.block},
+                                               {StreamOf<Of::kRoots>, roots.block},
+                                               {StreamOf<&Streams::wind>, wind.block},
+                                               {StreamOf<&Streams::strands>, strands.block},
+                                               {StreamOf<Of::kPosition>, position.block}};
+    for (const auto& [of, block] : blocks)
+      if (of == stream) return block;
+    return nullptr;
   }
 
   // Lane `lane` of the batch at rest in the world, links along `start`; lanes in ascending order.

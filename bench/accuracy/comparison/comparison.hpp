@@ -8,7 +8,7 @@
 #include "bench/accuracy/comparison/tables.hpp"
 #include "bench/accuracy/error_metric.hpp"
 #include "bench/accuracy/strand_solver.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt::accuracy {
 

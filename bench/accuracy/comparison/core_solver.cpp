@@ -92,7 +92,7 @@ class ChunkSolver final : public StrandSolver {
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
 
   void* Find(Stream stream, Blocks<kPoints>& c) {
-    if (stream == Stream::kLayers) return layer_.block;
+    if (stream == StreamOf<&Streams::layers>) return layer_.block;
     void* shared = c.Find(stream);
     return shared ? shared : c.previous.block;
   }
@@ -111,14 +111,14 @@ class ChunkSolver final : public StrandSolver {
 
 std::unique_ptr<StrandSolver> MakeCoreSolver(Isa isa, const CoreSettings& settings,
                                              const SolverSetup& setup) {
-  const KernelTable* table = FindKernels(isa);
+  const FrameTable* table = FindKernels(isa);
   if (!table) return nullptr;
   const bool pbd = settings.method == CoreMethod::kPbd;
   if (setup.material.links == 3)
-    return std::make_unique<ChunkSolver<4>>((*table)[pbd ? Kernel::kPbdStrand4 : Kernel::kVerlet4],
+    return std::make_unique<ChunkSolver<4>>(*table->Find(pbd ? "simulate_pbd_4" : "simulate_verlet_4"),
                                             settings, setup);
   if (setup.material.links == 4)
-    return std::make_unique<ChunkSolver<5>>((*table)[pbd ? Kernel::kPbdStrand5 : Kernel::kVerlet5],
+    return std::make_unique<ChunkSolver<5>>(*table->Find(pbd ? "simulate_pbd_5" : "simulate_verlet_5"),
                                             settings, setup);
   return nullptr;
 }

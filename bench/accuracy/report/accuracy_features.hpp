@@ -7,7 +7,7 @@
 
 #include "bench/accuracy/feature_errors.hpp"
 #include "bench/report/machine.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 

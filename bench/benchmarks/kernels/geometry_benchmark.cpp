@@ -120,6 +120,13 @@ void FillStrands(StrandBlock& strands, Random& random) {
   }
 }
 
+// Of kernel K, each bound to one block.
+template <class K>
+typename K::Ports PortsOf(auto*... blocks) {
+  const Binding bindings[] = {{blocks, nullptr, 1}...};
+  return KernelTraits<K>::Bind(bindings);
+}
+
 std::unique_ptr<Scene> MakeScene(uint32_t rows_a_group) {
   auto scene = std::make_unique<Scene>();
   Random random{2024};
@@ -142,21 +149,14 @@ std::unique_ptr<Scene> MakeScene(uint32_t rows_a_group) {
   }
   // Every stage once, so that each has an earlier stage's values to work on.
   using V = ArrayVec<4>;
-  SamplePose<V>::Run({}, {In<PoseBlock>({&scene->pose, nullptr, 1}),
-                          Out<LocalPoseBlock>({&scene->local, nullptr, 1})});
-  JointPalette<V>::Run({}, {In<PoseBlock>({&scene->pose, nullptr, 1}),
-                            In<SkeletonBlock>({&scene->skeleton, nullptr, 1}),
-                            In<LocalPoseBlock>({&scene->local, nullptr, 1}),
-                            InOut<PaletteBlock>({&scene->palette, nullptr, 1})});
+  SamplePose<V>::Run(PortsOf<SamplePose<V>>(&scene->pose, &scene->local));
+  JointPalette<V>::Run(
+      PortsOf<JointPalette<V>>(&scene->pose, &scene->skeleton, &scene->local, &scene->palette));
   for (uint32_t c = 0; c < kChunks; ++c) {
-    Skin<V>::Run({}, {Shared<PaletteBlock>({&scene->palette, nullptr, 1}),
-                      In<MeshBlock>({&scene->mesh[c], nullptr, 1}),
-                      In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                      InOut<SkinnedBlock>({&scene->skinned[c], nullptr, 1})});
-    Roots<V>::Run({}, {In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                       In<StrandBlock>({&scene->strands[c], nullptr, 1}),
-                       In<SkinnedBlock>({&scene->skinned[c], nullptr, 1}),
-                       Out<RootBlock>({&scene->roots[c], nullptr, 1})});
+    Skin<V>::Run(
+        PortsOf<Skin<V>>(&scene->palette, &scene->mesh[c], &scene->state[c], &scene->skinned[c]));
+    Roots<V>::Run(PortsOf<Roots<V>>(&scene->state[c], &scene->strands[c], &scene->skinned[c],
+                                    &scene->roots[c]));
   }
   return scene;
 }
@@ -173,10 +173,9 @@ void Report(benchmark::State& state, double lanes_an_iteration, uint64_t digest)
 template <class V>
 void BenchSamplePose(benchmark::State& state) {
   const auto scene = MakeScene(5);
-  const typename SamplePose<V>::Ports ports = {In<PoseBlock>({&scene->pose, nullptr, 1}),
-                                               Out<LocalPoseBlock>({&scene->local, nullptr, 1})};
+  const auto ports = PortsOf<SamplePose<V>>(&scene->pose, &scene->local);
   for (auto _ : state) {
-    SamplePose<V>::Run({}, ports);
+    SamplePose<V>::Run(ports);
     benchmark::ClobberMemory();
   }
   Report(state, kJoints, DigestOf(&scene->local, sizeof scene->local));
@@ -185,12 +184,10 @@ void BenchSamplePose(benchmark::State& state) {
 template <class V>
 void BenchJointPalette(benchmark::State& state) {
   const auto scene = MakeScene(5);
-  const typename JointPalette<V>::Ports ports = {
-      In<PoseBlock>({&scene->pose, nullptr, 1}), In<SkeletonBlock>({&scene->skeleton, nullptr, 1}),
-      In<LocalPoseBlock>({&scene->local, nullptr, 1}),
-      InOut<PaletteBlock>({&scene->palette, nullptr, 1})};
+  const auto ports =
+      PortsOf<JointPalette<V>>(&scene->pose, &scene->skeleton, &scene->local, &scene->palette);
   for (auto _ : state) {
-    JointPalette<V>::Run({}, ports);
+    JointPalette<V>::Run(ports);
     benchmark::ClobberMemory();
   }
   Report(state, kJoints, DigestOf(scene->palette.matrix, sizeof scene->palette.matrix));
@@ -199,13 +196,10 @@ void BenchJointPalette(benchmark::State& state) {
 template <class V>
 void BenchBoundLayer(benchmark::State& state) {
   const auto scene = MakeScene(5);
-  const typename BoundLayer<V>::Ports ports = {
-      Shared<PaletteBlock>({&scene->palette, nullptr, 1}),
-      In<LayerBlock>({&scene->layer, nullptr, 1}),
-      In<LayerJointBlock>({&scene->layer_joints, nullptr, 1}),
-      Out<BoundsBlock>({&scene->bounds, nullptr, 1})};
+  const auto ports =
+      PortsOf<BoundLayer<V>>(&scene->palette, &scene->layer, &scene->layer_joints, &scene->bounds);
   for (auto _ : state) {
-    BoundLayer<V>::Run({}, ports);
+    BoundLayer<V>::Run(ports);
     benchmark::ClobberMemory();
   }
   Report(state, scene->layer_joints.count, DigestOf(&scene->bounds, sizeof scene->bounds));
@@ -216,10 +210,8 @@ void BenchSkin(benchmark::State& state) {
   const auto scene = MakeScene(uint32_t(state.range(0)));
   for (auto _ : state) {
     for (uint32_t c = 0; c < kChunks; ++c)
-      Skin<V>::Run({}, {Shared<PaletteBlock>({&scene->palette, nullptr, 1}),
-                        In<MeshBlock>({&scene->mesh[c], nullptr, 1}),
-                        In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                        InOut<SkinnedBlock>({&scene->skinned[c], nullptr, 1})});
+      Skin<V>::Run(
+          PortsOf<Skin<V>>(&scene->palette, &scene->mesh[c], &scene->state[c], &scene->skinned[c]));
     benchmark::ClobberMemory();
   }
   Report(state, double(kChunks) * kVerticesPerChunk,
@@ -251,9 +243,8 @@ void BenchAnchors(benchmark::State& state) {
   const auto scene = MakeScene(5);
   for (auto _ : state) {
     for (uint32_t c = 0; c < kChunks; ++c)
-      Anchors<V>::Run({}, {In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                           In<SkinnedBlock>({&scene->skinned[c], nullptr, 1}),
-                           Out<RootBlock>({&scene->anchors[c], nullptr, 1})});
+      Anchors<V>::Run(
+          PortsOf<Anchors<V>>(&scene->state[c], &scene->skinned[c], &scene->anchors[c]));
     benchmark::ClobberMemory();
   }
   Report(state, double(kChunks) * kVerticesPerChunk,
@@ -265,10 +256,8 @@ void BenchRoots(benchmark::State& state) {
   const auto scene = MakeScene(5);
   for (auto _ : state) {
     for (uint32_t c = 0; c < kChunks; ++c)
-      Roots<V>::Run({}, {In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                         In<StrandBlock>({&scene->strands[c], nullptr, 1}),
-                         In<SkinnedBlock>({&scene->skinned[c], nullptr, 1}),
-                         Out<RootBlock>({&scene->roots[c], nullptr, 1})});
+      Roots<V>::Run(PortsOf<Roots<V>>(&scene->state[c], &scene->strands[c], &scene->skinned[c],
+                                      &scene->roots[c]));
     benchmark::ClobberMemory();
   }
   Report(state, double(kChunks) * kStrandsPerChunk, DigestOf(scene->roots, sizeof scene->roots));
@@ -280,10 +269,8 @@ void BenchWind(benchmark::State& state) {
   const WindParams params = {{3.0f, 0.2f, -1.0f}, 1.5f, 2.0f, {17.3f, 200.1f, 3.7f}};
   for (auto _ : state) {
     for (uint32_t c = 0; c < kChunks; ++c)
-      Wind<V, false>::Run(params, {In<ChunkStateBlock>({&scene->state[c], nullptr, 1}),
-                                   Shared<LayerBlock>({&scene->layer, nullptr, 1}),
-                                   In<RootBlock>({&scene->roots[c], nullptr, 1}),
-                                   Out<WindBlock>({&scene->wind[c], nullptr, 1})});
+      Wind<V, false>::Run(params, PortsOf<Wind<V, false>>(&scene->state[c], &scene->layer,
+                                                          &scene->roots[c], &scene->wind[c]));
     benchmark::ClobberMemory();
   }
   Report(state, double(kChunks) * kStrandsPerChunk, DigestOf(scene->wind, sizeof scene->wind));

@@ -23,8 +23,8 @@
 
 #include "core/kernels/fit_cubic.hpp"
 #include "core/kernels/fit_ribbon.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "core/kernels/interpolate.hpp"
-#include "core/kernels/kernel_table.hpp"
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/simulate_verlet.hpp"
 
@@ -246,34 +246,34 @@ uint64_t HashFloats(const void* values, size_t bytes, uint64_t hash) {
 // What a port of the kernels here is bound to.
 template <uint32_t kPoints>
 void* FindBlock(const PortDesc& port, LayerBlock& layer, Chunk<kPoints>& c) {
-  switch (port.stream) {
-    case Stream::kLayers:
+  switch (uint32_t(port.stream)) {
+    case uint32_t(StreamOf<&Streams::layers>):
       return &layer;
-    case Stream::kChunkState:
+    case uint32_t(StreamOf<&Streams::chunk_state>):
       return &c.state;
-    case Stream::kStrands:
+    case uint32_t(StreamOf<&Streams::strands>):
       return &c.strands;
-    case Stream::kVertexRest:
-    case Stream::kStrandRest4:
-    case Stream::kStrandRest5:
+    case uint32_t(StreamOf<&Streams::vertex_rest>):
+    case uint32_t(StreamOf<&Streams::strand_rest4>):
+    case uint32_t(StreamOf<&Streams::strand_rest5>):
       return &c.rest;
-    case Stream::kAnchors:
-    case Stream::kRoots:
+    case uint32_t(StreamOf<&Streams::anchors>):
+    case uint32_t(StreamOf<&Streams::roots>):
       return &c.roots;
-    case Stream::kWind:
+    case uint32_t(StreamOf<&Streams::wind>):
       return &c.wind;
-    case Stream::kVertexPoints:
-    case Stream::kStrandPoints5:
+    case uint32_t(StreamOf<&Streams::vertex_points>):
+    case uint32_t(StreamOf<&Streams::strand_points5>):
       return &c.position;
-    case Stream::kStrandPoints4:
+    case uint32_t(StreamOf<&Streams::strand_points4>):
       return port.access == Access::kOut ? &c.strand_points : &c.position;
-    case Stream::kVertexPrevious:
-    case Stream::kStrandPrevious4:
-    case Stream::kStrandPrevious5:
+    case uint32_t(StreamOf<&Streams::vertex_previous>):
+    case uint32_t(StreamOf<&Streams::strand_previous4>):
+    case uint32_t(StreamOf<&Streams::strand_previous5>):
       return &c.previous;
-    case Stream::kCurves:
+    case uint32_t(StreamOf<&Streams::curves>):
       return &c.curves;
-    case Stream::kRibbons:
+    case uint32_t(StreamOf<&Streams::ribbons>):
       return &c.ribbons;
     default:
       return nullptr;
@@ -324,7 +324,7 @@ struct Bench {
   double Limit(const KernelDesc& kernel, const KernelDesc& counting, Isa isa) {
     double bytes = 0.0;
     for (const PortDesc& port : kernel.ports)
-      if (port.access != Access::kShared && port.stream != Stream::kWind)
+      if (port.access != Access::kShared && port.stream != StreamOf<&Streams::wind>)
         bytes += port.block_bytes * (port.access == Access::kInOut ? 2.0 : 1.0);
     counted_operations = 0;
     for (Chunk<kPoints>& c : chunks) Run(counting, c);
@@ -349,11 +349,11 @@ struct Bench {
 // ----------------------------------------------------------------------------------
 
 template <uint32_t kPoints>
-void Simulate(benchmark::State& run, Kernel which, KernelDesc counting, Isa isa,
+void Simulate(benchmark::State& run, const char* which, KernelDesc counting, Isa isa,
               uint32_t iterations, bool clump) {
-  const KernelTable* table = FindKernels(isa);
+  const FrameTable* table = FindKernels(isa);
   if (!table) return run.SkipWithError("not on this processor");
-  const KernelDesc& kernel = (*table)[which];
+  const KernelDesc& kernel = *table->Find(which);
   auto bench = std::make_unique<Bench<kPoints>>(clump, iterations);
   bench->Shake(kernel, kDigestFrames);
   const uint64_t digest = bench->Digest();
@@ -367,12 +367,12 @@ void Simulate(benchmark::State& run, Kernel which, KernelDesc counting, Isa isa,
 }
 
 template <uint32_t kPoints>
-void Fit(benchmark::State& run, Kernel which, KernelDesc counting, Isa isa, bool clump) {
-  const KernelTable* table = FindKernels(isa);
+void Fit(benchmark::State& run, const char* which, KernelDesc counting, Isa isa, bool clump) {
+  const FrameTable* table = FindKernels(isa);
   if (!table) return run.SkipWithError("not on this processor");
-  const KernelDesc& kernel = (*table)[which];
+  const KernelDesc& kernel = *table->Find(which);
   auto bench = std::make_unique<Bench<kPoints>>(clump, 4);
-  bench->Shake((*table)[kPoints == 4 ? Kernel::kPbdStrand4 : Kernel::kPbdStrand5], 8);
+  bench->Shake(*table->Find(kPoints == 4 ? "simulate_pbd_4" : "simulate_pbd_5"), 8);
   for (Chunk<kPoints>& c : bench->chunks) bench->Run(kernel, c);
   const uint64_t digest = bench->Digest();
   uint32_t next = 0;
@@ -394,26 +394,26 @@ const bool kRegistered = [] {
                                    run, args...);
     };
     const auto& vertex4 = kCounting<SimulatePbd<C, 4, true>>;
-    add("pbd_vertex_4_points", Simulate<4>, Kernel::kPbdVertex4, vertex4, isa, 4u, false);
-    add("pbd_vertex_4_points_1_iteration", Simulate<4>, Kernel::kPbdVertex4, vertex4, isa, 1u,
+    add("pbd_vertex_4_points", Simulate<4>, "simulate_pbd_vertex", vertex4, isa, 4u, false);
+    add("pbd_vertex_4_points_1_iteration", Simulate<4>, "simulate_pbd_vertex", vertex4, isa, 1u,
         false);
     const auto& pbd4 = kCounting<SimulatePbd<C, 4, false>>;
-    add("pbd_4_points", Simulate<4>, Kernel::kPbdStrand4, pbd4, isa, 4u, false);
-    add("pbd_4_points_clump", Simulate<4>, Kernel::kPbdStrand4, pbd4, isa, 4u, true);
+    add("pbd_4_points", Simulate<4>, "simulate_pbd_4", pbd4, isa, 4u, false);
+    add("pbd_4_points_clump", Simulate<4>, "simulate_pbd_4", pbd4, isa, 4u, true);
     const auto& pbd5 = kCounting<SimulatePbd<C, 5, false>>;
-    add("pbd_5_points", Simulate<5>, Kernel::kPbdStrand5, pbd5, isa, 4u, false);
+    add("pbd_5_points", Simulate<5>, "simulate_pbd_5", pbd5, isa, 4u, false);
     const auto& verlet4 = kCounting<SimulateVerlet<C, 4>>;
-    add("verlet_4_points", Simulate<4>, Kernel::kVerlet4, verlet4, isa, 4u, false);
+    add("verlet_4_points", Simulate<4>, "simulate_verlet_4", verlet4, isa, 4u, false);
     const auto& verlet5 = kCounting<SimulateVerlet<C, 5>>;
-    add("verlet_5_points", Simulate<5>, Kernel::kVerlet5, verlet5, isa, 4u, false);
-    add("verlet_5_points_clump", Simulate<5>, Kernel::kVerlet5, verlet5, isa, 4u, true);
+    add("verlet_5_points", Simulate<5>, "simulate_verlet_5", verlet5, isa, 4u, false);
+    add("verlet_5_points_clump", Simulate<5>, "simulate_verlet_5", verlet5, isa, 4u, true);
     const auto& interpolate = kCounting<Interpolate<C>>;
-    add("interpolate", Fit<4>, Kernel::kInterpolate, interpolate, isa, false);
-    add("interpolate_clump", Fit<4>, Kernel::kInterpolate, interpolate, isa, true);
-    add("fit_cubic_4", Fit<4>, Kernel::kFitCubic4, kCounting<FitCubic<C, 4>>, isa, false);
-    add("fit_cubic_5", Fit<5>, Kernel::kFitCubic5, kCounting<FitCubic<C, 5>>, isa, false);
-    add("fit_ribbon_4", Fit<4>, Kernel::kFitRibbon4, kCounting<FitRibbon<C, 4>>, isa, false);
-    add("fit_ribbon_5", Fit<5>, Kernel::kFitRibbon5, kCounting<FitRibbon<C, 5>>, isa, false);
+    add("interpolate", Fit<4>, "interpolate", interpolate, isa, false);
+    add("interpolate_clump", Fit<4>, "interpolate", interpolate, isa, true);
+    add("fit_cubic_4", Fit<4>, "fit_cubic_4", kCounting<FitCubic<C, 4>>, isa, false);
+    add("fit_cubic_5", Fit<5>, "fit_cubic_5", kCounting<FitCubic<C, 5>>, isa, false);
+    add("fit_ribbon_4", Fit<4>, "fit_ribbon_4", kCounting<FitRibbon<C, 4>>, isa, false);
+    add("fit_ribbon_5", Fit<5>, "fit_ribbon_5", kCounting<FitRibbon<C, 5>>, isa, false);
   }
   return true;
 }();

@@ -17,7 +17,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/kernels/kernel_table.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 namespace {
@@ -112,27 +112,27 @@ void Report(benchmark::State& state, Layer& layer, uint32_t strands, double byte
 }
 
 void SortWhole(benchmark::State& state, Isa isa) {
-  const KernelTable* table = FindKernels(isa);
+  const FrameTable* table = FindKernels(isa);
   if (!table) return state.SkipWithError("not on this processor");
   const uint32_t strands = uint32_t(state.range(0));
   Layer layer(strands);
   const Binding bindings[] = {layer.keys.Bind(), layer.a.Bind(), layer.b.Bind(),
                               layer.order.Bind()};
   for (auto _ : state) {
-    (*table)[Kernel::kSortLayer].run(&layer, bindings);
+    table->Find("sort_layer")->run(nullptr, bindings);
     benchmark::ClobberMemory();
   }
   // Scan 4, split 4 + 8 + 4, count 8, two scatters of 8 + 8 and 8 + 4.
   Report(state, layer, strands, 4 + 16 + 8 + 16 + 12);
 }
 
-void RunDigit(const KernelTable& table, Layer& layer, int digit) {
-  const Kernel counts[] = {Kernel::kSortCount0, Kernel::kSortCount1, Kernel::kSortCount2,
-                           Kernel::kSortCount3};
-  const Kernel offsets[] = {Kernel::kSortOffsets0, Kernel::kSortOffsets1, Kernel::kSortOffsets2,
-                            Kernel::kSortOffsets3};
-  const Kernel scatters[] = {Kernel::kSortScatter0, Kernel::kSortScatter1, Kernel::kSortScatter2,
-                             Kernel::kSortScatter3};
+void RunDigit(const FrameTable& table, Layer& layer, int digit) {
+  // By name once a digit, among so few as not to be seen.
+  const auto find = [&](const char* kernel) {
+    return *table.Find(kernel + std::to_string(digit));
+  };
+  const KernelDesc count = find("sort_count"), offsets = find("sort_offsets");
+  const KernelDesc scatter = find("sort_scatter");
   const auto source = [&](uint32_t c) {
     return digit == 0 ? layer.keys.Bind(c) : digit == 2 ? layer.b.Bind(c) : layer.a.Bind(c);
   };
@@ -141,18 +141,18 @@ void RunDigit(const KernelTable& table, Layer& layer, int digit) {
                                       : layer.a.Bind();
   for (uint32_t c = 0; c < layer.chunks; ++c) {
     const Binding bindings[] = {source(c), layer.digits.Bind(c)};
-    table[counts[digit]].run(&layer, bindings);
+    count.run(nullptr, bindings);
   }
   const Binding all = layer.digits.Bind();
-  table[offsets[digit]].run(&layer, &all);
+  offsets.run(nullptr, &all);
   for (uint32_t c = 0; c < layer.chunks; ++c) {
     const Binding first[] = {layer.state.Bind(c), source(c), layer.digits.Bind(c), target};
-    table[scatters[digit]].run(&layer, digit == 0 ? first : first + 1);
+    scatter.run(nullptr, digit == 0 ? first : first + 1);
   }
 }
 
 void SortInPieces(benchmark::State& state, Isa isa) {
-  const KernelTable* table = FindKernels(isa);
+  const FrameTable* table = FindKernels(isa);
   if (!table) return state.SkipWithError("not on this processor");
   const uint32_t strands = uint32_t(state.range(0));
   Layer layer(strands);

@@ -1,0 +1,130 @@
+// The frame on one instruction set. Compiled once for each, with PELT_VECTOR the vector type,
+// PELT_KERNELS the name of the table's function, and the flags that let the compiler use the set.
+#include "core/kernels/frame_table.hpp"
+
+#include "core/float_rules.hpp"
+#include "core/kernels/activate.hpp"
+#include "core/kernels/anchors.hpp"
+#include "core/kernels/bound_layer.hpp"
+#include "core/kernels/collect_changes.hpp"
+#include "core/kernels/fit_cubic.hpp"
+#include "core/kernels/fit_ribbon.hpp"
+#include "core/kernels/interpolate.hpp"
+#include "core/kernels/joint_palette.hpp"
+#include "core/kernels/order_layers.hpp"
+#include "core/kernels/roots.hpp"
+#include "core/kernels/sample_pose.hpp"
+#include "core/kernels/select_lod.hpp"
+#include "core/kernels/simulate_modal.hpp"
+#include "core/kernels/simulate_pbd.hpp"
+#include "core/kernels/simulate_verlet.hpp"
+#include "core/kernels/skin.hpp"
+#include "core/kernels/sort_key.hpp"
+#include "core/kernels/sort_layer.hpp"
+#include "core/kernels/sort_pieces.hpp"
+#include "core/kernels/wind.hpp"
+#include "core/kernels/write_instances.hpp"
+#include "core/kernels/write_ribbons.hpp"
+
+namespace pelt {
+
+const FrameTable& PELT_KERNELS();
+
+namespace {
+
+using V = PELT_VECTOR;
+using enum Domain;
+
+constexpr Gate kAlways{};
+constexpr Gate kPosed{.frame = FrameGate::kNewPose};
+constexpr Gate kSkinned{.chunk_flags = kChunkSkin};
+constexpr Gate kSimulated{.chunk_flags = kChunkSimulate};
+constexpr Gate kBlown{.chunk_flags = kChunkSimulate, .layer_flags = kLayerWind};
+constexpr Gate kFitted{.chunk_flags = kChunkFit};
+// What follows the view goes on when time does not.
+constexpr FrameGate kView = FrameGate::kAlsoPaused;
+constexpr Gate kKeyed{.chunk_flags = kChunkKeys, .frame = kView};
+constexpr Gate kCollected{.frame = kView};
+constexpr Gate kResorted{.layer = LayerGate::kKeysChanged, .frame = kView};
+constexpr Gate kRedrawn{.layer = LayerGate::kRedraw, .frame = kView};
+// Kinds a stage's streams do not tell apart.
+constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
+constexpr KindMask kStrandChains{0, kLayerVertexChains};
+constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
+
+template <class P>
+const void* ParamsOf(const FrameParams& all) {
+  const void* found = nullptr;
+  WithMembers(all, [&](const auto&... member) {
+    ((std::is_same_v<decltype(member), const P&> ? void(found = &member) : void()), ...);
+  });
+  return found;
+}
+
+template <class K>
+constexpr FrameRow Row(Domain domain, Gate gate, KindMask kinds = {},
+                       std::optional<VertexOrder> vertices = {}) {
+  FrameRow row{MakeKernelDesc<K>(), nullptr, domain, gate, kinds, vertices};
+  if constexpr (requires { typename K::Params; }) row.params = &ParamsOf<typename K::Params>;
+  return row;
+}
+
+constexpr FrameRow kRows[] = {
+    // Where everything is, what is seen and what needs doing.
+    Row<SamplePose<V>>(kCharacter, kPosed),
+    Row<JointPalette<V>>(kCharacter, kPosed),
+    Row<BoundLayer<V>>(kLayer, kAlways),
+    Row<SelectLod<V>>(kLayer, kAlways),
+
+    // A chunk from mesh to strands: nothing outside it but the pose.
+    Row<Activate<V>>(kChunk, kAlways),
+    Row<Skin<V>>(kChunk, kSkinned),
+    Row<Anchors<V>>(kChunk, kSkinned),
+    Row<Roots<V>>(kChunk, kSkinned),
+    Row<Wind<V, true>>(kChunk, kBlown),
+    Row<Wind<V, false>>(kChunk, kBlown, kStrandChains),
+    Row<SimulatePbd<V, 4, true>>(kChunk, kSimulated, kPbd),
+    Row<SimulatePbd<V, 4, false>>(kChunk, kSimulated, kPbd),
+    Row<SimulatePbd<V, 5, false>>(kChunk, kSimulated, kPbd),
+    Row<SimulateVerlet<V, 4>>(kChunk, kSimulated, kVerlet),
+    Row<SimulateVerlet<V, 5>>(kChunk, kSimulated, kVerlet),
+    Row<SimulateModal<V, 4, true>>(kChunk, kSimulated),
+    Row<SimulateModal<V, 4, false>>(kChunk, kSimulated),
+    Row<SimulateModal<V, 5, false>>(kChunk, kSimulated),
+    Row<Interpolate<V>>(kChunk, kFitted),
+    Row<FitCubic<V, 4>>(kChunk, kFitted),
+    Row<FitCubic<V, 5>>(kChunk, kFitted),
+    Row<FitRibbon<V, 4>>(kChunk, kFitted),
+    Row<FitRibbon<V, 5>>(kChunk, kFitted),
+    Row<SortKey<V, 4>>(kChunk, kKeyed),
+    Row<SortKey<V, 5>>(kChunk, kKeyed),
+
+    // A layer sorts as one; layers too large for a local store in pieces, four 8-bit digits.
+    Row<CollectChanges<V>>(kLayer, kCollected),
+    Row<SortLayer<V>>(kLayer, kResorted, kWhole),
+    Row<SortCount<V, 0>>(kChunk, kResorted, kPieces),
+    Row<SortOffsets<V, 0>>(kLayer, kResorted, kPieces),
+    Row<SortScatter<V, 0>>(kChunk, kResorted, kPieces),
+    Row<SortCount<V, 1>>(kChunk, kResorted, kPieces),
+    Row<SortOffsets<V, 1>>(kLayer, kResorted, kPieces),
+    Row<SortScatter<V, 1>>(kChunk, kResorted, kPieces),
+    Row<SortCount<V, 2>>(kChunk, kResorted, kPieces),
+    Row<SortOffsets<V, 2>>(kLayer, kResorted, kPieces),
+    Row<SortScatter<V, 2>>(kChunk, kResorted, kPieces),
+    Row<SortCount<V, 3>>(kChunk, kResorted, kPieces),
+    Row<SortOffsets<V, 3>>(kLayer, kResorted, kPieces),
+    Row<SortScatter<V, 3>>(kChunk, kResorted, kPieces),
+    Row<OrderLayers<V>>(kScene, kCollected),
+
+    // Vertices, in pieces of a chunk's size.
+    Row<WriteInstances<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),
+    Row<WriteRibbons<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),
+    Row<WriteRibbonsUnsorted<V>>(kChunk, kKeyed, {}, VertexOrder::kIndexBuffer),
+};
+constexpr FrameTable kFrame{kRows};
+
+}  // namespace
+
+const FrameTable& PELT_KERNELS() { return kFrame; }
+
+}  // namespace pelt
