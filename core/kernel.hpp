@@ -70,6 +70,7 @@ struct PortOf {
   using Block = BlockOf<kRow>;
   static_assert(std::is_trivially_copyable_v<Block>);
   static constexpr Stream kStream = StreamOf<kRow>;
+  static constexpr Domain kDomain = RowOf<kRow>.domain;
   static constexpr Stream kRecordList = Stream::kNone;
   static constexpr Access kAccess = kHow;
 };
@@ -167,7 +168,9 @@ struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
 struct PortDesc {
   Stream stream;
   Access access;
+  Domain domain;         // the stream's
   uint32_t block_bytes;  // Gather, Scatter: bytes of one record
+  uint32_t stride;       // from one block of the stream to the next
   Stream record_list;
 };
 
@@ -188,7 +191,10 @@ struct KernelTraits {
   static_assert(kMemberCount<Ports> <= kMaxPorts);
 
   static constexpr auto kDescs = WithMembers(Ports{}, [](const auto&... port) {
-    return std::array{PortDesc{port.kStream, port.kAccess, port.kBytes, port.kRecordList}...};
+    return std::array{
+        PortDesc{port.kStream, port.kAccess, port.kDomain, port.kBytes,
+                 uint32_t(sizeof(typename std::remove_cvref_t<decltype(port)>::Block)),
+                 port.kRecordList}...};
   });
   static PELT_INLINE Ports Bind(const Binding* bindings) {
     Ports ports;

@@ -21,6 +21,7 @@ namespace pelt {
 // What an item of a stage, or a block of a stream, stands for. Each is a refinement of the one
 // before: a scene has characters, a character layers, a layer chunks.
 enum class Domain : uint8_t { kScene, kCharacter, kLayer, kChunk };
+inline constexpr size_t kDomainCount = 4;
 
 // What a stream is to the frame, and so to a digest.
 enum class Role : uint8_t {

@@ -47,50 +47,32 @@ bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
   return IsLayerGateOpen(stage, memory, item, layer);
 }
 
-uint32_t ParentItem(const SceneShape& shape, Domain of, uint32_t item, Domain domain) {
-  if (domain == of) return item;
-  if (domain == Domain::kScene) return 0;
-  const uint32_t layer = LayerOf(shape, of, item);
-  return domain == Domain::kLayer ? layer : shape.layer_character[layer];
-}
-
-ItemRange ChildItems(const SceneShape& shape, Domain of, uint32_t item, Domain finer) {
-  // CompilePlan lets only the scene and layers ask.
-  if (of == Domain::kLayer) return {shape.layer_first_chunk[item], shape.LayerChunks(item)};
-  return {0, shape.ItemCount(finer)};
-}
-
-Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain, uint32_t item) {
-  const SceneShape& shape = *memory.shape;
-  const Domain of = DescribeStream(port.stream).domain;
-  switch (port.access) {
-    case Access::kShared:
-      return {memory.Block(port.stream, ParentItem(shape, domain, item, of)), nullptr, 1};
-    case Access::kAll:
-    case Access::kAllOut:
-    case Access::kAllInOut: {
-      const ItemRange range = ChildItems(shape, domain, item, of);
-      return {memory.Block(port.stream, range.first), nullptr, range.count};
-    }
-    case Access::kGather:
-    case Access::kScatter: {
-      const uint32_t layer = shape.chunk_layer[item];
-      auto* list = port.access == Access::kGather
-                       ? reinterpret_cast<uint32_t*>(memory.Block(port.record_list, item))
-                       : nullptr;
-      return {memory.Block(port.stream, shape.layer_first_chunk[layer]), list, kStrandsPerChunk};
-    }
-    default:
-      return {memory.Block(port.stream, item), nullptr, 1};
+ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item) {
+  // CompilePlan lets only the scene and layers ask for all of a finer domain.
+  ItemPlace place{{0, 0, 0, 0}, {1, 1, 1, 1}, 0};
+  if (domain == Domain::kScene) {
+    for (uint32_t d = 1; d < kDomainCount; ++d) place.count[d] = shape.ItemCount(Domain(d));
+    return place;
   }
+  place.first[size_t(domain)] = item;
+  if (domain == Domain::kCharacter) return place;
+  const uint32_t layer = LayerOf(shape, domain, item);
+  place.first[size_t(Domain::kCharacter)] = shape.layer_character[layer];
+  place.first[size_t(Domain::kLayer)] = layer;
+  place.layer_first_chunk = shape.layer_first_chunk[layer];
+  if (domain == Domain::kLayer) {
+    place.first[size_t(Domain::kChunk)] = place.layer_first_chunk;
+    place.count[size_t(Domain::kChunk)] = shape.LayerChunks(layer);
+  }
+  return place;
 }
 
 namespace {
 
-void RunStage(const Frame& frame, const Stage& stage, uint32_t item) {
+void RunStage(const Frame& frame, const Stage& stage, const ItemPlace& place) {
   Binding bindings[kMaxPorts];
-  for (size_t p = 0; p < stage.kernel.ports.size(); ++p)
-    bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
+  Binding* next = bindings;
+  for (const PortDesc& port : stage.kernel.ports) BindPort(port, *frame.memory, place, *next++);
   stage.kernel.run(stage.params, bindings);
 }
 
@@ -106,6 +88,7 @@ void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uin
   __builtin_prefetch(&slice, 1);
   __builtin_prefetch(ends, 1);
   __builtin_prefetch(ends + pass.stage_count - 1, 1);
+  const ItemPlace place = PlaceOf(*frame.memory->shape, pass.domain, item);
   const uint64_t begin = ReadTicks();
   uint64_t now = begin;
   for (uint32_t s = 0; s < pass.stage_count; ++s) {
@@ -114,7 +97,7 @@ void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uin
       ends[s] = 0;
       continue;
     }
-    RunStage(frame, stage, item);
+    RunStage(frame, stage, place);
     if (profile.stage_times) now = ReadTicks();
     ends[s] = now;
   }
@@ -138,8 +121,9 @@ void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t wo
   if (frame.profile) return RunItemProfiled(frame, pass_index, item, worker);
   const Plan& plan = *frame.plan;
   const Pass& pass = plan.passes[pass_index];
+  const ItemPlace place = PlaceOf(*frame.memory->shape, pass.domain, item);
   for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
-    if (IsWanted(plan.stages[s], *frame.memory, item)) RunStage(frame, plan.stages[s], item);
+    if (IsWanted(plan.stages[s], *frame.memory, item)) RunStage(frame, plan.stages[s], place);
 }
 
 const char* Executor::Run(const Frame& frame) {

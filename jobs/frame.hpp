@@ -27,14 +27,16 @@ struct FrameMemory {
 
   // First byte of the block that `item` of the stream's own domain has; null if it has none.
   std::byte* Block(Stream stream, uint32_t item) const {
+    return Block(stream, DescribeStream(stream).block_bytes, item);
+  }
+  std::byte* Block(Stream stream, uint32_t block_bytes, uint32_t item) const {
     const uint32_t at = slot[size_t(stream)] ? slot[size_t(stream)][item] : item;
-    if (at == kNoBlock) return nullptr;
-    return base[size_t(stream)] + size_t(at) * DescribeStream(stream).block_bytes;
+    return at == kNoBlock ? nullptr : base[size_t(stream)] + size_t(at) * block_bytes;
   }
   // The same, of a stream that is known here: its block.
   template <auto kRow>
   BlockOf<kRow>* Of(uint32_t item) const {
-    return As<BlockOf<kRow>>(StreamOf<kRow>, item);
+    return reinterpret_cast<BlockOf<kRow>*>(Block(StreamOf<kRow>, sizeof(BlockOf<kRow>), item));
   }
   template <class T>
   T* As(Stream stream, uint32_t item) const {
@@ -81,17 +83,34 @@ struct Frame {
 // Whether `stage` runs on `item` this frame, from the chunk states and layer blocks in main memory.
 bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item);
 
-// The item of `domain` that `item` of the finer domain `of` belongs to.
-uint32_t ParentItem(const SceneShape& shape, Domain of, uint32_t item, Domain domain);
-
-// First block and number of blocks of a finer domain inside `item` of `of`: the scene, or a layer.
-struct ItemRange {
-  uint32_t first, count;
+// Where an item stands: of each domain, the first item and how many. Of the item's own and coarser
+// ones it is the one that it is or belongs to; of finer ones, those inside the scene or layer.
+struct ItemPlace {
+  uint32_t first[kDomainCount];
+  uint32_t count[kDomainCount];
+  uint32_t layer_first_chunk;
 };
-ItemRange ChildItems(const SceneShape& shape, Domain of, uint32_t item, Domain finer);
+ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item);
 
-// Resolves one port in main memory.
-Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain, uint32_t item);
+// Resolves one port in main memory, for the item at `place`.
+inline void BindPort(const PortDesc& port, const FrameMemory& memory, const ItemPlace& place,
+                     Binding& out) {
+  // Field by field: a binding that is put together and copied is read back before it is there.
+  const bool by_record = port.access == Access::kGather || port.access == Access::kScatter;
+  out.block = memory.Block(port.stream, port.stride,
+                           by_record ? place.layer_first_chunk : place.first[size_t(port.domain)]);
+  out.count = by_record ? kStrandsPerChunk : place.count[size_t(port.domain)];
+  out.index = nullptr;
+  if (port.access == Access::kGather)
+    out.index = reinterpret_cast<uint32_t*>(
+        memory.Block(port.record_list, place.first[size_t(Domain::kChunk)]));
+}
+inline Binding BindPort(const PortDesc& port, const FrameMemory& memory, Domain domain,
+                        uint32_t item) {
+  Binding binding;
+  BindPort(port, memory, PlaceOf(*memory.shape, domain, item), binding);
+  return binding;
+}
 
 // Runs all stages of `pass` that want to run on `item`, in main memory. The only function that
 // calls a kernel there: every host executor ends here. Sets the floating-point environment for the

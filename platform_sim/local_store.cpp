@@ -207,9 +207,10 @@ void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t 
 void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t item,
                                Resident& block, bool transient) {
   if (block.access == Access::kScatter) return Scatter(frame, stage, item, block);
-  const PortDesc port{block.stream, block.access, block.record_bytes, Stream::kNone};
-  std::memcpy(BindPort(port, *frame.memory, stage.domain, item).block,
-              buffer_->bytes + block.offset, block.bytes);
+  const ItemPlace place = PlaceOf(*frame.memory->shape, stage.domain, item);
+  const auto domain = size_t(DescribeStream(block.stream).domain);
+  std::memcpy(frame.memory->Block(block.stream, place.first[domain]), buffer_->bytes + block.offset,
+              block.bytes);
   if (transient) {
     counts_.transient_bytes += block.bytes;
     return;

@@ -62,7 +62,7 @@ class LocalStoreRunner final : public ItemRunner, private StageObserver {
       const Stage& stage = frame.plan->stages[s];
       if (stage.domain < Domain::kLayer) continue;
       const SceneShape& shape = *frame.memory->shape;
-      const uint32_t layer = ParentItem(shape, stage.domain, item, Domain::kLayer);
+      const uint32_t layer = PlaceOf(shape, stage.domain, item).first[size_t(Domain::kLayer)];
       if (!stage.kinds.Admits(shape.layer_kind[layer])) continue;  // known when the scene is made
       needed[size_t(StreamOf<&Streams::chunk_state>)] |= stage.gate.chunk_flags != 0;
       needed[size_t(StreamOf<&Streams::layers>)] |= stage.gate.layer_flags != 0;

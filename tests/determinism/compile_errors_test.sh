@@ -23,11 +23,12 @@ expect() {  # fault, what, pattern of the refusal
     echo "refused, as it must be: $2"
   fi
 }
-expect 1 "a port missing from kPorts" "Out<.*OrderBlock>|no matching constructor|no matching function"
-expect 2 "ports in another order" "could not convert|no viable conversion|no matching"
+expect 1 "a port of no stream" "no_such_stream"
+expect 2 "a port of another stream's block" "OrderBlock.* has no member named .key|no member named 'key' in 'pelt::OrderBlock'"
 expect 3 "a write through In" "read-only (object|location)|const-qualified|not assignable"
 expect 4 "parameters that are not plain data" "is_trivially_copyable"
 expect 5 "a block that is no legal DMA transfer" "legal DMA transfer"
+expect 6 "a stream that is not named as its member" "a row is named as its member"
 
 # Flags. Any source stands for all that have the header, which every one that computes must have.
 refuse() {  # flags, pattern of the reason

@@ -161,18 +161,18 @@ TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
     uint32_t low;
     std::memcpy(&low, scene.Block<BoundsBlock>(StreamOf<&Streams::bounds>, layer_of[c]).low, 4);
     EXPECT_EQ(order.strand[1], low);
-    EXPECT_EQ(ParentItem(scene.shape(), Domain::kChunk, c, Domain::kScene), 0u);
+    EXPECT_EQ(PlaceOf(scene.shape(), Domain::kChunk, c).first[size_t(Domain::kScene)], 0u);
   }
 }
 
 TEST(Frame, ChildrenOfALayerAreItsChunks) {
   const SceneShape shape = MakeShape(kLayers);
-  const ItemRange chunks = ChildItems(shape, Domain::kLayer, 1, Domain::kChunk);
-  EXPECT_EQ(chunks.first, 2u);
-  EXPECT_EQ(chunks.count, 3u);
-  const ItemRange layers = ChildItems(shape, Domain::kScene, 0, Domain::kLayer);
-  EXPECT_EQ(layers.first, 0u);
-  EXPECT_EQ(layers.count, 3u);
+  const ItemPlace layer = PlaceOf(shape, Domain::kLayer, 1);
+  EXPECT_EQ(layer.first[size_t(Domain::kChunk)], 2u);
+  EXPECT_EQ(layer.count[size_t(Domain::kChunk)], 3u);
+  const ItemPlace all = PlaceOf(shape, Domain::kScene, 0);
+  EXPECT_EQ(all.first[size_t(Domain::kLayer)], 0u);
+  EXPECT_EQ(all.count[size_t(Domain::kLayer)], 3u);
 }
 
 TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
