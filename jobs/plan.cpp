@@ -284,25 +284,4 @@ std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& 
   return plan;
 }
 
-std::string DescribePlan(const Plan& plan, const SceneShape& shape) {
-  std::string out = Format("{:<4} {:<10} {:>6} {:>9} {:>9} {:>9}  {}\n", "pass", "domain", "items",
-                           "resident", "get", "put", "stages");
-  for (size_t i = 0; i < plan.passes.size(); ++i) {
-    const Pass& pass = plan.passes[i];
-    std::string names;
-    for (uint32_t s = 0; s < pass.stage_count; ++s) {
-      if (s) names += ", ";
-      names += plan.stages[pass.first_stage + s].kernel.name;
-    }
-    out += Format("{:<4} {:<10} {:>6} {:>8}{} {:>9} {:>9}  {}\n", i, DomainName(pass.domain),
-                  shape.ItemCount(pass.domain), pass.resident_bytes,
-                  pass.double_buffered ? ' ' : '*', pass.get_bytes, pass.put_bytes, names);
-  }
-  out += Format(
-      "{} stages in {} passes: {} barriers. Bytes are for one item of the layer kind that needs "
-      "most; * single-buffered.\n",
-      plan.stages.size(), plan.passes.size(), plan.passes.size());
-  return out;
-}
-
 }  // namespace pelt

@@ -93,7 +93,4 @@ inline Plan CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
 }
 #endif
 
-// A table of passes, stages, bytes and barriers, as `pelt plan` prints it.
-std::string DescribePlan(const Plan& plan, const SceneShape& shape);
-
 }  // namespace pelt

@@ -291,21 +291,6 @@ TEST(Plan, MeasuresTheKindThatNeedsMost) {
   EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(SortKeyBlock) + 2 * sizeof(PointBlock<4>));
 }
 
-TEST(Plan, DescribesPassesBytesAndBarriers) {
-  const Plan plan = CompilePlan(
-      {Chunk<MakePairs>(), Chunk<UsePairs>(), MakeStage<SumLayer>(Domain::kLayer)}, kShape,
-      {.local_store_data_bytes = 4 * 1024});
-  const std::string text = DescribePlan(plan, kShape);
-  EXPECT_NE(text.find("make_pairs, use_pairs"), std::string::npos) << text;
-  EXPECT_NE(text.find("3 stages in 2 passes"), std::string::npos) << text;
-  // pass 1: layers, two of them, resident, get and put bytes as the plan has them.
-  char row[128];
-  std::snprintf(row, sizeof row, "%-4d %-10s %6d %8u%c %9u %9u  sum_layer", 1, "layer", 2,
-                plan.passes[1].resident_bytes, plan.passes[1].double_buffered ? ' ' : '*',
-                plan.passes[1].get_bytes, plan.passes[1].put_bytes);
-  EXPECT_NE(text.find(row), std::string::npos) << row << "\n" << text;
-}
-
 TEST(Plan, SortableChunksNeverWrapsRound) {
   EXPECT_EQ(SortableChunks(0), 0u);
   EXPECT_EQ(SortableChunks(4 * 1024), 0u);
