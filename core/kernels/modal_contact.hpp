@@ -95,7 +95,8 @@ PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, float allowed, float 
   const typename W::Mask inside = Dot(u, d) < Min(least, W(most)) - W(allowed);
   if (!Any(inside)) return;
   const Vec3<W> across = UnitAcross(u, d);
-  const Vec3<W> turned = u * wanted + across * Sqrt(Max(W(1.0f) - wanted * wanted, W(0.0f)));
+  const Vec3<W> along = u * wanted;
+  const Vec3<W> turned = along + across * Sqrt(Max(W(1.0f) - wanted * wanted, W(0.0f)));
   d = Select<W>(inside, turned, d);
   contact.any = contact.any | inside;
   contact.normal = Select<W>(inside, u, contact.normal);
@@ -129,9 +130,9 @@ PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, 
     const Vec3<W> out = (from - walls.obstacles.centre[s]) * per_length;
     const W square = Dot(out, out), radius = walls.obstacles.radius[s] * per_length;
     const W inverse = Rsqrt(Max(square, W(1.0e-12f)));
-    const W least = (radius * radius - square - one) * (W(0.5f) * inverse);
-    LeanAlong(out * inverse, Select(radius > none, least, W(-2.0f)), kReach, walls.allowed, 0.0f,
-              0.0f, d, contact);
+    const W near = (radius * radius - square - one) * (W(0.5f) * inverse);
+    const W least = Select(radius > none, near, W(-2.0f));
+    LeanAlong(out * inverse, least, kReach, walls.allowed, 0.0f, 0.0f, d, contact);
   }
   if (walls.obstacles.use_ground) {
     const Vec3<W> up = walls.obstacles.ground_normal;

@@ -133,7 +133,7 @@ struct Surroundings {
   // What point i at `at` is deepest beyond.
   PELT_INLINE void Find(uint32_t i, Vec3<W> at, Obstacle<W>& found) const {
     const W none = W(0.0f), one = W(1.0f);
-    const Mask never = one < none;
+    const Mask never = one < none, always = !never;
     const Vec3<W> zero = {none, none, none};
     W deepest = none;
     found.Clear();
@@ -158,12 +158,12 @@ struct Surroundings {
       const Vec3<W> centre = Centre(s);
       const W radius = Radius(s);
       take(radius - Distance(at, centre),
-           {never, !never, centre, zero, radius, one, none, none, zero, none});
+           {never, always, centre, zero, radius, one, none, none, zero, none});
     }
     if (max_distance > 0.0f) {
       const W limit = W(Limit(i));
       take(Distance(at, groom[i]) - limit,
-           {never, !never, groom[i], zero, limit, W(-1.0f), one, none, groom_speed[i], none});
+           {never, always, groom[i], zero, limit, W(-1.0f), one, none, groom_speed[i], none});
     }
   }
 
