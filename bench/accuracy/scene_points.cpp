@@ -50,9 +50,8 @@ ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
 
 const float* ScenePointsLayout::PointsOf(const FurScene& scene, const Piece& piece) {
   const FrameMemory& memory = scene.memory();
-  return piece.free_points == 4
-             ? memory.Of<&Streams::strand_points5>(piece.chunk)->position[0][0]
-             : memory.Of<&Streams::strand_points4>(piece.chunk)->position[0][0];
+  return piece.free_points == 4 ? memory.Of<&Streams::strand_points5>(piece.chunk)->position[0][0]
+                                : memory.Of<&Streams::strand_points4>(piece.chunk)->position[0][0];
 }
 
 void ScenePointsLayout::Read(const FurScene& scene, ScenePoints& points) const {
@@ -69,8 +68,7 @@ void ScenePointsLayout::Read(const FurScene& scene, const FurScene& rigid_scene,
                              const ScenePoints& rigid, ScenePoints& points) const {
   Read(scene, points);
   for (const Piece& piece : pieces_) {
-    const uint32_t live =
-        scene.memory().Of<&Streams::chunk_state>(piece.chunk)->live_strands;
+    const uint32_t live = scene.memory().Of<&Streams::chunk_state>(piece.chunk)->live_strands;
     if (live < piece.strands) Carry(piece, live, rigid_scene, rigid, points);
   }
 }

@@ -47,8 +47,8 @@ inline ChainMatrix Product(int n, const ChainMatrix& a, const ChainMatrix& b) {
   return c;
 }
 
-// The yardstick has an eigensolver of its own beside core/modal's: a fault of that one must not be in
-// what it is measured by.
+// The yardstick has an eigensolver of its own beside core/modal's: a fault of that one must not be
+// in what it is measured by.
 
 // Eigenvalues (ascending) and orthonormal eigenvectors (columns) of a symmetric matrix, by Jacobi's
 // rotations.

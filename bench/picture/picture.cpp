@@ -72,9 +72,9 @@ class DrawnHairs {
     if (shape.layer_kind[layer] & kLayerRibbons) {
       ReadRibbon(memory, at_chunk, at_lane, hair);
     } else {
-      const CurveRecord& record =
-          sorted ? memory.Of<&Streams::instances>(at_chunk)->instance[at_lane]
-                 : memory.Of<&Streams::curves>(at_chunk)->record[at_lane];
+      const CurveRecord& record = sorted
+                                      ? memory.Of<&Streams::instances>(at_chunk)->instance[at_lane]
+                                      : memory.Of<&Streams::curves>(at_chunk)->record[at_lane];
       ReadCurve(record, params.tip_width, hair);
     }
     return hair;

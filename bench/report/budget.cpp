@@ -14,8 +14,7 @@ uint64_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain,
     case Access::kAll:
     case Access::kAllOut:
     case Access::kAllInOut:
-      return uint64_t(port.block_bytes) *
-             PlaceOf(shape, domain, item).count[size_t(port.domain)];
+      return uint64_t(port.block_bytes) * PlaceOf(shape, domain, item).count[size_t(port.domain)];
     case Access::kGather:
     case Access::kScatter:
       return uint64_t(port.block_bytes) * kStrandsPerChunk;

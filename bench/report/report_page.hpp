@@ -34,8 +34,8 @@ class ReportRecorder {
 
   void Add(const FinishedFrame& frame);
   // `add_consoles` adds an element for each console that the scene was modelled on: see
-  // AddConsoleFrame (bench/consoles/console_report.hpp); `add_accuracy` one of AddAccuracySection, if
-  // any.
+  // AddConsoleFrame (bench/consoles/console_report.hpp); `add_accuracy` one of AddAccuracySection,
+  // if any.
   std::string Page(const RunReport& report, double ns_per_tick,
                    const std::function<void(JsonText&)>& add_consoles = {},
                    const std::function<void(JsonText&)>& add_accuracy = {}) const;

@@ -323,8 +323,7 @@ class CullingCheck {
     std::vector<uint32_t> wanted,
         listed(list.layer, list.layer + std::min(list.count, kLayersPerScene));
     for (uint32_t l = 0; l < since_.size(); ++l)
-      if (since_[l] != kHidden &&
-          scene.memory().Of<&Streams::layer_sort>(l)->visible_count > 0)
+      if (since_[l] != kHidden && scene.memory().Of<&Streams::layer_sort>(l)->visible_count > 0)
         wanted.push_back(l);
     std::sort(listed.begin(), listed.end());
     if (listed != wanted)

@@ -127,7 +127,8 @@ class DigestCheck {
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
     if (unsorted && stream == StreamOf<&Streams::instances>) return 0;  // nobody writes it
     if (desc.lanes == Lanes::kLiveVertices) return state(item).live_vertices;
-    if (desc.lanes == Lanes::kLiveStrands || (unsorted && stream == StreamOf<&Streams::ribbon_vertices>))
+    if (desc.lanes == Lanes::kLiveStrands ||
+        (unsorted && stream == StreamOf<&Streams::ribbon_vertices>))
       return state(item).live_strands;
     const uint32_t layer = shape.chunk_layer[item];
     if (desc.lanes == Lanes::kLiveChains)

@@ -26,15 +26,17 @@ uint64_t DigestBooking(const FurScene& scene, Stream stream) {
 StreamDigests DigestsOf(const FurScene& scene) {
   StreamDigests digests{};
   for (uint32_t s = 0; s < kStreamCount; ++s)
-    digests[s] = DescribeStream(Stream(s)).role == Role::kBookkeeping ? DigestBooking(scene, Stream(s))
-                                                                  : scene.DigestStream(Stream(s));
+    digests[s] = DescribeStream(Stream(s)).role == Role::kBookkeeping
+                     ? DigestBooking(scene, Stream(s))
+                     : scene.DigestStream(Stream(s));
   return digests;
 }
 
 bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement) {
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     if (a[s] == b[s]) continue;
-    const bool vertices = Stream(s) == StreamOf<&Streams::instances> || Stream(s) == StreamOf<&Streams::ribbon_vertices>;
+    const bool vertices = Stream(s) == StreamOf<&Streams::instances> ||
+                          Stream(s) == StreamOf<&Streams::ribbon_vertices>;
     const bool bookkeeping = DescribeStream(Stream(s)).role == Role::kBookkeeping;
     if ((agreement.vertices || !vertices) && (agreement.bookkeeping || !bookkeeping)) return false;
   }

@@ -15,8 +15,8 @@ StreamDigests DigestsOf(const FurScene& scene);
 
 // Which streams two scenes must agree on.
 struct Agreement {
-  bool vertices = true;  // their layout depends on the vertex order
-  bool bookkeeping = true;   // depends on what is skipped, not on what runs it
+  bool vertices = true;     // their layout depends on the vertex order
+  bool bookkeeping = true;  // depends on what is skipped, not on what runs it
 };
 bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement);
 

@@ -92,7 +92,8 @@ void GuardedExecutor::RunPasses(const Frame& frame) {
   for (const Stage& stage : frame.plan->stages)
     for (uint32_t i = 0; i < shape.ItemCount(stage.domain); ++i) {
       if (stage.domain >= Domain::kLayer &&
-          !stage.kinds.Admits(shape.layer_kind[PlaceOf(shape, stage.domain, i).first[size_t(Domain::kLayer)]]))
+          !stage.kinds.Admits(
+              shape.layer_kind[PlaceOf(shape, stage.domain, i).first[size_t(Domain::kLayer)]]))
         continue;
       for (const PortDesc& port : stage.kernel.ports)
         largest = std::max(largest, size_t(port.block_bytes) *

@@ -126,7 +126,8 @@ class WakingCheck {
     }
     result.seen = CountChunks(asleep_.scene(), true);
     const bool rests = result.seen > 0;
-    if (!SameDigests(DigestsOf(asleep_.scene()), DigestsOf(awake_.scene()), {.bookkeeping = false})) {
+    if (!SameDigests(DigestsOf(asleep_.scene()), DigestsOf(awake_.scene()),
+                     {.bookkeeping = false})) {
       if (const auto mismatch = FindMismatch(awake_, asleep_, first_frame_ - 1))
         result.Fail(FindingKind::kSkip, *mismatch);
     } else if (!rests) {

@@ -38,8 +38,7 @@ RestBlock<kTo> Resample(const RestBlock<kFrom>& from) {
     const glm::dvec3 first = PointOf(from, 1, lane) / double(from.segment_length[lane]);
     const RestShape shape = MakeEqualSegments(places, length, kTo, first);
     for (uint32_t i = 0; i + 1 < kTo; ++i)
-      for (int axis = 0; axis < 3; ++axis)
-        to.offset[i][axis][lane] = float(shape.offset[i][axis]);
+      for (int axis = 0; axis < 3; ++axis) to.offset[i][axis][lane] = float(shape.offset[i][axis]);
     to.segment_length[lane] = float(length / double(kTo - 1));
     to.strength[lane] = from.strength[lane];
   }
@@ -51,8 +50,8 @@ RestBlock<kTo> Resample(const RestBlock<kFrom>& from) {
 uint32_t FewestPoints() { return uint32_t(FindParamBounds("points")->low); }
 
 bool HasMorePoints(const Groom& groom) {
-  return std::ranges::any_of(
-      groom.layers, [](const GroomLayer& l) { return l.params.points > FewestPoints(); });
+  return std::ranges::any_of(groom.layers,
+                             [](const GroomLayer& l) { return l.params.points > FewestPoints(); });
 }
 
 Groom ResampleToFewestPoints(const Groom& groom) {
@@ -63,9 +62,8 @@ Groom ResampleToFewestPoints(const Groom& groom) {
   size_t four = 0, five = 0;
   for (GroomLayer& layer : out.layers) {
     for (uint32_t c = 0; c < layer.chunk_count; ++c)
-      out.strand_rest4.push_back(layer.params.points == kFrom
-                                     ? Resample(groom.strand_rest5[five++])
-                                     : groom.strand_rest4[four++]);
+      out.strand_rest4.push_back(layer.params.points == kFrom ? Resample(groom.strand_rest5[five++])
+                                                              : groom.strand_rest4[four++]);
     layer.params.points = kTo;
   }
   return out;

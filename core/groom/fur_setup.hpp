@@ -121,8 +121,8 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                       const std::string& map_directory);
 FurSetup ReadFurSetupFile(const std::string& path);
 
-// A key of the layer that gives a map over the surface, which needs texture coordinates ("mask.uv");
-// empty when none does.
+// A key of the layer that gives a map over the surface, which needs texture coordinates
+// ("mask.uv"); empty when none does.
 std::string FindSurfaceMap(const LayerSetup& layer);
 
 // Every key a setup may hold, with type, unit, bounds, default and meaning: the text of

@@ -77,7 +77,7 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
       mean.offset[k] = frame.ToFrame(sum.offset.offset[k] / sum.weight);
     }
     const double length = sum.length / sum.weight;
-    chains_[i].rest = // Strands above and below may cancel.
+    chains_[i].rest =  // Strands above and below may cancel.
         MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));

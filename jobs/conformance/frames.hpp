@@ -94,8 +94,10 @@ class SyntheticFrames {
     for (uint32_t c = 0; c < shape_.chunk_count; ++c)
       for (uint32_t i = 0; i < kStrandsPerChunk; ++i) keys_[c].key[i] = c * kStrandsPerChunk + i;
     memory_.shape = &shape_;
-    memory_.base[size_t(StreamOf<&Streams::sort_keys>)] = reinterpret_cast<std::byte*>(keys_.data());
-    memory_.base[size_t(StreamOf<&Streams::layer_sort>)] = reinterpret_cast<std::byte*>(layers_.data());
+    memory_.base[size_t(StreamOf<&Streams::sort_keys>)] =
+        reinterpret_cast<std::byte*>(keys_.data());
+    memory_.base[size_t(StreamOf<&Streams::layer_sort>)] =
+        reinterpret_cast<std::byte*>(layers_.data());
     memory_.base[size_t(StreamOf<&Streams::draw_list>)] = reinterpret_cast<std::byte*>(&scene_);
     std::string error;
     plan_ = *TryCompilePlan({Of<StirChunk>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),

@@ -20,13 +20,7 @@
 namespace pelt {
 
 // Changes of the frame's data that are tried in the model: what_if.hpp.
-enum class WhatIf : uint8_t {
-  kNothing,
-  kResidentPalette,
-  kLivePrefix,
-  kWiderDigits,
-  kFewerPoints
-};
+enum class WhatIf : uint8_t { kNothing, kResidentPalette, kLivePrefix, kWiderDigits, kFewerPoints };
 
 struct ConsoleMachine {
   std::string name;  // "PS3"

@@ -100,7 +100,8 @@ void WorkChange::DropPalette(const Frame& frame, uint32_t unit, uint32_t pass, u
   const Domain domain = frame.plan->passes[pass].domain;
   // Caches hold it already; a character's own pass makes it.
   if (!has_stores_ || domain <= Domain::kCharacter) return;
-  const uint32_t character = PlaceOf(*frame.memory->shape, domain, item).first[size_t(Domain::kCharacter)];
+  const uint32_t character =
+      PlaceOf(*frame.memory->shape, domain, item).first[size_t(Domain::kCharacter)];
   for (ItemWork::StreamBytes& moved : work.streams) {
     if (moved.stream != StreamOf<&Streams::palette> || moved.get_bytes == 0) continue;
     if (palette_of_[unit] == character) {

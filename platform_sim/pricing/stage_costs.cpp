@@ -12,9 +12,7 @@ namespace {
 constexpr uint32_t kLanesPerTurn = 4;
 
 uint32_t TurnsOf(uint32_t lanes) { return (lanes + kLanesPerTurn - 1) / kLanesPerTurn; }
-uint32_t TurnsOfGroups(uint32_t lanes) {
-  return RoundUpToLaneGroups(lanes) / kLanesPerTurn;
-}
+uint32_t TurnsOfGroups(uint32_t lanes) { return RoundUpToLaneGroups(lanes) / kLanesPerTurn; }
 
 bool Binds(const Stage& stage, Stream stream) {
   return std::ranges::any_of(stage.kernel.ports,
@@ -46,8 +44,10 @@ uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint3
     case Lanes::kDrawn:
       break;
   }
-  if (stream == StreamOf<&Streams::order>) return kStrandsPerChunk / kLanesPerTurn;      // sorted in pieces
-  if (!Binds(stage, StreamOf<&Streams::layer_sort>)) return TurnsOf(state.live_strands);  // in strand order
+  if (stream == StreamOf<&Streams::order>)
+    return kStrandsPerChunk / kLanesPerTurn;  // sorted in pieces
+  if (!Binds(stage, StreamOf<&Streams::layer_sort>))
+    return TurnsOf(state.live_strands);  // in strand order
   const uint32_t place = (chunk - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
   const uint32_t visible = VisibleOf(frame, layer);
   return visible > place ? TurnsOf(std::min(visible - place, kStrandsPerChunk)) : 0;

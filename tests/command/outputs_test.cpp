@@ -57,9 +57,9 @@ TEST(Outputs, CommandsWriteWhatTheCommandLineTried) {
   EXPECT_EQ(FilesWith(R"(\b(Try)?Write(FileBytes|GroomFile|DigestLogFile)\()", {"bench"}),
             std::set<std::string>{"bench/command/output_path.cpp"});
   // commands.hpp: the report's own default, which is tried like any other.
-  EXPECT_EQ(FilesWith(R"(OutputPath::Of\()", {"bench"}),
-            (std::set<std::string>{"bench/command/commands.hpp",
-                                   "bench/command/file_options.cpp"}));
+  EXPECT_EQ(
+      FilesWith(R"(OutputPath::Of\()", {"bench"}),
+      (std::set<std::string>{"bench/command/commands.hpp", "bench/command/file_options.cpp"}));
 }
 
 // A text is no path to write to: neither in a command nor for an option that is declared in another

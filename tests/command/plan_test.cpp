@@ -1,5 +1,5 @@
-// `pelt plan` shows the plans that run: main memory's as every executor but one runs it, and that of
-// local stores.
+// `pelt plan` shows the plans that run: main memory's as every executor but one runs it, and that
+// of local stores.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

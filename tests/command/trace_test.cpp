@@ -248,7 +248,8 @@ TEST(StageDigests, AFaultIsNamedAtTheStageOfItsLayersKind) {
   uint32_t verlet_chunk = 0;
   while (!(shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerVerlet)) ++verlet_chunk;
   const bool five = shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerFivePoints;
-  const Stream stream = five ? StreamOf<&Streams::strand_points5> : StreamOf<&Streams::strand_points4>;
+  const Stream stream =
+      five ? StreamOf<&Streams::strand_points5> : StreamOf<&Streams::strand_points4>;
   *bad.scene().memory().Block(stream, verlet_chunk) ^= std::byte{1};
   const StageDigests stages(good.scene());
   DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;

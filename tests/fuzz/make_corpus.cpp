@@ -1,8 +1,8 @@
 // Writes the seed corpora anew: small files of every format that use as much of it as they can.
 //   make_corpus FOLDER
 // Run it when a format changes, and commit what it wrote. The corpus of setups is
-// bench/scenarios/setups; golden digests are digest logs, and traces/golden is a corpus of those. What
-// fuzzing found stays beside the seeds, under the name of the fault.
+// bench/scenarios/setups; golden digests are digest logs, and traces/golden is a corpus of those.
+// What fuzzing found stays beside the seeds, under the name of the fault.
 #include <bit>
 #include <cstddef>
 #include <cstdio>

@@ -14,7 +14,6 @@
 
 namespace pelt::test {
 
-
 template <class T, size_t kRows, size_t kLanes>
 void ExpectPadded(const T (&rows)[kRows][kLanes], uint32_t used) {
   for (size_t r = 0; r < kRows; ++r) {

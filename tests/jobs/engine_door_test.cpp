@@ -224,9 +224,8 @@ TEST(DoorFaults, NullThoughRunningElsewhere) {
   SyntheticFrames frames;
   const Frame frame = frames.frame();
   std::string error;
-  const auto plan =
-      TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), nullptr, Domain::kChunk}},
-                     *frame.memory->shape, {}, error);
+  const auto plan = TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), nullptr, Domain::kChunk}},
+                                   *frame.memory->shape, {}, error);
   ASSERT_TRUE(plan) << error;
   HoldHelpers::caller = std::this_thread::get_id();
   HoldHelpers::inside = 0;

@@ -108,14 +108,16 @@ TEST(Frame, LayerFlagGateLooksAtTheLayersBlock) {
 TEST(Frame, SortGateOpensWhenKeysChanged) {
   SyntheticScene scene(kLayers);
   for (uint32_t l = 0; l < 3; ++l)
-    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {kStrandsPerChunk, l == 2, 0, {}};
+    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {
+        kStrandsPerChunk, l == 2, 0, {}};
   EXPECT_EQ(CountRuns(scene, {.layer = LayerGate::kKeysChanged}), Counts({0, 0, 0, 0, 0, 1}));
 }
 
 TEST(Frame, RedrawGateOpensForPiecesThatHoldDrawnStrands) {
   SyntheticScene scene(kLayers);
   const auto set = [&](uint32_t layer, uint32_t visible, uint32_t keys, uint32_t records) {
-    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, layer) = {visible, keys, records, {}};
+    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, layer) = {
+        visible, keys, records, {}};
   };
   set(0, kStrandsPerChunk, 0, 1);      // the first piece only: the second begins behind the last
   set(1, kStrandsPerChunk + 1, 1, 0);  // two of three
@@ -138,12 +140,14 @@ TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
   SerialExecutor().Run({&plan, &scene.memory()});
   EXPECT_EQ(scene.memory().Block(StreamOf<&Streams::vertex_points>, 0), nullptr);
   for (uint32_t c = 2; c < 6; ++c)
-    EXPECT_EQ(scene.Block<PointBlock<4>>(StreamOf<&Streams::vertex_points>, c).position[0][0][0], 7.0f);
+    EXPECT_EQ(scene.Block<PointBlock<4>>(StreamOf<&Streams::vertex_points>, c).position[0][0][0],
+              7.0f);
 }
 
 TEST(Frame, LayerStagesRunOncePerLayer) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l) scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible = 10 * l;
+  for (uint32_t l = 0; l < 3; ++l)
+    scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible = 10 * l;
   const Plan plan = CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {});
   SerialExecutor().Run({&plan, &scene.memory()});
   for (uint32_t l = 0; l < 3; ++l)
@@ -157,7 +161,8 @@ TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
   const uint32_t layer_of[] = {0, 0, 1, 1, 1, 2}, character_of[] = {0, 0, 0, 0, 0, 1};
   for (uint32_t c = 0; c < 6; ++c) {
     const auto& order = scene.Block<OrderBlock>(StreamOf<&Streams::order>, c);
-    EXPECT_EQ(order.strand[0], scene.Block<PoseBlock>(StreamOf<&Streams::pose>, character_of[c]).joint_count);
+    EXPECT_EQ(order.strand[0],
+              scene.Block<PoseBlock>(StreamOf<&Streams::pose>, character_of[c]).joint_count);
     uint32_t low;
     std::memcpy(&low, scene.Block<BoundsBlock>(StreamOf<&Streams::bounds>, layer_of[c]).low, 4);
     EXPECT_EQ(order.strand[1], low);

@@ -154,8 +154,7 @@ TEST(Plan, UnfusedHasOnePassAStage) {
 
 TEST(Plan, PutsABarrierWhereTheDomainChanges) {
   const Plan plan = CompilePlan(
-      {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()}, kShape,
-      {});
+      {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()}, kShape, {});
   EXPECT_EQ(PassNames(plan), Names({"make_keys", "sum_layer", "keys_to_order"}));
   EXPECT_EQ(plan.passes[1].domain, Domain::kLayer);
 }
@@ -243,8 +242,8 @@ TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
 
 TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
   const uint32_t once = 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock);
-  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer)}, kShape,
-                                    {.local_store_data_bytes = once - 1});
+  const std::string error =
+      ErrorOf({MakeStage<SumLayer>(Domain::kLayer)}, kShape, {.local_store_data_bytes = once - 1});
   EXPECT_NE(error.find("stage sum_layer"), std::string::npos) << error;
   EXPECT_NE(error.find("one layer needs " + std::to_string(once) + " bytes"), std::string::npos)
       << error;

@@ -147,8 +147,7 @@ std::pair<uint32_t, uint32_t> CountStarts(const FurScene& scene, uint32_t charac
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     if (shape.layer_character[shape.chunk_layer[c]] != character) continue;
     ++all;
-    starts +=
-        (scene.memory().Of<&Streams::chunk_state>(c)->flags & kChunkRestart) != 0;
+    starts += (scene.memory().Of<&Streams::chunk_state>(c)->flags & kChunkRestart) != 0;
   }
   return {starts, all};
 }

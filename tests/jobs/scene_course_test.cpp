@@ -14,13 +14,24 @@ using namespace testing;
 // ---- Restarts
 // -------------------------------------------------------------------------------------
 
-constexpr Stream kRestarted[] = {
-    StreamOf<&Streams::skinned>,         StreamOf<&Streams::anchors>,        StreamOf<&Streams::roots>,
-    StreamOf<&Streams::vertex_points>,    StreamOf<&Streams::vertex_previous>, StreamOf<&Streams::strand_points4>,
-    StreamOf<&Streams::strand_previous4>, StreamOf<&Streams::strand_points5>,  StreamOf<&Streams::strand_previous5>,
-    StreamOf<&Streams::vertex_modal>,     StreamOf<&Streams::strand_modal4>,   StreamOf<&Streams::strand_modal5>,
-    StreamOf<&Streams::curves>,          StreamOf<&Streams::ribbons>,        StreamOf<&Streams::sort_keys>,
-    StreamOf<&Streams::order>,           StreamOf<&Streams::instances>,      StreamOf<&Streams::ribbon_vertices>};
+constexpr Stream kRestarted[] = {StreamOf<&Streams::skinned>,
+                                 StreamOf<&Streams::anchors>,
+                                 StreamOf<&Streams::roots>,
+                                 StreamOf<&Streams::vertex_points>,
+                                 StreamOf<&Streams::vertex_previous>,
+                                 StreamOf<&Streams::strand_points4>,
+                                 StreamOf<&Streams::strand_previous4>,
+                                 StreamOf<&Streams::strand_points5>,
+                                 StreamOf<&Streams::strand_previous5>,
+                                 StreamOf<&Streams::vertex_modal>,
+                                 StreamOf<&Streams::strand_modal4>,
+                                 StreamOf<&Streams::strand_modal5>,
+                                 StreamOf<&Streams::curves>,
+                                 StreamOf<&Streams::ribbons>,
+                                 StreamOf<&Streams::sort_keys>,
+                                 StreamOf<&Streams::order>,
+                                 StreamOf<&Streams::instances>,
+                                 StreamOf<&Streams::ribbon_vertices>};
 
 // Holds `scene` after `frame` against a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {

@@ -51,9 +51,7 @@ TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
     same(StreamOf<&Streams::strand_points4>, 9);
     same(StreamOf<&Streams::strand_points5>, 12);
     if (const auto* p = a.memory().Of<&Streams::curves>(c)) {
-      EXPECT_EQ(
-          std::memcmp(p, b.memory().Of<&Streams::curves>(c), live * sizeof(CurveRecord)),
-          0);
+      EXPECT_EQ(std::memcmp(p, b.memory().Of<&Streams::curves>(c), live * sizeof(CurveRecord)), 0);
     }
   }
   EXPECT_GE(compared, 2 * a.shape().chunk_count);

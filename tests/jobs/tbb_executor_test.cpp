@@ -34,7 +34,8 @@ std::vector<Stage> CrossingFrame() {
 uint64_t RunFrames(Executor& executor) {
   SyntheticScene scene({{0, 0, 90}, {0, 0, 1}, {1, 0, 37}});
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    auto* list = reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Streams::sort_pairs_a>, c));
+    auto* list =
+        reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Streams::sort_pairs_a>, c));
     const uint32_t places =
         scene.shape().LayerChunks(scene.shape().chunk_layer[c]) * kStrandsPerChunk;
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) list[i] = (i * 7919 + c) % places;

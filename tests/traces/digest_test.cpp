@@ -97,8 +97,8 @@ TEST(FindDifference, NamesRowComponentLaneAndBothValues) {
 TEST(FindDifference, CountsWordsOfRecords) {
   auto left = std::make_unique<CurveBlock>(), right = std::make_unique<CurveBlock>();
   right->record[9].curve[1][2] = -2.0f;  // word 5 of the record
-  const BlockDifference d =
-      FindDifference(DescribeStream(StreamOf<&Streams::curves>), left.get(), right.get(), kStrandsPerChunk);
+  const BlockDifference d = FindDifference(DescribeStream(StreamOf<&Streams::curves>), left.get(),
+                                           right.get(), kStrandsPerChunk);
   ASSERT_TRUE(d.differs);
   EXPECT_EQ(d.lane, 9u);
   EXPECT_EQ(d.component, 5u);

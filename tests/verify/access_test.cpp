@@ -19,7 +19,8 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    const auto* next = Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>)) + 1;
+    const auto* next =
+        Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>)) + 1;
     if (*Launder(next->length) > 1000.0f)
       twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->position[0][0] = 0.0f;
   });
@@ -38,7 +39,8 @@ TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
     // One character on: in a scene of one there is nothing there but another stream.
-    const auto* next = Launder(twin.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
+    const auto* next =
+        Launder(twin.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
     twin.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
         Launder(next->matrix[0])[3];
   });
@@ -70,8 +72,8 @@ TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    auto* behind =
-        reinterpret_cast<std::byte*>(Launder(twin.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
+    auto* behind = reinterpret_cast<std::byte*>(
+        Launder(twin.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
     *Launder(behind) = *Launder(behind);
   });
   const CaseResult result = RunOne(options);
@@ -85,14 +87,15 @@ TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    Launder(reinterpret_cast<uint32_t*>(twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)))[-1] = 0;
+    Launder(reinterpret_cast<uint32_t*>(
+        twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)))[-1] = 0;
   });
   CaseResult result = RunOne(options);
   EXPECT_EQ(result.kind, FindingKind::kUndeclaredWrite) << result.reason;
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    auto* length =
-        const_cast<float*>(Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>))->length);
+    auto* length = const_cast<float*>(
+        Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>))->length);
     *Launder(length) = *Launder(length);  // the same value: no comparison shows it
   });
   result = RunOne(options);
@@ -108,7 +111,8 @@ TEST(VerifyAccess, StaticStateIsFound) {
   runs = 0;
   options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
     twin.run(params, bindings);
-    twin.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] += float(runs++);
+    twin.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] +=
+        float(runs++);
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);

@@ -65,7 +65,8 @@ TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
 // Only the flag that says so: all lanes are new in any case.
 void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) {
   twin.run(params, bindings);
-  twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->flags &= ~uint32_t(kChunkRestart);
+  twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->flags &=
+      ~uint32_t(kChunkRestart);
 }
 
 TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {

@@ -115,11 +115,11 @@ std::unique_ptr<StrandSolver> MakeCoreSolver(Isa isa, const CoreSettings& settin
   if (!table) return nullptr;
   const bool pbd = settings.method == CoreMethod::kPbd;
   if (setup.material.links == 3)
-    return std::make_unique<ChunkSolver<4>>(*table->Find(pbd ? "simulate_pbd_4" : "simulate_verlet_4"),
-                                            settings, setup);
+    return std::make_unique<ChunkSolver<4>>(
+        *table->Find(pbd ? "simulate_pbd_4" : "simulate_verlet_4"), settings, setup);
   if (setup.material.links == 4)
-    return std::make_unique<ChunkSolver<5>>(*table->Find(pbd ? "simulate_pbd_5" : "simulate_verlet_5"),
-                                            settings, setup);
+    return std::make_unique<ChunkSolver<5>>(
+        *table->Find(pbd ? "simulate_pbd_5" : "simulate_verlet_5"), settings, setup);
   return nullptr;
 }
 

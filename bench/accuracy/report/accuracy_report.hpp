@@ -1,7 +1,7 @@
 // What `pelt accuracy` found, as text, as JSON, and as the work-precision diagram.
 //
-// The JSON is what `pelt report --accuracy` reads (accuracy_section.hpp): a member that goes there is
-// part of a format, named by kAccuracyFormat.
+// The JSON is what `pelt report --accuracy` reads (accuracy_section.hpp): a member that goes there
+// is part of a format, named by kAccuracyFormat.
 #pragma once
 
 #include <string>

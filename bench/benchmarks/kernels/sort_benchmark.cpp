@@ -128,9 +128,7 @@ void SortWhole(benchmark::State& state, Isa isa) {
 
 void RunDigit(const FrameTable& table, Layer& layer, int digit) {
   // By name once a digit, among so few as not to be seen.
-  const auto find = [&](const char* kernel) {
-    return *table.Find(kernel + std::to_string(digit));
-  };
+  const auto find = [&](const char* kernel) { return *table.Find(kernel + std::to_string(digit)); };
   const KernelDesc count = find("sort_count"), offsets = find("sort_offsets");
   const KernelDesc scatter = find("sort_scatter");
   const auto source = [&](uint32_t c) {
