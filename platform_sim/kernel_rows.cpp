@@ -12,10 +12,10 @@ namespace {
 using V = RecordingVec;
 
 // As many as make a trace that windows find their places in.
-constexpr uint32_t kRecordedBodies = 2, kRecordedNewtonTurns = 8;
+constexpr uint32_t kRecordedBodies = 2, kRecordedNewtonIterations = 8;
 
-bool Add(std::optional<Trace> trace, uint32_t turns, double times, std::vector<KernelPart>& parts) {
-  if (trace) parts.push_back({*std::move(trace), turns, times});
+bool Add(std::optional<Trace> trace, uint32_t iterations, double times, std::vector<KernelPart>& parts) {
+  if (trace) parts.push_back({*std::move(trace), iterations, times});
   return trace.has_value();
 }
 
@@ -60,11 +60,11 @@ bool RecordNewton(std::vector<KernelPart>& parts, std::string& error) {
                  [&] {
                    V x[kNewtonChains];
                    for (uint32_t c = 0; c < kNewtonChains; ++c) x[c] = V::Load(rows.lanes[c]);
-                   NewtonTurns(x, kRecordedNewtonTurns);
+                   NewtonIterations(x, kRecordedNewtonIterations);
                    for (uint32_t c = 0; c < kNewtonChains; ++c) x[c].Store(rows.lanes[c]);
                  },
                  error),
-             kRecordedNewtonTurns, 1.0 / kRecordedNewtonTurns, parts);
+             kRecordedNewtonIterations, 1.0 / kRecordedNewtonIterations, parts);
 }
 
 bool RecordMatrices(std::vector<KernelPart>& parts, std::string& error) {
@@ -72,10 +72,10 @@ bool RecordMatrices(std::vector<KernelPart>& parts, std::string& error) {
   return Add(
       TryRecordKernel(
           {{m.get(), 3 * sizeof(Matrix)}}, [&] { SubtractProduct<V>(m[0], m[1], m[2]); }, error),
-      kMatrixTurns, 1.0, parts);
+      kMatrixIterations, 1.0, parts);
 }
 
-constexpr double kNewtonOperations = 2112e-9;  // of a turn, as the row counts
+constexpr double kNewtonOperations = 2112e-9;  // of an iteration, as the row counts
 constexpr double kMatrixFlops = 2e-9 * kMatrixSide * kMatrixSide * kMatrixSide;
 
 constexpr KernelRowDefinition kRows[] = {
@@ -102,12 +102,12 @@ KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameter
   std::vector<KernelPart> parts;
   if (!row.record(parts, out.failure)) return out;
   for (const KernelPart& part : parts) {
-    const auto cost = TryPriceTrace(part.trace, part.turns, core, {}, out.failure);
+    const auto cost = TryPriceTrace(part.trace, part.iterations, core, {}, out.failure);
     if (!cost) return out;
-    const double turns = part.times * part.turns;
-    out.turns += turns;
-    out.scheduled_cycles += cost->scheduled.cycles_per_turn * turns;
-    out.as_written_cycles += cost->as_written.cycles_per_turn * turns;
+    const double iterations = part.times * part.iterations;
+    out.iterations += iterations;
+    out.scheduled_cycles += cost->scheduled.cycles_per_iteration * iterations;
+    out.as_written_cycles += cost->as_written.cycles_per_iteration * iterations;
   }
   const double availability = row.has_availability ? p.cell.Availability() : 1.0;
   const double units = row.units_per_pass * row.spus * double(core.clock_hz) * availability;

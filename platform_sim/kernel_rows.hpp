@@ -29,7 +29,7 @@ namespace pelt {
 // A stretch of a kernel's work that is priced by itself.
 struct KernelPart {
   Trace trace;
-  uint32_t turns;
+  uint32_t iterations;
   double times = 1.0;  // that the row's work has it
 };
 
@@ -47,7 +47,7 @@ struct KernelRow {
   const KernelRowDefinition* row = nullptr;
   // Cycles of one pass over the row's work on one SPU; measured: with the availability taken out.
   double measured_cycles = 0.0, scheduled_cycles = 0.0, as_written_cycles = 0.0;
-  double turns = 0.0;                        // of the pass
+  double iterations = 0.0;                   // of the pass
   double scheduled = 0.0, as_written = 0.0;  // in the row's unit, with the availability
   double place = 0.0;
   bool passes = false;  // the measurement lies in the range, or kKernelAllowedPercent beyond

@@ -31,7 +31,7 @@ constexpr std::string_view kIntercept =
     "what a job costs beyond its length was read off these rows";
 
 constexpr std::string_view kOneCycleMore =
-    "the SDK's 15 cycles from a hint to its branch and the turn's last make 16";
+    "the SDK's 15 cycles from a hint to its branch and the iteration's last make 16";
 constexpr std::string_view kNothingShared =
     "in the ring's order its three pairs share no part of it, so the model has every port at its "
     "full rate; what holds them back on the console is not known";
@@ -59,14 +59,14 @@ constexpr RowDefinition kRows[] = {
      kRate, kIndependent, 2.0, kPercent, kSpuRates, rows::EvenNopNewtonRate},
     {"C7", "double-precision multiply-adds, 13 chains, 6 SPEs", "GFLOPS", 8.65, 8.65,
      kRate, kIndependent, 2.0, kPercent, kSpuRates, rows::DoublePrecisionRate},
-    {"C9", "loop of 12 with an unhinted taken branch", "cycles a turn", 30, 30,
-     kWay, kIndependent, 0.5, kUnits, kWholeCycles, rows::BranchTurn},
-    {"C10", "the same with a hint at its head", "cycles a turn", 17, 17,
-     kWay, kIndependent, 0.5, kUnits, kWholeCycles, rows::HintedBranchTurn, 0, {}, kOneCycleMore},
+    {"C9", "loop of 12 with an unhinted taken branch", "cycles an iteration", 30, 30,
+     kWay, kIndependent, 0.5, kUnits, kWholeCycles, rows::BranchIteration},
+    {"C10", "the same with a hint at its head", "cycles an iteration", 17, 17,
+     kWay, kIndependent, 0.5, kUnits, kWholeCycles, rows::HintedBranchIteration, 0, {}, kOneCycleMore},
     {"C13", "SGEMM of 64 x 64 in one local store, our own schedule", "% of peak", 99.8, 99.8,
      kWay, kPlausibility, 2.0, kPercent, kSpuRates, rows::MatrixPeakShare, 0, kOwnLoop},
-    {"C23", "IBM's published listing, 18 instructions", "cycles a turn", 42, 42,
-     kWay, kIndependent, 0.0, kUnits, kExact, rows::PublishedTurn},
+    {"C23", "IBM's published listing, 18 instructions", "cycles an iteration", 42, 42,
+     kWay, kIndependent, 0.0, kUnits, kExact, rows::PublishedIteration},
     {"C23t", "the same: issue times that are as printed", "of 18", 18, 18,
      kWay, kDerived, 0.0, kUnits, kExact, rows::PublishedIssueTimes, 0, kRepeatsC23},
 

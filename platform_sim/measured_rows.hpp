@@ -25,8 +25,9 @@ namespace pelt {
 
 // What a row measures, for the availability.
 enum class RowKind : uint8_t {
-  kRate,  // work held up over many turns, as a rate or as the mean of a turn: availability counts
-  kWay,   // a message's way, what an SPU counted of itself, a vendor's print: it does not
+  // Work held up over many iterations, as a rate or as the mean of one: availability counts.
+  kRate,
+  kWay,  // a message's way, what an SPU counted of itself, a vendor's print: it does not
 };
 enum class Allowed : uint8_t { kPercent, kUnits };
 

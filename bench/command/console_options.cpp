@@ -79,7 +79,7 @@ Subcommand SetUpTiming(CLI::App& root) {
   app->add_option("--core", args.core, "Which core runs it; xenon: with --kernel")
       ->check(CLI::IsMember({"spu", "ppe", "xenon"}))
       ->capture_default_str();
-  app->add_option("--trip", args.trips, "LABEL=N: the loop that begins there runs N turns")
+  app->add_option("--trip", args.trips, "LABEL=N: the loop that begins there runs N iterations")
       ->allow_extra_args(false);
   app->add_flag("--pair-by-order", args.pair_by_order,
                 "Pair without looking at addresses, as the vendor's published static tool");

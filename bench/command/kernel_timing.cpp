@@ -22,7 +22,7 @@ constexpr SkipSettings kNoSkips{false, false, false, false, false, false};
 struct TimedStage {
   uint32_t stage;
   std::string_view name;
-  uint32_t item = 0, turns = 0;
+  uint32_t item = 0, iterations = 0;
   Trace trace = {};
   KernelCost cost = {};
 };
@@ -49,10 +49,10 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
                                             : Recorder::Keep::kOperations);
     if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
     if (timed == stages.end()) return true;
-    const uint32_t turns = CountTurns(frame, stage, item);
-    if (turns <= timed->turns) return true;
+    const uint32_t iterations = CountIterations(frame, stage, item);
+    if (iterations <= timed->iterations) return true;
     timed->item = item;
-    timed->turns = turns;
+    timed->iterations = iterations;
     timed->trace = recorder.trace();
     return true;
   });
@@ -60,11 +60,11 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
 }
 
 // Cycles a strand: a turn is four.
-double PerStrand(double cycles_per_turn) { return cycles_per_turn / 4.0; }
+double PerStrand(double cycles_per_iteration) { return cycles_per_iteration / 4.0; }
 
 // Where measured kernels lay in their range.
 double ExpectedCycles(const KernelCost& c) {
-  const double least = c.scheduled.cycles_per_turn, most = c.as_written.cycles_per_turn;
+  const double least = c.scheduled.cycles_per_iteration, most = c.as_written.cycles_per_iteration;
   return least + MeasuredCodePlace().mean * (most - least);
 }
 
@@ -74,27 +74,27 @@ void PrintTable(const std::vector<TimedStage>& stages, const PricedCore& core) {
       "{:<22} {:>9} {:>9} {:>9} {:>9} {:>9}{} {:>8} {:<14} {:>5} {:>6} {:>9} {:>7} {:>7} {:>6}\n",
       "cycles a strand", "operat.", "instruct.", "scheduled", "expected", "written",
       shares ? fmt::format(" {:>9} {:>7} {:>9}", "two thr.", "waits", "unfetched") : "", "fixed",
-      "binds", "busy", "dual", "registers", "spills", "code B", "turns");
+      "binds", "busy", "dual", "registers", "spills", "code B", "iterations");
   for (const TimedStage& timed : stages) {
     const KernelCost& c = timed.cost;
     if (c.operations == 0) {
       fmt::print("{:<22} {}\n", timed.name,
-                 timed.turns ? "scalar code that is not recorded" : "does not run in this scene");
+                 timed.iterations ? "scalar code that is not recorded" : "does not run in this scene");
       continue;
     }
     fmt::print(
         "{:<22} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f}{} {:>8.0f} {:<14} {:>4.0f}% {:>5.0f}% "
         "{:>9} {:>7} {:>7} {:>6}\n",
-        timed.name, PerStrand(double(c.operations) / c.turns), PerStrand(c.instructions_per_turn),
-        PerStrand(c.scheduled.cycles_per_turn), PerStrand(ExpectedCycles(c)),
-        PerStrand(c.as_written.cycles_per_turn),
+        timed.name, PerStrand(double(c.operations) / c.iterations), PerStrand(c.instructions_per_iteration),
+        PerStrand(c.scheduled.cycles_per_iteration), PerStrand(ExpectedCycles(c)),
+        PerStrand(c.as_written.cycles_per_iteration),
         shares ? fmt::format(
-                     " {:>9.1f} {:>7.1f} {:>9.1f}", PerStrand(c.scheduled.shared_cycles_per_turn),
-                     PerStrand(c.wait_cycles_per_turn), PerStrand(c.unfetched_wait_cycles_per_turn))
+                     " {:>9.1f} {:>7.1f} {:>9.1f}", PerStrand(c.scheduled.shared_cycles_per_iteration),
+                     PerStrand(c.wait_cycles_per_iteration), PerStrand(c.unfetched_wait_cycles_per_iteration))
                : "",
         c.scheduled.fixed_cycles, c.binding, 100.0 * c.busiest_unit_share,
         100.0 * c.dual_issue_rate, fmt::format("{}/{}", c.most_live, c.register_limit),
-        c.spill_stores + c.spill_loads, c.code_bytes, c.window_turns);
+        c.spill_stores + c.spill_loads, c.code_bytes, c.window_iterations);
   }
   fmt::print("\nexpected: {}\n", DescribePlace(MeasuredCodePlace().mean));
 }
@@ -120,8 +120,8 @@ std::string InstructionText(const ScheduledWindow& window, uint32_t index,
 void PrintWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t slots,
                  const InstructionSet& set) {
   fmt::print(
-      "\n{}: {} turns scheduled together, first {} of {} instructions\n{:>8}  {:<11} {:<34} {}\n",
-      timed.name, timed.cost.window_turns, std::min<size_t>(slots, window.chart.first_pass.size()),
+      "\n{}: {} iterations scheduled together, first {} of {} instructions\n{:>8}  {:<11} {:<34} {}\n",
+      timed.name, timed.cost.window_iterations, std::min<size_t>(slots, window.chart.first_pass.size()),
       window.chart.first_pass.size(), "cycle", "pipe", "instruction", "cycles waited for");
   for (const IssueSlot& slot : window.chart.first_pass) {
     if (slots-- == 0) break;
@@ -155,23 +155,23 @@ std::string AsJson(const std::vector<TimedStage>& stages, const PricedCore& core
     json.BeginObject();
     json.Add("kernel", timed.name);
     json.Add("item", timed.item);
-    json.Add("turns", timed.turns);
+    json.Add("iterations", timed.iterations);
     json.Add("operations", c.operations);
-    json.Add("instructions_per_turn", c.instructions_per_turn);
-    json.Add("as_written_cycles_per_turn", c.as_written.cycles_per_turn);
-    json.Add("expected_cycles_per_turn", ExpectedCycles(c));
-    json.Add("scheduled_cycles_per_turn", c.scheduled.cycles_per_turn);
-    json.Add("shared_cycles_per_turn", c.scheduled.shared_cycles_per_turn);
-    json.Add("as_written_cycles_per_strand", PerStrand(c.as_written.cycles_per_turn));
-    json.Add("scheduled_cycles_per_strand", PerStrand(c.scheduled.cycles_per_turn));
+    json.Add("instructions_per_iteration", c.instructions_per_iteration);
+    json.Add("as_written_cycles_per_iteration", c.as_written.cycles_per_iteration);
+    json.Add("expected_cycles_per_iteration", ExpectedCycles(c));
+    json.Add("scheduled_cycles_per_iteration", c.scheduled.cycles_per_iteration);
+    json.Add("shared_cycles_per_iteration", c.scheduled.shared_cycles_per_iteration);
+    json.Add("as_written_cycles_per_strand", PerStrand(c.as_written.cycles_per_iteration));
+    json.Add("scheduled_cycles_per_strand", PerStrand(c.scheduled.cycles_per_iteration));
     json.Add("fixed_cycles", c.scheduled.fixed_cycles);
     if (core.caches) {
-      json.Add("lines_per_turn", c.lines_per_turn);
-      json.Add("wait_cycles_per_turn", c.wait_cycles_per_turn);
-      json.Add("unfetched_wait_cycles_per_turn", c.unfetched_wait_cycles_per_turn);
+      json.Add("lines_per_iteration", c.lines_per_iteration);
+      json.Add("wait_cycles_per_iteration", c.wait_cycles_per_iteration);
+      json.Add("unfetched_wait_cycles_per_iteration", c.unfetched_wait_cycles_per_iteration);
     }
-    json.Add("divides_per_turn", c.divides_per_turn);
-    json.Add("roots_per_turn", c.roots_per_turn);
+    json.Add("divides_per_iteration", c.divides_per_iteration);
+    json.Add("roots_per_iteration", c.roots_per_iteration);
     json.Add("binds", c.binding);
     json.Add("busiest_unit_share", c.busiest_unit_share);
     json.Add("dual_issue_rate", c.dual_issue_rate);
@@ -180,7 +180,7 @@ std::string AsJson(const std::vector<TimedStage>& stages, const PricedCore& core
     json.Add("spill_stores", c.spill_stores);
     json.Add("spill_loads", c.spill_loads);
     json.Add("code_bytes", c.code_bytes);
-    json.Add("turns_scheduled_together", c.window_turns);
+    json.Add("iterations_scheduled_together", c.window_iterations);
     json.EndObject();
   }
   json.EndArray();
@@ -206,7 +206,7 @@ int PrintKernelTiming(const TimingArgs& args) {
   RecordStages(running.scene().CurrentFrame(), stages);
   for (TimedStage& timed : stages)
     timed.cost = ValueOrThrow([&](std::string& error) {
-      return TryPriceTrace(timed.trace, timed.turns, core, rules, error);
+      return TryPriceTrace(timed.trace, timed.iterations, core, rules, error);
     });
   if (args.json) {
     fmt::print("{}\n", AsJson(stages, core, args));
@@ -219,7 +219,7 @@ int PrintKernelTiming(const TimingArgs& args) {
   for (const TimedStage& timed : stages)
     if (args.chart_slots && timed.cost.operations)
       PrintWindow(timed, ValueOrThrow([&](std::string& error) {
-                    return TryScheduleWindow(timed.trace, timed.turns, core, rules, error);
+                    return TryScheduleWindow(timed.trace, timed.iterations, core, rules, error);
                   }),
                   args.chart_slots,
                   core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet());

@@ -43,17 +43,18 @@ std::string LabelAt(const Listing& listing, uint32_t index) {
 TripCount ParseTrip(const Listing& listing, const std::string& text) {
   const size_t equals = text.rfind('=');
   const std::string name = text.substr(0, equals);
-  uint64_t turns = 0;
+  uint64_t iterations = 0;
   const char* digits = text.c_str() + std::min(equals + 1, text.size());
   char extra = 0;
   if (equals == text.npos || *digits < '0' || *digits > '9' || text.size() - equals > 14 ||
-      std::sscanf(digits, "%lu%c", &turns, &extra) != 1 || turns == 0 || turns > kMaxTurns)
+      std::sscanf(digits, "%lu%c", &iterations, &extra) != 1 || iterations == 0 ||
+      iterations > kMaxIterations)
     throw UsageError(
-        fmt::format("--trip {}; expected LABEL=N with N from 1 to {}", text, kMaxTurns));
+        fmt::format("--trip {}; expected LABEL=N with N from 1 to {}", text, kMaxIterations));
   const std::vector<uint32_t> heads = LoopHeads(listing.program);
   const ListingLabel* label = listing.FindLabel(name);
   for (const uint32_t head : heads)
-    if (label && label->index == head) return {head, turns};
+    if (label && label->index == head) return {head, iterations};
   std::string loops;
   for (const uint32_t head : heads)
     loops += fmt::format("{}{}", loops.empty() ? "" : ", ", LabelAt(listing, head));
@@ -126,15 +127,15 @@ void PrintLoop(const Listing& listing, const IssueChart& chart, const LoopTiming
                uint64_t clock_hz) {
   const std::string name = LabelAt(listing, loop.head);
   if (!loop.steady) {
-    fmt::print("\nloop {}: {} turns, over before its state came back\n", name, loop.turns);
+    fmt::print("\nloop {}: {} iterations, over before its state came back\n", name, loop.iterations);
     return;
   }
-  const double ns = loop.CyclesPerTurn() * 1e9 / double(clock_hz);
-  fmt::print("\nloop {}: {} cycles a turn = {:.2f} ns at {:.3f} GHz", name, loop.CyclesPerTurn(),
+  const double ns = loop.CyclesPerIteration() * 1e9 / double(clock_hz);
+  fmt::print("\nloop {}: {} cycles an iteration = {:.2f} ns at {:.3f} GHz", name, loop.CyclesPerIteration(),
              ns, double(clock_hz) * 1e-9);
   const double availability = CellSystem{}.Availability();
   fmt::print(", {:.2f} ns with {} available", ns / availability, availability);
-  fmt::print("; {}{} turns\n", loop.turns, loop.turns_assumed ? " (assumed)" : "");
+  fmt::print("; {}{} iterations\n", loop.iterations, loop.iterations_assumed ? " (assumed)" : "");
   PrintSlots(listing, chart, loop.slots);
   PrintTotals(chart, loop.period);
 }
@@ -208,12 +209,12 @@ std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const T
   for (const LoopTiming& loop : chart.loops) {
     json.BeginObject();
     json.Add("loop", LabelAt(listing, loop.head));
-    json.Add("turns", loop.turns);
-    json.Add("turns_assumed", loop.turns_assumed);
+    json.Add("iterations", loop.iterations);
+    json.Add("iterations_assumed", loop.iterations_assumed);
     json.Add("steady", loop.steady);
     if (loop.steady) {
-      json.Add("cycles_per_turn", loop.CyclesPerTurn());
-      json.Add("period_turns", loop.period_turns);
+      json.Add("cycles_per_iteration", loop.CyclesPerIteration());
+      json.Add("period_iterations", loop.period_iterations);
       AddSlots(json, listing, chart, loop.slots);
       AddTotals(json, "period", chart, loop.period);
     }
@@ -243,7 +244,7 @@ Listing ReadPpeListing(const std::string& path) {
 struct ThreadTime {
   const Listing* listing;
   std::string loop;
-  double alone, beside;  // cycles a turn
+  double alone, beside;  // cycles an iteration
 };
 
 // The only loop of it, alone on the core.
@@ -255,7 +256,8 @@ ThreadTime TimeAlone(const Listing& listing) {
     throw Error(fmt::format(
         "{}: {} loops that reach a steady state; a thread of two runs one for ever: give that loop",
         listing.name, chart.loops.size()));
-  return {&listing, LabelAt(listing, chart.loops[0].head), chart.loops[0].CyclesPerTurn(), 0.0};
+  return {&listing, LabelAt(listing, chart.loops[0].head), chart.loops[0].CyclesPerIteration(),
+          0.0};
 }
 
 int PrintThreadPair(const TimingArgs& args) {
@@ -264,7 +266,7 @@ int PrintThreadPair(const TimingArgs& args) {
   const PpePairTiming pair = ValueOrThrow([&](std::string& error) {
     return TryTimePpePair({listings[0].program, listings[1].program}, PpeParameters{}, error);
   });
-  for (uint32_t t = 0; t < 2; ++t) threads[t].beside = pair.CyclesPerTurn(t);
+  for (uint32_t t = 0; t < 2; ++t) threads[t].beside = pair.CyclesPerIteration(t);
   const uint64_t clock_hz = CellSystem{}.clock_hz;
   const double gained =
       threads[0].alone / threads[0].beside + threads[1].alone / threads[1].beside - 1.0;
@@ -279,8 +281,8 @@ int PrintThreadPair(const TimingArgs& args) {
       json.BeginObject();
       json.Add("listing", thread.listing->name);
       json.Add("loop", thread.loop);
-      json.Add("cycles_per_turn_alone", thread.alone);
-      json.Add("cycles_per_turn", thread.beside);
+      json.Add("cycles_per_iteration_alone", thread.alone);
+      json.Add("cycles_per_iteration", thread.beside);
       json.EndObject();
     }
     json.EndArray();
@@ -292,7 +294,7 @@ int PrintThreadPair(const TimingArgs& args) {
   fmt::print("two threads of a PPE at {:.3f} GHz, each its loop for ever\n",
              double(clock_hz) * 1e-9);
   for (const ThreadTime& thread : threads)
-    fmt::print("{} {}: {:.2f} cycles a turn, {:.2f} alone: {:.0f} % of its own rate\n",
+    fmt::print("{} {}: {:.2f} cycles an iteration, {:.2f} alone: {:.0f} % of its own rate\n",
                thread.listing->name, thread.loop, thread.beside, thread.alone,
                100.0 * thread.alone / thread.beside);
   fmt::print("both together: {:.2f} times the work of one thread after the other\n", 1.0 + gained);

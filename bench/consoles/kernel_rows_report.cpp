@@ -8,7 +8,7 @@ namespace pelt {
 
 std::string DescribeKernelRows(std::span<const KernelRow> rows) {
   std::string out = fmt::format(
-      "measured kernels through the back end: cycles a turn of four lanes, and the rate of all "
+      "measured kernels through the back end: cycles an iteration of four lanes, and the rate of all "
       "SPUs\n{:<6} {:<52} {:<30} {:>10} {:>9} {:>9} {:>9}  {:<24} {:>6}  {:<12}  {}\n",
       "kernel", "work", "built by", "scheduled", "measured", "written", "measured", "of", "place",
       "class", "verdict");
@@ -20,8 +20,8 @@ std::string DescribeKernelRows(std::span<const KernelRow> rows) {
     }
     out += fmt::format(
         "{:<6} {:<52} {:<30} {:>10.1f} {:>9.1f} {:>9.1f} {:>9.4g}  {:<24} {:>6.2f}  {:<12}  {}\n",
-        row.id, row.work, row.built_by, r.scheduled_cycles / r.turns, r.measured_cycles / r.turns,
-        r.as_written_cycles / r.turns, row.measured,
+        row.id, row.work, row.built_by, r.scheduled_cycles / r.iterations, r.measured_cycles / r.iterations,
+        r.as_written_cycles / r.iterations, row.measured,
         fmt::format("{:.4g} to {:.4g} {}", r.as_written, r.scheduled, row.unit), r.place,
         RowClassName(row.row_class), r.passes ? "in the range" : "OUT OF THE RANGE");
   }
@@ -46,7 +46,7 @@ void AddKernelRows(JsonText& json, std::span<const KernelRow> rows) {
     json.Add("measured", row.measured);
     json.Add("scheduled", r.scheduled);
     json.Add("as_written", r.as_written);
-    json.Add("turns", r.turns);
+    json.Add("iterations", r.iterations);
     json.Add("measured_cycles", r.measured_cycles);
     json.Add("scheduled_cycles", r.scheduled_cycles);
     json.Add("as_written_cycles", r.as_written_cycles);

@@ -51,8 +51,8 @@ bool CheckCosts(const ConsoleMachine& machine, const StageCosts& costs, const Fr
     const StageCosts::Stage& cost = costs.stages[s];
     same = cost.name == plan.stages[s].kernel.name;
     for (const StageCosts::Stage::Price* price : {&cost.as_written, &cost.scheduled})
-      same = same && price->cycles_per_turn.size() == items &&
-             price->shared_cycles_per_turn.size() == items;
+      same = same && price->cycles_per_iteration.size() == items &&
+             price->shared_cycles_per_iteration.size() == items;
   }
   if (!same) error = "stage costs are of another plan or scene: price the stages of this one";
   return same;

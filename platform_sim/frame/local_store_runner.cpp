@@ -89,11 +89,11 @@ class LocalStoreRunner final : public ItemRunner, private StageObserver {
 ItemWork::StageTime TimeStage(const StageCosts& costs, const Frame& frame, uint32_t stage,
                               uint32_t item) {
   const StageCosts::Stage& cost = costs.stages[stage];
-  const double turns = CountTurns(frame, stage, item);
+  const double iterations = CountIterations(frame, stage, item);
   const auto time = [&](const StageCosts::Stage::Price& price) -> ItemWork::CodeTime {
     const double fixed = price.fixed_cycles;
-    return {turns * double(price.cycles_per_turn[item]) + fixed,
-            turns * double(price.shared_cycles_per_turn[item]) + fixed};
+    return {iterations * double(price.cycles_per_iteration[item]) + fixed,
+            iterations * double(price.shared_cycles_per_iteration[item]) + fixed};
   };
   return {stage, time(cost.as_written), time(cost.scheduled)};
 }

@@ -89,24 +89,24 @@ class Streaming {
 
   // The steps of the next turn, last first. False: there are none.
   bool Refill() {
-    if (turn_ >= work_.block_count + (drained_ ? 0u : 1u)) return false;
+    if (iteration_ >= work_.block_count + (drained_ ? 0u : 1u)) return false;
     std::vector<SpuStep> steps;
-    if (turn_ == 0 && work_.get && !primed_) {
+    if (iteration_ == 0 && work_.get && !primed_) {
       primed_ = true;
       for (uint32_t b = 0; b < std::min(work_.buffers, work_.block_count); ++b)
         steps.push_back(Dma(Command(DmaKind::kGet, b)));
       if (steps.empty()) return false;
-    } else if (turn_ == work_.block_count) {
+    } else if (iteration_ == work_.block_count) {
       drained_ = true;
       steps.push_back(WaitTags(~0u));
     } else {
-      steps = Turn(turn_++);
+      steps = Iteration(iteration_++);
     }
     ready_.assign(std::make_move_iterator(steps.rbegin()), std::make_move_iterator(steps.rend()));
     return true;
   }
 
-  std::vector<SpuStep> Turn(uint32_t block) const {
+  std::vector<SpuStep> Iteration(uint32_t block) const {
     std::vector<SpuStep> steps = {WaitTags(1u << block % work_.buffers)};
     if (work_.compute_cycles > 0) steps.push_back(Compute(work_.compute_cycles));
     if (work_.put) steps.push_back(Dma(Command(DmaKind::kPut, block)));
@@ -119,7 +119,7 @@ class Streaming {
 
   StreamWork work_;
   uint32_t place_bytes_;
-  uint32_t turn_ = 0;
+  uint32_t iteration_ = 0;
   bool primed_ = false, drained_ = false;
   std::vector<SpuStep> ready_;
 };

@@ -66,7 +66,7 @@ using Program = std::span<const Instruction>;
 // How often a loop runs: `head` is the instruction its backward branch goes to.
 struct TripCount {
   uint32_t head = 0;
-  uint64_t turns = 0;
+  uint64_t iterations = 0;
 };
 
 }  // namespace pelt

@@ -102,16 +102,16 @@ IssueTotals operator*(IssueTotals totals, uint64_t times);
 // A loop at its steady state: the core's state comes back after `period_turns`, `period_cycles`
 // later, so this is exact for every further turn.
 struct LoopTiming {
-  uint32_t head, branch;       // instructions
-  uint64_t turns = 0;          // of the first time it ran
-  bool turns_assumed = false;  // nobody said how often
-  bool steady = false;         // false: it ended before
-  uint64_t period_turns = 0;
+  uint32_t head, branch;            // instructions
+  uint64_t iterations = 0;          // of the first time it ran
+  bool iterations_assumed = false;  // nobody said how often
+  bool steady = false;              // false: it ended before
+  uint64_t period_iterations = 0;
   int64_t period_cycles = 0;
   IssueTotals period{};            // what happens in it
-  std::vector<IssueSlot> slots{};  // of the last turn in it; cycles from the turn's first
+  std::vector<IssueSlot> slots{};  // of the last iteration in it; cycles from the iteration's first
 
-  double CyclesPerTurn() const { return double(period_cycles) / double(period_turns); }
+  double CyclesPerIteration() const { return double(period_cycles) / double(period_iterations); }
 };
 
 struct LiveRegisters {
@@ -124,7 +124,7 @@ struct IssueChart {
   std::vector<IssueSlot> first_pass;    // until the first instruction that comes a second time
   IssueTotals first_pass_totals;
   std::vector<LoopTiming> loops;
-  IssueTotals totals;  // of the whole run, every turn
+  IssueTotals totals;  // of the whole run, every iteration
   std::vector<LiveRegisters> live;
 };
 

@@ -45,10 +45,10 @@ class Walk {
       Loop* loop = nullptr;
       if (IsBackwardBranch(instruction, index)) {
         loop = &loops_.at(instruction.target);
-        taken = loop->turns_left > 1;
+        taken = loop->iterations_left > 1;
       }
       Issue(instruction, index, taken);
-      if (loop && taken) EndTurn(*loop, index);
+      if (loop && taken) EndIteration(*loop, index);
       if (loop && !taken) EndLoop(*loop, index);
       if (instruction.flow == Flow::kEnd) break;
       if (loop && !taken && instruction.flow == Flow::kAlways) break;  // nothing lies behind it
@@ -61,15 +61,15 @@ class Walk {
  private:
   struct Snapshot {
     std::vector<int64_t> state;
-    uint64_t turns_left;
+    uint64_t iterations_left;
     IssueTotals totals;
   };
   struct Loop {
-    uint64_t turns, turns_left;
+    uint64_t iterations, iterations_left;
     bool assumed;
-    bool timed = false;     // its steady state is in the chart
-    bool leapt = false;     // since it was entered
-    size_t turn_begin = 0;  // in log_
+    bool timed = false;          // its steady state is in the chart
+    bool leapt = false;          // since it was entered
+    size_t iteration_begin = 0;  // in log_
     std::vector<Snapshot> snapshots{};
   };
 
@@ -79,18 +79,19 @@ class Walk {
   }
 
   bool FindLoops(std::span<const TripCount> trips, std::string& error) {
-    for (const uint32_t head : LoopHeads(program_)) loops_[head] = {kAssumedTurns, 0, true};
+    for (const uint32_t head : LoopHeads(program_)) loops_[head] = {kAssumedIterations, 0, true};
     for (const TripCount& trip : trips) {
       const auto loop = loops_.find(trip.head);
       if (loop == loops_.end())
         return Refuse(trip.head, "a trip count, but no branch goes back to here", error);
-      if (trip.turns == 0 || trip.turns > kMaxTurns)
-        return Refuse(trip.head,
-                      Format("a trip count of {}; expected 1 to {}", trip.turns, kMaxTurns), error);
-      loop->second.turns = trip.turns;
+      if (trip.iterations == 0 || trip.iterations > kMaxIterations)
+        return Refuse(
+            trip.head,
+            Format("a trip count of {}; expected 1 to {}", trip.iterations, kMaxIterations), error);
+      loop->second.iterations = trip.iterations;
       loop->second.assumed = false;
     }
-    for (auto& [head, loop] : loops_) loop.turns_left = loop.turns;
+    for (auto& [head, loop] : loops_) loop.iterations_left = loop.iterations;
     return true;
   }
 
@@ -118,16 +119,16 @@ class Walk {
   }
 
   Snapshot Now(const Loop& loop) const {
-    Snapshot now{{}, loop.turns_left, totals_};
+    Snapshot now{{}, loop.iterations_left, totals_};
     model_.AppendState(now.state);
     for (const auto& [head, other] : loops_)
-      if (&other != &loop) now.state.push_back(int64_t(other.turns_left));
+      if (&other != &loop) now.state.push_back(int64_t(other.iterations_left));
     return now;
   }
 
   // Its branch was just taken.
-  void EndTurn(Loop& loop, uint32_t branch) {
-    --loop.turns_left;
+  void EndIteration(Loop& loop, uint32_t branch) {
+    --loop.iterations_left;
     if (!loop.leapt) {
       Snapshot now = Now(loop);
       for (const Snapshot& before : loop.snapshots)
@@ -140,31 +141,33 @@ class Walk {
         loop.snapshots.push_back(std::move(now));
       }
     }
-    loop.turn_begin = log_.size();
+    loop.iteration_begin = log_.size();
   }
 
   void LeapAhead(Loop& loop, uint32_t branch, const Snapshot& before) {
     IssueTotals period = totals_;
     period -= before.totals;
-    const uint64_t period_turns = before.turns_left - loop.turns_left;
-    if (!loop.timed) AddTiming(loop, branch, period_turns, period);
+    const uint64_t period_iterations = before.iterations_left - loop.iterations_left;
+    if (!loop.timed) AddTiming(loop, branch, period_iterations, period);
     // The last turn leaves the loop: it is always walked.
-    const uint64_t times = (loop.turns_left - 1) / period_turns;
+    const uint64_t times = (loop.iterations_left - 1) / period_iterations;
     model_.Leap(period.cycles * int64_t(times));
     totals_ += period * times;
-    loop.turns_left -= times * period_turns;
+    loop.iterations_left -= times * period_iterations;
     loop.leapt = true;
     loop.snapshots.clear();
   }
 
-  void AddTiming(Loop& loop, uint32_t branch, uint64_t period_turns, const IssueTotals& period) {
-    LoopTiming timing{.head = program_[branch].target, .branch = branch, .turns = loop.turns};
-    timing.turns_assumed = loop.assumed;
+  void AddTiming(Loop& loop, uint32_t branch, uint64_t period_iterations,
+                 const IssueTotals& period) {
+    LoopTiming timing{
+        .head = program_[branch].target, .branch = branch, .iterations = loop.iterations};
+    timing.iterations_assumed = loop.assumed;
     timing.steady = true;
-    timing.period_turns = period_turns;
+    timing.period_iterations = period_iterations;
     timing.period_cycles = period.cycles;
     timing.period = period;
-    timing.slots.assign(log_.begin() + ptrdiff_t(loop.turn_begin), log_.end());
+    timing.slots.assign(log_.begin() + ptrdiff_t(loop.iteration_begin), log_.end());
     if (!timing.slots.empty()) {
       const int64_t first = timing.slots.front().cycle;
       for (IssueSlot& slot : timing.slots) slot.cycle -= first;
@@ -178,13 +181,13 @@ class Walk {
     if (!loop.timed)
       chart_.loops.push_back({.head = program_[branch].target,
                               .branch = branch,
-                              .turns = loop.turns,
-                              .turns_assumed = loop.assumed});
+                              .iterations = loop.iterations,
+                              .iterations_assumed = loop.assumed});
     loop.timed = true;
-    loop.turns_left = loop.turns;
+    loop.iterations_left = loop.iterations;
     loop.leapt = false;
     loop.snapshots.clear();
-    loop.turn_begin = log_.size();
+    loop.iteration_begin = log_.size();
   }
 
   void Finish() {
@@ -198,7 +201,7 @@ class Walk {
   IssueChart& chart_;
   IssueTotals totals_;
   std::map<uint32_t, Loop> loops_;  // by head
-  std::vector<IssueSlot> log_;      // for the turns of loops
+  std::vector<IssueSlot> log_;      // for the iterations of loops
   size_t issues_ = 0;
   std::vector<bool> seen_;
   bool seen_twice_ = false;

@@ -38,9 +38,9 @@ class IssueModel {
 };
 
 // Turns of a loop whose trip count nobody gave.
-inline constexpr uint64_t kAssumedTurns = 1000;
+inline constexpr uint64_t kAssumedIterations = 1000;
 // The most turns of one loop.
-inline constexpr uint64_t kMaxTurns = 1'000'000'000'000;
+inline constexpr uint64_t kMaxIterations = 1'000'000'000'000;
 
 // The most registers (or values) a program may number.
 inline constexpr uint32_t kMaxRegisters = 1u << 22;

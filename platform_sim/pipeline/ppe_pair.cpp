@@ -13,7 +13,7 @@ namespace {
 
 // How many turns of the first thread are remembered to see the state come back, and how many
 // instructions of both are walked.
-constexpr size_t kMostTurns = 2000;
+constexpr size_t kMostIterations = 2000;
 constexpr uint64_t kMostIssues = 1'000'000;
 
 struct LoopThread {
@@ -21,7 +21,7 @@ struct LoopThread {
   uint32_t head, branch;
   PpeThread thread;
   uint32_t next;
-  uint64_t turns = 0;
+  uint64_t iterations = 0;
 };
 
 std::optional<LoopThread> MakeThread(Program program, const PpeParameters& ppe,
@@ -56,30 +56,30 @@ class Pair {
   std::optional<PpePairTiming> Run(std::string& error) {
     struct Moment {
       int64_t cycle;
-      std::array<uint64_t, 2> turns;
+      std::array<uint64_t, 2> iterations;
     };
     std::map<std::vector<int64_t>, Moment> seen;
     Moment first{}, now{};
     for (uint64_t issues = 0; issues < kMostIssues; ++issues) {
       if (Step() != 0 || threads_[0].next != threads_[0].head) continue;
-      now = {threads_[0].thread.last_cycle(), {threads_[0].turns, threads_[1].turns}};
-      if (first.turns[1] == 0) first = now;  // both have begun
-      if (seen.size() == kMostTurns) continue;
+      now = {threads_[0].thread.last_cycle(), {threads_[0].iterations, threads_[1].iterations}};
+      if (first.iterations[1] == 0) first = now;  // both have begun
+      if (seen.size() == kMostIterations) continue;
       const auto [before, is_new] = seen.emplace(State(now.cycle), now);
       const Moment& then = before->second;
-      if (!is_new && now.turns[1] > then.turns[1])
-        return Between(then.cycle, now.cycle, then.turns, now.turns, true);
+      if (!is_new && now.iterations[1] > then.iterations[1])
+        return Between(then.cycle, now.cycle, then.iterations, now.iterations, true);
     }
-    if (now.turns[0] > first.turns[0] && now.turns[1] > first.turns[1])
-      return Between(first.cycle, now.cycle, first.turns, now.turns, false);
+    if (now.iterations[0] > first.iterations[0] && now.iterations[1] > first.iterations[1])
+      return Between(first.cycle, now.cycle, first.iterations, now.iterations, false);
     error = "the two loops are too long to be timed together";
     return std::nullopt;
   }
 
  private:
-  using Turns = std::array<uint64_t, 2>;
-  static PpePairTiming Between(int64_t from, int64_t to, const Turns& before, const Turns& after,
-                               bool steady) {
+  using Iterations = std::array<uint64_t, 2>;
+  static PpePairTiming Between(int64_t from, int64_t to, const Iterations& before,
+                               const Iterations& after, bool steady) {
     return {steady, to - from, {after[0] - before[0], after[1] - before[1]}};
   }
 
@@ -104,7 +104,7 @@ class Pair {
     const Instruction& instruction = thread.program[thread.next];
     const bool ends = thread.next == thread.branch;
     thread.thread.Commit(instruction, slots[second], ends, units_);
-    thread.turns += ends;
+    thread.iterations += ends;
     const bool jumps = ends || instruction.flow == Flow::kAlways;
     thread.next = jumps ? instruction.target : thread.next + 1;
     return second;

@@ -29,10 +29,10 @@ namespace pelt {
 struct PpePairTiming {
   bool steady = false;  // false: not a period, but a long stretch
   int64_t period_cycles = 0;
-  std::array<uint64_t, 2> period_turns{};
+  std::array<uint64_t, 2> period_iterations{};
 
-  double CyclesPerTurn(uint32_t thread) const {
-    return double(period_cycles) / double(period_turns[thread]);
+  double CyclesPerIteration(uint32_t thread) const {
+    return double(period_cycles) / double(period_iterations[thread]);
   }
 };
 

@@ -72,25 +72,25 @@ Cycles Waits(const CacheMemoryRun& run) {
 
 }  // namespace
 
-std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t turns, double cycles_per_turn,
+std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
                                         uint32_t threads, const CacheMemoryParameters& caches,
                                         std::string& error) {
   const CacheMemoryParameters p = AllInSecondLevel(caches);
   std::vector<Accesses> bare, fetched;
   uint64_t lines = 0;
   for (uint32_t t = 0; t < threads; ++t) {
-    bare.push_back(AccessesOf(trace, cycles_per_turn * turns, t * kThreadSpace));
+    bare.push_back(AccessesOf(trace, cycles_per_iteration * iterations, t * kThreadSpace));
     fetched.push_back(WithPrefetches(bare.back(), p, lines));
   }
   CacheMemoryRun bare_run, fetched_run;
   if (!RunCacheMemory(p, bare, bare_run, error) || !RunCacheMemory(p, fetched, fetched_run, error))
     return std::nullopt;
-  const double per_turn = 1.0 / std::max(turns, 1u);
+  const double per_iteration = 1.0 / std::max(iterations, 1u);
   CacheCost cost;
-  cost.lines_per_turn = double(lines) * per_turn;
+  cost.lines_per_iteration = double(lines) * per_iteration;
   // Each dcbt takes a cycle of the unit that loads and stores.
-  cost.wait_cycles_per_turn = double(Waits(fetched_run) + Cycles(lines)) * per_turn;
-  cost.unfetched_wait_cycles_per_turn = double(Waits(bare_run)) * per_turn;
+  cost.wait_cycles_per_iteration = double(Waits(fetched_run) + Cycles(lines)) * per_iteration;
+  cost.unfetched_wait_cycles_per_iteration = double(Waits(bare_run)) * per_iteration;
   return cost;
 }
 

@@ -19,15 +19,15 @@
 namespace pelt {
 
 struct CacheCost {
-  double lines_per_turn = 0.0;                  // that come into the first level
-  double wait_cycles_per_turn = 0.0;            // with a dcbt for each line: what is added
-  double unfetched_wait_cycles_per_turn = 0.0;  // without
+  double lines_per_iteration = 0.0;                  // that come into the first level
+  double wait_cycles_per_iteration = 0.0;            // with a dcbt for each line: what is added
+  double unfetched_wait_cycles_per_iteration = 0.0;  // without
 };
 
 // One item of `turns` turns that takes `cycles_per_turn` when every access hits the first level.
 // `threads`: that do the same on one core at the same time, each on data of its own. Nothing, and
 // why in `error`, for caches that cannot be.
-std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t turns, double cycles_per_turn,
+std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
                                         uint32_t threads, const CacheMemoryParameters& caches,
                                         std::string& error);
 

@@ -13,7 +13,7 @@ namespace {
 
 struct Window {
   uint32_t begin, middle, end;  // operations: short is [begin, middle)
-  uint32_t turns;               // of the long one
+  uint32_t iterations;          // of the long one
   bool whole = false;           // the trace is no longer
 };
 
@@ -42,23 +42,24 @@ std::vector<uint32_t> CountAlive(const Trace& trace) {
   return alive;
 }
 
-std::vector<Window> PlaceWindows(const Trace& trace, uint32_t turns, const PriceRules& rules) {
+std::vector<Window> PlaceWindows(const Trace& trace, uint32_t iterations, const PriceRules& rules) {
   const auto count = uint32_t(trace.operations.size());
-  turns = std::max(turns, 1u);
-  const uint32_t turn = std::max(count / turns, 1u);
-  const uint32_t half_turns = std::clamp(rules.window_operations / 2 / turn, kTurnsTogether,
-                                         std::max(rules.turns / 2, kTurnsTogether));
-  const uint32_t half = half_turns * turn;
+  iterations = std::max(iterations, 1u);
+  const uint32_t iteration = std::max(count / iterations, 1u);
+  const uint32_t half_iterations =
+      std::clamp(rules.window_operations / 2 / iteration, kIterationsTogether,
+                 std::max(rules.iterations / 2, kIterationsTogether));
+  const uint32_t half = half_iterations * iteration;
   if (count < 3 * half) {
     const uint32_t end = std::min(count, 2 * rules.window_operations);
-    const auto covered = uint32_t(std::lround(double(turns) * end / std::max(count, 1u)));
+    const auto covered = uint32_t(std::lround(double(iterations) * end / std::max(count, 1u)));
     return {{0, 0, end, std::max(covered, 1u), true}};
   }
   const std::vector<uint32_t> alive = CountAlive(trace);
   // The place from p on, no more than a turn away, where the fewest values are alive.
   const auto cut = [&](uint64_t p) {
     const auto first = alive.begin() + int64_t(std::min<uint64_t>(p, count));
-    const auto last = alive.begin() + int64_t(std::min<uint64_t>(p + turn, count + 1));
+    const auto last = alive.begin() + int64_t(std::min<uint64_t>(p + iteration, count + 1));
     return uint32_t(std::min_element(first, std::max(last, first + 1)) - alive.begin());
   };
   std::vector<Window> out;
@@ -67,9 +68,9 @@ std::vector<Window> PlaceWindows(const Trace& trace, uint32_t turns, const Price
   for (uint32_t w = 0; w < windows; ++w) {
     const uint32_t begin = cut(room * (2 * w + 1) / (2 * windows));
     const uint32_t middle = cut(uint64_t(begin) + half), end = cut(uint64_t(middle) + half);
-    if (begin < middle && middle < end) out.push_back({begin, middle, end, 2 * half_turns});
+    if (begin < middle && middle < end) out.push_back({begin, middle, end, 2 * half_iterations});
   }
-  if (out.empty()) out.push_back({0, 0, std::min(count, 2 * half), 2 * half_turns, true});
+  if (out.empty()) out.push_back({0, 0, std::min(count, 2 * half), 2 * half_iterations, true});
   return out;
 }
 
@@ -111,16 +112,16 @@ std::optional<IssueChart> TryTimeCode(const FinishedCode& code, const PricedCore
   return chart;
 }
 
-std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, uint32_t turns,
+std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, uint32_t iterations,
                              const PricedCore& core, const PriceRules& rules, std::string& error) {
   const auto simple =
       SimplifyTrace(trace, begin, end, {.fuse_multiply_add = !rules.lowering.host_operations});
-  const LoweredCode lowered = LowerTo(core, simple, turns, rules.lowering);
+  const LoweredCode lowered = LowerTo(core, simple, iterations, rules.lowering);
   Timed out;
   out.operations = std::max(CountSeen(trace, begin, end), 1u);
   out.instructions = double(lowered.code.program.size());
   const auto as_written = TryAllocateInOrder(lowered.code, core.scheduling, error);
-  auto scheduled = TryScheduleTurns(lowered.code, turns, core.scheduling, error);
+  auto scheduled = TryScheduleIterations(lowered.code, iterations, core.scheduling, error);
   if (!as_written || !scheduled) return std::nullopt;
   if (!TryTimeCode(*as_written, core, out.as_written, error)) return std::nullopt;
   auto chart = TryTimeCode(*scheduled, core, out.scheduled, error);
@@ -150,20 +151,20 @@ void AddPrice(const Timed& small, const Timed& large, CodeCycles Timed::*code, b
     rate.shared = std::max(rate.alone, SteadyRate(less.shared, more.shared, small, large));
     price.fixed_cycles += std::max(0.0, more.alone - rate.alone * large.operations) / windows;
   }
-  price.cycles_per_turn += rate.alone * share;
-  price.shared_cycles_per_turn += rate.shared * share;
+  price.cycles_per_iteration += rate.alone * share;
+  price.shared_cycles_per_iteration += rate.shared * share;
 }
 
-void NoteWindow(const Timed& window, uint32_t turns, const PricedCore& core, KernelCost& cost,
+void NoteWindow(const Timed& window, uint32_t iterations, const PricedCore& core, KernelCost& cost,
                 IssueTotals& totals) {
   totals += window.chart.totals;
   cost.most_live = std::max(cost.most_live, window.code.most_live_vectors);
   cost.spill_stores += window.code.spill_stores;
   cost.spill_loads += window.code.spill_loads;
   const uint64_t bytes = window.code.program.size() * core.scheduling.instruction_bytes;
-  const uint64_t of_loop = bytes * std::min(turns, kLoopTurns) / std::max(turns, 1u);
+  const uint64_t of_loop = bytes * std::min(iterations, kLoopIterations) / std::max(iterations, 1u);
   cost.code_bytes = std::max(cost.code_bytes, uint32_t(of_loop));
-  cost.window_turns = std::max(cost.window_turns, turns);
+  cost.window_iterations = std::max(cost.window_iterations, iterations);
 }
 
 // Where one thread waits, the other has the core: two take as long as both need of it, or as one
@@ -171,59 +172,60 @@ void NoteWindow(const Timed& window, uint32_t turns, const PricedCore& core, Ker
 bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std::string& error) {
   const auto add = [&](CodePrice& price, double CacheCost::*wait, bool fetches) {
     const auto alone =
-        TryPriceCaches(trace, cost.turns, price.cycles_per_turn, 1, *core.caches, error);
-    const auto both = TryPriceCaches(trace, cost.turns, price.shared_cycles_per_turn,
+        TryPriceCaches(trace, cost.iterations, price.cycles_per_iteration, 1, *core.caches, error);
+    const auto both = TryPriceCaches(trace, cost.iterations, price.shared_cycles_per_iteration,
                                      core.caches->core.smt_threads, *core.caches, error);
     if (!alone || !both) return false;
-    price.shared_cycles_per_turn =
-        std::max(price.shared_cycles_per_turn + (fetches ? both->lines_per_turn : 0.0),
-                 price.cycles_per_turn + *both.*wait);
-    price.cycles_per_turn += *alone.*wait;
-    cost.lines_per_turn = alone->lines_per_turn;
-    if (!fetches) cost.unfetched_wait_cycles_per_turn = *alone.*wait;
-    if (fetches) cost.wait_cycles_per_turn = *alone.*wait;
+    price.shared_cycles_per_iteration =
+        std::max(price.shared_cycles_per_iteration + (fetches ? both->lines_per_iteration : 0.0),
+                 price.cycles_per_iteration + *both.*wait);
+    price.cycles_per_iteration += *alone.*wait;
+    cost.lines_per_iteration = alone->lines_per_iteration;
+    if (!fetches) cost.unfetched_wait_cycles_per_iteration = *alone.*wait;
+    if (fetches) cost.wait_cycles_per_iteration = *alone.*wait;
     return true;
   };
-  return add(cost.as_written, &CacheCost::unfetched_wait_cycles_per_turn, false) &&
-         add(cost.scheduled, &CacheCost::wait_cycles_per_turn, true);
+  auto added = add(cost.as_written, &CacheCost::unfetched_wait_cycles_per_iteration, false);
+  return added ? add(cost.scheduled, &CacheCost::wait_cycles_per_iteration, true) : added;
 }
 
 }  // namespace
 
-std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
+std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t iterations,
                                         const PricedCore& core, const PriceRules& rules,
                                         std::string& error) {
   KernelCost cost;
-  cost.turns = std::max(turns, 1u);
+  cost.iterations = std::max(iterations, 1u);
   cost.register_limit = core.register_limit;
   cost.as_written.fixed_cycles = cost.scheduled.fixed_cycles = core.call_cycles;
   cost.operations = CountSeen(recorded);
   const Trace trace = InWrittenOrder(recorded);
   if (trace.operations.empty()) return cost;
-  const std::vector<Window> windows = PlaceWindows(trace, cost.turns, rules);
-  const double operations_per_turn = double(CountSeen(trace)) / cost.turns;
+  const std::vector<Window> windows = PlaceWindows(trace, cost.iterations, rules);
+  const double operations_per_iteration = double(CountSeen(trace)) / cost.iterations;
   IssueTotals totals;
   IssueChart last;
   for (const Window& window : windows) {
-    const auto large = TryTime(trace, window.begin, window.end, window.turns, core, rules, error);
+    const auto large = TryTime(trace, window.begin, window.end, window.iterations, core, rules, error);
     if (!large) return std::nullopt;
     std::optional<Timed> small = *large;
     if (!window.whole)
-      small = TryTime(trace, window.begin, window.middle, window.turns / 2, core, rules, error);
+      small = TryTime(trace, window.begin, window.middle, window.iterations / 2, core, rules, error);
     if (!small) return std::nullopt;
-    const double share = operations_per_turn / double(windows.size());
-    cost.instructions_per_turn += large->instructions / large->operations * share;
+    const double share = operations_per_iteration / double(windows.size());
+    cost.instructions_per_iteration += large->instructions / large->operations * share;
     const auto add = [&](CodeCycles Timed::*code, CodePrice& price) {
       AddPrice(*small, *large, code, window.whole, share, uint32_t(windows.size()), price);
     };
     add(&Timed::as_written, cost.as_written);
     add(&Timed::scheduled, cost.scheduled);
-    NoteWindow(*large, window.turns, core, cost, totals);
+    NoteWindow(*large, window.iterations, core, cost, totals);
     last = large->chart;
   }
   if (core.caches && !AddCaches(trace, core, cost, error)) return std::nullopt;
-  cost.divides_per_turn = double(CountOf(trace, RecordedKind::kDivide)) / cost.turns;
-  cost.roots_per_turn = double(CountOf(trace, RecordedKind::kReciprocalRoot)) / cost.turns;
+  cost.divides_per_iteration = double(CountOf(trace, RecordedKind::kDivide)) / cost.iterations;
+  cost.roots_per_iteration =
+      double(CountOf(trace, RecordedKind::kReciprocalRoot)) / cost.iterations;
   cost.dual_issue_rate = totals.DualIssueRate();
   cost.binding = BindingResource(last, totals);
   cost.busiest_unit_share =
@@ -232,16 +234,16 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t turns,
   return cost;
 }
 
-std::optional<ScheduledWindow> TryScheduleWindow(const Trace& recorded, uint32_t turns,
+std::optional<ScheduledWindow> TryScheduleWindow(const Trace& recorded, uint32_t iterations,
                                                  const PricedCore& core, const PriceRules& rules,
                                                  std::string& error) {
   const Trace trace = InWrittenOrder(recorded);
-  const Window window = PlaceWindows(trace, turns, rules).front();
+  const Window window = PlaceWindows(trace, iterations, rules).front();
   const auto simple = SimplifyTrace(trace, window.begin, window.end,
                                     {.fuse_multiply_add = !rules.lowering.host_operations});
-  const LoweredCode lowered = LowerTo(core, simple, window.turns, rules.lowering);
+  const LoweredCode lowered = LowerTo(core, simple, window.iterations, rules.lowering);
   ScheduledWindow out;
-  auto code = TryScheduleTurns(lowered.code, window.turns, core.scheduling, error);
+  auto code = TryScheduleIterations(lowered.code, window.iterations, core.scheduling, error);
   if (!code) return std::nullopt;
   auto chart = core.scheduling.time(code->program, error);
   if (!chart) return std::nullopt;

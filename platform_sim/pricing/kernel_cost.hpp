@@ -32,44 +32,45 @@ struct PriceRules {
   uint32_t windows = 3;
   // Turns of the long one, or as many as `window_operations` hold, but four at least: the short one
   // has two, which may be interleaved. More overlap better and need more code and registers.
-  uint32_t turns = 4;
+  uint32_t iterations = 4;
   uint32_t window_operations = 3000;
 };
 
-inline constexpr uint32_t kLoopTurns = 2;
+inline constexpr uint32_t kLoopIterations = 2;
 
 // Cycles of code that is ordered one way.
 struct CodePrice {
-  double cycles_per_turn = 0.0;
-  double shared_cycles_per_turn = 0.0;  // beside the other hardware thread; without one: the same
-  double fixed_cycles = 0.0;            // the call, and filling and draining
+  double cycles_per_iteration = 0.0;
+  double shared_cycles_per_iteration =
+      0.0;                    // beside the other hardware thread; without one: the same
+  double fixed_cycles = 0.0;  // the call, and filling and draining
 };
 
 struct KernelCost {
   uint64_t operations = 0;  // recorded on the item, needed or not
-  uint32_t turns = 0;       // of the item; four strands each
-  double instructions_per_turn = 0.0;
+  uint32_t iterations = 0;  // of the item; four strands each
+  double instructions_per_iteration = 0.0;
   // In the order of the source, one turn after the other; and the best schedule that is found.
   CodePrice as_written, scheduled;
   // Of a core with caches (cache_cost.hpp), in the cycles above: as written nothing is fetched
   // ahead, in the scheduled code every line is.
-  double lines_per_turn = 0.0;
-  double wait_cycles_per_turn = 0.0, unfetched_wait_cycles_per_turn = 0.0;
-  double divides_per_turn = 0.0, roots_per_turn = 0.0;
+  double lines_per_iteration = 0.0;
+  double wait_cycles_per_iteration = 0.0, unfetched_wait_cycles_per_iteration = 0.0;
+  double divides_per_iteration = 0.0, roots_per_iteration = 0.0;
   double dual_issue_rate = 0.0;     // scheduled
   std::string_view binding;         // BindingResource of the scheduled code
   double busiest_unit_share = 0.0;  // of the scheduled cycles in which the busiest unit works
   uint32_t most_live = 0, register_limit = 0;  // vectors
   uint32_t spill_stores = 0, spill_loads = 0;  // in the windows' scheduled code
-  uint32_t window_turns = 0;                   // that were scheduled together
-  // Of a loop over kLoopTurns turns, which is what is interleaved, at the window's density. Loops
-  // inside a turn (solver iterations, points of a chain) are written out, filling and draining is
-  // not: the first is far more than the second, so real code is smaller.
+  uint32_t window_iterations = 0;              // that were scheduled together
+  // Of a loop over kLoopIterations iterations, which is what is interleaved, at the window's
+  // density. Loops inside an iteration (solver iterations, points of a chain) are written out,
+  // filling and draining is not: the first is far more than the second, so real code is smaller.
   uint32_t code_bytes = 0;
 
   // Of `price`, spread over what was recorded.
-  double PerOperation(double cycles_per_turn) const {
-    return operations ? cycles_per_turn * turns / double(operations) : 0.0;
+  double PerOperation(double cycles_per_iteration) const {
+    return operations ? cycles_per_iteration * iterations / double(operations) : 0.0;
   }
 };
 
@@ -83,11 +84,11 @@ struct ScheduledWindow {
 
 // `trace` is one item's, which has `turns` turns. Nothing, and why in `error`, when code does not
 // fit the core's registers.
-std::optional<KernelCost> TryPriceTrace(const Trace& trace, uint32_t turns, const PricedCore& core,
+std::optional<KernelCost> TryPriceTrace(const Trace& trace, uint32_t iterations, const PricedCore& core,
                                         const PriceRules& rules, std::string& error);
 
 // The first window of it, scheduled.
-std::optional<ScheduledWindow> TryScheduleWindow(const Trace& trace, uint32_t turns,
+std::optional<ScheduledWindow> TryScheduleWindow(const Trace& trace, uint32_t iterations,
                                                  const PricedCore& core, const PriceRules& rules,
                                                  std::string& error);
 

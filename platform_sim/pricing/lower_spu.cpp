@@ -41,7 +41,7 @@ enum SpuConstant : uint32_t {
   kWordConstant,            // of sorting code
   kIndexVector,             // places of records
   kPickIndex,
-  kTurnCounter,
+  kIterationCounter,
   kBase,  // of an array that is indexed
 };
 
@@ -164,9 +164,9 @@ class SpuLowering {
     }
   }
 
-  void EndTurns(uint32_t turns) {
-    for (uint32_t t = 0; t < turns; ++t) {
-      const uint32_t counter = writer_.Emit(Fx2("ai"), {writer_.Constant(kTurnCounter)});
+  void EndIterations(uint32_t iterations) {
+    for (uint32_t t = 0; t < iterations; ++t) {
+      const uint32_t counter = writer_.Emit(Fx2("ai"), {writer_.Constant(kIterationCounter)});
       writer_.EmitPlain({"hbrr", uint8_t(SpuClass::kHint)});
       Branch("brnz", counter);
     }
@@ -374,11 +374,11 @@ class SpuLowering {
 
 }  // namespace
 
-LoweredCode LowerToSpu(std::span<const RecordedOperation> operations, uint32_t turns,
+LoweredCode LowerToSpu(std::span<const RecordedOperation> operations, uint32_t iterations,
                        const LoweringRules& rules) {
   SpuLowering lowering(rules);
   for (const RecordedOperation& operation : operations) lowering.Lower(operation);
-  lowering.EndTurns(turns);
+  lowering.EndIterations(iterations);
   return lowering.Take();
 }
 

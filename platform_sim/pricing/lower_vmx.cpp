@@ -45,7 +45,7 @@ enum VmxConstant : uint32_t {
   kShiftBy,
   kJoin,
   kJoinMask,
-  kTurnCounter,
+  kIterationCounter,
   kBase,
   kWordConstant,
 };
@@ -170,10 +170,10 @@ class VmxLowering {
   }
 
   // Branches of a loop are foretold by the machine; there is nothing to hint.
-  void EndTurns(uint32_t turns) {
-    for (uint32_t t = 0; t < turns; ++t) {
+  void EndIterations(uint32_t iterations) {
+    for (uint32_t t = 0; t < iterations; ++t) {
       const uint32_t counter =
-          writer_.Emit(Integer("addi"), {writer_.Constant(kTurnCounter, kGeneral)}, kGeneral);
+          writer_.Emit(Integer("addi"), {writer_.Constant(kIterationCounter, kGeneral)}, kGeneral);
       writer_.EmitBranch(kBranchOn,
                          {writer_.Emit(Op("cmpwi", PpeClass::kCompare), {counter}, kCondition)});
     }
@@ -368,11 +368,11 @@ class VmxLowering {
 
 }  // namespace
 
-LoweredCode LowerToVmx(std::span<const RecordedOperation> operations, uint32_t turns,
+LoweredCode LowerToVmx(std::span<const RecordedOperation> operations, uint32_t iterations,
                        const LoweringRules& rules) {
   VmxLowering lowering(rules);
   for (const RecordedOperation& operation : operations) lowering.Lower(operation);
-  lowering.EndTurns(turns);
+  lowering.EndIterations(iterations);
   return lowering.Take();
 }
 

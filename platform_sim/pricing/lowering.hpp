@@ -37,9 +37,9 @@ struct LoweredCode {
 
 // `turns`: how many turns of its loop the operations are; each is charged a counter, a hint where
 // there are hints, and a branch, at the end.
-LoweredCode LowerToSpu(std::span<const RecordedOperation> operations, uint32_t turns,
+LoweredCode LowerToSpu(std::span<const RecordedOperation> operations, uint32_t iterations,
                        const LoweringRules& rules);
-LoweredCode LowerToVmx(std::span<const RecordedOperation> operations, uint32_t turns,
+LoweredCode LowerToVmx(std::span<const RecordedOperation> operations, uint32_t iterations,
                        const LoweringRules& rules);
 
 }  // namespace pelt

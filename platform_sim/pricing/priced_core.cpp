@@ -54,9 +54,9 @@ PricedCore MakePricedCore(CoreKind kind, const PlatformParameters& platforms) {
 }
 
 LoweredCode LowerTo(const PricedCore& core, std::span<const RecordedOperation> operations,
-                    uint32_t turns, const LoweringRules& rules) {
-  return core.kind == CoreKind::kSpu ? LowerToSpu(operations, turns, rules)
-                                     : LowerToVmx(operations, turns, rules);
+                    uint32_t iterations, const LoweringRules& rules) {
+  return core.kind == CoreKind::kSpu ? LowerToSpu(operations, iterations, rules)
+                                     : LowerToVmx(operations, iterations, rules);
 }
 
 }  // namespace pelt

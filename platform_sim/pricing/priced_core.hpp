@@ -32,6 +32,6 @@ struct PricedCore {
 PricedCore MakePricedCore(CoreKind kind, const PlatformParameters& platforms);
 
 LoweredCode LowerTo(const PricedCore& core, std::span<const RecordedOperation> operations,
-                    uint32_t turns, const LoweringRules& rules);
+                    uint32_t iterations, const LoweringRules& rules);
 
 }  // namespace pelt

@@ -9,10 +9,10 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kLanesPerTurn = 4;
+constexpr uint32_t kLanesPerIteration = 4;
 
-uint32_t TurnsOf(uint32_t lanes) { return (lanes + kLanesPerTurn - 1) / kLanesPerTurn; }
-uint32_t TurnsOfGroups(uint32_t lanes) { return RoundUpToLaneGroups(lanes) / kLanesPerTurn; }
+uint32_t IterationsOf(uint32_t lanes) { return (lanes + kLanesPerIteration - 1) / kLanesPerIteration; }
+uint32_t IterationsOfGroups(uint32_t lanes) { return RoundUpToLaneGroups(lanes) / kLanesPerIteration; }
 
 bool Binds(const Stage& stage, Stream stream) {
   return std::ranges::any_of(stage.kernel.ports,
@@ -24,47 +24,47 @@ uint32_t VisibleOf(const Frame& frame, uint32_t layer) {
 }
 
 // Of what a chunk's stage writes to one stream.
-uint32_t ChunkTurns(const Frame& frame, const Stage& stage, Stream stream, uint32_t chunk) {
+uint32_t ChunkIterations(const Frame& frame, const Stage& stage, Stream stream, uint32_t chunk) {
   const FrameMemory& memory = *frame.memory;
   const auto& state = *memory.Of<&Streams::chunk_state>(chunk);
   const uint32_t layer = memory.shape->chunk_layer[chunk];
   if (stream == StreamOf<&Streams::chunk_state>) return 1;
-  if (stream == StreamOf<&Streams::sort_keys>) return TurnsOf(state.live_strands);
+  if (stream == StreamOf<&Streams::sort_keys>) return IterationsOf(state.live_strands);
   switch (DescribeStream(stream).lanes) {
     case Lanes::kAll:
-      return kStrandsPerChunk / kLanesPerTurn;
+      return kStrandsPerChunk / kLanesPerIteration;
     case Lanes::kLiveStrands:
-      return TurnsOfGroups(state.live_strands);
+      return IterationsOfGroups(state.live_strands);
     case Lanes::kLiveVertices:
-      return TurnsOfGroups(state.live_vertices);
+      return IterationsOfGroups(state.live_vertices);
     case Lanes::kLiveChains:
-      return TurnsOfGroups(memory.shape->layer_kind[layer] & kLayerVertexChains
+      return IterationsOfGroups(memory.shape->layer_kind[layer] & kLayerVertexChains
                                ? state.live_vertices
                                : state.live_strands);
     case Lanes::kDrawn:
       break;
   }
   if (stream == StreamOf<&Streams::order>)
-    return kStrandsPerChunk / kLanesPerTurn;  // sorted in pieces
+    return kStrandsPerChunk / kLanesPerIteration;  // sorted in pieces
   if (!Binds(stage, StreamOf<&Streams::layer_sort>))
-    return TurnsOf(state.live_strands);  // in strand order
+    return IterationsOf(state.live_strands);  // in strand order
   const uint32_t place = (chunk - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
   const uint32_t visible = VisibleOf(frame, layer);
-  return visible > place ? TurnsOf(std::min(visible - place, kStrandsPerChunk)) : 0;
+  return visible > place ? IterationsOf(std::min(visible - place, kStrandsPerChunk)) : 0;
 }
 
 }  // namespace
 
-uint32_t CountTurns(const Frame& frame, uint32_t stage_index, uint32_t item) {
+uint32_t CountIterations(const Frame& frame, uint32_t stage_index, uint32_t item) {
   const Stage& stage = frame.plan->stages[stage_index];
   if (stage.domain == Domain::kLayer && Binds(stage, StreamOf<&Streams::sort_pairs_a>))
-    return TurnsOf(VisibleOf(frame, item));
+    return IterationsOf(VisibleOf(frame, item));
   if (stage.domain != Domain::kChunk) return 1;
-  uint32_t turns = 0;
+  uint32_t iterations = 0;
   for (const PortDesc& port : stage.kernel.ports)
     if (IsWritten(port.access))
-      turns = std::max(turns, ChunkTurns(frame, stage, port.stream, item));
-  return turns;
+      iterations = std::max(iterations, ChunkIterations(frame, stage, port.stream, item));
+  return iterations;
 }
 
 namespace {
@@ -72,20 +72,20 @@ namespace {
 // What an item's recording shows; items of one kind are near each other in it.
 struct Profile {
   std::array<bool, kRecordedKindCount> has{};
-  double operations_per_turn = 0.0;
+  double operations_per_iteration = 0.0;
 };
 
-Profile ProfileOf(const Recorder& recorder, uint32_t turns) {
+Profile ProfileOf(const Recorder& recorder, uint32_t iterations) {
   Profile p;
   for (uint32_t k = 0; k < kRecordedKindCount; ++k) p.has[k] = recorder.counts()[k] > 0;
-  p.operations_per_turn = double(recorder.operation_count()) / std::max(turns, 1u);
+  p.operations_per_iteration = double(recorder.operation_count()) / std::max(iterations, 1u);
   return p;
 }
 
-constexpr double kOneKind = 1.25;  // of operations a turn, at most
+constexpr double kOneKind = 1.25;  // of operations an iteration, at most
 
 double Apart(const Profile& a, const Profile& b) {
-  const double ratio = a.operations_per_turn / std::max(b.operations_per_turn, 1e-9);
+  const double ratio = a.operations_per_iteration / std::max(b.operations_per_iteration, 1e-9);
   return std::max(ratio, 1.0 / std::max(ratio, 1e-9));
 }
 bool IsOneKind(const Profile& a, const Profile& b) {
@@ -102,8 +102,8 @@ class Pricing {
       StageCosts::Stage& priced = costs_.stages.emplace_back();
       priced.name = stage.kernel.name;
       for (StageCosts::Stage::Price* price : {&priced.as_written, &priced.scheduled}) {
-        price->cycles_per_turn.resize(items);
-        price->shared_cycles_per_turn.resize(items);
+        price->cycles_per_iteration.resize(items);
+        price->shared_cycles_per_iteration.resize(items);
       }
     }
     for (StageWork& work : work_) work.layer_seen.resize(frame.memory->shape->layer_count + 1);
@@ -116,17 +116,17 @@ class Pricing {
     work.layer_seen[group] = true;
     Recorder recorder(keep ? Recorder::Keep::kOperations : Recorder::Keep::kCounts);
     if (!TryRecordStage(frame_, stage, item, recorder, error)) return false;
-    const uint32_t turns = std::max(CountTurns(frame_, stage, item), 1u);
-    const Profile profile = ProfileOf(recorder, turns);
+    const uint32_t iterations = std::max(CountIterations(frame_, stage, item), 1u);
+    const Profile profile = ProfileOf(recorder, iterations);
     if (recorder.operation_count() == 0) {
-      work.items.push_back({item, profile, UnseenCycles(stage, item) / turns});
+      work.items.push_back({item, profile, UnseenCycles(stage, item) / iterations});
       return true;
     }
     work.items.push_back({item, profile, 0.0});
     const bool is_known = std::ranges::any_of(
         work.profiles, [&](const Profile& known) { return IsOneKind(profile, known); });
     if (!keep || is_known) return true;
-    const auto cost = TryPriceTrace(recorder.trace(), turns, core_, rules_, error);
+    const auto cost = TryPriceTrace(recorder.trace(), iterations, core_, rules_, error);
     if (!cost) {
       error = std::string(costs_.stages[stage].name) + ": " + error;
       return false;
@@ -145,7 +145,7 @@ class Pricing {
   struct Item {
     uint32_t item;
     Profile profile;
-    double unseen_cycles_per_turn;
+    double unseen_cycles_per_iteration;
   };
   struct StageWork {
     std::vector<bool> layer_seen;
@@ -193,20 +193,21 @@ class Pricing {
                  CodePrice KernelCost::*code, StageCosts::Stage::Price& out) const {
     double fixed = 0.0;
     for (const Item& item : work.items) {
-      if (item.profile.operations_per_turn == 0.0 || work.profiles.empty()) {
-        out.cycles_per_turn[item.item] = float(item.unseen_cycles_per_turn);
+      if (item.profile.operations_per_iteration == 0.0 || work.profiles.empty()) {
+        out.cycles_per_iteration[item.item] = float(item.unseen_cycles_per_iteration);
         // Every other cycle of a core is the other thread's.
-        out.shared_cycles_per_turn[item.item] =
-            float(item.unseen_cycles_per_turn * (core_.time_shared ? 2.0 : 1.0));
+        out.shared_cycles_per_iteration[item.item] =
+            float(item.unseen_cycles_per_iteration * (core_.time_shared ? 2.0 : 1.0));
         fixed += core_.call_cycles;
         continue;
       }
       const KernelCost& cost = kinds[NearestKind(work, item.profile)];
       const CodePrice& price = cost.*code;
-      const double operations = item.profile.operations_per_turn;
-      out.cycles_per_turn[item.item] = float(cost.PerOperation(price.cycles_per_turn) * operations);
-      out.shared_cycles_per_turn[item.item] =
-          float(cost.PerOperation(price.shared_cycles_per_turn) * operations);
+      const double operations = item.profile.operations_per_iteration;
+      out.cycles_per_iteration[item.item] =
+          float(cost.PerOperation(price.cycles_per_iteration) * operations);
+      out.shared_cycles_per_iteration[item.item] =
+          float(cost.PerOperation(price.shared_cycles_per_iteration) * operations);
       fixed += price.fixed_cycles;
     }
     if (!work.items.empty()) out.fixed_cycles = float(fixed / double(work.items.size()));

@@ -35,8 +35,8 @@ struct StageCosts {
     uint32_t code_bytes = 0;  // of its loop as scheduled, unrolled as far as it was
     // Ordered one way, of each item of the stage's domain; 0 where the stage never runs.
     struct Price {
-      std::vector<float> cycles_per_turn;         // one hardware thread alone
-      std::vector<float> shared_cycles_per_turn;  // while the core's other one runs too
+      std::vector<float> cycles_per_iteration;         // one hardware thread alone
+      std::vector<float> shared_cycles_per_iteration;  // while the core's other one runs too
       // Cycles that do not grow with turns: the call, its set-up, filling and draining the
       // pipeline.
       float fixed_cycles = 0.0f;
@@ -53,7 +53,7 @@ inline constexpr uint32_t kSmallBlockBytes = 512;
 
 // Turns of `stage` on `item` as the frame stands now: live lanes of what it writes, in fours, as
 // the kernel rounds them; visible lanes of what it sorts. 0: none of its lanes live.
-uint32_t CountTurns(const Frame& frame, uint32_t stage, uint32_t item);
+uint32_t CountIterations(const Frame& frame, uint32_t stage, uint32_t item);
 
 // Prices a frame that has been begun, with every skip off so that every stage wants to run, by
 // running it on the recording kernels: it is run afterwards. Nothing, and why in `error`, when a

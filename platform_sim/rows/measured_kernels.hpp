@@ -114,12 +114,12 @@ uint32_t FftReversal(const FftTables& tables, FftData& data) {
 inline constexpr uint32_t kNewtonChains = 6, kNewtonSteps = 8;
 
 template <class V>
-void NewtonTurns(V (&x)[kNewtonChains], uint32_t turns) {
+void NewtonIterations(V (&x)[kNewtonChains], uint32_t iterations) {
   const V one(1.0f), half(0.5f);
   const auto each = [](auto step) {
     for (uint32_t c = 0; c < kNewtonChains; ++c) step(c);
   };
-  for (uint32_t n = 0; n < turns * kNewtonSteps; ++n) {
+  for (uint32_t n = 0; n < iterations * kNewtonSteps; ++n) {
     V inverse[kNewtonChains], error[kNewtonChains], root[kNewtonChains], part[kNewtonChains];
     each([&](uint32_t c) { inverse[c] = ReciprocalEstimate(x[c]); });
     each([&](uint32_t c) { error[c] = one - x[c] * inverse[c]; });
@@ -135,10 +135,12 @@ void NewtonTurns(V (&x)[kNewtonChains], uint32_t turns) {
 // ---- Matrix product --------------------------------------------------------------------------
 
 // Row C13: C -= A * B, 64 x 64 each. The row's source is not published; this is the plain blocking
-// of a machine with 128 registers: 4 x 16 of C in registers, a turn for every four k.
-inline constexpr uint32_t kMatrixSide = 64, kBlockRows = 4, kBlockColumns = 4, kStepsPerTurn = 4;
-inline constexpr uint32_t kMatrixTurns =
-    kMatrixSide / kBlockRows * (kMatrixSide / (4 * kBlockColumns)) * (kMatrixSide / kStepsPerTurn);
+// of a machine with 128 registers: 4 x 16 of C in registers, an iteration for every four k.
+inline constexpr uint32_t kMatrixSide = 64, kBlockRows = 4, kBlockColumns = 4,
+                          kStepsPerIteration = 4;
+inline constexpr uint32_t kMatrixIterations = kMatrixSide / kBlockRows *
+                                              (kMatrixSide / (4 * kBlockColumns)) *
+                                              (kMatrixSide / kStepsPerIteration);
 struct alignas(128) Matrix {
   float row[kMatrixSide][kMatrixSide];
 };
@@ -151,7 +153,7 @@ void SubtractProduct(const Matrix& a, const Matrix& b, Matrix& c) {
       V sum[kBlockRows][kBlockColumns];
       for (uint32_t r = 0; r < kBlockRows; ++r)
         for (uint32_t s = 0; s < kBlockColumns; ++s) sum[r][s] = V::Load(&c.row[i + r][j + 4 * s]);
-      for (uint32_t k = 0; k < kMatrixSide; k += kStepsPerTurn) {
+      for (uint32_t k = 0; k < kMatrixSide; k += kStepsPerIteration) {
         V four[kBlockRows];
         for (uint32_t r = 0; r < kBlockRows; ++r) four[r] = V::Load(&a.row[i + r][k]);
         const auto step = [&]<int kLane>(std::integral_constant<int, kLane>) {

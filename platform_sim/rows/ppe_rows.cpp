@@ -14,57 +14,58 @@ namespace {
 
 constexpr uint32_t kElementBytes = 4, kVectorBytes = 16;
 
-bool Chase(const CellParameters& cell, const std::string& listing, uint32_t chases_of_a_turn,
+bool Chase(const CellParameters& cell, const std::string& listing, uint32_t chases_per_iteration,
            uint32_t bytes, double availability, double& predicted, std::string& error) {
   const PpeWalk walk = WalkAtRandom(bytes / kElementBytes, cell.line_bytes / kElementBytes);
-  const auto turn = PpeCyclesPerTurn(cell, listing, walk, error);
-  if (turn) predicted = *turn / chases_of_a_turn / availability;
-  return turn.has_value();
+  const auto iteration = PpeCyclesPerIteration(cell, listing, walk, error);
+  if (iteration) predicted = *iteration / chases_per_iteration / availability;
+  return iteration.has_value();
 }
 
 bool Stream(const CellParameters& cell, const std::string& listing, uint32_t bytes,
             uint32_t lines_ahead, double availability, double& predicted, std::string& error) {
   const PpeWalk walk =
       WalkInOrder(bytes / cell.line_bytes, cell.line_bytes / kVectorBytes, lines_ahead);
-  const auto turn = PpeCyclesPerTurn(cell, listing, walk, error);
-  if (turn) predicted = cell.line_bytes / *turn * cell.GigaHertz() * availability;
-  return turn.has_value();
+  const auto iteration = PpeCyclesPerIteration(cell, listing, walk, error);
+  if (iteration) predicted = cell.line_bytes / *iteration * cell.GigaHertz() * availability;
+  return iteration.has_value();
 }
 
 // Of a loop alone on its core that hits L1 throughout.
 std::optional<double> CyclesAlone(const PlatformParameters& p, const std::string& listing,
                                   std::string& error) {
   const auto chart = TimePpeListing(listing, {}, p.cell.ppe, error);
-  return chart ? CyclesPerTurn(*chart, error) : std::nullopt;
+  return chart ? CyclesPerIteration(*chart, error) : std::nullopt;
 }
 
-bool Rate(const PlatformParameters& p, const std::string& listing, double operations_of_a_turn,
+bool Rate(const PlatformParameters& p, const std::string& listing, double operations_per_iteration,
           double availability, double& predicted, std::string& error) {
-  const auto turn = CyclesAlone(p, listing, error);
-  if (turn) predicted = operations_of_a_turn / *turn * p.cell.GigaHertz() * availability;
-  return turn.has_value();
+  const auto iteration = CyclesAlone(p, listing, error);
+  if (iteration)
+    predicted = operations_per_iteration / *iteration * p.cell.GigaHertz() * availability;
+  return iteration.has_value();
 }
 
 // cellmark's pair: the first thread has 2 Mi turns, the second 1.25 Mi; who is done first leaves
 // the core to the other. A thread's rate is its work over its own time.
-constexpr std::array<double, 2> kPairTurns = {2.0 * 1024 * 1024, 1.25 * 1024 * 1024};
+constexpr std::array<double, 2> kPairIterations = {2.0 * 1024 * 1024, 1.25 * 1024 * 1024};
 
-bool BesideEachOther(const PlatformParameters& p, uint32_t thread, double operations_of_a_turn,
+bool BesideEachOther(const PlatformParameters& p, uint32_t thread, double operations_per_iteration,
                      double availability, double& predicted, std::string& error) {
   const std::array<std::string, 2> listings = {ScalarFmaChains(), IntegerAddChains()};
   const auto both = TimePpePair(listings[0], listings[1], p.cell.ppe, error);
   if (!both) return false;
   const uint32_t other = 1 - thread;
-  const double own_cycles = both->CyclesPerTurn(thread);
-  const double shared_cycles = kPairTurns[other] * both->CyclesPerTurn(other);
-  double cycles = kPairTurns[thread] * own_cycles;
+  const double own_cycles = both->CyclesPerIteration(thread);
+  const double shared_cycles = kPairIterations[other] * both->CyclesPerIteration(other);
+  double cycles = kPairIterations[thread] * own_cycles;
   if (shared_cycles < cycles) {
     const auto alone = CyclesAlone(p, listings[thread], error);
     if (!alone) return false;
-    cycles = shared_cycles + (kPairTurns[thread] - shared_cycles / own_cycles) * *alone;
+    cycles = shared_cycles + (kPairIterations[thread] - shared_cycles / own_cycles) * *alone;
   }
-  predicted =
-      kPairTurns[thread] * operations_of_a_turn / cycles * p.cell.GigaHertz() * availability;
+  predicted = kPairIterations[thread] * operations_per_iteration / cycles * p.cell.GigaHertz() *
+              availability;
   return true;
 }
 
@@ -72,7 +73,7 @@ bool BesideEachOther(const PlatformParameters& p, uint32_t thread, double operat
 
 bool PpeChase(const PlatformParameters& p, double availability, uint32_t bytes, double& predicted,
               std::string& error) {
-  return Chase(p.cell, PointerChase(), kChasesOfATurn, bytes, availability, predicted, error);
+  return Chase(p.cell, PointerChase(), kChasesPerIteration, bytes, availability, predicted, error);
 }
 
 bool PpeIndexChase(const PlatformParameters& p, double availability, uint32_t bytes,
@@ -110,8 +111,8 @@ bool PpeScalarFmaTwice(const PlatformParameters& p, double availability, uint32_
                        double& predicted, std::string& error) {
   const auto both = TimePpePair(ScalarFmaChains(), ScalarFmaChains(), p.cell.ppe, error);
   if (!both) return false;
-  const double turns = 1.0 / both->CyclesPerTurn(0) + 1.0 / both->CyclesPerTurn(1);
-  predicted = 2 * kEightChains * turns * p.cell.GigaHertz() * availability;
+  const double iterations = 1.0 / both->CyclesPerIteration(0) + 1.0 / both->CyclesPerIteration(1);
+  predicted = 2 * kEightChains * iterations * p.cell.GigaHertz() * availability;
   return true;
 }
 
@@ -143,10 +144,10 @@ bool XenonSecondThreadGain(const PlatformParameters& p, double, uint32_t, double
                            std::string& error) {
   const std::string listing = MixedVectorKernel();
   const auto chart = TimePpeListing(listing, {}, p.xenon.core, error);
-  const auto alone = chart ? CyclesPerTurn(*chart, error) : std::nullopt;
+  const auto alone = chart ? CyclesPerIteration(*chart, error) : std::nullopt;
   const auto both = alone ? TimePpePair(listing, listing, p.xenon.core, error) : std::nullopt;
   if (!both) return false;
-  const double gain = *alone / both->CyclesPerTurn(0) + *alone / both->CyclesPerTurn(1);
+  const double gain = *alone / both->CyclesPerIteration(0) + *alone / both->CyclesPerIteration(1);
   predicted = 100.0 * (gain - 1.0);
   return true;
 }

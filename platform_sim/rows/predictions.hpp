@@ -15,7 +15,8 @@ using PredictFunction = bool(const PlatformParameters& p, double availability, u
 // SPU (spu_rows.cpp). A rate is of all SPUs together.
 PredictFunction SinglePrecisionRate, IntegerRate, ShuffleRate, DualIssueRate;
 PredictFunction NewtonRate, EvenNopNewtonRate, DoublePrecisionRate;
-PredictFunction BranchTurn, HintedBranchTurn, MatrixPeakShare, PublishedTurn, PublishedIssueTimes;
+PredictFunction BranchIteration, HintedBranchIteration, MatrixPeakShare, PublishedIteration,
+    PublishedIssueTimes;
 
 // PPE and Xenon cores (ppe_rows.cpp). `argument`: bytes walked through.
 PredictFunction PpeChase, PpeIndexChase, PpeStream, PpePrefetchedStream;

@@ -21,16 +21,16 @@ std::string HintedBranch();             // C10
 // C13: no listing of the row's kernel is published; this is a schedule of our own for the same
 // work.
 std::string MatrixMultiply();
-inline constexpr uint32_t kMatrixMultiplyFmas = 2 * 64 * 32;  // of a turn
+inline constexpr uint32_t kMatrixMultiplyFmas = 2 * 64 * 32;  // of an iteration
 std::string PublishedListing();                               // C23
 
 // ---- PPE and Xenon listings ------------------------------------------------------------------
 
 std::string
-PointerChase();  // P1, P3: eight loads a turn, the address of each the last one's result
-inline constexpr uint32_t kChasesOfATurn = 8;
-std::string IndexChase();              // P2, P4: what is loaded is an index, one a turn
-std::string VectorStream();            // P5: 128 bytes a turn
+PointerChase();  // P1, P3: eight loads per iteration, the address of each the last one's result
+inline constexpr uint32_t kChasesPerIteration = 8;
+std::string IndexChase();              // P2, P4: what is loaded is an index, one per iteration
+std::string VectorStream();            // P5: 128 bytes per iteration
 std::string PrefetchedVectorStream();  // P6: the same, with a dcbt for the line four further on
 inline constexpr uint32_t kLinesAhead = 4;
 std::string VectorFmaChains();   // P7: six chains, eight rounds

@@ -28,7 +28,7 @@ std::optional<IssueChart> TimeSpuListing(const std::string& text, const SpuRules
 std::optional<IssueChart> TimePpeListing(const std::string& text, const PpeRules& rules,
                                          const PpeParameters& ppe, std::string& error);
 // Of the chart's only loop, at its steady state; nothing if it has none.
-std::optional<double> CyclesPerTurn(const IssueChart& chart, std::string& error);
+std::optional<double> CyclesPerIteration(const IssueChart& chart, std::string& error);
 
 // Two loops, one on each of the PPE's threads.
 std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::string& second,
@@ -45,8 +45,8 @@ PpeWalk WalkAtRandom(uint32_t elements, uint32_t elements_of_a_line);
 
 // A PPE loop that walks through memory, alone on its core: what its core takes and what its caches
 // add.
-std::optional<double> PpeCyclesPerTurn(const CellParameters& cell, const std::string& listing,
-                                       const PpeWalk& walk, std::string& error);
+std::optional<double> PpeCyclesPerIteration(const CellParameters& cell, const std::string& listing,
+                                            const PpeWalk& walk, std::string& error);
 
 // ---- DMA -------------------------------------------------------------------------------------
 

@@ -11,11 +11,11 @@ namespace pelt {
 namespace {
 
 // Enough that every loop reaches its steady state; the rest is leapt over.
-constexpr uint64_t kTurns = 100'000;
+constexpr uint64_t kIterations = 100'000;
 
 std::vector<TripCount> Trips(const Listing& listing) {
   const ListingLabel* loop = listing.FindLabel("loop");
-  return loop ? std::vector<TripCount>{{loop->index, kTurns}} : std::vector<TripCount>{};
+  return loop ? std::vector<TripCount>{{loop->index, kIterations}} : std::vector<TripCount>{};
 }
 
 bool IsLoad(const AddressOperand& address) { return address.size_bytes > 0 && !address.is_store; }
@@ -26,14 +26,14 @@ bool IsPrefetch(const AddressOperand& address) {
 
 // What `turns` turns of the loop touch, at the core's own pace.
 std::vector<MemoryAccess> TouchedBy(const LoopTiming& loop, Program program, const PpeWalk& walk,
-                                    uint64_t turns, uint32_t line_bytes) {
+                                    uint64_t iterations, uint32_t line_bytes) {
   std::vector<MemoryAccess> trace;
   size_t load = 0, prefetch = 0;
-  for (uint64_t turn = 0; turn < turns; ++turn)
+  for (uint64_t iteration = 0; iteration < iterations; ++iteration)
     for (const IssueSlot& slot : loop.slots) {
       const AddressOperand& address = program[slot.instruction].address;
       MemoryAccess access;
-      access.cycle = Cycles(double(turn) * loop.CyclesPerTurn()) + slot.cycle;
+      access.cycle = Cycles(double(iteration) * loop.CyclesPerIteration()) + slot.cycle;
       if (IsLoad(address)) {
         access.address = uint64_t{walk.loads[load++ % walk.loads.size()]} * line_bytes;
       } else if (IsPrefetch(address) && !walk.prefetches.empty()) {
@@ -64,8 +64,8 @@ std::optional<IssueChart> TimePpeListing(const std::string& text, const PpeRules
   return TryTimeOnPpe(listing->program, Trips(*listing), rules, ppe, error);
 }
 
-std::optional<double> CyclesPerTurn(const IssueChart& chart, std::string& error) {
-  if (chart.loops.size() == 1 && chart.loops[0].steady) return chart.loops[0].CyclesPerTurn();
+std::optional<double> CyclesPerIteration(const IssueChart& chart, std::string& error) {
+  if (chart.loops.size() == 1 && chart.loops[0].steady) return chart.loops[0].CyclesPerIteration();
   error = "the listing has no loop that reaches a steady state";
   return std::nullopt;
 }
@@ -82,28 +82,30 @@ std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::st
 
 // The turns as the core has them go to the caches, once around and twice around; what the second
 // time adds is a round that finds the caches as the first has left them.
-std::optional<double> PpeCyclesPerTurn(const CellParameters& cell, const std::string& text,
+std::optional<double> PpeCyclesPerIteration(const CellParameters& cell, const std::string& text,
                                        const PpeWalk& walk, std::string& error) {
   const auto listing = TryReadListing(text, "row", PpeInstructionSet(), error);
   if (!listing) return std::nullopt;
   const auto chart = TryTimeOnPpe(listing->program, Trips(*listing), {}, cell.ppe, error);
-  const auto turn = chart ? CyclesPerTurn(*chart, error) : std::nullopt;
-  if (!turn) return std::nullopt;
+  const auto iteration = chart ? CyclesPerIteration(*chart, error) : std::nullopt;
+  if (!iteration) return std::nullopt;
   const LoopTiming& loop = chart->loops[0];
-  const auto loads_a_turn = uint64_t(std::ranges::count_if(loop.slots, [&](const IssueSlot& slot) {
-    return IsLoad(listing->program[slot.instruction].address);
-  }));
-  const uint64_t turns = walk.loads.size() / loads_a_turn;
+  const auto loads_per_iteration =
+      uint64_t(std::ranges::count_if(loop.slots, [&](const IssueSlot& slot) {
+        return IsLoad(listing->program[slot.instruction].address);
+      }));
+  const uint64_t iterations = walk.loads.size() / loads_per_iteration;
   const CacheMemoryParameters caches = PpeMemory(cell);
   const auto stall_of = [&](uint64_t rounds) -> std::optional<Cycles> {
-    const auto trace = TouchedBy(loop, listing->program, walk, rounds * turns, caches.line_bytes);
+    const auto trace =
+        TouchedBy(loop, listing->program, walk, rounds * iterations, caches.line_bytes);
     CacheMemoryRun run;
     if (!RunCacheMemory(caches, {{trace}}, run, error)) return std::nullopt;
     return run.threads[0].Stall();
   };
   const auto once = stall_of(1), twice = stall_of(2);
   if (!once || !twice) return std::nullopt;
-  return *turn + double(*twice - *once) / double(turns);
+  return *iteration + double(*twice - *once) / double(iterations);
 }
 
 PpeWalk WalkInOrder(uint32_t lines, uint32_t loads_of_a_line, uint32_t lines_ahead) {

@@ -7,18 +7,19 @@
 namespace pelt::rows {
 namespace {
 
-bool Turn(const std::string& text, const CellParameters& cell, double& cycles, std::string& error) {
+bool Iteration(const std::string& text, const CellParameters& cell, double& cycles,
+               std::string& error) {
   const auto chart = TimeSpuListing(text, {}, cell.spu, error);
-  const auto turn = chart ? CyclesPerTurn(*chart, error) : std::nullopt;
-  if (turn) cycles = *turn;
-  return turn.has_value();
+  const auto iteration = chart ? CyclesPerIteration(*chart, error) : std::nullopt;
+  if (iteration) cycles = *iteration;
+  return iteration.has_value();
 }
 
-bool Rate(const std::string& text, double operations_a_turn, const CellParameters& cell,
+bool Rate(const std::string& text, double operations_per_iteration, const CellParameters& cell,
           double availability, double& giga, std::string& error) {
   double cycles = 1.0;
-  if (!CheckCellSystem(cell, error) || !Turn(text, cell, cycles, error)) return false;
-  giga = operations_a_turn / cycles * cell.GigaHertz() * cell.spu_count * availability;
+  if (!CheckCellSystem(cell, error) || !Iteration(text, cell, cycles, error)) return false;
+  giga = operations_per_iteration / cycles * cell.GigaHertz() * cell.spu_count * availability;
   return true;
 }
 
@@ -64,16 +65,16 @@ bool DoublePrecisionRate(const PlatformParameters& p, double availability, uint3
   return Rate(DoublePrecisionFma(), 832, p.cell, availability, predicted, error);
 }
 
-bool BranchTurn(const PlatformParameters& p, double availability, uint32_t, double& predicted,
-                std::string& error) {
-  if (!Turn(UnhintedBranch(), p.cell, predicted, error)) return false;
+bool BranchIteration(const PlatformParameters& p, double availability, uint32_t, double& predicted,
+                     std::string& error) {
+  if (!Iteration(UnhintedBranch(), p.cell, predicted, error)) return false;
   predicted /= availability;
   return true;
 }
 
-bool HintedBranchTurn(const PlatformParameters& p, double availability, uint32_t, double& predicted,
-                      std::string& error) {
-  if (!Turn(HintedBranch(), p.cell, predicted, error)) return false;
+bool HintedBranchIteration(const PlatformParameters& p, double availability, uint32_t,
+                           double& predicted, std::string& error) {
+  if (!Iteration(HintedBranch(), p.cell, predicted, error)) return false;
   predicted /= availability;
   return true;
 }
@@ -82,13 +83,13 @@ bool HintedBranchTurn(const PlatformParameters& p, double availability, uint32_t
 bool MatrixPeakShare(const PlatformParameters& p, double availability, uint32_t, double& predicted,
                      std::string& error) {
   double cycles = 1.0;
-  if (!Turn(MatrixMultiply(), p.cell, cycles, error)) return false;
+  if (!Iteration(MatrixMultiply(), p.cell, cycles, error)) return false;
   predicted = 100.0 * kMatrixMultiplyFmas / cycles * availability;
   return true;
 }
 
-bool PublishedTurn(const PlatformParameters& p, double availability, uint32_t, double& predicted,
-                   std::string& error) {
+bool PublishedIteration(const PlatformParameters& p, double availability, uint32_t,
+                        double& predicted, std::string& error) {
   const auto chart = TimePublished(p.cell, error);
   if (!chart) return false;
   predicted = double(chart->first_pass_totals.cycles) / availability;

@@ -6,7 +6,7 @@
 
 #include "platform_sim/schedule/assign_registers.hpp"
 #include "platform_sim/schedule/fit_registers.hpp"
-#include "platform_sim/schedule/interleave_turns.hpp"
+#include "platform_sim/schedule/interleave_iterations.hpp"
 #include "platform_sim/schedule/lay_out_pairs.hpp"
 #include "platform_sim/schedule/list_schedule.hpp"
 
@@ -140,10 +140,10 @@ std::optional<FinishedCode> TryAllocateInOrder(const StraightCode& code, const S
 
 std::optional<FinishedCode> TrySchedule(const StraightCode& code, const SchedulingCore& core,
                                         std::string& error) {
-  return TryScheduleTurns(code, 1, core, error);
+  return TryScheduleIterations(code, 1, core, error);
 }
 
-std::optional<FinishedCode> TryScheduleTurns(const StraightCode& code, uint32_t turns,
+std::optional<FinishedCode> TryScheduleIterations(const StraightCode& code, uint32_t iterations,
                                              const SchedulingCore& core, std::string& error) {
   const std::optional<FittedCode> fitted = TryFitRegisters(code, core, error);
   if (!fitted) return std::nullopt;
@@ -152,9 +152,9 @@ std::optional<FinishedCode> TryScheduleTurns(const StraightCode& code, uint32_t 
   Choice choice(core);
   if (!choice.TryOffer(*std::move(in_order), error)) return std::nullopt;
   if (!choice.TryOfferScheduled(*fitted, error)) return std::nullopt;
-  if (turns < kTurnsTogether) return choice.Take();
+  if (iterations < kIterationsTogether) return choice.Take();
 
-  const InterleavedCode beside = InterleaveTurns(code, turns, kTurnsTogether, core);
+  const InterleavedCode beside = InterleaveIterations(code, iterations, kIterationsTogether, core);
   std::optional<FittedCode> roomy = TryFitRegisters(beside.code, WithRoomToRunAhead(core), error);
   // Conditions are not spilled: what fits one turn at a time need not fit two.
   if (!roomy) return choice.Take();

@@ -32,8 +32,8 @@ std::optional<FinishedCode> TrySchedule(const StraightCode& code, const Scheduli
                                         std::string& error);
 
 // The same for `turns` turns of a loop, of which kTurnsTogether may be interleaved.
-inline constexpr uint32_t kTurnsTogether = 2;
-std::optional<FinishedCode> TryScheduleTurns(const StraightCode& code, uint32_t turns,
+inline constexpr uint32_t kIterationsTogether = 2;
+std::optional<FinishedCode> TryScheduleIterations(const StraightCode& code, uint32_t iterations,
                                              const SchedulingCore& core, std::string& error);
 
 // The last step of both, for who brings an order of his own: registers and, where pairs go by

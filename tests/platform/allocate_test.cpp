@@ -52,7 +52,7 @@ template <class Make>
 StraightCode ReadThrice(const CoreUnderTest& on, const Make& make) {
   StraightBuilder b;
   const uint32_t kept = make(b);
-  for (int turn = 0; turn < 3; ++turn) {
+  for (int iteration = 0; iteration < 3; ++iteration) {
     std::vector<uint32_t> values;
     const uint32_t first = b.Load(on.load, 16);
     values.push_back(b.Compute(on.real, {first, first}));

@@ -9,9 +9,9 @@ namespace pelt {
 namespace {
 
 // A turn: `arithmetic` operations, then the next 16 bytes of each of `rows` rows.
-Trace Rows(uint32_t turns, uint32_t rows, uint32_t arithmetic, RecordedKind kind) {
+Trace Rows(uint32_t iterations, uint32_t rows, uint32_t arithmetic, RecordedKind kind) {
   Trace trace;
-  for (uint32_t t = 0; t < turns; ++t) {
+  for (uint32_t t = 0; t < iterations; ++t) {
     for (uint32_t a = 0; a < arithmetic; ++a)
       trace.operations.push_back({.kind = RecordedKind::kAdd});
     for (uint32_t r = 0; r < rows; ++r)
@@ -21,57 +21,60 @@ Trace Rows(uint32_t turns, uint32_t rows, uint32_t arithmetic, RecordedKind kind
   return trace;
 }
 
-CacheCost Price(const Trace& trace, uint32_t turns, double cycles, uint32_t threads = 1,
+CacheCost Price(const Trace& trace, uint32_t iterations, double cycles, uint32_t threads = 1,
                 const CacheMemoryParameters& p = XenonMemory()) {
   std::string error;
-  const auto cost = TryPriceCaches(trace, turns, cycles, threads, p, error);
+  const auto cost = TryPriceCaches(trace, iterations, cycles, threads, p, error);
   EXPECT_TRUE(cost) << error;
   return cost.value_or(CacheCost{});
 }
 
-constexpr uint32_t kTurns = 64;
+constexpr uint32_t kIterations = 64;
 
 TEST(CacheCost, EveryLineIsFetchedOnceAndWaitedForOnce) {
-  const Trace trace = Rows(kTurns, 4, 96, RecordedKind::kLoad);
-  const CacheCost cost = Price(trace, kTurns, 400.0);
-  EXPECT_DOUBLE_EQ(cost.lines_per_turn, 4.0 / 8);  // 8 turns a line
+  const Trace trace = Rows(kIterations, 4, 96, RecordedKind::kLoad);
+  const CacheCost cost = Price(trace, kIterations, 400.0);
+  EXPECT_DOUBLE_EQ(cost.lines_per_iteration, 4.0 / 8);  // 8 iterations a line
   // The way to the second level, beyond what a hit takes, in whole turns to dispatch.
   const CacheMemoryParameters p = XenonMemory();
   const double way = p.l2_hit_cycles - p.core.load_to_address_cycles;
-  EXPECT_NEAR(cost.unfetched_wait_cycles_per_turn, way * 4 / 8, way * 4 / 8 * 0.25);
+  EXPECT_NEAR(cost.unfetched_wait_cycles_per_iteration, way * 4 / 8, way * 4 / 8 * 0.25);
   // Fetched in time, a line costs its dcbt.
-  EXPECT_NEAR(cost.wait_cycles_per_turn, 4.0 / 8, 1.0);
+  EXPECT_NEAR(cost.wait_cycles_per_iteration, 4.0 / 8, 1.0);
 }
 
 TEST(CacheCost, WhatStaysInTheFirstLevelCostsNothingMore) {
   Trace trace = Rows(1, 4, 96, RecordedKind::kLoad);
   const std::vector<RecordedOperation> once = trace.operations;
-  for (uint32_t t = 1; t < kTurns; ++t)
+  for (uint32_t t = 1; t < kIterations; ++t)
     trace.operations.insert(trace.operations.end(), once.begin(), once.end());
-  const CacheCost cost = Price(trace, kTurns, 400.0);
-  EXPECT_DOUBLE_EQ(cost.lines_per_turn, 4.0 / kTurns);
-  EXPECT_LT(cost.unfetched_wait_cycles_per_turn, 40.0 * 4 / kTurns + 1.0);
+  const CacheCost cost = Price(trace, kIterations, 400.0);
+  EXPECT_DOUBLE_EQ(cost.lines_per_iteration, 4.0 / kIterations);
+  EXPECT_LT(cost.unfetched_wait_cycles_per_iteration, 40.0 * 4 / kIterations + 1.0);
 }
 
 TEST(CacheCost, StoresAreNotFetched) {
-  EXPECT_DOUBLE_EQ(Price(Rows(kTurns, 4, 96, RecordedKind::kStore), kTurns, 400.0).lines_per_turn,
-                   0.0);
+  EXPECT_DOUBLE_EQ(
+      Price(Rows(kIterations, 4, 96, RecordedKind::kStore), kIterations, 400.0).lines_per_iteration,
+      0.0);
 }
 
 TEST(CacheCost, TwoThreadsFromOneFirstLevelAndFasterTracesWaitMore) {
-  const Trace trace = Rows(kTurns, 12, 4, RecordedKind::kLoad);
-  const CacheCost slow = Price(trace, kTurns, 400.0), fast = Price(trace, kTurns, 16.0);
-  EXPECT_GT(fast.wait_cycles_per_turn, slow.wait_cycles_per_turn);
-  EXPECT_GE(Price(trace, kTurns, 16.0, 2).wait_cycles_per_turn, fast.wait_cycles_per_turn);
+  const Trace trace = Rows(kIterations, 12, 4, RecordedKind::kLoad);
+  const CacheCost slow = Price(trace, kIterations, 400.0), fast = Price(trace, kIterations, 16.0);
+  EXPECT_GT(fast.wait_cycles_per_iteration, slow.wait_cycles_per_iteration);
+  EXPECT_GE(Price(trace, kIterations, 16.0, 2).wait_cycles_per_iteration,
+            fast.wait_cycles_per_iteration);
 }
 
 // Planted: a second level as near as the first, and one that is far.
 TEST(CacheCost, FollowsTheWayToTheSecondLevel) {
-  const Trace trace = Rows(kTurns, 4, 96, RecordedKind::kLoad);
+  const Trace trace = Rows(kIterations, 4, 96, RecordedKind::kLoad);
   CacheMemoryParameters far = XenonMemory();
   far.l2_hit_cycles = 80;
-  const double usual = Price(trace, kTurns, 400.0).unfetched_wait_cycles_per_turn;
-  EXPECT_GT(Price(trace, kTurns, 400.0, 1, far).unfetched_wait_cycles_per_turn, 1.8 * usual);
+  const double usual = Price(trace, kIterations, 400.0).unfetched_wait_cycles_per_iteration;
+  EXPECT_GT(Price(trace, kIterations, 400.0, 1, far).unfetched_wait_cycles_per_iteration,
+            1.8 * usual);
 }
 
 TEST(CacheCost, RefusesCachesThatCannotBe) {

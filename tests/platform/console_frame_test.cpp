@@ -19,7 +19,7 @@ namespace {
 using namespace testing;
 
 constexpr uint32_t kFrames = 20;
-constexpr float kCyclesPerTurn = 120.0f;
+constexpr float kCyclesPerIteration = 120.0f;
 
 std::vector<ConsoleMachine> Consoles() { return {Ps3(1), Ps3(3), Ps3(6), Xbox()}; }
 
@@ -36,7 +36,7 @@ TEST(ConsoleFrame, DigestsAreTheSerialExecutors) {
   for (const ConsoleMachine& machine : Consoles()) {
     SerialExecutor serial;
     const auto expected = RunDigests(scenario, OptionsOn(machine), serial, kFrames);
-    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerTurn);
+    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerIteration);
     ExpectSameFrames(expected, run.digests, NameOf(machine));
     for (const LocalStoreFault& f : run.faults)
       ADD_FAILURE() << NameOf(machine) << ": " << f.stage << ": " << f.what;
@@ -46,8 +46,8 @@ TEST(ConsoleFrame, DigestsAreTheSerialExecutors) {
 TEST(ConsoleFrame, TwoRunsTakeTheSameCycles) {
   Scenario scenario = TinyScenario();
   for (const ConsoleMachine& machine : Consoles()) {
-    const ModelledRun a = RunOn(scenario, machine, kFrames, kCyclesPerTurn);
-    const ModelledRun b = RunOn(scenario, machine, kFrames, kCyclesPerTurn, true);
+    const ModelledRun a = RunOn(scenario, machine, kFrames, kCyclesPerIteration);
+    const ModelledRun b = RunOn(scenario, machine, kFrames, kCyclesPerIteration, true);
     for (uint32_t f = 0; f < kFrames; ++f) {
       EXPECT_EQ(a.frames[f].cycles, b.frames[f].cycles) << NameOf(machine) << ", frame " << f;
       EXPECT_EQ(a.frames[f].stage_cycles, b.frames[f].stage_cycles);
@@ -128,7 +128,7 @@ TEST(ConsoleFrame, NothingIsLost) {
   Scenario scenario = TinyScenario();
   for (const ConsoleMachine& machine : Consoles()) {
     SCOPED_TRACE(NameOf(machine));
-    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerTurn, true);
+    const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerIteration, true);
     for (const ModelledFrame& frame : run.frames) ExpectConserved(run, frame, machine);
   }
 }
@@ -241,7 +241,7 @@ TEST(PassClock, CodeComesWhenAnotherPassRanBetween) {
 
 TEST(ConsoleFrame, MoreSpusAreNotSlower) {
   Scenario scenario = TinyScenario();
-  const FrameWork tiny = RunOn(scenario, Ps3(), 3, kCyclesPerTurn).last_work;
+  const FrameWork tiny = RunOn(scenario, Ps3(), 3, kCyclesPerIteration).last_work;
   for (const FrameWork& work : {tiny, MadeWork(200, 30'000.0), MadeWork(200, 3'000.0)}) {
     Cycles before = INT64_MAX;
     for (uint32_t spus = 1; spus <= 6; ++spus) {

@@ -43,20 +43,20 @@ TEST(KernelRows, EveryMeasurementLiesInTheRangeOfItsPrice) {
 // written one after the other, each of ten dependent steps waits for the one before.
 TEST(KernelRows, NBodyIsBoundByItsEvenPipeAndByItsChain) {
   const KernelRow& row = Row("K1");
-  EXPECT_EQ(row.turns, kBodies / 4.0);
-  EXPECT_GE(row.scheduled_cycles / row.turns, 13.0);
-  EXPECT_LE(row.scheduled_cycles / row.turns, 16.0);
-  EXPECT_NEAR(row.measured_cycles / row.turns, 35.0 * 0.92, 0.5);
-  EXPECT_GE(row.as_written_cycles / row.turns, 65.0);
-  EXPECT_LE(row.as_written_cycles / row.turns, 80.0);
+  EXPECT_EQ(row.iterations, kBodies / 4.0);
+  EXPECT_GE(row.scheduled_cycles / row.iterations, 13.0);
+  EXPECT_LE(row.scheduled_cycles / row.iterations, 16.0);
+  EXPECT_NEAR(row.measured_cycles / row.iterations, 35.0 * 0.92, 0.5);
+  EXPECT_GE(row.as_written_cycles / row.iterations, 65.0);
+  EXPECT_LE(row.as_written_cycles / row.iterations, 80.0);
 }
 
 // 4,096 multiply-adds of 16 turns, the even pipe; and nothing can be faster.
 TEST(KernelRows, TheMatrixProductNearlyReachesThePeak) {
   const KernelRow& row = Row("C13");
-  EXPECT_EQ(row.turns, 1024.0);
-  EXPECT_GE(row.scheduled_cycles / row.turns, 64.0);
-  EXPECT_LE(row.scheduled_cycles / row.turns, 68.0);
+  EXPECT_EQ(row.iterations, 1024.0);
+  EXPECT_GE(row.scheduled_cycles / row.iterations, 64.0);
+  EXPECT_LE(row.scheduled_cycles / row.iterations, 68.0);
 }
 
 // The ends follow the numbers of the core, the measurement does not.
@@ -133,7 +133,7 @@ TEST(MeasuredKernels, NewtonStepsAndThePullComeOutRight) {
   using V = ArrayVec<4>;
   V x[kNewtonChains];
   for (V& chain : x) chain = V(2.0f);
-  NewtonTurns(x, 1);
+  NewtonIterations(x, 1);
   float expected = 2.0f;
   for (uint32_t n = 0; n < kNewtonSteps; ++n) {
     const double root = 1.0 / std::sqrt(double(expected));
@@ -171,8 +171,8 @@ TEST(RecordKernel, PricesAKernelOfOnesOwn) {
   for (const CoreKind kind : {CoreKind::kSpu, CoreKind::kPpe, CoreKind::kXenon}) {
     const auto cost = TryPriceTrace(*trace, 16, MakePricedCore(kind, {}), {}, error);
     ASSERT_TRUE(cost) << error;
-    EXPECT_GT(cost->scheduled.cycles_per_turn, 1.0);
-    EXPECT_GT(cost->as_written.cycles_per_turn, cost->scheduled.cycles_per_turn);
+    EXPECT_GT(cost->scheduled.cycles_per_iteration, 1.0);
+    EXPECT_GT(cost->as_written.cycles_per_iteration, cost->scheduled.cycles_per_iteration);
   }
   const KernelBlock too_much = {&rows, uint64_t{3} << 30};
   EXPECT_FALSE(TryRecordKernel(

@@ -115,7 +115,7 @@ TEST(LowerToSpu, AScalarStoreReadsMergesAndWrites) {
     }
 }
 
-TEST(LowerToSpu, ATurnCostsACounterAHintAndABranch) {
+TEST(LowerToSpu, AnIterationCostsACounterAHintAndABranch) {
   EXPECT_EQ(Text(LowerToSpu({}, 2, {})), "ai hbrr brnz ai hbrr brnz");
 }
 

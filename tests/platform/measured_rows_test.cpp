@@ -105,11 +105,11 @@ TEST(MeasuredRows, ARowThatCannotBeRunSaysWhyAndIsMissed) {
   }
 }
 
-TEST(MeasuredRows, TurnsOfTheRateRowsInCycles) {
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(SinglePrecisionFma())), 64 * 6 + 21);
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(IntegerMultiplyAdd())), 32 * 7 + 21);
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(NewtonSteps())), 8 * 80 + 21);
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(DoublePrecisionFma())), 16 * 13 * 8 + 21);
+TEST(MeasuredRows, IterationsOfTheRateRowsInCycles) {
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(SinglePrecisionFma())), 64 * 6 + 21);
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(IntegerMultiplyAdd())), 32 * 7 + 21);
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(NewtonSteps())), 8 * 80 + 21);
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(DoublePrecisionFma())), 16 * 13 * 8 + 21);
 }
 
 TEST(MeasuredRows, TheMatrixMultiplyFitsTheRegistersAndIsBoundByTheEvenPipe) {
@@ -133,7 +133,7 @@ TEST(MeasuredRows, ASecondThreadGainsWhatTheFirstWaits) {
     const auto alone = TimePpeListing(text, {}, core, error);
     const auto both = TimePpePair(text, text, core, error);
     EXPECT_TRUE(alone && both) << error;
-    return 2.0 * CyclesPerTurn(*alone) / both->CyclesPerTurn(0) - 1.0;
+    return 2.0 * CyclesPerIteration(*alone) / both->CyclesPerIteration(0) - 1.0;
   };
   std::string twelve_chains = "loop:\n";
   for (int i = 1; i <= 12; ++i) twelve_chains += fmt::format(" vmaddfp v{0}, v{0}, v20, v21\n", i);
@@ -142,11 +142,12 @@ TEST(MeasuredRows, ASecondThreadGainsWhatTheFirstWaits) {
 }
 
 // A chase that stays in L1 is the core's own turn: the caches add nothing.
-TEST(MeasuredRows, TheL1ChaseIsTheCoresOwnTurn) {
+TEST(MeasuredRows, TheL1ChaseIsTheCoresOwnIteration) {
   std::string error;
   const auto chart = TimePpeListing(PointerChase(), {}, CellParameters{}.ppe, error);
   ASSERT_TRUE(chart) << error;
-  EXPECT_EQ(PredictRow(*FindRow("P1"), {}).predicted_raw, CyclesPerTurn(*chart) / kChasesOfATurn);
+  EXPECT_EQ(PredictRow(*FindRow("P1"), {}).predicted_raw,
+            CyclesPerIteration(*chart) / kChasesPerIteration);
 }
 
 // The console counts 390,000 L1 misses of 524,288 loads in row P3's chase: three quarters.
@@ -168,8 +169,8 @@ TEST(MeasuredRows, ThePairsThreadsHaveHalfOfTheCyclesEach) {
   std::string error;
   const auto both = TimePpePair(ScalarFmaChains(), IntegerAddChains(), CellParameters{}.ppe, error);
   ASSERT_TRUE(both) << error;
-  EXPECT_NEAR(both->CyclesPerTurn(0), 2 * kEightChains, 1.0);
-  EXPECT_NEAR(both->CyclesPerTurn(1), 2 * kEightChains, 1.0);
+  EXPECT_NEAR(both->CyclesPerIteration(0), 2 * kEightChains, 1.0);
+  EXPECT_NEAR(both->CyclesPerIteration(1), 2 * kEightChains, 1.0);
 }
 
 }  // namespace

@@ -20,16 +20,16 @@ inline SceneOptions OptionsOn(const ConsoleMachine& machine) {
 
 // Every stage takes as many cycles a turn, a third more on a core that is shared.
 inline StageCosts FlatCosts(const Plan& plan, const SceneShape& shape, uint64_t clock_hz,
-                            float cycles_per_turn, uint32_t code_bytes = 2048) {
+                            float cycles_per_iteration, uint32_t code_bytes = 2048) {
   StageCosts costs;
   costs.clock_hz = clock_hz;
   for (const Stage& stage : plan.stages) {
     StageCosts::Stage& cost = costs.stages.emplace_back();
     cost.name = stage.kernel.name;
     cost.code_bytes = code_bytes;
-    cost.scheduled.cycles_per_turn.assign(shape.ItemCount(stage.domain), cycles_per_turn);
-    cost.scheduled.shared_cycles_per_turn.assign(shape.ItemCount(stage.domain),
-                                                 cycles_per_turn * 4 / 3);
+    cost.scheduled.cycles_per_iteration.assign(shape.ItemCount(stage.domain), cycles_per_iteration);
+    cost.scheduled.shared_cycles_per_iteration.assign(shape.ItemCount(stage.domain),
+                                                      cycles_per_iteration * 4 / 3);
     cost.as_written = cost.scheduled;
   }
   return costs;
@@ -59,11 +59,11 @@ struct ModelledRun {
 };
 
 inline ModelledRun RunOn(Scenario& scenario, const ConsoleMachine& machine, uint32_t frames,
-                         float cycles_per_turn, bool timelines = false) {
+                         float cycles_per_iteration, bool timelines = false) {
   RunningScenario running(scenario, OptionsOn(machine));
   const FurScene& scene = running.scene();
   const StageCosts costs =
-      FlatCosts(scene.plan(), scene.shape(), machine.clock_hz, cycles_per_turn);
+      FlatCosts(scene.plan(), scene.shape(), machine.clock_hz, cycles_per_iteration);
   const auto executor = ValueOrThrow([&](std::string& error) {
     auto made = ConsoleExecutor::TryMake(machine, costs, scene.CurrentFrame(), error);
     return made ? std::optional(std::move(made)) : std::nullopt;

@@ -190,9 +190,9 @@ TEST(PlantedErrors, NoLossAfterFp7IsSeenInTheTutorialsOwnCase) {
   }
   text += "ai $7, $7, -1; brnz $7, loop\n";
   SpuParameters spu;
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(text, spu)), 32 * 14 + 21);
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(text, spu)), 32 * 14 + 21);
   spu.fp6_after_fp7_cycles = 0;
-  EXPECT_EQ(CyclesPerTurn(TimeOnSpu(text, spu)), 32 * 13 + 21);
+  EXPECT_EQ(CyclesPerIteration(TimeOnSpu(text, spu)), 32 * 13 + 21);
 }
 
 }  // namespace

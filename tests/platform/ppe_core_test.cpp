@@ -43,7 +43,7 @@ TEST(PpeCore, NothingGoesBehindABranchAMultiplyOrADivide) {
   EXPECT_EQ(Cycles("lwz 3,0(4); beq cr0,out; add 5,6,7; out:"), (V{0, 0, 1}));
   EXPECT_EQ(Cycles("lwz 3,0(4); mullw 5,6,7"), (V{0, 0}));
   // A taken branch and what lies at its target are never one group.
-  EXPECT_EQ(CyclesPerTurn(TimeOnPpe("loop: lwz 3,0(4); add 5,6,7; bdnz loop")), 2.0);
+  EXPECT_EQ(CyclesPerIteration(TimeOnPpe("loop: lwz 3,0(4); add 5,6,7; bdnz loop")), 2.0);
 }
 
 TEST(PpeCore, ResultsAreLaterForAddresses) {
@@ -117,11 +117,11 @@ std::string Adds(int count) {
 
 TEST(PpePair, ThreadsThatNeverWaitHaveEveryOtherCycle) {
   const PpePairTiming same = TimePair(Adds(8), Adds(8));
-  EXPECT_EQ(same.CyclesPerTurn(0), 16.0);
-  EXPECT_EQ(same.CyclesPerTurn(1), 16.0);
+  EXPECT_EQ(same.CyclesPerIteration(0), 16.0);
+  EXPECT_EQ(same.CyclesPerIteration(1), 16.0);
   const PpePairTiming unequal = TimePair(Adds(4), Adds(12));
-  EXPECT_EQ(unequal.CyclesPerTurn(0), 8.0);
-  EXPECT_EQ(unequal.CyclesPerTurn(1), 24.0);
+  EXPECT_EQ(unequal.CyclesPerIteration(0), 8.0);
+  EXPECT_EQ(unequal.CyclesPerIteration(1), 24.0);
 }
 
 // One thread a cycle, even where the two want different units.
@@ -129,28 +129,28 @@ TEST(PpePair, TwoThreadsDoNotShareACycle) {
   std::string loads = "loop:\n";
   for (int i = 0; i < 8; ++i) loads += "lwz " + std::to_string(3 + i) + ",0(20)\n";
   const PpePairTiming both = TimePair(Adds(8), loads + "bdnz loop\n");
-  EXPECT_EQ(both.CyclesPerTurn(0), 16.0);
-  EXPECT_EQ(both.CyclesPerTurn(1), 16.0);
+  EXPECT_EQ(both.CyclesPerIteration(0), 16.0);
+  EXPECT_EQ(both.CyclesPerIteration(1), 16.0);
 }
 
 TEST(PpePair, WhatOneThreadWaitsForIsTheOthers) {
   // A chase dispatches once in six cycles; five are left.
   const PpePairTiming both = TimePair("loop: lwz 3,0(3); bdnz loop", Adds(15));
-  EXPECT_NEAR(both.CyclesPerTurn(1), 15 * 6.0 / 5.0, 0.1);
-  EXPECT_NEAR(both.CyclesPerTurn(0), 6.0, 0.3);
+  EXPECT_NEAR(both.CyclesPerIteration(1), 15 * 6.0 / 5.0, 0.1);
+  EXPECT_NEAR(both.CyclesPerIteration(0), 6.0, 0.3);
   // Two that wait all the time do not slow each other down.
   const PpePairTiming chases =
       TimePair("loop: lwz 3,0(3); bdnz loop", "loop: lwz 3,0(3); bdnz loop");
-  EXPECT_NEAR(chases.CyclesPerTurn(0), 6.0, 1e-9);
-  EXPECT_NEAR(chases.CyclesPerTurn(1), 6.0, 1e-9);
+  EXPECT_NEAR(chases.CyclesPerIteration(0), 6.0, 1e-9);
+  EXPECT_NEAR(chases.CyclesPerIteration(1), 6.0, 1e-9);
 }
 
 TEST(PpePair, WhatIsNotPipelinedHoldsBoth) {
   const std::string divide = "loop: fdiv 1,2,3; bdnz loop";
   const PpePairTiming both = TimePair(divide, divide);
-  EXPECT_EQ(both.CyclesPerTurn(0), 2 * 74.0);
+  EXPECT_EQ(both.CyclesPerIteration(0), 2 * 74.0);
   const PpePairTiming adds = TimePair("loop: divw 4,5,6; bdnz loop", Adds(1));
-  EXPECT_GT(adds.CyclesPerTurn(1), 2.0);
+  EXPECT_GT(adds.CyclesPerIteration(1), 2.0);
 }
 
 TEST(PpePair, TheOrderOfTheThreadsDoesNotMatter) {
@@ -159,15 +159,19 @@ TEST(PpePair, TheOrderOfTheThreadsDoesNotMatter) {
   for (const std::string& a : loops)
     for (const std::string& b : loops) {
       const PpePairTiming ab = TimePair(a, b), ba = TimePair(b, a);
-      EXPECT_NEAR(ab.CyclesPerTurn(0), ba.CyclesPerTurn(1), 0.02 * ab.CyclesPerTurn(0)) << a << b;
-      EXPECT_NEAR(ab.CyclesPerTurn(1), ba.CyclesPerTurn(0), 0.02 * ab.CyclesPerTurn(1)) << a << b;
+      EXPECT_NEAR(ab.CyclesPerIteration(0), ba.CyclesPerIteration(1),
+                  0.02 * ab.CyclesPerIteration(0))
+          << a << b;
+      EXPECT_NEAR(ab.CyclesPerIteration(1), ba.CyclesPerIteration(0),
+                  0.02 * ab.CyclesPerIteration(1))
+          << a << b;
     }
 }
 
 // A forward branch that is always taken is followed, as with one thread.
 TEST(PpePair, WhatABranchSkipsDoesNotRun) {
   const std::string skips = "loop: add 3,4,5; b on; divd 6,7,8; divd 9,10,11; on: bdnz loop";
-  EXPECT_LT(TimePair(skips, Adds(4)).CyclesPerTurn(0), 10.0);
+  EXPECT_LT(TimePair(skips, Adds(4)).CyclesPerIteration(0), 10.0);
 }
 
 // Loops without a common divisor come back too late to be waited for: the mean is near enough.
@@ -175,8 +179,8 @@ TEST(PpePair, LongLoopsAreTimedByTheirMean) {
   std::string text = "loop:\n";
   for (int i = 0; i < 4099; ++i) text += "add " + std::to_string(3 + i % 15) + ",20,21\n";
   const PpePairTiming both = TimePair(Adds(7), text + "bdnz loop\n");
-  EXPECT_NEAR(both.CyclesPerTurn(0), 14.0, 0.1);
-  EXPECT_NEAR(both.CyclesPerTurn(1), 2 * 4099.0, 100.0);
+  EXPECT_NEAR(both.CyclesPerIteration(0), 14.0, 0.1);
+  EXPECT_NEAR(both.CyclesPerIteration(1), 2 * 4099.0, 100.0);
   EXPECT_FALSE(both.steady);
   EXPECT_TRUE(TimePair(Adds(7), Adds(5)).steady);
 }

@@ -97,13 +97,13 @@ TEST(Scheduling, LaneGroupsComeNearTheResourceBound) {
   }
 }
 
-TEST(Scheduling, RandomProgramsTakenForTurnsAreRight) {
+TEST(Scheduling, RandomProgramsTakenForIterationsAreRight) {
   for (const CoreUnderTest& on : CoresUnderTest())
     for (uint32_t seed = 0; seed < 12; ++seed) {
       const StraightCode code =
           RandomProgram(on, seed, {.instructions = 600, .reach = 100, .entry_values = 40});
       std::string error;
-      const auto finished = TryScheduleTurns(code, 2 + seed % 4, on.core, error);
+      const auto finished = TryScheduleIterations(code, 2 + seed % 4, on.core, error);
       ASSERT_TRUE(finished) << error;
       EXPECT_TRUE(IsRight(code, *finished, on.core)) << on.name << ", seed " << seed;
     }

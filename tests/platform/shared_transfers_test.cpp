@@ -72,10 +72,10 @@ class LineProgram {
     if (item > 1) steps_.back().dma.order = DmaOrder::kFence;
   }
   bool Refill() {
-    if (turn_ > items_.each) return false;
-    if (turn_ == 0) Draw(0);
-    if (turn_ < items_.each) {
-      const uint32_t item = turn_;
+    if (iteration_ > items_.each) return false;
+    if (iteration_ == 0) Draw(0);
+    if (iteration_ < items_.each) {
+      const uint32_t item = iteration_;
       Draw(item + 1);
       if (items_.get_elements > 0) steps_.push_back(WaitTags(1u << item % 2));
       steps_.push_back(Compute(items_.compute));
@@ -83,14 +83,14 @@ class LineProgram {
     } else {
       steps_.push_back(WaitTags(3));
     }
-    ++turn_;
+    ++iteration_;
     return true;
   }
 
   const Items items_;
   const uint32_t spu_;
   const uint64_t base_;
-  uint32_t turn_ = 0;
+  uint32_t iteration_ = 0;
   std::vector<SpuStep> steps_;
 };
 

@@ -81,21 +81,21 @@ TEST(SpuCore, DoublePrecisionStopsBothPipesAndNeverPairs) {
 }
 
 TEST(SpuCore, AHintHoldsWhenItLeadsFarEnough) {
-  const auto turn = [](int fillers, const char* hint) {
+  const auto iteration = [](int fillers, const char* hint) {
     std::string text = std::string("loop:\n  ") + hint + "\n";
     for (int i = 0; i < fillers; ++i) text += "  lnop\n";
     text += "back: brnz 7,loop\n";
-    return CyclesPerTurn(TimeOnSpu(text));
+    return CyclesPerIteration(TimeOnSpu(text));
   };
-  EXPECT_EQ(turn(14, "hbrr back,loop"), 16.0);     // hint at 0, branch at 15
-  EXPECT_EQ(turn(20, "hbrr back,loop"), 22.0);     // earlier is no better
-  EXPECT_EQ(turn(13, "hbrr back,loop"), 16.0);     // waits for the hint's target
-  EXPECT_EQ(turn(8, "hbrr back,loop"), 16.0);      // the last that the hint reaches
-  EXPECT_EQ(turn(7, "hbrr back,loop"), 9.0 + 18);  // fetched before the hint was seen
-  EXPECT_EQ(turn(0, "hbrr back,loop"), 2.0 + 18);
-  EXPECT_EQ(turn(14, "lnop"), 16.0 + 18);
-  EXPECT_EQ(turn(14, "hbr back,3"), 16.0);
-  EXPECT_EQ(turn(14, "hbrr back,back"), 16.0 + 18);  // another target
+  EXPECT_EQ(iteration(14, "hbrr back,loop"), 16.0);     // hint at 0, branch at 15
+  EXPECT_EQ(iteration(20, "hbrr back,loop"), 22.0);     // earlier is no better
+  EXPECT_EQ(iteration(13, "hbrr back,loop"), 16.0);     // waits for the hint's target
+  EXPECT_EQ(iteration(8, "hbrr back,loop"), 16.0);      // the last that the hint reaches
+  EXPECT_EQ(iteration(7, "hbrr back,loop"), 9.0 + 18);  // fetched before the hint was seen
+  EXPECT_EQ(iteration(0, "hbrr back,loop"), 2.0 + 18);
+  EXPECT_EQ(iteration(14, "lnop"), 16.0 + 18);
+  EXPECT_EQ(iteration(14, "hbr back,3"), 16.0);
+  EXPECT_EQ(iteration(14, "hbrr back,back"), 16.0 + 18);  // another target
 }
 
 TEST(SpuCore, WaitingForAHintsTargetIsAStallOfItsOwn) {
@@ -115,16 +115,16 @@ TEST(SpuCore, AHintForABranchThatFallsThroughCostsThePenaltyOnce) {
   EXPECT_EQ(TimeOnSpu(text, {}, {}, 10).totals.cycles, 170 + 18 + 1);
 }
 
-TEST(SpuCore, LeapingOverTurnsChangesNothing) {
+TEST(SpuCore, LeapingOverIterationsChangesNothing) {
   for (const std::string& text :
        {NewtonSteps(), DoublePrecisionFma(), UnhintedBranch(), PublishedListing()}) {
     const IssueChart few = TimeOnSpu(text, {}, {}, 40), more = TimeOnSpu(text, {}, {}, 41),
                      many = TimeOnSpu(text, {}, {}, 1'000'000'040);
     ASSERT_EQ(few.loops.size(), 1u);
-    const int64_t turn = few.loops[0].period_cycles;
-    EXPECT_EQ(few.loops[0].period_turns, 1u);
-    EXPECT_EQ(more.totals.cycles - few.totals.cycles, turn);
-    EXPECT_EQ(many.totals.cycles - few.totals.cycles, turn * 1'000'000'000);
+    const int64_t iteration = few.loops[0].period_cycles;
+    EXPECT_EQ(few.loops[0].period_iterations, 1u);
+    EXPECT_EQ(more.totals.cycles - few.totals.cycles, iteration);
+    EXPECT_EQ(many.totals.cycles - few.totals.cycles, iteration * 1'000'000'000);
     ExpectAllCyclesAccountedFor(many.totals);
     ExpectAllCyclesAccountedFor(many.loops[0].period);
     ExpectAllCyclesAccountedFor(many.first_pass_totals);
@@ -140,7 +140,7 @@ TEST(SpuCore, ANewtonStepOneWideWaitsForItself) {
   // lqd 6, frest 4, fi 7, fnms 6, fma 6, stqd 1, ai and brnz, and the next lqd waits for ai: 32.
   // The hint goes under the rest, but for a cycle of the first turn, and holds in every turn but
   // the last, which goes on to bi.
-  EXPECT_EQ(CyclesPerTurn(*chart), 32.0);
+  EXPECT_EQ(CyclesPerIteration(*chart), 32.0);
   EXPECT_EQ(chart->totals.cycles, 1 + 64 * 32 - 1 + 18 + 1);
   EXPECT_EQ(chart->totals.stall_cycles[uint32_t(StallCause::kAfterFp7)], 0u);  // hidden by fi
   EXPECT_EQ(BindingResource(*chart, chart->loops[0].period), "register");

@@ -20,18 +20,18 @@ using V = RecordingVec;
 
 const PlatformParameters kPlatforms;
 
-KernelCost Price(const Trace& trace, uint32_t turns, CoreKind kind, const PriceRules& rules = {}) {
+KernelCost Price(const Trace& trace, uint32_t iterations, CoreKind kind, const PriceRules& rules = {}) {
   std::string error;
-  const auto cost = TryPriceTrace(trace, turns, MakePricedCore(kind, kPlatforms), rules, error);
+  const auto cost = TryPriceTrace(trace, iterations, MakePricedCore(kind, kPlatforms), rules, error);
   EXPECT_TRUE(cost) << error;
   return cost.value_or(KernelCost{});
 }
 
 // y = a x + b over many groups: two loads, a multiply-add and a store a turn.
-Trace Saxpy(uint32_t turns) {
+Trace Saxpy(uint32_t iterations) {
   return Record([&](Rows& rows) {
     float(&row)[16][64] = rows.row;
-    for (uint32_t t = 0; t < turns; ++t) {
+    for (uint32_t t = 0; t < iterations; ++t) {
       const uint32_t lane = 4 * t % 64;
       const uint32_t group = t / 16 % 4;
       (V::Load(row[group] + lane) * V(3.0f) + V::Load(row[4 + group] + lane))
@@ -44,27 +44,27 @@ TEST(KernelCost, AStreamIsBoundByTheOddPipe) {
   const KernelCost cost = Price(Saxpy(64), 64, CoreKind::kSpu);
   EXPECT_EQ(cost.operations, 64u * 5);
   // lqd lqd fma stqd ai hbrr brnz: five of the odd pipe, two of the even one.
-  EXPECT_NEAR(cost.instructions_per_turn, 7.0, 0.1);
-  EXPECT_NEAR(cost.scheduled.cycles_per_turn, 5.0, 0.3);
+  EXPECT_NEAR(cost.instructions_per_iteration, 7.0, 0.1);
+  EXPECT_NEAR(cost.scheduled.cycles_per_iteration, 5.0, 0.3);
   EXPECT_EQ(cost.binding, "odd pipe");
   // In order each turn waits for its load, multiply-add and store.
-  EXPECT_GT(cost.as_written.cycles_per_turn, 2.0 * cost.scheduled.cycles_per_turn);
+  EXPECT_GT(cost.as_written.cycles_per_iteration, 2.0 * cost.scheduled.cycles_per_iteration);
   EXPECT_GE(cost.scheduled.fixed_cycles, 36.0);  // two mispredicted branches
 }
 
 TEST(KernelCost, TwoThreadsOfAXenonShareItsDispatch) {
   const KernelCost cost = Price(Saxpy(64), 64, CoreKind::kXenon);
-  EXPECT_GT(cost.scheduled.shared_cycles_per_turn, cost.scheduled.cycles_per_turn);
-  EXPECT_LE(cost.scheduled.shared_cycles_per_turn, 2.2 * cost.scheduled.cycles_per_turn);
+  EXPECT_GT(cost.scheduled.shared_cycles_per_iteration, cost.scheduled.cycles_per_iteration);
+  EXPECT_LE(cost.scheduled.shared_cycles_per_iteration, 2.2 * cost.scheduled.cycles_per_iteration);
   const KernelCost spu = Price(Saxpy(64), 64, CoreKind::kSpu);
-  EXPECT_EQ(spu.scheduled.shared_cycles_per_turn, spu.scheduled.cycles_per_turn);
+  EXPECT_EQ(spu.scheduled.shared_cycles_per_iteration, spu.scheduled.cycles_per_iteration);
 }
 
 // The windows see every loop of a kernel, in its proportion: two loops of unequal cost come out
 // between the two, near the mean.
 TEST(KernelCost, WindowsAreSpreadOverTheWholeTrace) {
-  const auto work = [](Rows& rows, uint32_t turns, int products) {
-    for (uint32_t t = 0; t < turns; ++t) {
+  const auto work = [](Rows& rows, uint32_t iterations, int products) {
+    for (uint32_t t = 0; t < iterations; ++t) {
       V x = V::Load(rows.row[t / 16 % 16] + 4 * t % 64);
       for (int p = 0; p < products; ++p) x = x * V(1.5f) + x;
       x.Store(rows.row[t / 16 % 16] + 4 * t % 64);
@@ -78,7 +78,7 @@ TEST(KernelCost, WindowsAreSpreadOverTheWholeTrace) {
                    work(rows, many, 12);
                  }),
                  few + many, CoreKind::kSpu, rules)
-        .scheduled.cycles_per_turn;
+        .scheduled.cycles_per_iteration;
   };
   const double light = price(128, 0), heavy = price(0, 128);
   EXPECT_GT(heavy, 1.8 * light);
@@ -95,10 +95,10 @@ TEST(KernelCost, TheHostsOperationsCostMore) {
   PriceRules host;
   host.lowering.host_operations = true;
   const KernelCost console = Price(roots, 64, CoreKind::kSpu);
-  EXPECT_EQ(console.roots_per_turn, 1.0);
+  EXPECT_EQ(console.roots_per_iteration, 1.0);
   // 7 operations against 17, and the turn's counter.
-  EXPECT_NEAR(console.scheduled.cycles_per_turn, 8.0, 1.5);
-  EXPECT_NEAR(Price(roots, 64, CoreKind::kSpu, host).scheduled.cycles_per_turn, 18.0, 2.0);
+  EXPECT_NEAR(console.scheduled.cycles_per_iteration, 8.0, 1.5);
+  EXPECT_NEAR(Price(roots, 64, CoreKind::kSpu, host).scheduled.cycles_per_iteration, 18.0, 2.0);
 }
 
 TEST(KernelCost, ALoadHitStoreIsSeenByItsAddress) {
@@ -111,7 +111,7 @@ TEST(KernelCost, ALoadHitStoreIsSeenByItsAddress) {
                    }
                  }),
                  1, CoreKind::kXenon)
-        .as_written.cycles_per_turn;
+        .as_written.cycles_per_iteration;
   };
   EXPECT_GT(extract(true), extract(false) + 8 * 30);
 }
@@ -123,8 +123,8 @@ TEST(KernelCost, FollowsTheCoresParameters) {
   std::string error;
   const auto cost = TryPriceTrace(Saxpy(64), 64, MakePricedCore(CoreKind::kSpu, slow), {}, error);
   ASSERT_TRUE(cost) << error;
-  EXPECT_GT(cost->as_written.cycles_per_turn,
-            Price(Saxpy(64), 64, CoreKind::kSpu).as_written.cycles_per_turn + 4.0);
+  EXPECT_GT(cost->as_written.cycles_per_iteration,
+            Price(Saxpy(64), 64, CoreKind::kSpu).as_written.cycles_per_iteration + 4.0);
 }
 
 class PricedScene {
@@ -158,7 +158,7 @@ const StageCosts::Stage& Find(const StageCosts& costs, std::string_view name) {
   return *at;
 }
 float Most(const StageCosts::Stage& stage) {
-  return *std::ranges::max_element(stage.scheduled.cycles_per_turn);
+  return *std::ranges::max_element(stage.scheduled.cycles_per_iteration);
 }
 
 // Priced once for all that look at it.
@@ -176,8 +176,8 @@ uint64_t DigestOf(const StageCosts& costs) {
   const auto add = [&](float f) { digest.Add(std::bit_cast<uint32_t>(f)); };
   for (const StageCosts::Stage& stage : costs.stages) {
     for (const StageCosts::Stage::Price* price : {&stage.as_written, &stage.scheduled}) {
-      std::ranges::for_each(price->cycles_per_turn, add);
-      std::ranges::for_each(price->shared_cycles_per_turn, add);
+      std::ranges::for_each(price->cycles_per_iteration, add);
+      std::ranges::for_each(price->shared_cycles_per_iteration, add);
       add(price->fixed_cycles);
     }
     digest.Add(stage.code_bytes);
@@ -206,12 +206,12 @@ TEST(KernelCost, ScheduledWindowsOfAFrameAreRight) {
   const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
     Recorder recorder(seen[stage] ? Recorder::Keep::kCounts : Recorder::Keep::kOperations);
     if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
-    const uint32_t turns = CountTurns(frame, stage, item);
-    if (seen[stage] || turns < 8 || recorder.operation_count() == 0) return true;
+    const uint32_t iterations = CountIterations(frame, stage, item);
+    if (seen[stage] || iterations < 8 || recorder.operation_count() == 0) return true;
     seen[stage] = true;
     for (const CoreKind kind : {CoreKind::kSpu, CoreKind::kPpe, CoreKind::kXenon}) {
       const PricedCore core = MakePricedCore(kind, kPlatforms);
-      const auto window = TryScheduleWindow(recorder.trace(), turns, core, {}, error);
+      const auto window = TryScheduleWindow(recorder.trace(), iterations, core, {}, error);
       EXPECT_TRUE(window &&
                   CheckFinishedCode(window->lowered, window->code, core.scheduling, error))
           << frame.plan->stages[stage].kernel.name << ", " << CoreKindName(kind) << ": " << error;
@@ -240,9 +240,9 @@ TEST(StageCosts, EveryStageThatRunsCostsSomething) {
     EXPECT_GT(Most(stage), 0.0f) << stage.name;
     EXPECT_GT(stage.scheduled.fixed_cycles, 0.0f) << stage.name;
     for (const StageCosts::Stage::Price* price : {&stage.as_written, &stage.scheduled})
-      EXPECT_EQ(price->cycles_per_turn, price->shared_cycles_per_turn) << stage.name;
+      EXPECT_EQ(price->cycles_per_iteration, price->shared_cycles_per_iteration) << stage.name;
     for (const KernelCost& kind : stage.kinds) {
-      EXPECT_LE(kind.scheduled.cycles_per_turn, kind.as_written.cycles_per_turn * 1.01)
+      EXPECT_LE(kind.scheduled.cycles_per_iteration, kind.as_written.cycles_per_iteration * 1.01)
           << stage.name;
       EXPECT_LE(kind.most_live, kind.register_limit) << stage.name;
     }
@@ -254,7 +254,7 @@ TEST(StageCosts, EveryStageThatRunsCostsSomething) {
   EXPECT_GT(Most(Find(costs, "collect_changes")), 100.0f);
 }
 
-TEST(StageCosts, TurnsFollowTheLivingLanes) {
+TEST(StageCosts, IterationsFollowTheLivingLanes) {
   PricedScene scene("tiny");
   SerialExecutor().Run(scene.frame());
   const Frame frame = scene.frame();
@@ -262,16 +262,16 @@ TEST(StageCosts, TurnsFollowTheLivingLanes) {
   for (uint32_t s = 0; s < frame.plan->stages.size(); ++s) {
     const Stage& stage = frame.plan->stages[s];
     if (stage.kernel.name == "select_lod") {
-      EXPECT_EQ(CountTurns(frame, s, 0), 1u);
+      EXPECT_EQ(CountIterations(frame, s, 0), 1u);
     }
     if (stage.kernel.name != "roots") continue;
     for (uint32_t c = 0; c < frame.memory->shape->chunk_count; ++c) {
       auto& state = *frame.memory->Of<&Streams::chunk_state>(c);
-      EXPECT_EQ(CountTurns(frame, s, c), (state.live_strands + 15) / 16 * 4);
+      EXPECT_EQ(CountIterations(frame, s, c), (state.live_strands + 15) / 16 * 4);
       state.live_strands = 17;
-      EXPECT_EQ(CountTurns(frame, s, c), 8u);
+      EXPECT_EQ(CountIterations(frame, s, c), 8u);
       state.live_strands = 0;
-      EXPECT_EQ(CountTurns(frame, s, c), 0u);
+      EXPECT_EQ(CountIterations(frame, s, c), 0u);
       ++seen;
     }
   }

@@ -26,10 +26,10 @@ struct ListingText {
 };
 
 inline IssueChart TimeOnSpu(const std::string& text, const SpuParameters& spu = {},
-                            const SpuRules& rules = {}, uint64_t turns = 100'000) {
+                            const SpuRules& rules = {}, uint64_t iterations = 100'000) {
   const Listing listing = ReadListing(text, "row.s", SpuInstructionSet());
   std::vector<TripCount> trips;
-  if (const ListingLabel* loop = listing.FindLabel("loop")) trips.push_back({loop->index, turns});
+  if (const ListingLabel* loop = listing.FindLabel("loop")) trips.push_back({loop->index, iterations});
   return ValueOrThrow(
       [&](std::string& error) { return TryTimeOnSpu(listing.program, trips, rules, spu, error); });
 }
@@ -57,8 +57,9 @@ inline void ExpectAllCyclesAccountedFor(const IssueTotals& totals) {
   EXPECT_EQ(totals.unpaired[uint32_t(Unpaired::kPaired)], totals.dual_issues);
 }
 
-inline double CyclesPerTurn(const IssueChart& chart) {
-  return chart.loops.size() == 1 && chart.loops[0].steady ? chart.loops[0].CyclesPerTurn() : -1.0;
+inline double CyclesPerIteration(const IssueChart& chart) {
+  return chart.loops.size() == 1 && chart.loops[0].steady ? chart.loops[0].CyclesPerIteration()
+                                                          : -1.0;
 }
 
 }  // namespace pelt::testing

@@ -93,13 +93,13 @@ TEST(WrittenOrder, LoadsStayBeforeTheStoresThatOverwriteThem) {
   }
 }
 
-TEST(WrittenOrder, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
+TEST(WrittenOrder, AStoreOfTheSecondIterationDoesNotTakeTheFirstIterationsLoad) {
   const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     V carried = V::Load(rows.row[0]);
-    for (int turn = 0; turn < 3; ++turn) {
+    for (int iteration = 0; iteration < 3; ++iteration) {
       const V next = V::Load(rows.row[0]) + V(1.0f);
       next.Store(rows.row[0]);
-      (carried * carried).Store(rows.row[1 + turn]);
+      (carried * carried).Store(rows.row[1 + iteration]);
       carried = next;
     }
   }));
@@ -118,11 +118,11 @@ TEST(WrittenOrder, AStoreOfTheSecondTurnDoesNotTakeTheFirstTurnsLoad) {
 
 // No work of a later statement goes before an earlier one's, and no turn of a loop into another,
 // whatever hangs on what: that is a scheduler's doing.
-TEST(WrittenOrder, StatementsAndTurnsStayOneAfterAnother) {
+TEST(WrittenOrder, StatementsAndIterationsStayOneAfterAnother) {
   const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     V sum(0.0f), product(1.0f);
-    for (int turn = 0; turn < 3; ++turn) {
-      const V x = V::Load(rows.row[turn]);
+    for (int iteration = 0; iteration < 3; ++iteration) {
+      const V x = V::Load(rows.row[iteration]);
       const V shallow = Min(x, V(2.0f));
       const V deep = x * x * x * x;
       sum = sum + deep;
@@ -134,11 +134,12 @@ TEST(WrittenOrder, StatementsAndTurnsStayOneAfterAnother) {
   std::vector<Kind> kinds;
   for (const RecordedOperation& operation : trace.operations)
     if (operation.kind != Kind::kSplat) kinds.push_back(operation.kind);
-  const std::vector<Kind> turn = {Kind::kLoad,     Kind::kMin, Kind::kMultiply, Kind::kMultiply,
-                                  Kind::kMultiply, Kind::kAdd, Kind::kAdd,      Kind::kAdd};
-  ASSERT_EQ(kinds.size(), 3 * turn.size() + 2);
-  for (size_t i = 0; i < 3 * turn.size(); ++i)
-    EXPECT_EQ(RecordedKindName(kinds[i]), RecordedKindName(turn[i % turn.size()])) << i;
+  const std::vector<Kind> iteration = {Kind::kLoad,     Kind::kMin,      Kind::kMultiply,
+                                       Kind::kMultiply, Kind::kMultiply, Kind::kAdd,
+                                       Kind::kAdd,      Kind::kAdd};
+  ASSERT_EQ(kinds.size(), 3 * iteration.size() + 2);
+  for (size_t i = 0; i < 3 * iteration.size(); ++i)
+    EXPECT_EQ(RecordedKindName(kinds[i]), RecordedKindName(iteration[i % iteration.size()])) << i;
 }
 
 // What stands before an expression and is read in one operand of it only goes with that operand:

@@ -116,7 +116,7 @@ double SecondsPerByte(size_t bytes) {
          double(2 * bytes);
 }
 
-constexpr int kRateTurns = 20000, kRateOperations = 16;
+constexpr int kRateIterations = 20000, kRateOperations = 16;
 
 // Multiplies and adds on eight independent registers of `bytes`: as many as a core can start.
 #define PELT_RATE_LOOP(name, bytes, flags)                                         \
@@ -124,7 +124,7 @@ constexpr int kRateTurns = 20000, kRateOperations = 16;
     typedef float Wide __attribute__((vector_size(bytes)));                        \
     const Wide k = Wide{} + 0.999f;                                                \
     Wide a = k, b = k, c = k, d = k, e = k, f = k, g = k, h = k;                   \
-    for (int turn = 0; turn < kRateTurns; ++turn) {                                \
+    for (int iteration = 0; iteration < kRateIterations; ++iteration) {            \
       a = a * k, b = b * k, c = c * k, d = d * k, e = e * k, f = f * k, g = g * k; \
       h = h * k, a = a + k, b = b + k, c = c + k, d = d + k, e = e + k, f = f + k; \
       g = g + k, h = h + k;                                                        \
@@ -139,7 +139,7 @@ PELT_RATE_LOOP(RunAvx512Rate, 64, "avx512f")
 
 // Of one operation on one lane.
 double SecondsPerLaneOperation(Isa isa) {
-  const double count = double(kRateTurns) * kRateOperations;
+  const double count = double(kRateIterations) * kRateOperations;
   switch (isa) {
     case Isa::kAvx512:
       return SecondsOf(RunAvx512Rate) / (count * 16);

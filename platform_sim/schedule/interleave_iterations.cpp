@@ -1,4 +1,4 @@
-#include "platform_sim/schedule/interleave_turns.hpp"
+#include "platform_sim/schedule/interleave_iterations.hpp"
 
 #include <algorithm>
 #include <queue>
@@ -10,7 +10,7 @@
 namespace pelt {
 namespace {
 
-// Ahead of its first reader, of both turns' instructions: enough for a load.
+// Ahead of its first reader, of both iterations' instructions: enough for a load.
 constexpr int64_t kLeadInstructions = 8;
 
 // Values alive before each instruction.
@@ -27,13 +27,14 @@ std::vector<int32_t> CountAlive(const StraightCode& code, const ValueUses& uses)
   return alive;
 }
 
-// Where each turn begins, and the end.
-std::vector<uint32_t> TurnBegins(const StraightCode& code, const ValueUses& uses, uint32_t turns) {
+// Where each iteration begins, and the end.
+std::vector<uint32_t> IterationBegins(const StraightCode& code, const ValueUses& uses,
+                                      uint32_t iterations) {
   const std::vector<int32_t> alive = CountAlive(code, uses);
   const auto size = uint32_t(code.program.size());
   std::vector<uint32_t> begins = {0};
-  for (uint32_t t = 1; t < turns; ++t) {
-    const auto due = uint32_t(uint64_t{size} * t / turns), reach = size / turns / 3;
+  for (uint32_t t = 1; t < iterations; ++t) {
+    const auto due = uint32_t(uint64_t{size} * t / iterations), reach = size / iterations / 3;
     const uint32_t first = std::max(due - std::min(due, reach), begins.back());
     const uint32_t last = std::min(due + reach, size);
     begins.push_back(uint32_t(std::min_element(alive.begin() + first, alive.begin() + last + 1) -
@@ -45,8 +46,8 @@ std::vector<uint32_t> TurnBegins(const StraightCode& code, const ValueUses& uses
 
 struct Key {
   uint32_t group = 0;
-  int64_t progress = 0;  // into its turn, in parts of kWhole
-  uint32_t turn = 0;
+  int64_t progress = 0;  // into its iteration, in parts of kWhole
+  uint32_t iteration = 0;
   auto operator<=>(const Key&) const = default;
 };
 constexpr int64_t kWhole = int64_t{1} << 32;
@@ -69,17 +70,17 @@ std::vector<bool> FindWaiting(const StraightCode& code) {
   return waits;
 }
 
-std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_t turns,
+std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_t iterations,
                         uint32_t together) {
-  const std::vector<uint32_t> begins = TurnBegins(code, uses, turns);
+  const std::vector<uint32_t> begins = IterationBegins(code, uses, iterations);
   std::vector<Key> keys(code.program.size());
-  for (uint32_t t = 0; t < turns; ++t)
+  for (uint32_t t = 0; t < iterations; ++t)
     for (uint32_t i = begins[t]; i < begins[t + 1]; ++i)
       keys[i] = {t / together, (i - begins[t]) * kWhole / (begins[t + 1] - begins[t]), t};
   const int64_t lead =
-      kLeadInstructions * kWhole * turns / int64_t(std::max<size_t>(code.program.size(), 1));
+      kLeadInstructions * kWhole * iterations / int64_t(std::max<size_t>(code.program.size(), 1));
   const std::vector<bool> waits = FindWaiting(code);
-  // Branches keep their order, so one of a younger turn comes behind those of older ones; and what
+  // Branches keep their order, so one of a younger iteration comes behind those of older ones; and what
   // decides it comes just before it: conditions are few, and nothing spills them.
   Key last_branch;
   for (size_t i = 0; i < keys.size(); ++i)
@@ -103,11 +104,11 @@ std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_
 
 }  // namespace
 
-InterleavedCode InterleaveTurns(const StraightCode& code, uint32_t turns, uint32_t together,
-                                const SchedulingCore& core) {
+InterleavedCode InterleaveIterations(const StraightCode& code, uint32_t iterations,
+                                     uint32_t together, const SchedulingCore& core) {
   const ValueUses uses(code);
   const DependenceGraph graph(code, uses, core);
-  const std::vector<Key> keys = KeysOf(code, uses, std::max(turns, 1u), together);
+  const std::vector<Key> keys = KeysOf(code, uses, std::max(iterations, 1u), together);
   using Waiting = std::pair<Key, uint32_t>;
   std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> ready;
   std::vector<uint32_t> edges_left(graph.size());
