@@ -89,14 +89,13 @@ PELT_BLOCK PaletteBlock {
   uint32_t pad[23];
 };
 
-// ---- Layer
-// ----------------------------------------------------------------------------------------------
+// ---- Layer --------------------------------------------------------------------------------------
 
 enum LayerFlag : uint32_t {
   kLayerEnabled = 1u << 0,
   kLayerVertexChains =
       1u << 1,  // chains at mesh vertices (4 points), strands interpolate; else a chain per strand
-  kLayerFivePoints = 1u << 2,  // 5 points a chain; else 4. Never with kLayerVertexChains
+  kLayerFivePoints = 1u << 2,  // 5 points per chain; else 4. Never with kLayerVertexChains
   kLayerVerlet = 1u << 3,      // else PBD
   kLayerRibbons = 1u << 4,     // else instances
   kLayerClump = 1u << 5,
@@ -180,8 +179,7 @@ PELT_BLOCK LayerSortBlock {
   uint32_t pad[29];
 };
 
-// ---- Chunk, baked
-// ---------------------------------------------------------------------------------------
+// ---- Chunk, baked -------------------------------------------------------------------------------
 
 // The chunk's mesh vertices in mesh (bind) space. Skinning is dense in groups of 16 vertices: a
 // group lists the joints any of its vertices uses, ascending, with one row of 16 weights each (0
@@ -233,8 +231,7 @@ PELT_BLOCK RestBlock {
                                      // simulated
 };
 
-// ---- Chunk, every frame
-// ---------------------------------------------------------------------------------
+// ---- Chunk, every frame -------------------------------------------------------------------------
 
 enum ChunkFlag : uint32_t {
   kChunkVisible = 1u << 0,   // live_strands > 0 and in view
@@ -317,8 +314,7 @@ struct alignas(16) RibbonRecord {
 };
 PELT_BLOCK RibbonBlock { RibbonRecord record[kStrandsPerChunk]; };
 
-// ---- Sorting
-// --------------------------------------------------------------------------------------------
+// ---- Sorting ------------------------------------------------------------------------------------
 
 inline constexpr uint32_t kCulledKey = 0xffffffffu;
 
@@ -338,8 +334,7 @@ PELT_BLOCK SortPairBlock { SortPair pair[kStrandsPerChunk]; };
 inline constexpr uint32_t kDigitBins = 256;
 PELT_BLOCK DigitBlock { uint32_t bin[kDigitBins]; };
 
-// ---- Output
-// ---------------------------------------------------------------------------------------------
+// ---- Output -------------------------------------------------------------------------------------
 
 PELT_BLOCK InstanceBlock { CurveRecord instance[kStrandsPerChunk]; };
 

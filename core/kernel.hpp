@@ -4,7 +4,7 @@
 //   template <class V>
 //   struct FitCubic {
 //     static constexpr std::string_view kName = "fit_cubic";
-//     using Params = FitCubicParams;  // trivially copyable, filled once a frame by the caller; may
+//     using Params = FitCubicParams;  // trivially copyable, filled once per frame by the caller; may
 //                                     // be left out
 //     struct Ports {
 //       In<&Streams::roots> roots;  // the stream is the type

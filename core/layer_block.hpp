@@ -3,7 +3,7 @@
 //
 // Wetness and dirt act here and nowhere else, so they can change while it runs: no chain is reset,
 // the next step simply has other numbers. Everything a kernel would need a transcendental function
-// for is worked out here, once a layer and frame, with exact maths: the block is frame input, and
+// for is worked out here, once per layer and frame, with exact maths: the block is frame input, and
 // the same setup gives the same bits on every machine.
 #pragma once
 

@@ -1,7 +1,7 @@
 // The vector value type every kernel is written on.
 //
 // A kernel is a template on V. V is `Vec<Isa>` (compiler vector extensions: SSE4, AVX2, AVX-512,
-// AltiVec, NEON) or `ArrayVec<N>` (plain arrays: the reference twin). All of them run the same
+// AltiVec, NEON) or `ArrayVec<N>` (plain arrays: the reference). All of them run the same
 // sequence of IEEE-754 single-precision operations on every lane, so all of them produce the same
 // bits.
 //

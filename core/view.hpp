@@ -1,4 +1,4 @@
-// What a frame knows of the camera: made once a frame on the caller's thread, read by kernels as a
+// What a frame knows of the camera: made once per frame on the caller's thread, read by kernels as a
 // parameter.
 //
 // Planes point inwards: a point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all six.

@@ -1,4 +1,4 @@
-// The wind's course over time: everything that needs a sine, once a frame.
+// The wind's course over time: everything that needs a sine, once per frame.
 //
 // Gusts are the EyePet recipe: a sum of sines whose periods are not multiples of each other, so
 // that the swell never repeats, scaled to [-1, 1]. Each phase is wrapped on its own in double

@@ -7,7 +7,7 @@
 //
 // A helper is one task of the engine: it pulls items (jobs/pull_scheduler.hpp) until none is ready.
 // The caller pulls too, so a frame is done even if no helper ever starts; it waits only for items
-// that a helper is running at that moment. Helpers are asked for once a pass, as many as the pass
+// that a helper is running at that moment. Helpers are asked for once per pass, as many as the pass
 // has use for beyond those that are still there.
 //
 // Invariants: nothing here throws. `enqueue` and `finish` are called by the thread that called Run

@@ -6,7 +6,7 @@
 //        └── no: refused, the joint named ──────┴───────────────────────────────┘
 //
 // The last question needs the chain of joints: scales of 1e6 in 24 joints are each harmless and
-// together infinite. It is answered by a bound, a few operations a joint; a pose that does not pass
+// together infinite. It is answered by a bound, a few operations per joint; a pose that does not pass
 // it is put through the kernels themselves, so what is refused is what they would have made of it.
 //
 // A character that never had an accepted pose stands at the origin as it was bound. When it gets

@@ -79,7 +79,7 @@ inline SceneLayout MeasureScene(std::span<const Groom* const> grooms, const Scen
 // what would help. Empty when it does not.
 std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes);
 
-// A table of the ranges: name, blocks, bytes, role; the sum, and bytes a strand.
+// A table of the ranges: name, blocks, bytes, role; the sum, and bytes per strand.
 std::string DescribeMemory(const SceneLayout& layout);
 
 // A block of memory for a scene, for callers without an allocator of their own.

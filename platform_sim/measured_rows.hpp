@@ -4,7 +4,7 @@
 //
 // Idea: a row is its work (rows/), what was measured, how far off a prediction may be, and of which
 // kind it is, because one rule says where a platform's availability counts (cell_system.hpp): on
-// what was held up over many turns, not on single ways. Both predictions are in the result;
+// what was held up over many iterations, not on single ways. Both predictions are in the result;
 // `Predicted()` is the one that the rule picks and that is held against the measurement.
 //
 // Invariant: no row has a number of its own in the models. Each row says of which class it is, and

@@ -19,8 +19,7 @@ Difference HeadDifference(const char* key, std::string left, std::string right,
   return {{{"head", key}}, std::move(left), std::move(right), std::move(remark)};
 }
 
-// ---- Digest logs
-// --------------------------------------------------------------------------------------
+// ---- Digest logs --------------------------------------------------------------------------------
 
 std::optional<Difference> CompareHeads(const DigestLog& a, const DigestLog& b) {
   if (a.scene != b.scene)
@@ -72,8 +71,7 @@ std::string DescribeSettings(const DigestLog& a, const DigestLog& b, size_t comm
   return out;
 }
 
-// ---- Input logs
-// ---------------------------------------------------------------------------------------
+// ---- Input logs ---------------------------------------------------------------------------------
 
 struct Field {
   std::string name;

@@ -209,8 +209,7 @@ uint64_t LeastFrameBytes(uint32_t characters) {
 
 }  // namespace
 
-// ---- What is in a log
-// ---------------------------------------------------------------------------------
+// ---- What is in a log ---------------------------------------------------------------------------
 
 FrameInput InputLog::Input(uint32_t frame) const {
   FrameInput input = frames[frame].input;

@@ -1,6 +1,6 @@
 // The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
 //
-//      header      magic "PELTINP\n", version, strands a chunk, vertex order, number of grooms,
+//      header      magic "PELTINP\n", version, strands per chunk, vertex order, number of grooms,
 //                  characters and frames, file size, hash
 //      texts       scene, note
 //      characters  the number of each one's groom

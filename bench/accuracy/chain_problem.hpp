@@ -98,7 +98,7 @@ ChainMaterial CalibratedRod(int links, double length, double bending_stiffness, 
 ChainMaterial NaiveRod(int links, double length, double bending_stiffness, double density);
 
 // Seeded strands: roots 10 cm from the centre, spread over the sphere, standing up from it with a
-// random curl (degrees a joint) that also turns out of its plane.
+// random curl (degrees per joint) that also turns out of its plane.
 struct CurlRange {
   double least = 7.0, most = 22.0;
 };

@@ -65,7 +65,7 @@ class ModalSolver final : public StrandSolver {
     }
   }
 
-  // A layer's table is made once a frame, on the caller's thread: not the kernel's time.
+  // A layer's table is made once per frame, on the caller's thread: not the kernel's time.
   void Prepare(const FrameRows& frame) override {
     if (next_dt_ > 0.0) {
       times_.dt_s[2] = times_.dt_s[1];

@@ -1,7 +1,7 @@
 // Whole frames of a scene, run in every way there is to pay less for them, from no simulation at
 // all to the best quality: what each costs and how wrong it is.
 //
-// The measure is the scene itself, modal solver at its best, with more frames a second and so the
+// The measure is the scene itself, modal solver at its best, with more frames per second and so the
 // exact pose in between; the same with half as many tells what that reference is good to
 // (self_error). An error is a share of the secondary motion, over all strands, free points and
 // frames after the warm-up (the first frames start from the groom): RMS(x - reference) /

@@ -24,7 +24,7 @@ double SagRatioError(const ChainMaterial& material, double gamma) {
   return std::abs(chain.drop / chain.reach / (rod.drop / rod.reach) - 1.0);
 }
 
-// A strand of fur clamped horizontally comes to rest under its own weight, at 60 frames a second;
+// A strand of fur clamped horizontally comes to rest under its own weight, at 60 frames per second;
 // damped, so that it is at rest in time.
 double RestMiss(int links, double gamma, std::string_view solver, Isa isa) {
   constexpr double kLength = 0.05, kGravity = 9.81, kDensity = 1.0 / kLength;

@@ -43,7 +43,7 @@ struct StabilityRow {
   double energy[3];                     // share kept after 5 s
   double shape[kStaticRates.size()];    // StaticShapeError at each rate
   double mixed_shape;                   // frame times from 1/240 to 1/15 s at random
-  double frequency_error, decay_error;  // of the first mode at 60 frames a second, relative
+  double frequency_error, decay_error;  // of the first mode at 60 frames per second, relative
   double worst_mode;                    // of any mode's recurrence at 15, 60 and 240
 };
 std::vector<StabilityRow> MeasureStability(Isa isa, bool quick);

@@ -2,7 +2,7 @@
 //
 //     length = 0.05          # m, needed
 //     links = 3              # or 4
-//     frequency_hz = 4.0     # of the first bending mode; or stiffness = [..], N m a joint
+//     frequency_hz = 4.0     # of the first bending mode; or stiffness = [..], N m per joint
 //     rod = "calibrated"     # or "uniform": equal masses and joints; with frequency_hz
 //     damping_ratio = 0.05   # of the first mode, by bending alone
 //     drag = 4.0             # 1/s, towards the wind

@@ -1,4 +1,4 @@
-// What is plugged into the yardstick: a solver that steps a batch of strands once a frame, from
+// What is plugged into the yardstick: a solver that steps a batch of strands once per frame, from
 // what a game knows: root positions, rest directions and wind at the frame's time, in float.
 //
 // Invariants:
@@ -20,7 +20,7 @@
 
 namespace pelt::accuracy {
 
-// Two groups of the widest vectors: solvers may work on two at once (core/kernels/twin.hpp).
+// Two groups of the widest vectors: solvers may work on two at once (core/kernels/unrolled.hpp).
 inline constexpr uint32_t kBatchLanes = 2 * kLaneGroup;
 
 // One frame's input, as rows of `lanes` floats: rest[link][axis] + lane and so on.

@@ -52,7 +52,7 @@ void SetCalm(double calm_from, StressProblem& p) {
   p.seconds = calm_from + kCalmSeconds;
 }
 
-// Links point anywhere; the root jumps by up to ten lengths and turns anyhow, four times a second.
+// Links point anywhere; the root jumps by up to ten lengths and turns anyhow, four times per second.
 StressProblem RandomStarts(std::string_view what, const ChainMaterial& material,
                            const StressOptions& options, int strands) {
   StressProblem p =

@@ -3,7 +3,7 @@
 //
 // Errors depend on nothing but the arithmetic, which is the same on every instruction set: their
 // digest is compared between machines. Times are this machine's; they are taken in turn
-// (solver_timing.hpp) at 60 frames a second on the preset's own material, and stated over the time
+// (solver_timing.hpp) at 60 frames per second on the preset's own material, and stated over the time
 // of our own PBD with 4 iterations in the same rounds.
 //
 // Solvers whose stiffness is not the material's (position-based ones, follow-the-leader) are tuned
@@ -19,7 +19,7 @@ namespace pelt::accuracy {
 
 struct WorkPrecisionOptions {
   std::vector<int> links{3, 4};
-  std::vector<int> rates{15, 30, 60, 120};  // frames a second, divisors of kKeptRate
+  std::vector<int> rates{15, 30, 60, 120};  // frames per second, divisors of kKeptRate
   std::vector<Preset> presets{std::begin(kPresets), std::end(kPresets)};
   Coefficients coefficients = Coefficients::kUniform;
   Isa isa = BestIsa();

@@ -1,8 +1,8 @@
 // The whole frame, and each stage of it held against what the machine could do at most.
 //
-//   frame/serial/SCENE        the whole frame on one core, ns a strand
+//   frame/serial/SCENE        the whole frame on one core, ns per strand
 //   frame/workers/SCENE       one and two workers in turn, 10 frames each, and their ratio
-//   stage/NAME/SCENE          a stage inside the frame: ns a strand, its limit and the ratio to it
+//   stage/NAME/SCENE          a stage inside the frame: ns per strand, its limit and the ratio to it
 //
 // A stage's limit is the larger of its ports' bytes at the rate of the second-level cache (where a
 // fused pass keeps its blocks) and its operations at the rate of multiplies and adds. All rates are

@@ -133,7 +133,7 @@ int RunRecorded(const AccuracyArgs& args) {
   if (track.links == 0)
     throw Error(fmt::format("{}: {} does not run such a strand", args.strand, solver.label));
   WriteOutput("points", args.out, PointsText(track));
-  fmt::print("{} frames in {:.4g} s, {} links, {} points a frame: {}\n", samples.size() - 1,
+  fmt::print("{} frames in {:.4g} s, {} links, {} points per frame: {}\n", samples.size() - 1,
              samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
              args.out.path());
   if (args.exact) {

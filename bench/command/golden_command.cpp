@@ -75,7 +75,7 @@ GoldenResult Check(const Golden& golden, const std::string& folder) {
   const DigestLog stored = ReadDigestLogFile(fmt::format("{}/{}", folder, FileName(golden)));
   if (stored.chunk_strands != kStrandsPerChunk) {
     result.compared = false;
-    result.reason = fmt::format("skipped, it is of {} strands a chunk and this build has {}",
+    result.reason = fmt::format("skipped, it is of {} strands per chunk and this build has {}",
                                 stored.chunk_strands, kStrandsPerChunk);
     return result;
   }
@@ -164,7 +164,7 @@ void Renew(const Golden& golden, const OutputPath& path) {
 int CheckOrRenewGolden(const GoldenArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("golden", args.merge, args.json);
   if (!args.renew.empty() && kStrandsPerChunk != kGoldenChunkStrands)
-    throw Error(fmt::format("golden digests are kept for {} strands a chunk; this build has {}",
+    throw Error(fmt::format("golden digests are kept for {} strands per chunk; this build has {}",
                             kGoldenChunkStrands, kStrandsPerChunk));
   if (!args.renew.empty())
     for (const Golden& golden : kGoldens)

@@ -18,7 +18,7 @@ namespace {
 
 constexpr SkipSettings kNoSkips{false, false, false, false, false, false};
 
-// A stage whose name the argument begins, with the item that has the most turns.
+// A stage whose name the argument begins, with the item that has the most iterations.
 struct TimedStage {
   uint32_t stage;
   std::string_view name;
@@ -59,7 +59,7 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
   if (!done) throw Error(error);
 }
 
-// Cycles a strand: a turn is four.
+// Cycles a strand: an iteration is four.
 double PerStrand(double cycles_per_iteration) { return cycles_per_iteration / 4.0; }
 
 // Where measured kernels lay in their range.

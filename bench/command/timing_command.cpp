@@ -244,7 +244,7 @@ Listing ReadPpeListing(const std::string& path) {
 struct ThreadTime {
   const Listing* listing;
   std::string loop;
-  double alone, beside;  // cycles an iteration
+  double alone, beside;  // cycles per iteration
 };
 
 // The only loop of it, alone on the core.

@@ -91,7 +91,7 @@ std::string AdviseChunks(const ConsoleRun& run, const ConsoleBudget& budget) {
   const double overhead_ms =
       s.unit_ms[size_t(UnitWork::kDispatch)] + s.unit_ms[size_t(UnitWork::kCommands)];
   std::string out = fmt::format(
-      "chunks: drawing items and giving transfers takes {:.2f} ms at {} strands a chunk; twice "
+      "chunks: drawing items and giving transfers takes {:.2f} ms at {} strands per chunk; twice "
       "that size would save at most half of it",
       overhead_ms, kStrandsPerChunk);
   const Plan& plan = run.scene().plan();

@@ -111,8 +111,7 @@ class DrawnHairs {
   VertexOrder order_;
 };
 
-// ---- The body
-// ------------------------------------------------------------------------------------
+// ---- The body -----------------------------------------------------------------------------------
 
 struct Body {
   const Character* character;
@@ -245,8 +244,7 @@ void DrawBody(const Body& body, const Projection& projection, const LightMap& li
   for (const Eye& eye : FindEyes(body)) DrawEye(eye, projection, canvas);
 }
 
-// ---- Hair and ground
-// -----------------------------------------------------------------------------
+// ---- Hair and ground ----------------------------------------------------------------------------
 
 glm::vec3 ShadeHair(const glm::vec3& colour, const glm::vec3& tangent, const glm::vec3& normal,
                     const glm::vec3& to_eye, float t, float light) {

@@ -36,7 +36,7 @@ struct StageBudget {
   Spread core_ms;  // summed over all threads, a frame
   double ns_per_strand = 0.0;
   double bytes = 0.0;               // moved, a frame
-  double ran = 0.0, skipped = 0.0;  // items a frame; those of other kinds are in neither
+  double ran = 0.0, skipped = 0.0;  // items per frame; those of other kinds are in neither
 };
 struct PassBudget {
   std::string stages;

@@ -92,7 +92,7 @@ function fillTables() {
 
   const largest = Math.max(...data.memory.map((m) => m.bytes));
   byId('memory-note').textContent =
-      `${kb(data.memory_bytes)} KB in all: ${Math.round(data.memory_bytes / data.strands)} bytes a strand, ` +
+      `${kb(data.memory_bytes)} KB in all: ${Math.round(data.memory_bytes / data.strands)} bytes per strand, ` +
       `${data.state_bytes_per_strand.toFixed(1)} of them simulation state.`;
   table(byId('memory'), 'Memory by name', ['name', 'role', 'blocks', 'KB', ''],
         [...data.memory].sort((a, b) => b.bytes - a.bytes).map((m) => [

@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kLayersOf(uint32_t member) { return member < 13 ? 10 : 9; }
 constexpr double kStrandsPerMember = 6'200.0;
 constexpr uint32_t kPerRow = 6;
-// About 1,400 vertices a character: as many as a console of the time gave one of seventeen.
+// About 1,400 vertices per character: as many as a console of the time gave one of seventeen.
 constexpr float kDetail = 0.55f;
 
 // Turns an 0xAABBGGRR colour's hue by mixing its channels round: `turn` of 3 is the same again.

@@ -24,8 +24,7 @@ void CheckAccessAtRest(Scenario& scenario, const VerifyOptions& options, VerifyR
 // Every value that the frame leaves behind is in the digests.
 void CheckDigests(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 
-// ---- What they share
-// -----------------------------------------------------------------------------
+// ---- What they share ----------------------------------------------------------------------------
 
 // Most chains lie still, bit for bit, this many frames after everything around them does.
 inline constexpr uint32_t kSettleFrames = 240;

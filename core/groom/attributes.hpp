@@ -37,8 +37,8 @@ struct GroomedStrand {
 };
 
 // A strand of `length` with `points` points and equal segments that leaves the root along the unit
-// `direction` (root frame) and bends by `curl` radians a metre, towards the surface where it is
-// positive, in a plane that turns by `twist` radians a metre about the strand.
+// `direction` (root frame) and bends by `curl` radians per metre, towards the surface where it is
+// positive, in a plane that turns by `twist` radians per metre about the strand.
 RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
                         uint32_t points);
 

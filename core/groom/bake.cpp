@@ -31,8 +31,9 @@ float MeasureMetresPerMeshUnit(const Mesh& mesh, const RestGeometry& rest, float
 }
 
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-               const LayerSetup& layer, std::span<const uint32_t> twins, float metres_per_mesh_unit,
-               Groom& groom, ScatterStats* stats, std::vector<LayerDensity>* densities) {
+               const LayerSetup& layer, std::span<const uint32_t> duplicates,
+               float metres_per_mesh_unit, Groom& groom, ScatterStats* stats,
+               std::vector<LayerDensity>* densities) {
   // A setup need not come from a file: ReadFurSetup has said as much, with the line.
   if (const std::string bad = FindBadParam(layer.params); !bad.empty())
     throw Error(Format("{}: layer '{}': {}", setup.path, layer.name, bad));
@@ -43,7 +44,7 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
       ScatterLayer(character, rest, setup, layer, growth, &density);
   std::vector<GroomedStrand> strands(points.size());
   for (uint32_t i = 0; i < points.size(); ++i) strands[i] = maker.Groom(points[i], i);
-  const VertexChains vertices(character.mesh, rest, twins, maker, strands);
+  const VertexChains vertices(character.mesh, rest, duplicates, maker, strands);
   const std::vector<Patch> patches =
       CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
   AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit}, patches, groom);
@@ -93,12 +94,12 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   groom.skeleton = MakeSkeletonBlock(character.skeleton);
   groom.joint_names = character.skeleton.name;
   const float metres_per_mesh_unit = MeasureMetresPerMeshUnit(character.mesh, rest, unit_scale);
-  const std::vector<uint32_t> twins = FindSeamTwins(character.mesh);
+  const std::vector<uint32_t> duplicates = FindSeamDuplicates(character.mesh);
   const float count = float(setup.layers.size());
   for (size_t i = 0; i < setup.layers.size(); ++i) {
     if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);
-    BakeLayer(character, rest, setup, setup.layers[i], twins, metres_per_mesh_unit, groom, stats,
-              densities);
+    BakeLayer(character, rest, setup, setup.layers[i], duplicates, metres_per_mesh_unit, groom,
+              stats, densities);
   }
   if (progress && *progress) (*progress)(setup.layers.back().name, 1.0f);
   return groom;

@@ -89,8 +89,8 @@ struct LayerSetup {
   Attribute length{0.03f};     // m
   Attribute width{0.0004f};    // m
   Attribute direction;         // turn about the normal, degrees
-  Attribute curl;              // degrees a metre of strand, bending
-  Attribute twist;             // degrees a metre of strand, about its own axis
+  Attribute curl;              // degrees per metre of strand, bending
+  Attribute twist;             // degrees per metre of strand, about its own axis
   Attribute azimuth;           // groom direction about the normal from the tangent, degrees
   Attribute elevation{45.0f};  // above the surface, degrees: 90 stands up
   Attribute frizz;             // root frizz: random tilt at the root, degrees
@@ -99,7 +99,7 @@ struct LayerSetup {
   float comb_normal_weight = 0.5f;  // how strongly a differing normal weakens a comb vector, 0..1
   std::string comb_joint;  // outside every reach: along this joint's direction; empty: azimuth and
                            // elevation
-  uint32_t clump_controls = 16;  // control strands a chunk (rounded up to 16)
+  uint32_t clump_controls = 16;  // control strands per chunk (rounded up to 16)
   uint32_t base_colour = 0xff303850, tip_colour = 0xff90a0c0;  // 0xAABBGGRR
   Attribute colour_variation;                                  // random brightness, share
   MapChannel colour_map;                                       // rgb multiplies both colours

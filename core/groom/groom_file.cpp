@@ -149,9 +149,9 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
                           "`pelt bake`",
                           version, kGroomVersion));
   }
-  CheckCapacity(header, "strands a chunk", kStrandsPerChunk);
+  CheckCapacity(header, "strands per chunk", kStrandsPerChunk);
   CheckCapacity(header, "joints a character", kJointsPerCharacter);
-  CheckCapacity(header, "weight rows a chunk", kInfluenceRows);
+  CheckCapacity(header, "weight rows per chunk", kInfluenceRows);
   CheckCapacity(header, "lanes a group", kLaneGroup);
   CheckCapacity(header, "sections", kSectionCount);
   const auto file_bytes = header.Get<uint64_t>();

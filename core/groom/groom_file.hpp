@@ -1,6 +1,6 @@
 // The groom file: a groom on disk.
 //
-//      header   magic "PELTGRM\n", version, strands a chunk, section count, file size, hash
+//      header   magic "PELTGRM\n", version, strands per chunk, section count, file size, hash
 //      table    for each section: name, offset, bytes, items, bytes of one item
 //      sections general, skeleton, joint_names, layers, layer_joints, mesh, strands, vertex_rest,
 //               strand_rest4, strand_rest5: in this order, back to back, nothing between or after

@@ -182,7 +182,7 @@ auto ParamCount(Text key, Text doc) {
 
 KeyRow<L> DensityRow() {
   KeyInfo info{"density", "attribute", "1/m^2",
-               0,         1.0e7,       "strands a square metre; randomise: by triangle"};
+               0,         1.0e7,       "strands per square metre; randomise: by triangle"};
   return {info,
           [](SetupReader& reader, const KeyInfo& key, const toml::node& node, L& layer) {
             reader.ReadDensity(key, node, layer);

@@ -15,7 +15,7 @@ constexpr uint32_t kChainPoints = 4;
 // mean.
 constexpr float kLeastWeight = 1e-3f;
 
-// Of a vertex and its twins.
+// Of a vertex and its seam duplicates.
 struct Sum {
   double weight = 0.0, length = 0.0, strength = 0.0;
   RestShape offset{};  // rest pose, world axes
@@ -23,9 +23,9 @@ struct Sum {
 
 }  // namespace
 
-std::vector<uint32_t> FindSeamTwins(const Mesh& mesh) {
+std::vector<uint32_t> FindSeamDuplicates(const Mesh& mesh) {
   const uint32_t count = uint32_t(mesh.position.size());
-  std::vector<uint32_t> order(count), twins(count);
+  std::vector<uint32_t> order(count), duplicates(count);
   for (uint32_t v = 0; v < count; ++v) order[v] = v;
   auto key = [&](uint32_t v) {
     const glm::vec3 &p = mesh.position[v], &n = mesh.normal[v];
@@ -37,16 +37,16 @@ std::vector<uint32_t> FindSeamTwins(const Mesh& mesh) {
   });
   for (uint32_t i = 0; i < count; ++i) {
     const bool same = i > 0 && key(order[i]) == key(order[i - 1]);
-    twins[order[i]] = same ? twins[order[i - 1]] : order[i];
+    duplicates[order[i]] = same ? duplicates[order[i - 1]] : order[i];
   }
-  return twins;
+  return duplicates;
 }
 
 VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
-                           std::span<const uint32_t> twins, const AttributeMaker& maker,
+                           std::span<const uint32_t> duplicates, const AttributeMaker& maker,
                            std::span<const GroomedStrand> strands)
     : slot_(mesh.position.size(), kNoSlot) {
-  std::vector<Sum> sums(mesh.position.size());  // at the lowest twin
+  std::vector<Sum> sums(mesh.position.size());  // at the lowest duplicate
   std::vector<uint32_t> used;
   for (const GroomedStrand& strand : strands) {
     glm::dvec3 world[kChainPoints - 1];
@@ -59,7 +59,7 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
         slot_[v] = uint32_t(used.size());
         used.push_back(v);
       }
-      Sum& sum = sums[twins[v]];
+      Sum& sum = sums[duplicates[v]];
       const double weight = std::max(strand.place.bary[corner], kLeastWeight);
       sum.weight += weight;
       sum.length += weight * double(strand.length);
@@ -70,7 +70,7 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
   chains_.resize(used.size());
   for (size_t i = 0; i < used.size(); ++i) {
     const uint32_t v = used[i];
-    const Sum& sum = sums[twins[v]];
+    const Sum& sum = sums[duplicates[v]];
     const RootFrame frame = MakeRootFrame(glm::dvec3(rest.normal[v]), glm::dvec3(rest.tangent[v]));
     RestShape mean{};
     for (uint32_t k = 0; k + 1 < kChainPoints; ++k) {
@@ -81,7 +81,7 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
         MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));
-    chains_[i].lift = maker.LiftVertex(twins[v]);
+    chains_[i].lift = maker.LiftVertex(duplicates[v]);
   }
 }
 

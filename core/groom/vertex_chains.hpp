@@ -21,12 +21,12 @@ struct VertexChain {
 };
 
 // For each vertex the lowest one that has the same place and normal, bit for bit.
-std::vector<uint32_t> FindSeamTwins(const Mesh&);
+std::vector<uint32_t> FindSeamDuplicates(const Mesh&);
 
 class VertexChains {
  public:
-  // `twins` is FindSeamTwins of the mesh.
-  VertexChains(const Mesh&, const RestGeometry&, std::span<const uint32_t> twins,
+  // `duplicates` is FindSeamDuplicates of the mesh.
+  VertexChains(const Mesh&, const RestGeometry&, std::span<const uint32_t> duplicates,
                const AttributeMaker&, std::span<const GroomedStrand> strands);
   // `vertex` of the mesh is used by some strand of the layer.
   const VertexChain& operator[](uint32_t vertex) const { return chains_[slot_[vertex]]; }

@@ -29,7 +29,7 @@
 #include <cstdint>
 
 #include "core/chunk.hpp"
-#include "core/kernels/twin.hpp"
+#include "core/kernels/unrolled.hpp"
 #include "core/simd.hpp"
 
 namespace pelt {
@@ -216,7 +216,7 @@ PELT_INLINE void PushAboveSurface(Group<W, kFree>& g, float hardness) {
     g.point[i] = g.point[i] - lift * Min(Dot(g.point[i], g.normal), W(0.0f));
 }
 
-// Speed into a plane, m a frame, below which a contact returns nothing: two frames of free fall.
+// Speed into a plane, m per frame, below which a contact returns nothing: two frames of free fall.
 PELT_INLINE float SlowContact(const LayerBlock& layer, float dt) {
   const float x = layer.gravity[0], y = layer.gravity[1], z = layer.gravity[2];
   return 2.0f * dt * dt * ((x < 0 ? -x : x) + (y < 0 ? -y : y) + (z < 0 ? -z : z));
@@ -227,7 +227,7 @@ PELT_INLINE float SlowContact(const LayerBlock& layer, float dt) {
 // frames of free fall return nothing, or a resting chain would never rest. Spheres return nothing.
 template <class W, uint32_t kFree>
 struct Bounces {
-  W surface_speed[kFree];  // into the plane, m a frame; 0: no contact
+  W surface_speed[kFree];  // into the plane, m per frame; 0: no contact
   W ground_speed[kFree];
 
   template <uint32_t kPoints>
@@ -364,7 +364,7 @@ struct ControlRecords {
       }
   }
 
-  // Point i of the control strands of W's lanes; W is V or Twin<V>.
+  // Point i of the control strands of W's lanes; W is V or Unrolled<V>.
   template <class W>
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
     const Vec3<V> a = GatherHalf(control, i);

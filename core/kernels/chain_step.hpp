@@ -41,16 +41,16 @@ struct Ports<kPoints, false> {
 };
 
 // Chains in lanes [begin, end), both multiples of kLaneGroup: two groups at once where the machine
-// has registers, as a step's operations wait for each other; on arrays twins would only be more
-// code.
+// has registers, as a step's operations wait for each other; on arrays unrolling would only be
+// more code.
 template <class V, class Controls, class Group>
 bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* controls,
               const Group& group) {
   bool changed = false;
   uint32_t lane = begin;
   if constexpr (simd_detail::IsRegister<V>)
-    for (; lane + Twin<V>::kLanes <= end; lane += Twin<V>::kLanes)
-      changed |= group.template operator()<Twin<V>>(lane, live, controls);
+    for (; lane + Unrolled<V>::kLanes <= end; lane += Unrolled<V>::kLanes)
+      changed |= group.template operator()<Unrolled<V>>(lane, live, controls);
   if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
     for (; lane < end; lane += V::kLanes)
       changed |= group.template operator()<V>(lane, live, controls);
@@ -58,8 +58,8 @@ bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* contr
 }
 
 // All live chains of a chunk: the control strands, then with their records those that follow them.
-// group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or Twin<V>, and
-// says whether a bit of a live one changed; `controls` is null for whom nobody is followed.
+// group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or Unrolled<V>,
+// and says whether a bit of a live one changed; `controls` is null for whom nobody is followed.
 template <class V, uint32_t kFree, bool kVertexChains, class Ports, class Group>
 PELT_INLINE void RunChunk(const Ports& ports, const Group& group) {
   using Controls = ControlRecords<V, kFree>;

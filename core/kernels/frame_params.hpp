@@ -1,4 +1,4 @@
-// One set of every stage's parameters, filled once a frame on the caller's thread. A kernel gets
+// One set of every stage's parameters, filled once per frame on the caller's thread. A kernel gets
 // the member that has its Params' type: each type occurs once.
 #pragma once
 

@@ -61,7 +61,7 @@ struct Interpolate {
  private:
   using Controls = chain::ControlRecords<V, kFree>;
   struct Displacements {
-    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m a metre of chain
+    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain
   };
 
   PELT_INLINE static void LoadOnGroom(const RestBlock<4>& rest, const RootBlock& roots,

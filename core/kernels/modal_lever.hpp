@@ -1,6 +1,6 @@
 // How the points of a chain give way to pushes along given normals while its links keep their
-// length: the Schur complement of the lengths (modal_touch.hpp has the formulas). For forces over a
-// substep and for impulses.
+// length: the contacts' Schur complement of the lengths (modal_touch.hpp has the formulas). For
+// forces over a substep and for impulses.
 #pragma once
 
 #include "core/kernels/modal_matrix.hpp"

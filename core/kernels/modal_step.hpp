@@ -17,9 +17,9 @@
 //    2.2 / 0.50 / 0.71 -> 0.67 / 1.5 / 0.46 / 0.71 -> 0.63 / 1.5 / 0.46 / 0.71, and the heaviest
 //    strand at rest is 2e-3 -> 7e-5 -> 3e-6 of its length off its balance, for 3 to 5 % of the time
 //    a look. In the fast tier, whose substeps are longer, one look at half a pull: chains of 4
-//    links would tremble for ever. The best tier needs one look, or short chains do.
+//    links would not converge to rest. The best tier needs one look, or short chains do.
 //  - A multiplier is constant over a substep. Letting it move on from the last one's is free and
-//    a quarter better on stiff chains, but some chains then tremble for ever.
+//    a quarter better on stiff chains, but some chains then do not converge to rest.
 //  - Velocities are made tangent after every substep. Every second one saves 5 % of the time and
 //    costs uneven dangly and soft chains a factor of five in the best tier.
 //  - The best tier's second matrix serves two Newton steps, each in the direction that the last one

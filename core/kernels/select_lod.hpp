@@ -100,7 +100,7 @@ PELT_INLINE float FollowTarget(float present, float target, float hysteresis) {
 // Scale on every layer's wanted share that keeps the strands of all visible layers within the
 // budget, from last frame's LOD blocks; 1 when they fit or when the budget is 0 (none). Reads
 // `wanted`, which the budget does not act on, so that it settles at once and cannot swing. Living
-// strands may exceed the budget by the hysteresis band and by one strand a chunk. Called on the
+// strands may exceed the budget by the hysteresis band and by one strand per chunk. Called on the
 // caller's thread; both spans have one entry a layer.
 PELT_INLINE float BudgetScale(std::span<const LodBlock> lod, std::span<const LayerBlock> layers,
                               uint32_t strand_budget) {

@@ -58,7 +58,7 @@ struct SimulateModal {
         });
   }
 
-  // A group's frame on W: V or Twin<V>.
+  // A group's frame on W: V or Unrolled<V>.
   template <class W>
   struct Lanes {
     using Group = chain::Group<W, N>;

@@ -12,7 +12,7 @@
 // gravity would whirl for ever (AStillSceneReachesAFixedPoint in the test fails on it).
 //
 // All points of a group stay in registers through all iterations; two groups are solved together
-// (twin.hpp) because one waits for itself.
+// (unrolled.hpp) because one waits for itself.
 //
 // What a layer does not use is left out for the whole chunk; leaving it out gives the same bits as
 // doing it with a share of 0.

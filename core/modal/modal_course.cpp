@@ -17,11 +17,11 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
     next.times_.dt_s[k] = k == 0 || !begun_ ? dt_s : times_.dt_s[k - 1];
   if (HasTableOf(next)) return false;
 
-  const auto twin = std::find_if(others.begin(), others.end(),
+  const auto same = std::find_if(others.begin(), others.end(),
                                  [&](const ModalCourse& other) { return next.HasTableOf(other); });
-  if (twin != others.end()) {
-    *table = tables[twin - others.begin()];
-    next.layer_ = twin->layer_;
+  if (same != others.end()) {
+    *table = tables[same - others.begin()];
+    next.layer_ = same->layer_;
   } else {
     if (!begun_ || !(rod == rod_))
       next.layer_ = MakeModalLayer(

@@ -2,7 +2,8 @@
 // how long the last frames were.
 //
 // Idea: a table costs some microseconds, and in most frames neither the material nor the lengths of
-// the frames have changed; then it stays as it is. Layers of one material share the work (`twin`).
+// the frames have changed; then it stays as it is. Layers of one material share the work
+// (`others`).
 //
 // Invariant: the table is a function of the rod, the quality and the last three frame lengths
 // alone, so that layers that share and layers that do not get the same bits.

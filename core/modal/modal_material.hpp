@@ -49,7 +49,7 @@ ModalMaterial UniformMaterial(uint32_t links, double frequency_hz, double dampin
                               double drag_per_s);
 
 // The first bending frequency, Hz, of the strand that the artists of the originals asked for: those
-// set the share of a joint's bend that each solver iteration takes away at 60 frames a second. A
+// set the share of a joint's bend that each solver iteration takes away at 60 frames per second. A
 // frame of `iterations` leaves (1 - hardness)^iterations of it; an implicit step of a spring leaves
 // 1 / (1 + (omega h)^2). `inner` and `last`: hardness of the joints, 0..1; their mean counts.
 double FrequencyOfHardness(uint32_t links, double inner, double last, uint32_t iterations);

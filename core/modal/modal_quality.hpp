@@ -7,7 +7,7 @@
 namespace pelt {
 
 enum class ModalQuality : uint8_t {
-  kFast,     // one step a frame
+  kFast,     // one step per frame
   kDefault,  // two
   kBest,     // two, three Newton steps, and the constraint force turns within the step
 };

@@ -87,9 +87,9 @@ void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const Differen
   }
 }
 
-// The longest substeps, s: one and two at 60 frames a second. The length, not their number, is what
-// an error and a steady state depend on: at 15 frames a second substeps of a fixed number leave a
-// static shape 3e-4 off and single strands trembling for ever.
+// The longest substeps, s: one and two at 60 frames per second. The length, not their number, is
+// what an error and a steady state depend on: at 15 frames per second substeps of a fixed number
+// leave a static shape 3e-4 off and single strands that do not converge to rest.
 constexpr double kLongestFast = 1.0 / 48.0, kLongest = 1.0 / 80.0;
 
 void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {

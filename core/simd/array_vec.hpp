@@ -1,4 +1,4 @@
-// ArrayVec<N>: the vector value on plain arrays. The reference twin, and the fallback for compilers
+// ArrayVec<N>: the vector value on plain arrays. The reference, and the fallback for compilers
 // without vector extensions.
 //
 // Invariant: lane for lane the same operations as Vec, written so that they can be checked by eye.
@@ -11,7 +11,7 @@
 
 namespace pelt {
 
-// The reference twin: the same operations on a plain array, for machines and compilers without
+// The reference: the same operations on a plain array, for machines and compilers without
 // vectors.
 template <int N>
 struct ArrayVec {

@@ -123,7 +123,7 @@ void PassClock::Decide(uint32_t u) {
   Spend(unit, Phase::kAsking, asks ? machine_.wait_cycles : 0);
 }
 
-// ---- Handing out
+// ---- Handing out --------------------------------------------------------------------------------
 
 // A place that is free, told to the dispatcher.
 void PassClock::Request(Unit& unit) {
@@ -185,7 +185,7 @@ void PassClock::Count(const ItemWork& work) {
   pass_->wasted_bytes += work.get.bytes + work.put.bytes - bytes;
 }
 
-// ---- Blocks in and out
+// ---- Blocks in and out --------------------------------------------------------------------------
 
 uint32_t PassClock::Move(uint32_t u, bool put, const TransferShape& shape, uint32_t item,
                          uint32_t after) {
@@ -270,7 +270,7 @@ void PassClock::Drain(Unit& unit) {
   unit.phase = Phase::kFinished;
 }
 
-// ---- Computing
+// ---- Computing ----------------------------------------------------------------------------------
 
 bool PassClock::SharesCore(uint32_t u) const {
   const uint32_t first = u / machine_.threads_per_core * machine_.threads_per_core;
@@ -337,7 +337,7 @@ void PassClock::EndCompute(uint32_t u) {
   ReclockCore(u);
 }
 
-// ---- The end of a pass
+// ---- The end of a pass --------------------------------------------------------------------------
 
 void PassClock::Meet() {
   Cycles last = pass_->begin;
@@ -382,7 +382,7 @@ void PassClock::Spend(Unit& unit, Phase phase, Cycles cycles) {
   unit.waits_for = kNone;
 }
 
-// ---- Again
+// ---- Again --------------------------------------------------------------------------------------
 
 ModelledFrame TimeFrame(const FrameWork& work, const ConsoleMachine& machine) {
   struct Recorded final : WorkSource {

@@ -87,7 +87,7 @@ class Streaming {
     return command;
   }
 
-  // The steps of the next turn, last first. False: there are none.
+  // The steps of the next iteration, last first. False: there are none.
   bool Refill() {
     if (iteration_ >= work_.block_count + (drained_ ? 0u : 1u)) return false;
     std::vector<SpuStep> steps;

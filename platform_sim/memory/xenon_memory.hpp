@@ -1,6 +1,6 @@
 // The Xenon's (and the PPE's) memory, fed by the addresses that a thread touches.
 //
-//   thread 0 1   2 3   4 5      L1: 32 KB a core, both threads; stores go through and do not fill
+//   thread 0 1   2 3   4 5      L1: 32 KB per core, both threads; stores go through and do not fill
 //   it
 //        [L1]   [L1]   [L1]     L2: shared, written back; then front-side bus, each way its own
 //        rate;

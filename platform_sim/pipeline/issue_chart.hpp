@@ -1,5 +1,6 @@
-// What a core model finds: when each instruction issues, why not earlier, what a turn of each loop
-// costs and what binds it. The same for every core, so that reports and searches read one thing.
+// What a core model finds: when each instruction issues, why not earlier, what an iteration of each
+// loop costs and what binds it. The same for every core, so that reports and searches read one
+// thing.
 //
 // Invariant: every cycle is accounted for once: cycles = cycles in which something issued + stall
 // cycles, and the stalls are split by cause. All counts are whole cycles.
@@ -99,8 +100,8 @@ struct IssueTotals {
 };
 IssueTotals operator*(IssueTotals totals, uint64_t times);
 
-// A loop at its steady state: the core's state comes back after `period_turns`, `period_cycles`
-// later, so this is exact for every further turn.
+// A loop at its steady state: the core's state comes back after `period_iterations`,
+// `period_cycles` later, so this is exact for every further iteration.
 struct LoopTiming {
   uint32_t head, branch;            // instructions
   uint64_t iterations = 0;          // of the first time it ran

@@ -11,8 +11,8 @@ namespace {
 
 // What a walk may issue one by one: leaps cost nothing.
 constexpr size_t kMaxIssues = 2'000'000;
-// States kept to compare with: the period of a loop is one turn, or two with two threads; more for
-// the few whose turns differ.
+// States kept to compare with: the period of a loop is one iteration, or two with two threads; more
+// for the few whose iterations differ.
 constexpr size_t kStatesKept = 16;
 
 bool IsBackwardBranch(const Instruction& instruction, uint32_t index) {
@@ -149,7 +149,7 @@ class Walk {
     period -= before.totals;
     const uint64_t period_iterations = before.iterations_left - loop.iterations_left;
     if (!loop.timed) AddTiming(loop, branch, period_iterations, period);
-    // The last turn leaves the loop: it is always walked.
+    // The last iteration leaves the loop: it is always walked.
     const uint64_t times = (loop.iterations_left - 1) / period_iterations;
     model_.Leap(period.cycles * int64_t(times));
     totals_ += period * times;

@@ -1,10 +1,10 @@
-// Runs a program through an in-order core: follows its branches, counts the turns of its loops, and
-// once a loop's state comes back leaps over the turns that are left.
+// Runs a program through an in-order core: follows its branches, counts the iterations of its
+// loops, and once a loop's state comes back leaps over the iterations that are left.
 //
 // Idea: an in-order core's future depends only on what is under way: results, hints, stores and the
-// place in a fetch group. When that state at the end of a turn is one that was there before, all
-// that follows repeats, and the rest of the trip count is a multiplication: exact, and a loop of a
-// million turns costs a few.
+// place in a fetch group. When that state at the end of an iteration is one that was there before,
+// all that follows repeats, and the rest of the trip count is a multiplication: exact, and a loop
+// of a million iterations costs a few.
 //
 // Rules of the walk: a backward branch closes a loop, which runs as often as its trip count says; a
 // forward branch that has a condition falls through; calls are not followed. What a condition
@@ -37,9 +37,9 @@ class IssueModel {
   virtual uint32_t PipeCount() const = 0;
 };
 
-// Turns of a loop whose trip count nobody gave.
+// Iterations of a loop whose trip count nobody gave.
 inline constexpr uint64_t kAssumedIterations = 1000;
-// The most turns of one loop.
+// The most iterations of one loop.
 inline constexpr uint64_t kMaxIterations = 1'000'000'000'000;
 
 // The most registers (or values) a program may number.

@@ -15,10 +15,10 @@
 // cycles.
 //
 // Not modelled: caches (every access hits L1), the branch predictor (a loop's branch is foretold
-// but for its last turn), microcoded forms, the rule that a result must not be overwritten while
-// another unit still writes it, that the two of a group lie in one aligned 8 bytes (GCC: code is
-// taken to be padded so), and of the other thread anything but the
-// cycles it takes: it always has something to dispatch, and its divides do not hold this one.
+// but for its last iteration), microcoded forms, the rule that a result must not be overwritten
+// while another unit still writes it, that the two of a group lie in one aligned 8 bytes (GCC: code
+// is taken to be padded so), and of the other thread anything but the cycles it takes: it always
+// has something to dispatch, and its divides do not hold this one.
 #pragma once
 
 #include <optional>

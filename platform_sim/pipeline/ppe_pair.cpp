@@ -11,7 +11,7 @@
 namespace pelt {
 namespace {
 
-// How many turns of the first thread are remembered to see the state come back, and how many
+// How many iterations of the first thread are remembered to see the state come back, and how many
 // instructions of both are walked.
 constexpr size_t kMostIterations = 2000;
 constexpr uint64_t kMostIssues = 1'000'000;

@@ -13,7 +13,7 @@
 //
 // Exact, as with one thread, when the state of both comes back: the rates are those of the period.
 // Where it takes too long to (long loops without a common divisor), they are the mean of many
-// turns.
+// iterations.
 #pragma once
 
 #include <array>

@@ -88,7 +88,7 @@ struct PpeNumbers {
   Number<uint32_t> float_compare_to_branch_cycles = {6, "FP compare to branch", "cycles", "GCC"};
   Number<uint32_t> count_to_register_branch_cycles = {10, "mtctr to bctr", "cycles", "GCC"};
   Number<uint32_t> load_hit_store_cycles = {40, "load-hit-store, at most", "cycles", "MS"};
-  Number<uint32_t> dispatch_width = {2, "dispatch", "instructions a cycle", "GCC"};
+  Number<uint32_t> dispatch_width = {2, "dispatch", "instructions per cycle", "GCC"};
   Number<uint32_t> mispredict_cycles = {23, "mispredicted branch", "cycles", "widely repeated",
                                         Sureness::kLead};  // where a loop ends
   Number<uint32_t> smt_threads = {2, "hardware threads", "threads", "GCC"};

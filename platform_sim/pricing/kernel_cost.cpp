@@ -56,7 +56,7 @@ std::vector<Window> PlaceWindows(const Trace& trace, uint32_t iterations, const 
     return {{0, 0, end, std::max(covered, 1u), true}};
   }
   const std::vector<uint32_t> alive = CountAlive(trace);
-  // The place from p on, no more than a turn away, where the fewest values are alive.
+  // The place from p on, no more than an iteration away, where the fewest values are alive.
   const auto cut = [&](uint64_t p) {
     const auto first = alive.begin() + int64_t(std::min<uint64_t>(p, count));
     const auto last = alive.begin() + int64_t(std::min<uint64_t>(p + iteration, count + 1));

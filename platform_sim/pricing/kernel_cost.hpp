@@ -4,17 +4,17 @@
 // (written_order.hpp). A few windows of it, spread over it, are lowered, put on registers and
 // timed, as they are written and scheduled: the two ends of every price. What compilers and hands
 // reached lies between (measured_kernels.hpp). A window begins and ends where the
-// fewest values are alive, which is between two turns of a loop. Each is taken twice, once twice as
-// long: the difference is what further turns cost once the pipeline is full, free of filling and
-// draining it; what the short one costs beyond that is the fixed part.
+// fewest values are alive, which is between two iterations of a loop. Each is taken twice, once
+// twice as long: the difference is what further iterations cost once the pipeline is full, free of
+// filling and draining it; what the short one costs beyond that is the fixed part.
 //
 //   trace  |--------[=====|=====]------------[=====|=====]------------[=====|=====]-------|
 //                    short              cycles per operation = (long - short) / their operations
 //                    long       .
 //
 // Invariant: depends on the trace and the core only. A trace that fits one window is taken whole.
-// What breaks if windows are too short: the schedule has too few turns to overlap, and a kernel
-// whose steps wait for each other looks slower than it is.
+// What breaks if windows are too short: the schedule has too few iterations to overlap, and a
+// kernel whose steps wait for each other looks slower than it is.
 #pragma once
 
 #include <optional>
@@ -30,8 +30,9 @@ namespace pelt {
 struct PriceRules {
   LoweringRules lowering;
   uint32_t windows = 3;
-  // Turns of the long one, or as many as `window_operations` hold, but four at least: the short one
-  // has two, which may be interleaved. More overlap better and need more code and registers.
+  // Iterations of the long one, or as many as `window_operations` hold, but four at least: the
+  // short one has two, which may be interleaved. More overlap better and need more code and
+  // registers.
   uint32_t iterations = 4;
   uint32_t window_operations = 3000;
 };
@@ -50,7 +51,7 @@ struct KernelCost {
   uint64_t operations = 0;  // recorded on the item, needed or not
   uint32_t iterations = 0;  // of the item; four strands each
   double instructions_per_iteration = 0.0;
-  // In the order of the source, one turn after the other; and the best schedule that is found.
+  // In the order of the source, one iteration after the other; and the best schedule that is found.
   CodePrice as_written, scheduled;
   // Of a core with caches (cache_cost.hpp), in the cycles above: as written nothing is fetched
   // ahead, in the scheduled code every line is.

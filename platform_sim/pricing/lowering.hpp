@@ -35,7 +35,7 @@ struct LoweredCode {
   std::vector<std::string_view> name;  // of each instruction: its mnemonic
 };
 
-// `turns`: how many turns of its loop the operations are; each is charged a counter, a hint where
+// `iterations`: as many of its loop as the operations are; each is charged a counter, a hint where
 // there are hints, and a branch, at the end.
 LoweredCode LowerToSpu(std::span<const RecordedOperation> operations, uint32_t iterations,
                        const LoweringRules& rules);

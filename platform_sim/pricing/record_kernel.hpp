@@ -9,7 +9,7 @@
 //   auto cost = TryPriceTrace(*trace, n / 4, core, {}, error);
 //
 // Blocks are 128-byte aligned, as in a local store. Scalars that are not WordOf<V> are not seen,
-// nor are addresses and loop counters: a turn is charged a counter, a hint and a branch.
+// nor are addresses and loop counters: an iteration is charged a counter, a hint and a branch.
 #pragma once
 
 #include <initializer_list>

@@ -41,7 +41,8 @@ class Recorder {
   // is full (almost 2 GiB).
   bool AddBlock(const void* begin, uint64_t bytes);
 
-  // Operations so far, splats left out: those are made once a kernel, others once an item and turn.
+  // Operations so far, splats left out: those are made once a kernel, others once per item and
+  // iteration.
   uint64_t operation_count() const { return operation_count_; }
   const std::array<uint64_t, kRecordedKindCount>& counts() const { return counts_; }
   const Trace& trace() const { return trace_; }

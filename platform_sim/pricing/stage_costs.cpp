@@ -82,7 +82,7 @@ Profile ProfileOf(const Recorder& recorder, uint32_t iterations) {
   return p;
 }
 
-constexpr double kOneKind = 1.25;  // of operations an iteration, at most
+constexpr double kOneKind = 1.25;  // of operations per iteration, at most
 
 double Apart(const Profile& a, const Profile& b) {
   const double ratio = a.operations_per_iteration / std::max(b.operations_per_iteration, 1e-9);

@@ -2,13 +2,14 @@
 // core's instructions and scheduled (kernel_cost.hpp), once for each kind of work, and the number
 // of recorded operations of every item.
 //
-// cycles of an item = cycles per operation of its kind x operations per turn of that item x turns
+//   cycles of an item = cycles per operation of its kind x operations per iteration of that item
+//                       x iterations
 //
-// A turn is one vector of four lanes. Turns follow the run: an item that lives with half its
-// strands has half the turns. Items of a coarser domain have one turn, but for the sort of a layer,
-// which has those of its visible strands.
+// An iteration is one vector of four lanes. Iterations follow the run: an item that lives with half
+// its strands has half the iterations. Items of a coarser domain have one iteration, but for a
+// layer's stage that writes lanes of all its chunks (a sort), which has those of the live ones.
 //
-// A kind of work is what the recording shows: a stage's items whose turns are made of the same
+// A kind of work is what the recording shows: a stage's items whose iterations are made of the same
 // kinds of operations and are of about the same length (a quarter apart at most). Solver
 // iterations, clumping, culling, a restart each make a kind of their own, without a list of them
 // here.
@@ -37,7 +38,7 @@ struct StageCosts {
     struct Price {
       std::vector<float> cycles_per_iteration;         // one hardware thread alone
       std::vector<float> shared_cycles_per_iteration;  // while the core's other one runs too
-      // Cycles that do not grow with turns: the call, its set-up, filling and draining the
+      // Cycles that do not grow with iterations: the call, its set-up, filling and draining the
       // pipeline.
       float fixed_cycles = 0.0f;
     };
@@ -51,8 +52,8 @@ struct StageCosts {
 
 inline constexpr uint32_t kSmallBlockBytes = 512;
 
-// Turns of `stage` on `item` as the frame stands now: live lanes of what it writes, in fours, as
-// the kernel rounds them; visible lanes of what it sorts. 0: none of its lanes live.
+// Iterations of `stage` on `item` as the frame stands now: the most live lanes of what it writes,
+// in fours, as the kernel rounds them; all lanes of what it scatters. 0: none of its lanes live.
 uint32_t CountIterations(const Frame& frame, uint32_t stage, uint32_t item);
 
 // Prices a frame that has been begun, with every skip off so that every stage wants to run, by

@@ -42,7 +42,8 @@ class Schedule {
 
   std::string& At(int slot) { return odd_[size_t((slot + kFmas) % kFmas)]; }
 
-  // In the first free slot of the odd pipe; slots are counted in FMAs, around into the next turn.
+  // In the first free slot of the odd pipe; slots are counted in FMAs, around into the next
+  // iteration.
   void Place(int earliest, int latest, const std::string& statement) {
     for (int slot = earliest; slot <= latest; ++slot)
       if (At(slot).empty()) {

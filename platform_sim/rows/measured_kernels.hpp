@@ -24,7 +24,7 @@ struct alignas(128) Pulls {
   float lanes[3][16];
 };
 
-// What all bodies pull on one, a turn for each vector of them; sums stay in lanes.
+// What all bodies pull on one, an iteration for each vector of them; sums stay in lanes.
 template <class V>
 void PullOnBody(const Bodies& bodies, uint32_t body, Pulls& out) {
   const V x = LoadSplat<V>(bodies.x, body), y = LoadSplat<V>(bodies.y, body),
@@ -63,7 +63,7 @@ struct alignas(128) FftTables {
   uint32_t zero;
 };
 
-// A turn for each butterfly.
+// An iteration for each butterfly.
 template <class V>
 void FftButterflies(const FftTables& tables, FftData& data) {
   static_assert(V::kLanes == 4);
@@ -89,7 +89,7 @@ void FftButterflies(const FftTables& tables, FftData& data) {
     }
 }
 
-// A turn for each swap. Points that stay are a scalar compare and a branch each: not seen.
+// An iteration for each swap. Points that stay are a scalar compare and a branch each: not seen.
 template <class V>
 uint32_t FftReversal(const FftTables& tables, FftData& data) {
   uint32_t swaps = 0;

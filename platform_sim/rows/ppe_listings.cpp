@@ -1,9 +1,9 @@
 // The listings of the PPE's and the Xenon's rows.
 //
 // The PPE's are cellmark's: its sources say which instructions run, its tuning page shows the loops
-// as its compiler left them (the chases whole, the streams in words: addresses are extended once a
-// turn, offsets stand in registers, eight loads, then eight adds on four sums). What it does not
-// show is the order of the few instructions around the loads.
+// as its compiler left them (the chases whole, the streams in words: addresses are extended once
+// per iteration, offsets stand in registers, eight loads, then eight adds on four sums). What it
+// does not show is the order of the few instructions around the loads.
 
 #include "core/format.hpp"
 #include "platform_sim/rows/row_listings.hpp"
@@ -65,7 +65,8 @@ std::string IntegerAddChains() { return EightChains(" add r{0}, r{0}, r20\n"); }
 
 // Points by a 3 x 4 matrix, rows of x, y and z: three loads, nine multiply-adds, three stores for
 // four points; three vectors side by side, which is what 32 registers hold beside the matrix's 12,
-// and the next turn's loads before this turn's stores, where the multiply-adds are waited for.
+// and the next iteration's loads before this iteration's stores, where the multiply-adds are waited
+// for.
 //
 // Microsoft did not say of what code its 10 to 20 % are. What a second thread gains is what the
 // first one waits: nothing of code that never waits, everything of P7's six chains, which dispatch

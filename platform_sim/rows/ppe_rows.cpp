@@ -46,8 +46,8 @@ bool Rate(const PlatformParameters& p, const std::string& listing, double operat
   return iteration.has_value();
 }
 
-// cellmark's pair: the first thread has 2 Mi turns, the second 1.25 Mi; who is done first leaves
-// the core to the other. A thread's rate is its work over its own time.
+// cellmark's pair: the first thread has 2 Mi iterations, the second 1.25 Mi; who is done first
+// leaves the core to the other. A thread's rate is its work over its own time.
 constexpr std::array<double, 2> kPairIterations = {2.0 * 1024 * 1024, 1.25 * 1024 * 1024};
 
 bool BesideEachOther(const PlatformParameters& p, uint32_t thread, double operations_per_iteration,
@@ -139,7 +139,7 @@ bool XenonSynchronisation(const PlatformParameters&, double availability, uint32
   return true;
 }
 
-// Two threads that do the same: twice the turns in the time of one that shares its core.
+// Two threads that do the same: twice the iterations in the time of one that shares its core.
 bool XenonSecondThreadGain(const PlatformParameters& p, double, uint32_t, double& predicted,
                            std::string& error) {
   const std::string listing = MixedVectorKernel();

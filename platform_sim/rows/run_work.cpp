@@ -24,7 +24,7 @@ bool IsPrefetch(const AddressOperand& address) {
   return address.size_bytes == 0 && address.index != kNoRegister;
 }
 
-// What `turns` turns of the loop touch, at the core's own pace.
+// What `iterations` iterations of the loop touch, at the core's own pace.
 std::vector<MemoryAccess> TouchedBy(const LoopTiming& loop, Program program, const PpeWalk& walk,
                                     uint64_t iterations, uint32_t line_bytes) {
   std::vector<MemoryAccess> trace;
@@ -80,8 +80,8 @@ std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::st
   return TryTimePpePair({a->program, b->program}, ppe, error);
 }
 
-// The turns as the core has them go to the caches, once around and twice around; what the second
-// time adds is a round that finds the caches as the first has left them.
+// The iterations as the core has them go to the caches, once around and twice around; what the
+// second time adds is a round that finds the caches as the first has left them.
 std::optional<double> PpeCyclesPerIteration(const CellParameters& cell, const std::string& text,
                                        const PpeWalk& walk, std::string& error) {
   const auto listing = TryReadListing(text, "row", PpeInstructionSet(), error);

@@ -80,8 +80,8 @@ std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_
   const int64_t lead =
       kLeadInstructions * kWhole * iterations / int64_t(std::max<size_t>(code.program.size(), 1));
   const std::vector<bool> waits = FindWaiting(code);
-  // Branches keep their order, so one of a younger iteration comes behind those of older ones; and what
-  // decides it comes just before it: conditions are few, and nothing spills them.
+  // Branches keep their order, so one of a younger iteration comes behind those of older ones; and
+  // what decides it comes just before it: conditions are few, and nothing spills them.
   Key last_branch;
   for (size_t i = 0; i < keys.size(); ++i)
     if (code.program[i].flow == Flow::kConditional)

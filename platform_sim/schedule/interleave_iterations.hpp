@@ -1,10 +1,10 @@
-// Puts iterations of a loop side by side: what a hand does that unrolls a loop of long chains twice and
-// writes the two copies as one, instruction by instruction.
+// Puts iterations of a loop side by side: what a hand does that unrolls a loop of long chains twice
+// and writes the two copies as one, instruction by instruction.
 //
-// Idea: a scheduler that goes through iteration after iteration has to run far ahead to find work of another
-// one, and what it finds there first are loads, which fill the registers long before anything reads
-// them. Code in which the iterations lie beside each other has its work near by, and the register
-// allocator sees what that takes.
+// Idea: a scheduler that goes through iteration after iteration has to run far ahead to find work
+// of another one, and what it finds there first are loads, which fill the registers long before
+// anything reads them. Code in which the iterations lie beside each other has its work near by, and
+// the register allocator sees what that takes.
 //
 //   key of an instruction = (group of its iteration, how far into it the instruction is, iteration)
 //
@@ -12,8 +12,8 @@
 // nothing in a register that another instruction writes (a load of a row, a constant) goes just
 // before its first reader.
 //
-// An iteration ends where the fewest values are alive near the place where it should, were all of one
-// length. A wrong end makes code slower, never wrong.
+// An iteration ends where the fewest values are alive near the place where it should, were all of
+// one length. A wrong end makes code slower, never wrong.
 #pragma once
 
 #include <cstdint>

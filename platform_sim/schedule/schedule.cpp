@@ -18,9 +18,9 @@ constexpr uint32_t kFirstWindow = 256;
 constexpr uint32_t kSampleInstructions = 4096;
 constexpr uint32_t kWindowsInSample = 8;
 
-// Of the vector registers, in eighths, that fitting interleaved turns leaves to the scheduler: what
-// is made again near its reader instead of kept leaves room to run ahead. (Measured: one or three
-// eighths are 3 % worse at most.)
+// Of the vector registers, in eighths, that fitting interleaved iterations leaves to the scheduler:
+// what is made again near its reader instead of kept leaves room to run ahead. (Measured: one or
+// three eighths are 3 % worse at most.)
 constexpr uint32_t kKeptFreeEighths = 2;
 
 SchedulingCore WithRoomToRunAhead(SchedulingCore core) {

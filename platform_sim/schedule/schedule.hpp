@@ -3,9 +3,9 @@
 //
 // Idea: first the code is made to fit the registers (fit_registers.hpp), with spills if it must;
 // then it is ordered (list_schedule.hpp) with several windows, since a wide one hides latency and a
-// narrow one saves registers. Turns of a loop are tried side by side as well
-// (interleave_turns.hpp), fitted to fewer registers than there are. The best order by the core's
-// own issue model wins, and program order is one of those that run.
+// narrow one saves registers. Iterations of a loop are tried side by side as well
+// (interleave_iterations.hpp), fitted to fewer registers than there are. The best order by the
+// core's own issue model wins, and program order is one of those that run.
 //
 // Invariant: a schedule never costs more cycles than program order, by the issue model.
 // Deterministic: the same code gives the same instructions.
@@ -31,7 +31,7 @@ std::optional<FinishedCode> TryAllocateInOrder(const StraightCode& code, const S
 std::optional<FinishedCode> TrySchedule(const StraightCode& code, const SchedulingCore& core,
                                         std::string& error);
 
-// The same for `turns` turns of a loop, of which kTurnsTogether may be interleaved.
+// The same for `iterations` iterations of a loop, of which kIterationsTogether may be interleaved.
 inline constexpr uint32_t kIterationsTogether = 2;
 std::optional<FinishedCode> TryScheduleIterations(const StraightCode& code, uint32_t iterations,
                                              const SchedulingCore& core, std::string& error);

@@ -55,7 +55,7 @@ struct SchedulingCore {
 
   std::vector<Class> classes;
   std::array<File, kValueFileCount> files;  // by ValueFile
-  uint32_t width = 2;                       // instructions a cycle
+  uint32_t width = 2;                       // instructions per cycle
   uint32_t instruction_bytes = 4;
   uint32_t store_to_load_cycles = 1;  // from a store to a load of what it wrote
   Hold hold;

@@ -1,5 +1,5 @@
 // The comparison solvers against the errors published for them, against each other's limits, and
-// every instruction set against the reference twin, bit for bit.
+// every instruction set against the reference, bit for bit.
 #include "bench/accuracy/comparison/comparison.hpp"
 
 #include <gtest/gtest.h>

@@ -102,7 +102,7 @@ TEST(Score, ASolverThatCannotRunCountsNoCases) {
 }
 
 // Curl carried by the root frame or by the parent link: published are 5 to 35 % of the secondary
-// motion at 10 to 30 degrees a joint, of other strands and motions; with a curl that also turns out
+// motion at 10 to 30 degrees per joint, of other strands and motions; with a curl that also turns out
 // of its plane it is more. (That both models are right to nine digits: FixedValues.)
 TEST(Suite, CurlModelsDifferMoreWithMoreCurl) {
   double last = 0.03;

@@ -141,7 +141,7 @@ TEST(Modal, OtherSeedsAndParentCurlSettle) {
   }
 }
 
-// Curl carried by the parent link, medium fur: per cent at 10, 20 and 30 degrees a joint.
+// Curl carried by the parent link, medium fur: per cent at 10, 20 and 30 degrees per joint.
 TEST(Modal, CurlThatFollowsItsParent) {
   // The fast tier is 2.4 % off without any curl, too.
   static constexpr double kMost[3][3] = {{1.7, 2.2, 3.5}, {0.6, 0.8, 1.2}, {0.5, 0.6, 1.0}};

@@ -60,7 +60,7 @@ TEST(ScenePrecision, RunsFromNoSimulationToTheReference) {
   EXPECT_GT(Tiny().secondary_m, 1e-3);
 }
 
-// Without contacts, which are met once a frame whatever the quality.
+// Without contacts, which are met once per frame whatever the quality.
 TEST(ScenePrecision, QualitiesAreInOrder) {
   ScenePrecisionOptions options = Quick(90);
   options.contact = false;

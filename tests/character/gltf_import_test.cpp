@@ -118,7 +118,7 @@ TEST(GltfImport, JointsAsShortsAndWeightsAsIntegers) {
 
 TEST(GltfImport, ByteStridesAndOffsets) {
   GltfBuilder b = MakeQuad({.position = false, .weights = false});
-  std::vector<float> mixed;  // position, pad, weights: 32 bytes a vertex
+  std::vector<float> mixed;  // position, pad, weights: 32 bytes per vertex
   for (size_t v = 0; v < 4; ++v) {
     for (size_t c = 0; c < 3; ++c) mixed.push_back(test::kQuadPositions[3 * v + c]);
     mixed.push_back(1e9f);

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "core/random.hpp"
-#include "tests/character/pose_twin.hpp"
+#include "tests/character/pose_reference.hpp"
 
 namespace pelt {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/character/pose.hpp"
-#include "tests/character/pose_twin.hpp"
+#include "tests/character/pose_reference.hpp"
 
 namespace pelt::test {
 

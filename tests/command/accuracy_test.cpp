@@ -212,7 +212,7 @@ TEST(SceneReport, TextGoesFromCheapestToMostExact) {
   size_t at = 0;
   double last_ns = 0.0;
   for (const accuracy::ScenePrecisionRow& row : report.table.rows) {
-    const size_t found = text.find("\n  " + row.way.label + " ");
+    const size_t found = text.find("\n" + row.way.label + " ");
     ASSERT_NE(found, std::string::npos) << row.way.label;
     EXPECT_GT(found, at) << row.way.label;
     EXPECT_GE(row.frame_ns, last_ns);

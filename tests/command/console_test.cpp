@@ -229,8 +229,7 @@ TEST_P(ConsoleOf, FewerStrandsTakeLess) {
   EXPECT_LT(less.ms, all.ms);
 }
 
-// ---- Ranges, warming up
-// --------------------------------------------------------------------------
+// ---- Ranges, warming up -------------------------------------------------------------------------
 
 TEST_P(ConsoleOf, AFrameLiesInTheRangeOfItsCode) {
   const ConsoleBudget& b = on().budget;

@@ -19,7 +19,8 @@ const std::string kKept = test::SourceFolder() + "/traces/golden";
 class GoldenCommand : public testing::Test {
  protected:
   void SetUp() override {
-    if (kStrandsPerChunk != 128) GTEST_SKIP() << "golden digests are kept for 128 strands a chunk";
+    if (kStrandsPerChunk != 128)
+      GTEST_SKIP() << "golden digests are kept for 128 strands per chunk";
     fs::create_directories(folder_);
     for (const char* name : {"tiny.digests", "tiny.lod.digests"})
       fs::copy_file(fs::path(kKept) / name, folder_ / name, fs::copy_options::overwrite_existing);
@@ -108,7 +109,7 @@ TEST_F(GoldenCommand, AnotherCapacityIsSaidToBeSkipped) {
     WriteDigestLogFile(log, (folder_ / name).string());
   }
   EXPECT_EQ(Check(folder_.string()), 0);
-  EXPECT_TRUE(Said("tiny: skipped, it is of 64 strands a chunk and this build has 128")) << out_;
+  EXPECT_TRUE(Said("tiny: skipped, it is of 64 strands per chunk and this build has 128")) << out_;
 }
 
 TEST_F(GoldenCommand, AMissingLogIsAnError) {

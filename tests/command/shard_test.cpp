@@ -121,8 +121,7 @@ TEST(Shard, AnEnvironmentThatSaysNothingOrTooMuchIsRefused) {
       "SLURM_ARRAY_TASK_ID is 8");
 }
 
-// ---- Merging
-// --------------------------------------------------------------------------------------
+// ---- Merging ------------------------------------------------------------------------------------
 
 const Fingerprint kFingerprint = {{"command", "verify"}, {"commit", "abc"}, {"frames", "1"}};
 

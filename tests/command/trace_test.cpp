@@ -196,8 +196,7 @@ TEST_F(TraceCommand, ShowTellsWhatIsInside) {
   EXPECT_EQ(json["frames"].size(), 3u);
 }
 
-// ---- The digests of a stage
-// ---------------------------------------------------------------------------
+// ---- The digests of a stage ---------------------------------------------------------------------
 
 TEST(StageDigests, EveryValueBlockIsInExactlyOneLine) {
   Scenario tiny = LoadScenario("tiny");

@@ -207,8 +207,7 @@ TEST(PlantedFaults, ScatteringOutsideTheLayerIsNamedByLocalStore) {
   EXPECT_EQ(scene.DigestOf({StreamOf<&Streams::order>}), before) << "nothing may be put outside";
 }
 
-// ---- Lane counts and compilers
-// --------------------------------------------------------------------
+// ---- Lane counts and compilers ------------------------------------------------------------------
 
 template <class Kernel>
 uint64_t DigestOfKernel(const Kernel& kernel) {
@@ -242,8 +241,7 @@ TEST(PlantedFaults, ContractionIsCaughtByInstructionSets) {
 #endif
 }
 
-// ---- Ties
-// -----------------------------------------------------------------------------------------
+// ---- Ties ---------------------------------------------------------------------------------------
 
 // Sorts right but forgets about ties: the last of equal keys comes first.
 struct SortUnstably {
@@ -325,8 +323,7 @@ TEST(PlantedFaults, SkippedDigitIsCaughtByTheOrder) {
   EXPECT_LT(first_unstable, kLayers[0].chunks * kStrandsPerChunk);
 }
 
-// ---- What does not compile
-// ------------------------------------------------------------------------
+// ---- What does not compile ----------------------------------------------------------------------
 
 template <class P>
 concept CanWriteOwn = requires(P port) {

@@ -60,7 +60,7 @@ TEST(RestShape, WithoutCurlIsStraightAndWithItBendsTowardsTheSurface) {
   const glm::dvec3 direction(0.6, 0.0, 0.8);
   const RestShape straight = MakeRestShape(direction, 0.1, 0.0, 7.0, 5);
   EXPECT_NEAR(glm::length(straight.offset[3] - direction * 0.1), 0.0, 1e-15);
-  const double curl = 8.0;  // radians a metre: 0.2 a segment
+  const double curl = 8.0;  // radians per metre: 0.2 a segment
   const RestShape bent = MakeRestShape(direction, 0.1, curl, 0.0, 5);
   double angle = std::atan2(0.8, 0.6);
   glm::dvec3 end(0.0);

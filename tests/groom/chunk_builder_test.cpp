@@ -288,7 +288,7 @@ TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
   }
 }
 
-// The slow, obvious twin of a vertex chain: the weighted mean over all strands of the layer.
+// The slow, obvious reference of a vertex chain: the weighted mean over all strands of the layer.
 TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
   const Character character = test::MakeTorus();
   const Mesh& mesh = character.mesh;
@@ -300,8 +300,8 @@ TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
       ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
   std::vector<GroomedStrand> strands;
   for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
-  const auto twins = FindSeamTwins(mesh);
-  const VertexChains chains(mesh, rest, twins, maker, strands);
+  const auto duplicates = FindSeamDuplicates(mesh);
+  const VertexChains chains(mesh, rest, duplicates, maker, strands);
   const uint32_t vertex = mesh.triangles[strands[5].place.triangle][1];
   const RootFrame frame =
       MakeRootFrame(glm::dvec3(rest.normal[vertex]), glm::dvec3(rest.tangent[vertex]));
@@ -333,10 +333,10 @@ TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
 TEST(VertexChains, ASeamDoesNotPartTheFur) {
   const Character character = test::MakeTorus();  // first and last column lie on each other
   const Mesh& mesh = character.mesh;
-  const auto twins = FindSeamTwins(mesh);
-  EXPECT_EQ(twins[0], 0u);
-  EXPECT_EQ(twins[16], 0u);  // once around the tube
-  EXPECT_EQ(twins[17], 17u);
+  const auto duplicates = FindSeamDuplicates(mesh);
+  EXPECT_EQ(duplicates[0], 0u);
+  EXPECT_EQ(duplicates[16], 0u);  // once around the tube
+  EXPECT_EQ(duplicates[17], 17u);
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   LayerSetup layer = MakeLayer(20000.0f);
   layer.offset = Attribute(0.01f);
@@ -345,7 +345,7 @@ TEST(VertexChains, ASeamDoesNotPartTheFur) {
   const auto points = ScatterLayer(character, rest, {}, layer, Growth(character, rest, {}, layer));
   std::vector<GroomedStrand> strands;
   for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
-  const VertexChains chains(mesh, rest, twins, maker, strands);
+  const VertexChains chains(mesh, rest, duplicates, maker, strands);
   for (uint32_t i = 0; i <= 48; ++i) {
     const VertexChain &a = chains[i * 17], &b = chains[i * 17 + 16];
     EXPECT_EQ(a.lift, b.lift);

@@ -1,4 +1,4 @@
-// Control maps: decoding PNG, sampling against a double-precision twin, and hostile pictures.
+// Control maps: decoding PNG, sampling against a double-precision reference, and hostile pictures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ double SampleSlowly(const ControlMap& map, double u, double v, int channel) {
          255.0;
 }
 
-TEST(ControlMap, SamplesLikeItsTwin) {
+TEST(ControlMap, SamplesLikeItsReference) {
   std::mt19937 random(5);
   for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 7u}, {5u, 3u}, {64u, 32u}}) {
     const ControlMap map = MakeMap(width, height, width + height);

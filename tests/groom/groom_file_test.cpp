@@ -327,7 +327,7 @@ TEST(GroomFile, WrongFilesAreTold) {
   bad[12] = std::byte{0};
   bad[13] = std::byte{2};
   EXPECT_EQ(ErrorOf(bad),
-            "groom 'g.groom': section 'header', byte 12: baked for 512 strands a "
+            "groom 'g.groom': section 'header', byte 12: baked for 512 strands per "
             "chunk, this program has " +
                 std::to_string(kStrandsPerChunk) + "; bake the character again with `pelt bake`");
   bad = good;

@@ -147,8 +147,7 @@ TEST(DoorExecutor, ProfilesWorkers) {
   for (uint32_t p = 0; p < frame.plan->passes.size(); ++p) EXPECT_TRUE(recording.Pass(p).Ran());
 }
 
-// ---- Doors that break their promises
-// -----------------------------------------------------------------------
+// ---- Doors that break their promises ------------------------------------------------------------
 
 TEST(DoorFaults, StartedTwice) {
   TestDoor door{.run_in_enqueue = true, .run_again_in_finish = true};

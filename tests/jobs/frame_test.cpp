@@ -213,8 +213,7 @@ TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   }
 }
 
-// ---- Permuted
-// -------------------------------------------------------------------------------------
+// ---- Permuted -----------------------------------------------------------------------------------
 
 // Notes the order in which chunks run, in a place outside the scene: the one thing no kernel may
 // do.

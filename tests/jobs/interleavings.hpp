@@ -50,7 +50,7 @@ class Model {
     return fault;
   }
 
-  // ---- For the code of the threads
+  // ---- For the code of the threads --------------------------------------------------------------
   // The index of a new atomic, or cell, of this value; in setup only.
   static uint32_t NewAtomic(uint64_t value) {
     auto& atomics = current_model->state_.atomics;

@@ -1,7 +1,7 @@
 // The pull scheduler in every interleaving of small frames, over the source that ships; and
 // schedulers that are wrong in one way each, which the same search must catch.
 //
-// Promised, and checked in each interleaving: an item runs exactly once a frame, and not before
+// Promised, and checked in each interleaving: an item runs exactly once per frame, and not before
 // every item of the pass before is done, and what those wrote is visible to it; a frame's data is
 // read only between its beginning and its end, also by a thread that slept through a frame; the
 // frame ends.
@@ -154,8 +154,7 @@ TEST(PullModel, EveryInterleavingKeepsItsPromises) {
   }
 }
 
-// ---- Schedulers that are wrong
-// ------------------------------------------------------------------------------
+// ---- Schedulers that are wrong ------------------------------------------------------------------
 
 enum class Flaw {
   kNone,

@@ -11,8 +11,7 @@ namespace {
 
 using namespace testing;
 
-// ---- Restarts
-// -------------------------------------------------------------------------------------
+// ---- Restarts -----------------------------------------------------------------------------------
 
 constexpr Stream kRestarted[] = {StreamOf<&Streams::skinned>,
                                  StreamOf<&Streams::anchors>,
@@ -82,8 +81,7 @@ TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
   ExpectLikeAFirstFrame(scenario, 9, scene);
 }
 
-// ---- Weather
-// --------------------------------------------------------------------------------------
+// ---- Weather ------------------------------------------------------------------------------------
 
 TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
   Scenario wet_course = TinyScenario(), dry_course = TinyScenario();
@@ -118,8 +116,7 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
   }
 }
 
-// ---- Sleep
-// ----------------------------------------------------------------------------------------
+// ---- Sleep --------------------------------------------------------------------------------------
 
 // Runs until every visible chunk sleeps; the number of frames it took, or `most`.
 struct Course {
@@ -218,8 +215,7 @@ TEST(FurSceneSleep, ATurnedCameraSortsAgainAndWakesNobody) {
   EXPECT_EQ(CountChunks(course.scene(), kChunkKeys), course.scene().shape().chunk_count);
 }
 
-// ---- Skips
-// ----------------------------------------------------------------------------------------
+// ---- Skips --------------------------------------------------------------------------------------
 
 struct SkipCase {
   const char* name;

@@ -12,8 +12,7 @@ namespace {
 
 using namespace testing;
 
-// ---- LOD
-// ------------------------------------------------------------------------------------------
+// ---- LOD ----------------------------------------------------------------------------------------
 
 // A layer far too small on the screen for its strands, held at `fraction`.
 LodSettings HeldAt(float fraction) { return {1e9f, fraction, 0.0f, 0.0f, 0}; }

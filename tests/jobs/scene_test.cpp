@@ -18,8 +18,7 @@ using namespace testing;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-// ---- Memory
-// ---------------------------------------------------------------------------------------
+// ---- Memory -------------------------------------------------------------------------------------
 
 std::string ConstructionError(const SceneLayout& layout, std::span<std::byte> memory) {
   const Scenario scenario = TinyScenario();
@@ -116,8 +115,7 @@ TEST(FurSceneMemory, NeedsAGroom) {
   EXPECT_THROW(MeasureScene(none, {}), Error);
 }
 
-// ---- Bad input
-// ------------------------------------------------------------------------------------
+// ---- Bad input ----------------------------------------------------------------------------------
 
 struct BadInput {
   const char* says;

@@ -1,6 +1,6 @@
-// One chunk of chains for the solvers' tests: random or orderly scenes, and a slow, obvious twin of
-// a step in double precision, one chain at a time, written from the equations and sharing no code
-// with the kernels.
+// One chunk of chains for the solvers' tests: random or orderly scenes, and a slow, obvious
+// reference of a step in double precision, one chain at a time, written from the equations and
+// sharing no code with the kernels.
 #pragma once
 
 #include <algorithm>
@@ -187,7 +187,7 @@ void MoveRoots(ChainScene<kPoints>& s, float x, float y, float z) {
     }
 }
 
-// ---- The twin -----------------------------------------------------------------------------------
+// ---- The reference ------------------------------------------------------------------------------
 
 struct D3 {
   double x = 0, y = 0, z = 0;
@@ -203,9 +203,9 @@ D3 At(const float (&rows)[3][S], uint32_t lane) {
   return {rows[0][lane], rows[1][lane], rows[2][lane]};
 }
 
-enum class TwinSolver { kPbd, kVerlet };
+enum class ReferenceSolver { kPbd, kVerlet };
 
-struct TwinChain {
+struct ReferenceChain {
   std::vector<D3> position, previous;
 };
 
@@ -225,8 +225,8 @@ std::vector<D3> GroomOf(const RestBlock<kPoints>& rest, const RootBlock& roots, 
 // One chain, one frame. `control` is the control strand's solved position, or null. Resting is not
 // modelled (rest_threshold must be 0).
 template <uint32_t kPoints>
-TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lane, bool fresh,
-                   const std::vector<D3>* control) {
+ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solver, uint32_t lane,
+                             bool fresh, const std::vector<D3>* control) {
   constexpr int n = int(kPoints) - 1;
   const LayerBlock& layer = s.layer;
   const D3 root = At(s.roots.position, lane), normal = At(s.roots.normal, lane);
@@ -272,7 +272,7 @@ TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lan
     return d * (((3.0 * length2 + d2) / (length2 + 3.0 * d2) - 1.0) * layer.segment_hardness);
   };
   for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
-    if (solver == TwinSolver::kVerlet)
+    if (solver == ReferenceSolver::kVerlet)
       for (int i = 0; i < n; ++i) p[i] = p[i] + (groom[i] - p[i]) * layer.stiffness;
     if (control)
       for (int i = 0; i < n; ++i)
@@ -281,7 +281,7 @@ TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lan
       p[i] = p[i] + change * (i == 0 ? 1.0 : 0.75);
       if (i > 0) p[i - 1] = p[i - 1] - change * 0.25;
     };
-    for (int i = 0; i < n && solver == TwinSolver::kPbd; ++i) {
+    for (int i = 0; i < n && solver == ReferenceSolver::kPbd; ++i) {
       const D3 d = p[i] - (i == 0 ? root : p[i - 1]);
       const D3 wanted = groom[i] - (i == 0 ? root : groom[i - 1]);
       share(i, (wanted - d) * (i == n - 1 ? layer.angular_end : layer.angular_middle));
@@ -316,11 +316,11 @@ TwinChain StepTwin(const ChainScene<kPoints>& s, TwinSolver solver, uint32_t lan
   return {p, previous};
 }
 
-// Largest difference of `after` (stepped by a kernel) from the twin's step of `before`, over live
-// lanes, in segment lengths. Control strands' points are taken from `after`.
+// Largest difference of `after` (stepped by a kernel) from the reference's step of `before`, over
+// live lanes, in segment lengths. Control strands' points are taken from `after`.
 template <uint32_t kPoints>
 double WorstDifference(const ChainScene<kPoints>& before, const ChainScene<kPoints>& after,
-                       TwinSolver solver, bool vertex_chains) {
+                       ReferenceSolver solver, bool vertex_chains) {
   const uint32_t live = vertex_chains ? before.state.live_vertices : before.state.live_strands;
   const uint32_t first_new =
       vertex_chains ? before.state.first_new_vertex : before.state.first_new_strand;
@@ -331,12 +331,12 @@ double WorstDifference(const ChainScene<kPoints>& before, const ChainScene<kPoin
                        lane >= before.strands.control_count;
     for (uint32_t i = 0; clump && i + 1 < kPoints; ++i)
       control.push_back(At(after.position.position[i], before.strands.control[lane]));
-    const TwinChain twin =
-        StepTwin(before, solver, lane, lane >= first_new, clump ? &control : nullptr);
+    const ReferenceChain reference =
+        StepReference(before, solver, lane, lane >= first_new, clump ? &control : nullptr);
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
       const double size = before.rest.segment_length[lane];
-      const D3 a = At(after.position.position[i], lane) - twin.position[i];
-      const D3 b = At(after.previous.position[i], lane) - twin.previous[i];
+      const D3 a = At(after.position.position[i], lane) - reference.position[i];
+      const D3 b = At(after.previous.position[i], lane) - reference.previous[i];
       worst = std::max({worst, Length(a) / size, Length(b) / size});
       if (!std::isfinite(Length(a) + Length(b))) return INFINITY;
     }

@@ -133,7 +133,8 @@ TEST(FitCubic, FourPointsAreMet) {
   }
 }
 
-// The twin: the minimum of a quadratic has no downhill direction; probed along every coefficient.
+// The reference: the minimum of a quadratic has no downhill direction; probed along every
+// coefficient.
 TEST(FitCubic, FivePointsAreTheLeastSquaresFit) {
   auto curves = std::make_unique<CurveBlock>();
   for (uint32_t seed = 1; seed <= 10; ++seed) {

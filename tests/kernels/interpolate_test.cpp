@@ -62,7 +62,7 @@ void RunInterpolate(Scene& s, PointBlock<4>& out) {
                 {&out, nullptr, 1}});
 }
 
-std::vector<D3> Twin(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
+std::vector<D3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
   const StrandBlock& strands = s.strands.strands;
   const D3 root = At(s.strands.roots.position, lane);
   std::vector<D3> p = GroomOf(s.strands.rest, s.strands.roots, lane);
@@ -87,7 +87,7 @@ std::vector<D3> Twin(const Scene& s, uint32_t lane, const PointBlock<4>* control
   return out;
 }
 
-TEST(Interpolate, MatchesDoubleTwin) {
+TEST(Interpolate, MatchesDoubleReference) {
   auto out = std::make_unique<PointBlock<4>>();
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     auto s = MakeScene(seed, 0.4f);
@@ -95,9 +95,9 @@ TEST(Interpolate, MatchesDoubleTwin) {
     if (clump) s->chains.layer.flags |= kLayerClump;
     RunInterpolate<Interpolate<V>>(*s, *out);
     for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
-      const auto twin = Twin(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
+      const auto reference = Reference(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
       for (int i = 0; i < 3; ++i)
-        EXPECT_LT(Length(At(out->position[i], lane) - twin[i]),
+        EXPECT_LT(Length(At(out->position[i], lane) - reference[i]),
                   2e-4 * s->strands.rest.segment_length[lane] + 5e-7)
             << "seed " << seed << " lane " << lane << " point " << i + 1;
     }

@@ -1,5 +1,5 @@
-// Vertex generation: instances against the plain permutation, ribbons against a double twin, index
-// buffers against what they must draw.
+// Vertex generation: instances against the plain permutation, ribbons and lines against a double
+// reference, index buffers against what they must draw.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -192,7 +192,7 @@ void CheckHair(const World& w, const RibbonRecord& r, const World::Hair& hair) {
   }
 }
 
-TEST(WriteRibbons, AgreeWithDoubleTwinInDrawOrder) {
+TEST(WriteRibbons, AgreeWithDoubleReferenceInDrawOrder) {
   for (uint32_t visible : {0u, 1u, 3u, kStrandsPerChunk, kLanes - 9, kLanes}) {
     World w(visible + 1, visible);
     w.WriteRibbonPieces();

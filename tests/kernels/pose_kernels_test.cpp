@@ -1,4 +1,4 @@
-// sample_pose and joint_palette against plain double-precision twins.
+// sample_pose and joint_palette against plain double-precision references.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,9 +54,9 @@ std::unique_ptr<SkeletonBlock> MakeSkeleton(uint32_t joint_count, uint32_t seed)
   return skeleton;
 }
 
-// ---- sample_pose
+// ---- sample_pose --------------------------------------------------------------------------------
 
-TEST(SamplePose, BlendsKeysAsTheDoubleTwinDoes) {
+TEST(SamplePose, BlendsKeysAsTheDoubleReferenceDoes) {
   const auto pose = MakePose(65, 1);
   auto local = std::make_unique<LocalPoseBlock>();
   test::Poison(*local);
@@ -113,7 +113,7 @@ TEST(SamplePose, SameBlockOnEveryVector) {
   }
 }
 
-// ---- joint_palette
+// ---- joint_palette ------------------------------------------------------------------------------
 
 struct Matrix {
   double m[3][4];

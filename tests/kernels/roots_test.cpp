@@ -1,4 +1,4 @@
-// roots and anchors against plain double-precision twins.
+// roots and anchors against plain double-precision references.
 #include "core/kernels/roots.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t live_strands, uint32_t live_vertices, 
   return scene;
 }
 
-TEST(Roots, IsTheDoubleTwin) {
+TEST(Roots, IsTheDoubleReference) {
   const auto scene = MakeScene(kStrandsPerChunk, kVerticesPerChunk, 1);
   scene->RunRoots<ArrayVec<4>>();
   for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {

@@ -1,5 +1,5 @@
-// The view against a projection in double, and select_lod against a plain double twin, geometry and
-// the promises its head makes: conservative, monotone, steady inside the band.
+// The view against a projection in double, and select_lod against a plain double reference,
+// geometry and the promises its head makes: conservative, monotone, steady inside the band.
 #include "core/kernels/select_lod.hpp"
 
 #include <gtest/gtest.h>
@@ -204,7 +204,7 @@ TEST(SelectLod, WithoutLodEveryStrandLives) {
   EXPECT_EQ(world.lod[0].fade, 0.0f);
 }
 
-TEST(SelectLod, WantedAgreesWithDoubleTwin) {
+TEST(SelectLod, WantedAgreesWithDoubleReference) {
   std::mt19937 random(3);
   for (int i = 0; i < 2000; ++i) {
     const Camera camera = RandomCamera(random);
@@ -278,7 +278,7 @@ TEST(SelectLod, TheShareMovesOnlyOutsideItsBandAndReachesOne) {
   EXPECT_GT(changed, 20);
 }
 
-TEST(SelectLod, ATremblingSizeDoesNotFlicker) {
+TEST(SelectLod, AnOscillatingSizeDoesNotFlicker) {
   SelectLodParams p = MakeParams(Camera{});
   World world;
   world.SetBox(0, 1, -15, 0.3f);

@@ -319,7 +319,7 @@ TEST(Simd, ReciprocalRootEdges) {
   });
 }
 
-// ---- Unit frames
+// ---- Unit frames --------------------------------------------------------------------------------
 
 struct FrameCase {
   float normal[3], tangent[3];
@@ -402,7 +402,7 @@ TEST(UnitFrame, IsAlwaysUnitSquareAndNearestToItsInput) {
     EXPECT_NEAR(nn, 1.0, 1e-6);
     EXPECT_NEAR(tt, 1.0, 1e-6);
     EXPECT_NEAR(nt, 0.0, 3e-6);
-    // The double twin, where the input has a direction.
+    // The double reference, where the input has a direction.
     double length = 0, along = 0, across[3], across_length = 0, t_length = 0;
     for (float v : c.normal) length += double(v) * v;
     for (int k = 0; k < 3 && length > 1e-70; ++k) {

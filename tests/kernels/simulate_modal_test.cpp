@@ -353,7 +353,7 @@ TEST(SimulateModal, NothingBreaksIt) {
           s->HoldRoots();
           ASSERT_LT(s->Stretch(), 1e-5) << "frame " << frame;
         }
-        // Links of 1 cm without stiffness swing faster than 15 fps can tell: they tremble, bounded.
+        // Links of 1 cm without stiffness swing faster than 15 fps can tell: bounded, not at rest.
         if (trial.material.stiffness[0] == 0.0 && rate < 30.0) continue;
         // All lanes have one rest shape and so one place to settle.
         for (uint32_t lane = 1; lane < kStrandsPerChunk; ++lane) {

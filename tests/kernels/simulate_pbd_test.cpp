@@ -1,4 +1,4 @@
-// The PBD solver: against its double twin, on every vector type, at rest, in contact and under
+// The PBD solver: against its double reference, on every vector type, at rest, in contact and under
 // abuse. Over 400 lines because the properties share scenes that would have to be made again
 // elsewhere.
 #include "core/kernels/simulate_pbd.hpp"
@@ -31,24 +31,24 @@ double WorstOverRandomScenes(bool vertex_chains, uint32_t scenes) {
     MakeRandom(*before, seed);
     *after = *before;
     StepChains<K>(*after);
-    worst = std::max(worst, WorstDifference(*before, *after, TwinSolver::kPbd, vertex_chains));
+    worst = std::max(worst, WorstDifference(*before, *after, ReferenceSolver::kPbd, vertex_chains));
   }
   return worst;
 }
 
 // Coordinates up to 1.5 m and segments of 5 mm and more: one step of a float is 2.4e-5 segments.
-constexpr double kTwinTolerance = 4e-4;  // segments
+constexpr double kReferenceTolerance = 4e-4;  // segments
 
-TEST(SimulatePbd, StrandChainsMatchDoubleTwin) {
-  EXPECT_LT((WorstOverRandomScenes<Pbd4, 4>(false, 150)), kTwinTolerance);
-  EXPECT_LT((WorstOverRandomScenes<Pbd5, 5>(false, 150)), kTwinTolerance);
+TEST(SimulatePbd, StrandChainsMatchDoubleReference) {
+  EXPECT_LT((WorstOverRandomScenes<Pbd4, 4>(false, 150)), kReferenceTolerance);
+  EXPECT_LT((WorstOverRandomScenes<Pbd5, 5>(false, 150)), kReferenceTolerance);
 }
 
-TEST(SimulatePbd, VertexChainsMatchDoubleTwin) {
-  EXPECT_LT((WorstOverRandomScenes<PbdVertex, 4>(true, 150)), kTwinTolerance);
+TEST(SimulatePbd, VertexChainsMatchDoubleReference) {
+  EXPECT_LT((WorstOverRandomScenes<PbdVertex, 4>(true, 150)), kReferenceTolerance);
 }
 
-// The same step with the tip's segment swept first: what the twin must be able to tell apart.
+// The same step with the tip's segment swept first: what the reference must be able to tell apart.
 struct SweptBackwards {
   static bool HasSurface(const LayerBlock& layer) { return layer.surface_hardness > 0.0f; }
   static constexpr uint32_t kFree = 3;
@@ -67,8 +67,8 @@ struct SweptBackwards {
   }
 };
 
-TEST(SimulatePbd, TwinTellsABrokenSolver) {
-  EXPECT_GT((WorstOverRandomScenes<SweptBackwards, 4>(false, 5)), 100 * kTwinTolerance);
+TEST(SimulatePbd, ReferenceTellsABrokenSolver) {
+  EXPECT_GT((WorstOverRandomScenes<SweptBackwards, 4>(false, 5)), 100 * kReferenceTolerance);
 }
 
 template <template <class> class Kernel, uint32_t kPoints>
@@ -269,7 +269,7 @@ TEST(SimulatePbd, ABounceReturnsItsShareOfSpeed) {
     s->layer.bounce = bounce;
     s->state.flags |= kChunkRestart;
     StepChains<Pbd4>(*s);
-    const float speed = 0.02f;  // m a frame, down
+    const float speed = 0.02f;  // m per frame, down
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       s->position.position[2][1][lane] = 0.01f;
       s->previous.position[2][1][lane] = 0.01f + speed;

@@ -26,20 +26,20 @@ double WorstOverRandomScenes(uint32_t scenes) {
     MakeRandom(*before, seed);
     *after = *before;
     StepChains<K>(*after);
-    worst = std::max(worst, WorstDifference(*before, *after, TwinSolver::kVerlet, false));
+    worst = std::max(worst, WorstDifference(*before, *after, ReferenceSolver::kVerlet, false));
   }
   return worst;
 }
 
-constexpr double kTwinTolerance = 4e-4;  // segments; see simulate_pbd_test.cpp
+constexpr double kReferenceTolerance = 4e-4;  // segments; see simulate_pbd_test.cpp
 
-TEST(SimulateVerlet, MatchesDoubleTwin) {
-  EXPECT_LT((WorstOverRandomScenes<Verlet4, 4>(150)), kTwinTolerance);
-  EXPECT_LT((WorstOverRandomScenes<Verlet5, 5>(150)), kTwinTolerance);
+TEST(SimulateVerlet, MatchesDoubleReference) {
+  EXPECT_LT((WorstOverRandomScenes<Verlet4, 4>(150)), kReferenceTolerance);
+  EXPECT_LT((WorstOverRandomScenes<Verlet5, 5>(150)), kReferenceTolerance);
 }
 
-TEST(SimulateVerlet, TwinTellsTheOtherSolver) {
-  EXPECT_GT((WorstOverRandomScenes<SimulatePbd<V, 5, false>, 5>(5)), 100 * kTwinTolerance);
+TEST(SimulateVerlet, ReferenceTellsTheOtherSolver) {
+  EXPECT_GT((WorstOverRandomScenes<SimulatePbd<V, 5, false>, 5>(5)), 100 * kReferenceTolerance);
 }
 
 TEST(SimulateVerlet, SameBitsOnEveryVector) {

@@ -1,4 +1,4 @@
-// skin against a plain double-precision twin; border vertices; restarts; frames that cancel.
+// skin against a plain double-precision reference; border vertices; restarts; frames that cancel.
 #include "core/kernels/skin.hpp"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t live, uint32_t rows, uint32_t seed) {
   return scene;
 }
 
-struct TwinVertex {
+struct ReferenceVertex {
   double position[3], normal[3], tangent[3];
 };
 
@@ -85,8 +85,8 @@ void NormaliseDouble(double (&a)[3]) {
 }
 
 // One vertex, joint by joint: every joint's image, then their weighted mean.
-TwinVertex SkinTwin(const Scene& scene, uint32_t v) {
-  TwinVertex out{};
+ReferenceVertex SkinReference(const Scene& scene, uint32_t v) {
+  ReferenceVertex out{};
   const MeshBlock& mesh = scene.mesh;
   const uint32_t g = v / kLaneGroup;
   for (uint32_t row = mesh.group_first_row[g]; row < mesh.group_first_row[g + 1]; ++row) {
@@ -112,18 +112,18 @@ TwinVertex SkinTwin(const Scene& scene, uint32_t v) {
   return out;
 }
 
-TEST(Skin, IsTheDoubleTwin) {
+TEST(Skin, IsTheDoubleReference) {
   for (uint32_t rows : {1u, 4u, 5u, 8u}) {
     const auto scene = MakeScene(kVerticesPerChunk, rows, 10 + rows);
     const SkinnedBlock before = scene->skinned;
     scene->Run<ArrayVec<4>>();
     for (uint32_t v = 0; v < kVerticesPerChunk; ++v) {
-      const TwinVertex twin = SkinTwin(*scene, v);
+      const ReferenceVertex reference = SkinReference(*scene, v);
       const SkinnedVertex& out = scene->skinned.vertex[v];
       for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(out.position[c], twin.position[c], 3e-6) << v;
-        EXPECT_NEAR(out.normal[c], twin.normal[c], 1e-5) << v;
-        EXPECT_NEAR(out.tangent[c], twin.tangent[c], 1e-4) << v;
+        EXPECT_NEAR(out.position[c], reference.position[c], 3e-6) << v;
+        EXPECT_NEAR(out.normal[c], reference.normal[c], 1e-5) << v;
+        EXPECT_NEAR(out.tangent[c], reference.tangent[c], 1e-4) << v;
         EXPECT_EQ(out.motion[c], out.position[c] - before.vertex[v].position[c]) << v;
       }
       EXPECT_TRUE(BitsOf(out.position[3]) == 0 && BitsOf(out.normal[3]) == 0 &&

@@ -1,4 +1,4 @@
-// Sort keys against a double twin: order, back faces, dead lanes, and what is reported.
+// Sort keys against a double reference: order, back faces, dead lanes, and what is reported.
 #include "core/kernels/sort_key.hpp"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ struct World {
 };
 
 template <uint32_t kPoints>
-void CheckAgainstTwin() {
+void CheckAgainstReference() {
   uint32_t drawn = 0, culled = 0;
   for (uint32_t seed = 0; seed < 50; ++seed) {
     World<kPoints> w(seed);
@@ -90,8 +90,8 @@ void CheckAgainstTwin() {
   EXPECT_GT(culled, 1000u);
 }
 
-TEST(SortKey, AgreesWithDoubleTwinOnFourPoints) { CheckAgainstTwin<4>(); }
-TEST(SortKey, AgreesWithDoubleTwinOnFivePoints) { CheckAgainstTwin<5>(); }
+TEST(SortKey, AgreesWithDoubleReferenceOnFourPoints) { CheckAgainstReference<4>(); }
+TEST(SortKey, AgreesWithDoubleReferenceOnFivePoints) { CheckAgainstReference<5>(); }
 
 TEST(SortKey, KeysAreMonotoneOverAllFloats) {
   using V = ArrayVec<4>;

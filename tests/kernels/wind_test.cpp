@@ -1,4 +1,5 @@
-// The noise against a double twin and its statistics; the wind kernel; the wind's course over time.
+// The noise against a double reference and its statistics; the wind kernel; the wind's course over
+// time.
 #include "core/kernels/wind.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ Triple Noise(float x, float y, float z) {
 }
 
 // The same noise written the slow way: corner by corner in double.
-Triple NoiseTwin(double x, double y, double z) {
+Triple NoiseReference(double x, double y, double z) {
   const double p[3] = {x, y, z};
   int64_t cell[3];
   double f[3];
@@ -67,13 +68,13 @@ Triple NoiseTwin(double x, double y, double z) {
   return sum;
 }
 
-TEST(Perlin, IsTheDoubleTwin) {
+TEST(Perlin, IsTheDoubleReference) {
   std::mt19937 random(1);
   for (int i = 0; i < 4000; ++i) {
     const float range = i % 2 ? 8.0f : 300.0f;
     const float x = Uniform(random, -range, range), y = Uniform(random, -range, range);
     const float z = Uniform(random, -range, range);
-    const Triple a = Noise(x, y, z), b = NoiseTwin(x, y, z);
+    const Triple a = Noise(x, y, z), b = NoiseReference(x, y, z);
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(a.c[c], b.c[c], 3e-6) << x << " " << y << " " << z;
   }
 }
@@ -184,7 +185,7 @@ TEST(Perlin, HugePlacesStayFiniteAndBounded) {
   }
 }
 
-// ---- The kernel
+// ---- The kernel ---------------------------------------------------------------------------------
 
 struct Scene {
   ChunkStateBlock state{};
@@ -212,14 +213,14 @@ void RunWind(const WindParams& params, Scene& scene) {
   RunOnBlocks<Wind<V, kVertexChains>>(&params, scene.state, scene.layer, scene.roots, scene.wind);
 }
 
-TEST(Wind, IsTheDoubleTwin) {
+TEST(Wind, IsTheDoubleReference) {
   const auto scene = MakeScene(kStrandsPerChunk, 0);
   RunWind<Ref, false>(kBreeze, *scene);
   for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
     double place[3];
     for (int c = 0; c < 3; ++c)
       place[c] = double(scene->roots.position[c][s]) * kBreeze.frequency + kBreeze.scroll[c];
-    const Triple noise = NoiseTwin(place[0], place[1], place[2]);
+    const Triple noise = NoiseReference(place[0], place[1], place[2]);
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(scene->wind.acceleration[c][s],
                   1.75 * (kBreeze.direction_speed[c] + kBreeze.turbulence * noise.c[c]), 3e-4)
@@ -256,7 +257,7 @@ TEST(Wind, StillAirIsExactlyZero) {
     for (uint32_t s = 0; s < 64; ++s) ASSERT_EQ(row[s], 0.0f);
 }
 
-// ---- The course over time
+// ---- The course over time -----------------------------------------------------------------------
 
 TEST(WindSetup, GustsSwingTheMeanWithinTheirStrength) {
   WindSetup setup;
@@ -295,7 +296,7 @@ TEST(WindSetup, ScrollIsWrappedAndStaysPreciseForWeeks) {
         ASSERT_GE(a.scroll[c], 0.0f);
         ASSERT_LT(a.scroll[c], float(kPerlinPeriod));
       }
-      // The noise is carried along by the wind: a fixed step a frame, also after two weeks.
+      // The noise is carried along by the wind: a fixed step per frame, also after two weeks.
       double step = double(b.scroll[0]) - a.scroll[0];
       step -= kPerlinPeriod * std::floor(step / kPerlinPeriod + 0.5);
       ASSERT_NEAR(step, -(7.3f + 0.31) / 0.4f / 60.0, 1e-4) << t;

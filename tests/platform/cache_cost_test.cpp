@@ -8,7 +8,7 @@
 namespace pelt {
 namespace {
 
-// A turn: `arithmetic` operations, then the next 16 bytes of each of `rows` rows.
+// An iteration: `arithmetic` operations, then the next 16 bytes of each of `rows` rows.
 Trace Rows(uint32_t iterations, uint32_t rows, uint32_t arithmetic, RecordedKind kind) {
   Trace trace;
   for (uint32_t t = 0; t < iterations; ++t) {
@@ -34,7 +34,7 @@ constexpr uint32_t kIterations = 64;
 TEST(CacheCost, EveryLineIsFetchedOnceAndWaitedForOnce) {
   const Trace trace = Rows(kIterations, 4, 96, RecordedKind::kLoad);
   const CacheCost cost = Price(trace, kIterations, 400.0);
-  EXPECT_DOUBLE_EQ(cost.lines_per_iteration, 4.0 / 8);  // 8 iterations a line
+  EXPECT_DOUBLE_EQ(cost.lines_per_iteration, 4.0 / 8);  // 8 iterations per line
   // The way to the second level, beyond what a hit takes, in whole turns to dispatch.
   const CacheMemoryParameters p = XenonMemory();
   const double way = p.l2_hit_cycles - p.core.load_to_address_cycles;

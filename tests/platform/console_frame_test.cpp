@@ -133,8 +133,7 @@ TEST(ConsoleFrame, NothingIsLost) {
   }
 }
 
-// ---- Made items
-// ------------------------------------------------------------------------------------
+// ---- Made items ---------------------------------------------------------------------------------
 
 FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double_buffered = true) {
   ItemWork item;
@@ -255,8 +254,7 @@ TEST(ConsoleFrame, MoreSpusAreNotSlower) {
   }
 }
 
-// ---- What binds
-// ------------------------------------------------------------------------------------
+// ---- What binds ---------------------------------------------------------------------------------
 
 TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
   const ConsoleMachine machine = Ps3();
@@ -294,8 +292,7 @@ TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
   }
 }
 
-// ---- What must be noticed
-// --------------------------------------------------------------------------
+// ---- What must be noticed -----------------------------------------------------------------------
 
 std::string WhyNot(const ConsoleMachine& machine, uint32_t code_bytes = 2048,
                    uint64_t clock_hz = 0) {

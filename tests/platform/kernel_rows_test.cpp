@@ -38,7 +38,7 @@ TEST(KernelRows, EveryMeasurementLiesInTheRangeOfItsPrice) {
   }
 }
 
-// A turn of N-body: 4 loads, 3 differences, 3 multiply-adds, estimate and interpolation, 3
+// An iteration of N-body: 4 loads, 3 differences, 3 multiply-adds, estimate and interpolation, 3
 // products, 3 multiply-adds, counter, hint, branch. 13 of the even pipe and the counter bound it;
 // written one after the other, each of ten dependent steps waits for the one before.
 TEST(KernelRows, NBodyIsBoundByItsEvenPipeAndByItsChain) {
@@ -51,7 +51,7 @@ TEST(KernelRows, NBodyIsBoundByItsEvenPipeAndByItsChain) {
   EXPECT_LE(row.as_written_cycles / row.iterations, 80.0);
 }
 
-// 4,096 multiply-adds of 16 turns, the even pipe; and nothing can be faster.
+// 4,096 multiply-adds of 16 iterations, the even pipe; and nothing can be faster.
 TEST(KernelRows, TheMatrixProductNearlyReachesThePeak) {
   const KernelRow& row = Row("C13");
   EXPECT_EQ(row.iterations, 1024.0);

@@ -141,7 +141,7 @@ TEST(MeasuredRows, ASecondThreadGainsWhatTheFirstWaits) {
   EXPECT_NEAR(gain(VectorFmaChains()), 1.0, 0.01);
 }
 
-// A chase that stays in L1 is the core's own turn: the caches add nothing.
+// A chase that stays in L1 is the core's own iteration: the caches add nothing.
 TEST(MeasuredRows, TheL1ChaseIsTheCoresOwnIteration) {
   std::string error;
   const auto chart = TimePpeListing(PointerChase(), {}, CellParameters{}.ppe, error);

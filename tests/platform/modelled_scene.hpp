@@ -18,7 +18,7 @@ inline SceneOptions OptionsOn(const ConsoleMachine& machine) {
   return options;
 }
 
-// Every stage takes as many cycles a turn, a third more on a core that is shared.
+// Every stage takes as many cycles per iteration, a third more on a core that is shared.
 inline StageCosts FlatCosts(const Plan& plan, const SceneShape& shape, uint64_t clock_hz,
                             float cycles_per_iteration, uint32_t code_bytes = 2048) {
   StageCosts costs;

@@ -60,8 +60,8 @@ const PlantedError kPlanted[] = {
        p.cell.memory_line_cycles = 64;
      }},
     {"memory four times as far", "D3", [](P& p) { p.cell.memory_access_cycles *= 4; }},
-    {"memory 18 cycles a line, written", "D2", [](P& p) { p.cell.memory_line_cycles = 18; }},
-    {"memory 18 cycles a line", "D1", [](P& p) { p.cell.memory_line_cycles = 18; }},
+    {"memory 18 cycles per line, written", "D2", [](P& p) { p.cell.memory_line_cycles = 18; }},
+    {"memory 18 cycles per line", "D1", [](P& p) { p.cell.memory_line_cycles = 18; }},
     {"refresh takes 400", "D1", [](P& p) { p.cell.refresh_cycles = 400; }},
     {"commands taken up in 600", "D3", [](P& p) { p.cell.command_cycles *= 20; }},
     // Bus.

@@ -209,8 +209,7 @@ TEST(SharedTransfers, PlantedErrorsAreCaught) {
       << "list elements dear";
 }
 
-// ---- The rules, one by one
-// -------------------------------------------------------------------------
+// ---- The rules, one by one ----------------------------------------------------------------------
 
 SharedMemory Simple() {
   SharedMemory m;
@@ -287,13 +286,12 @@ TEST(SharedTransfers, ListElementsTakeTheirTime) {
 TEST(SharedTransfers, AnIdlePortIsAheadOfItsRate) {
   SharedMemory memory = Simple();
   memory.burst_bytes = 400.0;
-  // 8 bytes a cycle until 400 bytes ahead of 4.
+  // 8 bytes per cycle until 400 bytes ahead of 4.
   EXPECT_EQ(DoneTimes(memory, {{0, false, {800, 1, 1, 7}}}), Times({10 + 100 + 100}));
   EXPECT_EQ(DoneTimes(memory, {{0, false}}), Times({10 + 1900 + 100}));
 }
 
-// ---- The Xenon
-// -------------------------------------------------------------------------------------
+// ---- The Xenon ----------------------------------------------------------------------------------
 
 // Threads that prefetch a stream and do nothing else, on the cache model and as items.
 TEST(SharedTransfers, XenonStreamsTakeAsLongAsTheCacheModel) {

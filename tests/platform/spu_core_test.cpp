@@ -103,7 +103,7 @@ TEST(SpuCore, WaitingForAHintsTargetIsAStallOfItsOwn) {
   for (int i = 0; i < 10; ++i) text += "  lnop\n";
   const IssueChart chart = TimeOnSpu(text + "back: brnz 7,loop\n", {}, {}, 100);
   ExpectAllCyclesAccountedFor(chart.totals);
-  // The branch comes 11 cycles after its hint and waits 4, in every turn.
+  // The branch comes 11 cycles after its hint and waits 4, in every iteration.
   EXPECT_EQ(chart.totals.stall_cycles[uint32_t(StallCause::kHintTarget)], 400u);
 }
 
@@ -111,7 +111,7 @@ TEST(SpuCore, AHintForABranchThatFallsThroughCostsThePenaltyOnce) {
   std::string text = "loop:\n  hbrr back,loop\n";
   for (int i = 0; i < 15; ++i) text += "  lnop\n";
   text += "back: brnz 7,loop\n  lnop\n";
-  // 10 turns of 17, the last one left against its hint.
+  // 10 iterations of 17, the last one left against its hint.
   EXPECT_EQ(TimeOnSpu(text, {}, {}, 10).totals.cycles, 170 + 18 + 1);
 }
 
@@ -138,8 +138,8 @@ TEST(SpuCore, ANewtonStepOneWideWaitsForItself) {
   const auto chart = TryTimeOnSpu(listing.program, trips, {}, {}, error);
   ASSERT_TRUE(chart) << error;
   // lqd 6, frest 4, fi 7, fnms 6, fma 6, stqd 1, ai and brnz, and the next lqd waits for ai: 32.
-  // The hint goes under the rest, but for a cycle of the first turn, and holds in every turn but
-  // the last, which goes on to bi.
+  // The hint goes under the rest, but for a cycle of the first iteration, and holds in every
+  // iteration but the last, which goes on to bi.
   EXPECT_EQ(CyclesPerIteration(*chart), 32.0);
   EXPECT_EQ(chart->totals.cycles, 1 + 64 * 32 - 1 + 18 + 1);
   EXPECT_EQ(chart->totals.stall_cycles[uint32_t(StallCause::kAfterFp7)], 0u);  // hidden by fi
@@ -161,7 +161,7 @@ TEST(SpuCore, NestedLoopsRunTheirTrips) {
 
 TEST(SpuCore, CountsLiveRegisters) {
   EXPECT_EQ(TimeOnSpu("a 3,4,5; a 6,3,4; stqd 6,0(5)").live[0].most, 3u);
-  // What a loop's next turn reads is live at its branch.
+  // What a loop's next iteration reads is live at its branch.
   EXPECT_EQ(TimeOnSpu("loop: a 3,4,5; ai 7,7,-1; brnz 7,loop").live[0].most, 4u);
   EXPECT_EQ(TimeOnSpu("il 3,1; il 3,2").live[0].most, 1u);
 }

@@ -27,7 +27,7 @@ KernelCost Price(const Trace& trace, uint32_t iterations, CoreKind kind, const P
   return cost.value_or(KernelCost{});
 }
 
-// y = a x + b over many groups: two loads, a multiply-add and a store a turn.
+// y = a x + b over many groups: two loads, a multiply-add and a store per iteration.
 Trace Saxpy(uint32_t iterations) {
   return Record([&](Rows& rows) {
     float(&row)[16][64] = rows.row;
@@ -47,7 +47,7 @@ TEST(KernelCost, AStreamIsBoundByTheOddPipe) {
   EXPECT_NEAR(cost.instructions_per_iteration, 7.0, 0.1);
   EXPECT_NEAR(cost.scheduled.cycles_per_iteration, 5.0, 0.3);
   EXPECT_EQ(cost.binding, "odd pipe");
-  // In order each turn waits for its load, multiply-add and store.
+  // In order each iteration waits for its load, multiply-add and store.
   EXPECT_GT(cost.as_written.cycles_per_iteration, 2.0 * cost.scheduled.cycles_per_iteration);
   EXPECT_GE(cost.scheduled.fixed_cycles, 36.0);  // two mispredicted branches
 }
@@ -82,7 +82,7 @@ TEST(KernelCost, WindowsAreSpreadOverTheWholeTrace) {
   };
   const double light = price(128, 0), heavy = price(0, 128);
   EXPECT_GT(heavy, 1.8 * light);
-  // As many operations in each: three times the turns in the light loop, nearly.
+  // As many operations in each: three times the iterations in the light loop, nearly.
   const double mixed = price(240, 80);
   EXPECT_NEAR(mixed, (240 * light + 80 * heavy) / 320, 0.25 * mixed);
 }
@@ -96,7 +96,7 @@ TEST(KernelCost, TheHostsOperationsCostMore) {
   host.lowering.host_operations = true;
   const KernelCost console = Price(roots, 64, CoreKind::kSpu);
   EXPECT_EQ(console.roots_per_iteration, 1.0);
-  // 7 operations against 17, and the turn's counter.
+  // 7 operations against 17, and the iteration's counter.
   EXPECT_NEAR(console.scheduled.cycles_per_iteration, 8.0, 1.5);
   EXPECT_NEAR(Price(roots, 64, CoreKind::kSpu, host).scheduled.cycles_per_iteration, 18.0, 2.0);
 }
@@ -197,7 +197,7 @@ TEST(StageCosts, AreTheSameFromEveryCompilerAndInEveryPlace) {
 }
 
 // On real kernels: what the scheduler makes does what was lowered, and a solver, whose chains one
-// turn cannot hide, keeps the busiest pipe busy.
+// iteration cannot hide, keeps the busiest pipe busy.
 TEST(KernelCost, ScheduledWindowsOfAFrameAreRight) {
   PricedScene scene("tiny");
   const Frame frame = scene.frame();

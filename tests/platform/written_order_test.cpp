@@ -106,7 +106,7 @@ TEST(WrittenOrder, AStoreOfTheSecondIterationDoesNotTakeTheFirstIterationsLoad) 
   uint32_t stores = 0, loads = 0;
   for (const RecordedOperation& operation : trace.operations) {
     if (operation.kind == Kind::kLoad) {
-      // The carried one and the first turn's; then one after each store of the row.
+      // The carried one and the first iteration's; then one after each store of the row.
       EXPECT_EQ(stores, loads < 2 ? 0 : 2 * (loads - 1)) << loads;
       ++loads;
     }
@@ -116,8 +116,8 @@ TEST(WrittenOrder, AStoreOfTheSecondIterationDoesNotTakeTheFirstIterationsLoad) 
   EXPECT_EQ(stores, 6u);
 }
 
-// No work of a later statement goes before an earlier one's, and no turn of a loop into another,
-// whatever hangs on what: that is a scheduler's doing.
+// No work of a later statement goes before an earlier one's, and no iteration of a loop into
+// another, whatever hangs on what: that is a scheduler's doing.
 TEST(WrittenOrder, StatementsAndIterationsStayOneAfterAnother) {
   const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     V sum(0.0f), product(1.0f);

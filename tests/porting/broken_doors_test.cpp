@@ -127,8 +127,7 @@ TEST(BrokenDoors, PassesTheWrongContext) {
   EXPECT_FALSE(report.Find("tasks")->passed) << report.Text();
 }
 
-// ---- Doors that hang. What they hang on is left behind, so it is static.
-// ---------------------------------------
+// ---- Doors that hang. What they hang on is left behind, so it is static. ------------------------
 
 struct HangingDoor {
   std::mutex mutex;

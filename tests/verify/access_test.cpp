@@ -18,11 +18,11 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
+    healthy.run(params, bindings);
     const auto* next =
-        Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>)) + 1;
+        Launder(healthy.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>)) + 1;
     if (*Launder(next->length) > 1000.0f)
-      twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->position[0][0] = 0.0f;
+      healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->position[0][0] = 0.0f;
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);
@@ -37,11 +37,11 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
 TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
   VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
+    healthy.run(params, bindings);
     // One character on: in a scene of one there is nothing there but another stream.
     const auto* next =
-        Launder(twin.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
-    twin.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
+        Launder(healthy.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
+    healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
         Launder(next->matrix[0])[3];
   });
   const CaseResult result = RunOne(options);
@@ -55,11 +55,11 @@ TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
-    auto* mesh = twin.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
-    if (twin.kept && *Launder(twin.kept) == std::byte{77})
-      twin.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] = 0.0f;
-    twin.kept = mesh;
+    healthy.run(params, bindings);
+    auto* mesh = healthy.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
+    if (healthy.kept && *Launder(healthy.kept) == std::byte{77})
+      healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] = 0.0f;
+    healthy.kept = mesh;
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);
@@ -71,9 +71,9 @@ TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
+    healthy.run(params, bindings);
     auto* behind = reinterpret_cast<std::byte*>(
-        Launder(twin.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
+        Launder(healthy.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
     *Launder(behind) = *Launder(behind);
   });
   const CaseResult result = RunOne(options);
@@ -86,16 +86,16 @@ TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
   VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
+    healthy.run(params, bindings);
     Launder(reinterpret_cast<uint32_t*>(
-        twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)))[-1] = 0;
+        healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>)))[-1] = 0;
   });
   CaseResult result = RunOne(options);
   EXPECT_EQ(result.kind, FindingKind::kUndeclaredWrite) << result.reason;
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
+    healthy.run(params, bindings);
     auto* length = const_cast<float*>(
-        Launder(twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>))->length);
+        Launder(healthy.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>))->length);
     *Launder(length) = *Launder(length);  // the same value: no comparison shows it
   });
   result = RunOne(options);
@@ -110,8 +110,8 @@ TEST(VerifyAccess, StaticStateIsFound) {
   static uint32_t runs;
   runs = 0;
   options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
-    twin.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] +=
+    healthy.run(params, bindings);
+    healthy.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] +=
         float(runs++);
   });
   const CaseResult result = RunOne(options);
@@ -162,9 +162,9 @@ TEST(VerifyAccess, HealthyScenePassesAtRest) {
 
 // Lanes that do not live, of the last group that is worked on, read vertices that nobody skins.
 void ActivateWithoutTheLastLaneGroup(const void* params, const Binding* bindings) {
-  twin.run(params, bindings);
-  auto& state = *twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
-  const auto& strands = *twin.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>);
+  healthy.run(params, bindings);
+  auto& state = *healthy.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
+  const auto& strands = *healthy.As<const StrandBlock>(bindings, StreamOf<&Streams::strands>);
   if (state.live_strands > 0)
     state.live_vertices = strands.vertex_prefix[state.live_strands - 1] + 1u;
 }

@@ -27,7 +27,7 @@ void CullEverything(const void* params, const Binding* bindings) {
   auto wrong = *static_cast<const SelectLodParams*>(params);
   for (auto& plane : wrong.view.planes)
     for (float& x : plane) x = -x;
-  twin.run(&wrong, bindings);
+  healthy.run(&wrong, bindings);
 }
 void CullAtTheMiddle(const void* params, const Binding* bindings) {
   auto wrong = *static_cast<const SelectLodParams*>(params);
@@ -35,7 +35,7 @@ void CullAtTheMiddle(const void* params, const Binding* bindings) {
   for (int i = 0; i < 3; ++i)
     wrong.view.planes[0][i] = wrong.view.planes[0][i] - wrong.view.planes[1][i];
   wrong.view.planes[0][3] = wrong.view.planes[0][3] - wrong.view.planes[1][3];
-  twin.run(&wrong, bindings);
+  healthy.run(&wrong, bindings);
 }
 
 TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
@@ -49,8 +49,8 @@ TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
 
 // A layer that returns goes on from where it left instead of starting from its groom.
 void ActivateWithoutRestart(const void* params, const Binding* bindings) {
-  twin.run(params, bindings);
-  auto& state = *twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
+  healthy.run(params, bindings);
+  auto& state = *healthy.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
   state.flags &= ~uint32_t(kChunkRestart);
   state.first_new_strand = state.live_strands;
   state.first_new_vertex = state.live_vertices;
@@ -64,8 +64,8 @@ TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
 
 // Only the flag that says so: all lanes are new in any case.
 void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) {
-  twin.run(params, bindings);
-  twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->flags &=
+  healthy.run(params, bindings);
+  healthy.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->flags &=
       ~uint32_t(kChunkRestart);
 }
 
@@ -77,11 +77,12 @@ TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
 
 // Keys that are those of the last time in view are reported as unchanged.
 void KeysWithoutTheRestart(const void* params, const Binding* bindings) {
-  const SortKeyBlock before = *twin.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
-  twin.run(params, bindings);
-  const auto& keys = *twin.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
+  const SortKeyBlock before =
+      *healthy.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
+  healthy.run(params, bindings);
+  const auto& keys = *healthy.As<const SortKeyBlock>(bindings, StreamOf<&Streams::sort_keys>);
   if (std::memcmp(&before, &keys, sizeof keys) == 0)
-    twin.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->keys_changed = 0;
+    healthy.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>)->keys_changed = 0;
 }
 
 TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
@@ -93,9 +94,10 @@ TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
 // The box of the skin, on its low or its high side.
 bool skin_low;
 void BoundOfTheSkin(const void* params, const Binding* bindings) {
-  twin.run(params, bindings);
-  const float margin = twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>)->length_max;
-  auto& bounds = *twin.As<BoundsBlock>(bindings, StreamOf<&Streams::bounds>);
+  healthy.run(params, bindings);
+  const float margin =
+      healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>)->length_max;
+  auto& bounds = *healthy.As<BoundsBlock>(bindings, StreamOf<&Streams::bounds>);
   for (int axis = 0; axis < 3; ++axis)
     (skin_low ? bounds.low : bounds.high)[axis] += skin_low ? margin : -margin;
 }

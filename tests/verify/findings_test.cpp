@@ -42,7 +42,7 @@ TEST(VerifiedScene, IsOneThatCanBeMade) {
 void RunFlushing(const void* params, const Binding* bindings) {
   const uint32_t saved = _mm_getcsr();
   _mm_setcsr(saved | 0x8040u);
-  twin.run(params, bindings);
+  healthy.run(params, bindings);
   _mm_setcsr(saved);
 }
 
@@ -62,8 +62,8 @@ TEST(VerifyFloats, AWorkerThatFlushesDenormalsIsFound) {
 TEST(VerifyFindings, TextAndJsonSayWhatKindItIs) {
   VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
-    twin.run(params, bindings);
-    twin.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->normal[0][0] += 0.5f;
+    healthy.run(params, bindings);
+    healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->normal[0][0] += 0.5f;
   });
   const VerifyReport report = Verify(Tiny(), options);
   EXPECT_NE(DescribeReport(report).find("  value: frame 0, stage roots"), std::string::npos)

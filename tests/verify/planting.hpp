@@ -1,6 +1,6 @@
 // What the tests of a verification plant, and how they run it.
 //
-// Faults are planted in the plan of a case: a kernel is replaced by a twin that is wrong in one
+// Faults are planted in the plan of a case: a kernel is replaced by one that is wrong in one
 // way. The reference is never touched.
 #pragma once
 
@@ -22,11 +22,11 @@ inline const Scenario& Tiny() {
   return kTiny;
 }
 
-// The kernel that a twin stands in for, and where its ports are.
-struct Twin {
+// The kernel that the planted one stands in for, and where its ports are.
+struct HealthyKernel {
   void (*run)(const void*, const Binding*) = nullptr;
   std::span<const PortDesc> ports;
-  std::byte* kept = nullptr;  // what a faulty twin remembers
+  std::byte* kept = nullptr;  // what a faulty kernel remembers
 
   template <class T>
   T* As(const Binding* bindings, Stream stream) const {
@@ -35,7 +35,7 @@ struct Twin {
     return nullptr;
   }
 };
-inline Twin twin;
+inline HealthyKernel healthy;
 
 using Planted = void (*)(const void*, const Binding*);
 using Tamper = std::function<void(const VerifyCase&, Plan&)>;
@@ -43,7 +43,7 @@ using Tamper = std::function<void(const VerifyCase&, Plan&)>;
 inline void Plant(Plan& plan, std::string_view stage, Planted planted) {
   for (Stage& s : plan.stages) {
     if (s.kernel.name != stage) continue;
-    twin = {s.kernel.run, s.kernel.ports, nullptr};
+    healthy = {s.kernel.run, s.kernel.ports, nullptr};
     s.kernel.run = planted;
     return;
   }
@@ -54,7 +54,7 @@ inline Tamper Planting(std::string_view stage, Planted planted) {
   return [=](const VerifyCase&, Plan& plan) { Plant(plan, stage, planted); };
 }
 
-// Hides the address from the compiler: the twins go where the language does not let them.
+// Hides the address from the compiler: faulty kernels go where the language does not let them.
 template <class T>
 T* Launder(T* p) {
   asm volatile("" : "+r"(p));

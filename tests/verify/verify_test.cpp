@@ -12,7 +12,7 @@
 namespace pelt {
 namespace {
 
-// A faulty twin of one kernel: runs it, then spoils one value. Kernels are plain functions, so what
+// A faulty copy of one kernel: runs it, then spoils one value. Kernels are plain functions, so what
 // it needs is kept here.
 struct Fault {
   void (*run)(const void*, const Binding*) = nullptr;
@@ -33,7 +33,7 @@ void RunWithFault(const void* params, const Binding* bindings) {
   std::memcpy(at, &word, 4);
 }
 
-// Replaces the first stage of that name by its faulty twin; its faulty port is `stream`'s.
+// Replaces the first stage of that name by its faulty copy; its faulty port is `stream`'s.
 void Plant(Plan& plan, std::string_view stage, Stream stream, uint32_t byte) {
   for (Stage& s : plan.stages) {
     if (s.kernel.name != stage) continue;
@@ -139,7 +139,7 @@ TEST(Verify, TheFrameOfALateFaultIsFound) {
   VerifyOptions options = OneCase(ExecutorKind::kSerial, 5);
   // Verified with a neighbour, as any scene of one character.
   const uint32_t characters = uint32_t(tiny.actors.size()) + 1;
-  fault.from_call = 3 * characters;  // the pose is sampled once a frame and character
+  fault.from_call = 3 * characters;  // the pose is sampled once per frame and character
   options.tamper = [&](const VerifyCase&, Plan& plan) {
     Plant(plan, "sample_pose", StreamOf<&Streams::local_pose>, 0);
   };

@@ -21,7 +21,7 @@ uint32_t ActivateParams::*hidden_param;
 void ActivateWithout(const void* params, const Binding* bindings) {
   auto hiding = *static_cast<const ActivateParams*>(params);
   hiding.*hidden_param = 0;
-  twin.run(&hiding, bindings);
+  healthy.run(&hiding, bindings);
 }
 
 TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
@@ -74,12 +74,12 @@ TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
 // Weather and the modal solver's course tables reach a chunk through its layer's `changed`.
 void ActivateUnchangedLayers(const void* params, const Binding* bindings) {
   Binding hiding[kMaxPorts];
-  std::copy_n(bindings, twin.ports.size(), hiding);
-  LayerBlock layer = *twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
+  std::copy_n(bindings, healthy.ports.size(), hiding);
+  LayerBlock layer = *healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.changed = 0;
-  for (size_t p = 0; p < twin.ports.size(); ++p)
-    if (twin.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
-  twin.run(params, hiding);
+  for (size_t p = 0; p < healthy.ports.size(); ++p)
+    if (healthy.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
+  healthy.run(params, hiding);
 }
 
 TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
@@ -93,12 +93,12 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
 // Wind has nobody awake: only its beginning and its end, which change the layer's flags.
 void ActivateWithoutWind(const void* params, const Binding* bindings) {
   Binding hiding[kMaxPorts];
-  std::copy_n(bindings, twin.ports.size(), hiding);
-  LayerBlock layer = *twin.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
+  std::copy_n(bindings, healthy.ports.size(), hiding);
+  LayerBlock layer = *healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.flags &= ~uint32_t(kLayerWind);
-  for (size_t p = 0; p < twin.ports.size(); ++p)
-    if (twin.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
-  twin.run(params, hiding);
+  for (size_t p = 0; p < healthy.ports.size(); ++p)
+    if (healthy.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
+  healthy.run(params, hiding);
 }
 
 TEST(VerifyWaking, WindThatBlewAlreadyAndChangesHiddenFromSleepersIsFound) {
@@ -110,7 +110,7 @@ TEST(VerifyWaking, WindThatBlewAlreadyAndChangesHiddenFromSleepersIsFound) {
 void CollectWithoutTheEye(const void* params, const Binding* bindings) {
   auto hiding = *static_cast<const CollectChangesParams*>(params);
   hiding.view_changed = 0;
-  twin.run(&hiding, bindings);
+  healthy.run(&hiding, bindings);
 }
 
 TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
@@ -121,8 +121,8 @@ TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
 // A joint that moves and does not say so.
 uint32_t still_joint;
 void PaletteWithAStillJoint(const void* params, const Binding* bindings) {
-  twin.run(params, bindings);
-  auto& palette = *twin.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
+  healthy.run(params, bindings);
+  auto& palette = *healthy.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
   palette.moved[still_joint / 32] &= ~(1u << still_joint % 32);
 }
 
@@ -134,9 +134,9 @@ TEST(VerifyWaking, AJointThatNeverMovesIsFound) {
 
 // Joints that moved by less than a millionth did not move.
 void PaletteWithThreshold(const void* params, const Binding* bindings) {
-  auto& palette = *twin.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
+  auto& palette = *healthy.As<PaletteBlock>(bindings, StreamOf<&Streams::palette>);
   const PaletteBlock before = palette;
-  twin.run(params, bindings);
+  healthy.run(params, bindings);
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
     float most = 0.0f;
     for (int i = 0; i < 12; ++i)

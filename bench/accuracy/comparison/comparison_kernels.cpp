@@ -6,7 +6,7 @@
 #include "bench/accuracy/comparison/direct_methods.hpp"
 #include "bench/accuracy/comparison/lane_batch.hpp"
 #include "bench/accuracy/comparison/point_methods.hpp"
-#include "core/kernels/twin.hpp"
+#include "core/kernels/unrolled.hpp"
 
 namespace pelt::accuracy {
 
@@ -26,7 +26,7 @@ struct PairOf {
 template <class W>
 requires simd_detail::IsRegister<W>
 struct PairOf<W> {
-  using Type = Twin<W>;
+  using Type = Unrolled<W>;
 };
 using Pair = PairOf<V>::Type;
 using Direct3 = std::conditional_t<V::kLanes == 8, Pair, V>;

@@ -5,7 +5,7 @@
 // frame. Gravity swings: no lane comes to rest. The digest is of the result after a fixed number of
 // frames from the same start, so it must be the same for every instruction set and compiler.
 //
-// `limit_ns` is the larger of two times a strand: the bytes of the kernel's ports at the copy
+// `limit_ns` is the larger of two times per strand: the bytes of the kernel's ports at the copy
 // bandwidth measured over as many bytes in this run, and its vector operations (arithmetic,
 // compares, selects, integer; counted by running the same source on a counting vector type) at the
 // rate of independent multiplies and adds measured in this run. `share_of_limit` is limit over
@@ -31,8 +31,7 @@
 namespace pelt {
 namespace {
 
-// ---- Counting
-// ------------------------------------------------------------------------------------
+// ---- Counting -----------------------------------------------------------------------------------
 
 uint64_t counted_operations = 0;
 
@@ -92,8 +91,7 @@ struct CountVec {
   friend CountVec ToFloat(Int a) { return ++counted_operations, CountVec(ToFloat(a.i)); }
 };
 
-// ---- The machine
-// ---------------------------------------------------------------------------------
+// ---- The machine --------------------------------------------------------------------------------
 
 double SecondsOf(auto work) {
   double best = 1e9;
@@ -150,8 +148,7 @@ double SecondsPerLaneOperation(Isa isa) {
   }
 }
 
-// ---- The scene
-// -----------------------------------------------------------------------------------
+// ---- The scene ----------------------------------------------------------------------------------
 
 constexpr uint32_t kChunks = 64;
 constexpr uint32_t kDigestFrames = 30;
@@ -345,8 +342,7 @@ struct Bench {
   }
 };
 
-// ---- Benchmarks
-// ----------------------------------------------------------------------------------
+// ---- Benchmarks ---------------------------------------------------------------------------------
 
 template <uint32_t kPoints>
 void Simulate(benchmark::State& run, const char* which, KernelDesc counting, Isa isa,

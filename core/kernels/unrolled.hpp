@@ -2,12 +2,13 @@
 // busy.
 //
 // A chain is solved point after point, so one group of strands is a long string of operations that
-// each wait for the last. Twin<V> runs the same body on two groups at once; the compiler lays the
-// two strings down alternately and the core overlaps them. Measured on the PBD solver: see
+// each wait for the last. Unrolled<V> runs the same body on two groups at once; the compiler lays
+// the two strings down alternately and the core overlaps them. Measured on the PBD solver: see
 // bench/benchmarks/kernels/simulation_benchmark.cpp.
 //
-// Invariant: lane l of Twin<V> sees exactly the operations lane l of V would see. Nothing crosses
-// from one half to the other, so the bits cannot depend on whether a body ran on V or on Twin<V>.
+// Invariant: lane l of Unrolled<V> sees exactly the operations lane l of V would see. Nothing
+// crosses from one half to the other, so the bits cannot depend on whether a body ran on V or on
+// Unrolled<V>.
 #pragma once
 
 #include "core/simd.hpp"
@@ -15,7 +16,7 @@
 namespace pelt {
 
 template <class V>
-struct Twin {
+struct Unrolled {
   static constexpr int kHalf = V::kLanes;
   static constexpr int kLanes = 2 * kHalf;
 
@@ -46,30 +47,30 @@ struct Twin {
   };
 
   V a, b;
-  PELT_INLINE Twin() = default;
-  PELT_INLINE Twin(float scalar) : a(scalar), b(scalar) {}
-  PELT_INLINE Twin(V first, V second) : a(first), b(second) {}
-  PELT_INLINE static Twin Load(const float* p) { return {V::Load(p), V::Load(p + kHalf)}; }
+  PELT_INLINE Unrolled() = default;
+  PELT_INLINE Unrolled(float scalar) : a(scalar), b(scalar) {}
+  PELT_INLINE Unrolled(V first, V second) : a(first), b(second) {}
+  PELT_INLINE static Unrolled Load(const float* p) { return {V::Load(p), V::Load(p + kHalf)}; }
   PELT_INLINE void Store(float* p) const {
     a.Store(p);
     b.Store(p + kHalf);
   }
-  PELT_INLINE friend Twin operator+(Twin x, Twin y) { return {x.a + y.a, x.b + y.b}; }
-  PELT_INLINE friend Twin operator-(Twin x, Twin y) { return {x.a - y.a, x.b - y.b}; }
-  PELT_INLINE friend Twin operator*(Twin x, Twin y) { return {x.a * y.a, x.b * y.b}; }
-  PELT_INLINE friend Twin operator/(Twin x, Twin y) { return {x.a / y.a, x.b / y.b}; }
-  PELT_INLINE friend Twin operator-(Twin x) { return {-x.a, -x.b}; }
-  PELT_INLINE friend Mask operator<(Twin x, Twin y) { return {x.a < y.a, x.b < y.b}; }
-  PELT_INLINE friend Mask operator>(Twin x, Twin y) { return {x.a > y.a, x.b > y.b}; }
-  PELT_INLINE friend Mask operator<=(Twin x, Twin y) { return {x.a <= y.a, x.b <= y.b}; }
-  PELT_INLINE friend Mask operator>=(Twin x, Twin y) { return {x.a >= y.a, x.b >= y.b}; }
-  PELT_INLINE friend Twin Select(Mask m, Twin x, Twin y) {
+  PELT_INLINE friend Unrolled operator+(Unrolled x, Unrolled y) { return {x.a + y.a, x.b + y.b}; }
+  PELT_INLINE friend Unrolled operator-(Unrolled x, Unrolled y) { return {x.a - y.a, x.b - y.b}; }
+  PELT_INLINE friend Unrolled operator*(Unrolled x, Unrolled y) { return {x.a * y.a, x.b * y.b}; }
+  PELT_INLINE friend Unrolled operator/(Unrolled x, Unrolled y) { return {x.a / y.a, x.b / y.b}; }
+  PELT_INLINE friend Unrolled operator-(Unrolled x) { return {-x.a, -x.b}; }
+  PELT_INLINE friend Mask operator<(Unrolled x, Unrolled y) { return {x.a < y.a, x.b < y.b}; }
+  PELT_INLINE friend Mask operator>(Unrolled x, Unrolled y) { return {x.a > y.a, x.b > y.b}; }
+  PELT_INLINE friend Mask operator<=(Unrolled x, Unrolled y) { return {x.a <= y.a, x.b <= y.b}; }
+  PELT_INLINE friend Mask operator>=(Unrolled x, Unrolled y) { return {x.a >= y.a, x.b >= y.b}; }
+  PELT_INLINE friend Unrolled Select(Mask m, Unrolled x, Unrolled y) {
     return {Select(m.a, x.a, y.a), Select(m.b, x.b, y.b)};
   }
-  PELT_INLINE friend Twin Min(Twin x, Twin y) { return {Min(x.a, y.a), Min(x.b, y.b)}; }
-  PELT_INLINE friend Twin Max(Twin x, Twin y) { return {Max(x.a, y.a), Max(x.b, y.b)}; }
-  PELT_INLINE friend Int Bits(Twin x) { return {Bits(x.a), Bits(x.b)}; }
-  PELT_INLINE friend Twin FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
+  PELT_INLINE friend Unrolled Min(Unrolled x, Unrolled y) { return {Min(x.a, y.a), Min(x.b, y.b)}; }
+  PELT_INLINE friend Unrolled Max(Unrolled x, Unrolled y) { return {Max(x.a, y.a), Max(x.b, y.b)}; }
+  PELT_INLINE friend Int Bits(Unrolled x) { return {Bits(x.a), Bits(x.b)}; }
+  PELT_INLINE friend Unrolled FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
 };
 
 }  // namespace pelt
