@@ -151,82 +151,69 @@ std::string Named(std::string_view what, const std::string& path, std::string_vi
 // ---- Reading ------------------------------------------------------------------------------------
 
 // The bytes of an open file of which `expected` are foreseen.
-std::optional<std::vector<std::byte>> ReadToEnd(std::FILE* file, uint64_t expected, uint64_t limit,
-                                                std::string& reason) {
+Result<std::vector<std::byte>> ReadOpen(std::FILE* file, uint64_t expected, uint64_t limit) {
   std::vector<std::byte> bytes(size_t(std::min(expected, limit)) + 1);
   size_t size = 0;
   while (const size_t got = std::fread(bytes.data() + size, 1, bytes.size() - size, file)) {
     size += got;
-    if (size > limit) {
-      reason = Format("larger than {} bytes", limit);
-      return std::nullopt;
-    }
+    if (size > limit) return Failure{Format("larger than {} bytes", limit)};
     if (size == bytes.size()) bytes.resize(std::max<size_t>(2 * size, 65536));
   }
-  if (std::ferror(file)) {
-    reason = "cannot be read: " + Reason(errno);
-    return std::nullopt;
-  }
+  if (std::ferror(file)) return Failure{"cannot be read: " + Reason(errno)};
   bytes.resize(size);
   return bytes;
 }
 
+Result<> NamedUnlessEmpty(std::string_view what, const std::string& path,
+                          const std::string& reason) {
+  if (!reason.empty()) return Failure{Named(what, path, reason)};
+  return Done{};
+}
+
 }  // namespace
 
-std::optional<std::vector<std::byte>> TryReadWhole(const std::string& path, uint64_t bytes_limit,
-                                                   std::string& reason) {
+Result<std::vector<std::byte>> ReadWhole(const std::string& path, uint64_t bytes_limit) {
   std::error_code code;
   const fs::file_type type = fs::status(path, code).type();
   if (type == fs::file_type::not_found)
-    reason = fs::is_symlink(fs::symlink_status(path, code)) ? "a link to what is not there"
-                                                            : "no such file";
-  else if (type == fs::file_type::none)
-    reason = code.message();
-  else if (type == fs::file_type::directory || type == fs::file_type::socket)
-    reason = Format("{}, not a file", DescribeFileType(type));
-  else
-    reason.clear();
-  if (!reason.empty()) return std::nullopt;
+    return Failure{fs::is_symlink(fs::symlink_status(path, code)) ? "a link to what is not there"
+                                                                  : "no such file"};
+  if (type == fs::file_type::none) return Failure{code.message()};
+  if (type == fs::file_type::directory || type == fs::file_type::socket)
+    return Failure{Format("{}, not a file", DescribeFileType(type))};
   uint64_t expected = 0;
   if (type == fs::file_type::regular) {
     expected = fs::file_size(path, code);
-    if (!code && expected > bytes_limit) reason = Format("larger than {} bytes", bytes_limit);
-    if (!reason.empty()) return std::nullopt;
+    if (!code && expected > bytes_limit)
+      return Failure{Format("larger than {} bytes", bytes_limit)};
   } else if (type != fs::file_type::fifo) {
     bytes_limit = std::min(bytes_limit, kDeviceBytesLimit);
   }
   const File file(std::fopen(path.c_str(), "rb"));
-  if (!file) {
-    reason = "cannot be opened: " + Reason(errno);
-    return std::nullopt;
-  }
-  return ReadToEnd(file.get(), expected, bytes_limit, reason);
+  if (!file) return Failure{"cannot be opened: " + Reason(errno)};
+  return ReadOpen(file.get(), expected, bytes_limit);
 }
 
-std::optional<std::vector<std::byte>> TryReadToEnd(std::FILE* file, uint64_t bytes_limit,
-                                                   std::string& reason) {
-  return ReadToEnd(file, 0, bytes_limit, reason);
+Result<std::vector<std::byte>> ReadToEnd(std::FILE* file, uint64_t bytes_limit) {
+  return ReadOpen(file, 0, bytes_limit);
 }
 
-std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
-                                                       const std::string& path, std::string& error,
-                                                       uint64_t bytes_limit) {
-  std::string reason;
-  auto bytes = TryReadWhole(path, bytes_limit, reason);
-  if (!bytes) error = Named(what, path, reason);
+Result<std::vector<std::byte>> ReadFileBytes(std::string_view what, const std::string& path,
+                                             uint64_t bytes_limit) {
+  Result<std::vector<std::byte>> bytes = ReadWhole(path, bytes_limit);
+  if (!bytes) return Failure{Named(what, path, bytes.error())};
   return bytes;
 }
 
-bool TryWriteFileBytes(std::string_view what, const std::string& path,
-                       std::span<const std::byte> bytes, std::string& error) {
+Result<> WriteFileBytes(std::string_view what, const std::string& path,
+                        std::span<const std::byte> bytes) {
   std::string reason;
   if (const auto place = FindOutputPlace(path, reason))
     reason = place->direct ? WriteDirect(*place, bytes) : Replace(*place, bytes);
-  if (!reason.empty()) error = Named(what, path, reason);
-  return reason.empty();
+  return NamedUnlessEmpty(what, path, reason);
 }
 
-bool TryOutput(std::string_view what, const std::string& path, std::string& error) {
+Result<> TryOutput(std::string_view what, const std::string& path) {
   std::string reason;
   const auto place = FindOutputPlace(path, reason);
   if (place && !place->direct) {
@@ -235,8 +222,7 @@ bool TryOutput(std::string_view what, const std::string& path, std::string& erro
     std::error_code code;
     if (partial.file) fs::remove(partial.path, code);
   }
-  if (!reason.empty()) error = Named(what, path, reason);
-  return reason.empty();
+  return NamedUnlessEmpty(what, path, reason);
 }
 
 }  // namespace pelt

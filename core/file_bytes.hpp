@@ -18,45 +18,28 @@ namespace pelt {
 // Largest file that is read: more than any groom or log that could be of use.
 inline constexpr uint64_t kFileBytesLimit = uint64_t{8} << 30;
 
-// All bytes of a file, or of a FIFO until its writer closes it. `reason` does not name the file:
-// "no such file", "a folder, not a file".
-std::optional<std::vector<std::byte>> TryReadWhole(const std::string& path, uint64_t bytes_limit,
-                                                   std::string& reason);
+// All bytes of a file, or of a FIFO until its writer closes it. The reason of a failure does not
+// name the file: "no such file", "a folder, not a file".
+Result<std::vector<std::byte>> ReadWhole(const std::string& path, uint64_t bytes_limit);
 
 // The same of what is open.
-std::optional<std::vector<std::byte>> TryReadToEnd(std::FILE* file, uint64_t bytes_limit,
-                                                   std::string& reason);
+Result<std::vector<std::byte>> ReadToEnd(std::FILE* file, uint64_t bytes_limit);
 
 // `what` is for messages: "digest log 'a.digests': no such file". More than the limit is not read
 // and then refused: it is not read.
-std::optional<std::vector<std::byte>> TryReadFileBytes(std::string_view what,
-                                                       const std::string& path, std::string& error,
-                                                       uint64_t bytes_limit = kFileBytesLimit);
+Result<std::vector<std::byte>> ReadFileBytes(std::string_view what, const std::string& path,
+                                             uint64_t bytes_limit = kFileBytesLimit);
 
 // A regular file is replaced whole (output_place.hpp) and keeps its mode and owner; a FIFO or a
 // device is written to. When the new file cannot be renamed into place it is kept beside it, and
 // named in the error.
-bool TryWriteFileBytes(std::string_view what, const std::string& path,
-                       std::span<const std::byte> bytes, std::string& error);
+Result<> WriteFileBytes(std::string_view what, const std::string& path,
+                        std::span<const std::byte> bytes);
 
-// Whether TryWriteFileBytes would come to writing: before work whose result goes there. Leaves
+// Whether WriteFileBytes would come to writing: before work whose result goes there. Leaves
 // everything as it was; of a FIFO or a device, which may not be opened for a try, it looks at the
 // permissions.
-bool TryOutput(std::string_view what, const std::string& path, std::string& error);
-
-#if defined(__cpp_exceptions)
-// The same, throwing Error.
-inline std::vector<std::byte> ReadFileBytes(std::string_view what, const std::string& path,
-                                            uint64_t bytes_limit = kFileBytesLimit) {
-  return ValueOrThrow(
-      [&](std::string& error) { return TryReadFileBytes(what, path, error, bytes_limit); });
-}
-inline void WriteFileBytes(std::string_view what, const std::string& path,
-                           std::span<const std::byte> bytes) {
-  std::string error;
-  if (!TryWriteFileBytes(what, path, bytes, error)) throw Error(error);
-}
-#endif
+Result<> TryOutput(std::string_view what, const std::string& path);
 
 inline std::string_view AsText(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

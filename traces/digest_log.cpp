@@ -181,12 +181,10 @@ std::string WriteDigestLog(const DigestLog& log) {
   return out + Format("end {}\n", log.digests.size());
 }
 
-std::optional<DigestLog> TryReadDigestLog(std::string_view text, const std::string& name,
-                                          std::string& error) {
-  if (!LooksLikeDigestLog(AsBytes(text))) {
-    error = Format("{} '{}', line 1: not a digest log", kWhat, name);
-    return std::nullopt;
-  }
+Result<DigestLog> ReadDigestLog(std::string_view text, const std::string& name) {
+  if (!LooksLikeDigestLog(AsBytes(text)))
+    return Failure{Format("{} '{}', line 1: not a digest log", kWhat, name)};
+  std::string error;
   Reader reader(text, name, error);
   const std::string_view version = reader.Line();
   if (!reader.failed() && version != Format("{}{}", kFirstWords, kDigestLogVersion))
@@ -203,18 +201,18 @@ std::optional<DigestLog> TryReadDigestLog(std::string_view text, const std::stri
   const uint32_t frames = reader.Number("frames");
   if (reader.Line() != kColumnsLine) reader.Fail(Format("should be '{}'", kColumnsLine));
   if (!reader.failed()) ReadFrames(reader, frames, log);
-  if (reader.failed()) return std::nullopt;
+  if (reader.failed()) return Failure{std::move(error)};
   return log;
 }
 
-std::optional<DigestLog> TryReadDigestLogFile(const std::string& path, std::string& error) {
-  const auto bytes = TryReadFileBytes(kWhat, path, error);
-  if (!bytes) return std::nullopt;
-  return TryReadDigestLog(AsText(*bytes), path, error);
+Result<DigestLog> ReadDigestLogFile(const std::string& path) {
+  const auto bytes = ReadFileBytes(kWhat, path);
+  if (!bytes) return Failure{bytes.error()};
+  return ReadDigestLog(AsText(*bytes), path);
 }
 
-bool TryWriteDigestLogFile(const DigestLog& log, const std::string& path, std::string& error) {
-  return TryWriteFileBytes(kWhat, path, AsBytes(WriteDigestLog(log)), error);
+Result<> WriteDigestLogFile(const DigestLog& log, const std::string& path) {
+  return WriteFileBytes(kWhat, path, AsBytes(WriteDigestLog(log)));
 }
 
 bool LooksLikeDigestLog(std::span<const std::byte> bytes) {

@@ -63,24 +63,9 @@ std::string WriteDigestLog(const DigestLog& log);
 
 // The text of a failure is "digest log 'name', line 12: reason". Holds at most twice the size of
 // `text` in memory, and 256 KiB.
-std::optional<DigestLog> TryReadDigestLog(std::string_view text, const std::string& name,
-                                          std::string& error);
-std::optional<DigestLog> TryReadDigestLogFile(const std::string& path, std::string& error);
-bool TryWriteDigestLogFile(const DigestLog& log, const std::string& path, std::string& error);
-
-#if defined(__cpp_exceptions)
-// The same, throwing Error.
-inline DigestLog ReadDigestLog(std::string_view text, const std::string& name) {
-  return ValueOrThrow([&](std::string& error) { return TryReadDigestLog(text, name, error); });
-}
-inline DigestLog ReadDigestLogFile(const std::string& path) {
-  return ValueOrThrow([&](std::string& error) { return TryReadDigestLogFile(path, error); });
-}
-inline void WriteDigestLogFile(const DigestLog& log, const std::string& path) {
-  std::string error;
-  if (!TryWriteDigestLogFile(log, path, error)) throw Error(error);
-}
-#endif
+Result<DigestLog> ReadDigestLog(std::string_view text, const std::string& name);
+Result<DigestLog> ReadDigestLogFile(const std::string& path);
+Result<> WriteDigestLogFile(const DigestLog& log, const std::string& path);
 
 // Whether a file begins like a digest log.
 bool LooksLikeDigestLog(std::span<const std::byte> bytes);

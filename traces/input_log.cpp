@@ -230,19 +230,19 @@ void InputLog::FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) con
   });
 }
 
-std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const std::string& name,
-                                        std::string& error) {
+Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::string& name) {
+  std::string error;
   Reader reader(bytes, name, error);
   InputLog log;
   const Counts counts = ReadHeader(reader, bytes, log);
-  if (reader.failed()) return std::nullopt;
+  if (reader.failed()) return Failure{std::move(error)};
   reader.Section("texts");
   log.about.scene = reader.Text();
   log.about.note = reader.Text();
   ReadGrooms(reader, counts, log);
   reader.Section("frames");
   reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters), "frames");
-  if (reader.failed()) return std::nullopt;
+  if (reader.failed()) return Failure{std::move(error)};
   log.frames.reserve(counts.frames);
   log.frame_pose.reserve(size_t(counts.frames) * counts.characters);
   for (uint32_t f = 0; f < counts.frames && !reader.failed(); ++f) {
@@ -251,14 +251,14 @@ std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const 
   }
   if (reader.Left() != 0)
     reader.Fail(reader.At(), Format("{} bytes behind the last frame", reader.Left()));
-  if (reader.failed()) return std::nullopt;
+  if (reader.failed()) return Failure{std::move(error)};
   return log;
 }
 
-std::optional<InputLog> TryReadInputLogFile(const std::string& path, std::string& error) {
-  const auto bytes = TryReadFileBytes(kWhat, path, error);
-  if (!bytes) return std::nullopt;
-  return TryReadInputLog(*bytes, path, error);
+Result<InputLog> ReadInputLogFile(const std::string& path) {
+  const auto bytes = ReadFileBytes(kWhat, path);
+  if (!bytes) return Failure{bytes.error()};
+  return ReadInputLog(*bytes, path);
 }
 
 bool LooksLikeInputLog(std::span<const std::byte> bytes) {

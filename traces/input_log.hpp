@@ -78,19 +78,8 @@ struct InputLog {
 
 // The text of a failure is "input log 'name': frame 3, byte 1234: reason"; the byte counts from the
 // start of the file. Holds at most ten times the size of `bytes` in memory, and 64 KiB.
-std::optional<InputLog> TryReadInputLog(std::span<const std::byte> bytes, const std::string& name,
-                                        std::string& error);
-std::optional<InputLog> TryReadInputLogFile(const std::string& path, std::string& error);
-
-#if defined(__cpp_exceptions)
-// The same, throwing Error.
-inline InputLog ReadInputLog(std::span<const std::byte> bytes, const std::string& name) {
-  return ValueOrThrow([&](std::string& error) { return TryReadInputLog(bytes, name, error); });
-}
-inline InputLog ReadInputLogFile(const std::string& path) {
-  return ValueOrThrow([&](std::string& error) { return TryReadInputLogFile(path, error); });
-}
-#endif
+Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::string& name);
+Result<InputLog> ReadInputLogFile(const std::string& path);
 
 // Whether a file begins like an input log.
 bool LooksLikeInputLog(std::span<const std::byte> bytes);

@@ -181,7 +181,7 @@ std::vector<RootSample> ParseRoots(std::string_view text, const std::string& pat
 }
 
 std::vector<RootSample> ReadRootsFile(const std::string& path) {
-  const std::vector<std::byte> bytes = ReadFileBytes("recorded root", path);
+  const std::vector<std::byte> bytes = ReadFileBytes("recorded root", path).OrThrow();
   return ParseRoots(AsText(bytes), path);
 }
 

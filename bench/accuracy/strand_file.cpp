@@ -217,7 +217,7 @@ StrandFile ParseStrand(std::string_view text, const std::string& path) {
 }
 
 StrandFile ReadStrandFile(const std::string& path) {
-  const std::vector<std::byte> bytes = ReadFileBytes("strand", path, kMostBytes);
+  const std::vector<std::byte> bytes = ReadFileBytes("strand", path, kMostBytes).OrThrow();
   return ParseStrand(AsText(bytes), path);
 }
 

@@ -154,7 +154,7 @@ int Bake(const BakeArgs& args) {
   report.bake_ms = MsSince(start);
   for (std::string& warning : WarnOfBaldness(report.densities))
     report.notes.push_back(std::move(warning));
-  const std::vector<std::byte> bytes = WriteGroom(report.groom);
+  const std::vector<std::byte> bytes = WriteGroom(report.groom).OrThrow();
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);
   if (!args.out.empty()) WriteOutput("groom", args.out, bytes);

@@ -38,8 +38,9 @@ std::optional<Difference> NameGroomField(const InputLog& a, const InputLog& b,
   if (bytes.place.size() != 2 || bytes.place[1].first != "groom byte") return std::nullopt;
   const auto character = size_t(std::stoul(bytes.place[0].second));
   try {
-    auto field = FindDifference(ReadGroom(a.grooms[a.character_groom[character]], "left"),
-                                ReadGroom(b.grooms[b.character_groom[character]], "right"));
+    auto field =
+        FindDifference(ReadGroom(a.grooms[a.character_groom[character]], "left").OrThrow(),
+                       ReadGroom(b.grooms[b.character_groom[character]], "right").OrThrow());
     if (!field) return std::nullopt;
     field->place.insert(field->place.begin(), bytes.place[0]);
     field->remark = bytes.remark;
@@ -52,16 +53,18 @@ std::optional<Difference> NameGroomField(const InputLog& a, const InputLog& b,
 std::optional<Difference> Compare(FileKind kind, std::span<const std::byte> left,
                                   std::span<const std::byte> right, const DiffArgs& args) {
   if (kind == FileKind::kGroom)
-    return FindDifference(ReadGroom(left, args.left), ReadGroom(right, args.right));
+    return FindDifference(ReadGroom(left, args.left).OrThrow(),
+                          ReadGroom(right, args.right).OrThrow());
   if (kind == FileKind::kInputLog) {
-    const InputLog a = ReadInputLog(left, args.left), b = ReadInputLog(right, args.right);
+    const InputLog a = ReadInputLog(left, args.left).OrThrow(),
+                   b = ReadInputLog(right, args.right).OrThrow();
     auto found = FindDifference(a, b);
     if (!found) return found;
     const auto field = NameGroomField(a, b, *found);
     return field ? field : found;
   }
-  auto found = FindDifference(ReadDigestLog(AsText(left), args.left),
-                              ReadDigestLog(AsText(right), args.right));
+  auto found = FindDifference(ReadDigestLog(AsText(left), args.left).OrThrow(),
+                              ReadDigestLog(AsText(right), args.right).OrThrow());
   if (found && found->place.front().first == "frame") {
     if (!found->remark.empty()) found->remark += "; ";
     found->remark += kHowToFindTheLane;
@@ -89,8 +92,8 @@ std::string DiffAsJson(std::string_view kind, const std::optional<Difference>& f
 }  // namespace
 
 int Diff(const DiffArgs& args) {
-  const std::vector<std::byte> left = ReadFileBytes("file", args.left);
-  const std::vector<std::byte> right = ReadFileBytes("file", args.right);
+  const std::vector<std::byte> left = ReadFileBytes("file", args.left).OrThrow();
+  const std::vector<std::byte> right = ReadFileBytes("file", args.right).OrThrow();
   const FileKind kind = KindOf(left, args.left), other = KindOf(right, args.right);
   if (kind != other)
     throw Error(fmt::format("'{}' is of kind {}, '{}' of kind {}: nothing to compare", args.left,

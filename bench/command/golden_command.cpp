@@ -72,7 +72,8 @@ struct GoldenResult {
 
 GoldenResult Check(const Golden& golden, const std::string& folder) {
   GoldenResult result{.golden = &golden};
-  const DigestLog stored = ReadDigestLogFile(fmt::format("{}/{}", folder, FileName(golden)));
+  const DigestLog stored =
+      ReadDigestLogFile(fmt::format("{}/{}", folder, FileName(golden))).OrThrow();
   if (stored.chunk_strands != kStrandsPerChunk) {
     result.compared = false;
     result.reason = fmt::format("skipped, it is of {} strands per chunk and this build has {}",
@@ -142,8 +143,7 @@ size_t PrintChanges(const Golden& golden, const DigestLog& old, const DigestLog&
 }
 
 void Renew(const Golden& golden, const OutputPath& path) {
-  std::string error;
-  const std::optional<DigestLog> old = TryReadDigestLogFile(path.path(), error);
+  const Result<DigestLog> old = ReadDigestLogFile(path.path());
   const DigestLog now = RunGolden(golden);
   const std::string text = WriteDigestLog(now);
   if (old && WriteDigestLog(*old) == text) {
@@ -154,7 +154,7 @@ void Renew(const Golden& golden, const OutputPath& path) {
     const size_t changes = PrintChanges(golden, *old, now);
     fmt::print("{}: {} lines changed\n", golden.name, changes);
   } else {
-    fmt::print("{}: new ({})\n", golden.name, error);
+    fmt::print("{}: new ({})\n", golden.name, old.error());
   }
   WriteOutput("digest log", path, text);
 }

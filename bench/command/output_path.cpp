@@ -9,13 +9,12 @@ OutputPath OutputPath::Inside(std::string_view name) const {
 }
 
 void CheckOutput(std::string_view what, const OutputPath& output) {
-  std::string error;
-  if (!TryOutput(what, output.path(), error)) throw Error(error);
+  TryOutput(what, output.path()).OrThrow();
 }
 
 void WriteOutput(std::string_view what, const OutputPath& output,
                  std::span<const std::byte> bytes) {
-  WriteFileBytes(what, output.path(), bytes);
+  WriteFileBytes(what, output.path(), bytes).OrThrow();
 }
 
 }  // namespace pelt

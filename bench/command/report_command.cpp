@@ -44,7 +44,7 @@ int Report(const ReportArgs& args) {
   // Read first: a mistake in it should not be told after a long run.
   std::vector<std::byte> accuracy;
   if (!args.accuracy.empty()) {
-    accuracy = ReadFileBytes("accuracy", args.accuracy, kAccuracyBytesLimit);
+    accuracy = ReadFileBytes("accuracy", args.accuracy, kAccuracyBytesLimit).OrThrow();
     JsonText tried;
     AddAccuracySection(tried, AsText(accuracy), args.accuracy);
   }

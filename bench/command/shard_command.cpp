@@ -27,7 +27,8 @@ Fingerprint FingerprintOfBuild(std::string_view command) {
 int PrintMergedShards(std::string_view command, const std::vector<std::string>& paths, bool json) {
   std::vector<ShardFile> files;
   for (const std::string& path : paths)
-    files.push_back({path, std::string(AsText(ReadFileBytes("shard", path, kShardBytesLimit)))});
+    files.push_back(
+        {path, std::string(AsText(ReadFileBytes("shard", path, kShardBytesLimit).OrThrow()))});
   const MergedShards merged = MergeShards(command, files);
   fmt::print("{}{}", json ? merged.json : merged.description, json ? "\n" : "");
   return merged.passed ? 0 : 1;

@@ -25,11 +25,11 @@ std::string DisplayName(const std::string& path) { return path == "-" ? "standar
 
 // "-" is standard input.
 std::string ReadText(const std::string& path) {
-  std::string reason;
-  const auto bytes = path == "-" ? TryReadToEnd(stdin, kListingBytesLimit, reason)
-                                 : TryReadWhole(path, kListingBytesLimit, reason);
+  const auto bytes =
+      path == "-" ? ReadToEnd(stdin, kListingBytesLimit) : ReadWhole(path, kListingBytesLimit);
   if (!bytes)
-    throw Error(fmt::format("{}: {}; expected an instruction listing", DisplayName(path), reason));
+    throw Error(
+        fmt::format("{}: {}; expected an instruction listing", DisplayName(path), bytes.error()));
   return std::string(AsText(*bytes));
 }
 

@@ -22,7 +22,7 @@ void CheckRecorded(const char* fault) {
 
 void BeginRecording(const Scenario& scenario, const RunArgs& args, InputLogWriter& writer) {
   std::vector<std::vector<std::byte>> grooms;
-  for (const Groom& groom : scenario.grooms) grooms.push_back(WriteGroom(groom));
+  for (const Groom& groom : scenario.grooms) grooms.push_back(WriteGroom(groom).OrThrow());
   std::vector<std::span<const std::byte>> each;
   for (const Actor& actor : scenario.actors) each.emplace_back(grooms[actor.groom]);
   const bool index_buffer = args.options.scene.vertex_order == VertexOrder::kIndexBuffer;
@@ -69,10 +69,8 @@ std::string DescribeGroom(const InputLog& log, size_t index) {
       std::count(log.character_groom.begin(), log.character_groom.end(), uint32_t(index));
   std::string text =
       fmt::format("groom {}: {} bytes, of {} characters", index, log.grooms[index].size(), users);
-  std::string error;
-  const auto groom =
-      TryReadGroom(log.grooms[index], fmt::format("groom {} of the log", index), error);
-  if (!groom) return text + "; cannot be read: " + error + '\n';
+  const auto groom = ReadGroom(log.grooms[index], fmt::format("groom {} of the log", index));
+  if (!groom) return text + "; cannot be read: " + groom.error();
   uint64_t strands = 0;
   for (const GroomLayer& layer : groom->layers) strands += layer.strand_count;
   return text + fmt::format("; {} layers, {} strands, {} joints\n", groom->layers.size(), strands,
@@ -159,7 +157,7 @@ int Record(const RecordArgs& args) {
 }
 
 int ReplayRecording(const ReplayArgs& args) {
-  const InputLog log = ReadInputLogFile(args.path);
+  const InputLog log = ReadInputLogFile(args.path).OrThrow();
   ReplayScene replay(log, args.path, SceneOptionsOf(args.as));
   const std::unique_ptr<Executor> executor = MakeExecutor(args.as);
   const StageDigests stage_digests(replay.scene());
@@ -181,7 +179,7 @@ int ReplayRecording(const ReplayArgs& args) {
 }
 
 int ShowRecording(const ShowArgs& args) {
-  const InputLog log = ReadInputLogFile(args.path);
+  const InputLog log = ReadInputLogFile(args.path).OrThrow();
   fmt::print("{}\n", args.json ? ShowAsJson(log) : DescribeLog(log));
   return 0;
 }

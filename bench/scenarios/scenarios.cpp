@@ -146,7 +146,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
     AddActor(scenario, std::move(character), setup, "");
   } else {
     scenario.characters.push_back(std::move(character));
-    scenario.grooms.push_back(ReadGroomFile(request.groom));
+    scenario.grooms.push_back(ReadGroomFile(request.groom).OrThrow());
     CheckGroomFits(scenario.grooms[0], request.groom, scenario.characters[0]);
     scenario.actors.push_back(MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
   }

@@ -11,7 +11,7 @@ namespace {
 std::vector<Groom> ReadGrooms(const InputLog& log, const std::string& name) {
   std::vector<Groom> grooms;
   for (size_t g = 0; g < log.grooms.size(); ++g)
-    grooms.push_back(ReadGroom(log.grooms[g], fmt::format("{}, groom {}", name, g)));
+    grooms.push_back(ReadGroom(log.grooms[g], fmt::format("{}, groom {}", name, g)).OrThrow());
   return grooms;
 }
 

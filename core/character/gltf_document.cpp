@@ -55,8 +55,11 @@ bool ReadBufferFile(std::vector<unsigned char>* out, std::string* reason, const 
     *reason = std::string(DescribeFileType(type)) + ", not a file";
     return false;
   }
-  const auto bytes = TryReadWhole(path, from.bytes_left, *reason);
-  if (!bytes) return false;
+  const auto bytes = ReadWhole(path, from.bytes_left);
+  if (!bytes) {
+    *reason = bytes.error();
+    return false;
+  }
   from.bytes_left -= bytes->size();
   from.read.push_back(path);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes->data());

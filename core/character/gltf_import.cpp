@@ -42,9 +42,8 @@ Character ImportGltf(std::span<const std::byte> bytes, const std::string& name) 
 }
 
 Character ImportGltfFile(const std::string& path) {
-  std::string reason;
-  const auto bytes = TryReadWhole(path, 0xffffffffull, reason);
-  if (!bytes) throw Error(path + ": " + reason);
+  const auto bytes = ReadWhole(path, 0xffffffffull);
+  if (!bytes) throw Error(path + ": " + bytes.error());
   const std::filesystem::path file(path);
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   return ImportDocument(gltf::ParseDocument(*bytes, path, folder), file.stem().string());

@@ -81,9 +81,8 @@ ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name)
 }
 
 ControlMap ReadControlMapFile(const std::string& path) {
-  std::string reason;
-  const auto png = TryReadWhole(path, kPngBytesLimit, reason);
-  if (!png) throw Error(Format("control map '{}': {}", path, reason));
+  const auto png = ReadWhole(path, kPngBytesLimit);
+  if (!png) throw Error(Format("control map '{}': {}", path, png.error()));
   return ReadControlMap({reinterpret_cast<const uint8_t*>(png->data()), png->size()}, path);
 }
 

@@ -190,9 +190,8 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
 }
 
 FurSetup ReadFurSetupFile(const std::string& path) {
-  std::string reason;
-  const auto bytes = TryReadWhole(path, kSetupBytesLimit, reason);
-  if (!bytes) throw Error(Format("{}: {}", path, reason));
+  const auto bytes = ReadWhole(path, kSetupBytesLimit);
+  if (!bytes) throw Error(Format("{}: {}", path, bytes.error()));
   return ReadFurSetup(AsText(*bytes), path, std::filesystem::path(path).parent_path().string());
 }
 

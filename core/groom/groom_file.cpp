@@ -254,9 +254,9 @@ uint64_t HashGroomBytes(std::span<const std::byte> bytes) {
   return hash ^ hash >> 29;
 }
 
-std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::string& error) {
-  error = FindGroomFault(groom, "to be written");
-  if (!error.empty()) return std::nullopt;
+Result<std::vector<std::byte>> WriteGroom(const Groom& groom) {
+  if (std::string fault = FindGroomFault(groom, "to be written"); !fault.empty())
+    return Failure{std::move(fault)};
   const std::vector<General> general{{groom.unit_scale, groom.joint_count}};
   const std::vector<SkeletonBlock> skeleton{groom.skeleton};
   const auto for_each_section = [&](auto&& visit) {
@@ -298,42 +298,41 @@ std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::str
   return file.Take();
 }
 
-std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::string& name,
-                                  std::string& error) {
-  error.clear();
+Result<Groom> ReadGroom(std::span<const std::byte> bytes, const std::string& name) {
+  std::string error;
   std::vector<Section> sections(kSectionCount);
   std::vector<General> general;
   std::vector<SkeletonBlock> skeleton;
   if (!CheckHeader(bytes, name, error) || !ReadTable(bytes, name, sections, error) ||
       !ReadSingle(bytes, name, 0, sections[0], general, error) ||
       !ReadSingle(bytes, name, 1, sections[1], skeleton, error))
-    return std::nullopt;
-  std::optional<Groom> groom(std::in_place);
-  groom->unit_scale = general[0].unit_scale;
-  groom->joint_count = general[0].joint_count;
-  groom->skeleton = skeleton[0];
+    return Failure{std::move(error)};
+  Groom groom;
+  groom.unit_scale = general[0].unit_scale;
+  groom.joint_count = general[0].joint_count;
+  groom.skeleton = skeleton[0];
   uint32_t index = 2;
   ListSections(
       [&](std::string_view, auto& items) {
         if (error.empty()) ReadSection(bytes, name, index, sections[index], items, error);
         ++index;
       },
-      *groom);
-  if (error.empty()) error = FindGroomFault(*groom, name);
-  if (!error.empty()) return std::nullopt;
+      groom);
+  if (error.empty()) error = FindGroomFault(groom, name);
+  if (!error.empty()) return Failure{std::move(error)};
   return groom;
 }
 
-bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error) {
-  const std::optional<std::vector<std::byte>> bytes = TryWriteGroom(groom, error);
-  if (!bytes) return false;
-  return TryWriteFileBytes("groom", path, *bytes, error);
+Result<> WriteGroomFile(const Groom& groom, const std::string& path) {
+  const Result<std::vector<std::byte>> bytes = WriteGroom(groom);
+  if (!bytes) return Failure{bytes.error()};
+  return WriteFileBytes("groom", path, *bytes);
 }
 
-std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error) {
-  const std::optional<std::vector<std::byte>> bytes = TryReadFileBytes("groom", path, error);
-  if (!bytes) return std::nullopt;
-  return TryReadGroom(*bytes, path, error);
+Result<Groom> ReadGroomFile(const std::string& path) {
+  const Result<std::vector<std::byte>> bytes = ReadFileBytes("groom", path);
+  if (!bytes) return Failure{bytes.error()};
+  return ReadGroom(*bytes, path);
 }
 
 }  // namespace pelt

@@ -16,7 +16,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,14 +29,13 @@ inline constexpr uint32_t kGroomVersion = 2;
 
 // The text of every failure is "groom 'name': section 'mesh', byte 1234: reason"; the byte counts
 // from the start of the file.
-std::optional<Groom> TryReadGroom(std::span<const std::byte> bytes, const std::string& name,
-                                  std::string& error);
-std::optional<Groom> TryReadGroomFile(const std::string& path, std::string& error);
+Result<Groom> ReadGroom(std::span<const std::byte> bytes, const std::string& name);
+Result<Groom> ReadGroomFile(const std::string& path);
 
-// Fails when the groom is not one that TryReadGroom would accept.
-std::optional<std::vector<std::byte>> TryWriteGroom(const Groom& groom, std::string& error);
-// As TryWriteFileBytes (core/file_bytes.hpp): a file is replaced whole.
-bool TryWriteGroomFile(const Groom& groom, const std::string& path, std::string& error);
+// Fails when the groom is not one that ReadGroom would accept.
+Result<std::vector<std::byte>> WriteGroom(const Groom& groom);
+// As WriteFileBytes (core/file_bytes.hpp): a file is replaced whole.
+Result<> WriteGroomFile(const Groom& groom, const std::string& path);
 
 // What the frame assumes of a groom and the types do not say: the text of the first thing that is
 // wrong, or empty.
@@ -45,26 +43,5 @@ std::string FindGroomFault(const Groom& groom, const std::string& name);
 
 // The file's hash of `bytes`: equal on every machine. Not for security.
 uint64_t HashGroomBytes(std::span<const std::byte> bytes);
-
-#if defined(__cpp_exceptions)
-// The same, throwing Error.
-inline Groom ReadGroom(std::span<const std::byte> bytes, const std::string& name) {
-  return ValueOrThrow([&](std::string& error) { return TryReadGroom(bytes, name, error); });
-}
-inline Groom ReadGroomFile(const std::string& path) {
-  return ValueOrThrow([&](std::string& error) { return TryReadGroomFile(path, error); });
-}
-inline std::vector<std::byte> WriteGroom(const Groom& groom) {
-  return ValueOrThrow([&](std::string& error) { return TryWriteGroom(groom, error); });
-}
-inline void WriteGroomFile(const Groom& groom, const std::string& path) {
-  std::string error;
-  if (!TryWriteGroomFile(groom, path, error)) throw Error(error);
-}
-inline void CheckGroom(const Groom& groom, const std::string& name) {
-  const std::string fault = FindGroomFault(groom, name);
-  if (!fault.empty()) throw Error(fault);
-}
-#endif
 
 }  // namespace pelt

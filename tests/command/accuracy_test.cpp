@@ -39,7 +39,7 @@ class Folder {
 };
 
 std::string TextOf(const std::string& path) {
-  const std::vector<std::byte> bytes = ReadFileBytes("test", path);
+  const std::vector<std::byte> bytes = ReadFileBytes("test", path).OrThrow();
   return std::string(AsText(bytes));
 }
 

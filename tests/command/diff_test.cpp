@@ -23,7 +23,7 @@ class DiffCommand : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
   std::string Write(const std::string& name, std::span<const std::byte> bytes) const {
     const std::string path = (folder_ / name).string();
-    WriteFileBytes("file", path, bytes);
+    WriteFileBytes("file", path, bytes).OrThrow();
     return path;
   }
   // Exit code; what was printed is in `out_`.
@@ -116,12 +116,12 @@ std::string DescribeGrooms(const Groom& left, const Groom& right) {
 }
 
 TEST_F(DiffCommand, Grooms) {
-  const std::string a = Write("a", WriteGroom(TinyGroom()));
-  EXPECT_EQ(Run(a, Write("b", WriteGroom(TinyGroom()))), 0);
+  const std::string a = Write("a", WriteGroom(TinyGroom()).OrThrow());
+  EXPECT_EQ(Run(a, Write("b", WriteGroom(TinyGroom()).OrThrow())), 0);
   EXPECT_TRUE(Said("same groom"));
   Groom other = TinyGroom();
   other.strands[2].width[7] *= 1.5f;
-  EXPECT_EQ(Run(a, Write("c", WriteGroom(other))), 1);
+  EXPECT_EQ(Run(a, Write("c", WriteGroom(other).OrThrow())), 1);
   EXPECT_TRUE(Said("grooms differ: section strands, item 2, field width, lane 7: 0x")) << out_;
 }
 
@@ -153,9 +153,9 @@ TEST_F(DiffCommand, GroomsInsideInputLogs) {
   Groom other = TinyGroom();
   other.strands[1].length[3] *= 0.5f;
   RecordedFrames recorded = MakeRecordedFrames();
-  recorded.grooms.assign(3, WriteGroom(TinyGroom()));
+  recorded.grooms.assign(3, WriteGroom(TinyGroom()).OrThrow());
   const std::string a = Write("a", recorded.Write());
-  recorded.grooms[1] = WriteGroom(other);
+  recorded.grooms[1] = WriteGroom(other).OrThrow();
   EXPECT_EQ(Run(a, Write("b", recorded.Write())), 1);
   EXPECT_TRUE(Said("character 1, section strands, item 1, field length, lane 3: 0x")) << out_;
 }

@@ -45,11 +45,11 @@ class GoldenCommand : public testing::Test {
 
   // Changes the last digit of the digest of frame 3's roots.
   std::string SpoilOneLine() {
-    std::string text(AsText(ReadFileBytes("log", Path())));
+    std::string text(AsText(ReadFileBytes("log", Path()).OrThrow()));
     const size_t at = text.find("\n3 roots roots ") + 15;
     const std::string before = text.substr(at, 16);
     text[at + 15] = text[at + 15] == '0' ? '1' : '0';
-    WriteFileBytes("log", Path(), AsBytes(text));
+    WriteFileBytes("log", Path(), AsBytes(text)).OrThrow();
     return text.substr(at, 16) + " -> " + before;
   }
 
@@ -83,30 +83,30 @@ TEST_F(GoldenCommand, RenewTellsExactlyWhatChanged) {
 }
 
 TEST_F(GoldenCommand, OtherSettingsLinesOrFramesFail) {
-  DigestLog log = ReadDigestLogFile(Path());
+  DigestLog log = ReadDigestLogFile(Path()).OrThrow();
   log.settings = "lod";
-  WriteDigestLogFile(log, Path());
+  WriteDigestLogFile(log, Path()).OrThrow();
   EXPECT_EQ(Check(folder_.string()), 1);
   EXPECT_TRUE(Said("settings: 'lod' and ''")) << out_;
 
-  log = ReadDigestLogFile(kKept + "/tiny.digests");
+  log = ReadDigestLogFile(kKept + "/tiny.digests").OrThrow();
   log.columns[3].stage = "elsewhere";
-  WriteDigestLogFile(log, Path());
+  WriteDigestLogFile(log, Path()).OrThrow();
   EXPECT_EQ(Check(folder_.string()), 1);
   EXPECT_TRUE(Said("the frames have other lines")) << out_;
 
-  log = ReadDigestLogFile(kKept + "/tiny.digests");
+  log = ReadDigestLogFile(kKept + "/tiny.digests").OrThrow();
   log.digests.resize(log.columns.size() * 19);
-  WriteDigestLogFile(log, Path());
+  WriteDigestLogFile(log, Path()).OrThrow();
   EXPECT_EQ(Check(folder_.string()), 1);
   EXPECT_TRUE(Said("head frames: 19 and 20")) << out_;
 }
 
 TEST_F(GoldenCommand, AnotherCapacityIsSaidToBeSkipped) {
   for (const char* name : {"tiny.digests", "tiny.lod.digests"}) {
-    DigestLog log = ReadDigestLogFile((folder_ / name).string());
+    DigestLog log = ReadDigestLogFile((folder_ / name).string()).OrThrow();
     log.chunk_strands = 64;
-    WriteDigestLogFile(log, (folder_ / name).string());
+    WriteDigestLogFile(log, (folder_ / name).string()).OrThrow();
   }
   EXPECT_EQ(Check(folder_.string()), 0);
   EXPECT_TRUE(Said("tiny: skipped, it is of 64 strands per chunk and this build has 128")) << out_;

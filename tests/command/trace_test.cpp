@@ -68,7 +68,7 @@ std::vector<std::byte> Rewrite(const InputLog& log, uint32_t frame, Change chang
 }
 
 TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
-  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 24));
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 24)).OrThrow();
   std::vector<VerifyCase> cases;
   for (const Isa isa : kAllIsas)
     if (FindKernels(isa)) cases.push_back({.isa = isa});
@@ -86,19 +86,20 @@ TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
 }
 
 TEST_F(TraceCommand, LodAndTheIndexBufferAreReplayedToo) {
-  const InputLog lod = ReadInputLogFile(RecordTiny("lod.peltinput", 12, true));
+  const InputLog lod = ReadInputLogFile(RecordTiny("lod.peltinput", 12, true)).OrThrow();
   EXPECT_TRUE(ReplayAs(lod, {}).Same());
   const InputLog index =
-      ReadInputLogFile(RecordTiny("index.peltinput", 12, false, VertexOrder::kIndexBuffer));
+      ReadInputLogFile(RecordTiny("index.peltinput", 12, false, VertexOrder::kIndexBuffer))
+          .OrThrow();
   EXPECT_TRUE(index.about.index_buffer);
   EXPECT_TRUE(ReplayAs(index, {}).Same());
-  const InputLog plain = ReadInputLogFile(RecordTiny("plain.peltinput", 12));
+  const InputLog plain = ReadInputLogFile(RecordTiny("plain.peltinput", 12)).OrThrow();
   EXPECT_NE(lod.frames[11].digest, plain.frames[11].digest);
   EXPECT_NE(index.frames[11].digest, plain.frames[11].digest);
 }
 
 TEST_F(TraceCommand, ARecordingHasTheDigestsOfTheRun) {
-  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 6));
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 6)).OrThrow();
   Scenario tiny = LoadScenario("tiny");
   RunningScenario running(tiny, {});
   RunOptions options;
@@ -108,19 +109,19 @@ TEST_F(TraceCommand, ARecordingHasTheDigestsOfTheRun) {
 }
 
 TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
-  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 8));
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 8)).OrThrow();
   const auto tampered = Rewrite(log, 5, [](FrameInput&, std::vector<PoseBlock>& poses) {
     float& value = poses[0].rotation_key[0][0][2];
     value = std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ 1u << 16);
   });
-  const ReplayResult result = ReplayAs(ReadInputLog(tampered, "x"), {});
+  const ReplayResult result = ReplayAs(ReadInputLog(tampered, "x").OrThrow(), {});
   ASSERT_FALSE(result.Same());
   EXPECT_EQ(result.first->frame, 5u);
   EXPECT_EQ(result.frames, 8u);  // the rest is run all the same
   EXPECT_EQ(result.first->recorded, log.frames[5].digest);
   EXPECT_NE(DescribeReplay(result).find("frame 5"), std::string::npos);
 
-  WriteFileBytes("input log", Path("bad.peltinput"), tampered);
+  WriteFileBytes("input log", Path("bad.peltinput"), tampered).OrThrow();
   ReplayArgs args;
   args.path = Path("bad.peltinput");
   testing::internal::CaptureStdout();
@@ -130,14 +131,14 @@ TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
 
 TEST_F(TraceCommand, UnchangedRewritingIsTheSameFile) {
   const std::string path = RecordTiny("a.peltinput", 4);
-  const auto again = Rewrite(ReadInputLogFile(path), 0, [](FrameInput&, auto&) {});
-  EXPECT_EQ(again, ReadFileBytes("input log", path));
+  const auto again = Rewrite(ReadInputLogFile(path).OrThrow(), 0, [](FrameInput&, auto&) {});
+  EXPECT_EQ(again, ReadFileBytes("input log", path).OrThrow());
 }
 
 TEST_F(TraceCommand, AFrameThatCannotRunIsRefusedByName) {
-  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 5));
+  const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 5)).OrThrow();
   const auto bad = Rewrite(log, 3, [](FrameInput& input, auto&) { input.dt_s = -1.0; });
-  const ReplayResult result = ReplayAs(ReadInputLog(bad, "x"), {});
+  const ReplayResult result = ReplayAs(ReadInputLog(bad, "x").OrThrow(), {});
   ASSERT_FALSE(result.Same());
   EXPECT_EQ(result.first->frame, 3u);
   EXPECT_EQ(result.frames, 3u);
@@ -146,7 +147,7 @@ TEST_F(TraceCommand, AFrameThatCannotRunIsRefusedByName) {
 }
 
 TEST_F(TraceCommand, ADamagedGroomIsAnErrorThatNamesIt) {
-  InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 2));
+  InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 2)).OrThrow();
   log.grooms[0][1000] ^= std::byte{1};
   try {
     ReplayScene replay(log, "log.peltinput", SceneOptions{});
@@ -176,8 +177,8 @@ TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
   const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
   EXPECT_EQ(json["same"], true);
   EXPECT_EQ(json["frames"], 5);
-  EXPECT_EQ(ReadFileBytes("log", run.digest_log.path()),
-            ReadFileBytes("log", replay.digest_log.path()));
+  EXPECT_EQ(ReadFileBytes("log", run.digest_log.path()).OrThrow(),
+            ReadFileBytes("log", replay.digest_log.path()).OrThrow());
 }
 
 TEST_F(TraceCommand, ShowTellsWhatIsInside) {

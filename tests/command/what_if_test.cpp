@@ -144,7 +144,7 @@ TEST(WhatIf, FewerPointsGainWhatABakeWithThemGains) {
 // Where there is no setup: what a groom file holds is resampled as it is.
 TEST(WhatIf, FewerPointsOfAGroomFile) {
   const std::string path = ::testing::TempDir() + "what_if_fewer_points.groom";
-  WriteGroomFile(LoadScenario(ScenarioRequest{.setup = "tiny"}).grooms[0], path);
+  WriteGroomFile(LoadScenario(ScenarioRequest{.setup = "tiny"}).grooms[0], path).OrThrow();
   Scenario from_setup = LoadScenario(ScenarioRequest{.setup = "tiny"});
   Scenario from_groom = LoadScenario(ScenarioRequest{.groom = path});
   std::remove(path.c_str());

@@ -8,14 +8,13 @@
 namespace pelt::fuzz {
 
 void ReadHostile(std::span<const std::byte> input) {
-  std::string error;
   const auto log =
-      TryReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz", error);
+      ReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz");
   if (!log) {
-    if (error.find("fuzz") == std::string::npos) std::abort();  // names the file
+    if (log.error().find("fuzz") == std::string::npos) std::abort();  // names the file
     return;
   }
-  const auto again = TryReadDigestLog(WriteDigestLog(*log), "again", error);
+  const auto again = ReadDigestLog(WriteDigestLog(*log), "again");
   if (!again || FindDifference(*log, *again)) std::abort();
 }
 

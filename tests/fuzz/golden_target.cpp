@@ -11,10 +11,9 @@ namespace pelt::fuzz {
 
 void ReadHostile(std::span<const std::byte> input) {
   static const DigestLog kTiny =
-      ReadDigestLogFile(test::SourceFolder() + "/traces/golden/tiny.digests");
-  std::string error;
+      ReadDigestLogFile(test::SourceFolder() + "/traces/golden/tiny.digests").OrThrow();
   const auto stored =
-      TryReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz", error);
+      ReadDigestLog({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzz");
   if (!stored) return;
   const auto difference = FindDifference(*stored, kTiny);
   if (difference) {

@@ -42,8 +42,8 @@ void RunOneFrame(const Groom& groom) {
 
 void ReadOnce(std::span<const std::byte> bytes) {
   try {
-    const Groom groom = ReadGroom(bytes, "fuzz");
-    const std::vector<std::byte> again = WriteGroom(groom);
+    const Groom groom = ReadGroom(bytes, "fuzz").OrThrow();
+    const std::vector<std::byte> again = WriteGroom(groom).OrThrow();
     if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) std::abort();
     RunOneFrame(groom);
   } catch (const Error&) {

@@ -18,7 +18,7 @@ constexpr size_t kGroomSizeAt = 32, kGroomHashAt = 40, kGroomHeaderBytes = 48;  
 
 void ReadOnce(std::span<const std::byte> bytes) {
   try {
-    const InputLog log = ReadInputLog(bytes, "fuzz");
+    const InputLog log = ReadInputLog(bytes, "fuzz").OrThrow();
     FindDifference(log, log);
     SceneOptions options;
     options.memory_budget_bytes = 16 << 20;  // a log may name its groom many times over

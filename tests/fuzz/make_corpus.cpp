@@ -113,11 +113,9 @@ curl = 200.0
 // Three frames of a walk, the last of them as the one before.
 std::vector<std::byte> RecordWalk(const Fur& fur) {
   const Groom* grooms[] = {&fur.groom};
-  const SceneOptions options;
-  const SceneLayout layout = MeasureScene(grooms, options);
-  SceneBlock block(layout.total_bytes);
-  FurScene scene(grooms, options, layout, block.bytes());
-  const std::vector<std::byte> groom_file = WriteGroom(fur.groom);
+  const auto made = FurScene::Create(grooms).OrThrow();
+  FurScene& scene = *made;
+  const std::vector<std::byte> groom_file = WriteGroom(fur.groom).OrThrow();
   const std::span<const std::byte> files[] = {groom_file};
   InputLogWriter writer;
   writer.Begin({"walk", "a seed for fuzzing", false}, files);
@@ -194,8 +192,8 @@ int main(int argc, char** argv) {
     pelt::WriteControlMaps(folder / "control_map");
     const pelt::Fur vertex = pelt::BakeLayers(pelt::kVertexChains);
     const pelt::Fur strand = pelt::BakeLayers(pelt::kStrandChains);
-    pelt::Write(folder / "groom" / "vertex_chains.groom", WriteGroom(vertex.groom));
-    pelt::Write(folder / "groom" / "strand_chains.groom", WriteGroom(strand.groom));
+    pelt::Write(folder / "groom" / "vertex_chains.groom", WriteGroom(vertex.groom).OrThrow());
+    pelt::Write(folder / "groom" / "strand_chains.groom", WriteGroom(strand.groom).OrThrow());
     pelt::Write(folder / "input_log" / "walk.peltinput", RecordWalk(vertex));
     pelt::WritePoses(folder / "pose");
     pelt::WriteDigestLogs(folder / "digest_log");

@@ -61,7 +61,8 @@ void RunFrame(FurScene& scene, const FrameInput& input) {
 
 void ReadHostile(std::span<const std::byte> bytes) {
   static const Groom kGroom =
-      ReadGroomFile(test::SourceFolder() + "/tests/fuzz/corpus/groom/strand_chains.groom");
+      ReadGroomFile(test::SourceFolder() + "/tests/fuzz/corpus/groom/strand_chains.groom")
+          .OrThrow();
   static const Groom* const kGrooms[] = {&kGroom};
   static const SceneLayout kLayout = MeasureScene(kGrooms, {});
   SceneBlock block(kLayout.total_bytes);

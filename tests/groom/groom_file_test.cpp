@@ -145,22 +145,10 @@ Groom MakeGroom() {
 }
 
 std::string ErrorOf(std::span<const std::byte> bytes) {
-  try {
-    ReadGroom(bytes, "g.groom");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return ReadGroom(bytes, "g.groom").error();
 }
 
-std::string CheckErrorOf(const Groom& groom) {
-  try {
-    CheckGroom(groom, "g.groom");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
+std::string CheckErrorOf(const Groom& groom) { return FindGroomFault(groom, "g.groom"); }
 
 void FixHash(std::vector<std::byte>& bytes) {
   const uint64_t hash = HashGroomBytes(std::span(bytes).subspan(kHashAt + 8));
@@ -175,9 +163,9 @@ uint32_t LoadU32(const std::vector<std::byte>& bytes, size_t at) {
 
 TEST(GroomFile, RoundTripKeepsEveryField) {
   const Groom groom = MakeGroom();
-  const auto bytes = WriteGroom(groom);
-  const Groom back = ReadGroom(bytes, "g.groom");
-  EXPECT_EQ(WriteGroom(back), bytes);
+  const auto bytes = WriteGroom(groom).OrThrow();
+  const Groom back = ReadGroom(bytes, "g.groom").OrThrow();
+  EXPECT_EQ(WriteGroom(back).OrThrow(), bytes);
   // Blocks have no padding that holds values, so they compare as memory once padding is zero on
   // both sides: MakeGroom starts from zeros and so does the reader.
   EXPECT_EQ(back.unit_scale, groom.unit_scale);
@@ -223,7 +211,7 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
       },
       p);
   EXPECT_EQ(fields, 32u);
-  const Groom back = ReadGroom(WriteGroom(groom), "g.groom");
+  const Groom back = ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow();
   std::vector<double> wrote, read;
   const auto collect = [](std::vector<double>& to) {
     return [&to](std::string_view, const auto& field) { to.push_back(double(field)); };
@@ -234,7 +222,9 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
   // Goes with one solver only.
   p.solver = Solver::kModal;
   p.max_distance = 0.25f;
-  EXPECT_EQ(ReadGroom(WriteGroom(groom), "g.groom").layers[1].params.max_distance, 0.25f);
+  EXPECT_EQ(
+      ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow().layers[1].params.max_distance,
+      0.25f);
 }
 
 // A field that is missing from the list would be lost in silence: listed bytes and padding make up
@@ -252,18 +242,18 @@ TEST(GroomFile, EveryFieldOfEveryBlockIsListed) {
 
 TEST(GroomFile, PaddingNeverReachesTheFile) {
   Groom groom = MakeGroom();
-  const auto bytes = WriteGroom(groom);
+  const auto bytes = WriteGroom(groom).OrThrow();
   for (auto& block : groom.mesh) std::memset(block.pad, 0xab, sizeof(block.pad));
   for (auto& block : groom.strands) std::memset(block.pad, 0xcd, sizeof(block.pad));
   for (auto& block : groom.layer_joints) std::memset(block.pad, 0xef, sizeof(block.pad));
-  EXPECT_EQ(WriteGroom(groom), bytes);
+  EXPECT_EQ(WriteGroom(groom).OrThrow(), bytes);
 }
 
 // The layout as documented, byte by byte: what a big-endian machine must produce as well.
 TEST(GroomFile, BytesAreLittleEndian) {
   Groom groom = MakeGroom();
   groom.unit_scale = 0.15625f;  // 0x3e200000
-  const auto bytes = WriteGroom(groom);
+  const auto bytes = WriteGroom(groom).OrThrow();
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTGRM\n", 8), 0);
   EXPECT_EQ(LoadU32(bytes, 8), kGroomVersion);
   EXPECT_EQ(LoadU32(bytes, 12), kStrandsPerChunk);
@@ -312,7 +302,7 @@ TEST(GroomFile, HashIsFixed) {
 }
 
 TEST(GroomFile, WrongFilesAreTold) {
-  const auto good = WriteGroom(MakeGroom());
+  const auto good = WriteGroom(MakeGroom()).OrThrow();
   EXPECT_EQ(ErrorOf({}),
             "groom 'g.groom': section 'header', byte 0: 8 more bytes are needed, 0 are left");
   auto bad = good;
@@ -452,14 +442,14 @@ TEST(GroomFile, EveryRuleHolds) {
               0u)
         << c.section << ", " << c.reason << ": " << message;
     EXPECT_NE(message.find(c.reason), std::string::npos) << c.section << ": " << message;
-    EXPECT_THROW(WriteGroom(bad), Error);
+    EXPECT_THROW(WriteGroom(bad).OrThrow(), Error);
   }
 }
 
 // The byte that a message names is the byte that is wrong.
 TEST(GroomFile, MessagesNameTheByte) {
   const Groom good = MakeGroom();
-  const auto bytes = WriteGroom(good);
+  const auto bytes = WriteGroom(good).OrThrow();
   const std::function<float&(Groom&)> fields[] = {
       [](Groom& g) -> float& { return g.skeleton.inverse_bind[4][7]; },
       [](Groom& g) -> float& { return g.layers[1].length_max; },
@@ -490,7 +480,7 @@ TEST(GroomFile, MessagesNameTheByte) {
 
 // Thousands of damaged files: an error or a groom that is sound, never a crash.
 TEST(GroomFile, DamagedFilesNeverCrash) {
-  const auto good = WriteGroom(MakeGroom());
+  const auto good = WriteGroom(MakeGroom()).OrThrow();
   std::mt19937 random(99);
   const size_t table_end = 48 + 10 * 40;
   int refused = 0, accepted = 0;
@@ -525,9 +515,9 @@ TEST(GroomFile, DamagedFilesNeverCrash) {
       FixHash(bad);
     }
     try {
-      const Groom groom = ReadGroom(bad, "g.groom");
+      const Groom groom = ReadGroom(bad, "g.groom").OrThrow();
       ++accepted;
-      EXPECT_EQ(WriteGroom(groom), bad) << "what is accepted is kept";
+      EXPECT_EQ(WriteGroom(groom).OrThrow(), bad) << "what is accepted is kept";
       EXPECT_TRUE(hash_fixed || bad == good);
     } catch (const Error& error) {
       ++refused;
@@ -546,14 +536,14 @@ TEST(GroomFile, FilesAreReplacedWhole) {
   const std::string path = (folder / "a.groom").string();
   const Groom groom = MakeGroom();
   std::ofstream(path) << "old";
-  WriteGroomFile(groom, path);
-  EXPECT_EQ(WriteGroom(ReadGroomFile(path)), WriteGroom(groom));
+  WriteGroomFile(groom, path).OrThrow();
+  EXPECT_EQ(WriteGroom(ReadGroomFile(path).OrThrow()).OrThrow(), WriteGroom(groom).OrThrow());
   size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files += entry.exists();
   EXPECT_EQ(files, 1u) << "the partial file is gone";
-  EXPECT_THROW(ReadGroomFile((folder / "none.groom").string()), Error);
-  EXPECT_THROW(ReadGroomFile(folder.string()), Error);
-  EXPECT_THROW(WriteGroomFile(groom, (folder / "no" / "b.groom").string()), Error);
+  EXPECT_THROW(ReadGroomFile((folder / "none.groom").string()).OrThrow(), Error);
+  EXPECT_THROW(ReadGroomFile(folder.string()).OrThrow(), Error);
+  EXPECT_THROW(WriteGroomFile(groom, (folder / "no" / "b.groom").string()).OrThrow(), Error);
   std::filesystem::remove_all(folder);
 }
 

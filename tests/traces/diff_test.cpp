@@ -13,7 +13,9 @@ std::string Describe(const auto& left, const auto& right) {
   return found ? DescribeDifference(*found) : "same";
 }
 
-InputLog Read(const RecordedFrames& recorded) { return ReadInputLog(recorded.Write(), "x"); }
+InputLog Read(const RecordedFrames& recorded) {
+  return ReadInputLog(recorded.Write(), "x").OrThrow();
+}
 
 TEST(Diff, EqualLogsAreTheSame) {
   EXPECT_EQ(Describe(MakeDigestLog(), MakeDigestLog()), "same");

@@ -10,10 +10,7 @@
 namespace pelt {
 namespace {
 
-std::string ErrorOf(const std::string& text) {
-  std::string error;
-  return TryReadDigestLog(text, "x", error) ? std::string() : error;
-}
+std::string ErrorOf(const std::string& text) { return ReadDigestLog(text, "x").error(); }
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const size_t at = text.find(from);
@@ -24,7 +21,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 TEST(DigestLog, WhatIsWrittenReadsBack) {
   DigestLog log = MakeDigestLog();
   log.settings = "lod, strand budget 400";
-  const DigestLog read = ReadDigestLog(WriteDigestLog(log), "x");
+  const DigestLog read = ReadDigestLog(WriteDigestLog(log), "x").OrThrow();
   EXPECT_EQ(read.scene, "tiny");
   EXPECT_EQ(read.settings, log.settings);
   EXPECT_EQ(read.chunk_strands, 128u);
@@ -46,13 +43,13 @@ TEST(DigestLog, ALogWithoutFramesIsOne) {
   DigestLog log = MakeDigestLog();
   log.columns.clear();
   log.digests.clear();
-  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").FrameCount(), 0u);
+  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").OrThrow().FrameCount(), 0u);
 }
 
 TEST(DigestLog, ControlCharactersCannotBreakALine) {
   DigestLog log = MakeDigestLog();
   log.scene = "a\nend 0\rb";
-  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").scene, "a\\x0aend 0\\x0db");
+  EXPECT_EQ(ReadDigestLog(WriteDigestLog(log), "x").OrThrow().scene, "a\\x0aend 0\\x0db");
 }
 
 TEST(DigestLog, EveryTruncationIsAnError) {
@@ -113,20 +110,18 @@ TEST(DigestLog, RandomDamageNeverCrashes) {
   for (int i = 0; i < 5000; ++i) {
     std::string damaged = text;
     for (int n = 0; n < 2; ++n) damaged[random() % damaged.size()] = char(random() & 255);
-    std::string error;
-    if (!TryReadDigestLog(damaged, "x", error)) {
-      EXPECT_FALSE(error.empty());
-    }
+    const auto log = ReadDigestLog(damaged, "x");
+    EXPECT_EQ(bool(log), log.error().empty());
   }
 }
 
 TEST(DigestLog, FilesAreReadAndWritten) {
   const std::string path = testing::TempDir() + "pelt_digest_log_test.digests";
-  WriteDigestLogFile(MakeDigestLog(), path);
-  EXPECT_EQ(ReadDigestLogFile(path).digests, MakeDigestLog().digests);
+  WriteDigestLogFile(MakeDigestLog(), path).OrThrow();
+  EXPECT_EQ(ReadDigestLogFile(path).OrThrow().digests, MakeDigestLog().digests);
   std::remove(path.c_str());
-  EXPECT_THROW(ReadDigestLogFile(path), Error);
-  EXPECT_THROW(WriteDigestLogFile(MakeDigestLog(), "/no/such/folder/x"), Error);
+  EXPECT_THROW(ReadDigestLogFile(path).OrThrow(), Error);
+  EXPECT_THROW(WriteDigestLogFile(MakeDigestLog(), "/no/such/folder/x").OrThrow(), Error);
 }
 
 }  // namespace

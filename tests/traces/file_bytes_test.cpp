@@ -48,19 +48,12 @@ class FileBytes : public testing::Test {
   }
   // Empty, or the error.
   static std::string Write(const std::string& path, const std::string& text) {
-    std::string error;
-    TryWriteFileBytes("thing", path, AsBytes(text), error);
-    return error;
+    return WriteFileBytes("thing", path, AsBytes(text)).error();
   }
-  static std::string Try(const std::string& path) {
-    std::string error;
-    TryOutput("thing", path, error);
-    return error;
-  }
+  static std::string Try(const std::string& path) { return TryOutput("thing", path).error(); }
   static std::string Read(const std::string& path, uint64_t limit = 1000) {
-    std::string reason;
-    const auto bytes = TryReadWhole(path, limit, reason);
-    return bytes ? "= " + std::string(AsText(*bytes)) : reason;
+    const auto bytes = ReadWhole(path, limit);
+    return bytes ? "= " + std::string(AsText(*bytes)) : bytes.error();
   }
   static mode_t ModeOf(const std::string& path) {
     struct stat status {};

@@ -15,10 +15,7 @@
 namespace pelt {
 namespace {
 
-std::string ErrorOf(std::span<const std::byte> bytes) {
-  std::string error;
-  return TryReadInputLog(bytes, "x", error) ? std::string() : error;
-}
+std::string ErrorOf(std::span<const std::byte> bytes) { return ReadInputLog(bytes, "x").error(); }
 
 // A forged file: its size and hash are right.
 std::vector<std::byte> Reseal(std::vector<std::byte> bytes) {
@@ -44,7 +41,7 @@ void ExpectSamePose(const PoseBlock& expected, const PoseBlock& found) {
 
 TEST(InputLog, WhatIsRecordedComesBack) {
   const RecordedFrames recorded = MakeRecordedFrames();
-  const InputLog log = ReadInputLog(recorded.Write(), "x");
+  const InputLog log = ReadInputLog(recorded.Write(), "x").OrThrow();
   EXPECT_EQ(log.about.scene, "by hand");
   EXPECT_EQ(log.about.note, "two animals");
   EXPECT_FALSE(log.about.index_buffer);
@@ -75,7 +72,7 @@ TEST(InputLog, WhatIsRecordedComesBack) {
 
 TEST(InputLog, GroomsAndPosesAreNotWrittenTwice) {
   const RecordedFrames recorded = MakeRecordedFrames();
-  const InputLog log = ReadInputLog(recorded.Write(), "x");
+  const InputLog log = ReadInputLog(recorded.Write(), "x").OrThrow();
   EXPECT_EQ(log.grooms.size(), 2u);
   EXPECT_EQ(log.character_groom, (std::vector<uint32_t>{0, 1, 0}));
   EXPECT_EQ(log.poses.size(), 4u + 1u + 4u);  // the second character stands still
@@ -88,7 +85,7 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
                        std::bit_cast<float>(0x7fa12345u)};
   std::copy_n(odd, 3, recorded.inputs[1].gravity);
   std::copy_n(odd, 3, recorded.poses[2][0].root);
-  const InputLog log = ReadInputLog(recorded.Write(), "x");
+  const InputLog log = ReadInputLog(recorded.Write(), "x").OrThrow();
   EXPECT_EQ(std::memcmp(log.Input(1).gravity, odd, sizeof odd), 0);
   PoseBlock pose;
   log.FillPose(2, 0, &pose);
@@ -145,12 +142,12 @@ TEST(InputLog, RecordingGoesOnAfterFinish) {
   const std::vector<std::span<const std::byte>> each(recorded.grooms.begin(),
                                                      recorded.grooms.end());
   EXPECT_EQ(writer.Begin(recorded.about, each), nullptr);
-  EXPECT_EQ(ReadInputLog(writer.Finish(), "x").FrameCount(), 0u);
+  EXPECT_EQ(ReadInputLog(writer.Finish(), "x").OrThrow().FrameCount(), 0u);
   for (uint32_t f = 0; f < 4; ++f) {
     FrameInput input = recorded.inputs[f];
     input.weather = recorded.weather[f];
     EXPECT_EQ(writer.AddFrame(input, recorded.poses[f], recorded.digests[f]), nullptr);
-    EXPECT_EQ(ReadInputLog(writer.Finish(), "x").FrameCount(), f + 1);
+    EXPECT_EQ(ReadInputLog(writer.Finish(), "x").OrThrow().FrameCount(), f + 1);
   }
   EXPECT_EQ(writer.Finish(), recorded.Write());
 }
@@ -247,8 +244,8 @@ TEST(InputLog, ForeignFilesAreNamedSo) {
   EXPECT_NE(ErrorOf({}).find("not an input log"), std::string::npos);
   const std::vector<std::byte> noise(500, std::byte{0xa5});
   EXPECT_NE(ErrorOf(noise).find("not an input log"), std::string::npos);
-  EXPECT_THROW(ReadInputLog(noise, "x"), Error);
-  EXPECT_THROW(ReadInputLogFile("no/such.peltinput"), Error);
+  EXPECT_THROW(ReadInputLog(noise, "x").OrThrow(), Error);
+  EXPECT_THROW(ReadInputLogFile("no/such.peltinput").OrThrow(), Error);
 }
 
 // Seeded damage behind a hash that is right: never a crash (run under the sanitizers), never more
@@ -263,10 +260,9 @@ TEST(InputLog, RandomDamageNeverCrashes) {
     std::vector<std::byte> damaged = bytes;
     for (int n = 0; n < 3; ++n)
       damaged[8 + random() % (i % 2 ? 200 : damaged.size() - 8)] = std::byte(random() & 255);
-    std::string error;
-    const auto log = TryReadInputLog(Reseal(damaged), "x", error);
+    const auto log = ReadInputLog(Reseal(damaged), "x");
     if (!log) {
-      EXPECT_FALSE(error.empty());
+      EXPECT_FALSE(log.error().empty());
       continue;
     }
     ++accepted;
@@ -291,7 +287,7 @@ TEST(InputLog, ManyStillCharactersStayWithinTheStatedMemory) {
   ASSERT_EQ(writer.Begin({}, grooms), nullptr);
   for (uint64_t f = 0; f < 50; ++f) ASSERT_EQ(writer.AddFrame({}, poses, f), nullptr);
   const std::vector<std::byte> bytes = writer.Finish();
-  const InputLog log = ReadInputLog(bytes, "x");
+  const InputLog log = ReadInputLog(bytes, "x").OrThrow();
   const size_t held = log.frames.capacity() * sizeof(InputLogFrame) +
                       log.frame_pose.capacity() * 4 + log.poses.capacity() * sizeof(PackedPose) +
                       log.pose_words.capacity() * 4;

@@ -91,8 +91,8 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const uint32_t frames = uint32_t(std::atoi(argv[2]));
   const std::vector<std::byte> bytes = ReadBytes(argv[1]);
-  const pelt::Groom groom = pelt::ReadGroom(bytes, argv[1]);
-  const bool round_trip = pelt::WriteGroom(groom) == bytes;
+  const pelt::Groom groom = pelt::ReadGroom(bytes, argv[1]).OrThrow();
+  const bool round_trip = pelt::WriteGroom(groom).OrThrow() == bytes;
   std::printf("here %s-endian, %zu-bit\n",
               std::endian::native == std::endian::big ? "big" : "little", 8 * sizeof(void*));
   std::printf("same groom %016llx, read and written again: %s\n",

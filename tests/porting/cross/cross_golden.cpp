@@ -12,7 +12,7 @@ namespace pelt {
 namespace {
 
 int ReplayAll(const char* recording, const char* digest_log) {
-  const InputLog log = ReadInputLogFile(recording);
+  const InputLog log = ReadInputLogFile(recording).OrThrow();
   int failed = 0;
   for (const Isa isa : kAllIsas) {
     if (!FindKernels(isa)) continue;
@@ -26,7 +26,7 @@ int ReplayAll(const char* recording, const char* digest_log) {
         Replay(log, replay, serial, [&](uint32_t) { stages.AddFrame(replay.scene(), digests); });
     std::printf("%s: %s\n", IsaName(isa).data(), DescribeReplay(result).c_str());
     failed += !result.Same();
-    WriteDigestLogFile(digests, digest_log);
+    WriteDigestLogFile(digests, digest_log).OrThrow();
   }
   return failed ? 1 : 0;
 }

@@ -45,13 +45,13 @@ void TryBadGrooms(const std::vector<std::byte>& good) {
   std::string error;
   std::vector<std::byte> bad = good;
   bad.resize(bad.size() / 2);
-  ExpectError(!pelt::TryReadGroom(bad, "cut", error), error, "it was cut or extended");
+  ExpectError(pelt::ReadGroom(bad, "cut"), "it was cut or extended");
   bad = good;
   bad[good.size() / 2] ^= std::byte{1};
-  ExpectError(!pelt::TryReadGroom(bad, "damaged", error), error, "damaged");
+  ExpectError(pelt::ReadGroom(bad, "damaged"), "damaged");
   bad.assign(20, std::byte{0x50});
-  ExpectError(!pelt::TryReadGroom(bad, "noise", error), error, "not a groom file");
-  ExpectError(!pelt::TryReadGroomFile("/no/such.groom", error), error, "no such file");
+  ExpectError(pelt::ReadGroom(bad, "noise"), "not a groom file");
+  ExpectError(pelt::ReadGroomFile("/no/such.groom"), "no such file");
 }
 
 void TryBadScenes(std::span<const pelt::Groom* const> grooms, const pelt::SceneLayout& layout) {
@@ -86,12 +86,11 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::vector<std::byte> bytes = ReadBytes(argv[1]);
   TryBadGrooms(bytes);
-  std::string error;
-  const std::optional<pelt::Groom> groom = pelt::TryReadGroom(bytes, argv[1], error);
-  Expect(groom.has_value(), "reads", error);
+  const pelt::Result<pelt::Groom> groom = pelt::ReadGroom(bytes, argv[1]);
+  Expect(bool(groom), "reads", groom.error());
   if (!groom) return 1;
-  const std::optional<std::vector<std::byte>> again = pelt::TryWriteGroom(*groom, error);
-  Expect(again == bytes, "writes the bytes it read", error);
+  const auto again = pelt::WriteGroom(*groom);
+  Expect(again && *again == bytes, "writes the bytes it read", again.error());
 
   const pelt::Groom* grooms[] = {&*groom};
   const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);

@@ -4,7 +4,6 @@
 #include "pelt/core/groom/groom_file.hpp"
 
 int main() {
-  std::string error;
-  const bool refused = !pelt::TryReadGroom({}, "nothing", error);
-  return refused && !error.empty() && outside::kErrorCode == 7 ? 0 : 1;
+  const auto groom = pelt::ReadGroom({}, "nothing");
+  return !groom && !groom.error().empty() && outside::kErrorCode == 7 ? 0 : 1;
 }

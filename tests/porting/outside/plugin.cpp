@@ -11,8 +11,7 @@ extern "C" uint64_t PluginFirstFrame(const char* groom_path);
 
 // The digest of the README's example; 0 when anything fails.
 extern "C" uint64_t PluginFirstFrame(const char* groom_path) {
-  std::string error;
-  const std::optional<pelt::Groom> groom = pelt::TryReadGroomFile(groom_path, error);
+  const auto groom = pelt::ReadGroomFile(groom_path);
   if (!groom) return 0;
   const pelt::Groom* grooms[] = {&*groom};
   const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);
