@@ -14,7 +14,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/reflect.hpp"
+#include "core/block_members.hpp"
 
 namespace pelt {
 
@@ -94,19 +94,6 @@ template <auto kRow>
 using BlockOf = typename MemberType<kRow>::Block;
 template <auto kRow>
 inline constexpr const auto& RowOf = kTable<MemberClass<kRow>>.*kRow;
-
-enum class ElementType : uint8_t { kFloat, kU32, kU16, kU8 };
-
-// One named array of a block. Rows are [component][lane]; records (lane_major) are
-// [lane][component].
-struct RowDesc {
-  std::string_view name;
-  uint32_t offset_bytes;
-  uint32_t element_count;
-  uint32_t lane_count;
-  ElementType type;
-  bool lane_major;
-};
 
 // A row with its types erased.
 struct StreamDesc {

@@ -30,9 +30,6 @@ namespace {
 
 using namespace groom_file;
 
-// Far outside any character, and small enough that the square of a skinned position is finite.
-constexpr float kLargest = 1.0e6f;
-constexpr float kLongest_m = 100.0f;
 constexpr float kUnitTolerance = 0.05f;
 constexpr float kSumTolerance = 1.0e-3f;
 constexpr uint32_t kStrandsPerLayer = 1u << 24;
@@ -110,6 +107,20 @@ class Checker {
       }
     }
     return true;
+  }
+
+  // Holds all members of the block to the bounds that their rows give.
+  template <class B>
+  bool CheckBounds(const std::vector<B>& items, size_t index) {
+    bool well = true;
+    ForEachMember<B>([&]<class M>(const BlockMember<B, M>& row) {
+      if constexpr (std::is_same_v<std::remove_all_extents_t<M>, float>)
+        well = well && (!row.HasBounds() ||
+                        CheckRange(items, index,
+                                   reinterpret_cast<const float*>(&(items[index].*row.member)),
+                                   sizeof(M) / sizeof(float), row.low, row.high));
+    });
+    return well;
   }
 
   [[nodiscard]] bool CheckSkeleton();
@@ -275,10 +286,8 @@ bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
     }
     if (live) moved.set(block.joint[i]);
   }
+  if (!CheckBounds(items, index)) return false;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!CheckRange(items, index, block.low[axis], kJointsPerCharacter, -kLargest, kLargest) ||
-        !CheckRange(items, index, block.high[axis], kJointsPerCharacter, -kLargest, kLargest))
-      return false;
     for (uint32_t i = 0; i < kJointsPerCharacter; ++i) {
       if (block.low[axis][i] > block.high[axis][i]) {
         return Fail(items, index, &block.low[axis][i], "the box is inside out");
@@ -295,11 +304,7 @@ bool Checker::CheckMesh(size_t chunk, JointSet& used) {
   if (block.vertex_count < 1 || block.vertex_count > kVerticesPerChunk) {
     return Fail(items, chunk, &block.vertex_count, Format("{} vertices", block.vertex_count));
   }
-  if (!CheckRange(items, chunk, &block.position[0][0], 3 * kVerticesPerChunk, -kLargest,
-                  kLargest) ||
-      !CheckRange(items, chunk, &block.normal[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f) ||
-      !CheckRange(items, chunk, &block.tangent[0][0], 3 * kVerticesPerChunk, -2.0f, 2.0f))
-    return false;
+  if (!CheckBounds(items, chunk)) return false;
   const auto is_unit = [&](const float(&row)[3][kVerticesPerChunk], uint32_t v) {
     const float square = row[0][v] * row[0][v] + row[1][v] * row[1][v] + row[2][v] * row[2][v];
     return std::fabs(square - 1.0f) <= kUnitTolerance ||
@@ -313,8 +318,6 @@ bool Checker::CheckMesh(size_t chunk, JointSet& used) {
 bool Checker::CheckWeights(size_t chunk, JointSet& used) {
   const auto& items = groom_.mesh;
   const MeshBlock& block = items[chunk];
-  if (!CheckRange(items, chunk, &block.weight[0][0], kInfluenceRows * kLaneGroup, 0.0f, 1.001f))
-    return false;
   for (uint32_t g = 0; g <= kVertexGroups; ++g) {
     const uint16_t row = block.group_first_row[g];
     if (row > kInfluenceRows || (g > 0 && row < block.group_first_row[g - 1])) {
@@ -367,10 +370,7 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
   if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
     return fail(&block.control_count, Format("{} control strands", block.control_count));
   }
-  if (!CheckRange(items, chunk, &block.bary[0][0], 3 * kStrandsPerChunk, -1.0e-3f, 1.001f) ||
-      !CheckRange(items, chunk, block.length, kStrandsPerChunk, 0.0f, kLongest_m) ||
-      !CheckRange(items, chunk, block.width, kStrandsPerChunk, 0.0f, kLongest_m))
-    return false;
+  if (!CheckBounds(items, chunk)) return false;
   const uint32_t controls = block.control_count ? block.control_count : lanes;
   for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
     for (const auto& corner : block.vertex)
@@ -410,11 +410,7 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
 template <class T>
 bool Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t count) {
   const T& block = items[index];
-  if (!CheckRange(items, index, &block.offset[0][0][0], sizeof(block.offset) / sizeof(float),
-                  -kLongest_m, kLongest_m) ||
-      !CheckRange(items, index, block.segment_length, kStrandsPerChunk, 0.0f, kLongest_m) ||
-      !CheckRange(items, index, block.strength, kStrandsPerChunk, 0.0f, 1.0f))
-    return false;
+  if (!CheckBounds(items, index)) return false;
   for (uint32_t i = 0; i < RoundUpToLaneGroups(count); ++i) {
     if (!(block.segment_length[i] > 0.0f)) {
       return Fail(items, index, &block.segment_length[i], "not above 0");

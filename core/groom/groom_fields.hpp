@@ -1,5 +1,6 @@
 // What the groom file holds of each struct: one list of fields for writing, reading, measuring and
-// locating. A field added to a struct is added here, and kGroomVersion goes up.
+// locating. Blocks and layer parameters are held as their rows list them; with a new row
+// kGroomVersion goes up.
 //
 // An archive is called with each field's name and the field. Arrays of any rank go element by
 // element, last index fastest. Padding is not listed and so never reaches a file.
@@ -13,7 +14,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/chunk.hpp"
+#include "core/block_rows.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt::groom_file {
@@ -22,51 +23,10 @@ namespace pelt::groom_file {
 template <class A, class T>
 concept Like = std::is_same_v<std::remove_const_t<A>, T>;
 
-void ListFields(auto&& archive, Like<SkeletonBlock> auto& b) {
-  archive("parent", b.parent);
-  archive("inverse_bind", b.inverse_bind);
-}
-
-void ListFields(auto&& archive, Like<LayerJointBlock> auto& b) {
-  archive("joint", b.joint);
-  archive("low", b.low);
-  archive("high", b.high);
-  archive("count", b.count);
-}
-
-void ListFields(auto&& archive, Like<MeshBlock> auto& b) {
-  archive("position", b.position);
-  archive("normal", b.normal);
-  archive("tangent", b.tangent);
-  archive("weight", b.weight);
-  archive("row_joint", b.row_joint);
-  archive("group_first_row", b.group_first_row);
-  archive("vertex_count", b.vertex_count);
-}
-
-void ListFields(auto&& archive, Like<StrandBlock> auto& b) {
-  archive("bary", b.bary);
-  archive("length", b.length);
-  archive("width", b.width);
-  archive("base_colour", b.base_colour);
-  archive("tip_colour", b.tip_colour);
-  archive("vertex", b.vertex);
-  archive("control", b.control);
-  archive("film_strip", b.film_strip);
-  archive("vertex_prefix", b.vertex_prefix);
-  archive("joint_mask", b.joint_mask);
-  archive("strand_count", b.strand_count);
-  archive("vertex_count", b.vertex_count);
-  archive("control_count", b.control_count);
-  archive("first_strand", b.first_strand);
-}
-
 template <class B>
-requires Like<B, RestBlock<4>> || Like<B, RestBlock<5>>
-void ListFields(auto&& archive, B& b) {
-  archive("offset", b.offset);
-  archive("segment_length", b.segment_length);
-  archive("strength", b.strength);
+requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& archive, B& block) {
+  ForEachMember<std::remove_const_t<B>>(
+      [&](const auto& member) { archive(member.name, block.*member.member); });
 }
 
 void ListFields(auto&& archive, Like<LayerParams> auto& p) {
@@ -126,7 +86,7 @@ void ListFields(auto&& archive, Like<std::string> auto& s) { archive("text", s);
 
 // The unsigned number whose little-endian bytes stand for a T.
 template <class T>
-using Bits =
+using UnsignedOf =
     std::conditional_t<sizeof(T) == 1, uint8_t,
                        std::conditional_t<sizeof(T) == 2, uint16_t,
                                           std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>>>;
@@ -139,7 +99,7 @@ void StoreNumbers(std::byte* to, const T* from, size_t count) {
     std::memcpy(to, from, count * sizeof(T));
   } else {
     for (size_t i = 0; i < count; ++i) {
-      Bits<T> bits;
+      UnsignedOf<T> bits;
       std::memcpy(&bits, from + i, sizeof(T));
       for (size_t b = 0; b < sizeof(T); ++b) *to++ = std::byte(bits >> 8 * b & 255);
     }
@@ -151,8 +111,9 @@ void LoadNumbers(T* to, const std::byte* from, size_t count) {
     std::memcpy(to, from, count * sizeof(T));
   } else {
     for (size_t i = 0; i < count; ++i) {
-      Bits<T> bits = 0;
-      for (size_t b = 0; b < sizeof(T); ++b) bits = Bits<T>(bits | Bits<T>(*from++) << 8 * b);
+      UnsignedOf<T> bits = 0;
+      for (size_t b = 0; b < sizeof(T); ++b)
+        bits = UnsignedOf<T>(bits | UnsignedOf<T>(*from++) << 8 * b);
       std::memcpy(to + i, &bits, sizeof(T));
     }
   }

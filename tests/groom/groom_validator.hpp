@@ -1,5 +1,5 @@
-// What chunk.hpp promises of baked chunks, checked one by one. Stricter than CheckGroom, which asks
-// only what kernels need to be safe.
+// What chunk.hpp promises of baked chunks, checked one by one. Stricter than FindGroomFault, which
+// asks only what kernels need to be safe.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,19 +10,26 @@
 #include <cmath>
 #include <map>
 
+#include "core/block_rows.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt::test {
 
-template <class T, size_t kRows, size_t kLanes>
-void ExpectPadded(const T (&rows)[kRows][kLanes], uint32_t used) {
-  for (size_t r = 0; r < kRows; ++r) {
-    for (size_t lane = used; lane < kLanes; ++lane) ASSERT_EQ(rows[r][lane], rows[r][used - 1]);
-  }
-}
-template <class T, size_t kLanes>
-void ExpectPadded(const T (&row)[kLanes], uint32_t used) {
-  for (size_t lane = used; lane < kLanes; ++lane) ASSERT_EQ(row[lane], row[used - 1]);
+// Of all members that have a place for each of kLanes lanes.
+template <size_t kLanes, class B>
+void ExpectAllPadded(const B& block, uint32_t used) {
+  ForEachMember<B>([&]<class M>(const BlockMember<B, M>& row) {
+    constexpr size_t kRank = std::rank_v<M>;
+    if constexpr (kRank > 0 && std::extent_v < M, kRank ? kRank - 1 : 0 > == kLanes) {
+      SCOPED_TRACE(row.name);
+      const auto* first =
+          reinterpret_cast<const std::remove_all_extents_t<M>*>(&(block.*row.member));
+      for (size_t at = 0; at < sizeof(M) / sizeof *first; ++at)
+        if (at % kLanes >= used) {
+          ASSERT_EQ(first[at], first[at / kLanes * kLanes + used - 1]);
+        }
+    }
+  });
 }
 
 template <uint32_t kPoints>
@@ -42,17 +49,13 @@ void ExpectRest(const RestBlock<kPoints>& rest, uint32_t used) {
                   1e-5 * rest.segment_length[lane] + 1e-9);
     }
   }
-  for (uint32_t i = 0; i + 1 < kPoints; ++i) ExpectPadded(rest.offset[i], used);
-  ExpectPadded(rest.segment_length, used);
-  ExpectPadded(rest.strength, used);
+  ExpectAllPadded<kStrandsPerChunk>(rest, used);
 }
 
 inline void ExpectMesh(const MeshBlock& mesh) {
   ASSERT_GT(mesh.vertex_count, 0u);
   ASSERT_LE(mesh.vertex_count, kVerticesPerChunk);
-  ExpectPadded(mesh.position, mesh.vertex_count);
-  ExpectPadded(mesh.normal, mesh.vertex_count);
-  ExpectPadded(mesh.tangent, mesh.vertex_count);
+  ExpectAllPadded<kVerticesPerChunk>(mesh, mesh.vertex_count);
   const uint32_t groups = RoundUpToLaneGroups(mesh.vertex_count) / kLaneGroup;
   ASSERT_EQ(mesh.group_first_row[0], 0u);
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
@@ -126,15 +129,7 @@ inline void ExpectStrands(const StrandBlock& strands, const MeshBlock& mesh) {
       ASSERT_LT(strands.control[i], strands.control_count);
     }
   }
-  ExpectPadded(strands.bary, n);
-  ExpectPadded(strands.length, n);
-  ExpectPadded(strands.width, n);
-  ExpectPadded(strands.base_colour, n);
-  ExpectPadded(strands.tip_colour, n);
-  ExpectPadded(strands.vertex, n);
-  ExpectPadded(strands.control, n);
-  ExpectPadded(strands.film_strip, n);
-  ExpectPadded(strands.vertex_prefix, n);
+  ExpectAllPadded<kStrandsPerChunk>(strands, n);
   uint32_t joints[kJointsPerCharacter / 32] = {};
   for (uint32_t r = 0; r < mesh.group_first_row[kVertexGroups]; ++r) {
     joints[mesh.row_joint[r] / 32] |= 1u << mesh.row_joint[r] % 32;
