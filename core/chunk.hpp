@@ -97,7 +97,7 @@ enum LayerFlag : uint32_t {
       1u << 1,  // chains at mesh vertices (4 points), strands interpolate; else a chain per strand
   kLayerFivePoints = 1u << 2,  // 5 points per chain; else 4. Never with kLayerVertexChains
   kLayerVerlet = 1u << 3,      // else PBD
-  kLayerRibbons = 1u << 4,     // else instances
+  kLayerRibbons = 1u << 4,
   kLayerClump = 1u << 5,
   kLayerBackFaceCull = 1u << 6,
   kLayerWind = 1u << 7,       // wind blows and the layer responds
@@ -105,10 +105,12 @@ enum LayerFlag : uint32_t {
   kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
   kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
 };
+// What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
+inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags =
-    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerModal;
+    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerModal | kLayerOutputFlags;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 

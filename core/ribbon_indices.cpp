@@ -19,17 +19,13 @@ void WriteRibbonIndices(std::span<uint32_t> indices) {
     WriteHair(hair * kRibbonVerticesPerHair, indices.data() + size_t(hair) * kRibbonIndicesPerHair);
 }
 
-uint32_t WriteSortedRibbonIndices(std::span<const OrderBlock> order, uint32_t visible_count,
-                                  uint32_t first_vertex, std::span<uint32_t> indices) {
-  const size_t listed = order.size() * kStrandsPerChunk;
+uint32_t WriteSortedRibbonIndices(std::span<const uint32_t> order, uint32_t first_vertex,
+                                  std::span<uint32_t> indices) {
   const size_t room = indices.size() / kRibbonIndicesPerHair;
-  size_t hairs = visible_count < listed ? visible_count : listed;
-  if (room < hairs) hairs = room;
-  for (size_t i = 0; i < hairs; ++i) {
-    const uint32_t strand = order[i / kStrandsPerChunk].strand[i % kStrandsPerChunk];
-    WriteHair(first_vertex + strand * kRibbonVerticesPerHair,
+  const size_t hairs = room < order.size() ? room : order.size();
+  for (size_t i = 0; i < hairs; ++i)
+    WriteHair(first_vertex + order[i] * kRibbonVerticesPerHair,
               indices.data() + i * kRibbonIndicesPerHair);
-  }
   return uint32_t(hairs * kRibbonIndicesPerHair);
 }
 

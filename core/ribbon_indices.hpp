@@ -25,10 +25,10 @@ inline constexpr uint32_t kRibbonIndicesPerHair = (kRibbonPoints - 1) * 6;
 // kRibbonIndicesPerHair; a rest is left as it is).
 void WriteRibbonIndices(std::span<uint32_t> indices);
 
-// Indices of the first `visible_count` hairs of a layer's order (its OrderBlocks, and
-// LayerSortBlock::visible_count), for vertices that lie in strand order from vertex
-// `first_vertex` on. Returns the number of indices written; stops at the end of either span.
-uint32_t WriteSortedRibbonIndices(std::span<const OrderBlock> order, uint32_t visible_count,
-                                  uint32_t first_vertex, std::span<uint32_t> indices);
+// Indices of the hairs of a layer in drawing order (LayerDraw::order), for vertices that lie in
+// strand order from vertex `first_vertex` on. Returns the number of indices written; stops at the
+// end of either span.
+uint32_t WriteSortedRibbonIndices(std::span<const uint32_t> order, uint32_t first_vertex,
+                                  std::span<uint32_t> indices);
 
 }  // namespace pelt

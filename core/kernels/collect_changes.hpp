@@ -3,7 +3,7 @@
 //
 // Runs before the sort, so that the sort and vertex generation can be left out for a layer whose
 // keys and records are last frame's: the order and the vertices of last frame are still there and
-// still right. Ribbons face the camera, so a moved eye rewrites them though no record changed.
+// still right. What faces the camera is written again for a moved eye though no record changed.
 //
 // Invariant: a chunk of a layer out of view reports nothing and counts nothing (see activate.hpp),
 // so such a layer has visible_count 0 and is neither sorted nor drawn; when it comes back, every
@@ -13,6 +13,7 @@
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/activate.hpp"
+#include "core/outputs.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -41,7 +42,7 @@ struct CollectChanges {
       keys |= chunk.keys_changed;
       records |= chunk.records_changed;
     }
-    if (live != 0 && p.view_changed != 0 && (ports.layer->flags & kLayerRibbons)) records = 1;
+    if (live != 0 && p.view_changed != 0 && (ports.layer->flags & kEyeFacingFlags)) records = 1;
     if (live != 0 && !(p.switches & kSwitchSkipSort)) keys = records = 1;
     ports.sort->visible_count = drawn;
     ports.sort->keys_changed = keys != 0 ? 1u : 0u;

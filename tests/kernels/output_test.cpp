@@ -311,7 +311,7 @@ TEST(RibbonIndices, SortedIndicesOverUnsortedVerticesDrawTheSortedVertices) {
   std::vector<uint32_t> plain(kDrawn * kRibbonIndicesPerHair), through(plain.size() + 5, 99u);
   WriteRibbonIndices(plain);
   const uint32_t written =
-      WriteSortedRibbonIndices({unsorted.order.begin(), kChunks}, kDrawn, 0, through);
+      WriteSortedRibbonIndices({unsorted.order.begin()->strand, kDrawn}, 0, through);
   ASSERT_EQ(written, plain.size());
   EXPECT_EQ(through[written], 99u);
   for (size_t i = 0; i < plain.size(); ++i)
@@ -319,10 +319,10 @@ TEST(RibbonIndices, SortedIndicesOverUnsortedVerticesDrawTheSortedVertices) {
                           sizeof(RibbonVertex)),
               0);
   std::vector<uint32_t> moved(plain.size());
-  WriteSortedRibbonIndices({unsorted.order.begin(), kChunks}, kDrawn, 5000, moved);
+  WriteSortedRibbonIndices({unsorted.order.begin()->strand, kDrawn}, 5000, moved);
   for (size_t i = 0; i < plain.size(); ++i) EXPECT_EQ(moved[i], through[i] + 5000);
   std::vector<uint32_t> little(2 * kRibbonIndicesPerHair + 1);
-  EXPECT_EQ(WriteSortedRibbonIndices({unsorted.order.begin(), kChunks}, kDrawn, 0, little),
+  EXPECT_EQ(WriteSortedRibbonIndices({unsorted.order.begin()->strand, kDrawn}, 0, little),
             2 * kRibbonIndicesPerHair);
 }
 

@@ -1,0 +1,118 @@
+// What vertices a layer may have: one row for each format. A new format is a kernel that writes it,
+// its stream, and a row here; setups, groom files, the plan, Draws() and the reports read the row.
+//
+// Rows are in the order of Output, whose values are in groom files. A format's bytes, and the
+// shaders that read them, are described in jobs/DRAWING.md.
+#pragma once
+
+#include <array>
+#include <iterator>
+#include <type_traits>
+
+#include "core/streams.hpp"
+
+namespace pelt {
+
+// One strand for those who draw in another way: points on its curve at equal parameters, root
+// first, in the world.
+struct StrandCurve {
+  float point[kRibbonPoints][4];  // x, y, z, full width; m
+  uint32_t base_colour;           // 0xAABBGGRR; alpha carries the LOD fade
+  uint32_t tip_colour;
+  uint32_t strand;  // its number in its layer, the same in every frame
+  uint32_t film_strip;
+};
+
+// What a vertex is, by the address.
+template <class Vertex>
+inline constexpr char kVertexType = 0;
+
+struct OutputRow {
+  std::string_view name;  // in setups, and for those who draw
+  uint32_t flag;          // the LayerFlag of its layers; of the first row 0
+  // Where the vertices are: with VertexOrder::kSorted, and with kIndexBuffer.
+  Stream in_draw_order, in_strand_order;
+  const void* vertex_type;  // address of kVertexType of it
+  uint32_t vertex_bytes, vertices_per_strand;
+  bool faces_eye;  // vertices depend on where the eye is
+  // The strands' curves, in strand order, and how one record is read.
+  Stream curves;
+  uint32_t curve_bytes;
+  StrandCurve (*read_curve)(const std::byte* record, float tip_width);
+
+  constexpr uint32_t StrandBytes() const { return vertex_bytes * vertices_per_strand; }
+};
+
+namespace outputs_detail {
+
+StrandCurve ReadCurve(const CurveRecord& record, float tip_width);
+StrandCurve ReadCurve(const RibbonRecord& record, float tip_width);
+
+template <class Block>
+StrandCurve ReadCurveAt(const std::byte* record, float tip_width) {
+  using Record = std::remove_extent_t<decltype(Block::record)>;
+  return ReadCurve(*reinterpret_cast<const Record*>(record), tip_width);
+}
+
+// Vertex is one of kVerticesPerStrand that a block of kInDrawOrder has for each strand.
+template <auto kInDrawOrder, auto kInStrandOrder, auto kCurves, class Vertex>
+constexpr OutputRow Row(std::string_view name, uint32_t flag, bool faces_eye) {
+  constexpr uint32_t kBytes = sizeof(BlockOf<kInDrawOrder>) / kStrandsPerChunk;
+  static_assert(sizeof(BlockOf<kInStrandOrder>) / kStrandsPerChunk == kBytes);
+  static_assert(kBytes % sizeof(Vertex) == 0);
+  return {name,
+          flag,
+          StreamOf<kInDrawOrder>,
+          StreamOf<kInStrandOrder>,
+          &kVertexType<Vertex>,
+          sizeof(Vertex),
+          kBytes / sizeof(Vertex),
+          faces_eye,
+          StreamOf<kCurves>,
+          sizeof(BlockOf<kCurves>) / kStrandsPerChunk,
+          &ReadCurveAt<BlockOf<kCurves>>};
+}
+
+inline constexpr OutputRow kRows[] = {
+    Row<&Streams::instances, &Streams::curves, &Streams::curves, CurveRecord>("instances", 0,
+                                                                              false),
+    Row<&Streams::ribbon_vertices, &Streams::ribbon_vertices, &Streams::ribbons, RibbonVertex>(
+        "ribbons", kLayerRibbons, true),
+};
+
+constexpr auto NamesOf() {
+  std::array<std::string_view, std::size(kRows)> names;
+  for (size_t i = 0; i < names.size(); ++i) names[i] = kRows[i].name;
+  return names;
+}
+
+constexpr uint32_t FlagsOf(bool eye_facing_only) {
+  uint32_t flags = 0;
+  for (const OutputRow& row : kRows)
+    if (row.faces_eye || !eye_facing_only) flags |= row.flag;
+  return flags;
+}
+static_assert(FlagsOf(false) == kLayerOutputFlags);
+
+}  // namespace outputs_detail
+
+inline constexpr auto& kOutputs = outputs_detail::kRows;
+inline constexpr uint32_t kOutputCount = std::size(kOutputs);
+inline constexpr auto kOutputNames = outputs_detail::NamesOf();
+// Of layers whose vertices depend on where the eye is.
+inline constexpr uint32_t kEyeFacingFlags = outputs_detail::FlagsOf(true);
+
+// The output whose vertices a stream has; null for other streams.
+constexpr const OutputRow* FindOutputIn(Stream stream) {
+  for (const OutputRow& row : kOutputs)
+    if (row.in_draw_order == stream || row.in_strand_order == stream) return &row;
+  return nullptr;
+}
+// The place in kOutputs (Output, core/groom/layer_params.hpp) of layers of this kind.
+constexpr uint32_t OutputOf(uint32_t layer_kind) {
+  for (uint32_t i = 1; i < kOutputCount; ++i)
+    if (layer_kind & kOutputs[i].flag) return i;
+  return 0;
+}
+
+}  // namespace pelt
