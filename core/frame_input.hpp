@@ -5,11 +5,17 @@
 #include <cstdint>
 #include <span>
 
-#include "core/kernels/wind.hpp"
-#include "core/layer_block.hpp"
+#include "core/chunk.hpp"
 #include "core/view.hpp"
+#include "core/wind_setup.hpp"
 
 namespace pelt {
+
+// How wet and how dirty a character is, each 0 (dry, clean) to 1; values outside are clamped.
+struct Weather {
+  float wetness = 0.0f;
+  float dirt = 0.0f;
+};
 
 struct LodSettings {
   float full_detail_px = 400.0f;  // on-screen size from which a layer has all its strands

@@ -22,45 +22,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
+#include "core/kernel_desc.hpp"
 #include "core/simd.hpp"
 #include "core/stream_table.hpp"
 
 namespace pelt {
-
-enum class Access : uint8_t {
-  kIn,        // own block, read
-  kOut,       // own block, every byte the readers use is written: costs no DMA get
-  kInOut,     // own block, read and written
-  kShared,    // the one block of a coarser domain that the item belongs to, read
-  kAll,       // every block of a finer domain inside the item, read: implies a barrier
-  kAllOut,    // the same, written
-  kAllInOut,  // the same, read and written
-  kGather,    // records anywhere in the layer, read by index: implies a barrier
-  kScatter,   // records anywhere in the layer, written by index, each index by one chunk only
-};
-
-constexpr bool IsWritten(Access a) {
-  return a == Access::kOut || a == Access::kInOut || a == Access::kAllOut ||
-         a == Access::kAllInOut || a == Access::kScatter;
-}
-// Needs what was there before.
-constexpr bool IsRead(Access a) {
-  return a != Access::kOut && a != Access::kAllOut && a != Access::kScatter;
-}
-
-// What the executor hands a port. `block` is the first byte; `count` the number of blocks behind it
-// (All, AllOut) or of records (Gather, Scatter); `index` is the record list of Gather and Scatter,
-// null when records are addressed directly.
-struct Binding {
-  void* block;
-  uint32_t* index;
-  uint32_t count;
-};
 
 namespace kernel_detail {
 
@@ -80,7 +50,7 @@ struct OneBlock : PortOf<kRow, kHow> {
   static_assert(sizeof(T) % 16 == 0, "a block must be a legal DMA transfer");
   static constexpr uint32_t kBytes = sizeof(T);
   T* block = nullptr;
-  PELT_INLINE void Bind(const Binding& b) { block = static_cast<T*>(b.block); }
+  PELT_INLINE void Bind(const Binding& binding) { block = static_cast<T*>(binding.block); }
   PELT_INLINE T* operator->() const { return block; }
   PELT_INLINE T& operator*() const { return *block; }
 };
@@ -91,9 +61,9 @@ struct AllBlocks : PortOf<kRow, kHow> {
   static constexpr uint32_t kBytes = sizeof(T);
   T* blocks = nullptr;
   uint32_t count = 0;
-  PELT_INLINE void Bind(const Binding& b) {
-    blocks = static_cast<T*>(b.block);
-    count = b.count;
+  PELT_INLINE void Bind(const Binding& binding) {
+    blocks = static_cast<T*>(binding.block);
+    count = binding.count;
   }
   PELT_INLINE T& operator[](uint32_t i) const { return blocks[i]; }
 };
@@ -130,13 +100,14 @@ struct AllInOut : kernel_detail::AllBlocks<kRow, Access::kAllInOut, BlockOf<kRow
 template <auto kRow, auto kList>
 struct Gather : kernel_detail::PortOf<kRow, Access::kGather> {
   using Record = kernel_detail::RecordOf<BlockOf<kRow>>;
+  static_assert(std::is_same_v<MemberClass<kRow>, MemberClass<kList>>);
   static constexpr Stream kRecordList = StreamOf<kList>;
   static constexpr uint32_t kBytes = sizeof(Record);
   const Record* records = nullptr;
   const uint32_t* index = nullptr;
-  PELT_INLINE void Bind(const Binding& b) {
-    records = static_cast<const Record*>(b.block);
-    index = b.index;
+  PELT_INLINE void Bind(const Binding& binding) {
+    records = static_cast<const Record*>(binding.block);
+    index = binding.index;
   }
   PELT_INLINE const Record& operator[](uint32_t i) const { return records[index ? index[i] : i]; }
 };
@@ -149,9 +120,9 @@ struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
   static constexpr uint32_t kBytes = sizeof(Record);
   Record* records = nullptr;
   uint32_t* index = nullptr;
-  PELT_INLINE void Bind(const Binding& b) {
-    records = static_cast<Record*>(b.block);
-    index = b.index;
+  PELT_INLINE void Bind(const Binding& binding) {
+    records = static_cast<Record*>(binding.block);
+    index = binding.index;
   }
   PELT_INLINE void Put(uint32_t i, uint32_t to, const Record& value) const {
     if (index) {
@@ -161,27 +132,6 @@ struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
       records[to] = value;
     }
   }
-};
-
-// The kernel's view of one port, for the plan. `record_list` names the stream that holds the
-// indices of a Gather port.
-struct PortDesc {
-  Stream stream;
-  Access access;
-  Domain domain;         // the stream's
-  uint32_t block_bytes;  // Gather, Scatter: bytes of one record
-  uint32_t stride;       // from one block of the stream to the next
-  Stream record_list;
-};
-
-inline constexpr uint32_t kMaxPorts = 12;
-
-// A kernel with its types erased: what the frame's table holds.
-struct KernelDesc {
-  std::string_view name;
-  std::span<const PortDesc> ports;
-  uint32_t params_bytes;
-  void (*run)(const void* params, const Binding* bindings);
 };
 
 // Erases a kernel's types.

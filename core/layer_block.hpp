@@ -10,16 +10,14 @@
 #include <cstdint>
 
 #include "core/chunk.hpp"
+#include "core/frame_input.hpp"
 #include "core/groom/layer_params.hpp"
 #include "core/modal/modal_course.hpp"
 
 namespace pelt {
 
-// How wet and how dirty a character is, each 0 (dry, clean) to 1; values outside are clamped.
-struct Weather {
-  float wetness = 0.0f;
-  float dirt = 0.0f;
-};
+// The layer's kind: its flags that are fixed when the scene is made (kLayerKindFlags).
+uint32_t LayerKind(const LayerParams& params);
 
 // The block of a layer for a step of `dt` seconds.
 //  gravity       m/s^2, world; the layer's weight is applied here

@@ -13,6 +13,11 @@
 
 namespace pelt {
 
+enum class VertexOrder : uint8_t {
+  kSorted,      // vertices lie in draw order
+  kIndexBuffer  // vertices lie in strand order; the stream `order` is the sorted index buffer
+};
+
 // One strand for those who draw in another way: points on its curve at equal parameters, root
 // first, in the world.
 struct StrandCurve {

@@ -26,7 +26,9 @@
 #include "core/error.hpp"
 #include "core/frame_input.hpp"
 #include "core/groom/groom.hpp"
+#include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
+#include "core/layer_block.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/pose_gate.hpp"
 

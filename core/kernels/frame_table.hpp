@@ -11,20 +11,13 @@
 #include <string_view>
 #include <vector>
 
-#include "core/kernels/frame_params.hpp"
+#include "core/isa.hpp"
+#include "core/outputs.hpp"
 #include "core/stage.hpp"
 
 namespace pelt {
 
-// kSimd128: the 128-bit vectors of a machine other than x86 (NEON, AltiVec).
-enum class Isa : uint8_t { kReference, kSse4, kAvx2, kAvx512, kSimd128 };
-inline constexpr Isa kAllIsas[] = {Isa::kReference, Isa::kSse4, Isa::kAvx2, Isa::kAvx512,
-                                   Isa::kSimd128};
-
-enum class VertexOrder : uint8_t {
-  kSorted,      // vertices lie in draw order
-  kIndexBuffer  // vertices lie in strand order; the stream `order` is the sorted index buffer
-};
+struct FrameParams;
 
 struct FrameRow {
   KernelDesc kernel;
@@ -43,10 +36,6 @@ struct FrameTable {
 
 // Null when the set was not built or this processor lacks it.
 const FrameTable* FindKernels(Isa isa);
-// The widest set this processor runs.
-Isa BestIsa();
-std::string_view IsaName(Isa isa);  // "reference", "sse4", "avx2", "avx512", "simd128"
-std::optional<Isa> ParseIsa(std::string_view name);
 
 // The stages of a frame. They point into `params`, which must outlive every plan made of them.
 std::vector<Stage> MakeStages(const FrameTable& table, const FrameParams& params,

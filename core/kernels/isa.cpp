@@ -1,3 +1,5 @@
+#include "core/isa.hpp"
+
 #include "core/kernels/frame_table.hpp"
 
 namespace pelt {

@@ -15,6 +15,7 @@
 #include "core/kernel.hpp"
 #include "core/simd/perlin.hpp"
 #include "core/streams.hpp"
+#include "core/wind_setup.hpp"
 
 namespace pelt {
 
@@ -23,15 +24,6 @@ struct WindParams {
   float turbulence;          // largest component that the noise adds, m/s
   float frequency;           // noise cells a metre
   float scroll[3];           // noise offset of this frame, cells, in [0, kPerlinPeriod)
-};
-
-// The wind as the user sets it.
-struct WindSetup {
-  float velocity[3] = {0.0f, 0.0f, 0.0f};  // mean, m/s
-  float gust_strength = 0.0f;              // 0.5: gusts swing the mean by up to half
-  float gust_period_s = 4.0f;              // of the slowest sine; must be above 0
-  float turbulence = 0.0f;                 // m/s
-  float turbulence_scale_m = 1.0f;         // size of an eddy; must be above 0
 };
 
 // Wind of the moment `time_s` (0 or later), in core/wind_setup.cpp. Exact for weeks: phases are
