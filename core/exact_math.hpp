@@ -18,6 +18,7 @@
 namespace pelt::exact {
 
 inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kRadiansPerDegree = kPi / 180.0;
 
 // Largest whole number not above x. Exact for every double; NaN and infinities pass through.
 inline double Floor(double x) {

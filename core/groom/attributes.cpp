@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/block_rows.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/random.hpp"
@@ -10,27 +11,21 @@
 namespace pelt {
 namespace {
 
-constexpr double kRadians = exact::kPi / 180.0;
+// What a random number is for, besides the attributes' own. The values are part of what a groom
+// looks like: never renumber.
+enum Purpose : uint64_t { kFrizzTilt = 12, kBrightness, kFilmStrip };
 
-// What a random number is for. The values are part of what a groom looks like: never renumber.
-enum Purpose : uint64_t {
-  kOffset = 1,
-  kLength,
-  kWidth,
-  kDirection,
-  kCurl,
-  kTwist,
-  kAzimuth,
-  kElevation,
-  kFrizz,
-  kStrength,
-  kColourShare,
-  kFrizzTilt,
-  kBrightness,
-  kFilmStrip,
-};
+constexpr bool DrawsByNumbersOfTheirOwn() {
+  for (const StrandAttribute& row : kStrandAttributes) {
+    if (row.random >= kFrizzTilt && row.random <= kFilmStrip) return false;
+    for (const StrandAttribute& other : kStrandAttributes)
+      if (&other != &row && other.random == row.random) return false;
+  }
+  return true;
+}
+static_assert(DrawsByNumbersOfTheirOwn());
 
-Random RandomFor(uint64_t seed, Purpose purpose, uint32_t owner) {
+Random RandomFor(uint64_t seed, uint64_t purpose, uint32_t owner) {
   return Random(MixSeed(MixSeed(seed, purpose), owner));
 }
 
@@ -40,19 +35,30 @@ struct Place {
   uint32_t owner;  // strand or vertex
 };
 
-double Evaluate(const Attribute& attribute, const Place& place, Purpose purpose) {
+double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place& place) {
+  const Attribute& attribute = layer.*row.member;
   double value = attribute.value;
   if (attribute.map.map) {
     value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel));
   }
   if (attribute.randomise != 0.0f) {
     value *= 1.0 + double(attribute.randomise) *
-                       RandomFor(place.seed, purpose, place.owner).Uniform(-1.0, 1.0);
+                       RandomFor(place.seed, row.random, place.owner).Uniform(-1.0, 1.0);
   }
   if (const auto& range = attribute.range) {
     value = std::clamp(value, double(range->x), double(range->y));
   }
   return value;
+}
+
+// Held to the bounds of the member that stores it.
+float Stored(const StrandAttribute& row, double value) {
+  ForEachMember<StrandBlock>([&](const auto& member) {
+    if constexpr (std::is_same_v<decltype(member.member), const decltype(row.stored)>)
+      if (member.member == row.stored)
+        value = std::clamp(value, double(member.low), double(member.high));
+  });
+  return float(value);
 }
 
 glm::dvec3 Unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
@@ -146,28 +152,32 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
       mesh_.uv.empty() ? glm::vec2(0.0f) : Interpolate(mesh_.uv, mesh_, point.place);
   const Place place{uv, layer_.seed, strand};
 
-  const double length = std::max(Evaluate(layer_.length, place, kLength), double(kShortestStrand));
+  for (size_t i = 0; i < kStrandAttributes.size(); ++i)
+    if (const StrandAttribute& row = kStrandAttributes[i]; row.stored)
+      groomed.stored[i] = Stored(row, Evaluate(layer_, row, place));
+  const auto value = [&](Attribute LayerSetup::*attribute) {
+    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
+  };
+  const double length = std::max(value(&LayerSetup::length), double(kShortestStrand));
   groomed.length = float(length);
-  groomed.width = float(std::max(Evaluate(layer_.width, place, kWidth), 0.0));
-  groomed.strength = float(std::clamp(Evaluate(layer_.strength, place, kStrength), 0.0, 1.0));
+  groomed.strength = float(std::clamp(value(&LayerSetup::strength), 0.0, 1.0));
 
-  glm::dvec3 direction =
-      comb_.Direction(point.position, groomed.frame, Evaluate(layer_.azimuth, place, kAzimuth),
-                      Evaluate(layer_.elevation, place, kElevation));
-  const double turn = Evaluate(layer_.direction, place, kDirection) * kRadians;
+  glm::dvec3 direction = comb_.Direction(point.position, groomed.frame, value(&LayerSetup::azimuth),
+                                         value(&LayerSetup::elevation));
+  const double turn = value(&LayerSetup::direction) * exact::kRadiansPerDegree;
   if (turn != 0.0) {
     const double s = exact::Sin(turn), c = exact::Cos(turn);
     direction = {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
   }
-  const double frizz = Evaluate(layer_.frizz, place, kFrizz) * kRadians;
+  const double frizz = value(&LayerSetup::frizz) * exact::kRadiansPerDegree;
   if (frizz != 0.0) {
     direction = Tilt(direction, frizz, RandomFor(layer_.seed, kFrizzTilt, strand));
   }
   groomed.rest = MakeRestShape(
-      KeepAboveSurface(direction), length, Evaluate(layer_.curl, place, kCurl) * kRadians,
-      Evaluate(layer_.twist, place, kTwist) * kRadians, layer_.params.points);
+      KeepAboveSurface(direction), length, value(&LayerSetup::curl) * exact::kRadiansPerDegree,
+      value(&LayerSetup::twist) * exact::kRadiansPerDegree, layer_.params.points);
 
-  const double variation = Evaluate(layer_.colour_variation, place, kColourShare);
+  const double variation = value(&LayerSetup::colour_variation);
   glm::vec3 tint(1.0f);
   if (layer_.colour_map.map) {
     for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i);
@@ -182,7 +192,8 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
 
 float AttributeMaker::LiftVertex(uint32_t vertex) const {
   const glm::vec2 uv = mesh_.uv.empty() ? glm::vec2(0.0f) : mesh_.uv[vertex];
-  return float(Evaluate(layer_.offset, {uv, layer_.seed, vertex}, kOffset));
+  return float(
+      Evaluate(layer_, kStrandAttributes[PlaceOf(&LayerSetup::offset)], {uv, layer_.seed, vertex}));
 }
 
 }  // namespace pelt

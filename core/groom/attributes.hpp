@@ -29,9 +29,9 @@ struct GroomedStrand {
   glm::vec3 position;  // of the root: rest pose, m
   RootFrame frame;     // rest pose
   RestShape rest;
-  float length;    // m
-  float width;     // m
-  float strength;  // 0..1
+  float length;                            // m
+  float strength;                          // 0..1
+  float stored[kStrandAttributes.size()];  // of those that a StrandBlock stores
   uint32_t base_colour, tip_colour;
   uint8_t film_strip;
 };

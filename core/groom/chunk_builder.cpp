@@ -114,7 +114,8 @@ void FillStrands(const LayerBake& bake, const Patch& patch, const LocalVertices&
       highest = std::max(highest, block.vertex[i][lane]);
     }
     block.length[lane] = strand.length;
-    block.width[lane] = strand.width;
+    for (size_t i = 0; i < kStrandAttributes.size(); ++i)
+      if (const auto stored = kStrandAttributes[i].stored) (block.*stored)[lane] = strand.stored[i];
     block.base_colour[lane] = strand.base_colour;
     block.tip_colour[lane] = strand.tip_colour;
     block.film_strip[lane] = strand.film_strip;

@@ -11,8 +11,6 @@
 namespace pelt {
 namespace {
 
-constexpr double kRadians = exact::kPi / 180.0;
-
 double Square(const glm::dvec3& v) { return glm::dot(v, v); }
 
 glm::dvec3 UnitOr(const glm::dvec3& v, const glm::dvec3& fallback) {
@@ -110,9 +108,10 @@ glm::dvec3 Comb::Direction(const glm::vec3& position, const RootFrame& frame, do
     heading = frame.ToFrame(joint_direction_);
     heading.z = 0.0;
   } else {
-    heading = {exact::Cos(azimuth * kRadians), exact::Sin(azimuth * kRadians), 0.0};
+    heading = {exact::Cos(azimuth * exact::kRadiansPerDegree),
+               exact::Sin(azimuth * exact::kRadiansPerDegree), 0.0};
   }
-  const double raise = elevation * kRadians;
+  const double raise = elevation * exact::kRadiansPerDegree;
   const glm::dvec3 fallback = UnitOr(heading * exact::Cos(raise) + up * exact::Sin(raise), up);
 
   glm::dvec3 combed(0.0);

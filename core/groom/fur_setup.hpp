@@ -106,6 +106,62 @@ struct LayerSetup {
   uint32_t film_strip_count = 1;                               // index is picked at random below it
 };
 
+// An attribute that every strand (or mesh vertex) has a value of: its key, and where the value
+// goes.
+struct StrandAttribute {
+  Attribute LayerSetup::*member;
+  std::string_view key, unit;
+  double low, high;  // inclusive, of `value` and `range`
+  std::string_view text;
+  KeyGroup group;
+  // What its random numbers are drawn by: a number of its own, and part of what a groom looks like,
+  // never changed.
+  uint64_t random;
+  // Where each strand's value is stored, within the bounds of that member's row; null: it shapes
+  // the strand (attributes.cpp).
+  float (StrandBlock::*stored)[kStrandsPerChunk] = nullptr;
+};
+
+namespace strand_attributes_detail {
+
+using L = LayerSetup;
+inline constexpr double kDegrees = 360.0;
+inline constexpr double kBend = 1.0e5;  // degrees per metre: a full turn in 3.6 mm
+
+// clang-format off
+inline constexpr StrandAttribute kRows[] = {
+    {&L::offset, "offset", "m", -1, 1, "root above the skin, along the normal",
+     KeyGroup::kLook, 1},
+    {&L::length, "length", "m", 1e-4, 10, "root to tip along the strand", KeyGroup::kLook, 2},
+    {&L::width, "width", "m", 1e-6, 0.1, "at the root", KeyGroup::kLook, 3, &StrandBlock::width},
+    {&L::direction, "direction", "degrees", -kDegrees, kDegrees,
+     "turns the groomed direction about the normal", KeyGroup::kLook, 4},
+    {&L::curl, "curl", "degrees/m", -kBend, kBend, "bending along the strand", KeyGroup::kLook, 5},
+    {&L::twist, "twist", "degrees/m", -kBend, kBend,
+     "turning of the bend about the strand's own axis", KeyGroup::kLook, 6},
+    {&L::azimuth, "azimuth", "degrees", -kDegrees, kDegrees,
+     "groomed direction about the normal, from the tangent", KeyGroup::kLook, 7},
+    {&L::elevation, "elevation", "degrees", -90, 90, "above the surface; 90 stands up",
+     KeyGroup::kLook, 8},
+    {&L::frizz, "frizz", "degrees", 0, 90, "random tilt at the root", KeyGroup::kLook, 9},
+    {&L::colour_variation, "colour_variation", "", 0, 1, "random brightness, a share",
+     KeyGroup::kLook, 11},
+    {&L::strength, "strength", "", 0, 1, "of the simulation; 0 follows the skin",
+     KeyGroup::kMotion, 10},
+};
+// clang-format on
+
+}  // namespace strand_attributes_detail
+
+inline constexpr std::span<const StrandAttribute> kStrandAttributes =
+    strand_attributes_detail::kRows;
+// Its place in kStrandAttributes.
+constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
+  size_t place = 0;
+  while (kStrandAttributes[place].member != member) ++place;
+  return place;
+}
+
 struct FurSetup {
   std::string path;                 // for messages
   std::optional<float> unit_scale;  // metres a file unit; default from the bounding box

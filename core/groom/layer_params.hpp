@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/chunk.hpp"
 #include "core/modal/modal_quality.hpp"
 
 namespace pelt {
@@ -58,6 +59,9 @@ struct LayerParams {
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
 };
+
+// Parts of `pelt bake --keys`.
+enum class KeyGroup : uint8_t { kLayer, kGrowth, kLook, kMotion, kWeather };
 
 // Inclusive bounds of the parameter that the setup calls `key`; of an enumeration, of its value.
 struct ParamBounds {

@@ -39,6 +39,8 @@ Attribute Varying(float value, float randomise) {
   return attribute;
 }
 
+float WidthOf(const GroomedStrand& strand) { return strand.stored[PlaceOf(&LayerSetup::width)]; }
+
 double Degrees(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
 }
@@ -96,8 +98,8 @@ TEST(Attributes, RandomiseStaysInsideItsBoundsAndUsesThem) {
     least = std::min(least, s.length);
     most = std::max(most, s.length);
     sum += s.length;
-    EXPECT_GE(s.width, 0.0008f - 1e-7f);
-    EXPECT_LE(s.width, 0.0012f + 1e-7f);
+    EXPECT_GE(WidthOf(s), 0.0008f - 1e-7f);
+    EXPECT_LE(WidthOf(s), 0.0012f + 1e-7f);
     EXPECT_NEAR(glm::length(s.rest.offset[0]) * 3.0, s.length, 1e-6);
   }
   EXPECT_GE(least, 0.03f - 1e-6f);
@@ -139,7 +141,7 @@ TEST(Attributes, ChangingOneMovesNoOther) {
   f.layer.length.randomise = 0.0f;
   f.layer.frizz = Attribute(20.0f);
   const auto after = f.Groom();
-  for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].width, after[i].width);
+  for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(WidthOf(before[i]), WidthOf(after[i]));
 }
 
 TEST(Attributes, FrizzTiltsByAtMostItsAngleAndDirectionTurns) {

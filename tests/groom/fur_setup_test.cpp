@@ -156,12 +156,35 @@ TEST_F(FurSetupTest, EveryKeyLandsInItsField) {
         << c.key << " from [defaults]";
   }
   for (const auto& row : Schema<LayerSetup>()) {
+    // Numbers and attributes that have a row are tried below, each against all others.
+    if (row.info.type == "number" || row.info.type == "attribute") continue;
     EXPECT_EQ(tried.count(std::string(row.info.key)), 1u) << row.info.key << " is not tried above";
   }
 }
 
+TEST_F(FurSetupTest, EveryNumberOfALayerLandsInItsMemberAlone) {
+  const LayerParams builtin;
+  uint32_t tried = 0;
+  ForEachLayerParam([&]<class T>(const LayerParamRow<T>& row) {
+    if constexpr (std::is_same_v<T, float>) {
+      const double value = (row.low + 3.0 * row.high) / 4.0;
+      const LayerParams read =
+          Read("[[layer]]\nname = 'x'\n" + std::string(row.key) + " = " + std::to_string(value))
+              .layers.at(0)
+              .params;
+      EXPECT_EQ(read.*row.member, float(value)) << row.key;
+      ForEachLayerParam([&](const auto& other) {
+        EXPECT_EQ(read.*other.member == builtin.*other.member, other.key != row.key)
+            << row.key << ", " << other.key;
+      });
+      ++tried;
+    }
+  });
+  EXPECT_GT(tried, 20u);
+}
+
 TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
-  int tried = 0;
+  size_t tried = 0;
   for (const auto& row : Schema<LayerSetup>()) {
     if (row.info.type != "attribute" || row.info.key == "density") continue;
     const std::string key(row.info.key);
@@ -171,17 +194,14 @@ TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
                             ", randomise = 0.5, " + "range = [" + half.str() + ", " + half.str() +
                             "], map = 'maps/m.png', channel = 'g' }");
     const LayerSetup& l = setup.layers[0];
-    const Attribute* all[] = {&l.offset, &l.length,   &l.width,           &l.direction,
-                              &l.curl,   &l.twist,    &l.azimuth,         &l.elevation,
-                              &l.frizz,  &l.strength, &l.colour_variation};
-    int changed = 0;
-    for (const Attribute* a : all) {
-      if (a->randomise == 0.5f && a->range && a->map.map && a->map.channel == 1) ++changed;
+    for (const StrandAttribute& attribute : kStrandAttributes) {
+      const Attribute& a = l.*attribute.member;
+      const bool changed = a.randomise == 0.5f && a.range && a.map.map && a.map.channel == 1;
+      EXPECT_EQ(changed, attribute.key == key) << key << ", " << attribute.key;
     }
-    EXPECT_EQ(changed, 1) << key;
     ++tried;
   }
-  EXPECT_EQ(tried, 11);
+  EXPECT_EQ(tried, kStrandAttributes.size());
 }
 
 TEST_F(FurSetupTest, MaskHoldsEverything) {
