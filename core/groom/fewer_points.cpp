@@ -47,7 +47,7 @@ RestBlock<kTo> Resample(const RestBlock<kFrom>& from) {
 
 }  // namespace
 
-uint32_t FewestPoints() { return uint32_t(FindParamBounds("points")->low); }
+uint32_t FewestPoints() { return uint32_t(LayerParamRowOf(&LayerParams::points).low); }
 
 bool HasMorePoints(const Groom& groom) {
   return std::ranges::any_of(groom.layers,

@@ -29,39 +29,15 @@ requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& arch
       [&](const auto& member) { archive(member.name, block.*member.member); });
 }
 
-void ListFields(auto&& archive, Like<LayerParams> auto& p) {
-  archive("enabled", p.enabled);
-  archive("sort_bias", p.sort_bias);
-  archive("solver", p.solver);
-  archive("chain", p.chain);
-  archive("points", p.points);
-  archive("output", p.output);
-  archive("frequency", p.frequency_hz);
-  archive("damping_ratio", p.damping_ratio);
-  archive("quality", p.quality);
-  archive("max_distance", p.max_distance);
-  archive("iterations", p.iterations);
-  archive("weight", p.weight);
-  archive("bounce", p.bounce);
-  archive("velocity_damping", p.velocity_damping);
-  archive("motion_damping", p.motion_damping);
-  archive("segment_hardness", p.segment_hardness);
-  archive("angular_hardness_middle", p.angular_hardness_middle);
-  archive("angular_hardness_end", p.angular_hardness_end);
-  archive("surface_hardness", p.surface_hardness);
-  archive("stiffness", p.stiffness);
-  archive("clump", p.clump);
-  archive("tip_width", p.tip_width);
-  archive("backface_cull", p.backface_cull);
-  archive("backface_tolerance", p.backface_tolerance);
-  archive("wind_response", p.wind_response);
-  archive("wet_weight", p.wet_weight);
-  archive("wet_clump", p.wet_clump);
-  archive("wet_hardness", p.wet_hardness);
-  archive("wet_darken", p.wet_darken);
-  archive("dirt_red", p.dirt_colour[0]);
-  archive("dirt_green", p.dirt_colour[1]);
-  archive("dirt_blue", p.dirt_colour[2]);
+void ListFields(auto&& archive, Like<LayerParams> auto& params) {
+  ForEachLayerParam([&](const auto& row) {
+    auto& value = params.*row.member;
+    if constexpr (requires { value.size(); }) {
+      for (size_t i = 0; i < value.size(); ++i) archive(row.in_file[i], value[i]);
+    } else {
+      archive(row.key, value);
+    }
+  });
 }
 
 void ListFields(auto&& archive, Like<GroomLayer> auto& l) {

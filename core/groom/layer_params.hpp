@@ -1,19 +1,27 @@
-// What the frame needs of a layer's setup: plain data, stored in the groom file field by field, and
-// the bounds of every value.
+// What the frame needs of a layer's setup: plain data, and a row that says everything about each
+// member: its key in the setup, unit, bounds, meaning, and where it goes in the frame.
+//
+// The setup's schema (setup_schema.cpp), the groom file, the check of its values and the frame's
+// layer block go through the rows, in the order of the members, which is that of the file. So a
+// value that the setup may hold is one that the groom reader accepts, and no other.
 //
 // Apart from the fur setup it comes from, because an engine that only reads grooms needs neither
-// TOML nor GLM. The setup's schema (setup_schema.cpp) takes its bounds from here, so a value that
-// the setup may hold is one that the groom reader accepts, and no other.
+// TOML nor GLM.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
 
 #include "core/chunk.hpp"
 #include "core/modal/modal_quality.hpp"
+#include "core/outputs.hpp"
+#include "core/reflect.hpp"
 
 namespace pelt {
 
@@ -60,16 +68,135 @@ struct LayerParams {
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
 };
 
+// How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
+// layer_block.cpp.
+enum class InFrame : uint8_t { kAsItIs, kClamped, kSoftened };  // the last: clamped, less when wet
+
 // Parts of `pelt bake --keys`.
 enum class KeyGroup : uint8_t { kLayer, kGrowth, kLook, kMotion, kWeather };
 
-// Inclusive bounds of the parameter that the setup calls `key`; of an enumeration, of its value.
-struct ParamBounds {
-  std::string_view key;
-  double low, high;
+template <class T>
+struct LayerParamRow {
+  T LayerParams::*member;
+  std::string_view key, unit;
+  double low, high;       // inclusive; of an enumeration, of its value
+  std::string_view text;  // for people
+  KeyGroup group;
+  std::span<const std::string_view> words = {};  // of an enumeration, in value order
+  T LayerBlock::*frame = nullptr;                // null: see layer_block.cpp
+  InFrame how = InFrame::kAsItIs;
+  std::span<const std::string_view> in_file = {};  // names of an array's elements; else the key
 };
-// Null for a key that is not one of LayerParams with bounds.
-const ParamBounds* FindParamBounds(std::string_view key);
+
+namespace layer_params_detail {
+
+using P = LayerParams;
+using B = LayerBlock;
+using Text = std::string_view;
+using enum InFrame;
+using enum KeyGroup;
+
+inline constexpr Text kSolverWords[] = {"pbd", "verlet", "modal"};
+inline constexpr Text kQualityWords[] = {"fast", "default", "best"};
+inline constexpr Text kChainWords[] = {"vertex", "strand"};
+inline constexpr Text kDirtFields[] = {"dirt_red", "dirt_green", "dirt_blue"};
+
+template <class T>
+constexpr LayerParamRow<T> Row(T P::*member, KeyGroup group, Text key, Text unit, double low,
+                               double high, Text text, T B::*frame = nullptr,
+                               InFrame how = kAsItIs) {
+  return {member, key, unit, low, high, text, group, {}, frame, how};
+}
+template <class T>
+constexpr LayerParamRow<T> WordRow(T P::*member, KeyGroup group, Text key,
+                                   std::span<const Text> words, Text text) {
+  return {member, key, "", 0, double(words.size() - 1), text, group, words};
+}
+constexpr LayerParamRow<bool> SwitchRow(bool P::*member, KeyGroup group, Text key, Text text) {
+  return {member, key, "", 0, 1, text, group};
+}
+
+// Bounds are there to catch slips and to keep hostile files from asking for absurd amounts of work;
+// they are far outside what looks good.
+// clang-format off
+inline constexpr auto kRows = std::tuple{
+    SwitchRow(&P::enabled, kLayer, "enabled", "baked but not run when false"),
+    Row(&P::sort_bias, kLayer, "sort_bias", "", -1000, 1000, "layers are drawn in ascending bias",
+        &B::sort_bias),
+    WordRow(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
+    WordRow(&P::chain, kLayer, "chain", kChainWords,
+            "chains at mesh vertices, or one for each strand"),
+    Row(&P::points, kLayer, "points", "", 4, 5,
+        "points per chain, the fixed one too; vertex: 4, strand: 5 if unset"),
+    WordRow(&P::output, kLayer, "output", kOutputNames, "what vertex generation writes"),
+    Row(&P::frequency_hz, kMotion, "frequency", "Hz", 0, 2000,
+        "modal: first bending mode; 0: worked out from the hardness"),
+    Row(&P::damping_ratio, kMotion, "damping_ratio", "", 0, 10,
+        "modal: of that mode, over critical damping"),
+    WordRow(&P::quality, kMotion, "quality", kQualityWords, "modal: cheapest to most exact"),
+    Row(&P::max_distance, kMotion, "max_distance", "", 0, 2,
+        "modal: of a point from the groom, over its distance along the strand; 0: no limit",
+        &B::max_distance),
+    Row(&P::iterations, kMotion, "iterations", "", 1, 32, "pbd, verlet: of the solver, a frame",
+        &B::iterations),
+    Row(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),
+    Row(&P::bounce, kMotion, "bounce", "", 0, 1, "speed kept by a contact", &B::bounce, kClamped),
+    Row(&P::velocity_damping, kMotion, "velocity_damping", "1/s", 0, 1000,
+        "drag: how fast speed dies away"),
+    Row(&P::motion_damping, kMotion, "motion_damping", "", 0, 1,
+        "pbd, verlet: 0: free inertia, 1: moves with the root", &B::motion_follow, kClamped),
+    Row(&P::segment_hardness, kMotion, "segment_hardness", "", 0, 1,
+        "pbd, verlet: length error removed, an iteration", &B::segment_hardness, kClamped),
+    Row(&P::angular_hardness_middle, kMotion, "angular_hardness_middle", "", 0, 1,
+        "bend removed, an iteration; inner joints", &B::angular_middle, kSoftened),
+    Row(&P::angular_hardness_end, kMotion, "angular_hardness_end", "", 0, 1,
+        "bend removed, an iteration; last joint", &B::angular_end, kSoftened),
+    Row(&P::surface_hardness, kMotion, "surface_hardness", "", 0, 1,
+        "depth under the skin removed, an iteration or substep", &B::surface_hardness, kClamped),
+    Row(&P::stiffness, kMotion, "stiffness", "", 0, 1, "verlet: way to the groom, an iteration",
+        &B::stiffness, kSoftened),
+    Row(&P::clump, kMotion, "clump", "", 0, 1, "way to the control strand, at the tip"),
+    Row(&P::tip_width, kLook, "tip_width", "", 0, 4, "width at the tip over that at the root",
+        &B::tip_width),
+    SwitchRow(&P::backface_cull, kMotion, "backface_cull", "leave out strands that face away"),
+    Row(&P::backface_tolerance, kMotion, "backface_tolerance", "", 0, 1,
+        "how far a strand may face away and still be drawn", &B::backface_tolerance),
+    Row(&P::wind_response, kMotion, "wind_response", "1/s", 0, 1000,
+        "acceleration for each m/s of wind", &B::wind_response),
+    Row(&P::wet_weight, kWeather, "wet_weight", "", 0, 10, "soaked: factor on weight"),
+    Row(&P::wet_clump, kWeather, "wet_clump", "", 0, 1,
+        "soaked: share of the way from clump to 1"),
+    Row(&P::wet_hardness, kWeather, "wet_hardness", "", 0, 1,
+        "soaked: share of the hardness that is left"),
+    Row(&P::wet_darken, kWeather, "wet_darken", "", 0, 1,
+        "soaked: share of the brightness that is left"),
+    LayerParamRow<std::array<float, 3>>{.member = &P::dirt_colour, .key = "dirt_colour",
+        .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
+        .group = kWeather, .in_file = kDirtFields},
+};
+// clang-format on
+static_assert(std::tuple_size_v<decltype(kRows)> == kMemberCount<LayerParams>,
+              "a parameter without a row is neither stored nor checked");
+
+}  // namespace layer_params_detail
+
+inline constexpr const auto& kLayerParamRows = layer_params_detail::kRows;
+
+// Calls visit(row) for each row, in their order.
+constexpr void ForEachLayerParam(auto&& visit) {
+  std::apply([&](const auto&... row) { (visit(row), ...); }, kLayerParamRows);
+}
+
+// The row of a member.
+template <class T>
+constexpr const LayerParamRow<T>& LayerParamRowOf(T LayerParams::*member) {
+  const LayerParamRow<T>* found = nullptr;
+  ForEachLayerParam([&](const auto& row) {
+    if constexpr (std::is_same_v<decltype(row), const LayerParamRow<T>&>)
+      if (row.member == member) found = &row;
+  });
+  return *found;
+}
 
 // What no single key shows to be wrong.
 struct BadKey {

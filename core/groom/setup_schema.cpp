@@ -16,15 +16,9 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kSolverWords[] = {"pbd", "verlet", "modal"};
-constexpr std::string_view kQualityWords[] = {"fast", "default", "best"};
-constexpr std::string_view kChainWords[] = {"vertex", "strand"};
-constexpr std::string_view kOutputWords[] = {"instances", "ribbons"};
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
 constexpr std::string_view kChannelWords[] = {"r", "g", "b", "a"};
 
-constexpr double kDegreesLimit = 360.0;
-constexpr double kBendLimit = 1.0e5;        // degrees a metre: a full turn in 3.6 mm
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 constexpr double kReachLimit = 1000.0;      // m, for places
 
@@ -115,10 +109,6 @@ auto Count(Text key, double low, double high, Text doc) {
   return MakeRow<kMembers...>({key, "whole number", "", low, high, doc});
 }
 template <auto... kMembers>
-auto Varying(Text key, Text unit, double low, double high, Text doc) {
-  return MakeRow<kMembers...>({key, "attribute", unit, low, high, doc});
-}
-template <auto... kMembers>
 auto Switch(Text key, Text doc) {
   return MakeRow<kMembers...>({key, "true or false", "", 0, 1, doc});
 }
@@ -165,19 +155,49 @@ auto ChannelOf(Text doc) {
 }
 
 using L = LayerSetup;
-using P = LayerParams;
-inline constexpr auto kParams = &LayerSetup::params;
+constexpr auto kParams = &LayerSetup::params;
 
-// Rows of LayerParams: their bounds are those the groom reader holds them to.
-template <auto kMember>
-auto ParamNumber(Text key, Text unit, Text doc) {
-  const ParamBounds& bounds = *FindParamBounds(key);
-  return Number<kParams, kMember>(key, unit, bounds.low, bounds.high, doc);
+template <class T>
+constexpr Text ParamType() {
+  return std::is_same_v<T, bool>       ? "true or false"
+         : std::is_enum_v<T>           ? "word"
+         : std::is_same_v<T, uint32_t> ? "whole number"
+                                       : "number";
 }
-template <auto kMember>
-auto ParamCount(Text key, Text doc) {
-  const ParamBounds& bounds = *FindParamBounds(key);
-  return Count<kParams, kMember>(key, bounds.low, bounds.high, doc);
+
+// The key of a layer parameter, made from its row.
+template <size_t kPlace>
+KeyRow<L> ParamKey() {
+  constexpr const auto& kRow = std::get<kPlace>(kLayerParamRows);
+  using T = MemberType<kRow.member>;
+  if constexpr (std::is_class_v<T>)
+    return Colour<kParams, kRow.member>(kRow.key, kRow.text);
+  else
+    return MakeRow<kParams, kRow.member>(
+        {kRow.key, ParamType<T>(), kRow.unit, kRow.low, kRow.high, kRow.text, kRow.words});
+}
+
+// The key of an attribute, made from its row.
+template <size_t kPlace>
+KeyRow<L> AttributeKey() {
+  constexpr const StrandAttribute& kRow = kStrandAttributes[kPlace];
+  return MakeRow<kRow.member>({kRow.key, "attribute", kRow.unit, kRow.low, kRow.high, kRow.text});
+}
+
+// A group's keys: its attributes, those of the layer itself, its parameters.
+void AddKeys(std::vector<KeyRow<L>>& keys, KeyGroup group, std::initializer_list<KeyRow<L>> own) {
+  const auto add = [&](KeyGroup of, const KeyRow<L>& key) {
+    if (of == group) keys.push_back(key);
+  };
+  [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
+    (add(kStrandAttributes[kPlace].group, AttributeKey<kPlace>()), ...);
+  }
+  (std::make_index_sequence<kStrandAttributes.size()>());
+  keys.insert(keys.end(), own);
+  [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
+    (add(std::get<kPlace>(kLayerParamRows).group, ParamKey<kPlace>()), ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(kLayerParamRows)>>>());
 }
 
 KeyRow<L> DensityRow() {
@@ -211,88 +231,48 @@ std::span<const KeyRow<FurSetup>> Schema() {
 
 template <>
 std::span<const KeyRow<LayerSetup>> Schema() {
-  static const KeyRow<LayerSetup> kRows[] = {
-      // What the layer is.
-      Required(Plain<&L::name>("name", "text", "shown in reports; unique")),
-      Plain<&L::seed>("seed", "whole number", "chooses every random value of the layer", 0, 0),
-      Switch<kParams, &P::enabled>("enabled", "baked but not run when false"),
-      ParamNumber<&P::sort_bias>("sort_bias", "", "layers are drawn in ascending bias"),
-      Word<kParams, &P::solver>("solver", kSolverWords, "how chains are simulated"),
-      Word<kParams, &P::chain>("chain", kChainWords,
-                               "chains at mesh vertices, or one for each strand"),
-      ParamCount<&P::points>("points",
-                             "points a chain, the fixed one too; vertex: 4, strand: 5 if unset"),
-      Word<kParams, &P::output>("output", kOutputWords, "what vertex generation writes"),
-      // Where it grows, and how much.
-      DensityRow(),
-      Count<&L::max_strands>("max_strands", 0, kStrandLimit, "most strands; 0: density decides"),
-      Plain<&L::mask>("mask", "mask", "where the layer grows"),
-      // What a strand looks like.
-      Varying<&L::offset>("offset", "m", -1, 1, "root above the skin, along the normal"),
-      Varying<&L::length>("length", "m", 1e-4, 10, "root to tip along the strand"),
-      Varying<&L::width>("width", "m", 1e-6, 0.1, "at the root"),
-      ParamNumber<&P::tip_width>("tip_width", "", "width at the tip over that at the root"),
-      Varying<&L::direction>("direction", "degrees", -kDegreesLimit, kDegreesLimit,
-                             "turns the groomed direction about the normal"),
-      Varying<&L::curl>("curl", "degrees/m", -kBendLimit, kBendLimit, "bending along the strand"),
-      Varying<&L::twist>("twist", "degrees/m", -kBendLimit, kBendLimit,
-                         "turning of the bend about the strand's own axis"),
-      Varying<&L::azimuth>("azimuth", "degrees", -kDegreesLimit, kDegreesLimit,
-                           "groomed direction about the normal, from the tangent"),
-      Varying<&L::elevation>("elevation", "degrees", -90, 90, "above the surface; 90 stands up"),
-      Varying<&L::frizz>("frizz", "degrees", 0, 90, "random tilt at the root"),
-      Plain<&L::comb>("comb", "tables", "comb vectors", 0, 4096),
-      Number<&L::comb_normal_weight>("comb_normal_weight", "", 0, 1,
-                                     "how much a differing normal weakens a comb vector"),
-      Plain<&L::comb_joint>("comb_joint", "text",
-                            "outside every comb vector's reach: along this joint"),
-      Colour<&L::base_colour>("base_colour", "at the root"),
-      Colour<&L::tip_colour>("tip_colour", "at the tip"),
-      Varying<&L::colour_variation>("colour_variation", "", 0, 1, "random brightness, a share"),
-      Map<&L::colour_map>("colour_map", "its r, g and b multiply both colours"),
-      Count<&L::film_strip_count>("film_strips", 1, 256, "textures in the strip; picked at random"),
-      // How it moves.
-      Varying<&L::strength>("strength", "", 0, 1, "of the simulation; 0 follows the skin"),
-      ParamNumber<&P::frequency_hz>("frequency", "Hz",
-                                    "modal: first bending mode; 0: worked out from the hardness"),
-      ParamNumber<&P::damping_ratio>("damping_ratio", "",
-                                     "modal: of that mode, over critical damping"),
-      Word<kParams, &P::quality>("quality", kQualityWords, "modal: cheapest to most exact"),
-      ParamNumber<&P::max_distance>("max_distance", "",
-                                    "modal: of a point from the groom, over its distance along "
-                                    "the strand; 0: no limit"),
-      ParamCount<&P::iterations>("iterations", "pbd, verlet: of the solver, a frame"),
-      ParamNumber<&P::weight>("weight", "", "scale on gravity"),
-      ParamNumber<&P::bounce>("bounce", "", "speed kept by a contact"),
-      ParamNumber<&P::velocity_damping>("velocity_damping", "1/s",
-                                        "drag: how fast speed dies away"),
-      ParamNumber<&P::motion_damping>("motion_damping", "",
-                                      "pbd, verlet: 0: free inertia, 1: moves with the root"),
-      ParamNumber<&P::segment_hardness>("segment_hardness", "",
-                                        "pbd, verlet: length error removed, an iteration"),
-      ParamNumber<&P::angular_hardness_middle>("angular_hardness_middle", "",
-                                               "bend removed, an iteration; inner joints"),
-      ParamNumber<&P::angular_hardness_end>("angular_hardness_end", "",
-                                            "bend removed, an iteration; last joint"),
-      ParamNumber<&P::surface_hardness>("surface_hardness", "",
-                                        "depth under the skin removed, an iteration or substep"),
-      ParamNumber<&P::stiffness>("stiffness", "", "verlet: way to the groom, an iteration"),
-      ParamNumber<&P::clump>("clump", "", "way to the control strand, at the tip"),
-      Count<&L::clump_controls>("clump_controls", 0, 64,
-                                "control strands a chunk, rounded up to 16"),
-      ParamNumber<&P::wind_response>("wind_response", "1/s", "acceleration for each m/s of wind"),
-      Switch<kParams, &P::backface_cull>("backface_cull", "leave out strands that face away"),
-      ParamNumber<&P::backface_tolerance>("backface_tolerance", "",
-                                          "how far a strand may face away and still be drawn"),
-      // What water and dirt do to it.
-      ParamNumber<&P::wet_weight>("wet_weight", "", "soaked: factor on weight"),
-      ParamNumber<&P::wet_clump>("wet_clump", "", "soaked: share of the way from clump to 1"),
-      ParamNumber<&P::wet_hardness>("wet_hardness", "",
-                                    "soaked: share of the hardness that is left"),
-      ParamNumber<&P::wet_darken>("wet_darken", "", "soaked: share of the brightness that is left"),
-      Colour<kParams, &P::dirt_colour>("dirt_colour", "mixed into the colours when dirty"),
-  };
-  return kRows;
+  static const std::vector<KeyRow<L>> kKeys = [] {
+    std::vector<KeyRow<L>> keys;
+    // What the layer is.
+    AddKeys(keys, KeyGroup::kLayer,
+            {
+                Required(Plain<&L::name>("name", "text", "shown in reports; unique")),
+                Plain<&L::seed>("seed", "whole number", "chooses every random value of the layer",
+                                0, 0),
+            });
+    // Where it grows, and how much.
+    AddKeys(keys, KeyGroup::kGrowth,
+            {
+                DensityRow(),
+                Count<&L::max_strands>("max_strands", 0, kStrandLimit,
+                                       "most strands; 0: density decides"),
+                Plain<&L::mask>("mask", "mask", "where the layer grows"),
+            });
+    // What a strand looks like.
+    AddKeys(keys, KeyGroup::kLook,
+            {
+                Plain<&L::comb>("comb", "tables", "comb vectors", 0, 4096),
+                Number<&L::comb_normal_weight>("comb_normal_weight", "", 0, 1,
+                                               "how much a differing normal weakens a comb vector"),
+                Plain<&L::comb_joint>("comb_joint", "text",
+                                      "outside every comb vector's reach: along this joint"),
+                Colour<&L::base_colour>("base_colour", "at the root"),
+                Colour<&L::tip_colour>("tip_colour", "at the tip"),
+                Map<&L::colour_map>("colour_map", "its r, g and b multiply both colours"),
+                Count<&L::film_strip_count>("film_strips", 1, 256,
+                                            "textures in the strip; picked at random"),
+            });
+    // How it moves.
+    AddKeys(keys, KeyGroup::kMotion,
+            {
+                Count<&L::clump_controls>("clump_controls", 0, 64,
+                                          "control strands per chunk, rounded up to 16"),
+            });
+    // What water and dirt do to it.
+    AddKeys(keys, KeyGroup::kWeather, {});
+    return keys;
+  }();
+  return kKeys;
 }
 
 template <>

@@ -210,7 +210,7 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
         if constexpr (std::is_enum_v<T>) field = T(1);
       },
       p);
-  EXPECT_EQ(fields, 32u);
+  EXPECT_EQ(fields, kMemberCount<LayerParams> + 2);  // a colour is three
   const Groom back = ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow();
   std::vector<double> wrote, read;
   const auto collect = [](std::vector<double>& to) {
@@ -339,7 +339,7 @@ TEST(GroomFile, WrongFilesAreTold) {
   EXPECT_NE(ErrorOf(bad).find("4294967295 items do not fit"), std::string::npos);
 }
 
-// Every rule of CheckGroom: break it in memory, and see section and reason.
+// Every rule of FindGroomFault: break it in memory, and see section and reason.
 TEST(GroomFile, EveryRuleHolds) {
   struct Case {
     const char* section;

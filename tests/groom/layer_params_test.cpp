@@ -1,27 +1,39 @@
-// The bounds of layer parameters: one table for the fur setup and the groom reader.
+// Layer parameters: one row each for the fur setup, the groom file and the frame.
 #include "core/groom/layer_params.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
+#include <string>
 
 #include "core/groom/setup_schema.hpp"
 
 namespace pelt {
 namespace {
 
-TEST(LayerParams, SetupAndGroomHaveTheSameBounds) {
-  std::set<std::string_view> bounded;
-  for (const auto& row : Schema<LayerSetup>()) {
-    const ParamBounds* bounds = FindParamBounds(row.info.key);
-    if (!bounds) continue;
-    bounded.insert(row.info.key);
-    const double high = row.info.words.empty() ? row.info.high : double(row.info.words.size() - 1);
-    EXPECT_EQ(bounds->low, row.info.low) << row.info.key;
-    EXPECT_EQ(bounds->high, high) << row.info.key;
-  }
-  EXPECT_EQ(bounded.size(), 28u);
+TEST(LayerParams, EveryRowIsAKeyOfTheSetupWithItsBounds) {
+  ForEachLayerParam([](const auto& row) {
+    const auto keys = Schema<LayerSetup>();
+    const auto found = std::ranges::find_if(
+        keys, [&](const KeyRow<LayerSetup>& key) { return key.info.key == row.key; });
+    ASSERT_NE(found, keys.end()) << row.key;
+    EXPECT_EQ(found->info.low, row.low) << row.key;
+    EXPECT_EQ(found->info.high, row.high) << row.key;
+    EXPECT_EQ(found->info.unit, row.unit) << row.key;
+  });
+}
+
+TEST(LayerParams, RowsStandInTheOrderOfTheMembersWhichIsTheFiles) {
+  const LayerParams params;
+  const void* last = nullptr;
+  std::set<std::string_view> keys;
+  ForEachLayerParam([&](const auto& row) {
+    EXPECT_LT(last, static_cast<const void*>(&(params.*row.member))) << row.key;
+    last = &(params.*row.member);
+    EXPECT_TRUE(keys.insert(row.key).second) << row.key;
+  });
 }
 
 TEST(LayerParams, ValuesOnTheBoundsAreGoodAndBeyondAreNot) {
@@ -32,8 +44,9 @@ TEST(LayerParams, ValuesOnTheBoundsAreGoodAndBeyondAreNot) {
   params.wet_weight = 10.001f;
   EXPECT_EQ(FindBadParam(params), "wet_weight is not between 0 and 10");
   params = {};
-  params.output = Output(2);
-  EXPECT_EQ(FindBadParam(params), "output is not between 0 and 1");
+  params.output = Output(kOutputCount);
+  EXPECT_EQ(FindBadParam(params),
+            "output is not between 0 and " + std::to_string(kOutputCount - 1));
   params = {};
   params.max_distance = kLeastMaxDistance;
   EXPECT_EQ(FindBadParam(params), "");

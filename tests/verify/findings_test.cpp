@@ -30,7 +30,7 @@ TEST(VerifiedScene, HasTwoCharactersThatDiffer) {
 TEST(VerifiedScene, IsOneThatCanBeMade) {
   Scenario heavy = Tiny();
   for (GroomLayer& layer : heavy.grooms[0].layers)
-    layer.params.weight = float(FindParamBounds("weight")->high);
+    layer.params.weight = float(LayerParamRowOf(&LayerParams::weight).high);
   const Scenario verified = MakeVerifiedScene(heavy);
   for (const Groom& groom : verified.grooms) EXPECT_EQ(FindGroomFault(groom, "verified"), "");
   EXPECT_NE(verified.grooms[0].layers.back().params.weight,
