@@ -20,6 +20,8 @@
 
 #include <cstdint>
 
+#include "core/stream_table.hpp"
+
 namespace pelt {
 
 #ifndef PELT_CHUNK_STRANDS
@@ -38,7 +40,6 @@ inline constexpr uint32_t kLaneGroup = 16;
   return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
 }
 inline constexpr uint32_t kJointsPerCharacter = 256;
-inline constexpr uint32_t kBlockAlignment = 128;
 // Dense weight rows of one chunk: on average 8 joints for each group of 16 vertices.
 inline constexpr uint32_t kVertexGroups = kVerticesPerChunk / kLaneGroup;
 inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
@@ -46,10 +47,7 @@ inline constexpr uint32_t kLayersPerScene = 1024;
 inline constexpr uint32_t kSpheresPerScene = 8;
 inline constexpr uint32_t kRibbonPoints = 5;
 
-#define PELT_BLOCK struct alignas(kBlockAlignment)
-
-// ---- Character, once a frame
-// ---------------------------------------------------------------------------
+// ---- Character, once per frame ------------------------------------------------------------------
 
 // Pose input, filled on the caller's thread: for each joint up to four keys of every channel and
 // the weights that blend them (step 1,0,0,0; linear and slerp a,0,0,b; cubic spline: value, out
@@ -357,7 +355,7 @@ PELT_BLOCK DrawListBlock {
   uint32_t pad[31];
 };
 
-#undef PELT_BLOCK
+// Blocks are whole transfers.
 
 static_assert(sizeof(PoseBlock) % 128 == 0 && sizeof(PaletteBlock) % 128 == 0);
 static_assert(sizeof(LayerBlock) == 128);

@@ -37,6 +37,7 @@ namespace kernel_detail {
 // What every port has: its stream, taken from the row, and how it is reached.
 template <auto kRow, Access kHow>
 struct PortOf {
+  using Table = MemberClass<kRow>;
   using Block = BlockOf<kRow>;
   static_assert(std::is_trivially_copyable_v<Block>);
   static constexpr Stream kStream = StreamOf<kRow>;
@@ -138,7 +139,13 @@ struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
 template <class K>
 struct KernelTraits {
   using Ports = typename K::Ports;
-  static_assert(kMemberCount<Ports> <= kMaxPorts);
+  static_assert(kMemberCount<Ports> > 0 && kMemberCount<Ports> <= kMaxPorts);
+  using Table = typename decltype(WithMembers(
+      std::declval<Ports&>(), []<class P, class... More>(const P&, const More&...) {
+        static_assert((std::is_same_v<typename P::Table, typename More::Table> && ...),
+                      "ports are of one table");
+        return std::type_identity<typename P::Table>{};
+      }))::type;
 
   static constexpr auto kDescs = WithMembers(Ports{}, [](const auto&... port) {
     return std::array{
@@ -169,7 +176,8 @@ struct KernelTraits {
 
 template <class K>
 constexpr KernelDesc MakeKernelDesc() {
-  return {K::kName, KernelTraits<K>::kDescs, KernelTraits<K>::ParamsBytes(), &KernelTraits<K>::Run};
+  return {K::kName, &TableOf<typename KernelTraits<K>::Table>, KernelTraits<K>::kDescs,
+          KernelTraits<K>::ParamsBytes(), &KernelTraits<K>::Run};
 }
 
 }  // namespace pelt

@@ -56,6 +56,7 @@ inline constexpr uint32_t kMaxPorts = 12;
 // A kernel with its types erased: what the frame's table holds.
 struct KernelDesc {
   std::string_view name;
+  const StreamTable& (*table)();  // that its ports are of
   std::span<const PortDesc> ports;
   uint32_t params_bytes;
   void (*run)(const void* params, const Binding* bindings);

@@ -1,29 +1,28 @@
 // A stage: a kernel, what its items are, and when it runs on one.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
-#include "core/kernel.hpp"
+#include "core/frame_memory.hpp"
+#include "core/kernel_desc.hpp"
 
 namespace pelt {
 
-// When a stage runs on an item that has its streams; evaluated just before it would run.
-enum class LayerGate : uint8_t {
-  kAlways,
-  kKeysChanged,  // LayerSortBlock::keys_changed
-  kRedraw,       // the piece holds drawn strands, and keys or records of the layer changed
+// Whether a stage runs on an item that has its streams; asked just before it would.
+struct Condition {
+  bool (*holds)(const FrameMemory&, const ItemPlace&) = nullptr;  // null: always
+  Domain domain = Domain::kScene;  // whose item it looks at: the stage's own or a coarser one's
+  std::array<Stream, 2> reads = {Stream::kNone, Stream::kNone};  // what it looks at
 };
 // What a frame as a whole may leave out.
 enum class FrameGate : uint8_t {
   kNotPaused,   // in every frame but a paused one (FrameMemory::paused)
   kAlsoPaused,  // there too
-  kNewPose,     // a character's stage: not for one that holds its last pose, nor in a pause
+  kNotHeld,     // not on an item that is held (FrameMemory::held), nor in a pause
 };
 struct Gate {
-  uint32_t chunk_flags = 0;  // all of these ChunkFlag bits
-  // All of these LayerFlag bits, of those that may change from frame to frame.
-  uint32_t layer_flags = 0;
-  LayerGate layer = LayerGate::kAlways;
+  Condition when = {};
   FrameGate frame = FrameGate::kNotPaused;
 };
 

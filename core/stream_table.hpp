@@ -8,8 +8,12 @@
 // A port names its stream by the row (In<&Streams::mesh>, core/kernel.hpp), and with it the block's
 // type: a stream bound to a port of another is another type, which does not compile. A row's number
 // is its place; nothing is listed beside the table.
+//
+// Plan, executors, digests, local store and prices take a table as data (StreamTable): fur's
+// (core/streams.hpp) is one of them, tests and other programs bring their own (jobs/README.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -30,15 +34,24 @@ enum class Role : uint8_t {
   kBookkeeping,  // what ran and why: the same on every executor, but not with other skip switches
   kScratch,      // meaningless after the pass that wrote it
 };
-std::string_view RoleName(Role role);  // "bookkeeping"
+constexpr std::string_view RoleName(Role role) {
+  constexpr std::string_view kNames[] = {"input", "value", "bookkeeping", "scratch"};
+  return kNames[size_t(role)];
+}
 
-// Which lanes of a block hold values after a frame. Lanes beyond are whatever was there before.
-enum class Lanes : uint8_t {
-  kAll,           // the whole block
-  kLiveStrands,   // lanes below live_strands
-  kLiveVertices,  // lanes below live_vertices
-  kLiveChains,    // vertices in vertex-chain layers, strands otherwise
-  kDrawn,         // places of the layer's order below visible_count
+// Every block is aligned to this, and its size a multiple of it.
+inline constexpr uint32_t kBlockAlignment = 128;
+#define PELT_BLOCK struct alignas(::pelt::kBlockAlignment)
+
+struct FrameMemory;  // core/frame_memory.hpp
+
+// Which lanes of a chunk's block live: kernels work on these, and they hold values after a frame.
+// Lanes beyond are whatever was there before.
+struct Lanes {
+  uint32_t (*count)(const FrameMemory&, uint32_t chunk) = nullptr;  // those below; null: all
+  uint32_t group = 1;   // kernels go over them in whole groups of so many
+  bool filled = false;  // those beyond hold values too, though no work
+  constexpr bool AllHoldValues() const { return !count || filled; }
 };
 
 // The kinds of layer that have all bits of `required` and none of `forbidden`.
@@ -62,7 +75,7 @@ struct StreamRow {
   std::string_view name;  // the member's
   Domain domain;
   Role role;
-  Lanes lanes = Lanes::kAll;
+  Lanes lanes = {};
   KindMask kinds = {};  // chunk streams exist for layers of these kinds; and so stages run on them
   Kept kept = Kept::kNot;
 };
@@ -106,5 +119,35 @@ struct StreamDesc {
   Kept kept;
   std::span<const RowDesc> rows;
 };
+
+// A table with its types erased.
+struct StreamTable {
+  std::span<const StreamDesc> streams;
+  uint32_t chunk_lanes;  // of a chunk's blocks, and records of those that are gathered from
+  const StreamDesc& operator[](Stream stream) const { return streams[size_t(stream)]; }
+};
+
+template <class B>
+constexpr StreamDesc Describe(const StreamRow<B>& row) {
+  static_assert(kListedMembers<B> > 0 && ListsAllMembers<B>(),
+                "a member that is not listed (kBlockMembers) is neither hashed nor located");
+  static_assert(sizeof(B) % kBlockAlignment == 0 && alignof(B) == kBlockAlignment);
+  return {row.name,  row.domain, uint32_t(sizeof(B)), row.role, row.lanes,
+          row.kinds, row.kept,   kRowsOf<B>};
+}
+
+template <class Table>
+const StreamTable& MakeTable() {
+  static constexpr auto kStreams =
+      WithMembers(kTable<Table>, [](const auto&... row) { return std::array{Describe(row)...}; });
+  static constexpr StreamTable kErased{kStreams, Table::kChunkLanes};
+  return kErased;
+}
+// The one of a table type, which says how many lanes its chunks have: Table::kChunkLanes. Made in
+// each file that asks, unless its own header keeps that to one (core/streams.hpp).
+template <class Table>
+const StreamTable& TableOf() {
+  return MakeTable<Table>();
+}
 
 }  // namespace pelt

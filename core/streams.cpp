@@ -1,30 +1,52 @@
 #include "core/streams.hpp"
 
-#include <array>
+#include <algorithm>
 
 #include "core/block_rows.hpp"
 #include "core/float_rules.hpp"
+#include "core/frame_memory.hpp"
 
 namespace pelt {
+
+namespace streams_detail {
 namespace {
-
-template <class B>
-constexpr StreamDesc Describe(const StreamRow<B>& row) {
-  static_assert(kListedMembers<B> > 0 && ListsAllMembers<B>(),
-                "a member that is not listed (kBlockMembers) is neither hashed nor located");
-  return {row.name, row.domain, uint32_t(sizeof(B)), row.role, row.lanes, row.kinds,
-          row.kept, kRowsOf<B>};
+const ChunkStateBlock& StateOf(const FrameMemory& memory, uint32_t chunk) {
+  return *memory.Of<&Streams::chunk_state>(chunk);
 }
-constexpr auto kStreams =
-    WithMembers(kTable<Streams>, [](const auto&... row) { return std::array{Describe(row)...}; });
-
 }  // namespace
 
-const StreamDesc& DescribeStream(Stream stream) { return kStreams[size_t(stream)]; }
+uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk) {
+  return StateOf(memory, chunk).live_strands;
+}
+uint32_t CountVertices(const FrameMemory& memory, uint32_t chunk) {
+  return StateOf(memory, chunk).live_vertices;
+}
+uint32_t CountChains(const FrameMemory& memory, uint32_t chunk) {
+  const SceneShape& shape = *memory.shape;
+  return shape.layer_kind[shape.chunk_layer[chunk]] & kLayerVertexChains
+             ? CountVertices(memory, chunk)
+             : CountStrands(memory, chunk);
+}
+uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk) {
+  const SceneShape& shape = *memory.shape;
+  const uint32_t layer = shape.chunk_layer[chunk];
+  const uint32_t visible = memory.Of<&Streams::layer_sort>(layer)->visible_count;
+  const uint32_t first = (chunk - shape.layer_first_chunk[layer]) * kStrandsPerChunk;
+  return visible > first ? std::min(visible - first, kStrandsPerChunk) : 0;
+}
+// In strand order nobody writes them.
+uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk) {
+  return memory.marks & kInStrandOrder ? 0 : CountPlaces(memory, chunk);
+}
+uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk) {
+  return memory.marks & kInStrandOrder ? CountStrands(memory, chunk) : CountPlaces(memory, chunk);
+}
 
-std::string_view RoleName(Role role) {
-  constexpr std::string_view kNames[] = {"input", "value", "bookkeeping", "scratch"};
-  return kNames[size_t(role)];
+}  // namespace streams_detail
+
+template <>
+const StreamTable& TableOf<Streams>() {
+  return MakeTable<Streams>();
 }
 
 }  // namespace pelt

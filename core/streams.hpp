@@ -13,14 +13,27 @@ namespace streams_detail {
 
 using enum Domain;
 using enum Role;
-using enum Lanes;
 using enum Kept;
 
-inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal, kRibbon = kLayerRibbons;
+uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk);   // live ones
+uint32_t CountVertices(const FrameMemory& memory, uint32_t chunk);  // live ones
+uint32_t CountChains(const FrameMemory& memory, uint32_t chunk);    // at vertices, or of strands
+uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk);    // of the layer's order, drawn
+uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk);
+uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk);
+
+inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
+    kLiveVertices{&CountVertices, kLaneGroup}, kLiveChains{&CountChains, kLaneGroup},
+    kKeyed{&CountStrands, 1, true}, kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder},
+    kInEitherOrder{&CountInEitherOrder};
+
+inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal;
 inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive}, kOf5{kFive, 0};
-inline constexpr KindMask kInstanced{0, kRibbon}, kRibboned{kRibbon, 0};
+inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0}, kCubic{0, kLayerRibbons};  // the last: instances, and lines along them
 
 struct Streams {
+  static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
+
   // Baked, or filled by the caller before the frame.
   StreamRow<PoseBlock> pose{"pose", kCharacter, kInput};
   StreamRow<SkeletonBlock> skeleton{"skeleton", kCharacter, kInput};
@@ -59,18 +72,19 @@ struct Streams {
   StreamRow<PointBlock<5>> strand_points5{"strand_points5", kChunk, kValue, kLiveStrands, kOf5};
   StreamRow<PointBlock<5>> strand_previous5{"strand_previous5", kChunk,          kValue,
                                             kLiveStrands,       {kFive, kModal}, kState};
-  StreamRow<CurveBlock> curves{"curves", kChunk, kValue, kLiveStrands, kInstanced, kOutput};
+  StreamRow<CurveBlock> curves{"curves", kChunk, kValue, kLiveStrands, kCubic, kOutput};
   StreamRow<RibbonBlock> ribbons{"ribbons", kChunk, kValue, kLiveStrands, kRibboned};
-  StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue};
+  StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue, kKeyed};
   StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch};
   StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch};
   StreamRow<DigitBlock> digits{"digits", kChunk, kScratch};
-  StreamRow<OrderBlock> order{"order", kChunk, kValue, kDrawn, {}, kOutput};
+  StreamRow<OrderBlock> order{"order", kChunk, kValue, kPlaces, {}, kOutput};
   StreamRow<LayerSortBlock> layer_sort{"layer_sort", kLayer, kBookkeeping, kAll, {}, kOutput};
   StreamRow<DrawListBlock> draw_list{"draw_list", kScene, kValue, kAll, {}, kOutput};
-  StreamRow<InstanceBlock> instances{"instances", kChunk, kValue, kDrawn, kInstanced, kOutput};
-  StreamRow<RibbonVertexBlock> ribbon_vertices{"ribbon_vertices", kChunk, kValue, kDrawn,
-                                               kRibboned,         kOutput};
+  StreamRow<InstanceBlock> instances{"instances",  kChunk,     kValue,
+                                     kInDrawOrder, kInstanced, kOutput};
+  StreamRow<RibbonVertexBlock> ribbon_vertices{"ribbon_vertices", kChunk,    kValue,
+                                               kInEitherOrder,    kRibboned, kOutput};
 
   // Layers with the modal solver: response tables, and the state of their chains.
   StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer, kInput, kAll, {kModal, 0}};
@@ -115,8 +129,13 @@ struct ChainStreams<5, false> {
   static constexpr auto kModal = &Streams::strand_modal5;
 };
 
-inline constexpr uint32_t kStreamCount = kMemberCount<Streams>;
+// Made in streams.cpp, which alone knows the blocks' members (core/block_rows.hpp).
+template <>
+const StreamTable& TableOf<Streams>();
+// A bit of FrameMemory::marks: vertices lie in strand order.
+inline constexpr uint32_t kInStrandOrder = 1u << 0;
 
-const StreamDesc& DescribeStream(Stream stream);
+inline constexpr uint32_t kStreamCount = kMemberCount<Streams>;
+inline const StreamDesc& DescribeStream(Stream stream) { return TableOf<Streams>()[stream]; }
 
 }  // namespace pelt

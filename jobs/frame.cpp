@@ -11,40 +11,21 @@
 namespace pelt {
 namespace {
 
-uint32_t LayerOf(const SceneShape& shape, Domain domain, uint32_t item) {
-  return domain == Domain::kChunk ? shape.chunk_layer[item] : item;
-}
-
-bool IsFrameGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+bool IsFrameGateOpen(const Stage& stage, const FrameMemory& memory, const ItemPlace& place) {
   if (memory.paused) return stage.gate.frame == FrameGate::kAlsoPaused;
-  return stage.gate.frame != FrameGate::kNewPose || !memory.holds_pose || !memory.holds_pose[item];
-}
-
-bool IsLayerGateOpen(const Stage& stage, const FrameMemory& memory, uint32_t item, uint32_t layer) {
-  if (stage.gate.layer == LayerGate::kAlways) return true;
-  const auto& sort = *memory.Of<&Streams::layer_sort>(layer);
-  if (stage.gate.layer == LayerGate::kKeysChanged) return sort.keys_changed != 0;
-  const uint32_t place = (item - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
-  return place < sort.visible_count && (sort.keys_changed | sort.records_changed) != 0;
+  if (stage.gate.frame != FrameGate::kNotHeld) return true;
+  const uint8_t* held = memory.held[size_t(stage.domain)];
+  return !held || !held[place.first[size_t(stage.domain)]];
 }
 
 }  // namespace
 
-bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
-  if (!IsFrameGateOpen(stage, memory, item)) return false;
-  if (stage.domain < Domain::kLayer) return true;
-  const SceneShape& shape = *memory.shape;
-  const uint32_t layer = LayerOf(shape, stage.domain, item);
-  if (!stage.kinds.Admits(shape.layer_kind[layer])) return false;
-  if (stage.gate.chunk_flags != 0) {
-    const uint32_t flags = memory.Of<&Streams::chunk_state>(item)->flags;
-    if ((flags & stage.gate.chunk_flags) != stage.gate.chunk_flags) return false;
-  }
-  if (stage.gate.layer_flags != 0) {
-    const uint32_t flags = memory.Of<&Streams::layers>(layer)->flags;
-    if ((flags & stage.gate.layer_flags) != stage.gate.layer_flags) return false;
-  }
-  return IsLayerGateOpen(stage, memory, item, layer);
+bool IsWanted(const Stage& stage, const FrameMemory& memory, const ItemPlace& place) {
+  if (!IsFrameGateOpen(stage, memory, place)) return false;
+  if (stage.domain >= Domain::kLayer &&
+      !stage.kinds.Admits(memory.shape->layer_kind[place.first[size_t(Domain::kLayer)]]))
+    return false;
+  return !stage.gate.when.holds || stage.gate.when.holds(memory, place);
 }
 
 ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item) {
@@ -56,7 +37,7 @@ ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item) {
   }
   place.first[size_t(domain)] = item;
   if (domain == Domain::kCharacter) return place;
-  const uint32_t layer = LayerOf(shape, domain, item);
+  const uint32_t layer = domain == Domain::kChunk ? shape.chunk_layer[item] : item;
   place.first[size_t(Domain::kCharacter)] = shape.layer_character[layer];
   place.first[size_t(Domain::kLayer)] = layer;
   place.layer_first_chunk = shape.layer_first_chunk[layer];
@@ -93,7 +74,7 @@ void RunItemProfiled(const Frame& frame, uint32_t pass_index, uint32_t item, uin
   uint64_t now = begin;
   for (uint32_t s = 0; s < pass.stage_count; ++s) {
     const Stage& stage = plan.stages[pass.first_stage + s];
-    if (!IsWanted(stage, *frame.memory, item)) {
+    if (!IsWanted(stage, *frame.memory, place)) {
       ends[s] = 0;
       continue;
     }
@@ -123,7 +104,7 @@ void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t wo
   const Pass& pass = plan.passes[pass_index];
   const ItemPlace place = PlaceOf(*frame.memory->shape, pass.domain, item);
   for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s)
-    if (IsWanted(plan.stages[s], *frame.memory, item)) RunStage(frame, plan.stages[s], place);
+    if (IsWanted(plan.stages[s], *frame.memory, place)) RunStage(frame, plan.stages[s], place);
 }
 
 const char* Executor::Run(const Frame& frame) {

@@ -5,44 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/chunk.hpp"
+#include "core/frame_memory.hpp"
 #include "jobs/frame_phase.hpp"
 #include "jobs/plan.hpp"
 
 namespace pelt {
-
-inline constexpr uint32_t kNoBlock = ~0u;
-
-// Where every block lies. Streams of chunk domain may be sparse: slot[stream][chunk] is the block's
-// number, or kNoBlock for a chunk whose layer has no such stream.
-struct FrameMemory {
-  const SceneShape* shape;
-  std::byte* base[kStreamCount];
-  const uint32_t* slot[kStreamCount];  // null: item i has block i
-  uint32_t block_count[kStreamCount];
-  // Decided before the frame, and what Gate::frame looks at. Of each character, not 0: its pose was
-  // refused and it keeps the matrices of its last one; null: none was.
-  const uint8_t* holds_pose = nullptr;
-  bool paused = false;  // a frame of no time: only what depends on the view is done
-
-  // First byte of the block that `item` of the stream's own domain has; null if it has none.
-  std::byte* Block(Stream stream, uint32_t item) const {
-    return Block(stream, DescribeStream(stream).block_bytes, item);
-  }
-  std::byte* Block(Stream stream, uint32_t block_bytes, uint32_t item) const {
-    const uint32_t at = slot[size_t(stream)] ? slot[size_t(stream)][item] : item;
-    return at == kNoBlock ? nullptr : base[size_t(stream)] + size_t(at) * block_bytes;
-  }
-  // The same, of a stream that is known here: its block.
-  template <auto kRow>
-  BlockOf<kRow>* Of(uint32_t item) const {
-    return reinterpret_cast<BlockOf<kRow>*>(Block(StreamOf<kRow>, sizeof(BlockOf<kRow>), item));
-  }
-  template <class T>
-  T* As(Stream stream, uint32_t item) const {
-    return reinterpret_cast<T*>(Block(stream, item));
-  }
-};
 
 // From when to when something ran, in ticks of jobs/tick_clock.hpp.
 struct Slice {
@@ -80,17 +47,13 @@ struct Frame {
   FramePhase* phase = nullptr;  // of the scene the frame is of; null: nobody watches the order
 };
 
-// Whether `stage` runs on `item` this frame, from the chunk states and layer blocks in main memory.
-bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item);
-
-// Where an item stands: of each domain, the first item and how many. Of the item's own and coarser
-// ones it is the one that it is or belongs to; of finer ones, those inside the scene or layer.
-struct ItemPlace {
-  uint32_t first[kDomainCount];
-  uint32_t count[kDomainCount];
-  uint32_t layer_first_chunk;
-};
 ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item);
+
+// Whether `stage` runs this frame on the item at `place`, as main memory stands.
+bool IsWanted(const Stage& stage, const FrameMemory& memory, const ItemPlace& place);
+inline bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+  return IsWanted(stage, memory, PlaceOf(*memory.shape, stage.domain, item));
+}
 
 // Resolves one port in main memory, for the item at `place`.
 inline void BindPort(const PortDesc& port, const FrameMemory& memory, const ItemPlace& place,
@@ -99,7 +62,7 @@ inline void BindPort(const PortDesc& port, const FrameMemory& memory, const Item
   const bool by_record = port.access == Access::kGather || port.access == Access::kScatter;
   out.block = memory.Block(port.stream, port.stride,
                            by_record ? place.layer_first_chunk : place.first[size_t(port.domain)]);
-  out.count = by_record ? kStrandsPerChunk : place.count[size_t(port.domain)];
+  out.count = by_record ? memory.table->chunk_lanes : place.count[size_t(port.domain)];
   out.index = nullptr;
   if (port.access == Access::kGather)
     out.index = reinterpret_cast<uint32_t*>(

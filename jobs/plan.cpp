@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "core/chunk.hpp"
 #include "core/format.hpp"
 
 namespace pelt {
@@ -34,13 +33,13 @@ bool Conflict(const Stage& a, const Stage& b) {
 }
 
 // Null, or why a port cannot be bound: it would reach another item's block, or none at all.
-const char* FindPortFault(const PortDesc& p, Domain domain) {
-  const StreamDesc& stream = DescribeStream(p.stream);
+const char* FindPortFault(const StreamTable& table, const PortDesc& p, Domain domain) {
+  const StreamDesc& stream = table[p.stream];
   if (Crosses(p.access)) {
     if (domain != Domain::kChunk || stream.domain != Domain::kChunk)
       return "records are gathered and scattered by chunks, among their layer's chunks";
     const bool has_list =
-        p.record_list != Stream::kNone && DescribeStream(p.record_list).domain == Domain::kChunk;
+        p.record_list != Stream::kNone && table[p.record_list].domain == Domain::kChunk;
     return p.access == Access::kGather && !has_list ? "it has no record list" : nullptr;
   }
   if (p.access == Access::kShared)
@@ -53,30 +52,24 @@ const char* FindPortFault(const PortDesc& p, Domain domain) {
   return nullptr;
 }
 
-const char* FindGateFault(const Gate& gate, Domain domain) {
-  const bool of_chunk = gate.chunk_flags != 0 || gate.layer == LayerGate::kRedraw;
-  const bool of_layer = gate.layer_flags != 0 || gate.layer != LayerGate::kAlways;
-  if (gate.frame == FrameGate::kNewPose && domain != Domain::kCharacter)
-    return "its gate is for characters";
-  if (of_chunk && domain != Domain::kChunk) return "its gate is for chunks";
-  if (of_layer && domain < Domain::kLayer) return "its gate is for layers and chunks";
-  return nullptr;
-}
-
 // Why a stage cannot run as it is declared, or its items would race; or empty.
-std::string FindStageFault(const Stage& stage) {
+std::string FindStageFault(const StreamTable& table, const Stage& stage) {
   const auto ports = stage.kernel.ports;
-  if (const char* fault = FindGateFault(stage.gate, stage.domain))
-    return Format("stage {}: {}", stage.kernel.name, fault);
+  if (&stage.kernel.table() != &table)
+    return Format("stage {}: its ports are of another table of streams than the first stage's",
+                  stage.kernel.name);
+  if (stage.gate.when.domain > stage.domain)
+    return Format("stage {}: its gate is for {}s, and its items are not", stage.kernel.name,
+                  DomainName(stage.gate.when.domain));
   for (size_t i = 0; i < ports.size(); ++i) {
-    if (const char* fault = FindPortFault(ports[i], stage.domain))
-      return Format("stage {}: port '{}': {}", stage.kernel.name,
-                    DescribeStream(ports[i].stream).name, fault);
+    if (const char* fault = FindPortFault(table, ports[i], stage.domain))
+      return Format("stage {}: port '{}': {}", stage.kernel.name, table[ports[i].stream].name,
+                    fault);
     for (size_t j = 0; j < i; ++j)
       if (ports[i].stream == ports[j].stream &&
           (IsWritten(ports[i].access) || IsWritten(ports[j].access)))
         return Format("stage {}: two ports are of stream {}, and one of them is written",
-                      stage.kernel.name, DescribeStream(ports[i].stream).name);
+                      stage.kernel.name, table[ports[i].stream].name);
   }
   return {};
 }
@@ -84,20 +77,20 @@ std::string FindStageFault(const Stage& stage) {
 uint32_t RoundUp(uint32_t bytes) { return (bytes + kBlockAlignment - 1) & ~(kBlockAlignment - 1); }
 
 // Bytes one item of layer `layer` needs in local store for a port.
-uint32_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain, uint32_t layer) {
+uint32_t PortBytes(const PortDesc& port, const StreamTable& table, const SceneShape& shape,
+                   Domain domain, uint32_t layer) {
   switch (port.access) {
     case Access::kAll:
     case Access::kAllOut:
     case Access::kAllInOut: {
-      const Domain of = DescribeStream(port.stream).domain;
       const uint32_t blocks =
-          domain == Domain::kLayer ? shape.LayerChunks(layer) : shape.ItemCount(of);
+          domain == Domain::kLayer ? shape.LayerChunks(layer) : shape.ItemCount(port.domain);
       return RoundUp(port.block_bytes * blocks);
     }
     case Access::kGather:
-      return RoundUp(port.block_bytes * kStrandsPerChunk);
+      return RoundUp(port.block_bytes * table.chunk_lanes);
     case Access::kScatter:
-      return RoundUp((port.block_bytes + 4) * kStrandsPerChunk);
+      return RoundUp((port.block_bytes + 4) * table.chunk_lanes);
     default:
       return RoundUp(port.block_bytes);
   }
@@ -108,8 +101,8 @@ struct StreamUse {
 };
 
 // First and last stage of the table that uses each stream.
-std::vector<StreamUse> FindUses(const std::vector<Stage>& stages) {
-  std::vector<StreamUse> uses(kStreamCount, {~0u, 0});
+std::vector<StreamUse> FindUses(const std::vector<Stage>& stages, size_t stream_count) {
+  std::vector<StreamUse> uses(stream_count, {~0u, 0});
   for (uint32_t s = 0; s < stages.size(); ++s)
     for (const PortDesc& p : stages[s].kernel.ports) {
       StreamUse& use = uses[size_t(p.stream)];
@@ -117,12 +110,6 @@ std::vector<StreamUse> FindUses(const std::vector<Stage>& stages) {
       use.last_stage = std::max(use.last_stage, s);
     }
   return uses;
-}
-
-// A stage that may be skipped while its readers run leaves last frame's block to them: it must be
-// kept.
-bool IsAlways(const Gate& gate) {
-  return gate.chunk_flags == 0 && gate.layer_flags == 0 && gate.layer == LayerGate::kAlways;
 }
 
 // Whether every stage of [first, first + count) that uses the stream is left out of the same
@@ -136,9 +123,10 @@ bool ShareFrameGate(const std::vector<Stage>& stages, uint32_t first, uint32_t c
 }
 
 // The streams stages [first, first + count) keep resident for an item of `layer`.
-std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_t first,
-                                       uint32_t count, const SceneShape& shape, uint32_t layer,
+std::vector<PassStream> CollectStreams(const Plan& plan, uint32_t first, uint32_t count,
+                                       const SceneShape& shape, uint32_t layer,
                                        const std::vector<StreamUse>& uses) {
+  const std::vector<Stage>& stages = plan.stages;
   std::vector<PassStream> out;
   for (uint32_t s = first; s < first + count; ++s) {
     const Stage& stage = stages[s];
@@ -147,14 +135,16 @@ std::vector<PassStream> CollectStreams(const std::vector<Stage>& stages, uint32_
       auto it = std::find_if(out.begin(), out.end(), [&](const PassStream& u) {
         return u.stream == p.stream && ShareCopy(u.access, p.access);
       });
-      const uint32_t bytes = PortBytes(p, shape, stage.domain, layer);
+      const uint32_t bytes = PortBytes(p, *plan.table, shape, stage.domain, layer);
       if (it == out.end()) {
         const StreamUse& use = uses[size_t(p.stream)];
         const bool inside = use.first_stage >= first && use.last_stage < first + count;
-        const bool transient =
-            inside && !IsRead(p.access) && DescribeStream(p.stream).kept != Kept::kOutput &&
-            (IsAlways(stage.gate) || DescribeStream(p.stream).role == Role::kScratch) &&
-            ShareFrameGate(stages, first, count, p.stream, stage.gate.frame);
+        const StreamDesc& stream = (*plan.table)[p.stream];
+        // A stage that may be skipped while its readers run leaves last frame's block to them: it
+        // must be kept.
+        const bool transient = inside && !IsRead(p.access) && stream.kept != Kept::kOutput &&
+                               (!stage.gate.when.holds || stream.role == Role::kScratch) &&
+                               ShareFrameGate(stages, first, count, p.stream, stage.gate.frame);
         out.push_back({p.stream, p.access, bytes, IsRead(p.access), false, transient});
         it = out.end() - 1;
       }
@@ -187,12 +177,11 @@ std::vector<uint32_t> RepresentativeLayers(const SceneShape& shape) {
   return layers;
 }
 
-Pass MeasurePass(const std::vector<Stage>& stages, uint32_t first, uint32_t count,
-                 const SceneShape& shape, bool double_buffered,
-                 const std::vector<StreamUse>& uses) {
-  Pass pass{first, count, stages[first].domain, {}, 0, 0, 0, double_buffered};
+Pass MeasurePass(const Plan& plan, uint32_t first, uint32_t count, const SceneShape& shape,
+                 bool double_buffered, const std::vector<StreamUse>& uses) {
+  Pass pass{first, count, plan.stages[first].domain, {}, 0, 0, 0, double_buffered};
   for (uint32_t layer : RepresentativeLayers(shape)) {
-    auto streams = CollectStreams(stages, first, count, shape, layer, uses);
+    auto streams = CollectStreams(plan, first, count, shape, layer, uses);
     const uint32_t resident = ResidentBytes(streams, double_buffered);
     if (pass.streams.empty() || resident > pass.resident_bytes) {
       pass.resident_bytes = resident;
@@ -207,10 +196,10 @@ Pass MeasurePass(const std::vector<Stage>& stages, uint32_t first, uint32_t coun
 }
 
 // A stage runs on the layers that have all its streams.
-void AddStreamKinds(Stage& stage) {
+void AddStreamKinds(const StreamTable& table, Stage& stage) {
   for (const PortDesc& p : stage.kernel.ports) {
-    stage.kinds.required |= DescribeStream(p.stream).kinds.required;
-    stage.kinds.forbidden |= DescribeStream(p.stream).kinds.forbidden;
+    stage.kinds.required |= table[p.stream].kinds.required;
+    stage.kinds.forbidden |= table[p.stream].kinds.forbidden;
   }
 }
 
@@ -234,46 +223,34 @@ const char* DomainName(Domain domain) {
   return kNames[size_t(domain)];
 }
 
-uint32_t SceneShape::ItemCount(Domain domain) const {
-  const uint32_t counts[] = {1, character_count, layer_count, chunk_count};
-  return counts[size_t(domain)];
-}
-
-uint32_t SortableChunks(uint32_t local_store_data_bytes) {
-  const uint32_t per_chunk = sizeof(SortKeyBlock) + sizeof(OrderBlock) + 2 * sizeof(SortPairBlock) +
-                             sizeof(ChunkStateBlock);
-  const uint32_t fixed = 4 * 1024;  // layer blocks, parameters, alignment
-  return local_store_data_bytes > fixed ? (local_store_data_bytes - fixed) / per_chunk : 0;
-}
-
-std::optional<Plan> TryCompilePlan(std::vector<Stage> stages, const SceneShape& shape,
-                                   const PlanOptions& options, std::string& error) {
-  Plan plan{std::move(stages), {}};
+Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
+                         const PlanOptions& options) {
+  Plan plan{nullptr, std::move(stages), {}};
+  if (plan.stages.empty()) return plan;
+  plan.table = &plan.stages.front().kernel.table();
   for (Stage& stage : plan.stages) {
-    error = FindStageFault(stage);
-    if (!error.empty()) return std::nullopt;
-    AddStreamKinds(stage);
+    if (std::string fault = FindStageFault(*plan.table, stage); !fault.empty())
+      return Failure{std::move(fault)};
+    AddStreamKinds(*plan.table, stage);
   }
   // A stage for kinds of layer that the scene has none of would only cost barriers.
   std::erase_if(plan.stages, [&](const Stage& s) { return !IsAdmitted(s, shape); });
-  const auto uses = FindUses(plan.stages);
+  const auto uses = FindUses(plan.stages, plan.table->streams.size());
   const uint32_t limit = options.local_store_data_bytes;
   uint32_t first = 0;
   while (first < plan.stages.size()) {
     uint32_t count = 1;
-    Pass pass = MeasurePass(plan.stages, first, 1, shape, true, uses);
-    if (pass.resident_bytes > limit) pass = MeasurePass(plan.stages, first, 1, shape, false, uses);
-    if (pass.resident_bytes > limit && options.must_fit) {
-      error = Format(
-          "stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
-          "use smaller chunks or smaller layers",
-          plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
-          pass.resident_bytes - limit, limit);
-      return std::nullopt;
-    }
+    Pass pass = MeasurePass(plan, first, 1, shape, true, uses);
+    if (pass.resident_bytes > limit) pass = MeasurePass(plan, first, 1, shape, false, uses);
+    if (pass.resident_bytes > limit && options.must_fit)
+      return Failure{
+          Format("stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
+                 "use smaller chunks or smaller layers",
+                 plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
+                 pass.resident_bytes - limit, limit)};
     while (options.fuse && first + count < plan.stages.size() &&
            CanJoin(plan.stages, first, first + count)) {
-      Pass longer = MeasurePass(plan.stages, first, count + 1, shape, true, uses);
+      Pass longer = MeasurePass(plan, first, count + 1, shape, true, uses);
       if (longer.resident_bytes > limit) break;
       pass = std::move(longer);
       ++count;

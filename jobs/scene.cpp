@@ -84,33 +84,19 @@ bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& o
   Place(memory);
   CopyGrooms(grooms);
   pose_gate_ = PoseGate(grooms, *kernels);
-  memory_.holds_pose = pose_gate_.holds_pose();
-  std::optional<Plan> plan = TryCompilePlan(MakeStages(*kernels, params_, options_.vertex_order),
-                                            layout_.shape, options_.plan, error);
-  if (!plan) return false;
+  memory_.held[size_t(Domain::kCharacter)] = pose_gate_.holds_pose();
+  Result<Plan> plan = CompilePlan(MakeStages(*kernels, params_, options_.vertex_order),
+                                  layout_.shape, options_.plan);
+  if (!plan) return fail(plan.error());
   plan_ = *std::move(plan);
   fault_.reserve(256);
   return true;
 }
 
 void FurScene::Place(std::span<std::byte> memory) {
-  const SceneShape& shape = layout_.shape;
   std::memset(memory.data(), 0, layout_.total_bytes);
-  memory_.shape = &layout_.shape;
-  slots_.resize(kStreamCount);
-  std::byte* at = memory.data();
-  for (uint32_t s = 0; s < kStreamCount; ++s) {
-    const StreamDesc& desc = DescribeStream(Stream(s));
-    memory_.base[s] = at;
-    memory_.block_count[s] = layout_.ranges[s].blocks;
-    at += layout_.ranges[s].bytes;
-    if (desc.domain != Domain::kChunk || layout_.ranges[s].blocks == shape.chunk_count) continue;
-    slots_[s].assign(shape.chunk_count, kNoBlock);
-    uint32_t next = 0;
-    for (uint32_t c = 0; c < shape.chunk_count; ++c)
-      if (desc.kinds.Admits(shape.layer_kind[shape.chunk_layer[c]])) slots_[s][c] = next++;
-    memory_.slot[s] = slots_[s].data();
-  }
+  memory_ = PlaceStreams(TableOf<Streams>(), layout_.shape, memory.data());
+  if (options_.vertex_order == VertexOrder::kIndexBuffer) memory_.marks = kInStrandOrder;
 }
 
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
@@ -254,7 +240,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
     return false;
   if (this == &other) return true;
   // Ranges lie back to back from the first stream on, in the same places of both blocks.
-  std::memcpy(memory_.base[0], other.memory_.base[0], layout_.total_bytes);
+  std::memcpy(memory_.streams[0].base, other.memory_.streams[0].base, layout_.total_bytes);
   params_ = other.params_;
   layer_params_ = other.layer_params_;
   modal_ = other.modal_;
@@ -272,58 +258,26 @@ uint64_t FurScene::HeapBytes() const {
   const SceneShape& shape = layout_.shape;
   uint64_t sum = sizeof(FurScene) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
                  bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
-                 bytes(slots_) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
+                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
                  bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
                  bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_) +
                  pose_gate_.HeapBytes();
-  for (const auto& slots : slots_) sum += bytes(slots);
+  for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);
   return sum;
 }
 
 uint32_t FurScene::LiveLanes(Stream stream, uint32_t item) const {
-  const StreamDesc& desc = DescribeStream(stream);
-  if (desc.lanes == Lanes::kAll) return kStrandsPerChunk;
-  const auto& state = *memory_.Of<&Streams::chunk_state>(item);
-  const uint32_t layer = shape().chunk_layer[item];
-  const bool strand_order = options_.vertex_order == VertexOrder::kIndexBuffer &&
-                            stream == StreamOf<&Streams::ribbon_vertices>;
-  if (desc.lanes == Lanes::kLiveStrands || strand_order) return state.live_strands;
-  if (desc.lanes == Lanes::kLiveVertices) return state.live_vertices;
-  if (desc.lanes == Lanes::kLiveChains)
-    return shape().layer_kind[layer] & kLayerVertexChains ? state.live_vertices
-                                                          : state.live_strands;
-  if (options_.vertex_order == VertexOrder::kIndexBuffer && stream == StreamOf<&Streams::instances>)
-    return 0;
-  const auto& sort = *memory_.Of<&Streams::layer_sort>(layer);
-  const uint32_t first = (item - shape().layer_first_chunk[layer]) * kStrandsPerChunk;
-  return sort.visible_count > first ? std::min(sort.visible_count - first, kStrandsPerChunk) : 0;
+  return memory_.LiveLanes(stream, item);
 }
 
 uint64_t FurScene::DigestStream(Stream stream) const {
-  const StreamDesc& desc = DescribeStream(stream);
-  if (desc.role != Role::kValue) return 0;
-  Digest digest;
-  const uint32_t items = shape().ItemCount(desc.domain);
-  for (uint32_t i = 0; i < items; ++i) {
-    const std::byte* block = memory_.Block(stream, i);
-    if (!block) continue;
-    const uint32_t lanes = LiveLanes(stream, desc.domain == Domain::kChunk ? i : 0);
-    digest.Add(lanes);
-    AddBlock(digest, desc, block, lanes);
-  }
-  return digest.Value();
+  return pelt::DigestStream(memory_, stream);
 }
 
 uint64_t FurScene::DigestFrame() const {
-  Digest digest;
-  // A stream that the scene does not have counts for nothing, so that a new kind of stream leaves
-  // the digests of other scenes alone.
-  for (uint32_t s = 0; s < kStreamCount; ++s)
-    if (DescribeStream(Stream(s)).role == Role::kValue && layout_.ranges[s].blocks != 0)
-      digest.Add64(DigestStream(Stream(s)));
-  return digest.Value();
+  return pelt::DigestFrame(memory_);
 }
 
 uint32_t FurScene::LiveStrands() const {

@@ -176,8 +176,7 @@ class FurScene {
 
   SceneOptions options_;
   SceneLayout layout_;
-  std::vector<std::vector<uint32_t>> slots_;
-  FrameMemory memory_{};
+  FrameMemory memory_;
   FrameParams params_;
   Plan plan_;
   std::vector<std::string> layer_names_;

@@ -6,32 +6,20 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/kernels/sort_layer.hpp"
+#include "core/layer_block.hpp"
+#include "core/outputs.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
 namespace {
 
-uint32_t KindOf(const LayerParams& p) {
-  uint32_t kind = 0;
-  if (p.chain == ChainKind::kVertex) kind |= kLayerVertexChains;
-  if (p.points == 5) kind |= kLayerFivePoints;
-  if (p.solver == Solver::kVerlet) kind |= kLayerVerlet;
-  if (p.solver == Solver::kModal) kind |= kLayerModal;
-  if (p.output == Output::kRibbons) kind |= kLayerRibbons;
-  return kind;
-}
-
 void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks,
                SceneShape& shape) {
   for (const GroomLayer& layer : groom.layers) {
-    uint32_t kind = KindOf(layer.params);
+    uint32_t kind = LayerKind(layer.params);
     if (layer.chunk_count > piecewise_chunks) kind |= kLayerSortInPieces;
-    shape.layer_kind.push_back(kind);
-    shape.layer_character.push_back(character);
-    shape.layer_first_chunk.push_back(shape.chunk_count);
-    shape.chunk_layer.insert(shape.chunk_layer.end(), layer.chunk_count, shape.layer_count);
-    shape.chunk_count += layer.chunk_count;
-    ++shape.layer_count;
+    shape.AddLayer(character, kind, layer.chunk_count);
   }
 }
 
@@ -41,17 +29,9 @@ SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& opt
                              : options.plan.must_fit
                                  ? SortableChunks(options.plan.local_store_data_bytes)
                                  : ~0u;
-  for (const Groom* groom : grooms) AddLayers(*groom, shape.character_count++, piecewise, shape);
-  shape.layer_first_chunk.push_back(shape.chunk_count);
+  for (uint32_t c = 0; c < grooms.size(); ++c) AddLayers(*grooms[c], c, piecewise, shape);
+  shape.character_count = uint32_t(grooms.size());  // the last may have no layers
   return shape;
-}
-
-uint32_t BlockCount(const SceneShape& shape, const StreamDesc& desc) {
-  if (desc.domain != Domain::kChunk) return shape.ItemCount(desc.domain);
-  uint32_t count = 0;
-  for (uint32_t l = 0; l < shape.layer_count; ++l)
-    if (desc.kinds.Admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
-  return count;
 }
 
 // What no file was read for may hold anything: kernels would follow its indices, and memory would
@@ -88,7 +68,7 @@ std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
   }
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
-    const uint32_t blocks = desc.block_bytes ? BlockCount(layout.shape, desc) : 0;
+    const uint32_t blocks = CountBlocks(desc, layout.shape);
     layout.ranges.push_back({desc.name, uint64_t(blocks) * desc.block_bytes, blocks, desc.role});
     layout.total_bytes += layout.ranges.back().bytes;
   }
@@ -117,8 +97,13 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
       "; about {:.0f} of its {} strands would fit: lower density or max_strands in the fur setup, "
       "or leave out layers or characters",
       share * double(layout.strand_count), layout.strand_count);
-  if (layout.ranges[size_t(StreamOf<&Streams::ribbon_vertices>)].bytes != 0)
-    text += "; layers with output = \"instances\" need less than ribbons";
+  const auto less = [](const OutputRow& a, const OutputRow& b) {
+    return a.StrandBytes() < b.StrandBytes();
+  };
+  const OutputRow& least = *std::min_element(std::begin(kOutputs), std::end(kOutputs), less);
+  for (const OutputRow& output : kOutputs)
+    if (less(least, output) && layout.ranges[size_t(output.in_draw_order)].bytes != 0)
+      text += Format("; layers with output = \"{}\" need less than {}", least.name, output.name);
   return text;
 }
 

@@ -10,7 +10,7 @@ namespace {
 template <class Visit>
 bool ForEachLive(const StreamDesc& stream, const RowDesc& row, uint32_t live_lanes, Visit visit) {
   const uint32_t lanes =
-      stream.lanes == Lanes::kAll ? row.lane_count : std::min(row.lane_count, live_lanes);
+      stream.lanes.AllHoldValues() ? row.lane_count : std::min(row.lane_count, live_lanes);
   const uint32_t components = row.element_count / row.lane_count;
   if (row.lane_major) {
     for (uint32_t e = 0; e < lanes * components; ++e)
@@ -67,6 +67,33 @@ BlockDifference FindDifference(const StreamDesc& stream, const void* left, const
     if (found.differs) break;
   }
   return found;
+}
+
+void AddItem(Digest& digest, const FrameMemory& memory, Stream stream, uint32_t item) {
+  const std::byte* block = memory.Block(stream, item);
+  if (!block) return;
+  const uint32_t lanes = memory.LiveLanes(stream, item);
+  digest.Add(lanes);
+  AddBlock(digest, (*memory.table)[stream], block, lanes);
+}
+
+uint64_t DigestStream(const FrameMemory& memory, Stream stream) {
+  const StreamDesc& desc = (*memory.table)[stream];
+  if (desc.role != Role::kValue) return 0;
+  Digest digest;
+  for (uint32_t i = 0; i < memory.shape->ItemCount(desc.domain); ++i)
+    AddItem(digest, memory, stream, i);
+  return digest.Value();
+}
+
+uint64_t DigestFrame(const FrameMemory& memory) {
+  Digest digest;
+  // A stream that the scene does not have counts for nothing, so that a new kind of stream leaves
+  // the digests of other scenes alone.
+  for (uint32_t s = 0; s < memory.streams.size(); ++s)
+    if (memory.table->streams[s].role == Role::kValue && memory.streams[s].block_count != 0)
+      digest.Add64(DigestStream(memory, Stream(s)));
+  return digest.Value();
 }
 
 }  // namespace pelt

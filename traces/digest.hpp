@@ -8,8 +8,8 @@
 
 #include <cstdint>
 
+#include "core/frame_memory.hpp"
 #include "core/random.hpp"
-#include "core/streams.hpp"
 
 namespace pelt {
 
@@ -32,9 +32,12 @@ class Digest {
 // The element at `index` of a row, widened to 32 bits.
 uint32_t RowElement(const void* block, const RowDesc& row, uint32_t index);
 
-// Adds every row of a block: whole for streams whose lanes all count (Lanes::kAll), otherwise the
+// Adds every row of a block: whole for streams whose lanes all hold values, otherwise the
 // first `live_lanes` lanes.
 void AddBlock(Digest& digest, const StreamDesc& stream, const void* block, uint32_t live_lanes);
+
+// Adds the live lanes of the block of `item`, and their number; nothing where it has none.
+void AddItem(Digest& digest, const FrameMemory& memory, Stream stream, uint32_t item);
 
 // Where two blocks first differ, in row order, among the lanes AddBlock looks at.
 struct BlockDifference {
@@ -45,5 +48,10 @@ struct BlockDifference {
 };
 BlockDifference FindDifference(const StreamDesc& stream, const void* left, const void* right,
                                uint32_t live_lanes);
+
+// Of everything of one stream that has the role kValue; 0 for other streams.
+uint64_t DigestStream(const FrameMemory& memory, Stream stream);
+// Of all of them.
+uint64_t DigestFrame(const FrameMemory& memory);
 
 }  // namespace pelt

@@ -38,7 +38,7 @@ class NothingFrame {
   NothingFrame(uint32_t passes, uint32_t items) {
     shape_.chunk_count = items;
     memory_.shape = &shape_;
-    plan_.stages.push_back({{"nothing", {}, 0, nullptr}, nullptr, Domain::kChunk});
+    plan_.stages.push_back({{"nothing", nullptr, {}, 0, nullptr}, nullptr, Domain::kChunk});
     Pass pass{};
     pass.domain = Domain::kChunk;
     plan_.passes.assign(passes, pass);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/simd.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 
 namespace pelt {

@@ -6,7 +6,7 @@
 // change the stream's digest, the frame's, and a column of the digest log. So must two values that
 // change places: lanes, rows, items.
 //
-// What counts as live is counted here from what the chunks booked, not asked of the scene.
+// What counts as live is counted here from the chunks' bookkeeping, not asked of the scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -119,19 +119,19 @@ class DigestCheck {
   uint32_t CountLive(Stream stream, uint32_t item) const {
     const FurScene& scene = run_.scene();
     const StreamDesc& desc = DescribeStream(stream);
-    if (desc.lanes == Lanes::kAll) return kStrandsPerChunk;
+    if (desc.lanes.AllHoldValues()) return kStrandsPerChunk;
     const SceneShape& shape = scene.shape();
     const auto state = [&](uint32_t c) -> const ChunkStateBlock& {
       return *scene.memory().Of<&Streams::chunk_state>(c);
     };
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
-    if (unsorted && stream == StreamOf<&Streams::instances>) return 0;  // nobody writes it
-    if (desc.lanes == Lanes::kLiveVertices) return state(item).live_vertices;
-    if (desc.lanes == Lanes::kLiveStrands ||
-        (unsorted && stream == StreamOf<&Streams::ribbon_vertices>))
-      return state(item).live_strands;
+    const OutputRow* output = unsorted ? FindOutputIn(stream) : nullptr;
+    if (output && output->in_strand_order != stream) return 0;  // nobody writes it
     const uint32_t layer = shape.chunk_layer[item];
-    if (desc.lanes == Lanes::kLiveChains)
+    const auto counts = desc.lanes.count;
+    if (counts == &streams_detail::CountVertices) return state(item).live_vertices;
+    if (counts == &streams_detail::CountStrands || output) return state(item).live_strands;
+    if (counts == &streams_detail::CountChains)
       return shape.layer_kind[layer] & kLayerVertexChains ? state(item).live_vertices
                                                           : state(item).live_strands;
     uint32_t drawn = 0;
@@ -170,7 +170,7 @@ class DigestCheck {
 
   void FlipRow(Stream stream, uint32_t item, const RowDesc& row, uint32_t live,
                CheckResult& result) {
-    const bool all = DescribeStream(stream).lanes == Lanes::kAll;
+    const bool all = DescribeStream(stream).lanes.AllHoldValues();
     const uint32_t lanes = all ? row.lane_count : std::min(row.lane_count, live);
     if (lanes == 0) return;
     const uint32_t components = row.element_count / row.lane_count;
@@ -194,7 +194,7 @@ class DigestCheck {
   void SwapElements(Stream stream, uint32_t item, uint32_t other, uint32_t live,
                     CheckResult& result) {
     const StreamDesc& desc = DescribeStream(stream);
-    const bool all = desc.lanes == Lanes::kAll;
+    const bool all = desc.lanes.AllHoldValues();
     for (size_t r = 0; r < desc.rows.size(); ++r) {
       const RowDesc& row = desc.rows[r];
       const uint32_t lanes = all ? row.lane_count : std::min(row.lane_count, live);

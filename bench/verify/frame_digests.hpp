@@ -1,4 +1,5 @@
-// The digests of a scene after a frame, one for each stream: values, and what was booked as run.
+// The digests of a scene after a frame, one for each stream: values, and the bookkeeping of what
+// ran.
 #pragma once
 
 #include <array>

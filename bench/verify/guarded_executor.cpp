@@ -38,16 +38,21 @@ bool IsFilled(const std::byte* from, const std::byte* end, uint32_t pattern) {
   return true;
 }
 
-uint32_t LayerRecords(const SceneShape& shape, uint32_t chunk) {
-  return shape.LayerChunks(shape.chunk_layer[chunk]) * kStrandsPerChunk;
+uint32_t LayerRecords(const FrameMemory& memory, uint32_t chunk) {
+  const SceneShape& shape = *memory.shape;
+  return shape.LayerChunks(shape.chunk_layer[chunk]) * memory.table->chunk_lanes;
+}
+
+std::string_view NameOf(const Stage& stage, const PortDesc& port) {
+  return stage.kernel.table()[port.stream].name;
 }
 
 // "item 3 of stream 'strands'" for an address of the scene's memory; empty outside it.
 std::pair<std::string, std::string> NameAddress(const FrameMemory& memory, const std::byte* at) {
-  for (uint32_t s = 0; s < kStreamCount; ++s) {
-    const StreamDesc& desc = DescribeStream(Stream(s));
-    const std::byte* base = memory.base[s];
-    if (!base || at < base || at >= base + size_t(memory.block_count[s]) * desc.block_bytes)
+  for (uint32_t s = 0; s < memory.streams.size(); ++s) {
+    const StreamDesc& desc = memory.table->streams[s];
+    const std::byte* base = memory.streams[s].base;
+    if (!base || at < base || at >= base + size_t(memory.streams[s].block_count) * desc.block_bytes)
       continue;
     for (uint32_t i = 0; i < memory.shape->ItemCount(desc.domain); ++i) {
       const std::byte* block = memory.Block(Stream(s), i);
@@ -148,7 +153,7 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
     const auto* from = static_cast<const std::byte*>(main.block);
     if (port.access == Access::kGather) {
       // As a local store has them: fetched in list order. Entries that mean nothing stay poison.
-      const uint32_t records = LayerRecords(*frame.memory->shape, item);
+      const uint32_t records = LayerRecords(*frame.memory, item);
       for (uint32_t i = 0; i < main.count; ++i)
         if (main.index[i] < records)
           std::memcpy(to + size_t(i) * port.block_bytes,
@@ -178,24 +183,23 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
     const ptrdiff_t offset = stop.address - place.block.bytes;
     const auto bytes = ptrdiff_t(place.count) * place.record_bytes;
     if (offset >= 0 && offset < bytes) {
-      Find(kind, stage, std::string(DescribeStream(ports[p].stream).name),
+      Find(kind, stage, std::string(NameOf(stage, ports[p])),
            fmt::format("stage {}, item {}: writes through its read-only port '{}'",
-                       stage.kernel.name, item, DescribeStream(ports[p].stream).name));
+                       stage.kernel.name, item, NameOf(stage, ports[p])));
       return false;
     }
     if (!arena_->pages.IsNear(place.block, stop.address)) continue;
     auto [stream, where] = place.main ? NameAddress(*frame.memory, place.main + offset)
                                       : std::pair<std::string, std::string>{};
     if (stream.empty()) {
-      stream = DescribeStream(ports[p].stream).name;
+      stream = NameOf(stage, ports[p]);
       where = "outside every stream of the scene";
     }
     Find(kind, stage, stream,
          fmt::format("stage {}, item {}: {} {} bytes {} its block of port '{}': {}, for which it "
                      "has no port",
                      stage.kernel.name, item, did, offset < 0 ? -offset : offset - bytes,
-                     offset < 0 ? "in front of" : "behind", DescribeStream(ports[p].stream).name,
-                     where));
+                     offset < 0 ? "in front of" : "behind", NameOf(stage, ports[p]), where));
     return false;
   }
   Find(kind, stage, "",
@@ -214,9 +218,9 @@ bool GuardedExecutor::CheckSlack(const Frame&, const Stage& stage, uint32_t item
     const bool back = IsFilled(end, place.block.region + place.block.region_bytes, run.pattern);
     if (front && back) continue;
     const PortDesc& port = stage.kernel.ports[p];
-    Find(FindingKind::kUndeclaredWrite, stage, std::string(DescribeStream(port.stream).name),
+    Find(FindingKind::kUndeclaredWrite, stage, std::string(NameOf(stage, port)),
          fmt::format("stage {}, item {}: writes {} its block of port '{}'", stage.kernel.name, item,
-                     front ? "past the end of" : "in front of", DescribeStream(port.stream).name));
+                     front ? "past the end of" : "in front of", NameOf(stage, port)));
     return false;
   }
   return true;
@@ -257,7 +261,7 @@ void GuardedExecutor::Compare(const Frame& frame, const Stage& stage, uint32_t i
       while (at < bytes && (a.block.bytes[at] == b.block.bytes[at] || untouched(at))) ++at;
       if (at == bytes && same_index) continue;
     }
-    const std::string_view written = DescribeStream(ports[p].stream).name;
+    const std::string_view written = NameOf(stage, ports[p]);
     const std::string out = FindOutThatMatters(frame, stage, item, first);
     if (out.empty()) {
       Find(
@@ -299,14 +303,13 @@ std::string GuardedExecutor::FindOutThatMatters(const Frame& frame, const Stage&
     StageRun changed{{}, std::vector<bool>(ports.size(), false), first.pattern, true};
     changed.true_bytes[p] = true;
     if (!RunOnce(frame, stage, item, changed) || !same(changed, p))
-      return std::string(DescribeStream(ports[p].stream).name);
+      return std::string(NameOf(stage, ports[p]));
   }
   return {};
 }
 
 void GuardedExecutor::Store(const Frame& frame, const Stage& stage, uint32_t item,
                             const StageRun& run) {
-  const SceneShape& shape = *frame.memory->shape;
   for (size_t p = 0; p < run.places.size(); ++p) {
     const PortDesc& port = stage.kernel.ports[p];
     if (!pelt::IsWritten(port.access)) continue;
@@ -316,13 +319,13 @@ void GuardedExecutor::Store(const Frame& frame, const Stage& stage, uint32_t ite
       std::memcpy(to, place.block.bytes, size_t(place.count) * place.record_bytes);
       continue;
     }
-    const uint32_t places = LayerRecords(shape, item);
+    const uint32_t places = LayerRecords(*frame.memory, item);
     for (uint32_t i = 0; i < place.count; ++i) {
       uint32_t at;
       std::memcpy(&at, place.index.bytes + 4 * size_t(i), 4);
       if (at == kNotPut) continue;
       if (at >= places) {
-        Find(FindingKind::kUndeclaredWrite, stage, std::string(DescribeStream(port.stream).name),
+        Find(FindingKind::kUndeclaredWrite, stage, std::string(NameOf(stage, port)),
              fmt::format("stage {}, item {}: scatters to place {} of {} in its layer",
                          stage.kernel.name, item, at, places));
         continue;

@@ -20,7 +20,7 @@ namespace {
 
 // More than are open at once, so that an address comes again only after many runs; a prime, so that
 // it does not come again at the same place of the next frame.
-constexpr size_t kTurns = 11;
+constexpr size_t kSlotsPerBlock = 11;
 
 size_t PageBytes() {
   static const size_t kBytes = size_t(sysconf(_SC_PAGESIZE));
@@ -85,10 +85,10 @@ GuardedPages::~GuardedPages() {
 
 void GuardedPages::Reserve(size_t bytes, uint32_t blocks) {
   const size_t stride = 2 * RoundUpToPages(bytes) + 2 * PageBytes();
-  if (stride <= stride_ && blocks * kTurns <= slots_) return;
+  if (stride <= stride_ && blocks * kSlotsPerBlock <= slots_) return;
   if (base_) munmap(base_, total_bytes_);
   stride_ = stride;
-  slots_ = blocks * kTurns;
+  slots_ = blocks * kSlotsPerBlock;
   total_bytes_ = stride_ * slots_;
   void* at =
       mmap(nullptr, total_bytes_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

@@ -40,8 +40,7 @@ bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t i
   const std::byte* left = expected.memory().Block(stream, item);
   const std::byte* right = found.memory().Block(stream, item);
   if (!left || !right) return false;
-  const uint32_t at = desc.domain == Domain::kChunk ? item : 0;
-  const uint32_t lanes = expected.LiveLanes(stream, at), have = found.LiveLanes(stream, at);
+  const uint32_t lanes = expected.LiveLanes(stream, item), have = found.LiveLanes(stream, item);
   out.stream = desc.name;
   if (lanes != have) {
     out.row = "live lanes";

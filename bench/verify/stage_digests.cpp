@@ -63,14 +63,8 @@ DigestLog StageDigests::Begin(std::string_view scene_name, std::string_view sett
 
 void StageDigests::AddFrame(const FurScene& scene, DigestLog& log) const {
   for (const Column& column : columns_) {
-    const StreamDesc& desc = DescribeStream(column.stream);
     Digest digest;
-    for (const uint32_t item : column.items) {
-      const uint32_t lanes =
-          scene.LiveLanes(column.stream, desc.domain == Domain::kChunk ? item : 0);
-      digest.Add(lanes);
-      AddBlock(digest, desc, scene.memory().Block(column.stream, item), lanes);
-    }
+    for (const uint32_t item : column.items) AddItem(digest, scene.memory(), column.stream, item);
     log.digests.push_back(digest.Value());
   }
   log.digests.push_back(scene.DigestFrame());

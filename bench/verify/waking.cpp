@@ -60,8 +60,7 @@ uint64_t DigestPoseRow(const FurScene& scene, const PoseRow& what) {
     one.rows = {&row, 1};
     for (uint32_t i = 0; i < scene.shape().ItemCount(desc.domain); ++i)
       if (const std::byte* block = scene.memory().Block(what.stream, i))
-        AddBlock(digest, one, block,
-                 scene.LiveLanes(what.stream, desc.domain == Domain::kChunk ? i : 0));
+        AddBlock(digest, one, block, scene.LiveLanes(what.stream, i));
   }
   return digest.Value();
 }

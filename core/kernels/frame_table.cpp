@@ -9,6 +9,8 @@
 #include "core/kernels/collect_changes.hpp"
 #include "core/kernels/fit_cubic.hpp"
 #include "core/kernels/fit_ribbon.hpp"
+#include "core/kernels/frame_gates.hpp"
+#include "core/kernels/frame_params.hpp"
 #include "core/kernels/interpolate.hpp"
 #include "core/kernels/joint_palette.hpp"
 #include "core/kernels/order_layers.hpp"
@@ -34,19 +36,8 @@ namespace {
 
 using V = PELT_VECTOR;
 using enum Domain;
+using namespace frame_gates;
 
-constexpr Gate kAlways{};
-constexpr Gate kPosed{.frame = FrameGate::kNewPose};
-constexpr Gate kSkinned{.chunk_flags = kChunkSkin};
-constexpr Gate kSimulated{.chunk_flags = kChunkSimulate};
-constexpr Gate kBlown{.chunk_flags = kChunkSimulate, .layer_flags = kLayerWind};
-constexpr Gate kFitted{.chunk_flags = kChunkFit};
-// What follows the view goes on when time does not.
-constexpr FrameGate kView = FrameGate::kAlsoPaused;
-constexpr Gate kKeyed{.chunk_flags = kChunkKeys, .frame = kView};
-constexpr Gate kCollected{.frame = kView};
-constexpr Gate kResorted{.layer = LayerGate::kKeysChanged, .frame = kView};
-constexpr Gate kRedrawn{.layer = LayerGate::kRedraw, .frame = kView};
 // Kinds a stage's streams do not tell apart.
 constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};

@@ -35,6 +35,14 @@
 
 namespace pelt {
 
+// Largest layer, in chunks, whose sort fits a local store of `bytes` of data.
+constexpr uint32_t SortableChunks(uint32_t local_store_data_bytes) {
+  constexpr uint32_t kPerChunk = sizeof(SortKeyBlock) + sizeof(OrderBlock) +
+                                 2 * sizeof(SortPairBlock) + sizeof(ChunkStateBlock);
+  constexpr uint32_t kFixed = 4 * 1024;  // layer blocks, parameters, alignment
+  return local_store_data_bytes > kFixed ? (local_store_data_bytes - kFixed) / kPerChunk : 0;
+}
+
 namespace sort_layer_detail {
 
 inline constexpr uint32_t kMaxDigitBits = 12;

@@ -1,17 +1,43 @@
-// Frames without a scene, for checks of executors: small kernels on real streams, in passes that
-// each need all of the one before, so that an item too early or too late changes the digest.
+// Frames without a scene, for checks of executors: small kernels on a small table of streams, in
+// passes that each need all of the one before, so that an item too early or too late changes the
+// digest.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
 #include <string>
-#include <vector>
 
-#include "core/chunk.hpp"
+#include "core/kernel.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/plan.hpp"
 #include "traces/digest.hpp"
 
-namespace pelt::conformance {
+namespace pelt {
+namespace conformance {
+
+PELT_BLOCK KeyBlock { uint32_t key[64]; };
+PELT_BLOCK SumBlock { uint32_t sum; };
+
+struct Streams {
+  static constexpr uint32_t kChunkLanes = 64;
+  StreamRow<KeyBlock> keys{"keys", Domain::kChunk, Role::kValue};
+  StreamRow<SumBlock> layer_sum{"layer_sum", Domain::kLayer, Role::kValue};
+  StreamRow<SumBlock> scene_sum{"scene_sum", Domain::kScene, Role::kValue};
+};
+
+}  // namespace conformance
+
+template <>
+inline constexpr auto kBlockMembers<conformance::KeyBlock> =
+    std::tuple{PELT_MEMBER(conformance::KeyBlock, key)};
+template <>
+inline constexpr auto kBlockMembers<conformance::SumBlock> =
+    std::tuple{PELT_MEMBER(conformance::SumBlock, sum)};
+
+namespace conformance {
 
 inline uint32_t Mix(uint32_t a, uint32_t b) {
   uint32_t x = (a ^ b) * 2654435761u;
@@ -22,7 +48,7 @@ inline uint32_t Mix(uint32_t a, uint32_t b) {
 struct StirChunk {
   static constexpr std::string_view kName = "conformance_stir";
   struct Ports {
-    InOut<&Streams::sort_keys> keys;
+    InOut<&Streams::keys> keys;
   };
   static void Run(const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, 77);
@@ -32,11 +58,11 @@ struct StirChunk {
 struct SumLayer {
   static constexpr std::string_view kName = "conformance_sum_layer";
   struct Ports {
-    All<&Streams::sort_keys> keys;
-    InOut<&Streams::layer_sort> layer;
+    All<&Streams::keys> keys;
+    InOut<&Streams::layer_sum> layer;
   };
   static void Run(const Ports& ports) {
-    uint32_t& sum = ports.layer->visible_count;
+    uint32_t& sum = ports.layer->sum;
     for (uint32_t c = 0; c < ports.keys.count; ++c)
       for (const uint32_t key : ports.keys[c].key) sum = sum * 31u + key;
   }
@@ -44,32 +70,32 @@ struct SumLayer {
 struct SpreadLayer {
   static constexpr std::string_view kName = "conformance_spread_layer";
   struct Ports {
-    Shared<&Streams::layer_sort> layer;
-    InOut<&Streams::sort_keys> keys;
+    Shared<&Streams::layer_sum> layer;
+    InOut<&Streams::keys> keys;
   };
   static void Run(const Ports& ports) {
-    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.layer->visible_count);
+    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.layer->sum);
   }
 };
 struct SumScene {
   static constexpr std::string_view kName = "conformance_sum_scene";
   struct Ports {
-    All<&Streams::layer_sort> layers;
-    InOut<&Streams::draw_list> scene;
+    All<&Streams::layer_sum> layers;
+    InOut<&Streams::scene_sum> scene;
   };
   static void Run(const Ports& ports) {
     for (uint32_t l = 0; l < ports.layers.count; ++l)
-      ports.scene->count = Mix(ports.scene->count, ports.layers[l].visible_count);
+      ports.scene->sum = Mix(ports.scene->sum, ports.layers[l].sum);
   }
 };
 struct SpreadScene {
   static constexpr std::string_view kName = "conformance_spread_scene";
   struct Ports {
-    Shared<&Streams::draw_list> scene;
-    InOut<&Streams::sort_keys> keys;
+    Shared<&Streams::scene_sum> scene;
+    InOut<&Streams::keys> keys;
   };
   static void Run(const Ports& ports) {
-    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.scene->count);
+    for (uint32_t& key : ports.keys->key) key = Mix(key, ports.scene->sum);
   }
 };
 
@@ -80,44 +106,25 @@ class SyntheticFrames {
   static constexpr uint32_t kFrames = 6;
 
   SyntheticFrames() {
-    shape_.character_count = 1;
-    for (const uint32_t chunks : {97u, 1u, 32u}) {
-      shape_.layer_character.push_back(0);
-      shape_.layer_kind.push_back(0);
-      shape_.layer_first_chunk.push_back(shape_.chunk_count);
-      shape_.chunk_layer.insert(shape_.chunk_layer.end(), chunks, shape_.layer_count++);
-      shape_.chunk_count += chunks;
-    }
-    shape_.layer_first_chunk.push_back(shape_.chunk_count);
-    keys_.resize(shape_.chunk_count);
-    layers_.resize(shape_.layer_count);
+    for (const uint32_t chunks : {97u, 1u, 32u}) shape_.AddLayer(0, 0, chunks);
+    bytes_.reset(static_cast<std::byte*>(
+        ::operator new(CountBytes(TableOf<Streams>(), shape_), std::align_val_t(kBlockAlignment))));
+    memory_ = PlaceStreams(TableOf<Streams>(), shape_, bytes_.get());
+    std::memset(bytes_.get(), 0, CountBytes(TableOf<Streams>(), shape_));
     for (uint32_t c = 0; c < shape_.chunk_count; ++c)
-      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) keys_[c].key[i] = c * kStrandsPerChunk + i;
-    memory_.shape = &shape_;
-    memory_.base[size_t(StreamOf<&Streams::sort_keys>)] =
-        reinterpret_cast<std::byte*>(keys_.data());
-    memory_.base[size_t(StreamOf<&Streams::layer_sort>)] =
-        reinterpret_cast<std::byte*>(layers_.data());
-    memory_.base[size_t(StreamOf<&Streams::draw_list>)] = reinterpret_cast<std::byte*>(&scene_);
-    std::string error;
-    plan_ = *TryCompilePlan({Of<StirChunk>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
-                             Of<SpreadLayer>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
-                             Of<SpreadLayer>(Domain::kChunk), Of<SumScene>(Domain::kScene),
-                             Of<SpreadScene>(Domain::kChunk)},
-                            shape_, {.must_fit = false}, error);
+      for (uint32_t i = 0; i < Streams::kChunkLanes; ++i)
+        memory_.Of<&Streams::keys>(c)->key[i] = c * Streams::kChunkLanes + i;
+    plan_ = *CompilePlan({Of<StirChunk>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
+                          Of<SpreadLayer>(Domain::kChunk), Of<SumLayer>(Domain::kLayer),
+                          Of<SpreadLayer>(Domain::kChunk), Of<SumScene>(Domain::kScene),
+                          Of<SpreadScene>(Domain::kChunk)},
+                         shape_, {.must_fit = false});
   }
   SyntheticFrames(const SyntheticFrames&) = delete;
 
   Frame frame() const { return {&plan_, &memory_}; }
 
-  uint64_t Digest() const {
-    pelt::Digest digest;
-    for (const SortKeyBlock& block : keys_)
-      for (const uint32_t key : block.key) digest.Add(key);
-    for (const LayerSortBlock& layer : layers_) digest.Add(layer.visible_count);
-    digest.Add(scene_.count);
-    return digest.Value();
-  }
+  uint64_t Digest() const { return DigestFrame(memory_); }
 
   static uint64_t Run(Executor& executor) {
     SyntheticFrames frames;
@@ -131,12 +138,15 @@ class SyntheticFrames {
     return {MakeKernelDesc<K>(), nullptr, domain};
   }
 
+  struct Delete {
+    void operator()(std::byte* p) const { ::operator delete(p, std::align_val_t(kBlockAlignment)); }
+  };
+
   SceneShape shape_;
-  std::vector<SortKeyBlock> keys_;
-  std::vector<LayerSortBlock> layers_;
-  DrawListBlock scene_{};
-  FrameMemory memory_{};
+  std::unique_ptr<std::byte, Delete> bytes_;
+  FrameMemory memory_;
   Plan plan_;
 };
 
-}  // namespace pelt::conformance
+}  // namespace conformance
+}  // namespace pelt

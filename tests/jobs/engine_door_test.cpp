@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "core/kernel.hpp"
 #include "jobs/conformance.hpp"
 #include "jobs/frame_recording.hpp"
 

@@ -18,7 +18,7 @@ inline std::string FindNonFinite(const FurScene& scene) {
     for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
       const std::byte* block = scene.memory().Block(Stream(s), i);
       if (!block) continue;
-      const uint32_t lanes = scene.LiveLanes(Stream(s), desc.domain == Domain::kChunk ? i : 0);
+      const uint32_t lanes = scene.LiveLanes(Stream(s), i);
       for (const RowDesc& row : desc.rows) {
         const size_t per_record = row.element_count / row.lane_count;
         for (uint32_t e = 0; e < row.element_count; ++e) {

@@ -30,8 +30,7 @@ inline uint64_t DigestCharacter(const FurScene& scene, uint32_t character) {
                                  : shape.layer_character[shape.chunk_layer[i]];
       const std::byte* block = scene.memory().Block(Stream(s), i);
       if (owner != character || !block) continue;
-      AddBlock(digest, desc, block,
-               scene.LiveLanes(Stream(s), desc.domain == Domain::kChunk ? i : 0));
+      AddBlock(digest, desc, block, scene.LiveLanes(Stream(s), i));
     }
   }
   return digest.Value();

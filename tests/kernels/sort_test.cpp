@@ -216,6 +216,14 @@ TEST(Sort, DigitPlansCoverTheKeyAndFitTheBins) {
     }
 }
 
+// What a small store leaves for blocks is nothing, not a number that wrapped round.
+TEST(Sort, AStoreSmallerThanItsFixedPartSortsNoChunk) {
+  EXPECT_EQ(SortableChunks(0), 0u);
+  EXPECT_EQ(SortableChunks(4 * 1024), 0u);
+  EXPECT_GT(SortableChunks(176 * 1024), 32u);
+  EXPECT_LT(SortableChunks(176 * 1024), 176u);
+}
+
 struct ChangesWorld {
   Blocks<LayerBlock> layer{1, 0};
   Blocks<ChunkStateBlock> chunks{5, 0};

@@ -65,12 +65,12 @@ TEST(VerifyDigests, ADigestThatDoesNotKnowOrderIsFound) {
     for (uint32_t i = 0; i < scene.shape().ItemCount(desc.domain); ++i) {
       const std::byte* block = scene.memory().Block(stream, i);
       if (!block) continue;
-      const uint32_t live = scene.LiveLanes(stream, desc.domain == Domain::kChunk ? i : 0);
+      const uint32_t live = scene.LiveLanes(stream, i);
       for (const RowDesc& row : desc.rows)
         for (uint32_t e = 0; e < row.element_count; ++e) {
           const uint32_t lane =
               row.lane_major ? e / (row.element_count / row.lane_count) : e % row.lane_count;
-          if (desc.lanes != Lanes::kAll && lane >= live) continue;
+          if (!desc.lanes.AllHoldValues() && lane >= live) continue;
           Digest word;
           word.Add(RowElement(block, row, e));
           sum += word.Value();

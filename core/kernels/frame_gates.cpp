@@ -1,0 +1,35 @@
+// Compiled once, for any processor: frame_table.cpp, which is compiled for each instruction set,
+// has only the addresses of these.
+#include "core/kernels/frame_gates.hpp"
+
+namespace pelt::frame_gates {
+
+template <uint32_t kChunkFlags>
+bool HasFlags(const FrameMemory& memory, const ItemPlace& place) {
+  const uint32_t flags =
+      memory.Of<&Streams::chunk_state>(place.first[size_t(Domain::kChunk)])->flags;
+  return (flags & kChunkFlags) == kChunkFlags;
+}
+template bool HasFlags<kChunkSkin>(const FrameMemory&, const ItemPlace&);
+template bool HasFlags<kChunkSimulate>(const FrameMemory&, const ItemPlace&);
+template bool HasFlags<kChunkFit>(const FrameMemory&, const ItemPlace&);
+template bool HasFlags<kChunkKeys>(const FrameMemory&, const ItemPlace&);
+
+bool IsBlown(const FrameMemory& memory, const ItemPlace& place) {
+  const uint32_t layer = place.first[size_t(Domain::kLayer)];
+  return HasFlags<kChunkSimulate>(memory, place) &&
+         (memory.Of<&Streams::layers>(layer)->flags & kLayerWind) != 0;
+}
+
+bool IsResorted(const FrameMemory& memory, const ItemPlace& place) {
+  return memory.Of<&Streams::layer_sort>(place.first[size_t(Domain::kLayer)])->keys_changed != 0;
+}
+
+bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place) {
+  const auto& sort = *memory.Of<&Streams::layer_sort>(place.first[size_t(Domain::kLayer)]);
+  const uint32_t first =
+      (place.first[size_t(Domain::kChunk)] - place.layer_first_chunk) * kStrandsPerChunk;
+  return first < sort.visible_count && (sort.keys_changed | sort.records_changed) != 0;
+}
+
+}  // namespace pelt::frame_gates

@@ -1,0 +1,40 @@
+// When the stages of a frame of fur run on an item.
+#pragma once
+
+#include "core/stage.hpp"
+#include "core/streams.hpp"
+
+namespace pelt::frame_gates {
+
+// All of these flags; for the masks below.
+template <uint32_t kChunkFlags>
+bool HasFlags(const FrameMemory& memory, const ItemPlace& place);
+bool IsBlown(const FrameMemory& memory, const ItemPlace& place);
+bool IsResorted(const FrameMemory& memory, const ItemPlace& place);
+bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place);
+
+template <uint32_t kChunkFlags>
+inline constexpr Condition kWithFlags{
+    &HasFlags<kChunkFlags>, Domain::kChunk, {StreamOf<&Streams::chunk_state>, Stream::kNone}};
+
+inline constexpr Gate kAlways{};
+inline constexpr Gate kPosed{.frame = FrameGate::kNotHeld};
+inline constexpr Gate kSkinned{kWithFlags<kChunkSkin>};
+inline constexpr Gate kSimulated{kWithFlags<kChunkSimulate>};
+inline constexpr Gate kBlown{
+    // simulated, and wind blows
+    {&IsBlown, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
+inline constexpr Gate kFitted{kWithFlags<kChunkFit>};
+
+// What follows the view goes on when time does not.
+inline constexpr Gate kKeyed{kWithFlags<kChunkKeys>, FrameGate::kAlsoPaused};
+inline constexpr Gate kCollected{.frame = FrameGate::kAlsoPaused};
+inline constexpr Gate kResorted{
+    {&IsResorted, Domain::kLayer, {StreamOf<&Streams::layer_sort>, Stream::kNone}},
+    FrameGate::kAlsoPaused};
+// The piece holds drawn strands, and keys or records of the layer changed.
+inline constexpr Gate kRedrawn{
+    {&IsRedrawn, Domain::kChunk, {StreamOf<&Streams::layer_sort>, Stream::kNone}},
+    FrameGate::kAlsoPaused};
+
+}  // namespace pelt::frame_gates
