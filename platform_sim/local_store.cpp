@@ -37,9 +37,13 @@ uint32_t LinesOf(uint32_t record, uint32_t record_bytes) {
   return uint32_t(last / kBlockAlignment - first / kBlockAlignment + 1);
 }
 
+const StreamDesc& Describe(const Frame& frame, Stream stream) {
+  return (*frame.memory->table)[stream];
+}
+
 uint32_t LayerRecords(const Frame& frame, uint32_t chunk) {
   const SceneShape& shape = *frame.memory->shape;
-  return shape.LayerChunks(shape.chunk_layer[chunk]) * kStrandsPerChunk;
+  return shape.LayerChunks(shape.chunk_layer[chunk]) * frame.memory->table->chunk_lanes;
 }
 
 }  // namespace
@@ -51,7 +55,6 @@ struct alignas(kBlockAlignment) LocalStoreExecutor::Buffer {
 LocalStoreExecutor::LocalStoreExecutor(uint32_t data_bytes)
     : data_bytes_(data_bytes), buffer_(std::make_unique<Buffer>()), snapshot_(kLocalStoreBytes) {
   std::fill_n(buffer_->bytes, kLocalStoreBytes, kPoison);
-  resident_.reserve(kStreamCount);
 }
 
 LocalStoreExecutor::~LocalStoreExecutor() = default;
@@ -115,32 +118,34 @@ void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32
 
   for (Resident& block : resident_) {
     if (!block.writable) {
-      CheckUntouched(stage, item, block);
+      CheckUntouched(frame, stage, item, block);
       continue;
     }
     block.writable = false;
     block.written = true;
     // Gates look at what ran in main memory; a console's PPU would be told the same by mailbox.
-    if (DescribeStream(block.stream).role == Role::kBookkeeping) {
+    if (Describe(frame, block.stream).role == Role::kBookkeeping) {
       Store(frame, stage, item, block, false);
       block.written = false;
     }
   }
-  CheckGuards(stage, item);
+  CheckGuards(frame, stage, item);
 }
 
-void LocalStoreExecutor::CheckUntouched(const Stage& stage, uint32_t item, const Resident& block) {
+void LocalStoreExecutor::CheckUntouched(const Frame& frame, const Stage& stage, uint32_t item,
+                                        const Resident& block) {
   if (std::memcmp(snapshot_.data() + block.offset, buffer_->bytes + block.offset, block.bytes) == 0)
     return;
   for (const PortDesc& port : stage.kernel.ports)
     if (port.stream == block.stream && SameBinding(port.access, block.access))
       return Fault(
           stage, item,
-          Format("wrote through its read-only port '{}'", DescribeStream(port.stream).name),
-          DescribeStream(block.stream).name);
-  Fault(stage, item,
-        Format("wrote to stream '{}', which it has no port for", DescribeStream(block.stream).name),
-        DescribeStream(block.stream).name);
+          Format("wrote through its read-only port '{}'", Describe(frame, port.stream).name),
+          Describe(frame, block.stream).name);
+  Fault(
+      stage, item,
+      Format("wrote to stream '{}', which it has no port for", Describe(frame, block.stream).name),
+      Describe(frame, block.stream).name);
 }
 
 LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame, const Stage& stage,
@@ -157,8 +162,8 @@ LocalStoreExecutor::Resident* LocalStoreExecutor::FindOrLoad(const Frame& frame,
   if (over_data > data_bytes_ || end > kLocalStoreBytes) {
     Fault(stage, item,
           Format("port '{}' needs {} bytes; of {} in local store {} are taken",
-                 DescribeStream(port.stream).name, bytes, data_bytes_, data_used_),
-          DescribeStream(port.stream).name, LocalStoreFault::Kind::kDoesNotFit);
+                 Describe(frame, port.stream).name, bytes, data_bytes_, data_used_),
+          Describe(frame, port.stream).name, LocalStoreFault::Kind::kDoesNotFit);
     return nullptr;
   }
   resident_.push_back({port.stream,
@@ -208,7 +213,7 @@ void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t 
                                Resident& block, bool transient) {
   if (block.access == Access::kScatter) return Scatter(frame, stage, item, block);
   const ItemPlace place = PlaceOf(*frame.memory->shape, stage.domain, item);
-  const auto domain = size_t(DescribeStream(block.stream).domain);
+  const auto domain = size_t(Describe(frame, block.stream).domain);
   std::memcpy(frame.memory->Block(block.stream, place.first[domain]), buffer_->bytes + block.offset,
               block.bytes);
   if (transient) {
@@ -232,7 +237,7 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
     if (index[i] == kNotPut) continue;
     if (index[i] >= places) {
       Fault(stage, item, Format("scattered to place {} of {} in its layer", index[i], places),
-            DescribeStream(block.stream).name);
+            Describe(frame, block.stream).name);
       continue;
     }
     std::memcpy(to + size_t(index[i]) * block.record_bytes,
@@ -246,16 +251,17 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
   ++counts_.dma_commands;
 }
 
-void LocalStoreExecutor::CheckGuards(const Stage& stage, uint32_t item) {
+void LocalStoreExecutor::CheckGuards(const Frame& frame, const Stage& stage, uint32_t item) {
   const auto poisoned = [&](uint32_t from, uint32_t to) {
     return std::all_of(buffer_->bytes + from, buffer_->bytes + to,
                        [](std::byte b) { return b == kPoison; });
   };
   for (const Resident& r : resident_)
     if (!poisoned(r.offset + r.bytes, r.offset + uint32_t(RoundUp(r.bytes)) + kGuardBytes))
-      Fault(stage, item,
-            Format("wrote past the end of its block of stream '{}'", DescribeStream(r.stream).name),
-            DescribeStream(r.stream).name);
+      Fault(
+          stage, item,
+          Format("wrote past the end of its block of stream '{}'", Describe(frame, r.stream).name),
+          Describe(frame, r.stream).name);
   const uint32_t after = std::min(top_ + kWatchedBytes, kLocalStoreBytes);
   if (!poisoned(top_, after)) Fault(stage, item, "wrote past its last block", {});
 }

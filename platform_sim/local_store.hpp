@@ -99,8 +99,8 @@ class LocalStoreExecutor final : public Executor {
   void Store(const Frame& frame, const Stage& stage, uint32_t item, Resident& block,
              bool transient);
   void Scatter(const Frame& frame, const Stage& stage, uint32_t item, Resident& block);
-  void CheckUntouched(const Stage& stage, uint32_t item, const Resident& block);
-  void CheckGuards(const Stage& stage, uint32_t item);
+  void CheckUntouched(const Frame& frame, const Stage& stage, uint32_t item, const Resident& block);
+  void CheckGuards(const Frame& frame, const Stage& stage, uint32_t item);
   void Fault(const Stage& stage, uint32_t item, std::string what, std::string_view stream,
              LocalStoreFault::Kind kind = LocalStoreFault::Kind::kWrote);
   void CountTransfer(uint64_t bytes, bool get);

@@ -2,12 +2,13 @@
 
 namespace pelt {
 
-BlockCache::BlockCache(uint64_t bytes, const FrameMemory& memory) : capacity_(bytes) {
-  for (uint32_t s = 0; s < kStreamCount; ++s) {
-    first_[s] = uint32_t(entries_.size());
+BlockCache::BlockCache(uint64_t bytes, const FrameMemory& memory)
+    : capacity_(bytes), table_(*memory.table) {
+  for (uint32_t s = 0; s < memory.streams.size(); ++s) {
+    first_.push_back(uint32_t(entries_.size()));
     Entry entry;
     entry.stream = Stream(s);
-    entries_.insert(entries_.end(), memory.block_count[s], entry);
+    entries_.insert(entries_.end(), memory.streams[s].block_count, entry);
   }
 }
 
@@ -27,7 +28,7 @@ void BlockCache::LinkNewest(uint32_t e) {
 uint32_t BlockCache::Touch(Stream stream, uint32_t block, bool written, bool whole,
                            std::vector<Evicted>& evicted) {
   const uint32_t e = first_[size_t(stream)] + block;
-  const uint32_t bytes = DescribeStream(stream).block_bytes;
+  const uint32_t bytes = table_[stream].block_bytes;
   Entry& entry = entries_[e];
   entry.dirty |= written;
   if (entry.here) {
@@ -40,7 +41,7 @@ uint32_t BlockCache::Touch(Stream stream, uint32_t block, bool written, bool who
   used_ += bytes;
   while (used_ > capacity_ && oldest_ != e) {
     Entry& old = entries_[oldest_];
-    const uint32_t old_bytes = DescribeStream(old.stream).block_bytes;
+    const uint32_t old_bytes = table_[old.stream].block_bytes;
     if (old.dirty) evicted.push_back({old.stream, old_bytes});
     used_ -= old_bytes;
     old.here = old.dirty = false;

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/streams.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt {
@@ -43,7 +42,8 @@ class BlockCache {
 
   const uint64_t capacity_;
   uint64_t used_ = 0;
-  uint32_t first_[kStreamCount] = {};  // entry of a stream's block 0
+  const StreamTable& table_;
+  std::vector<uint32_t> first_;  // entry of a stream's block 0
   std::vector<Entry> entries_;
   uint32_t newest_ = kNone, oldest_ = kNone;
 };

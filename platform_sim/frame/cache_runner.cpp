@@ -37,9 +37,9 @@ class CacheRunner final : public ItemRunner {
   void TouchPort(const FrameMemory& memory, const PortDesc& port, const Binding& binding,
                  ItemWork& work) {
     if (!binding.block) return;
-    const size_t s = size_t(port.stream);
-    const uint32_t block_bytes = DescribeStream(port.stream).block_bytes;
-    const auto offset = size_t(static_cast<std::byte*>(binding.block) - memory.base[s]);
+    const StreamPlace& place = memory.streams[size_t(port.stream)];
+    const uint32_t block_bytes = port.stride;
+    const auto offset = size_t(static_cast<std::byte*>(binding.block) - place.base);
     const auto first = uint32_t(offset / block_bytes);
     const bool written = IsWritten(port.access);
     const bool whole = port.access == Access::kOut || port.access == Access::kAllOut;
@@ -51,7 +51,7 @@ class CacheRunner final : public ItemRunner {
       touch(first);
     } else if (port.access == Access::kGather) {
       const uint32_t per_block = block_bytes / port.block_bytes;
-      const uint32_t blocks = memory.block_count[s] - first;
+      const uint32_t blocks = place.block_count - first;
       for (uint32_t i = 0; i < binding.count; ++i)
         if (binding.index[i] / per_block < blocks) touch(first + binding.index[i] / per_block);
     } else {

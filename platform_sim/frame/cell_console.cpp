@@ -111,7 +111,7 @@ std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
   m.availability = p.Availability();
   m.availability_from = "measured on a retail PS3";
 
-  Bench bench(p, error = {});
+  Bench bench(p, error);
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return std::nullopt;
   m.command_cycles = Cycles(p.ChannelCycles()) * p.channels_per_command;

@@ -104,6 +104,7 @@ std::unique_ptr<ConsoleExecutor> ConsoleExecutor::TryMake(const ConsoleMachine& 
   auto state = std::make_unique<State>(machine, costs);
   const bool has_stores = machine.local_store_bytes > 0;
   state->work.stage_count = uint32_t(plan.stages.size());
+  state->work.stream_count = uint32_t(plan.table->streams.size());
   for (uint32_t p = 0; p < plan.passes.size(); ++p) {
     const Pass& pass = plan.passes[p];
     PassWork& work = state->work.passes.emplace_back();
@@ -131,7 +132,7 @@ ConsoleExecutor::~ConsoleExecutor() = default;
 void ConsoleExecutor::RunPasses(const Frame& frame) {
   State& s = *state_;
   s.frame = &frame;
-  s.clock.BeginFrame(s.work.stage_count, s.timelines, s.modelled);
+  s.clock.BeginFrame(s.work, s.timelines, s.modelled);
   for (s.pass = 0; s.pass < s.work.passes.size(); ++s.pass) {
     const PassWork& work = s.work.passes[s.pass];
     const auto items = uint32_t(work.items.size());

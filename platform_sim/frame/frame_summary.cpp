@@ -47,8 +47,8 @@ FrameStatistics::FrameStatistics(const ConsoleMachine& machine, const Plan& plan
     : machine_(machine) {
   sum_.stages.resize(plan.stages.size());
   sum_.passes.resize(plan.passes.size());
-  sum_.stream_get_bytes.resize(kStreamCount);
-  sum_.stream_put_bytes.resize(kStreamCount);
+  sum_.stream_get_bytes.resize(plan.table->streams.size());
+  sum_.stream_put_bytes.resize(plan.table->streams.size());
   for (uint32_t p = 0; p < plan.passes.size(); ++p)
     stage_pass_.insert(stage_pass_.end(), plan.passes[p].stage_count, p);
 }
@@ -81,7 +81,7 @@ void FrameStatistics::Add(const ModelledFrame& frame) {
     if (compute > 0.0) sum_.stages[s].wall_ms += double(pass.Length()) * cycles / compute;
     sum_.stages[s].items += frame.stage_items[s];
   }
-  for (size_t s = 0; s < kStreamCount; ++s) {
+  for (size_t s = 0; s < frame.stream_get_bytes.size(); ++s) {
     sum_.stream_get_bytes[s] += double(frame.stream_get_bytes[s]);
     sum_.stream_put_bytes[s] += double(frame.stream_put_bytes[s]);
   }

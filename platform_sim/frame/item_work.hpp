@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/streams.hpp"
+#include "core/stream_table.hpp"
 #include "platform_sim/frame/shared_transfers.hpp"
 
 namespace pelt {
@@ -45,7 +45,7 @@ struct PassWork {
 
 // All that the timing of a frame depends on, beside the machine.
 struct FrameWork {
-  uint32_t stage_count = 0;
+  uint32_t stage_count = 0, stream_count = 0;
   std::vector<PassWork> passes;
 };
 

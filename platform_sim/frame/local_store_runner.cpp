@@ -57,19 +57,18 @@ class LocalStoreRunner final : public ItemRunner, private StageObserver {
 
   // What says whether stages want to run is a line each, where no stage brought it anyway.
   void GetState(const Frame& frame, const Pass& pass, uint32_t item, ItemWork& work) const {
-    bool needed[kStreamCount] = {};
+    std::vector<bool> needed(frame.memory->table->streams.size());
     for (uint32_t s = pass.first_stage; s < pass.first_stage + pass.stage_count; ++s) {
       const Stage& stage = frame.plan->stages[s];
       if (stage.domain < Domain::kLayer) continue;
       const SceneShape& shape = *frame.memory->shape;
       const uint32_t layer = PlaceOf(shape, stage.domain, item).first[size_t(Domain::kLayer)];
       if (!stage.kinds.Admits(shape.layer_kind[layer])) continue;  // known when the scene is made
-      needed[size_t(StreamOf<&Streams::chunk_state>)] |= stage.gate.chunk_flags != 0;
-      needed[size_t(StreamOf<&Streams::layers>)] |= stage.gate.layer_flags != 0;
-      needed[size_t(StreamOf<&Streams::layer_sort>)] |= stage.gate.layer != LayerGate::kAlways;
+      for (const Stream stream : stage.gate.when.reads)
+        if (stream != Stream::kNone) needed[size_t(stream)] = true;
     }
     for (const LocalStoreItem::Block& block : moved_.blocks) needed[size_t(block.stream)] = false;
-    for (uint32_t s = 0; s < kStreamCount; ++s) {
+    for (uint32_t s = 0; s < needed.size(); ++s) {
       if (!needed[s]) continue;
       work.streams.push_back({Stream(s), machine_.line_bytes, 0});
       Add(work.get, machine_.line_bytes, 0, 0);

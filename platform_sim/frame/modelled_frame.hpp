@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/streams.hpp"
+#include "core/stream_table.hpp"
 #include "platform_sim/memory/event_queue.hpp"
 
 namespace pelt {

@@ -11,14 +11,12 @@ namespace {
 
 constexpr uint32_t kNone = SharedTransfers::kNone;
 
-Cycles RoundUp(double cycles) { return Cycles(std::ceil(cycles - 1e-6)); }
-
 }  // namespace
 
 PassClock::PassClock(const ConsoleMachine& machine)
     : machine_(machine), transfers_(machine.memory, machine.units), units_(machine.units) {}
 
-void PassClock::BeginFrame(uint32_t stage_count, bool timelines, ModelledFrame& frame) {
+void PassClock::BeginFrame(const FrameWork& work, bool timelines, ModelledFrame& frame) {
   transfers_ = SharedTransfers(machine_.memory, machine_.units);
   for (Unit& unit : units_) unit.puts.clear();
   now_ = line_free_ = dispatcher_free_ = 0;
@@ -26,10 +24,10 @@ void PassClock::BeginFrame(uint32_t stage_count, bool timelines, ModelledFrame& 
   moved_.clear();
   frame.cycles = 0;
   frame.passes.clear();
-  frame.stage_cycles.assign(stage_count, 0);
-  frame.stage_items.assign(stage_count, 0);
-  frame.stream_get_bytes.assign(kStreamCount, 0);
-  frame.stream_put_bytes.assign(kStreamCount, 0);
+  frame.stage_cycles.assign(work.stage_count, 0);
+  frame.stage_items.assign(work.stage_count, 0);
+  frame.stream_get_bytes.assign(work.stream_count, 0);
+  frame.stream_put_bytes.assign(work.stream_count, 0);
   frame.units.assign(timelines ? units_.size() : 0, {});
 }
 
@@ -316,7 +314,7 @@ void PassClock::Reclock(uint32_t u) {
   if (unit.pace > 0.0) unit.left -= double(now_ - unit.clocked) / unit.pace;
   unit.pace = SharesCore(u) ? unit.shared_cycles : unit.cycles;
   unit.clocked = now_;
-  unit.wake = now_ + std::max(RoundUp(unit.left * unit.pace), Cycles{0});
+  unit.wake = now_ + std::max(WholeCycles(unit.left * unit.pace), Cycles{0});
 }
 
 void PassClock::EndCompute(uint32_t u) {
@@ -392,7 +390,7 @@ ModelledFrame TimeFrame(const FrameWork& work, const ConsoleMachine& machine) {
   Recorded source;
   PassClock clock(machine);
   ModelledFrame frame;
-  clock.BeginFrame(work.stage_count, false, frame);
+  clock.BeginFrame(work, false, frame);
   for (const PassWork& pass : work.passes) {
     source.pass = &pass;
     clock.Run(pass, pass.left_out ? 0 : uint32_t(pass.items.size()), source, frame);

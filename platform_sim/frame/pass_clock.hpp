@@ -36,7 +36,7 @@ class PassClock {
  public:
   explicit PassClock(const ConsoleMachine& machine);
 
-  void BeginFrame(uint32_t stage_count, bool timelines, ModelledFrame& frame);
+  void BeginFrame(const FrameWork& work, bool timelines, ModelledFrame& frame);
   // Adds a pass of `items` items to the frame, from frame.cycles on. `work`: all but its items.
   void Run(const PassWork& work, uint32_t items, WorkSource& source, ModelledFrame& frame);
 

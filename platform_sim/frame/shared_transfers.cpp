@@ -8,11 +8,9 @@ namespace pelt {
 namespace {
 
 constexpr double kForever = 1e300;
-constexpr double kInstantRate = 1e15;  // bytes a cycle
-// Below a byte and a cycle of any transfer: what sums of doubles are apart.
-constexpr double kTinyBytes = 1e-3, kTinyCycles = 1e-6;
-
-Cycles RoundUp(double cycles) { return Cycles(std::ceil(cycles - kTinyCycles)); }
+constexpr double kInstantRate = 1e15;  // bytes per cycle
+// Below a byte of any transfer: what sums of doubles are apart.
+constexpr double kTinyBytes = 1e-3;
 
 // Rates of reads and writes when both are wanted. Between the three rates that were measured (one
 // way, the other way, half and half) lie straight lines; both ways get the same, unless one wants
@@ -84,7 +82,7 @@ void SharedTransfers::PickUp() {
     unit.queue.erase(next);
     const bool behind = time_ > 0.0 && unit.free_since >= time_;
     unit.ready = behind ? time_ : time_ + double(memory_.command_cycles);
-    transfers_[unit.current].begin = RoundUp(unit.ready);
+    transfers_[unit.current].begin = WholeCycles(unit.ready);
   }
 }
 
@@ -179,7 +177,7 @@ double SharedTransfers::NextChange() const {
 
 Cycles SharedTransfers::NextEvent() const {
   const double next = NextChange();
-  return next == kForever ? kNever : RoundUp(next);
+  return next == kForever ? kNever : WholeCycles(next);
 }
 
 void SharedTransfers::Flow(double until) {
@@ -197,8 +195,8 @@ void SharedTransfers::Flow(double until) {
 
 void SharedTransfers::Finish(Unit& unit) {
   Transfer& t = transfers_[unit.current];
-  t.done =
-      RoundUp(time_ + double(t.put ? memory_.write_latency_cycles : memory_.read_latency_cycles));
+  t.done = WholeCycles(time_ +
+                       double(t.put ? memory_.write_latency_cycles : memory_.read_latency_cycles));
   unit.current = kNone;
   unit.free_since = time_;
   unit.rate = 0.0;

@@ -21,12 +21,17 @@
 // place), addresses: banks, alignment and rings do not matter here.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "platform_sim/memory/event_queue.hpp"
 
 namespace pelt {
+
+// What sums of doubles are apart.
+inline constexpr double kTinyCycles = 1e-6;
+inline Cycles WholeCycles(double cycles) { return Cycles(std::ceil(cycles - kTinyCycles)); }
 
 // Bytes a cycle, cycles, bytes; a port is what one unit, or the units of one core, reach memory by.
 struct SharedMemory {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/chunk.hpp"
 #include "core/kernels/sort_pieces.hpp"
 
 namespace pelt {
@@ -38,15 +37,6 @@ bool IsOneOf(std::string_view name, const std::string_view (&names)[kCount]) {
 
 using sort_pieces_detail::kCountNames, sort_pieces_detail::kOffsetNames,
     sort_pieces_detail::kScatterNames;
-
-uint32_t LiveLanes(const Frame& frame, Lanes lanes, uint32_t chunk) {
-  const FrameMemory& memory = *frame.memory;
-  const auto& state = *memory.Of<&Streams::chunk_state>(chunk);
-  const uint32_t kind = memory.shape->layer_kind[memory.shape->chunk_layer[chunk]];
-  const bool vertices =
-      lanes == Lanes::kLiveVertices || (lanes == Lanes::kLiveChains && kind & kLayerVertexChains);
-  return vertices ? state.live_vertices : state.live_strands;
-}
 
 constexpr uint32_t BytesOf(ElementType type) {
   return type == ElementType::kU8 ? 1 : type == ElementType::kU16 ? 2 : 4;
@@ -117,10 +107,10 @@ void WorkChange::MoveLivePrefix(const Frame& frame, uint32_t pass, uint32_t item
   if (frame.plan->passes[pass].domain != Domain::kChunk) return;
   for (ItemWork::StreamBytes& moved : work.streams) {
     const StreamDesc& stream = DescribeStream(moved.stream);
-    if (stream.domain != Domain::kChunk || stream.lanes == Lanes::kAll ||
-        stream.lanes == Lanes::kDrawn)
-      continue;
-    const uint32_t live = LiveLanes(frame, stream.lanes, item);
+    // What is drawn is put as it lies, places of dead strands and all.
+    const bool is_drawn = stream.lanes.group == 1;
+    if (stream.domain != Domain::kChunk || stream.lanes.AllHoldValues() || is_drawn) continue;
+    const uint32_t live = frame.memory->LiveLanes(moved.stream, item);
     Pieces prefix{0, 0, 0};
     for (const RowDesc& row : stream.rows) {
       const uint32_t lanes = std::min(live, row.lane_count),

@@ -97,7 +97,7 @@ std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string
   m.availability = p.Availability();
   m.availability_from = "the PS3's: none was measured on an Xbox 360";
 
-  Bench bench(p, error = {});
+  Bench bench(p, error);
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return std::nullopt;
   m.largest_transfer_bytes = p.line_bytes;

@@ -11,60 +11,48 @@ namespace {
 
 constexpr uint32_t kLanesPerIteration = 4;
 
-uint32_t IterationsOf(uint32_t lanes) { return (lanes + kLanesPerIteration - 1) / kLanesPerIteration; }
-uint32_t IterationsOfGroups(uint32_t lanes) { return RoundUpToLaneGroups(lanes) / kLanesPerIteration; }
-
-bool Binds(const Stage& stage, Stream stream) {
-  return std::ranges::any_of(stage.kernel.ports,
-                             [&](const PortDesc& port) { return port.stream == stream; });
+uint32_t IterationsOf(uint32_t lanes, uint32_t group = 1) {
+  lanes = (lanes + group - 1) / group * group;
+  return (lanes + kLanesPerIteration - 1) / kLanesPerIteration;
 }
 
-uint32_t VisibleOf(const Frame& frame, uint32_t layer) {
-  return frame.memory->Of<&Streams::layer_sort>(layer)->visible_count;
+// Of the port of a chunk's stage.
+uint32_t ChunkIterations(const FrameMemory& memory, const PortDesc& port, uint32_t chunk) {
+  const StreamDesc& stream = (*memory.table)[port.stream];
+  if (port.access == Access::kScatter) return IterationsOf(memory.table->chunk_lanes);
+  if (stream.lanes.count)
+    return IterationsOf(stream.lanes.count(memory, chunk), stream.lanes.group);
+  uint32_t lanes = 1;
+  for (const RowDesc& row : stream.rows) lanes = std::max(lanes, row.lane_count);
+  return IterationsOf(std::min(lanes, memory.table->chunk_lanes));
 }
 
-// Of what a chunk's stage writes to one stream.
-uint32_t ChunkIterations(const Frame& frame, const Stage& stage, Stream stream, uint32_t chunk) {
-  const FrameMemory& memory = *frame.memory;
-  const auto& state = *memory.Of<&Streams::chunk_state>(chunk);
-  const uint32_t layer = memory.shape->chunk_layer[chunk];
-  if (stream == StreamOf<&Streams::chunk_state>) return 1;
-  if (stream == StreamOf<&Streams::sort_keys>) return IterationsOf(state.live_strands);
-  switch (DescribeStream(stream).lanes) {
-    case Lanes::kAll:
-      return kStrandsPerChunk / kLanesPerIteration;
-    case Lanes::kLiveStrands:
-      return IterationsOfGroups(state.live_strands);
-    case Lanes::kLiveVertices:
-      return IterationsOfGroups(state.live_vertices);
-    case Lanes::kLiveChains:
-      return IterationsOfGroups(memory.shape->layer_kind[layer] & kLayerVertexChains
-                               ? state.live_vertices
-                               : state.live_strands);
-    case Lanes::kDrawn:
-      break;
-  }
-  if (stream == StreamOf<&Streams::order>)
-    return kStrandsPerChunk / kLanesPerIteration;  // sorted in pieces
-  if (!Binds(stage, StreamOf<&Streams::layer_sort>))
-    return IterationsOf(state.live_strands);  // in strand order
-  const uint32_t place = (chunk - memory.shape->layer_first_chunk[layer]) * kStrandsPerChunk;
-  const uint32_t visible = VisibleOf(frame, layer);
-  return visible > place ? IterationsOf(std::min(visible - place, kStrandsPerChunk)) : 0;
+// Live lanes of all chunks of a layer.
+uint32_t LayerLanes(const FrameMemory& memory, const Lanes& lanes, uint32_t layer) {
+  uint32_t live = 0;
+  for (uint32_t c = 0; c < memory.shape->LayerChunks(layer); ++c)
+    live += lanes.count(memory, memory.shape->layer_first_chunk[layer] + c);
+  return live;
 }
 
 }  // namespace
 
 uint32_t CountIterations(const Frame& frame, uint32_t stage_index, uint32_t item) {
   const Stage& stage = frame.plan->stages[stage_index];
-  if (stage.domain == Domain::kLayer && Binds(stage, StreamOf<&Streams::sort_pairs_a>))
-    return IterationsOf(VisibleOf(frame, item));
-  if (stage.domain != Domain::kChunk) return 1;
+  const FrameMemory& memory = *frame.memory;
   uint32_t iterations = 0;
-  for (const PortDesc& port : stage.kernel.ports)
-    if (IsWritten(port.access))
-      iterations = std::max(iterations, ChunkIterations(frame, stage, port.stream, item));
-  return iterations;
+  bool has_lanes = stage.domain == Domain::kChunk;
+  for (const PortDesc& port : stage.kernel.ports) {
+    if (!IsWritten(port.access)) continue;
+    const Lanes& lanes = (*memory.table)[port.stream].lanes;
+    if (stage.domain == Domain::kChunk) {
+      iterations = std::max(iterations, ChunkIterations(memory, port, item));
+    } else if (stage.domain == Domain::kLayer && port.domain == Domain::kChunk && lanes.count) {
+      iterations = std::max(iterations, IterationsOf(LayerLanes(memory, lanes, item)));
+      has_lanes = true;
+    }
+  }
+  return has_lanes ? iterations : 1;
 }
 
 namespace {

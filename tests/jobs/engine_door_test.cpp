@@ -223,10 +223,9 @@ struct HoldHelpers {
 TEST(DoorFaults, NullThoughRunningElsewhere) {
   SyntheticFrames frames;
   const Frame frame = frames.frame();
-  std::string error;
-  const auto plan = TryCompilePlan({{MakeKernelDesc<HoldHelpers>(), nullptr, Domain::kChunk}},
-                                   *frame.memory->shape, {}, error);
-  ASSERT_TRUE(plan) << error;
+  const auto plan = CompilePlan({{MakeKernelDesc<HoldHelpers>(), nullptr, Domain::kChunk}},
+                                *frame.memory->shape, {});
+  ASSERT_TRUE(plan) << plan.error();
   HoldHelpers::caller = std::this_thread::get_id();
   HoldHelpers::inside = 0;
   HoldHelpers::released = false;

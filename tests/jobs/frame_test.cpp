@@ -21,7 +21,7 @@ struct AddToKey {
   static constexpr std::string_view kName = "add_to_key";
   using Params = AddParams;
   struct Ports {
-    InOut<&Streams::sort_keys> keys;
+    InOut<&Toys::keys> keys;
   };
   static void Run(const Params& p, const Ports& ports) { ports.keys->key[0] += p.add; }
 };
@@ -29,43 +29,40 @@ struct AddToLayer {
   static constexpr std::string_view kName = "add_to_layer";
   using Params = AddParams;
   struct Ports {
-    InOut<&Streams::lod> lod;
+    InOut<&Toys::box> box;
   };
-  static void Run(const Params& p, const Ports& ports) { ports.lod->was_visible += p.add; }
+  static void Run(const Params& p, const Ports& ports) { ports.box->word += p.add; }
 };
 // Brings the character's root and the layer's box to the chunk.
 struct FetchParents {
   static constexpr std::string_view kName = "fetch_parents";
   using Params = AddParams;
   struct Ports {
-    Shared<&Streams::pose> pose;
-    Shared<&Streams::bounds> bounds;
-    Out<&Streams::order> order;
+    Shared<&Toys::body> body;
+    Shared<&Toys::box> box;
+    Out<&Toys::order> order;
   };
   static void Run(const Params&, const Ports& ports) {
-    ports.order->strand[0] = ports.pose->joint_count;
-    std::memcpy(&ports.order->strand[1], ports.bounds->low, 4);
+    ports.order->place[0] = ports.body->word;
+    ports.order->place[1] = ports.box->word;
   }
 };
 struct UseVertexPoints {
   static constexpr std::string_view kName = "use_vertex_points";
   using Params = AddParams;
   struct Ports {
-    InOut<&Streams::vertex_points> points;
+    InOut<&Toys::of_long> points;
   };
-  static void Run(const Params& p, const Ports& ports) {
-    ports.points->position[0][0][0] = float(p.add);
-  }
+  static void Run(const Params& p, const Ports& ports) { ports.points->a[0][0] = float(p.add); }
 };
 
 constexpr AddParams kOne{1};
-const std::vector<LayerSpec> kLayers = {
-    {0, 0, 2}, {0, kLayerVertexChains, 3}, {1, kLayerVertexChains | kLayerVerlet, 1}};
+const std::vector<LayerSpec> kLayers = {{0, 0, 2}, {0, kLong, 3}, {1, kLong | kRound, 1}};
 
 std::vector<uint32_t> FirstKeys(SyntheticScene& scene) {
   std::vector<uint32_t> keys;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    keys.push_back(scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key[0]);
+    keys.push_back(scene.Block<KeyBlock>(StreamOf<&Toys::keys>, c).key[0]);
   return keys;
 }
 using Counts = std::vector<uint32_t>;
@@ -73,9 +70,10 @@ using Counts = std::vector<uint32_t>;
 // How often each chunk's stage ran under this gate and kind mask.
 Counts CountRuns(SyntheticScene& scene, Gate gate, KindMask kinds = {}) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key[0] = 0;
+    scene.Block<KeyBlock>(StreamOf<&Toys::keys>, c).key[0] = 0;
   const Plan plan =
-      CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)}, scene.shape(), {});
+      CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)}, scene.shape(), {})
+          .OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
   return FirstKeys(scene);
 }
@@ -85,87 +83,82 @@ TEST(Frame, RunsEveryItemOnce) {
   EXPECT_EQ(CountRuns(scene, {}), Counts({1, 1, 1, 1, 1, 1}));
 }
 
-TEST(Frame, ChunkGateWantsAllItsFlags) {
+TEST(Frame, AConditionIsAskedOfEveryItem) {
   SyntheticScene scene(kLayers);
   const auto flags = [&](uint32_t chunk) -> uint32_t& {
-    return scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, chunk).flags;
+    return scene.Block<StateBlock>(StreamOf<&Toys::state>, chunk).flags;
   };
   for (uint32_t c = 0; c < 6; ++c) flags(c) = 0;
-  flags(1) = kChunkSkin;
-  flags(3) = kChunkFit;
-  flags(5) = kChunkSkin | kChunkFit;
-  EXPECT_EQ(CountRuns(scene, {.chunk_flags = kChunkSkin}), Counts({0, 1, 0, 0, 0, 1}));
-  EXPECT_EQ(CountRuns(scene, {.chunk_flags = kChunkSkin | kChunkFit}), Counts({0, 0, 0, 0, 0, 1}));
+  flags(1) = 1;
+  flags(3) = 2;
+  flags(5) = 3;
+  EXPECT_EQ(CountRuns(scene, {kWithToyFlags<1>}), Counts({0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(CountRuns(scene, {kWithToyFlags<3>}), Counts({0, 0, 0, 0, 0, 1}));
 }
 
-TEST(Frame, LayerFlagGateLooksAtTheLayersBlock) {
-  SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l) scene.Block<LayerBlock>(StreamOf<&Streams::layers>, l).flags = 0;
-  scene.Block<LayerBlock>(StreamOf<&Streams::layers>, 1).flags = kLayerWind;
-  EXPECT_EQ(CountRuns(scene, {.layer_flags = kLayerWind}), Counts({0, 0, 1, 1, 1, 0}));
+bool IsBoxed(const FrameMemory& memory, const ItemPlace& place) {
+  return memory.Of<&Toys::box>(place.first[size_t(Domain::kLayer)])->word == 7;
 }
 
-TEST(Frame, SortGateOpensWhenKeysChanged) {
+TEST(Frame, AConditionMayLookAtWhatTheItemBelongsTo) {
   SyntheticScene scene(kLayers);
   for (uint32_t l = 0; l < 3; ++l)
-    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {
-        kStrandsPerChunk, l == 2, 0, {}};
-  EXPECT_EQ(CountRuns(scene, {.layer = LayerGate::kKeysChanged}), Counts({0, 0, 0, 0, 0, 1}));
+    scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word = l == 1 ? 7 : 8;
+  const Condition boxed{&IsBoxed, Domain::kLayer, {StreamOf<&Toys::box>, Stream::kNone}};
+  EXPECT_EQ(CountRuns(scene, {boxed}), Counts({0, 0, 1, 1, 1, 0}));
 }
 
-TEST(Frame, RedrawGateOpensForPiecesThatHoldDrawnStrands) {
+TEST(Frame, HeldAndPausedItemsAreLeftOut) {
   SyntheticScene scene(kLayers);
-  const auto set = [&](uint32_t layer, uint32_t visible, uint32_t keys, uint32_t records) {
-    scene.Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, layer) = {
-        visible, keys, records, {}};
-  };
-  set(0, kStrandsPerChunk, 0, 1);      // the first piece only: the second begins behind the last
-  set(1, kStrandsPerChunk + 1, 1, 0);  // two of three
-  set(2, 5, 0, 0);                     // nothing changed
-  EXPECT_EQ(CountRuns(scene, {.layer = LayerGate::kRedraw}), Counts({1, 0, 1, 1, 0, 0}));
+  const uint8_t held[] = {0, 1, 0, 0, 0, 1};
+  scene.memory().held[size_t(Domain::kChunk)] = held;
+  const Counts all(6, 1), none(6, 0);
+  EXPECT_EQ(CountRuns(scene, {}), all);
+  EXPECT_EQ(CountRuns(scene, {.frame = FrameGate::kNotHeld}), Counts({1, 0, 1, 1, 1, 0}));
+  scene.memory().paused = true;
+  EXPECT_EQ(CountRuns(scene, {}), none);
+  EXPECT_EQ(CountRuns(scene, {.frame = FrameGate::kNotHeld}), none);
+  EXPECT_EQ(CountRuns(scene, {.frame = FrameGate::kAlsoPaused}), all);
 }
 
 TEST(Frame, KindsExcludeLayers) {
   SyntheticScene scene(kLayers);
-  EXPECT_EQ(CountRuns(scene, {}, {kLayerVertexChains, 0}), Counts({0, 0, 1, 1, 1, 1}));
-  EXPECT_EQ(CountRuns(scene, {}, {kLayerVertexChains, kLayerVerlet}), Counts({0, 0, 1, 1, 1, 0}));
-  EXPECT_EQ(CountRuns(scene, {}, {0, kLayerVertexChains}), Counts({1, 1, 0, 0, 0, 0}));
+  EXPECT_EQ(CountRuns(scene, {}, {kLong, 0}), Counts({0, 0, 1, 1, 1, 1}));
+  EXPECT_EQ(CountRuns(scene, {}, {kLong, kRound}), Counts({0, 0, 1, 1, 1, 0}));
+  EXPECT_EQ(CountRuns(scene, {}, {0, kLong}), Counts({1, 1, 0, 0, 0, 0}));
 }
 
 TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
   SyntheticScene scene(kLayers);
   const AddParams seven{7};
   const Plan plan =
-      CompilePlan({MakeStage<UseVertexPoints>(Domain::kChunk, seven)}, scene.shape(), {});
+      CompilePlan({MakeStage<UseVertexPoints>(Domain::kChunk, seven)}, scene.shape(), {}).OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
-  EXPECT_EQ(scene.memory().Block(StreamOf<&Streams::vertex_points>, 0), nullptr);
+  EXPECT_EQ(scene.memory().Block(StreamOf<&Toys::of_long>, 0), nullptr);
   for (uint32_t c = 2; c < 6; ++c)
-    EXPECT_EQ(scene.Block<PointBlock<4>>(StreamOf<&Streams::vertex_points>, c).position[0][0][0],
-              7.0f);
+    EXPECT_EQ(scene.Block<RowBlock>(StreamOf<&Toys::of_long>, c).a[0][0], 7.0f);
 }
 
 TEST(Frame, LayerStagesRunOncePerLayer) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l)
-    scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible = 10 * l;
-  const Plan plan = CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {});
+  for (uint32_t l = 0; l < 3; ++l) scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word = 10 * l;
+  const Plan plan =
+      CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {}).OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
   for (uint32_t l = 0; l < 3; ++l)
-    EXPECT_EQ(scene.Block<LodBlock>(StreamOf<&Streams::lod>, l).was_visible, 10 * l + 1);
+    EXPECT_EQ(scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word, 10 * l + 1);
 }
 
 TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
   SyntheticScene scene(kLayers);
-  const Plan plan = CompilePlan({MakeStage<FetchParents>(Domain::kChunk, kOne)}, scene.shape(), {});
+  const Plan plan =
+      CompilePlan({MakeStage<FetchParents>(Domain::kChunk, kOne)}, scene.shape(), {}).OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
   const uint32_t layer_of[] = {0, 0, 1, 1, 1, 2}, character_of[] = {0, 0, 0, 0, 0, 1};
   for (uint32_t c = 0; c < 6; ++c) {
-    const auto& order = scene.Block<OrderBlock>(StreamOf<&Streams::order>, c);
-    EXPECT_EQ(order.strand[0],
-              scene.Block<PoseBlock>(StreamOf<&Streams::pose>, character_of[c]).joint_count);
-    uint32_t low;
-    std::memcpy(&low, scene.Block<BoundsBlock>(StreamOf<&Streams::bounds>, layer_of[c]).low, 4);
-    EXPECT_EQ(order.strand[1], low);
+    const auto& order = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c);
+    EXPECT_EQ(order.place[0], scene.Block<WordBlock>(StreamOf<&Toys::body>, character_of[c]).word);
+    EXPECT_EQ(order.place[1], scene.Block<WordBlock>(StreamOf<&Toys::box>, layer_of[c]).word);
     EXPECT_EQ(PlaceOf(scene.shape(), Domain::kChunk, c).first[size_t(Domain::kScene)], 0u);
   }
 }
@@ -182,11 +175,11 @@ TEST(Frame, ChildrenOfALayerAreItsChunks) {
 
 TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   SyntheticScene scene(kLayers);
-  scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, 4).flags = 0;
-  const Plan plan =
-      CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, {.chunk_flags = kChunkSkin}),
-                   MakeStage<AddToLayer>(Domain::kLayer, kOne)},
-                  scene.shape(), {});
+  scene.Block<StateBlock>(StreamOf<&Toys::state>, 4).flags = 0;
+  const Plan plan = CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, {kWithToyFlags<1>}),
+                                 MakeStage<AddToLayer>(Domain::kLayer, kOne)},
+                                scene.shape(), {})
+                        .OrThrow();
   const FrameRecording recording(plan, scene.shape());
   SerialExecutor().Run({&plan, &scene.memory(), recording.profile()});
   for (uint32_t i = 0; i < 6; ++i) EXPECT_EQ(recording.Stage(0, i).Ran(), i != 4) << i;
@@ -222,16 +215,17 @@ struct NoteOrder {
   static constexpr std::string_view kName = "note_order";
   using Params = AddParams;
   struct Ports {
-    In<&Streams::chunk_state> state;
+    In<&Toys::state> state;
   };
   static void Run(const Params&, const Ports& ports) {
-    g_visited.push_back(ports.state->first_place / kStrandsPerChunk);
+    g_visited.push_back(ports.state->first_place / kToyLanes);
   }
 };
 
 Counts VisitedBy(Executor& executor) {
   SyntheticScene scene({{0, 0, 6}});
-  const Plan plan = CompilePlan({MakeStage<NoteOrder>(Domain::kChunk, kOne)}, scene.shape(), {});
+  const Plan plan =
+      CompilePlan({MakeStage<NoteOrder>(Domain::kChunk, kOne)}, scene.shape(), {}).OrThrow();
   g_visited.clear();
   executor.Run({&plan, &scene.memory()});
   return g_visited;

@@ -11,8 +11,7 @@
 namespace pelt {
 namespace {
 
-using testing::MakeShape;
-using testing::MakeStage;
+using namespace testing;
 
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
 
@@ -22,48 +21,43 @@ Stage Chunk() {
 }
 
 std::string ErrorOf(std::vector<Stage> stages) {
-  try {
-    CompilePlan(std::move(stages), kShape, {});
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return CompilePlan(std::move(stages), kShape, {}).error();
 }
 
 struct SumLayer {
   static constexpr std::string_view kName = "sum_layer";
   struct Ports {
-    All<&Streams::sort_keys> keys;
-    Out<&Streams::layer_sort> sum;
+    All<&Toys::keys> keys;
+    Out<&Toys::sum> sum;
   };
   static void Run(const Ports&) {}
 };
 struct OutToCoarser {
   static constexpr std::string_view kName = "out_to_coarser";
   struct Ports {
-    Out<&Streams::bounds> bounds;
+    Out<&Toys::box> bounds;
   };
   static void Run(const Ports&) {}
 };
 struct SharedOfOwnDomain {
   static constexpr std::string_view kName = "shared_of_own";
   struct Ports {
-    Shared<&Streams::sort_keys> keys;
+    Shared<&Toys::keys> keys;
   };
   static void Run(const Ports&) {}
 };
 struct GatherWithoutList {
   static constexpr std::string_view kName = "gather_without_list";
   struct Ports {
-    Gather<&Streams::curves, &Streams::layer_sort> curves;
+    Gather<&Toys::records, &Toys::sum> curves;
   };
   static void Run(const Ports&) {}
 };
 struct ReadsAndScatters {
   static constexpr std::string_view kName = "reads_and_scatters";
   struct Ports {
-    In<&Streams::sort_pairs_a> pairs;
-    Scatter<&Streams::sort_pairs_a> sorted;
+    In<&Toys::pairs_a> pairs;
+    Scatter<&Toys::pairs_a> sorted;
   };
   static void Run(const Ports&) {}
 };
@@ -73,20 +67,38 @@ TEST(PlanErrors, RefusesPortsThatCannotBeBound) {
     return text.find(part) != std::string::npos;
   };
   const std::string coarser = ErrorOf({Chunk<OutToCoarser>()});
-  EXPECT_TRUE(has(coarser, "stage out_to_coarser: port 'bounds': ")) << coarser;
+  EXPECT_TRUE(has(coarser, "stage out_to_coarser: port 'box': ")) << coarser;
   const std::string shared = ErrorOf({Chunk<SharedOfOwnDomain>()});
   EXPECT_TRUE(has(shared, "coarser domain")) << shared;
   const std::string list = ErrorOf({Chunk<GatherWithoutList>()});
   EXPECT_TRUE(has(list, "no record list")) << list;
   const std::string all = ErrorOf({Chunk<SumLayer>()});
-  EXPECT_TRUE(has(all, "stage sum_layer: port 'sort_keys'")) << all;
+  EXPECT_TRUE(has(all, "stage sum_layer: port 'keys'")) << all;
   const std::string race = ErrorOf({Chunk<ReadsAndScatters>()});
-  EXPECT_TRUE(has(race, "two ports are of stream sort_pairs_a")) << race;
+  EXPECT_TRUE(has(race, "two ports are of stream pairs_a")) << race;
+}
+
+struct OtherTable {
+  StreamRow<KeyBlock> keys{"keys", Domain::kChunk, Role::kValue};
+  static constexpr uint32_t kChunkLanes = kToyLanes;
+};
+struct UseOtherTable {
+  static constexpr std::string_view kName = "use_other_table";
+  struct Ports {
+    InOut<&OtherTable::keys> keys;
+  };
+  static void Run(const Ports&) {}
+};
+
+TEST(PlanErrors, RefusesStagesOfTwoTables) {
+  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer), Chunk<UseOtherTable>()});
+  EXPECT_NE(error.find("stage use_other_table: its ports are of another table"), std::string::npos)
+      << error;
+  EXPECT_EQ(ErrorOf({Chunk<UseOtherTable>()}), "");
 }
 
 TEST(PlanErrors, RefusesGatesOfAnotherDomain) {
-  const std::string error =
-      ErrorOf({MakeStage<SumLayer>(Domain::kLayer, {.chunk_flags = kChunkSkin})});
+  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer, {kWithToyFlags<1>})});
   EXPECT_NE(error.find("stage sum_layer: its gate is for chunks"), std::string::npos) << error;
 }
 

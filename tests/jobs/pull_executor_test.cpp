@@ -67,12 +67,9 @@ TEST(PullExecutor, RunWorksOffAnOpenFrameFirst) {
 // A pass of no items, and a frame of none at all.
 TEST(PullExecutor, PassesOfNoItemsAreSkipped) {
   Plan plan = *SyntheticFrames().frame().plan;
-  SceneShape shape;
-  shape.layer_first_chunk = {0};
-  FrameMemory memory{};
-  memory.shape = &shape;
-  DrawListBlock scene{};
-  memory.base[size_t(StreamOf<&Streams::draw_list>)] = reinterpret_cast<std::byte*>(&scene);
+  const SceneShape shape;
+  conformance::SumBlock scene{};
+  const FrameMemory memory = PlaceStreams(*plan.table, shape, reinterpret_cast<std::byte*>(&scene));
   PullExecutor pull;
   FrameRecording recording(plan, shape);
   ASSERT_TRUE(pull.Begin({&plan, &memory, recording.profile()}));

@@ -1,6 +1,6 @@
-// A scene made by hand: layers of given kinds and sizes over the real streams, filled from a seed,
-// without character, groom or fur kernels. What it is for: tests of plan and executors that run
-// kernels of their own.
+// A scene made by hand: layers of given kinds and sizes over the streams of a table, filled from a
+// seed, without character, groom or fur kernels. What it is for: tests of plan and executors that
+// run kernels of their own.
 //
 // Every stream's blocks stand in one piece of memory, with a spare block behind each stream, so
 // that a kernel planted to run off its block hits memory of this scene and nothing else.
@@ -12,107 +12,82 @@
 #include <initializer_list>
 #include <vector>
 
-#include "core/chunk.hpp"
+#include "core/kernel.hpp"
 #include "core/random.hpp"
-#include "core/streams.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/plan.hpp"
+#include "tests/jobs/toys.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt::testing {
 
 struct LayerSpec {
   uint32_t character;
-  uint32_t kind;  // kLayerKindFlags bits, kLayerSortInPieces
+  uint32_t kind;
   uint32_t chunks;
 };
 
 inline SceneShape MakeShape(const std::vector<LayerSpec>& layers) {
   SceneShape shape;
-  for (const LayerSpec& layer : layers) {
-    shape.character_count = std::max(shape.character_count, layer.character + 1);
-    shape.layer_character.push_back(layer.character);
-    shape.layer_kind.push_back(layer.kind);
-    shape.layer_first_chunk.push_back(shape.chunk_count);
-    shape.chunk_layer.insert(shape.chunk_layer.end(), layer.chunks, shape.layer_count++);
-    shape.chunk_count += layer.chunks;
-  }
-  shape.layer_first_chunk.push_back(shape.chunk_count);
+  for (const LayerSpec& layer : layers) shape.AddLayer(layer.character, layer.kind, layer.chunks);
   return shape;
 }
 
-class SyntheticScene {
+template <class Table>
+class SyntheticSceneOf {
  public:
-  explicit SyntheticScene(const std::vector<LayerSpec>& layers, uint64_t seed = 1)
-      : shape_(MakeShape(layers)), slots_(kStreamCount) {
-    size_t bytes = kBlockAlignment;
-    for (uint32_t s = 0; s < kStreamCount; ++s) bytes += PlaceStream(s, bytes);
-    bytes_.resize(bytes + kBlockAlignment);
-    auto* aligned = bytes_.data() + (kBlockAlignment - uintptr_t(bytes_.data()) % kBlockAlignment);
-    memory_.shape = &shape_;
-    for (uint32_t s = 0; s < kStreamCount; ++s) memory_.base[s] = aligned + offset_[s];
+  explicit SyntheticSceneOf(const std::vector<LayerSpec>& layers, uint64_t seed = 1)
+      : shape_(MakeShape(layers)), memory_(PlaceStreams(TableOf<Table>(), shape_, nullptr)) {
+    std::vector<size_t> offsets;
+    size_t bytes = 0;
+    for (uint32_t s = 0; s < memory_.streams.size(); ++s) {
+      offsets.push_back(bytes);
+      bytes += size_t(memory_.streams[s].block_count + 1) * Describe(s).block_bytes;
+    }
+    bytes_.resize(bytes + 2 * kBlockAlignment);
+    auto* aligned =
+        bytes_.data() + (2 * kBlockAlignment - uintptr_t(bytes_.data()) % kBlockAlignment);
+    for (uint32_t s = 0; s < memory_.streams.size(); ++s)
+      memory_.streams[s].base = aligned + offsets[s];
     Fill(seed);
   }
-  SyntheticScene(const SyntheticScene&) = delete;
+  SyntheticSceneOf(const SyntheticSceneOf&) = delete;
 
   const SceneShape& shape() const { return shape_; }
-  const FrameMemory& memory() const { return memory_; }
+  FrameMemory& memory() { return memory_; }
   template <class T>
   T& Block(Stream stream, uint32_t item) {
     return *memory_.As<T>(stream, item);
   }
 
-  // Floats in [-1, 1), integers of any bits; chunk places as a baked scene has them; every gate
-  // open.
+  // Floats in [-1, 1), integers of any bits. Toys: every gate open, every lane alive, places of a
+  // layer one behind the other.
   void Fill(uint64_t seed) {
     Random random(seed);
-    for (uint32_t s = 0; s < kStreamCount; ++s) {
-      const StreamDesc& desc = DescribeStream(Stream(s));
-      for (uint32_t b = 0; b <= memory_.block_count[s]; ++b)
-        for (const RowDesc& row : desc.rows)
-          FillRow(random, row, memory_.base[s] + size_t(b) * desc.block_bytes);
-    }
-    for (uint32_t c = 0; c < shape_.chunk_count; ++c) {
-      auto& state = Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, c);
-      state.flags = ~0u;
-      state.live_strands = state.live_vertices = kStrandsPerChunk;
-      state.first_place = (c - shape_.layer_first_chunk[shape_.chunk_layer[c]]) * kStrandsPerChunk;
-    }
-    for (uint32_t l = 0; l < shape_.layer_count; ++l) {
-      Block<LayerBlock>(StreamOf<&Streams::layers>, l).flags = ~0u;
-      Block<LayerSortBlock>(StreamOf<&Streams::layer_sort>, l) = {
-          shape_.LayerChunks(l) * kStrandsPerChunk, 1, 1, {}};
-    }
+    for (uint32_t s = 0; s < memory_.streams.size(); ++s)
+      for (uint32_t b = 0; b <= memory_.streams[s].block_count; ++b)
+        for (const RowDesc& row : Describe(s).rows)
+          FillRow(random, row, memory_.streams[s].base + size_t(b) * Describe(s).block_bytes);
+    if constexpr (std::is_same_v<Table, Toys>)
+      for (uint32_t c = 0; c < shape_.chunk_count; ++c)
+        *memory_.template Of<&Toys::state>(c) = {
+            ~0u, (c - shape_.layer_first_chunk[shape_.chunk_layer[c]]) * kToyLanes, kToyLanes};
   }
 
   // Of every row of every block of these streams.
   uint64_t DigestOf(std::initializer_list<Stream> streams) const {
     Digest digest;
-    for (Stream s : streams) {
-      const StreamDesc& desc = DescribeStream(s);
-      for (uint32_t b = 0; b < memory_.block_count[size_t(s)]; ++b)
-        AddBlock(digest, desc, memory_.base[size_t(s)] + size_t(b) * desc.block_bytes,
-                 kStrandsPerChunk);
+    for (const Stream s : streams) {
+      const StreamPlace& place = memory_.streams[size_t(s)];
+      const StreamDesc& desc = Describe(uint32_t(s));
+      for (uint32_t b = 0; b < place.block_count; ++b)
+        AddBlock(digest, desc, place.base + size_t(b) * desc.block_bytes, Table::kChunkLanes);
     }
     return digest.Value();
   }
 
  private:
-  // Returns the bytes taken, the spare block included.
-  size_t PlaceStream(uint32_t s, size_t at) {
-    const StreamDesc& desc = DescribeStream(Stream(s));
-    offset_[s] = at;
-    uint32_t blocks = shape_.ItemCount(desc.domain);
-    if (desc.domain == Domain::kChunk && (desc.kinds.required | desc.kinds.forbidden) != 0) {
-      blocks = 0;
-      slots_[s].assign(shape_.chunk_count, kNoBlock);
-      for (uint32_t c = 0; c < shape_.chunk_count; ++c)
-        if (desc.kinds.Admits(shape_.layer_kind[shape_.chunk_layer[c]])) slots_[s][c] = blocks++;
-      memory_.slot[s] = slots_[s].data();
-    }
-    memory_.block_count[s] = blocks;
-    return size_t(blocks + 1) * desc.block_bytes;
-  }
+  static const StreamDesc& Describe(uint32_t stream) { return TableOf<Table>().streams[stream]; }
 
   static void FillRow(Random& random, const RowDesc& row, std::byte* block) {
     std::byte* at = block + row.offset_bytes;
@@ -131,11 +106,10 @@ class SyntheticScene {
   }
 
   SceneShape shape_;
-  std::vector<std::vector<uint32_t>> slots_;
-  size_t offset_[kStreamCount] = {};
-  FrameMemory memory_{};
+  FrameMemory memory_;
   std::vector<std::byte> bytes_;
 };
+using SyntheticScene = SyntheticSceneOf<Toys>;
 
 // A stage of kernel K, with its parameters if it has some, which must outlive every plan made of
 // it.

@@ -34,18 +34,16 @@ std::vector<Stage> CrossingFrame() {
 uint64_t RunFrames(Executor& executor) {
   SyntheticScene scene({{0, 0, 90}, {0, 0, 1}, {1, 0, 37}});
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    auto* list =
-        reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Streams::sort_pairs_a>, c));
-    const uint32_t places =
-        scene.shape().LayerChunks(scene.shape().chunk_layer[c]) * kStrandsPerChunk;
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) list[i] = (i * 7919 + c) % places;
+    auto* list = reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Toys::pairs_a>, c));
+    const uint32_t places = scene.shape().LayerChunks(scene.shape().chunk_layer[c]) * kToyLanes;
+    for (uint32_t i = 0; i < kToyLanes; ++i) list[i] = (i * 7919 + c) % places;
   }
-  const Plan plan = CompilePlan(CrossingFrame(), scene.shape(), {});
+  const Plan plan = CompilePlan(CrossingFrame(), scene.shape(), {}).OrThrow();
   EXPECT_EQ(plan.passes.size(), 5u);
   Digest digest;
   for (int frame = 0; frame < 10; ++frame) {
     executor.Run({&plan, &scene.memory()});
-    digest.Add64(scene.DigestOf({StreamOf<&Streams::sort_keys>, StreamOf<&Streams::order>}));
+    digest.Add64(scene.DigestOf({StreamOf<&Toys::keys>, StreamOf<&Toys::order>}));
   }
   return digest.Value();
 }

@@ -144,6 +144,7 @@ FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double
   }
   FrameWork work;
   work.stage_count = 1;
+  work.stream_count = kStreamCount;
   work.passes.push_back({0, double_buffered, 4096, 64, {}});
   work.passes[0].items.assign(items, item);
   return work;
@@ -259,6 +260,7 @@ TEST(ConsoleFrame, MoreSpusAreNotSlower) {
 TEST(FrameSummary, SaysWhatBindsAndAddsUp) {
   const ConsoleMachine machine = Ps3();
   Plan plan;
+  plan.table = &TableOf<Streams>();
   plan.stages.resize(1);
   plan.passes.resize(1);
   plan.passes[0].stage_count = 1;

@@ -15,61 +15,59 @@ using namespace testing;
 struct MakePairs {
   static constexpr std::string_view kName = "make_pairs";
   struct Ports {
-    In<&Streams::sort_keys> keys;
-    Out<&Streams::sort_pairs_b> pairs;
+    In<&Toys::keys> keys;
+    Out<&Toys::pairs_b> pairs;
   };
   static void Run(const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.pairs->pair[i] = {ports.keys->key[i], kStrandsPerChunk - 1 - i};
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.pairs->pair[i] = {ports.keys->key[i], kToyLanes - 1 - i};
   }
 };
 struct UsePairs {
   static constexpr std::string_view kName = "use_pairs";
   struct Ports {
-    In<&Streams::sort_pairs_b> pairs;
-    Out<&Streams::order> order;
+    In<&Toys::pairs_b> pairs;
+    Out<&Toys::order> order;
   };
   static void Run(const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.order->strand[i] = ports.pairs->pair[i].key ^ ports.pairs->pair[i].strand;
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.order->place[i] = ports.pairs->pair[i].key ^ ports.pairs->pair[i].place;
   }
 };
 struct SumLayer {
   static constexpr std::string_view kName = "sum_layer";
   struct Ports {
-    All<&Streams::sort_keys> keys;
-    Out<&Streams::layer_sort> sum;
+    All<&Toys::keys> keys;
+    Out<&Toys::sum> sum;
   };
   static void Run(const Ports& ports) {
     *ports.sum = {};
-    for (uint32_t c = 0; c < ports.keys.count; ++c)
-      ports.sum->visible_count += ports.keys[c].key[0];
+    for (uint32_t c = 0; c < ports.keys.count; ++c) ports.sum->word += ports.keys[c].key[0];
   }
 };
 struct GatherCurves {
   static constexpr std::string_view kName = "gather_curves";
   struct Ports {
-    In<&Streams::order> order;
-    Gather<&Streams::curves, &Streams::order> curves;
-    Out<&Streams::instances> instances;
+    In<&Toys::order> order;
+    Gather<&Toys::records, &Toys::order> records;
+    Out<&Toys::copies> copies;
   };
   static void Run(const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.instances->instance[i] = i < kStrandsPerChunk / 2 ? ports.curves[i] : CurveRecord{};
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.copies->record[i] = i < kToyLanes / 2 ? ports.records[i] : Record{};
   }
 };
 struct ReverseIntoLayer {
   static constexpr std::string_view kName = "reverse_into_layer";
   struct Ports {
-    In<&Streams::chunk_state> state;
-    In<&Streams::sort_keys> keys;
-    Scatter<&Streams::sort_pairs_a> pairs;
+    In<&Toys::state> state;
+    In<&Toys::keys> keys;
+    Scatter<&Toys::pairs_a> pairs;
   };
   // Every other strand, so that some list entries stay unused.
   static void Run(const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; i += 2)
-      ports.pairs.Put(i, ports.state->first_place + (kStrandsPerChunk - 1 - i),
-                      {ports.keys->key[i], i});
+    for (uint32_t i = 0; i < kToyLanes; i += 2)
+      ports.pairs.Put(i, ports.state->first_place + (kToyLanes - 1 - i), {ports.keys->key[i], i});
   }
 };
 
@@ -93,51 +91,50 @@ LocalStoreCounts ExpectSameAsSerial(const std::vector<Stage>& stages, bool fuse,
 TEST(LocalStore, OwnBlocksMoveAsDeclared) {
   const std::vector<Stage> stages = {MakeStage<MakePairs>(Domain::kChunk),
                                      MakeStage<UsePairs>(Domain::kChunk)};
-  const auto unfused = ExpectSameAsSerial(stages, false, {StreamOf<&Streams::order>});
-  EXPECT_EQ(unfused.get_bytes, kChunks * (sizeof(SortKeyBlock) + sizeof(SortPairBlock)));
-  EXPECT_EQ(unfused.put_bytes, kChunks * (sizeof(SortPairBlock) + sizeof(OrderBlock)));
+  const auto unfused = ExpectSameAsSerial(stages, false, {StreamOf<&Toys::order>});
+  EXPECT_EQ(unfused.get_bytes, kChunks * (sizeof(KeyBlock) + sizeof(PairBlock)));
+  EXPECT_EQ(unfused.put_bytes, kChunks * (sizeof(PairBlock) + sizeof(PlaceBlock)));
   EXPECT_EQ(unfused.transient_bytes, 0u);
   EXPECT_EQ(unfused.dma_commands, 4 * kChunks);
 
-  const auto fused = ExpectSameAsSerial(stages, true, {StreamOf<&Streams::order>});
-  EXPECT_EQ(fused.get_bytes, kChunks * sizeof(SortKeyBlock));
-  EXPECT_EQ(fused.put_bytes, kChunks * sizeof(OrderBlock));
-  EXPECT_EQ(fused.transient_bytes, kChunks * sizeof(SortPairBlock));
-  EXPECT_EQ(fused.peak_bytes, sizeof(SortKeyBlock) + sizeof(SortPairBlock) + sizeof(OrderBlock));
+  const auto fused = ExpectSameAsSerial(stages, true, {StreamOf<&Toys::order>});
+  EXPECT_EQ(fused.get_bytes, kChunks * sizeof(KeyBlock));
+  EXPECT_EQ(fused.put_bytes, kChunks * sizeof(PlaceBlock));
+  EXPECT_EQ(fused.transient_bytes, kChunks * sizeof(PairBlock));
+  EXPECT_EQ(fused.peak_bytes, sizeof(KeyBlock) + sizeof(PairBlock) + sizeof(PlaceBlock));
 }
 
 TEST(LocalStore, WholeLayersMoveAsOne) {
-  const auto counts = ExpectSameAsSerial({MakeStage<SumLayer>(Domain::kLayer)}, true,
-                                         {StreamOf<&Streams::layer_sort>});
-  EXPECT_EQ(counts.get_bytes, kChunks * sizeof(SortKeyBlock));
-  EXPECT_EQ(counts.put_bytes, 2 * sizeof(LayerSortBlock));
-  EXPECT_EQ(counts.peak_bytes, 3 * sizeof(SortKeyBlock) + sizeof(LayerSortBlock));
+  const auto counts =
+      ExpectSameAsSerial({MakeStage<SumLayer>(Domain::kLayer)}, true, {StreamOf<&Toys::sum>});
+  EXPECT_EQ(counts.get_bytes, kChunks * sizeof(KeyBlock));
+  EXPECT_EQ(counts.put_bytes, 2 * sizeof(WordBlock));
+  EXPECT_EQ(counts.peak_bytes, 3 * sizeof(KeyBlock) + sizeof(WordBlock));
 }
 
 TEST(LocalStore, GathersListedRecordsAndNothingElse) {
   SyntheticScene a(kLayers), b(kLayers);
   for (SyntheticScene* scene : {&a, &b})
     for (uint32_t c = 0; c < kChunks; ++c) {
-      auto& order = scene->Block<OrderBlock>(StreamOf<&Streams::order>, c);
-      const uint32_t places = c < 3 ? 3 * kStrandsPerChunk : 2 * kStrandsPerChunk;
-      for (uint32_t i = 0; i < kStrandsPerChunk; ++i)  // the second half means nothing
-        order.strand[i] = i < kStrandsPerChunk / 2 ? (i * 37 + c) % places : ~0u;
+      auto& order = scene->Block<PlaceBlock>(StreamOf<&Toys::order>, c);
+      const uint32_t places = c < 3 ? 3 * kToyLanes : 2 * kToyLanes;
+      for (uint32_t i = 0; i < kToyLanes; ++i)  // the second half means nothing
+        order.place[i] = i < kToyLanes / 2 ? (i * 37 + c) % places : ~0u;
     }
   const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {});
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &b.memory()});
-  EXPECT_EQ(a.DigestOf({StreamOf<&Streams::instances>}),
-            b.DigestOf({StreamOf<&Streams::instances>}));
+  EXPECT_EQ(a.DigestOf({StreamOf<&Toys::copies>}), b.DigestOf({StreamOf<&Toys::copies>}));
   EXPECT_TRUE(local.faults().empty());
-  EXPECT_EQ(local.counts().list_elements, kChunks * kStrandsPerChunk / 2);
+  EXPECT_EQ(local.counts().list_elements, kChunks * kToyLanes / 2);
 }
 
 TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
   const auto counts = ExpectSameAsSerial({MakeStage<ReverseIntoLayer>(Domain::kChunk)}, true,
-                                         {StreamOf<&Streams::sort_pairs_a>});
-  EXPECT_EQ(counts.list_elements, kChunks * kStrandsPerChunk / 2);
+                                         {StreamOf<&Toys::pairs_a>});
+  EXPECT_EQ(counts.list_elements, kChunks * kToyLanes / 2);
 }
 
 TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
@@ -146,7 +143,7 @@ TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
   const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(), {});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
-  const uint64_t bytes = 40 * sizeof(SortKeyBlock);
+  const uint64_t bytes = 40 * sizeof(KeyBlock);
   EXPECT_EQ(local.counts().dma_commands, (bytes + 16383) / 16384 + 1);
 }
 
@@ -161,10 +158,9 @@ TEST(LocalStore, ReportsAPlanThatNeedsMoreThanThereIs) {
     local.Run({&plan, &scene.memory()});
     ASSERT_EQ(local.faults().size(), 1u);
     EXPECT_EQ(local.faults()[0].stage, "sum_layer");
-    EXPECT_NE(local.faults()[0].what.find("port 'sort_keys' needs"), std::string::npos)
+    EXPECT_NE(local.faults()[0].what.find("port 'keys' needs"), std::string::npos)
         << local.faults()[0].what;
-    EXPECT_EQ(scene.DigestOf({StreamOf<&Streams::layer_sort>}), before)
-        << "the stage must not have run";
+    EXPECT_EQ(scene.DigestOf({StreamOf<&Toys::sum>}), before) << "the stage must not have run";
   }
 }
 

@@ -189,7 +189,7 @@ uint64_t DigestOf(const StageCosts& costs) {
 // changes a kernel, a core or a schedule changes these: put in what the test prints, once the costs
 // themselves have been looked at.
 TEST(StageCosts, AreTheSameFromEveryCompilerAndInEveryPlace) {
-  constexpr uint64_t kOnSpu = 8350423042765181434u, kOnXenon = 9620595677577938626u;
+  constexpr uint64_t kOnSpu = 5257202682785594064u, kOnXenon = 476554833862446006u;
   EXPECT_EQ(DigestOf(OnSpu().costs), kOnSpu);
   const auto in_between = std::make_unique<char[]>(12345);
   PricedScene elsewhere("tiny");

@@ -27,12 +27,7 @@ class EmptyFrames {
  public:
   explicit EmptyFrames(const std::vector<uint32_t>& chunks) {
     for (const uint32_t count : chunks) {
-      auto& shape = shapes_.emplace_back();
-      shape.layer_count = shape.character_count = 1;
-      shape.chunk_count = count;
-      shape.layer_character = shape.layer_kind = {0};
-      shape.layer_first_chunk = {0, count};
-      shape.chunk_layer.assign(count, 0);
+      shapes_.emplace_back().AddLayer(0, 0, count);
     }
     memory_.resize(chunks.size());
     for (size_t f = 0; f < chunks.size(); ++f) memory_[f].shape = &shapes_[f];
@@ -43,7 +38,7 @@ class EmptyFrames {
       pass.stage_count = 1;
       plan_.passes.push_back(pass);
     }
-    const KernelDesc yield{"yield", {}, 0, &YieldSometimes};
+    const KernelDesc yield{"yield", nullptr, {}, 0, &YieldSometimes};
     plan_.stages.push_back({yield, nullptr, Domain::kScene});
   }
   Frame frame(size_t f) const { return {&plan_, &memory_[f % memory_.size()]}; }

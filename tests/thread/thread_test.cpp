@@ -87,10 +87,10 @@ TEST(Threads, SortInPiecesAndUnfusedGiveTheSerialBits) {
 struct ReadsMovingNeighbour {
   static constexpr std::string_view kName = "reads_moving_neighbour";
   struct Ports {
-    InOut<&Streams::sort_keys> keys;
+    InOut<&Toys::keys> keys;
   };
   static void Run(const Ports& ports) {
-    SortKeyBlock* own = ports.keys.block;
+    KeyBlock* own = ports.keys.block;
     asm volatile("" : "+r"(own));
     own->key[0] += own[1].key[0];
   }
@@ -99,7 +99,7 @@ struct ReadsMovingNeighbour {
 void RunPlantedRace() {
   SyntheticScene scene({{0, 0, 64}});
   const Plan plan =
-      CompilePlan({MakeStage<ReadsMovingNeighbour>(Domain::kChunk)}, scene.shape(), {});
+      CompilePlan({MakeStage<ReadsMovingNeighbour>(Domain::kChunk)}, scene.shape(), {}).OrThrow();
   ThreadExecutor executor(4, true);
   for (int frame = 0; frame < 20; ++frame) executor.Run({&plan, &scene.memory()});
 }
