@@ -7,6 +7,10 @@
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/kernels/frame_params.hpp"
+#include "core/kernels/frame_table.hpp"
+#include "core/layer_block.hpp"
+#include "core/outputs.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/input_check.hpp"
 #include "traces/digest.hpp"
@@ -50,47 +54,61 @@ SceneBlock::SceneBlock(uint64_t bytes)
 #endif
 }
 
-void SceneBlock::Delete::operator()(std::byte* p) const {
-  ::operator delete(p, std::align_val_t(kPageBytes));
+void SceneBlock::Delete::operator()(std::byte* block) const {
+  ::operator delete(block, std::align_val_t(kPageBytes));
 }
 
-std::unique_ptr<FurScene> FurScene::TryCreate(std::span<const Groom* const> grooms,
-                                              const SceneOptions& options, SceneLayout layout,
-                                              std::span<std::byte> memory, std::string& error) {
-  std::unique_ptr<FurScene> scene(new FurScene);
-  if (!scene->SetUp(grooms, options, std::move(layout), memory, error)) scene.reset();
+Result<std::unique_ptr<FurScene>> FurScene::Create(std::span<const Groom* const> grooms,
+                                                   const SceneOptions& options,
+                                                   const SceneMemory& memory) {
+  Result<SceneLayout> layout = MeasureScene(grooms, options);
+  if (!layout) return Failure{layout.error()};
+  const FrameTable* kernels = FindKernels(options.isa);
+  if (!kernels)
+    return Failure{Format("this processor or build has no {} kernels", IsaName(options.isa))};
+  std::unique_ptr<FurScene> scene(new FurScene(options, *std::move(layout)));
+  std::string fault = scene->MakePlan(*kernels);
+  if (!fault.empty()) return Failure{std::move(fault)};
+  std::span<std::byte> block;
+  fault = scene->TakeMemory(memory, block);
+  if (!fault.empty()) return Failure{std::move(fault)};
+  scene->Place(block);
+  scene->CopyGrooms(grooms);
+  scene->pose_gate_ = PoseGate(grooms, *kernels);
+  scene->memory_.held[size_t(Domain::kCharacter)] = scene->pose_gate_.holds_pose();
   return scene;
 }
 
-bool FurScene::SetUp(std::span<const Groom* const> grooms, const SceneOptions& options,
-                     SceneLayout layout, std::span<std::byte> memory, std::string& error) {
-  const auto fail = [&](std::string reason) {
-    error = std::move(reason);
-    return false;
-  };
-  options_ = options;
-  layout_ = std::move(layout);
-  const std::optional<SceneLayout> measured = TryMeasureScene(grooms, options, error);
-  if (!measured) return false;
-  if (*measured != layout_) return fail("the layout was measured for other grooms or options");
-  if (memory.size() < layout_.total_bytes)
-    return fail(
-        Format("the scene needs {} bytes and was given {}", layout_.total_bytes, memory.size()));
-  if (reinterpret_cast<uintptr_t>(memory.data()) % kBlockAlignment != 0)
-    return fail(Format("the scene's memory must be aligned to {} bytes", kBlockAlignment));
-  const FrameTable* kernels = FindKernels(options_.isa);
-  if (!kernels)
-    return fail(Format("this processor or build has no {} kernels", IsaName(options_.isa)));
-  Place(memory);
-  CopyGrooms(grooms);
-  pose_gate_ = PoseGate(grooms, *kernels);
-  memory_.held[size_t(Domain::kCharacter)] = pose_gate_.holds_pose();
-  Result<Plan> plan = CompilePlan(MakeStages(*kernels, params_, options_.vertex_order),
-                                  layout_.shape, options_.plan);
-  if (!plan) return fail(plan.error());
-  plan_ = *std::move(plan);
+FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
+    : options_(options), layout_(std::move(layout)), params_(std::make_unique<FrameParams>()) {
   fault_.reserve(256);
-  return true;
+}
+
+FurScene::~FurScene() = default;
+
+std::string FurScene::MakePlan(const FrameTable& kernels) {
+  Result<Plan> plan = CompilePlan(MakeStages(kernels, *params_, options_.vertex_order),
+                                  layout_.shape, options_.plan);
+  if (!plan) return plan.error();
+  plan_ = *std::move(plan);
+  return {};
+}
+
+std::string FurScene::TakeMemory(const SceneMemory& memory, std::span<std::byte>& block) {
+  const uint64_t needed = layout_.total_bytes;
+  block = memory.block;
+  if (memory.allocate) {
+    std::byte* const given = memory.allocate(needed, memory.user);
+    if (!given) return Format("the scene needs {} bytes, and its allocator gave none", needed);
+    block = {given, needed};
+  } else if (block.empty()) {
+    block = own_block_.emplace(needed).bytes();
+  }
+  if (block.size() < needed)
+    return Format("the scene needs {} bytes and was given {}", needed, block.size());
+  if (reinterpret_cast<uintptr_t>(block.data()) % kBlockAlignment != 0)
+    return Format("the scene's memory must be aligned to {} bytes", kBlockAlignment);
+  return {};
 }
 
 void FurScene::Place(std::span<std::byte> memory) {
@@ -162,7 +180,7 @@ void FurScene::FillFrame(const FrameInput& input) {
 // Time stands still: state, layers, poses and level of detail stay what they are, and so does what
 // the next frame is compared with. What is left is to draw the same strands from another eye.
 void FurScene::FillPausedFrame(const FrameInput& in) {
-  SelectLodParams lod = params_.select_lod;
+  SelectLodParams lod = params_->select_lod;
   lod.view = MakeView(in.camera);
   const bool view_changed = FillView(in, lod);
   const bool keys = view_changed || !in.skip.sort;
@@ -195,14 +213,14 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
 
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
 bool FurScene::FillView(const FrameInput& in, const SelectLodParams& lod) {
-  const bool changed = Replace(params_.select_lod, lod) || first_frame_;
-  const View& view = params_.select_lod.view;
-  std::copy_n(view.eye, 3, params_.sort_key.eye);
-  std::copy_n(view.forward, 3, params_.sort_key.forward);
-  std::copy_n(view.eye, 3, params_.order_layers.eye);
-  std::copy_n(view.forward, 3, params_.order_layers.forward);
-  std::copy_n(view.eye, 3, params_.write_ribbons.eye);
-  params_.collect_changes = {SwitchesOf(in.skip), changed};
+  const bool changed = Replace(params_->select_lod, lod) || first_frame_;
+  const View& view = params_->select_lod.view;
+  std::copy_n(view.eye, 3, params_->sort_key.eye);
+  std::copy_n(view.forward, 3, params_->sort_key.forward);
+  std::copy_n(view.eye, 3, params_->order_layers.eye);
+  std::copy_n(view.forward, 3, params_->order_layers.forward);
+  std::copy_n(view.eye, 3, params_->write_ribbons.eye);
+  params_->collect_changes = {SwitchesOf(in.skip), changed};
   return changed;
 }
 
@@ -226,10 +244,10 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
-  const bool simulate_changed = Replace(params_.simulate, simulate);
+  const bool simulate_changed = Replace(params_->simulate, simulate);
 
-  if (wind_blows) params_.wind = MakeWindParams(in.wind, in.time_s);
-  params_.activate = {SwitchesOf(in.skip), simulate_changed, view_changed, first_frame_};
+  if (wind_blows) params_->wind = MakeWindParams(in.wind, in.time_s);
+  params_->activate = {SwitchesOf(in.skip), simulate_changed, view_changed, first_frame_};
 }
 
 bool FurScene::CopyStateFrom(const FurScene& other) {
@@ -241,7 +259,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   if (this == &other) return true;
   // Ranges lie back to back from the first stream on, in the same places of both blocks.
   std::memcpy(memory_.streams[0].base, other.memory_.streams[0].base, layout_.total_bytes);
-  params_ = other.params_;
+  *params_ = *other.params_;
   layer_params_ = other.layer_params_;
   modal_ = other.modal_;
   layer_length_max_ = other.layer_length_max_;
@@ -256,9 +274,10 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum = sizeof(FurScene) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
-                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
-                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
+  uint64_t sum = sizeof(FurScene) + sizeof(FrameParams) + bytes(shape.layer_character) +
+                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
+                 bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
+                 bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
                  bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
                  bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_) +
                  pose_gate_.HeapBytes();

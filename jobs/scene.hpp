@@ -1,8 +1,7 @@
 // A scene of furry characters: memory, state and plan for any number of frames.
 //
-//   SceneLayout layout = MeasureScene(grooms, options);   // the exact bytes, every range
-//   SceneBlock block(layout.total_bytes);                 // or any memory of the caller
-//   FurScene scene(grooms, options, layout, block.bytes());
+//   auto made = FurScene::Create(grooms, options, memory);   // a scene, or the reason as a text
+//   FurScene& scene = **made;
 //   ... fill scene.Pose(c) ...
 //   scene.BeginFrame(input);                              // the caller's thread
 //   executor.Run(scene.CurrentFrame());                   // any executor, the same bits
@@ -20,19 +19,23 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
 #include "core/frame_input.hpp"
 #include "core/groom/groom.hpp"
-#include "core/kernels/frame_params.hpp"
-#include "core/kernels/frame_table.hpp"
-#include "core/layer_block.hpp"
+#include "core/isa.hpp"
+#include "core/streams.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/pose_gate.hpp"
+#include "traces/digest.hpp"
 
 namespace pelt {
+
+class ModalCourse;
+struct FrameParams;
+struct FrameTable;
+struct SelectLodParams;
 
 struct SceneOptions {
   Isa isa = BestIsa();
@@ -68,14 +71,8 @@ struct SceneLayout {
 
 // Layout of a scene of these grooms, one for each character (a groom may serve several). Fails when
 // one holds what no groom file may (FindGroomFault), when they do not fit together (no strands, too
-// many layers) or the scene is over its budget.
-std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
-                                           const SceneOptions& options, std::string& error);
-#if defined(__cpp_exceptions)
-inline SceneLayout MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options) {
-  return ValueOrThrow([&](std::string& error) { return TryMeasureScene(grooms, options, error); });
-}
-#endif
+// many layers) or the scene is over its budget. FurScene::Create measures for itself.
+Result<SceneLayout> MeasureScene(std::span<const Groom* const> grooms, const SceneOptions& options);
 
 // How a block of `budget_bytes` falls short of the layout: by how much, the largest ranges, and
 // what would help. Empty when it does not.
@@ -92,26 +89,32 @@ class SceneBlock {
 
  private:
   struct Delete {
-    void operator()(std::byte* p) const;
+    void operator()(std::byte* block) const;
   };
   std::unique_ptr<std::byte, Delete> memory_;
   uint64_t bytes_;
 };
 
+// Where a scene's one block comes from. With nothing said, the scene has a SceneBlock of its own.
+struct SceneMemory {
+  // The caller's, aligned to kBlockAlignment; the scene takes what it needs from its front.
+  std::span<std::byte> block = {};
+  // Or: asked once, for exactly the bytes the scene needs. Null is a refusal.
+  std::byte* (*allocate)(uint64_t bytes, void* user) = nullptr;
+  void* user = nullptr;
+};
+
 class FurScene {
  public:
-  // `memory` must hold layout.total_bytes, aligned to kBlockAlignment, and outlive the scene;
-  // grooms are copied into it. Null, and the reason in `error`, when the memory is too small or not
-  // aligned, a groom holds what no groom file may, the layout is of other grooms, or the plan
-  // cannot be made.
-  static std::unique_ptr<FurScene> TryCreate(std::span<const Groom* const> grooms,
-                                             const SceneOptions& options, SceneLayout layout,
-                                             std::span<std::byte> memory, std::string& error);
-  // The same, throwing Error; there only where exceptions are on.
-  FurScene(std::span<const Groom* const> grooms, const SceneOptions& options, SceneLayout layout,
-           std::span<std::byte> memory);
+  // Grooms are copied into the scene's block, which must outlive it. Fails as MeasureScene does,
+  // and when the memory is too small or not aligned, there are no kernels of the instruction set,
+  // or the plan cannot be made.
+  static Result<std::unique_ptr<FurScene>> Create(std::span<const Groom* const> grooms,
+                                                  const SceneOptions& options = {},
+                                                  const SceneMemory& memory = {});
   FurScene(const FurScene&) = delete;
   FurScene& operator=(const FurScene&) = delete;
+  ~FurScene();
 
   // To be filled before every BeginFrame.
   PoseBlock& Pose(uint32_t character) { return *memory_.Of<&Streams::pose>(character); }
@@ -163,9 +166,10 @@ class FurScene {
   uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
 
  private:
-  FurScene() = default;
-  bool SetUp(std::span<const Groom* const> grooms, const SceneOptions& options, SceneLayout layout,
-             std::span<std::byte> memory, std::string& error);
+  FurScene(const SceneOptions& options, SceneLayout layout);
+  // Both return why not; empty when it is done.
+  std::string TakeMemory(const SceneMemory& memory, std::span<std::byte>& block);
+  std::string MakePlan(const FrameTable& kernels);
   void Place(std::span<std::byte> memory);
   void CopyGrooms(std::span<const Groom* const> grooms);
   void FillFrame(const FrameInput& input);
@@ -176,8 +180,9 @@ class FurScene {
 
   SceneOptions options_;
   SceneLayout layout_;
+  std::optional<SceneBlock> own_block_;
   FrameMemory memory_;
-  FrameParams params_;
+  std::unique_ptr<FrameParams> params_;
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;
@@ -190,13 +195,5 @@ class FurScene {
   bool first_frame_ = true;
   std::string fault_;
 };
-
-#if defined(__cpp_exceptions)
-inline FurScene::FurScene(std::span<const Groom* const> grooms, const SceneOptions& options,
-                          SceneLayout layout, std::span<std::byte> memory) {
-  std::string error;
-  if (!SetUp(grooms, options, std::move(layout), memory, error)) throw Error(error);
-}
-#endif
 
 }  // namespace pelt

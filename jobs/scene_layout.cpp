@@ -49,23 +49,16 @@ std::string FindFaultOf(std::span<const Groom* const> grooms) {
 
 }  // namespace
 
-std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
-                                           const SceneOptions& options, std::string& error) {
+Result<SceneLayout> MeasureScene(std::span<const Groom* const> grooms,
+                                 const SceneOptions& options) {
   SceneLayout layout;
-  if (std::string fault = FindFaultOf(grooms); !fault.empty()) {
-    error = std::move(fault);
-    return std::nullopt;
-  }
+  if (std::string fault = FindFaultOf(grooms); !fault.empty()) return Failure{std::move(fault)};
   layout.shape = ShapeOf(grooms, options);
-  if (grooms.empty() || layout.shape.chunk_count == 0) {
-    error = "a scene needs at least one groom with one chunk of strands";
-    return std::nullopt;
-  }
-  if (layout.shape.layer_count > kLayersPerScene) {
-    error = Format("the scene has {} layers, {} more than a draw list holds",
-                   layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene);
-    return std::nullopt;
-  }
+  if (grooms.empty() || layout.shape.chunk_count == 0)
+    return Failure{"a scene needs at least one groom with one chunk of strands"};
+  if (layout.shape.layer_count > kLayersPerScene)
+    return Failure{Format("the scene has {} layers, {} more than a draw list holds",
+                          layout.shape.layer_count, layout.shape.layer_count - kLayersPerScene)};
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     const uint32_t blocks = CountBlocks(desc, layout.shape);
@@ -75,8 +68,8 @@ std::optional<SceneLayout> TryMeasureScene(std::span<const Groom* const> grooms,
   for (const Groom* groom : grooms)
     for (const GroomLayer& layer : groom->layers) layout.strand_count += layer.strand_count;
   if (options.memory_budget_bytes != 0) {
-    error = FindBudgetFault(layout, options.memory_budget_bytes);
-    if (!error.empty()) return std::nullopt;
+    std::string fault = FindBudgetFault(layout, options.memory_budget_bytes);
+    if (!fault.empty()) return Failure{std::move(fault)};
   }
   return layout;
 }

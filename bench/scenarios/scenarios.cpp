@@ -318,27 +318,23 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
 }
 
 RunningScenario::RunningScenario(Scenario& scenario, const SceneOptions& options)
-    : scenario_(scenario),
-      grooms_(scenario.ActorGrooms()),
-      layout_(MeasureScene(grooms_, options)),
-      memory_(layout_.total_bytes),
-      scene_(grooms_, options, layout_, memory_.bytes()) {}
+    : scenario_(scenario), scene_(FurScene::Create(scenario.ActorGrooms(), options).OrThrow()) {}
 
 FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
                                     const LodSettings& lod) {
-  FrameInput input = scenario_.PrepareFrame(frame, scene_);
+  FrameInput input = scenario_.PrepareFrame(frame, *scene_);
   input.skip = skip;
   input.lod = lod;
   return input;
 }
 
 bool RunningScenario::TryBegin(const FrameInput& input) {
-  if (const char* fault = scene_.BeginFrame(input)) {
+  if (const char* fault = scene_->BeginFrame(input)) {
     refusal_ = fault;
     return false;
   }
   // The frame is begun all the same, with that character as it was: not what was asked for.
-  for (const RefusedPose& refused : scene_.RefusedPoses())
+  for (const RefusedPose& refused : scene_->RefusedPoses())
     throw Error(fmt::format("{}: {}", scenario_.name, DescribeRefusedPose(refused)));
   return true;
 }

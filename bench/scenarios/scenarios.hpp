@@ -105,7 +105,7 @@ struct Scenario {
   FrameInput base;  // what does not change from frame to frame
   std::vector<std::string> notes;
 
-  // One groom for each actor, as MeasureScene and FurScene take them.
+  // One groom for each actor, as FurScene::Create takes them.
   std::vector<const Groom*> ActorGrooms() const;
   uint64_t StrandCount() const;
 
@@ -150,8 +150,8 @@ class RunningScenario {
   // The scenario must outlive this.
   RunningScenario(Scenario& scenario, const SceneOptions& options);
 
-  FurScene& scene() { return scene_; }
-  const FurScene& scene() const { return scene_; }
+  FurScene& scene() { return *scene_; }
+  const FurScene& scene() const { return *scene_; }
   // Fills the poses of a frame and returns its input, valid until the next call.
   FrameInput Prepare(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
   // False when the frame refuses the input; RefusalText() says why.
@@ -163,10 +163,7 @@ class RunningScenario {
 
  private:
   Scenario& scenario_;
-  std::vector<const Groom*> grooms_;
-  SceneLayout layout_;
-  SceneBlock memory_;
-  FurScene scene_;
+  std::unique_ptr<FurScene> scene_;
   std::string refusal_;
 };
 

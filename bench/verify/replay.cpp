@@ -33,13 +33,11 @@ ReplayScene::ReplayScene(const InputLog& log, const std::string& name, SceneOpti
       options_(WithOrderOf(log, options)),
       grooms_(ReadGrooms(log, name)),
       character_groom_(GroomOfEach(log, grooms_)),
-      layout_(MeasureScene(character_groom_, options_)),
-      memory_(layout_.total_bytes),
-      scene_(character_groom_, options_, layout_, memory_.bytes()) {}
+      scene_(FurScene::Create(character_groom_, options_).OrThrow()) {}
 
 const char* ReplayScene::Begin(uint32_t frame) {
-  for (uint32_t c = 0; c < log_.CharacterCount(); ++c) log_.FillPose(frame, c, &scene_.Pose(c));
-  return scene_.BeginFrame(log_.Input(frame));
+  for (uint32_t c = 0; c < log_.CharacterCount(); ++c) log_.FillPose(frame, c, &scene_->Pose(c));
+  return scene_->BeginFrame(log_.Input(frame));
 }
 
 ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor,

@@ -25,7 +25,7 @@ class ReplayScene {
   // messages. Throws Error when a groom cannot be read or the scene cannot be made.
   ReplayScene(const InputLog& log, const std::string& name, SceneOptions options);
 
-  FurScene& scene() { return scene_; }
+  FurScene& scene() { return *scene_; }
   const SceneOptions& options() const { return options_; }
   // Fills the poses and begins a frame. Null, or the reason the frame must not run.
   const char* Begin(uint32_t frame);
@@ -35,9 +35,7 @@ class ReplayScene {
   SceneOptions options_;
   std::vector<Groom> grooms_;
   std::vector<const Groom*> character_groom_;
-  SceneLayout layout_;
-  SceneBlock memory_;
-  FurScene scene_;
+  std::unique_ptr<FurScene> scene_;
 };
 
 struct ReplayMismatch {

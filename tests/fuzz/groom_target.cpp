@@ -30,10 +30,8 @@ void StandAtRest(uint32_t joint_count, PoseBlock& pose) {
 
 void RunOneFrame(const Groom& groom) {
   const Groom* grooms[] = {&groom};
-  const SceneOptions options{.plan = {.must_fit = false}};
-  SceneLayout layout = MeasureScene(grooms, options);
-  SceneBlock block(layout.total_bytes);
-  FurScene scene(grooms, options, layout, block.bytes());
+  const auto made = FurScene::Create(grooms).OrThrow();
+  FurScene& scene = *made;
   PoseBlock& pose = scene.Pose(0);
   StandAtRest(groom.joint_count, pose);
   if (scene.BeginFrame({})) return;

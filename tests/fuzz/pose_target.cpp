@@ -64,9 +64,8 @@ void ReadHostile(std::span<const std::byte> bytes) {
       ReadGroomFile(test::SourceFolder() + "/tests/fuzz/corpus/groom/strand_chains.groom")
           .OrThrow();
   static const Groom* const kGrooms[] = {&kGroom};
-  static const SceneLayout kLayout = MeasureScene(kGrooms, {});
-  SceneBlock block(kLayout.total_bytes);
-  FurScene scene(kGrooms, {}, kLayout, block.bytes());
+  const auto made = FurScene::Create(kGrooms).OrThrow();
+  FurScene& scene = *made;
   FillBindPose(kGroom, scene.Pose(0));
   FrameInput input;
   Reader reader{bytes};

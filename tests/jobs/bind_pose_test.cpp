@@ -16,9 +16,8 @@ TEST(BindPose, PutsTheMeshWhereItWasBound) {
   const Scenario scenario = TinyScenario();
   const std::vector<const Groom*> grooms = scenario.ActorGrooms();
   const Groom& groom = *grooms[0];
-  const SceneLayout layout = MeasureScene(grooms, {});
-  SceneBlock block(layout.total_bytes);
-  FurScene scene(grooms, {}, layout, block.bytes());
+  const auto made = FurScene::Create(grooms).OrThrow();
+  FurScene& scene = *made;
   for (uint32_t c = 0; c < grooms.size(); ++c) FillBindPose(*grooms[c], scene.Pose(c));
   ASSERT_EQ(BeginError(scene, {}), "");
   SerialExecutor().Run(scene.CurrentFrame());

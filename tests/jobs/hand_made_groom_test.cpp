@@ -33,22 +33,14 @@ const Spoilt kSpoilt[] = {
 TEST(HandMadeGroom, IsRefusedAsAFileWouldBe) {
   const Scenario scenario = TinyScenario();
   const Groom& good = scenario.grooms[0];
-  const Groom* fine[] = {&good, &good};
-  const SceneLayout layout = MeasureScene(fine, {});
-  SceneBlock block(layout.total_bytes);
   for (const Spoilt& spoilt : kSpoilt) {
     Groom bad = good;
     spoilt.spoil(bad);
     const std::string fault = FindGroomFault(bad, "of character 1");
     EXPECT_NE(fault.find(spoilt.says), std::string::npos) << fault;
     const Groom* grooms[] = {&good, &bad, &bad};
-    std::string error;
-    EXPECT_FALSE(TryMeasureScene(grooms, {}, error));
-    EXPECT_EQ(error, fault);
-    // Spoilt after it was measured.
-    error.clear();
-    EXPECT_FALSE(FurScene::TryCreate(std::span(grooms).first(2), {}, layout, block.bytes(), error));
-    EXPECT_EQ(error, fault);
+    EXPECT_EQ(MeasureScene(grooms, {}).error(), fault);
+    EXPECT_EQ(FurScene::Create(grooms).error(), fault);
   }
 }
 

@@ -24,7 +24,7 @@ bool Holds(const std::string& text, const std::string& part) {
 struct Measured {
   Scenario scenario = TinyScenario();
   std::vector<const Groom*> grooms = scenario.ActorGrooms();
-  SceneLayout layout = MeasureScene(grooms, {});
+  SceneLayout layout = MeasureScene(grooms, {}).OrThrow();
 };
 
 TEST(MemoryBudget, ExactlyEnoughIsEnough) {
@@ -32,24 +32,19 @@ TEST(MemoryBudget, ExactlyEnoughIsEnough) {
   EXPECT_EQ(FindBudgetFault(m.layout, m.layout.total_bytes), "");
   SceneOptions options;
   options.memory_budget_bytes = m.layout.total_bytes;
-  std::string error;
-  EXPECT_TRUE(TryMeasureScene(m.grooms, options, error)) << error;
+  EXPECT_EQ(MeasureScene(m.grooms, options).error(), "");
 }
 
 TEST(MemoryBudget, OneByteLessIsRefusedAndSaysWhy) {
   const Measured m;
   SceneOptions options;
   options.memory_budget_bytes = m.layout.total_bytes - 1;
-  std::string error;
-  EXPECT_FALSE(TryMeasureScene(m.grooms, options, error));
+  const std::string error = MeasureScene(m.grooms, options).error();
   EXPECT_TRUE(Holds(error, std::to_string(m.layout.total_bytes) + " bytes, 1 more")) << error;
   EXPECT_TRUE(Holds(error, "strands would fit")) << error;
   EXPECT_TRUE(Holds(error, "max_strands")) << error;
-  EXPECT_THROW(MeasureScene(m.grooms, options), Error);
-  // The budget is the scene's: a layout measured without one does not get round it.
-  SceneBlock block(m.layout.total_bytes);
-  EXPECT_FALSE(FurScene::TryCreate(m.grooms, options, m.layout, block.bytes(), error));
-  EXPECT_TRUE(Holds(error, "memory budget")) << error;
+  EXPECT_THROW(MeasureScene(m.grooms, options).OrThrow(), Error);
+  EXPECT_EQ(FurScene::Create(m.grooms, options).error(), error);
 }
 
 TEST(MemoryBudget, NamesTheLargestRangesLargestFirst) {
@@ -77,31 +72,12 @@ TEST(MemoryReport, HasEveryRangeAndTheSum) {
   EXPECT_TRUE(Holds(table, std::to_string(m.layout.total_bytes))) << table;
 }
 
-TEST(SceneWithoutExceptions, IsTheSameScene) {
-  Measured m;
-  std::string error = "as it was";
-  SceneBlock block(m.layout.total_bytes), other(m.layout.total_bytes);
-  const auto scene = FurScene::TryCreate(m.grooms, {}, m.layout, block.bytes(), error);
-  ASSERT_TRUE(scene) << error;
-  FurScene thrown(m.grooms, {}, m.layout, other.bytes());
-  SerialExecutor serial;
-  for (FurScene* s : {scene.get(), &thrown}) {
-    ASSERT_EQ(BeginError(*s, m.scenario.PrepareFrame(3, *s)), "");
-    serial.Run(s->CurrentFrame());
-  }
-  EXPECT_EQ(scene->DigestFrame(), thrown.DigestFrame());
-}
-
 #if defined(__GLIBC__)
 TEST(MemoryReport, TellsWhatTheSceneTakesOutsideTheBlock) {
   const Measured m;
-  std::string error;
   SceneBlock block(m.layout.total_bytes);
-  SceneLayout layout = m.layout;
   const size_t before = mallinfo2().uordblks;
-  const auto scene = FurScene::TryCreate(m.grooms, {}, std::move(layout), block.bytes(), error);
-  ASSERT_TRUE(scene) << error;
-  // The layout's own vectors were there before.
+  const auto scene = FurScene::Create(m.grooms, {}, {block.bytes()}).OrThrow();
   const size_t taken = mallinfo2().uordblks - before;
   if (taken == 0) GTEST_SKIP() << "a sanitizer's allocator does not count";
   const uint64_t said = scene->HeapBytes();

@@ -20,19 +20,13 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // ---- Memory -------------------------------------------------------------------------------------
 
-std::string ConstructionError(const SceneLayout& layout, std::span<std::byte> memory) {
-  const Scenario scenario = TinyScenario();
-  try {
-    FurScene scene(scenario.ActorGrooms(), {}, layout, memory);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+std::string CreateError(const SceneMemory& memory) {
+  return FurScene::Create(TinyScenario().ActorGrooms(), {}, memory).error();
 }
 
 TEST(FurSceneMemory, TakesExactlyWhatWasMeasured) {
   const Scenario scenario = TinyScenario();
-  const SceneLayout layout = MeasureScene(scenario.ActorGrooms(), {});
+  const SceneLayout layout = MeasureScene(scenario.ActorGrooms(), {}).OrThrow();
   uint64_t sum = 0;
   for (const MemoryRange& range : layout.ranges) {
     EXPECT_FALSE(range.name.empty());
@@ -45,8 +39,10 @@ TEST(FurSceneMemory, TakesExactlyWhatWasMeasured) {
   // Canaries on both sides of the block survive frames.
   SceneBlock block(layout.total_bytes + 2 * kBlockAlignment);
   std::memset(block.bytes().data(), 0x5a, block.bytes().size());
-  FurScene scene(scenario.ActorGrooms(), {}, layout,
-                 block.bytes().subspan(kBlockAlignment, layout.total_bytes));
+  const auto made = FurScene::Create(scenario.ActorGrooms(), {},
+                                     {block.bytes().subspan(kBlockAlignment, layout.total_bytes)})
+                        .OrThrow();
+  FurScene& scene = *made;
   Scenario course = TinyScenario();
   SerialExecutor serial;
   for (uint32_t f = 0; f < 3; ++f) {
@@ -59,60 +55,47 @@ TEST(FurSceneMemory, TakesExactlyWhatWasMeasured) {
   }
 }
 
-TEST(FurSceneMemory, RefusesTooLittleUnalignedAndForeignMemory) {
-  const Scenario scenario = TinyScenario();
-  const SceneLayout layout = MeasureScene(scenario.ActorGrooms(), {});
+TEST(FurSceneMemory, RefusesTooLittleAndUnalignedMemory) {
+  const SceneLayout layout = MeasureScene(TinyScenario().ActorGrooms(), {}).OrThrow();
   SceneBlock block(layout.total_bytes + kBlockAlignment);
-  const std::string little = ConstructionError(layout, block.bytes().first(layout.total_bytes - 1));
+  const std::string little = CreateError({block.bytes().first(layout.total_bytes - 1)});
   EXPECT_EQ(little, "the scene needs " + std::to_string(layout.total_bytes) +
                         " bytes and was given " + std::to_string(layout.total_bytes - 1));
-  const std::string unaligned = ConstructionError(layout, block.bytes().subspan(16));
+  const std::string unaligned = CreateError({block.bytes().subspan(16)});
   EXPECT_NE(unaligned.find("aligned to 128 bytes"), std::string::npos) << unaligned;
-  const std::vector<const Groom*> twice(2, scenario.ActorGrooms()[0]);
-  const SceneLayout foreign = MeasureScene(twice, {});
-  SceneBlock large(foreign.total_bytes);
-  const std::string other = ConstructionError(foreign, large.bytes());
-  EXPECT_NE(other.find("other grooms"), std::string::npos) << other;
 }
 
-// Two layers that have changed places need the same bytes, and every block lies elsewhere.
-TEST(FurSceneMemory, RefusesALayoutOfOtherGroomsOfTheSameSize) {
+// What an engine's allocator is asked, and what it gives.
+struct Allocator {
+  std::optional<SceneBlock> block;
+  uint32_t calls = 0;
+  uint64_t bytes = 0;
+  static std::byte* Give(uint64_t bytes, void* user) {
+    auto& self = *static_cast<Allocator*>(user);
+    ++self.calls;
+    self.bytes = bytes;
+    return self.block.emplace(bytes).bytes().data();
+  }
+};
+
+TEST(FurSceneMemory, IsAskedForOnceAndExactly) {
   const Scenario scenario = TinyScenario();
-  const Groom& groom = *scenario.ActorGrooms()[0];
-  const SceneLayout layout = MeasureScene(scenario.ActorGrooms(), {});
-  SceneBlock block(layout.total_bytes);
-  const auto expect_refused = [&](const SceneLayout& other, const char* what) {
-    ASSERT_EQ(other.total_bytes, layout.total_bytes) << what;
-    const std::string error = ConstructionError(other, block.bytes());
-    EXPECT_NE(error.find("other grooms"), std::string::npos) << what << ": " << error;
-  };
-  SceneLayout moved = layout;
-  ASSERT_GE(groom.layers.size(), 2u);
-  std::swap(moved.shape.layer_kind[0], moved.shape.layer_kind[1]);
-  expect_refused(moved, "kinds");
-  moved = layout;
-  ++moved.shape.layer_first_chunk[1];
-  expect_refused(moved, "first chunk");
-  moved = layout;
-  moved.shape.chunk_layer[0] = moved.shape.layer_count - 1;
-  expect_refused(moved, "layer of a chunk");
-  moved = layout;
-  moved.ranges[size_t(StreamOf<&Streams::mesh>)].bytes -= 128;
-  moved.ranges[size_t(StreamOf<&Streams::strands>)].bytes += 128;
-  expect_refused(moved, "ranges");
-  moved = layout;
-  moved.ranges.clear();
-  expect_refused(moved, "no ranges");
-  moved = layout;
-  moved.shape.layer_character.clear();
-  expect_refused(moved, "no layers");
-  EXPECT_EQ(ConstructionError(layout, block.bytes()), "");
+  Allocator allocator;
+  const auto scene = FurScene::Create(scenario.ActorGrooms(), {},
+                                      {.allocate = &Allocator::Give, .user = &allocator})
+                         .OrThrow();
+  EXPECT_EQ(allocator.calls, 1u);
+  EXPECT_EQ(allocator.bytes, scene->layout().total_bytes);
+  EXPECT_EQ(scene->memory().streams[0].base, allocator.block->bytes().data());
+  const std::string refused =
+      CreateError({.allocate = [](uint64_t, void*) -> std::byte* { return nullptr; }});
+  EXPECT_NE(refused.find("gave none"), std::string::npos) << refused;
 }
 
 TEST(FurSceneMemory, NeedsAGroom) {
-  EXPECT_THROW(MeasureScene({}, {}), Error);
+  EXPECT_THROW(MeasureScene({}, {}).OrThrow(), Error);
   const std::vector<const Groom*> none(1, nullptr);
-  EXPECT_THROW(MeasureScene(none, {}), Error);
+  EXPECT_THROW(MeasureScene(none, {}).OrThrow(), Error);
 }
 
 // ---- Bad input ----------------------------------------------------------------------------------

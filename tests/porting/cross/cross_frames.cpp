@@ -13,6 +13,7 @@
 
 #include "core/bind_pose.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/scene.hpp"
 #include "platform_sim/local_store.hpp"
@@ -69,9 +70,8 @@ struct Course {
 Course RunCourse(const pelt::Groom& groom, const pelt::SceneOptions& options, uint32_t frames,
                  pelt::Executor& executor) {
   const pelt::Groom* grooms[] = {&groom};
-  const pelt::SceneLayout layout = pelt::MeasureScene(grooms, options);
-  pelt::SceneBlock block(layout.total_bytes);
-  pelt::FurScene scene(grooms, options, layout, block.bytes());
+  const auto made = pelt::FurScene::Create(grooms, options).OrThrow();
+  pelt::FurScene& scene = *made;
   pelt::Digest fold;
   for (uint32_t f = 0; f < frames; ++f) {
     MoveOn(f, groom, scene.Pose(0));

@@ -7,6 +7,7 @@
 
 #include "bench/verify/replay.hpp"
 #include "bench/verify/stage_digests.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 namespace {

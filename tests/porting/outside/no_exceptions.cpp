@@ -9,11 +9,11 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pelt/core/bind_pose.hpp"
+#include "pelt/core/error.hpp"
 #include "pelt/core/groom/groom_file.hpp"
 #include "pelt/jobs/scene.hpp"
 #include "pelt/platform_sim/local_store.hpp"
@@ -29,8 +29,9 @@ void Expect(bool holds, const char* what, const std::string& text) {
 }
 
 // The text must name what is wrong.
-void ExpectError(bool refused, const std::string& error, const char* word) {
-  Expect(refused && error.find(word) != std::string::npos, word, error);
+template <class T>
+void ExpectError(const pelt::Result<T>& result, const char* word) {
+  Expect(!result && result.error().find(word) != std::string::npos, word, result.error());
 }
 
 std::vector<std::byte> ReadBytes(const char* path) {
@@ -42,7 +43,6 @@ std::vector<std::byte> ReadBytes(const char* path) {
 }
 
 void TryBadGrooms(const std::vector<std::byte>& good) {
-  std::string error;
   std::vector<std::byte> bad = good;
   bad.resize(bad.size() / 2);
   ExpectError(pelt::ReadGroom(bad, "cut"), "it was cut or extended");
@@ -54,30 +54,21 @@ void TryBadGrooms(const std::vector<std::byte>& good) {
   ExpectError(pelt::ReadGroomFile("/no/such.groom"), "no such file");
 }
 
-void TryBadScenes(std::span<const pelt::Groom* const> grooms, const pelt::SceneLayout& layout) {
-  std::string error;
-  ExpectError(!pelt::TryMeasureScene({}, {}, error), error, "at least one groom");
+void TryBadScenes(std::span<const pelt::Groom* const> grooms, uint64_t bytes) {
+  ExpectError(pelt::MeasureScene({}, {}), "at least one groom");
   pelt::SceneOptions options;
-  options.memory_budget_bytes = layout.total_bytes - 1;
-  ExpectError(!pelt::TryMeasureScene(grooms, options, error), error,
-              "1 more than its memory budget");
-  options.memory_budget_bytes = layout.total_bytes;
-  Expect(pelt::TryMeasureScene(grooms, options, error).has_value(), "exactly the budget", error);
-  pelt::SceneBlock block(layout.total_bytes + pelt::kBlockAlignment);
-  const auto create = [&](std::span<std::byte> memory) {
-    error.clear();
-    return pelt::FurScene::TryCreate(grooms, {}, layout, memory, error);
-  };
-  ExpectError(!create(block.bytes().first(layout.total_bytes - 1)), error, "was given");
-  ExpectError(!create(block.bytes().subspan(4)), error, "aligned");
+  options.memory_budget_bytes = bytes - 1;
+  ExpectError(pelt::MeasureScene(grooms, options), "1 more than its memory budget");
+  options.memory_budget_bytes = bytes;
+  const auto fits = pelt::MeasureScene(grooms, options);
+  Expect(bool(fits), "exactly the budget", fits.error());
+  pelt::SceneBlock block(bytes + pelt::kBlockAlignment);
+  ExpectError(pelt::FurScene::Create(grooms, {}, {block.bytes().first(bytes - 1)}), "was given");
+  ExpectError(pelt::FurScene::Create(grooms, {}, {block.bytes().subspan(4)}), "aligned");
   pelt::SceneOptions tight;
   tight.plan.must_fit = true;
   tight.plan.local_store_data_bytes = 20000;
-  const auto pieces = pelt::TryMeasureScene(grooms, tight, error);
-  Expect(pieces.has_value(), "measured for a small local store", error);
-  pelt::SceneBlock small(pieces->total_bytes);
-  ExpectError(!pelt::FurScene::TryCreate(grooms, tight, *pieces, small.bytes(), error), error,
-              "bytes of local store");
+  ExpectError(pelt::FurScene::Create(grooms, tight), "bytes of local store");
 }
 
 }  // namespace
@@ -93,25 +84,25 @@ int main(int argc, char** argv) {
   Expect(again && *again == bytes, "writes the bytes it read", again.error());
 
   const pelt::Groom* grooms[] = {&*groom};
-  const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);
-  Expect(layout.has_value(), "measures", error);
+  const pelt::Result<pelt::SceneLayout> layout = pelt::MeasureScene(grooms, {});
+  Expect(bool(layout), "measures", layout.error());
   if (!layout) return 1;
-  TryBadScenes(grooms, *layout);
+  TryBadScenes(grooms, layout->total_bytes);
 
   uint64_t first[2], last[2];
   pelt::SerialExecutor serial;
   pelt::LocalStoreExecutor local_store(pelt::SceneOptions{}.plan.local_store_data_bytes);
   pelt::Executor* executors[] = {&serial, &local_store};
   for (int e = 0; e < 2; ++e) {
-    pelt::SceneBlock block(layout->total_bytes);
-    const auto scene = pelt::FurScene::TryCreate(grooms, {}, *layout, block.bytes(), error);
-    Expect(scene != nullptr, "creates", error);
-    if (!scene) return 1;
+    const auto made = pelt::FurScene::Create(grooms);
+    Expect(bool(made), "creates", made.error());
+    if (!made) return 1;
+    const auto& scene = *made;
     pelt::FillBindPose(*groom, scene->Pose(0));
     pelt::FrameInput input;
     input.dt_s = std::numeric_limits<double>::quiet_NaN();
     const char* fault = scene->BeginFrame(input);
-    ExpectError(fault != nullptr, fault ? fault : "", "dt_s");
+    Expect(fault && std::strstr(fault, "dt_s"), "dt_s", fault ? fault : "");
     input.dt_s = 1.0 / 60.0;
     for (int f = 0; f < 5; ++f) {
       fault = scene->BeginFrame(input);

@@ -1,7 +1,5 @@
 // What Unity or Godot would load: a shared library that has Pelt inside and shows one C function.
 #include <cstdint>
-#include <optional>
-#include <string>
 
 #include "pelt/core/bind_pose.hpp"
 #include "pelt/core/groom/groom_file.hpp"
@@ -14,11 +12,9 @@ extern "C" uint64_t PluginFirstFrame(const char* groom_path) {
   const auto groom = pelt::ReadGroomFile(groom_path);
   if (!groom) return 0;
   const pelt::Groom* grooms[] = {&*groom};
-  const std::optional<pelt::SceneLayout> layout = pelt::TryMeasureScene(grooms, {}, error);
-  if (!layout) return 0;
-  pelt::SceneBlock block(layout->total_bytes);
-  const auto scene = pelt::FurScene::TryCreate(grooms, {}, *layout, block.bytes(), error);
-  if (!scene) return 0;
+  const auto made = pelt::FurScene::Create(grooms);
+  if (!made) return 0;
+  const auto& scene = *made;
   pelt::FillBindPose(*groom, scene->Pose(0));
   if (scene->BeginFrame({}) || pelt::SerialExecutor().Run(scene->CurrentFrame())) return 0;
   return scene->DigestFrame();
