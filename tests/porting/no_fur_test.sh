@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The machinery knows no fur: what plans, runs, hashes, checks and prices a frame sees neither fur's blocks nor its
+# streams, not even through another header.
+#   no_fur_test.sh SOURCE_DIR
+set -euo pipefail
+cd "$1"
+# Of fur, by name: the scene, and what is asked of a frame of fur.
+fur='^(jobs/(scene|scene_layout|pose_gate|input_check|place_capsules|draws|c_interface)|platform_sim/frame/what_if|platform_sim/pricing/record_stage)\.cpp$'
+files=(traces/digest.cpp jobs/conformance.hpp jobs/*.cpp platform_sim/local_store.cpp platform_sim/pricing/*.cpp
+       platform_sim/frame/*.cpp bench/verify/guarded_executor.cpp)
+
+includes_of() {  # file...: each, and all that they include of the tree
+  local -A seen=()
+  local wanted=("$@")
+  while [ ${#wanted[@]} -gt 0 ]; do
+    local file=${wanted[0]}
+    wanted=("${wanted[@]:1}")
+    [ -n "${seen[$file]:-}" ] && continue
+    seen[$file]=1
+    echo "$file"
+    mapfile -t -O ${#wanted[@]} wanted < <(sed -n 's/^ *#include "\([^"]*\)".*/\1/p' "$file")
+  done
+}
+
+looked=()
+for file in "${files[@]}"; do [[ $file =~ $fur ]] || looked+=("$file"); done
+[ ${#looked[@]} -ge 30 ] || { echo "FAILED: looked at ${#looked[@]} files only"; exit 1; }
+# The look itself: the scene does include them.
+includes_of jobs/scene.cpp | grep -x 'core/streams.hpp' >/dev/null || { echo "FAILED: sees nothing"; exit 1; }
+includes_of "${looked[@]}" | grep -xE 'core/(chunk|streams)\.hpp' && { echo "FAILED: the machinery includes it"; exit 1; }
+exit 0
