@@ -59,16 +59,4 @@ class [[nodiscard]] Result {
   std::string error_;
 };
 
-#if defined(__cpp_exceptions)
-// What `try_form(error)` returns in its optional or pointer; throws Error of its text when there is
-// nothing. The shorthands are made with it.
-template <class TryForm>
-auto ValueOrThrow(TryForm try_form) {
-  std::string error;
-  auto result = try_form(error);
-  if (!result) throw Error(error);
-  return *std::move(result);
-}
-#endif
-
 }  // namespace pelt

@@ -14,26 +14,26 @@ using V = RecordingVec;
 // As many as make a trace that windows find their places in.
 constexpr uint32_t kRecordedBodies = 2, kRecordedNewtonIterations = 8;
 
-bool Add(std::optional<Trace> trace, uint32_t iterations, double times, std::vector<KernelPart>& parts) {
-  if (trace) parts.push_back({*std::move(trace), iterations, times});
-  return trace.has_value();
+Result<> Add(Result<Trace> trace, uint32_t iterations, double times,
+             std::vector<KernelPart>& parts) {
+  if (!trace) return Failure{trace.error()};
+  parts.push_back({*std::move(trace), iterations, times});
+  return Done{};
 }
 
 // One body, all others.
-bool RecordBodies(std::vector<KernelPart>& parts, std::string& error) {
+Result<> RecordBodies(std::vector<KernelPart>& parts) {
   const auto bodies = std::make_unique<Bodies>();
   Pulls pulls[kRecordedBodies];
-  return Add(TryRecordKernel(
-                 {{bodies.get(), sizeof(Bodies)}, {pulls, sizeof pulls}},
-                 [&] {
-                   for (uint32_t b = 0; b < kRecordedBodies; ++b)
-                     PullOnBody<V>(*bodies, b, pulls[b]);
-                 },
-                 error),
+  return Add(RecordKernel({{bodies.get(), sizeof(Bodies)}, {pulls, sizeof pulls}},
+                          [&] {
+                            for (uint32_t b = 0; b < kRecordedBodies; ++b)
+                              PullOnBody<V>(*bodies, b, pulls[b]);
+                          }),
              kRecordedBodies * kBodies / V::kLanes, 1.0 / kRecordedBodies, parts);
 }
 
-bool RecordFft(std::vector<KernelPart>& parts, std::string& error) {
+Result<> RecordFft(std::vector<KernelPart>& parts) {
   const auto tables = std::make_unique<FftTables>();
   const auto data = std::make_unique<FftData>();
   for (uint32_t i = 0; i < kFftPoints; ++i)
@@ -43,35 +43,31 @@ bool RecordFft(std::vector<KernelPart>& parts, std::string& error) {
                                                      {data.get(), sizeof(FftData)}};
   uint32_t swaps = 0, log2 = 0;
   while (1u << log2 < kFftPoints) ++log2;
-  auto reversal = TryRecordKernel(
-      blocks, [&] { swaps = FftReversal<V>(*tables, *data); }, error);
-  return Add(std::move(reversal), swaps, 1.0, parts) &&
-         Add(TryRecordKernel(
-                 blocks, [&] { FftButterflies<V>(*tables, *data); }, error),
+  auto reversal = RecordKernel(blocks, [&] { swaps = FftReversal<V>(*tables, *data); });
+  if (auto added = Add(std::move(reversal), swaps, 1.0, parts); !added) return added;
+  return Add(RecordKernel(blocks, [&] { FftButterflies<V>(*tables, *data); }),
              kFftPoints / 2 * log2, 1.0, parts);
 }
 
-bool RecordNewton(std::vector<KernelPart>& parts, std::string& error) {
+Result<> RecordNewton(std::vector<KernelPart>& parts) {
   struct alignas(128) {
     float lanes[kNewtonChains][32] = {};
   } rows;
-  return Add(TryRecordKernel(
-                 {{&rows, sizeof rows}},
-                 [&] {
-                   V x[kNewtonChains];
-                   for (uint32_t c = 0; c < kNewtonChains; ++c) x[c] = V::Load(rows.lanes[c]);
-                   NewtonIterations(x, kRecordedNewtonIterations);
-                   for (uint32_t c = 0; c < kNewtonChains; ++c) x[c].Store(rows.lanes[c]);
-                 },
-                 error),
+  return Add(RecordKernel({{&rows, sizeof rows}},
+                          [&] {
+                            V x[kNewtonChains];
+                            for (uint32_t c = 0; c < kNewtonChains; ++c)
+                              x[c] = V::Load(rows.lanes[c]);
+                            NewtonIterations(x, kRecordedNewtonIterations);
+                            for (uint32_t c = 0; c < kNewtonChains; ++c) x[c].Store(rows.lanes[c]);
+                          }),
              kRecordedNewtonIterations, 1.0 / kRecordedNewtonIterations, parts);
 }
 
-bool RecordMatrices(std::vector<KernelPart>& parts, std::string& error) {
+Result<> RecordMatrices(std::vector<KernelPart>& parts) {
   const auto m = std::make_unique<Matrix[]>(3);
   return Add(
-      TryRecordKernel(
-          {{m.get(), 3 * sizeof(Matrix)}}, [&] { SubtractProduct<V>(m[0], m[1], m[2]); }, error),
+      RecordKernel({{m.get(), 3 * sizeof(Matrix)}}, [&] { SubtractProduct<V>(m[0], m[1], m[2]); }),
       kMatrixIterations, 1.0, parts);
 }
 
@@ -100,10 +96,16 @@ KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameter
   out.row = &row;
   const PricedCore core = MakePricedCore(CoreKind::kSpu, p);
   std::vector<KernelPart> parts;
-  if (!row.record(parts, out.failure)) return out;
+  if (const auto recorded = row.record(parts); !recorded) {
+    out.failure = recorded.error();
+    return out;
+  }
   for (const KernelPart& part : parts) {
-    const auto cost = TryPriceTrace(part.trace, part.iterations, core, {}, out.failure);
-    if (!cost) return out;
+    const auto cost = PriceTrace(part.trace, part.iterations, core, {});
+    if (!cost) {
+      out.failure = cost.error();
+      return out;
+    }
     const double iterations = part.times * part.iterations;
     out.iterations += iterations;
     out.scheduled_cycles += cost->scheduled.cycles_per_iteration * iterations;

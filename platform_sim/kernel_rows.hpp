@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/error.hpp"
 #include "platform_sim/measured_rows.hpp"
 #include "platform_sim/platforms/platform.hpp"
 #include "platform_sim/pricing/kernel_cost.hpp"
@@ -40,7 +41,7 @@ struct KernelRowDefinition {
   double units_per_pass;  // of one SPU, in giga, or what `unit` says
   bool has_availability;  // measured on a retail PS3, as a rate (cell_system.hpp)
   RowClass row_class;     // plausibility: the kernel is ours, its source is not published
-  bool (*record)(std::vector<KernelPart>& parts, std::string& error);
+  Result<> (*record)(std::vector<KernelPart>& parts);
 };
 
 struct KernelRow {

@@ -92,15 +92,13 @@ std::vector<uint64_t> CountOperations(FurScene& scene) {
   constexpr uint64_t kLanes = 4;  // of a recorded operation
   const Frame frame = scene.CurrentFrame();
   std::vector<uint64_t> operations(frame.plan->stages.size());
-  std::string error;
-  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+  RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
     Recorder recorder(Recorder::Keep::kCounts);
-    if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
+    RecordStage(frame, stage, item, RecordingKernels(), recorder).OrThrow();
     for (uint32_t k = 0; k < kRecordedKindCount; ++k)
       operations[stage] += kLanes * recorder.counts()[k] * LaneArithmetic(RecordedKind(k));
     return true;
   });
-  if (!done) throw Error(error);
   return operations;
 }
 

@@ -42,12 +42,11 @@ std::vector<TimedStage> FindStages(const Plan& plan, const TimingArgs& args) {
 }
 
 void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
-  std::string error;
-  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+  RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
     const auto timed = std::ranges::find(stages, stage, &TimedStage::stage);
     Recorder recorder(timed == stages.end() ? Recorder::Keep::kCounts
                                             : Recorder::Keep::kOperations);
-    if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
+    RecordStage(frame, stage, item, RecordingKernels(), recorder).OrThrow();
     if (timed == stages.end()) return true;
     const uint32_t iterations = CountIterations(frame, stage, item);
     if (iterations <= timed->iterations) return true;
@@ -56,7 +55,6 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
     timed->trace = recorder.trace();
     return true;
   });
-  if (!done) throw Error(error);
 }
 
 // Cycles a strand: an iteration is four.
@@ -205,9 +203,7 @@ int PrintKernelTiming(const TimingArgs& args) {
   running.Begin(1, kNoSkips, scenario.base.lod);
   RecordStages(running.scene().CurrentFrame(), stages);
   for (TimedStage& timed : stages)
-    timed.cost = ValueOrThrow([&](std::string& error) {
-      return TryPriceTrace(timed.trace, timed.iterations, core, rules, error);
-    });
+    timed.cost = PriceTrace(timed.trace, timed.iterations, core, rules).OrThrow();
   if (args.json) {
     fmt::print("{}\n", AsJson(stages, core, args));
     return 0;
@@ -218,9 +214,7 @@ int PrintKernelTiming(const TimingArgs& args) {
   PrintTable(stages, core);
   for (const TimedStage& timed : stages)
     if (args.chart_slots && timed.cost.operations)
-      PrintWindow(timed, ValueOrThrow([&](std::string& error) {
-                    return TryScheduleWindow(timed.trace, timed.iterations, core, rules, error);
-                  }),
+      PrintWindow(timed, ScheduleWindow(timed.trace, timed.iterations, core, rules).OrThrow(),
                   args.chart_slots,
                   core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet());
   return 0;

@@ -65,14 +65,11 @@ TripCount ParseTrip(const Listing& listing, const std::string& text) {
 IssueChart Time(const Listing& listing, const TimingArgs& args) {
   std::vector<TripCount> trips;
   for (const std::string& trip : args.trips) trips.push_back(ParseTrip(listing, trip));
-  std::string error;
-  std::optional<IssueChart> chart;
-  if (args.core == "spu")
-    chart = TryTimeOnSpu(listing.program, trips, {args.pair_by_order, args.hinted}, SpuParameters{},
-                         error);
-  else
-    chart = TryTimeOnPpe(listing.program, trips, {args.smt}, PpeParameters{}, error);
+  auto chart = args.core == "spu"
+                   ? TimeOnSpu(listing.program, trips, {args.pair_by_order, args.hinted}, {})
+                   : TimeOnPpe(listing.program, trips, {args.smt}, {});
   if (chart) return *std::move(chart);
+  std::string error = chart.error();
   // "instruction 4: ..." to the line it stands on.
   unsigned index = 0;
   if (std::sscanf(error.c_str(), "instruction %u:", &index) == 1 && index < listing.line.size())
@@ -238,7 +235,7 @@ std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const T
 // ---- Two threads
 
 Listing ReadPpeListing(const std::string& path) {
-  return ReadListing(ReadText(path), DisplayName(path), PpeInstructionSet());
+  return ReadListing(ReadText(path), DisplayName(path), PpeInstructionSet()).OrThrow();
 }
 
 struct ThreadTime {
@@ -249,9 +246,7 @@ struct ThreadTime {
 
 // The only loop of it, alone on the core.
 ThreadTime TimeAlone(const Listing& listing) {
-  const IssueChart chart = ValueOrThrow([&](std::string& error) {
-    return TryTimeOnPpe(listing.program, {}, {}, PpeParameters{}, error);
-  });
+  const IssueChart chart = TimeOnPpe(listing.program, {}, {}, {}).OrThrow();
   if (chart.loops.size() != 1 || !chart.loops[0].steady)
     throw Error(fmt::format(
         "{}: {} loops that reach a steady state; a thread of two runs one for ever: give that loop",
@@ -263,9 +258,8 @@ ThreadTime TimeAlone(const Listing& listing) {
 int PrintThreadPair(const TimingArgs& args) {
   const Listing listings[] = {ReadPpeListing(args.path), ReadPpeListing(args.second_thread)};
   std::array<ThreadTime, 2> threads = {TimeAlone(listings[0]), TimeAlone(listings[1])};
-  const PpePairTiming pair = ValueOrThrow([&](std::string& error) {
-    return TryTimePpePair({listings[0].program, listings[1].program}, PpeParameters{}, error);
-  });
+  const PpePairTiming pair =
+      TimePpePair({listings[0].program, listings[1].program}, PpeParameters{}).OrThrow();
   for (uint32_t t = 0; t < 2; ++t) threads[t].beside = pair.CyclesPerIteration(t);
   const uint64_t clock_hz = CellSystem{}.clock_hz;
   const double gained =
@@ -307,7 +301,8 @@ int PrintTiming(const TimingArgs& args) {
   if (!args.second_thread.empty()) return PrintThreadPair(args);
   const bool is_spu = args.core == "spu";
   const Listing listing = ReadListing(ReadText(args.path), DisplayName(args.path),
-                                      is_spu ? SpuInstructionSet() : PpeInstructionSet());
+                                      is_spu ? SpuInstructionSet() : PpeInstructionSet())
+                              .OrThrow();
   const IssueChart chart = Time(listing, args);
   const uint64_t clock_hz = CellSystem{}.clock_hz;
   if (args.json)

@@ -11,6 +11,7 @@
 #include "platform_sim/kernel_rows.hpp"
 #include "platform_sim/memory/spu_program.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
+#include "platform_sim/pricing/record_stage.hpp"
 
 namespace pelt {
 namespace {
@@ -46,9 +47,7 @@ StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneO
   running.Begin(kPricedFrame, all, {});
   const CoreKind kind = request.console == Console::kPs3 ? CoreKind::kSpu : CoreKind::kXenon;
   const PricedCore core = MakePricedCore(kind, request.numbers);
-  return ValueOrThrow([&](std::string& error) {
-    return TryPriceStages(running.scene().CurrentFrame(), core, {}, error);
-  });
+  return PriceStages(running.scene().CurrentFrame(), RecordingKernels(), core, {}).OrThrow();
 }
 
 // Frames whose work was done, timed again with other code.
@@ -100,13 +99,13 @@ std::string_view ConsoleName(Console console) {
 }
 
 ConsoleMachine MakeConsole(const ConsoleRequest& request) {
-  ConsoleMachine machine = ValueOrThrow([&](std::string& error) -> std::optional<ConsoleMachine> {
-    if (!CheckPlatforms(request.numbers, error)) return std::nullopt;
-    if (request.console == Console::kXbox360) return TryMakeXenon(request.numbers.xenon, error);
-    const CellParameters& cell = request.numbers.cell;
-    const double draw_ns = cell.Nanoseconds(double(AtomicBounceCycles(cell)));
-    return TryMakeCell(cell, AtomicDispatch(uint32_t(draw_ns + 0.5)), error);
-  });
+  if (std::string error; !CheckPlatforms(request.numbers, error)) throw Error(error);
+  const CellParameters& cell = request.numbers.cell;
+  const double draw_ns = cell.Nanoseconds(double(AtomicBounceCycles(cell)));
+  ConsoleMachine machine = (request.console == Console::kXbox360
+                                ? MakeXenon(request.numbers.xenon)
+                                : MakeCell(cell, AtomicDispatch(uint32_t(draw_ns + 0.5))))
+                               .OrThrow();
   machine.code_order = std::clamp(MeasuredCodePlace().mean, 0.0, 1.0);
   machine.what_if = request.what_if;
   return machine;
@@ -126,8 +125,9 @@ ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
     const RunningScenario running(scenario_, options_);
     const Plan& plan = running.scene().plan();
     if (!IsPriced(plan, costs_)) costs_ = Price(scenario_, request_, options_);
-    if (ConsoleExecutor::TryMake(machine_, costs_, running.scene().CurrentFrame(), error)) return;
-    if (first_error.empty()) first_error = error;
+    const auto made = ConsoleExecutor::Make(machine_, costs_, running.scene().CurrentFrame());
+    if (made) return;
+    if (first_error.empty()) first_error = made.error();
     if (!FuseLess(running.scene()))
       throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, first_error));
   }
@@ -148,10 +148,10 @@ bool ConsoleRun::FuseLess(const FurScene& scene) {
 
 std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,
                                                           const ConsoleMachine& machine) const {
-  std::string error;
-  auto console = ConsoleExecutor::TryMake(machine, costs_, scene.CurrentFrame(), error);
-  if (!console) throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error));
-  return console;
+  auto console = ConsoleExecutor::Make(machine, costs_, scene.CurrentFrame());
+  if (!console)
+    throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, console.error()));
+  return *std::move(console);
 }
 
 ConsoleBudget ConsoleRun::Run() {

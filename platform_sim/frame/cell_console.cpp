@@ -101,9 +101,9 @@ Cycles FromNanoseconds(const ConsoleMachine& m, uint32_t ns) {
 
 }  // namespace
 
-std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
-                                          const DispatchParameters& dispatch, std::string& error) {
-  if (!CheckCellMemory(p, error)) return std::nullopt;
+Result<ConsoleMachine> MakeCell(const CellMemoryParameters& p, const DispatchParameters& dispatch) {
+  std::string error;
+  if (!CheckCellMemory(p, error)) return Failure{error};
   ConsoleMachine m;
   m.name = "PS3";
   m.clock_hz = p.clock_hz;
@@ -113,7 +113,7 @@ std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
 
   Bench bench(p, error);
   m.memory = MeasureMemory(p, bench);
-  if (bench.Failed()) return std::nullopt;
+  if (bench.Failed()) return Failure{error};
   m.command_cycles = Cycles(p.ChannelCycles()) * p.channels_per_command;
   m.wait_cycles = Cycles(p.ChannelCycles()) * p.channels_per_wait;
   m.largest_transfer_bytes = p.largest_command_bytes;

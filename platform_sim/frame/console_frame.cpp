@@ -96,10 +96,12 @@ struct ConsoleExecutor::State final : WorkSource {
   uint32_t pass = 0;
 };
 
-std::unique_ptr<ConsoleExecutor> ConsoleExecutor::TryMake(const ConsoleMachine& machine,
-                                                          const StageCosts& costs,
-                                                          const Frame& frame, std::string& error) {
-  if (!CheckMachine(machine, error) || !CheckCosts(machine, costs, frame, error)) return nullptr;
+Result<std::unique_ptr<ConsoleExecutor>> ConsoleExecutor::Make(const ConsoleMachine& machine,
+                                                               const StageCosts& costs,
+                                                               const Frame& frame) {
+  std::string error;
+  if (!CheckMachine(machine, error) || !CheckCosts(machine, costs, frame, error))
+    return Failure{error};
   const Plan& plan = *frame.plan;
   auto state = std::make_unique<State>(machine, costs);
   const bool has_stores = machine.local_store_bytes > 0;
@@ -117,7 +119,7 @@ std::unique_ptr<ConsoleExecutor> ConsoleExecutor::TryMake(const ConsoleMachine& 
     work.items.resize(frame.memory->shape->ItemCount(pass.domain));
     if (!has_stores) continue;
     PassStore& store = state->stores.emplace_back();
-    if (!FitPass(machine, plan, costs, p, store, error)) return nullptr;
+    if (!FitPass(machine, plan, costs, p, store, error)) return Failure{error};
     work.code_bytes = store.code_bytes - machine.runtime.code_bytes;
     work.parameter_bytes = store.parameter_bytes;
   }

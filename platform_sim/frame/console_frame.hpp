@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.hpp"
 #include "jobs/frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
 #include "platform_sim/frame/item_work.hpp"
@@ -35,12 +36,11 @@ struct PassStore {
 // Runs frames on a console. One frame's result stays until the next.
 class ConsoleExecutor final : public Executor {
  public:
-  // Null, and why in `error`, when code, stack and buffers of a pass do not fit the local store,
-  // the costs are of another plan or clock, or the machine cannot be. Frames that are run must be
-  // of this one's plan and memory.
-  static std::unique_ptr<ConsoleExecutor> TryMake(const ConsoleMachine& machine,
-                                                  const StageCosts& costs, const Frame& frame,
-                                                  std::string& error);
+  // Refused when code, stack and buffers of a pass do not fit the local store, the costs are of
+  // another plan or clock, or the machine cannot be. Frames that are run must be of this one's plan
+  // and memory.
+  static Result<std::unique_ptr<ConsoleExecutor>> Make(const ConsoleMachine& machine,
+                                                       const StageCosts& costs, const Frame& frame);
   ~ConsoleExecutor() override;
 
   void KeepTimelines(bool keep);

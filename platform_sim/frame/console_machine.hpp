@@ -59,18 +59,9 @@ struct ConsoleMachine {
   double Milliseconds(double cycles) const { return cycles * 1e3 / double(clock_hz); }
 };
 
-// A retail PS3's SPUs. Nothing, and why in `error`, for a platform that cannot be.
-std::optional<ConsoleMachine> TryMakeCell(const CellMemoryParameters& p,
-                                          const DispatchParameters& dispatch, std::string& error);
+// A retail PS3's SPUs; a platform that cannot be is refused.
+Result<ConsoleMachine> MakeCell(const CellMemoryParameters& p, const DispatchParameters& dispatch);
 // An Xbox 360's hardware threads.
-std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string& error);
-#if defined(__cpp_exceptions)
-inline ConsoleMachine MakeCell(const CellMemoryParameters& p, const DispatchParameters& dispatch) {
-  return ValueOrThrow([&](std::string& error) { return TryMakeCell(p, dispatch, error); });
-}
-inline ConsoleMachine MakeXenon(const XenonParameters& p) {
-  return ValueOrThrow([&](std::string& error) { return TryMakeXenon(p, error); });
-}
-#endif
+Result<ConsoleMachine> MakeXenon(const XenonParameters& p);
 
 }  // namespace pelt

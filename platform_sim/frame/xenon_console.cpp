@@ -87,8 +87,9 @@ SharedMemory MeasureMemory(const CacheMemoryParameters& p, Bench& bench) {
 
 }  // namespace
 
-std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string& error) {
-  if (!CheckXenon(p, error)) return std::nullopt;
+Result<ConsoleMachine> MakeXenon(const XenonParameters& p) {
+  std::string error;
+  if (!CheckXenon(p, error)) return Failure{error};
   ConsoleMachine m;
   m.name = "Xbox 360";
   m.clock_hz = p.clock_hz;
@@ -99,7 +100,7 @@ std::optional<ConsoleMachine> TryMakeXenon(const XenonParameters& p, std::string
 
   Bench bench(p, error);
   m.memory = MeasureMemory(p, bench);
-  if (bench.Failed()) return std::nullopt;
+  if (bench.Failed()) return Failure{error};
   m.largest_transfer_bytes = p.line_bytes;
   m.line_bytes = p.line_bytes;
   m.l2_bytes = p.l2_bytes;

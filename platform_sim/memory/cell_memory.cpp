@@ -6,9 +6,10 @@
 
 namespace pelt {
 
-std::unique_ptr<CellMemory> CellMemory::TryMake(const CellMemoryParameters& p, EventQueue& queue,
-                                                std::string& error) {
-  if (!CheckCellMemory(p, error)) return nullptr;
+Result<std::unique_ptr<CellMemory>> CellMemory::Make(const CellMemoryParameters& p,
+                                                     EventQueue& queue) {
+  std::string error;
+  if (!CheckCellMemory(p, error)) return Failure{error};
   return std::unique_ptr<CellMemory>(new CellMemory(p, queue));
 }
 

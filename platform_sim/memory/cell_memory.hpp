@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.hpp"
 #include "platform_sim/memory/bus.hpp"
 #include "platform_sim/memory/dma_command.hpp"
 #include "platform_sim/memory/event_queue.hpp"
@@ -39,9 +40,8 @@ struct DmaCounts {
 
 class CellMemory {
  public:
-  // Null, and why in `error`, for a platform that cannot be. `queue` must outlive it.
-  static std::unique_ptr<CellMemory> TryMake(const CellMemoryParameters& p, EventQueue& queue,
-                                             std::string& error);
+  // A platform that cannot be is refused. `queue` must outlive it.
+  static Result<std::unique_ptr<CellMemory>> Make(const CellMemoryParameters& p, EventQueue& queue);
 
   // Gives a command to the SPU's MFC now. `accepted` runs when it has a place in the queue (at once
   // unless 16 are in it: until then the SPU stands at its channel), `done` when it has completed.

@@ -141,15 +141,19 @@ double SpuRun::GigabytesPerSecond(const CellMemoryParameters& p) const {
 bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> programs, SpuRun& run,
              std::string& error) {
   EventQueue queue;
-  const auto memory = CellMemory::TryMake(p, queue, error);
-  if (!memory) return false;
+  const auto made = CellMemory::Make(p, queue);
+  if (!made) {
+    error = made.error();
+    return false;
+  }
+  CellMemory& memory = **made;
   if (programs.size() > p.spu_count) {
     error = Format("{} SPU programs; there are {} SPUs", programs.size(), p.spu_count);
     return false;
   }
   std::vector<std::unique_ptr<SpuProgram>> spus;
   for (uint32_t i = 0; i < programs.size(); ++i)
-    spus.push_back(std::make_unique<SpuProgram>(*memory, i, std::move(programs[i])));
+    spus.push_back(std::make_unique<SpuProgram>(memory, i, std::move(programs[i])));
   for (auto& spu : spus) spu->Start();
   queue.Run();
 
@@ -160,12 +164,12 @@ bool RunSpus(const CellMemoryParameters& p, std::vector<SpuProgram::NextStep> pr
       return false;
     }
     run.spus.push_back(spus[i]->times());
-    run.counts.push_back(memory->counts(i));
+    run.counts.push_back(memory.counts(i));
     run.cycles = std::max(run.cycles, spus[i]->times().finish);
   }
-  run.bus_lines = memory->bus_lines();
-  run.memory_read_lines = memory->memory_lines(false);
-  run.memory_write_lines = memory->memory_lines(true);
+  run.bus_lines = memory.bus_lines();
+  run.memory_read_lines = memory.memory_lines(false);
+  run.memory_write_lines = memory.memory_lines(true);
   return true;
 }
 

@@ -316,7 +316,7 @@ uint32_t MostLiveRegisters(Program program, uint32_t first, uint32_t count) {
   return most;
 }
 
-bool TryWalk(Program program, std::span<const TripCount> trips, IssueModel& model,
+bool RunWalk(Program program, std::span<const TripCount> trips, IssueModel& model,
              IssueChart& chart, std::string& error) {
   return Walk(program, model, chart).Run(trips, error);
 }

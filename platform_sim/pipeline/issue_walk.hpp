@@ -53,7 +53,7 @@ uint32_t RegisterEnd(Program program);
 
 // Fills first_pass, loops and totals of `chart`. False, and the reason in `error` ("instruction 4:
 // ..."), when the program cannot be run.
-bool TryWalk(Program program, std::span<const TripCount> trips, IssueModel& model,
+bool RunWalk(Program program, std::span<const TripCount> trips, IssueModel& model,
              IssueChart& chart, std::string& error);
 
 // The backward branches' targets, in order: what a trip count can be given for.

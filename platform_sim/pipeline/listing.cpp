@@ -61,7 +61,7 @@ class ListingReader {
       return std::nullopt;
     }
     std::string why;
-    const auto statements = TryWriteOutRepeats(SplitStatements(bare), why, line_);
+    const auto statements = WriteOutRepeats(SplitStatements(bare), why, line_);
     if (!statements) {
       Fail(why);
       return std::nullopt;
@@ -430,9 +430,12 @@ const ListingLabel* Listing::FindLabel(std::string_view label) const {
   return nullptr;
 }
 
-std::optional<Listing> TryReadListing(std::string_view text, std::string_view name,
-                                      const InstructionSet& set, std::string& error) {
-  return ListingReader(name, set, error).Read(text);
+Result<Listing> ReadListing(std::string_view text, std::string_view name,
+                            const InstructionSet& set) {
+  std::string error;
+  std::optional<Listing> listing = ListingReader(name, set, error).Read(text);
+  if (!listing) return Failure{error};
+  return *std::move(listing);
 }
 
 }  // namespace pelt

@@ -46,15 +46,7 @@ struct Listing {
   const ListingLabel* FindLabel(std::string_view label) const;
 };
 
-// Nothing, and the reason in `error`, when it cannot be read.
-std::optional<Listing> TryReadListing(std::string_view text, std::string_view name,
-                                      const InstructionSet& set, std::string& error);
-
-#if defined(__cpp_exceptions)
-inline Listing ReadListing(std::string_view text, std::string_view name,
-                           const InstructionSet& set) {
-  return ValueOrThrow([&](std::string& error) { return TryReadListing(text, name, set, error); });
-}
-#endif
+Result<Listing> ReadListing(std::string_view text, std::string_view name,
+                            const InstructionSet& set);
 
 }  // namespace pelt

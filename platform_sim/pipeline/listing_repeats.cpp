@@ -24,8 +24,8 @@ std::string_view BehindLabels(std::string_view text) {
 
 }  // namespace
 
-std::optional<std::vector<Statement>> TryWriteOutRepeats(std::vector<Statement> statements,
-                                                         std::string& error, uint32_t& line) {
+std::optional<std::vector<Statement>> WriteOutRepeats(std::vector<Statement> statements,
+                                                      std::string& error, uint32_t& line) {
   std::vector<Statement> out;
   std::vector<Repeat> open;
   const auto fail = [&](uint32_t at, std::string what) {

@@ -18,7 +18,7 @@ inline constexpr uint32_t kMaxListingStatements = 1u << 20;
 
 // Nothing, and the reason in `error` with its place in `line`, for a count that is none, too many
 // statements, or a .rept and a .endr that do not belong to each other.
-std::optional<std::vector<Statement>> TryWriteOutRepeats(std::vector<Statement> statements,
-                                                         std::string& error, uint32_t& line);
+std::optional<std::vector<Statement>> WriteOutRepeats(std::vector<Statement> statements,
+                                                      std::string& error, uint32_t& line);
 
 }  // namespace pelt

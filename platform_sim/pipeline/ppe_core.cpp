@@ -55,14 +55,14 @@ class PpeDispatch final : public IssueModel {
 
 }  // namespace
 
-std::optional<IssueChart> TryTimeOnPpe(Program program, std::span<const TripCount> trips,
-                                       const PpeRules& rules, const PpeParameters& ppe,
-                                       std::string& error) {
-  if (!CheckProgram(program, kPpeClassCount, error)) return std::nullopt;
+Result<IssueChart> TimeOnPpe(Program program, std::span<const TripCount> trips,
+                             const PpeRules& rules, const PpeParameters& ppe) {
+  std::string error;
+  if (!CheckProgram(program, kPpeClassCount, error)) return Failure{error};
   IssueChart chart;
   chart.pipes = {"fixed point", "load/store", "branch unit", "VSU1", "VSU2"};
   PpeDispatch model(program, rules, ppe);
-  if (!TryWalk(program, trips, model, chart, error)) return std::nullopt;
+  if (!RunWalk(program, trips, model, chart, error)) return Failure{error};
   chart.live = {{"general", MostLiveRegisters(program, kPpeGeneral, kPpeFloat - kPpeGeneral),
                  ppe.general_register_count},
                 {"FP", MostLiveRegisters(program, kPpeFloat, kPpeVector - kPpeFloat),

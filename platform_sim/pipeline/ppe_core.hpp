@@ -25,6 +25,7 @@
 #include <span>
 #include <string>
 
+#include "core/error.hpp"
 #include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
@@ -35,9 +36,8 @@ struct PpeRules {
 };
 
 // Every op_class of the program is a PpeClass, registers are numbered as instruction_set.hpp says.
-// Nothing, and the reason in `error`, when the program cannot be run.
-std::optional<IssueChart> TryTimeOnPpe(Program program, std::span<const TripCount> trips,
-                                       const PpeRules& rules, const PpeParameters& ppe,
-                                       std::string& error);
+// A program that cannot be run is refused.
+Result<IssueChart> TimeOnPpe(Program program, std::span<const TripCount> trips,
+                             const PpeRules& rules, const PpeParameters& ppe);
 
 }  // namespace pelt

@@ -24,14 +24,12 @@ struct LoopThread {
   uint64_t iterations = 0;
 };
 
-std::optional<LoopThread> MakeThread(Program program, const PpeParameters& ppe,
-                                     std::string& error) {
-  if (!CheckProgram(program, kPpeClassCount, error)) return std::nullopt;
+Result<LoopThread> MakeThread(Program program, const PpeParameters& ppe) {
+  std::string error;
+  if (!CheckProgram(program, kPpeClassCount, error)) return Failure{error};
   const std::vector<uint32_t> heads = LoopHeads(program);
-  if (heads.size() != 1) {
-    error = Format("{} loops; each thread of a pair runs one", heads.size());
-    return std::nullopt;
-  }
+  if (heads.size() != 1)
+    return Failure{Format("{} loops; each thread of a pair runs one", heads.size())};
   uint32_t branch = heads[0];
   while (program[branch].target != heads[0]) ++branch;
   for (uint32_t i = heads[0]; i < program.size(); ++i) {
@@ -41,10 +39,10 @@ std::optional<LoopThread> MakeThread(Program program, const PpeParameters& ppe,
                        (instruction.flow == Flow::kAlways && instruction.target > branch));
     const bool again = i > branch && instruction.target == heads[0];
     if (!leaves && !again) continue;
-    error = Format("instruction {}: {}", i,
-                   leaves ? "the loop leaves for what is not in it: give it with its calls inlined"
-                          : "a second branch to the loop's head; a loop of a pair has one");
-    return std::nullopt;
+    return Failure{
+        Format("instruction {}: {}", i,
+               leaves ? "the loop leaves for what is not in it: give it with its calls inlined"
+                      : "a second branch to the loop's head; a loop of a pair has one")};
   }
   return LoopThread{program, heads[0], branch, PpeThread(RegisterEnd(program), ppe), heads[0]};
 }
@@ -53,7 +51,7 @@ class Pair {
  public:
   explicit Pair(std::array<LoopThread, 2> threads) : threads_(std::move(threads)) {}
 
-  std::optional<PpePairTiming> Run(std::string& error) {
+  Result<PpePairTiming> Run() {
     struct Moment {
       int64_t cycle;
       std::array<uint64_t, 2> iterations;
@@ -72,8 +70,7 @@ class Pair {
     }
     if (now.iterations[0] > first.iterations[0] && now.iterations[1] > first.iterations[1])
       return Between(first.cycle, now.cycle, first.iterations, now.iterations, false);
-    error = "the two loops are too long to be timed together";
-    return std::nullopt;
+    return Failure{"the two loops are too long to be timed together"};
   }
 
  private:
@@ -126,16 +123,15 @@ class Pair {
 
 }  // namespace
 
-std::optional<PpePairTiming> TryTimePpePair(const std::array<Program, 2>& programs,
-                                            const PpeParameters& ppe, std::string& error) {
-  if (ppe.smt_threads != 2) {
-    error = Format("a core of {} hardware threads runs no pair", ppe.smt_threads);
-    return std::nullopt;
-  }
-  auto first = MakeThread(programs[0], ppe, error);
-  auto second = first ? MakeThread(programs[1], ppe, error) : std::nullopt;
-  if (!second) return std::nullopt;
-  return Pair({std::move(*first), std::move(*second)}).Run(error);
+Result<PpePairTiming> TimePpePair(const std::array<Program, 2>& programs,
+                                  const PpeParameters& ppe) {
+  if (ppe.smt_threads != 2)
+    return Failure{Format("a core of {} hardware threads runs no pair", ppe.smt_threads)};
+  auto first = MakeThread(programs[0], ppe);
+  if (!first) return Failure{first.error()};
+  auto second = MakeThread(programs[1], ppe);
+  if (!second) return Failure{second.error()};
+  return Pair({*std::move(first), *std::move(second)}).Run();
 }
 
 }  // namespace pelt

@@ -21,6 +21,7 @@
 #include <optional>
 #include <string>
 
+#include "core/error.hpp"
 #include "platform_sim/pipeline/instruction.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 
@@ -37,9 +38,7 @@ struct PpePairTiming {
 };
 
 // Each program has one loop, which runs for ever; what lies before and behind it does not run.
-// Forward branches are as in issue_walk.hpp. Nothing, and the reason in `error`, when they cannot
-// be run so.
-std::optional<PpePairTiming> TryTimePpePair(const std::array<Program, 2>& programs,
-                                            const PpeParameters& ppe, std::string& error);
+// Forward branches are as in issue_walk.hpp. Others are refused.
+Result<PpePairTiming> TimePpePair(const std::array<Program, 2>& programs, const PpeParameters& ppe);
 
 }  // namespace pelt

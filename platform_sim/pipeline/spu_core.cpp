@@ -148,14 +148,14 @@ class SpuIssue final : public IssueModel {
 
 }  // namespace
 
-std::optional<IssueChart> TryTimeOnSpu(Program program, std::span<const TripCount> trips,
-                                       const SpuRules& rules, const SpuParameters& spu,
-                                       std::string& error) {
-  if (!CheckProgram(program, kSpuClassCount, error)) return std::nullopt;
+Result<IssueChart> TimeOnSpu(Program program, std::span<const TripCount> trips,
+                             const SpuRules& rules, const SpuParameters& spu) {
+  std::string error;
+  if (!CheckProgram(program, kSpuClassCount, error)) return Failure{error};
   IssueChart chart;
   chart.pipes = {"even pipe", "odd pipe"};
   SpuIssue model(program, rules, spu);
-  if (!TryWalk(program, trips, model, chart, error)) return std::nullopt;
+  if (!RunWalk(program, trips, model, chart, error)) return Failure{error};
   // A recorder's values may be more than there are registers; all count.
   chart.live = {{"SPU", MostLiveRegisters(program, 0, RegisterEnd(program)), spu.register_count}};
   return chart;

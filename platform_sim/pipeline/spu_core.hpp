@@ -28,6 +28,7 @@
 #include <span>
 #include <string>
 
+#include "core/error.hpp"
 #include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/spu.hpp"
 
@@ -41,10 +42,8 @@ struct SpuRules {
   bool branches_hinted = false;
 };
 
-// Every op_class of the program is an SpuClass. Nothing, and the reason in `error`, when the
-// program cannot be run.
-std::optional<IssueChart> TryTimeOnSpu(Program program, std::span<const TripCount> trips,
-                                       const SpuRules& rules, const SpuParameters& spu,
-                                       std::string& error);
+// Every op_class of the program is an SpuClass. A program that cannot be run is refused.
+Result<IssueChart> TimeOnSpu(Program program, std::span<const TripCount> trips,
+                             const SpuRules& rules, const SpuParameters& spu);
 
 }  // namespace pelt

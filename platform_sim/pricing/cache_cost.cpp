@@ -72,9 +72,8 @@ Cycles Waits(const CacheMemoryRun& run) {
 
 }  // namespace
 
-std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
-                                        uint32_t threads, const CacheMemoryParameters& caches,
-                                        std::string& error) {
+Result<CacheCost> PriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
+                              uint32_t threads, const CacheMemoryParameters& caches) {
   const CacheMemoryParameters p = AllInSecondLevel(caches);
   std::vector<Accesses> bare, fetched;
   uint64_t lines = 0;
@@ -83,8 +82,9 @@ std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t iterations,
     fetched.push_back(WithPrefetches(bare.back(), p, lines));
   }
   CacheMemoryRun bare_run, fetched_run;
+  std::string error;
   if (!RunCacheMemory(p, bare, bare_run, error) || !RunCacheMemory(p, fetched, fetched_run, error))
-    return std::nullopt;
+    return Failure{error};
   const double per_iteration = 1.0 / std::max(iterations, 1u);
   CacheCost cost;
   cost.lines_per_iteration = double(lines) * per_iteration;

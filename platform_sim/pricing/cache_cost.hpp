@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "core/error.hpp"
 #include "platform_sim/platforms/caches.hpp"
 #include "platform_sim/pricing/recorded_operation.hpp"
 
@@ -24,11 +25,11 @@ struct CacheCost {
   double unfetched_wait_cycles_per_iteration = 0.0;  // without
 };
 
-// One item of `turns` turns that takes `cycles_per_turn` when every access hits the first level.
-// `threads`: that do the same on one core at the same time, each on data of its own. Nothing, and
-// why in `error`, for caches that cannot be.
-std::optional<CacheCost> TryPriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
-                                        uint32_t threads, const CacheMemoryParameters& caches,
-                                        std::string& error);
+// One item of `iterations` iterations that takes `cycles_per_iteration` when every access hits the
+// first level.
+// `threads`: that do the same on one core at the same time, each on data of its own. Caches
+// that cannot be are refused.
+Result<CacheCost> PriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
+                              uint32_t threads, const CacheMemoryParameters& caches);
 
 }  // namespace pelt

@@ -11,6 +11,11 @@
 
 namespace pelt {
 
+// Both machines move aligned quadwords.
+inline constexpr uint32_t kQuadBytes = 16;
+constexpr int32_t QuadOf(int32_t address) { return address & ~int32_t(kQuadBytes - 1); }
+constexpr bool IsAligned(int32_t address) { return QuadOf(address) == address; }
+
 struct MachineOperation {
   std::string_view mnemonic;
   uint8_t op_class;

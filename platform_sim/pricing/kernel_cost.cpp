@@ -100,32 +100,33 @@ struct Timed {
   IssueChart chart;  // scheduled
 };
 
-std::optional<IssueChart> TryTimeCode(const FinishedCode& code, const PricedCore& core,
-                                      CodeCycles& cycles, std::string& error) {
-  auto chart = core.scheduling.time(code.program, error);
-  if (!chart) return std::nullopt;
+Result<IssueChart> TimeCode(const Result<FinishedCode>& code, const PricedCore& core,
+                            CodeCycles& cycles) {
+  if (!code) return Failure{code.error()};
+  auto chart = core.scheduling.time(code->program);
+  if (!chart) return chart;
   cycles.alone = cycles.shared = double(chart->totals.cycles);
   if (!core.time_shared) return chart;
-  const auto shared = core.time_shared(code.program, error);
-  if (!shared) return std::nullopt;
+  const auto shared = core.time_shared(code->program);
+  if (!shared) return shared;
   cycles.shared = double(shared->totals.cycles);
   return chart;
 }
 
-std::optional<Timed> TryTime(const Trace& trace, uint32_t begin, uint32_t end, uint32_t iterations,
-                             const PricedCore& core, const PriceRules& rules, std::string& error) {
+Result<Timed> TimeStretch(const Trace& trace, uint32_t begin, uint32_t end, uint32_t iterations,
+                          const PricedCore& core, const PriceRules& rules) {
   const auto simple =
       SimplifyTrace(trace, begin, end, {.fuse_multiply_add = !rules.lowering.host_operations});
   const LoweredCode lowered = LowerTo(core, simple, iterations, rules.lowering);
   Timed out;
   out.operations = std::max(CountSeen(trace, begin, end), 1u);
   out.instructions = double(lowered.code.program.size());
-  const auto as_written = TryAllocateInOrder(lowered.code, core.scheduling, error);
-  auto scheduled = TryScheduleIterations(lowered.code, iterations, core.scheduling, error);
-  if (!as_written || !scheduled) return std::nullopt;
-  if (!TryTimeCode(*as_written, core, out.as_written, error)) return std::nullopt;
-  auto chart = TryTimeCode(*scheduled, core, out.scheduled, error);
-  if (!chart) return std::nullopt;
+  const auto in_order =
+      TimeCode(AllocateInOrder(lowered.code, core.scheduling), core, out.as_written);
+  if (!in_order) return Failure{in_order.error()};
+  auto scheduled = ScheduleIterations(lowered.code, iterations, core.scheduling);
+  auto chart = TimeCode(scheduled, core, out.scheduled);
+  if (!chart) return Failure{chart.error()};
   out.bound = double(*std::ranges::max_element(chart->totals.pipe_cycles));
   out.code = *std::move(scheduled);
   out.chart = *std::move(chart);
@@ -169,13 +170,14 @@ void NoteWindow(const Timed& window, uint32_t iterations, const PricedCore& core
 
 // Where one thread waits, the other has the core: two take as long as both need of it, or as one
 // does with its waiting.
-bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std::string& error) {
-  const auto add = [&](CodePrice& price, double CacheCost::*wait, bool fetches) {
+Result<> AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost) {
+  const auto add = [&](CodePrice& price, double CacheCost::*wait, bool fetches) -> Result<> {
     const auto alone =
-        TryPriceCaches(trace, cost.iterations, price.cycles_per_iteration, 1, *core.caches, error);
-    const auto both = TryPriceCaches(trace, cost.iterations, price.shared_cycles_per_iteration,
-                                     core.caches->core.smt_threads, *core.caches, error);
-    if (!alone || !both) return false;
+        PriceCaches(trace, cost.iterations, price.cycles_per_iteration, 1, *core.caches);
+    if (!alone) return Failure{alone.error()};
+    const auto both = PriceCaches(trace, cost.iterations, price.shared_cycles_per_iteration,
+                                  core.caches->core.smt_threads, *core.caches);
+    if (!both) return Failure{both.error()};
     price.shared_cycles_per_iteration =
         std::max(price.shared_cycles_per_iteration + (fetches ? both->lines_per_iteration : 0.0),
                  price.cycles_per_iteration + *both.*wait);
@@ -183,7 +185,7 @@ bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std
     cost.lines_per_iteration = alone->lines_per_iteration;
     if (!fetches) cost.unfetched_wait_cycles_per_iteration = *alone.*wait;
     if (fetches) cost.wait_cycles_per_iteration = *alone.*wait;
-    return true;
+    return Done{};
   };
   auto added = add(cost.as_written, &CacheCost::unfetched_wait_cycles_per_iteration, false);
   return added ? add(cost.scheduled, &CacheCost::wait_cycles_per_iteration, true) : added;
@@ -191,9 +193,8 @@ bool AddCaches(const Trace& trace, const PricedCore& core, KernelCost& cost, std
 
 }  // namespace
 
-std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t iterations,
-                                        const PricedCore& core, const PriceRules& rules,
-                                        std::string& error) {
+Result<KernelCost> PriceTrace(const Trace& recorded, uint32_t iterations, const PricedCore& core,
+                              const PriceRules& rules) {
   KernelCost cost;
   cost.iterations = std::max(iterations, 1u);
   cost.register_limit = core.register_limit;
@@ -206,12 +207,12 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t iteratio
   IssueTotals totals;
   IssueChart last;
   for (const Window& window : windows) {
-    const auto large = TryTime(trace, window.begin, window.end, window.iterations, core, rules, error);
-    if (!large) return std::nullopt;
-    std::optional<Timed> small = *large;
-    if (!window.whole)
-      small = TryTime(trace, window.begin, window.middle, window.iterations / 2, core, rules, error);
-    if (!small) return std::nullopt;
+    const auto large = TimeStretch(trace, window.begin, window.end, window.iterations, core, rules);
+    if (!large) return Failure{large.error()};
+    const auto small = window.whole ? large
+                                    : TimeStretch(trace, window.begin, window.middle,
+                                                  window.iterations / 2, core, rules);
+    if (!small) return Failure{small.error()};
     const double share = operations_per_iteration / double(windows.size());
     cost.instructions_per_iteration += large->instructions / large->operations * share;
     const auto add = [&](CodeCycles Timed::*code, CodePrice& price) {
@@ -222,7 +223,8 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t iteratio
     NoteWindow(*large, window.iterations, core, cost, totals);
     last = large->chart;
   }
-  if (core.caches && !AddCaches(trace, core, cost, error)) return std::nullopt;
+  if (core.caches)
+    if (const auto added = AddCaches(trace, core, cost); !added) return Failure{added.error()};
   cost.divides_per_iteration = double(CountOf(trace, RecordedKind::kDivide)) / cost.iterations;
   cost.roots_per_iteration =
       double(CountOf(trace, RecordedKind::kReciprocalRoot)) / cost.iterations;
@@ -234,19 +236,18 @@ std::optional<KernelCost> TryPriceTrace(const Trace& recorded, uint32_t iteratio
   return cost;
 }
 
-std::optional<ScheduledWindow> TryScheduleWindow(const Trace& recorded, uint32_t iterations,
-                                                 const PricedCore& core, const PriceRules& rules,
-                                                 std::string& error) {
+Result<ScheduledWindow> ScheduleWindow(const Trace& recorded, uint32_t iterations,
+                                       const PricedCore& core, const PriceRules& rules) {
   const Trace trace = InWrittenOrder(recorded);
   const Window window = PlaceWindows(trace, iterations, rules).front();
   const auto simple = SimplifyTrace(trace, window.begin, window.end,
                                     {.fuse_multiply_add = !rules.lowering.host_operations});
   const LoweredCode lowered = LowerTo(core, simple, window.iterations, rules.lowering);
   ScheduledWindow out;
-  auto code = TryScheduleIterations(lowered.code, window.iterations, core.scheduling, error);
-  if (!code) return std::nullopt;
-  auto chart = core.scheduling.time(code->program, error);
-  if (!chart) return std::nullopt;
+  auto code = ScheduleIterations(lowered.code, window.iterations, core.scheduling);
+  if (!code) return Failure{code.error()};
+  auto chart = core.scheduling.time(code->program);
+  if (!chart) return Failure{chart.error()};
   for (const uint32_t origin : code->origin)
     out.name.push_back(origin == kSpillStore  ? "(spill)"
                        : origin == kSpillLoad ? "(reload)"

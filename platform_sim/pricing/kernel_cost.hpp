@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/error.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
 
@@ -83,14 +84,13 @@ struct ScheduledWindow {
   IssueChart chart;
 };
 
-// `trace` is one item's, which has `turns` turns. Nothing, and why in `error`, when code does not
-// fit the core's registers.
-std::optional<KernelCost> TryPriceTrace(const Trace& trace, uint32_t iterations, const PricedCore& core,
-                                        const PriceRules& rules, std::string& error);
+// `trace` is one item's, which has `iterations` iterations. Refused when code does not fit
+// the core's registers.
+Result<KernelCost> PriceTrace(const Trace& trace, uint32_t iterations, const PricedCore& core,
+                              const PriceRules& rules);
 
 // The first window of it, scheduled.
-std::optional<ScheduledWindow> TryScheduleWindow(const Trace& trace, uint32_t iterations,
-                                                 const PricedCore& core, const PriceRules& rules,
-                                                 std::string& error);
+Result<ScheduledWindow> ScheduleWindow(const Trace& trace, uint32_t iterations,
+                                       const PricedCore& core, const PriceRules& rules);
 
 }  // namespace pelt

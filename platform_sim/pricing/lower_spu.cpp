@@ -21,10 +21,6 @@ constexpr MachineOperation kLoadDisplaced{"lqd", uint8_t(SpuClass::kLoad)},
     kStoreDisplaced{"stqd", uint8_t(SpuClass::kStore)},
     kStoreIndexed{"stqx", uint8_t(SpuClass::kStore)};
 
-constexpr uint32_t kQuadBytes = 16;
-constexpr int32_t QuadOf(int32_t address) { return address & ~int32_t(kQuadBytes - 1); }
-constexpr bool IsAligned(int32_t address) { return QuadOf(address) == address; }
-
 // What constants in registers are for.
 enum SpuConstant : uint32_t {
   kSign,

@@ -26,9 +26,6 @@ constexpr MachineOperation kLoadVector = Op("lvx", PpeClass::kVectorLoad),
                            kStoreVector = Op("stvx", PpeClass::kVectorStore),
                            kBranchOn = Op("bc", PpeClass::kBranch);
 
-constexpr uint32_t kQuadBytes = 16;
-constexpr int32_t QuadOf(int32_t address) { return address & ~int32_t(kQuadBytes - 1); }
-constexpr bool IsAligned(int32_t address) { return QuadOf(address) == address; }
 // Where vectors and scalars meet: in front of the temporaries.
 constexpr int32_t kExchange = (1 << 20) - 4096;
 constexpr int32_t kExchangeBytes = 4096;

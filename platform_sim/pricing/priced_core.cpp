@@ -30,9 +30,7 @@ PricedCore MakePpe(CoreKind kind, const PpeParameters& ppe, uint64_t clock_hz,
                                         ppe.Of(PpeClass::kInteger).latency_cycles,
                   .register_limit = ppe.vector_register_count,
                   .caches = caches};
-  core.time_shared = [&ppe](Program program, std::string& error) {
-    return TryTimeOnPpe(program, {}, {.smt = true}, ppe, error);
-  };
+  core.time_shared = [&ppe](Program program) { return TimeOnPpe(program, {}, {.smt = true}, ppe); };
   return core;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/error.hpp"
 #include "platform_sim/platforms/platform.hpp"
 #include "platform_sim/pricing/lowering.hpp"
 #include "platform_sim/schedule/scheduling_core.hpp"
@@ -19,7 +20,7 @@ struct PricedCore {
   uint64_t clock_hz;
   SchedulingCore scheduling;
   // While the core's other hardware thread runs too; a core without one: empty.
-  std::function<std::optional<IssueChart>(Program, std::string& error)> time_shared;
+  std::function<Result<IssueChart>(Program)> time_shared;
   // Of a call and its return: two branches that nothing foretold.
   uint32_t call_cycles;
   // From a load through a dependent simple operation: what unseen scalar code is charged a word.

@@ -1,6 +1,9 @@
 #include "platform_sim/pricing/record_stage.hpp"
 
+#include <algorithm>
+
 #include "core/format.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/float_environment.hpp"
 
 namespace pelt {
@@ -12,25 +15,29 @@ uint64_t BytesOf(const PortDesc& port, const Binding& binding, const FrameMemory
   if (port.access != Access::kGather && port.access != Access::kScatter)
     return uint64_t(port.block_bytes) * binding.count;
   const SceneShape& shape = *memory.shape;
-  return uint64_t(shape.LayerChunks(shape.chunk_layer[item])) *
-         DescribeStream(port.stream).block_bytes;
-}
-
-// The recording twin of a kernel; null for one that is not in the table.
-const KernelDesc* FindRecordingKernel(std::string_view name) {
-  return KernelsRecording().Find(name);
+  return uint64_t(shape.LayerChunks(shape.chunk_layer[item])) * port.stride;
 }
 
 }  // namespace
 
-bool TryRecordStage(const Frame& frame, uint32_t stage_index, uint32_t item, Recorder& recorder,
-                    std::string& error) {
+const FrameTable& KernelsRecording();  // frame_table.cpp on the recording vector
+
+std::span<const KernelDesc> RecordingKernels() {
+  static const std::vector<KernelDesc> kernels = [] {
+    std::vector<KernelDesc> all;
+    for (const FrameRow& row : KernelsRecording().rows) all.push_back(row.kernel);
+    return all;
+  }();
+  return kernels;
+}
+
+Result<> RecordStage(const Frame& frame, uint32_t stage_index, uint32_t item,
+                     std::span<const KernelDesc> kernels, Recorder& recorder) {
   const Stage& stage = frame.plan->stages[stage_index];
-  const KernelDesc* const kernel = FindRecordingKernel(stage.kernel.name);
-  if (!kernel) {
-    error = Format("stage {}: there is no recording kernel of this name", stage.kernel.name);
-    return false;
-  }
+  const auto kernel = std::ranges::find(kernels, stage.kernel.name, &KernelDesc::name);
+  if (kernel == kernels.end())
+    return Failure{
+        Format("stage {}: there is no recording kernel of this name", stage.kernel.name)};
   const FrameMemory& memory = *frame.memory;
   bool fits = recorder.AddBlock(stage.params, stage.kernel.params_bytes);
   Binding bindings[kMaxPorts];
@@ -39,15 +46,13 @@ bool TryRecordStage(const Frame& frame, uint32_t stage_index, uint32_t item, Rec
     bindings[p] = BindPort(port, memory, stage.domain, item);
     fits = fits && recorder.AddBlock(bindings[p].block, BytesOf(port, bindings[p], memory, item));
   }
-  if (!fits) {
-    error = Format("stage {}: the blocks of item {} do not fit the recorder's 2 GiB",
-                   stage.kernel.name, item);
-    return false;
-  }
+  if (!fits)
+    return Failure{Format("stage {}: the blocks of item {} do not fit the recorder's 2 GiB",
+                          stage.kernel.name, item)};
   const FloatEnvironment float_environment;
   const RecorderScope recording(recorder);
   kernel->run(stage.params, bindings);
-  return true;
+  return Done{};
 }
 
 }  // namespace pelt

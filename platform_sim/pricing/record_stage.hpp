@@ -1,27 +1,30 @@
-// Runs a stage of a frame on the recording kernels: core/kernels/frame_table.cpp once more, with
-// recording_vec.hpp for its vector.
+// Runs a stage of a frame on recording kernels: the frame's kernels once more, with
+// recording_vec.hpp for their vector.
 //
 // Invariant: memory is afterwards as any other instruction set would leave it, so a frame may be
 // recorded instead of run.
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
-#include "core/kernels/frame_table.hpp"
+#include "core/error.hpp"
 #include "jobs/frame.hpp"
 #include "platform_sim/pricing/recorder.hpp"
 
 namespace pelt {
 
-const FrameTable& KernelsRecording();
+// Those of fur (core/kernels/frame_table.cpp).
+std::span<const KernelDesc> RecordingKernels();
 
-// Runs `stage` (of the plan) on `item`, recorded into `recorder`, which is fresh. False, and why in
-// `error`, if it has no twin or its blocks are too many for the recorder's space.
-bool TryRecordStage(const Frame& frame, uint32_t stage, uint32_t item, Recorder& recorder,
-                    std::string& error);
+// Runs `stage` (of the plan) on `item`, recorded into `recorder`, which is fresh. Refused if
+// none of `kernels` has its name or its blocks are too many for the recorder's space.
+Result<> RecordStage(const Frame& frame, uint32_t stage, uint32_t item,
+                     std::span<const KernelDesc> kernels, Recorder& recorder);
 
 // Runs the whole frame so: `record(pass, stage, item)` is called, in the order of a serial run, for
-// every stage that wants to run on an item, and must run it (TryRecordStage). False stops. A frame
+// every stage that wants to run on an item, and must run it (RecordStage). False stops. A frame
 // that was begun is run by this; one that was run before may be recorded again, for other prices:
 // it then steps once more, and its scene is good for nothing else.
 template <class RecordItem>

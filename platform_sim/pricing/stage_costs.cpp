@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/format.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 
 namespace pelt {
@@ -82,8 +83,13 @@ bool IsOneKind(const Profile& a, const Profile& b) {
 
 class Pricing {
  public:
-  Pricing(const Frame& frame, const PricedCore& core, const PriceRules& rules)
-      : frame_(frame), core_(core), rules_(rules), work_(frame.plan->stages.size()) {
+  Pricing(const Frame& frame, std::span<const KernelDesc> kernels, const PricedCore& core,
+          const PriceRules& rules)
+      : frame_(frame),
+        kernels_(kernels),
+        core_(core),
+        rules_(rules),
+        work_(frame.plan->stages.size()) {
     costs_.clock_hz = core.clock_hz;
     for (const Stage& stage : frame.plan->stages) {
       const uint32_t items = frame.memory->shape->ItemCount(stage.domain);
@@ -97,31 +103,29 @@ class Pricing {
     for (StageWork& work : work_) work.layer_seen.resize(frame.memory->shape->layer_count + 1);
   }
 
-  bool Record(uint32_t stage, uint32_t item, std::string& error) {
+  Result<> Record(uint32_t stage, uint32_t item) {
     StageWork& work = work_[stage];
     const uint32_t group = GroupOf(stage, item);
     const bool keep = !work.layer_seen[group];
     work.layer_seen[group] = true;
     Recorder recorder(keep ? Recorder::Keep::kOperations : Recorder::Keep::kCounts);
-    if (!TryRecordStage(frame_, stage, item, recorder, error)) return false;
+    auto recorded = RecordStage(frame_, stage, item, kernels_, recorder);
+    if (!recorded) return recorded;
     const uint32_t iterations = std::max(CountIterations(frame_, stage, item), 1u);
     const Profile profile = ProfileOf(recorder, iterations);
     if (recorder.operation_count() == 0) {
       work.items.push_back({item, profile, UnseenCycles(stage, item) / iterations});
-      return true;
+      return Done{};
     }
     work.items.push_back({item, profile, 0.0});
     const bool is_known = std::ranges::any_of(
         work.profiles, [&](const Profile& known) { return IsOneKind(profile, known); });
-    if (!keep || is_known) return true;
-    const auto cost = TryPriceTrace(recorder.trace(), iterations, core_, rules_, error);
-    if (!cost) {
-      error = std::string(costs_.stages[stage].name) + ": " + error;
-      return false;
-    }
+    if (!keep || is_known) return Done{};
+    const auto cost = PriceTrace(recorder.trace(), iterations, core_, rules_);
+    if (!cost) return Failure{Format("{}: {}", costs_.stages[stage].name, cost.error())};
     work.profiles.push_back(profile);
     costs_.stages[stage].kinds.push_back(*cost);
-    return true;
+    return Done{};
   }
 
   StageCosts Take() {
@@ -202,6 +206,7 @@ class Pricing {
   }
 
   const Frame& frame_;
+  const std::span<const KernelDesc> kernels_;
   const PricedCore& core_;
   const PriceRules& rules_;
   std::vector<StageWork> work_;
@@ -210,13 +215,15 @@ class Pricing {
 
 }  // namespace
 
-std::optional<StageCosts> TryPriceStages(const Frame& frame, const PricedCore& core,
-                                         const PriceRules& rules, std::string& error) {
-  Pricing pricing(frame, core, rules);
-  const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
-    return pricing.Record(stage, item, error);
+Result<StageCosts> PriceStages(const Frame& frame, std::span<const KernelDesc> kernels,
+                               const PricedCore& core, const PriceRules& rules) {
+  Pricing pricing(frame, kernels, core, rules);
+  Result<> recorded = Done{};
+  RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
+    recorded = pricing.Record(stage, item);
+    return bool(recorded);
   });
-  if (!done) return std::nullopt;
+  if (!recorded) return Failure{recorded.error()};
   return pricing.Take();
 }
 

@@ -25,6 +25,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/error.hpp"
 #include "jobs/frame.hpp"
 #include "platform_sim/pricing/kernel_cost.hpp"
 
@@ -57,9 +58,9 @@ inline constexpr uint32_t kSmallBlockBytes = 512;
 uint32_t CountIterations(const Frame& frame, uint32_t stage, uint32_t item);
 
 // Prices a frame that has been begun, with every skip off so that every stage wants to run, by
-// running it on the recording kernels: it is run afterwards. Nothing, and why in `error`, when a
-// stage cannot be recorded or does not fit the core's registers.
-std::optional<StageCosts> TryPriceStages(const Frame& frame, const PricedCore& core,
-                                         const PriceRules& rules, std::string& error);
+// running it on recording kernels (record_stage.hpp): it is run afterwards. Refused
+// when a stage cannot be recorded or does not fit the core's registers.
+Result<StageCosts> PriceStages(const Frame& frame, std::span<const KernelDesc> kernels,
+                               const PricedCore& core, const PriceRules& rules);
 
 }  // namespace pelt

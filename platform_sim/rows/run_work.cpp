@@ -48,20 +48,28 @@ std::vector<MemoryAccess> TouchedBy(const LoopTiming& loop, Program program, con
   return trace;
 }
 
+// A row has one text for all that can go wrong with it.
+template <class T>
+std::optional<T> Take(Result<T> result, std::string& error) {
+  if (result) return *std::move(result);
+  error = result.error();
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<IssueChart> TimeSpuListing(const std::string& text, const SpuRules& rules,
                                          const SpuParameters& spu, std::string& error) {
-  const auto listing = TryReadListing(text, "row", SpuInstructionSet(), error);
+  const auto listing = Take(ReadListing(text, "row", SpuInstructionSet()), error);
   if (!listing) return std::nullopt;
-  return TryTimeOnSpu(listing->program, Trips(*listing), rules, spu, error);
+  return Take(TimeOnSpu(listing->program, Trips(*listing), rules, spu), error);
 }
 
 std::optional<IssueChart> TimePpeListing(const std::string& text, const PpeRules& rules,
                                          const PpeParameters& ppe, std::string& error) {
-  const auto listing = TryReadListing(text, "row", PpeInstructionSet(), error);
+  const auto listing = Take(ReadListing(text, "row", PpeInstructionSet()), error);
   if (!listing) return std::nullopt;
-  return TryTimeOnPpe(listing->program, Trips(*listing), rules, ppe, error);
+  return Take(TimeOnPpe(listing->program, Trips(*listing), rules, ppe), error);
 }
 
 std::optional<double> CyclesPerIteration(const IssueChart& chart, std::string& error) {
@@ -73,20 +81,20 @@ std::optional<double> CyclesPerIteration(const IssueChart& chart, std::string& e
 std::optional<PpePairTiming> TimePpePair(const std::string& first, const std::string& second,
                                          const PpeParameters& ppe, std::string& error) {
   const auto read = [&](const std::string& text) {
-    return TryReadListing(text, "row", PpeInstructionSet(), error);
+    return Take(ReadListing(text, "row", PpeInstructionSet()), error);
   };
   const auto a = read(first), b = a ? read(second) : std::nullopt;
   if (!b) return std::nullopt;
-  return TryTimePpePair({a->program, b->program}, ppe, error);
+  return Take(TimePpePair({a->program, b->program}, ppe), error);
 }
 
 // The iterations as the core has them go to the caches, once around and twice around; what the
 // second time adds is a round that finds the caches as the first has left them.
 std::optional<double> PpeCyclesPerIteration(const CellParameters& cell, const std::string& text,
-                                       const PpeWalk& walk, std::string& error) {
-  const auto listing = TryReadListing(text, "row", PpeInstructionSet(), error);
+                                            const PpeWalk& walk, std::string& error) {
+  const auto listing = Take(ReadListing(text, "row", PpeInstructionSet()), error);
   if (!listing) return std::nullopt;
-  const auto chart = TryTimeOnPpe(listing->program, Trips(*listing), {}, cell.ppe, error);
+  const auto chart = Take(TimeOnPpe(listing->program, Trips(*listing), {}, cell.ppe), error);
   const auto iteration = chart ? CyclesPerIteration(*chart, error) : std::nullopt;
   if (!iteration) return std::nullopt;
   const LoopTiming& loop = chart->loops[0];

@@ -24,7 +24,7 @@ class Assignment {
         free_[f].push_back(core.files[f].first + r);
   }
 
-  bool Run(std::span<const uint32_t> order, uint32_t instruction_bytes, std::string& error) {
+  bool Run(std::span<const uint32_t> order, uint32_t instruction_bytes) {
     out_.entry = fitted_.in_memory;
     std::vector<bool> in_memory(code_.value_count());
     for (const EntryValue& value : fitted_.in_memory) in_memory[value.value] = true;
@@ -35,10 +35,7 @@ class Assignment {
       out_.entry.push_back({.value = v, .reg = reg_[v]});
     }
     for (size_t n = 0; n < order.size() && fits; ++n) fits = Place(order[n]);
-    if (!fits) {
-      error = "an order that needs more registers than the core has";
-      return false;
-    }
+    if (!fits) return false;
     for (size_t i = 0; i < out_.program.size(); ++i) {
       out_.program[i].location_bytes = i * instruction_bytes;
       if (out_.program[i].target != kNoTarget)
@@ -102,12 +99,14 @@ class Assignment {
 
 }  // namespace
 
-bool AssignRegisters(const FittedCode& fitted, std::span<const uint32_t> order,
-                     const SchedulingCore& core, FinishedCode& out, std::string& error) {
-  out = {};
+Result<FinishedCode> AssignRegisters(const FittedCode& fitted, std::span<const uint32_t> order,
+                                     const SchedulingCore& core) {
+  FinishedCode out;
   out.program.reserve(order.size());
   out.origin.reserve(order.size());
-  return Assignment(fitted, core, out).Run(order, core.instruction_bytes, error);
+  if (!Assignment(fitted, core, out).Run(order, core.instruction_bytes))
+    return Failure{"an order that needs more registers than the core has"};
+  return out;
 }
 
 }  // namespace pelt

@@ -9,13 +9,14 @@
 #include <span>
 #include <string>
 
+#include "core/error.hpp"
 #include "platform_sim/schedule/fit_registers.hpp"
 
 namespace pelt {
 
-// Fills `out`, one instruction behind the other, without padding. `order`: every instruction of
-// `fitted` once. False, and the reason in `error`: that order does not fit the registers.
-bool AssignRegisters(const FittedCode& fitted, std::span<const uint32_t> order,
-                     const SchedulingCore& core, FinishedCode& out, std::string& error);
+// One instruction behind the other, without padding. `order`: every instruction of `fitted` once;
+// one that does not fit the registers is refused.
+Result<FinishedCode> AssignRegisters(const FittedCode& fitted, std::span<const uint32_t> order,
+                                     const SchedulingCore& core);
 
 }  // namespace pelt

@@ -5,7 +5,6 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kNone = 0xFFFFFFFF;
 constexpr int64_t kWordBytes = 4;
 
 struct FullEdge {
@@ -20,26 +19,27 @@ class MemoryOrder {
       ForWords(instruction.address, [&](int64_t word) { words_.push_back(word); });
     std::ranges::sort(words_);
     words_.erase(std::unique(words_.begin(), words_.end()), words_.end());
-    last_store_.assign(words_.size(), kNone);
-    last_load_.assign(words_.size(), kNone);
+    last_store_.assign(words_.size(), kNoInstruction);
+    last_load_.assign(words_.size(), kNoInstruction);
   }
 
   // `add`(earlier access, it is a store) for each that `index` stays behind.
   template <class Add>
   void Visit(uint32_t index, const AddressOperand& address, const Add& add) {
-    uint32_t at = kNone;
+    uint32_t at = kNoInstruction;
     ForWords(address, [&](int64_t word) {
       // Words of one access lie side by side.
-      at = at == kNone ? uint32_t(std::ranges::lower_bound(words_, word) - words_.begin()) : at + 1;
-      if (last_store_[at] != kNone) add(last_store_[at], true);
+      at = at == kNoInstruction ? uint32_t(std::ranges::lower_bound(words_, word) - words_.begin())
+                                : at + 1;
+      if (last_store_[at] != kNoInstruction) add(last_store_[at], true);
       if (!address.is_store) {
         loads_.push_back({index, last_load_[at]});
         last_load_[at] = uint32_t(loads_.size() - 1);
         return;
       }
-      for (uint32_t l = last_load_[at]; l != kNone; l = loads_[l].before)
+      for (uint32_t l = last_load_[at]; l != kNoInstruction; l = loads_[l].before)
         add(loads_[l].index, false);
-      last_load_[at] = kNone;
+      last_load_[at] = kNoInstruction;
       last_store_[at] = index;
     });
   }
@@ -69,8 +69,9 @@ std::vector<FullEdge> CollectEdges(const StraightCode& code, const ValueUses& us
                                    const SchedulingCore& core) {
   std::vector<FullEdge> edges;
   MemoryOrder memory(code);
-  uint32_t last_branch = kNone;
-  std::vector<uint32_t> last_into(code.program.size(), kNone);  // last edge by memory from each
+  uint32_t last_branch = kNoInstruction;
+  std::vector<uint32_t> last_into(code.program.size(),
+                                  kNoInstruction);  // last edge by memory from each
   for (uint32_t i = 0; i < code.program.size(); ++i) {
     const Instruction& instruction = code.program[i];
     const bool is_branch = core.classes[instruction.op_class].is_branch;
@@ -88,7 +89,7 @@ std::vector<FullEdge> CollectEdges(const StraightCode& code, const ValueUses& us
       edges.push_back({before, i, is_load_of_it ? core.store_to_load_cycles : 1});
     });
     const bool jumps = instruction.flow == Flow::kConditional;
-    if ((jumps || instruction.address.is_store) && last_branch != kNone)
+    if ((jumps || instruction.address.is_store) && last_branch != kNoInstruction)
       edges.push_back({last_branch, i, 1});
     if (jumps) last_branch = i;
   }

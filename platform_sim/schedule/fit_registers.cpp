@@ -21,16 +21,13 @@ class Fitting {
     FindRemakeable();
   }
 
-  std::optional<FittedCode> Run(std::string& error) {
+  Result<FittedCode> Run() {
     out_.code.file = in_.file;
     out_.code.program.reserve(in_.program.size());
     next_slot_ = FirstFreeAddress();
     PlaceEntryValues();
     for (uint32_t i = 0; i < in_.program.size(); ++i)
-      if (!Fit(i)) {
-        error = Format("instruction {}: {}", i, why_);
-        return std::nullopt;
-      }
+      if (!Fit(i)) return Failure{Format("instruction {}: {}", i, why_)};
     for (Instruction& instruction : out_.code.program)
       if (instruction.flow == Flow::kConditional)
         instruction.target = uint32_t(out_.code.program.size());
@@ -298,10 +295,10 @@ class Fitting {
 
 }  // namespace
 
-std::optional<FittedCode> TryFitRegisters(const StraightCode& code, const SchedulingCore& core,
-                                          std::string& error) {
-  if (!CheckStraightCode(code, uint32_t(core.classes.size()), error)) return std::nullopt;
-  return Fitting(code, core).Run(error);
+Result<FittedCode> FitRegisters(const StraightCode& code, const SchedulingCore& core) {
+  std::string error;
+  if (!CheckStraightCode(code, uint32_t(core.classes.size()), error)) return Failure{error};
+  return Fitting(code, core).Run();
 }
 
 }  // namespace pelt

@@ -17,10 +17,10 @@
 // Source: L. A. Belady, "A study of replacement algorithms for a virtual-storage computer", 1966.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/error.hpp"
 #include "platform_sim/schedule/scheduling_core.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
 
@@ -34,9 +34,8 @@ struct FittedCode {
   uint32_t made_again = 0;  // instructions that run once more
 };
 
-// Nothing, and the reason in `error`, when the code breaks its invariant, one instruction needs
-// more registers than there are, or a file overflows that nothing spills.
-std::optional<FittedCode> TryFitRegisters(const StraightCode& code, const SchedulingCore& core,
-                                          std::string& error);
+// Refused when the code breaks its invariant, one instruction needs more registers than there are,
+// or a file overflows that nothing spills.
+Result<FittedCode> FitRegisters(const StraightCode& code, const SchedulingCore& core);
 
 }  // namespace pelt

@@ -8,8 +8,8 @@
 //
 //   key of an instruction = (group of its iteration, how far into it the instruction is, iteration)
 //
-// Instructions follow in the order of their keys as far as dependences let them. What waits for
-// nothing in a register that another instruction writes (a load of a row, a constant) goes just
+// The order is topological in the dependences: the least key of what is ready goes next. What waits
+// for nothing in a register that another instruction writes (a load of a row, a constant) goes just
 // before its first reader.
 //
 // An iteration ends where the fewest values are alive near the place where it should, were all of

@@ -1,7 +1,7 @@
-// Puts code that was scheduled by cycles where a core that pairs by address finds its pairs.
+// Dual-issue alignment: puts code that was scheduled by cycles where a core that pairs by address
+// finds its pairs.
 //
-//   cycle   8   9  10  10  11        fetch groups   | 8    9   |      two alone, one behind the
-//   other
+//   cycle   8   9  10  10  11        fetch groups   | 8    9   |      two alone
 //                                                   | 10   10  |      a pair
 //                                                   | 11   ..
 //

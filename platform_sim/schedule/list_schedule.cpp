@@ -9,7 +9,6 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kNone = 0xFFFFFFFF;
 constexpr uint32_t kUnits = 8;
 // How many of a unit's most urgent instructions are looked at in a cycle in which none fits. More
 // find hardly anything (measured: 48 the same schedules as 16) and cost time.
@@ -34,10 +33,10 @@ class RankSet {
     for (size_t w = lowest_word_; w < words_.size() && w * 64 < end; ++w)
       for (uint64_t bits = words_[w]; bits; bits &= bits - 1) {
         const uint32_t rank = uint32_t(w * 64) + uint32_t(std::countr_zero(bits));
-        if (rank >= end) return kNone;
+        if (rank >= end) return kNoInstruction;
         if (accept(rank)) return rank;
       }
-    return kNone;
+    return kNoInstruction;
   }
 
  private:
@@ -139,7 +138,7 @@ class Scheduling {
   // The units it takes; 0: none issued.
   template <class Suits>
   uint8_t IssueOne(uint8_t used, const Suits& suits) {
-    uint32_t best = kNone;
+    uint32_t best = kNoInstruction;
     for (const Unit& unit : ready_) {
       if ((unit.units & used) || !suits(unit.units)) continue;
       uint32_t tries = kMostTries;
@@ -148,14 +147,14 @@ class Scheduling {
         return tries-- == 0 || (!IsHeld(i) && guard_.Fits(i));
       });
       if (tries > kMostTries) continue;  // wrapped: gave up
-      if (found != kNone) best = found;
+      if (found != kNoInstruction) best = found;
     }
     // The oldest one always fits, whatever its urgency.
     const uint32_t head = guard_.head();
-    if (best == kNone && head < size_ && is_ready_[head] && !(ClassOf(head).units & used) &&
-        suits(ClassOf(head).units) && !IsHeld(head))
+    if (best == kNoInstruction && head < size_ && is_ready_[head] &&
+        !(ClassOf(head).units & used) && suits(ClassOf(head).units) && !IsHeld(head))
       best = rank_[head];
-    if (best == kNone) return 0;
+    if (best == kNoInstruction) return 0;
     const uint32_t i = in_.by_urgency[best];
     ReadyOf(i).Erase(best);
     Issue(i);

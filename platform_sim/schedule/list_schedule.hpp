@@ -1,5 +1,5 @@
-// Orders straight code for a core: cycle by cycle, the most urgent instruction that is ready, has
-// its units free and fits the registers.
+// Orders straight code for a core, a topological order of its dependences: cycle by cycle, the most
+// urgent instruction that is ready, has its units free and fits the registers.
 //
 // Idea: code of several lane groups, one behind the other, becomes a software pipeline by itself.
 // Work of younger groups fills what an older one leaves free, and how far it runs ahead is bounded

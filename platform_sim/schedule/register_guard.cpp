@@ -4,11 +4,6 @@
 #include <utility>
 
 namespace pelt {
-namespace {
-
-constexpr uint32_t kNone = 0xFFFFFFFF;
-
-}  // namespace
 
 void PressureProfile::Resize(size_t gaps) {
   const size_t blocks = (gaps + kBlock - 1) / kBlock;
@@ -67,7 +62,7 @@ uint32_t RegisterGuard::ReaderBefore(uint32_t value, uint32_t instruction) const
   const std::span<const uint32_t> readers = uses_.ReadersOf(value);
   for (uint32_t r = readers_left_[value]; r-- > 0;)
     if (readers[r] != instruction && !has_issued_[readers[r]]) return readers[r];
-  return kNone;
+  return kNoInstruction;
 }
 
 bool RegisterGuard::IsLastReader(uint32_t value, uint32_t instruction) const {
@@ -92,7 +87,7 @@ bool RegisterGuard::Fits(uint32_t instruction) const {
       const auto earlier = std::span(it.reads.number).first(r);
       if (std::ranges::find(earlier, value) != earlier.end()) continue;
       const uint32_t reader = ReaderBefore(value, instruction);
-      uint32_t end = reader == kNone ? head_ : reader + 1;
+      uint32_t end = reader == kNoInstruction ? head_ : reader + 1;
       for (uint32_t& later : life_end)
         if (end < later) std::swap(end, later);
     }

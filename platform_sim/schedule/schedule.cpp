@@ -29,13 +29,10 @@ SchedulingCore WithRoomToRunAhead(SchedulingCore core) {
   return core;
 }
 
-std::optional<FinishedCode> KeepOrder(const FittedCode& fitted, const SchedulingCore& core,
-                                      std::string& error) {
+Result<FinishedCode> KeepOrder(const FittedCode& fitted, const SchedulingCore& core) {
   std::vector<uint32_t> order(fitted.code.program.size());
   std::iota(order.begin(), order.end(), 0u);
-  FinishedCode out;
-  if (!AssignRegisters(fitted, order, core, out, error)) return std::nullopt;
-  return out;
+  return AssignRegisters(fitted, order, core);
 }
 
 // The beginning of `code`; it fits the registers if all of it does.
@@ -101,20 +98,19 @@ class Choice {
  public:
   explicit Choice(const SchedulingCore& core) : core_(core) {}
 
-  bool TryOffer(FinishedCode code, std::string& error) {
-    const auto chart = core_.time(code.program, error);
-    if (!chart) return false;
-    if (best_ && chart->totals.cycles >= best_cycles_) return true;
+  Result<> Offer(Result<FinishedCode> code) {
+    if (!code) return Failure{code.error()};
+    const auto chart = core_.time(code->program);
+    if (!chart) return Failure{chart.error()};
+    if (best_ && chart->totals.cycles >= best_cycles_) return Done{};
     best_cycles_ = chart->totals.cycles;
-    best_ = std::move(code);
-    return true;
+    best_ = *std::move(code);
+    return Done{};
   }
-  bool TryOfferScheduled(const FittedCode& fitted, std::string& error) {
-    FinishedCode out;
-    return TryFinish(fitted, BestOrder(fitted.code, core_), core_, out, error) &&
-           TryOffer(std::move(out), error);
+  Result<> OfferScheduled(const FittedCode& fitted) {
+    return Offer(Finish(fitted, BestOrder(fitted.code, core_), core_));
   }
-  std::optional<FinishedCode> Take() { return std::move(best_); }
+  FinishedCode Take() { return *std::move(best_); }
 
  private:
   const SchedulingCore& core_;
@@ -124,43 +120,41 @@ class Choice {
 
 }  // namespace
 
-bool TryFinish(const FittedCode& fitted, const IssueOrder& order, const SchedulingCore& core,
-               FinishedCode& out, std::string& error) {
-  if (!AssignRegisters(fitted, order.instruction, core, out, error)) return false;
-  LayOutPairs(order, core, out);
-  return true;
+Result<FinishedCode> Finish(const FittedCode& fitted, const IssueOrder& order,
+                            const SchedulingCore& core) {
+  auto code = AssignRegisters(fitted, order.instruction, core);
+  if (code) LayOutPairs(order, core, *code);
+  return code;
 }
 
-std::optional<FinishedCode> TryAllocateInOrder(const StraightCode& code, const SchedulingCore& core,
-                                               std::string& error) {
-  const std::optional<FittedCode> fitted = TryFitRegisters(code, core, error);
-  if (!fitted) return std::nullopt;
-  return KeepOrder(*fitted, core, error);
+Result<FinishedCode> AllocateInOrder(const StraightCode& code, const SchedulingCore& core) {
+  const auto fitted = FitRegisters(code, core);
+  if (!fitted) return Failure{fitted.error()};
+  return KeepOrder(*fitted, core);
 }
 
-std::optional<FinishedCode> TrySchedule(const StraightCode& code, const SchedulingCore& core,
-                                        std::string& error) {
-  return TryScheduleIterations(code, 1, core, error);
+Result<FinishedCode> Schedule(const StraightCode& code, const SchedulingCore& core) {
+  return ScheduleIterations(code, 1, core);
 }
 
-std::optional<FinishedCode> TryScheduleIterations(const StraightCode& code, uint32_t iterations,
-                                             const SchedulingCore& core, std::string& error) {
-  const std::optional<FittedCode> fitted = TryFitRegisters(code, core, error);
-  if (!fitted) return std::nullopt;
-  std::optional<FinishedCode> in_order = KeepOrder(*fitted, core, error);
+Result<FinishedCode> ScheduleIterations(const StraightCode& code, uint32_t iterations,
+                                        const SchedulingCore& core) {
+  const auto fitted = FitRegisters(code, core);
+  if (!fitted) return Failure{fitted.error()};
+  auto in_order = KeepOrder(*fitted, core);
   if (!in_order || in_order->program.empty()) return in_order;
   Choice choice(core);
-  if (!choice.TryOffer(*std::move(in_order), error)) return std::nullopt;
-  if (!choice.TryOfferScheduled(*fitted, error)) return std::nullopt;
+  if (const auto kept = choice.Offer(std::move(in_order)); !kept) return Failure{kept.error()};
+  if (const auto tried = choice.OfferScheduled(*fitted); !tried) return Failure{tried.error()};
   if (iterations < kIterationsTogether) return choice.Take();
 
   const InterleavedCode beside = InterleaveIterations(code, iterations, kIterationsTogether, core);
-  std::optional<FittedCode> roomy = TryFitRegisters(beside.code, WithRoomToRunAhead(core), error);
-  // Conditions are not spilled: what fits one turn at a time need not fit two.
+  auto roomy = FitRegisters(beside.code, WithRoomToRunAhead(core));
+  // Conditions are not spilled: what fits one iteration at a time need not fit two.
   if (!roomy) return choice.Take();
   for (uint32_t& origin : roomy->origin)
     if (origin < kPadding) origin = beside.origin[origin];
-  if (!choice.TryOfferScheduled(*roomy, error)) return std::nullopt;
+  if (const auto tried = choice.OfferScheduled(*roomy); !tried) return Failure{tried.error()};
   return choice.Take();
 }
 

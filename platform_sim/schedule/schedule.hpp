@@ -14,9 +14,7 @@
 // multiply-add the sum): each would cost a copy where the old value is still needed.
 #pragma once
 
-#include <optional>
-#include <string>
-
+#include "core/error.hpp"
 #include "platform_sim/schedule/fit_registers.hpp"
 #include "platform_sim/schedule/list_schedule.hpp"
 #include "platform_sim/schedule/scheduling_core.hpp"
@@ -24,21 +22,18 @@
 
 namespace pelt {
 
-// Nothing, and the reason in `error`, when the code breaks its invariant or cannot fit the
-// registers.
-std::optional<FinishedCode> TryAllocateInOrder(const StraightCode& code, const SchedulingCore& core,
-                                               std::string& error);
-std::optional<FinishedCode> TrySchedule(const StraightCode& code, const SchedulingCore& core,
-                                        std::string& error);
+// Refused when the code breaks its invariant or cannot fit the registers.
+Result<FinishedCode> AllocateInOrder(const StraightCode& code, const SchedulingCore& core);
+Result<FinishedCode> Schedule(const StraightCode& code, const SchedulingCore& core);
 
 // The same for `iterations` iterations of a loop, of which kIterationsTogether may be interleaved.
 inline constexpr uint32_t kIterationsTogether = 2;
-std::optional<FinishedCode> TryScheduleIterations(const StraightCode& code, uint32_t iterations,
-                                             const SchedulingCore& core, std::string& error);
+Result<FinishedCode> ScheduleIterations(const StraightCode& code, uint32_t iterations,
+                                        const SchedulingCore& core);
 
 // The last step of both, for who brings an order of his own: registers and, where pairs go by
-// address, padding. False, and the reason in `error`, when the order does not fit the registers.
-bool TryFinish(const FittedCode& fitted, const IssueOrder& order, const SchedulingCore& core,
-               FinishedCode& out, std::string& error);
+// address, padding. Refused when the order does not fit the registers.
+Result<FinishedCode> Finish(const FittedCode& fitted, const IssueOrder& order,
+                            const SchedulingCore& core);
 
 }  // namespace pelt

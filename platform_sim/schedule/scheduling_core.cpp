@@ -46,9 +46,7 @@ SchedulingCore SpuForScheduling(const SpuParameters& spu) {
                        .first_units = kEven,
                        .first_padding_class = uint8_t(SpuClass::kNop),
                        .second_padding_class = uint8_t(SpuClass::kLnop)};
-  core.time = [spu](Program program, std::string& error) {
-    return TryTimeOnSpu(program, {}, {}, spu, error);
-  };
+  core.time = [spu](Program program) { return TimeOnSpu(program, {}, {}, spu); };
   return core;
 }
 
@@ -84,9 +82,7 @@ SchedulingCore PpeForScheduling(const PpeParameters& ppe) {
   core.files[uint32_t(ValueFile::kCondition)] = {.first = kPpeCr, .count = kConditionFields};
   core.width = ppe.dispatch_width;
   core.store_to_load_cycles = ppe.load_hit_store_cycles;
-  core.time = [ppe](Program program, std::string& error) {
-    return TryTimeOnPpe(program, {}, {}, ppe, error);
-  };
+  core.time = [ppe](Program program) { return TimeOnPpe(program, {}, {}, ppe); };
   return core;
 }
 

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.hpp"
 #include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 #include "platform_sim/platforms/spu.hpp"
@@ -61,7 +62,7 @@ struct SchedulingCore {
   Hold hold;
   std::optional<FetchGroups> fetch_groups;
   // The real issue model on code without loops.
-  std::function<std::optional<IssueChart>(Program, std::string& error)> time;
+  std::function<Result<IssueChart>(Program)> time;
 
   const File& Of(ValueFile file) const { return files[uint32_t(file)]; }
 };

@@ -1,5 +1,5 @@
-// Code without jumps, on values instead of registers: what a recorded kernel becomes, and what a
-// scheduler takes.
+// Straight code: one basic block, but that branches may leave it (an extended basic block), on
+// values instead of registers. What a recorded kernel becomes, and what a scheduler takes.
 //
 // Invariant: registers of `program` are value numbers below value_count; each is written by one
 // instruction at most, before any that reads it (a value that none writes was there before). All
@@ -21,6 +21,9 @@ namespace pelt {
 // Where a value lives: an SPU has one file, a PPE more.
 enum class ValueFile : uint8_t { kVector, kGeneral, kCondition };
 inline constexpr uint32_t kValueFileCount = 3;
+
+// Of a place in the program that is not there.
+inline constexpr uint32_t kNoInstruction = ~0u;
 
 struct StraightCode {
   std::vector<Instruction> program;

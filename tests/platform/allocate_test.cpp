@@ -116,23 +116,21 @@ TEST(Allocation, ValuesThatComeInBeyondTheRegistersComeInMemory) {
 
 TEST(Allocation, WhatCannotFitIsRefusedWithItsPlace) {
   CoreUnderTest on = PpeUnderTest();
-  std::string error;
   StraightBuilder conditions;
   const uint32_t general = conditions.Value(ValueFile::kGeneral);
   std::vector<uint32_t> all;
   for (int c = 0; c < 9; ++c)
     all.push_back(conditions.Compute(on.compare, std::vector{general}, ValueFile::kCondition));
   for (const uint32_t condition : all) conditions.Branch(on.branch, condition);
-  EXPECT_FALSE(TryAllocateInOrder(conditions.Finish(), on.core, error));
-  EXPECT_EQ(error,
+  EXPECT_EQ(AllocateInOrder(conditions.Finish(), on.core).error(),
             "instruction 8: more values are live than registers, of a kind that the core cannot "
             "store");
 
   on.core.files[uint32_t(ValueFile::kVector)].count = 2;
   StraightBuilder three;
   three.Compute(on.real, {three.Value(), three.Value(), three.Value()});
-  EXPECT_FALSE(TryAllocateInOrder(three.Finish(), on.core, error));
-  EXPECT_EQ(error, "instruction 0: needs more registers than the core has");
+  EXPECT_EQ(AllocateInOrder(three.Finish(), on.core).error(),
+            "instruction 0: needs more registers than the core has");
 }
 
 TEST(Allocation, CodeThatIsNotStraightIsRefused) {
@@ -142,9 +140,8 @@ TEST(Allocation, CodeThatIsNotStraightIsRefused) {
   const auto refused = [&](auto&& spoil) {
     StraightCode code = b.Finish();
     spoil(code);
-    std::string error;
-    return !TryAllocateInOrder(code, on.core, error) && !TrySchedule(code, on.core, error) &&
-           error.starts_with("instruction ");
+    return AllocateInOrder(code, on.core).error().starts_with("instruction ") &&
+           Schedule(code, on.core).error().starts_with("instruction ");
   };
   EXPECT_FALSE(refused([](StraightCode&) {}));
   EXPECT_TRUE(refused([](StraightCode& c) { c.program[0].op_class = 200; }));

@@ -183,7 +183,7 @@ TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
   EXPECT_EQ(ppe.memory_milli_bytes_per_cycle, 2000u);
   CellParameters deep;
   deep.runtime.stack_bytes = 1234;
-  EXPECT_EQ(MakeCell(deep, deep.jobs).runtime.stack_bytes, 1234u);
+  EXPECT_EQ(MakeCell(deep, deep.jobs).OrThrow().runtime.stack_bytes, 1234u);
   const std::vector<PlatformNumber> told = DescribeCell(deep);
   EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const PlatformNumber& n) {
     return n.name == "stack" && n.value == 1234.0;

@@ -23,10 +23,7 @@ Trace Rows(uint32_t iterations, uint32_t rows, uint32_t arithmetic, RecordedKind
 
 CacheCost Price(const Trace& trace, uint32_t iterations, double cycles, uint32_t threads = 1,
                 const CacheMemoryParameters& p = XenonMemory()) {
-  std::string error;
-  const auto cost = TryPriceCaches(trace, iterations, cycles, threads, p, error);
-  EXPECT_TRUE(cost) << error;
-  return cost.value_or(CacheCost{});
+  return PriceCaches(trace, iterations, cycles, threads, p).OrThrow();
 }
 
 constexpr uint32_t kIterations = 64;
@@ -80,9 +77,7 @@ TEST(CacheCost, FollowsTheWayToTheSecondLevel) {
 TEST(CacheCost, RefusesCachesThatCannotBe) {
   CacheMemoryParameters none = XenonMemory();
   none.l1_bytes = 0;
-  std::string error;
-  EXPECT_FALSE(TryPriceCaches(Rows(2, 1, 1, RecordedKind::kLoad), 2, 10.0, 1, none, error));
-  EXPECT_FALSE(error.empty());
+  EXPECT_NE(PriceCaches(Rows(2, 1, 1, RecordedKind::kLoad), 2, 10.0, 1, none).error(), "");
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ inline SpuRun MustRun(const CellMemoryParameters& p, std::vector<SpuProgram::Nex
   return run;
 }
 
-inline SpuRun Stream(const CellMemoryParameters& p, const StreamOfBlocks& stream) {
+inline SpuRun MoveBlocks(const CellMemoryParameters& p, const StreamOfBlocks& stream) {
   std::string error;
   const auto run = RunStream(p, stream, error);
   EXPECT_TRUE(run) << error;

@@ -199,9 +199,9 @@ TEST(ConsoleMachines, AreTimedWithoutTheirAvailability) {
   CellParameters cell;
   XenonParameters xenon;
   cell.availability_permille = xenon.availability_permille = 500;
-  EXPECT_EQ(MakeCell(cell, AtomicDispatch(150)).memory.read_rate,
-            MakeCell({}, AtomicDispatch(150)).memory.read_rate);
-  EXPECT_EQ(MakeXenon(xenon).memory.read_rate, MakeXenon({}).memory.read_rate);
+  EXPECT_EQ(MakeCell(cell, AtomicDispatch(150)).OrThrow().memory.read_rate,
+            MakeCell({}, AtomicDispatch(150)).OrThrow().memory.read_rate);
+  EXPECT_EQ(MakeXenon(xenon).OrThrow().memory.read_rate, MakeXenon({}).OrThrow().memory.read_rate);
 }
 
 TEST(PassClock, ThreadsOfACoreSlowEachOtherDown) {
@@ -303,9 +303,7 @@ std::string WhyNot(const ConsoleMachine& machine, uint32_t code_bytes = 2048,
   const FurScene& scene = running.scene();
   const StageCosts costs = FlatCosts(scene.plan(), scene.shape(),
                                      clock_hz ? clock_hz : machine.clock_hz, 1.0f, code_bytes);
-  std::string error;
-  EXPECT_EQ(ConsoleExecutor::TryMake(machine, costs, scene.CurrentFrame(), error), nullptr);
-  return error;
+  return ConsoleExecutor::Make(machine, costs, scene.CurrentFrame()).error();
 }
 
 TEST(ConsoleFrame, RefusesWhatCannotBe) {
@@ -320,9 +318,7 @@ TEST(ConsoleFrame, RefusesWhatCannotBe) {
   const auto cell_error = [](auto change) {
     CellMemoryParameters p;
     change(p);
-    std::string error;
-    EXPECT_FALSE(TryMakeCell(p, AtomicDispatch(150), error));
-    return error;
+    return MakeCell(p, AtomicDispatch(150)).error();
   };
   EXPECT_NE(cell_error([](auto& p) { p.spu_count = 0; }).find("no SPU"), std::string::npos);
   EXPECT_NE(cell_error([](auto& p) { p.spu_count = 7; }).find("7 SPUs"), std::string::npos);
@@ -331,13 +327,10 @@ TEST(ConsoleFrame, RefusesWhatCannotBe) {
   EXPECT_NE(cell_error([](auto& p) { p.clock_hz = 0; }).find("clock"), std::string::npos);
   XenonParameters xenon;
   xenon.cores = 0;
-  std::string error;
-  EXPECT_FALSE(TryMakeXenon(xenon, error));
-  EXPECT_NE(error.find("no core"), std::string::npos) << error;
+  EXPECT_NE(MakeXenon(xenon).error().find("no core"), std::string::npos);
   xenon = {};
   xenon.clock_hz = 0;
-  EXPECT_FALSE(TryMakeXenon(xenon, error));
-  EXPECT_NE(error.find("clock"), std::string::npos) << error;
+  EXPECT_NE(MakeXenon(xenon).error().find("clock"), std::string::npos);
 }
 
 // A kernel that leaves its block is caught while the frame is timed, on whichever unit it ran.
@@ -345,12 +338,10 @@ TEST(ConsoleFrame, NoticesAFaultyKernel) {
   SyntheticScene scene({{0, 0, 9}});
   constexpr FaultParams kParams{1};
   const auto faults_of = [&](const Stage& stage) {
-    const Plan plan = CompilePlan({stage}, scene.shape(), {});
+    const Plan plan = CompilePlan({stage}, scene.shape(), {}).OrThrow();
     const ConsoleMachine machine = Ps3();
     const StageCosts costs = FlatCosts(plan, scene.shape(), machine.clock_hz, 100.0f);
-    std::string error;
-    const auto executor = ConsoleExecutor::TryMake(machine, costs, {&plan, &scene.memory()}, error);
-    EXPECT_NE(executor, nullptr) << error;
+    const auto executor = ConsoleExecutor::Make(machine, costs, {&plan, &scene.memory()}).OrThrow();
     executor->Run({&plan, &scene.memory()});
     return executor->faults().size();
   };

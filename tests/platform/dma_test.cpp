@@ -11,8 +11,8 @@ using namespace testing;
 
 TEST(DmaProperties, LinesFromThePpesL2ComeAtItsRate) {
   const CellMemoryParameters p;
-  const SpuRun run =
-      Stream(p, {.block_bytes = 4096, .in_flight = 8, .bytes_each = 1 << 16, .far = DmaFar::kL2});
+  const SpuRun run = MoveBlocks(
+      p, {.block_bytes = 4096, .in_flight = 8, .bytes_each = 1 << 16, .far = DmaFar::kL2});
   // 7 GB/s, Perrone, as spoken.
   EXPECT_NEAR(run.GigabytesPerSecond(p), 7.0, 0.35);
 }
@@ -22,11 +22,11 @@ TEST(DmaProperties, NoStageGoesBeyondItsPeak) {
   for (uint32_t spus = 1; spus <= 6; ++spus)
     for (uint32_t bytes : {16u, 128u, 1024u, 16384u})
       for (bool put : {false, true}) {
-        const SpuRun run = Stream(p, {.spus = spus,
-                                      .block_bytes = bytes,
-                                      .in_flight = 8,
-                                      .put = put,
-                                      .bytes_each = 1 << 16});
+        const SpuRun run = MoveBlocks(p, {.spus = spus,
+                                          .block_bytes = bytes,
+                                          .in_flight = 8,
+                                          .put = put,
+                                          .bytes_each = 1 << 16});
         const double rate = run.GigabytesPerSecond(p);
         EXPECT_LE(rate, 24.7) << spus << " x " << bytes;
         EXPECT_LE(rate, 25.6 * spus * (put ? 2 : 1));
@@ -40,7 +40,7 @@ TEST(DmaProperties, MoreSpusAreNeverSlower) {
     double before = 0.0;
     for (uint32_t spus = 1; spus <= 6; ++spus) {
       const double rate =
-          Stream(p, {.spus = spus, .block_bytes = bytes, .in_flight = 8, .bytes_each = 1 << 16})
+          MoveBlocks(p, {.spus = spus, .block_bytes = bytes, .in_flight = 8, .bytes_each = 1 << 16})
               .GigabytesPerSecond(p);
       EXPECT_GE(rate, before * 0.995) << spus << " x " << bytes;
       before = rate;
@@ -52,8 +52,8 @@ TEST(DmaProperties, MoreSpusAreNeverSlower) {
 TEST(DmaProperties, OneSpuFollowsLittlesLaw) {
   const CellMemoryParameters p;
   for (uint32_t in_flight : {1u, 2u, 4u, 8u}) {
-    const SpuRun run =
-        Stream(p, {.spus = 1, .block_bytes = 128, .in_flight = in_flight, .bytes_each = 1 << 16});
+    const SpuRun run = MoveBlocks(
+        p, {.spus = 1, .block_bytes = 128, .in_flight = in_flight, .bytes_each = 1 << 16});
     const double round_trip =
         p.snoop_cycles + p.memory_access_cycles + p.memory_line_cycles + 16 + 10;
     const double most = in_flight * 128 / round_trip * 3.2;
@@ -64,8 +64,8 @@ TEST(DmaProperties, OneSpuFollowsLittlesLaw) {
 
 TEST(DmaProperties, SmallCommandsWasteTheirLine) {
   const CellMemoryParameters p;
-  const SpuRun lines = Stream(p, {.block_bytes = 128, .in_flight = 8, .bytes_each = 1 << 16});
-  const SpuRun quarters = Stream(p, {.block_bytes = 32, .in_flight = 8, .bytes_each = 1 << 14});
+  const SpuRun lines = MoveBlocks(p, {.block_bytes = 128, .in_flight = 8, .bytes_each = 1 << 16});
+  const SpuRun quarters = MoveBlocks(p, {.block_bytes = 32, .in_flight = 8, .bytes_each = 1 << 14});
   EXPECT_EQ(lines.memory_read_lines, quarters.memory_read_lines);
   EXPECT_NEAR(quarters.GigabytesPerSecond(p) / lines.GigabytesPerSecond(p), 0.25, 0.02);
 }
@@ -73,10 +73,10 @@ TEST(DmaProperties, SmallCommandsWasteTheirLine) {
 TEST(DmaProperties, MixedReadsAndWritesPayForTurning) {
   const CellMemoryParameters p;
   const auto rate = [&](bool get, bool put) {
-    return Stream(p, {.in_flight = 4,
-                      .get = get,
-                      .put = put,
-                      .bytes_each = get && put ? 1u << 20 : 1u << 18})
+    return MoveBlocks(p, {.in_flight = 4,
+                          .get = get,
+                          .put = put,
+                          .bytes_each = get && put ? 1u << 20 : 1u << 18})
         .GigabytesPerSecond(p);
   };
   const double reads = rate(true, false), writes = rate(false, true), copies = rate(true, true);
@@ -89,7 +89,7 @@ TEST(DmaProperties, MixedReadsAndWritesPayForTurning) {
 TEST(DmaProperties, WhatIsAskedForIsMoved) {
   const CellMemoryParameters p;
   const SpuRun run =
-      Stream(p, {.block_bytes = 2048, .in_flight = 4, .put = true, .bytes_each = 1 << 17});
+      MoveBlocks(p, {.block_bytes = 2048, .in_flight = 4, .put = true, .bytes_each = 1 << 17});
   EXPECT_EQ(run.Bytes(), 2u * 6 << 17);
   EXPECT_EQ(run.memory_read_lines, 6u * (1 << 17) / 128);
   EXPECT_EQ(run.memory_write_lines, run.memory_read_lines);
@@ -101,7 +101,7 @@ TEST(DmaProperties, WhatIsAskedForIsMoved) {
 
 TEST(DmaProperties, SharesAreFair) {
   const CellMemoryParameters p;
-  const SpuRun run = Stream(p, {.block_bytes = 16384, .in_flight = 2});
+  const SpuRun run = MoveBlocks(p, {.block_bytes = 16384, .in_flight = 2});
   const auto [first, last] =
       std::minmax_element(run.spus.begin(), run.spus.end(),
                           [](const SpuTimes& a, const SpuTimes& b) { return a.finish < b.finish; });
@@ -110,8 +110,8 @@ TEST(DmaProperties, SharesAreFair) {
 
 TEST(DmaProperties, ARunHasOneResult) {
   const CellMemoryParameters p;
-  const SpuRun a = Stream(p, {.spus = 5, .block_bytes = 1024, .in_flight = 3, .put = true}),
-               b = Stream(p, {.spus = 5, .block_bytes = 1024, .in_flight = 3, .put = true});
+  const SpuRun a = MoveBlocks(p, {.spus = 5, .block_bytes = 1024, .in_flight = 3, .put = true}),
+               b = MoveBlocks(p, {.spus = 5, .block_bytes = 1024, .in_flight = 3, .put = true});
   EXPECT_EQ(a.cycles, b.cycles);
   for (size_t s = 0; s < a.spus.size(); ++s) {
     EXPECT_EQ(a.spus[s].finish, b.spus[s].finish);
@@ -141,8 +141,7 @@ TEST(DmaProperties, DoubleBufferingHidesTransfersBehindWork) {
 TEST(SpuProgram, IsHandedWorkAsTimeGoesOn) {
   const CellMemoryParameters p;
   EventQueue queue;
-  std::string error;
-  const auto memory = CellMemory::TryMake(p, queue, error);
+  const auto memory = CellMemory::Make(p, queue).OrThrow();
   std::vector<SpuStep> todo;
   int finished = 0;
   SpuProgram spu(
@@ -167,14 +166,14 @@ TEST(SpuProgram, IsHandedWorkAsTimeGoesOn) {
   EXPECT_EQ(memory->counts(2).get_bytes, 2u * 16384);
 }
 
-// The MFC's queue, lists, fences -----------------------------------------------------------------
+// ---- The MFC's queue, lists, fences -------------------------------------------------------------
 
 // Gives all commands at once; completion times in their order.
 std::vector<Cycles> Complete(const CellMemoryParameters& p, const std::vector<DmaCommand>& commands,
                              DmaCounts* counts = nullptr) {
   EventQueue queue;
   std::string error;
-  const auto memory = CellMemory::TryMake(p, queue, error);
+  const auto memory = CellMemory::Make(p, queue).OrThrow();
   std::vector<Cycles> done(commands.size(), -1);
   for (size_t i = 0; i < commands.size(); ++i)
     EXPECT_TRUE(memory->Submit(

@@ -155,29 +155,22 @@ TEST(RecordKernel, PricesAKernelOfOnesOwn) {
   struct alignas(128) {
     float in[64], out[64], factor[4];
   } rows = {};
-  std::string error;
-  const auto trace = TryRecordKernel(
-      {{&rows, sizeof rows}},
-      [&] {
-        using V = RecordingVec;
-        for (int i = 0; i < 64; i += 4) {
-          const V f = LoadSplat<V>(rows.factor, 1u);
-          const V x = V::Load(rows.in + i);
-          (ReciprocalEstimate(x) * f + ReciprocalRootEstimate(x)).Store(rows.out + i);
-        }
-      },
-      error);
-  ASSERT_TRUE(trace) << error;
+  const auto run = [&] {
+    using V = RecordingVec;
+    for (int i = 0; i < 64; i += 4) {
+      const V f = LoadSplat<V>(rows.factor, 1u);
+      const V x = V::Load(rows.in + i);
+      (ReciprocalEstimate(x) * f + ReciprocalRootEstimate(x)).Store(rows.out + i);
+    }
+  };
+  const Trace trace = RecordKernel({{&rows, sizeof rows}}, run).OrThrow();
   for (const CoreKind kind : {CoreKind::kSpu, CoreKind::kPpe, CoreKind::kXenon}) {
-    const auto cost = TryPriceTrace(*trace, 16, MakePricedCore(kind, {}), {}, error);
-    ASSERT_TRUE(cost) << error;
-    EXPECT_GT(cost->scheduled.cycles_per_iteration, 1.0);
-    EXPECT_GT(cost->as_written.cycles_per_iteration, cost->scheduled.cycles_per_iteration);
+    const KernelCost cost = PriceTrace(trace, 16, MakePricedCore(kind, {}), {}).OrThrow();
+    EXPECT_GT(cost.scheduled.cycles_per_iteration, 1.0);
+    EXPECT_GT(cost.as_written.cycles_per_iteration, cost.scheduled.cycles_per_iteration);
   }
   const KernelBlock too_much = {&rows, uint64_t{3} << 30};
-  EXPECT_FALSE(TryRecordKernel(
-      {too_much}, [] {}, error));
-  EXPECT_NE(error.find("2 GiB"), std::string::npos);
+  EXPECT_NE(RecordKernel({too_much}, [] {}).error().find("2 GiB"), std::string::npos);
 }
 
 }  // namespace

@@ -9,12 +9,16 @@
 namespace pelt {
 namespace {
 
-Listing Spu(std::string_view text) { return ReadListing(text, "t.s", SpuInstructionSet()); }
-Listing Ppe(std::string_view text) { return ReadListing(text, "t.s", PpeInstructionSet()); }
+Listing Spu(std::string_view text) {
+  return ReadListing(text, "t.s", SpuInstructionSet()).OrThrow();
+}
+Listing Ppe(std::string_view text) {
+  return ReadListing(text, "t.s", PpeInstructionSet()).OrThrow();
+}
 std::string Refusal(std::string_view text, const InstructionSet& set = SpuInstructionSet()) {
-  std::string error;
-  EXPECT_FALSE(TryReadListing(text, "t.s", set, error)) << text;
-  return error;
+  const auto listing = ReadListing(text, "t.s", set);
+  EXPECT_FALSE(listing) << text;
+  return listing.error();
 }
 std::vector<uint32_t> List(const auto& registers) { return {registers.begin(), registers.end()}; }
 using R = std::vector<uint32_t>;
@@ -189,10 +193,9 @@ TEST(Listing, EveryCutOfAListingIsReadOrRefused) {
     for (const char garble : {'\0', '(', ')', ',', ';', ':', '$', '.', '\xff'}) {
       std::string changed = text.substr(0, cut) + garble;
       changed += text.substr(std::min(cut + 1, text.size()));
-      std::string error;
       for (const std::string& each : {text.substr(0, cut), changed})
-        if (!TryReadListing(each, "t.s", SpuInstructionSet(), error)) {
-          EXPECT_EQ(error.rfind("t.s:", 0), 0u) << error;
+        if (const auto listing = ReadListing(each, "t.s", SpuInstructionSet()); !listing) {
+          EXPECT_EQ(listing.error().rfind("t.s:", 0), 0u) << listing.error();
         }
     }
 }

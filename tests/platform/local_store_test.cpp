@@ -78,7 +78,7 @@ constexpr uint32_t kChunks = 5;
 LocalStoreCounts ExpectSameAsSerial(const std::vector<Stage>& stages, bool fuse,
                                     std::initializer_list<Stream> streams) {
   SyntheticScene a(kLayers), b(kLayers);
-  const Plan plan = CompilePlan(stages, a.shape(), {.fuse = fuse});
+  const Plan plan = CompilePlan(stages, a.shape(), {.fuse = fuse}).OrThrow();
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
@@ -121,7 +121,7 @@ TEST(LocalStore, GathersListedRecordsAndNothingElse) {
       for (uint32_t i = 0; i < kToyLanes; ++i)  // the second half means nothing
         order.place[i] = i < kToyLanes / 2 ? (i * 37 + c) % places : ~0u;
     }
-  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {}).OrThrow();
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
@@ -140,7 +140,7 @@ TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
 TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
   // A layer of 40 chunks of keys is 20 KiB: two commands of at most 16 KiB, and one for the sum.
   SyntheticScene scene({{0, 0, 40}});
-  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(), {});
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(), {}).OrThrow();
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
   const uint64_t bytes = 40 * sizeof(KeyBlock);
@@ -151,9 +151,10 @@ TEST(LocalStore, LargeTransfersTakeSeveralCommands) {
 TEST(LocalStore, ReportsAPlanThatNeedsMoreThanThereIs) {
   SyntheticScene scene({{0, 0, 600}});
   const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, scene.shape(),
-                                {.local_store_data_bytes = 1 << 20});
-  const uint64_t before = scene.DigestOf({StreamOf<&Streams::layer_sort>});
-  for (const uint32_t data_bytes : {600 * uint32_t(sizeof(SortKeyBlock)) - 1, 1u << 20}) {
+                                {.local_store_data_bytes = 1 << 20})
+                        .OrThrow();
+  const uint64_t before = scene.DigestOf({StreamOf<&Toys::sum>});
+  for (const uint32_t data_bytes : {600 * uint32_t(sizeof(KeyBlock)) - 1, 1u << 20}) {
     LocalStoreExecutor local(data_bytes);
     local.Run({&plan, &scene.memory()});
     ASSERT_EQ(local.faults().size(), 1u);

@@ -42,10 +42,10 @@ inline ConsoleMachine Ps3(uint32_t spus = 6) {
   if (at != made.end()) return at->second;
   CellMemoryParameters p;
   p.spu_count = spus;
-  return made[spus] = MakeCell(p, AtomicDispatch(150));
+  return made[spus] = MakeCell(p, AtomicDispatch(150)).OrThrow();
 }
 inline ConsoleMachine Xbox() {
-  static const ConsoleMachine made = MakeXenon(XenonParameters{});
+  static const ConsoleMachine made = MakeXenon(XenonParameters{}).OrThrow();
   return made;
 }
 
@@ -64,10 +64,7 @@ inline ModelledRun RunOn(Scenario& scenario, const ConsoleMachine& machine, uint
   const FurScene& scene = running.scene();
   const StageCosts costs =
       FlatCosts(scene.plan(), scene.shape(), machine.clock_hz, cycles_per_iteration);
-  const auto executor = ValueOrThrow([&](std::string& error) {
-    auto made = ConsoleExecutor::TryMake(machine, costs, scene.CurrentFrame(), error);
-    return made ? std::optional(std::move(made)) : std::nullopt;
-  });
+  const auto executor = ConsoleExecutor::Make(machine, costs, scene.CurrentFrame()).OrThrow();
   executor->KeepTimelines(timelines);
   ModelledRun run;
   for (uint32_t f = 0; f < frames; ++f) {

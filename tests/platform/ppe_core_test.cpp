@@ -13,11 +13,10 @@ using namespace testing;
 
 IssueChart TimeOnPpe(const std::string& text, const PpeParameters& ppe = {},
                      const PpeRules& rules = {}) {
-  const Listing listing = ReadListing(text, "row.s", PpeInstructionSet());
+  const Listing listing = ReadListing(text, "row.s", PpeInstructionSet()).OrThrow();
   std::vector<TripCount> trips;
   if (const ListingLabel* loop = listing.FindLabel("loop")) trips.push_back({loop->index, 100'000});
-  return ValueOrThrow(
-      [&](std::string& error) { return TryTimeOnPpe(listing.program, trips, rules, ppe, error); });
+  return pelt::TimeOnPpe(listing.program, trips, rules, ppe).OrThrow();
 }
 
 using V = std::vector<int64_t>;
@@ -102,11 +101,9 @@ TEST(PpeCore, WithTwoThreadsEveryOtherCycleIsItsOwn) {
 
 PpePairTiming TimePair(const std::string& first, const std::string& second,
                        const PpeParameters& ppe = {}) {
-  const Listing a = ReadListing(first, "a.s", PpeInstructionSet());
-  const Listing b = ReadListing(second, "b.s", PpeInstructionSet());
-  return ValueOrThrow([&](std::string& error) {
-    return TryTimePpePair({a.program, b.program}, ppe, error);
-  });
+  const Listing a = ReadListing(first, "a.s", PpeInstructionSet()).OrThrow();
+  const Listing b = ReadListing(second, "b.s", PpeInstructionSet()).OrThrow();
+  return TimePpePair({a.program, b.program}, ppe).OrThrow();
 }
 
 std::string Adds(int count) {
@@ -187,11 +184,9 @@ TEST(PpePair, LongLoopsAreTimedByTheirMean) {
 
 TEST(PpePair, WhatIsNoPairOfLoopsIsRefused) {
   const auto why = [](const std::string& text, const PpeParameters& ppe) {
-    const Listing a = ReadListing(text, "a.s", PpeInstructionSet());
-    const Listing b = ReadListing(Adds(2), "b.s", PpeInstructionSet());
-    std::string error;
-    EXPECT_FALSE(TryTimePpePair({a.program, b.program}, ppe, error)) << text;
-    return error;
+    const Listing a = ReadListing(text, "a.s", PpeInstructionSet()).OrThrow();
+    const Listing b = ReadListing(Adds(2), "b.s", PpeInstructionSet()).OrThrow();
+    return TimePpePair({a.program, b.program}, ppe).error();
   };
   EXPECT_NE(why("add 3,4,5", {}).find("0 loops"), std::string::npos);
   EXPECT_NE(why("a: b: add 3,4,5; bdnz b; bdnz a; c: bdnz c", {}).find("loops"), std::string::npos);

@@ -131,17 +131,16 @@ class RecordedFrame : public ::testing::Test {
     for (uint32_t f = 0; f < 3; ++f) {
       running.Begin(f);
       const Frame frame = running.scene().CurrentFrame();
-      std::string error;
       if (!recorded) {
         SerialExecutor().Run(frame);
         continue;
       }
       EXPECT_TRUE(RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
         Recorder recorder(Recorder::Keep::kCounts);
-        const bool done = TryRecordStage(frame, stage, item, recorder, error);
+        RecordStage(frame, stage, item, RecordingKernels(), recorder).OrThrow();
         operations += recorder.operation_count();
-        return done;
-      })) << error;
+        return true;
+      }));
     }
     return running.scene().DigestFrame();
   }

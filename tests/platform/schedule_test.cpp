@@ -22,11 +22,9 @@ void ExpectGood(const StraightCode& code, const CoreUnderTest& on, const std::st
   EXPECT_LE(cycles, Cycles(plain, on.core)) << what;
   EXPECT_GE(cycles, ResourceBoundCycles(code.program, on.core)) << what;
   // The issue model counts live registers on its own.
-  std::string error;
-  const auto chart = on.core.time(fast.program, error);
-  ASSERT_TRUE(chart) << error;
-  EXPECT_LE(chart->live.back().most, on.core.Of(ValueFile::kVector).count) << what;
-  EXPECT_EQ(chart->live.back().most, fast.most_live_vectors) << what;
+  const IssueChart chart = on.core.time(fast.program).OrThrow();
+  EXPECT_LE(chart.live.back().most, on.core.Of(ValueFile::kVector).count) << what;
+  EXPECT_EQ(chart.live.back().most, fast.most_live_vectors) << what;
 }
 
 TEST(Scheduling, RandomProgramsAreRightAndWithinTheirBounds) {
@@ -64,12 +62,9 @@ TEST(Scheduling, TheSchedulersOwnCountIsTheIssueModels) {
   for (const CoreUnderTest& on : CoresUnderTest())
     for (uint32_t groups : {1, 2, 8}) {
       const StraightCode code = ChainSweep(on, groups, 4, 3);
-      std::string error;
-      const auto fitted = TryFitRegisters(code, on.core, error);
-      ASSERT_TRUE(fitted) << error;
-      const IssueOrder order = ScheduleWithin(512, ScheduleInput(fitted->code, on.core));
-      FinishedCode finished;
-      ASSERT_TRUE(TryFinish(*fitted, order, on.core, finished, error)) << error;
+      const FittedCode fitted = FitRegisters(code, on.core).OrThrow();
+      const IssueOrder order = ScheduleWithin(512, ScheduleInput(fitted.code, on.core));
+      const FinishedCode finished = Finish(fitted, order, on.core).OrThrow();
       EXPECT_EQ(order.cycles(), Cycles(finished, on.core)) << on.name << ", " << groups;
     }
 }
@@ -102,10 +97,8 @@ TEST(Scheduling, RandomProgramsTakenForIterationsAreRight) {
     for (uint32_t seed = 0; seed < 12; ++seed) {
       const StraightCode code =
           RandomProgram(on, seed, {.instructions = 600, .reach = 100, .entry_values = 40});
-      std::string error;
-      const auto finished = TryScheduleIterations(code, 2 + seed % 4, on.core, error);
-      ASSERT_TRUE(finished) << error;
-      EXPECT_TRUE(IsRight(code, *finished, on.core)) << on.name << ", seed " << seed;
+      const FinishedCode finished = ScheduleIterations(code, 2 + seed % 4, on.core).OrThrow();
+      EXPECT_TRUE(IsRight(code, finished, on.core)) << on.name << ", seed " << seed;
     }
 }
 

@@ -110,7 +110,7 @@ TransferShape Shape(uint32_t elements, uint32_t element_bytes) {
 
 // The Cell without a barrier.
 ConsoleMachine SixSpus() {
-  ConsoleMachine machine = MakeCell(Cell(), AtomicDispatch(0));
+  ConsoleMachine machine = MakeCell(Cell(), AtomicDispatch(0)).OrThrow();
   machine.draw_cycles = kDraw;
   machine.barrier_cycles = 0;
   return machine;
@@ -297,7 +297,7 @@ TEST(SharedTransfers, AnIdlePortIsAheadOfItsRate) {
 TEST(SharedTransfers, XenonStreamsTakeAsLongAsTheCacheModel) {
   constexpr uint32_t kLines = 4096;
   const XenonParameters p;
-  ConsoleMachine machine = MakeXenon(p);
+  ConsoleMachine machine = MakeXenon(p).OrThrow();
   machine.draw_cycles = machine.barrier_cycles = 0;
   for (const uint32_t cores : {1u, 2u, 3u}) {
     for (const uint32_t per_core : {1u, 2u}) {

@@ -132,11 +132,11 @@ TEST(SpuCore, LeapingOverIterationsChangesNothing) {
 }
 
 TEST(SpuCore, ANewtonStepOneWideWaitsForItself) {
-  const Listing listing = ReadListing(ReadListingFile("newton.s"), "newton.s", SpuInstructionSet());
+  const Listing listing =
+      ReadListing(ReadListingFile("newton.s"), "newton.s", SpuInstructionSet()).OrThrow();
   const TripCount trips[] = {{listing.FindLabel("newton")->index, 64}};
-  std::string error;
-  const auto chart = TryTimeOnSpu(listing.program, trips, {}, {}, error);
-  ASSERT_TRUE(chart) << error;
+  const auto chart = TimeOnSpu(listing.program, trips, {}, {});
+  ASSERT_TRUE(chart) << chart.error();
   // lqd 6, frest 4, fi 7, fnms 6, fma 6, stqd 1, ai and brnz, and the next lqd waits for ai: 32.
   // The hint goes under the rest, but for a cycle of the first iteration, and holds in every
   // iteration but the last, which goes on to bi.
@@ -148,11 +148,10 @@ TEST(SpuCore, ANewtonStepOneWideWaitsForItself) {
 
 TEST(SpuCore, NestedLoopsRunTheirTrips) {
   const std::string text = "outer: lnop\ninner: lnop; lnop\nbrnz 3,inner\nlnop\nbrnz 4,outer";
-  const Listing listing = ReadListing(text, "nest.s", SpuInstructionSet());
+  const Listing listing = ReadListing(text, "nest.s", SpuInstructionSet()).OrThrow();
   const TripCount trips[] = {{0, 5}, {1, 300}};
-  std::string error;
-  const auto chart = TryTimeOnSpu(listing.program, trips, {}, {}, error);
-  ASSERT_TRUE(chart) << error;
+  const auto chart = TimeOnSpu(listing.program, trips, {}, {});
+  ASSERT_TRUE(chart) << chart.error();
   EXPECT_EQ(chart->totals.instructions, 5u * (1 + 300 * 3 + 2));
   // 299 taken inner branches and 4 outer ones are mispredicted.
   EXPECT_EQ(uint64_t(chart->totals.cycles), chart->totals.instructions + 18 * (5 * 299 + 4));
@@ -185,9 +184,8 @@ TEST(SpuCore, TakesRecordedValuesWithoutText) {
     add.location_bytes = 4 * (199 + i);
     program.push_back(add);
   }
-  std::string error;
-  const auto chart = TryTimeOnSpu(program, {}, {}, {}, error);
-  ASSERT_TRUE(chart) << error;
+  const auto chart = TimeOnSpu(program, {}, {}, {});
+  ASSERT_TRUE(chart) << chart.error();
   EXPECT_EQ(chart->live[0].most, 200u);
   EXPECT_GT(chart->live[0].most, chart->live[0].limit);
   EXPECT_EQ(BindingResource(*chart, chart->totals), "register");
@@ -195,9 +193,7 @@ TEST(SpuCore, TakesRecordedValuesWithoutText) {
 
 TEST(SpuCore, RefusesProgramsItCannotRun) {
   const auto refusal = [](std::vector<Instruction> program, std::vector<TripCount> trips) {
-    std::string error;
-    EXPECT_FALSE(TryTimeOnSpu(program, trips, {}, {}, error));
-    return error;
+    return TimeOnSpu(program, trips, {}, {}).error();
   };
   Instruction bad;
   bad.op_class = 200;

@@ -20,11 +20,9 @@ using V = RecordingVec;
 
 const PlatformParameters kPlatforms;
 
-KernelCost Price(const Trace& trace, uint32_t iterations, CoreKind kind, const PriceRules& rules = {}) {
-  std::string error;
-  const auto cost = TryPriceTrace(trace, iterations, MakePricedCore(kind, kPlatforms), rules, error);
-  EXPECT_TRUE(cost) << error;
-  return cost.value_or(KernelCost{});
+KernelCost Price(const Trace& trace, uint32_t iterations, CoreKind kind,
+                 const PriceRules& rules = {}) {
+  return PriceTrace(trace, iterations, MakePricedCore(kind, kPlatforms), rules).OrThrow();
 }
 
 // y = a x + b over many groups: two loads, a multiply-add and a store per iteration.
@@ -120,10 +118,9 @@ TEST(KernelCost, ALoadHitStoreIsSeenByItsAddress) {
 TEST(KernelCost, FollowsTheCoresParameters) {
   PlatformParameters slow;
   slow.cell.spu.Of(SpuClass::kFp6).latency_cycles = 12;
-  std::string error;
-  const auto cost = TryPriceTrace(Saxpy(64), 64, MakePricedCore(CoreKind::kSpu, slow), {}, error);
-  ASSERT_TRUE(cost) << error;
-  EXPECT_GT(cost->as_written.cycles_per_iteration,
+  const KernelCost cost =
+      PriceTrace(Saxpy(64), 64, MakePricedCore(CoreKind::kSpu, slow), {}).OrThrow();
+  EXPECT_GT(cost.as_written.cycles_per_iteration,
             Price(Saxpy(64), 64, CoreKind::kSpu).as_written.cycles_per_iteration + 4.0);
 }
 
@@ -140,10 +137,8 @@ class PricedScene {
   }
   Frame frame() { return running_.scene().CurrentFrame(); }
   StageCosts Price(CoreKind kind, const PriceRules& rules = {}) {
-    std::string error;
-    const auto costs = TryPriceStages(frame(), MakePricedCore(kind, kPlatforms), rules, error);
-    EXPECT_TRUE(costs) << error;
-    return costs.value_or(StageCosts{});
+    return PriceStages(frame(), RecordingKernels(), MakePricedCore(kind, kPlatforms), rules)
+        .OrThrow();
   }
   uint64_t digest() { return running_.scene().DigestFrame(); }
 
@@ -205,15 +200,14 @@ TEST(KernelCost, ScheduledWindowsOfAFrameAreRight) {
   std::string error;
   const bool done = RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
     Recorder recorder(seen[stage] ? Recorder::Keep::kCounts : Recorder::Keep::kOperations);
-    if (!TryRecordStage(frame, stage, item, recorder, error)) return false;
+    RecordStage(frame, stage, item, RecordingKernels(), recorder).OrThrow();
     const uint32_t iterations = CountIterations(frame, stage, item);
     if (seen[stage] || iterations < 8 || recorder.operation_count() == 0) return true;
     seen[stage] = true;
     for (const CoreKind kind : {CoreKind::kSpu, CoreKind::kPpe, CoreKind::kXenon}) {
       const PricedCore core = MakePricedCore(kind, kPlatforms);
-      const auto window = TryScheduleWindow(recorder.trace(), iterations, core, {}, error);
-      EXPECT_TRUE(window &&
-                  CheckFinishedCode(window->lowered, window->code, core.scheduling, error))
+      const auto window = ScheduleWindow(recorder.trace(), iterations, core, {}).OrThrow();
+      EXPECT_TRUE(CheckFinishedCode(window.lowered, window.code, core.scheduling, error))
           << frame.plan->stages[stage].kernel.name << ", " << CoreKindName(kind) << ": " << error;
     }
     return true;

@@ -195,22 +195,13 @@ inline StraightCode ChainSweep(const CoreUnderTest& on, uint32_t groups, uint32_
 }
 
 inline FinishedCode InOrder(const StraightCode& code, const SchedulingCore& core) {
-  std::string error;
-  const auto out = TryAllocateInOrder(code, core, error);
-  EXPECT_TRUE(out) << error;
-  return out.value_or(FinishedCode{});
+  return AllocateInOrder(code, core).OrThrow();
 }
 inline FinishedCode Scheduled(const StraightCode& code, const SchedulingCore& core) {
-  std::string error;
-  const auto out = TrySchedule(code, core, error);
-  EXPECT_TRUE(out) << error;
-  return out.value_or(FinishedCode{});
+  return Schedule(code, core).OrThrow();
 }
 inline int64_t Cycles(const FinishedCode& code, const SchedulingCore& core) {
-  std::string error;
-  const auto chart = core.time(code.program, error);
-  EXPECT_TRUE(chart) << error;
-  return chart ? chart->totals.cycles : 0;
+  return core.time(code.program).OrThrow().totals.cycles;
 }
 inline ::testing::AssertionResult IsRight(const StraightCode& code, const FinishedCode& finished,
                                           const SchedulingCore& core) {

@@ -27,11 +27,11 @@ struct ListingText {
 
 inline IssueChart TimeOnSpu(const std::string& text, const SpuParameters& spu = {},
                             const SpuRules& rules = {}, uint64_t iterations = 100'000) {
-  const Listing listing = ReadListing(text, "row.s", SpuInstructionSet());
+  const Listing listing = ReadListing(text, "row.s", SpuInstructionSet()).OrThrow();
   std::vector<TripCount> trips;
-  if (const ListingLabel* loop = listing.FindLabel("loop")) trips.push_back({loop->index, iterations});
-  return ValueOrThrow(
-      [&](std::string& error) { return TryTimeOnSpu(listing.program, trips, rules, spu, error); });
+  if (const ListingLabel* loop = listing.FindLabel("loop"))
+    trips.push_back({loop->index, iterations});
+  return pelt::TimeOnSpu(listing.program, trips, rules, spu).OrThrow();
 }
 
 inline std::string ReadListingFile(const std::string& name) {
