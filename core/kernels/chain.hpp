@@ -29,24 +29,11 @@
 #include <cstdint>
 
 #include "core/chunk.hpp"
+#include "core/kernels/collider.hpp"
 #include "core/kernels/unrolled.hpp"
 #include "core/simd.hpp"
 
 namespace pelt {
-
-// What every layer's solver is told about the scene this frame.
-struct SimulateParams {
-  float dt;              // s, > 0
-  float rest_threshold;  // a chain none of whose points moved more than this share of a segment
-                         // keeps its bits; 0: never
-  uint32_t use_ground;
-  uint32_t sphere_count;
-  float ground[4];                    // world: unit normal n and d; free space is n . x + d >= 0
-  float sphere[kSpheresPerScene][4];  // world: centre, radius, m
-};
-
-inline constexpr float kRestThreshold =
-    2.0e-4f;  // default; see tests/kernels for the bias it costs
 
 namespace chain {
 
@@ -152,58 +139,12 @@ PELT_INLINE void SetLengths(const LengthRule<W>& rule, Vec3<W> (&point)[kFree]) 
   }
 }
 
-// Ground plane and spheres as one group sees them. A sphere counts for a lane only when it can
-// touch the box the lane's points start in; groups none of whose lanes count leave it out. The
-// choice is made by lane, so it cannot depend on the lane count.
+// How far a point may be from its root when a frame starts, and what it may touch from there.
 template <class W, uint32_t kFree>
-struct Obstacles {
-  Vec3<W> ground_normal;
-  W ground_height;  // of the root above the ground, m
-  Vec3<W> centre[kSpheresPerScene];
-  W radius[kSpheresPerScene];  // 0 for lanes it does not count for
-  uint32_t sphere_count;
-  bool use_ground;
-
-  PELT_INLINE void Load(const SimulateParams& params, const Group<W, kFree>& g) {
-    use_ground = params.use_ground != 0;
-    sphere_count = 0;
-    ground_normal = {W(0.0f), W(0.0f), W(0.0f)};
-    ground_height = W(0.0f);
-    if (use_ground) {
-      ground_normal = {W(params.ground[0]), W(params.ground[1]), W(params.ground[2])};
-      ground_height = Dot(ground_normal, g.root) + W(params.ground[3]);
-    }
-    const uint32_t count =
-        params.sphere_count < kSpheresPerScene ? params.sphere_count : kSpheresPerScene;
-    const W reach = g.length * W(2.0f * kBoxReach * float(kFree));
-    for (uint32_t s = 0; s < count; ++s) {
-      const float* sphere = params.sphere[s];
-      const Vec3<W> c = Vec3<W>{W(sphere[0]), W(sphere[1]), W(sphere[2])} - g.root;
-      const W range = reach + W(sphere[3]);
-      const auto near = Dot(c, c) < range * range;
-      if (!Any(near)) continue;
-      centre[sphere_count] = c;
-      radius[sphere_count] = Select(near, W(sphere[3]), W(0.0f));
-      ++sphere_count;
-    }
-  }
-
-  PELT_INLINE void PushOut(Vec3<W> (&point)[kFree]) const {
-    for (uint32_t s = 0; s < sphere_count; ++s) {
-      for (uint32_t i = 0; i < kFree; ++i) {
-        const Vec3<W> d = point[i] - centre[s];
-        const W d2 = Dot(d, d);
-        const auto inside = d2 < radius[s] * radius[s];
-        point[i] = Select<W>(inside, centre[s] + d * (radius[s] * Rsqrt(d2)), point[i]);
-      }
-    }
-    if (!use_ground) return;
-    for (uint32_t i = 0; i < kFree; ++i) {
-      const W depth = Min(Dot(ground_normal, point[i]) + ground_height, W(0.0f));
-      point[i] = point[i] - ground_normal * depth;
-    }
-  }
-};
+PELT_INLINE void LoadColliders(const SimulateParams& params, const Group<W, kFree>& g,
+                               Colliders<W>& colliders) {
+  colliders.Load(params, g.root, g.length * W(2.0f * kBoxReach * float(kFree)));
+}
 
 // The plane through the root, across its normal, is a contact.
 PELT_INLINE bool HasSurface(const LayerBlock& layer) { return layer.surface_hardness > 0.0f; }
@@ -224,7 +165,8 @@ PELT_INLINE float SlowContact(const LayerBlock& layer, float dt) {
 
 // What a contact gives back. A point that was predicted to dive into a plane (the surface at its
 // root, the ground) leaves it with `bounce` times the speed it came with. Contacts slower than two
-// frames of free fall return nothing, or a resting chain would never rest. Spheres return nothing.
+// frames of free fall return nothing, or a resting chain would never rest. Round shapes return
+// nothing.
 template <class W, uint32_t kFree>
 struct Bounces {
   W surface_speed[kFree];  // into the plane, m per frame; 0: no contact
@@ -232,8 +174,7 @@ struct Bounces {
 
   template <uint32_t kPoints>
   PELT_INLINE void Record(const PointBlock<kPoints>& position, float slow, bool has_surface,
-                          uint32_t lane, const Group<W, kFree>& g,
-                          const Obstacles<W, kFree>& obstacles) {
+                          uint32_t lane, const Group<W, kFree>& g, const Colliders<W>& colliders) {
     for (uint32_t i = 0; i < kFree; ++i) {
       const Vec3<W> start = Load3<W>(position.position[i], lane) + g.carried_motion - g.root;
       const Vec3<W> step = g.point[i] - start;
@@ -243,23 +184,23 @@ struct Bounces {
         surface_speed[i] =
             Select((Dot(g.point[i], g.normal) < W(0.0f)) & (surface > W(slow)), surface, W(0.0f));
       ground_speed[i] = W(0.0f);
-      if (!obstacles.use_ground) continue;
-      const W ground = -Dot(step, obstacles.ground_normal);
-      const W height = Dot(g.point[i], obstacles.ground_normal) + obstacles.ground_height;
-      ground_speed[i] = Select((height < W(0.0f)) & (ground > W(slow)), ground, W(0.0f));
+      if (!colliders.use_ground) continue;
+      const W ground = -Dot(step, colliders.ground.normal);
+      const auto below = colliders.ground.IsInside(g.point[i]);
+      ground_speed[i] = Select(below & (ground > W(slow)), ground, W(0.0f));
     }
   }
 
   // What to add to `previous` of point i so that the next frame's velocity leaves the plane.
   PELT_INLINE Vec3<W> Kick(uint32_t i, Vec3<W> step, float bounce, const Group<W, kFree>& g,
-                           const Obstacles<W, kFree>& obstacles) const {
+                           const Colliders<W>& colliders) const {
     const W none = W(0.0f);
     const W leave = surface_speed[i] - Dot(step - g.free_motion, g.normal);
     Vec3<W> kick = g.normal * (Select(surface_speed[i] > none, leave, none) * W(-bounce));
-    if (obstacles.use_ground) {
-      const W up = ground_speed[i] - Dot(step, obstacles.ground_normal);
+    if (colliders.use_ground) {
+      const W up = ground_speed[i] - Dot(step, colliders.ground.normal);
       kick =
-          kick + obstacles.ground_normal * (Select(ground_speed[i] > none, up, none) * W(-bounce));
+          kick + colliders.ground.normal * (Select(ground_speed[i] > none, up, none) * W(-bounce));
     }
     return kick;
   }
@@ -277,8 +218,8 @@ PELT_INLINE typename W::Int Differences(Vec3<W> a, Vec3<W> b) {
 template <class W, uint32_t kPoints>
 PELT_INLINE typename W::Mask Finish(const RestBlock<kPoints>& rest, const SimulateParams& params,
                                     float bounce, const Bounces<W, kPoints - 1>& bounces,
-                                    const Obstacles<W, kPoints - 1>& obstacles,
-                                    typename W::Mask fresh, uint32_t lane, Group<W, kPoints - 1>& g,
+                                    const Colliders<W>& colliders, typename W::Mask fresh,
+                                    uint32_t lane, Group<W, kPoints - 1>& g,
                                     PointBlock<kPoints>& position, PointBlock<kPoints>& previous) {
   constexpr uint32_t kFree = kPoints - 1;
   const W strength = W::Load(rest.strength + lane);
@@ -300,7 +241,7 @@ PELT_INLINE typename W::Mask Finish(const RestBlock<kPoints>& rest, const Simula
   }
   if (bounce > 0.0f)
     for (uint32_t i = 0; i < kFree; ++i)
-      last[i] = last[i] + bounces.Kick(i, next[i] - last[i], bounce, g, obstacles);
+      last[i] = last[i] + bounces.Kick(i, next[i] - last[i], bounce, g, colliders);
 
   typename W::Mask changed = W(0.0f) < W(1.0f);
   typename W::Mask still = !changed;

@@ -83,7 +83,7 @@ PELT_INLINE void RunChunk(const Ports& ports, const Group& group) {
   state.state_changed = changed ? 1 : 0;
 }
 
-// Solver<V, kPoints>::Iterate(layer, obstacles, clump, clump_pull, group) moves the group's points.
+// Solver<V, kPoints>::Iterate(layer, colliders, clump, clump_pull, group) moves the group's points.
 // `clump_pull` is the control strand's offset from the follower's root times the share of the
 // point; it is read only when `clump` is set.
 template <class V, uint32_t kPoints, bool kVertexChains, class Solver>
@@ -117,12 +117,12 @@ struct Step {
     Vec3<W> fall = Splat3<W>(layer.gravity) * W(dt2);
     if (layer.flags & kLayerWind) fall = fall + Load3<W>(ports.wind->acceleration, lane) * W(dt2);
     Predict<W, kPoints>(*ports.position, *ports.previous, layer.velocity_keep, fall, lane, g);
-    Obstacles<W, kFree> obstacles;
-    obstacles.Load(params, g);
+    Colliders<W> colliders;
+    LoadColliders(params, g, colliders);
     Bounces<W, kFree> bounces;
     if (layer.bounce > 0.0f)
       bounces.Record(*ports.position, SlowContact(layer, params.dt), HasSurface(layer), lane, g,
-                     obstacles);
+                     colliders);
 
     Vec3<W> clump_pull[kFree];
     if constexpr (!kVertexChains)
@@ -131,11 +131,11 @@ struct Step {
           clump_pull[i] =
               (controls->template Gather<W>(ports.strands->control + lane, i) - g.root) *
               W(ClumpShare(layer.clump, i, kFree));
-    Solver::Iterate(layer, obstacles, !kVertexChains && controls != nullptr, clump_pull, g);
+    Solver::Iterate(layer, colliders, !kVertexChains && controls != nullptr, clump_pull, g);
 
     const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
     const auto fresh = !(lanes < typename W::Int(int32_t(first_new)));
-    return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, obstacles, fresh,
+    return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, colliders, fresh,
                                   lane, g, *ports.position, *ports.previous) &
                alive);
   }

@@ -72,10 +72,10 @@ struct Contact {
 template <class W, uint32_t N>
 struct Walls {
   float hardness;      // of the surface
-  float bounce;        // of planes; spheres give nothing back (as in the other solvers)
+  float bounce;        // of planes; round shapes give nothing back (as in the other solvers)
   float max_distance;  // from the groom; 0: no limit
   float allowed;       // what may be left inside, in links
-  chain::Obstacles<W, N> obstacles;
+  Colliders<W> colliders;
 
   PELT_INLINE Walls(const LayerBlock& layer, const SimulateParams& params,
                     const chain::Group<W, N>& g)
@@ -83,7 +83,7 @@ struct Walls {
         bounce(layer.bounce),
         max_distance(layer.max_distance),
         allowed(0.0f) {
-    obstacles.Load(params, g);
+    chain::LoadColliders(params, g, colliders);
   }
 };
 
@@ -109,7 +109,7 @@ PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, float allowed, float 
 template <class W, uint32_t N>
 PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, uint32_t i,
                          Vec3<W> from, W per_length, Vec3<W>& d, Contact<W>& contact) {
-  const W one = W(1.0f), none = W(0.0f);
+  const W none = W(0.0f);
   if (walls.max_distance > 0.0f) {
     const Vec3<W> in = (g.rest[i] - from) * per_length;
     const float radius = walls.max_distance * float(i + 1);
@@ -126,25 +126,16 @@ PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, 
     LeanAlong(g.normal, Min(end, none) * W(1.0f - walls.hardness) - height, kReach, walls.allowed,
               1.0f, walls.bounce, d, contact);
   }
-  for (uint32_t s = 0; s < walls.obstacles.sphere_count; ++s) {
-    const Vec3<W> out = (from - walls.obstacles.centre[s]) * per_length;
-    const W square = Dot(out, out), radius = walls.obstacles.radius[s] * per_length;
-    const W inverse = Rsqrt(Max(square, W(1.0e-12f)));
-    const W near = (radius * radius - square - one) * (W(0.5f) * inverse);
-    const W least = Select(radius > none, near, W(-2.0f));
-    LeanAlong(out * inverse, least, kReach, walls.allowed, 0.0f, 0.0f, d, contact);
-  }
-  if (walls.obstacles.use_ground) {
-    const Vec3<W> up = walls.obstacles.ground_normal;
-    const W height = (Dot(from, up) + walls.obstacles.ground_height) * per_length;
-    LeanAlong(up, none - height, kReach, walls.allowed, 0.0f, walls.bounce, d, contact);
-  }
+  walls.colliders.ForEach([&]<class Shape>(const Shape& shape) __attribute__((always_inline)) {
+    const LeanLimit<W> out = shape.Lean(from, d, per_length);
+    LeanAlong(out.u, out.least, kReach, walls.allowed, 0.0f, Shape::kBounces ? walls.bounce : 0.0f,
+              d, contact);
+  });
 }
 
 // Lanes of which some point is beyond a wall.
 template <class W, uint32_t N>
 PELT_INLINE typename W::Mask IsInside(const Walls<W, N>& walls, const chain::Group<W, N>& g) {
-  const chain::Obstacles<W, N>& obstacles = walls.obstacles;
   typename W::Mask inside = W(1.0f) < W(0.0f);
   for (uint32_t i = 0; i < N; ++i) {
     if (walls.hardness > 0.0f) inside = inside | (Dot(g.point[i], g.normal) < W(0.0f));
@@ -153,13 +144,9 @@ PELT_INLINE typename W::Mask IsInside(const Walls<W, N>& walls, const chain::Gro
       const W limit = g.length * W(walls.max_distance * float(i + 1));
       inside = inside | (Dot(off, off) > limit * limit);
     }
-    for (uint32_t s = 0; s < obstacles.sphere_count; ++s) {
-      const Vec3<W> out = g.point[i] - obstacles.centre[s];
-      inside = inside | (Dot(out, out) < obstacles.radius[s] * obstacles.radius[s]);
-    }
-    if (obstacles.use_ground)
-      inside =
-          inside | (Dot(g.point[i], obstacles.ground_normal) + obstacles.ground_height < W(0.0f));
+    walls.colliders.ForEach([&](const auto& shape) __attribute__((always_inline)) {
+      inside = inside | shape.IsInside(g.point[i]);
+    });
   }
   return inside;
 }

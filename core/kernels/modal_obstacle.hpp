@@ -1,12 +1,13 @@
-// What a modal chain may touch, as its substeps see it: the plane through its root, spheres, the
-// ground, and the ball around its groomed place that a point may not leave (max_distance).
+// What a modal chain may touch, as its substeps see it: the plane through its root, the scene's
+// colliders (collider.hpp), and the ball around its groomed place that a point may not leave
+// (max_distance).
 //
-// The idea: each is a plane, or a sphere that a point stays out of or within. Whatever it is, a
-// point that is beyond it has a normal that leads back, and a depth. Of several, the deepest
-// counts.
+// The idea: near a point each is a plane, or a ball that the point stays out of or within. Whatever
+// it is, a point that is beyond it has a normal that leads back, and a depth. Of several, the
+// deepest counts.
 //
 // All in links, from the root's place at the substep's end. The plane turns with the skin and the
-// balls with the groom while the frame lasts; spheres and ground stand still.
+// balls with the groom while the frame lasts; colliders stand still.
 #pragma once
 
 #include "core/kernels/chain.hpp"
@@ -38,6 +39,23 @@ struct Obstacle {
     centre = normal = drift = {none, none, none};
     reach = carried = spins = bounce = none;
     side = W(1.0f);
+  }
+  // A collider, as it stands to a point near `at`. Only planes return speed (as in the other
+  // solvers).
+  template <class Shape>
+  static PELT_INLINE Obstacle Of(const Shape& shape, Vec3<W> at, W plane_bounce) {
+    Obstacle o;
+    o.Clear();
+    if constexpr (Shape::kIsRound) {
+      o.round = !o.any;
+      o.centre = shape.Core(at);
+      o.reach = shape.radius;
+    } else {
+      o.normal = shape.normal;
+      o.reach = W(0.0f) - shape.height;
+    }
+    if constexpr (Shape::kBounces) o.bounce = plane_bounce;
+    return o;
   }
   PELT_INLINE void Take(typename W::Mask lanes, const Obstacle& from) {
     round = (from.round & lanes) | (round & !lanes);
@@ -75,7 +93,7 @@ struct Surroundings {
   float hardness, plane_bounce, max_distance;
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
-  chain::Obstacles<W, N> obstacles;
+  Colliders<W> colliders;
   // At the end of the present substep.
   Vec3<W> root;                      // from where it is at the frame's end
   Vec3<W> surface;                   // normal of the plane through it
@@ -89,7 +107,7 @@ struct Surroundings {
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;
-    obstacles.Load(params, g);
+    chain::LoadColliders(params, g, colliders);
   }
 
   PELT_INLINE void Advance(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
@@ -114,19 +132,10 @@ struct Surroundings {
         const Vec3<W> off = at[i] - groom[i];
         inside = inside | (Dot(off, off) > W(Limit(i) * Limit(i)));
       }
-    for (uint32_t s = 0; s < obstacles.sphere_count; ++s) {
-      const Vec3<W> centre = Centre(s);
-      const W radius = Radius(s);
-      for (uint32_t i = 0; i < N; ++i) {
-        const Vec3<W> out = at[i] - centre;
-        inside = inside | (Dot(out, out) < radius * radius);
-      }
-    }
-    if (obstacles.use_ground) {
-      const W offset = GroundOffset();
-      for (uint32_t i = 0; i < N; ++i)
-        inside = inside | (Dot(at[i], obstacles.ground_normal) < offset);
-    }
+    colliders.ForEach([&](const auto& collider) __attribute__((always_inline)) {
+      const auto shape = collider.In(per_length, root);
+      for (uint32_t i = 0; i < N; ++i) inside = inside | shape.IsInside(at[i]);
+    });
     return inside;
   }
 
@@ -135,49 +144,33 @@ struct Surroundings {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none, always = !never;
     const Vec3<W> zero = {none, none, none};
-    W deepest = none;
+    W deepest = none;  // signed distance, so below 0
     found.Clear();
-    const auto take = [&](W depth, const Obstacle<W>& o) __attribute__((always_inline)) {
-      found.Take(depth > deepest, o);
-      deepest = Max(depth, deepest);
+    const auto take = [&](W distance, const Obstacle<W>& o) __attribute__((always_inline)) {
+      found.Take(distance < deepest, o);
+      deepest = Min(distance, deepest);
     };
     if (hardness > 0.0f) {
       const W height = Dot(at, surface);
       // A share of the depth stays where the surface is soft.
       const W reach = height * W(1.0f - hardness);
-      take(none - height,
-           {never, never, zero, surface, reach, one, one, one, zero, W(plane_bounce)});
+      take(height, {never, never, zero, surface, reach, one, one, one, zero, W(plane_bounce)});
     }
-    if (obstacles.use_ground) {
-      const Vec3<W> up = obstacles.ground_normal;
-      const W offset = GroundOffset();
-      take(offset - Dot(at, up),
-           {never, never, zero, up, offset, one, none, none, zero, W(plane_bounce)});
-    }
-    for (uint32_t s = 0; s < obstacles.sphere_count; ++s) {
-      const Vec3<W> centre = Centre(s);
-      const W radius = Radius(s);
-      take(radius - Distance(at, centre),
-           {never, always, centre, zero, radius, one, none, none, zero, none});
-    }
+    colliders.ForEach([&](const auto& collider) __attribute__((always_inline)) {
+      const auto shape = collider.In(per_length, root);
+      const W distance = shape.Distance(at);
+      take(distance, Obstacle<W>::Of(shape, at, W(plane_bounce)));
+    });
     if (max_distance > 0.0f) {
       const W limit = W(Limit(i));
-      take(Distance(at, groom[i]) - limit,
+      const Vec3<W> off = at - groom[i];
+      take(limit - Sqrt(Dot(off, off)),
            {never, always, groom[i], zero, limit, W(-1.0f), one, none, groom_speed[i], none});
     }
   }
 
  private:
   PELT_INLINE float Limit(uint32_t i) const { return max_distance * float(i + 1); }
-  PELT_INLINE W Radius(uint32_t s) const { return obstacles.radius[s] * per_length; }
-  PELT_INLINE Vec3<W> Centre(uint32_t s) const { return obstacles.centre[s] * per_length - root; }
-  PELT_INLINE W GroundOffset() const {
-    return W(0.0f) - obstacles.ground_height * per_length - Dot(obstacles.ground_normal, root);
-  }
-  static PELT_INLINE W Distance(Vec3<W> a, Vec3<W> b) {
-    const Vec3<W> off = a - b;
-    return Sqrt(Dot(off, off));
-  }
 
   __attribute__((noinline)) void PlaceGroom(const ModalTableBlock& t, const ModalSubstep& s,
                                             const Motion<W, N>& motion) {

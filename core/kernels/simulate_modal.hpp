@@ -232,7 +232,7 @@ struct SimulateModal {
 
     static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
       return chain::HasSurface(*ports.layer) || modal::HasLimit(*ports.layer) ||
-             params.sphere_count > 0 || params.use_ground;
+             Colliders<W>::HasAny(params);
     }
 
     static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, uint32_t lane,

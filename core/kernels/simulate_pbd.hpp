@@ -5,7 +5,7 @@
 // each segment towards the rest direction the root frame carries: a share of the segment's
 // difference from its rest vector is removed; hardness differs between the last joint and those
 // above it. Then the distance constraint brings the segments back to their length. Then every point
-// is pushed above the plane through the root, out of the spheres and above the ground.
+// is pushed above the plane through the root and out of the colliders (collider.hpp).
 //
 // Both constraints move both ends of a segment, shared by mass. That matters: an angular constraint
 // that moved the lower point alone would be a force without its reaction, and soft chains under
@@ -46,9 +46,9 @@ struct SimulatePbd {
   }
 
   template <class W>
-  PELT_INLINE static void Iterate(const LayerBlock& layer,
-                                  const chain::Obstacles<W, kFree>& obstacles, bool clump,
-                                  const Vec3<W> (&clump_pull)[kFree], chain::Group<W, kFree>& g) {
+  PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
+                                  bool clump, const Vec3<W> (&clump_pull)[kFree],
+                                  chain::Group<W, kFree>& g) {
     const chain::LengthRule<W> rule(g.length, layer.segment_hardness);
     Vec3<W> pull[kFree];  // rest segment vectors times the joint's hardness
     pull[0] = g.rest[0] * W(layer.angular_middle);
@@ -69,7 +69,7 @@ struct SimulatePbd {
       }
       chain::SetLengths(rule, g.point);
       if (surface) chain::PushAboveSurface(g, layer.surface_hardness);
-      obstacles.PushOut(g.point);
+      colliders.PushOut(g.point);
     }
   }
 };

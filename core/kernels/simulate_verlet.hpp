@@ -4,7 +4,7 @@
 // Verlet integration, then in each iteration, in the original's order: stiffness (every point goes
 // a share of the way to its rest point, which the root frame carries), clumping (a share of the way
 // to the same point of its control strand, growing from root to tip), and last the position
-// constraints: segment lengths from root to tip, the plane through the root, spheres, ground. There
+// constraints: segment lengths from root to tip, the plane through the root, colliders. There
 // is no angular constraint here: stiffness towards absolute rest points does its work.
 //
 // What a layer does not use is left out for the whole chunk; leaving it out gives the same bits as
@@ -30,9 +30,9 @@ struct SimulateVerlet {
   }
 
   template <class W>
-  PELT_INLINE static void Iterate(const LayerBlock& layer,
-                                  const chain::Obstacles<W, kFree>& obstacles, bool clump,
-                                  const Vec3<W> (&clump_pull)[kFree], chain::Group<W, kFree>& g) {
+  PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
+                                  bool clump, const Vec3<W> (&clump_pull)[kFree],
+                                  chain::Group<W, kFree>& g) {
     const chain::LengthRule<W> rule(g.length, layer.segment_hardness);
     const W keep = W(1.0f - layer.stiffness);
     Vec3<W> pull[kFree];
@@ -47,7 +47,7 @@ struct SimulateVerlet {
               g.point[i] * W(1.0f - chain::ClumpShare(layer.clump, i, kFree)) + clump_pull[i];
       chain::SetLengths(rule, g.point);
       if (surface) chain::PushAboveSurface(g, layer.surface_hardness);
-      obstacles.PushOut(g.point);
+      colliders.PushOut(g.point);
     }
   }
 };

@@ -291,6 +291,14 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
       const double depth = std::min(0.0, Dot(p[i] - root, normal));
       p[i] = p[i] - normal * (depth * layer.surface_hardness);
     }
+    // Out of what lies within `radius` of `core`, a function of the point.
+    const auto push_out = [&](const auto& core, double radius) {
+      if (Length(core(root) - root) >= 4.0 * length * n + radius) return;
+      for (int i = 0; i < n; ++i) {
+        const D3 nearest = core(p[i]), d = p[i] - nearest;
+        if (Length(d) < radius) p[i] = nearest + d * (radius / Length(d));
+      }
+    };
     for (uint32_t k = 0; k < s.params.sphere_count; ++k) {
       const float* sphere = s.params.sphere[k];
       const D3 centre = {sphere[0], sphere[1], sphere[2]};

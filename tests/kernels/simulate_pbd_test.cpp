@@ -58,11 +58,11 @@ struct SweptBackwards {
     chain::Step<V, 4, false, SweptBackwards>::Run(params, ports);
   }
   template <class W>
-  PELT_INLINE static void Iterate(const LayerBlock& layer,
-                                  const chain::Obstacles<W, kFree>& obstacles, bool clump,
-                                  const Vec3<W> (&pull)[kFree], chain::Group<W, kFree>& g) {
+  PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
+                                  bool clump, const Vec3<W> (&pull)[kFree],
+                                  chain::Group<W, kFree>& g) {
     std::swap(g.point[1], g.point[2]);
-    SimulatePbd<V, 4, false>::Iterate(layer, obstacles, clump, pull, g);
+    SimulatePbd<V, 4, false>::Iterate(layer, colliders, clump, pull, g);
     std::swap(g.point[1], g.point[2]);
   }
 };

@@ -1,0 +1,165 @@
+// What hair stays out of: a struct for each shape, and the list of those that a group of chains may
+// touch. Every solver, the modal contact and the finish of a frame know a shape by what is below
+// and by nothing else.
+//
+//   Distance(p)    signed distance of a point; below 0 inside
+//   Normal(p)      unit direction that leads out
+//   IsInside(p)    Distance(p) < 0, as cheap as the shape has it
+//   PushOut(p)     p, or the nearest point that is not inside
+//   In(scale, o)   the shape in other units, from another origin: scale * x - o
+//   Lean(...)      how far a link must lean for its end to be outside
+//   kIsRound       stood for, near a point, by the ball of `radius` about Core(p); else by a plane
+//   kBounces       gives speed back
+//
+// A round shape is what lies within `radius` of its core. It says Core(p), the core's point that is
+// nearest to p, and gets the rest from Round, Lean apart.
+//
+// Coordinates are relative to the chain's root. Invariant: a shape treats lanes independently, and
+// from finite input gives finite output. Operands that are vectors are named
+// (platform_sim/pricing/written_order.hpp).
+#pragma once
+
+#include <cstdint>
+
+#include "core/kernels/simulate_params.hpp"
+#include "core/simd.hpp"
+
+namespace pelt {
+
+// A link of length 1 ends outside where u . d >= least, d its direction; below -1: wherever it
+// points.
+template <class W>
+struct LeanLimit {
+  Vec3<W> u;
+  W least;
+};
+
+// A half-space: free where normal . p + height >= 0.
+template <class W>
+struct Plane {
+  static constexpr bool kIsRound = false, kBounces = true;
+  Vec3<W> normal;
+  W height;
+
+  PELT_INLINE W Distance(Vec3<W> p) const { return Dot(normal, p) + height; }
+  PELT_INLINE Vec3<W> Normal(Vec3<W>) const { return normal; }
+  PELT_INLINE typename W::Mask IsInside(Vec3<W> p) const { return Distance(p) < W(0.0f); }
+  PELT_INLINE Vec3<W> PushOut(Vec3<W> p) const { return p - normal * Min(Distance(p), W(0.0f)); }
+  PELT_INLINE Plane In(W scale, Vec3<W> origin) const {
+    return {normal, height * scale + Dot(normal, origin)};
+  }
+  PELT_INLINE LeanLimit<W> Lean(Vec3<W> from, Vec3<W>, W per_length) const {
+    return {normal, W(0.0f) - Distance(from) * per_length};
+  }
+};
+
+template <class W, class Shape>
+struct Round {
+  static constexpr bool kIsRound = true, kBounces = false;
+  W radius;  // 0: nothing is inside
+
+  PELT_INLINE W Distance(Vec3<W> p) const {
+    const Vec3<W> out = Out(p);
+    return Sqrt(Dot(out, out)) - radius;
+  }
+  PELT_INLINE Vec3<W> Normal(Vec3<W> p) const {
+    const Vec3<W> out = Out(p);
+    return out * Rsqrt(Max(Dot(out, out), W(1.0e-12f)));
+  }
+  PELT_INLINE typename W::Mask IsInside(Vec3<W> p) const {
+    const Vec3<W> out = Out(p);
+    return Dot(out, out) < radius * radius;
+  }
+  PELT_INLINE Vec3<W> PushOut(Vec3<W> p) const {
+    const Vec3<W> core = Self().Core(p), out = p - core;
+    const W square = Dot(out, out);
+    const auto inside = square < radius * radius;
+    const Vec3<W> moved = core + out * (radius * Rsqrt(square));
+    return Select<W>(inside, moved, p);
+  }
+
+ private:
+  PELT_INLINE const Shape& Self() const { return static_cast<const Shape&>(*this); }
+  PELT_INLINE Vec3<W> Out(Vec3<W> p) const { return p - Self().Core(p); }
+};
+
+template <class W>
+struct Sphere : Round<W, Sphere<W>> {
+  using Round<W, Sphere>::radius;
+  Vec3<W> centre;
+
+  PELT_INLINE Vec3<W> Core(Vec3<W>) const { return centre; }
+  PELT_INLINE Sphere In(W scale, Vec3<W> origin) const {
+    return {{radius * scale}, centre * scale - origin};
+  }
+  // With the link's upper end at distance q: (radius^2 - q^2 - 1) / (2 q).
+  PELT_INLINE LeanLimit<W> Lean(Vec3<W> from, Vec3<W>, W per_length) const {
+    const Vec3<W> out = (from - centre) * per_length;
+    const W square = Dot(out, out), reach = radius * per_length;
+    const W inverse = Rsqrt(Max(square, W(1.0e-12f)));
+    const W near = (reach * reach - square - W(1.0f)) * (W(0.5f) * inverse);
+    return {out * inverse, Select(reach > W(0.0f), near, W(-2.0f))};
+  }
+};
+
+// What one group of chains may touch. A round shape counts for a lane only when it can touch the
+// box the lane's points start in; groups none of whose lanes count leave it out. The choice is made
+// by lane, so it cannot depend on the lane count.
+template <class W>
+struct Colliders {
+  Plane<W> ground;
+  Sphere<W> sphere[kSpheresPerScene];  // radius 0 for lanes it does not count for
+  uint32_t sphere_count;
+  bool use_ground;
+
+  static PELT_INLINE bool HasAny(const SimulateParams& params) {
+    return params.sphere_count > 0 || params.use_ground;
+  }
+
+  // `reach`: how far from its root a point may be.
+  PELT_INLINE void Load(const SimulateParams& params, Vec3<W> root, W reach) {
+    use_ground = params.use_ground != 0;
+    ground = {{W(0.0f), W(0.0f), W(0.0f)}, W(0.0f)};
+    if (use_ground) {
+      ground.normal = {W(params.ground[0]), W(params.ground[1]), W(params.ground[2])};
+      ground.height = Dot(ground.normal, root) + W(params.ground[3]);
+    }
+    sphere_count = 0;
+    const uint32_t spheres =
+        params.sphere_count < kSpheresPerScene ? params.sphere_count : kSpheresPerScene;
+    for (uint32_t s = 0; s < spheres; ++s) {
+      const float* from = params.sphere[s];
+      Sphere<W>& to = sphere[sphere_count];
+      to.centre = Vec3<W>{W(from[0]), W(from[1]), W(from[2])} - root;
+      sphere_count += KeepNear(W(from[3]), reach, to);
+    }
+  }
+
+  // In the order in which points are pushed out: the last one wins.
+  template <class Visit>
+  PELT_INLINE void ForEach(const Visit& visit) const {
+    for (uint32_t s = 0; s < sphere_count; ++s) visit(sphere[s]);
+    if (use_ground) visit(ground);
+  }
+
+  template <uint32_t kPoints>
+  PELT_INLINE void PushOut(Vec3<W> (&point)[kPoints]) const {
+    ForEach([&](const auto& shape) __attribute__((always_inline)) {
+      for (Vec3<W>& p : point) p = shape.PushOut(p);
+    });
+  }
+
+ private:
+  // Sets the shape's radius; false where it counts for no lane.
+  template <class Shape>
+  static PELT_INLINE bool KeepNear(W radius, W reach, Shape& shape) {
+    const W none = W(0.0f), range = reach + radius;
+    const Vec3<W> core = shape.Core({none, none, none});
+    const auto near = Dot(core, core) < range * range;
+    if (!Any(near)) return false;
+    shape.radius = Select(near, radius, none);
+    return true;
+  }
+};
+
+}  // namespace pelt

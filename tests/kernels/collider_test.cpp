@@ -1,0 +1,212 @@
+// Shapes against brute force: the nearest of many points of what they are made of, in double.
+#include "core/kernels/collider.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "core/kernels/modal_contact.hpp"
+#include "tests/kernels/every_vector.hpp"
+
+namespace pelt {
+namespace {
+
+struct Point {
+  double x, y, z;
+  friend Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Point operator*(Point a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend double Dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend double Length(Point a) { return std::sqrt(Dot(a, a)); }
+};
+
+// Everything within `radius` of many points; a plane: of one, very far below.
+struct BruteForce {
+  std::vector<Point> core;
+  double radius;
+
+  Point Nearest(Point p) const {
+    return *std::min_element(core.begin(), core.end(),
+                             [&](Point a, Point b) { return Length(p - a) < Length(p - b); });
+  }
+  double Distance(Point p) const { return Length(p - Nearest(p)) - radius; }
+  Point Normal(Point p) const {
+    const Point out = p - Nearest(p);
+    return out * (1.0 / Length(out));
+  }
+};
+
+template <class V>
+struct Lanes {
+  alignas(64) float x[V::kLanes], y[V::kLanes], z[V::kLanes];
+  explicit Lanes(Vec3<V> v) {
+    v.x.Store(x);
+    v.y.Store(y);
+    v.z.Store(z);
+  }
+  Point At(int lane) const { return {x[lane], y[lane], z[lane]}; }
+};
+
+template <class V>
+Vec3<V> Everywhere(Point p) {
+  return {V(float(p.x)), V(float(p.y)), V(float(p.z))};
+}
+
+class Shapes {
+ public:
+  explicit Shapes(uint32_t seed) : random_(seed) {}
+
+  float Uniform(float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random_);
+  }
+  Point Random(float size) {
+    return {Uniform(-size, size), Uniform(-size, size), Uniform(-size, size)};
+  }
+  Point RandomUnit() {
+    Point p{};
+    while (Length(p) < 0.1) p = Random(1.0f);
+    return p * (1.0 / Length(p));
+  }
+
+  template <class V>
+  Plane<V> MakePlane(BruteForce& same) {
+    const Point normal = RandomUnit();
+    const float height = Uniform(-0.3f, 0.3f);
+    constexpr double kFar = 1.0e8;
+    same = {{normal * (-height - kFar)}, kFar};
+    return {Everywhere<V>(normal), V(height)};
+  }
+  template <class V>
+  Sphere<V> MakeSphere(BruteForce& same) {
+    const Point centre = Random(0.5f);
+    const float radius = Uniform(0.05f, 0.5f);
+    same = {{centre}, radius};
+    return {{V(radius)}, Everywhere<V>(centre)};
+  }
+
+  // Calls check(shape, brute force) for one of each.
+  template <class V, class Check>
+  void ForEach(Check check) {
+    BruteForce same;
+    const auto plane = MakePlane<V>(same);
+    check(plane, same);
+    const auto sphere = MakeSphere<V>(same);
+    check(sphere, same);
+  }
+
+  template <class V>
+  Vec3<V> RandomPoints(float size) {
+    alignas(64) float p[3][V::kLanes];
+    for (auto& row : p)
+      for (float& v : row) v = Uniform(-size, size);
+    return {V::Load(p[0]), V::Load(p[1]), V::Load(p[2])};
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+TEST(Collider, DistanceAndNormalAreThoseOfBruteForce) {
+  test::ForEveryVector([]<class V>(const char* name) {
+    Shapes random(1);
+    for (int iteration = 0; iteration < 20; ++iteration)
+      random.ForEach<V>([&](const auto& shape, const BruteForce& same) {
+        const Vec3<V> p = random.RandomPoints<V>(1.5f);
+        const Lanes<V> at(p), normal(shape.Normal(p));
+        alignas(64) float distance[V::kLanes], inside[V::kLanes];
+        shape.Distance(p).Store(distance);
+        Select(shape.IsInside(p), V(1.0f), V(0.0f)).Store(inside);
+        for (int l = 0; l < V::kLanes; ++l) {
+          const double wanted = same.Distance(at.At(l));
+          EXPECT_NEAR(distance[l], wanted, 2e-6) << name;
+          if (std::abs(wanted) > 1e-5) {
+            EXPECT_EQ(inside[l] != 0.0f, wanted < 0.0) << name;
+          }
+          // Nearer to the core, the direction to its next sample is another one.
+          if (wanted + same.radius > 0.1) {
+            EXPECT_LT(Length(normal.At(l) - same.Normal(at.At(l))), 5e-3) << name;
+          }
+        }
+      });
+  });
+}
+
+TEST(Collider, PointsArePushedToTheSurfaceOrKeepTheirBits) {
+  using V = ArrayVec<8>;
+  Shapes random(2);
+  uint32_t pushed = 0;
+  for (int iteration = 0; iteration < 200; ++iteration)
+    random.ForEach<V>([&](const auto& shape, const BruteForce& same) {
+      const Vec3<V> p = random.RandomPoints<V>(0.8f);
+      const Lanes<V> before(p), after(shape.PushOut(p));
+      for (int l = 0; l < V::kLanes; ++l) {
+        const double distance = same.Distance(before.At(l));
+        if (distance > 1e-5) {
+          EXPECT_EQ(Length(after.At(l) - before.At(l)), 0.0);
+        }
+        if (distance > -1e-5) continue;
+        ++pushed;
+        EXPECT_NEAR(same.Distance(after.At(l)), 0.0, 3e-6);
+        EXPECT_NEAR(Length(after.At(l) - before.At(l)), -distance, 3e-6) << "the shortest way";
+      }
+    });
+  EXPECT_GT(pushed, 500u);
+}
+
+TEST(Collider, InOtherUnitsItIsTheSameShape) {
+  using V = ArrayVec<4>;
+  Shapes random(3);
+  for (int iteration = 0; iteration < 50; ++iteration)
+    random.ForEach<V>([&](const auto& shape, const BruteForce&) {
+      const V scale(random.Uniform(0.1f, 10.0f));
+      const Vec3<V> origin = random.RandomPoints<V>(1.0f), p = random.RandomPoints<V>(1.0f);
+      alignas(64) float wanted[V::kLanes], found[V::kLanes];
+      (shape.Distance(p) * scale).Store(wanted);
+      shape.In(scale, origin).Distance(p * scale - origin).Store(found);
+      for (int l = 0; l < V::kLanes; ++l) EXPECT_NEAR(found[l], wanted[l], 2e-5);
+    });
+}
+
+// A link whose upper end is outside is turned until its lower end is. As often as the finish walks
+// over a link (kContactPasses), by the code it uses.
+TEST(Collider, ALinkThatLeansAsToldEndsOutside) {
+  using V = ArrayVec<8>;
+  Shapes random(5);
+  uint32_t turned = 0;
+  double worst = 0.0, farthest = 0.0;
+  for (int iteration = 0; iteration < 400; ++iteration)
+    random.ForEach<V>([&](const auto& shape, const BruteForce& same) {
+      const float length = random.Uniform(0.05f, 0.3f);
+      const V per_length = V(1.0f / length);
+      const Vec3<V> from = shape.PushOut(random.RandomPoints<V>(0.6f));
+      Vec3<V> d = Everywhere<V>(random.RandomUnit());
+      const Lanes<V> start(from), before(from + d * V(length));
+      modal::Contact<V> contact;
+      for (int pass = 0; pass < modal::kContactPasses; ++pass) {
+        const LeanLimit<V> out = shape.Lean(from, d, per_length);
+        modal::LeanAlong(out.u, out.least, modal::kReach, 0.0f, 0.0f, 0.0f, d, contact);
+      }
+      const Lanes<V> after(from + d * V(length)), direction(d);
+      for (int l = 0; l < V::kLanes; ++l) {
+        EXPECT_NEAR(Length(direction.At(l)), 1.0, 1e-5);
+        if (same.Distance(before.At(l)) > 1e-5) {
+          EXPECT_EQ(Length(after.At(l) - before.At(l)), 0.0);
+          continue;
+        }
+        if (same.Distance(start.At(l)) < -1e-5) continue;
+        ++turned;
+        const double distance = same.Distance(after.At(l)) / length;
+        worst = std::max(worst, -distance);
+        farthest = std::max(farthest, distance);
+      }
+    });
+  EXPECT_GT(turned, 1000u);
+  EXPECT_LT(worst, 1e-3) << "in links";
+  EXPECT_LT(farthest, 1.0);
+}
+
+}  // namespace
+}  // namespace pelt
