@@ -103,6 +103,14 @@ void SetJoint(PoseBlock& pose, uint32_t joint, const JointTransform& local) {
   }
 }
 
+void PlaceInMesh(const SkeletonBlock& skeleton, uint32_t joint, const float (&point)[3],
+                 double (&in_mesh)[3]) {
+  const Affine bind = Invert(Load(skeleton.inverse_bind[joint]));
+  for (int r = 0; r < 3; ++r)
+    in_mesh[r] =
+        bind.m[r][0] * point[0] + bind.m[r][1] * point[1] + bind.m[r][2] * point[2] + bind.m[r][3];
+}
+
 void FillBindPose(const Groom& groom, PoseBlock& pose) {
   const SkeletonBlock& skeleton = groom.skeleton;
   pose.joint_count = groom.joint_count;

@@ -21,6 +21,11 @@ struct JointTransform {
 };
 void SetJoint(PoseBlock& pose, uint32_t joint, const JointTransform& local);
 
+// Where a point of the joint's own space lay when the mesh was bound: in mesh space. The palette
+// takes it on from there.
+void PlaceInMesh(const SkeletonBlock& skeleton, uint32_t joint, const float (&point)[3],
+                 double (&in_mesh)[3]);
+
 // Sets all of the pose: every joint as the mesh was bound, the character at the origin, scaled by
 // the groom's unit scale. For a first frame before the animation is wired up; from then on SetJoint
 // every joint, and write PoseBlock::root.

@@ -45,6 +45,7 @@ inline constexpr uint32_t kVertexGroups = kVerticesPerChunk / kLaneGroup;
 inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
 inline constexpr uint32_t kLayersPerScene = 1024;
 inline constexpr uint32_t kSpheresPerScene = 8;
+inline constexpr uint32_t kCapsulesPerScene = 8;
 inline constexpr uint32_t kRibbonPoints = 5;
 
 // ---- Character, once per frame ------------------------------------------------------------------

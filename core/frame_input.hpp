@@ -32,6 +32,18 @@ struct SkipSettings {
   bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, lod = false;
 };
 
+// An arm, a collar, a hand: what a ball covers on its way from one point to another. Free, or bound
+// to a joint and carried along by that character's pose.
+struct CapsuleCollider {
+  static constexpr uint32_t kFree = ~0u;
+  // Ends of the axis. Free: in the world, m. Bound: where the joint's own space has them, in the
+  // units of the character file.
+  float from[3] = {}, to[3] = {};
+  float radius = 0.0f;     // m
+  uint32_t character = 0;  // whose joint it is; nothing to a free one
+  uint32_t joint = kFree;  // as in Groom::joint_names
+};
+
 struct FrameInput {
   double dt_s = 1.0 / 60.0;  // 1e-6 to 1; or 0: a pause
   double time_s = 0.0;
@@ -42,7 +54,9 @@ struct FrameInput {
   float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};  // n.x + d >= 0 is above
   uint32_t sphere_count = 0;
   float sphere[kSpheresPerScene][4] = {};  // centre, radius
-  std::span<const Weather> weather;        // one a character; empty: dry and clean
+  uint32_t capsule_count = 0;
+  CapsuleCollider capsule[kCapsulesPerScene];
+  std::span<const Weather> weather;  // one a character; empty: dry and clean
   LodSettings lod;
   SkipSettings skip;
 };

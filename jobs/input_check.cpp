@@ -19,6 +19,14 @@ constexpr double kShortest_s = 1.0e-6;
 // A lifetime. The wind's course is a function of the time, and a double has to hold it.
 constexpr double kLatest_s = 1.0e9;
 
+// A fault's text, in place.
+template <class... Args>
+const char* Say(std::string& text, fmt::format_string<Args...> format, Args&&... args) {
+  text.clear();
+  FormatTo(text, format, std::forward<Args>(args)...);
+  return text.c_str();
+}
+
 const char* FindCameraRangeFault(const Camera& c) {
   if (const char* fault = FindCameraFault(c)) return fault;
   if (!AreUsable(c.position, 3)) return "the camera's position is beyond 1e6";
@@ -49,6 +57,28 @@ const char* FindObstacleFault(const FrameInput& in) {
   return nullptr;
 }
 
+// Writes the reason to `text`; null where there is none.
+const char* FindCapsuleFault(const FrameInput& in, const SceneShape& shape, const PoseGate& gate,
+                             std::string& text) {
+  if (in.capsule_count > kCapsulesPerScene)
+    return Say(text, "{} capsules, a scene holds {}", in.capsule_count, kCapsulesPerScene);
+  for (uint32_t c = 0; c < in.capsule_count; ++c) {
+    const CapsuleCollider& capsule = in.capsule[c];
+    if (!AreUsable(capsule.from, 3) || !AreUsable(capsule.to, 3))
+      return Say(text, "capsule {}: an end {}", c, kNotUsable);
+    if (!AreUsable(&capsule.radius, 1) || capsule.radius < 0.0f)
+      return Say(text, "capsule {}: its radius is {}, not in [0, 1e6] m", c, capsule.radius);
+    if (capsule.joint == CapsuleCollider::kFree) continue;
+    if (capsule.character >= shape.character_count)
+      return Say(text, "capsule {}: bound to character {}, the scene has {}", c, capsule.character,
+                 shape.character_count);
+    if (const uint32_t joints = gate.JointCount(capsule.character); capsule.joint >= joints)
+      return Say(text, "capsule {}: bound to joint {} of character {}, which has {}", c,
+                 capsule.joint, capsule.character, joints);
+  }
+  return nullptr;
+}
+
 const char* FindLodFault(const LodSettings& lod) {
   if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
     return "full_detail_px is not a number from 0 on";
@@ -60,15 +90,15 @@ const char* FindLodFault(const LodSettings& lod) {
 
 }  // namespace
 
-bool AreUsable(const float* v, size_t n) {
-  return std::all_of(v, v + n, [](float x) { return x >= -kLargestInput && x <= kLargestInput; });
+bool AreUsable(const float* values, size_t count) {
+  return std::all_of(values, values + count,
+                     [](float value) { return value >= -kLargestInput && value <= kLargestInput; });
 }
 
-const char* FindInputFault(const FrameInput& in, const SceneShape& shape, std::string& text) {
+const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const PoseGate& gate,
+                           std::string& text) {
   const auto fault = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
-    text.clear();
-    FormatTo(text, format, std::forward<Args>(args)...);
-    return text.c_str();
+    return Say(text, format, std::forward<Args>(args)...);
   };
   if (!(in.dt_s == 0.0 || (in.dt_s >= kShortest_s && in.dt_s <= 1.0)))
     return fault("dt_s is {}, neither 0 nor in [{}, 1] s", in.dt_s, kShortest_s);
@@ -78,6 +108,7 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, std::s
   if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
   if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
   if (const char* what = FindObstacleFault(in)) return fault("{}", what);
+  if (const char* what = FindCapsuleFault(in, shape, gate, text)) return what;
   if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
   if (!in.weather.empty() && in.weather.size() != shape.character_count)
     return fault("weather for {} characters, the scene has {}", in.weather.size(),

@@ -7,16 +7,18 @@
 
 #include "core/frame_input.hpp"
 #include "jobs/plan.hpp"
+#include "jobs/pose_gate.hpp"
 
 namespace pelt {
 
 // Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
 // squared. A larger value would not be refused by arithmetic, only turned into infinities.
 inline constexpr float kLargestInput = 1.0e6f;
-bool AreUsable(const float* v, size_t n);
+bool AreUsable(const float* values, size_t count);
 
 // Null, or why no frame can be run with this; written to `text`, which is not made to grow beyond
 // what a fault takes.
-const char* FindInputFault(const FrameInput& input, const SceneShape& shape, std::string& text);
+const char* FindInputFault(const FrameInput& input, const SceneShape& shape, const PoseGate& gate,
+                           std::string& text);
 
 }  // namespace pelt

@@ -6,14 +6,11 @@
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/input_check.hpp"
 
 namespace pelt {
 namespace {
-
-// Where skin may be: ten times what a single value of a pose may be, and what the solvers are
-// tested with (tests/jobs/hostile_input_test.cpp).
-constexpr double kFarthest_m = 1.0e7;
 
 struct PoseRow {
   const char* what;
@@ -113,8 +110,7 @@ PoseGate::PoseGate(std::span<const Groom* const> grooms, const FrameTable& kerne
   refused_.reserve(grooms.size());
 }
 
-// The first joint whose matrix takes the mesh too far, by the kernels' own bits.
-uint32_t PoseGate::FindFarJoint(const FrameMemory& memory, uint32_t character) const {
+const PaletteBlock& PoseGate::RunKernels(const FrameMemory& memory, uint32_t character) const {
   PoseBlock* pose = memory.Of<&Streams::pose>(character);
   auto* skeleton = memory.Of<&Streams::skeleton>(character);
   LocalPoseBlock& local = scratch_->local;
@@ -125,7 +121,18 @@ uint32_t PoseGate::FindFarJoint(const FrameMemory& memory, uint32_t character) c
   const Binding palette_ports[] = {
       {pose, nullptr, 1}, {skeleton, nullptr, 1}, {&local, nullptr, 1}, {&palette, nullptr, 1}};
   joint_palette_.run(nullptr, palette_ports);
-  for (uint32_t j = 0; j < pose->joint_count; ++j)
+  return palette;
+}
+
+const PaletteBlock& PoseGate::PaletteOf(const FrameMemory& memory, uint32_t character) const {
+  if (holds_pose_[character]) return *memory.Of<&Streams::palette>(character);
+  return RunKernels(memory, character);
+}
+
+// The first joint whose matrix takes the mesh too far.
+uint32_t PoseGate::FindFarJoint(const FrameMemory& memory, uint32_t character) const {
+  const PaletteBlock& palette = RunKernels(memory, character);
+  for (uint32_t j = 0; j < characters_[character].joint_count; ++j)
     if (!IsNear(ReachOf(palette.matrix[j]), characters_[character].reach_m)) return j;
   return kNoJoint;
 }

@@ -23,12 +23,17 @@
 #include <vector>
 
 #include "core/groom/groom.hpp"
-#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt {
 
+struct FrameTable;
+
 inline constexpr uint32_t kNoJoint = ~0u;
+
+// Where skin may be: ten times what a single value of a pose may be, and what the solvers are
+// tested with (tests/jobs/hostile_input_test.cpp).
+inline constexpr double kFarthest_m = 1.0e7;
 
 // A pose that was not used, and why.
 struct RefusedPose {
@@ -58,7 +63,13 @@ class PoseGate {
   void CopyStateFrom(const PoseGate& other);
 
   std::span<const RefusedPose> refused() const { return refused_; }
-  // For FrameMemory::holds_pose.
+
+  // After Judge: the matrices that this frame will have, by the kernels' own bits. Valid until the
+  // next call.
+  const PaletteBlock& PaletteOf(const FrameMemory& memory, uint32_t character) const;
+  uint32_t JointCount(uint32_t character) const { return characters_[character].joint_count; }
+
+  // For FrameMemory::held, of characters.
   const uint8_t* holds_pose() const { return holds_pose_.data(); }
   uint64_t HeapBytes() const;
 
@@ -78,6 +89,7 @@ class PoseGate {
   // `refused.what` null: it can be used.
   RefusedPose FindFault(const FrameMemory& memory, uint32_t character) const;
   uint32_t FindFarJoint(const FrameMemory& memory, uint32_t character) const;
+  const PaletteBlock& RunKernels(const FrameMemory& memory, uint32_t character) const;
   void Hold(const FrameMemory& memory, uint32_t character);
   void Accept(const FrameMemory& memory, uint32_t character);
 

@@ -13,7 +13,7 @@
 #include "core/outputs.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/input_check.hpp"
-#include "traces/digest.hpp"
+#include "jobs/place_capsules.hpp"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -158,7 +158,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
 const char* FurScene::BeginFrame(const FrameInput& input) {
   const FloatEnvironment float_environment;  // parameters are part of the bits
   if (const char* fault = phase_.StartFilling()) return fault;
-  const char* fault = FindInputFault(input, shape(), fault_);
+  const char* fault = FindInputFault(input, shape(), pose_gate_, fault_);
   if (!fault) FillFrame(input);
   phase_.EndFilling(!fault);
   return fault;
@@ -244,6 +244,7 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
+  PlaceCapsules(in, memory_, pose_gate_, simulate);
   const bool simulate_changed = Replace(params_->simulate, simulate);
 
   if (wind_blows) params_->wind = MakeWindParams(in.wind, in.time_s);

@@ -1,16 +1,18 @@
 // The fields of a frame's input in the order of the input log: one list for writing, reading and
-// comparing. A field added to FrameInput is added here, and kInputLogVersion goes up.
+// comparing. A field added to FrameInput is added here, for the versions from which on logs have
+// it, and kInputLogVersion goes up.
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
-// array of floats. Spheres (as many as sphere_count says) and weather follow; each user lists them
-// after checking the count.
+// array of floats. Spheres (as many as sphere_count says), capsules and weather follow; each user
+// lists them after checking the count.
 #pragma once
 
 #include "core/frame_input.hpp"
+#include "traces/input_log.hpp"
 
 namespace pelt {
 
-void ListInputFields(auto&& archive, auto& in) {
+void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersion) {
   archive("dt_s", in.dt_s);
   archive("time_s", in.time_s);
   archive("camera.position", in.camera.position);
@@ -41,6 +43,16 @@ void ListInputFields(auto&& archive, auto& in) {
   archive("skip.wind", in.skip.wind);
   archive("skip.lod", in.skip.lod);
   archive("sphere_count", in.sphere_count);
+  if (version >= 2) archive("capsule_count", in.capsule_count);
+}
+
+// One capsule. `archive` is called with "from", "to" and so on.
+void ListCapsuleFields(auto&& archive, auto& capsule) {
+  archive("from", capsule.from);
+  archive("to", capsule.to);
+  archive("radius", capsule.radius);
+  archive("character", capsule.character);
+  archive("joint", capsule.joint);
 }
 
 }  // namespace pelt

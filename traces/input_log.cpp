@@ -97,9 +97,9 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
   if (file.size() < kHeaderBytes)
     reader.Fail(0, Format("{} bytes are less than a header", file.size()));
   reader.Take(kMagic.size());
-  const auto version = reader.Get<uint32_t>();
-  if (version != kInputLogVersion)
-    reader.Fail(8, Format("version {}, this program reads {}", version, kInputLogVersion));
+  log.version = reader.Get<uint32_t>();
+  if (log.version < 1 || log.version > kInputLogVersion)
+    reader.Fail(8, Format("version {}, this program reads 1 to {}", log.version, kInputLogVersion));
   Counts counts;
   log.chunk_strands = reader.Get<uint32_t>();
   const auto index_buffer = reader.Get<uint32_t>();
@@ -162,12 +162,19 @@ void ReadPose(Reader& reader, InputLog& log) {
 
 void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   InputLogFrame frame;
-  ListInputFields(reader, frame.input);
+  ListInputFields(reader, frame.input, log.version);
+  const size_t counts_end = reader.At();
+  const size_t capsules_at = counts_end - 4, spheres_at = counts_end - (log.version >= 2 ? 8 : 4);
   if (frame.input.sphere_count > kSpheresPerScene)
-    reader.Fail(reader.At() - 4, Format("{} spheres, a scene has at most {}",
-                                        frame.input.sphere_count, kSpheresPerScene));
+    reader.Fail(spheres_at, Format("{} spheres, a scene has at most {}", frame.input.sphere_count,
+                                   kSpheresPerScene));
+  if (frame.input.capsule_count > kCapsulesPerScene)
+    reader.Fail(capsules_at, Format("{} capsules, a scene has at most {}",
+                                    frame.input.capsule_count, kCapsulesPerScene));
   if (reader.failed()) return;
   for (uint32_t s = 0; s < frame.input.sphere_count; ++s) reader("sphere", frame.input.sphere[s]);
+  for (uint32_t c = 0; c < frame.input.capsule_count; ++c)
+    ListCapsuleFields(reader, frame.input.capsule[c]);
   const uint32_t characters = log.CharacterCount();
   frame.first_weather = log.weather.size();
   frame.weather_count = reader.Get<uint32_t>();
@@ -198,12 +205,12 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   log.frames.push_back(frame);
 }
 
-// Of a frame without spheres, weather and poses.
-uint64_t LeastFrameBytes(uint32_t characters) {
+// Of a frame without spheres, capsules, weather and poses.
+uint64_t LeastFrameBytes(uint32_t characters, uint32_t version) {
   std::vector<std::byte> input;
   Writer writer{input};
   const FrameInput nothing;
-  ListInputFields(writer, nothing);
+  ListInputFields(writer, nothing, version);
   return input.size() + 4 + characters + 8;
 }
 
@@ -241,7 +248,8 @@ Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::strin
   log.about.note = reader.Text();
   ReadGrooms(reader, counts, log);
   reader.Section("frames");
-  reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters), "frames");
+  reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters, log.version),
+                    "frames");
   if (reader.failed()) return Failure{std::move(error)};
   log.frames.reserve(counts.frames);
   log.frame_pose.reserve(size_t(counts.frames) * counts.characters);

@@ -33,7 +33,8 @@
 
 namespace pelt {
 
-inline constexpr uint32_t kInputLogVersion = 1;
+// 1: without capsules; still read.
+inline constexpr uint32_t kInputLogVersion = 2;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {
@@ -58,7 +59,8 @@ struct InputLogScene {
 
 struct InputLog {
   InputLogScene about;
-  uint32_t chunk_strands = 0;                  // of the program that wrote it
+  uint32_t version = 0;                        // of the program that wrote it
+  uint32_t chunk_strands = 0;                  // likewise
   std::vector<std::vector<std::byte>> grooms;  // groom files
   std::vector<uint32_t> character_groom;       // of each character, into `grooms`
   std::vector<InputLogFrame> frames;

@@ -304,6 +304,8 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
       input_.sphere[s][c] = spheres[s].centre[c] + spheres[s].swing[c] * wave;
     input_.sphere[s][3] = spheres[s].radius;
   }
+  input_.capsule_count = uint32_t(capsules.size());
+  std::copy(capsules.begin(), capsules.end(), input_.capsule);
   constexpr double kWettingFrames = 30.0;
   const double share = std::clamp(
       (double(std::min(frame, rest_from_frame)) - weather_course.from_frame + 1.0) / kWettingFrames,

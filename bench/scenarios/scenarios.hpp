@@ -98,7 +98,8 @@ struct Scenario {
   std::vector<Groom> grooms;
   std::vector<Actor> actors;
   CameraOrbit camera;
-  std::vector<MovingSphere> spheres;  // at most kSpheresPerScene
+  std::vector<MovingSphere> spheres;      // at most kSpheresPerScene
+  std::vector<CapsuleCollider> capsules;  // at most kCapsulesPerScene
   WeatherCourse weather_course;
   // From this frame on nothing moves and no wind blows, though time goes on.
   uint32_t rest_from_frame = ~0u;

@@ -20,7 +20,8 @@ namespace {
 // compile.
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, camera, wind, gravity, use_ground, ground, spheres,
-                                sphere, weather, lod, skip] = in;
+                                sphere, capsules, capsule, weather, lod, skip] = in;
+  [[maybe_unused]] const auto& [from, to, radius, character, joint] = capsule[0];
   [[maybe_unused]] const auto& [position, target, up, fov, width, height, near_m, far_m] = camera;
   [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
   [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget] = lod;
@@ -79,9 +80,14 @@ class Numbers {
   Amount amount_{};
 };
 
-void Visit(Numbers& numbers, FrameInput& in, uint32_t spheres, std::vector<Weather>& weather) {
+void Visit(Numbers& numbers, FrameInput& in, uint32_t spheres, uint32_t capsules,
+           std::vector<Weather>& weather) {
   ListInputFields(numbers, in);
   for (uint32_t s = 0; s < spheres; ++s) numbers(fmt::format("sphere {}", s), in.sphere[s]);
+  for (uint32_t c = 0; c < capsules; ++c)
+    ListCapsuleFields([&](const char* field,
+                          auto& value) { numbers(fmt::format("capsule {} {}", c, field), value); },
+                      in.capsule[c]);
   for (size_t c = 0; c < weather.size(); ++c) {
     numbers(fmt::format("wetness of character {}", c), weather[c].wetness);
     numbers(fmt::format("dirt of character {}", c), weather[c].dirt);
@@ -99,7 +105,7 @@ void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) 
   Numbers lister(&names);
   FrameInput copy = input;
   std::vector<Weather> weather(input.weather.begin(), input.weather.end());
-  Visit(lister, copy, input.sphere_count, weather);
+  Visit(lister, copy, input.sphere_count, input.capsule_count, weather);
   const auto kept = std::make_shared<std::vector<Weather>>();
   for (size_t n = 0; n < names.size(); ++n) {
     const std::string& name = names[n].text;
@@ -108,7 +114,7 @@ void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) 
         {name, PartOf(name), names[n].type, [n, kept](FrameInput& in, FurScene&, Amount a) {
            kept->assign(in.weather.begin(), in.weather.end());
            Numbers changer(n, a);
-           Visit(changer, in, in.sphere_count, *kept);
+           Visit(changer, in, in.sphere_count, in.capsule_count, *kept);
            in.weather = *kept;
          }});
   }
@@ -175,8 +181,9 @@ void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
                        [c](FrameInput&, FurScene& s, Amount) { s.Pose(c).teleported = 1; }});
 }
 
-// A sphere more, around one that stands there already and a quarter larger; the last one gone.
-void AddSpheres(const FrameInput& input, std::vector<InputChange>& changes) {
+// A sphere more, around one that stands there already and a quarter larger; the last one gone. The
+// same of capsules.
+void AddColliders(const FrameInput& input, std::vector<InputChange>& changes) {
   for (uint32_t s = 0; s < input.sphere_count && input.sphere_count < kSpheresPerScene; ++s)
     changes.push_back({fmt::format("a sphere more, around sphere {}", s), InputChange::Part::kFrame,
                        InputChange::Type::kOneWay, [s](FrameInput& in, FurScene&, Amount) {
@@ -186,6 +193,16 @@ void AddSpheres(const FrameInput& input, std::vector<InputChange>& changes) {
   if (input.sphere_count > 0)
     changes.push_back({"a sphere less", InputChange::Part::kFrame, InputChange::Type::kOneWay,
                        [](FrameInput& in, FurScene&, Amount) { --in.sphere_count; }});
+  for (uint32_t c = 0; c < input.capsule_count && input.capsule_count < kCapsulesPerScene; ++c)
+    changes.push_back({fmt::format("a capsule more, around capsule {}", c),
+                       InputChange::Part::kFrame, InputChange::Type::kOneWay,
+                       [c](FrameInput& in, FurScene&, Amount) {
+                         in.capsule[in.capsule_count] = in.capsule[c];
+                         in.capsule[in.capsule_count++].radius *= 1.25f;
+                       }});
+  if (input.capsule_count > 0)
+    changes.push_back({"a capsule less", InputChange::Part::kFrame, InputChange::Type::kOneWay,
+                       [](FrameInput& in, FurScene&, Amount) { --in.capsule_count; }});
 }
 
 // Wind has a chunk awake because it blows, not because it changed. One too weak to move a bit lets
@@ -239,7 +256,7 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   AddFrameInputs(input, changes);
   changes.push_back({"dt_s 0: a pause", InputChange::Part::kFrame, InputChange::Type::kOneWay,
                      [](FrameInput& in, FurScene&, Amount) { in.dt_s = 0.0; }});
-  AddSpheres(input, changes);
+  AddColliders(input, changes);
   AddWind(changes);
   AddEye(changes);
   AddPoses(scene, changes);

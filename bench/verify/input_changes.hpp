@@ -35,9 +35,9 @@ struct InputChange {
 
 // For inputs like `input` in a scene like `scene`. Of the pose, every row with one of the joints
 // that move hair, characters and joints taking turns, and every such joint at least once. Besides
-// single numbers: spheres that come and go, wind that grows from next to none, an eye that moves
-// where no depth changes. Left out are the switches that change the picture (culling, LOD) and the
-// number of joints.
+// single numbers: spheres and capsules that come and go, wind that grows from next to none, an eye
+// that moves where no depth changes. Left out are the switches that change the picture (culling,
+// LOD) and the number of joints.
 std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScene& scene);
 
 }  // namespace pelt

@@ -282,8 +282,8 @@ class WakingCheck {
 };
 
 // Spheres that stand in the resting fur, so that where they stand is felt: at the tip of a strand
-// of each solver, as far as there is room for them.
-void AddTouchingSpheres(Scenario& scenario, uint32_t rest_frames) {
+// of each solver, as far as there is room for them. And one capsule, across such a tip.
+void AddTouchingColliders(Scenario& scenario, uint32_t rest_frames) {
   CaseRun run(scenario, {.isa = BestIsa()}, {NoSkips(), {}}, {});
   for (uint32_t f = 0; f < rest_frames; ++f) run.RunFrame(f);
   const FurScene& scene = run.scene();
@@ -306,6 +306,16 @@ void AddTouchingSpheres(Scenario& scenario, uint32_t rest_frames) {
         sphere.centre[axis] = tip + 0.6f * sphere.radius * roots.normal[axis][0];
       }
       scenario.spheres.push_back(sphere);
+      if (!scenario.capsules.empty()) break;
+      CapsuleCollider capsule;
+      capsule.radius = 0.5f * sphere.radius;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float tip = five ? five->position[3][axis][0] : four->position[2][axis][0];
+        const float across = 1.5f * sphere.radius * roots.tangent[axis][0];
+        capsule.from[axis] = tip - across;
+        capsule.to[axis] = tip + across;
+      }
+      scenario.capsules.push_back(capsule);
       break;
     }
   }
@@ -316,11 +326,13 @@ void AddTouchingSpheres(Scenario& scenario, uint32_t rest_frames) {
 void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
   const uint32_t rest_before = scenario.rest_from_frame;
   const std::vector<MovingSphere> spheres_before = scenario.spheres;
+  const std::vector<CapsuleCollider> capsules_before = scenario.capsules;
   scenario.rest_from_frame = options.frames / 3;
-  AddTouchingSpheres(scenario, scenario.rest_from_frame + kSettleFrames);
+  AddTouchingColliders(scenario, scenario.rest_from_frame + kSettleFrames);
   for (const bool lod : {false, true}) WakingCheck(scenario, options, lod, report).Run();
   scenario.rest_from_frame = rest_before;
   scenario.spheres = spheres_before;
+  scenario.capsules = capsules_before;
 }
 
 }  // namespace pelt

@@ -102,6 +102,50 @@ struct Sphere : Round<W, Sphere<W>> {
   }
 };
 
+// What a sphere covers on its way from one point along an axis.
+template <class W>
+struct Capsule : Round<W, Capsule<W>> {
+  using Round<W, Capsule>::radius;
+  Vec3<W> from, axis;  // axis: unit; 0: a sphere
+  W length;
+
+  PELT_INLINE Vec3<W> Core(Vec3<W> p) const {
+    const W along = Clamp(Dot(p - from, axis), W(0.0f), length);
+    return from + axis * along;
+  }
+  PELT_INLINE Capsule In(W scale, Vec3<W> origin) const {
+    return {{radius * scale}, from * scale - origin, axis, length * scale};
+  }
+  // Of an end that is nearest to a cap, as a sphere's. Nearest to what lies between the caps, it
+  // must keep its distance from the axis: with the upper end at distance q from that, `bent` the
+  // square of how much of the link's turn is along it, and c = u . d,
+  //
+  //   (q + c)^2 + (1 - bent) (1 - c^2) = radius^2,   the larger root.
+  //
+  // A link whose end has come out on the other side is left there, as a sphere leaves it.
+  PELT_INLINE LeanLimit<W> Lean(Vec3<W> upper, Vec3<W> d, W per_length) const {
+    const W none = W(0.0f), one = W(1.0f), reach = radius * per_length;
+    const Vec3<W> start = (upper - from) * per_length, end = start + d;
+    const W top = length * per_length, ended = Dot(end, axis);
+    const W nearest = Clamp(ended, none, top);
+    const Vec3<W> past = end - axis * nearest;
+    const auto inside = Dot(past, past) < reach * reach;
+    const auto between = (ended > none) & (ended < top);
+    const Vec3<W> out = start - axis * Select(between, Dot(start, axis), nearest);
+    const W square = Dot(out, out), inverse = Rsqrt(Max(square, W(1.0e-12f)));
+    const Vec3<W> u = out * inverse;
+    const W q = square * inverse, leaning = Dot(u, d), along = Dot(d, axis);
+    const W across = Max(one - leaning * leaning, W(1.0e-6f));
+    const W bent = Select(between, Min(along * along / across, one), none);
+    const W rest = square + one - bent - reach * reach;
+    const W root = Sqrt(Max(square - bent * rest, none));
+    const W least = (none - rest) / Max(q + root, W(1.0e-6f));
+    // From on the axis every direction leads out, and none is nearest.
+    const auto leads = square > W(1.0e-12f);
+    return {u, Select(inside & leads, least, W(-2.0f))};
+  }
+};
+
 // What one group of chains may touch. A round shape counts for a lane only when it can touch the
 // box the lane's points start in; groups none of whose lanes count leave it out. The choice is made
 // by lane, so it cannot depend on the lane count.
@@ -109,11 +153,12 @@ template <class W>
 struct Colliders {
   Plane<W> ground;
   Sphere<W> sphere[kSpheresPerScene];  // radius 0 for lanes it does not count for
-  uint32_t sphere_count;
+  Capsule<W> capsule[kCapsulesPerScene];
+  uint32_t sphere_count, capsule_count;
   bool use_ground;
 
   static PELT_INLINE bool HasAny(const SimulateParams& params) {
-    return params.sphere_count > 0 || params.use_ground;
+    return params.sphere_count > 0 || params.capsule_count > 0 || params.use_ground;
   }
 
   // `reach`: how far from its root a point may be.
@@ -133,12 +178,24 @@ struct Colliders {
       to.centre = Vec3<W>{W(from[0]), W(from[1]), W(from[2])} - root;
       sphere_count += KeepNear(W(from[3]), reach, to);
     }
+    capsule_count = 0;
+    const uint32_t capsules =
+        params.capsule_count < kCapsulesPerScene ? params.capsule_count : kCapsulesPerScene;
+    for (uint32_t c = 0; c < capsules; ++c) {
+      const CapsuleParams& from = params.capsule[c];
+      Capsule<W>& to = capsule[capsule_count];
+      to.from = Vec3<W>{W(from.from[0]), W(from.from[1]), W(from.from[2])} - root;
+      to.axis = {W(from.axis[0]), W(from.axis[1]), W(from.axis[2])};
+      to.length = W(from.length);
+      capsule_count += KeepNear(W(from.radius), reach, to);
+    }
   }
 
   // In the order in which points are pushed out: the last one wins.
   template <class Visit>
   PELT_INLINE void ForEach(const Visit& visit) const {
     for (uint32_t s = 0; s < sphere_count; ++s) visit(sphere[s]);
+    for (uint32_t c = 0; c < capsule_count; ++c) visit(capsule[c]);
     if (use_ground) visit(ground);
   }
 

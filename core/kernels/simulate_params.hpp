@@ -7,6 +7,14 @@
 
 namespace pelt {
 
+// A ball of `radius` swept along a straight axis, in the world, m.
+struct CapsuleParams {
+  float from[3];
+  float radius;
+  float axis[3];  // unit, from the one end to the other; 0: a sphere
+  float length;
+};
+
 struct SimulateParams {
   float dt;              // s, > 0
   float rest_threshold;  // a chain none of whose points moved more than this share of a segment
@@ -15,6 +23,8 @@ struct SimulateParams {
   uint32_t sphere_count;
   float ground[4];                    // world: unit normal n and d; free space is n . x + d >= 0
   float sphere[kSpheresPerScene][4];  // world: centre, radius, m
+  uint32_t capsule_count;
+  CapsuleParams capsule[kCapsulesPerScene];
 };
 
 inline constexpr float kRestThreshold =

@@ -153,6 +153,7 @@ void WritePoses(const std::filesystem::path& folder) {
     input.time_s = frame / 60.0;
     ListInputFields(input_log::Writer{walk}, input);
     for (const auto& sphere : input.sphere) input_log::Writer{walk}("sphere", sphere);
+    for (const auto& capsule : input.capsule) ListCapsuleFields(input_log::Writer{walk}, capsule);
     run(walk);
   }
   Write(folder / "walk.pose", walk);

@@ -81,6 +81,7 @@ void ReadHostile(std::span<const std::byte> bytes) {
         input = {};
         ListInputFields(reader, input);
         for (auto& sphere : input.sphere) reader("sphere", sphere);
+        for (CapsuleCollider& capsule : input.capsule) ListCapsuleFields(reader, capsule);
         break;
       case 2:
         RunFrame(scene, input);

@@ -77,6 +77,14 @@ void SpoilInput(Random& random, FrameInput& in) {
     in.sphere_count = kSpheresPerScene;
     FillExtreme(random, in.sphere, 2);
     for (auto& sphere : in.sphere) sphere[3] = std::abs(sphere[3]);
+    in.capsule_count = kCapsulesPerScene;
+    for (CapsuleCollider& capsule : in.capsule) {
+      FillExtreme(random, capsule.from, 1);
+      FillExtreme(random, capsule.to, 1);
+      FillExtreme(random, capsule.radius, 1);
+      capsule.radius = std::abs(capsule.radius);
+      if (random.Below(2)) capsule.joint = 0;
+    }
   }
   if (random.Below(3) == 0) {
     in.use_ground = true;

@@ -177,6 +177,10 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
       {"sphere", [](FrameInput& in, FurScene&) { in.sphere[0][3] += 0.01f; }},
       {"one sphere more",
        [](FrameInput& in, FurScene&) { in.sphere[in.sphere_count++][3] = 0.01f; }},
+      {"a capsule",
+       [](FrameInput& in, FurScene&) { in.capsule[in.capsule_count++].radius = 0.01f; }},
+      {"capsule", [](FrameInput& in, FurScene&) { in.capsule[0].to[1] = 0.2f; }},
+      {"capsule bound", [](FrameInput& in, FurScene&) { in.capsule[0].joint = 2; }},
       {"weather",
        [](FrameInput& in, FurScene&) {
          static const Weather kWet[1] = {{1.0f, 0.0f}};

@@ -154,6 +154,34 @@ const std::vector<BadInput> kBadInputs = {
        in.sphere_count = 1;
        in.sphere[0][3] = -0.1f;
      }},
+    {"9 capsules, a scene holds 8",
+     [](FrameInput& in, FurScene&) { in.capsule_count = kCapsulesPerScene + 1; }},
+    {"capsule 1: an end is not finite, or beyond 1e6",
+     [](FrameInput& in, FurScene&) {
+       in.capsule_count = 2;
+       in.capsule[1].to[2] = kNaN;
+     }},
+    {"capsule 0: its radius is -0.1, not in [0, 1e6] m",
+     [](FrameInput& in, FurScene&) {
+       in.capsule_count = 1;
+       in.capsule[0].radius = -0.1f;
+     }},
+    {"capsule 0: its radius is inf",
+     [](FrameInput& in, FurScene&) {
+       in.capsule_count = 1;
+       in.capsule[0].radius = kInf;
+     }},
+    {"capsule 0: bound to character 1, the scene has 1",
+     [](FrameInput& in, FurScene&) {
+       in.capsule_count = 1;
+       in.capsule[0].joint = 0;
+       in.capsule[0].character = 1;
+     }},
+    {"capsule 0: bound to joint 99 of character 0, which has ",
+     [](FrameInput& in, FurScene&) {
+       in.capsule_count = 1;
+       in.capsule[0].joint = 99;
+     }},
     {"weather for 2 characters, the scene has 1",
      [](FrameInput& in, FurScene&) {
        static const Weather kTwo[2];

@@ -135,6 +135,14 @@ void MakeRandom(ChainScene<kPoints>& s, uint32_t seed) {
     for (int k = 0; k < 3; ++k) sphere[k] = Uniform(random, -0.5f, 0.5f) + (k == 1 ? 1.0f : 0.0f);
     sphere[3] = Uniform(random, 0.05f, 0.3f);
   }
+  s.params.capsule_count = random() % 3;
+  for (CapsuleParams& capsule : s.params.capsule) {
+    for (int k = 0; k < 3; ++k)
+      capsule.from[k] = Uniform(random, -0.5f, 0.5f) + (k == 1 ? 1.0f : 0.0f);
+    RandomUnit(random, capsule.axis);
+    capsule.length = edge(0.0f, 0.5f);
+    capsule.radius = Uniform(random, 0.05f, 0.3f);
+  }
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     float normal[3], any[3], side;
     do {
@@ -301,12 +309,16 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
     };
     for (uint32_t k = 0; k < s.params.sphere_count; ++k) {
       const float* sphere = s.params.sphere[k];
-      const D3 centre = {sphere[0], sphere[1], sphere[2]};
-      if (Length(centre - root) >= 4.0 * length * n + sphere[3]) continue;
-      for (int i = 0; i < n; ++i) {
-        const D3 d = p[i] - centre;
-        if (Length(d) < sphere[3]) p[i] = centre + d * (sphere[3] / Length(d));
-      }
+      push_out([&](D3) { return D3{sphere[0], sphere[1], sphere[2]}; }, sphere[3]);
+    }
+    for (uint32_t k = 0; k < s.params.capsule_count; ++k) {
+      const CapsuleParams& c = s.params.capsule[k];
+      const D3 from = {c.from[0], c.from[1], c.from[2]}, axis = {c.axis[0], c.axis[1], c.axis[2]};
+      push_out(
+          [&](D3 a) {
+            return from + axis * std::clamp(Dot(a - from, axis), 0.0, double(c.length));
+          },
+          c.radius);
     }
     if (s.params.use_ground)
       for (int i = 0; i < n; ++i) p[i] = p[i] - ground * std::min(0.0, height(p[i]));

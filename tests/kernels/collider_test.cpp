@@ -86,6 +86,16 @@ class Shapes {
     same = {{centre}, radius};
     return {{V(radius)}, Everywhere<V>(centre)};
   }
+  template <class V>
+  Capsule<V> MakeCapsule(BruteForce& same) {
+    const Point from = Random(0.5f), axis = RandomUnit();
+    const float radius = Uniform(0.05f, 0.5f), length = Uniform(0.0f, 1.0f);
+    same = {{}, radius};
+    constexpr int kSamples = 2000;
+    for (int s = 0; s <= kSamples; ++s)
+      same.core.push_back(from + axis * (double(length) * s / kSamples));
+    return {{V(radius)}, Everywhere<V>(from), Everywhere<V>(axis), V(length)};
+  }
 
   // Calls check(shape, brute force) for one of each.
   template <class V, class Check>
@@ -95,6 +105,8 @@ class Shapes {
     check(plane, same);
     const auto sphere = MakeSphere<V>(same);
     check(sphere, same);
+    const auto capsule = MakeCapsule<V>(same);
+    check(capsule, same);
   }
 
   template <class V>
@@ -168,6 +180,19 @@ TEST(Collider, InOtherUnitsItIsTheSameShape) {
       shape.In(scale, origin).Distance(p * scale - origin).Store(found);
       for (int l = 0; l < V::kLanes; ++l) EXPECT_NEAR(found[l], wanted[l], 2e-5);
     });
+}
+
+TEST(Collider, ACapsuleWithoutLengthIsASphere) {
+  using V = ArrayVec<4>;
+  Shapes random(4);
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const Vec3<V> centre = random.RandomPoints<V>(0.5f), p = random.RandomPoints<V>(0.5f);
+    const V radius(random.Uniform(0.1f, 0.6f)), none(0.0f);
+    const Sphere<V> sphere{{radius}, centre};
+    const Capsule<V> capsule{{radius}, centre, {none, none, none}, none};
+    const Lanes<V> a(sphere.PushOut(p)), b(capsule.PushOut(p));
+    for (int l = 0; l < V::kLanes; ++l) EXPECT_EQ(Length(a.At(l) - b.At(l)), 0.0);
+  }
 }
 
 // A link whose upper end is outside is turned until its lower end is. As often as the finish walks

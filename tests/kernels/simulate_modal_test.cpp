@@ -252,6 +252,50 @@ TEST(SimulateModal, KeepsOutOfSurfaceSphereAndGround) {
   EXPECT_LT(worst, 0.01 * 0.04);
 }
 
+// Strands droop onto it from above: along it, across it, and a short one, beyond its caps too.
+TEST(SimulateModal, KeepsOutOfACapsule) {
+  for (const Point3 half :
+       {Point3{0.03, 0.0, 0.0}, Point3{0.0, 0.02, 0.0}, Point3{0.004, -0.004, 0.0}}) {
+    auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+    std::mt19937 random(5);
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+      s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+      s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), Uniform(random, -0.02f, 0.02f),
+                         Uniform(random, 0.021f, 0.03f)});
+    }
+    s->layer.gravity[1] = 0.0f;
+    s->layer.gravity[2] = -9.81f;
+    const double length = Norm(half);
+    s->params.capsule_count = 1;
+    CapsuleParams& capsule = s->params.capsule[0];
+    const double ends[3] = {half.x, half.y, half.z};
+    for (int k = 0; k < 3; ++k) {
+      capsule.from[k] = float(-ends[k]);
+      capsule.axis[k] = float(ends[k] / length);
+    }
+    capsule.length = float(2.0 * length);
+    capsule.radius = 0.02f;
+    double worst = 0.0, nearest = 1.0;
+    for (int frame = 0; frame < 240; ++frame) {
+      s->Step(kDt);
+      s->HoldRoots();
+      for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+        for (uint32_t i = 0; i < 4; ++i) {
+          const auto& p = s->position.position[i];
+          const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
+          const double along = (at.x * half.x + at.y * half.y + at.z * half.z) / (length * length);
+          const double distance = Norm(at - half * std::clamp(along, -1.0, 1.0)) - 0.02;
+          worst = std::max(worst, -distance);
+          if (frame == 239) nearest = std::min(nearest, std::abs(distance));
+        }
+      ASSERT_LT(s->Stretch(), 1e-5);
+    }
+    RecordProperty("worst_penetration_um", int(worst * 1e6));
+    EXPECT_LT(worst, 0.01 * 0.04) << half.x << " " << half.y;
+    EXPECT_LT(nearest, 1e-5) << "nothing lies on it";
+  }
+}
+
 // Largest distance of a point from the groom over its distance along the strand.
 template <uint32_t kPoints>
 double FarthestFromGroom(const ModalScene<kPoints>& s) {

@@ -113,7 +113,7 @@ TEST(SimulatePbd, LeavingOutUnusedWorkChangesNoBits) {
   for (uint32_t seed = 1; seed <= 20; ++seed) {
     MakeRandom(*without, seed);
     without->layer.flags &= ~uint32_t(kLayerWind | kLayerClump);
-    without->params.use_ground = without->params.sphere_count = 0;
+    without->params.use_ground = without->params.sphere_count = without->params.capsule_count = 0;
     *with = *without;
     with->layer.flags |= kLayerWind | kLayerClump;
     with->layer.clump = 0.0f;
@@ -384,7 +384,7 @@ TEST(SimulatePbd, StaysFiniteAndNearItsRootWhateverHappens) {
   std::mt19937 random(1234);
   for (uint32_t seed = 0; seed < 40; ++seed) {  // 40 x 128 chains
     MakeRandom(*s, 1000 + seed);
-    s->params.use_ground = s->params.sphere_count = 0;
+    s->params.use_ground = s->params.sphere_count = s->params.capsule_count = 0;
     s->layer.flags &= ~uint32_t(kLayerClump);  // its controls are anywhere
     s->params.dt = seed % 2 ? 1.0f / 15.0f : 1.0f / 240.0f;
     s->layer.segment_hardness = float(seed / 2 % 2);

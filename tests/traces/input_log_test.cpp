@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "tests/source_folder.hpp"
 #include "tests/traces/recorded_frames.hpp"
 #include "traces/digest.hpp"
 #include "traces/input_log_format.hpp"
@@ -60,6 +61,12 @@ TEST(InputLog, WhatIsRecordedComesBack) {
     EXPECT_EQ(input.lod.strand_budget, 100 * f);
     ASSERT_EQ(input.sphere_count, f);
     for (uint32_t s = 0; s < f; ++s) EXPECT_EQ(input.sphere[s][3], 0.5f + float(s));
+    ASSERT_EQ(input.capsule_count, f);
+    for (uint32_t c = 0; c < f; ++c) {
+      EXPECT_EQ(input.capsule[c].to[1], 2.0f * float(c));
+      EXPECT_EQ(input.capsule[c].radius, 0.25f);
+      EXPECT_EQ(input.capsule[c].joint, c > 0 ? 7 * c : CapsuleCollider::kFree);
+    }
     ASSERT_EQ(input.weather.size(), recorded.weather[f].size());
     for (const Weather& weather : input.weather) EXPECT_EQ(weather.dirt, 0.1f * float(f));
     EXPECT_EQ(log.frames[f].digest, recorded.digests[f]);
@@ -93,8 +100,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 1.
-TEST(InputLog, BytesAreThoseOfVersionOne) {
+// reads version 2.
+TEST(InputLog, BytesAreThoseOfVersionTwo) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -104,7 +111,7 @@ TEST(InputLog, BytesAreThoseOfVersionOne) {
                           'N',
                           'P',
                           '\n',
-                          1,
+                          2,
                           0,
                           0,
                           0,
@@ -129,10 +136,27 @@ TEST(InputLog, BytesAreThoseOfVersionOne) {
                           0,
                           0};
   EXPECT_EQ(std::memcmp(bytes.data(), head, sizeof head), 0);
-  ASSERT_EQ(bytes.size(), 220583u);
+  ASSERT_EQ(bytes.size(), 220815u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0xeda7e957bcc97bdcu);
+  EXPECT_EQ(digest.Value(), 0xec0a26a3498b5e1fu);
+}
+
+// A recording from before there were capsules.
+TEST(InputLog, VersionOneIsStillRead) {
+  const InputLog log =
+      ReadInputLogFile(test::SourceFolder() + "/tests/fuzz/corpus/input_log/version_1.peltinput")
+          .OrThrow();
+  EXPECT_EQ(log.version, 1u);
+  ASSERT_EQ(log.FrameCount(), 3u);
+  for (uint32_t f = 0; f < 3; ++f) {
+    const FrameInput input = log.Input(f);
+    EXPECT_EQ(input.sphere_count, 1u);
+    EXPECT_EQ(input.sphere[0][3], 0.1f);
+    EXPECT_EQ(input.capsule_count, 0u);
+    ASSERT_EQ(input.weather.size(), 1u);
+    EXPECT_EQ(input.weather[0].dirt, 0.25f);
+  }
 }
 
 TEST(InputLog, RecordingGoesOnAfterFinish) {
@@ -169,6 +193,9 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   EXPECT_NE(writer.AddFrame(recorded.inputs[0], std::span(recorded.poses[0]).first(2), 0), nullptr);
   FrameInput input = recorded.inputs[0];
   input.sphere_count = kSpheresPerScene + 1;
+  EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
+  input = recorded.inputs[0];
+  input.capsule_count = kCapsulesPerScene + 1;
   EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
   const Weather weather[2];
   input = recorded.inputs[0];
@@ -221,7 +248,8 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 2, "byte 8: version 2"},
+      {"version", 8, 3, "byte 8: version 3, this program reads 1 to 2"},
+      {"no version", 8, 0, "byte 8: version 0"},
       {"vertex order", 16, 2, "byte 16"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},

@@ -66,6 +66,12 @@ inline RecordedFrames MakeRecordedFrames() {
     input.use_ground = f % 2 == 1;
     input.sphere_count = f;
     for (uint32_t s = 0; s < f; ++s) input.sphere[s][3] = 0.5f + float(s);
+    input.capsule_count = f;
+    for (uint32_t c = 0; c < f; ++c) {
+      input.capsule[c].to[1] = 2.0f * float(c);
+      input.capsule[c].radius = 0.25f;
+      if (c > 0) input.capsule[c].joint = 7 * c;
+    }
     input.skip.lod = f == 2;
     input.lod.strand_budget = 100 * f;
     all.inputs.push_back(input);

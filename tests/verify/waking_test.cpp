@@ -40,7 +40,8 @@ TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
         "sphere 1[3], a lot", "wetness of character 0, one ulp", "wetness of character 1, a lot",
         "wind.velocity[0], a lot", "ground[3], a lot", "use_ground",
         "pose of character 0, root[0], one ulp", "character 0 teleported",
-        "a sphere more, around sphere 1", "a sphere less"})
+        "a sphere more, around sphere 1", "a sphere less", "capsule 0 radius, a lot",
+        "capsule 0 to[0], a lot", "capsule 0 joint, one ulp", "a capsule less"})
     EXPECT_TRUE(woke(name)) << name;
   // What blows already keeps awake, and what moves the eye wakes no chain.
   for (const char* name : {"wind that blew already", "eye and target[0]", "eye and target[1]"})
@@ -61,7 +62,8 @@ TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
   const auto checks = ChecksOf(report, "waking");
   // dt reaches a chunk through its layer too: what hides it alone is below.
   for (const char* name : {"sphere 1[0], a lot", "sphere 1[3], a lot", "ground[3], a lot",
-                           "use_ground", "a sphere more", "a sphere less"})
+                           "use_ground", "a sphere more", "a sphere less",
+                           "capsule 0 radius, a lot", "capsule 0 to[0], a lot", "a capsule less"})
     EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, name)) << name;
 }
 
