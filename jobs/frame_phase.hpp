@@ -38,6 +38,7 @@ class FramePhase {
   }
   // running -> done; what the frame wrote is seen by whoever begins the next one.
   void EndRun() { phase_.store(kDone, std::memory_order_release); }
+  bool IsDone() const { return phase_.load(std::memory_order_acquire) == kDone; }
   // running -> begun: it could not be run after all.
   void UndoStart() { phase_.store(kBegun, std::memory_order_release); }
 

@@ -81,6 +81,7 @@ Result<std::unique_ptr<FurScene>> FurScene::Create(std::span<const Groom* const>
 
 FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
     : options_(options), layout_(std::move(layout)), params_(std::make_unique<FrameParams>()) {
+  draws_.reserve(layout_.shape.layer_count);
   fault_.reserve(256);
 }
 
@@ -280,7 +281,7 @@ uint64_t FurScene::HeapBytes() const {
                  bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
                  bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
                  bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
-                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(fault_) +
+                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(draws_) + bytes(fault_) +
                  pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
@@ -288,16 +289,14 @@ uint64_t FurScene::HeapBytes() const {
   return sum;
 }
 
-uint32_t FurScene::LiveLanes(Stream stream, uint32_t item) const {
-  return memory_.LiveLanes(stream, item);
+std::span<const LayerDraw> FurScene::Draws() const {
+  draws_.clear();
+  if (phase_.IsDone()) FindDraws(memory_, options_.vertex_order, draws_);
+  return draws_;
 }
 
-uint64_t FurScene::DigestStream(Stream stream) const {
-  return pelt::DigestStream(memory_, stream);
-}
-
-uint64_t FurScene::DigestFrame() const {
-  return pelt::DigestFrame(memory_);
+uint32_t FurScene::CopyCurves(uint32_t layer, std::span<StrandCurve> out) const {
+  return phase_.IsDone() ? pelt::CopyCurves(memory_, layer, out) : 0;
 }
 
 uint32_t FurScene::LiveStrands() const {

@@ -3,10 +3,9 @@
 //   auto made = FurScene::Create(grooms, options, memory);   // a scene, or the reason as a text
 //   FurScene& scene = **made;
 //   ... fill scene.Pose(c) ...
-//   scene.BeginFrame(input);                              // the caller's thread
-//   executor.Run(scene.CurrentFrame());                   // any executor, the same bits
-//
-// Without exceptions: TryMeasureScene and FurScene::TryCreate, which return the reason as a text.
+//   scene.BeginFrame(input);                                 // the caller's thread
+//   executor.Run(scene.CurrentFrame());                      // any executor, the same bits
+//   for (const LayerDraw& draw : scene.Draws()) ...          // what there is to draw
 //
 // Invariant: after construction nothing allocates. BeginFrame refuses input that is not finite and
 // leaves the scene as it was; state never becomes non-finite. Calls out of order (a frame begun
@@ -26,6 +25,7 @@
 #include "core/groom/groom.hpp"
 #include "core/isa.hpp"
 #include "core/streams.hpp"
+#include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/pose_gate.hpp"
 #include "traces/digest.hpp"
@@ -155,12 +155,18 @@ class FurScene {
   uint64_t HeapBytes() const;
   std::string_view LayerName(uint32_t layer) const { return layer_names_[layer]; }
 
-  // Lanes of the block of `item` that hold values of the last frame run (Lanes, core/streams.hpp).
-  uint32_t LiveLanes(Stream stream, uint32_t item) const;
-  // Digest of everything of one stream that has the role kValue; 0 for other streams.
-  uint64_t DigestStream(Stream stream) const;
-  // Digest of all of them: what `pelt verify` compares.
-  uint64_t DigestFrame() const;
+  // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
+  // frame is begun or runs. The list is the scene's, and good until the next call.
+  std::span<const LayerDraw> Draws() const;
+  // The points of a layer's living strands, as many as `out` has room for, in strand order. Returns
+  // how many were written: none of a layer that is not in Draws().
+  uint32_t CopyCurves(uint32_t layer, std::span<StrandCurve> out) const;
+
+  // Lanes of the block of `item` that hold values of the last frame run.
+  uint32_t LiveLanes(Stream stream, uint32_t item) const { return memory_.LiveLanes(stream, item); }
+  uint64_t DigestStream(Stream stream) const { return pelt::DigestStream(memory_, stream); }
+  // Of all value streams: what `pelt verify` compares.
+  uint64_t DigestFrame() const { return pelt::DigestFrame(memory_); }
 
   uint32_t LiveStrands() const;   // over all visible layers
   uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
@@ -193,6 +199,7 @@ class FurScene {
   PoseGate pose_gate_;
   mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;
+  mutable std::vector<LayerDraw> draws_;
   std::string fault_;
 };
 

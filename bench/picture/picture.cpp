@@ -10,6 +10,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "core/error.hpp"
+#include "core/ribbon_indices.hpp"
 
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
@@ -35,7 +36,40 @@ struct Hair {
   glm::vec3 normal;  // of the skin at the root
 };
 
-// All drawn hairs of the frame, layer by layer in the draw list's order, each layer far to near.
+void ReadCurve(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const CurveRecord& record = draw.As<CurveRecord>()[strand];
+  hair.knots = kCurveKnots;
+  hair.base_colour = record.base_colour;
+  hair.tip_colour = record.tip_colour;
+  for (uint32_t k = 0; k < kCurveKnots; ++k) {
+    const float t = float(k) / float(kCurveKnots - 1);
+    for (int c = 0; c < 3; ++c)
+      hair.knot[k].at[c] =
+          record.curve[0][c] +
+          t * (record.curve[1][c] + t * (record.curve[2][c] + t * record.curve[3][c]));
+    hair.knot[k].width = record.width * (1.0f + (draw.tip_width - 1.0f) * t);
+  }
+}
+
+void ReadRibbon(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const auto vertex = draw.As<RibbonVertex>().subspan(size_t(strand) * kRibbonVerticesPerHair,
+                                                      kRibbonVerticesPerHair);
+  hair.knots = kRibbonPoints;
+  hair.base_colour = vertex.front().colour;
+  hair.tip_colour = vertex.back().colour;
+  for (uint32_t k = 0; k < kRibbonPoints; ++k) {
+    const float* l = vertex[2 * k].position;
+    const float* r = vertex[2 * k + 1].position;
+    const glm::vec3 left(l[0], l[1], l[2]), right(r[0], r[1], r[2]);
+    hair.knot[k] = {(left + right) * 0.5f, glm::length(right - left)};
+  }
+}
+
+// For each output, how the vertices of one strand of a draw are read.
+constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCurve, ReadRibbon};
+static_assert(std::size(kReaders) == kOutputCount);
+
+// All drawn hairs of the frame, layer by layer in the drawing order, each layer far to near.
 class DrawnHairs {
  public:
   DrawnHairs(const FurScene& scene, VertexOrder order) : scene_(scene), order_(order) {}
@@ -43,68 +77,21 @@ class DrawnHairs {
   // visit(hair); then finish_layer().
   template <class Visit, class Finish>
   void ForEach(Visit visit, Finish finish_layer) const {
-    const FrameMemory& memory = scene_.memory();
-    const auto& list = *memory.Of<&Streams::draw_list>(0);
-    for (uint32_t i = 0; i < list.count; ++i) {
-      const uint32_t layer = list.layer[i];
-      const uint32_t drawn = memory.Of<&Streams::layer_sort>(layer)->visible_count;
-      for (uint32_t place = 0; place < drawn; ++place) visit(HairAt(layer, place));
+    for (const LayerDraw& draw : scene_.Draws()) {
+      for (uint32_t place = 0; place < draw.strand_count; ++place) visit(HairAt(draw, place));
       finish_layer();
     }
   }
 
  private:
-  Hair HairAt(uint32_t layer, uint32_t place) const {
-    const FrameMemory& memory = scene_.memory();
-    const SceneShape& shape = scene_.shape();
-    const uint32_t first = shape.layer_first_chunk[layer];
-    const auto& order = *memory.Of<&Streams::order>(first + place / kStrandsPerChunk);
-    const uint32_t strand = order.strand[place % kStrandsPerChunk];
-    const uint32_t chunk = first + strand / kStrandsPerChunk, lane = strand % kStrandsPerChunk;
-    // Where the vertices lie depends on the order they were written in.
-    const bool sorted = order_ == VertexOrder::kSorted;
-    const uint32_t at_chunk = sorted ? first + place / kStrandsPerChunk : chunk;
-    const uint32_t at_lane = sorted ? place % kStrandsPerChunk : lane;
+  Hair HairAt(const LayerDraw& draw, uint32_t place) const {
+    const uint32_t strand = draw.order[place], lane = strand % kStrandsPerChunk;
+    const uint32_t first = scene_.shape().layer_first_chunk[draw.layer];
+    const auto& roots = *scene_.memory().Of<&Streams::roots>(first + strand / kStrandsPerChunk);
     Hair hair{};
-    const auto& roots = *memory.Of<&Streams::roots>(chunk);
     hair.normal = {roots.normal[0][lane], roots.normal[1][lane], roots.normal[2][lane]};
-    const auto& params = *memory.Of<&Streams::layers>(layer);
-    if (shape.layer_kind[layer] & kLayerRibbons) {
-      ReadRibbon(memory, at_chunk, at_lane, hair);
-    } else {
-      const CurveRecord& record = sorted
-                                      ? memory.Of<&Streams::instances>(at_chunk)->instance[at_lane]
-                                      : memory.Of<&Streams::curves>(at_chunk)->record[at_lane];
-      ReadCurve(record, params.tip_width, hair);
-    }
+    kReaders[size_t(draw.output)](draw, order_ == VertexOrder::kSorted ? place : strand, hair);
     return hair;
-  }
-
-  static void ReadCurve(const CurveRecord& record, float tip_width, Hair& hair) {
-    hair.knots = kCurveKnots;
-    hair.base_colour = record.base_colour;
-    hair.tip_colour = record.tip_colour;
-    for (uint32_t k = 0; k < kCurveKnots; ++k) {
-      const float t = float(k) / float(kCurveKnots - 1);
-      for (int c = 0; c < 3; ++c)
-        hair.knot[k].at[c] =
-            record.curve[0][c] +
-            t * (record.curve[1][c] + t * (record.curve[2][c] + t * record.curve[3][c]));
-      hair.knot[k].width = record.width * (1.0f + (tip_width - 1.0f) * t);
-    }
-  }
-
-  static void ReadRibbon(const FrameMemory& memory, uint32_t chunk, uint32_t lane, Hair& hair) {
-    const auto& vertex = memory.Of<&Streams::ribbon_vertices>(chunk)->vertex[lane];
-    hair.knots = kRibbonPoints;
-    hair.base_colour = vertex[0][0].colour;
-    hair.tip_colour = vertex[kRibbonPoints - 1][0].colour;
-    for (uint32_t k = 0; k < kRibbonPoints; ++k) {
-      const float* l = vertex[k][0].position;
-      const float* r = vertex[k][1].position;
-      const glm::vec3 left(l[0], l[1], l[2]), right(r[0], r[1], r[2]);
-      hair.knot[k] = {(left + right) * 0.5f, glm::length(right - left)};
-    }
   }
 
   const FurScene& scene_;

@@ -1,0 +1,51 @@
+// The way out of a frame: what there is to draw, layer by layer, far to near.
+//
+//   for (const LayerDraw& draw : scene.Draws())
+//     Upload(draw.vertices), Draw(draw.output, draw.strand_count);
+//
+// `vertices` lies in the scene's memory: nothing is copied, and it is good until the next frame
+// runs. Its bytes are described in jobs/DRAWING.md, with shaders that read them. Those who draw in
+// a way of their own take a layer's strands as points (FurScene::CopyCurves).
+//
+// Invariant: layers come in drawing order, and only those with a strand to draw.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/groom/layer_params.hpp"
+#include "core/outputs.hpp"
+#include "jobs/frame.hpp"
+
+namespace pelt {
+
+struct LayerDraw {
+  uint32_t layer;  // of the scene
+  Output output;   // its row of kOutputs says what a vertex is
+  // VertexOrder::kSorted: of the strands to draw, in drawing order. kIndexBuffer: of every place of
+  // the layer, in strand order, those that `order` does not name holding anything.
+  std::span<const std::byte> vertices;
+  // To draw: instances, or times OutputRow::vertices_per_strand vertices.
+  uint32_t strand_count;
+  // The strand at each place of the drawing order, in either VertexOrder.
+  std::span<const uint32_t> order;
+  uint32_t live_strands;  // what CopyCurves has: culled ones too
+  float low[3], high[3];  // box around the layer's strands; m, world
+  float tip_width;        // over the width at the root: instances do not carry it
+
+  const OutputRow& format() const { return kOutputs[size_t(output)]; }
+  // The vertices as what they are, CurveRecord, RibbonVertex or LineVertex; empty for another format's type.
+  template <class Vertex>
+  std::span<const Vertex> As() const {
+    if (&kVertexType<Vertex> != format().vertex_type) return {};
+    return {reinterpret_cast<const Vertex*>(vertices.data()), vertices.size() / sizeof(Vertex)};
+  }
+};
+
+// Of a frame that has run; `draws` has room for the scene's layers.
+void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<LayerDraw>& draws);
+uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandCurve> out);
+
+}  // namespace pelt

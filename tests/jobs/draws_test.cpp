@@ -1,0 +1,149 @@
+// What a frame gives to those who draw: every layer of the draw list, its vertices where the
+// kernels put them, in both vertex orders; and the same strands as points.
+#include "jobs/draws.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+struct Drawn {
+  explicit Drawn(VertexOrder order) : running(scenario, Options(order)) { Run(0); }
+
+  void Run(uint32_t frame) {
+    running.Begin(frame);
+    SerialExecutor().Run(running.scene().CurrentFrame());
+  }
+  static SceneOptions Options(VertexOrder order) {
+    SceneOptions options;
+    options.vertex_order = order;
+    return options;
+  }
+  FurScene& scene() { return running.scene(); }
+
+  Scenario scenario = EveryOutputScenario();
+  RunningScenario running;
+};
+
+// The bytes of the strand at `place` of the drawing order.
+std::span<const std::byte> BytesAt(const LayerDraw& draw, VertexOrder order, uint32_t place) {
+  const uint32_t bytes = draw.format().StrandBytes();
+  const uint32_t at = order == VertexOrder::kSorted ? place : draw.order[place];
+  return draw.vertices.subspan(size_t(at) * bytes, bytes);
+}
+
+TEST(Draws, AreTheDrawListWithVerticesOfEveryOutput) {
+  Drawn drawn(VertexOrder::kSorted);
+  const auto& list = *drawn.scene().memory().Of<&Streams::draw_list>(0);
+  const auto draws = drawn.scene().Draws();
+  ASSERT_EQ(draws.size(), list.count);
+  std::set<Output> outputs;
+  uint64_t strands = 0;
+  for (size_t i = 0; i < draws.size(); ++i) {
+    const LayerDraw& draw = draws[i];
+    EXPECT_EQ(draw.layer, list.layer[i]);
+    EXPECT_EQ(draw.vertices.size(), size_t(draw.strand_count) * draw.format().StrandBytes());
+    EXPECT_EQ(draw.order.size(), draw.strand_count);
+    outputs.insert(draw.output);
+    strands += draw.strand_count;
+  }
+  EXPECT_EQ(outputs.size(), kOutputCount);
+  EXPECT_EQ(strands, drawn.scene().DrawnStrands());
+}
+
+TEST(Draws, HaveTheSameStrandsInBothVertexOrders) {
+  Drawn sorted(VertexOrder::kSorted), indexed(VertexOrder::kIndexBuffer);
+  const auto a = sorted.scene().Draws(), b = indexed.scene().Draws();
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].strand_count, b[i].strand_count);
+    for (uint32_t place = 0; place < a[i].strand_count; ++place) {
+      const auto x = BytesAt(a[i], VertexOrder::kSorted, place);
+      const auto y = BytesAt(b[i], VertexOrder::kIndexBuffer, place);
+      ASSERT_TRUE(std::equal(x.begin(), x.end(), y.begin(), y.end()))
+          << "layer " << a[i].layer << " place " << place;
+    }
+  }
+}
+
+TEST(Draws, AreReadAsTheirOwnVerticesOnly) {
+  Drawn drawn(VertexOrder::kSorted);
+  for (const LayerDraw& draw : drawn.scene().Draws()) {
+    const auto vertices = [&](Output output, uint32_t per_strand) {
+      return draw.output == output ? draw.strand_count * per_strand : 0u;
+    };
+    EXPECT_EQ(draw.As<CurveRecord>().size(), vertices(Output::kInstances, 1));
+    EXPECT_EQ(draw.As<RibbonVertex>().size(), vertices(Output::kRibbons, 10));
+    EXPECT_EQ(draw.As<LineVertex>().size(), vertices(Output::kLines, 5));
+  }
+}
+
+TEST(Draws, LieInTheirBox) {
+  Drawn drawn(VertexOrder::kSorted);
+  for (const LayerDraw& draw : drawn.scene().Draws()) {
+    std::vector<StrandCurve> curves(draw.live_strands);
+    ASSERT_EQ(drawn.scene().CopyCurves(draw.layer, curves), draw.live_strands);
+    for (const StrandCurve& curve : curves)
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(curve.point[0][axis], draw.low[axis]);
+        EXPECT_LE(curve.point[0][axis], draw.high[axis]);
+      }
+  }
+}
+
+// Point i of the strand at `place` lies where the curve has it.
+void ExpectOnCurve(const LayerDraw& draw, uint32_t place, uint32_t i, const float* point) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (draw.output == Output::kLines) {
+      const LineVertex& vertex = draw.As<LineVertex>()[place * 5 + i];
+      EXPECT_NEAR(vertex.position[axis], point[axis], 1e-6f);
+      EXPECT_NEAR(vertex.width, point[3], 1e-9f);
+    } else {
+      const RibbonVertex* pair = &draw.As<RibbonVertex>()[place * 10 + 2 * i];
+      EXPECT_NEAR(0.5f * (pair[0].position[axis] + pair[1].position[axis]), point[axis], 1e-5f);
+    }
+  }
+}
+
+TEST(Curves, RunAlongTheVertices) {
+  Drawn drawn(VertexOrder::kSorted);
+  for (const LayerDraw& draw : drawn.scene().Draws()) {
+    if (draw.output == Output::kInstances) continue;
+    std::vector<StrandCurve> curves(draw.live_strands);
+    drawn.scene().CopyCurves(draw.layer, curves);
+    std::map<uint32_t, const StrandCurve*> by_strand;
+    for (const StrandCurve& curve : curves) by_strand[curve.strand] = &curve;
+    ASSERT_EQ(by_strand.size(), curves.size()) << "every strand once";
+    for (uint32_t place = 0; place < draw.strand_count; ++place) {
+      const StrandCurve& curve = *by_strand.at(draw.order[place]);
+      for (uint32_t i = 0; i < kRibbonPoints; ++i) ExpectOnCurve(draw, place, i, curve.point[i]);
+    }
+  }
+}
+
+TEST(Curves, AreAsManyAsThereIsRoomFor) {
+  Drawn drawn(VertexOrder::kSorted);
+  std::vector<StrandCurve> curves(3);
+  EXPECT_EQ(drawn.scene().CopyCurves(0, curves), 3u);
+  EXPECT_EQ(drawn.scene().CopyCurves(0, {}), 0u);
+  EXPECT_EQ(drawn.scene().CopyCurves(drawn.scene().shape().layer_count, curves), 0u);
+}
+
+TEST(Draws, AreNotThereWhileAFrameIsOpen) {
+  Drawn drawn(VertexOrder::kSorted);
+  ASSERT_FALSE(drawn.scene().Draws().empty());
+  drawn.running.Begin(1);
+  std::vector<StrandCurve> curves(1);
+  EXPECT_TRUE(drawn.scene().Draws().empty());
+  EXPECT_EQ(drawn.scene().CopyCurves(0, curves), 0u);
+}
+
+}  // namespace
+}  // namespace pelt
