@@ -147,6 +147,9 @@ template <>
 inline constexpr auto kBlockMembers<RibbonVertexBlock> = std::tuple{
     PELT_MEMBER(RibbonVertexBlock, vertex)};
 template <>
+inline constexpr auto kBlockMembers<LineVertexBlock> = std::tuple{
+    PELT_MEMBER(LineVertexBlock, vertex)};
+template <>
 inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
     BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>

@@ -103,9 +103,10 @@ enum LayerFlag : uint32_t {
   kLayerSimulate = 1u << 8,   // some strand of the layer has simulation strength
   kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
   kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
+  kLayerLines = 1u << 11,
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
-inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons;
+inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags =
@@ -348,6 +349,19 @@ struct RibbonVertex {
 };
 static_assert(sizeof(RibbonVertex) == 32);
 PELT_BLOCK RibbonVertexBlock { RibbonVertex vertex[kStrandsPerChunk][kRibbonPoints][2]; };
+
+// A point of a strand, as many as ribbons have, root first.
+struct LineVertex {
+  float position[3];
+  float width;  // full, m
+  // Unit, root to tip, and v, 0 at the root and 1 at the tip: x, y, z, v, each 16 bits signed
+  // normalised, x and z in the low half of their word.
+  uint32_t tangent_v[2];
+  uint32_t colour;  // 0xAABBGGRR
+  uint32_t tag;     // CurveRecord::tag
+};
+static_assert(sizeof(LineVertex) == 32);
+PELT_BLOCK LineVertexBlock { LineVertex vertex[kStrandsPerChunk][kRibbonPoints]; };
 
 // Layers in draw order.
 PELT_BLOCK DrawListBlock {

@@ -83,6 +83,8 @@ inline constexpr OutputRow kRows[] = {
                                                                               false),
     Row<&Streams::ribbon_vertices, &Streams::ribbon_vertices, &Streams::ribbons, RibbonVertex>(
         "ribbons", kLayerRibbons, true),
+    Row<&Streams::line_vertices, &Streams::line_vertices, &Streams::curves, LineVertex>(
+        "lines", kLayerLines, false),
 };
 
 constexpr auto NamesOf() {

@@ -29,7 +29,8 @@ inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
 
 inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal;
 inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive}, kOf5{kFive, 0};
-inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0}, kCubic{0, kLayerRibbons};  // the last: instances, and lines along them
+inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
+    kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons};  // the last: instances, and lines along them
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -94,6 +95,9 @@ struct Streams {
       "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kLayerVertexChains}, kState};
   StreamRow<ModalStateBlock<5>> strand_modal5{"strand_modal5",     kChunk, kValue, kLiveStrands,
                                               {kModal | kFive, 0}, kState};
+
+  StreamRow<LineVertexBlock> line_vertices{"line_vertices", kChunk, kValue,
+                                           kInEitherOrder,  kLined, kOutput};
 };
 
 }  // namespace streams_detail

@@ -65,8 +65,20 @@ void ReadRibbon(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   }
 }
 
+void ReadLine(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const auto vertex = draw.As<LineVertex>().subspan(size_t(strand) * kRibbonPoints, kRibbonPoints);
+  hair.knots = kRibbonPoints;
+  hair.base_colour = vertex.front().colour;
+  hair.tip_colour = vertex.back().colour;
+  for (uint32_t k = 0; k < kRibbonPoints; ++k) {
+    const float* p = vertex[k].position;
+    hair.knot[k] = {{p[0], p[1], p[2]}, vertex[k].width};
+  }
+}
+
 // For each output, how the vertices of one strand of a draw are read.
-constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCurve, ReadRibbon};
+constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCurve, ReadRibbon,
+                                                                          ReadLine};
 static_assert(std::size(kReaders) == kOutputCount);
 
 // All drawn hairs of the frame, layer by layer in the drawing order, each layer far to near.

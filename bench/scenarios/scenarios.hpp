@@ -4,7 +4,7 @@
 //   monster  one character, about 40,000 strands in head, brows, body, arms and tail
 //   cast     17 characters, 166 layers, over 100,000 strands: what the original shipped
 //   eyepet   8,000 strands of 5 points, Verlet, clumping, ground plane, ribbons
-//   tiny     every solver, chain and output in under a thousand strands: for tests
+//   tiny     every solver and chain, instances and ribbons, in under a thousand strands: for tests
 //
 // Invariant: frame f of a scenario has the same input whatever was run before it, on every machine
 // (no clock, no libm); preparing a frame does not allocate.

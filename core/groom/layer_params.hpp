@@ -30,7 +30,7 @@ inline constexpr float kLeastMaxDistance = 0.05f;
 
 enum class Solver : uint8_t { kPbd, kVerlet, kModal };
 enum class ChainKind : uint8_t { kVertex, kStrand };
-enum class Output : uint8_t { kInstances, kRibbons };
+enum class Output : uint8_t { kInstances, kRibbons, kLines };
 
 struct LayerParams {
   bool enabled = true;

@@ -26,6 +26,7 @@
 #include "core/kernels/sort_pieces.hpp"
 #include "core/kernels/wind.hpp"
 #include "core/kernels/write_instances.hpp"
+#include "core/kernels/write_lines.hpp"
 #include "core/kernels/write_ribbons.hpp"
 
 namespace pelt {
@@ -111,6 +112,9 @@ constexpr FrameRow kRows[] = {
     Row<WriteInstances<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),
     Row<WriteRibbons<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),
     Row<WriteRibbonsUnsorted<V>>(kChunk, kKeyed, {}, VertexOrder::kIndexBuffer),
+    Row<WriteLines<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),
+    // Of strands alone, wherever the camera is: as often as their curves.
+    Row<WriteLinesUnsorted<V>>(kChunk, kFitted, {}, VertexOrder::kIndexBuffer),
 };
 constexpr FrameTable kFrame{kRows};
 

@@ -74,6 +74,7 @@ std::vector<KeyCase> ListKeyCases() {
        [](L l) { return l.params.chain == ChainKind::kStrand && l.params.points == 5; }},
       {"points", "5\nchain = 'strand'", [](L l) { return l.params.points == 5; }},
       {"output", "'ribbons'", [](L l) { return l.params.output == Output::kRibbons; }},
+      {"output", "'lines'", [](L l) { return l.params.output == Output::kLines; }},
       {"density",
        "{ value = 5e4, randomise = 0.25, range = [1e4, 9e4], map = 'maps/m.png', channel = 'b' }",
        [](L l) {

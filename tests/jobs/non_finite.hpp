@@ -32,6 +32,7 @@ inline std::string FindNonFinite(const FurScene& scene) {
             is_float = word < 12 || word == 14;
           if (Stream(s) == StreamOf<&Streams::ribbons>) is_float = word < 15 || word == 17;
           if (Stream(s) == StreamOf<&Streams::ribbon_vertices>) is_float = word % 8 < 6;
+          if (Stream(s) == StreamOf<&Streams::line_vertices>) is_float = word % 8 < 4;
           if (!is_float) continue;
           float value;
           std::memcpy(&value, block + row.offset_bytes + 4 * size_t(e), 4);

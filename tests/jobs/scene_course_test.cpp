@@ -30,7 +30,8 @@ constexpr Stream kRestarted[] = {StreamOf<&Streams::skinned>,
                                  StreamOf<&Streams::sort_keys>,
                                  StreamOf<&Streams::order>,
                                  StreamOf<&Streams::instances>,
-                                 StreamOf<&Streams::ribbon_vertices>};
+                                 StreamOf<&Streams::ribbon_vertices>,
+                                 StreamOf<&Streams::line_vertices>};
 
 // Holds `scene` after `frame` against a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {

@@ -1,4 +1,4 @@
-// The scene `tiny` for tests of whole frames: every solver, chain and output in under a thousand
+// The scene `tiny` for tests of whole frames: every solver and chain in under a thousand
 // strands. Baked once a program.
 #pragma once
 
@@ -17,6 +17,18 @@ namespace pelt::testing {
 inline Scenario TinyScenario() {
   static const Scenario kBaked = LoadScenario("tiny");
   return kBaked;
+}
+
+// `tiny` with every other layer of ribbons as lines, so that there are layers of every output; the
+// scene itself has none, as its digests are kept.
+inline Scenario EveryOutputScenario() {
+  Scenario scenario = TinyScenario();
+  uint32_t ribbons = 0;
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
+      if (layer.params.output == Output::kRibbons && ribbons++ % 2 == 0)
+        layer.params.output = Output::kLines;
+  return scenario;
 }
 
 // `tiny` on its own course until `frame`, then at rest: no teleport, no wind, nothing moves.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/kernels/write_instances.hpp"
+#include "core/kernels/write_lines.hpp"
 #include "core/kernels/write_ribbons.hpp"
 #include "core/ribbon_indices.hpp"
 #include "tests/kernels/every_vector.hpp"
@@ -30,6 +31,7 @@ struct World {
   Blocks<RibbonBlock> ribbons{kChunks};
   Blocks<InstanceBlock> instances{kChunks};
   Blocks<RibbonVertexBlock> vertices{kChunks};
+  Blocks<LineVertexBlock> lines{kChunks};
   WriteRibbonsParams params{{0.3f, 1.2f, 4.0f}};
 
   explicit World(uint32_t seed, uint32_t visible_count = kLanes) {
@@ -98,6 +100,22 @@ struct World {
     for (uint32_t c = 0; c < kChunks; ++c)
       test::RunKernel<WriteRibbonsUnsorted<V>>(
           params, {state.Bind(c), layer.Bind(), ribbons.Bind(c), vertices.Bind(c)});
+  }
+  template <class V = ArrayVec<4>>
+  void WriteLinePieces() {
+    for (uint32_t c = 0; c < kChunks; ++c)
+      test::RunKernel<WriteLines<V>>({order.Bind(c), state.Bind(c), sort.Bind(), layer.Bind(),
+                                      curves.BindList(order[c].strand), lines.Bind(c)});
+  }
+  template <class V = ArrayVec<4>>
+  void WriteUnsortedLinePieces() {
+    for (uint32_t c = 0; c < kChunks; ++c)
+      test::RunKernel<WriteLinesUnsorted<V>>(
+          {state.Bind(c), layer.Bind(), curves.Bind(c), lines.Bind(c)});
+  }
+  using Line = LineVertex[kRibbonPoints];
+  const Line& LineAt(uint32_t place) const {
+    return lines[place / kStrandsPerChunk].vertex[place % kStrandsPerChunk];
   }
   using Hair = RibbonVertex[kRibbonPoints][2];
   const Hair& HairAt(uint32_t place) const {
@@ -254,6 +272,74 @@ TEST(WriteRibbons, UnsortedIsTheSameHairsInStrandOrder) {
   }
 }
 
+// One of the four 16-bit numbers, as a shader reads it.
+double Unpack(const LineVertex& vertex, int k) {
+  return std::max(int16_t(vertex.tangent_v[k / 2] >> (16 * (k % 2))) / 32767.0, -1.0);
+}
+
+void CheckLine(const World& w, const CurveRecord& r, const World::Line& line) {
+  const D3 c[] = {Of(r.curve[0]), Of(r.curve[1]), Of(r.curve[2]), Of(r.curve[3])};
+  for (uint32_t i = 0; i < kRibbonPoints; ++i) {
+    const double t = i / 4.0;
+    ExpectNear(c[0] + c[1] * t + c[2] * (t * t) + c[3] * (t * t * t), line[i].position, 1e-6);
+    EXPECT_NEAR(line[i].width, r.width * (1.0 + (double(w.layer[0].tip_width) - 1.0) * t), 1e-9);
+    const D3 along = c[1] + c[2] * (2 * t) + c[3] * (3 * t * t);
+    const D3 found = {Unpack(line[i], 0), Unpack(line[i], 1), Unpack(line[i], 2)};
+    EXPECT_LT(Length(along * (1.0 / Length(along)) - found), 0.9 / 32767);
+    EXPECT_NEAR(Unpack(line[i], 3), t, 0.51 / 32767);
+    EXPECT_EQ(line[i].colour, MixPlainly(r.base_colour, r.tip_colour, i));
+    EXPECT_EQ(line[i].tag, r.tag);
+  }
+}
+
+TEST(WriteLines, AgreeWithDoubleReferenceInDrawOrder) {
+  for (uint32_t visible : {0u, 1u, 3u, kStrandsPerChunk, kLanes - 9, kLanes}) {
+    World w(visible + 1, visible);
+    w.WriteLinePieces();
+    for (uint32_t place = 0; place < kLanes; ++place) {
+      if (place < visible)
+        CheckLine(w, w.Curve(w.Strand(place)), w.LineAt(place));
+      else
+        EXPECT_TRUE(IsZero(w.LineAt(place))) << place;
+    }
+  }
+}
+
+// Numbers at the ends of their 16 bits, and a curve that stands still.
+TEST(WriteLines, TangentsAlongAnAxisAndOfAPoint) {
+  World w(8);
+  const double along[][3] = {{1, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
+  for (uint32_t place = 0; place < std::size(along); ++place) {
+    auto& curve = w.Curve(w.Strand(place)).curve;
+    for (int a = 0; a < 3; ++a) {
+      curve[1][a] = float(along[place][a]);
+      curve[2][a] = curve[3][a] = 0.0f;
+    }
+  }
+  w.WriteLinePieces();
+  for (uint32_t place = 0; place < std::size(along); ++place)
+    for (const LineVertex& vertex : w.LineAt(place))
+      for (int a = 0; a < 3; ++a) {
+        const bool still = place + 1 == std::size(along);
+        EXPECT_EQ(Unpack(vertex, a), still ? double(a == 1) : along[place][a]) << place;
+      }
+}
+
+TEST(WriteLines, UnsortedIsTheSameStrandsInStrandOrder) {
+  World sorted(5), unsorted(5);
+  unsorted.state[1].live_strands = 21;
+  sorted.WriteLinePieces();
+  unsorted.WriteUnsortedLinePieces();
+  for (uint32_t place = 0; place < kLanes; ++place) {
+    const uint32_t strand = sorted.Strand(place);
+    if (strand >= kStrandsPerChunk + 21 && strand < 2 * kStrandsPerChunk)
+      EXPECT_TRUE(IsZero(unsorted.LineAt(strand))) << strand;
+    else
+      EXPECT_EQ(std::memcmp(&sorted.LineAt(place), &unsorted.LineAt(strand), sizeof(World::Line)),
+                0);
+  }
+}
+
 TEST(Output, SameBitsOnEveryVector) {
   test::ForEveryVector([]<class V>(const char* name) {
     for (uint32_t visible : {1u, kStrandsPerChunk + 2, kLanes - 1, kLanes}) {
@@ -268,6 +354,12 @@ TEST(Output, SameBitsOnEveryVector) {
       w.WriteUnsortedPieces<V>();
       reference.WriteUnsortedPieces();
       EXPECT_TRUE(w.vertices.SameBits(reference.vertices)) << name;
+      w.WriteLinePieces<V>();
+      reference.WriteLinePieces();
+      EXPECT_TRUE(w.lines.SameBits(reference.lines)) << name;
+      w.WriteUnsortedLinePieces<V>();
+      reference.WriteUnsortedLinePieces();
+      EXPECT_TRUE(w.lines.SameBits(reference.lines)) << name;
     }
   });
 }

@@ -1,6 +1,7 @@
 // A digest that leaves something out, or does not know order, is found.
 #include <gtest/gtest.h>
 
+#include "tests/jobs/tiny_scene.hpp"
 #include "tests/verify/planting.hpp"
 #include "traces/digest.hpp"
 
@@ -9,16 +10,17 @@ namespace {
 
 using namespace testing;
 
-VerifyReport RunDigests(std::function<uint64_t(const FurScene&, Stream)> digest_stream) {
+VerifyReport RunDigests(std::function<uint64_t(const FurScene&, Stream)> digest_stream,
+                        const Scenario& scenario = Tiny()) {
   VerifyOptions options = NoCases(6);
   options.checks = true;
   options.sections = {"digest"};
   options.digest_stream = std::move(digest_stream);
-  return Verify(Tiny(), options);
+  return Verify(scenario, options);
 }
 
 TEST(VerifyDigests, HealthyDigestsSeeEverything) {
-  const VerifyReport report = RunDigests({});
+  const VerifyReport report = RunDigests({}, EveryOutputScenario());
   EXPECT_TRUE(report.Passed()) << DescribeReport(report);
   uint32_t values = 0;
   for (uint32_t s = 0; s < kStreamCount; ++s)
