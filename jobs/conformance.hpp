@@ -270,9 +270,9 @@ inline const NamedCheck kChecks[] = {
      [](Context& c) { return CheckSchedule<Starved>(c, 0); }},
     {"one item", "tasks are not started, or finish does not return", CheckOneItemATask},
     {"started twice", kFinishHangs,
-     [](Context& c) { return CheckBroken<StartedTwice>(c, &DoorFaults::started_twice); }},
+     [](Context& check) { return CheckBroken<StartedTwice>(check, &DoorFaults::started_again); }},
     {"never run", kFinishHangs,
-     [](Context& c) { return CheckBroken<NeverRun>(c, &DoorFaults::never_run); }},
+     [](Context& check) { return CheckBroken<NeverRun>(check, &DoorFaults::not_returned); }},
 };
 
 // Null: it did not return in time.

@@ -27,8 +27,7 @@ const char* FindDoorFault(const EngineDoor& door) {
 }
 
 bool DoorFaults::Any() const {
-  return unusable || started_twice || never_run || finished_early || null_but_not_run ||
-         null_but_running || run_while_running;
+  return unusable || started_again || not_returned || run_while_running;
 }
 
 std::string DoorFaults::Text() const {
@@ -37,27 +36,23 @@ std::string DoorFaults::Text() const {
     if (count) text += Format("{} times {}\n", count, what);
   };
   if (unusable) text += Format("the door is not used: {}\n", unusable);
-  add(started_twice, "a task was called again: each must be called exactly once");
-  add(never_run,
-      "finish returned though the task was never called: is it still queued, or was it dropped?");
-  add(finished_early, "finish returned while its task was running");
-  add(null_but_not_run,
-      "enqueue returned null though the task was not called: null means that it has returned");
-  add(null_but_running, "enqueue returned null while the task was running on another thread");
+  add(started_again, "a task was called again: each must be called exactly once");
+  add(not_returned,
+      "finish returned, or enqueue returned null, though the task had not returned: is it still "
+      "queued or running, or was it dropped?");
   add(run_while_running, "a frame was run before the last one was done: one at a time");
   return text;
 }
 
-// What the engine gets as context. Written by the caller before enqueue and after finish; `starts`
+// What the engine gets as context. Written by the caller before enqueue and after finish; `started`
 // and `returned` by whichever thread runs it.
 struct alignas(64) DoorExecutor::Task {
   DoorExecutor* executor = nullptr;
   void* handle = nullptr;
-  uint32_t starts_judged = 0;  // starts when it was last looked at
-  bool retired = false;        // the engine may still call it: never lent again
+  bool retired = false;  // the engine may still call it: never lent again
   // Atomic because a second call of the task may come while it is lent again.
   std::atomic<uint32_t> worker{0};  // 1 for the first helper: the caller is worker 0
-  std::atomic<uint32_t> starts{0};
+  std::atomic<bool> started{false};
   std::atomic<bool> returned{true};
 };
 
@@ -85,6 +80,7 @@ uint64_t DoorExecutor::MaxTasks(const Plan& plan, const SceneShape& shape) const
 DoorFaults DoorExecutor::faults() const {
   DoorFaults faults = faults_;
   faults.run_while_running = run_while_running_.load(std::memory_order_relaxed);
+  faults.started_again = started_again_.load(std::memory_order_relaxed);
   return faults;
 }
 
@@ -134,8 +130,7 @@ bool DoorExecutor::Enqueue(uint32_t helper, const char* name) {
   while (tasks_lent_ < task_capacity_ && tasks_[tasks_lent_].retired) ++tasks_lent_;
   if (tasks_lent_ == task_capacity_) return false;
   Task& task = tasks_[tasks_lent_];
-  if (task.starts.exchange(0, std::memory_order_relaxed) != task.starts_judged)
-    ++faults_.started_twice;  // once more after it was finished
+  task.started.store(false, std::memory_order_relaxed);
   task.returned.store(false, std::memory_order_relaxed);
   task.worker.store(helper + 1, std::memory_order_relaxed);
   ++tasks_enqueued_;
@@ -144,7 +139,7 @@ bool DoorExecutor::Enqueue(uint32_t helper, const char* name) {
     helpers_[helper] = &task;
     ++tasks_lent_;
   } else {
-    Judge(task, faults_.null_but_not_run, faults_.null_but_running);
+    CheckReturned(task);
   }
   return true;
 }
@@ -155,24 +150,24 @@ void DoorExecutor::FinishTasks() {
     if (!task.handle) continue;
     door_.finish(task.handle, door_.user);
     task.handle = nullptr;
-    Judge(task, faults_.never_run, faults_.finished_early);
+    CheckReturned(task);
   }
   tasks_lent_ = 0;
   std::fill_n(helpers_.get(), helper_count_, nullptr);
 }
 
-void DoorExecutor::Judge(Task& task, uint64_t& not_run, uint64_t& running) {
-  const bool returned = task.returned.load(std::memory_order_acquire);
-  task.starts_judged = task.starts.load(std::memory_order_relaxed);
-  if (task.starts_judged > 1) ++faults_.started_twice;
-  if (returned) return;
-  ++(task.starts_judged == 0 ? not_run : running);
+void DoorExecutor::CheckReturned(Task& task) {
+  if (task.returned.load(std::memory_order_acquire)) return;
+  ++faults_.not_returned;
   task.retired = true;
 }
 
 void DoorExecutor::RunTask(void* context) {
   auto& task = *static_cast<Task*>(context);
-  if (task.starts.fetch_add(1, std::memory_order_relaxed) != 0) return;
+  if (task.started.exchange(true, std::memory_order_relaxed)) {
+    task.executor->started_again_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
   task.executor->Help(task.worker.load(std::memory_order_relaxed));
   task.returned.store(true, std::memory_order_release);  // from here on it may be lent again
 }

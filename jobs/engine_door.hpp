@@ -23,41 +23,25 @@
 #include <string>
 
 #include "jobs/frame.hpp"
+#include "jobs/pelt.h"
 #include "jobs/pull_executor.hpp"
 
 namespace pelt {
 
-// What the engine implements. Plain C: no exceptions may leave the functions.
-extern "C" {
-typedef void (*PeltTask)(void* context);
-
-struct EngineDoor {
-  // Has task(context) called exactly once, on any thread, at any time from now until `finish`
-  // returns. May call it before returning, and then return null: nothing to finish. `name` is for
-  // the engine's profiler and lives as long as the program.
-  void* (*enqueue)(PeltTask task, void* context, void* user, const char* name);
-  // Returns when the task of this handle has returned. Called once for each handle that is not
-  // null. It may run this task, or others, on the calling thread meanwhile.
-  void (*finish)(void* handle, void* user);
-  void* user;
-  // Threads that may run tasks at one time, the one that calls Run included.
-  uint32_t worker_count;
-};
-}
+// What the engine implements: two C functions, user data and a number of threads.
+using EngineDoor = PeltDoor;
 
 // Null, or what is wrong with a door.
 const char* FindDoorFault(const EngineDoor& door);
 
-// How often an engine broke its side of the door since the executor was made.
+// How often an engine broke its side of the door since the executor was made: what had to be seen
+// anyway to keep the frame right. What exactly it did wrong, CheckDoor finds
+// (jobs/conformance.hpp).
 struct DoorFaults {
-  uint64_t started_twice = 0;      // a task was called again
-  uint64_t never_run = 0;          // finish returned, and the task had not been called
-  uint64_t finished_early = 0;     // finish returned while the task was running
-  uint64_t null_but_not_run = 0;   // enqueue returned null, and the task had not been called
-  uint64_t null_but_running = 0;   // enqueue returned null while the task was running elsewhere
+  uint64_t started_again = 0;      // a task was called a second time
+  uint64_t not_returned = 0;       // the door said that a task had returned, and it had not
   uint64_t run_while_running = 0;  // a frame was begun before the last was done: it ran serially
-  const char* unusable =
-      nullptr;  // why the door is not used at all, and the caller runs everything
+  const char* unusable = nullptr;  // why the door is not used, and the caller runs everything
 
   bool Any() const;
   // One line for each kind that happened, saying what to look for; empty when none did.
@@ -91,12 +75,12 @@ class DoorExecutor final : public Executor {
   // False when the reserved tasks are used up.
   bool Enqueue(uint32_t helper, const char* name);
   void FinishTasks();
-  // What became of a task that must have returned; counts it where it has not.
-  void Judge(Task& task, uint64_t& not_run, uint64_t& running);
+  // The door said that the task has returned.
+  void CheckReturned(Task& task);
 
   EngineDoor door_;
   std::atomic<bool> running_{false};
-  std::atomic<uint64_t> run_while_running_{0};
+  std::atomic<uint64_t> run_while_running_{0}, started_again_{0};
   PullExecutor pull_;
   uint32_t helper_count_;
   uint32_t task_capacity_;

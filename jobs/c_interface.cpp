@@ -1,0 +1,329 @@
+// jobs/pelt.h over FurScene. Nothing here decides anything: it checks what C cannot say in types
+// (null, ranges) and hands on.
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <memory>
+#include <optional>
+
+#include "core/bind_pose.hpp"
+#include "core/float_rules.hpp"
+#include "core/groom/groom_file.hpp"
+#include "core/ribbon_indices.hpp"
+#include "jobs/engine_door.hpp"
+#include "jobs/pelt.h"
+#include "jobs/scene.hpp"
+
+struct PeltScene {
+  std::vector<pelt::Groom> grooms;
+  std::vector<uint32_t> character_groom;
+  std::unique_ptr<pelt::FurScene> scene;
+  std::optional<pelt::DoorExecutor> executor;
+  PeltDoor door{};
+  pelt::PullExecutor pull;
+  std::string text;
+  std::vector<pelt::Weather> weather;
+
+  const pelt::Groom* GroomOf(uint32_t character) const {
+    return character < character_groom.size() ? &grooms[character_groom[character]] : nullptr;
+  }
+};
+
+namespace {
+
+using pelt::Failure;
+using pelt::Result;
+
+constexpr const char* kNoScene = "the scene is null";
+
+static_assert(PELT_SORTED == int(pelt::VertexOrder::kSorted));
+static_assert(PELT_INDEX_BUFFER == int(pelt::VertexOrder::kIndexBuffer));
+static_assert(PELT_INSTANCES == int(pelt::Output::kInstances));
+static_assert(PELT_RIBBONS == int(pelt::Output::kRibbons));
+static_assert(PELT_LINES == int(pelt::Output::kLines) && PELT_LINES + 1 == pelt::kOutputCount);
+static_assert(PELT_RAN == int(pelt::PullResult::kRan));
+static_assert(PELT_NOTHING_READY == int(pelt::PullResult::kNothingReady));
+static_assert(PELT_IDLE == int(pelt::PullResult::kIdle));
+static_assert(PELT_FREE == pelt::CapsuleCollider::kFree);
+static_assert(sizeof(PeltStrandCurve) == sizeof(pelt::StrandCurve));
+static_assert(offsetof(PeltStrandCurve, strand) == offsetof(pelt::StrandCurve, strand));
+
+struct SkipBit {
+  uint32_t bit;
+  bool pelt::SkipSettings::*member;
+};
+constexpr SkipBit kSkips[] = {
+    {PELT_SLEEP, &pelt::SkipSettings::sleep}, {PELT_UNMOVED, &pelt::SkipSettings::unmoved},
+    {PELT_SORT, &pelt::SkipSettings::sort},   {PELT_CULL, &pelt::SkipSettings::cull},
+    {PELT_WIND, &pelt::SkipSettings::wind},   {PELT_LOD, &pelt::SkipSettings::lod}};
+
+// Characters that share bytes share a groom.
+Result<> ReadGrooms(const PeltBytes* files, uint32_t count, PeltScene& scene) {
+  std::vector<const void*> read;
+  for (uint32_t c = 0; c < count; ++c) {
+    const std::string name = "of character " + std::to_string(c);
+    if (!files[c].data) return Failure{"groom '" + name + "' is null"};
+    const auto found = std::find(read.begin(), read.end(), files[c].data);
+    scene.character_groom.push_back(uint32_t(found - read.begin()));
+    if (found != read.end()) continue;
+    Result<pelt::Groom> groom =
+        pelt::ReadGroom({static_cast<const std::byte*>(files[c].data), files[c].bytes}, name);
+    if (!groom) return Failure{groom.error()};
+    read.push_back(files[c].data);
+    scene.grooms.push_back(*std::move(groom));
+  }
+  return pelt::Done{};
+}
+
+Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count,
+                                          const PeltSceneOptions& wanted) {
+  if (!files || count == 0) return Failure{"a scene needs at least one groom"};
+  pelt::SceneOptions options;
+  if (wanted.vertex_order > PELT_INDEX_BUFFER) return Failure{"there is no such vertex order"};
+  options.vertex_order = pelt::VertexOrder(wanted.vertex_order);
+  options.memory_budget_bytes = wanted.memory_budget_bytes;
+
+  auto made = std::make_unique<PeltScene>();
+  if (const auto read = ReadGrooms(files, count, *made); !read) return Failure{read.error()};
+  std::vector<const pelt::Groom*> grooms;
+  for (uint32_t c = 0; c < count; ++c) grooms.push_back(made->GroomOf(c));
+  pelt::SceneMemory memory;
+  if (wanted.allocate) {
+    memory.allocate = [](uint64_t bytes, void* user) {
+      const auto& asked = *static_cast<const PeltSceneOptions*>(user);
+      return static_cast<std::byte*>(asked.allocate(bytes, asked.user));
+    };
+    memory.user = const_cast<PeltSceneOptions*>(&wanted);
+  }
+  auto scene = pelt::FurScene::Create(grooms, options, memory);
+  if (!scene) return Failure{scene.error()};
+  made->scene = *std::move(scene);
+  for (uint32_t c = 0; c < count; ++c) pelt::FillBindPose(*grooms[c], made->scene->Pose(c));
+  made->weather.resize(count);
+  return made;
+}
+
+void PutText(const std::string& text, char* to, size_t bytes) {
+  if (!to || bytes == 0) return;
+  const size_t size = std::min(text.size(), bytes - 1);
+  std::memcpy(to, text.data(), size);
+  to[size] = '\0';
+}
+
+template <size_t kN>
+void Copy(const float (&from)[kN], float (&to)[kN]) {
+  std::copy_n(from, kN, to);
+}
+
+// Null, or what the counts and pointers of the frame promise and do not hold.
+const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather,
+                      pelt::FrameInput& to) {
+  to.dt_s = from.dt_s;
+  to.time_s = from.time_s;
+  Copy(from.eye, to.camera.position);
+  Copy(from.target, to.camera.target);
+  Copy(from.up, to.camera.up);
+  to.camera.vertical_fov_rad = from.vertical_fov_rad;
+  to.camera.viewport_width_px = from.viewport_width_px;
+  to.camera.viewport_height_px = from.viewport_height_px;
+  to.camera.near_m = from.near_m;
+  to.camera.far_m = from.far_m;
+  Copy(from.gravity, to.gravity);
+  Copy(from.wind, to.wind.velocity);
+  to.wind.gust_strength = from.gust_strength;
+  to.wind.gust_period_s = from.gust_period_s;
+  to.wind.turbulence = from.turbulence;
+  to.wind.turbulence_scale_m = from.turbulence_scale_m;
+  to.use_ground = from.use_ground != 0;
+  Copy(from.ground, to.ground);
+  if (from.sphere_count > std::size(to.sphere)) return "more spheres than a scene holds";
+  if (from.sphere_count != 0 && !from.spheres) return "the spheres are null";
+  to.sphere_count = from.sphere_count;
+  for (uint32_t s = 0; s < from.sphere_count; ++s) Copy(from.spheres[s], to.sphere[s]);
+  if (from.capsule_count > std::size(to.capsule)) return "more capsules than a scene holds";
+  if (from.capsule_count != 0 && !from.capsules) return "the capsules are null";
+  to.capsule_count = from.capsule_count;
+  for (uint32_t c = 0; c < from.capsule_count; ++c) {
+    const PeltCapsule& capsule = from.capsules[c];
+    Copy(capsule.from, to.capsule[c].from);
+    Copy(capsule.to, to.capsule[c].to);
+    to.capsule[c].radius = capsule.radius;
+    to.capsule[c].character = capsule.character;
+    to.capsule[c].joint = capsule.joint;
+  }
+  if (from.weather) {
+    for (size_t c = 0; c < weather.size(); ++c)
+      weather[c] = {from.weather[c][0], from.weather[c][1]};
+    to.weather = weather;
+  }
+  to.lod = {from.full_detail_px, from.min_fraction, from.hysteresis, from.fade_share,
+            from.strand_budget};
+  for (const SkipBit& skip : kSkips) to.skip.*skip.member = (from.skip & skip.bit) != 0;
+  return nullptr;
+}
+
+bool SameDoor(const PeltDoor& a, const PeltDoor& b) {
+  return a.enqueue == b.enqueue && a.finish == b.finish && a.user == b.user &&
+         a.worker_count == b.worker_count;
+}
+
+}  // namespace
+
+PeltScene* pelt_create(const PeltBytes* grooms, uint32_t count, const PeltSceneOptions* options,
+                       char* why, size_t why_bytes) {
+  auto made = Create(grooms, count, options ? *options : PeltSceneOptions{});
+  PutText(made.error(), why, why_bytes);
+  return made ? made->release() : nullptr;
+}
+
+void pelt_destroy(PeltScene* scene) { delete scene; }
+
+uint32_t pelt_layer_count(const PeltScene* scene) {
+  return scene ? scene->scene->shape().layer_count : 0;
+}
+
+const char* pelt_layer_name(const PeltScene* scene, uint32_t layer) {
+  return layer < pelt_layer_count(scene) ? scene->scene->LayerName(layer).data() : nullptr;
+}
+
+uint32_t pelt_joint_count(const PeltScene* scene, uint32_t character) {
+  const pelt::Groom* groom = scene ? scene->GroomOf(character) : nullptr;
+  return groom ? groom->joint_count : 0;
+}
+
+const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t joint) {
+  if (joint >= pelt_joint_count(scene, character)) return nullptr;
+  return scene->GroomOf(character)->joint_names[joint].c_str();
+}
+
+const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
+                           const PeltJoint* local) {
+  if (!scene) return kNoScene;
+  if (!local) return "the joint's transform is null";
+  if (joint >= pelt_joint_count(scene, character)) return "there is no such joint";
+  pelt::JointTransform transform;
+  Copy(local->translation, transform.translation);
+  Copy(local->rotation, transform.rotation);
+  Copy(local->scale, transform.scale);
+  pelt::SetJoint(scene->scene->Pose(character), joint, transform);
+  return nullptr;
+}
+
+const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12], int teleported) {
+  if (!scene) return kNoScene;
+  if (!root) return "the placement is null";
+  if (!scene->GroomOf(character)) return "there is no such character";
+  pelt::PoseBlock& pose = scene->scene->Pose(character);
+  std::copy_n(root, 12, pose.root);
+  pose.teleported = teleported != 0;
+  return nullptr;
+}
+
+void pelt_default_frame(PeltFrame* frame) {
+  if (!frame) return;
+  *frame = {};
+  const pelt::FrameInput in;
+  frame->dt_s = in.dt_s;
+  Copy(in.camera.position, frame->eye);
+  Copy(in.camera.target, frame->target);
+  Copy(in.camera.up, frame->up);
+  frame->vertical_fov_rad = in.camera.vertical_fov_rad;
+  frame->viewport_width_px = in.camera.viewport_width_px;
+  frame->viewport_height_px = in.camera.viewport_height_px;
+  frame->near_m = in.camera.near_m;
+  frame->far_m = in.camera.far_m;
+  Copy(in.gravity, frame->gravity);
+  frame->gust_period_s = in.wind.gust_period_s;
+  frame->turbulence_scale_m = in.wind.turbulence_scale_m;
+  Copy(in.ground, frame->ground);
+  frame->full_detail_px = in.lod.full_detail_px;
+  frame->min_fraction = in.lod.min_fraction;
+  frame->hysteresis = in.lod.hysteresis;
+  frame->fade_share = in.lod.fade_share;
+  for (const SkipBit& skip : kSkips)
+    if (in.skip.*skip.member) frame->skip |= skip.bit;
+}
+
+const char* pelt_begin(PeltScene* scene, const PeltFrame* frame) {
+  if (!scene) return kNoScene;
+  if (!frame) return "the frame is null";
+  pelt::FrameInput input;
+  if (const char* fault = Translate(*frame, scene->weather, input)) return fault;
+  return scene->scene->BeginFrame(input);
+}
+
+const char* pelt_refused_pose(PeltScene* scene, uint32_t character) {
+  if (!scene) return kNoScene;
+  for (const pelt::RefusedPose& refused : scene->scene->RefusedPoses())
+    if (refused.character == character)
+      return (scene->text = pelt::DescribeRefusedPose(refused)).c_str();
+  return nullptr;
+}
+
+const char* pelt_run(PeltScene* scene, const PeltDoor* door) {
+  if (!scene) return kNoScene;
+  const pelt::Frame frame = scene->scene->CurrentFrame();
+  if (!door) return pelt::SerialExecutor().Run(frame);
+  if (const char* fault = pelt::FindDoorFault(*door)) return fault;
+  if (!scene->executor || !SameDoor(scene->door, *door))
+    scene->executor.emplace(scene->door = *door, uint32_t(frame.plan->passes.size()));
+  return scene->executor->Run(frame);
+}
+
+const char* pelt_door_faults(PeltScene* scene) {
+  if (!scene) return kNoScene;
+  if (!scene->executor || !scene->executor->faults().Any()) return nullptr;
+  return (scene->text = scene->executor->faults().Text()).c_str();
+}
+
+const char* pelt_open(PeltScene* scene) {
+  if (!scene) return kNoScene;
+  const char* why = "another frame is open";
+  return scene->pull.Begin(scene->scene->CurrentFrame(), &why) ? nullptr : why;
+}
+
+int pelt_pull(PeltScene* scene) { return scene ? int(scene->pull.TryRun()) : PELT_IDLE; }
+
+uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
+  if (!scene) return 0;
+  const std::span<const pelt::LayerDraw> all = scene->scene->Draws();
+  for (size_t i = 0; draws && i < all.size() && i < room; ++i) {
+    const pelt::LayerDraw& from = all[i];
+    const pelt::OutputRow& format = from.format();
+    PeltDraw& to = draws[i];
+    to = {.layer = from.layer,
+          .output = uint32_t(from.output),
+          .output_name = format.name.data(),
+          .vertices = from.vertices.data(),
+          .vertices_bytes = from.vertices.size(),
+          .vertex_bytes = format.vertex_bytes,
+          .vertices_per_strand = format.vertices_per_strand,
+          .strand_count = from.strand_count,
+          .order = from.order.data(),
+          .live_strands = from.live_strands,
+          .low = {},
+          .high = {},
+          .tip_width = from.tip_width};
+    Copy(from.low, to.low);
+    Copy(from.high, to.high);
+  }
+  return uint32_t(all.size());
+}
+
+uint32_t pelt_copy_curves(PeltScene* scene, uint32_t layer, PeltStrandCurve* curves,
+                          uint32_t room) {
+  if (!scene || !curves) return 0;
+  return scene->scene->CopyCurves(layer, {reinterpret_cast<pelt::StrandCurve*>(curves), room});
+}
+
+uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint32_t* indices,
+                             uint32_t room) {
+  if (!indices) return 0;
+  const uint64_t wanted = uint64_t(strand_count) * pelt::kRibbonIndicesPerHair;
+  const std::span<uint32_t> all(indices, size_t(std::min<uint64_t>(wanted, room)));
+  if (order) return pelt::WriteSortedRibbonIndices({order, strand_count}, 0, all);
+  pelt::WriteRibbonIndices(all);
+  return uint32_t(all.size() / pelt::kRibbonIndicesPerHair * pelt::kRibbonIndicesPerHair);
+}
+
+uint64_t pelt_digest(const PeltScene* scene) { return scene ? scene->scene->DigestFrame() : 0; }

@@ -1,0 +1,209 @@
+/* Pelt's door for engines that are not C++: one scene of furry characters, from groom files to what
+ * there is to draw. The same door as jobs/scene.hpp and jobs/engine_door.hpp, in C11.
+ *
+ *   PeltScene* scene = pelt_create(&groom, 1, NULL, why, sizeof why);
+ *   for (;;) {
+ *     pelt_set_joint(scene, 0, joint, &transform);     for every joint, from your animation
+ *     pelt_begin(scene, &frame);                       NULL, or why the frame must not run
+ *     pelt_run(scene, &door);                          on your job system; or pelt_pull
+ *     count = pelt_draws(scene, draws, room);
+ *   }
+ *   pelt_destroy(scene);
+ *
+ * What fails returns a text that says why, and has changed nothing; NULL is success. A text lives
+ * until the next call on its scene. A null scene, an index out of range, input that is not finite
+ * or a damaged groom is refused, never followed. Calls on one scene come from one thread at a time;
+ * but any thread may call pelt_pull while a frame is open.
+ *
+ * Invariant: after pelt_create only the first pelt_run with a door allocates. */
+#ifndef PELT_JOBS_PELT_H
+#define PELT_JOBS_PELT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Running: what the engine implements. No exceptions may leave the functions. ---- */
+
+typedef void (*PeltTask)(void* context);
+
+typedef struct PeltDoor {
+  /* Has task(context) called exactly once, on any thread, at any time from now until `finish`
+   * returns. May call it before returning, and then return NULL: nothing to finish. `name` is for
+   * the engine's profiler and lives as long as the program. */
+  void* (*enqueue)(PeltTask task, void* context, void* user, const char* name);
+  /* Returns when the task of this handle has returned. Called once for each handle that is not
+   * NULL. It may run this task, or others, on the calling thread meanwhile. */
+  void (*finish)(void* handle, void* user);
+  void* user;
+  /* Threads that may run tasks at one time, the one that calls pelt_run included. */
+  uint32_t worker_count;
+} PeltDoor;
+
+/* ---- A scene ---- */
+
+typedef struct PeltScene PeltScene;
+
+typedef struct PeltBytes {
+  const void* data;
+  size_t bytes;
+} PeltBytes;
+
+enum PeltVertexOrder {
+  PELT_SORTED = 0,      /* vertices lie in drawing order */
+  PELT_INDEX_BUFFER = 1 /* vertices lie in strand order and are drawn through an index buffer */
+};
+
+typedef struct PeltSceneOptions {
+  uint32_t vertex_order;        /* PeltVertexOrder */
+  uint64_t memory_budget_bytes; /* a scene that needs more is refused; 0: no budget */
+  /* Gives the scene's one block, aligned to 128 bytes, once; it is the caller's again after
+   * pelt_destroy, or when pelt_create has failed. NULL: Pelt allocates it. */
+  void* (*allocate)(uint64_t bytes, void* user);
+  void* user;
+} PeltSceneOptions;
+
+/* A scene of `count` characters, one groom file (`pelt bake`) in memory for each; the bytes are
+ * copied, and read once where characters share them. `options` may be NULL. NULL when it fails, and
+ * the reason in `why`, cut to `why_bytes`. Every character stands in its bind pose. */
+PeltScene* pelt_create(const PeltBytes* grooms, uint32_t count, const PeltSceneOptions* options,
+                       char* why, size_t why_bytes);
+void pelt_destroy(PeltScene* scene);
+
+/* Of things that are not there: 0, or NULL. */
+uint32_t pelt_layer_count(const PeltScene* scene);
+const char* pelt_layer_name(const PeltScene* scene, uint32_t layer);
+uint32_t pelt_joint_count(const PeltScene* scene, uint32_t character);
+const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t joint);
+
+/* ---- A frame ---- */
+
+typedef struct PeltJoint {
+  float translation[3];
+  float rotation[4]; /* a unit quaternion, xyzw */
+  float scale[3];
+} PeltJoint;
+
+/* The transform of a joint relative to its parent, as the character file has it. */
+const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
+                           const PeltJoint* local);
+/* Where the character stands: row-major 3x4. `teleported`: its fur starts from its groom. */
+const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12], int teleported);
+
+enum PeltSkip { /* what may be left out; of these only PELT_LOD and PELT_CULL can change a bit */
+                PELT_SLEEP = 1,
+                PELT_UNMOVED = 2,
+                PELT_SORT = 4,
+                PELT_CULL = 8,
+                PELT_WIND = 16,
+                PELT_LOD = 32
+};
+
+#define PELT_FREE UINT32_MAX
+
+/* What a ball covers on its way from one point to another. Free: ends in the world, m. Bound to a
+ * joint: ends where the joint's own space has them, in the units of the character file. */
+typedef struct PeltCapsule {
+  float from[3], to[3];
+  float radius;       /* m */
+  uint32_t character; /* whose joint it is */
+  uint32_t joint;     /* or PELT_FREE */
+} PeltCapsule;
+
+typedef struct PeltFrame {
+  double dt_s;   /* 1e-6 to 1; or 0: a pause */
+  double time_s; /* 0 or later */
+  /* The camera: world space, right-handed, metres. */
+  float eye[3], target[3], up[3];
+  float vertical_fov_rad, viewport_width_px, viewport_height_px, near_m, far_m;
+  float gravity[3]; /* m/s^2 */
+  float wind[3];    /* mean, m/s */
+  float gust_strength, gust_period_s, turbulence, turbulence_scale_m;
+  int use_ground;
+  float ground[4];           /* n.x + d >= 0 is above; n is unit */
+  uint32_t sphere_count;     /* at most 8 */
+  const float (*spheres)[4]; /* centre, radius */
+  uint32_t capsule_count;    /* at most 8 */
+  const PeltCapsule* capsules;
+  /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
+  const float (*weather)[2];
+  float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */
+  uint32_t strand_budget;                                     /* 0: no budget */
+  uint32_t skip;                                              /* PeltSkip */
+} PeltFrame;
+
+/* Fills in what a frame has unless it is told otherwise. */
+void pelt_default_frame(PeltFrame* frame);
+
+/* Takes poses and input. The frame must then be run, once. */
+const char* pelt_begin(PeltScene* scene, const PeltFrame* frame);
+/* Why a character's pose was not used by the last pelt_begin (it keeps its last one); NULL when it
+ * was. */
+const char* pelt_refused_pose(PeltScene* scene, uint32_t character);
+
+/* Runs the frame and returns when it is done. `door` NULL: on the calling thread alone. The door
+ * may change from frame to frame; what is kept for it is made when it does. */
+const char* pelt_run(PeltScene* scene, const PeltDoor* door);
+/* What the present door did wrong since it came, and what to look for; NULL: nothing. The frames
+ * are right all the same. */
+const char* pelt_door_faults(PeltScene* scene);
+
+/* Instead of pelt_run, for engines that would rather poll: pelt_open once, then pelt_pull on any
+ * threads until it returns PELT_IDLE, which says that the frame is done. */
+enum PeltPull {
+  PELT_RAN,           /* an item was run */
+  PELT_NOTHING_READY, /* all items that may run are running elsewhere */
+  PELT_IDLE           /* no frame is open: it is done */
+};
+const char* pelt_open(PeltScene* scene);
+int pelt_pull(PeltScene* scene);
+
+/* ---- What there is to draw ---- */
+
+enum PeltOutput { PELT_INSTANCES = 0, PELT_RIBBONS = 1, PELT_LINES = 2 };
+
+typedef struct PeltDraw {
+  uint32_t layer;
+  uint32_t output;         /* PeltOutput: jobs/DRAWING.md describes the bytes of each */
+  const char* output_name; /* "instances" */
+  const void* vertices;    /* in the scene's memory, until the next frame runs */
+  size_t vertices_bytes;
+  uint32_t vertex_bytes;
+  uint32_t vertices_per_strand;
+  uint32_t strand_count;
+  const uint32_t* order; /* the strand at each of `strand_count` places */
+  uint32_t live_strands; /* what pelt_copy_curves has */
+  float low[3], high[3]; /* box around the layer's strands; m, world */
+  float tip_width;       /* over the width at the root */
+} PeltDraw;
+
+/* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none
+ * while a frame is begun or runs. */
+uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room);
+
+typedef struct PeltStrandCurve {
+  float point[5][4];                /* x, y, z, full width; m, world; root first */
+  uint32_t base_colour, tip_colour; /* 0xAABBGGRR */
+  uint32_t strand;                  /* its number in its layer, the same in every frame */
+  uint32_t film_strip;
+} PeltStrandCurve;
+
+/* A layer's living strands as points, for those who draw in another way. Returns how many were
+ * written. */
+uint32_t pelt_copy_curves(PeltScene* scene, uint32_t layer, PeltStrandCurve* curves, uint32_t room);
+
+/* Indices of triangles for ribbons: of strands 0, 1, 2, ... with `order` NULL, of the strands it
+ * names otherwise. 24 for each strand. Returns how many were written. */
+uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint32_t* indices,
+                             uint32_t room);
+
+/* Digest of all that the last frame computed: the same on every machine and thread count. */
+uint64_t pelt_digest(const PeltScene* scene);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,266 @@
+/* An engine in C: it makes a scene, is told what is wrong with bad input, runs the same frame on
+ * the caller, on a job system of two functions and by polling, and draws what comes out. Prints the
+ * picture and the digest of the README's example; returns the number of checks that failed.
+ *
+ *   c_program GROOM */
+#include <math.h>
+#include <stdlib.h>
+
+#include "draw_frame.h"
+#include "pelt/jobs/pelt.h"
+
+static int failures = 0;
+
+static void Expect(int holds, const char* what, const char* text) {
+  if (holds) return;
+  fprintf(stderr, "FAILED: %s: '%s'\n", what, text ? text : "");
+  ++failures;
+}
+
+/* The text must name what is wrong. */
+static void ExpectRefused(const char* text, const char* word) {
+  Expect(text != NULL && strstr(text, word) != NULL, word, text);
+}
+static void ExpectDone(const char* text, const char* what) { Expect(text == NULL, what, text); }
+
+/* ---- A job system: tasks wait in a queue until they are asked for ---- */
+
+typedef struct Job {
+  PeltTask task;
+  void* context;
+} Job;
+typedef struct Jobs {
+  Job queue[4096];
+  uint32_t count;
+} Jobs;
+
+static void* Enqueue(PeltTask task, void* context, void* user, const char* name) {
+  Jobs* jobs = user;
+  (void)name;
+  if (jobs->count == 4096) { /* full: done at once */
+    task(context);
+    return NULL;
+  }
+  jobs->queue[jobs->count].task = task;
+  jobs->queue[jobs->count].context = context;
+  return &jobs->queue[jobs->count++];
+}
+static void Finish(void* handle, void* user) {
+  Job* job = handle;
+  (void)user;
+  job->task(job->context);
+}
+
+/* ---- Memory: one block of the caller's ---- */
+
+typedef struct Arena {
+  void* given;
+  void* aligned;
+  uint64_t bytes;
+} Arena;
+
+static void* Allocate(uint64_t bytes, void* user) {
+  Arena* arena = user;
+  arena->bytes = bytes;
+  arena->given = malloc(bytes + 128);
+  arena->aligned = (char*)arena->given + (128 - (uintptr_t)arena->given % 128);
+  return arena->aligned;
+}
+static void* GiveNothing(uint64_t bytes, void* user) {
+  (void)bytes, (void)user;
+  return NULL;
+}
+
+/* What the file holds, and how much; null: it cannot be read. */
+static void* ReadFile(const char* path, size_t* bytes) {
+  FILE* in = fopen(path, "rb");
+  if (!in) return NULL;
+  fseek(in, 0, SEEK_END);
+  *bytes = (size_t)ftell(in);
+  rewind(in);
+  void* data = malloc(*bytes);
+  if (fread(data, 1, *bytes, in) != *bytes) *bytes = 0;
+  fclose(in);
+  return data;
+}
+
+/* ---- Bad input ---- */
+
+static void TryBadScenes(PeltBytes good) {
+  char why[200] = "";
+  PeltBytes bad = good;
+  PeltSceneOptions options = {0};
+  Expect(!pelt_create(NULL, 1, NULL, why, sizeof why), "null grooms", why);
+  Expect(!pelt_create(&good, 0, NULL, NULL, 0), "no groom", "");
+  bad.bytes /= 2;
+  Expect(!pelt_create(&bad, 1, NULL, why, sizeof why), "half a groom", why);
+  ExpectRefused(why, "it was cut or extended");
+  bad.data = NULL;
+  Expect(!pelt_create(&bad, 1, NULL, why, sizeof why), "a null groom", why);
+  ExpectRefused(why, "is null");
+  options.memory_budget_bytes = 1;
+  Expect(!pelt_create(&good, 1, &options, why, sizeof why), "a budget", why);
+  ExpectRefused(why, "memory budget of 1");
+  Expect(!pelt_create(&good, 1, &options, why, 8) && strlen(why) == 7, "a cut text", why);
+  options.memory_budget_bytes = 0;
+  options.allocate = GiveNothing;
+  Expect(!pelt_create(&good, 1, &options, why, sizeof why), "no memory", why);
+  ExpectRefused(why, "gave none");
+  options.vertex_order = 7;
+  Expect(!pelt_create(&good, 1, &options, why, sizeof why), "an order", why);
+  ExpectRefused(why, "vertex order");
+}
+
+static void TryNulls(void) {
+  PeltFrame frame;
+  pelt_default_frame(&frame);
+  pelt_default_frame(NULL);
+  pelt_destroy(NULL);
+  ExpectRefused(pelt_begin(NULL, &frame), "null");
+  ExpectRefused(pelt_run(NULL, NULL), "null");
+  ExpectRefused(pelt_open(NULL), "null");
+  ExpectRefused(pelt_set_joint(NULL, 0, 0, NULL), "null");
+  ExpectRefused(pelt_place(NULL, 0, NULL, 0), "null");
+  ExpectRefused(pelt_refused_pose(NULL, 0), "null");
+  ExpectRefused(pelt_door_faults(NULL), "null");
+  Expect(pelt_pull(NULL) == PELT_IDLE, "pull", "null");
+  Expect(pelt_draws(NULL, NULL, 0) == 0 && pelt_copy_curves(NULL, 0, NULL, 0) == 0 &&
+             pelt_digest(NULL) == 0 && pelt_layer_count(NULL) == 0 && !pelt_layer_name(NULL, 0) &&
+             pelt_joint_count(NULL, 0) == 0 && !pelt_joint_name(NULL, 0, 0) &&
+             pelt_ribbon_indices(NULL, 1, NULL, 24) == 0,
+         "nothing of a null scene", "");
+}
+
+static void TryBadFrames(PeltScene* scene) {
+  PeltFrame frame, bad;
+  PeltJoint joint = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+  const float root[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  const uint32_t joints = pelt_joint_count(scene, 0);
+  PeltDoor door = {NULL, Finish, NULL, 1};
+  pelt_default_frame(&frame);
+  Expect(joints > 0 && pelt_joint_name(scene, 0, joints - 1) != NULL, "joints", "");
+  ExpectRefused(pelt_set_joint(scene, 0, joints, &joint), "no such joint");
+  ExpectRefused(pelt_set_joint(scene, 1, 0, &joint), "no such joint");
+  ExpectRefused(pelt_set_joint(scene, 0, 0, NULL), "null");
+  ExpectRefused(pelt_place(scene, 9, root, 0), "no such character");
+  ExpectRefused(pelt_place(scene, 0, NULL, 0), "null");
+  ExpectRefused(pelt_begin(scene, NULL), "null");
+  bad = frame;
+  bad.dt_s = NAN;
+  ExpectRefused(pelt_begin(scene, &bad), "dt_s");
+  bad = frame;
+  bad.sphere_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "spheres are null");
+  bad.sphere_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more spheres");
+  bad = frame;
+  bad.capsule_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "capsules are null");
+  bad.capsule_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more capsules");
+  const PeltCapsule capsule = {{0, 0, 0}, {0, 1, 0}, 0.1f, 0, joints};
+  bad.capsules = &capsule;
+  bad.capsule_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "joint");
+  ExpectRefused(pelt_run(scene, NULL), "no frame was begun");
+  ExpectRefused(pelt_run(scene, &door), "enqueue and finish");
+}
+
+/* ---- Frames ---- */
+
+enum { kDraws = 64 };
+
+static uint32_t DrawFrame(PeltScene* scene) {
+  static Canvas canvas;
+  PeltDraw draws[kDraws];
+  const uint32_t count = pelt_draws(scene, draws, kDraws);
+  if (count == 0 || count > kDraws) return 0;
+  float low[3], high[3];
+  memcpy(low, draws[0].low, sizeof low);
+  memcpy(high, draws[0].high, sizeof high);
+  for (uint32_t i = 1; i < count; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      if (draws[i].low[axis] < low[axis]) low[axis] = draws[i].low[axis];
+      if (draws[i].high[axis] > high[axis]) high[axis] = draws[i].high[axis];
+    }
+  LookAt(&canvas, low, high);
+  for (uint32_t i = 0; i < count; ++i) {
+    const PeltDraw* draw = &draws[i];
+    if (draw->output == PELT_INSTANCES) {
+      DrawInstances(&canvas, draw->vertices, draw->strand_count);
+    } else if (draw->output == PELT_RIBBONS) {
+      const uint32_t room = draw->strand_count * 24;
+      uint32_t* indices = malloc(room * sizeof *indices);
+      DrawRibbons(&canvas, draw->vertices, indices,
+                  pelt_ribbon_indices(NULL, draw->strand_count, indices, room));
+      free(indices);
+    }
+    PeltStrandCurve* curves = malloc(draw->live_strands * sizeof *curves);
+    Expect(pelt_copy_curves(scene, draw->layer, curves, draw->live_strands) == draw->live_strands,
+           "curves", draw->output_name);
+    Expect(curves[0].point[0][3] > 0.0f && pelt_layer_name(scene, draw->layer) != NULL, "a width",
+           draw->output_name);
+    free(curves);
+  }
+  return ShowCanvas(&canvas);
+}
+
+/* Two frames; in the second, what the capsule pushes away, if there is one. */
+static uint64_t RunFrames(PeltBytes groom, int how, const PeltCapsule* capsule, uint64_t* first,
+                          int show) {
+  static Jobs jobs;
+  char why[200] = "";
+  Arena arena = {NULL, NULL, 0};
+  const PeltSceneOptions options = {.allocate = Allocate, .user = &arena};
+  PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
+  Expect(scene != NULL, "creates", why);
+  if (!scene) return 0;
+  TryBadFrames(scene);
+  PeltFrame frame;
+  pelt_default_frame(&frame);
+  const PeltDoor door = {Enqueue, Finish, &jobs, 4};
+  for (int f = 0; f < 2; ++f) {
+    jobs.count = 0;
+    frame.time_s = f * frame.dt_s;
+    frame.capsules = capsule;
+    frame.capsule_count = f == 1 && capsule ? 1 : 0;
+    ExpectDone(pelt_begin(scene, &frame), "begins");
+    ExpectDone(pelt_refused_pose(scene, 0), "the pose");
+    Expect(pelt_draws(scene, NULL, 0) == 0, "no draws while a frame is open", "");
+    if (how == 0) ExpectDone(pelt_run(scene, NULL), "runs");
+    if (how == 1) ExpectDone(pelt_run(scene, &door), "runs through the door");
+    if (how == 2) {
+      ExpectDone(pelt_open(scene), "opens");
+      while (pelt_pull(scene) != PELT_IDLE) continue;
+    }
+    if (f == 0) *first = pelt_digest(scene);
+  }
+  ExpectDone(pelt_door_faults(scene), "door faults");
+  if (show) Expect(DrawFrame(scene) > 50, "something to see", "");
+  const uint64_t digest = pelt_digest(scene);
+  pelt_destroy(scene);
+  free(arena.given);
+  return digest;
+}
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  size_t bytes = 0;
+  void* const file = ReadFile(argv[1], &bytes);
+  if (!file) return 2;
+  const PeltBytes groom = {file, bytes};
+  TryNulls();
+  TryBadScenes(groom);
+  uint64_t first[3], last[3];
+  const PeltCapsule in_the_fur = {{0, 0, 0}, {0, 1, 0}, 0.3f, 0, PELT_FREE};
+  for (int how = 0; how < 3; ++how)
+    last[how] = RunFrames(groom, how, &in_the_fur, &first[how], how == 1);
+  Expect(first[0] == first[1] && first[0] == first[2], "first digests", "differ");
+  Expect(last[0] == last[1] && last[0] == last[2], "last digests", "differ");
+  uint64_t same;
+  Expect(RunFrames(groom, 0, NULL, &same, 0) != last[0] && same == first[0], "a capsule",
+         "no touch");
+  printf("%016llx\n", (unsigned long long)first[0]);
+  free(file);
+  return failures;
+}
