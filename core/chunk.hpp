@@ -33,6 +33,16 @@ inline constexpr uint32_t kVerticesPerChunk = kStrandsPerChunk;
 static_assert(kStrandsPerChunk == 64 || kStrandsPerChunk == 128 || kStrandsPerChunk == 256,
               "strands address their chunk's vertices with 8 bits");
 
+// Blocks of another capacity are other types of the same names. So every file that knows blocks
+// refers to a symbol that has its capacity in the name, and the library has the one it was built
+// for: a program compiled for another does not link.
+#define PELT_JOIN(a, b, c) a##b##c
+#define PELT_CAPACITY_SYMBOL(strands) PELT_JOIN(pelt_is_built_for_chunks_of_, strands, _strands)
+extern "C" const char PELT_CAPACITY_SYMBOL(PELT_CHUNK_STRANDS);
+namespace {
+[[gnu::used]] const char* const kLibraryCapacity = &PELT_CAPACITY_SYMBOL(PELT_CHUNK_STRANDS);
+}
+
 // Widest vector any kernel is built for; lane counts are rounded up to it.
 inline constexpr uint32_t kLaneGroup = 16;
 // Always inline, as what is called within kernels: no copy of it that needs an instruction set.

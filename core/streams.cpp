@@ -44,6 +44,9 @@ uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk) {
 
 }  // namespace streams_detail
 
+// The one of this build: see core/chunk.hpp.
+const char PELT_CAPACITY_SYMBOL(PELT_CHUNK_STRANDS) = 0;
+
 template <>
 const StreamTable& TableOf<Streams>() {
   return MakeTable<Streams>();

@@ -1,18 +1,35 @@
-# Copies the public headers to PELT_HEADER_DIR/pelt, where they name each other "pelt/core/chunk.hpp"
-# in place of "core/chunk.hpp". A project that uses Pelt may then have a core/chunk.hpp of its own,
-# first on its include path, and neither takes the other's.
+# Copies the public headers (public_headers.txt), and what they include, to PELT_HEADER_DIR/pelt, where
+# they name each other "pelt/core/chunk.hpp" in place of "core/chunk.hpp". A project that uses Pelt may
+# then have a core/chunk.hpp of its own, first on its include path, and neither takes the other's.
 #
-# In: PELT_SOURCE_DIR, PELT_HEADER_DIR, PELT_PRIVATE_HEADERS (a regex). Out: PELT_PUBLISHED_HEADERS.
-set(rooms core traces jobs platform_sim)
-string(JOIN "|" any_room ${rooms})
+# In: PELT_SOURCE_DIR, PELT_HEADER_DIR, PELT_LEFT_OUT (sections of the list). Out: PELT_PUBLISHED_HEADERS.
+cmake_policy(PUSH)
+cmake_policy(VERSION 3.24)  # an installation is made without a project's
 set(PELT_PUBLISHED_HEADERS "")
-foreach(room ${rooms})
-  file(GLOB_RECURSE headers RELATIVE ${PELT_SOURCE_DIR} ${PELT_SOURCE_DIR}/${room}/*.hpp ${PELT_SOURCE_DIR}/${room}/*.h)
-  list(FILTER headers EXCLUDE REGEX "${PELT_PRIVATE_HEADERS}")
-  foreach(header ${headers})
-    file(READ ${PELT_SOURCE_DIR}/${header} text)
-    string(REGEX REPLACE "#include \"(${any_room})/" "#include \"pelt/\\1/" text "${text}")
-    file(CONFIGURE OUTPUT ${PELT_HEADER_DIR}/pelt/${header} CONTENT "${text}" @ONLY)
-    list(APPEND PELT_PUBLISHED_HEADERS ${PELT_SOURCE_DIR}/${header})
-  endforeach()
+set(wanted "")
+set(section "")
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/public_headers.txt lines)
+foreach(line ${lines})
+  if(line MATCHES "^\\[([a-z]+)\\]")
+    set(section ${CMAKE_MATCH_1})
+  elseif(line MATCHES "^[a-z]" AND NOT section IN_LIST PELT_LEFT_OUT)
+    list(APPEND wanted ${line})
+  endif()
 endforeach()
+set(seen ${wanted})
+while(wanted)
+  list(POP_FRONT wanted header)
+  file(READ ${PELT_SOURCE_DIR}/${header} text)
+  string(REGEX MATCHALL "#include \"(core|traces|jobs|platform_sim)/[^\"]+" includes "${text}")
+  foreach(include ${includes})
+    string(SUBSTRING ${include} 10 -1 include)
+    if(NOT include IN_LIST seen)
+      list(APPEND wanted ${include})
+      list(APPEND seen ${include})
+    endif()
+  endforeach()
+  string(REGEX REPLACE "#include \"(core|traces|jobs|platform_sim)/" "#include \"pelt/\\1/" text "${text}")
+  file(CONFIGURE OUTPUT ${PELT_HEADER_DIR}/pelt/${header} CONTENT "${text}" @ONLY)
+  list(APPEND PELT_PUBLISHED_HEADERS ${PELT_SOURCE_DIR}/${header})
+endwhile()
+cmake_policy(POP)
