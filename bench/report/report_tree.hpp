@@ -26,10 +26,17 @@ inline constexpr size_t kReportColumns = 100;
 
 struct ReportTable;
 
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
 class Value {
  public:
   using Any = std::variant<std::monostate, bool, int64_t, uint64_t, double, std::string,
-                           std::vector<std::string>, std::shared_ptr<const ReportTable>>;
+                           std::vector<Value>, std::shared_ptr<const ReportTable>>;
 
   Value();  // none
   Value(bool value);
@@ -39,7 +46,8 @@ class Value {
   Value(std::string value);
   Value(std::string_view value) : Value(std::string(value)) {}
   Value(const char* value) : Value(std::string(value)) {}
-  Value(std::vector<std::string> list);
+  template <class T>
+  Value(const std::vector<T>& list) : Value(OfList({list.begin(), list.end()})) {}
   Value(ReportTable table);  // in JSON only
   // Not inline: g++ 12 takes what it inlines of a variant for uninitialised.
   Value(const Value& other);
@@ -49,10 +57,12 @@ class Value {
   ~Value();
 
   const Any& any() const { return value_; }
+  bool IsNone() const;
 
  private:
   static Value OfInteger(int64_t value);
   static Value OfInteger(uint64_t value);
+  static Value OfList(std::vector<Value> list);
 
   Any value_;
 };
@@ -66,11 +76,16 @@ enum class Show : uint8_t { kBoth, kText, kJson };
 struct Quantity {
   std::string key;
   std::string unit = {};     // in text
-  int decimals = -1;         // in text; -1: as many as the value has
+  int decimals = -1;         // in text; -1: as many as the value has; -3: three digits in all
   std::string heading = {};  // in text; empty: the key's last part, blanks for its underscores
   double scale = 1.0;        // in text: 100 shows a share in %
   Show show = Show::kBoth;
 };
+
+inline Quantity InJson(std::string key) { return {.key = std::move(key), .show = Show::kJson}; }
+inline Quantity InText(std::string heading, std::string unit = {}, int decimals = -1) {
+  return {{}, std::move(unit), decimals, std::move(heading), 1.0, Show::kText};
+}
 
 struct ReportTable {
   std::string key;
@@ -101,12 +116,14 @@ class ReportTree {
   ReportTree& AddTexts(std::string key, std::vector<std::string> texts, std::string heading = {});
   // An object of its own; its heading stands in front of its first line of text.
   ReportTree& AddSection(std::string key, std::string heading = {});
-  // One more object in the array of that key; BeginList() makes one that may stay empty.
+  // One more object in the array of that key; without a key the array is all of the JSON.
+  // BeginList() makes one that may stay empty.
   ReportTree& AddEntry(const std::string& key, std::string heading = {});
   void BeginList(const std::string& key);
 
   std::string Text() const;
   std::string Json() const;
+  void Print(bool json) const;  // to standard output
 
  private:
   struct Field {

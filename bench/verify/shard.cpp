@@ -100,9 +100,9 @@ void AddShardHeader(const Fingerprint& fingerprint, const Shard& shard, uint32_t
                     ReportTree& tree) {
   const auto json = [](std::string key) { return Quantity{.key = key, .show = Show::kJson}; };
   ReportTree& of = tree.AddSection("fingerprint");
-  for (const auto& [name, value] : fingerprint) of.Add(json(name), value);
-  tree.AddSection("shard").Add(json("index"), shard.index).Add(json("count"), shard.count);
-  tree.Add(json("places"), places);
+  for (const auto& [name, value] : fingerprint) of.Add(InJson(name), value);
+  tree.AddSection("shard").Add(InJson("index"), shard.index).Add(InJson("count"), shard.count);
+  tree.Add(InJson("places"), places);
 }
 
 }  // namespace pelt

@@ -32,9 +32,6 @@ struct Cell {
   uint32_t same = 0, cases = 0;
 };
 
-Quantity InJson(std::string key) { return {.key = std::move(key), .show = Show::kJson}; }
-Quantity InText(std::string key) { return {.key = std::move(key), .show = Show::kText}; }
-
 // Columns of what a case, a skip or a check came to; members that it has not are left out.
 void AddOutcomeColumns(std::vector<Quantity>& columns) {
   for (const char* key :

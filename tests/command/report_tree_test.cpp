@@ -111,14 +111,14 @@ TEST(ReportTree, MapsSectionsListsAndTexts) {
   ReportTree& section = report.AddSection("totals", "in all");
   section.Add({"cycles"}, 12u).Add({"binds"}, "even pipe");
   report.AddTexts("faults", {"one", "two"}, "FAULT");
-  report.AddEntry("loops", "loop a").Add({"turns"}, 3);
+  report.AddEntry("loops", "loop a").Add({"iterations"}, 3);
   const json read = json::parse(report.Json());
   EXPECT_EQ(read["memory"], json::object());
-  EXPECT_EQ(read["loops"], json::parse(R"([{"turns": 3}])"));
+  EXPECT_EQ(read["loops"], json::parse(R"([{"iterations": 3}])"));
   EXPECT_EQ(read["totals"]["cycles"], 12);
   EXPECT_EQ(read["faults"], json::parse(R"(["one", "two"])"));
   EXPECT_EQ(report.Text(),
-            "loop a: turns 3\nin all: cycles 12, binds even pipe\nFAULT: one\nFAULT: two\n");
+            "loop a: iterations 3\nin all: cycles 12, binds even pipe\nFAULT: one\nFAULT: two\n");
 }
 
 }  // namespace
