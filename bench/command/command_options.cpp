@@ -22,13 +22,30 @@ std::vector<std::string> Names(const auto& range) {
 
 // An option that is one of a few words.
 template <class Enum>
-void AddWord(CLI::App& app, const char* name, const char* help, std::optional<Enum>& target,
-             const std::map<std::string, Enum>& words) {
-  std::vector<std::string> allowed;
-  for (const auto& [word, value] : words) allowed.push_back(word);
-  app.add_option_function<std::string>(
-         name, [&target, words](const std::string& word) { target = words.at(word); }, help)
-      ->check(CLI::IsMember(allowed));
+void AddWord(CLI::App& app, const char* name, const char* help, Enum LayerParams::*param,
+             std::optional<Enum>& target) {
+  const auto words = LayerParamRowOf(param).words;
+  const auto set = [&target, words](const std::string& word) {
+    target = Enum(std::ranges::find(words, word) - words.begin());
+  };
+  app.add_option_function<std::string>(name, set, help)->check(CLI::IsMember(Names(words)));
+}
+
+using Row = ExecutorRow;
+
+// "tbb, door and pull"
+std::string ListOf(bool (Row::*which)() const) {
+  std::vector<std::string> names = OfferedExecutors(which);
+  const std::string last = names.back();
+  names.pop_back();
+  return names.empty() ? last : fmt::format("{} and {}", fmt::join(names, ", "), last);
+}
+
+std::string DescribeExecutors() {
+  std::string text = "What runs the frames: tbb if not given";
+  for (const std::string& name : OfferedExecutors())
+    text += fmt::format("\n{}: {}", name, ExecutorKind(name)->text);
+  return text;
 }
 
 }  // namespace
@@ -69,13 +86,10 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
   app.add_option("--seed", request.seed, "Another groom from the same setups")
       ->excludes(groom)
       ->capture_default_str();
-  AddWord(app, "--solver", "Of every layer that can have it, instead of its own", request.solver,
-          {{"pbd", Solver::kPbd}, {"verlet", Solver::kVerlet}, {"modal", Solver::kModal}});
+  AddWord(app, "--solver", "Of every layer that can have it, instead of its own",
+          &LayerParams::solver, request.solver);
   AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
-          request.quality,
-          {{"fast", ModalQuality::kFast},
-           {"default", ModalQuality::kDefault},
-           {"best", ModalQuality::kBest}});
+          &LayerParams::quality, request.quality);
 }
 
 void CompleteSource(const CLI::App& app, ScenarioRequest& request) {
@@ -148,21 +162,22 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
 
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {
   app.add_option_function<std::string>(
-         "--executor", [&executor](const std::string& name) { executor = *ParseExecutor(name); },
-         "What runs the frames: tbb if not given")
-      ->check(CLI::IsMember({"serial", "tbb", "door", "pull", "permuted", "local-store"}));
-  app.add_option("--workers", workers, "Threads for tbb, door and pull; 0: one for each core")
+         "--executor", [&executor](const std::string& name) { executor = ExecutorKind(name); },
+         DescribeExecutors())
+      ->check(CLI::IsMember(OfferedExecutors()));
+  app.add_option("--workers", workers,
+                 fmt::format("Threads for {}; 0: one for each core", ListOf(&Row::HasWorkers)))
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_option("--order-seed", order_seed, "Order for permuted; 0: backwards")
+  app.add_option("--order-seed", order_seed,
+                 fmt::format("Order for {}; 0: backwards", ListOf(&Row::HasSeed)))
       ->capture_default_str();
 }
 
 void CheckExecutor(const CLI::App& app, ExecutorKind executor) {
-  const bool has_workers = executor == ExecutorKind::kTbb || executor == ExecutorKind::kDoor ||
-                           executor == ExecutorKind::kPull;
-  RefuseUnless(app, has_workers, {"--workers"}, "--executor tbb, door and pull");
-  RefuseUnless(app, executor == ExecutorKind::kPermuted, {"--order-seed"}, "--executor permuted");
+  RefuseUnless(app, executor->HasWorkers(), {"--workers"},
+               "--executor " + ListOf(&Row::HasWorkers));
+  RefuseUnless(app, executor->HasSeed(), {"--order-seed"}, "--executor " + ListOf(&Row::HasSeed));
 }
 
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {

@@ -53,7 +53,7 @@ int Record(const RecordArgs& args);
 struct ReplayArgs {
   std::string path;
   // What runs it; the vertex order is the recording's.
-  VerifyCase as{.executor = ExecutorKind::kTbb, .workers = 0, .isa = BestIsa()};
+  VerifyCase as{.executor = "tbb", .workers = 0, .isa = BestIsa()};
   OutputPath digest_log;
   bool json = false;
 };

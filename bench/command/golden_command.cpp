@@ -36,7 +36,7 @@ constexpr Golden kGoldens[] = {{"tiny", "tiny", 20, 0},
 DigestLog RunGolden(const Golden& golden) {
   RunArgs args;
   args.request.scene = golden.scene;
-  args.options.executor = ExecutorKind::kSerial;
+  args.options.executor = "serial";
   args.options.frames = golden.frames;
   args.options.digest = false;
   args.options.skip.lod = golden.strand_budget != 0;

@@ -21,7 +21,7 @@ std::string TraceText(const FurScene& scene, const RunReport& report,
   timeline.metadata = {
       {"scene", report.scene},
       {"digest", report.options.digest ? fmt::format("{:016x}", report.digest) : "not taken"},
-      {"executor", std::string(ExecutorName(report.options.executor))},
+      {"executor", std::string(report.options.executor->name)},
       {"workers", fmt::format("{}", report.workers)},
       {"kernels", std::string(IsaName(report.options.scene.isa))},
       {"machine", fmt::format("{} ({} cores)", report.machine.processor, report.machine.cores)},
@@ -52,7 +52,7 @@ int Run(const RunArgs& args) {
   // In JSON output only the JSON goes to standard output.
   Scenario scenario = LoadForRun(args, args.json ? stderr : stdout);
   RunOptions options = args.options;
-  options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
+  options.scene.plan.must_fit = options.executor->local_store;
   RunningScenario running(scenario, options.scene);
   std::vector<FrameRecord> records;
   const TickScale tick_scale;

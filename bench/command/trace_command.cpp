@@ -132,7 +132,7 @@ int Record(const RecordArgs& args) {
   Scenario scenario = LoadForRun(args.run, stdout);
   RunOptions options = args.run.options;
   options.digest = false;
-  options.scene.plan.must_fit = options.executor == ExecutorKind::kLocalStore;
+  options.scene.plan.must_fit = options.executor->local_store;
   RunningScenario running(scenario, options.scene);
   InputLogWriter writer;
   BeginRecording(scenario, args.run, writer);
@@ -159,7 +159,7 @@ int Record(const RecordArgs& args) {
 int ReplayRecording(const ReplayArgs& args) {
   const InputLog log = ReadInputLogFile(args.path).OrThrow();
   ReplayScene replay(log, args.path, SceneOptionsOf(args.as));
-  const std::unique_ptr<Executor> executor = MakeExecutor(args.as);
+  const std::unique_ptr<WatchedExecutor> executor = MakeExecutor(args.as);
   const StageDigests stage_digests(replay.scene());
   DigestLog digests =
       stage_digests.Begin(log.about.scene, log.about.note, replay.options().vertex_order);
@@ -173,7 +173,7 @@ int ReplayRecording(const ReplayArgs& args) {
   }
   fmt::print("{}\n", args.json ? ReplayAsJson(result) : "verdict: " + DescribeReplay(result));
   if (!args.digest_log.empty()) WriteOutput("digest log", args.digest_log, WriteDigestLog(digests));
-  if (const std::vector<std::string> faults = FaultsOf(*executor); !faults.empty())
+  if (const std::vector<std::string> faults = executor->Faults(); !faults.empty())
     throw Error(fmt::format("{} faults, the first: {}", faults.size(), faults.front()));
   return result.Same() ? 0 : 1;
 }

@@ -12,10 +12,11 @@
 
 namespace pelt {
 void CheckRecords(ExecutorKind executor) {
-  if (executor == ExecutorKind::kLocalStore)
-    throw Error(
-        "the local-store executor records no times: what it spends copying is not what a frame "
-        "costs. Take serial, tbb or permuted");
+  if (executor->local_store)
+    throw Error(fmt::format(
+        "the {} executor records no times: what it spends copying is not what a frame costs. Take "
+        "serial, tbb or permuted",
+        executor->name));
 }
 
 RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptions& options) {
@@ -23,7 +24,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   as_case.executor = options.executor;
   as_case.workers = options.workers;
   as_case.order_seed = options.order_seed;
-  const std::unique_ptr<Executor> executor = MakeExecutor(as_case);
+  const std::unique_ptr<WatchedExecutor> executor = MakeExecutor(as_case);
 
   FurScene& scene = running.scene();
   RunReport report;
@@ -32,7 +33,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.options = options;
   report.frames = options.frames ? options.frames : scenario.default_frames;
   report.workers = WorkersOf(as_case);
-  report.workers_observed = ObservedWorkers(*executor);
+  report.workers_observed = executor->ObservedWorkers();
   report.strands = scene.layout().strand_count;
   report.characters = scene.shape().character_count;
   report.layers = scene.shape().layer_count;
@@ -69,7 +70,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   if (options.digest) report.digest = fold.Value();
   report.live_strands = scene.LiveStrands();
   report.drawn_strands = scene.DrawnStrands();
-  report.faults = FaultsOf(*executor);
+  report.faults = executor->Faults();
   return report;
 }
 
@@ -80,10 +81,9 @@ ReportTree MakeRunTree(const RunReport& r) {
   tree.EndLine();
   AddMachine(r.machine, tree);
   tree.EndLine();
-  tree.Add({"executor"}, ExecutorName(r.options.executor));
-  if (r.options.executor == ExecutorKind::kPermuted)
-    tree.Add({.key = "seed", .show = Show::kText}, r.options.order_seed);
-  const Show if_workers = HasWorkers(r.options.executor) ? Show::kBoth : Show::kJson;
+  tree.Add({"executor"}, r.options.executor->name);
+  if (r.options.executor->HasSeed()) tree.Add(InText("seed"), r.options.order_seed);
+  const Show if_workers = r.options.executor->HasWorkers() ? Show::kBoth : Show::kJson;
   tree.Add({.key = "workers", .heading = "workers asked for", .show = if_workers}, r.workers);
   tree.Add({.key = "workers_observed", .heading = "observed", .show = if_workers},
            r.workers_observed);

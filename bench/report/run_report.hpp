@@ -24,7 +24,7 @@ struct FinishedFrame {
 
 struct RunOptions {
   SceneOptions scene;
-  ExecutorKind executor = ExecutorKind::kTbb;
+  ExecutorKind executor = "tbb";
   uint32_t workers = 0;     // tbb; 0: one for each core
   uint64_t order_seed = 1;  // permuted
   uint32_t frames = 0;      // 0: the scenario's own

@@ -80,10 +80,10 @@ void CheckAccessAtRest(Scenario& scenario, const VerifyOptions& options, VerifyR
       continue;
     }
     const FrameSettings settings = sleeps ? FrameSettings{} : never;
-    what.executor = ExecutorKind::kSerial;
+    what.executor = "serial";
     CaseRun reference(scenario, what, settings, {});
     reference.scene().CopyStateFrom(settled.scene());
-    what.executor = ExecutorKind::kGuarded;
+    what.executor = "guarded";
     CaseRun guarded(scenario, what, settings, options.tamper);
     guarded.scene().CopyStateFrom(settled.scene());
     std::optional<Mismatch> mismatch;
@@ -93,9 +93,9 @@ void CheckAccessAtRest(Scenario& scenario, const VerifyOptions& options, VerifyR
       if (!SameDigests(DigestsOf(reference.scene()), DigestsOf(guarded.scene()), {}))
         mismatch = FindMismatch(reference, guarded, first + k, true);
     }
-    result.seen = dynamic_cast<GuardedExecutor&>(guarded.executor()).stages_run();
+    result.seen = guarded.executor().StagesRun();
     // What was touched first: a wrong value may be no more than what comes of it.
-    for (const Finding& finding : FindingsOf(guarded.executor())) result.Fail(finding);
+    for (const Finding& finding : guarded.executor().Findings()) result.Fail(finding);
     if (mismatch) result.Fail(FindingKind::kValue, *mismatch);
     report.checks.push_back(result);
   }

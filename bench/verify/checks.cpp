@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "bench/verify/guarded_executor.hpp"
-
 namespace pelt {
 
 Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool bookkeeping) {
@@ -20,15 +18,15 @@ Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool bookkeepin
 
 std::optional<Finding> FindUndeclared(Scenario& scenario, const VerifyCase& what,
                                       const VerifyOptions& options, uint32_t frame) {
-  if (!GuardedExecutor::IsAvailable() || what.executor == ExecutorKind::kGuarded) return {};
   VerifyCase guarded = what;
-  guarded.executor = ExecutorKind::kGuarded;
+  guarded.executor = "guarded";
+  if (!guarded.executor->IsAvailable() || what.executor == guarded.executor) return {};
   guarded.odd_floats = false;
   CaseRun run(scenario, guarded, FrameSettingsOf(what.settings, scenario), {});
   // As the case has it: what is planted there is planted here.
   if (options.tamper) options.tamper(what, run.tampered_plan());
   for (uint32_t f = 0; f <= frame; ++f) run.RunFrame(f);
-  const std::vector<Finding> findings = FindingsOf(run.executor());
+  const std::vector<Finding> findings = run.executor().Findings();
   return findings.empty() ? std::nullopt : std::optional<Finding>(findings.front());
 }
 

@@ -101,8 +101,7 @@ class CullingCheck {
       returned_.LeaveOut("no layer left the view and came back on this course");
     for (CheckResult* result : {&in_view_, &stayed_, &returned_, &drawn_, &tips_})
       report.checks.push_back(*result);
-    for (const ExecutorKind kind :
-         {ExecutorKind::kTbb, ExecutorKind::kPermuted, ExecutorKind::kLocalStore})
+    for (const ExecutorKind kind : {"tbb", "permuted", "local-store"})
       report.checks.push_back(CompareExecutor(kind));
   }
 
@@ -334,8 +333,8 @@ class CullingCheck {
   CheckResult CompareExecutor(ExecutorKind kind) {
     VerifyCase what = Best();
     what.executor = kind;
-    what.workers = HasWorkers(kind) ? 2 : 1;
-    CheckResult result = NewResult("the same with " + std::string(ExecutorName(kind)));
+    what.workers = kind->HasWorkers() ? 2 : 1;
+    CheckResult result = NewResult("the same with " + std::string(kind->name));
     CaseRun serial(scenario_, Best(), {}, {}), other(scenario_, what, {}, options_.tamper);
     for (uint32_t f = 0; f < kFrames && result.passed; ++f) {
       const auto aim = [&](FrameInput& input, FurScene&) { AimCamera(f, input.camera); };
@@ -344,8 +343,9 @@ class CullingCheck {
       ++result.seen;
       if (SameDigests(DigestsOf(serial.scene()), DigestsOf(other.scene()), {})) continue;
       if (const auto mismatch = FindMismatch(serial, other, f, true))
-        result.Fail(kind == ExecutorKind::kLocalStore ? FindingKind::kValue : FindingKind::kOrder,
-                    *mismatch);
+        result.Fail(
+            kind->order == ItemOrder::kAscending ? FindingKind::kValue : FindingKind::kOrder,
+            *mismatch);
     }
     return result;
   }

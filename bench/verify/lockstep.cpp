@@ -1,18 +1,10 @@
 #include "bench/verify/lockstep.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <thread>
 
-#include "bench/verify/guarded_executor.hpp"
 #include "bench/verify/odd_floats.hpp"
 #include "core/error.hpp"
-#include "jobs/adapters/pull_pool.hpp"
-#include "jobs/adapters/thread_pool_door.hpp"
-#include "jobs/engine_door.hpp"
-#include "jobs/tbb_executor.hpp"
-#include "platform_sim/local_store.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
@@ -61,24 +53,11 @@ bool CompareBlock(FurScene& expected, FurScene& found, Stream stream, uint32_t i
   return true;
 }
 
-// The door with an engine behind it.
-class PooledDoorExecutor final : public Executor {
- public:
-  explicit PooledDoorExecutor(uint32_t workers) : pool_(workers), executor_(pool_.door()) {}
-  void RunPasses(const Frame& frame) override { executor_.Run(frame); }
-  uint32_t ObservedWorkers() { return pool_.ObservedWorkers(); }
-  DoorFaults faults() const { return executor_.faults(); }
-
- private:
-  ThreadPoolDoor pool_;
-  DoorExecutor executor_;
-};
-
 }  // namespace
 
 SceneOptions SceneOptionsOf(const VerifyCase& what) {
   SceneOptions options;
-  options.plan.must_fit = what.executor == ExecutorKind::kLocalStore;
+  options.plan.must_fit = what.executor->local_store;
   options.isa = what.isa;
   options.plan.fuse = what.fuse;
   options.vertex_order = what.vertex_order;
@@ -87,61 +66,12 @@ SceneOptions SceneOptionsOf(const VerifyCase& what) {
 }
 
 uint32_t WorkersOf(const VerifyCase& what) {
-  if (!HasWorkers(what.executor)) return 1;
+  if (!what.executor->HasWorkers()) return 1;
   return what.workers ? what.workers : std::max(1u, std::thread::hardware_concurrency());
 }
 
-std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what) {
-  const uint32_t workers = WorkersOf(what);
-  switch (what.executor) {
-    case ExecutorKind::kTbb:
-      return std::make_unique<TbbExecutor>(workers);
-    case ExecutorKind::kDoor:
-      return std::make_unique<PooledDoorExecutor>(workers);
-    case ExecutorKind::kPull:
-      return std::make_unique<PullPool>(workers);
-    case ExecutorKind::kPermuted:
-      return std::make_unique<PermutedExecutor>(what.order_seed);
-    case ExecutorKind::kLocalStore:
-      return std::make_unique<LocalStoreExecutor>(PlanOptions{}.local_store_data_bytes);
-    case ExecutorKind::kGuarded:
-      return std::make_unique<GuardedExecutor>();
-    default:
-      return std::make_unique<SerialExecutor>();
-  }
-}
-
-uint32_t ObservedWorkers(Executor& executor) {
-  if (auto* tbb = dynamic_cast<TbbExecutor*>(&executor)) return tbb->ObservedWorkers();
-  if (auto* door = dynamic_cast<PooledDoorExecutor*>(&executor)) return door->ObservedWorkers();
-  if (auto* pull = dynamic_cast<PullPool*>(&executor)) return pull->ObservedWorkers();
-  return 1;
-}
-
-std::vector<Finding> FindingsOf(const Executor& executor) {
-  if (const auto* guarded = dynamic_cast<const GuardedExecutor*>(&executor))
-    return guarded->findings();
-  std::vector<Finding> findings;
-  const auto* door = dynamic_cast<const PooledDoorExecutor*>(&executor);
-  if (door && door->faults().Any()) {
-    std::string text = "door: " + door->faults().Text();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    findings.push_back({FindingKind::kExecutor, {}, {}, std::move(text)});
-  }
-  if (const auto* store = dynamic_cast<const LocalStoreExecutor*>(&executor))
-    for (const LocalStoreFault& fault : store->faults())
-      findings.push_back(
-          {fault.kind == LocalStoreFault::Kind::kWrote ? FindingKind::kUndeclaredWrite
-                                                       : FindingKind::kExecutor,
-           std::string(fault.stage), std::string(fault.stream),
-           fmt::format("local store: stage {}, item {}: {}", fault.stage, fault.item, fault.what)});
-  return findings;
-}
-
-std::vector<std::string> FaultsOf(const Executor& executor) {
-  std::vector<std::string> texts;
-  for (Finding& finding : FindingsOf(executor)) texts.push_back(std::move(finding.text));
-  return texts;
+std::unique_ptr<WatchedExecutor> MakeExecutor(const VerifyCase& what) {
+  return what.executor->make({.workers = WorkersOf(what), .order_seed = what.order_seed});
 }
 
 SkipSettings NoSkips(bool lod) {
@@ -190,7 +120,7 @@ std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t
   const SceneShape& shape = expected.scene().shape();
   Mismatch out;
   out.frame = frame;
-  // Bookings follow from values, so a wrong value is looked for first.
+  // Bookkeeping follows from values, so a wrong value is looked for first.
   for (const Role role : {Role::kValue, Role::kBookkeeping}) {
     if (role == Role::kBookkeeping && !bookkeeping) break;
     for (const Stage& stage : expected.plan().stages)

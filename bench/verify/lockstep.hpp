@@ -16,12 +16,7 @@ SceneOptions SceneOptionsOf(const VerifyCase& what);
 // Threads it is to run on: `what.workers`, for 0 one for each core; 1 for executors without
 // workers.
 uint32_t WorkersOf(const VerifyCase& what);
-std::unique_ptr<Executor> MakeExecutor(const VerifyCase& what);
-// Threads of an executor with workers that ran together, found by a rendezvous; 1 for others.
-uint32_t ObservedWorkers(Executor& executor);
-// What an executor found wrong while it ran: undeclared accesses, a door misused.
-std::vector<Finding> FindingsOf(const Executor& executor);
-std::vector<std::string> FaultsOf(const Executor& executor);  // their texts
+std::unique_ptr<WatchedExecutor> MakeExecutor(const VerifyCase& what);
 
 struct FrameSettings {
   SkipSettings skip;
@@ -46,13 +41,13 @@ class CaseRun {
   FurScene& scene() { return running_.scene(); }
   const Plan& plan() const { return plan_; }
   Plan& tampered_plan() { return plan_; }  // to plant faults in
-  Executor& executor() { return *executor_; }
+  WatchedExecutor& executor() { return *executor_; }
 
  private:
   bool odd_floats_;
   RunningScenario running_;
   Plan plan_;
-  std::unique_ptr<Executor> executor_;
+  std::unique_ptr<WatchedExecutor> executor_;
   FrameSettings settings_;
 };
 
@@ -60,7 +55,7 @@ class CaseRun {
 SkipSettings NoSkips(bool lod = false);
 
 // The first difference after a frame, going through the table's stages in order: of values, then,
-// when `bookkeeping` is set, of what was booked as run.
+// when `bookkeeping` is set, of the bookkeeping of what ran.
 std::optional<Mismatch> FindMismatch(CaseRun& expected, CaseRun& found, uint32_t frame,
                                      bool bookkeeping = false);
 

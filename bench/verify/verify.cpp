@@ -8,9 +8,9 @@
 
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
-#include "bench/verify/guarded_executor.hpp"
 #include "bench/verify/lockstep.hpp"
 #include "bench/verify/verified_scene.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
@@ -53,8 +53,8 @@ CaseResult CompareVertexOrders(Settings settings, const auto& reference_for) {
 }
 
 void CheckWorkers(CaseRun& run, CaseResult& result) {
-  if (!HasWorkers(result.what.executor)) return;
-  result.workers_observed = ObservedWorkers(run.executor());
+  if (!result.what.executor->HasWorkers()) return;
+  result.workers_observed = run.executor().ObservedWorkers();
   if (result.workers_observed == result.what.workers) return;
   result.Fail({FindingKind::kWorkers, "", "",
                fmt::format("{} workers ran together, not {}", result.workers_observed,
@@ -62,7 +62,7 @@ void CheckWorkers(CaseRun& run, CaseResult& result) {
 }
 
 void CheckFindings(CaseRun& run, CaseResult& result) {
-  const std::vector<Finding> findings = FindingsOf(run.executor());
+  const std::vector<Finding> findings = run.executor().Findings();
   if (findings.empty()) return;
   Finding first = findings.front();
   if (findings.size() > 1) first.text += fmt::format(" (and {} more)", findings.size() - 1);
@@ -70,13 +70,10 @@ void CheckFindings(CaseRun& run, CaseResult& result) {
 }
 
 // What the case alone may be the reason for.
-FindingKind KindOf(const VerifyCase& what, const Mismatch& mismatch) {
+FindingKind FindingKindOf(const VerifyCase& what, const Mismatch& mismatch) {
   if (!mismatch.reproduced) return FindingKind::kRace;
   if (what.odd_floats) return FindingKind::kFloats;
-  const bool in_order = what.executor == ExecutorKind::kSerial ||
-                        what.executor == ExecutorKind::kLocalStore ||
-                        what.executor == ExecutorKind::kGuarded;
-  return in_order ? FindingKind::kValue : FindingKind::kOrder;
+  return what.executor->order == ItemOrder::kAscending ? FindingKind::kValue : FindingKind::kOrder;
 }
 
 CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& reference,
@@ -104,14 +101,13 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
                                    CaseRun(scenario, what, settings, options.tamper), frame, true);
   // What a stage takes from where it may not shows as a wrong value somewhere: ask the guard.
   if (const auto cause = FindUndeclared(scenario, what, options, frame)) result.Fail(*cause);
-  result.Fail(KindOf(what, mismatch), mismatch);
+  result.Fail(FindingKindOf(what, mismatch), mismatch);
   return result;
 }
 
 // Each stage alone, so fusion is nothing to it: every setting, order and sort once.
-void AddGuardedCases(Isa isa, std::vector<VerifyCase>& cases) {
-  if (!GuardedExecutor::IsAvailable()) return;
-  VerifyCase c{.executor = ExecutorKind::kGuarded, .isa = isa};
+void AddStagesAlone(const ExecutorRow& row, Isa isa, std::vector<VerifyCase>& cases) {
+  VerifyCase c{.executor = row, .isa = isa};
   cases.push_back(c);
   c.settings = Settings::kLod;
   c.vertex_order = VertexOrder::kIndexBuffer;
@@ -122,12 +118,19 @@ void AddGuardedCases(Isa isa, std::vector<VerifyCase>& cases) {
   cases.push_back(c);
 }
 
-void AddOddFloatCases(Isa isa, std::vector<VerifyCase>& cases) {
-  for (const ExecutorKind kind :
-       {ExecutorKind::kSerial, ExecutorKind::kTbb, ExecutorKind::kDoor, ExecutorKind::kPull,
-        ExecutorKind::kPermuted, ExecutorKind::kLocalStore})
-    cases.push_back(
-        {.executor = kind, .workers = HasWorkers(kind) ? 2u : 1u, .isa = isa, .odd_floats = true});
+// An executor with all its numbers of workers, or all its orders.
+void AddVariants(const ExecutorRow& row, std::vector<VerifyCase>& cases) {
+  switch (row.order) {
+    case ItemOrder::kAscending:
+      cases.push_back({.executor = row});
+      break;
+    case ItemOrder::kSeeded:
+      for (const uint64_t seed : kOrderSeeds)
+        cases.push_back({.executor = row, .order_seed = seed});
+      break;
+    case ItemOrder::kThreads:
+      for (const uint32_t n : kWorkerCounts) cases.push_back({.executor = row, .workers = n});
+  }
 }
 
 }  // namespace
@@ -159,12 +162,8 @@ void Outcome::LeaveOut(std::string why) {
 
 std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> executors;
-  executors.push_back({});
-  for (const ExecutorKind kind : {ExecutorKind::kTbb, ExecutorKind::kDoor, ExecutorKind::kPull})
-    for (const uint32_t n : kWorkerCounts) executors.push_back({.executor = kind, .workers = n});
-  for (const uint64_t seed : kOrderSeeds)
-    executors.push_back({.executor = ExecutorKind::kPermuted, .order_seed = seed});
-  executors.push_back({.executor = ExecutorKind::kLocalStore});
+  for (const ExecutorRow& row : ExecutorRows())
+    if (!row.stages_alone && row.IsAvailable()) AddVariants(row, executors);
 
   std::vector<VerifyCase> cases;
   for (const Isa isa : kAllIsas) {
@@ -181,8 +180,14 @@ std::vector<VerifyCase> AllCases() {
               c.fuse = fuse;
               cases.push_back(c);
             }
-    AddGuardedCases(isa, cases);
-    AddOddFloatCases(isa, cases);
+    for (const ExecutorRow& row : ExecutorRows())
+      if (row.stages_alone && row.IsAvailable()) AddStagesAlone(row, isa, cases);
+    for (const ExecutorRow& row : ExecutorRows())
+      if (!row.stages_alone && row.IsAvailable())
+        cases.push_back({.executor = row,
+                         .workers = row.HasWorkers() ? 2u : 1u,
+                         .isa = isa,
+                         .odd_floats = true});
   }
   return cases;
 }
@@ -198,7 +203,8 @@ VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options) {
   for (const Isa isa : kAllIsas)
     if (!FindKernels(isa))
       report.not_run.push_back(fmt::format("instruction set {}", IsaName(isa)));
-  if (!GuardedExecutor::IsAvailable()) report.not_run.emplace_back("closed pages");
+  for (const ExecutorRow& row : ExecutorRows())
+    if (!row.IsAvailable()) report.not_run.push_back(fmt::format("executor {}", row.name));
 
   std::vector<VerifyCase> cases = AllCases();
   if (options.filter) std::erase_if(cases, [&](const VerifyCase& c) { return !options.filter(c); });

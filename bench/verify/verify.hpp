@@ -2,8 +2,8 @@
 //
 // The reference is the serial executor with the reference kernels. Every case differs from it in
 // executor, workers, order, fusion, instruction set, sort, settings (LOD, skips) or the calling
-// threads' rounding; after each frame the digests of all value streams, and of what was booked as
-// run, are held against those of the reference with the same settings. On a mismatch both are run
+// threads' rounding; after each frame the digests of all value streams, and of the bookkeeping,
+// are held against those of the reference with the same settings. On a mismatch both are run
 // again in lock-step and the first differing stage, block, row and lane is named. A second section
 // switches each skip off and wants the same digests again. The checks of a third section judge by
 // other means than a second run of the same code: see bench/verify/.
@@ -23,35 +23,20 @@
 #include <vector>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "bench/verify/executors.hpp"
 #include "bench/verify/finding.hpp"
 #include "bench/verify/shard.hpp"
 
 namespace pelt {
-
-enum class ExecutorKind : uint8_t {
-  kSerial,
-  kTbb,
-  kDoor,  // the engine's door, on a pool of std::threads
-  kPull,  // polling std::threads
-  kPermuted,
-  kLocalStore,
-  kGuarded  // between closed pages (bench/verify/guarded_executor.hpp): verification only
-};
-std::string_view ExecutorName(ExecutorKind kind);  // "serial", "tbb", "door", "pull", ...
-// Whether it runs on as many threads as it is told.
-inline bool HasWorkers(ExecutorKind kind) {
-  return kind == ExecutorKind::kTbb || kind == ExecutorKind::kDoor || kind == ExecutorKind::kPull;
-}
-std::optional<ExecutorKind> ParseExecutor(std::string_view name);
 
 // What a frame is told to leave out. LOD is its own picture, so each has a reference of its own.
 enum class Settings : uint8_t { kSkips, kNoSkips, kLod };
 std::string_view SettingsName(Settings settings);  // "skips", "no-skips", "lod"
 
 struct VerifyCase {
-  ExecutorKind executor = ExecutorKind::kSerial;
-  uint32_t workers = 1;     // tbb, door, pull
-  uint64_t order_seed = 0;  // permuted
+  ExecutorKind executor = {};  // the reference's
+  uint32_t workers = 1;        // of executors with workers; 0: one for each core
+  uint64_t order_seed = 0;     // of those with a seeded order
   bool fuse = true;
   Isa isa = Isa::kReference;
   VertexOrder vertex_order = VertexOrder::kSorted;

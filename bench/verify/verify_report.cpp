@@ -11,13 +11,10 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kExecutors[] = {"serial",   "tbb",         "door",   "pull",
-                                           "permuted", "local-store", "guarded"};
-
 std::string ExecutorColumn(const VerifyCase& what) {
-  std::string name(ExecutorName(what.executor));
-  if (HasWorkers(what.executor)) name += fmt::format(" {}", what.workers);
-  if (what.executor == ExecutorKind::kPermuted) name += fmt::format(" {}", what.order_seed);
+  std::string name(what.executor->name);
+  if (what.executor->HasWorkers()) name += fmt::format(" {}", what.workers);
+  if (what.executor->HasSeed()) name += fmt::format(" {}", what.order_seed);
   return what.odd_floats ? name + " odd" : name;
 }
 
@@ -83,10 +80,13 @@ void AddMatrix(const VerifyReport& report, ReportTree& tree) {
     }
     table.Add(std::move(values));
   }
+  std::string alone;
+  for (const ExecutorRow& row : ExecutorRows())
+    if (row.stages_alone) alone += fmt::format("; {}: {}", row.name, row.text);
   tree.Say(
       "each cell: fused and unfused plan x sorted vertices and index buffer x whole and piecewise "
-      "sort x skips on, off and LOD; odd: threads that round upwards and flush denormals; guarded: "
-      "each stage between closed pages");
+      "sort x skips on, off and LOD; odd: threads that round upwards and flush denormals" +
+      alone);
 }
 
 void AddCases(const VerifyReport& report, ReportTree& tree) {
@@ -100,9 +100,9 @@ void AddCases(const VerifyReport& report, ReportTree& tree) {
   for (const CaseResult& c : report.cases) {
     std::vector<Value> row = {c.place,
                               NameCase(c.what),
-                              ExecutorName(c.what.executor),
+                              c.what.executor->name,
                               c.what.workers,
-                              HasWorkers(c.what.executor) ? Value(c.workers_observed) : Value{},
+                              c.what.executor->HasWorkers() ? Value(c.workers_observed) : Value{},
                               c.what.order_seed,
                               IsaName(c.what.isa),
                               c.what.fuse,
@@ -206,15 +206,7 @@ void AddVerdict(const VerifyReport& report, ReportTree& tree) {
 
 }  // namespace
 
-std::string_view ExecutorName(ExecutorKind kind) { return kExecutors[size_t(kind)]; }
-
 std::string_view SettingsName(Settings settings) { return kSettings[size_t(settings)]; }
-
-std::optional<ExecutorKind> ParseExecutor(std::string_view name) {
-  for (size_t i = 0; i < std::size(kExecutors); ++i)
-    if (kExecutors[i] == name) return ExecutorKind(i);
-  return std::nullopt;
-}
 
 std::string NameCase(const VerifyCase& what) {
   return fmt::format("{}, {}, {}, vertices {}, sort {}, {}", ExecutorColumn(what),

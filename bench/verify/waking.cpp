@@ -14,7 +14,6 @@
 
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
-#include "bench/verify/guarded_executor.hpp"
 #include "bench/verify/input_changes.hpp"
 #include "traces/digest.hpp"
 
@@ -146,13 +145,11 @@ class WakingCheck {
 
   void MakeRuns() {
     std::vector<VerifyCase> cases = {Best()};
-    for (const ExecutorKind kind :
-         {ExecutorKind::kTbb, ExecutorKind::kDoor, ExecutorKind::kPull, ExecutorKind::kPermuted,
-          ExecutorKind::kLocalStore, ExecutorKind::kGuarded}) {
-      if (kind == ExecutorKind::kGuarded && !GuardedExecutor::IsAvailable()) continue;
+    for (const ExecutorRow& row : ExecutorRows().subspan(1)) {
+      if (!row.IsAvailable()) continue;
       VerifyCase what = Best();
-      what.executor = kind;
-      if (HasWorkers(kind)) what.workers = 2;
+      what.executor = row;
+      if (row.HasWorkers()) what.workers = 2;
       what.order_seed = 1;
       cases.push_back(what);
     }
@@ -245,7 +242,7 @@ class WakingCheck {
       FailAt(turn, change, amount, k, result);
       return;
     }
-    for (const Finding& finding : FindingsOf(run.executor())) result.Fail(finding);
+    for (const Finding& finding : run.executor().Findings()) result.Fail(finding);
   }
 
   void FailAt(Turn& turn, const InputChange& change, Amount amount, uint32_t frames,

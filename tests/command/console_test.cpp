@@ -39,7 +39,7 @@ TEST_P(ConsoleOf, GivesTheBitsOfAnOrdinaryRun) {
   RunOptions options;
   options.scene.isa = Isa::kReference;
   RunningScenario running(on().scenario, options.scene);
-  options.executor = ExecutorKind::kSerial;
+  options.executor = "serial";
   options.frames = kModelledFrames;
   RunFrames(on().scenario, running, options);
   EXPECT_EQ(b.digest, running.scene().DigestFrame());

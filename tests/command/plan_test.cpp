@@ -57,11 +57,9 @@ void ExpectPlanIsThatOfRun(bool local_store, ExecutorKind executor) {
   }
 }
 
-TEST(PlanCommand, ShowsThePlanThatRunRuns) { ExpectPlanIsThatOfRun(false, ExecutorKind::kSerial); }
+TEST(PlanCommand, ShowsThePlanThatRunRuns) { ExpectPlanIsThatOfRun(false, "serial"); }
 
-TEST(PlanCommand, ShowsThePlanOfLocalStores) {
-  ExpectPlanIsThatOfRun(true, ExecutorKind::kLocalStore);
-}
+TEST(PlanCommand, ShowsThePlanOfLocalStores) { ExpectPlanIsThatOfRun(true, "local-store"); }
 
 TEST(PlanCommand, NamesWhichOfTheTwoItShows) {
   const json main = json::parse(Printed(MonsterPlan(false)));

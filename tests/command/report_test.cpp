@@ -66,7 +66,7 @@ TEST(Report, TrafficCountsWholeBlocksInAndOut) {
 TEST(Report, RunAccountsForEveryItemOfEveryFrame) {
   Scenario tiny = LoadScenario("tiny");
   RunOptions options;
-  options.executor = ExecutorKind::kSerial;
+  options.executor = "serial";
   options.frames = 10;
   RunningScenario running(tiny, options.scene);
   const RunReport report = RunFrames(tiny, running, options);
@@ -93,7 +93,7 @@ TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
   uint64_t digests[2];
   for (int i = 0; i < 2; ++i) {
     RunOptions options;
-    options.executor = i ? ExecutorKind::kTbb : ExecutorKind::kSerial;
+    options.executor = i ? "tbb" : "serial";
     options.workers = 3;
     options.frames = 8;
     options.scene.isa = i ? BestIsa() : Isa::kReference;

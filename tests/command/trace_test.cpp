@@ -73,9 +73,9 @@ TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
   for (const Isa isa : kAllIsas)
     if (FindKernels(isa)) cases.push_back({.isa = isa});
   for (const uint32_t workers : {1u, 3u, 7u})
-    cases.push_back({.executor = ExecutorKind::kTbb, .workers = workers, .isa = BestIsa()});
-  cases.push_back({.executor = ExecutorKind::kPermuted, .order_seed = 5});
-  cases.push_back({.executor = ExecutorKind::kLocalStore});
+    cases.push_back({.executor = "tbb", .workers = workers, .isa = BestIsa()});
+  cases.push_back({.executor = "permuted", .order_seed = 5});
+  cases.push_back({.executor = "local-store"});
   cases.push_back({.fuse = false});
   cases.push_back({.piecewise_sort = true});
   for (const VerifyCase& what : cases) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <string>
 
-#include "bench/verify/guarded_executor.hpp"
 #include "tests/verify/planting.hpp"
 
 namespace pelt {
@@ -15,8 +14,8 @@ using namespace testing;
 VerifyReport RunAccessAtRest(Tamper tamper) { return RunSection("access", 6, std::move(tamper)); }
 
 TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor("guarded", 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     const auto* next =
@@ -30,12 +29,12 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
   EXPECT_EQ(result.stage, "roots");
   EXPECT_EQ(result.stream, "strands");
   // The other executors cannot see it: no value depends on it.
-  options.filter = OneExecutor(ExecutorKind::kLocalStore, 2).filter;
+  options.filter = OneExecutor("local-store", 2).filter;
   EXPECT_TRUE(RunOne(options).passed);
 }
 
 TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
-  VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
+  VerifyOptions options = OneExecutor("serial", 2);
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     // One character on: in a scene of one there is nothing there but another stream.
@@ -46,14 +45,14 @@ TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
   });
   const CaseResult result = RunOne(options);
   EXPECT_FALSE(result.passed);
-  if (!GuardedExecutor::IsAvailable()) return;
+  if (!ExecutorKind("guarded")->IsAvailable()) return;
   EXPECT_EQ(result.kind, FindingKind::kUndeclaredRead) << result.reason;
   EXPECT_EQ(result.stage, "skin");
 }
 
 TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor("guarded", 2);
   options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     auto* mesh = healthy.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
@@ -68,8 +67,8 @@ TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
 }
 
 TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor("guarded", 2);
   options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     auto* behind = reinterpret_cast<std::byte*>(
@@ -83,8 +82,8 @@ TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
 }
 
 TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor("guarded", 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     Launder(reinterpret_cast<uint32_t*>(
@@ -105,8 +104,8 @@ TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
 }
 
 TEST(VerifyAccess, StaticStateIsFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor(ExecutorKind::kGuarded, 2);
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
+  VerifyOptions options = OneExecutor("guarded", 2);
   static uint32_t runs;
   runs = 0;
   options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
@@ -146,12 +145,12 @@ void ExpectReadsOutFound(std::string_view stage, Stream stream) {
 }
 
 TEST(VerifyAccess, SortKeysDeclaredOutAreFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
   ExpectReadsOutFound("sort_key4", StreamOf<&Streams::sort_keys>);
 }
 
 TEST(VerifyAccess, ActivatesStateDeclaredOutIsFound) {
-  if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
+  if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
   ExpectReadsOutFound("activate", StreamOf<&Streams::chunk_state>);
 }
 

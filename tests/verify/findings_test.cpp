@@ -48,7 +48,7 @@ void RunFlushing(const void* params, const Binding* bindings) {
 
 TEST(VerifyFloats, AWorkerThatFlushesDenormalsIsFound) {
   for (const char* stage : {"sample_pose", "fit_cubic_5", "fit_ribbon_4"}) {
-    VerifyOptions options = OneExecutor(ExecutorKind::kPull, 3);
+    VerifyOptions options = OneExecutor("pull", 3);
     const auto one = options.filter;
     options.filter = [one](const VerifyCase& c) { return one(c) && c.workers == 2; };
     options.tamper = Planting(stage, RunFlushing);
@@ -60,7 +60,7 @@ TEST(VerifyFloats, AWorkerThatFlushesDenormalsIsFound) {
 #endif
 
 TEST(VerifyFindings, TextAndJsonSayWhatKindItIs) {
-  VerifyOptions options = OneExecutor(ExecutorKind::kSerial, 2);
+  VerifyOptions options = OneExecutor("serial", 2);
   options.tamper = Planting("roots", [](const void* params, const Binding* bindings) {
     healthy.run(params, bindings);
     healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>)->normal[0][0] += 0.5f;
