@@ -4,7 +4,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
@@ -38,91 +38,101 @@ double Fill(uint64_t strands, uint64_t chunks) {
   return chunks ? double(strands) / (double(chunks) * kStrandsPerChunk) : 0.0;
 }
 
-// What max_strands took away.
-std::string DescribeCut(const LayerDensity& density) {
-  const ScatterDensity& s = density.scatter;
-  if (!density.IsCut()) return {};
-  return fmt::format("  max_strands leaves {:.2g} % of the density's {:.0f}",
-                     100.0 * double(s.grown) / s.asked, s.asked);
+struct Spacing {
+  const char *key, *heading;
+  SpacingStats PrefixStats::*of;
+};
+constexpr Spacing kSpacings[] = {
+    {"layer", "layer", &PrefixStats::layer},
+    {"every_chunk", "every chunk", &PrefixStats::every_chunk},
+    {"inside_chunks", "inside a chunk", &PrefixStats::inside_chunks},
+    {"plain_every_chunk", "plain", &PrefixStats::plain_every_chunk},
+    {"plain_inside_chunks", "plain inside", &PrefixStats::plain_inside_chunks}};
+
+// In text one column for each spacing, in JSON its members.
+ReportTable PrefixTable(const LayerScatterStats& layer) {
+  ReportTable table{{}, {{"share", "%", -3, "prefix", 100}}};
+  for (const Spacing& spacing : kSpacings) {
+    table.columns.push_back(InText(spacing.heading));
+    for (const char* member : {"mean", "least", "variation", "count"})
+      table.columns.push_back(InJson(fmt::format("{}.{}", spacing.key, member)));
+  }
+  for (const PrefixStats& prefix : layer.prefix) {
+    std::vector<Value> row = {prefix.share};
+    for (const Spacing& spacing : kSpacings) {
+      const SpacingStats& s = prefix.*spacing.of;
+      for (Value value : {Value(fmt::format("{:.3f} {:.3f} {:.2f}", s.mean, s.least, s.variation)),
+                          Value(s.mean), Value(s.least), Value(s.variation), Value(s.count)})
+        row.push_back(std::move(value));
+    }
+    table.Add(std::move(row));
+  }
+  return table;
 }
 
-std::string DescribeBake(const BakeReport& report, bool with_stats) {
-  std::string out;
-  for (const std::string& note : report.notes) out += fmt::format("note: {}\n", note);
-  out += fmt::format("{:<20} {:>8} {:>7} {:>7} {:>12} {:>10}\n", "layer", "strands", "chunks",
-                     "fill", "longest mm", "spacing mm");
+void AddLayers(const BakeReport& report, ReportTree& tree) {
+  ReportTable& layers = tree.AddTable("layers", {{"layer"},
+                                                 {"strands"},
+                                                 {"chunks"},
+                                                 InText("fill", "%", 1),
+                                                 InText("longest", "mm", 1),
+                                                 {"spacing_mm", "mm", 2, "spacing"},
+                                                 {"density_strands", "strands", 0, "density's"},
+                                                 InText("max_strands leaves", "%", -2),
+                                                 InJson("prefixes")});
   for (size_t l = 0; l < report.groom.layers.size(); ++l) {
     const GroomLayer& layer = report.groom.layers[l];
     const LayerDensity& density = report.densities[l];
-    out += fmt::format("{:<20} {:>8} {:>7} {:>6.1f}% {:>12.1f} {:>10.2f}{}\n", layer.name,
-                       layer.strand_count, layer.chunk_count,
-                       100.0 * Fill(layer.strand_count, layer.chunk_count),
-                       1000.0 * double(layer.length_max),
-                       1000.0 * double(density.scatter.spacing_m), DescribeCut(density));
+    const ScatterDensity& scatter = density.scatter;
+    layers.Add({layer.name, layer.strand_count, layer.chunk_count,
+                100.0 * Fill(layer.strand_count, layer.chunk_count),
+                1000.0 * double(layer.length_max), 1000.0 * double(scatter.spacing_m),
+                scatter.asked,
+                density.IsCut() ? Value(100.0 * double(scatter.grown) / scatter.asked) : Value{},
+                report.stats.layers.empty() ? Value{} : PrefixTable(report.stats.layers[l])});
   }
   const uint64_t strands = Strands(report.groom), chunks = report.groom.strands.size();
-  out += fmt::format("{:<20} {:>8} {:>7} {:>6.1f}%\n", "all", strands, chunks,
-                     100.0 * Fill(strands, chunks));
-  if (with_stats) out += '\n' + FormatScatterStats(report.stats);
-  out += fmt::format("import {:.0f} ms, bake {:.0f} ms ({:.2f} us a strand)\n", report.import_ms,
-                     report.bake_ms, 1000.0 * report.bake_ms / double(strands));
-  out += fmt::format("groom {} bytes, digest {:016x}", report.file_bytes, report.digest);
-  return out + (report.out.empty() ? ", not written: no --out\n"
-                                   : fmt::format(", written to {}\n", report.out.path()));
+  layers.Add({"all", strands, chunks, 100.0 * Fill(strands, chunks)}, Show::kText);
+  tree.Add(InJson("strands"), strands).Add(InJson("chunks"), chunks);
+  tree.Add(InJson("fill"), Fill(strands, chunks));
 }
 
-void AddSpacing(JsonText& json, std::string_view key, const SpacingStats& s) {
-  json.BeginObject(key);
-  json.Add("mean", s.mean);
-  json.Add("least", s.least);
-  json.Add("variation", s.variation);
-  json.Add("count", s.count);
-  json.EndObject();
-}
-
-std::string BakeAsJson(const BakeReport& report, bool with_stats) {
-  JsonText json;
-  json.BeginObject();
-  json.BeginArray("notes");
-  for (const std::string& note : report.notes) json.Add("", note);
-  json.EndArray();
-  json.Add("unit_scale", report.groom.unit_scale);
-  json.Add("strands", Strands(report.groom));
-  json.Add("chunks", report.groom.strands.size());
-  json.Add("fill", Fill(Strands(report.groom), report.groom.strands.size()));
-  json.Add("bytes", report.file_bytes);
-  json.AddDigest("digest", report.digest);
-  json.Add("import_ms", report.import_ms);
-  json.Add("bake_ms", report.bake_ms);
-  if (!report.out.empty()) json.Add("out", report.out.path());
-  json.BeginArray("layers");
-  for (size_t l = 0; l < report.groom.layers.size(); ++l) {
-    const GroomLayer& layer = report.groom.layers[l];
-    json.BeginObject();
-    json.Add("layer", layer.name);
-    json.Add("strands", layer.strand_count);
-    json.Add("chunks", layer.chunk_count);
-    json.Add("density_strands", report.densities[l].scatter.asked);
-    json.Add("spacing_mm", 1000.0 * double(report.densities[l].scatter.spacing_m));
-    if (with_stats) {
-      json.BeginArray("prefixes");
-      for (const PrefixStats& prefix : report.stats.layers[l].prefix) {
-        json.BeginObject();
-        json.Add("share", prefix.share);
-        AddSpacing(json, "layer", prefix.layer);
-        AddSpacing(json, "every_chunk", prefix.every_chunk);
-        AddSpacing(json, "inside_chunks", prefix.inside_chunks);
-        AddSpacing(json, "plain_every_chunk", prefix.plain_every_chunk);
-        AddSpacing(json, "plain_inside_chunks", prefix.plain_inside_chunks);
-        json.EndObject();
-      }
-      json.EndArray();
-    }
-    json.EndObject();
+void AddStats(const ScatterStats& stats, ReportTree& tree) {
+  tree.BlankLine();
+  tree.Say(
+      "Spacing: nearest-neighbour distance over that of the densest packing (1 is the ideal): "
+      "mean, least, variation; 'every chunk' is what LOD draws, 'plain' is rejection sampling.");
+  for (const LayerScatterStats& layer : stats.layers) {
+    tree.BlankLine();
+    tree.Say(fmt::format(
+        "layer '{}': {} strands in {} chunks, filled {:.1f} % with strands, {:.1f} % with "
+        "vertices, {:.1f} % with weight rows; {:.2f} joints for 16 vertices, {:.2f} chunk vertices "
+        "for a mesh vertex",
+        layer.name, layer.strand_count, layer.chunk_count, 100.0 * layer.strand_fill,
+        100.0 * layer.vertex_fill, 100.0 * layer.row_fill, layer.rows_per_group,
+        layer.copies_per_vertex));
+    tree.AddTable({}, {}) = PrefixTable(layer);
   }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
+}
+
+ReportTree MakeTree(const BakeReport& report) {
+  ReportTree tree;
+  tree.AddTexts("notes", report.notes, "note");
+  tree.Add(InJson("unit_scale"), report.groom.unit_scale);
+  AddLayers(report, tree);
+  if (!report.stats.layers.empty()) AddStats(report.stats, tree);
+  tree.BlankLine();
+  tree.Add({"import_ms", "ms", 0, "import"}, report.import_ms);
+  tree.Add({"bake_ms", "ms", 0, "bake"}, report.bake_ms);
+  tree.Add(InText("a strand", "us", 2), 1000.0 * report.bake_ms / double(Strands(report.groom)));
+  tree.EndLine();
+  tree.Add({"bytes", "bytes", -1, "groom"}, report.file_bytes);
+  tree.Add({"digest"}, DigestText(report.digest));
+  if (report.out.empty())
+    tree.Say("not written: no --out");
+  else
+    tree.Add({"out", "", -1, "written to"}, report.out.path());
+  return tree;
 }
 
 }  // namespace
@@ -158,8 +168,7 @@ int Bake(const BakeArgs& args) {
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);
   if (!args.out.empty()) WriteOutput("groom", args.out, bytes);
-  fmt::print("{}{}", args.json ? BakeAsJson(report, args.stats) : DescribeBake(report, args.stats),
-             args.json ? "\n" : "");
+  MakeTree(report).Print(args.json);
   return 0;
 }
 

@@ -1,10 +1,10 @@
 #include "bench/command/command_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
 #include <optional>
 
 #include "bench/command/file_options.hpp"
@@ -20,7 +20,7 @@ std::vector<std::string> Names(const auto& range) {
   return names;
 }
 
-// An option that is one of a few words.
+// An option that is one of the words of a layer parameter.
 template <class Enum>
 void AddWord(CLI::App& app, const char* name, const char* help, Enum LayerParams::*param,
              std::optional<Enum>& target) {

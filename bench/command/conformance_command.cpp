@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "bench/command/commands.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "jobs/adapters/tbb_door.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
 #include "jobs/conformance.hpp"
@@ -44,20 +44,18 @@ struct BuiltInDoor {
 constexpr BuiltInDoor kDoors[] = {
     {"threads", CheckThreadPool}, {"tbb", CheckOneTbb}, {"inline", CheckInline}};
 
-void AddReport(JsonText& json, std::string_view door, const ConformanceReport& report) {
-  json.BeginObject();
-  json.Add("door", door);
-  json.Add("conforms", report.Passed());
-  json.BeginArray("checks");
-  for (const ConformanceCheck& check : report.checks) {
-    json.BeginObject();
-    json.Add("check", check.name);
-    json.Add("passed", check.passed);
-    json.Add("detail", check.detail);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
+void AddReport(std::string_view door, uint32_t workers, const ConformanceReport& report,
+               ReportTree& tree) {
+  ReportTree& entry = tree.AddEntry({});
+  entry.Say(fmt::format("door '{}', {} workers", door, workers));
+  entry.Add(InJson("door"), door).Add(InJson("conforms"), report.Passed());
+  ReportTable& checks =
+      entry.AddTable("checks", {InText(" "), {"check"}, InJson("passed"), {"detail"}});
+  for (const ConformanceCheck& check : report.checks)
+    checks.Add({check.passed ? "ok" : "FAIL", check.name, check.passed, check.detail});
+  entry.Say(report.Passed() ? "the door conforms"
+                            : "the door does not conform: see the lines marked FAIL");
+  entry.BlankLine();
 }
 
 }  // namespace
@@ -72,20 +70,15 @@ int CheckConformance(const ConformanceArgs& args) {
   const uint32_t workers =
       args.workers ? args.workers : std::max(2u, std::thread::hardware_concurrency());
   bool passed = true;
-  JsonText json;
-  json.BeginArray();
+  ReportTree tree;
+  tree.BeginList({});
   for (const BuiltInDoor& door : kDoors) {
     if (!args.door.empty() && args.door != door.name) continue;
     const ConformanceReport report = door.check(workers);
     passed &= report.Passed();
-    if (args.json) {
-      AddReport(json, door.name, report);
-    } else {
-      fmt::print("door '{}', {} workers\n{}\n", door.name, workers, report.Text());
-    }
+    AddReport(door.name, workers, report, tree);
   }
-  json.EndArray();
-  if (args.json) fmt::print("{}\n", json.text());
+  tree.Print(args.json);
   return passed ? 0 : 1;
 }
 

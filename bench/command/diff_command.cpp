@@ -3,7 +3,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/groom_diff.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
@@ -72,21 +72,20 @@ std::optional<Difference> Compare(FileKind kind, std::span<const std::byte> left
   return found;
 }
 
-std::string DiffAsJson(std::string_view kind, const std::optional<Difference>& found) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("kind", kind);
-  json.Add("same", !found);
-  if (found) {
-    json.BeginObject("place");
-    for (const auto& [key, value] : found->place) json.Add(key, value);
-    json.EndObject();
-    json.Add("left", found->left);
-    json.Add("right", found->right);
-    json.Add("remark", found->remark);
+ReportTree MakeTree(const std::string& kind, const std::optional<Difference>& found) {
+  ReportTree tree;
+  tree.Add(InJson("kind"), kind).Add(InJson("same"), !found);
+  if (!found) {
+    tree.Say("same " + kind);
+    return tree;
   }
-  json.EndObject();
-  return json.text();
+  tree.Say(kind + "s differ: " + DescribeDifference(*found));
+  if (!found->remark.empty()) tree.Say(found->remark);
+  ReportTree& place = tree.AddSection("place");
+  for (const auto& [key, value] : found->place) place.Add(InJson(key), value);
+  tree.Add(InJson("left"), found->left).Add(InJson("right"), found->right);
+  tree.Add(InJson("remark"), found->remark);
+  return tree;
 }
 
 }  // namespace
@@ -98,16 +97,8 @@ int Diff(const DiffArgs& args) {
   if (kind != other)
     throw Error(fmt::format("'{}' is of kind {}, '{}' of kind {}: nothing to compare", args.left,
                             kKindNames[size_t(kind)], args.right, kKindNames[size_t(other)]));
-  const std::string_view name = kKindNames[size_t(kind)];
   const std::optional<Difference> found = Compare(kind, left, right, args);
-  if (args.json) {
-    fmt::print("{}\n", DiffAsJson(name, found));
-  } else if (!found) {
-    fmt::print("same {}\n", name);
-  } else {
-    fmt::print("{}s differ: {}\n", name, DescribeDifference(*found));
-    if (!found->remark.empty()) fmt::print("{}\n", found->remark);
-  }
+  MakeTree(std::string(kKindNames[size_t(kind)]), found).Print(args.json);
   return found ? 1 : 0;
 }
 

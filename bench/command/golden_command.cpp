@@ -89,12 +89,6 @@ GoldenResult Check(const Golden& golden, const std::string& folder) {
   return result;
 }
 
-void PrintResult(const GoldenResult& result, const std::string& folder) {
-  fmt::print("{}: {}\n", result.golden->name, result.reason);
-  if (!result.passed)
-    fmt::print("  if the change is meant: pelt golden --renew {} says all that changed\n", folder);
-}
-
 Fingerprint FingerprintOf(const GoldenArgs& args) {
   Fingerprint all = FingerprintOfBuild("golden");
   all.emplace_back("scene", args.scene.empty() ? "all" : args.scene);
@@ -105,11 +99,16 @@ ReportTree MakeTree(const GoldenArgs& args, const std::vector<GoldenResult>& res
                     uint32_t places, bool passed) {
   ReportTree tree;
   AddShardHeader(FingerprintOf(args), args.shard, places, tree);
-  tree.Add({"passed"}, passed);
-  ReportTable& logs =
-      tree.AddTable("logs", {{"place"}, {"name"}, {"passed"}, {"compared"}, {"reason"}});
-  for (const GoldenResult& r : results)
+  tree.Add(InJson("passed"), passed);
+  ReportTable& logs = tree.AddTable("logs", {InJson("place"), InJson("name"), InJson("passed"),
+                                             InJson("compared"), InJson("reason")});
+  for (const GoldenResult& r : results) {
     logs.Add({r.place, r.golden->name, r.passed, r.compared, r.reason});
+    tree.Say(fmt::format("{}: {}", r.golden->name, r.reason));
+    if (!r.passed)
+      tree.Say(fmt::format("  if the change is meant: pelt golden --renew {} says all that changed",
+                           args.check));
+  }
   return tree;
 }
 
@@ -184,9 +183,8 @@ int CheckOrRenewGolden(const GoldenArgs& args) {
     results.push_back(Check(golden, args.check));
     results.back().place = place;
     passed &= results.back().passed;
-    if (!args.json) PrintResult(results.back(), args.check);
   }
-  if (args.json) fmt::print("{}", MakeTree(args, results, places, passed).Json());
+  if (args.renew.empty()) MakeTree(args, results, places, passed).Print(args.json);
   return passed ? 0 : 1;
 }
 

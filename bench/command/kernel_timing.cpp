@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "platform_sim/pricing/stage_costs.hpp"
@@ -66,35 +67,85 @@ double ExpectedCycles(const KernelCost& c) {
   return least + MeasuredCodePlace().mean * (most - least);
 }
 
-void PrintTable(const std::vector<TimedStage>& stages, const PricedCore& core) {
-  const bool shares = core.caches.has_value();
-  fmt::print(
-      "{:<22} {:>9} {:>9} {:>9} {:>9} {:>9}{} {:>8} {:<14} {:>5} {:>6} {:>9} {:>7} {:>7} {:>6}\n",
-      "cycles a strand", "operat.", "instruct.", "scheduled", "expected", "written",
-      shares ? fmt::format(" {:>9} {:>7} {:>9}", "two thr.", "waits", "unfetched") : "", "fixed",
-      "binds", "busy", "dual", "registers", "spills", "code B", "iterations");
+// Cycles and operations of an iteration are in text those of a strand.
+void AddCosts(const std::vector<TimedStage>& stages, const PricedCore& core, ReportTree& tree) {
+  const Show if_cached = core.caches ? Show::kBoth : Show::kJson;
+  const double strand = PerStrand(1.0);
+  ReportTable& costs = tree.AddTable(
+      "kernels", {{"kernel", "", -1, "cycles per strand"},
+                  InJson("item"),
+                  InJson("iterations"),
+                  InJson("operations"),
+                  InText("operat.", "", 1),
+                  {"instructions_per_iteration", "", 1, "instr.", strand},
+                  {"scheduled_cycles_per_iteration", "", 1, "scheduled", strand},
+                  {"expected_cycles_per_iteration", "", 1, "expected", strand},
+                  {"as_written_cycles_per_iteration", "", 1, "written", strand},
+                  {"shared_cycles_per_iteration", "", 1, "two thr.", strand, if_cached},
+                  {"wait_cycles_per_iteration", "", 1, "waits", strand, if_cached},
+                  {"unfetched_wait_cycles_per_iteration", "", 1, "unfetched", strand, if_cached},
+                  InJson("lines_per_iteration"),
+                  InJson("as_written_cycles_per_strand"),
+                  InJson("scheduled_cycles_per_strand"),
+                  InJson("fixed_cycles"),
+                  InJson("divides_per_iteration"),
+                  InJson("roots_per_iteration"),
+                  InJson("binds"),
+                  InJson("busiest_unit_share"),
+                  InJson("dual_issue_rate"),
+                  InJson("registers_live"),
+                  InJson("registers"),
+                  InJson("spill_stores"),
+                  InJson("spill_loads"),
+                  InJson("code_bytes"),
+                  InJson("iterations_scheduled_together")});
+  ReportTable& rest =
+      tree.AddTable({}, {InText("kernel"), InText("fixed cycles", "", 0), InText("binds"),
+                         InText("busy", "%", 0), InText("dual", "%", 0), InText("registers"),
+                         InText("spills"), InText("code", "B"), InText("iterations", "together")});
+  std::vector<std::string> not_priced;
   for (const TimedStage& timed : stages) {
     const KernelCost& c = timed.cost;
-    if (c.operations == 0) {
-      fmt::print("{:<22} {}\n", timed.name,
-                 timed.iterations ? "scalar code that is not recorded" : "does not run in this scene");
-      continue;
-    }
-    fmt::print(
-        "{:<22} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f}{} {:>8.0f} {:<14} {:>4.0f}% {:>5.0f}% "
-        "{:>9} {:>7} {:>7} {:>6}\n",
-        timed.name, PerStrand(double(c.operations) / c.iterations), PerStrand(c.instructions_per_iteration),
-        PerStrand(c.scheduled.cycles_per_iteration), PerStrand(ExpectedCycles(c)),
-        PerStrand(c.as_written.cycles_per_iteration),
-        shares ? fmt::format(
-                     " {:>9.1f} {:>7.1f} {:>9.1f}", PerStrand(c.scheduled.shared_cycles_per_iteration),
-                     PerStrand(c.wait_cycles_per_iteration), PerStrand(c.unfetched_wait_cycles_per_iteration))
-               : "",
-        c.scheduled.fixed_cycles, c.binding, 100.0 * c.busiest_unit_share,
-        100.0 * c.dual_issue_rate, fmt::format("{}/{}", c.most_live, c.register_limit),
-        c.spill_stores + c.spill_loads, c.code_bytes, c.window_iterations);
+    const auto if_caches = [&](double value) { return core.caches ? Value(value) : Value{}; };
+    costs.Add({timed.name,
+               timed.item,
+               timed.iterations,
+               c.operations,
+               PerStrand(double(c.operations) / std::max(1u, c.iterations)),
+               c.instructions_per_iteration,
+               c.scheduled.cycles_per_iteration,
+               ExpectedCycles(c),
+               c.as_written.cycles_per_iteration,
+               c.scheduled.shared_cycles_per_iteration,
+               if_caches(c.wait_cycles_per_iteration),
+               if_caches(c.unfetched_wait_cycles_per_iteration),
+               if_caches(c.lines_per_iteration),
+               PerStrand(c.as_written.cycles_per_iteration),
+               PerStrand(c.scheduled.cycles_per_iteration),
+               c.scheduled.fixed_cycles,
+               c.divides_per_iteration,
+               c.roots_per_iteration,
+               c.binding,
+               c.busiest_unit_share,
+               c.dual_issue_rate,
+               c.most_live,
+               c.register_limit,
+               c.spill_stores,
+               c.spill_loads,
+               c.code_bytes,
+               c.window_iterations},
+              c.operations ? Show::kBoth : Show::kJson);
+    if (c.operations)
+      rest.Add({timed.name, c.scheduled.fixed_cycles, c.binding, 100.0 * c.busiest_unit_share,
+                100.0 * c.dual_issue_rate, fmt::format("{}/{}", c.most_live, c.register_limit),
+                c.spill_stores + c.spill_loads, c.code_bytes, c.window_iterations});
+    else
+      not_priced.push_back(fmt::format(
+          "{}: {}", timed.name,
+          timed.iterations ? "scalar code that is not recorded" : "does not run in this scene"));
   }
-  fmt::print("\nexpected: {}\n", DescribePlace(MeasuredCodePlace().mean));
+  tree.BlankLine();
+  tree.AddTexts({}, not_priced);
 }
 
 // "fma $5,$4,$6,$5"; a place in memory is the recorder's, in its own space.
@@ -115,75 +166,24 @@ std::string InstructionText(const ScheduledWindow& window, uint32_t index,
   return out;
 }
 
-void PrintWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t slots,
-                 const InstructionSet& set) {
-  fmt::print(
-      "\n{}: {} iterations scheduled together, first {} of {} instructions\n{:>8}  {:<11} {:<34} {}\n",
-      timed.name, timed.cost.window_iterations, std::min<size_t>(slots, window.chart.first_pass.size()),
-      window.chart.first_pass.size(), "cycle", "pipe", "instruction", "cycles waited for");
-  for (const IssueSlot& slot : window.chart.first_pass) {
-    if (slots-- == 0) break;
-    const bool paired = slot.unpaired == Unpaired::kPaired;
+void AddWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t slots,
+               const InstructionSet& set, ReportTree& tree) {
+  slots = uint32_t(std::min<size_t>(slots, window.chart.first_pass.size()));
+  tree.BlankLine();
+  tree.Say(fmt::format("{}: {} iterations scheduled together, first {} of {} instructions",
+                       timed.name, timed.cost.window_iterations, slots,
+                       window.chart.first_pass.size()));
+  ReportTable& table = tree.AddTable({}, {InText(" "), InText("cycle"), InText("pipe"),
+                                          InText("instruction"), InText("cycles waited for")});
+  for (const IssueSlot& slot : std::span(window.chart.first_pass).first(slots)) {
     std::string waited;
     for (uint32_t s = 0; s < slot.stall_count; ++s)
       waited += fmt::format("{}{} {}", s ? ", " : "", slot.stalls[s].cycles,
                             StallCauseName(slot.stalls[s].cause));
-    std::string line = fmt::format(
-        "{:>8}  {:<11} {:<34} {}", paired ? "+" : fmt::format("{}", slot.cycle),
-        window.chart.pipes[slot.pipe], InstructionText(window, slot.instruction, set), waited);
-    line.erase(line.find_last_not_of(' ') + 1);
-    fmt::print("{}\n", line);
+    table.Add({slot.unpaired == Unpaired::kPaired ? "+" : "", slot.cycle,
+               window.chart.pipes[slot.pipe], InstructionText(window, slot.instruction, set),
+               waited});
   }
-}
-
-std::string AsJson(const std::vector<TimedStage>& stages, const PricedCore& core,
-                   const TimingArgs& args) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("scene", args.scene);
-  json.Add("core", CoreKindName(core.kind));
-  json.Add("clock_hz", core.clock_hz);
-  json.Add("host_operations", args.host_operations);
-  json.Add("code_order", MeasuredCodePlace().mean);
-  json.Add("code_order_least", MeasuredCodePlace().least);
-  json.Add("code_order_most", MeasuredCodePlace().most);
-  json.BeginArray("kernels");
-  for (const TimedStage& timed : stages) {
-    const KernelCost& c = timed.cost;
-    json.BeginObject();
-    json.Add("kernel", timed.name);
-    json.Add("item", timed.item);
-    json.Add("iterations", timed.iterations);
-    json.Add("operations", c.operations);
-    json.Add("instructions_per_iteration", c.instructions_per_iteration);
-    json.Add("as_written_cycles_per_iteration", c.as_written.cycles_per_iteration);
-    json.Add("expected_cycles_per_iteration", ExpectedCycles(c));
-    json.Add("scheduled_cycles_per_iteration", c.scheduled.cycles_per_iteration);
-    json.Add("shared_cycles_per_iteration", c.scheduled.shared_cycles_per_iteration);
-    json.Add("as_written_cycles_per_strand", PerStrand(c.as_written.cycles_per_iteration));
-    json.Add("scheduled_cycles_per_strand", PerStrand(c.scheduled.cycles_per_iteration));
-    json.Add("fixed_cycles", c.scheduled.fixed_cycles);
-    if (core.caches) {
-      json.Add("lines_per_iteration", c.lines_per_iteration);
-      json.Add("wait_cycles_per_iteration", c.wait_cycles_per_iteration);
-      json.Add("unfetched_wait_cycles_per_iteration", c.unfetched_wait_cycles_per_iteration);
-    }
-    json.Add("divides_per_iteration", c.divides_per_iteration);
-    json.Add("roots_per_iteration", c.roots_per_iteration);
-    json.Add("binds", c.binding);
-    json.Add("busiest_unit_share", c.busiest_unit_share);
-    json.Add("dual_issue_rate", c.dual_issue_rate);
-    json.Add("registers_live", c.most_live);
-    json.Add("registers", c.register_limit);
-    json.Add("spill_stores", c.spill_stores);
-    json.Add("spill_loads", c.spill_loads);
-    json.Add("code_bytes", c.code_bytes);
-    json.Add("iterations_scheduled_together", c.window_iterations);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
 }
 
 }  // namespace
@@ -204,19 +204,24 @@ int PrintKernelTiming(const TimingArgs& args) {
   RecordStages(running.scene().CurrentFrame(), stages);
   for (TimedStage& timed : stages)
     timed.cost = PriceTrace(timed.trace, timed.iterations, core, rules).OrThrow();
-  if (args.json) {
-    fmt::print("{}\n", AsJson(stages, core, args));
-    return 0;
-  }
-  fmt::print("scene {}, {} at {:.3f} GHz{}\n\n", args.scene, CoreKindName(core.kind),
-             double(core.clock_hz) * 1e-9,
-             args.host_operations ? ", the host's operations one for one" : "");
-  PrintTable(stages, core);
+  ReportTree tree;
+  tree.Say(fmt::format("scene {}, {} at {:.3f} GHz{}", args.scene, CoreKindName(core.kind),
+                       double(core.clock_hz) * 1e-9,
+                       args.host_operations ? ", the host's operations one for one" : ""));
+  tree.Add(InJson("scene"), args.scene).Add(InJson("core"), CoreKindName(core.kind));
+  tree.Add(InJson("clock_hz"), core.clock_hz);
+  tree.Add(InJson("host_operations"), args.host_operations);
+  tree.Add(InJson("code_order"), MeasuredCodePlace().mean);
+  tree.Add(InJson("code_order_least"), MeasuredCodePlace().least);
+  tree.Add(InJson("code_order_most"), MeasuredCodePlace().most);
+  AddCosts(stages, core, tree);
+  tree.Say("expected: " + DescribePlace(MeasuredCodePlace().mean));
   for (const TimedStage& timed : stages)
     if (args.chart_slots && timed.cost.operations)
-      PrintWindow(timed, ScheduleWindow(timed.trace, timed.iterations, core, rules).OrThrow(),
-                  args.chart_slots,
-                  core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet());
+      AddWindow(timed, ScheduleWindow(timed.trace, timed.iterations, core, rules).OrThrow(),
+                args.chart_slots,
+                core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet(), tree);
+  tree.Print(args.json);
   return 0;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 void AddPasses(const FurScene& scene, ReportTree& report) {
   const Plan& plan = scene.plan();
-  ReportTable& passes = report.AddTable("passes", {{.key = "pass", .show = Show::kText},
+  ReportTable& passes = report.AddTable("passes", {InText("pass"),
                                                    {"domain"},
                                                    {"items"},
                                                    {"resident_bytes", "B", -1, "resident"},
@@ -17,7 +17,7 @@ void AddPasses(const FurScene& scene, ReportTree& report) {
                                                    {"get_bytes", "B", -1, "get"},
                                                    {"put_bytes", "B", -1, "put"},
                                                    {"stages"},
-                                                   {.key = "streams", .show = Show::kJson}});
+                                                   InJson("streams")});
   for (size_t p = 0; p < plan.passes.size(); ++p) {
     const Pass& pass = plan.passes[p];
     std::vector<std::string> stages;
@@ -56,9 +56,8 @@ void AddChunks(ReportTree& report) {
 
 ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const PlanOptions& options) {
   ReportTree report;
-  report.Add({.key = "strands_per_chunk", .show = Show::kJson}, kStrandsPerChunk);
-  report.Add({.key = "place", .show = Show::kJson},
-             options.must_fit ? "local store" : "main memory");
+  report.Add(InJson("strands_per_chunk"), kStrandsPerChunk);
+  report.Add(InJson("place"), options.must_fit ? "local store" : "main memory");
   AddPasses(scene, report);
   report.Add({"stages"}, scene.plan().stages.size());
   report.Add({"barriers"}, scene.plan().passes.size());
@@ -82,8 +81,7 @@ int PrintPlan(const PlanArgs& args) {
   SceneOptions options = args.options;
   options.plan.must_fit = args.local_store;
   const RunningScenario running(scenario, options);
-  const ReportTree report = MakePlanReport(running.scene(), args, options.plan);
-  fmt::print("{}", args.json ? report.Json() : report.Text());
+  MakePlanReport(running.scene(), args, options.plan).Print(args.json);
   return 0;
 }
 

@@ -14,7 +14,6 @@
 #include "bench/accuracy/stress.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/report/json_text.hpp"
 #include "bench/report/machine.hpp"
 #include "core/error.hpp"
 
@@ -117,58 +116,53 @@ std::vector<StressRow> RunAll(const StressArgs& args, const std::vector<Isa>& is
   return rows;
 }
 
-std::vector<std::string_view> NamesOf(const std::vector<Isa>& isas) {
+void AddRows(const std::vector<StressRow>& rows, ReportTree& tree) {
+  ReportTable& table = tree.AddTable("rows", {{"problem"},
+                                              {"links"},
+                                              {"rate", "Hz"},
+                                              {"strands"},
+                                              {"solver"},
+                                              {"stretch", "", -2},
+                                              {"not_finite", "finite", -1, "not"},
+                                              {"unsettled", "settled", -1, "not"},
+                                              {"stuck"},
+                                              InJson("off_balance"),
+                                              {"recovery_s", "very, s", 2, "reco-"},
+                                              InJson("promised"),
+                                              InJson("broken")});
+  std::vector<std::string> broken;
+  for (const StressRow& row : rows) {
+    table.Add({row.problem, row.links, row.frames_per_second, row.strands, row.solver.name,
+               row.result.worst_stretch, row.result.non_finite, row.result.unsettled,
+               row.result.stuck, row.result.worst_off_balance, row.result.recovery_seconds,
+               row.Promised(), row.Broken()});
+    if (!row.Broken().empty())
+      broken.push_back(fmt::format("{}, {} links, {} Hz, {}: {}", row.problem, row.links,
+                                   row.frames_per_second, row.solver.name, row.Broken()));
+  }
+  tree.BlankLine();
+  tree.AddTexts({}, broken, "BROKEN");
+}
+
+ReportTree MakeTree(const std::vector<StressRow>& rows, const std::vector<Isa>& isas,
+                    size_t broken) {
+  ReportTree tree;
+  tree.Say(
+      "Stretch: the worst of any link, over its length. Unsettled: strands that still move "
+      "at the end. Stuck: at rest, but with a link off balance by more than 0.1 rad "
+      "(position-based solvers by design). Recovery: until all strands stay within 1 % of "
+      "their length of where they end.");
+  AddRows(rows, tree);
   std::vector<std::string_view> names;
   for (const Isa isa : isas) names.push_back(IsaName(isa));
-  return names;
-}
-
-void PrintRows(const std::vector<StressRow>& rows) {
-  const StressRow* before = nullptr;
-  for (const StressRow& row : rows) {
-    if (!before || before->problem != row.problem || before->links != row.links)
-      fmt::print("\n{}, {} links, {} strands at {} Hz\n  {:<28} {:>9} {:>10} {:>9} {:>6} {:>11}\n",
-                 row.problem, row.links, row.strands, row.frames_per_second, "", "stretch",
-                 "not finite", "unsettled", "stuck", "recovery, s");
-    before = &row;
-    const std::string broken = row.Broken();
-    fmt::print("  {:<28} {:>9.1e} {:>10} {:>9} {:>6} {:>11.2f}{}\n", row.solver.label,
-               row.result.worst_stretch, row.result.non_finite, row.result.unsettled,
-               row.result.stuck, row.result.recovery_seconds,
-               broken.empty() ? "" : "  BROKEN: " + broken);
-  }
-}
-
-std::string StressJson(const std::vector<StressRow>& rows, const std::vector<Isa>& isas,
-                       size_t broken) {
-  JsonText json;
-  json.BeginObject();
-  AddMachine(DescribeMachine(), json);
-  json.BeginArray("isas");
-  for (const std::string_view name : NamesOf(isas)) json.Add("", name);
-  json.EndArray();
-  json.Add("broken", broken);
-  json.BeginArray("rows");
-  for (const StressRow& row : rows) {
-    json.BeginObject();
-    json.Add("problem", row.problem);
-    json.Add("links", row.links);
-    json.Add("rate", row.frames_per_second);
-    json.Add("strands", row.strands);
-    json.Add("solver", row.solver.name);
-    json.Add("stretch", row.result.worst_stretch);
-    json.Add("not_finite", row.result.non_finite);
-    json.Add("unsettled", row.result.unsettled);
-    json.Add("stuck", row.result.stuck);
-    json.Add("off_balance", row.result.worst_off_balance);
-    json.Add("recovery_s", row.result.recovery_seconds);
-    json.Add("promised", row.Promised());
-    json.Add("broken", row.Broken());
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  return json.text() + "\n";
+  tree.Add({"isas", "", -1, "instruction sets"}, names);
+  tree.Say("figures are the first's, the others' were compared with them");
+  AddMachine(DescribeMachine(), tree);
+  tree.Add(InJson("broken"), broken);
+  tree.Say(broken == 0 ? std::string("KEPT: finite, within 1e-5 of its length, settled, the same "
+                                     "on every instruction set")
+                       : fmt::format("BROKEN in {} of {} rows", broken, rows.size()));
+  return tree;
 }
 
 }  // namespace
@@ -179,27 +173,14 @@ int StressSolvers(const StressArgs& args) {
   const std::vector<StressRow> rows = RunAll(args, isas);
   const size_t broken = size_t(std::count_if(
       rows.begin(), rows.end(), [](const StressRow& row) { return !row.Broken().empty(); }));
-  fmt::print(
-      "Stretch: the worst of any link, over its length. Unsettled: strands that still move at the "
-      "end.\nStuck: at rest, but with a link off balance by more than 0.1 rad (position-based "
-      "solvers by design).\nRecovery: until all strands stay within 1 % of their length of where "
-      "they "
-      "end.\n");
-  PrintRows(rows);
-  const Machine machine = DescribeMachine();
-  fmt::print(
-      "\ninstruction sets {}: figures are the first's, the others' were compared with them\n"
-      "machine   {}, {}, {}\ncommit    {}\ntook      {:.1f} s\n",
-      fmt::join(NamesOf(isas), ", "), machine.processor, machine.compiler, machine.build_type,
-      machine.commit,
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  const ReportTree tree = MakeTree(rows, isas, broken);
+  fmt::print("{}", tree.Text());
   if (!args.json.empty()) {
-    WriteOutput("stress", args.json, StressJson(rows, isas, broken));
-    fmt::print("json      {}\n", args.json.path());
+    WriteOutput("stress", args.json, tree.Json());
+    fmt::print("json {}\n", args.json.path());
   }
-  fmt::print("{}\n", broken == 0 ? std::string("KEPT: finite, within 1e-5 of its length, settled, "
-                                               "the same on every instruction set")
-                                 : fmt::format("BROKEN in {} of {} rows", broken, rows.size()));
+  fmt::print("took {:.1f} s\n",
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   return broken == 0 ? 0 : 1;
 }
 

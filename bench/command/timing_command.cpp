@@ -6,7 +6,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/usage_error.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "core/file_bytes.hpp"
 #include "core/printable.hpp"
 #include "platform_sim/pipeline/issue_walk.hpp"
@@ -91,145 +91,89 @@ std::string DescribeStalls(const Listing& listing, const IssueSlot& slot) {
   return out;
 }
 
-void PrintSlots(const Listing& listing, const IssueChart& chart,
-                const std::vector<IssueSlot>& slots) {
-  fmt::print("{:>8}  {:<11} {:>6}  {:<30}  {}\n", "cycle", "pipe", "line", "instruction",
-             "cycles waited for");
+void AddSlots(const Listing& listing, const IssueChart& chart, const std::vector<IssueSlot>& slots,
+              ReportTree& tree) {
+  // "+": together with the one above.
+  ReportTable& issues = tree.AddTable("issues", {InText(" "),
+                                                 {"cycle"},
+                                                 {"pipe"},
+                                                 InJson("paired"),
+                                                 {"line"},
+                                                 {"instruction"},
+                                                 {"waited", "", -1, "cycles waited for"}});
   for (const IssueSlot& slot : slots) {
     const bool paired = slot.unpaired == Unpaired::kPaired;
-    std::string line =
-        fmt::format("{:>8}  {:<11} {:>6}  {:<30}  {}", paired ? "+" : fmt::format("{}", slot.cycle),
-                    chart.pipes[slot.pipe], listing.line[slot.instruction],
-                    Printable(listing.text[slot.instruction]), DescribeStalls(listing, slot));
-    line.erase(line.find_last_not_of(' ') + 1);
-    fmt::print("{}\n", line);
+    issues.Add({paired ? "+" : "", slot.cycle, chart.pipes[slot.pipe], paired,
+                listing.line[slot.instruction], Printable(listing.text[slot.instruction]),
+                DescribeStalls(listing, slot)});
   }
 }
 
-void PrintTotals(const IssueChart& chart, const IssueTotals& totals) {
-  fmt::print("  {} instructions in {} cycles; two at once in {} of {} issuing cycles ({:.1f} %)\n",
-             totals.instructions, totals.cycles, totals.dual_issues, totals.IssueCycles(),
-             100.0 * totals.DualIssueRate());
-  fmt::print("  busy:");
+void AddTotals(const IssueChart& chart, const IssueTotals& totals, ReportTree& tree) {
+  tree.Add({"instructions"}, totals.instructions).Add({"cycles"}, totals.cycles);
+  tree.Add({"dual_issues", "", -1, "two at once in"}, totals.dual_issues);
+  tree.Add(InText("of issuing cycles"), totals.IssueCycles());
+  tree.Add(InText("which is", "%", 1), 100.0 * totals.DualIssueRate());
+  ReportTree& busy = tree.AddSection("busy_cycles", "busy");
   for (size_t p = 0; p < chart.pipes.size(); ++p)
-    fmt::print("{} {} {}", p ? "," : "", chart.pipes[p], totals.pipe_cycles[p]);
-  fmt::print("\n  stalls: {}", totals.AllStallCycles());
+    busy.Add({std::string(chart.pipes[p])}, totals.pipe_cycles[p]);
+  ReportTree& stalls = tree.AddSection("stall_cycles", "stalls");
+  stalls.Add(InText("all"), totals.AllStallCycles());
   for (uint32_t c = 0; c < kStallCauseCount; ++c)
-    if (totals.stall_cycles[c])
-      fmt::print(", {} {}", StallCauseName(StallCause(c)), totals.stall_cycles[c]);
-  fmt::print("\n  binds: {}\n", BindingResource(chart, totals));
+    stalls.Add({.key = std::string(StallCauseName(StallCause(c))),
+                .show = totals.stall_cycles[c] ? Show::kBoth : Show::kJson},
+               totals.stall_cycles[c]);
+  ReportTree& unpaired = tree.AddSection("unpaired");
+  for (uint32_t u = 0; u < kUnpairedCount; ++u)
+    unpaired.Add(InJson(std::string(UnpairedName(Unpaired(u)))), totals.unpaired[u]);
+  tree.Add({"binds"}, BindingResource(chart, totals));
 }
 
-void PrintLoop(const Listing& listing, const IssueChart& chart, const LoopTiming& loop,
-               uint64_t clock_hz) {
-  const std::string name = LabelAt(listing, loop.head);
+void AddLoop(const Listing& listing, const IssueChart& chart, const LoopTiming& loop,
+             uint64_t clock_hz, ReportTree& tree) {
+  tree.BlankLine();
+  tree.Add({"loop"}, LabelAt(listing, loop.head)).Add({"iterations"}, loop.iterations);
+  tree.Add({"iterations_assumed", "", -1, "assumed"}, loop.iterations_assumed);
+  tree.Add(InJson("steady"), loop.steady);
   if (!loop.steady) {
-    fmt::print("\nloop {}: {} iterations, over before its state came back\n", name, loop.iterations);
+    tree.Say("over before its state came back");
     return;
   }
   const double ns = loop.CyclesPerIteration() * 1e9 / double(clock_hz);
-  fmt::print("\nloop {}: {} cycles an iteration = {:.2f} ns at {:.3f} GHz", name, loop.CyclesPerIteration(),
-             ns, double(clock_hz) * 1e-9);
   const double availability = CellSystem{}.Availability();
-  fmt::print(", {:.2f} ns with {} available", ns / availability, availability);
-  fmt::print("; {}{} iterations\n", loop.iterations, loop.iterations_assumed ? " (assumed)" : "");
-  PrintSlots(listing, chart, loop.slots);
-  PrintTotals(chart, loop.period);
+  tree.Add({"cycles_per_iteration"}, loop.CyclesPerIteration());
+  tree.Add(InText(fmt::format("at {:.3f} GHz", double(clock_hz) * 1e-9), "ns", 2), ns);
+  tree.Add(InText(fmt::format("with {} available", availability), "ns", 2), ns / availability);
+  tree.Add(InJson("period_iterations"), loop.period_iterations);
+  AddSlots(listing, chart, loop.slots, tree);
+  AddTotals(chart, loop.period, tree.AddSection("period"));
 }
 
-void PrintChart(const Listing& listing, const IssueChart& chart, const TimingArgs& args,
-                uint64_t clock_hz) {
-  fmt::print("{}: {} {} instructions{}\n", listing.name, listing.program.size(), listing.set->name,
-             args.pair_by_order ? ", paired by order" : "");
-  fmt::print("\nfirst pass\n");
-  PrintSlots(listing, chart, chart.first_pass);
-  PrintTotals(chart, chart.first_pass_totals);
-  for (const LoopTiming& loop : chart.loops) PrintLoop(listing, chart, loop, clock_hz);
-  fmt::print("\nin all\n");
-  PrintTotals(chart, chart.totals);
+ReportTree MakeTree(const Listing& listing, const IssueChart& chart, const TimingArgs& args,
+                    uint64_t clock_hz) {
+  ReportTree tree;
+  tree.Say(fmt::format("{}: {} {} instructions{}", listing.name, listing.program.size(),
+                       listing.set->name, args.pair_by_order ? ", paired by order" : ""));
+  tree.Add(InJson("listing"), listing.name).Add(InJson("core"), args.core);
+  tree.Add(InJson("clock_hz"), clock_hz).Add(InJson("pair_by_order"), args.pair_by_order);
+  tree.Add(InJson("availability"), CellSystem{}.Availability());
+  ReportTree& first = tree.AddSection("first_pass");
+  first.BlankLine();
+  first.Say("first pass");
+  AddSlots(listing, chart, chart.first_pass, first);
+  AddTotals(chart, chart.first_pass_totals, first.AddSection("totals"));
+  tree.BeginList("loops");
+  for (const LoopTiming& loop : chart.loops)
+    AddLoop(listing, chart, loop, clock_hz, tree.AddEntry("loops"));
+  tree.BlankLine();
+  AddTotals(chart, chart.totals, tree.AddSection("totals", "in all"));
+  ReportTable& registers = tree.AddTable("registers_live", {{"file", "", -1, "registers"},
+                                                            {"most", "", -1, "live"},
+                                                            {"limit", "", -1, "of"},
+                                                            InText(" ")});
   for (const LiveRegisters& live : chart.live)
-    fmt::print("  {} registers live: at most {} of {}{}\n", live.file, live.most, live.limit,
-               live.most > live.limit ? ": does not fit" : "");
-}
-
-void AddTotals(JsonText& json, std::string_view key, const IssueChart& chart,
-               const IssueTotals& totals) {
-  json.BeginObject(key);
-  json.Add("cycles", totals.cycles);
-  json.Add("instructions", totals.instructions);
-  json.Add("dual_issues", totals.dual_issues);
-  json.BeginObject("busy_cycles");
-  for (size_t p = 0; p < chart.pipes.size(); ++p) json.Add(chart.pipes[p], totals.pipe_cycles[p]);
-  json.EndObject();
-  json.BeginObject("stall_cycles");
-  for (uint32_t c = 0; c < kStallCauseCount; ++c)
-    json.Add(StallCauseName(StallCause(c)), totals.stall_cycles[c]);
-  json.EndObject();
-  json.BeginObject("unpaired");
-  for (uint32_t u = 0; u < kUnpairedCount; ++u)
-    json.Add(UnpairedName(Unpaired(u)), totals.unpaired[u]);
-  json.EndObject();
-  json.Add("binds", BindingResource(chart, totals));
-  json.EndObject();
-}
-
-void AddSlots(JsonText& json, const Listing& listing, const IssueChart& chart,
-              const std::vector<IssueSlot>& slots) {
-  json.BeginArray("issues");
-  for (const IssueSlot& slot : slots) {
-    json.BeginObject();
-    json.Add("cycle", slot.cycle);
-    json.Add("pipe", chart.pipes[slot.pipe]);
-    json.Add("paired", slot.unpaired == Unpaired::kPaired);
-    json.Add("line", listing.line[slot.instruction]);
-    json.Add("instruction", listing.text[slot.instruction]);
-    json.Add("waited", DescribeStalls(listing, slot));
-    json.EndObject();
-  }
-  json.EndArray();
-}
-
-std::string ChartAsJson(const Listing& listing, const IssueChart& chart, const TimingArgs& args,
-                        uint64_t clock_hz) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("listing", listing.name);
-  json.Add("core", args.core);
-  json.Add("clock_hz", clock_hz);
-  json.Add("pair_by_order", args.pair_by_order);
-  json.Add("availability", CellSystem{}.Availability());
-  json.BeginObject("first_pass");
-  AddSlots(json, listing, chart, chart.first_pass);
-  AddTotals(json, "totals", chart, chart.first_pass_totals);
-  json.EndObject();
-  json.BeginArray("loops");
-  for (const LoopTiming& loop : chart.loops) {
-    json.BeginObject();
-    json.Add("loop", LabelAt(listing, loop.head));
-    json.Add("iterations", loop.iterations);
-    json.Add("iterations_assumed", loop.iterations_assumed);
-    json.Add("steady", loop.steady);
-    if (loop.steady) {
-      json.Add("cycles_per_iteration", loop.CyclesPerIteration());
-      json.Add("period_iterations", loop.period_iterations);
-      AddSlots(json, listing, chart, loop.slots);
-      AddTotals(json, "period", chart, loop.period);
-    }
-    json.EndObject();
-  }
-  json.EndArray();
-  AddTotals(json, "totals", chart, chart.totals);
-  json.BeginArray("registers_live");
-  for (const LiveRegisters& live : chart.live) {
-    json.BeginObject();
-    json.Add("file", live.file);
-    json.Add("most", live.most);
-    json.Add("limit", live.limit);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
+    registers.Add({live.file, live.most, live.limit, live.most > live.limit ? "does not fit" : ""});
+  return tree;
 }
 
 // ---- Two threads
@@ -264,34 +208,23 @@ int PrintThreadPair(const TimingArgs& args) {
   const uint64_t clock_hz = CellSystem{}.clock_hz;
   const double gained =
       threads[0].alone / threads[0].beside + threads[1].alone / threads[1].beside - 1.0;
-  if (args.json) {
-    JsonText json;
-    json.BeginObject();
-    json.Add("core", "ppe");
-    json.Add("clock_hz", clock_hz);
-    json.Add("period_cycles", pair.period_cycles);
-    json.BeginArray("threads");
-    for (const ThreadTime& thread : threads) {
-      json.BeginObject();
-      json.Add("listing", thread.listing->name);
-      json.Add("loop", thread.loop);
-      json.Add("cycles_per_iteration_alone", thread.alone);
-      json.Add("cycles_per_iteration", thread.beside);
-      json.EndObject();
-    }
-    json.EndArray();
-    json.Add("gained", gained);
-    json.EndObject();
-    fmt::print("{}\n", json.text());
-    return 0;
-  }
-  fmt::print("two threads of a PPE at {:.3f} GHz, each its loop for ever\n",
-             double(clock_hz) * 1e-9);
+  ReportTree tree;
+  tree.Say(fmt::format("two threads of a PPE at {:.3f} GHz, each its loop for ever",
+                       double(clock_hz) * 1e-9));
+  tree.Add(InJson("core"), "ppe").Add(InJson("clock_hz"), clock_hz);
+  tree.Add(InJson("period_cycles"), pair.period_cycles);
+  ReportTable& table = tree.AddTable("threads", {{"listing"},
+                                                 {"loop"},
+                                                 {"cycles_per_iteration_alone", "", 2, "alone"},
+                                                 {"cycles_per_iteration", "", 2},
+                                                 InText("of its own rate", "%", 0)});
   for (const ThreadTime& thread : threads)
-    fmt::print("{} {}: {:.2f} cycles an iteration, {:.2f} alone: {:.0f} % of its own rate\n",
-               thread.listing->name, thread.loop, thread.beside, thread.alone,
-               100.0 * thread.alone / thread.beside);
-  fmt::print("both together: {:.2f} times the work of one thread after the other\n", 1.0 + gained);
+    table.Add({thread.listing->name, thread.loop, thread.alone, thread.beside,
+               100.0 * thread.alone / thread.beside});
+  tree.Add(InJson("gained"), gained);
+  tree.Add(InText("both together", "times the work of one thread after the other", 2),
+           1.0 + gained);
+  tree.Print(args.json);
   return 0;
 }
 
@@ -304,11 +237,7 @@ int PrintTiming(const TimingArgs& args) {
                                       is_spu ? SpuInstructionSet() : PpeInstructionSet())
                               .OrThrow();
   const IssueChart chart = Time(listing, args);
-  const uint64_t clock_hz = CellSystem{}.clock_hz;
-  if (args.json)
-    fmt::print("{}\n", ChartAsJson(listing, chart, args, clock_hz));
-  else
-    PrintChart(listing, chart, args, clock_hz);
+  MakeTree(listing, chart, args, CellSystem{}.clock_hz).Print(args.json);
   return 0;
 }
 

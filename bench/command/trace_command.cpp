@@ -6,7 +6,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "bench/verify/lockstep.hpp"
 #include "bench/verify/replay.hpp"
 #include "bench/verify/stage_digests.hpp"
@@ -34,35 +34,6 @@ uint64_t CountUnchangedPoses(const InputLog& log) {
   return uint64_t(log.FrameCount()) * log.CharacterCount() - log.poses.size();
 }
 
-std::string ShowAsJson(const InputLog& log) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("scene", log.about.scene);
-  json.Add("note", log.about.note);
-  json.Add("bytes", log.file_bytes);
-  json.Add("chunk_strands", log.chunk_strands);
-  json.Add("vertex_order", VertexOrderName(log.about.index_buffer ? VertexOrder::kIndexBuffer
-                                                                  : VertexOrder::kSorted));
-  json.BeginArray("grooms");
-  for (const std::vector<std::byte>& groom : log.grooms) json.Add("", groom.size());
-  json.EndArray();
-  json.BeginArray("character_groom");
-  for (const uint32_t groom : log.character_groom) json.Add("", groom);
-  json.EndArray();
-  json.Add("poses_unchanged", CountUnchangedPoses(log));
-  json.BeginArray("frames");
-  for (const InputLogFrame& frame : log.frames) {
-    json.BeginObject();
-    json.Add("time_s", frame.input.time_s);
-    json.Add("dt_s", frame.input.dt_s);
-    json.AddDigest("digest", frame.digest);
-    json.EndObject();
-  }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
-}
-
 // A groom file that this program cannot read is still named and measured.
 std::string DescribeGroom(const InputLog& log, size_t index) {
   const auto users =
@@ -73,43 +44,50 @@ std::string DescribeGroom(const InputLog& log, size_t index) {
   if (!groom) return text + "; cannot be read: " + groom.error();
   uint64_t strands = 0;
   for (const GroomLayer& layer : groom->layers) strands += layer.strand_count;
-  return text + fmt::format("; {} layers, {} strands, {} joints\n", groom->layers.size(), strands,
+  return text + fmt::format("; {} layers, {} strands, {} joints", groom->layers.size(), strands,
                             groom->joint_count);
 }
 
-std::string DescribeLog(const InputLog& log) {
-  std::string out = fmt::format("scene {}; {} bytes\n", log.about.scene, log.file_bytes);
-  if (!log.about.note.empty()) out += fmt::format("note {}\n", log.about.note);
-  out += fmt::format("recorded with {} strands a chunk, vertices {}\n", log.chunk_strands,
-                     log.about.index_buffer ? "in strand order" : "in draw order");
-  for (size_t g = 0; g < log.grooms.size(); ++g) out += DescribeGroom(log, g);
-  out += fmt::format("{} frames, {} characters; {} of {} poses are as in the frame before\n",
-                     log.FrameCount(), log.CharacterCount(), CountUnchangedPoses(log),
-                     uint64_t(log.FrameCount()) * log.CharacterCount());
-  uint32_t f = 0;
+ReportTree MakeShowTree(const InputLog& log) {
+  ReportTree tree;
+  tree.Add({"scene"}, log.about.scene).Add({"bytes"}, log.file_bytes).EndLine();
+  tree.Add({.key = "note", .show = log.about.note.empty() ? Show::kJson : Show::kBoth},
+           log.about.note);
+  tree.EndLine();
+  tree.Add({"chunk_strands", "", -1, "recorded with strands per chunk"}, log.chunk_strands);
+  tree.Add({"vertex_order"}, VertexOrderName(log.about.index_buffer ? VertexOrder::kIndexBuffer
+                                                                    : VertexOrder::kSorted));
+  std::vector<size_t> groom_bytes;
+  for (size_t g = 0; g < log.grooms.size(); ++g) {
+    groom_bytes.push_back(log.grooms[g].size());
+    tree.Say(DescribeGroom(log, g));
+  }
+  tree.Add(InJson("grooms"), groom_bytes).Add(InJson("character_groom"), log.character_groom);
+  tree.Add(InText("frames"), log.FrameCount()).Add(InText("characters"), log.CharacterCount());
+  tree.Add({"poses_unchanged", "", -1, "poses that are as in the frame before"},
+           CountUnchangedPoses(log));
+  tree.Add(InText("of"), uint64_t(log.FrameCount()) * log.CharacterCount());
+  ReportTable& frames = tree.AddTable(
+      "frames", {InText("frame"), {"time_s", "s", 4, "time"}, {"dt_s", "s", 5, "dt"}, {"digest"}});
   for (const InputLogFrame& frame : log.frames)
-    out += fmt::format("frame {:<4} time {:9.4f} s, dt {:.5f} s, digest {:016x}\n", f++,
-                       frame.input.time_s, frame.input.dt_s, frame.digest);
-  return out;
+    frames.Add(
+        {frames.rows.size(), frame.input.time_s, frame.input.dt_s, DigestText(frame.digest)});
+  return tree;
 }
 
-std::string ReplayAsJson(const ReplayResult& result) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("same", result.Same());
-  json.Add("frames", result.frames);
-  json.Add("mismatches", result.mismatches);
-  json.AddDigest("digest", result.digest);
-  if (result.first) {
-    json.BeginObject("first");
-    json.Add("frame", result.first->frame);
-    json.AddDigest("recorded", result.first->recorded);
-    json.AddDigest("found", result.first->found);
-    json.Add("refused", result.first->refused);
-    json.EndObject();
-  }
-  json.EndObject();
-  return json.text();
+ReportTree MakeReplayTree(const ReplayResult& result) {
+  ReportTree tree;
+  tree.Say("verdict: " + DescribeReplay(result));
+  tree.Add(InJson("same"), result.Same()).Add(InJson("frames"), result.frames);
+  tree.Add(InJson("mismatches"), result.mismatches);
+  tree.Add(InJson("digest"), DigestText(result.digest));
+  if (!result.first) return tree;
+  ReportTree& first = tree.AddSection("first");
+  first.Add(InJson("frame"), result.first->frame);
+  first.Add(InJson("recorded"), DigestText(result.first->recorded));
+  first.Add(InJson("found"), DigestText(result.first->found));
+  first.Add(InJson("refused"), result.first->refused);
+  return tree;
 }
 
 }  // namespace
@@ -171,7 +149,7 @@ int ReplayRecording(const ReplayArgs& args) {
       if (!args.digest_log.empty()) stage_digests.AddFrame(replay.scene(), digests);
     });
   }
-  fmt::print("{}\n", args.json ? ReplayAsJson(result) : "verdict: " + DescribeReplay(result));
+  MakeReplayTree(result).Print(args.json);
   if (!args.digest_log.empty()) WriteOutput("digest log", args.digest_log, WriteDigestLog(digests));
   if (const std::vector<std::string> faults = executor->Faults(); !faults.empty())
     throw Error(fmt::format("{} faults, the first: {}", faults.size(), faults.front()));
@@ -179,8 +157,7 @@ int ReplayRecording(const ReplayArgs& args) {
 }
 
 int ShowRecording(const ShowArgs& args) {
-  const InputLog log = ReadInputLogFile(args.path).OrThrow();
-  fmt::print("{}\n", args.json ? ShowAsJson(log) : DescribeLog(log));
+  MakeShowTree(ReadInputLogFile(args.path).OrThrow()).Print(args.json);
   return 0;
 }
 

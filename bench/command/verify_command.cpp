@@ -58,7 +58,7 @@ int VerifyScene(const VerifyArgs& args) {
     report = Verify(scenario, options);
   }
   const ReportTree tree = MakeVerifyTree(report, FingerprintOf(args, report));
-  fmt::print("{}", args.json ? tree.Json() : tree.Text());
+  tree.Print(args.json);
   return report.Passed() ? 0 : 1;
 }
 

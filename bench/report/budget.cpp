@@ -183,7 +183,7 @@ void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree) {
       fmt::format("Shares are of 5 and 8 ms on each of {} workers; items are chunks, layers or "
                   "characters of a frame.",
                   workers));
-  ReportTable& passes = tree.AddTable("passes", {{.key = "pass", .show = Show::kText},
+  ReportTable& passes = tree.AddTable("passes", {InText("pass"),
                                                  {"wall_ms.median", "wall ms", 3},
                                                  {"wall_ms.p95", "wall ms", 3},
                                                  {"wall_ms.worst", "wall ms", 3},

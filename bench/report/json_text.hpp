@@ -1,6 +1,6 @@
-// JSON that has no text beside it (the report page's data, chart listings), put together in the
-// order it is written; nlohmann-json holds and prints it. What is printed for people as well is a
-// ReportTree (report_tree.hpp).
+// The report page's data, which has no text beside it (report_page.cpp, the consoles' frames, the
+// accuracy section), put together in the order it is written; nlohmann-json holds and prints it.
+// What a command prints is a ReportTree (report_tree.hpp).
 //
 // Invariant: what comes out is valid as long as every Begin has its End; numbers that JSON cannot
 // hold (not finite) become null, and what is no printable ASCII is escaped.

@@ -43,14 +43,6 @@ Machine DescribeMachine() {
 
 std::string_view PeltVersion() { return PELT_VERSION; }
 
-void AddMachine(const Machine& machine, JsonText& json) {
-  json.Add("processor", machine.processor);
-  json.Add("cores", machine.cores);
-  json.Add("compiler", machine.compiler);
-  json.Add("build_type", machine.build_type);
-  json.Add("commit", machine.commit);
-}
-
 void AddMachine(const Machine& machine, ReportTree& tree) {
   tree.Add({"processor"}, machine.processor).Add({"cores"}, machine.cores);
   tree.Add({"compiler"}, machine.compiler).Add({"build_type"}, machine.build_type);

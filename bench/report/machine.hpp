@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "bench/report/json_text.hpp"
 #include "bench/report/report_tree.hpp"
 
 namespace pelt {
@@ -22,8 +21,7 @@ Machine DescribeMachine();
 
 std::string_view PeltVersion();  // "0.1.0"
 
-// Into an open object: "processor", "cores", "compiler", "build_type", "commit".
-void AddMachine(const Machine& machine, JsonText& json);
+// "processor", "cores", "compiler", "build_type", "commit".
 void AddMachine(const Machine& machine, ReportTree& tree);
 
 // Whether standard error is a terminal: where progress is shown.

@@ -98,7 +98,6 @@ Shard ParseShard(std::string_view text, ReadEnvironment read_environment) {
 
 void AddShardHeader(const Fingerprint& fingerprint, const Shard& shard, uint32_t places,
                     ReportTree& tree) {
-  const auto json = [](std::string key) { return Quantity{.key = key, .show = Show::kJson}; };
   ReportTree& of = tree.AddSection("fingerprint");
   for (const auto& [name, value] : fingerprint) of.Add(InJson(name), value);
   tree.AddSection("shard").Add(InJson("index"), shard.index).Add(InJson("count"), shard.count);

@@ -112,7 +112,7 @@ check_outputs() {
   [ -L dangling ] && [ -s new.groom ] || fail "a link without an end was replaced"
   expect 2 'the path is empty' -- bake --setup tiny --out ''
   expect 2 .png -- run --scene tiny --picture x.jpg
-  expect 2 .svg -- accuracy --quick --svg x.png
+  expect 2 .svg -- accuracy --scene tiny --quick --svg x.png
   expect 1 'not a folder' -- accuracy --write-example tiny.toml
   expect 1 'not a folder' -- golden --renew tiny.toml/x --scene tiny
   if [ "$(id -u)" -ne 0 ]; then
@@ -162,7 +162,7 @@ check_conflicts() {
   expect 2 --digest-log file -- trace replay tiny.peltinput --digest-log ./tiny.peltinput
   expect 2 --out --roots -- accuracy --roots roots.csv --strand strand.toml --out roots.csv
   expect 2 --out --strand -- accuracy --roots roots.csv --strand strand.toml --out strand.toml
-  expect 2 --json --svg -- accuracy --quick --json x.svg --svg x.svg
+  expect 2 --json --svg -- accuracy --scene tiny --quick --json x.svg --svg x.svg
   printf '{}' >accuracy.json
   expect 2 --out --accuracy -- report --scene tiny --accuracy accuracy.json --out accuracy.json
   cp accuracy.json report.html

@@ -9,7 +9,9 @@
 #include "bench/scenarios/cast.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/error.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
+#include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt {
 namespace {
@@ -92,8 +94,7 @@ TEST(Scenarios, TinyHasEverySolverChainAndOutput) {
   EXPECT_FALSE(tiny.spheres.empty());
 }
 
-TEST(Scenarios, TinyRunsEveryKernelThereIs) {
-  Scenario tiny = LoadScenario("tiny");
+std::set<std::string_view> KernelsThatRun(Scenario tiny) {
   std::set<std::string_view> ran;
   for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
     for (const uint32_t pieces : {0u, 1u}) {
@@ -108,6 +109,12 @@ TEST(Scenarios, TinyRunsEveryKernelThereIs) {
         for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
           if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
     }
+  return ran;
+}
+
+TEST(Scenarios, TinyRunsEveryKernelThereIs) {
+  std::set<std::string_view> ran = KernelsThatRun(LoadScenario("tiny"));
+  ran.merge(KernelsThatRun(testing::EveryOutputScenario()));
   for (const FrameRow& row : FindKernels(Isa::kReference)->rows)
     EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;
 }

@@ -50,9 +50,18 @@ hold budget_validate budget --validate
 hold timing timing add.s --trip loop=8
 hold timing_pair timing load.s --core ppe --second-thread sum.s
 hold timing_kernel timing --kernel skin
-"$pelt" stress --quick --solvers modal --links 3 --rates 60 --isa reference --json stress.json >/dev/null 2>&1
-seen[stress]=1
-python3 "$check" "$schemas/stress.json" stress.json >faults.txt || fail "pelt stress --json: $(cat faults.txt)"
+# hold_file SCHEMA arguments...: commands that write their JSON to a file.
+hold_file() {
+  local schema=$1
+  shift
+  seen[$schema]=1
+  "$pelt" "$@" --json file.json >/dev/null 2>err.txt || fail "pelt $* --json: $(cat err.txt)"
+  python3 "$check" "$schemas/$schema.json" file.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
+}
+hold_file stress stress --quick --solvers modal --links 3 --rates 60 --isa reference
+hold_file accuracy accuracy --quick --presets soft
+hold_file accuracy_scene accuracy --quick --scene tiny --frames 12
+hold_file accuracy_features accuracy --quick --features --links 3
 
 # A key that nobody documented, and one that went missing, are seen.
 sed 's/"scene": /"scenery": /' <("$pelt" run --scene tiny --frames 1 --json 2>/dev/null) >renamed.json

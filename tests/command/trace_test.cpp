@@ -10,6 +10,7 @@
 #include "bench/verify/replay.hpp"
 #include "bench/verify/stage_digests.hpp"
 #include "core/file_bytes.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "traces/diff.hpp"
 
 namespace pelt {
@@ -188,7 +189,7 @@ TEST_F(TraceCommand, ShowTellsWhatIsInside) {
   EXPECT_EQ(ShowRecording(args), 0);
   const std::string text = testing::internal::GetCapturedStdout();
   EXPECT_NE(text.find("scene tiny"), std::string::npos);
-  EXPECT_NE(text.find("3 frames, 1 characters"), std::string::npos) << text;
+  EXPECT_NE(text.find("frames 3, characters 1,"), std::string::npos) << text;
   EXPECT_NE(text.find("8 layers, 1410 strands, 24 joints"), std::string::npos) << text;
   args.json = true;
   testing::internal::CaptureStdout();

@@ -52,7 +52,7 @@ TEST_P(ConsoleOf, AdviceOnAChangeIsWhatARunWithItTakes) {
     EXPECT_EQ(changed.budget.digest == on().budget.digest, what_if != WhatIf::kFewerPoints);
     EXPECT_EQ(on().run.TryWhatIf(what_if), ms);
     EXPECT_EQ(ParseWhatIf(WhatIfName(what_if)), what_if);
-    const std::string text = DescribeConsole(changed.budget, changed.scene());
+    const std::string text = ProseOf(changed.budget, changed.scene());
     EXPECT_TRUE(Holds(text, fmt::format("what if: {}", DescribeWhatIf(what_if)))) << text;
     if (!Applies(what_if, GetParam())) {
       const std::string why = on().run.WhyNoChange(what_if);
