@@ -69,39 +69,30 @@ class BudgetPrinter {
   }
 
   int Print() {
-    json_.BeginObject();
-    json_.Add("scene", scenario_.name);
-    json_.Add("strands", scenario_.StrandCount());
-    json_.Add("frames", frames_);
-    json_.Add("warm_up_frames", args_.warm_up);
-    json_.Add("target_ms", args_.target_ms);
-    json_.BeginArray("platforms");
+    tree_.Add(InJson("scene"), scenario_.name).Add(InJson("strands"), scenario_.StrandCount());
+    tree_.Add(InJson("frames"), frames_).Add(InJson("warm_up_frames"), args_.warm_up);
+    tree_.Add(InJson("target_ms"), args_.target_ms);
     for (const std::string& platform : args_.platforms) {
-      json_.BeginObject();
-      json_.Add("platform", platform);
+      ReportTree& entry = tree_.AddEntry("platforms");
+      entry.Add(InJson("platform"), platform);
       if (platform == "host")
-        AddHost();
+        AddHost(entry);
       else
-        AddConsoleOrRefusal(platform == "ps3" ? Console::kPs3 : Console::kXbox360);
-      json_.Add("fits", verdicts_.back().fits);
-      json_.EndObject();
+        AddConsoleOrRefusal(platform == "ps3" ? Console::kPs3 : Console::kXbox360, entry);
+      entry.Add(InJson("fits"), verdicts_.back().fits);
     }
-    json_.EndArray();
     const bool fits =
         std::all_of(verdicts_.begin(), verdicts_.end(), [](const Verdict& v) { return v.fits; });
-    json_.Add("fits", fits);
-    json_.EndObject();
+    tree_.Add(InJson("fits"), fits);
+    AddVerdicts();
     if (!args_.trace.empty()) WriteTrace();
-    if (args_.json)
-      fmt::print("{}\n", json_.text());
-    else
-      PrintVerdicts();
+    tree_.Print(args_.json);
     if (!fault_.empty()) throw Error(fault_);
     return fits ? 0 : 1;
   }
 
  private:
-  void AddHost() {
+  void AddHost(ReportTree& entry) {
     RunOptions options;
     options.frames = frames_;
     options.warm_up = args_.warm_up;
@@ -117,32 +108,26 @@ class BudgetPrinter {
     const std::string what =
         fmt::format("{} workers, {}, measured", report.workers, IsaName(options.scene.isa));
     verdicts_.push_back({"host", what, ms, ms.p95, ms.p95 <= args_.target_ms});
-    json_.Add("processor", report.machine.processor);
-    json_.Add("workers", report.workers);
-    json_.BeginObject("frame_ms");
-    json_.Add("median", ms.median);
-    json_.Add("p95", ms.p95);
-    json_.Add("worst", ms.worst);
-    json_.EndObject();
-    if (!args_.json) {
-      ReportTree tree;
-      AddBudget(report.budget, report.workers, tree);
-      fmt::print("host: {} ({} cores), {}; commit {}\n{}\n", report.machine.processor,
-                 report.machine.cores, what, report.machine.commit, tree.Text());
-    }
+    entry.Say(fmt::format("host: {} ({} cores), {}; commit {}", report.machine.processor,
+                          report.machine.cores, what, report.machine.commit));
+    entry.Add(InJson("processor"), report.machine.processor);
+    entry.Add(InJson("workers"), report.workers);
+    entry.Add(InJson("frame_ms.median"), ms.median).Add(InJson("frame_ms.p95"), ms.p95);
+    entry.Add(InJson("frame_ms.worst"), ms.worst);
+    if (!args_.json) AddBudget(report.budget, report.workers, entry);
   }
 
   // A scene that a console cannot run at all is a verdict too; the others still get theirs.
-  void AddConsoleOrRefusal(Console console) {
+  void AddConsoleOrRefusal(Console console, ReportTree& entry) {
     try {
-      AddConsoleOf(console);
+      AddConsoleOf(console, entry);
     } catch (const Error& error) {
-      json_.Add("refused", error.what());
+      entry.Add(InJson("refused"), error.what());
       verdicts_.push_back({.platform = std::string(ConsoleName(console)), .refusal = error.what()});
     }
   }
 
-  void AddConsoleOf(Console console) {
+  void AddConsoleOf(Console console, ReportTree& entry) {
     ConsoleRequest request{.console = console,
                            .numbers = NumbersOf(args_),
                            .frames = frames_,
@@ -166,20 +151,13 @@ class BudgetPrinter {
                          budget.VerdictMs(),
                          budget.Fits(args_.target_ms),
                          RangeOf(budget)});
-    AddConsole(json_, budget, run.scene());
-    json_.Add("fits_scheduled",
+    entry.BlankLine();
+    AddConsole(budget, run.scene(), entry);
+    entry.Add(InJson("fits_scheduled"),
               budget.machine.Available(budget.scheduled_ms.p95) <= args_.target_ms);
-    json_.Add("fits_as_written",
+    entry.Add(InJson("fits_as_written"),
               budget.machine.Available(budget.as_written_ms.p95) <= args_.target_ms);
-    json_.BeginArray("advice");
-    for (const std::string& line : advice) json_.Add("", line);
-    json_.EndArray();
-    if (!args_.json) {
-      fmt::print("{}", DescribeConsole(budget, run.scene()));
-      for (const std::string& line : advice)
-        fmt::print("to fit {} ms: {}\n", args_.target_ms, line);
-      fmt::print("\n");
-    }
+    entry.AddTexts("advice", advice, fmt::format("to fit {} ms", args_.target_ms));
     if (!args_.trace.empty())
       AddConsoleTracks(run.scene(), budget.machine, budget.slowest, timeline_);
     if (fault_.empty() && budget.differs_at)
@@ -196,30 +174,33 @@ class BudgetPrinter {
     return out;
   }
 
-  void PrintVerdicts() const {
-    fmt::print(
+  void AddVerdicts() {
+    tree_.BlankLine();
+    tree_.Say(fmt::format(
         "{}: {} strands, {} frames behind {} to warm up; a frame may take {} ms, by its 95th "
-        "percentile: as measured on this machine, with {} availability on a console\n",
+        "percentile: as measured on this machine, with {} availability on a console",
         scenario_.name, scenario_.StrandCount(), frames_, args_.warm_up, args_.target_ms,
-        CellSystem{}.Availability());
-    bool has_range = false;
+        CellSystem{}.Availability()));
+    ReportTable& table =
+        tree_.AddTable({}, {InText("platform"), InText("median", "ms", 2), InText("p95", "ms", 2),
+                            InText("worst", "ms", 2), InText("verdict's", "ms", 2),
+                            InText("verdict"), InText("what")});
+    std::vector<std::string> remarks;
     for (const Verdict& v : verdicts_) {
       if (!v.refusal.empty()) {
-        fmt::print("  {:<8} CANNOT RUN: {}\n", v.platform, v.refusal);
+        remarks.push_back(fmt::format("{} CANNOT RUN: {}", v.platform, v.refusal));
         continue;
       }
-      fmt::print(
-          "  {:<8} {:<32} median {:>7.2f}  p95 {:>7.2f}  worst {:>7.2f} ms; {:>7.2f} ms {} {} ms "
-          "({})\n",
-          v.platform, v.what, v.frame_ms.median, v.frame_ms.p95, v.frame_ms.worst, v.ms,
-          v.fits ? "FITS" : "DOES NOT FIT", args_.target_ms, DescribeFit(v.ms));
-      if (!v.range.empty()) fmt::print("  {:<8} {}\n", "", v.range);
-      has_range = has_range || !v.range.empty();
+      table.Add({v.platform, v.frame_ms.median, v.frame_ms.p95, v.frame_ms.worst, v.ms,
+                 fmt::format("{} {} ms", v.fits ? "FITS" : "DOES NOT FIT", args_.target_ms),
+                 fmt::format("{}; {}", v.what, DescribeFit(v.ms))});
+      if (!v.range.empty()) remarks.push_back(fmt::format("{}: {}", v.platform, v.range));
     }
-    if (has_range)
-      fmt::print("consoles' verdicts: code {}\n",
-                 DescribePlace(std::clamp(MeasuredCodePlace().mean, 0.0, 1.0)));
-    if (!args_.trace.empty()) fmt::print("trace {}\n", args_.trace.path());
+    tree_.AddTexts({}, remarks);
+    if (std::ranges::any_of(verdicts_, [](const Verdict& v) { return !v.range.empty(); }))
+      tree_.Say("consoles' verdicts: code " +
+                DescribePlace(std::clamp(MeasuredCodePlace().mean, 0.0, 1.0)));
+    if (!args_.trace.empty()) tree_.Say("trace " + args_.trace.path());
   }
 
   void WriteTrace() {
@@ -231,7 +212,7 @@ class BudgetPrinter {
   const BudgetArgs& args_;
   Scenario scenario_;
   uint32_t frames_ = 0;
-  JsonText json_;
+  ReportTree tree_;
   std::vector<Verdict> verdicts_;
   Timeline timeline_;  // the slowest frame of every console
   std::string fault_;  // what makes the model's figures worthless

@@ -7,7 +7,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "platform_sim/measured_rows.hpp"
 
 namespace pelt {
@@ -28,84 +28,92 @@ std::string AllowedOff(const RowResult& row) {
 }
 
 // The prediction that counts has a star.
-std::string Prediction(const RowResult& row, double value, RowKind counts) {
-  return fmt::format("{:>9} {:>+7.2f}{}", Number(value), row.ErrorPercent(value),
-                     row.kind == counts ? '*' : ' ');
-}
+Value Star(const RowResult& row, RowKind counts) { return row.kind == counts ? "*" : ""; }
 
-void PrintTable(const std::vector<RowResult>& rows) {
-  fmt::print("{:<5} {:<55} {:<16} {:>12}  {:>18} {:>18}  {:>7}  {:<12}  {}\n", "row", "work",
-             "unit", "measured", "raw, off %", "available, off %", "allowed", "class", "verdict");
+Value IfAny(std::string_view text) { return text.empty() ? Value{} : Value(text); }
+
+// What a row is of stands in a table of its own, or it would not fit the width.
+void AddRows(const std::vector<RowResult>& rows, ReportTree& tree) {
+  ReportTable& works =
+      tree.AddTable({}, {InText("row"), InText("class"), InText("unit"), InText("work")});
+  ReportTable& table = tree.AddTable("rows", {{"row"},
+                                              InJson("work"),
+                                              InJson("unit"),
+                                              InText("measured"),
+                                              InJson("measured_least"),
+                                              InJson("measured_most"),
+                                              {"predicted_raw", "", -4, "raw"},
+                                              {"error_raw_percent", "%", 2, "off"},
+                                              InText(" "),
+                                              {"predicted_with_availability", "", -4, "available"},
+                                              {"error_with_availability_percent", "%", 2, "off"},
+                                              InText(" "),
+                                              InJson("availability_counts"),
+                                              InJson("allowed"),
+                                              InText("allowed"),
+                                              InJson("allowed_in"),
+                                              InJson("allowed_from"),
+                                              InJson("class"),
+                                              InJson("class_because"),
+                                              InJson("missed_because"),
+                                              InJson("pass"),
+                                              InJson("failure"),
+                                              InText("verdict")});
+  std::vector<std::string> remarks;
   for (const RowResult& row : rows) {
-    if (!row.failure.empty()) {
-      fmt::print("{:<5} {:<55} cannot be run: {}\n", row.id, row.work, row.failure);
-      continue;
-    }
-    fmt::print("{:<5} {:<55} {:<16} {:>12}  {} {}  {:>7}  {:<12}  {}\n", row.id, row.work, row.unit,
-               Measured(row), Prediction(row, row.predicted_raw, RowKind::kWay),
-               Prediction(row, row.predicted_with_availability, RowKind::kRate), AllowedOff(row),
-               RowClassName(row.row_class), row.passes ? "ok" : "MISSED");
+    const std::string_view row_class = RowClassName(row.row_class);
+    works.Add({row.id, row_class, row.unit, row.work});
+    table.Add({row.id,
+               row.work,
+               row.unit,
+               Measured(row),
+               row.measured_least,
+               row.measured_most,
+               row.predicted_raw,
+               row.ErrorPercent(row.predicted_raw),
+               Star(row, RowKind::kWay),
+               row.predicted_with_availability,
+               row.ErrorPercent(row.predicted_with_availability),
+               Star(row, RowKind::kRate),
+               row.kind == RowKind::kRate,
+               row.allowed,
+               AllowedOff(row),
+               row.allowed_in == Allowed::kPercent ? "percent" : "units",
+               row.allowed_from,
+               row_class,
+               IfAny(row.class_because),
+               IfAny(row.missed_because),
+               row.passes,
+               IfAny(row.failure),
+               row.passes ? "ok" : "MISSED"},
+              row.failure.empty() ? Show::kBoth : Show::kJson);
+    if (!row.failure.empty())
+      remarks.push_back(fmt::format("{}: cannot be run: {}", row.id, row.failure));
+    if (!row.missed_because.empty())
+      remarks.push_back(fmt::format("{}: {}.", row.id, row.missed_because));
   }
+  tree.AddTexts({}, remarks);
 }
 
-// What is no evidence of its own is named beside the count, never in it.
-void PrintCounts(const std::vector<RowResult>& rows, const RowCount& independent) {
-  fmt::print("{} independent rows: {} predicted within what they allow, {} missed. Not counted:",
-             independent.rows, independent.rows - independent.missed, independent.missed);
-  for (const RowClass c : {RowClass::kDerived, RowClass::kPlausibility, RowClass::kParameter}) {
-    const RowCount count = CountRows(rows, c);
-    fmt::print("{} {} {}", c == RowClass::kDerived ? "" : ",", count.rows, RowClassName(c));
-    if (count.missed > 0) fmt::print(" ({} missed)", count.missed);
-  }
-  fmt::print(".\n");
-  for (const RowResult& row : rows)
-    if (!row.missed_because.empty()) fmt::print("{}: {}.\n", row.id, row.missed_because);
-  fmt::print(
-      "* is held against the measurement: rates with the console's availability, single ways "
-      "without.\n");
-}
-
-std::string RowsAsJson(const std::vector<RowResult>& rows, const std::vector<KernelRow>& kernels,
-                       bool pass) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("pass", pass);
-  json.BeginObject("count");
+ReportTree MakeTree(const std::vector<RowResult>& rows, const std::vector<KernelRow>& kernels,
+                    bool pass) {
+  ReportTree tree;
+  tree.Add(InJson("pass"), pass);
+  AddRows(rows, tree);
+  // What is no evidence of its own is named beside the count, never in it.
+  tree.Say("Only independent rows count:");
+  ReportTree& count = tree.AddSection("count");
   for (uint32_t c = 0; c < kRowClassCount; ++c) {
-    const RowCount count = CountRows(rows, RowClass(c));
-    json.BeginObject(RowClassName(RowClass(c)));
-    json.Add("rows", count.rows);
-    json.Add("missed", count.missed);
-    json.EndObject();
+    const std::string name(RowClassName(RowClass(c)));
+    const RowCount of = CountRows(rows, RowClass(c));
+    count.AddSection(name, name).Add({"rows"}, of.rows).Add({"missed"}, of.missed);
   }
-  json.EndObject();
-  json.BeginArray("rows");
-  for (const RowResult& row : rows) {
-    json.BeginObject();
-    json.Add("row", row.id);
-    json.Add("work", row.work);
-    json.Add("unit", row.unit);
-    json.Add("measured_least", row.measured_least);
-    json.Add("measured_most", row.measured_most);
-    json.Add("predicted_raw", row.predicted_raw);
-    json.Add("predicted_with_availability", row.predicted_with_availability);
-    json.Add("availability_counts", row.kind == RowKind::kRate);
-    json.Add("error_raw_percent", row.ErrorPercent(row.predicted_raw));
-    json.Add("error_with_availability_percent", row.ErrorPercent(row.predicted_with_availability));
-    json.Add("allowed", row.allowed);
-    json.Add("allowed_in", row.allowed_in == Allowed::kPercent ? "percent" : "units");
-    json.Add("allowed_from", row.allowed_from);
-    json.Add("class", RowClassName(row.row_class));
-    if (!row.class_because.empty()) json.Add("class_because", row.class_because);
-    if (!row.missed_because.empty()) json.Add("missed_because", row.missed_because);
-    json.Add("pass", row.passes);
-    if (!row.failure.empty()) json.Add("failure", row.failure);
-    json.EndObject();
-  }
-  json.EndArray();
-  AddKernelRows(json, kernels);
-  json.EndObject();
-  return json.text();
+  tree.Say(
+      "* is held against the measurement: rates with the console's availability, single ways "
+      "without.");
+  tree.BlankLine();
+  AddKernelRows(kernels, tree);
+  return tree;
 }
 
 }  // namespace
@@ -113,15 +121,8 @@ std::string RowsAsJson(const std::vector<RowResult>& rows, const std::vector<Ker
 int PrintValidation(const ValidateArgs& args) {
   const std::vector<RowResult> rows = PredictRows();
   const std::vector<KernelRow> kernels = PriceKernelRows();
-  const RowCount independent = CountRows(rows, RowClass::kIndependent);
   const bool pass = std::ranges::none_of(rows, &RowResult::Surprises) && AllPass(kernels);
-  if (args.json) {
-    fmt::print("{}\n", RowsAsJson(rows, kernels, pass));
-  } else {
-    PrintTable(rows);
-    PrintCounts(rows, independent);
-    fmt::print("\n{}", DescribeKernelRows(kernels));
-  }
+  MakeTree(rows, kernels, pass).Print(args.json);
   return pass ? 0 : 1;
 }
 

@@ -120,7 +120,7 @@ ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
       options_(OptionsOn(request)),
       machine_(MakeConsole(request)) {  // before pricing: what cannot be needs none
   if (request_.frames == 0) request_.frames = scenario.default_frames;
-  std::string first_error, error;
+  std::string first_error;
   for (;;) {
     const RunningScenario running(scenario_, options_);
     const Plan& plan = running.scene().plan();

@@ -18,190 +18,138 @@ constexpr size_t kNamedStreams = 8;  // of main memory, the largest first
 
 double Mb(double bytes) { return bytes * 1e-6; }
 
-std::string StageTable(const ConsoleBudget& b, const Plan& plan) {
-  const FrameSummary& s = b.summary;
+// Of the page too.
+ReportTable StageTable(const ConsoleBudget& b, const Plan& plan) {
+  ReportTable table{"stages",
+                    {{"name", "", -1, "stage, of a frame"},
+                     {"items", "", 1},
+                     {"core_ms", "ms", 3, "core"},
+                     {"share", "%", 1, "", 100},
+                     {"wall_ms", "ms", 3, "wall"},
+                     {"code_bytes", "B", -1, "code"}}};
   double all_ms = 0.0;
-  for (const FrameSummary::Stage& stage : s.stages) all_ms += stage.core_ms;
-  std::string out = fmt::format("{:<24} {:>9} {:>9} {:>8} {:>9} {:>11}\n", "stage, of a frame",
-                                "items", "core ms", "share", "wall ms", "code bytes");
-  for (size_t i = 0; i < s.stages.size(); ++i)
-    if (s.stages[i].items > 0.0)
-      out += fmt::format("{:<24} {:>9.1f} {:>9.3f} {:>7.1f}% {:>9.3f} {:>11}\n",
-                         plan.stages[i].kernel.name, s.stages[i].items, s.stages[i].core_ms,
-                         all_ms > 0.0 ? 100.0 * s.stages[i].core_ms / all_ms : 0.0,
-                         s.stages[i].wall_ms, b.costs.stages[i].code_bytes);
-  return out;
+  for (const FrameSummary::Stage& stage : b.summary.stages) all_ms += stage.core_ms;
+  for (size_t i = 0; i < b.summary.stages.size(); ++i) {
+    const FrameSummary::Stage& stage = b.summary.stages[i];
+    if (stage.items > 0.0)
+      table.Add({plan.stages[i].kernel.name, stage.items, stage.core_ms,
+                 all_ms > 0.0 ? stage.core_ms / all_ms : 0.0, stage.wall_ms,
+                 b.costs.stages[i].code_bytes});
+  }
+  return table;
 }
 
-// Where the unit that all others waited for spent each pass.
-std::string PassTable(const ConsoleBudget& b, const Plan& plan) {
-  std::string out =
-      fmt::format("{:<40} {:>8} {:>8}", "pass, its critical unit in ms", "items", "ms");
+void AddWork(const WorkMs& work, std::vector<Value>& row) {
+  for (const double ms : work) row.push_back(ms);
+}
+
+std::vector<Quantity> WorkColumns(const std::string& key) {
+  std::vector<Quantity> columns;
   for (uint32_t w = 0; w < kUnitWorkCount; ++w)
-    out += fmt::format(" {:>9}", UnitWorkName(UnitWork(w)));
-  out += "  bound by\n";
-  const auto row = [&](std::string_view name, double items, double ms, const WorkMs& work) {
-    out += fmt::format("{:<40} {:>8.1f} {:>8.3f}", name, items, ms);
-    for (const double part : work) out += fmt::format(" {:>9.3f}", part);
-  };
-  for (uint32_t p = 0; p < b.summary.passes.size(); ++p) {
-    const FrameSummary::Pass& pass = b.summary.passes[p];
-    row(PassName(plan, p), pass.items, pass.ms, pass.critical_ms);
-    out += fmt::format("  {}, {:.3f} ms less without\n", PassLimitName(pass.binds),
-                       pass.GainMs(pass.binds));
-  }
+    columns.push_back({fmt::format("{}.{}", key, UnitWorkName(UnitWork(w))), "ms", 3});
+  return columns;
+}
+
+ReportTable BufferTable(const Pass& pass) {
+  ReportTable buffers{{}, {{"stream"}, {"bytes"}}, true};
+  for (const PassStream& stream : pass.streams)
+    buffers.Add({DescribeStream(stream.stream).name, stream.bytes});
+  return buffers;
+}
+
+// Where the unit that all others waited for spent each pass; and what lies in the local stores.
+void AddPasses(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
+  const FrameSummary& s = b.summary;
+  std::vector<Quantity> columns = {InText("pass"), InJson("name"), {"items", "", 1}, {"ms", "", 3}};
+  for (Quantity& column : WorkColumns("critical_ms")) columns.push_back(std::move(column));
+  columns.push_back(InJson("bound_by"));
+  for (uint32_t l = 0; l < kPassLimitCount; ++l)
+    columns.push_back(InJson(fmt::format("gain_ms.{}", PassLimitName(PassLimit(l)))));
+  for (const char* key : {"code", "stack", "parameters", "buffers", "buffer_sets", "free"})
+    columns.push_back(InJson(fmt::format("local_store_bytes.{}", key)));
+  columns.push_back(InJson("buffer_bytes"));
+  tree.BlankLine();
+  tree.Say("passes, by what the critical unit did; all: the critical path");
+  ReportTable& passes = tree.AddTable("passes", columns);
+  ReportTable& bounds = tree.AddTable(
+      {}, {InText("pass"), InText("bound by"), InText("without, less", "ms", 3), InText("stages")});
   double all_ms = 0.0, all_items = 0.0;
-  for (const FrameSummary::Pass& pass : b.summary.passes) {
+  for (uint32_t p = 0; p < s.passes.size(); ++p) {
+    const FrameSummary::Pass& pass = s.passes[p];
     all_ms += pass.ms;
     all_items += pass.items;
+    std::vector<Value> row = {p, PassName(plan, p), pass.items, pass.ms};
+    AddWork(pass.critical_ms, row);
+    row.push_back(PassLimitName(pass.binds));
+    for (uint32_t l = 0; l < kPassLimitCount; ++l) row.push_back(pass.GainMs(PassLimit(l)));
+    if (!b.stores.empty()) {
+      const PassStore& store = b.stores[p];
+      for (const uint64_t bytes : std::initializer_list<uint64_t>{
+               store.code_bytes, store.stack_bytes, store.parameter_bytes, store.buffer_bytes,
+               store.buffer_sets, store.free_bytes})
+        row.push_back(bytes);
+      row.push_back(BufferTable(plan.passes[p]));
+    }
+    passes.Add(std::move(row));
+    bounds.Add({p, PassLimitName(pass.binds), pass.GainMs(pass.binds), PassName(plan, p)});
   }
-  row("all: the critical path", all_items, all_ms, b.summary.critical_ms);
-  return out + '\n';
+  std::vector<Value> all = {"all", {}, all_items, all_ms};
+  AddWork(s.critical_ms, all);
+  passes.Add(std::move(all), Show::kText);
 }
 
-std::string MemoryText(const ConsoleBudget& b) {
+void AddWorkSection(const std::string& key, const WorkMs& work, ReportTree& tree) {
+  ReportTree& of = tree.AddSection(key);
+  for (uint32_t w = 0; w < kUnitWorkCount; ++w)
+    of.Add(InJson(std::string(UnitWorkName(UnitWork(w)))), work[w]);
+}
+
+void AddMemory(const ConsoleBudget& b, ReportTree& tree) {
   const FrameSummary& s = b.summary;
   const auto sum = [](const std::vector<double>& v) {
     return std::accumulate(v.begin(), v.end(), 0.0);
   };
-  std::string out = fmt::format(
-      "main memory: {:.2f} MB in, {:.2f} MB out, {:.2f} MB code, {:.2f} MB of lines nobody asked "
-      "for; {:.0f} % of what the memory could move\n",
-      Mb(sum(s.stream_get_bytes)), Mb(sum(s.stream_put_bytes)), Mb(s.code_bytes),
-      Mb(s.wasted_bytes), 100.0 * s.bus_use);
+  tree.BlankLine();
+  tree.Add(InText("main memory: in", "MB", 2), Mb(sum(s.stream_get_bytes)));
+  tree.Add(InText("out", "MB", 2), Mb(sum(s.stream_put_bytes)));
+  tree.Add({"code_bytes", "MB", 2, "code", 1e-6}, s.code_bytes);
+  tree.Add({"wasted_bytes", "MB", 2, "lines nobody asked for", 1e-6}, s.wasted_bytes);
+  tree.Add({"bus_use", "% of what the memory could move", 0, "together", 100}, s.bus_use);
   std::vector<uint32_t> order(kStreamCount);
   std::iota(order.begin(), order.end(), 0u);
   const auto bytes = [&](uint32_t i) { return s.stream_get_bytes[i] + s.stream_put_bytes[i]; };
   std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t c) { return bytes(a) > bytes(c); });
-  for (size_t i = 0; i < kNamedStreams && bytes(order[i]) > 0.0; ++i)
-    out += fmt::format("  {:<20} {:>8.3f} MB in {:>8.3f} MB out\n",
-                       DescribeStream(Stream(order[i])).name, Mb(s.stream_get_bytes[order[i]]),
-                       Mb(s.stream_put_bytes[order[i]]));
-  return out;
+                   [&](uint32_t x, uint32_t y) { return bytes(x) > bytes(y); });
+  ReportTable named{{}, {{"stream"}, {"in", "MB", 3, "", 1e-6}, {"out", "MB", 3, "", 1e-6}}};
+  ReportTree& of = tree.AddSection("main_memory_bytes");
+  for (const uint32_t i : order) {
+    if (bytes(i) == 0.0) break;
+    const std::string name(DescribeStream(Stream(i)).name);
+    if (named.rows.size() < kNamedStreams)
+      named.Add({name, s.stream_get_bytes[i], s.stream_put_bytes[i]});
+    of.Add(InJson(name + ".in"), s.stream_get_bytes[i]);
+    of.Add(InJson(name + ".out"), s.stream_put_bytes[i]);
+  }
+  tree.AddTable({}, {}) = named;
 }
 
-// What lies in the buffers of the pass that has least room left.
-std::string FullestBuffers(const ConsoleBudget& b, const Plan& plan) {
-  const auto fullest = std::min_element(
-      b.stores.begin(), b.stores.end(),
-      [](const PassStore& x, const PassStore& y) { return x.free_bytes < y.free_bytes; });
-  const auto pass = uint32_t(fullest - b.stores.begin());
-  std::string out = fmt::format("  buffers of pass {}:", pass);
-  for (const PassStream& stream : plan.passes[pass].streams)
-    out += fmt::format(" {} {}", DescribeStream(stream.stream).name, stream.bytes);
-  return out + '\n';
-}
-
-std::string StoreTable(const ConsoleBudget& b, const Plan& plan) {
-  if (b.stores.empty()) return {};
-  std::string out =
-      fmt::format("{:<40} {:>8} {:>8} {:>10} {:>14} {:>8}\n", "local store of a pass, bytes",
-                  "code", "stack", "parameters", "buffers", "free");
+void AddStores(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
+  if (b.stores.empty()) return;
+  ReportTable& table = tree.AddTable(
+      {}, {InText("local store of a pass", "B"), InText("code"), InText("stack"),
+           InText("parameters"), InText("sets of"), InText("buffers"), InText("free")});
   for (uint32_t p = 0; p < b.stores.size(); ++p) {
     const PassStore& store = b.stores[p];
-    out += fmt::format("{:<40} {:>8} {:>8} {:>10} {:>3} x {:>8} {:>8}\n", PassName(plan, p),
-                       store.code_bytes, store.stack_bytes, store.parameter_bytes,
-                       store.buffer_sets, store.buffer_bytes, store.free_bytes);
+    table.Add({PassName(plan, p), store.code_bytes, store.stack_bytes, store.parameter_bytes,
+               store.buffer_sets, store.buffer_bytes, store.free_bytes});
   }
-  return out + FullestBuffers(b, plan);
-}
-
-std::string DigestText(const ConsoleBudget& b) {
-  if (b.differs_at) return fmt::format("DIGEST: frame {} is not the host's\n", *b.differs_at);
-  return fmt::format(
-      "executed while it was timed: digests equal the host's in {} of {} frames "
-      "compared, the last {:016x}\n",
-      b.digests_compared, b.digests_compared, b.digest);
-}
-
-void AddWork(JsonText& json, std::string_view key, const WorkMs& work) {
-  json.BeginObject(key);
-  for (uint32_t w = 0; w < kUnitWorkCount; ++w) json.Add(UnitWorkName(UnitWork(w)), work[w]);
-  json.EndObject();
-}
-
-void AddSpread(JsonText& json, std::string_view key, const Spread& ms) {
-  json.BeginObject(key);
-  json.Add("median", ms.median);
-  json.Add("p95", ms.p95);
-  json.Add("worst", ms.worst);
-  json.EndObject();
-}
-
-void AddStages(JsonText& json, const ConsoleBudget& b, const Plan& plan) {
-  double all_ms = 0.0;
-  for (const FrameSummary::Stage& stage : b.summary.stages) all_ms += stage.core_ms;
-  json.BeginArray("stages");
-  for (size_t i = 0; i < b.summary.stages.size(); ++i) {
-    const FrameSummary::Stage& stage = b.summary.stages[i];
-    if (stage.items == 0.0) continue;
-    json.BeginObject();
-    json.Add("name", plan.stages[i].kernel.name);
-    json.Add("items", stage.items);
-    json.Add("core_ms", stage.core_ms);
-    json.Add("wall_ms", stage.wall_ms);
-    json.Add("share", all_ms > 0.0 ? stage.core_ms / all_ms : 0.0);
-    json.Add("code_bytes", b.costs.stages[i].code_bytes);
-    json.EndObject();
-  }
-  json.EndArray();
-}
-
-void AddPasses(JsonText& json, const ConsoleBudget& b, const Plan& plan) {
-  json.BeginArray("passes");
-  for (uint32_t p = 0; p < b.summary.passes.size(); ++p) {
-    const FrameSummary::Pass& pass = b.summary.passes[p];
-    json.BeginObject();
-    json.Add("name", PassName(plan, p));
-    json.Add("items", pass.items);
-    json.Add("ms", pass.ms);
-    AddWork(json, "critical_ms", pass.critical_ms);
-    json.Add("bound_by", PassLimitName(pass.binds));
-    json.BeginObject("gain_ms");
-    for (uint32_t l = 0; l < kPassLimitCount; ++l)
-      json.Add(PassLimitName(PassLimit(l)), pass.GainMs(PassLimit(l)));
-    json.EndObject();
-    if (!b.stores.empty()) {
-      json.BeginObject("local_store_bytes");
-      json.Add("code", b.stores[p].code_bytes);
-      json.Add("stack", b.stores[p].stack_bytes);
-      json.Add("parameters", b.stores[p].parameter_bytes);
-      json.Add("buffers", b.stores[p].buffer_bytes);
-      json.Add("buffer_sets", b.stores[p].buffer_sets);
-      json.Add("free", b.stores[p].free_bytes);
-      json.EndObject();
-      json.BeginObject("buffer_bytes");
-      for (const PassStream& stream : plan.passes[p].streams)
-        json.Add(DescribeStream(stream.stream).name, stream.bytes);
-      json.EndObject();
-    }
-    json.EndObject();
-  }
-  json.EndArray();
-}
-
-void AddMemory(JsonText& json, const FrameSummary& s) {
-  json.BeginObject("main_memory_bytes");
-  for (uint32_t i = 0; i < kStreamCount; ++i) {
-    if (s.stream_get_bytes[i] + s.stream_put_bytes[i] == 0.0) continue;
-    json.BeginObject(DescribeStream(Stream(i)).name);
-    json.Add("in", s.stream_get_bytes[i]);
-    json.Add("out", s.stream_put_bytes[i]);
-    json.EndObject();
-  }
-  json.EndObject();
-  json.Add("code_bytes", s.code_bytes);
-  json.Add("wasted_bytes", s.wasted_bytes);
-  json.Add("bus_use", s.bus_use);
-}
-
-}  // namespace
-
-std::string DescribeFit(double ms) {
-  if (ms <= kLinesMs[0]) return fmt::format("fits {} ms", kLinesMs[0]);
-  if (ms <= kLinesMs[1]) return fmt::format("fits {} ms, not {} ms", kLinesMs[1], kLinesMs[0]);
-  return fmt::format("does not fit {} ms", kLinesMs[1]);
+  // Of the pass that has least room left.
+  const auto fullest = std::ranges::min_element(b.stores, {}, &PassStore::free_bytes);
+  const auto pass = uint32_t(fullest - b.stores.begin());
+  std::string buffers = fmt::format("buffers of pass {}:", pass);
+  for (const PassStream& stream : plan.passes[pass].streams)
+    buffers += fmt::format(" {} {}", DescribeStream(stream.stream).name, stream.bytes);
+  tree.Say(buffers);
 }
 
 std::string DescribeVerdictTime(const ConsoleBudget& b) {
@@ -214,66 +162,80 @@ std::string DescribeVerdictTime(const ConsoleBudget& b) {
       m.Available(s.worst_ms));
 }
 
+void AddHead(const ConsoleBudget& b, ReportTree& tree) {
+  const ConsoleMachine& m = b.machine;
+  const FrameSummary& s = b.summary;
+  tree.Say(fmt::format(
+      "{}, modelled: {} {} at {:.3f} GHz; frame median {:.2f}, p95 {:.2f}, worst {:.2f} ms (frame "
+      "{} of {}, behind {} to warm up) as the models have it, like all figures below",
+      m.name, m.units, m.local_store_bytes ? "SPUs" : "hardware threads", double(m.clock_hz) * 1e-9,
+      s.median_ms, s.p95_ms, s.worst_ms, s.worst_frame, s.frames, b.warm_up));
+  tree.Say(DescribeVerdictTime(b));
+  if (m.what_if != WhatIf::kNothing)
+    tree.Say(fmt::format("what if: {}", DescribeWhatIf(m.what_if)));
+  if (!b.why_no_change.empty()) tree.Say("CHANGES NOTHING: " + b.why_no_change);
+  tree.Say("its range, availability in it:").Say(DescribeRange(b));
+  tree.Say("all else here is " + DescribePlace(m.code_order));
+  tree.Add(InJson("machine"), m.name).Add(InJson("units"), m.units);
+  tree.Add(InJson("clock_hz"), m.clock_hz).Add(InJson("availability"), m.availability);
+  tree.Add(InJson("availability_from"), m.availability_from);
+  const auto spread = [](const std::string& key, const Spread& ms, ReportTree& to) {
+    to.Add(InJson(key + ".median"), ms.median).Add(InJson(key + ".p95"), ms.p95);
+    to.Add(InJson(key + ".worst"), ms.worst);
+  };
+  spread("frame_ms", {s.median_ms, s.p95_ms, s.worst_ms}, tree);
+  spread("frame_ms_with_availability",
+         {m.Available(s.median_ms), b.VerdictMs(), m.Available(s.worst_ms)}, tree);
+  tree.Add(InJson("verdict_takes"), "frame_ms_with_availability.p95");
+  ReportTree& range = tree.AddSection("range");
+  spread("scheduled_ms", b.scheduled_ms, range);
+  spread("as_written_ms", b.as_written_ms, range);
+  range.Add(InJson("code_order"), m.code_order);
+  range.Add(InJson("code_order_least"), MeasuredCodePlace().least);
+  range.Add(InJson("code_order_most"), MeasuredCodePlace().most);
+  tree.Add(InJson("warm_up_frames"), b.warm_up);
+  tree.Add(InJson("what_if"), WhatIfName(m.what_if));
+  tree.Add(InJson("what_if_changes_nothing"),
+           b.why_no_change.empty() ? Value{} : Value(b.why_no_change));
+  tree.Add(InJson("worst_frame"), s.worst_frame);
+}
+
+void AddDigests(const ConsoleBudget& b, ReportTree& tree) {
+  tree.BlankLine();
+  tree.Say(b.differs_at ? fmt::format("DIGEST: frame {} is not the host's", *b.differs_at)
+                        : fmt::format("executed while it was timed: digests equal the host's in "
+                                      "{} of {} frames compared, the last {:016x}",
+                                      b.digests_compared, b.digests_compared, b.digest));
+  tree.Add(InJson("digests_compared"), b.digests_compared);
+  tree.Add(InJson("digests_equal"), !b.differs_at);
+  tree.Add(InJson("digest"), DigestText(b.digest));
+  tree.AddTexts("faults", b.faults, "FAULT");
+}
+
+}  // namespace
+
+std::string DescribeFit(double ms) {
+  if (ms <= kLinesMs[0]) return fmt::format("fits {} ms", kLinesMs[0]);
+  if (ms <= kLinesMs[1]) return fmt::format("fits {} ms, not {} ms", kLinesMs[1], kLinesMs[0]);
+  return fmt::format("does not fit {} ms", kLinesMs[1]);
+}
+
 std::string DescribeRange(const ConsoleBudget& b) {
   return fmt::format("p95 {:.2f} ms with the best schedules, {:.2f} ms as written",
                      b.machine.Available(b.scheduled_ms.p95),
                      b.machine.Available(b.as_written_ms.p95));
 }
 
-std::string DescribeConsole(const ConsoleBudget& b, const FurScene& scene) {
+void AddConsole(const ConsoleBudget& b, const FurScene& scene, ReportTree& tree) {
   const Plan& plan = scene.plan();
-  const FrameSummary& s = b.summary;
-  std::string out = fmt::format(
-      "{}, modelled: {} {} at {:.3f} GHz; frame median {:.2f}, p95 {:.2f}, worst {:.2f} ms (frame "
-      "{} of {}, behind {} to warm up) as the models have it, like all figures below\n{}\n",
-      b.machine.name, b.machine.units, b.machine.local_store_bytes ? "SPUs" : "hardware threads",
-      double(b.machine.clock_hz) * 1e-9, s.median_ms, s.p95_ms, s.worst_ms, s.worst_frame, s.frames,
-      b.warm_up, DescribeVerdictTime(b));
-  if (b.machine.what_if != WhatIf::kNothing)
-    out += fmt::format("what if: {}{}\n", DescribeWhatIf(b.machine.what_if),
-                       b.why_no_change.empty() ? "" : ": CHANGES NOTHING: " + b.why_no_change);
-  out += fmt::format("its range, availability in it: {}; all else here is {}\n\n", DescribeRange(b),
-                     DescribePlace(b.machine.code_order));
-  out += StageTable(b, plan) + '\n' + PassTable(b, plan) + '\n' + MemoryText(b);
-  if (!b.stores.empty()) out += '\n' + StoreTable(b, plan);
-  out += '\n' + DigestText(b);
-  for (const std::string& fault : b.faults) out += "FAULT " + fault + '\n';
-  return out;
-}
-
-void AddConsole(JsonText& json, const ConsoleBudget& b, const FurScene& scene) {
-  const FrameSummary& s = b.summary;
-  json.Add("machine", b.machine.name);
-  json.Add("units", b.machine.units);
-  json.Add("clock_hz", b.machine.clock_hz);
-  json.Add("availability", b.machine.availability);
-  json.Add("availability_from", b.machine.availability_from);
-  AddSpread(json, "frame_ms", {s.median_ms, s.p95_ms, s.worst_ms});
-  AddSpread(json, "frame_ms_with_availability",
-            {b.machine.Available(s.median_ms), b.VerdictMs(), b.machine.Available(s.worst_ms)});
-  json.Add("verdict_takes", "frame_ms_with_availability.p95");
-  json.BeginObject("range");
-  AddSpread(json, "scheduled_ms", b.scheduled_ms);
-  AddSpread(json, "as_written_ms", b.as_written_ms);
-  json.Add("code_order", b.machine.code_order);
-  json.Add("code_order_least", MeasuredCodePlace().least);
-  json.Add("code_order_most", MeasuredCodePlace().most);
-  json.EndObject();
-  json.Add("warm_up_frames", b.warm_up);
-  json.Add("what_if", WhatIfName(b.machine.what_if));
-  if (!b.why_no_change.empty()) json.Add("what_if_changes_nothing", b.why_no_change);
-  json.Add("worst_frame", s.worst_frame);
-  AddStages(json, b, scene.plan());
-  AddPasses(json, b, scene.plan());
-  AddWork(json, "unit_ms", s.unit_ms);
-  AddWork(json, "critical_path_ms", s.critical_ms);
-  AddMemory(json, s);
-  json.Add("digests_compared", b.digests_compared);
-  json.Add("digests_equal", !b.differs_at);
-  json.AddDigest("digest", b.digest);
-  json.BeginArray("faults");
-  for (const std::string& fault : b.faults) json.Add("", fault);
-  json.EndArray();
+  AddHead(b, tree);
+  tree.AddTable({}, {}) = StageTable(b, plan);
+  AddPasses(b, plan, tree);
+  AddWorkSection("unit_ms", b.summary.unit_ms, tree);
+  AddWorkSection("critical_path_ms", b.summary.critical_ms, tree);
+  AddMemory(b, tree);
+  AddStores(b, plan, tree);
+  AddDigests(b, tree);
 }
 
 void AddConsoleFrame(JsonText& json, const ConsoleBudget& b, const FurScene& scene) {
@@ -332,7 +294,7 @@ void AddConsoleFrame(JsonText& json, const ConsoleBudget& b, const FurScene& sce
     json.EndObject();
   }
   json.EndArray();
-  AddStages(json, b, plan);
+  json.Add("stages", StageTable(b, plan));
   json.EndObject();
 }
 

@@ -1,4 +1,4 @@
-// A console's budget as text, as JSON, and as a frame of the report page.
+// A console's budget as a report tree and as a frame of the report page.
 #pragma once
 
 #include <span>
@@ -18,10 +18,8 @@ std::string DescribeFit(double ms);
 // written".
 std::string DescribeRange(const ConsoleBudget& budget);
 
-// Stages, passes, critical path, bytes by name, local stores, digests; ends with a newline.
-std::string DescribeConsole(const ConsoleBudget& budget, const FurScene& scene);
-// Members of the object that is open.
-void AddConsole(JsonText& json, const ConsoleBudget& budget, const FurScene& scene);
+// Stages, passes, critical path, bytes by name, local stores, digests.
+void AddConsole(const ConsoleBudget& budget, const FurScene& scene, ReportTree& tree);
 
 // The slowest frame with every unit's slices: an element of the page's `consoles`.
 void AddConsoleFrame(JsonText& json, const ConsoleBudget& budget, const FurScene& scene);

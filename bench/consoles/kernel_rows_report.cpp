@@ -6,62 +6,54 @@
 
 namespace pelt {
 
-std::string DescribeKernelRows(std::span<const KernelRow> rows) {
-  std::string out = fmt::format(
-      "measured kernels through the back end: cycles an iteration of four lanes, and the rate of all "
-      "SPUs\n{:<6} {:<52} {:<30} {:>10} {:>9} {:>9} {:>9}  {:<24} {:>6}  {:<12}  {}\n",
-      "kernel", "work", "built by", "scheduled", "measured", "written", "measured", "of", "place",
-      "class", "verdict");
+void AddKernelRows(std::span<const KernelRow> rows, ReportTree& tree) {
+  tree.Say(
+      "measured kernels through the back end: cycles per iteration of four lanes, and the rate of "
+      "all SPUs");
+  ReportTable& works =
+      tree.AddTable({}, {InText("kernel"), InText("class"), InText("built by"), InText("work")});
+  ReportTable& table = tree.AddTable("kernel_rows", {{"row", "", -1, "kernel"},
+                                                     InJson("work"),
+                                                     InJson("built_by"),
+                                                     InJson("class"),
+                                                     InText("scheduled", "cycles", 1),
+                                                     InText("measured", "cycles", 1),
+                                                     InText("written", "cycles", 1),
+                                                     {"measured", "rate", -4},
+                                                     {"as_written", "rate", -4, "written"},
+                                                     {"scheduled", "rate", -4},
+                                                     {"unit"},
+                                                     InJson("iterations"),
+                                                     InJson("measured_cycles"),
+                                                     InJson("scheduled_cycles"),
+                                                     InJson("as_written_cycles"),
+                                                     {"place", "", 2},
+                                                     InJson("pass"),
+                                                     InJson("failure"),
+                                                     InText("verdict")});
+  std::vector<std::string> failures;
   for (const KernelRow& r : rows) {
     const KernelRowDefinition& row = *r.row;
-    if (!r.failure.empty()) {
-      out += fmt::format("{:<6} {:<52} cannot be priced: {}\n", row.id, row.work, r.failure);
-      continue;
-    }
-    out += fmt::format(
-        "{:<6} {:<52} {:<30} {:>10.1f} {:>9.1f} {:>9.1f} {:>9.4g}  {:<24} {:>6.2f}  {:<12}  {}\n",
-        row.id, row.work, row.built_by, r.scheduled_cycles / r.iterations, r.measured_cycles / r.iterations,
-        r.as_written_cycles / r.iterations, row.measured,
-        fmt::format("{:.4g} to {:.4g} {}", r.as_written, r.scheduled, row.unit), r.place,
-        RowClassName(row.row_class), r.passes ? "in the range" : "OUT OF THE RANGE");
+    const std::string_view row_class = RowClassName(row.row_class);
+    const bool failed = !r.failure.empty();
+    works.Add({row.id, row_class, row.built_by, row.work});
+    table.Add({row.id, row.work, row.built_by, row_class, r.scheduled_cycles / r.iterations,
+               r.measured_cycles / r.iterations, r.as_written_cycles / r.iterations, row.measured,
+               r.as_written, r.scheduled, row.unit, r.iterations, r.measured_cycles,
+               r.scheduled_cycles, r.as_written_cycles, r.place, r.passes,
+               failed ? Value(r.failure) : Value{}, r.passes ? "in the range" : "OUT OF IT"},
+              failed ? Show::kJson : Show::kBoth);
+    if (failed) failures.push_back(fmt::format("{} cannot be priced: {}", row.id, r.failure));
   }
+  tree.AddTexts({}, failures);
   const MeasuredPlace place = PlaceOf(rows);
-  return out + fmt::format(
-                   "place: 0 is the best schedule, 1 the order as written; mean {:.2f}, from "
-                   "{:.2f} to {:.2f}, of {} kernels.\nA measurement may lie {:.0f} % beyond. "
-                   "Measured cycles are without the console's availability.\n",
-                   place.mean, place.least, place.most, place.rows, kKernelAllowedPercent);
-}
-
-void AddKernelRows(JsonText& json, std::span<const KernelRow> rows) {
-  json.BeginArray("kernel_rows");
-  for (const KernelRow& r : rows) {
-    const KernelRowDefinition& row = *r.row;
-    json.BeginObject();
-    json.Add("row", row.id);
-    json.Add("work", row.work);
-    json.Add("unit", row.unit);
-    json.Add("built_by", row.built_by);
-    json.Add("class", RowClassName(row.row_class));
-    json.Add("measured", row.measured);
-    json.Add("scheduled", r.scheduled);
-    json.Add("as_written", r.as_written);
-    json.Add("iterations", r.iterations);
-    json.Add("measured_cycles", r.measured_cycles);
-    json.Add("scheduled_cycles", r.scheduled_cycles);
-    json.Add("as_written_cycles", r.as_written_cycles);
-    json.Add("place", r.place);
-    json.Add("pass", r.passes);
-    if (!r.failure.empty()) json.Add("failure", r.failure);
-    json.EndObject();
-  }
-  json.EndArray();
-  const MeasuredPlace place = PlaceOf(rows);
-  json.BeginObject("measured_place");
-  json.Add("mean", place.mean);
-  json.Add("least", place.least);
-  json.Add("most", place.most);
-  json.EndObject();
+  ReportTree& measured = tree.AddSection("measured_place", "place");
+  measured.Add({"mean", "", 2}, place.mean).Add({"least", "", 2, "from"}, place.least);
+  measured.Add({"most", "", 2, "to"}, place.most).Add(InText("kernels"), place.rows);
+  tree.Say(
+      fmt::format("0 is the best schedule, 1 the order as written. A measurement may lie "
+                  "{:.0f} % beyond. Measured cycles are without the console's availability.",
+                  kKernelAllowedPercent));
 }
 
 bool AllPass(std::span<const KernelRow> rows) {

@@ -1,16 +1,15 @@
-// The measured kernels beside the ranges of their prices, as text and as JSON.
+// The measured kernels beside the ranges of their prices.
 #pragma once
 
 #include <span>
 #include <string>
 
-#include "bench/report/json_text.hpp"
+#include "bench/report/report_tree.hpp"
 #include "platform_sim/kernel_rows.hpp"
 
 namespace pelt {
 
-std::string DescribeKernelRows(std::span<const KernelRow> rows);  // ends with a newline
-void AddKernelRows(JsonText& json, std::span<const KernelRow> rows);
+void AddKernelRows(std::span<const KernelRow> rows, ReportTree& tree);
 // Whether every measurement lies in the range of its price.
 bool AllPass(std::span<const KernelRow> rows);
 // "0.42 of the way from the best schedule to the order as written (measured kernels: 0.10 to 0.90)"

@@ -19,11 +19,9 @@ using namespace testing;
 double SumOf(const auto& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 nlohmann::json AsJson(const ConsoleBudget& budget, const FurScene& scene) {
-  return Json([&](JsonText& text) {
-    text.BeginObject();
-    AddConsole(text, budget, scene);
-    text.EndObject();
-  });
+  ReportTree tree;
+  AddConsole(budget, scene, tree);
+  return nlohmann::json::parse(tree.Json());
 }
 
 INSTANTIATE_TEST_SUITE_P(Consoles, ConsoleOf, ::testing::ValuesIn(kAllConsoles),
@@ -43,8 +41,7 @@ TEST_P(ConsoleOf, GivesTheBitsOfAnOrdinaryRun) {
   options.frames = kModelledFrames;
   RunFrames(on().scenario, running, options);
   EXPECT_EQ(b.digest, running.scene().DigestFrame());
-  EXPECT_NE(DescribeConsole(b, on().scene()).find("digests equal the host's in 5 of 5"),
-            std::string::npos);
+  EXPECT_NE(ProseOf(b, on().scene()).find("digests equal the host's in 5 of 5"), std::string::npos);
 }
 
 // One bit of one strand, changed on the console only, before frame 5.
@@ -66,7 +63,7 @@ TEST_P(ConsoleOf, SaysWhenItsBitsAreNotTheHosts) {
   const ConsoleBudget b = console.Run();
   ASSERT_TRUE(b.differs_at);
   EXPECT_EQ(*b.differs_at, 10u);  // the next that is compared
-  EXPECT_NE(DescribeConsole(b, console.scene()).find("DIGEST: frame 10 is not the host's"),
+  EXPECT_NE(ProseOf(b, console.scene()).find("DIGEST: frame 10 is not the host's"),
             std::string::npos);
   const auto json = AsJson(b, console.scene());
   EXPECT_EQ(json["digests_equal"], false);
@@ -95,15 +92,16 @@ TEST_P(ConsoleOf, PassesAddUpToTheFrameAndWorkToThePass) {
 
 // The table as it is read: every row adds up, and the rows to the last one, to what is printed.
 TEST_P(ConsoleOf, ThePrintedPassTableAddsUp) {
-  constexpr size_t kNameColumns = 40;
-  std::istringstream text(DescribeConsole(on().budget, on().scene()));
+  constexpr size_t kNameColumns = 4;
+  std::istringstream text(TextOf(on().budget, on().scene()));
   std::vector<double> sums(2 + kUnitWorkCount, 0.0);
   uint32_t rows = 0;
   bool has_total = false;
-  for (std::string line; std::getline(text, line);) {
-    const bool is_total = line.starts_with("all: the critical path");
-    if (!is_total && !line.starts_with("pass ")) continue;
-    if (has_total) continue;  // those of the local stores
+  std::string line;
+  while (!line.starts_with("pass  items")) ASSERT_TRUE(std::getline(text, line));
+  std::getline(text, line);  // units
+  while (!has_total && std::getline(text, line)) {
+    const bool is_total = line.starts_with("all ");
     std::istringstream cells(line.substr(kNameColumns));
     std::vector<double> values(2 + kUnitWorkCount);
     for (double& value : values) ASSERT_TRUE(cells >> value) << line;
@@ -184,7 +182,7 @@ TEST_P(ConsoleOf, TheVerdictTakesTheTimeWithTheAvailability) {
   EXPECT_DOUBLE_EQ(b.VerdictMs(), b.summary.p95_ms / 0.92);
   EXPECT_FALSE(b.Fits((b.summary.p95_ms + b.VerdictMs()) / 2));
   EXPECT_TRUE(b.Fits(b.VerdictMs()));
-  const std::string text = DescribeConsole(b, on().scene());
+  const std::string text = ProseOf(b, on().scene());
   EXPECT_NE(text.find("availability of 0.92"), text.npos) << text;
   EXPECT_NE(text.find("which the verdict takes"), text.npos) << text;
   EXPECT_NE(text.find(fmt::format("p95 {:.2f}", b.VerdictMs())), text.npos) << text;
@@ -244,7 +242,7 @@ TEST_P(ConsoleOf, AFrameLiesInTheRangeOfItsCode) {
   EXPECT_TRUE(b.FitsOnlyAtOneEnd((least + most) / 2));
   EXPECT_FALSE(b.FitsOnlyAtOneEnd(most));
   EXPECT_FALSE(b.FitsOnlyAtOneEnd(least * 0.99));
-  const std::string text = DescribeConsole(b, on().scene());
+  const std::string text = ProseOf(b, on().scene());
   EXPECT_NE(text.find(DescribeRange(b)), text.npos) << text;
   const auto json = AsJson(b, on().scene());
   EXPECT_EQ(json["range"]["scheduled_ms"]["p95"], b.scheduled_ms.p95);

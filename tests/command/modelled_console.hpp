@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/consoles/console_budget.hpp"
+#include "bench/consoles/console_report.hpp"
 #include "bench/report/json_text.hpp"
 
 namespace pelt::testing {
@@ -32,6 +33,19 @@ inline Modelled& On(Console console) {
   if (!on)
     on = std::make_unique<Modelled>(ConsoleRequest{.console = console, .frames = kModelledFrames});
   return *on;
+}
+
+inline std::string TextOf(const ConsoleBudget& budget, const FurScene& scene) {
+  ReportTree tree;
+  AddConsole(budget, scene, tree);
+  return tree.Text();
+}
+
+// On one line.
+inline std::string ProseOf(const ConsoleBudget& budget, const FurScene& scene) {
+  std::string text = TextOf(budget, scene);
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
 // What `add` writes, parsed.
