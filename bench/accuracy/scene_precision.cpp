@@ -20,6 +20,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 void RemoveContact(Scenario& scenario) {
   scenario.spheres.clear();
+  scenario.capsules.clear();
   scenario.base.use_ground = false;
   for (Groom& groom : scenario.grooms)
     for (GroomLayer& layer : groom.layers) layer.params.surface_hardness = 0.0f;
@@ -239,7 +240,7 @@ uint64_t DigestOf(const ScenePrecision& result) {
 
 }  // namespace
 
-bool ScenePrecision::OnFront(const ScenePrecisionRow& row, SceneTime time) const {
+bool ScenePrecision::IsParetoOptimal(const ScenePrecisionRow& row, SceneTime time) const {
   if (!row.way.IsChoice()) return false;
   return std::none_of(rows.begin(), rows.end(), [&](const ScenePrecisionRow& other) {
     return other.way.IsChoice() && other.*time <= row.*time && other.error <= row.error &&

@@ -69,7 +69,7 @@ struct ScenePrecision {
   uint64_t error_digest = 0;
 
   // Nothing as cheap, by that time, is more exact. Only among ways to choose from.
-  bool OnFront(const ScenePrecisionRow& row, SceneTime time) const;
+  bool IsParetoOptimal(const ScenePrecisionRow& row, SceneTime time) const;
   const ScenePrecisionRow* Find(std::string_view way) const;
 };
 

@@ -11,7 +11,7 @@
 namespace pelt::accuracy {
 namespace {
 
-constexpr std::string_view kQualities[3] = {"modal-fast", "modal", "modal-best"};
+constexpr std::string_view kQualityNames[3] = {"modal-fast", "modal", "modal-best"};
 
 std::vector<NamedSolver> SolversOf(std::span<const std::string_view> names) {
   std::vector<NamedSolver> solvers;
@@ -94,7 +94,7 @@ std::vector<CantileverRow> MeasureCantilever(Isa isa) {
     for (size_t q = 0; q < 3; ++q)
       for (const double gamma : {1.0, 10.0, kMostGamma})
         row.solver_miss[q] =
-            std::max(row.solver_miss[q], RestMiss(links, gamma, kQualities[q], isa));
+            std::max(row.solver_miss[q], RestMiss(links, gamma, kQualityNames[q], isa));
     rows.push_back(row);
   }
   return rows;

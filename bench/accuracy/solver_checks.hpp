@@ -30,7 +30,7 @@ std::vector<CantileverRow> MeasureCantilever(Isa isa);
 struct PendulumRow {
   NamedSolver solver;
   double miss;   // m, at 1 s
-  double ns;     // a strand a frame, in turn with the others
+  double ns;     // per strand and frame, in turn with the others
   double ratio;  // of 50-substep XPBD's
 };
 std::vector<PendulumRow> MeasurePendulum(Isa isa, bool quick);

@@ -1,4 +1,4 @@
-// What a solver costs: nanoseconds a strand a frame on one core, for batches as large as a
+// What a solver costs: nanoseconds per strand and frame on one core, for batches as large as a
 // character's.
 //
 // Solvers that are compared are timed in turn: a round runs each of them over the same frames, and
@@ -35,7 +35,7 @@ struct TimedProblem {
 TimedProblem HeadshakeProblem(const ChainMaterial& material);
 
 struct SolverTime {
-  double ns = 0.0;      // a strand a frame; 0 where the solver cannot run the material
+  double ns = 0.0;      // per strand and frame; 0 where the solver cannot run the material
   uint64_t digest = 0;  // of the points after the last frame
 };
 std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,

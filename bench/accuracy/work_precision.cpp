@@ -92,7 +92,7 @@ uint64_t DigestOf(const std::vector<WorkPrecisionPanel>& panels) {
 
 }  // namespace
 
-bool WorkPrecisionPanel::OnFront(const WorkPrecisionRow& row, size_t rate) const {
+bool WorkPrecisionPanel::IsParetoOptimal(const WorkPrecisionRow& row, size_t rate) const {
   return row.ns > 0.0 && row.Finite(rate) &&
          std::none_of(rows.begin(), rows.end(), [&](const WorkPrecisionRow& other) {
            return other.ns > 0.0 && other.ns <= row.ns && other.Finite(rate) &&

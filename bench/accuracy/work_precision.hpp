@@ -31,7 +31,7 @@ struct WorkPrecisionOptions {
 // One solver on one preset and kind of chain.
 struct WorkPrecisionRow {
   NamedSolver solver;
-  double ns = 0.0;             // a strand a frame; 0: not timed
+  double ns = 0.0;             // per strand and frame; 0: not timed
   double ratio = 0.0;          // of our own PBD's with 4 iterations
   std::vector<Score> scores;   // [rate]
   std::vector<double> scales;  // [rate], of the stiffness; 0: none came out finite
@@ -46,7 +46,7 @@ struct WorkPrecisionPanel {
   std::vector<WorkPrecisionRow> rows;
 
   // Nothing as cheap is more exact.
-  bool OnFront(const WorkPrecisionRow& row, size_t rate) const;
+  bool IsParetoOptimal(const WorkPrecisionRow& row, size_t rate) const;
 };
 
 struct WorkPrecision {

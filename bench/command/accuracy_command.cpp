@@ -52,15 +52,11 @@ std::function<void(size_t, size_t)> ShowOn(std::optional<Progress>& shown) {
   };
 }
 
-void WriteJson(const AccuracyArgs& args, const std::string& json) {
+void PrintTree(const AccuracyArgs& args, const ReportTree& tree) {
+  tree.Print(false);
   if (args.json.empty()) return;
-  WriteOutput("accuracy", args.json, json + "\n");
-  fmt::print("json      {}\n", args.json.path());
-}
-
-void WriteDiagram(const AccuracyArgs& args, const std::string& svg) {
-  WriteOutput("diagram", args.svg, svg);
-  fmt::print("diagram   {}\n", args.svg.path());
+  WriteOutput("accuracy", args.json, tree.Json());
+  fmt::print("json {}\n", args.json.path());
 }
 
 int MeasureScene(const AccuracyArgs& args) {
@@ -79,17 +75,17 @@ int MeasureScene(const AccuracyArgs& args) {
   }
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  fmt::print("{}", SceneText(report));
-  WriteJson(args, SceneJson(report));
-  if (!args.svg.empty()) WriteDiagram(args, SceneSvg(report.table));
+  PrintTree(args, MakeSceneTree(report));
+  if (args.svg.empty()) return 0;
+  WriteOutput("diagram", args.svg, SceneSvg(report.table));
+  fmt::print("diagram {}\n", args.svg.path());
   return 0;
 }
 
 int MeasureAllFeatures(const AccuracyArgs& args) {
   FeatureReport report = MeasureFeatureReport(args.isa, args.links, args.quick);
   report.machine = DescribeMachine();
-  fmt::print("{}", FeatureText(report));
-  WriteJson(args, FeatureJson(report));
+  PrintTree(args, MakeFeatureTree(report));
   return 0;
 }
 
@@ -108,9 +104,7 @@ int MeasureAll(const AccuracyArgs& args) {
   report.stability = MeasureStability(args.isa, args.quick);
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  fmt::print("{}", AccuracyText(report));
-  WriteJson(args, AccuracyJson(report));
-  if (!args.svg.empty()) WriteDiagram(args, WorkPrecisionSvg(report.table));
+  PrintTree(args, MakeAccuracyTree(report));
   return 0;
 }
 

@@ -34,7 +34,9 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
                "Strands with the calibrated coefficients of layers, not equal masses and joints");
   app.add_flag("--quick", args.quick, "Few solvers and cases, 3 links at 60 Hz: seconds");
   AddOutputFile(app, "--json", args.json, "JSON file to write; see pelt report --accuracy");
-  AddOutputFile(app, "--svg", args.svg, "Work-precision diagram to write", ".svg");
+  AddOutputFile(app, "--svg", args.svg,
+                "Diagram to write, with --scene; pelt report --accuracy draws the benchmark's",
+                ".svg");
 }
 
 void AddRecorded(CLI::App& app, AccuracyArgs& args) {
@@ -86,10 +88,11 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
 // What replaces the benchmark has options of its own.
 void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
   RefuseBeside(app, "--roots",
-               {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--svg",
-                "--scene", "--features"});
+               {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--scene",
+                "--features"});
   RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
-  RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated", "--svg"});
+  RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated"});
+  RefuseUnless(app, !args.scene.empty(), {"--svg"}, "--scene");
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
   const auto solver = accuracy::FindSolver(args.solver);
@@ -119,7 +122,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "linear.\n"
       "Examples:\n"
       "  pelt accuracy --quick\n"
-      "  pelt accuracy --quick --presets soft,stiff --json accuracy.json --svg accuracy.svg\n"
+      "  pelt accuracy --quick --presets soft,stiff --json accuracy.json\n"
       "  pelt accuracy --scene tiny --quick --json scene.json --svg scene.svg\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"
       "  pelt accuracy --write-example .\n"

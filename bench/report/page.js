@@ -489,10 +489,10 @@ function drawPanel(parent, accuracy, panel, rate, families) {
   const share = (value, from, to) => Math.min(1, Math.max(0, Math.log(value / from) / Math.log(to / from)));
   const x = (ns) => left + (width - left - right) * share(ns, least, most);
   const y = (error) => up + (height - up - down) * (1 - share(100 * error, kErrors.least, kErrors.most));
-  const front = panel.rows.filter((r) => shownScore(r, rate) && r.scores[rate].on_front).map((r) => `${r.label} ${percent(r.scores[rate].error)}`);
+  const front = panel.rows.filter((r) => shownScore(r, rate) && r.scores[rate].pareto_optimal).map((r) => `${r.label} ${percent(r.scores[rate].error)}`);
   const svg = add(parent, 'svg', {
     width, height, role: 'img', 'data-picture': 'accuracy',
-    'aria-label': `Error against ns a strand, ${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz. On the front: ${front.join(', ')}. The table below has all figures.`,
+    'aria-label': `Error against ns per strand, ${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz. Pareto-optimal: ${front.join(', ')}. The table below has all figures.`,
   });
   add(svg, 'rect', {class: 'frame', x: left, y: up, width: width - left - right, height: height - up - down});
   add(svg, 'text', {class: 'panel-title', x: left, y: 14}, `${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz`);
@@ -504,7 +504,7 @@ function drawPanel(parent, accuracy, panel, rate, families) {
     add(svg, 'line', {class: 'axis', x1: x(tick), x2: x(tick), y1: up, y2: height - down});
     add(svg, 'text', {x: x(tick), y: height - down + 13, 'text-anchor': 'middle'}, tick);
   }
-  add(svg, 'text', {x: (left + width - right) / 2, y: height - 5, 'text-anchor': 'middle'}, 'ns a strand a frame');
+  add(svg, 'text', {x: (left + width - right) / 2, y: height - 5, 'text-anchor': 'middle'}, 'ns per strand and frame');
   add(svg, 'line', {class: 'input', x1: left, x2: width - right, y1: y(panel.input_errors[rate]), y2: y(panel.input_errors[rate])});
   families.forEach((family, f) => {
     const rows = panel.rows.filter((r) => r.family === family && shownScore(r, rate));
@@ -512,7 +512,7 @@ function drawPanel(parent, accuracy, panel, rate, families) {
     if (at.length) add(svg, 'path', {class: 'curve s' + f, d: 'M' + at.map((p) => p.join(' ')).join('L')});
     rows.forEach((row, i) => {
       const mark = add(svg, 'path', {class: 'mark s' + f, d: kMarks[f % kMarks.length], transform: `translate(${at[i].join(' ')}) scale(0.8)`});
-      if (row.scores[rate].on_front) add(svg, 'circle', {class: 'ring s' + f, cx: at[i][0], cy: at[i][1], r: 7});
+      if (row.scores[rate].pareto_optimal) add(svg, 'circle', {class: 'ring s' + f, cx: at[i][0], cy: at[i][1], r: 7});
       const text = `${row.label}\n${percent(row.scores[rate].error)} wrong\n${row.ns.toFixed(1)} ns, ${row.of_pbd.toFixed(2)} of PBD's`;
       mark.addEventListener('pointermove', (event) => showTip(event, text));
       mark.addEventListener('pointerleave', () => showTip());

@@ -92,7 +92,11 @@ class PageData {
     json_.Add("executor", r.options.executor->name);
     json_.Add("isa", IsaName(r.options.scene.isa));
     json_.Add("fused", r.options.scene.plan.fuse);
-    AddMachine(r.machine, json_);
+    json_.Add("processor", r.machine.processor);
+    json_.Add("cores", r.machine.cores);
+    json_.Add("compiler", r.machine.compiler);
+    json_.Add("build_type", r.machine.build_type);
+    json_.Add("commit", r.machine.commit);
     json_.Add("digest", r.options.digest ? fmt::format("{:016x}", r.digest) : "not taken");
     using Row = ReportRecorder::Row;
     AddSpread("frame_ms", Series([](const Row& row) { return row.frame_ticks; }));

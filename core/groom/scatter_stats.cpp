@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/float_rules.hpp"
-#include "core/format.hpp"
 #include "core/groom/sample_elimination.hpp"
 #include "core/random.hpp"
 
@@ -215,32 +214,6 @@ LayerScatterStats MeasureLayerScatter(const Character& character, const RestGeom
                   prefix.plain_inside_chunks);
   }
   return stats;
-}
-
-std::string FormatScatterStats(const ScatterStats& stats) {
-  std::string text =
-      "Spacing: nearest-neighbour distance over that of the densest packing (1 is the ideal).\n"
-      "mean / least / variation; 'every chunk' is what LOD draws, 'plain' is rejection sampling.\n";
-  auto show = [](const SpacingStats& s) {
-    return Format("{:.3f} {:.3f} {:.3f}", s.mean, s.least, s.variation);
-  };
-  for (const LayerScatterStats& layer : stats.layers) {
-    text += Format(
-        "\nlayer '{}': {} strands in {} chunks, filled {:.1f} % with strands, {:.1f} % with "
-        "vertices, {:.1f} % with weight rows;\n  {:.2f} joints for 16 vertices, {:.2f} chunk "
-        "vertices for a mesh vertex\n",
-        layer.name, layer.strand_count, layer.chunk_count, 100.0 * layer.strand_fill,
-        100.0 * layer.vertex_fill, 100.0 * layer.row_fill, layer.rows_per_group,
-        layer.copies_per_vertex);
-    text += Format("  {:>6}  {:<19}  {:<19}  {:<19}  {:<19}  {:<19}\n", "prefix", "layer",
-                   "every chunk", "plain", "inside a chunk", "plain inside");
-    for (const PrefixStats& p : layer.prefix) {
-      text += Format("  {:>5.3g}%  {:<19}  {:<19}  {:<19}  {:<19}  {:<19}\n", 100.0 * p.share,
-                     show(p.layer), show(p.every_chunk), show(p.plain_every_chunk),
-                     show(p.inside_chunks), show(p.plain_inside_chunks));
-    }
-  }
-  return text;
 }
 
 }  // namespace pelt

@@ -60,9 +60,6 @@ LayerScatterStats MeasureLayerScatter(const Character&, const RestGeometry&, con
                                       const Growth&, std::span<const ScatterPoint> points,
                                       std::span<const Patch> patches);
 
-// A table for people.
-std::string FormatScatterStats(const ScatterStats&);
-
 // What CutPatches needs of scattered points.
 std::vector<PatchStrand> ListPatchStrands(const Mesh&, std::span<const ScatterPoint>);
 

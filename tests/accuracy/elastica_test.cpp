@@ -150,7 +150,7 @@ double TensionFrequency(ChainMaterial rod) {
   std::vector<double> x(size_t(links), 1.0);
   for (int i = 0; i < links; ++i) x[size_t(i)] = i % 2 ? -1.0 : 1.0;
   double value = 0.0;
-  for (int turn = 0; turn < 200; ++turn) {
+  for (int iteration = 0; iteration < 200; ++iteration) {
     // M_ij = sum of the masses at and below max(i, j): its inverse is the difference of forces
     // over each mass.
     std::vector<double> force(x.size()), next(x.size());

@@ -130,8 +130,8 @@ TEST(ScenePrecision, FrontIsWhatNothingCheaperBeats) {
   const std::vector<bool> simulate = {true, true, false, false, true, false, false};
   const std::vector<bool> frame = {false, true, false, false, true, false, false};
   for (size_t i = 0; i < made.rows.size(); ++i) {
-    EXPECT_EQ(made.OnFront(made.rows[i], kSimulate), simulate[i]) << i;
-    EXPECT_EQ(made.OnFront(made.rows[i], kFrame), frame[i]) << i;
+    EXPECT_EQ(made.IsParetoOptimal(made.rows[i], kSimulate), simulate[i]) << i;
+    EXPECT_EQ(made.IsParetoOptimal(made.rows[i], kFrame), frame[i]) << i;
   }
 }
 

@@ -1,5 +1,5 @@
 // The work-precision table: the same errors on every instruction set, names that lead back to their
-// solvers, fair times, a front that is one, promises that can be broken.
+// solvers, fair times, a Pareto front that is one, promises that can be broken.
 #include "bench/accuracy/work_precision.hpp"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(WorkPrecision, PanelsHoldEverySolverAndRate) {
   ASSERT_EQ(panel.rows.size(), AllSolvers(true).size());
   ASSERT_EQ(panel.input_errors.size(), 2u);
   EXPECT_GT(panel.input_errors[0], 3.0 * panel.input_errors[1]);
-  bool on_front = false;
+  bool pareto_optimal = false;
   for (const WorkPrecisionRow& row : panel.rows) {
     ASSERT_EQ(row.scores.size(), 2u);
     EXPECT_GT(row.ns, 0.0) << row.solver.name;
@@ -56,11 +56,11 @@ TEST(WorkPrecision, PanelsHoldEverySolverAndRate) {
     if (row.solver.name == "pbd-4") {
       EXPECT_EQ(row.ratio, 1.0);
     }
-    on_front = on_front || panel.OnFront(row, 1);
+    pareto_optimal = pareto_optimal || panel.IsParetoOptimal(row, 1);
     // Nobody is more exact than the root is known, by much.
     EXPECT_GT(row.scores[1].error, 0.5 * panel.input_errors[1]) << row.solver.name;
   }
-  EXPECT_TRUE(on_front);
+  EXPECT_TRUE(pareto_optimal);
 }
 
 TEST(WorkPrecision, TheFrontIsWhatNothingAsCheapBeats) {
@@ -82,7 +82,7 @@ TEST(WorkPrecision, TheFrontIsWhatNothingAsCheapBeats) {
   panel.rows.back().scores[0].finite = false;
   const bool expected[] = {true, false, true, true, true, false};
   for (size_t r = 0; r < panel.rows.size(); ++r)
-    EXPECT_EQ(panel.OnFront(panel.rows[r], 0), expected[r]) << r;
+    EXPECT_EQ(panel.IsParetoOptimal(panel.rows[r], 0), expected[r]) << r;
 }
 
 TEST(WorkPrecision, MiddleRate) {

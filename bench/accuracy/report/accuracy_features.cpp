@@ -4,8 +4,8 @@
 
 #include <chrono>
 
-#include "bench/report/json_text.hpp"
 #include "core/error.hpp"
+#include "core/groom/layer_params.hpp"
 
 namespace pelt {
 
@@ -13,19 +13,10 @@ using namespace accuracy;
 
 namespace {
 
-constexpr std::string_view kQualityNames[] = {"fast", "default", "best"};
 constexpr double kMostPenetration = 0.01;  // of the length
 
-std::string_view NameOf(ModalQuality quality) { return kQualityNames[size_t(quality)]; }
-
-void AddChain(const FeatureReport::Chain& chain, std::string& text) {
-  text += fmt::format("\n{} links\n  {:<14} {:<8} {:>9} {:>14} {:>12} {:>9}\n", chain.links,
-                      "feature", "quality", "error, %", "penetration, %", "more, ns", "self, %");
-  for (const FeatureError& row : chain.rows)
-    text += fmt::format("{} {:<14} {:<8} {:>9.2f} {:>14.3f} {:>12.1f} {:>9.3f}\n",
-                        row.penetration > kMostPenetration ? '!' : ' ', row.name,
-                        NameOf(row.quality), 100.0 * row.error, 100.0 * row.penetration,
-                        row.nanoseconds, 100.0 * row.self_error);
+std::string_view NameOf(ModalQuality quality) {
+  return LayerParamRowOf(&LayerParams::quality).words[size_t(quality)];
 }
 
 }  // namespace
@@ -49,56 +40,40 @@ FeatureReport MeasureFeatureReport(Isa isa, const std::vector<int>& links, bool 
   return report;
 }
 
-std::string FeatureText(const FeatureReport& report) {
+ReportTree MakeFeatureTree(const FeatureReport& report) {
   const FeatureOptions& o = report.options;
-  std::string text = fmt::format(
+  ReportTree tree;
+  tree.Add(InJson("format"), kFeatureAccuracyFormat);
+  tree.Say(fmt::format(
       "Error of the modal solver at 60 Hz where something acts on strands: part of the secondary "
-      "motion that is wrong,\nagainst the solver at its best with {} times the frames; self: what "
-      "that differs by from one with half as many.\nPenetration: deepest point inside what it may "
-      "not enter, over the strand's length; ! marks more than {:g} %.\nMore, ns: a strand and "
-      "frame "
-      "beyond the same strands without the feature.\n",
-      o.reference_scale, 100.0 * kMostPenetration);
-  for (const FeatureReport::Chain& chain : report.chains) AddChain(chain, text);
-  text += fmt::format(
-      "\nmachine   {} ({} cores), {}, {}\ncommit    {}\ntimes     {} kernels, one core, {} "
-      "strands; fastest of {} rounds with and without in turn, {} frames each\nmotion    {:g} s, "
-      "medium preset\ntook      {:.1f} s\n",
-      report.machine.processor, report.machine.cores, report.machine.compiler,
-      report.machine.build_type, report.machine.commit, IsaName(report.isa), o.timing.strands,
-      o.timing.repeats, o.timing.frames, o.seconds, report.seconds);
-  return text;
-}
-
-std::string FeatureJson(const FeatureReport& report) {
-  JsonText json;
-  json.BeginObject();
-  json.Add("format", kFeatureAccuracyFormat);
-  AddMachine(report.machine, json);
-  json.Add("isa", IsaName(report.isa));
-  json.Add("quick", report.quick);
-  json.Add("motion_s", report.options.seconds);
-  json.Add("reference_rate", report.options.reference_scale);
-  json.Add("timed_strands", report.options.timing.strands);
-  json.Add("timed_frames", report.options.timing.frames);
-  json.Add("rounds", report.options.timing.repeats);
-  json.Add("seconds", report.seconds);
-  json.BeginArray("rows");
+      "motion that is wrong, against the solver at its best with {} times the frames; self: what "
+      "that differs by from one with half as many. Penetration: deepest point inside what it may "
+      "not enter, over the strand's length; ! marks more than {:g} %. More: a strand and frame "
+      "beyond the same strands without the feature.",
+      o.reference_scale, 100.0 * kMostPenetration));
+  ReportTable& rows = tree.AddTable("rows", {InText(" "),
+                                             {"links"},
+                                             {"feature"},
+                                             {"quality"},
+                                             {"error", "%", 2, "", 100},
+                                             {"penetration", "%", 3, "", 100},
+                                             {"more_ns", "ns", 1, "more"},
+                                             {"self_error", "%", 3, "self", 100}});
   for (const FeatureReport::Chain& chain : report.chains)
-    for (const FeatureError& row : chain.rows) {
-      json.BeginObject();
-      json.Add("links", chain.links);
-      json.Add("feature", row.name);
-      json.Add("quality", NameOf(row.quality));
-      json.Add("error", row.error);
-      json.Add("penetration", row.penetration);
-      json.Add("more_ns", row.nanoseconds);
-      json.Add("self_error", row.self_error);
-      json.EndObject();
-    }
-  json.EndArray();
-  json.EndObject();
-  return json.text();
+    for (const FeatureError& row : chain.rows)
+      rows.Add({row.penetration > kMostPenetration ? Value("!") : Value{}, chain.links, row.name,
+                NameOf(row.quality), row.error, row.penetration, row.nanoseconds, row.self_error});
+  tree.BlankLine();
+  AddMachine(report.machine, tree);
+  tree.EndLine();
+  tree.Add({"isa", "", -1, "one core, kernels"}, IsaName(report.isa));
+  tree.Add(InJson("quick"), report.quick).Add(InJson("reference_rate"), o.reference_scale);
+  tree.Add({"timed_strands"}, o.timing.strands);
+  tree.Add({"rounds", "", -1, "fastest of rounds with and without in turn"}, o.timing.repeats);
+  tree.Add({"timed_frames", "", -1, "of frames"}, o.timing.frames).EndLine();
+  tree.Add({"motion_s", "s, medium preset", -1, "motion"}, o.seconds);
+  tree.Add({"seconds", "s", 1, "took"}, report.seconds);
+  return tree;
 }
 
 }  // namespace pelt

@@ -1,5 +1,5 @@
 // What `pelt accuracy --features` found: error, penetration and time of everything that acts on
-// strands besides their material (bench/accuracy/feature_errors.hpp), as text and JSON.
+// strands besides their material (bench/accuracy/feature_errors.hpp).
 #pragma once
 
 #include <string>
@@ -29,7 +29,6 @@ struct FeatureReport {
 // `links` empty: 3 and 4. Quick: one second of motion and fewer rounds of the clock.
 FeatureReport MeasureFeatureReport(Isa isa, const std::vector<int>& links, bool quick);
 
-std::string FeatureText(const FeatureReport& report);
-std::string FeatureJson(const FeatureReport& report);
+ReportTree MakeFeatureTree(const FeatureReport& report);
 
 }  // namespace pelt

@@ -1,4 +1,4 @@
-// What `pelt accuracy` found, as text, as JSON, and as the work-precision diagram.
+// What `pelt accuracy` found, as a report tree.
 //
 // The JSON is what `pelt report --accuracy` reads (accuracy_section.hpp): a member that goes there
 // is part of a format, named by kAccuracyFormat.
@@ -24,12 +24,6 @@ struct AccuracyReport {
   double seconds = 0.0;  // that all of it took
 };
 
-// A share as per cent, three digits or so; "-" for what is not finite.
-std::string PercentText(double share);
-std::string AccuracyText(const AccuracyReport& report);
-std::string AccuracyJson(const AccuracyReport& report);
-// An SVG file: error against ns a strand, both logarithmic; a column for each preset, a row for
-// each kind of chain and frame rate, a curve for each method.
-std::string WorkPrecisionSvg(const accuracy::WorkPrecision& table);
+ReportTree MakeAccuracyTree(const AccuracyReport& report);
 
 }  // namespace pelt

@@ -1,4 +1,4 @@
-// What `pelt accuracy --scene` found, as text, as JSON and as one diagram from the cheapest way to
+// What `pelt accuracy --scene` found, as a report tree and as one diagram from the cheapest way to
 // run the scene to the most exact.
 #pragma once
 
@@ -17,9 +17,8 @@ struct SceneReport {
   double seconds = 0.0;  // that all of it took
 };
 
-std::string SceneText(const SceneReport& report);
-std::string SceneJson(const SceneReport& report);
-// An SVG file: error against ns a strand in the simulation, both logarithmic; a named point a way.
+ReportTree MakeSceneTree(const SceneReport& report);
+// An SVG file: error against ns per strand in the simulation, both logarithmic; a named point a way.
 std::string SceneSvg(const accuracy::ScenePrecision& table);
 
 }  // namespace pelt

@@ -59,7 +59,7 @@ class SceneDiagram {
     AddPanel(kLeft, "whole frame", &ScenePrecisionRow::frame_ns);
     AddPanel(kLeft + kPanelWidth + kGap, "simulation", &ScenePrecisionRow::simulate_ns);
     text_ += fmt::format(
-        "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\" font-size=\"13\">ns a strand a "
+        "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\" font-size=\"13\">ns per strand and "
         "frame, one core, {} (logarithmic)</text>\n"
         "<text transform=\"translate(14 {:.0f}) rotate(-90)\" text-anchor=\"middle\" "
         "font-size=\"13\">wrong part of the secondary motion, % (logarithmic)</text>\n</svg>\n",
@@ -102,7 +102,7 @@ class SceneDiagram {
   void AddFront(SceneTime time) {
     std::vector<const ScenePrecisionRow*> front;
     for (const ScenePrecisionRow& row : table_.rows)
-      if (table_.OnFront(row, time)) front.push_back(&row);
+      if (table_.IsParetoOptimal(row, time)) front.push_back(&row);
     std::sort(front.begin(), front.end(),
               [&](const auto* a, const auto* b) { return a->*time < b->*time; });
     std::string line;
@@ -127,13 +127,13 @@ class SceneDiagram {
           "stroke-width=\"1.5\"><title>{}: {:.1f} ns, {:.3g} %</title></circle>\n",
           x, y, row.way.OnReferenceMaterial() ? colour : "#fff", colour, row.way.label, row.*time,
           100.0 * row.error);
-      AddLabel(row.way.label, table_.OnFront(row, time), x, y);
+      AddLabel(row.way.label, table_.IsParetoOptimal(row, time), x, y);
     }
   }
 
   // Where there is room: beside the point, else further away with a line to it.
-  void AddLabel(const std::string& label, bool on_front, double x, double y) {
-    const double width = (on_front ? 1.1 : 1.0) * kLetter * double(label.size());
+  void AddLabel(const std::string& label, bool pareto_optimal, double x, double y) {
+    const double width = (pareto_optimal ? 1.1 : 1.0) * kLetter * double(label.size());
     Box best{};
     bool found = false;
     for (const double away : {0.0, 13.0, 26.0, 39.0, 52.0, 65.0})
@@ -158,7 +158,7 @@ class SceneDiagram {
     text_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}{}>{}</text>\n",
                          best.x > x ? best.x : best.x + width, text_y,
                          best.x > x ? "" : " text-anchor=\"end\"",
-                         on_front ? " font-weight=\"600\"" : "", label);
+                         pareto_optimal ? " font-weight=\"600\"" : "", label);
   }
 
   const ScenePrecision& table_;

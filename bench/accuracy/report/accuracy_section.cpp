@@ -90,7 +90,8 @@ class SectionWriter {
         json_.BeginObject();
         Number(score, "error");
         Number(score, "stretch");
-        for (const char* key : {"finite", "on_front"}) json_.Add(key, Member(score, key) == true);
+        for (const char* key : {"finite", "pareto_optimal"})
+          json_.Add(key, Member(score, key) == true);
         json_.EndObject();
       }
       json_.EndArray();
