@@ -14,7 +14,7 @@ bool ChangesLayout(uint32_t code) {
          (code >= 0x2066 && code <= 0x2069);
 }
 
-bool IsPrintable(const Utf8Character& c) {
+bool IsPrintableCharacter(const Utf8Character& c) {
   return c.bytes != 0 && !IsControl(c.code) && !ChangesLayout(c.code);
 }
 
@@ -43,7 +43,7 @@ Utf8Character FirstCharacter(std::string_view text) {
 bool IsPrintable(std::string_view text) {
   while (!text.empty()) {
     const Utf8Character c = FirstCharacter(text);
-    if (!IsPrintable(c)) return false;
+    if (!IsPrintableCharacter(c)) return false;
     text.remove_prefix(c.bytes);
   }
   return true;
@@ -54,7 +54,7 @@ std::string Printable(std::string_view text) {
   while (!text.empty()) {
     const Utf8Character c = FirstCharacter(text);
     const size_t bytes = c.bytes ? c.bytes : 1;
-    if (IsPrintable(c))
+    if (IsPrintableCharacter(c))
       out += text.substr(0, bytes);
     else if (c.bytes == 0 || c.code < 0x80)
       FormatTo(out, "\\x{:02x}", uint8_t(text.front()));

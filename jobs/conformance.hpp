@@ -109,27 +109,27 @@ struct Finding {
 
 // The door's tasks by themselves: each called once, before finish returns, with its own context,
 // seeing what was written before and showing what it wrote.
-inline Finding CheckTasks(Context& c) {
+inline Finding CheckTasks(Context& check) {
   constexpr uint32_t kRounds = 200;
-  const uint32_t count = std::clamp(c.door.worker_count, 2u, 65u) - 1;
+  const uint32_t count = std::clamp(check.door.worker_count, 2u, 65u) - 1;
   const auto run = [](void* context) {
     auto& task = *static_cast<RawTask*>(context);
     task.out = Mix(task.in, 5);
     task.calls.fetch_add(1);
   };
-  std::deque<RawTask>& tasks = c.tasks;
+  std::deque<RawTask>& tasks = check.tasks;
   std::vector<void*> handles(count);
   for (uint32_t round = 0; round < kRounds; ++round) {
     const size_t first = tasks.size();
     for (uint32_t t = 0; t < count; ++t) {
       RawTask& task = tasks.emplace_back();
       task.in = round * count + t;
-      handles[t] = c.door.enqueue(run, &task, c.door.user, "conformance_task");
+      handles[t] = check.door.enqueue(run, &task, check.door.user, "conformance_task");
       if (!handles[t] && task.calls.load() == 0)
         return {false, "enqueue returned null for a task that had not been called"};
     }
     for (uint32_t t = 0; t < count; ++t) {
-      if (handles[t]) c.door.finish(handles[t], c.door.user);
+      if (handles[t]) check.door.finish(handles[t], check.door.user);
       const RawTask& task = tasks[first + t];
       if (task.calls.load() == 0)
         return {false,
@@ -163,9 +163,9 @@ struct Meeting {
 };
 
 // How many workers there really are. Fewer than stated is slow, not wrong.
-inline Finding CheckWorkers(Context& c) {
-  auto& meeting = c.Keep<Meeting>();
-  meeting.wanted = c.door.worker_count;
+inline Finding CheckWorkers(Context& check) {
+  auto& meeting = check.Keep<Meeting>();
+  meeting.wanted = check.door.worker_count;
   const auto meet = [](void* context) {
     auto& m = *static_cast<Meeting*>(context);
     if (std::this_thread::get_id() == m.caller) return;
@@ -173,13 +173,13 @@ inline Finding CheckWorkers(Context& c) {
     m.Wait();
   };
   std::vector<void*> handles;
-  for (uint32_t w = 1; w < c.door.worker_count; ++w)
-    handles.push_back(c.door.enqueue(meet, &meeting, c.door.user, "conformance_meeting"));
+  for (uint32_t w = 1; w < check.door.worker_count; ++w)
+    handles.push_back(check.door.enqueue(meet, &meeting, check.door.user, "conformance_meeting"));
   meeting.Wait();
   for (void* handle : handles)
-    if (handle) c.door.finish(handle, c.door.user);
+    if (handle) check.door.finish(handle, check.door.user);
   return {true, std::to_string(meeting.together.load()) + " of " +
-                    std::to_string(c.door.worker_count) + " ran tasks at one time"};
+                    std::to_string(check.door.worker_count) + " ran tasks at one time"};
 }
 
 inline std::string Hex(uint64_t digest) {
@@ -188,9 +188,9 @@ inline std::string Hex(uint64_t digest) {
   return text;
 }
 
-inline Finding JudgeDigest(Context& c, uint64_t digest) {
-  if (digest == c.truth) return {true, "digest " + Hex(digest)};
-  return {false, "digest " + Hex(digest) + ", but " + Hex(c.truth) +
+inline Finding JudgeDigest(Context& check, uint64_t digest) {
+  if (digest == check.truth) return {true, "digest " + Hex(digest)};
+  return {false, "digest " + Hex(digest) + ", but " + Hex(check.truth) +
                      " when run serially: a task's writes are not seen, or memory is overwritten"};
 }
 
@@ -211,13 +211,13 @@ class Counted final : public Executor {
 
 // The course through a schedule: the serial bits, no faults, not more tasks than stated.
 template <class S>
-Finding CheckSchedule(Context& c, uint32_t workers) {
-  S& schedule = c.Keep<S>(c.door);
+Finding CheckSchedule(Context& check, uint32_t workers) {
+  S& schedule = check.Keep<S>(check.door);
   schedule.SetWorkers(workers);
-  if constexpr (requires { schedule.SetLimit(1.0); }) schedule.SetLimit(c.options.limit_s / 4);
-  auto& executor = c.Keep<DoorExecutor>(schedule.door());
+  if constexpr (requires { schedule.SetLimit(1.0); }) schedule.SetLimit(check.options.limit_s / 4);
+  auto& executor = check.Keep<DoorExecutor>(schedule.door());
   Counted counted(executor);
-  Finding finding = JudgeDigest(c, c.course(counted));
+  Finding finding = JudgeDigest(check, check.course(counted));
   if (schedule.enqueued() > counted.max_tasks)
     finding = {false, std::to_string(schedule.enqueued()) + " tasks, more than the " +
                           std::to_string(counted.max_tasks) + " stated"};
@@ -231,19 +231,19 @@ Finding CheckSchedule(Context& c, uint32_t workers) {
 // The course with a promise of the door broken on purpose: the executor must say so, and the bits
 // must be right all the same.
 template <class S>
-Finding CheckBroken(Context& c, uint64_t DoorFaults::*fault) {
-  S& schedule = c.Keep<S>(c.door);
-  auto& executor = c.Keep<DoorExecutor>(schedule.door());
-  Finding finding = JudgeDigest(c, c.course(executor));
+Finding CheckBroken(Context& check, uint64_t DoorFaults::*fault) {
+  S& schedule = check.Keep<S>(check.door);
+  auto& executor = check.Keep<DoorExecutor>(schedule.door());
+  Finding finding = JudgeDigest(check, check.course(executor));
   if (!finding.passed) return finding;
   if (schedule.enqueued() == 0) return {true, "no task was asked for in these frames"};
   if (executor.faults().*fault == 0) return {false, "the executor did not notice"};
   return {true, "noticed " + std::to_string(executor.faults().*fault) + " times"};
 }
 
-inline Finding CheckOneItemATask(Context& c) {
-  auto& executor = c.Keep<OneItemATask>(c.door);
-  return JudgeDigest(c, c.course(executor));
+inline Finding CheckOneItemATask(Context& check) {
+  auto& executor = check.Keep<OneItemATask>(check.door);
+  return JudgeDigest(check, check.course(executor));
 }
 
 struct NamedCheck {
@@ -257,17 +257,17 @@ inline const NamedCheck kChecks[] = {
     {"tasks", "finish does not return after its task has, or the task is never started",
      CheckTasks},
     {"workers", kFinishHangs, CheckWorkers},
-    {"as it is", kFinishHangs, [](Context& c) { return CheckSchedule<Schedule>(c, 0); }},
-    {"one worker", kFinishHangs, [](Context& c) { return CheckSchedule<Schedule>(c, 1); }},
+    {"as it is", kFinishHangs, [](Context& check) { return CheckSchedule<Schedule>(check, 0); }},
+    {"one worker", kFinishHangs, [](Context& check) { return CheckSchedule<Schedule>(check, 1); }},
     {"many workers", "64 tasks do not fit in, or finish depends on the order",
-     [](Context& c) { return CheckSchedule<Schedule>(c, 64); }},
+     [](Context& check) { return CheckSchedule<Schedule>(check, 64); }},
     {"at once", "finish does not return while no other task is there",
-     [](Context& c) { return CheckSchedule<FinishedAtOnce>(c, 0); }},
+     [](Context& check) { return CheckSchedule<FinishedAtOnce>(check, 0); }},
     {"newest first", "finish depends on the order of tasks",
-     [](Context& c) { return CheckSchedule<NewestFirst>(c, 0); }},
-    {"late start", kFinishHangs, [](Context& c) { return CheckSchedule<LateStart>(c, 0); }},
+     [](Context& check) { return CheckSchedule<NewestFirst>(check, 0); }},
+    {"late start", kFinishHangs, [](Context& check) { return CheckSchedule<LateStart>(check, 0); }},
     {"starved", "with all workers busy something waits for one",
-     [](Context& c) { return CheckSchedule<Starved>(c, 0); }},
+     [](Context& check) { return CheckSchedule<Starved>(check, 0); }},
     {"one item", "tasks are not started, or finish does not return", CheckOneItemATask},
     {"started twice", kFinishHangs,
      [](Context& check) { return CheckBroken<StartedTwice>(check, &DoorFaults::started_again); }},

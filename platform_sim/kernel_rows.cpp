@@ -74,7 +74,7 @@ Result<> RecordMatrices(std::vector<KernelPart>& parts) {
 constexpr double kNewtonOperations = 2112e-9;  // of an iteration, as the row counts
 constexpr double kMatrixFlops = 2e-9 * kMatrixSide * kMatrixSide * kMatrixSide;
 
-constexpr KernelRowDefinition kRows[] = {
+constexpr KernelRowDefinition kKernelRows[] = {
     {"K1", "N-body, 4,080 bodies: the pull on one", "Mpairs/s", "spu-gcc 4.1 -O2 -funroll-loops",
      2195.0, 6, 1e-6 * kBodies, true, RowClass::kIndependent, RecordBodies},
     {"K2", "FFT of 1,024 points, radix 2, 4 in lanes", "Mpoints/s",
@@ -89,12 +89,12 @@ constexpr KernelRowDefinition kRows[] = {
 
 }  // namespace
 
-std::span<const KernelRowDefinition> KernelRows() { return kRows; }
+std::span<const KernelRowDefinition> KernelRows() { return kKernelRows; }
 
-KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameters& p) {
+KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameters& platform) {
   KernelRow out;
   out.row = &row;
-  const PricedCore core = MakePricedCore(CoreKind::kSpu, p);
+  const PricedCore core = MakePricedCore(CoreKind::kSpu, platform);
   std::vector<KernelPart> parts;
   if (const auto recorded = row.record(parts); !recorded) {
     out.failure = recorded.error();
@@ -111,7 +111,7 @@ KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameter
     out.scheduled_cycles += cost->scheduled.cycles_per_iteration * iterations;
     out.as_written_cycles += cost->as_written.cycles_per_iteration * iterations;
   }
-  const double availability = row.has_availability ? p.cell.Availability() : 1.0;
+  const double availability = row.has_availability ? platform.cell.Availability() : 1.0;
   const double units = row.units_per_pass * row.spus * double(core.clock_hz) * availability;
   out.measured_cycles = units / row.measured;
   out.scheduled = units / out.scheduled_cycles;
@@ -124,9 +124,9 @@ KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameter
   return out;
 }
 
-std::vector<KernelRow> PriceKernelRows(const PlatformParameters& p) {
+std::vector<KernelRow> PriceKernelRows(const PlatformParameters& platform) {
   std::vector<KernelRow> out;
-  for (const KernelRowDefinition& row : kRows) out.push_back(PriceKernelRow(row, p));
+  for (const KernelRowDefinition& row : kKernelRows) out.push_back(PriceKernelRow(row, platform));
   return out;
 }
 

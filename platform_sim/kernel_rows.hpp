@@ -57,8 +57,8 @@ struct KernelRow {
 inline constexpr double kKernelAllowedPercent = 5.0;
 
 std::span<const KernelRowDefinition> KernelRows();
-KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameters& p);
-std::vector<KernelRow> PriceKernelRows(const PlatformParameters& p = {});
+KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameters& platform);
+std::vector<KernelRow> PriceKernelRows(const PlatformParameters& platform = {});
 
 // Where measured kernels lay in their prices.
 struct MeasuredPlace {

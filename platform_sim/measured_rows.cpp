@@ -44,7 +44,7 @@ constexpr std::string_view kPieces = "main memory to local store, 8 pieces in fl
 constexpr std::string_view kJobQueue = "gcell's job queue, 1 SPE, nominal job length";
 
 // clang-format off
-constexpr RowDefinition kRows[] = {
+constexpr RowDefinition kMeasuredRows[] = {
     {"C1", "single-precision multiply-adds, 6 chains, 6 SPEs", "GFLOPS", 134.4, 134.4,
      kRate, kIndependent, 2.0, kPercent, kSpuRates, rows::SinglePrecisionRate},
     {"C2", "integer multiply-adds, 7 chains, 6 SPEs", "Gop/s", 130.1, 130.1,
@@ -170,20 +170,20 @@ double RowResult::ErrorPercent(double predicted) const {
   return 100.0 * (predicted / nearer - 1.0);
 }
 
-std::string_view RowClassName(RowClass c) {
+std::string_view RowClassName(RowClass row_class) {
   constexpr std::string_view kNames[kRowClassCount] = {"independent", "derived", "plausibility",
                                                        "parameter"};
-  return kNames[uint32_t(c)];
+  return kNames[uint32_t(row_class)];
 }
 
-std::span<const RowDefinition> MeasuredRows() { return kRows; }
+std::span<const RowDefinition> MeasuredRows() { return kMeasuredRows; }
 
 const RowDefinition* FindRow(std::string_view id) {
-  const auto row = std::ranges::find(kRows, id, &RowDefinition::id);
-  return row == std::end(kRows) ? nullptr : row;
+  const auto row = std::ranges::find(kMeasuredRows, id, &RowDefinition::id);
+  return row == std::end(kMeasuredRows) ? nullptr : row;
 }
 
-RowResult PredictRow(const RowDefinition& row, const PlatformParameters& p) {
+RowResult PredictRow(const RowDefinition& row, const PlatformParameters& platform) {
   RowResult result{.id = row.id,
                    .work = row.work,
                    .unit = row.unit,
@@ -197,23 +197,23 @@ RowResult PredictRow(const RowDefinition& row, const PlatformParameters& p) {
                    .class_because = row.class_because,
                    .missed_because = row.missed_because,
                    .failure = {}};
-  if (row.predict(p, 1.0, row.argument, result.predicted_raw, result.failure) &&
-      row.predict(p, AvailabilityOf(row, p), row.argument, result.predicted_with_availability,
-                  result.failure))
+  if (row.predict(platform, 1.0, row.argument, result.predicted_raw, result.failure) &&
+      row.predict(platform, AvailabilityOf(row, platform), row.argument,
+                  result.predicted_with_availability, result.failure))
     result.passes = IsWithin(result);
   return result;
 }
 
-std::vector<RowResult> PredictRows(const PlatformParameters& p) {
+std::vector<RowResult> PredictRows(const PlatformParameters& platform) {
   std::vector<RowResult> results;
-  for (const RowDefinition& row : kRows) results.push_back(PredictRow(row, p));
+  for (const RowDefinition& row : kMeasuredRows) results.push_back(PredictRow(row, platform));
   return results;
 }
 
-RowCount CountRows(std::span<const RowResult> rows, RowClass c) {
+RowCount CountRows(std::span<const RowResult> rows, RowClass row_class) {
   RowCount count;
   for (const RowResult& row : rows)
-    if (row.row_class == c) {
+    if (row.row_class == row_class) {
       ++count.rows;
       count.missed += !row.passes;
     }

@@ -39,7 +39,7 @@ enum class RowClass : uint8_t {
   kParameter,     // the measurement is the models' number
 };
 inline constexpr uint32_t kRowClassCount = 4;
-std::string_view RowClassName(RowClass c);
+std::string_view RowClassName(RowClass row_class);
 
 struct RowDefinition {
   std::string_view id, work, unit;
@@ -51,7 +51,7 @@ struct RowDefinition {
   std::string_view allowed_from;
   // What the models say, with an availability of 1 for the raw value. False, and why in `error`,
   // when the platform cannot run the work.
-  bool (*predict)(const PlatformParameters& p, double availability, uint32_t argument,
+  bool (*predict)(const PlatformParameters& platform, double availability, uint32_t argument,
                   double& predicted, std::string& error);
   uint32_t argument = 0;  // what differs between rows of one kind: block bytes, job length
   std::string_view class_because = {};   // why it is not independent
@@ -84,13 +84,13 @@ std::span<const RowDefinition> MeasuredRows();
 // Null if there is no such row.
 const RowDefinition* FindRow(std::string_view id);
 
-RowResult PredictRow(const RowDefinition& row, const PlatformParameters& p);
-std::vector<RowResult> PredictRows(const PlatformParameters& p = {});
+RowResult PredictRow(const RowDefinition& row, const PlatformParameters& platform);
+std::vector<RowResult> PredictRows(const PlatformParameters& platform = {});
 
 // How many rows of a class there are and how many of them are missed.
 struct RowCount {
   uint32_t rows = 0, missed = 0;
 };
-RowCount CountRows(std::span<const RowResult> rows, RowClass c);
+RowCount CountRows(std::span<const RowResult> rows, RowClass row_class);
 
 }  // namespace pelt

@@ -207,7 +207,7 @@ std::optional<Difference> CompareFrame(const InputLog& a, const InputLog& b, uin
                     "all input up to here is the same, and what was computed from it is not"};
 }
 
-std::optional<Difference> CompareLengths(uint32_t left, uint32_t right, std::string remark) {
+std::optional<Difference> CompareLengths(uint32_t left, uint32_t right, const std::string& remark) {
   if (left == right) return std::nullopt;
   const std::string same = Format("the first {} are the same", std::min(left, right));
   return HeadDifference("frames", std::to_string(left), std::to_string(right),
@@ -233,29 +233,29 @@ std::string DescribeDifference(const Difference& difference) {
   return out + Format(": {} and {}", difference.left, difference.right);
 }
 
-std::optional<Difference> FindDifference(const DigestLog& a, const DigestLog& b) {
-  if (auto found = CompareHeads(a, b)) return found;
-  const auto common = CommonColumns(a, b);
-  const std::string remark = DescribeSettings(a, b, common.size());
-  for (uint32_t f = 0; f < std::min(a.FrameCount(), b.FrameCount()); ++f)
+std::optional<Difference> FindDifference(const DigestLog& left, const DigestLog& right) {
+  if (auto found = CompareHeads(left, right)) return found;
+  const auto common = CommonColumns(left, right);
+  const std::string remark = DescribeSettings(left, right, common.size());
+  for (uint32_t f = 0; f < std::min(left.FrameCount(), right.FrameCount()); ++f)
     for (const auto& [l, r] : common) {
-      const uint64_t left = a.Frame(f)[l], right = b.Frame(f)[r];
-      if (left == right) continue;
+      const uint64_t left_digest = left.Frame(f)[l], right_digest = right.Frame(f)[r];
+      if (left_digest == right_digest) continue;
       return Difference{{{"frame", std::to_string(f)},
-                         {"stage", a.columns[l].stage},
-                         {"stream", a.columns[l].stream}},
-                        Format("{:016x}", left),
-                        Format("{:016x}", right),
+                         {"stage", left.columns[l].stage},
+                         {"stream", left.columns[l].stream}},
+                        Format("{:016x}", left_digest),
+                        Format("{:016x}", right_digest),
                         remark};
     }
-  return CompareLengths(a.FrameCount(), b.FrameCount(), remark);
+  return CompareLengths(left.FrameCount(), right.FrameCount(), remark);
 }
 
-std::optional<Difference> FindDifference(const InputLog& a, const InputLog& b) {
-  if (auto found = CompareHeads(a, b)) return found;
-  for (uint32_t f = 0; f < std::min(a.FrameCount(), b.FrameCount()); ++f)
-    if (auto found = CompareFrame(a, b, f)) return found;
-  return CompareLengths(a.FrameCount(), b.FrameCount(), {});
+std::optional<Difference> FindDifference(const InputLog& left, const InputLog& right) {
+  if (auto found = CompareHeads(left, right)) return found;
+  for (uint32_t f = 0; f < std::min(left.FrameCount(), right.FrameCount()); ++f)
+    if (auto found = CompareFrame(left, right, f)) return found;
+  return CompareLengths(left.FrameCount(), right.FrameCount(), {});
 }
 
 }  // namespace pelt

@@ -27,7 +27,7 @@ namespace {
 constexpr uint32_t kFramesAfterReturn = 3;
 // Frames of each part of the camera's course.
 constexpr uint32_t kTurning = 13, kNodding = 11, kNear = 6, kFar = 6, kLast = 2;
-constexpr uint32_t kFrames = kTurning + kNodding + kNear + kFar + kLast;
+constexpr uint32_t kCourseFrames = kTurning + kNodding + kNear + kFar + kLast;
 
 void LookAside(Camera& camera, double turn_rad, double nod_rad, double distance) {
   double forward[3];
@@ -83,7 +83,7 @@ class CullingCheck {
   }
 
   void Run(VerifyReport& report) {
-    for (uint32_t f = 0; f < kFrames; ++f) {
+    for (uint32_t f = 0; f < kCourseFrames; ++f) {
       Camera camera;
       const auto aim = [&](FrameInput& input, FurScene&) {
         AimCamera(f, input.camera);
@@ -241,7 +241,7 @@ class CullingCheck {
   void JudgeTips() {
     const std::vector<Actor> actors = scenario_.actors;
     for (Actor& actor : scenario_.actors) actor.clip = -1;
-    seen_.RunFrame(kFrames);
+    seen_.RunFrame(kCourseFrames);
     for (uint32_t l = 0; l < since_.size(); ++l) {
       Point outermost[3][2] = {};
       bool any = false;
@@ -264,13 +264,13 @@ class CullingCheck {
 
   void JudgeTip(uint32_t layer, const Point& tip, int axis, float inwards, float reach) {
     Camera camera;
-    culled_.RunFrame(kFrames, [&](FrameInput& input, FurScene&) {
+    culled_.RunFrame(kCourseFrames, [&](FrameInput& input, FurScene&) {
       AimAtTip(tip, axis, inwards, reach, input.camera);
       camera = input.camera;
     });
     if (!ViewTest(camera).IsClearlyInside(tip.at)) return;
     ++tips_.seen;
-    if (!IsVisible(culled_.scene(), layer)) FailInView(tips_, kFrames, layer, tip);
+    if (!IsVisible(culled_.scene(), layer)) FailInView(tips_, kCourseFrames, layer, tip);
   }
 
   void FailInView(CheckResult& result, uint32_t frame, uint32_t layer, const Point& p) {
@@ -336,7 +336,7 @@ class CullingCheck {
     what.workers = kind->HasWorkers() ? 2 : 1;
     CheckResult result = NewResult("the same with " + std::string(kind->name));
     CaseRun serial(scenario_, Best(), {}, {}), other(scenario_, what, {}, options_.tamper);
-    for (uint32_t f = 0; f < kFrames && result.passed; ++f) {
+    for (uint32_t f = 0; f < kCourseFrames && result.passed; ++f) {
       const auto aim = [&](FrameInput& input, FurScene&) { AimCamera(f, input.camera); };
       serial.RunFrame(f, aim);
       other.RunFrame(f, aim);

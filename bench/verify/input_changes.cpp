@@ -34,7 +34,7 @@ void Change(T& value, Amount amount) {
   if constexpr (std::is_same_v<T, bool>) {
     value = !value;
   } else if constexpr (std::is_integral_v<T>) {
-    value += amount == Amount::kOneUlp ? 1 : 1 + value / 2;
+    value += amount == Amount::kMuch ? 1 + value / 2 : 1;
   } else if (amount == Amount::kOneUlp) {
     value = std::nextafter(value, std::numeric_limits<T>::infinity());
   } else if (amount == Amount::kBelowFloat) {

@@ -14,13 +14,13 @@ namespace pelt {
 namespace {
 
 // Where a track stands: keys [low] and [high] (equal at the ends) and the place between them.
-struct Place {
+struct LocalPlace {
   size_t low, high;
   double share;  // [0, 1)
   double span_s;
 };
 
-Place FindPlace(const Track& track, double t) {
+LocalPlace FindPlace(const Track& track, double t) {
   const std::vector<float>& time = track.time_s;
   if (t <= time.front()) return {0, 0, 0.0, 0.0};
   if (t >= time.back()) return {time.size() - 1, time.size() - 1, 0.0, 0.0};
@@ -60,7 +60,7 @@ void BlendSlerp(const glm::vec4& a, const glm::vec4& b, double share, KeyBlend* 
 }
 
 // Hermite: value, out tangent * dt, in tangent * dt of the next, value of the next.
-void BlendCubic(const Track& track, const Place& at, KeyBlend* blend) {
+void BlendCubic(const Track& track, const LocalPlace& at, KeyBlend* blend) {
   const float span = float(at.span_s);
   blend->key[0] = track.value[3 * at.low + 1];
   blend->key[1] = track.value[3 * at.low + 2] * span;
@@ -74,7 +74,7 @@ void BlendCubic(const Track& track, const Place& at, KeyBlend* blend) {
 }
 
 // Between equal keys nothing may move, not even a last bit: a still joint lets its chunks sleep.
-bool IsHeld(const Track& track, const Place& at) {
+bool IsHeld(const Track& track, const LocalPlace& at) {
   if (at.low == at.high || track.interpolation == Interpolation::kStep) return true;
   if (track.interpolation == Interpolation::kLinear)
     return track.value[at.low] == track.value[at.high];
@@ -84,7 +84,7 @@ bool IsHeld(const Track& track, const Place& at) {
 
 KeyBlend SampleTrack(const Track& track, double t) {
   KeyBlend blend;
-  const Place at = FindPlace(track, t);
+  const LocalPlace at = FindPlace(track, t);
   const bool cubic = track.interpolation == Interpolation::kCubicSpline;
   if (IsHeld(track, at)) {
     blend.key[0] = track.value[cubic ? 3 * at.low + 1 : at.low];

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/chunk.hpp"
+#include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt {
