@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests.
-#   bash tests/run.sh        one build (g++, RelWithDebInfo)
-#   bash tests/run.sh all    what CI runs: besides it clang Release, g++ Debug, chunks of another size, address
-#                            and undefined-behaviour sanitizers, a thread sanitizer on what runs without oneTBB
-#                            (whose own synchronisation the sanitizer does not understand), and all that needs
-#                            a browser, cross compilers or an emulator
+#   bash tests/run.sh          one build (g++, RelWithDebInfo)
+#   bash tests/run.sh all      what CI runs: besides it clang Release, chunks of another size in g++ Debug, address
+#                              and undefined-behaviour sanitizers, a thread sanitizer on what runs without oneTBB
+#                              (whose own synchronisation the sanitizer does not understand), and all that needs
+#                              a browser, cross compilers or an emulator
+#   bash tests/run.sh release  before a release: the same, with every instruction set in every build, more of the tests
+#                              in chunks of 64, under clang Release and under sanitizers, and g++ Debug
 # Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 exec </dev/null
 what=${1:-one}
-[[ $# -le 1 && ("$what" == one || "$what" == all) ]] || { echo "usage: bash tests/run.sh [one|all]" >&2; exit 2; }
+[[ $# -le 1 && "$what" =~ ^(one|all|release)$ ]] || { echo "usage: bash tests/run.sh [one|all|release]" >&2; exit 2; }
 extra=()
 # Without these the tests that need them say that they are skipped.
-if [ "$what" = all ]; then
-  extra=(ccache clang libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin python3
+if [ "$what" != one ]; then
+  extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin python3
     g++-mingw-w64-x86-64-posix wine64)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
 fi
@@ -26,8 +28,8 @@ build() {
   local name=$1 compiler=$2 type=$3 targets start=$SECONDS
   read -ra targets <<<"$4"
   shift 4
-  echo "== $name: build"
-  cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE="$type" "$@" >"build/$name.log" 2>&1 ||
+  echo "== $name: build, at $SECONDS s"
+  cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE="$type" -DPELT_WHOLE=ON "$@" >"build/$name.log" 2>&1 ||
     { tail -n 60 "build/$name.log"; echo "== $name: cmake failed"; return 1; }
   cmake --build "build/$name" --target "${targets[@]}" --parallel "$jobs" >>"build/$name.log" 2>&1 ||
     { grep -E -A 20 -m 3 'FAILED|error:' "build/$name.log" || tail -n 60 "build/$name.log"; echo "== $name: build failed"; return 1; }
@@ -37,40 +39,51 @@ build() {
 check() {
   local name=$1
   shift
-  echo "== $name: test"
+  echo "== $name: test, at $SECONDS s"
   "${launcher[@]}" ctest --test-dir "build/$name" --output-on-failure --parallel "$jobs" --no-tests=error "$@"
 }
 launcher=(env)
 
 mkdir -p build
-if [ "$what" = all ]; then
-  # What the compiler makes of every kernel is seen in the sanitizer, Release and last builds; the others need one.
-  narrow=()
-  if [ "$(uname -m)" = x86_64 ]; then narrow=(-DPELT_ISAS=avx2); fi
-  build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread ${narrow[@]+"${narrow[@]}"}
+if [ "$what" != one ]; then
+  # What the compiler makes of every kernel is seen in the Release and last builds; the others need one.
+  narrow=() chunk64=(jobs determinism) clang_release=(determinism) unsanitized=(-E accuracy_test)
+  if [ "$what" = release ]; then
+    export PELT_CROSS_ISAS=all
+    chunk64+=(kernels) clang_release+=(kernels platform accuracy) unsanitized=()
+  elif [ "$(uname -m)" = x86_64 ]; then
+    narrow=(-DPELT_ISAS=avx2)
+  fi
+  programs() { printf 'pelt_%s_test ' "$@"; }
+  pattern() { (IFS='|'; echo "golden_[a-z]+\$|pelt_($*)_test\$"); }
+  # Each file by itself, as a parent's build compiles it: what a file forgets to include is seen here.
+  build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread -DPELT_WHOLE=OFF \
+    ${narrow[@]+"${narrow[@]}"}
   # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
   if setarch "$(uname -m)" -R true 2>/dev/null; then launcher=(setarch "$(uname -m)" -R); fi
   check clang-thread -L thread
   launcher=(env)
   build clang-sanitize clang++ Debug pelt_tests -DPELT_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1" \
-    -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_PRECOMPILE=ON
+    -DPELT_TEST_WIDE_KERNELS=OFF ${narrow[@]+"${narrow[@]}"}
   # Not the longest of what is about figures, which the other builds hold: other tests walk the same paths.
   figures="PlantedErrors.*:MeasuredRows.HoldAt*:Perlin.HasZero*:Perlin.Neighbouring*:SimulateVerlet.AStillScene*Bias"
   figures+=":SimulatePbd.ComingToRest*:SimulatePbd.MotionDoesNotGrow*:Comparison.ErrorsAre*:Comparison.OurOwn*"
   figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:Modal.CurlThat*"
-  UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize -LE slow
-  # What g++ makes of the frame without optimisation; asserts everywhere else are the sanitizer build's.
-  build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF \
-    ${narrow[@]+"${narrow[@]}"}
-  check gcc-debug -R 'golden_[a-z]+$|determinism_test'
+  UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize -LE slow \
+    ${unsanitized[@]+"${unsanitized[@]}"}
+  if [ "$what" = release ]; then
+    # What g++ makes of the frame without optimisation; asserts everywhere else are the sanitizer build's.
+    build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF
+    check gcc-debug -R 'golden_[a-z]+$|determinism_test'
+  fi
   # The other capacity: its bits are its own, and the same whatever runs it.
-  build gcc-chunk64 g++ Debug "pelt_kernels_test pelt_jobs_test pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" \
+  build gcc-chunk64 g++ Debug "$(programs "${chunk64[@]}")" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" \
     -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF ${narrow[@]+"${narrow[@]}"}
-  check gcc-chunk64 -R 'kernels_test|jobs_test|determinism_test'
-  build clang-release clang++ Release pelt_tests -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_PRECOMPILE=ON
-  check clang-release -LE slow
-  # The other compiler as a whole: the kept digests are among the above.
-  check clang-release -R '^pelt_verify_tiny$'
+  check gcc-chunk64 -R "$(pattern "${chunk64[@]}")" -E golden
+  # The other compiler, optimised: the bits that are kept. The sanitizer build is clang's too, and has the tests of
+  # everything else.
+  build clang-release clang++ Release "pelt $(programs "${clang_release[@]}")" -DPELT_TEST_WIDE_KERNELS=OFF
+  check clang-release -R "$(pattern "${clang_release[@]}")|^pelt_verify_tiny\$"
 fi
 # Last, because it has every test: its summary is the closing line.
 build gcc g++ RelWithDebInfo all

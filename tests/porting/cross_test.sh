@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # The same bits on other machines: big-endian PowerPC with AltiVec (the consoles' family) and AArch64 under qemu, and
-# Windows (another ABI, C library and thread library, every instruction set of this processor) under wine.
+# Windows (another ABI, C library and thread library) under wine.
 # Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's, and holds what it
 # computes from a recording of tiny against the golden digests. A machine whose compiler or emulator is missing is
-# left out, and said to be; exit code 77 when that is all of them.
+# left out, and said to be; exit code 77 when that is all of them. PELT_CROSS_ISAS=all: Windows has every instruction
+# set that the host has, and not AVX2 alone, whose vectors are already wider than its stack is aligned.
 #   cross_test.sh BUILD_DIR SOURCE_DIR COMPILER PELT HOST_DIR [FRAMES]
 # COMPILER is the host's; PELT bakes the groom; HOST_DIR has the host's cross_frames and cross_golden.
 set -uo pipefail
@@ -83,11 +84,14 @@ try aarch64 qemu-aarch64 -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarc
   -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ -DCMAKE_EXE_LINKER_FLAGS=-static
 # The prefix (wine's idea of a disk) stays beside the build; making it takes half a minute, once.
 export WINEPREFIX=$kept/wine WINEDEBUG=-all WINEDLLOVERRIDES="mscoree=;mshtml="
-try windows "$wine" -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER="$mingw" \
+narrow=(-DPELT_ISAS=avx2)
+if [ "${PELT_CROSS_ISAS:-}" = all ]; then narrow=(-DPELT_ISAS=); fi
+try windows "$wine" "${narrow[@]}" -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER="$mingw" \
   -DCMAKE_EXE_LINKER_FLAGS=-static
 if tried windows; then
-  # As many sets of kernels as here, each with three executors.
+  # As many sets of kernels as here, or the reference and one, each with three executors.
   here=$(grep -c '^here .*the same digest' "$kept/host.out") there=$(grep -c '^here .*the same digest' "$kept/windows.out")
+  if [ "${PELT_CROSS_ISAS:-}" != all ] && [ "$here" -gt 6 ]; then here=6; fi
   [ "$there" -ge "$here" ] || fail "windows: $there combinations of kernels and executor, the host has $here"
 fi
 tried powerpc && { grep -q 'big-endian' "$kept/powerpc.out" || fail "powerpc is not big-endian"; }
