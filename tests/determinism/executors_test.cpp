@@ -1,8 +1,11 @@
 // The whole fur frame gives the same bits whatever runs it: execution orders, local store, oneTBB,
 // fusion, instruction sets, the sort in pieces. `pelt verify` goes through the full product on any
-// scene; this holds `tiny` past its teleport, and says which of them broke.
+// scene; this holds `tiny`, some of its ribbons as lines, past its teleport, and says which broke.
 #include <gtest/gtest.h>
 
+#include <cstring>
+
+#include "core/kernels/frame_table.hpp"
 #include "jobs/tbb_executor.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -19,7 +22,7 @@ class WholeFrame : public ::testing::Test {
   // The serial executor with the reference kernels.
   static const std::vector<uint64_t>& Truth() {
     static const std::vector<uint64_t> kTruth = [] {
-      Scenario scenario = TinyScenario();
+      Scenario scenario = EveryOutputScenario();
       SerialExecutor serial;
       return RunDigests(scenario, OptionsFor(Isa::kReference), serial, kFrames);
     }();
@@ -27,7 +30,7 @@ class WholeFrame : public ::testing::Test {
   }
   static void ExpectTruth(const SceneOptions& options, Executor& executor,
                           const std::string& what) {
-    Scenario scenario = TinyScenario();
+    Scenario scenario = EveryOutputScenario();
     ExpectSameFrames(Truth(), RunDigests(scenario, options, executor, kFrames), what);
   }
 };
@@ -104,7 +107,7 @@ TEST_F(WholeFrame, IsTheSameOnOneTbb) {
 
 // Vertices in strand order are those in draw order, each where the order says.
 TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
-  Scenario scenario = TinyScenario();
+  Scenario scenario = EveryOutputScenario();
   SceneOptions unsorted_options = OptionsFor(BestIsa());
   unsorted_options.vertex_order = VertexOrder::kIndexBuffer;
   RunningScenario sorted_run(scenario, OptionsFor(BestIsa())),
@@ -121,23 +124,15 @@ TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
   for (uint32_t l = 0; l < sorted.shape().layer_count; ++l) {
     const uint32_t first = sorted.shape().layer_first_chunk[l];
     const auto& count = *sorted.memory().Of<&Streams::layer_sort>(l);
-    const bool ribbons = sorted.shape().layer_kind[l] & kLayerRibbons;
+    const OutputRow& output = kOutputs[OutputOf(sorted.shape().layer_kind[l])];
+    const uint32_t bytes = output.StrandBytes();
     for (uint32_t place = 0; place < count.visible_count; ++place) {
       const uint32_t chunk = first + place / kStrandsPerChunk, lane = place % kStrandsPerChunk;
       const uint32_t strand = sorted.memory().Of<&Streams::order>(chunk)->strand[lane];
       ASSERT_EQ(unsorted.memory().Of<&Streams::order>(chunk)->strand[lane], strand);
       const uint32_t from = first + strand / kStrandsPerChunk, at = strand % kStrandsPerChunk;
-      const void *a, *b;
-      size_t bytes;
-      if (ribbons) {
-        a = sorted.memory().Of<&Streams::ribbon_vertices>(chunk)->vertex[lane];
-        b = unsorted.memory().Of<&Streams::ribbon_vertices>(from)->vertex[at];
-        bytes = sizeof(RibbonVertexBlock::vertex[0]);
-      } else {
-        a = &sorted.memory().Of<&Streams::instances>(chunk)->instance[lane];
-        b = &unsorted.memory().Of<&Streams::curves>(from)->record[at];
-        bytes = sizeof(CurveRecord);
-      }
+      const auto* a = sorted.memory().Block(output.in_draw_order, chunk) + lane * bytes;
+      const auto* b = unsorted.memory().Block(output.in_strand_order, from) + at * bytes;
       ASSERT_EQ(std::memcmp(a, b, bytes), 0) << "layer " << l << ", place " << place;
       ++compared;
     }

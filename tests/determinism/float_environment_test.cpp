@@ -6,6 +6,7 @@
 
 #include <cfenv>
 
+#include "core/kernel.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -56,15 +57,15 @@ struct Fragile {
     float third;
   };
   struct Ports {
-    In<&Streams::roots> roots;
-    Out<&Streams::wind> wind;
+    In<&Toys::baked> baked;
+    Out<&Toys::made> made;
   };
   static void Run(const Params& p, const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
-      const float x = ports.roots->position[0][i];
-      ports.wind->acceleration[0][i] = x * p.third;
-      ports.wind->acceleration[1][i] = x * 1e-30f * 1e-11f;
-      ports.wind->acceleration[2][i] = x + p.third;
+    for (uint32_t i = 0; i < kToyLanes; ++i) {
+      const float x = ports.baked->a[0][i];
+      ports.made->value[0][i] = x * p.third;
+      ports.made->value[1][i] = x * 1e-30f * 1e-11f;
+      ports.made->value[2][i] = x + p.third;
     }
   }
 };
@@ -95,7 +96,8 @@ constexpr Fragile::Params kParams{0.7f};
 // One frame of a scene that was filled on an ordinary thread.
 uint64_t RunFragile(Executor& executor, bool on_odd_thread) {
   SyntheticScene scene({{0, 0, 3}});
-  const Plan plan = CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {});
+  const Plan plan =
+      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {}).OrThrow();
   if (on_odd_thread) {
     const OddThread odd;
     executor.Run({&plan, &scene.memory()});
@@ -103,7 +105,7 @@ uint64_t RunFragile(Executor& executor, bool on_odd_thread) {
   } else {
     executor.Run({&plan, &scene.memory()});
   }
-  return scene.DigestOf({StreamOf<&Streams::wind>});
+  return scene.DigestOf({StreamOf<&Toys::made>});
 }
 
 TEST(FloatEnvironment, EveryExecutorProtectsItsKernels) {
@@ -122,12 +124,12 @@ TEST(FloatEnvironment, UnprotectedTheKernelGivesOtherBits) {
   {
     const OddThread odd;
     for (uint32_t c = 0; c < 3; ++c) {
-      const Binding bindings[] = {{scene.memory().Block(StreamOf<&Streams::roots>, c), nullptr, 1},
-                                  {scene.memory().Block(StreamOf<&Streams::wind>, c), nullptr, 1}};
+      const Binding bindings[] = {{scene.memory().Block(StreamOf<&Toys::baked>, c), nullptr, 1},
+                                  {scene.memory().Block(StreamOf<&Toys::made>, c), nullptr, 1}};
       MakeKernelDesc<Fragile>().run(&kParams, bindings);
     }
   }
-  EXPECT_NE(scene.DigestOf({StreamOf<&Streams::wind>}), RunFragile(serial, false));
+  EXPECT_NE(scene.DigestOf({StreamOf<&Toys::made>}), RunFragile(serial, false));
 }
 
 // Parameters are worked out on the caller's thread: they are part of the bits too.

@@ -1,5 +1,6 @@
 // The one source that is built with contraction allowed, to show that it is noticed. The tag is of
 // this file alone, so no function of it is shared with another.
+#include "core/kernel.hpp"
 #include "tests/determinism/planted_faults.hpp"
 
 namespace pelt::testing {

@@ -2,15 +2,15 @@
 // none of them can trip is a defect: tests/determinism/planted_faults_test.cpp.
 //
 // The healthy frame: `advance` turns every chunk's keys over (a state that moves from frame to
-// frame), `derive` writes the chunk's order from keys and baked lengths. Faulty kernels take
+// frame), `derive` writes the chunk's order from keys and baked rows. Faulty kernels take
 // `derive`'s place and are wrong only in the way they are named after.
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
-#include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/streams.hpp"
+#include "tests/jobs/toys.hpp"
 
 namespace pelt::testing {
 
@@ -31,11 +31,17 @@ PELT_INLINE uint32_t Mix(uint32_t a, uint32_t b) {
   return x ^ (x >> 15);
 }
 
+PELT_INLINE uint32_t BitsOf(float value) {
+  uint32_t bits;
+  std::memcpy(&bits, &value, 4);
+  return bits;
+}
+
 struct Advance {
   static constexpr std::string_view kName = "advance";
   using Params = FaultParams;
   struct Ports {
-    InOut<&Streams::sort_keys> keys;
+    InOut<&Toys::keys> keys;
   };
   static void Run(const Params& p, const Ports& ports) {
     for (uint32_t& key : ports.keys->key) key = Mix(key, p.salt);
@@ -44,15 +50,15 @@ struct Advance {
 
 // Ports of `derive` and of what stands in for it.
 struct DerivePorts {
-  In<&Streams::strands> strands;
-  In<&Streams::sort_keys> keys;
-  Out<&Streams::order> order;
+  In<&Toys::baked> baked;
+  In<&Toys::keys> keys;
+  Out<&Toys::order> order;
 };
 
 // The right result, which every faulty kernel starts from.
 PELT_INLINE void DeriveOrder(const DerivePorts& ports) {
-  for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-    ports.order->strand[i] = Mix(ports.keys->key[i], ports.strands->base_colour[i]);
+  for (uint32_t i = 0; i < kToyLanes; ++i)
+    ports.order->place[i] = Mix(ports.keys->key[i], BitsOf(ports.baked->a[0][i]));
 }
 
 struct Derive {
@@ -69,20 +75,18 @@ struct ReadsMovingNeighbour {
   using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
-    ports.order->strand[0] ^= Launder(ports.keys.block)[1].key[0];
+    ports.order->place[0] ^= Launder(ports.keys.block)[1].key[0];
   }
 };
 
-// Reads the next chunk's baked strands, which nobody writes: no order of execution shows it.
+// Reads the next chunk's baked rows, which nobody writes: no order of execution shows it.
 struct ReadsConstantNeighbour {
   static constexpr std::string_view kName = "reads_constant_neighbour";
   using Params = FaultParams;
   using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
-    uint32_t bits;
-    std::memcpy(&bits, Launder(ports.strands.block)[1].bary[0], 4);
-    ports.order->strand[0] ^= bits;
+    ports.order->place[0] ^= BitsOf(Launder(ports.baked.block)[1].a[0][0]);
   }
 };
 
@@ -92,7 +96,7 @@ struct WritesThroughConstCast {
   using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
-    const_cast<SortKeyBlock*>(Launder(ports.keys.block))->key[3] ^= 1u;
+    const_cast<KeyBlock*>(Launder(ports.keys.block))->key[3] ^= 1u;
   }
 };
 
@@ -104,7 +108,7 @@ struct KeepsStaticState {
   static inline uint32_t runs = 0;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
-    ports.order->strand[0] ^= runs++;
+    ports.order->place[0] ^= runs++;
   }
 };
 
@@ -114,9 +118,9 @@ struct ReadsItsOut {
   using Params = FaultParams;
   using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
-    const uint32_t before = Launder(ports.order.block)->strand[0];
+    const uint32_t before = Launder(ports.order.block)->place[0];
     DeriveOrder(ports);
-    ports.order->strand[0] ^= before;
+    ports.order->place[0] ^= before;
   }
 };
 
@@ -127,7 +131,7 @@ struct WritesPastItsBlock {
   using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
-    Launder(ports.order->strand)[kStrandsPerChunk] = 7;
+    Launder(ports.order->place)[kToyLanes] = 7;
   }
 };
 
@@ -137,15 +141,15 @@ struct ReachesAcrossTheLayer {
   static constexpr std::string_view kName = "reaches_across_the_layer";
   using Params = FaultParams;
   struct Ports {
-    In<&Streams::chunk_state> state;
-    In<&Streams::sort_keys> keys;
-    Out<&Streams::order> order;
+    In<&Toys::state> state;
+    In<&Toys::keys> keys;
+    Out<&Toys::order> order;
   };
   static void Run(const Params&, const Ports& ports) {
-    const uint32_t place = ports.state->first_place / kStrandsPerChunk;
-    const SortKeyBlock* first = Launder(ports.keys.block) - place;
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.order->strand[i] = Mix(ports.keys->key[i], first->key[i]);
+    const uint32_t place = ports.state->first_place / kToyLanes;
+    const KeyBlock* first = Launder(ports.keys.block) - place;
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.order->place[i] = Mix(ports.keys->key[i], first->key[i]);
   }
 };
 
@@ -155,14 +159,14 @@ struct GathersAcrossTheLayer {
   static constexpr std::string_view kName = "gathers_across_the_layer";
   using Params = FaultParams;
   struct Ports {
-    In<&Streams::sort_pairs_a> list;
-    In<&Streams::sort_keys> keys;
-    Gather<&Streams::sort_keys, &Streams::sort_pairs_a> first;
-    Out<&Streams::order> order;
+    In<&Toys::pairs_a> list;
+    In<&Toys::keys> keys;
+    Gather<&Toys::keys, &Toys::pairs_a> first;
+    Out<&Toys::order> order;
   };
   static void Run(const Params&, const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.order->strand[i] = Mix(ports.keys->key[i], ports.first[i]);
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.order->place[i] = Mix(ports.keys->key[i], ports.first[i]);
   }
 };
 
@@ -172,36 +176,36 @@ struct ScatterStrands {
   static constexpr std::string_view kName = kCollide ? "scatter_collides" : "scatter_strands";
   using Params = FaultParams;
   struct Ports {
-    In<&Streams::chunk_state> state;
-    In<&Streams::sort_keys> keys;
-    Scatter<&Streams::order> order;
+    In<&Toys::state> state;
+    In<&Toys::keys> keys;
+    Scatter<&Toys::order> order;
   };
   static void Run(const Params&, const Ports& ports) {
     const uint32_t first = kCollide ? 0 : ports.state->first_place;
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.order.Put(i, first + (kStrandsPerChunk - 1 - i), ports.keys->key[i]);
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.order.Put(i, first + (kToyLanes - 1 - i), ports.keys->key[i]);
   }
 };
 
 // Sums all lanes of a row. In single floats a sum depends on its order, and so on the lane count;
-// the healthy twin adds one strand after the other whatever V is.
+// the healthy kernel adds one strand after the other whatever V is.
 template <class V, bool kByLanes>
 struct SumRow {
   static constexpr std::string_view kName = kByLanes ? "sum_by_lanes" : "sum_in_order";
   using Params = FaultParams;
   struct Ports {
-    In<&Streams::roots> roots;
-    InOut<&Streams::sort_keys> keys;
+    In<&Toys::baked> baked;
+    InOut<&Toys::keys> keys;
   };
   static void Run(const Params&, const Ports& ports) {
-    const float* row = ports.roots->position[0];
+    const float* row = ports.baked->a[0];
     float sum = 0.0f;
     if constexpr (kByLanes) {
       V lanes(0.0f);
-      for (uint32_t i = 0; i < kStrandsPerChunk; i += V::kLanes) lanes = lanes + V::Load(row + i);
+      for (uint32_t i = 0; i < kToyLanes; i += V::kLanes) lanes = lanes + V::Load(row + i);
       for (int l = 0; l < V::kLanes; ++l) sum += lanes[l];
     } else {
-      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) sum += row[i];
+      for (uint32_t i = 0; i < kToyLanes; ++i) sum += row[i];
     }
     std::memcpy(ports.keys->key, &sum, 4);
   }
@@ -215,16 +219,16 @@ struct MultiplyAdd {
   static constexpr std::string_view kName = "multiply_add";
   using Params = FaultParams;
   struct Ports {
-    In<&Streams::roots> roots;
-    Out<&Streams::wind> wind;
+    In<&Toys::baked> baked;
+    Out<&Toys::made> made;
   };
   static void Run(const Params&, const Ports& ports) {
-    const RootBlock& r = *ports.roots;
+    const RowBlock& r = *ports.baked;
     for (int row = 0; row < 3; ++row)
-      for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      for (uint32_t i = 0; i < kToyLanes; ++i) {
         // Loaded first: a sanitizer's checks between the two operations would keep them apart.
-        const float a = r.position[row][i], b = r.normal[row][i], c = r.tangent[row][i];
-        ports.wind->acceleration[row][i] = a * b + c;
+        const float a = r.a[row][i], b = r.b[row][i], c = r.c[row][i];
+        ports.made->value[row][i] = a * b + c;
       }
   }
 };

@@ -23,6 +23,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/kernel.hpp"
 #include "core/kernels/sort_layer.hpp"
 #include "core/kernels/sort_pieces.hpp"
 #include "platform_sim/local_store.hpp"
@@ -54,17 +55,16 @@ uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fu
   SyntheticScene scene(kLayers);
   // Record lists of the gather: lane i of the layer's first chunk.
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    auto* list =
-        reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Streams::sort_pairs_a>, c));
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) list[i] = i;
+    auto* list = reinterpret_cast<uint32_t*>(scene.memory().Block(StreamOf<&Toys::pairs_a>, c));
+    for (uint32_t i = 0; i < kToyLanes; ++i) list[i] = i;
   }
-  Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse});
+  Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse}).OrThrow();
   if (tamper) tamper(plan);
   Digest digest;
   for (uint32_t f = 0; f < kFrames; ++f) {
     executor.Run({&plan, &scene.memory()});
-    digest.Add64(scene.DigestOf(
-        {StreamOf<&Streams::sort_keys>, StreamOf<&Streams::order>, StreamOf<&Streams::wind>}));
+    digest.Add64(
+        scene.DigestOf({StreamOf<&Toys::keys>, StreamOf<&Toys::order>, StreamOf<&Toys::made>}));
   }
   return digest.Value();
 }
@@ -122,7 +122,7 @@ TEST(PlantedFaults, ConstantNeighbourIsCaughtByLocalStoreOnly) {
 
 TEST(PlantedFaults, ConstCastIsNamedByLocalStore) {
   const Verdict v = Judge(FrameOf<WritesThroughConstCast>());
-  EXPECT_TRUE(v.Named("wrote through its read-only port 'sort_keys'"));
+  EXPECT_TRUE(v.Named("wrote through its read-only port 'keys'"));
   EXPECT_EQ(v.faults.front().stage, "writes_through_const_cast");
 }
 
@@ -155,7 +155,7 @@ TEST(PlantedFaults, ReachingAcrossTheLayerIsCaughtByOrder) {
 
 TEST(PlantedFaults, ReachingAcrossTheLayerDeclaredGetsItsBarrier) {
   const auto stages = FrameOf<GathersAcrossTheLayer>();
-  EXPECT_EQ(CompilePlan(stages, MakeShape(kLayers), {}).passes.size(), 2u);
+  EXPECT_EQ(CompilePlan(stages, MakeShape(kLayers), {}).OrThrow().passes.size(), 2u);
   ExpectHealthy(Judge(stages));
 }
 
@@ -188,23 +188,23 @@ struct ScattersOutside {
   using Params = FaultParams;
   using Ports = ScatterStrands<false>::Ports;
   static void Run(const Params&, const Ports& ports) {
-    for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
-      ports.order.Put(i, 4 * kStrandsPerChunk + i, ports.keys->key[i]);
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.order.Put(i, 4 * kToyLanes + i, ports.keys->key[i]);
   }
 };
 
 TEST(PlantedFaults, ScatteringOutsideTheLayerIsNamedByLocalStore) {
   SyntheticScene scene(kLayers);
-  const Plan plan = CompilePlan({Chunk<ScattersOutside>()}, scene.shape(), {});
-  const uint64_t before = scene.DigestOf({StreamOf<&Streams::order>});
+  const Plan plan = CompilePlan({Chunk<ScattersOutside>()}, scene.shape(), {}).OrThrow();
+  const uint64_t before = scene.DigestOf({StreamOf<&Toys::order>});
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   local.Run({&plan, &scene.memory()});
   ASSERT_FALSE(local.faults().empty());
-  const std::string end = std::to_string(4 * kStrandsPerChunk);
+  const std::string end = std::to_string(4 * kToyLanes);
   EXPECT_NE(local.faults()[0].what.find("scattered to place " + end + " of " + end),
             std::string::npos)
       << local.faults()[0].what;
-  EXPECT_EQ(scene.DigestOf({StreamOf<&Streams::order>}), before) << "nothing may be put outside";
+  EXPECT_EQ(scene.DigestOf({StreamOf<&Toys::order>}), before) << "nothing may be put outside";
 }
 
 // ---- Lane counts and compilers ------------------------------------------------------------------
@@ -281,11 +281,15 @@ std::vector<Stage> SortInPieces() {
 // Sorts a scene with many ties and returns the order's digest; `first_unstable` is the first place
 // of layer 0 that does not follow (key, strand), or the number of places.
 uint64_t SortScene(const std::vector<Stage>& stages, uint32_t* first_unstable) {
-  SyntheticScene scene(kLayers);
-  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
+  SyntheticSceneOf<Streams> scene(kLayers);
+  const SceneShape& shape = scene.shape();
+  for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     for (uint32_t& key : scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key)
       key &= 0x30005u;
-  const Plan plan = CompilePlan(stages, scene.shape(), {});
+    scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, c).first_place =
+        (c - shape.layer_first_chunk[shape.chunk_layer[c]]) * kStrandsPerChunk;
+  }
+  const Plan plan = CompilePlan(stages, scene.shape(), {}).OrThrow();
   PermutedExecutor executor(5);
   executor.Run({&plan, &scene.memory()});
   const uint32_t places = scene.shape().LayerChunks(0) * kStrandsPerChunk;
@@ -343,15 +347,13 @@ concept CanWriteRecord = requires(P port) {
   port[0].key = 1u;
 };
 
-static_assert(CanWriteOwn<Out<&Streams::sort_keys>> && CanWriteOwn<InOut<&Streams::sort_keys>>);
-static_assert(!CanWriteOwn<In<&Streams::sort_keys>> && !CanWriteOwn<Shared<&Streams::sort_keys>>);
-static_assert(CanWriteDereferenced<Out<&Streams::sort_keys>>);
-static_assert(!CanWriteDereferenced<In<&Streams::sort_keys>> &&
-              !CanWriteDereferenced<Shared<&Streams::sort_keys>>);
-static_assert(CanWriteIndexed<AllOut<&Streams::sort_keys>> &&
-              CanWriteIndexed<AllInOut<&Streams::sort_keys>>);
-static_assert(!CanWriteIndexed<All<&Streams::sort_keys>> &&
-              !CanWriteRecord<Gather<&Streams::sort_pairs_a, &Streams::order>>);
+static_assert(CanWriteOwn<Out<&Toys::keys>> && CanWriteOwn<InOut<&Toys::keys>>);
+static_assert(!CanWriteOwn<In<&Toys::keys>> && !CanWriteOwn<Shared<&Toys::keys>>);
+static_assert(CanWriteDereferenced<Out<&Toys::keys>>);
+static_assert(!CanWriteDereferenced<In<&Toys::keys>> && !CanWriteDereferenced<Shared<&Toys::keys>>);
+static_assert(CanWriteIndexed<AllOut<&Toys::keys>> && CanWriteIndexed<AllInOut<&Toys::keys>>);
+static_assert(!CanWriteIndexed<All<&Toys::keys>> &&
+              !CanWriteRecord<Gather<&Toys::pairs_a, &Toys::order>>);
 
 }  // namespace
 }  // namespace pelt
