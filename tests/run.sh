@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests.
-#   bash tests/run.sh          one build (g++, RelWithDebInfo)
-#   bash tests/run.sh all      what CI runs: besides it clang Release, chunks of another size in g++ Debug, address
-#                              and undefined-behaviour sanitizers, a thread sanitizer on what runs without oneTBB
-#                              (whose own synchronisation the sanitizer does not understand), and all that needs
-#                              a browser, cross compilers or an emulator
+#   bash tests/run.sh          one build (g++, RelWithDebInfo) with the kernels of this machine's AVX2, if it has that,
+#                              without the tests that build Pelt again or look through all of it
+#   bash tests/run.sh all      what CI runs: all tests, with every instruction set, and what needs a browser, cross
+#                              compilers or an emulator; besides it clang Release, chunks of another size in g++ Debug,
+#                              address and undefined-behaviour sanitizers, and a thread sanitizer on what runs without
+#                              oneTBB (whose own synchronisation the sanitizer does not understand)
 #   bash tests/run.sh release  before a release: the same, with every instruction set in every build, more of the tests
 #                              in chunks of 64, under clang Release and under sanitizers, and g++ Debug
 # Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
@@ -45,14 +46,14 @@ check() {
 launcher=(env)
 
 mkdir -p build
+# What the compiler makes of every kernel is seen in the gate's last build; the others need one instruction set.
+narrow=()
+if [ "$what" != release ] && grep -qsw avx2 /proc/cpuinfo; then narrow=(-DPELT_ISAS=avx2); fi
 if [ "$what" != one ]; then
-  # What the compiler makes of every kernel is seen in the last build; the others need one instruction set.
-  narrow=() chunk64=(jobs determinism) clang_release=(determinism) unsanitized=(-E accuracy_test)
+  chunk64=(jobs determinism) clang_release=(determinism) unsanitized=(-E accuracy_test)
   if [ "$what" = release ]; then
     export PELT_CROSS_ISAS=all
     chunk64+=(kernels) clang_release+=(kernels platform accuracy) unsanitized=()
-  elif [ "$(uname -m)" = x86_64 ]; then
-    narrow=(-DPELT_ISAS=avx2)
   fi
   programs() { printf 'pelt_%s_test ' "$@"; }
   pattern() { (IFS='|'; echo "golden_[a-z]+\$|pelt_($*)_test\$"); }
@@ -86,6 +87,11 @@ if [ "$what" != one ]; then
     ${narrow[@]+"${narrow[@]}"}
   check clang-release -R "$(pattern "${clang_release[@]}")|^pelt_verify_tiny\$"
 fi
-# Last, because it has every test: its summary is the closing line.
-build gcc g++ RelWithDebInfo all
-check gcc
+# Last, because it has most tests: its summary is the closing line.
+every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=ON) left_out=()
+if [ "$what" = one ]; then
+  every=("${narrow[@]:--DPELT_ISAS=}" -DPELT_TEST_WIDE_KERNELS=OFF) left_out=(-LE gate)
+  echo "== left to 'bash tests/run.sh all': other compilers, instruction sets and machines, sanitizers, packages, clang-tidy"
+fi
+build gcc g++ RelWithDebInfo all "${every[@]}"
+check gcc ${left_out[@]+"${left_out[@]}"}
