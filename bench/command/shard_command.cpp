@@ -30,7 +30,7 @@ int PrintMergedShards(std::string_view command, const std::vector<std::string>& 
     files.push_back(
         {path, std::string(AsText(ReadFileBytes("shard", path, kShardBytesLimit).OrThrow()))});
   const MergedShards merged = MergeShards(command, files);
-  fmt::print("{}{}", json ? merged.json : merged.description, json ? "\n" : "");
+  merged.tree.Print(json);
   return merged.passed ? 0 : 1;
 }
 

@@ -59,6 +59,9 @@ Part ReadPart(std::string_view command, const ShardFile& file) {
     part.Fail(fmt::format("not one whole JSON value: byte {} of {}", error.byte, file.text.size()));
   }
   const Json& fingerprint = part.Member(part.json, "fingerprint");
+  // In a tree such a key would be a path.
+  for (const auto& [key, value] : part.json.items())
+    if (key.find('.') != key.npos) part.Fail(fmt::format("'{}' is no name of a member", key));
   if (const std::string by = part.Text(fingerprint, "command"); by != command)
     part.Fail(fmt::format("printed by pelt {}, not by pelt {}", by, command));
   const Json& shard = part.Member(part.json, "shard");
@@ -146,40 +149,6 @@ void CheckVerdict(const Part& part, const Entries& entries) {
   if (part.Flag(part.json, "passed") != passed) part.Fail("its 'passed' is not that of its cases");
 }
 
-struct Section {
-  uint32_t same = 0, cases = 0, not_compared = 0;
-};
-
-std::string Describe(std::string_view command, const Part& first, const Entries& entries) {
-  std::map<std::string, Section> sections;
-  std::string failures;
-  size_t failed = 0;
-  for (const auto& [place, entry] : entries) {
-    const Json& json = *entry.json;
-    Section& section = sections[entry.list];
-    ++section.cases;
-    section.same += json["passed"].get<bool>();
-    section.not_compared += json.value("compared", Json(true)) == false;
-    if (json["passed"].get<bool>() || ++failed > kFailuresShown) continue;
-    failures += fmt::format("\nFAILED {}\n  {}\n", entry.part->Text(json, "name"),
-                            json.contains("reason") ? entry.part->Text(json, "reason") : "");
-  }
-  if (failed > kFailuresShown)
-    failures += fmt::format("\n... and {} more failed\n", failed - kFailuresShown);
-  std::string out = fmt::format("{} shards of pelt {}\n", first.shard.count, command);
-  for (const auto& [key, value] : first.json["fingerprint"].items())
-    if (key != "command")
-      out += fmt::format("  {:<14} {}\n", key,
-                         value.is_string() ? value.get<std::string>() : value.dump());
-  for (const auto& [name, s] : sections)
-    out += fmt::format(
-        "{:<16} {}/{} same{}\n", name, s.same, s.cases,
-        s.not_compared ? fmt::format(", {} of them not compared", s.not_compared) : std::string());
-  return out + failures +
-         (failed == 0 ? fmt::format("\nverdict: SAME BITS in all {} cases\n", entries.size())
-                      : fmt::format("\nverdict: DIFFERENT BITS in {} cases\n", failed));
-}
-
 // The first part with every part's cases in it, in the order of the list.
 Json Join(const std::vector<Part>& parts, const Entries& entries, bool passed) {
   Json whole = parts.front().json;
@@ -190,6 +159,82 @@ Json Join(const std::vector<Part>& parts, const Entries& entries, bool passed) {
   whole["shard"] = {{"index", 0}, {"count", 1}};
   whole["passed"] = passed;
   return whole;
+}
+
+// All of a value, as one of a tree that shows it in JSON only.
+Value ValueOf(const Json& json) {
+  switch (json.type()) {
+    case Json::value_t::boolean:
+      return json.get<bool>();
+    case Json::value_t::number_integer:
+      return json.get<int64_t>();
+    case Json::value_t::number_unsigned:
+      return json.get<uint64_t>();
+    case Json::value_t::number_float:
+      return json.get<double>();
+    case Json::value_t::string:
+      return json.get<std::string>();
+    case Json::value_t::array: {
+      std::vector<Value> list;
+      for (const Json& one : json) list.push_back(ValueOf(one));
+      return list;
+    }
+    case Json::value_t::object: {
+      ReportTable members{{}, {{"name"}, {"value"}}, true};
+      for (const auto& [key, value] : json.items()) members.Add({key, ValueOf(value)});
+      return members;
+    }
+    default:
+      return {};
+  }
+}
+
+void AddMembers(const Json& whole, ReportTree& tree) {
+  for (const auto& [key, value] : whole.items()) {
+    if (key != "fingerprint") {
+      tree.Add(InJson(key), ValueOf(value));
+      continue;
+    }
+    ReportTable& table = tree.AddTable(key, {{"name", "", -1, "of one run"}, {"value"}});
+    table.is_map = true;
+    for (const auto& [name, of] : value.items())
+      table.Add({name, ValueOf(of)}, name == "command" ? Show::kJson : Show::kBoth);
+  }
+}
+
+struct Count {
+  uint32_t same = 0, cases = 0, not_compared = 0;
+};
+
+void AddCounts(const Entries& entries, ReportTree& tree) {
+  std::map<std::string, Count> counts;
+  for (const auto& [place, entry] : entries) {
+    Count& count = counts[entry.list];
+    ++count.cases;
+    count.same += (*entry.json)["passed"].get<bool>();
+    count.not_compared += entry.json->value("compared", Json(true)) == false;
+  }
+  ReportTable& table = tree.AddTable(
+      {}, {InText("list"), InText("same"), InText("of"), InText("of them not compared")});
+  for (const auto& [list, count] : counts)
+    table.Add({list, count.same, count.cases, count.not_compared});
+}
+
+// The first ten in full.
+void AddFailures(const Entries& entries, ReportTree& tree) {
+  size_t failed = 0;
+  for (const auto& [place, entry] : entries) {
+    const Json& json = *entry.json;
+    if (json["passed"].get<bool>() || ++failed > kFailuresShown) continue;
+    tree.BlankLine();
+    tree.Say("FAILED " + entry.part->Text(json, "name"));
+    tree.Say("  " + (json.contains("reason") ? entry.part->Text(json, "reason") : ""));
+  }
+  tree.BlankLine();
+  if (failed > kFailuresShown)
+    tree.Say(fmt::format("... and {} more failed", failed - kFailuresShown)).BlankLine();
+  tree.Say(failed == 0 ? fmt::format("verdict: SAME BITS in all {} cases", entries.size())
+                       : fmt::format("verdict: DIFFERENT BITS in {} cases", failed));
 }
 
 }  // namespace
@@ -206,8 +251,10 @@ MergedShards MergeShards(std::string_view command, const std::vector<ShardFile>&
   MergedShards merged;
   merged.passed = std::all_of(entries.begin(), entries.end(),
                               [](const auto& at) { return (*at.second.json)["passed"] == true; });
-  merged.description = Describe(command, parts.front(), entries);
-  merged.json = Join(parts, entries, merged.passed).dump();
+  merged.tree.Say(fmt::format("{} shards of pelt {}", parts.front().shard.count, command));
+  AddMembers(Join(parts, entries, merged.passed), merged.tree);
+  AddCounts(entries, merged.tree);
+  AddFailures(entries, merged.tree);
   return merged;
 }
 

@@ -31,8 +31,9 @@ struct ShardFile {
 
 struct MergedShards {
   bool passed = true;
-  std::string description;  // sections, what failed, one verdict line
-  std::string json;         // as one process would have printed it
+  // Text: counts, what failed, one verdict line. JSON: to the byte what one process would have
+  // printed.
+  ReportTree tree;
 };
 
 // `command`: what must have printed them ("verify"). Throws Error when they are not the shards of

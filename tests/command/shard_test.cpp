@@ -175,21 +175,25 @@ std::vector<ShardFile> With(size_t which, const std::function<void(Json&)>& chan
 
 TEST(MergeShards, GivesTheWholeRun) {
   Scenario tiny = LoadScenario("tiny");
-  const Json whole = Json::parse(ReportAsJson(Verify(tiny, OneFrame({})), kFingerprint));
+  const std::string whole = ReportAsJson(Verify(tiny, OneFrame({})), kFingerprint);
   const MergedShards merged = MergeShards("verify", Shards());
   EXPECT_TRUE(merged.passed);
-  EXPECT_EQ(Json::parse(merged.json), whole);
-  const std::string verdict =
-      "verdict: SAME BITS in all " + std::to_string(whole["cases"].size()) + " cases";
-  EXPECT_NE(merged.description.find(verdict), std::string::npos) << merged.description;
+  EXPECT_EQ(merged.tree.Json(), whole);
+  const std::string text = merged.tree.Text(),
+                    cases = std::to_string(Json::parse(whole)["cases"].size());
+  for (const std::string& part :
+       {std::string("3 shards of pelt verify\n"), std::string("\ncommit      abc\n"),
+        "\ncases    " + cases + "  " + cases + " ",
+        "\nverdict: SAME BITS in all " + cases + " cases\n"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << text;
 }
 
 TEST(MergeShards, TakesThemInAnyOrderAndAMergeAgain) {
   std::vector<ShardFile> files = Shards();
   std::swap(files[0], files[2]);
   const MergedShards merged = MergeShards("verify", files);
-  EXPECT_EQ(merged.description, MergeShards("verify", Shards()).description);
-  EXPECT_TRUE(MergeShards("verify", {{"merged", merged.json}}).passed);
+  EXPECT_EQ(merged.tree.Text(), MergeShards("verify", Shards()).tree.Text());
+  EXPECT_TRUE(MergeShards("verify", {{"merged", merged.tree.Json()}}).passed);
 }
 
 // Nothing has a place that no shard runs: with more shards than cases some have none.
@@ -217,7 +221,7 @@ TEST(MergeShards, SkipsAreSplitToo) {
   }
   const MergedShards merged = MergeShards("verify", files);
   EXPECT_TRUE(merged.passed);
-  EXPECT_EQ(Json::parse(merged.json)["skips"].size(), skips);
+  EXPECT_EQ(Json::parse(merged.tree.Json())["skips"].size(), skips);
 }
 
 // A section of checks is one case of the list.
@@ -231,7 +235,7 @@ TEST(MergeShards, ChecksAreSplitToo) {
   for (const ShardFile& file : files) EXPECT_EQ(Json::parse(file.text)["checks"].size(), 1u);
   const MergedShards merged = MergeShards("verify", files);
   EXPECT_TRUE(merged.passed);
-  EXPECT_EQ(Json::parse(merged.json)["checks"].size(), 2u);
+  EXPECT_EQ(Json::parse(merged.tree.Json())["checks"].size(), 2u);
 }
 
 TEST(MergeShards, OneCaseThatFailsFailsTheWhole) {
@@ -242,9 +246,13 @@ TEST(MergeShards, OneCaseThatFailsFailsTheWhole) {
   };
   const MergedShards merged = MergeShards("verify", RunShards(3, plant));
   EXPECT_FALSE(merged.passed);
-  EXPECT_EQ(Json::parse(merged.json)["passed"], false);
-  EXPECT_NE(merged.description.find("verdict: DIFFERENT BITS"), std::string::npos);
-  EXPECT_NE(merged.description.find("FAILED permuted 2"), std::string::npos) << merged.description;
+  // What was found is in there whole, places in objects of their own too.
+  EXPECT_EQ(merged.tree.Json(), RunShards(1, plant)[0].text);
+  EXPECT_NE(merged.tree.Json().find("\"mismatch\": {"), std::string::npos);
+  EXPECT_EQ(Json::parse(merged.tree.Json())["passed"], false);
+  const std::string text = merged.tree.Text();
+  EXPECT_NE(text.find("verdict: DIFFERENT BITS"), std::string::npos);
+  EXPECT_NE(text.find("FAILED permuted 2"), std::string::npos) << text;
 }
 
 // What was not run for that reason is a gap.
@@ -293,6 +301,7 @@ TEST(MergeShards, CasesThatWereTakenOutAddedOrChangedAreRefused) {
   ExpectRefused(With(1, [](Json& json) { json["cases"][0]["passed"] = false; }),
                 "not that of its cases");
   ExpectRefused(With(1, [](Json& json) { json["passed"] = false; }), "not that of its cases");
+  ExpectRefused(With(1, [](Json& json) { json["shard.index"] = 1; }), "'shard.index' is no name");
   ExpectRefused(With(1, [](Json& json) { json["shard"]["index"] = -1; }), "not a whole number");
   ExpectRefused(With(1, [](Json& json) { json["shard"]["index"] = 4294967297; }),
                 "not a whole number");
