@@ -130,7 +130,7 @@ Subcommand SetUpReport(CLI::App& root) {
   AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be read");
   app->add_flag("!--no-consoles", args.consoles, "Leave out what consoles would make of it");
   AddInputFile(*app, "--accuracy", args.accuracy,
-               "Also what pelt accuracy --json wrote to this file");
+               "Also what pelt accuracy --json, with --scene or without, wrote to this file");
   app->footer(
       "Examples:\n"
       "  pelt report --scene tiny --frames 60 --out report.html\n"

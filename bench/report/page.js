@@ -465,17 +465,69 @@ function fillConsoles() {
   return data.consoles.map(fillConsole);
 }
 
-// ---- accuracy --------------------------------------------------------------------------------------
+// ---- error against run time ------------------------------------------------------------------------
 
 // Around (0, 0); by a family's place, so that colour is not all that tells them apart.
 const kMarks = [
   'M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z', 'M-4-4L4 4M4-4L-4 4', 'M-1.5-4H1.5V4H-1.5Z', 'M-4-1.5H4V1.5H-4Z',
   'M0-5L5 0L0 5L-5 0Z', 'M0 5L5-4H-5Z', 'M0-5L5 4H-5Z', 'M-4-4H4V4H-4Z',
 ];
-// Per cent: what lies outside stands on the edge.
-const kErrors = {least: 0.02, most: 300, ticks: [0.1, 1, 10, 100]};
-const shownScore = (row, rate) => row.ns > 0 && row.scores[rate].finite;
 const percent = (share) => (100 * share).toPrecision(100 * share < 9.995 ? 2 : 3) + ' %';
+
+// [1, 3]: 1, 3, 10, 30 and so on.
+function decades(steps, least, most) {
+  const ticks = [];
+  for (let power = Math.floor(Math.log10(least)); 10 ** power <= most; ++power)
+    for (const step of steps) ticks.push(+(step * 10 ** power).toPrecision(1));
+  return ticks.filter((tick) => tick >= least && tick <= most);
+}
+
+// Logarithmic axes: ns to the right, errors in per cent upwards. What lies outside stands on the edge.
+function logPlot(parent, {picture, label, title, height, ns, errors}) {
+  const width = Math.max(200, Math.floor(parent.clientWidth));
+  const box = {left: 42, right: width - 14, top: 22, bottom: height - 34};
+  const share = (value, {least, most}) => Math.min(1, Math.max(0, Math.log(value / least) / Math.log(most / least)));
+  const x = (time) => box.left + (box.right - box.left) * share(time, ns);
+  const y = (error) => box.bottom - (box.bottom - box.top) * share(100 * error, errors);
+  const svg = add(parent, 'svg', {width, height, role: 'img', 'data-picture': picture, 'aria-label': label});
+  add(svg, 'rect', {class: 'frame', x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top});
+  add(svg, 'text', {class: 'panel-title', x: box.left, y: 14}, title);
+  for (const tick of decades(errors.steps, errors.least, errors.most)) {
+    add(svg, 'line', {class: 'axis', x1: box.left, x2: box.right, y1: y(tick / 100), y2: y(tick / 100)});
+    add(svg, 'text', {x: box.left - 5, y: y(tick / 100) + 4, 'text-anchor': 'end'}, tick + '%');
+  }
+  for (const tick of decades(ns.steps, ns.least, ns.most)) {
+    add(svg, 'line', {class: 'axis', x1: x(tick), x2: x(tick), y1: box.top, y2: box.bottom});
+    add(svg, 'text', {x: x(tick), y: box.bottom + 13, 'text-anchor': 'middle'}, tick);
+  }
+  add(svg, 'text', {x: (box.left + box.right) / 2, y: height - 5, 'text-anchor': 'middle'}, 'ns per strand and frame');
+  return {svg, box, x, y};
+}
+
+function addFloor({svg, box, y}, error) {
+  add(svg, 'line', {class: 'input', x1: box.left, x2: box.right, y1: y(error), y2: y(error)});
+}
+
+// Ringed: nothing as cheap is more exact.
+function addPoint(svg, [x, y], kind, d, ringed, tip) {
+  const mark = add(svg, 'path', {class: 'mark ' + kind, d, transform: `translate(${x} ${y}) scale(0.8)`});
+  if (ringed) add(svg, 'circle', {class: 'ring ' + kind, cx: x, cy: y, r: 7});
+  mark.addEventListener('pointermove', (event) => showTip(event, tip));
+  mark.addEventListener('pointerleave', () => showTip());
+}
+
+function fillFamilies(parent, families, marks) {
+  families.forEach((family, f) => {
+    const item = add(parent, 'li');
+    const swatch = add(item, 'svg', {class: 'swatch', viewBox: '-6 -6 12 12', 'aria-hidden': 'true'});
+    add(swatch, 'path', {class: 'mark s' + f, d: marks[f % marks.length]});
+    item.append(family);
+  });
+}
+
+// ---- accuracy of solvers ---------------------------------------------------------------------------
+
+const shownScore = (row, rate) => row.ns > 0 && row.scores[rate].finite;
 
 // The newest method first: it is the one to look at.
 function familiesOf(accuracy) {
@@ -483,40 +535,22 @@ function familiesOf(accuracy) {
 }
 
 function drawPanel(parent, accuracy, panel, rate, families) {
-  const width = Math.max(200, Math.floor(parent.clientWidth)), height = 250, left = 42, right = 8, up = 22, down = 34;
   const times = accuracy.panels.flatMap((p) => p.rows.map((r) => r.ns)).filter((ns) => ns > 0);
-  const least = 0.8 * Math.min(...times), most = 1.25 * Math.max(...times);
-  const share = (value, from, to) => Math.min(1, Math.max(0, Math.log(value / from) / Math.log(to / from)));
-  const x = (ns) => left + (width - left - right) * share(ns, least, most);
-  const y = (error) => up + (height - up - down) * (1 - share(100 * error, kErrors.least, kErrors.most));
   const front = panel.rows.filter((r) => shownScore(r, rate) && r.scores[rate].pareto_optimal).map((r) => `${r.label} ${percent(r.scores[rate].error)}`);
-  const svg = add(parent, 'svg', {
-    width, height, role: 'img', 'data-picture': 'accuracy',
-    'aria-label': `Error against ns per strand, ${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz. Pareto-optimal: ${front.join(', ')}. The table below has all figures.`,
+  const title = `${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz`;
+  const plot = logPlot(parent, {
+    picture: 'accuracy', title, height: 250,
+    label: `Error against ns per strand, ${title}. Pareto-optimal: ${front.join(', ')}. The table below has all figures.`,
+    ns: {least: 0.8 * Math.min(...times), most: 1.25 * Math.max(...times), steps: [1, 3]},
+    errors: {least: 0.02, most: 300, steps: [1]},
   });
-  add(svg, 'rect', {class: 'frame', x: left, y: up, width: width - left - right, height: height - up - down});
-  add(svg, 'text', {class: 'panel-title', x: left, y: 14}, `${panel.preset}, ${panel.links} links, ${accuracy.rates[rate]} Hz`);
-  for (const tick of kErrors.ticks) {
-    add(svg, 'line', {class: 'axis', x1: left, x2: width - right, y1: y(tick / 100), y2: y(tick / 100)});
-    add(svg, 'text', {x: left - 5, y: y(tick / 100) + 4, 'text-anchor': 'end'}, tick + '%');
-  }
-  for (const tick of [1, 3, 10, 30, 100, 300, 1000, 3000].filter((t) => t >= least && t <= most)) {
-    add(svg, 'line', {class: 'axis', x1: x(tick), x2: x(tick), y1: up, y2: height - down});
-    add(svg, 'text', {x: x(tick), y: height - down + 13, 'text-anchor': 'middle'}, tick);
-  }
-  add(svg, 'text', {x: (left + width - right) / 2, y: height - 5, 'text-anchor': 'middle'}, 'ns per strand and frame');
-  add(svg, 'line', {class: 'input', x1: left, x2: width - right, y1: y(panel.input_errors[rate]), y2: y(panel.input_errors[rate])});
+  addFloor(plot, panel.input_errors[rate]);
   families.forEach((family, f) => {
     const rows = panel.rows.filter((r) => r.family === family && shownScore(r, rate));
-    const at = rows.map((r) => [x(r.ns).toFixed(1), y(r.scores[rate].error).toFixed(1)]);
-    if (at.length) add(svg, 'path', {class: 'curve s' + f, d: 'M' + at.map((p) => p.join(' ')).join('L')});
-    rows.forEach((row, i) => {
-      const mark = add(svg, 'path', {class: 'mark s' + f, d: kMarks[f % kMarks.length], transform: `translate(${at[i].join(' ')}) scale(0.8)`});
-      if (row.scores[rate].pareto_optimal) add(svg, 'circle', {class: 'ring s' + f, cx: at[i][0], cy: at[i][1], r: 7});
-      const text = `${row.label}\n${percent(row.scores[rate].error)} wrong\n${row.ns.toFixed(1)} ns, ${row.of_pbd.toFixed(2)} of PBD's`;
-      mark.addEventListener('pointermove', (event) => showTip(event, text));
-      mark.addEventListener('pointerleave', () => showTip());
-    });
+    const at = rows.map((r) => [plot.x(r.ns).toFixed(1), plot.y(r.scores[rate].error).toFixed(1)]);
+    if (at.length) add(plot.svg, 'path', {class: 'curve s' + f, d: 'M' + at.map((p) => p.join(' ')).join('L')});
+    rows.forEach((row, i) => addPoint(plot.svg, at[i], 's' + f, kMarks[f % kMarks.length], row.scores[rate].pareto_optimal,
+        `${row.label}\n${percent(row.scores[rate].error)} wrong\n${row.ns.toFixed(1)} ns, ${row.of_pbd.toFixed(2)} of PBD's`));
   });
 }
 
@@ -544,8 +578,8 @@ function chooser(parent, values, name, chosen, redraw) {
 }
 
 function fillAccuracy() {
-  byId('accuracy-section').hidden = data.accuracy.length === 0;
-  const accuracy = data.accuracy[0];
+  const accuracy = data.accuracy.find((a) => a.panels);
+  byId('accuracy-section').hidden = !accuracy;
   if (!accuracy) return () => {};
   const families = familiesOf(accuracy), links = [...new Set(accuracy.panels.map((p) => p.links))];
   byId('accuracy-note').textContent =
@@ -553,12 +587,7 @@ function fillAccuracy() {
       `${accuracy.compiler}, ${accuracy.build_type}, commit ${accuracy.commit}; digest of the errors ${accuracy.error_digest}.` +
       (accuracy.calibrated ? ' Strands with calibrated coefficients.' : '') +
       (accuracy.quick ? ' Quick: few solvers, cases and rounds.' : '');
-  families.forEach((family, f) => {
-    const item = add(byId('accuracy-legend'), 'li');
-    const swatch = add(item, 'svg', {class: 'swatch', viewBox: '-6 -6 12 12', 'aria-hidden': 'true'});
-    add(swatch, 'path', {class: 'mark s' + f, d: kMarks[f % kMarks.length]});
-    item.append(family);
-  });
+  fillFamilies(byId('accuracy-legend'), families, kMarks);
   const draw = () => {
     const rate = rateAt(), panels = accuracy.panels.filter((p) => p.links === links[linksAt()]);
     byId('accuracy').replaceChildren();
@@ -571,12 +600,94 @@ function fillAccuracy() {
   return draw;
 }
 
+// ---- accuracy of a scene's frames ------------------------------------------------------------------
+
+// Of marks that have an inside: a hollow one is another material.
+const kSolidMarks = [kMarks[0], ...kMarks.slice(4), 'M-1.5-5H1.5V-1.5H5V1.5H1.5V5H-1.5V1.5H-5V-1.5H-1.5Z'];
+const kWayTimes = [
+  {name: 'whole frame', ns: 'frame_ns', of_pbd: 'frame_of_pbd', pareto_optimal: 'frame_pareto_optimal'},
+  {name: 'simulation', ns: 'simulate_ns', of_pbd: 'simulate_of_pbd', pareto_optimal: 'simulate_pareto_optimal'},
+];
+const shownWay = (row, time) => row[time.ns] > 0 && row.error !== null;
+
+// Beside the point, else further away with a line to it, where it covers nothing; else the point has none.
+function addName({svg, box}, taken, name, strong, x, y) {
+  const text = add(svg, 'text', {class: 'name' + (strong ? ' strong' : '')}, name);
+  const width = text.getBBox().width, half = 6;
+  const within = (value, least, most) => Math.max(least, Math.min(value, most));
+  const place = [0, 13, 26, 39, 52, 65].flatMap((away) => [x + 8, x - 8 - width].flatMap((left) => [y - away, y + away].map((middle) => {
+    const from = away ? within(left, box.left, box.right - width) : left;
+    return {left: from, right: from + width, top: middle - half, bottom: middle + half};
+  }))).find((b) => b.left >= box.left && b.right <= box.right && b.top >= box.top && b.bottom <= box.bottom &&
+    !taken.some((t) => b.left < t.right && t.left < b.right && b.top < t.bottom && t.top < b.bottom));
+  if (!place) return text.remove();
+  taken.push(place);
+  text.setAttribute('x', place.left);
+  text.setAttribute('y', place.bottom - 3);
+  const end = within(y, place.top, place.bottom);
+  if (end !== y) add(svg, 'line', {class: 'leader', x1: x, y1: y, x2: within(x, place.left, place.right), y2: end});
+}
+
+function drawWays(parent, ways, time, families) {
+  const rows = ways.rows.filter((r) => shownWay(r, time));
+  if (!rows.length) return;
+  const times = rows.map((r) => r[time.ns]);
+  // Both panels have the same errors.
+  const errors = [100, ...[ways.reference_self_error, ...ways.rows.map((r) => r.error)].filter((error) => error > 0).map((error) => 100 * error)];
+  const front = rows.filter((r) => r[time.pareto_optimal]).sort((a, b) => a[time.ns] - b[time.ns]);
+  const plot = logPlot(parent, {
+    picture: 'ways', title: time.name, height: 420,
+    label: `Error against ns per strand, ${time.name} of scene ${ways.scene}. Pareto-optimal: ${front.map((r) => `${r.label} ${percent(r.error)}`).join(', ')}. The table below has all figures.`,
+    ns: {least: 0.8 * Math.min(...times), most: 1.3 * Math.max(...times), steps: [1, 2, 5]},
+    errors: {least: 0.7 * Math.min(...errors), most: 1.5 * Math.max(...errors), steps: [1, 3]},
+  });
+  if (ways.reference_self_error > 0) addFloor(plot, ways.reference_self_error);
+  // From the cheapest to the most exact.
+  const stairs = front.map((r) => `${plot.x(r[time.ns]).toFixed(1)} ${plot.y(r.error).toFixed(1)}`).map((at, i) => i ? `H${at.replace(' ', 'V')}` : 'M' + at);
+  add(plot.svg, 'path', {class: 'front', d: stairs.join('')});
+  const taken = rows.map((r) => [plot.x(r[time.ns]), plot.y(r.error)]).map(([x, y]) => ({left: x - 5, right: x + 5, top: y - 5, bottom: y + 5}));
+  for (const row of rows) {
+    const f = families.indexOf(row.family), at = [plot.x(row[time.ns]), plot.y(row.error)];
+    addPoint(plot.svg, at.map((value) => value.toFixed(1)), `s${f}${row.reference_material ? '' : ' hollow'}`, kSolidMarks[f % kSolidMarks.length], row[time.pareto_optimal],
+        `${row.label}\n${percent(row.error)} wrong\n${row[time.ns].toFixed(1)} ns, ${row[time.of_pbd].toFixed(2)} of PBD's`);
+    addName(plot, taken, row.label, row[time.pareto_optimal], ...at);
+  }
+}
+
+function fillWaysTable(ways) {
+  table(byId('ways-table'), 'Ways to run the scene', ['way', ...kWayTimes.flatMap((time) => [`${time.name}: ns`, 'of PBD']), 'error', 'off, mm', 'strands live', 'nothing as cheap is more exact'],
+        ways.rows.map((row) => [
+          row.label, ...kWayTimes.flatMap((time) => [row[time.ns].toFixed(1), row[time.of_pbd].toFixed(2)]),
+          row.error === null ? 'not finite' : percent(row.error), row.off_m === null ? '' : (1e3 * row.off_m).toFixed(3), percent(row.live_share),
+          {text: row.reference_material ? kWayTimes.filter((time) => row[time.pareto_optimal]).map((time) => time.name).join(', ') : 'another material', class: 'text'}]), {tall: true});
+}
+
+function fillWays() {
+  const ways = data.accuracy.find((a) => a.rows);
+  byId('ways-section').hidden = !ways;
+  if (!ways) return () => {};
+  const families = [...new Set(ways.rows.map((r) => r.family))].sort();
+  byId('h-ways').textContent = `Every way to run scene ${ways.scene}: error against run time`;
+  byId('ways-note').textContent =
+      `${number(ways.strands)} strands, ${ways.layers} layers, ${ways.contact ? '' : 'no contacts, '}${ways.frames} frames at ${ways.frames_per_second} a second, ` +
+      `${ways.warm_up_frames} of them to warm up, and ${ways.still_frames} still ones; ${ways.processor}, one core, ${ways.isa} kernels, fastest of ${ways.rounds} rounds; ` +
+      `${ways.compiler}, ${ways.build_type}, commit ${ways.commit}; digest of the errors ${ways.error_digest}.` + (ways.quick ? ' Quick: few frames, one round.' : '') +
+      ways.notes.map((note) => ` ${note}.`).join('');
+  fillFamilies(byId('ways-legend'), families, kSolidMarks);
+  fillWaysTable(ways);
+  return () => {
+    byId('ways').replaceChildren();
+    const boxes = kWayTimes.map(() => add(byId('ways'), 'div'));
+    kWayTimes.forEach((time, i) => drawWays(boxes[i], ways, time, families));
+  };
+}
+
 // ---- all of it -------------------------------------------------------------------------------------
 
 fillFacts();
 fillTables();
 fillFramesTable();
-const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillAccuracy()];
+const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillAccuracy(), fillWays()];
 const drawAll = () => draws.forEach((draw) => draw());
 drawAll();
 let drawnWidth = innerWidth;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "bench/accuracy/report/accuracy_features.hpp"
@@ -126,6 +127,9 @@ TEST(AccuracySection, RefusesOtherFiles) {
   EXPECT_NE(SectionMessage("{\"traceEvents\": []}").find("a.json: is not of the format"),
             std::string::npos);
   EXPECT_NE(SectionMessage("[1, 2]").find("is not of the format"), std::string::npos);
+  EXPECT_NE(SectionMessage(Json{{"format", kFeatureAccuracyFormat}}.dump())
+                .find("a.json: is not of the format 'pelt accuracy 1' or 'pelt scene accuracy 1'"),
+            std::string::npos);
   const std::string whole = good.dump();
   for (size_t cut : {size_t{1}, whole.size() / 2, whole.size() - 1})
     EXPECT_NE(SectionMessage(whole.substr(0, cut)).find("not JSON"), std::string::npos) << cut;
@@ -199,20 +203,55 @@ TEST(SceneReport, TextGoesFromCheapestToMostExact) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
-TEST(SceneReport, DiagramHasANamedPointAWay) {
-  const accuracy::ScenePrecision& table = SharedSceneReport().table;
-  const std::string svg = SceneSvg(table);
-  EXPECT_TRUE(svg.starts_with("<svg "));
-  EXPECT_TRUE(svg.ends_with("</svg>\n"));
-  for (const char* wrong : {"nan", "inf "}) EXPECT_EQ(Count(svg, wrong), 0u) << wrong;
-  EXPECT_EQ(Count(svg, "<circle "), 2 * table.rows.size());
-  EXPECT_EQ(Count(svg, "fill=\"#fff\" stroke=\""), 2u * 4);  // hollow
-  EXPECT_EQ(Count(svg, "stroke-width=\"2\""), 2u);           // a Pareto front per panel
-  // Labels find room; one or two may not where points lie on each other.
-  size_t labels = 0;
-  for (const accuracy::ScenePrecisionRow& row : table.rows)
-    labels += Count(svg, ">" + row.way.label + "</text>");
-  EXPECT_GE(labels, 2 * table.rows.size() - 4);
+// What the page draws of it; of its diagram, browser_test.sh.
+TEST(AccuracySection, PassesOnTheWaysToRunAScene) {
+  const std::string text = MakeSceneTree(SharedSceneReport()).Json();
+  JsonText json;
+  AddAccuracySection(json, text, "a.json");
+  const Json section = Json::parse(json.text()), file = Json::parse(text);
+  ASSERT_EQ(section["rows"].size(), file["rows"].size());
+  for (const auto& [key, value] : section.items()) {
+    if (key == "rows") continue;
+    EXPECT_EQ(value, file[key]) << key;
+  }
+  std::set<std::string> families;
+  for (size_t r = 0; r < file["rows"].size(); ++r) {
+    families.insert(file["rows"][r]["family"]);
+    for (const auto& [key, value] : section["rows"][r].items())
+      EXPECT_EQ(value, file["rows"][r][key]) << key;
+  }
+  EXPECT_EQ(families,
+            (std::set<std::string>{"no simulation", "LOD", "sleeping", "PBD", "Verlet", "modal"}));
+}
+
+// Whatever is passed on has to be there, and of its type.
+TEST(AccuracySection, RefusesAFileThatLacksWhatAScenesDiagramNeeds) {
+  const Json good = Json::parse(MakeSceneTree(SharedSceneReport()).Json());
+  JsonText json;
+  AddAccuracySection(json, good.dump(), "a.json");
+  const Json shown = Json::parse(json.text());
+  const auto expect_needed = [&](const Json& members, const std::string& pointer) {
+    for (const auto& [key, value] : members.items()) {
+      Json less = good, other = good;
+      less.at(Json::json_pointer(pointer)).erase(key);
+      EXPECT_NE(SectionMessage(less.dump()).find("a.json: '" + key + "' is missing"),
+                std::string::npos)
+          << key;
+      other.at(Json::json_pointer(pointer))[key] = Json::object();
+      EXPECT_NE(SectionMessage(other.dump()).find("a.json: '" + key + "' is n"), std::string::npos)
+          << key;
+    }
+  };
+  expect_needed(shown, "");
+  expect_needed(shown["rows"][2], "/rows/2");
+  Json unknown = good;
+  unknown["rows"][1]["error"] = nullptr;  // not finite
+  EXPECT_EQ(SectionMessage(unknown.dump()), "no error");
+  unknown["rows"][1]["frame_ns"] = nullptr;
+  EXPECT_NE(SectionMessage(unknown.dump()).find("'frame_ns' is not a number"), std::string::npos);
+  Json notes = good;
+  notes["notes"] = {"a note", 1};
+  EXPECT_NE(SectionMessage(notes.dump()).find("'notes' is not a list of texts"), std::string::npos);
 }
 
 TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
@@ -243,15 +282,11 @@ TEST(AccuracyCommand, RunsAScene) {
   args.quick = true;
   args.contact = false;
   args.json = OutputPath::Of(folder / "scene.json");
-  args.svg = OutputPath::Of(folder / "scene.svg");
   ASSERT_EQ(MeasureAccuracy(args), 0);
   const Json json = Json::parse(TextOf(args.json.path()));
   EXPECT_EQ(json["frames"], 12);
   EXPECT_EQ(json["contact"], false);
-  EXPECT_TRUE(TextOf(args.svg.path()).starts_with("<svg "));
-  // It is not what the report page shows.
-  EXPECT_NE(SectionMessage(TextOf(args.json.path())).find("is not of the format"),
-            std::string::npos);
+  EXPECT_EQ(SectionMessage(TextOf(args.json.path())), "no error");
   args.scene = "nowhere";
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }

@@ -46,6 +46,53 @@ open() {
 # frame of the wanted width, as a window has a least width.
 probe='<script>
 addEventListener("error", (e) => parent.postMessage({error: e.message}, "*"));
+// What is wrong with the diagrams of the ways to run a scene, held against what the page was given.
+function waysFaults() {
+  const ways = JSON.parse(document.getElementById("data").textContent).accuracy.find((a) => a.rows);
+  const section = document.getElementById("ways-section");
+  if (!ways) return section.hidden ? [] : ["shown without data"];
+  const faults = [], rows = ways.rows, panels = [...document.querySelectorAll("svg[data-picture=ways]")];
+  const expect = (what, is, wanted) => is === wanted || faults.push(`${what}: ${is}, not ${wanted}`);
+  expect("panels", panels.length, 2);
+  expect("rows of the table", document.querySelectorAll("#ways-table tbody tr").length, rows.length);
+  panels.forEach((svg, p) => {
+    const time = ["frame", "simulate"][p], all = (of) => [...svg.querySelectorAll(of)], marks = all("path.mark");
+    expect(`points of ${time}`, marks.length, rows.length);
+    if (marks.length !== rows.length) return;
+    // Between the least and the most they stand by their logarithms; a lower error stands lower.
+    const at = marks.map((m) => m.getAttribute("transform").match(/[-\d.]+/g).map(Number));
+    const check = (what, places, values) => {
+      const low = values.indexOf(Math.min(...values)), high = values.indexOf(Math.max(...values));
+      values.forEach((value, i) => {
+        const share = Math.log(value / values[low]) / Math.log(values[high] / values[low]);
+        const wanted = places[low] + share * (places[high] - places[low]);
+        if (!(Math.abs(places[i] - wanted) < 0.3)) faults.push(`${what} of ${rows[i].label}: ${places[i]}, not ${wanted}`);
+      });
+      return places[high] - places[low];
+    };
+    if (!(check(`${time} x`, at.map((a) => a[0]), rows.map((r) => r[time + "_ns"])) > 100)) faults.push("no time axis");
+    if (!(check(`${time} y`, at.map((a) => -a[1]), rows.map((r) => r.error)) > 100)) faults.push("no error axis");
+    const best = rows.filter((r) => r[time + "_pareto_optimal"]).length;
+    expect("rings", all("circle.ring").length, best);
+    const hollow = (mark) => getComputedStyle(mark).fill !== getComputedStyle(mark).stroke;
+    expect("hollow points", marks.filter(hollow).length, rows.filter((r) => !r.reference_material).length);
+    expect("steps of the front", (all("path.front")[0]?.getAttribute("d").match(/[MH]/g) || []).length, best);
+    expect("dashed lines", all("line.input").length, 1);
+    expect("ticks", all("line.axis").length > 3, true);
+    // Some points lie on each other; where there is no room for a name there is none.
+    const names = all("text.name").map((t) => t.getBBox());
+    if (names.length < rows.length - 2) faults.push(`${names.length} names of ${rows.length}`);
+    names.forEach((a, i) => names.slice(0, i).forEach((b) => {
+      if (a.x < b.x + b.width && b.x < a.x + a.width && Math.abs(a.y - b.y) < 10) faults.push("names lie on each other");
+    }));
+    if (names.some((a) => a.x < 0 || a.x + a.width > svg.width.baseVal.value)) faults.push("a name is cut off");
+    const box = marks[0].getBoundingClientRect();
+    marks[0].dispatchEvent(new PointerEvent("pointermove", {clientX: box.left, clientY: box.top}));
+    const tip = document.getElementById("tip").textContent;
+    if (!tip.startsWith(rows[0].label) || !tip.includes(rows[0][time + "_ns"].toFixed(1))) faults.push(`pointing says ${tip}`);
+  });
+  return faults;
+}
 addEventListener("load", () => setTimeout(() => {
   const pictures = [...document.querySelectorAll("svg[role=img]")];
   const section = document.getElementById("consoles-section");
@@ -66,6 +113,7 @@ addEventListener("load", () => setTimeout(() => {
     section: Number(section.getBoundingClientRect().height > 0), tip: document.getElementById("tip").textContent.split("\n").join(", "),
     clipped: names.flatMap((svg) => [...svg.querySelectorAll("text")].filter((t) => t.getBBox().width > svg.width.baseVal.value)).length,
     uncoloured: [...document.querySelectorAll("path.band")].filter(uncoloured).length,
+    ways: waysFaults().slice(0, 3).join("; "),
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
   }, "*");
 }, 100));
@@ -73,10 +121,10 @@ addEventListener("load", () => setTimeout(() => {
 
 attribute() { sed -n "s/.*<html[^>]* data-$2=\"\([^\"]*\)\".*/\1/p" "$1" | head -n 1; }
 
-# check_page PAGE WIDTH [CONSOLES [DIAGRAMS]]: silent when all is well, else a line for each fault. CONSOLES: 2 if not
-# given; DIAGRAMS: panels of error against run time, 0 if not given.
+# check_page PAGE WIDTH [CONSOLES [DIAGRAMS [KIND]]]: silent when all is well, else a line for each fault. CONSOLES: 2
+# if not given; DIAGRAMS: panels of error against run time, 0 if not given; KIND: accuracy (of solvers) or ways.
 check_page() {
-  local page=$1 width=$2 consoles=${3-2} diagrams=${4-0} out=$work/page.$2 name=
+  local page=$1 width=$2 consoles=${3-2} diagrams=${4-0} kind=${5-accuracy} out=$work/page.$2 name=
   python3 - "$page" "$out.probed.html" "$probe" "$width" <<'PYTHON' || { echo "cannot be probed"; return; }
 import sys
 width = sys.argv[4]
@@ -96,7 +144,7 @@ PYTHON
   local counts
   counts=$(attribute "$out.html" pictures)
   [ "$(wc -w <<<"$counts")" -eq $((3 + consoles + diagrams)) ] || echo "pictures: '$counts', not $((3 + consoles + diagrams))"
-  [ "$(grep -o 'accuracy:' <<<"$counts" | wc -l)" -eq "$diagrams" ] || echo "diagrams: '$counts', not $diagrams"
+  [ "$(grep -o "$kind:" <<<"$counts" | wc -l)" -eq "$diagrams" ] || echo "diagrams: '$counts', not $diagrams"
   [ "$(grep -o 'console:' <<<"$counts" | wc -l)" -eq "$consoles" ] || echo "consoles: '$counts', not $consoles"
   for name in $counts; do
     [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
@@ -105,6 +153,7 @@ PYTHON
   # Of each console: its units, and its stages; of the diagrams: one.
   [ "$(attribute "$out.html" tables)" = $((7 + 2 * consoles + (diagrams > 0))) ] ||
     echo "$(attribute "$out.html" tables) tables, not $((7 + 2 * consoles + (diagrams > 0)))"
+  [ -z "$(attribute "$out.html" ways)" ] || echo "ways: $(attribute "$out.html" ways)"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
   [ "$(attribute "$out.html" uncoloured)" = 0 ] || echo "$(attribute "$out.html" uncoloured) bars have no colour"
@@ -119,6 +168,33 @@ must_fail() {
   local said
   said=$(check_page "$1" 390)
   grep -qF -- "$2" <<<"$said" || fail "$(basename "$1") is broken, and the check said: '$said'"
+}
+
+# faulty SED WORD: the page of a scene's ways with a fault in its script.
+faulty() {
+  sed "$1" "$work/ways.html" >"$work/faulty.html"
+  cmp -s "$work/ways.html" "$work/faulty.html" && fail "'$1' changes nothing"
+  must_fail "$work/faulty.html" "$2"
+}
+
+test_ways() {
+  (cd "$work" && "$pelt" accuracy --scene tiny --quick --json scene.json >/dev/null &&
+    "$pelt" report --scene tiny --frames 5 --no-consoles --accuracy scene.json --out ways.html) \
+    >"$work/ways.log" 2>&1 || { fail "pelt report --accuracy, of a scene: $(cat "$work/ways.log")"; return; }
+  local width said
+  for width in 1280 390; do
+    said=$(check_page "$work/ways.html" "$width" 0 2 ways)
+    [ -z "$said" ] || fail "with the ways to run a scene, at $width px: $said"
+  done
+  faulty "s/ns: 'simulate_ns'/ns: 'frame_ns'/" 'ways: simulate x of'
+  faulty 's|Math.log(value / least)|(value / least)|' ' x of'
+  faulty "s/: ' hollow'/: ''/" 'ways: hollow points: 0'
+  faulty 's/if (ringed)/if (!ringed)/' 'ways: rings'
+  faulty "s/'front', d: stairs.join('')/'front', d: stairs[0]/" 'ways: steps of the front: 1'
+  faulty 's/!taken.some(/taken.every(/' 'names'
+  faulty 's/if (ways.reference_self_error > 0)/if (false)/' 'ways: dashed lines: 0'
+  faulty 's/^  fillWaysTable(ways);//' 'ways: rows of the table: 0'
+  faulty 's/, fillWays()\];/];/' 'ways: panels: 0'
 }
 
 test_report() {
@@ -153,6 +229,7 @@ TOML
     [ -z "$said" ] || fail "with diagrams, at $width px: $said"
   done
   must_fail "$work/accuracy.html" "diagrams: "
+  test_ways
   (cd "$work" && "$pelt" report --character builtin --setup ./large.toml --frames 3 --out large.html) >"$work/large.log" 2>&1 ||
     fail "pelt report, of what a PS3 cannot run: $(cat "$work/large.log")"
   said=$(check_page "$work/large.html" 390 1)

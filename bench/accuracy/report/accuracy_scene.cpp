@@ -35,8 +35,19 @@ std::string Mark(const ScenePrecision& t, const ScenePrecisionRow& row) {
          (t.IsParetoOptimal(row, kSimulate) ? "s" : "");
 }
 
+// What the diagram gives one colour.
+std::string_view FamilyOf(const SceneWay& way) {
+  if (!way.simulate) return "no simulation";
+  if (way.strand_share < 1.0) return "LOD";
+  if (way.sleep) return "sleeping";
+  if (way.solver == Solver::kPbd) return "PBD";
+  if (way.solver == Solver::kVerlet) return "Verlet";
+  return "modal";
+}
+
 void AddRows(const ScenePrecision& t, ReportTree& tree) {
   ReportTable& rows = tree.AddTable("rows", {InJson("way"),
+                                             InJson("family"),
                                              {"label", "", -1, "way"},
                                              InText("front"),
                                              {"frame_ns", "ns", 1, "frame"},
@@ -52,11 +63,12 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
                                              InJson("frame_pareto_optimal"),
                                              InJson("points_digest")});
   for (const ScenePrecisionRow& row : t.rows)
-    rows.Add({row.way.name, row.way.label, Mark(t, row), row.frame_ns, row.frame_of_pbd,
-              row.simulate_ns, row.of_pbd, row.error, row.off_m, row.live_share, row.simulate_runs,
-              row.way.OnReferenceMaterial(), t.IsParetoOptimal(row, kSimulate),
+    rows.Add({row.way.name, FamilyOf(row.way), row.way.label, Mark(t, row), row.frame_ns,
+              row.frame_of_pbd, row.simulate_ns, row.of_pbd, row.error, row.off_m, row.live_share,
+              row.simulate_runs, row.way.OnReferenceMaterial(), t.IsParetoOptimal(row, kSimulate),
               t.IsParetoOptimal(row, kFrame), DigestText(row.points_digest)});
   rows.Add({{},
+            {},
             fmt::format("the reference at {} times the rate", t.options.reference_rate / 2),
             {},
             {},

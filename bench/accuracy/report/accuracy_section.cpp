@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/accuracy/report/accuracy_report.hpp"
+#include "bench/accuracy/report/accuracy_scene.hpp"
 #include "core/error.hpp"
 
 namespace pelt {
@@ -19,34 +20,38 @@ class SectionWriter {
   SectionWriter(JsonText& json, const std::string& path) : json_(json), path_(path) {}
 
   void Write(const Json& file) {
-    if (!file.is_object() || !file.contains("format") || file["format"] != kAccuracyFormat)
-      Fail(fmt::format("is not of the format '{}'", kAccuracyFormat));
+    const bool has_format = file.is_object() && file.contains("format");
+    const bool is_scene = has_format && file["format"] == kSceneAccuracyFormat;
+    if (!is_scene && !(has_format && file["format"] == kAccuracyFormat))
+      Fail(fmt::format("is not of the format '{}' or '{}'", kAccuracyFormat, kSceneAccuracyFormat));
     json_.BeginObject();
     for (const char* key : {"processor", "compiler", "build_type", "commit", "isa", "error_digest"})
       Text(file, key);
-    for (const char* key : {"rounds", "timed_strands"}) Number(file, key);
-    for (const char* key : {"quick", "calibrated"}) json_.Add(key, Member(file, key) == true);
-    const size_t rates = List(file, "rates").size();
-    Numbers(file, "rates", rates);
-    json_.BeginArray("panels");
-    for (const Json& panel : List(file, "panels")) Panel(panel, rates);
-    json_.EndArray();
+    Number(file, "rounds");
+    Flag(file, "quick");
+    if (is_scene)
+      Scene(file);
+    else
+      Solvers(file);
     json_.EndObject();
   }
 
- private:
   [[noreturn]] void Fail(std::string_view reason) const {
-    throw Error(fmt::format("{}: {}; expected what pelt accuracy --json writes", path_, reason));
+    throw Error(
+        fmt::format("{}: {}; expected what pelt accuracy, or pelt accuracy --scene, writes "
+                    "with --json",
+                    path_, reason));
   }
 
+ private:
   const Json& Member(const Json& object, const char* key) const {
     if (!object.is_object() || !object.contains(key)) Fail(fmt::format("'{}' is missing", key));
     return object[key];
   }
-  const Json& List(const Json& object, const char* key) const {
+  const Json& List(const Json& object, const char* key, size_t least = 1) const {
     const Json& list = Member(object, key);
-    if (!list.is_array() || list.empty() || list.size() > kMostEntries)
-      Fail(fmt::format("'{}' is not a list of 1 to {}", key, kMostEntries));
+    if (!list.is_array() || list.size() < least || list.size() > kMostEntries)
+      Fail(fmt::format("'{}' is not a list of {} to {}", key, least, kMostEntries));
     return list;
   }
   void Text(const Json& object, const char* key) {
@@ -54,20 +59,70 @@ class SectionWriter {
     if (!text.is_string()) Fail(fmt::format("'{}' is not a text", key));
     json_.Add(key, text.get<std::string>());
   }
+  void Texts(const Json& object, const char* key) {
+    json_.BeginArray(key);
+    for (const Json& text : List(object, key, 0)) {
+      if (!text.is_string()) Fail(fmt::format("'{}' is not a list of texts", key));
+      json_.Add("", text.get<std::string>());
+    }
+    json_.EndArray();
+  }
+  void Flag(const Json& object, const char* key) {
+    const Json& flag = Member(object, key);
+    if (!flag.is_boolean()) Fail(fmt::format("'{}' is neither true nor false", key));
+    json_.Add(key, flag.get<bool>());
+  }
   // null: not finite.
   double Value(const Json& value, const char* key) const {
     if (value.is_null()) return std::nan("");
     if (!value.is_number()) Fail(fmt::format("'{}' is not a number", key));
     return value.get<double>();
   }
-  void Number(const Json& object, const char* key) {
+  void NumberOrNull(const Json& object, const char* key) {
     json_.Add(key, Value(Member(object, key), key));
+  }
+  void Number(const Json& object, const char* key) {
+    if (Member(object, key).is_null()) Fail(fmt::format("'{}' is not a number", key));
+    NumberOrNull(object, key);
   }
   void Numbers(const Json& object, const char* key, size_t count) {
     const Json& list = List(object, key);
     if (list.size() != count) Fail(fmt::format("'{}' is not a list of {}", key, count));
     json_.BeginArray(key);
     for (const Json& value : list) json_.Add("", Value(value, key));
+    json_.EndArray();
+  }
+
+  void Scene(const Json& file) {
+    Text(file, "scene");
+    for (const char* key : {"strands", "layers", "frames", "warm_up_frames", "still_frames",
+                            "frames_per_second", "reference_self_error"})
+      Number(file, key);
+    Flag(file, "contact");
+    Texts(file, "notes");
+    json_.BeginArray("rows");
+    for (const Json& row : List(file, "rows")) {
+      json_.BeginObject();
+      for (const char* key : {"family", "label"}) Text(row, key);
+      for (const char* key :
+           {"frame_ns", "frame_of_pbd", "simulate_ns", "simulate_of_pbd", "live_share"})
+        Number(row, key);
+      for (const char* key : {"error", "off_m"}) NumberOrNull(row, key);
+      for (const char* key :
+           {"reference_material", "frame_pareto_optimal", "simulate_pareto_optimal"})
+        Flag(row, key);
+      json_.EndObject();
+    }
+    json_.EndArray();
+  }
+
+  void Solvers(const Json& file) {
+    Number(file, "timed_strands");
+    Flag(file, "calibrated");
+    const size_t rates = List(file, "rates").size();
+    Numbers(file, "rates", rates);
+    json_.BeginArray("panels");
+    for (const Json& panel : List(file, "panels")) Panel(panel, rates);
     json_.EndArray();
   }
 
@@ -88,10 +143,8 @@ class SectionWriter {
       json_.BeginArray("scores");
       for (const Json& score : scores) {
         json_.BeginObject();
-        Number(score, "error");
-        Number(score, "stretch");
-        for (const char* key : {"finite", "pareto_optimal"})
-          json_.Add(key, Member(score, key) == true);
+        for (const char* key : {"error", "stretch"}) NumberOrNull(score, key);
+        for (const char* key : {"finite", "pareto_optimal"}) Flag(score, key);
         json_.EndObject();
       }
       json_.EndArray();
@@ -109,8 +162,7 @@ class SectionWriter {
 
 void AddAccuracySection(JsonText& json, std::string_view text, const std::string& path) {
   const Json file = Json::parse(text, nullptr, false);
-  if (file.is_discarded())
-    throw Error(fmt::format("{}: not JSON; expected what pelt accuracy --json writes", path));
+  if (file.is_discarded()) SectionWriter(json, path).Fail("not JSON");
   SectionWriter(json, path).Write(file);
 }
 

@@ -1,5 +1,5 @@
-// The accuracy section of the report page: what `pelt accuracy --json` wrote, checked and passed
-// on.
+// The accuracy sections of the report page: what `pelt accuracy --json` wrote, of solvers or, with
+// --scene, of a scene's frames, checked and passed on.
 //
 // Measuring takes longer than a report may, so the report reads it from a file. Invariant: the file
 // comes from outside; only members that are known, of the right type and within limits reach the
