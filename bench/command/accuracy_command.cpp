@@ -76,9 +76,6 @@ int MeasureScene(const AccuracyArgs& args) {
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   PrintTree(args, MakeSceneTree(report));
-  if (args.svg.empty()) return 0;
-  WriteOutput("diagram", args.svg, SceneSvg(report.table));
-  fmt::print("diagram {}\n", args.svg.path());
   return 0;
 }
 

@@ -33,10 +33,8 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
   app.add_flag("--calibrated", args.calibrated,
                "Strands with the calibrated coefficients of layers, not equal masses and joints");
   app.add_flag("--quick", args.quick, "Few solvers and cases, 3 links at 60 Hz: seconds");
-  AddOutputFile(app, "--json", args.json, "JSON file to write; see pelt report --accuracy");
-  AddOutputFile(app, "--svg", args.svg,
-                "Diagram to write, with --scene; pelt report --accuracy draws the benchmark's",
-                ".svg");
+  AddOutputFile(app, "--json", args.json,
+                "JSON file to write; pelt report --accuracy draws the benchmark's and a scene's");
 }
 
 void AddRecorded(CLI::App& app, AccuracyArgs& args) {
@@ -92,7 +90,6 @@ void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
                 "--features"});
   RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated"});
-  RefuseUnless(app, !args.scene.empty(), {"--svg"}, "--scene");
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
   const auto solver = accuracy::FindSolver(args.solver);
@@ -123,7 +120,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "Examples:\n"
       "  pelt accuracy --quick\n"
       "  pelt accuracy --quick --presets soft,stiff --json accuracy.json\n"
-      "  pelt accuracy --scene tiny --quick --json scene.json --svg scene.svg\n"
+      "  pelt accuracy --scene tiny --quick --json scene.json\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"
       "  pelt accuracy --write-example .\n"
       "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "

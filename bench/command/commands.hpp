@@ -168,8 +168,8 @@ struct AccuracyArgs {
   std::vector<std::string> presets;  // empty: all
   bool calibrated = false;  // strands as layers have them, not with equal masses and joints
   Isa isa = BestIsa();
-  bool quick = false;    // few solvers, cases and rounds
-  OutputPath json, svg;  // files to write
+  bool quick = false;  // few solvers, cases and rounds
+  OutputPath json;     // file to write
   std::string roots, strand;
   OutputPath out;
   std::string solver = "modal";

@@ -170,8 +170,6 @@ check_accuracy_errors() {
   expect 2 --presets -- accuracy --scene tiny --presets soft
   expect 2 --scene -- accuracy --frames 10
   expect 2 --features -- accuracy --scene tiny --features
-  expect 2 --svg -- accuracy --features --svg x.svg
-  expect 2 '--svg has an effect only with --scene' -- accuracy --quick --svg x.svg
   expect 1 /nowhere/ -- accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   local run=(accuracy --out points.csv --strand strand.toml --roots)
@@ -191,6 +189,8 @@ check_accuracy_errors() {
   expect 1 'no such solver' -- stress --quick --solvers magic
   expect 2 --links -- stress --links 5
   expect 1 'not JSON' -- report --scene tiny --frames 1 --accuracy roots.csv --out x.html
+  printf '{"format": "pelt scene accuracy 0"}' >other.json
+  expect 1 'other.json: is not of the format' -- report --scene tiny --frames 1 --accuracy other.json --out x.html
 }
 
 check_timing_errors() {

@@ -32,7 +32,6 @@ base_of() {
     'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
     'accuracy --out') echo --roots roots.csv --strand strand.toml ;;
     'accuracy --json') echo --features --quick --links 3 ;;
-    'accuracy '*) echo --scene tiny --quick --frames 12 ;;
     'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
     *) return 1 ;;
   esac
@@ -40,7 +39,6 @@ base_of() {
 extension_of() {
   case $1 in
     --picture) echo .png ;;
-    --svg) echo .svg ;;
     *) echo .out ;;
   esac
 }
@@ -98,7 +96,7 @@ check_outputs() {
       count=$((count + 1))
     done < <(options_of "$subcommand" OUTPUT-FILE)
   done < <(subcommands '')
-  [ "$count" -ge 11 ] || fail "only $count outputs in the help texts"
+  [ "$count" -ge 10 ] || fail "only $count outputs in the help texts"
   echo "$count outputs"
   expect 1 'a folder' -- bake --setup tiny --out .
   expect 1 'too long' -- bake --setup tiny --out "$(printf 'n%.0s' {1..256})"
@@ -112,7 +110,6 @@ check_outputs() {
   [ -L dangling ] && [ -s new.groom ] || fail "a link without an end was replaced"
   expect 2 'the path is empty' -- bake --setup tiny --out ''
   expect 2 .png -- run --scene tiny --picture x.jpg
-  expect 2 .svg -- accuracy --scene tiny --quick --svg x.png
   expect 1 'not a folder' -- accuracy --write-example tiny.toml
   expect 1 'not a folder' -- golden --renew tiny.toml/x --scene tiny
   if [ "$(id -u)" -ne 0 ]; then
@@ -162,7 +159,6 @@ check_conflicts() {
   expect 2 --digest-log file -- trace replay tiny.peltinput --digest-log ./tiny.peltinput
   expect 2 --out --roots -- accuracy --roots roots.csv --strand strand.toml --out roots.csv
   expect 2 --out --strand -- accuracy --roots roots.csv --strand strand.toml --out strand.toml
-  expect 2 --json --svg -- accuracy --scene tiny --quick --json x.svg --svg x.svg
   printf '{}' >accuracy.json
   expect 2 --out --accuracy -- report --scene tiny --accuracy accuracy.json --out accuracy.json
   cp accuracy.json report.html

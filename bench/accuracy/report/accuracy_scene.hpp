@@ -1,8 +1,8 @@
-// What `pelt accuracy --scene` found, as a report tree and as one diagram from the cheapest way to
-// run the scene to the most exact.
+// What `pelt accuracy --scene` found, as a report tree. The diagram is the report page's
+// (accuracy_section.hpp).
 #pragma once
 
-#include <string>
+#include <string_view>
 
 #include "bench/accuracy/scene_precision.hpp"
 #include "bench/report/machine.hpp"
@@ -18,7 +18,5 @@ struct SceneReport {
 };
 
 ReportTree MakeSceneTree(const SceneReport& report);
-// An SVG file: error against ns per strand in the simulation, both logarithmic; a named point a way.
-std::string SceneSvg(const accuracy::ScenePrecision& table);
 
 }  // namespace pelt
