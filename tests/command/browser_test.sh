@@ -186,6 +186,14 @@ test_ways() {
     said=$(check_page "$work/ways.html" "$width" 0 2 ways)
     [ -z "$said" ] || fail "with the ways to run a scene, at $width px: $said"
   done
+  # Names that would be markup, of a way and of the scene.
+  sed -E "s#\"(label|scene)\": \"(PBD|tiny)\"#\"\1\": \"</script><script>hostile = 1</script><b class='planted'>\"#" \
+    "$work/scene.json" >"$work/named.json"
+  (cd "$work" && "$pelt" report --scene tiny --frames 5 --no-consoles --accuracy named.json --out named.html) \
+    >"$work/named.log" 2>&1 || fail "pelt report --accuracy, of hostile names: $(cat "$work/named.log")"
+  grep -q 'u003cb class=.planted' "$work/named.html" || fail "no hostile name in the page"
+  said=$(check_page "$work/named.html" 390 0 2 ways)
+  [ -z "$said" ] || fail "with hostile names: $said"
   faulty "s/ns: 'simulate_ns'/ns: 'frame_ns'/" 'ways: simulate x of'
   faulty 's|Math.log(value / least)|(value / least)|' ' x of'
   faulty "s/: ' hollow'/: ''/" 'ways: hollow points: 0'
