@@ -672,7 +672,7 @@ function fillWays() {
       `${number(ways.strands)} strands, ${ways.layers} layers, ${ways.contact ? '' : 'no contacts, '}${ways.frames} frames at ${ways.frames_per_second} a second, ` +
       `${ways.warm_up_frames} of them to warm up, and ${ways.still_frames} still ones; ${ways.processor}, one core, ${ways.isa} kernels, fastest of ${ways.rounds} rounds; ` +
       `${ways.compiler}, ${ways.build_type}, commit ${ways.commit}; digest of the errors ${ways.error_digest}.` + (ways.quick ? ' Quick: few frames, one round.' : '') +
-      ways.notes.map((note) => ` ${note}.`).join('');
+      (ways.notes.length ? ` Not run: ${ways.notes.join('; ')}.` : '');
   fillFamilies(byId('ways-legend'), families, kSolidMarks);
   fillWaysTable(ways);
   return () => {
