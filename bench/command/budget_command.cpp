@@ -197,6 +197,9 @@ class BudgetPrinter {
       if (!v.range.empty()) remarks.push_back(fmt::format("{}: {}", v.platform, v.range));
     }
     tree_.AddTexts({}, remarks);
+    tree_.Say(
+        "the 5 to 8 ms of the originals were the GPU's, for all characters; these are the "
+        "processor's, which they moved work out of");
     if (std::ranges::any_of(verdicts_, [](const Verdict& v) { return !v.range.empty(); }))
       tree_.Say("consoles' verdicts: code " +
                 DescribePlace(std::clamp(MeasuredCodePlace().mean, 0.0, 1.0)));

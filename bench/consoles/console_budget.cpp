@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "bench/consoles/gpu_bound.hpp"
 #include "core/error.hpp"
 #include "core/groom/fewer_points.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
@@ -204,6 +205,11 @@ ConsoleBudget ConsoleRun::Run() {
   budget.live_strands = scene.LiveStrands();
   budget.drawn_strands = scene.DrawnStrands();
   budget.faults = Describe(console->faults());
+  const uint32_t last = request_.warm_up + request_.frames - 1;
+  const Camera camera = host.Prepare(last, request_.skip, request_.lod).camera;
+  budget.gpu = request_.console == Console::kPs3 ? request_.numbers.cell.gpu
+                                                 : request_.numbers.xenon.gpu;
+  budget.draws = FindDrawPasses(scene, MakeView(camera));
   return budget;
 }
 

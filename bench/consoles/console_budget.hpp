@@ -23,6 +23,7 @@
 #include "platform_sim/frame/console_frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
 #include "platform_sim/frame/frame_summary.hpp"
+#include "platform_sim/gpu/draw_bound.hpp"
 #include "platform_sim/platforms/platform.hpp"
 
 namespace pelt {
@@ -51,6 +52,8 @@ struct ConsoleBudget {
   uint64_t strands = 0;
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   ConsoleMachine machine;
+  GpuParameters gpu;
+  std::vector<DrawPass> draws;  // of the last frame
   StageCosts costs;
   FrameSummary summary;
   // The same frames, were all code as well scheduled as can be, or left in the order it is written

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bench/consoles/console_timeline.hpp"
+#include "bench/consoles/gpu_bound.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/report/timeline.hpp"
 #include "platform_sim/frame/what_if.hpp"
@@ -235,6 +236,7 @@ void AddConsole(const ConsoleBudget& b, const FurScene& scene, ReportTree& tree)
   AddWorkSection("critical_path_ms", b.summary.critical_ms, tree);
   AddMemory(b, tree);
   AddStores(b, plan, tree);
+  AddGpuBound(b.gpu, b.draws, tree);
   AddDigests(b, tree);
 }
 

@@ -36,6 +36,8 @@ std::vector<PlatformNumber> DescribeCell(const CellParameters& cell) {
   append("PPE: ", DescribeNumbers(cell.ppe));
   TellNumbers(cell.ppe_caches, out, "PPE: ");
   TellNumbers<DispatchNumbers>(cell.jobs, out, "jobs: ");
+  TellNumbers<GpuNumbers>(cell.gpu, out);
+  TellNumbers<ShaderNumbers>({}, out);
   return out;
 }
 

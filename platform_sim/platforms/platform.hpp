@@ -13,6 +13,7 @@
 
 #include "platform_sim/platforms/cell_memory.hpp"
 #include "platform_sim/platforms/dispatch.hpp"
+#include "platform_sim/platforms/gpu.hpp"
 #include "platform_sim/platforms/xenon_memory.hpp"
 
 namespace pelt {
@@ -36,6 +37,7 @@ struct CellParameters : CellMemoryParameters {
   PpeParameters ppe;
   CacheParameters ppe_caches = kPpeCaches;
   DispatchParameters jobs = kGcellDispatch;
+  GpuParameters gpu = kRsx;
 };
 
 // The PPE's caches as the cache model takes them. Line, bus and memory are the Cell's; the way to

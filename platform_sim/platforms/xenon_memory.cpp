@@ -9,6 +9,8 @@ std::vector<PlatformNumber> DescribeXenon(const XenonParameters& p) {
   TellNumbers<MemoryNumbers>(p, out);
   TellNumbers<CacheParameters>(p, out);
   for (PlatformNumber& number : DescribeNumbers(p.core)) out.push_back(std::move(number));
+  TellNumbers<GpuNumbers>(p.gpu, out);
+  TellNumbers<ShaderNumbers>({}, out);
   return out;
 }
 

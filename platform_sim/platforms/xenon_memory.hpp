@@ -11,6 +11,7 @@
 
 #include "platform_sim/platforms/caches.hpp"
 #include "platform_sim/platforms/cell_system.hpp"
+#include "platform_sim/platforms/gpu.hpp"
 
 namespace pelt {
 
@@ -26,6 +27,7 @@ struct XenonParameters : CacheMemoryParameters {
                                             "the PS3's: none was measured on an Xbox 360",
                                             Sureness::kLead,
                                             1e-3};
+  GpuParameters gpu;
 
   // The defaults of the bases are the Xenon's, but for these.
   XenonParameters() {
