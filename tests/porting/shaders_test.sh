@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Compiles every shader in jobs/shaders, and holds that each output of core/outputs.hpp has one in GLSL
-# and one in HLSL, which jobs/DRAWING.md names.
+# and one in HLSL, which jobs/DRAWING.md names. Compiles the functions in bench/view/shaders as GLSL 3.30 core and
+# as ES 3.00, and holds that a C++ header has each of them by its name.
 # Arguments: glslangValidator (empty: not here), the source directory.
 set -uo pipefail
 glslang=$1 source=$2
@@ -17,6 +18,14 @@ for output in $outputs; do
     grep -q "shaders/$shader" "$source/jobs/DRAWING.md" || fail "jobs/DRAWING.md does not name $shader"
   done
 done
+for functions in "$source"/bench/view/shaders/*.glsl; do
+  header=$source/bench/view/$(basename "$functions" .glsl).hpp
+  names=$(sed -nE 's/^[a-z]+[0-9]? ([A-Z][A-Za-z0-9]*)\(.*/\1/p' "$functions")
+  [ -n "$names" ] || fail "$functions has no functions"
+  for name in $names; do
+    grep -qE "^inline .*\b$name\(" "$header" || fail "$(basename "$header") has no function $name"
+  done
+done
 [ -n "$glslang" ] || { echo "glslang is not here: shaders are not compiled"; exit $((failed ? 1 : 77)); }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -28,5 +37,14 @@ for shader in "$source"/jobs/shaders/*.vert; do
   compile -G "$shader"
 done
 for shader in "$source"/jobs/shaders/*.hlsl; do compile -V -D -e main -S vert "$shader"; done
-[ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source/jobs/shaders" | wc -l) files"
+for functions in "$source"/bench/view/shaders/*.glsl; do
+  for version in "330 core" "300 es"; do
+    { echo "#version $version"
+      for before in $(sed -n 's,^// After: ,,p' "$functions"); do cat "$source/bench/view/shaders/$before"; done
+      cat "$functions"; } >"$work/whole.frag"
+    "$glslang" "$work/whole.frag" >"$work/log" 2>&1 || { cat "$work/log"; fail "$functions as $version"; }
+  done
+done
+[ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source/jobs/shaders" | wc -l) files;" \
+  "for OpenGL and OpenGL ES: $(ls "$source/bench/view/shaders" | wc -l)"
 exit "$failed"
