@@ -28,6 +28,12 @@ inline glm::vec3 ShiftTangent(const glm::vec3& tangent, const glm::vec3& normal,
   return glm::normalize(tangent + shift * normal);
 }
 
+// Halfway between two directions; short, but no NaN, where they are opposite.
+inline glm::vec3 Halfway(const glm::vec3& a, const glm::vec3& b) {
+  const glm::vec3 sum = a + b;
+  return sum / std::max(glm::length(sum), 1e-6f);
+}
+
 // A highlight: sin(T, H)^exponent, H halfway between light and eye, none where H looks down the hair.
 inline float HairLobe(const glm::vec3& tangent, const glm::vec3& halfway, float exponent) {
   const float along = glm::dot(tangent, halfway);

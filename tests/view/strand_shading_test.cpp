@@ -36,6 +36,11 @@ TEST(StrandShading, LobesFallOffOnBothSides) {
   EXPECT_NEAR(HairLobe(kX, Along(-0.1f), 28.0f), 0.844421f, kNear);
 }
 
+TEST(StrandShading, HalfwayIsUnitOrShort) {
+  EXPECT_NEAR(glm::dot(Halfway(kX, kY), Leaning(45.0f)), 1.0f, kNear);
+  EXPECT_EQ(Halfway(kX, -kX), glm::vec3(0.0f));
+}
+
 TEST(StrandShading, TangentIsShiftedAlongTheNormal) {
   const glm::vec3 shifted = ShiftTangent(kY, kZ, 0.1f);
   EXPECT_NEAR(shifted.x, 0.0f, kNear);

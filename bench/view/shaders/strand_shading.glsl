@@ -14,6 +14,11 @@ vec3 ShiftTangent(vec3 tangent, vec3 normal, float shift) {
   return normalize(tangent + shift * normal);
 }
 
+vec3 Halfway(vec3 a, vec3 b) {
+  vec3 sum = a + b;
+  return sum / max(length(sum), 1e-6);
+}
+
 float HairLobe(vec3 tangent, vec3 halfway, float exponent) {
   float along = dot(tangent, halfway);
   float across = max(1.0 - along * along, 1e-12);  // pow of 0 is not defined everywhere
