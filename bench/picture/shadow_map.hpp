@@ -1,0 +1,57 @@
+// What the sun sees of one character: for each texel of a grid across the light, how far the nearest thing is, and
+// how much covers the texel in all. A graphics card keeps the same by MIN blending on one channel and ADD on another.
+//
+// Invariant: texels are whole numbers, found by minimum and saturating sum, so what is drawn in another order gives the
+// same bits.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace pelt {
+
+class ShadowMap {
+ public:
+  static constexpr uint32_t kFull = 255;  // coverage of a texel that lets nothing through
+
+  struct Texel {
+    uint32_t nearest = ~0u;  // depth steps from the front
+    uint32_t coverage = 0;   // of kFull, and at most that
+    bool operator==(const Texel&) const = default;
+  };
+
+  // Covers a ball of `radius` metres round `centre`. `to_light` is unit.
+  ShadowMap(const glm::vec3& to_light, const glm::vec3& centre, float radius, uint32_t side);
+
+  // A piece of a hair of this full width, m: as wide as a texel, with less coverage where it is thinner.
+  void AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha);
+  void AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+
+  // Whether the light's rays through the place meet the map at all.
+  bool Covers(const glm::vec3& world) const;
+  // Share of light that reaches a place: SelfShadow of the texels round it, mixed.
+  float Share(const glm::vec3& world) const;
+  // Softened coverage, 0 to 1, of the rays through a place behind everything.
+  float Blocked(const glm::vec3& world) const;
+  // For Blocked: after all has been added.
+  void Soften(int texels);
+
+  std::span<const Texel> texels() const { return texels_; }
+
+ private:
+  glm::vec3 Map(const glm::vec3& world) const;  // texels, and depth steps from the front
+  void Add(int x, int y, float depth, uint32_t coverage);
+  // The value at four texels round a place, mixed; `outside` beyond the grid.
+  template <class Value>
+  float Mix(const glm::vec3& at, float outside, Value value) const;
+
+  glm::vec3 axis_x_, axis_y_, to_light_, centre_;
+  float radius_, texels_per_m_, steps_per_m_;
+  int side_;
+  std::vector<Texel> texels_;
+  std::vector<float> soft_;
+};
+
+}  // namespace pelt
