@@ -1,8 +1,11 @@
 #include "bench/picture/canvas.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "bench/view/strand_shading.hpp"
 
 namespace pelt {
 namespace {
@@ -10,6 +13,12 @@ namespace {
 constexpr float kFar = std::numeric_limits<float>::max();
 
 glm::vec3 ToVec(const float v[3]) { return {v[0], v[1], v[2]}; }
+
+// Colours up to the middle as they are, brighter ones ever closer to white: no edge where light is strong.
+float Tone(float v) {
+  constexpr float kKept = 0.5f;
+  return v <= kKept ? v : 1.0f - (1.0f - kKept) * std::exp((kKept - v) / (1.0f - kKept));
+}
 
 }  // namespace
 
@@ -35,46 +44,6 @@ glm::vec3 Projection::RayThrough(float x, float y) const {
   return glm::normalize(forward_ * focal_ + right_ * (x - centre_x_) + up_ * (centre_y_ - y));
 }
 
-LightMap::LightMap(const glm::vec3& to_light, const glm::vec3& centre, float radius, uint32_t side)
-    : to_light_(to_light),
-      centre_(centre),
-      cells_per_m_(0.5f * float(side) / radius),
-      side_(int(side)),
-      nearest_(size_t(side) * side, kFar) {
-  axis_x_ = glm::normalize(glm::cross(glm::vec3(0.0f, 1.0f, 0.0f), to_light));
-  axis_y_ = glm::cross(to_light, axis_x_);
-}
-
-glm::vec3 LightMap::Map(const glm::vec3& world) const {
-  const glm::vec3 p = world - centre_;
-  return {glm::dot(p, axis_x_) * cells_per_m_ + 0.5f * float(side_),
-          glm::dot(p, axis_y_) * cells_per_m_ + 0.5f * float(side_), -glm::dot(p, to_light_)};
-}
-
-void LightMap::Add(const glm::vec3& world) {
-  const glm::vec3 at = Map(world);
-  const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
-  if (x < 0 || y < 0 || x >= side_ || y >= side_) return;
-  float& nearest = nearest_[size_t(y) * size_t(side_) + size_t(x)];
-  nearest = std::min(nearest, at.z);
-}
-
-float LightMap::Light(const glm::vec3& world, float falloff_m, int blur) const {
-  const glm::vec3 at = Map(world);
-  const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
-  float light = 0.0f;
-  int count = 0;
-  for (int dy = -blur; dy <= blur; ++dy)
-    for (int dx = -blur; dx <= blur; ++dx) {
-      const int cx = x + dx, cy = y + dy;
-      ++count;
-      const bool inside = cx >= 0 && cy >= 0 && cx < side_ && cy < side_;
-      const float nearest = inside ? nearest_[size_t(cy) * size_t(side_) + size_t(cx)] : kFar;
-      light += nearest == kFar ? 1.0f : std::exp(-std::max(0.0f, at.z - nearest) / falloff_m);
-    }
-  return light / float(count);
-}
-
 Canvas::Canvas(uint32_t width, uint32_t height)
     : width_(width),
       height_(height),
@@ -82,6 +51,12 @@ Canvas::Canvas(uint32_t width, uint32_t height)
       depth_(colour_.size(), kFar),
       layer_depth_(colour_.size(), kFar),
       touched_from_(height) {}
+
+void Canvas::SetBackground(uint32_t x, uint32_t y, uint32_t side, const glm::vec3& colour) {
+  for (uint32_t row = y; row < std::min(y + side, height_); ++row)
+    for (uint32_t column = x; column < std::min(x + side, width_); ++column)
+      colour_[size_t(row) * width_ + column] = colour;
+}
 
 void Canvas::DrawTriangle(const Corner& a, const Corner& b, const Corner& c) {
   const glm::vec2 p = a.at, q = b.at, r = c.at;
@@ -140,7 +115,7 @@ void Canvas::DrawHair(const Knot& a, const Knot& b, float alpha) {
       const float depth = a.at.z + (b.at.z - a.at.z) * t;
       if (depth >= depth_[i]) continue;
       const float coverage = alpha * std::min(width, 1.0f);
-      colour_[i] = glm::mix(colour_[i], glm::mix(a.colour, b.colour, t), coverage);
+      colour_[i] = Over(glm::mix(a.colour, b.colour, t), coverage, colour_[i]);
       if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
     }
 }
@@ -165,19 +140,20 @@ std::vector<uint8_t> Canvas::Resolve(uint32_t samples) const {
           sum += colour_[size_t(y * samples + sy) * width_ + x * samples + sx];
       sum /= float(samples * samples);
       for (int c = 0; c < 3; ++c) {
-        const float tone = 1.0f - std::exp(-1.35f * std::max(sum[c], 0.0f));  // soft shoulder
-        rgb[(size_t(y) * w + x) * 3 + size_t(c)] =
-            uint8_t(255.0f * std::pow(tone, 1.0f / 2.2f) + 0.5f);
+        const float srgb = SrgbFromLinear(Tone(std::max(sum[c], 0.0f)));
+        rgb[(size_t(y) * w + x) * 3 + size_t(c)] = uint8_t(255.0f * srgb + 0.5f);
       }
     }
   return rgb;
 }
 
 glm::vec3 LinearColour(uint32_t aabbggrr) {
-  glm::vec3 linear;
-  for (int c = 0; c < 3; ++c)
-    linear[c] = std::pow(float(aabbggrr >> (8 * c) & 255u) / 255.0f, 2.2f);
-  return linear;
+  static const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> linear;
+    for (size_t byte = 0; byte < 256; ++byte) linear[byte] = LinearFromSrgb(float(byte) / 255.0f);
+    return linear;
+  }();
+  return {kLinear[aabbggrr & 255u], kLinear[aabbggrr >> 8 & 255u], kLinear[aabbggrr >> 16 & 255u]};
 }
 
 }  // namespace pelt

@@ -1,5 +1,4 @@
-// The software renderer's surface: colour and depth samples, triangles, hair segments, and a map of
-// what the light sees.
+// The software renderer's surface: colour and depth samples, triangles, hair segments.
 //
 // Within a layer hairs are painted in the order they come, over each other, as a GPU without depth
 // writes would: a wrong sort shows. Between layers, and against the body, depth decides.
@@ -27,30 +26,14 @@ class Projection {
   float focal_, centre_x_, centre_y_;
 };
 
-// Nearest depth along a directional light on a grid of squares.
-class LightMap {
- public:
-  // Covers a ball of `radius` metres round `centre`. `to_light` is unit.
-  LightMap(const glm::vec3& to_light, const glm::vec3& centre, float radius, uint32_t side);
-  void Add(const glm::vec3& world);
-  // Share of light that reaches a place: falls off with the depth of matter before it.
-  float Light(const glm::vec3& world, float falloff_m, int blur) const;
-
- private:
-  glm::vec3 Map(const glm::vec3& world) const;  // cells, and distance from the light
-  glm::vec3 axis_x_, axis_y_, to_light_, centre_;
-  float cells_per_m_;
-  int side_;
-  std::vector<float> nearest_;
-};
-
 class Canvas {
  public:
   Canvas(uint32_t width, uint32_t height);
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
-  void SetBackground(uint32_t x, uint32_t y, const glm::vec3& colour) { At(x, y) = colour; }
+  // Of a square of samples.
+  void SetBackground(uint32_t x, uint32_t y, uint32_t side, const glm::vec3& colour);
 
   struct Corner {
     glm::vec3 at;  // projected
@@ -74,14 +57,13 @@ class Canvas {
   std::vector<uint8_t> Resolve(uint32_t samples) const;
 
  private:
-  glm::vec3& At(uint32_t x, uint32_t y) { return colour_[size_t(y) * width_ + x]; }
   uint32_t width_, height_;
   std::vector<glm::vec3> colour_;
   std::vector<float> depth_, layer_depth_;
   uint32_t touched_from_, touched_to_ = 0;
 };
 
-// Between sRGB bytes and linear light.
+// Linear light of sRGB bytes.
 glm::vec3 LinearColour(uint32_t aabbggrr);
 
 }  // namespace pelt

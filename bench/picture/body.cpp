@@ -1,0 +1,88 @@
+#include "bench/picture/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/picture/eyes.hpp"
+#include "bench/picture/skin_fur.hpp"
+#include "bench/view/default_look.hpp"
+
+namespace pelt {
+namespace {
+
+void PoseVertices(const PaletteBlock& palette, Body& body) {
+  const Mesh& mesh = body.character->mesh;
+  for (size_t v = 0; v < mesh.position.size(); ++v) {
+    glm::vec3 position(0.0f), normal(0.0f);
+    for (int i = 0; i < 4; ++i) {
+      const float* m = palette.matrix[mesh.joints[v][size_t(i)]];
+      const float weight = mesh.weights[v][i];
+      for (int r = 0; r < 3; ++r) {
+        const glm::vec3 row(m[4 * r], m[4 * r + 1], m[4 * r + 2]);
+        position[r] += weight * (glm::dot(row, mesh.position[v]) + m[4 * r + 3]);
+        normal[r] += weight * glm::dot(row, mesh.normal[v]);
+      }
+    }
+    const float length = glm::length(normal);
+    body.position.push_back(position);
+    body.normal.push_back(length > 0.0f ? normal / length : glm::vec3(0.0f, 1.0f, 0.0f));
+  }
+}
+
+// A third of the area of the triangles round each vertex.
+std::vector<float> AreasRoundVertices(const Body& body) {
+  std::vector<float> area(body.position.size(), 0.0f);
+  for (const auto& triangle : body.character->mesh.triangles) {
+    const glm::vec3& p = body.position[triangle[0]];
+    const float third =
+        glm::length(glm::cross(body.position[triangle[1]] - p, body.position[triangle[2]] - p)) /
+        6.0f;
+    for (const uint32_t v : triangle) area[v] += third;
+  }
+  return area;
+}
+
+// Of strands thrown at random onto the skin, the share of it that is below at least one.
+void CoverBody(const SkinFur& fur, Body& body) {
+  const std::vector<float> area = AreasRoundVertices(body);
+  float furry = 0.0f;
+  for (size_t v = 0; v < area.size(); ++v) {
+    body.covered.push_back(1.0f - std::exp(-fur.area[v] / std::max(area[v], 1e-9f)));
+    if (fur.area[v] <= 0.0f) continue;
+    body.mean_covered += body.covered[v] * area[v];
+    furry += area[v];
+  }
+  body.mean_covered /= std::max(furry, 1e-9f);
+}
+
+}  // namespace
+
+float DepthFloor(float covered) { return glm::mix(1.0f, kDefaultDepthFloor, covered); }
+
+Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor) {
+  Body body;
+  body.character = &scenario.characters[scenario.actors[actor].character];
+  PoseVertices(*scene.memory().Of<&Streams::palette>(actor), body);
+  const SkinFur fur = FindSkinFur(scene, actor, body.character->mesh);
+  body.colour = fur.colour;
+  CoverBody(fur, body);
+  body.eyes = FindEyes(body);
+  return body;
+}
+
+void DrawBody(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+              const Projection& projection, Canvas& canvas) {
+  std::vector<Canvas::Corner> corners;
+  for (size_t v = 0; v < body.position.size(); ++v) {
+    const glm::vec3 &at = body.position[v], &normal = body.normal[v];
+    const float left = DepthFloor(body.covered[v]);
+    corners.push_back({projection.Project(at),
+                       ShadeSkin(light, look, body.colour[v], normal,
+                                 glm::normalize(projection.eye() - at), left, sun(at, normal))});
+  }
+  for (const auto& [a, b, c] : body.character->mesh.triangles)
+    canvas.DrawTriangle(corners[a], corners[b], corners[c]);
+  for (const Eye& eye : body.eyes) DrawEye(eye, light, look, projection, canvas);
+}
+
+}  // namespace pelt

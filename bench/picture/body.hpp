@@ -1,0 +1,40 @@
+// The characters' bodies: posed by the frame's own matrices, coloured as the fur that grows on them, with eyeballs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "bench/picture/canvas.hpp"
+#include "bench/scenarios/scenarios.hpp"
+#include "bench/view/strand_light.hpp"
+
+namespace pelt {
+
+// An eyeball. The built-in mesh only marks where it is, by triangles with a ragged edge: the ball is drawn over them.
+struct Eye {
+  glm::vec3 centre{0.0f}, forward{0.0f};  // world
+  float radius = 0.0f;                    // m
+};
+
+struct Body {
+  const Character* character;
+  std::vector<glm::vec3> position, normal;  // world
+  std::vector<glm::vec3> colour;            // of the skin, linear
+  std::vector<float> covered;               // by fur, 0 to 1
+  float mean_covered = 0.0f;                // where fur grows
+  std::vector<Eye> eyes;
+};
+
+// Light left at skin that is covered so far, and at the roots of the fur.
+float DepthFloor(float covered);
+
+Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor);
+
+// Share of the sun's light that reaches a place with this normal.
+using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;
+void DrawBody(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+              const Projection& projection, Canvas& canvas);
+
+}  // namespace pelt

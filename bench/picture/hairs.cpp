@@ -1,0 +1,82 @@
+#include "bench/picture/hairs.hpp"
+
+#include "core/ribbon_indices.hpp"
+
+namespace pelt {
+namespace {
+
+void ReadCurve(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const CurveRecord& record = draw.As<CurveRecord>()[strand];
+  hair.knots = kCurveKnots;
+  hair.base_colour = record.base_colour;
+  hair.tip_colour = record.tip_colour;
+  for (uint32_t k = 0; k < kCurveKnots; ++k) {
+    const float t = float(k) / float(kCurveKnots - 1);
+    for (int c = 0; c < 3; ++c)
+      hair.knot[k].at[c] =
+          record.curve[0][c] +
+          t * (record.curve[1][c] + t * (record.curve[2][c] + t * record.curve[3][c]));
+    hair.knot[k].width = record.width * (1.0f + (draw.tip_width - 1.0f) * t);
+  }
+}
+
+void ReadRibbon(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const auto vertex = draw.As<RibbonVertex>().subspan(size_t(strand) * kRibbonVerticesPerHair,
+                                                      kRibbonVerticesPerHair);
+  hair.knots = kRibbonPoints;
+  hair.base_colour = vertex.front().colour;
+  hair.tip_colour = vertex.back().colour;
+  for (uint32_t k = 0; k < kRibbonPoints; ++k) {
+    const float* l = vertex[2 * k].position;
+    const float* r = vertex[2 * k + 1].position;
+    const glm::vec3 left(l[0], l[1], l[2]), right(r[0], r[1], r[2]);
+    hair.knot[k] = {(left + right) * 0.5f, glm::length(right - left)};
+  }
+}
+
+void ReadLine(const LayerDraw& draw, uint32_t strand, Hair& hair) {
+  const auto vertex = draw.As<LineVertex>().subspan(size_t(strand) * kRibbonPoints, kRibbonPoints);
+  hair.knots = kRibbonPoints;
+  hair.base_colour = vertex.front().colour;
+  hair.tip_colour = vertex.back().colour;
+  for (uint32_t k = 0; k < kRibbonPoints; ++k) {
+    const float* p = vertex[k].position;
+    hair.knot[k] = {{p[0], p[1], p[2]}, vertex[k].width};
+  }
+}
+
+// For each output, how the vertices of one strand of a draw are read.
+constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCurve, ReadRibbon,
+                                                                          ReadLine};
+static_assert(std::size(kReaders) == kOutputCount);
+
+Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, uint32_t place) {
+  const SceneShape& shape = scene.shape();
+  const uint32_t strand = draw.order[place], lane = strand % kStrandsPerChunk;
+  const uint32_t chunk = shape.layer_first_chunk[draw.layer] + strand / kStrandsPerChunk;
+  const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
+  Hair hair{};
+  hair.actor = shape.layer_character[draw.layer];
+  hair.number = chunk * kStrandsPerChunk + lane;
+  for (int c = 0; c < 3; ++c) {
+    hair.root[c] = roots.position[c][lane];
+    hair.normal[c] = roots.normal[c][lane];
+  }
+  kReaders[size_t(draw.output)](draw, order == VertexOrder::kSorted ? place : strand, hair);
+  return hair;
+}
+
+}  // namespace
+
+std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order) {
+  std::vector<std::vector<Hair>> layers;
+  for (const LayerDraw& draw : scene.Draws()) {
+    std::vector<Hair>& hairs = layers.emplace_back();
+    hairs.reserve(draw.strand_count);
+    for (uint32_t place = 0; place < draw.strand_count; ++place)
+      hairs.push_back(ReadHair(scene, order, draw, place));
+  }
+  return layers;
+}
+
+}  // namespace pelt

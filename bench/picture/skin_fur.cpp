@@ -1,0 +1,106 @@
+#include "bench/picture/skin_fur.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "bench/picture/canvas.hpp"
+
+namespace pelt {
+namespace {
+
+using Place = std::array<float, 3>;
+using Triangle = std::array<uint32_t, 3>;
+
+// Chunks hold copies of the mesh's vertices, which are known again by where they are.
+class Finder {
+ public:
+  explicit Finder(const Mesh& mesh) {
+    for (const glm::vec3& p : mesh.position)
+      place_.push_back(
+          number_.emplace(Place{p.x, p.y, p.z}, uint32_t(number_.size())).first->second);
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      Triangle places;
+      for (size_t k = 0; k < 3; ++k) places[k] = place_[mesh.triangles[t][k]];
+      std::sort(places.begin(), places.end());
+      material_.emplace(places, mesh.triangle_material[t]);
+    }
+  }
+
+  size_t size() const { return number_.size(); }
+  const std::vector<uint32_t>& places() const { return place_; }  // of the mesh's vertices
+  // Those of a chunk's vertices; of ones that the mesh lacks, size().
+  std::vector<uint32_t> Places(const MeshBlock& mesh) const {
+    std::vector<uint32_t> places;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+      const auto found =
+          number_.find({mesh.position[0][v], mesh.position[1][v], mesh.position[2][v]});
+      places.push_back(found == number_.end() ? uint32_t(size()) : found->second);
+    }
+    return places;
+  }
+  const uint16_t* FindMaterial(Triangle places) const {
+    std::sort(places.begin(), places.end());
+    const auto found = material_.find(places);
+    return found == material_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  std::map<Place, uint32_t> number_;
+  std::vector<uint32_t> place_;
+  std::map<Triangle, uint16_t> material_;
+};
+
+struct FurSum {
+  glm::vec3 colour{0.0f};
+  float strands = 0.0f, area = 0.0f;
+};
+
+void AddChunk(const StrandBlock& strands, const std::vector<uint32_t>& chunk_places,
+              const Finder& finder, std::vector<FurSum>& sums, SkinFur& fur) {
+  Triangle last{};
+  for (uint32_t s = 0; s < strands.strand_count; ++s) {
+    const glm::vec3 colour = LinearColour(strands.base_colour[s]);
+    const float area = strands.length[s] * strands.width[s];
+    Triangle places;
+    for (size_t k = 0; k < 3; ++k) {
+      places[k] = chunk_places[strands.vertex[k][s]];
+      const float share = strands.bary[k][s];
+      FurSum& sum = sums[places[k]];
+      sum.colour += colour * share;
+      sum.strands += share;
+      sum.area += area * share;
+    }
+    if (places == last) continue;
+    last = places;
+    if (const uint16_t* material = finder.FindMaterial(places)) fur.on_material[*material] = 1;
+  }
+}
+
+}  // namespace
+
+SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
+  const Finder finder(mesh);
+  SkinFur fur;
+  fur.on_material.resize(mesh.materials.size());
+  std::vector<FurSum> sums(finder.size() + 1);
+  const SceneShape& shape = scene.shape();
+  for (uint32_t c = 0; c < shape.chunk_count; ++c)
+    if (shape.layer_character[shape.chunk_layer[c]] == actor)
+      AddChunk(*scene.memory().Of<&Streams::strands>(c),
+               finder.Places(*scene.memory().Of<&Streams::mesh>(c)), finder, sums, fur);
+  FurSum all;
+  for (const FurSum& sum : sums) {
+    all.colour += sum.colour;
+    all.strands += sum.strands;
+  }
+  const auto mean = [](const FurSum& sum) { return sum.colour / std::max(sum.strands, 1e-6f); };
+  for (const uint32_t place : finder.places()) {
+    const FurSum& sum = sums[place];
+    fur.colour.push_back(mean(sum.strands > 0.0f ? sum : all));
+    fur.area.push_back(sum.area);
+  }
+  return fur;
+}
+
+}  // namespace pelt

@@ -1,0 +1,20 @@
+// Where fur grows on a mesh, and of which colour it is at the roots.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/character/character.hpp"
+#include "jobs/scene.hpp"
+
+namespace pelt {
+
+struct SkinFur {
+  std::vector<glm::vec3> colour;  // at each vertex, linear; where no fur grows the mean of all
+  std::vector<float> area;  // at each vertex, of its share of the strands seen from the side; m^2
+  std::vector<uint8_t> on_material;  // whether any grow on the material's triangles
+};
+
+SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh);
+
+}  // namespace pelt
