@@ -3,7 +3,8 @@
 # to install and stops. Arguments: extra packages a caller needs.
 set -euo pipefail
 packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libtinygltf-dev libstb-dev
-  nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libbullet-dev glslang-tools "$@")
+  nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libbullet-dev glslang-tools
+  libegl-dev libgl-dev "$@")
 missing=()
 for package in "${packages[@]}"; do
   if ! command -v dpkg-query >/dev/null || ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed'; then
