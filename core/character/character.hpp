@@ -14,6 +14,13 @@
 
 namespace pelt {
 
+// What a material says of its base colour.
+struct MaterialLook {
+  bool stated = false;
+  glm::vec3 base_colour{1.0f};  // linear
+  int32_t image = -1;           // of Character::images, multiplied with it; -1: none
+};
+
 // Triangles of all skinned primitives, welded, in mesh (bind) space. Arrays over vertices have
 // equal length.
 struct Mesh {
@@ -27,6 +34,9 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint16_t> triangle_material;
   std::vector<std::string> materials;
+  std::vector<MaterialLook> looks;                      // of the materials
+  std::vector<std::array<glm::vec3, 3>> corner_colour;  // of the triangles, linear; empty when the
+                                                        // file has none
 };
 
 struct JointPose {
@@ -68,7 +78,8 @@ struct Character {
   std::vector<Clip> clips;
   std::vector<std::string>
       notes;  // repairs and guesses made on import, one sentence each, to be shown
-  std::vector<std::string> files_read;  // besides the file itself: its buffers
+  std::vector<std::string> files_read;         // besides the file itself: its buffers and images
+  std::vector<std::vector<std::byte>> images;  // that materials use, encoded as in the file
 };
 
 // The mesh in its rest pose, in metres and world axes (y up): what grooming measures on.

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "core/character/gltf_json_guard.hpp"
+#include "core/character/gltf_look.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
@@ -83,7 +84,8 @@ bool IsGlb(std::span<const unsigned char> file) {
 }
 
 // The JSON text inside the file. Checks the GLB frame itself: its messages have byte offsets.
-std::span<unsigned char> FindJson(std::span<unsigned char> file, const std::string& name) {
+template <class Byte>  // unsigned char, const or not
+std::span<Byte> FindJson(std::span<Byte> file, const std::string& name) {
   if (!IsGlb(file)) return file;
   auto fail = [&name](const std::string& what) { throw Error(name + ": " + what); };
   if (file.size() < 20)
@@ -223,6 +225,21 @@ Animation Convert(const tinygltf::Animation& from) {
   return to;
 }
 
+// Of files beside the glTF file, under the rules of its buffers.
+ImageReader MakeImageReader(BufferFolder& from) {
+  return [&from](const std::string& uri, std::string& fault) {
+    std::vector<unsigned char> bytes;
+    const std::string path = from.folder + "/" + uri;
+    if (from.folder.empty())
+      fault = "no folder to look for it";
+    else if (uri.find("..") != std::string::npos || uri.starts_with('/'))
+      fault = "not below the file's folder";
+    else
+      ReadBufferFile(&bytes, &fault, path, &from);
+    return bytes;
+  };
+}
+
 }  // namespace
 
 Document ParseDocument(std::span<const std::byte> bytes, const std::string& name,
@@ -233,7 +250,6 @@ Document ParseDocument(std::span<const std::byte> bytes, const std::string& name
   tinygltf::Model model = ParseModel(file, name, from);
 
   Document to;
-  to.files_read = std::move(from.read);
   to.name = name;
   to.file_bytes = bytes.size();
   for (tinygltf::Buffer& b : model.buffers) {
@@ -252,6 +268,10 @@ Document ParseDocument(std::span<const std::byte> bytes, const std::string& name
   for (const tinygltf::Animation& a : model.animations) to.animations.push_back(Convert(a));
   for (const tinygltf::Material& m : model.materials) to.materials.push_back(Printable(m.name));
   to.extensions_unknown = ListUnknown(model);
+  const std::span<const unsigned char> json =
+      FindJson(std::span<const unsigned char>(first, bytes.size()), name);
+  ReadLook({reinterpret_cast<const char*>(json.data()), json.size()}, MakeImageReader(from), to);
+  to.files_read = std::move(from.read);
   return to;
 }
 

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "core/character/character.hpp"
+
 namespace pelt::gltf {
 
 enum class Component : int {
@@ -102,12 +104,16 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<std::string> materials;
+  std::vector<MaterialLook> looks;  // of the materials
+  std::vector<std::vector<std::byte>> images;
+  std::vector<std::string> look_faults;         // what of the look could not be read
   std::vector<std::string> extensions_unknown;  // that the file requires
   std::vector<std::string> files_read;          // the buffers that are files of their own
 };
 
 // Parses .glb or .gltf bytes. Buffers in other files are looked up below `folder`; with an empty
-// folder they are an error. Images, textures, cameras and extras are never looked at. Throws Error
+// folder they are an error. Of images only those are looked at that are a material's base colour, and what is
+// wrong with these is no error; cameras and extras are never looked at. Throws Error
 // ("<name>: ...") for anything that is not glTF 2.0.
 Document ParseDocument(std::span<const std::byte> bytes, const std::string& name,
                        const std::string& folder);

@@ -18,6 +18,8 @@ Character ImportDocument(const gltf::Document& document, const std::string& name
   Character character;
   character.name = name;
   character.files_read = document.files_read;
+  character.images = document.images;
+  character.notes = document.look_faults;
   for (const std::string& extension : document.extensions_unknown)
     character.notes.push_back("The file requires " + extension +
                               ", which is not supported; it was read without.");

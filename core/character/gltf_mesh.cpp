@@ -93,8 +93,10 @@ class MeshReader {
     ReadPositions(primitive, binding, count, place);
     ReadFrames(primitive, binding, count, place);
     ReadUvs(primitive, count, place);
+    const std::vector<float> colours = ReadColours(primitive, count, place);
     ReadInfluences(primitive, binding, count, place);
     ReadTriangles(primitive, first, count, place);
+    StoreColours(colours, first);
   }
 
   void ReadPositions(const Primitive& primitive, const SkinBinding& binding, size_t count,
@@ -160,6 +162,31 @@ class MeshReader {
     for (size_t v = 0; v < count; ++v)
       out_.uv.push_back(IsFinite(uv, v, 2, repairs_.odd_uvs) ? glm::vec2(uv[2 * v], uv[2 * v + 1])
                                                              : glm::vec2(0.0f));
+  }
+
+  // Four, or three, numbers a vertex; empty where the primitive has none.
+  std::vector<float> ReadColours(const Primitive& primitive, size_t count,
+                                 const std::string& place) {
+    const int accessor = Find(primitive, "COLOR_0");
+    const bool known = accessor >= 0 && size_t(accessor) < document_.accessors.size();
+    colour_size_ = known && document_.accessors[size_t(accessor)].components == 3 ? 3 : 4;
+    return ReadAttribute(primitive, "COLOR_0",
+                         {colour_size_, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false},
+                         count, place);
+  }
+
+  // By corner, so that vertices which differ in colour alone are still one to fur.
+  void StoreColours(const std::vector<float>& colours, size_t first) {
+    has_colour_ |= !colours.empty();
+    for (size_t t = out_.corner_colour.size(); t < out_.triangles.size(); ++t) {
+      std::array<glm::vec3, 3> corner{glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
+      for (size_t k = 0; k < 3 && !colours.empty(); ++k)
+        for (int c = 0; c < 3; ++c) {
+          const size_t at = (out_.triangles[t][k] - first) * size_t(colour_size_) + size_t(c);
+          if (std::isfinite(colours[at])) corner[k][c] = std::clamp(colours[at], 0.0f, 1.0f);
+        }
+      out_.corner_colour.push_back(corner);
+    }
   }
 
   // Every JOINTS_n, WEIGHTS_n pair of a primitive, one after the other.
@@ -292,6 +319,7 @@ class MeshReader {
       std::string name = none ? "default" : document_.materials[size_t(primitive.material)];
       if (name.empty()) name = "material " + std::to_string(primitive.material);
       out_.materials.push_back(name);
+      out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(primitive.material)]);
     }
     return uint16_t(known);
   }
@@ -310,6 +338,7 @@ class MeshReader {
     Note(repairs_.odd_uvs, "vertices had UVs that are no finite numbers; theirs are (0, 0).");
     Note(repairs_.odd_normals, "vertices had a normal that is no finite number; made anew.");
     Note(repairs_.odd_tangents, "vertices had a tangent that is no finite number; made anew.");
+    if (!has_colour_) out_.corner_colour.clear();
     const size_t borrowed = BorrowWeights(&out_, no_weights_);
     Note(borrowed,
          "vertices had skin weights that are no finite numbers; a neighbour's were taken.");
@@ -343,7 +372,8 @@ class MeshReader {
   const SkeletonImport& skeleton_;
   std::vector<std::string>* notes_;
   std::vector<int> material_of_;
-  bool has_uv_ = false;
+  bool has_uv_ = false, has_colour_ = false;
+  int colour_size_ = 4;  // numbers a vertex
   RepairCounts repairs_;
   std::vector<uint8_t> no_weights_;  // of each vertex: its weights were not finite
   Mesh out_;

@@ -163,11 +163,13 @@ size_t DropDegenerateTriangles(Mesh* mesh) {
     if (cross.x == 0.0 && cross.y == 0.0 && cross.z == 0.0) continue;
     mesh->triangles[kept] = t;
     mesh->triangle_material[kept] = mesh->triangle_material[i];
+    if (!mesh->corner_colour.empty()) mesh->corner_colour[kept] = mesh->corner_colour[i];
     ++kept;
   }
   const size_t dropped = mesh->triangles.size() - kept;
   mesh->triangles.resize(kept);
   mesh->triangle_material.resize(kept);
+  if (!mesh->corner_colour.empty()) mesh->corner_colour.resize(kept);
   return dropped;
 }
 

@@ -1,4 +1,4 @@
-// Control maps: pictures that scale attributes over the surface, decoded from PNG.
+// Control maps: pictures that scale attributes over the surface, and those that colour it, decoded from PNG or JPEG.
 //
 // The decoder's code lives in this file alone and is private to it (STB_IMAGE_STATIC), because the
 // glTF library brings its own. It sees hostile files: the picture's side, and every allocation, is
@@ -37,6 +37,8 @@ void* ResizeBounded(void* block, size_t bytes) {
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_SIMD  // one way to decode on every machine
 #define STBI_NO_STDIO
 #define STBI_NO_THREAD_LOCALS
 #define STBI_MAX_DIMENSIONS 4096
@@ -59,7 +61,7 @@ ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name)
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(png.data(), int(png.size()), &width, &height, &channels)) {
     throw Error(
-        Format("control map '{}': not a PNG this tool reads ({}); pictures have at "
+        Format("control map '{}': not a PNG or JPEG this tool reads ({}); pictures have at "
                "most {} pixels a side",
                name, stbi_failure_reason(), kSideLimit));
   }
@@ -70,7 +72,7 @@ ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name)
   stbi_uc* pixels =
       stbi_load_from_memory(png.data(), int(png.size()), &width, &height, &channels, 4);
   if (!pixels) {
-    throw Error(Format("control map '{}': damaged PNG ({})", name, stbi_failure_reason()));
+    throw Error(Format("control map '{}': damaged picture ({})", name, stbi_failure_reason()));
   }
   ControlMap map;
   map.width = uint32_t(width);

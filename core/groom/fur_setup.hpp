@@ -24,7 +24,7 @@ struct ControlMap {
   float Sample(glm::vec2 uv, int channel) const;
 };
 
-// Decodes a PNG of 1..4096 pixels a side, any bit depth; grey fills r, g and b. Throws pelt::Error
+// Decodes a PNG, of any bit depth, or a JPEG of 1..4096 pixels a side; grey fills r, g and b. Throws pelt::Error
 // with `name` and the reason.
 ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name);
 ControlMap ReadControlMapFile(const std::string& path);

@@ -1,0 +1,23 @@
+// What a glTF's materials say of their base colour: a factor and an image. The rest of the file is tinygltf's, from
+// which images are hidden (gltf_json_guard.hpp): they are read here, and each index, offset and length is checked.
+//
+// Invariant: nothing here refuses a file. What is wrong becomes a sentence in look_faults, and the material goes without.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/character/gltf_document.hpp"
+
+namespace pelt::gltf {
+
+// The bytes of a file beside the glTF file; none, and why, where it cannot be read.
+using ImageReader =
+    std::function<std::vector<unsigned char>(const std::string& uri, std::string& fault)>;
+
+// Fills looks and images. `json` has passed GuardJson; the document has its buffers, views and materials.
+void ReadLook(std::string_view json, const ImageReader& read, Document& document);
+
+}  // namespace pelt::gltf

@@ -1,0 +1,67 @@
+#include "core/groom/surface_colour.hpp"
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
+#include "core/format.hpp"
+
+namespace pelt {
+
+// IEC 61966-2-1.
+double ExactLinear(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : exact::Pow((srgb + 0.055) / 1.055, 2.4);
+}
+double ExactSrgb(double linear) {
+  return linear <= 0.0031308 ? linear * 12.92 : 1.055 * exact::Pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+SurfaceColour::SurfaceColour(const Character& character) : mesh_(character.mesh) {
+  for (int byte = 0; byte <= 256; ++byte)
+    linear_[byte] = float(ExactLinear(double(std::min(byte, 255)) / 255.0));
+  for (size_t i = 0; i < character.images.size(); ++i) {
+    const auto& bytes = character.images[i];
+    ControlMap& image = images_.emplace_back();
+    try {
+      image = ReadControlMap({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()},
+                             Format("image {} of {}", i, character.name));
+    } catch (const Error& error) {
+      faults_.push_back(Format("{}; taken as white.", error.what()));
+    }
+  }
+}
+
+const MaterialLook& SurfaceColour::LookOf(uint32_t triangle) const {
+  static const MaterialLook kNone;
+  const uint16_t material = mesh_.triangle_material[triangle];
+  return material < mesh_.looks.size() ? mesh_.looks[material] : kNone;
+}
+
+bool SurfaceColour::Knows(uint32_t triangle) const {
+  return LookOf(triangle).stated || !mesh_.corner_colour.empty();
+}
+
+bool SurfaceColour::HasImage(uint32_t triangle) const {
+  return LookOf(triangle).image >= 0 && !mesh_.uv.empty();
+}
+
+glm::vec3 SurfaceColour::At(const SurfacePoint& point) const {
+  const MaterialLook& look = LookOf(point.triangle);
+  glm::vec3 colour = look.base_colour;
+  if (HasImage(point.triangle)) {
+    const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, point);
+    for (int c = 0; c < 3; ++c) {
+      const float byte = images_[size_t(look.image)].Sample(uv, c) * 255.0f;
+      const int low = int(byte);
+      colour[c] *= linear_[low] + (linear_[low + 1] - linear_[low]) * (byte - float(low));
+    }
+  }
+  if (!mesh_.corner_colour.empty()) {
+    const auto& corner = mesh_.corner_colour[point.triangle];
+    colour *= corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
+  }
+  return colour;
+}
+
+}  // namespace pelt

@@ -1,0 +1,42 @@
+// The colour that a character's file gives its surface: material, image, colours at corners. Linear, and the same
+// bits on any machine, so that fur may take it.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "core/character/character.hpp"
+#include "core/groom/fur_setup.hpp"
+#include "core/groom/growth.hpp"
+
+namespace pelt {
+
+// sRGB to linear and back, 0 to 1, without libm.
+double ExactLinear(double srgb);
+double ExactSrgb(double linear);
+
+class SurfaceColour {
+ public:
+  // Decodes the images that the mesh's materials use. Those that are no picture count as white.
+  explicit SurfaceColour(const Character& character);
+
+  // Whether the file says anything of the triangle's colour.
+  bool Knows(uint32_t triangle) const;
+  // Whether it differs within the triangle by an image.
+  bool HasImage(uint32_t triangle) const;
+  glm::vec3 At(const SurfacePoint& point) const;
+
+  // What could not be decoded, one sentence each.
+  const std::vector<std::string>& faults() const { return faults_; }
+
+ private:
+  const MaterialLook& LookOf(uint32_t triangle) const;
+
+  const Mesh& mesh_;
+  std::vector<ControlMap> images_;
+  std::vector<std::string> faults_;
+  float linear_[257];  // of bytes; one more for the sum of rounding
+};
+
+}  // namespace pelt

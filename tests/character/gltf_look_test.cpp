@@ -1,0 +1,176 @@
+// What a glTF says of its colours, and that nothing of it can refuse a file.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "core/character/gltf_import.hpp"
+#include "core/groom/surface_colour.hpp"
+#include "tests/character/gltf_builder.hpp"
+#include "tests/groom/png.hpp"
+
+namespace pelt {
+namespace {
+
+using test::GltfBuilder;
+
+constexpr float kNear = 1e-5f;
+const std::string kPlainImage = R"(,"textures":[{"source":0}],"images":[)";
+
+void ExpectNear(const glm::vec3& got, const glm::vec3& wanted) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], kNear) << "rgb"[c];
+}
+
+std::string Material(const std::string& members) {
+  return R"({"name":"coat","pbrMetallicRoughness":{)" + members + "}}";
+}
+
+// A quad of one material.
+GltfBuilder MakeLook(const std::string& material, const std::string& more = "") {
+  GltfBuilder b = test::MakeQuad();
+  b.Attribute("TEXCOORD_0", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
+  b.primitive_more += ",\"material\":0";
+  b.materials = material;
+  b.more = more;
+  return b;
+}
+
+Character Import(const GltfBuilder& builder) { return ImportGltf(builder.Glb(), "quad.glb"); }
+
+TEST(GltfLook, FactorIsTheColour) {
+  const Character c = Import(MakeLook(Material(R"("baseColorFactor":[0.5,0.25,2,1])")));
+  ASSERT_EQ(c.mesh.looks.size(), 1u);
+  EXPECT_TRUE(c.mesh.looks[0].stated);
+  ExpectNear(c.mesh.looks[0].base_colour, {0.5f, 0.25f, 1.0f});
+  EXPECT_EQ(c.mesh.looks[0].image, -1);
+  ExpectNear(SurfaceColour(c).At({0, {1.0f, 0.0f, 0.0f}}), {0.5f, 0.25f, 1.0f});
+}
+
+TEST(GltfLook, WhatSaysNothingIsNotKnown) {
+  for (const std::string& material : {std::string(R"({"name":"coat"})"), Material("")}) {
+    const Character c = Import(MakeLook(material));
+    EXPECT_FALSE(SurfaceColour(c).Knows(0)) << material;
+    EXPECT_FALSE(c.mesh.looks.at(0).stated) << material;
+  }
+  const Character plain = Import(test::MakeQuad());
+  EXPECT_FALSE(SurfaceColour(plain).Knows(0));
+}
+
+// 2 x 1 texels, the left one grey, the right one green.
+std::vector<uint8_t> TwoTexels() { return test::MakePng(2, 1, 3, {128, 128, 128, 0, 255, 0}); }
+
+TEST(GltfLook, ImageIsMultipliedWithTheFactor) {
+  GltfBuilder b =
+      MakeLook(Material(R"("baseColorTexture":{"index":0},"baseColorFactor":[1,0.5,1,1])"));
+  const int view = b.View(TwoTexels());
+  b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+  const Character c = Import(b);
+  ASSERT_EQ(c.images.size(), 1u);
+  EXPECT_EQ(c.images[0].size(), TwoTexels().size());
+  const SurfaceColour surface(c);
+  EXPECT_TRUE(surface.Knows(0));
+  EXPECT_TRUE(surface.HasImage(0));
+  EXPECT_TRUE(surface.faults().empty());
+  // The first triangle's corners have u 0, 1 and 1; texels have their middles at 1/4 and 3/4.
+  ExpectNear(surface.At({0, {0.75f, 0.25f, 0.0f}}), {0.215861f, 0.5f * 0.215861f, 0.215861f});
+  ExpectNear(surface.At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 0.5f, 0.0f});
+}
+
+TEST(GltfLook, CornersHaveColours) {
+  GltfBuilder b = test::MakeQuad();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  b.Attribute("COLOR_0", b.Floats("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 0.5f, nan, 7, -1}));
+  const Character c = Import(b);
+  ASSERT_EQ(c.mesh.corner_colour.size(), 2u);
+  EXPECT_EQ(c.mesh.position.size(), 4u);
+  const SurfaceColour surface(c);
+  EXPECT_TRUE(surface.Knows(1));
+  ExpectNear(surface.At({0, {0.5f, 0.5f, 0.0f}}), {0.5f, 0.5f, 0.0f});
+  ExpectNear(surface.At({0, {0.0f, 0.0f, 1.0f}}), {0.0f, 0.0f, 0.5f});
+  ExpectNear(surface.At({1, {0.0f, 0.0f, 1.0f}}), {1.0f, 1.0f, 0.0f});  // what is no number: white
+  GltfBuilder bytes = test::MakeQuad();
+  bytes.Attribute("COLOR_0", bytes.Add(test::kU8, "VEC4",
+                                       std::vector<uint8_t>{255, 0, 51, 255, 255, 0, 51, 255, 255,
+                                                            0, 51, 255, 255, 0, 51, 255},
+                                       ",\"normalized\":true"));
+  const Character c8 = Import(bytes);
+  ExpectNear(SurfaceColour(c8).At({1, {0.2f, 0.3f, 0.5f}}), {1.0f, 0.0f, 0.2f});
+}
+
+TEST(GltfLook, ColoursDoNotPartVertices) {
+  GltfBuilder plain = test::MakeQuad(), coloured = test::MakeQuad();
+  coloured.Attribute("COLOR_0", coloured.Floats("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}));
+  const Character a = Import(plain), b = Import(coloured);
+  EXPECT_EQ(a.mesh.position, b.mesh.position);
+  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+}
+
+TEST(GltfLook, WhatIsWrongIsSaidAndLeftOut) {
+  const std::string texture = R"("baseColorTexture":{"index":0})";
+  const struct {
+    std::string material, more, reason;
+  } kCases[] = {
+      {texture, "", "no such image"},
+      {R"("baseColorTexture":{"index":-1})", kPlainImage + R"({"bufferView":0}])", "no such image"},
+      {R"("baseColorTexture":{"index":0,"texCoord":1})", kPlainImage + R"({"bufferView":0}])",
+       "other texture coordinates"},
+      {texture, R"(,"textures":[{"source":9}],"images":[{"bufferView":0}])", "no such image"},
+      {texture, R"(,"textures":[7],"images":[{"bufferView":0}])", "no such image"},
+      {texture, kPlainImage + R"({"bufferView":999}])", "bufferView does not exist"},
+      {texture, kPlainImage + R"({"bufferView":-5}])", "bufferView does not exist"},
+      {texture, kPlainImage + R"({"uri":"data:image/png;base64,AAAA"}])", "within the text"},
+      {texture, kPlainImage + R"({"uri":"a.png"}])", "'a.png': no folder"},
+  };
+  for (const auto& test : kCases) {
+    const Character c = Import(MakeLook(Material(test.material), test.more));
+    EXPECT_EQ(c.mesh.looks.at(0).image, -1) << test.reason;
+    ASSERT_FALSE(c.notes.empty()) << test.reason;
+    EXPECT_NE(c.notes[0].find("material 0 'coat'"), std::string::npos) << c.notes[0];
+    EXPECT_NE(c.notes[0].find(test.reason), std::string::npos) << c.notes[0];
+  }
+}
+
+TEST(GltfLook, DamagedImagesCountAsWhite) {
+  GltfBuilder b = MakeLook(Material(R"("baseColorTexture":{"index":0})"));
+  std::vector<uint8_t> png = TwoTexels();
+  png.resize(png.size() / 2);
+  const int view = b.View(png);
+  b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+  const Character c = Import(b);
+  const SurfaceColour surface(c);
+  EXPECT_EQ(surface.faults().size(), 1u);
+}
+
+TEST(GltfLook, ImagesBesideTheFileAreReadAndNoneElsewhere) {
+  const auto folder = std::filesystem::temp_directory_path() / "pelt_gltf_look";
+  std::filesystem::create_directories(folder / "inside");
+  const std::vector<uint8_t> png = TwoTexels();
+  for (const auto& file : {folder / "a.png", folder / "inside" / "a.png"})
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
+  const auto import = [&](const std::string& uri) {
+    GltfBuilder b = MakeLook(Material(R"("baseColorTexture":{"index":0})"),
+                             kPlainImage + R"({"uri":")" + uri + R"("}])");
+    std::ofstream(folder / "inside" / "quad.gltf", std::ios::binary) << b.Json(true, "quad.bin");
+    std::ofstream(folder / "inside" / "quad.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(b.binary.data()), std::streamsize(b.binary.size()));
+    return ImportGltfFile((folder / "inside" / "quad.gltf").string());
+  };
+  const Character c = import("a.png");
+  EXPECT_EQ(c.images.size(), 1u);
+  EXPECT_EQ(c.files_read.size(), 2u);  // what is read must not be written over
+  EXPECT_TRUE(import("../a.png").images.empty());
+  EXPECT_TRUE(import((folder / "a.png").string()).images.empty());
+  EXPECT_TRUE(import("none.png").images.empty());
+  std::filesystem::remove_all(folder);
+}
+
+TEST(GltfLook, SrgbIsTheStandardsCurve) {
+  EXPECT_NEAR(ExactLinear(128.0 / 255.0), 0.215861, 1e-6);
+  for (int byte = 0; byte < 256; ++byte)
+    EXPECT_NEAR(ExactSrgb(ExactLinear(byte / 255.0)), byte / 255.0, 1e-6) << byte;
+}
+
+}  // namespace
+}  // namespace pelt
