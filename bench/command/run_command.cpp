@@ -92,8 +92,13 @@ int Run(const RunArgs& args) {
   };
   write("picture", args.picture, [&] {
     const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
-    return DrawPicture(scenario, running.scene(), camera, options.scene.vertex_order,
-                       {args.picture_width_px, args.picture_height_px});
+    std::vector<std::string> picture_notes;
+    std::vector<std::byte> png =
+        DrawPicture(scenario, running.scene(), camera, options.scene.vertex_order,
+                    {args.picture_width_px, args.picture_height_px}, picture_notes);
+    for (const std::string& note : picture_notes)
+      fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
+    return png;
   });
   write(fmt::format("trace of {} frames", records.size()), args.trace,
         [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });

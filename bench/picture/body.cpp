@@ -55,16 +55,66 @@ void CoverBody(const SkinFur& fur, Body& body) {
   body.mean_covered /= std::max(furry, 1e-9f);
 }
 
+class BodyPainter {
+ public:
+  BodyPainter(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+              const Projection& projection)
+      : body_(body), light_(light), look_(look), eye_(projection.eye()) {
+    for (size_t v = 0; v < body.position.size(); ++v) {
+      screen_.push_back(projection.Project(body.position[v]));
+      sun_.push_back(sun(body.position[v], body.normal[v]));
+    }
+  }
+
+  // An image is shaded at every sample, what has none at the corners.
+  void Draw(uint32_t triangle, Canvas& canvas) const {
+    const auto& [a, b, c] = body_.character->mesh.triangles[triangle];
+    const auto draw = [&](auto shade) {
+      canvas.DrawTriangle(screen_[a], screen_[b], screen_[c], shade);
+    };
+    if (body_.surface->HasImage(triangle))
+      return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });
+    const glm::vec3 first = Shade({triangle, {1.0f, 0.0f, 0.0f}}),
+                    second = Shade({triangle, {0.0f, 1.0f, 0.0f}}),
+                    third = Shade({triangle, {0.0f, 0.0f, 1.0f}});
+    draw([&](const glm::vec3& bary) { return first * bary.x + second * bary.y + third * bary.z; });
+  }
+
+ private:
+  glm::vec3 Shade(const SurfacePoint& point) const {
+    const auto at = [&](const auto& values) {
+      return Interpolate(values, body_.character->mesh, point);
+    };
+    const uint16_t material = body_.character->mesh.triangle_material[point.triangle];
+    const float covered = body_.furry_material[material] ? at(body_.covered) : 0.0f;
+    glm::vec3 colour = at(body_.fur);
+    if (body_.surface->Knows(point.triangle))
+      colour = glm::mix(body_.surface->At(point), colour, covered);
+    return ShadeSkin(light_, look_, colour, glm::normalize(at(body_.normal)),
+                     glm::normalize(eye_ - at(body_.position)), DepthFloor(covered), at(sun_));
+  }
+
+  const Body& body_;
+  const LightSet& light_;
+  const HairLook& look_;
+  glm::vec3 eye_;
+  std::vector<glm::vec3> screen_;
+  std::vector<float> sun_;
+};
+
 }  // namespace
 
 float DepthFloor(float covered) { return glm::mix(1.0f, kDefaultDepthFloor, covered); }
 
-Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor) {
+Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
+              std::shared_ptr<const SurfaceColour> surface) {
   Body body;
+  body.surface = std::move(surface);
   body.character = &scenario.characters[scenario.actors[actor].character];
   PoseVertices(*scene.memory().Of<&Streams::palette>(actor), body);
   const SkinFur fur = FindSkinFur(scene, actor, body.character->mesh);
-  body.colour = fur.colour;
+  body.fur = fur.colour;
+  body.furry_material = fur.on_material;
   CoverBody(fur, body);
   body.eyes = FindEyes(body);
   return body;
@@ -72,16 +122,8 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor) {
 
 void DrawBody(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
               const Projection& projection, Canvas& canvas) {
-  std::vector<Canvas::Corner> corners;
-  for (size_t v = 0; v < body.position.size(); ++v) {
-    const glm::vec3 &at = body.position[v], &normal = body.normal[v];
-    const float left = DepthFloor(body.covered[v]);
-    corners.push_back({projection.Project(at),
-                       ShadeSkin(light, look, body.colour[v], normal,
-                                 glm::normalize(projection.eye() - at), left, sun(at, normal))});
-  }
-  for (const auto& [a, b, c] : body.character->mesh.triangles)
-    canvas.DrawTriangle(corners[a], corners[b], corners[c]);
+  const BodyPainter painter(body, light, look, sun, projection);
+  for (uint32_t t = 0; t < body.character->mesh.triangles.size(); ++t) painter.Draw(t, canvas);
   for (const Eye& eye : body.eyes) DrawEye(eye, light, look, projection, canvas);
 }
 

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "bench/picture/canvas.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/view/strand_light.hpp"
+#include "core/groom/surface_colour.hpp"
 
 namespace pelt {
 
@@ -20,17 +22,20 @@ struct Eye {
 
 struct Body {
   const Character* character;
-  std::vector<glm::vec3> position, normal;  // world
-  std::vector<glm::vec3> colour;            // of the skin, linear
-  std::vector<float> covered;               // by fur, 0 to 1
-  float mean_covered = 0.0f;                // where fur grows
+  std::vector<glm::vec3> position, normal;       // world
+  std::shared_ptr<const SurfaceColour> surface;  // what the character's file says of its colour
+  std::vector<glm::vec3> fur;                    // colour at its roots, linear
+  std::vector<float> covered;                    // by fur, 0 to 1
+  std::vector<uint8_t> furry_material;           // those that fur grows on
+  float mean_covered = 0.0f;                     // where fur grows
   std::vector<Eye> eyes;
 };
 
 // Light left at skin that is covered so far, and at the roots of the fur.
 float DepthFloor(float covered);
 
-Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor);
+Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
+              std::shared_ptr<const SurfaceColour> surface);
 
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;

@@ -58,29 +58,6 @@ void Canvas::SetBackground(uint32_t x, uint32_t y, uint32_t side, const glm::vec
       colour_[size_t(row) * width_ + column] = colour;
 }
 
-void Canvas::DrawTriangle(const Corner& a, const Corner& b, const Corner& c) {
-  const glm::vec2 p = a.at, q = b.at, r = c.at;
-  const float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-  if (area == 0.0f) return;
-  const auto low = [](float v) { return uint32_t(std::max(0.0f, std::floor(v))); };
-  const uint32_t x0 = low(std::min({p.x, q.x, r.x})), y0 = low(std::min({p.y, q.y, r.y}));
-  const float x_end = std::min(std::max({p.x, q.x, r.x}) + 1.0f, float(width_));
-  const float y_end = std::min(std::max({p.y, q.y, r.y}) + 1.0f, float(height_));
-  for (uint32_t y = y0; float(y) < y_end; ++y)
-    for (uint32_t x = x0; float(x) < x_end; ++x) {
-      const glm::vec2 s(float(x) + 0.5f, float(y) + 0.5f);
-      const float u = ((r.x - q.x) * (s.y - q.y) - (r.y - q.y) * (s.x - q.x)) / area;
-      const float v = ((p.x - r.x) * (s.y - r.y) - (p.y - r.y) * (s.x - r.x)) / area;
-      const float w = 1.0f - u - v;
-      if (u < 0.0f || v < 0.0f || w < 0.0f) continue;
-      const size_t i = size_t(y) * width_ + x;
-      const float depth = u * a.at.z + v * b.at.z + w * c.at.z;
-      if (depth >= depth_[i]) continue;
-      depth_[i] = depth;
-      colour_[i] = a.colour * u + b.colour * v + c.colour * w;
-    }
-}
-
 void Canvas::DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour) {
   const size_t i = size_t(y) * width_ + x;
   if (depth >= depth_[i]) return;

@@ -4,6 +4,8 @@
 // writes would: a wrong sort shows. Between layers, and against the body, depth decides.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -35,11 +37,9 @@ class Canvas {
   // Of a square of samples.
   void SetBackground(uint32_t x, uint32_t y, uint32_t side, const glm::vec3& colour);
 
-  struct Corner {
-    glm::vec3 at;  // projected
-    glm::vec3 colour;
-  };
-  void DrawTriangle(const Corner& a, const Corner& b, const Corner& c);
+  // Of projected corners; shade(shares of the corners) is the colour of a place.
+  template <class Shade>
+  void DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
 
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
@@ -62,6 +62,31 @@ class Canvas {
   std::vector<float> depth_, layer_depth_;
   uint32_t touched_from_, touched_to_ = 0;
 };
+
+template <class Shade>
+void Canvas::DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade) {
+  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  if (area == 0.0f) return;
+  const auto low = [](float v) { return uint32_t(std::max(0.0f, std::floor(v))); };
+  const uint32_t x0 = low(std::min({a.x, b.x, c.x})), y0 = low(std::min({a.y, b.y, c.y}));
+  const float x_end = std::min(std::max({a.x, b.x, c.x}) + 1.0f, float(width_));
+  const float y_end = std::min(std::max({a.y, b.y, c.y}) + 1.0f, float(height_));
+  for (uint32_t y = y0; float(y) < y_end; ++y)
+    for (uint32_t x = x0; float(x) < x_end; ++x) {
+      const glm::vec2 s(float(x) + 0.5f, float(y) + 0.5f);
+      const float u = ((c.x - b.x) * (s.y - b.y) - (c.y - b.y) * (s.x - b.x)) / area;
+      const float v = ((a.x - c.x) * (s.y - c.y) - (a.y - c.y) * (s.x - c.x)) / area;
+      const glm::vec3 on_screen(u, v, 1.0f - u - v);
+      if (u < 0.0f || v < 0.0f || on_screen.z < 0.0f) continue;
+      // What is even in the world is even on the screen by the depth's reciprocal.
+      const glm::vec3 nearness = on_screen / glm::vec3(a.z, b.z, c.z);
+      const float depth = 1.0f / (nearness.x + nearness.y + nearness.z);
+      const size_t i = size_t(y) * width_ + x;
+      if (depth >= depth_[i]) continue;
+      depth_[i] = depth;
+      colour_[i] = shade(nearness * depth);
+    }
+}
 
 // Linear light of sRGB bytes.
 glm::vec3 LinearColour(uint32_t aabbggrr);

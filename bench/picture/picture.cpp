@@ -91,13 +91,19 @@ std::vector<std::byte> EncodePng(const std::vector<uint8_t>& rgb, uint32_t width
 
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
-                                   const PictureOptions& options) {
+                                   const PictureOptions& options, std::vector<std::string>& notes) {
   Canvas canvas(options.width_px * options.samples, options.height_px * options.samples);
   const Projection projection(camera, canvas.width(), canvas.height());
   const LightSet light = DefaultLights();
   std::vector<Body> bodies;
+  std::vector<std::shared_ptr<const SurfaceColour>> surfaces;
+  for (const Character& character : scenario.characters) {
+    surfaces.push_back(std::make_shared<const SurfaceColour>(character));
+    const auto& faults = surfaces.back()->faults();
+    notes.insert(notes.end(), faults.begin(), faults.end());
+  }
   for (uint32_t a = 0; a < scenario.actors.size(); ++a)
-    bodies.push_back(PoseBody(scenario, scene, a));
+    bodies.push_back(PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character]));
   const std::vector<std::vector<Hair>> layers = ReadHairs(scene, order);
   const SceneShadows shadows(light.to_sun, bodies, layers);
   DrawGround(projection, shadows, options.samples, canvas);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "bench/scenarios/scenarios.hpp"
@@ -16,9 +17,10 @@ struct PictureOptions {
   uint32_t samples = 3;  // a side of each pixel
 };
 
-// A PNG of the scene's last frame as `camera` saw it.
+// A PNG of the scene's last frame as `camera` saw it. What of the characters' own images could not be drawn goes into
+// `notes`.
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
-                                   const PictureOptions& options);
+                                   const PictureOptions& options, std::vector<std::string>& notes);
 
 }  // namespace pelt
