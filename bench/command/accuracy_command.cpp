@@ -9,6 +9,7 @@
 
 #include "bench/accuracy/recorded_run.hpp"
 #include "bench/accuracy/report/accuracy_features.hpp"
+#include "bench/accuracy/report/accuracy_order.hpp"
 #include "bench/accuracy/report/accuracy_report.hpp"
 #include "bench/accuracy/report/accuracy_scene.hpp"
 #include "bench/command/commands.hpp"
@@ -76,6 +77,16 @@ int MeasureScene(const AccuracyArgs& args) {
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   PrintTree(args, MakeSceneTree(report));
+  return 0;
+}
+
+int MeasureOrder(const AccuracyArgs& args) {
+  OrderOptions options{.scene = args.scene, .isa = args.isa, .quick = args.quick};
+  std::optional<Progress> shown;
+  options.progress = ShowOn(shown);
+  const OrderPrecision precision = MeasureOrderPrecision(options);
+  shown.reset();
+  PrintTree(args, MakeOrderTree(precision, DescribeMachine()));
   return 0;
 }
 
@@ -164,6 +175,7 @@ int MeasureAccuracy(const AccuracyArgs& args) {
   if (!FindKernels(args.isa))
     throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
   if (!args.write_example.empty()) return WriteExample(args.write_example);
+  if (args.order) return MeasureOrder(args);
   if (!args.scene.empty()) return MeasureScene(args);
   if (args.features) return MeasureAllFeatures(args);
   return args.roots.empty() ? MeasureAll(args) : RunRecorded(args);

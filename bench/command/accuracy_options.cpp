@@ -78,6 +78,10 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
          "With --scene: without surface, ground and spheres, whose impacts no quality follows "
          "more closely than its substeps")
       ->needs(scene);
+  app.add_flag("--order", args.order,
+               "With --scene: pictures of it in other drawing orders against every pixel sorted by "
+               "itself")
+      ->needs(scene);
   app.add_flag("--features", args.features,
                "Instead of the benchmark: error, penetration and time of contacts, max_distance, "
                "clumps, strength and wind");
@@ -89,6 +93,7 @@ void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
                {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--scene",
                 "--features"});
   RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
+  RefuseBeside(app, "--order", {"--frames", "--no-contact"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated"});
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
@@ -121,6 +126,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "  pelt accuracy --quick\n"
       "  pelt accuracy --quick --presets soft,stiff --json accuracy.json\n"
       "  pelt accuracy --scene tiny --quick --json scene.json\n"
+      "  pelt accuracy --scene tiny --order --quick\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"
       "  pelt accuracy --write-example .\n"
       "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "

@@ -65,36 +65,19 @@ void Canvas::DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& col
   colour_[i] = colour;
 }
 
-// Every sample whose nearest point of the segment is closer than half the width there (at least
-// half a sample: thinner hairs are painted as wide, with less coverage).
-void Canvas::DrawHair(const Knot& a, const Knot& b, float alpha) {
-  const glm::vec2 p = a.at, along = glm::vec2(b.at) - p;
-  const float length2 = std::max(glm::dot(along, along), 1e-12f);
-  const float reach = 0.5f * std::max({a.width, b.width, 1.0f});
-  const float left = std::min(a.at.x, b.at.x) - reach, right = std::max(a.at.x, b.at.x) + reach;
-  const float top = std::min(a.at.y, b.at.y) - reach, bottom = std::max(a.at.y, b.at.y) + reach;
-  if (right < 0.0f || bottom < 0.0f || left >= float(width_) || top >= float(height_)) return;
-  const uint32_t x0 = uint32_t(std::max(left, 0.0f)), y0 = uint32_t(std::max(top, 0.0f));
-  const uint32_t x1 = std::min(uint32_t(right) + 1, width_),
-                 y1 = std::min(uint32_t(bottom) + 1, height_);
-  touched_from_ = std::min(touched_from_, y0);
-  touched_to_ = std::max(touched_to_, y1);
-  for (uint32_t y = y0; y < y1; ++y)
-    for (uint32_t x = x0; x < x1; ++x) {
-      const glm::vec2 s = glm::vec2(float(x) + 0.5f, float(y) + 0.5f) - p;
-      const float t = glm::dot(s, along) / length2;
-      if (t < 0.0f || t >= 1.0f) continue;  // the neighbouring segment has it
-      const glm::vec2 off = s - along * t;
-      const float width = a.width + (b.width - a.width) * t;
-      const float half = 0.5f * std::max(width, 1.0f);
-      if (glm::dot(off, off) > half * half) continue;
-      const size_t i = size_t(y) * width_ + x;
-      const float depth = a.at.z + (b.at.z - a.at.z) * t;
-      if (depth >= depth_[i]) continue;
-      const float coverage = alpha * std::min(width, 1.0f);
-      colour_[i] = Over(glm::mix(a.colour, b.colour, t), coverage, colour_[i]);
-      if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
-    }
+void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha) {
+  const SampleBox box = ForEachHairSample(
+      a, b, width_, height_,
+      [&](uint32_t x, uint32_t y, float depth, const glm::vec3& colour, float coverage) {
+        const size_t i = size_t(y) * width_ + x;
+        if (depth >= depth_[i]) return;
+        coverage *= alpha;
+        colour_[i] = Over(colour, coverage, colour_[i]);
+        if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
+      });
+  if (box.y1 == 0) return;
+  touched_from_ = std::min(touched_from_, box.y0);
+  touched_to_ = std::max(touched_to_, box.y1);
 }
 
 void Canvas::FinishLayer() {

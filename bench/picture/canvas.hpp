@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "bench/picture/hair_samples.hpp"
 #include "core/view.hpp"
 
 namespace pelt {
@@ -43,13 +44,8 @@ class Canvas {
 
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
-  // A tapering segment of a hair, painted with coverage `alpha`. Widths in samples.
-  struct Knot {
-    glm::vec3 at;
-    glm::vec3 colour;
-    float width;
-  };
-  void DrawHair(const Knot& a, const Knot& b, float alpha);
+  // A tapering piece of a hair, painted with coverage `alpha`.
+  void DrawHair(const HairEnd& a, const HairEnd& b, float alpha);
   // Hairs drawn so far hide what lies behind them from now on.
   void FinishLayer();
 

@@ -6,6 +6,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/scene_shadows.hpp"
+#include "bench/picture/shade_hair.hpp"
 #include "bench/view/default_look.hpp"
 #include "core/error.hpp"
 
@@ -16,8 +17,6 @@
 
 namespace pelt {
 namespace {
-
-constexpr float kNoiseKnots = 3.0f;  // of noise along a hair
 
 // How far above the skin light is whole: the tip's height, or for hair that lies flat a share of its length.
 float DepthOf(const Hair& hair) {
@@ -30,26 +29,15 @@ float DepthOf(const Hair& hair) {
 
 void DrawHair(const Hair& hair, const LightSet& light, float floor, const Projection& projection,
               const SceneShadows& shadows, Canvas& canvas) {
-  const glm::vec3 base = LinearColour(hair.base_colour), tip = LinearColour(hair.tip_colour);
   const float depth = DepthOf(hair);
-  Canvas::Knot last{};
+  HairEnd last{};
   for (uint32_t k = 0; k < hair.knots; ++k) {
-    const float t = float(k) / float(hair.knots - 1);
     const glm::vec3 at = hair.knot[k].at;
-    const glm::vec3 along =
-        hair.knot[std::min(k + 1, hair.knots - 1)].at - hair.knot[k ? k - 1 : 0].at;
-    const HairPoint point{.colour = glm::mix(base, tip, t),
-                          .tangent = along / std::max(glm::length(along), 1e-9f),
-                          .normal = hair.normal,
-                          .to_eye = glm::normalize(projection.eye() - at),
-                          .depth_light = DepthShadow(at, hair.root, hair.normal, depth, floor),
-                          .sun_share = shadows.OnActor(hair.actor, at),
-                          .noise = StrandNoise(hair.number, t, kNoiseKnots)};
-    const glm::vec3 screen = projection.Project(at);
-    const Canvas::Knot knot{screen, ShadeHair(light, kDefaultHair, point),
-                            hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
-    if (k > 0) canvas.DrawHair(last, knot, hair.Alpha());
-    last = knot;
+    const HairEnd end =
+        ShadeKnot(hair, k, light, DepthShadow(at, hair.root, hair.normal, depth, floor),
+                  shadows.OnActor(hair.actor, at), projection);
+    if (k > 0) canvas.DrawHair(last, end, hair.Alpha());
+    last = end;
   }
 }
 

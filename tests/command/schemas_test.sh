@@ -61,6 +61,7 @@ hold_file() {
 hold_file stress stress --quick --solvers modal --links 3 --rates 60 --isa reference
 hold_file accuracy accuracy --quick --presets soft
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12
+hold_file accuracy_order accuracy --quick --scene tiny --order
 hold_file accuracy_features accuracy --quick --features --links 3
 
 # A key that nobody documented, and one that went missing, are seen.

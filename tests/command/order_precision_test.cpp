@@ -1,0 +1,33 @@
+// Drawing orders of a scene's frames: what must hold of them whatever the machine.
+#include "bench/accuracy/order_precision.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pelt::accuracy {
+namespace {
+
+TEST(OrderPrecision, AnOlderOrderIsNoBetterAndNoneIsFarWorse) {
+  const OrderPrecision t = MeasureOrderPrecision({.scene = "monster", .quick = true});
+  const auto find = [&](std::string_view begin) {
+    for (const OrderRow& row : t.rows)
+      if (row.name.starts_with(begin)) return row;
+    ADD_FAILURE() << begin;
+    return OrderRow{};
+  };
+  const OrderRow sorted = find("sorted"), half = find("every 2nd"), eighth = find("every 8th");
+  const OrderRow unsorted = find("strand order"), reversed = find("near to far");
+  EXPECT_GE(sorted.psnr_db, half.psnr_db);
+  EXPECT_GT(half.psnr_db, eighth.psnr_db);
+  EXPECT_GT(sorted.psnr_db, unsorted.psnr_db + 3.0);
+  EXPECT_GT(unsorted.psnr_db, reversed.psnr_db);
+  EXPECT_LT(sorted.wrong_pixels, reversed.wrong_pixels);
+  EXPECT_GT(sorted.sort_ns, 0.0);
+  EXPECT_EQ(half.sort_ns, 0.5 * sorted.sort_ns);
+  EXPECT_EQ(unsorted.sort_ns, 0.0);
+  EXPECT_LT(reversed.sort_ns, 0.0);
+  EXPECT_GT(t.drawn_strands, 100.0);
+  EXPECT_LE(t.drawn_strands, double(t.strands));
+}
+
+}  // namespace
+}  // namespace pelt::accuracy
