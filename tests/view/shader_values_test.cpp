@@ -77,6 +77,8 @@ std::vector<Function> ListFunctions() {
        [](A a) { return Wide(HairDiffuse(Unit(a.d), Unit(a.e))); }},
       {"ShiftTangent", "vec4(ShiftTangent(d.xyz, e.xyz, 0.5 * v.x), 0.0)",
        [](A a) { return Wide(ShiftTangent(Unit(a.d), Unit(a.e), 0.5f * a.v.x)); }},
+      {"Halfway", "vec4(Halfway(d.xyz, e.xyz), 0.0)",
+       [](A a) { return Wide(Halfway(Unit(a.d), Unit(a.e))); }},
       {"HairLobe", "vec4(HairLobe(d.xyz, e.xyz, 1.0 + 90.0 * u.x), 0.0, 0.0, 0.0)",
        [](A a) { return Wide(HairLobe(Unit(a.d), Unit(a.e), 1.0f + 90.0f * a.u.x)); }},
       {"WrapDiffuse", "vec4(WrapDiffuse(v.x, u.x), 0.0, 0.0, 0.0)",
@@ -142,11 +144,17 @@ std::vector<Function> ListFunctions() {
        [](A a) { return Wide(CoatColour(kLook, glm::vec3(a.u), a.u.w)); }},
       {"Highlights", "LIGHT vec4(Highlights(look, point, light.to_sun), 0.0)",
        [](A a) { return Wide(Highlights(kLook, PointOf(a), Unit(a.d))); }},
+      {"OutlineLight", "LIGHT vec4(OutlineLight(light, look, u.xyz, e.xyz, point.to_eye), 0.0)",
+       [](A a) {
+         const glm::vec3 to_eye = PointOf(a).to_eye;
+         return Wide(OutlineLight(LightOf(a), kLook, glm::vec3(a.u), Unit(a.e), to_eye));
+       }},
       {"ShadeHair", "LIGHT vec4(ShadeHair(light, look, point), 0.0)",
        [](A a) { return Wide(ShadeHair(LightOf(a), kLook, PointOf(a))); }},
-      {"ShadeSkin", "LIGHT vec4(ShadeSkin(light, look, u.xyz, e.xyz, u.w, u.x), 0.0)",
+      {"ShadeSkin", "LIGHT vec4(ShadeSkin(light, look, u.xyz, e.xyz, point.to_eye, u.w, u.x), 0.0)",
        [](A a) {
-         return Wide(ShadeSkin(LightOf(a), kLook, glm::vec3(a.u), Unit(a.e), a.u.w, a.u.x));
+         return Wide(ShadeSkin(LightOf(a), kLook, glm::vec3(a.u), Unit(a.e), PointOf(a).to_eye,
+                               a.u.w, a.u.x));
        }},
   };
 }
