@@ -87,6 +87,10 @@ glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
   return direction;
 }
 
+constexpr float kRootShade = 0.6f;  // of fur that is coloured as the surface
+
+bool IsSaid(uint32_t colour) { return colour >> 24 != 0; }
+
 uint32_t ScaleColour(uint32_t colour, const glm::vec3& factor) {
   uint32_t scaled = colour & 0xff000000u;
   for (int i = 0; i < 3; ++i) {
@@ -140,7 +144,19 @@ RestShape MakeEqualSegments(const RestShape& places, double length, uint32_t poi
 
 AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
                                const FurSetup& setup, const LayerSetup& layer)
-    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {}
+    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {
+  if (!IsSaid(layer.base_colour) || !IsSaid(layer.tip_colour)) surface_.emplace(character);
+}
+
+uint32_t AttributeMaker::ColourAt(const SurfacePoint& place, uint32_t said, float darker) const {
+  if (IsSaid(said)) return said;
+  if (!surface_ || !surface_->Knows(place.triangle)) return said | 0xff000000u;
+  const glm::vec3 linear = surface_->At(place) * darker;
+  uint32_t colour = 0xff000000u;
+  for (int c = 0; c < 3; ++c)
+    colour |= uint32_t(255.0 * std::clamp(ExactSrgb(double(linear[c])), 0.0, 1.0) + 0.5) << (8 * c);
+  return colour;
+}
 
 GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) const {
   GroomedStrand groomed{};
@@ -183,8 +199,8 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
     for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i);
   }
   tint *= float(1.0 + variation * RandomFor(layer_.seed, kBrightness, strand).Uniform(-1.0, 1.0));
-  groomed.base_colour = ScaleColour(layer_.base_colour, tint);
-  groomed.tip_colour = ScaleColour(layer_.tip_colour, tint);
+  groomed.base_colour = ScaleColour(ColourAt(point.place, layer_.base_colour, kRootShade), tint);
+  groomed.tip_colour = ScaleColour(ColourAt(point.place, layer_.tip_colour, 1.0f), tint);
   const uint32_t strips = std::clamp(layer_.film_strip_count, 1u, 256u);
   groomed.film_strip = uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
   return groomed;

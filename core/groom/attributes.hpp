@@ -7,11 +7,13 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/groom/comb.hpp"
 #include "core/groom/growth.hpp"
 #include "core/groom/scatter.hpp"
+#include "core/groom/surface_colour.hpp"
 
 namespace pelt {
 
@@ -62,6 +64,10 @@ class AttributeMaker {
   const RestGeometry& rest_;
   const LayerSetup& layer_;
   Comb comb_;
+  std::optional<SurfaceColour> surface_;  // if the layer takes colours from it
+
+  // The colour that the setup says, or the surface's at the root, this much darker in linear light.
+  uint32_t ColourAt(const SurfacePoint& place, uint32_t said, float darker) const;
 };
 
 }  // namespace pelt

@@ -175,6 +175,30 @@ TEST(Attributes, NoStrandStartsIntoTheSkin) {
   }
 }
 
+// One material of the torus is orange, of the other nothing is known.
+TEST(Attributes, ColoursThatTheSetupDoesNotSayAreTheSurfaces) {
+  Fixture f;
+  f.character.mesh.looks.resize(2);
+  f.character.mesh.looks[0] = {.stated = true, .base_colour = {1.0f, 0.215861f, 0.0f}};
+  const LayerSetup plain;
+  int orange = 0, others = 0;
+  for (const GroomedStrand& s : f.Groom()) {
+    if (f.character.mesh.triangle_material[s.place.triangle] == 0) {
+      ++orange;
+      EXPECT_EQ(s.tip_colour, 0xff0080ffu);
+      EXPECT_EQ(s.base_colour & 255, 203u);  // 0.6 of it in linear light
+    } else {
+      ++others;
+      EXPECT_EQ(s.tip_colour, plain.tip_colour | 0xff000000u);
+      EXPECT_EQ(s.base_colour, plain.base_colour | 0xff000000u);
+    }
+  }
+  EXPECT_GT(orange, 0);
+  EXPECT_GT(others, 0);
+  f.layer.tip_colour = 0xff123456u;
+  for (const GroomedStrand& s : f.Groom()) EXPECT_EQ(s.tip_colour, 0xff123456u);
+}
+
 TEST(Attributes, ColoursFollowMapAndVariationAndKeepTheirAlpha) {
   Fixture f;
   f.layer.base_colour = 0x80ff6432;  // alpha 128, b 255, g 100, r 50
