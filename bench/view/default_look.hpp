@@ -11,7 +11,7 @@ inline LightSet DefaultLights() {
   light.to_sun = glm::normalize(glm::vec3(0.45f, 0.8f, 0.55f));
   light.sun = {1.80f, 1.64f, 1.40f};
   light.to_rim = glm::normalize(glm::vec3(-0.6f, 0.45f, -0.65f));
-  light.rim = {1.15f, 1.25f, 1.45f};
+  light.rim = {1.00f, 1.08f, 1.25f};
   const glm::vec3 sky(0.70f, 0.78f, 0.95f), floor(0.46f, 0.40f, 0.38f), up(0.0f, 1.0f, 0.0f);
   const glm::vec4 half = ShHemisphere() * ShWindow(6.0f);
   ShAddZonal(up, half, sky, light.sky);
