@@ -68,9 +68,9 @@ class BodyPainter {
 
   // An image is shaded at every sample, what has none at the corners.
   void Draw(uint32_t triangle, Canvas& canvas) const {
-    const auto& [a, b, c] = body_.character->mesh.triangles[triangle];
+    const auto& corner = body_.character->mesh.triangles[triangle];
     const auto draw = [&](auto shade) {
-      canvas.DrawTriangle(screen_[a], screen_[b], screen_[c], shade);
+      canvas.DrawTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], shade);
     };
     if (body_.surface->HasImage(triangle))
       return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });

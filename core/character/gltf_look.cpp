@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/printable.hpp"
 
