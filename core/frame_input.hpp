@@ -1,11 +1,12 @@
-// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, and what may
-// be left out. Plain data, so that it can be recorded and replayed (traces/).
+// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, lights, and
+// what may be left out. Plain data, so that it can be recorded and replayed (traces/).
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "core/chunk.hpp"
+#include "core/lighting.hpp"
 #include "core/view.hpp"
 #include "core/wind_setup.hpp"
 
@@ -29,7 +30,8 @@ struct LodSettings {
 // into view: it starts from its groom. All others, and culling while every layer is seen, change no
 // bit.
 struct SkipSettings {
-  bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, lod = false;
+  bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, light = true,
+       lod = false;
 };
 
 // An arm, a collar, a hand: what a ball covers on its way from one point to another. Free, or bound
@@ -57,6 +59,7 @@ struct FrameInput {
   uint32_t capsule_count = 0;
   CapsuleCollider capsule[kCapsulesPerScene];
   std::span<const Weather> weather;  // one a character; empty: dry and clean
+  Lighting lighting;
   LodSettings lod;
   SkipSettings skip;
 };

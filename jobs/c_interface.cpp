@@ -55,7 +55,8 @@ struct SkipBit {
 constexpr SkipBit kSkips[] = {
     {PELT_SLEEP, &pelt::SkipSettings::sleep}, {PELT_UNMOVED, &pelt::SkipSettings::unmoved},
     {PELT_SORT, &pelt::SkipSettings::sort},   {PELT_CULL, &pelt::SkipSettings::cull},
-    {PELT_WIND, &pelt::SkipSettings::wind},   {PELT_LOD, &pelt::SkipSettings::lod}};
+    {PELT_WIND, &pelt::SkipSettings::wind},   {PELT_LOD, &pelt::SkipSettings::lod},
+    {PELT_LIGHT, &pelt::SkipSettings::light}};
 
 // Characters that share bytes share a groom.
 Result<> ReadGrooms(const PeltBytes* files, uint32_t count, PeltScene& scene) {
@@ -115,6 +116,38 @@ void Copy(const float (&from)[kN], float (&to)[kN]) {
   std::copy_n(from, kN, to);
 }
 
+const char* TranslateLighting(const PeltFrame& from, pelt::Lighting& to) {
+  if (from.light_count > std::size(to.light)) return "more lights than a scene holds";
+  if (from.light_count != 0 && !from.lights) return "the lights are null";
+  if (from.irradiance_sample_count > std::size(to.sample))
+    return "more irradiance samples than a scene holds";
+  if (from.irradiance_sample_count != 0 && !from.irradiance_samples)
+    return "the irradiance samples are null";
+  to.light_count = from.light_count;
+  to.sample_count = from.irradiance_sample_count;
+  for (uint32_t l = 0; l < to.light_count; ++l) {
+    const PeltLight& light = from.lights[l];
+    Copy(light.position, to.light[l].position);
+    to.light[l].radius = light.radius;
+    Copy(light.rgb, to.light[l].rgb);
+    to.light[l].range = light.range;
+  }
+  for (uint32_t s = 0; s < to.sample_count; ++s) {
+    const PeltIrradianceSample& sample = from.irradiance_samples[s];
+    Copy(sample.position, to.sample[s].position);
+    to.sample[s].falloff = sample.falloff;
+    Copy(sample.sky, to.sample[s].sky);
+    Copy(sample.ground, to.sample[s].ground);
+    Copy(sample.up, to.sample[s].up);
+  }
+  Copy(from.sun_direction, to.sun_direction);
+  Copy(from.sun_rgb, to.sun_rgb);
+  Copy(from.rim_direction, to.rim_direction);
+  Copy(from.rim_rgb, to.rim_rgb);
+  to.rim_exponent = from.rim_exponent;
+  return nullptr;
+}
+
 // Null, or what the counts and pointers of the frame promise and do not hold.
 const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather,
                       pelt::FrameInput& to) {
@@ -151,6 +184,7 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
     to.capsule[c].character = capsule.character;
     to.capsule[c].joint = capsule.joint;
   }
+  if (const char* fault = TranslateLighting(from, to.lighting)) return fault;
   if (from.weather) {
     for (size_t c = 0; c < weather.size(); ++c)
       weather[c] = {from.weather[c][0], from.weather[c][1]};
@@ -236,6 +270,9 @@ void pelt_default_frame(PeltFrame* frame) {
   frame->gust_period_s = in.wind.gust_period_s;
   frame->turbulence_scale_m = in.wind.turbulence_scale_m;
   Copy(in.ground, frame->ground);
+  Copy(in.lighting.sun_direction, frame->sun_direction);
+  Copy(in.lighting.rim_direction, frame->rim_direction);
+  frame->rim_exponent = in.lighting.rim_exponent;
   frame->full_detail_px = in.lod.full_detail_px;
   frame->min_fraction = in.lod.min_fraction;
   frame->hysteresis = in.lod.hysteresis;

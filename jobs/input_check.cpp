@@ -18,6 +18,9 @@ constexpr const char* kNotUsable = "is not finite, or beyond 1e6";
 constexpr double kShortest_s = 1.0e-6;
 // A lifetime. The wind's course is a function of the time, and a double has to hold it.
 constexpr double kLatest_s = 1.0e9;
+// Weights are shares of it.
+constexpr float kShortestFalloff_m = 1.0e-3f;
+constexpr float kLargestExponent = 1000.0f;
 
 // A fault's text, in place.
 template <class... Args>
@@ -25,6 +28,12 @@ const char* Say(std::string& text, fmt::format_string<Args...> format, Args&&...
   text.clear();
   FormatTo(text, format, std::forward<Args>(args)...);
   return text.c_str();
+}
+
+bool IsWithin(float value, float low, float high) { return value >= low && value <= high; }
+// Not so of NaN.
+bool IsUnit(const float* n) {
+  return std::abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0f) <= 1.0e-3f;
 }
 
 const char* FindCameraRangeFault(const Camera& c) {
@@ -46,9 +55,7 @@ const char* FindWindFault(const WindSetup& w) {
 const char* FindObstacleFault(const FrameInput& in) {
   if (in.use_ground) {
     if (!AreUsable(in.ground, 4)) return "the ground plane is not finite, or beyond 1e6";
-    const float* n = in.ground;
-    const float length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (std::abs(length2 - 1.0f) > 1.0e-3f) return "the ground plane's normal is not unit";
+    if (!IsUnit(in.ground)) return "the ground plane's normal is not unit";
   }
   if (in.sphere_count > kSpheresPerScene) return "more spheres than a scene holds";
   for (uint32_t s = 0; s < in.sphere_count; ++s)
@@ -76,6 +83,44 @@ const char* FindCapsuleFault(const FrameInput& in, const SceneShape& shape, cons
       return Say(text, "capsule {}: bound to joint {} of character {}, which has {}", c,
                  capsule.joint, capsule.character, joints);
   }
+  return nullptr;
+}
+
+// Null, or what is wrong with the light, or with the sample.
+const char* FindOneFault(const SphereLight& light) {
+  if (!AreUsable(light.position, 3)) return "its position is not finite, or beyond 1e6";
+  if (!AreUsable(light.rgb, 3)) return "its colour is not finite, or beyond 1e6";
+  if (!IsWithin(light.radius, 0.0f, kLargestInput)) return "its radius is not in [0, 1e6] m";
+  return IsWithin(light.range, 0.0f, kLargestInput) ? nullptr : "its range is not in [0, 1e6] m";
+}
+const char* FindOneFault(const IrradianceSample& sample) {
+  if (!AreUsable(sample.position, 3)) return "its position is not finite, or beyond 1e6";
+  if (!AreUsable(sample.sky, 3) || !AreUsable(sample.ground, 3))
+    return "a colour is not finite, or beyond 1e6";
+  if (!IsWithin(sample.falloff, kShortestFalloff_m, kLargestInput))
+    return "its falloff is not in [1e-3, 1e6] m";
+  return IsUnit(sample.up) ? nullptr : "its up is not unit";
+}
+
+// Writes the reason to `text`; null where there is none.
+const char* FindLightingFault(const Lighting& in, std::string& text) {
+  if (in.light_count > kLightsPerScene)
+    return Say(text, "{} lights, a scene holds {}", in.light_count, kLightsPerScene);
+  if (in.sample_count > kIrradianceSamplesPerScene)
+    return Say(text, "{} irradiance samples, a scene holds {}", in.sample_count,
+               kIrradianceSamplesPerScene);
+  for (uint32_t l = 0; l < in.light_count; ++l)
+    if (const char* what = FindOneFault(in.light[l])) return Say(text, "light {}: {}", l, what);
+  for (uint32_t s = 0; s < in.sample_count; ++s)
+    if (const char* what = FindOneFault(in.sample[s]))
+      return Say(text, "irradiance sample {}: {}", s, what);
+  if (!IsUnit(in.sun_direction)) return Say(text, "the sun's direction is not unit");
+  if (!AreUsable(in.sun_rgb, 3)) return Say(text, "the sun's colour {}", kNotUsable);
+  if (!IsUnit(in.rim_direction)) return Say(text, "the rim light's direction is not unit");
+  if (!AreUsable(in.rim_rgb, 3)) return Say(text, "the rim light's colour {}", kNotUsable);
+  if (!IsWithin(in.rim_exponent, 0.0f, kLargestExponent))
+    return Say(text, "the rim light's exponent is {}, not in [0, {}]", in.rim_exponent,
+               kLargestExponent);
   return nullptr;
 }
 
@@ -109,6 +154,7 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const 
   if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
   if (const char* what = FindObstacleFault(in)) return fault("{}", what);
   if (const char* what = FindCapsuleFault(in, shape, gate, text)) return what;
+  if (const char* what = FindLightingFault(in.lighting, text)) return what;
   if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
   if (!in.weather.empty() && in.weather.size() != shape.character_count)
     return fault("weather for {} characters, the scene has {}", in.weather.size(),

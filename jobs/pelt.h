@@ -99,7 +99,8 @@ enum PeltSkip { /* what may be left out; of these only PELT_LOD and PELT_CULL ca
                 PELT_SORT = 4,
                 PELT_CULL = 8,
                 PELT_WIND = 16,
-                PELT_LOD = 32
+                PELT_LOD = 32,
+                PELT_LIGHT = 64
 };
 
 #define PELT_FREE UINT32_MAX
@@ -112,6 +113,22 @@ typedef struct PeltCapsule {
   uint32_t character; /* whose joint it is */
   uint32_t joint;     /* or PELT_FREE */
 } PeltCapsule;
+
+/* A ball that shines; of radius 0 a point. Colours are linear. */
+typedef struct PeltLight {
+  float position[3]; /* m, world */
+  float radius;      /* m */
+  float rgb[3];      /* irradiance of what faces it, at 1 m */
+  float range;       /* m: it falls to 0 there; 0: it reaches everywhere */
+} PeltLight;
+
+/* The surroundings as seen from a place: a sky above a ground, linear radiance. */
+typedef struct PeltIrradianceSample {
+  float position[3]; /* m, world */
+  float falloff;     /* m, above 0: its weight falls to 0 there */
+  float sky[3], ground[3];
+  float up[3]; /* unit */
+} PeltIrradianceSample;
 
 typedef struct PeltFrame {
   double dt_s;   /* 1e-6 to 1; or 0: a pause */
@@ -128,6 +145,12 @@ typedef struct PeltFrame {
   const float (*spheres)[4]; /* centre, radius */
   uint32_t capsule_count;    /* at most 8 */
   const PeltCapsule* capsules;
+  uint32_t light_count; /* at most 8 */
+  const PeltLight* lights;
+  uint32_t irradiance_sample_count; /* at most 12 */
+  const PeltIrradianceSample* irradiance_samples;
+  float sun_direction[3], sun_rgb[3];               /* towards it, unit */
+  float rim_direction[3], rim_rgb[3], rim_exponent; /* the side that has the rim, unit */
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
   float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */

@@ -102,14 +102,11 @@ struct Flatten {
 std::vector<Field> FieldsOf(const FrameInput& input) {
   Flatten flatten;
   ListInputFields(flatten, input);
-  for (uint32_t s = 0; s < input.sphere_count; ++s)
-    flatten(Format("sphere[{}]", s), input.sphere[s]);
-  for (uint32_t c = 0; c < input.capsule_count; ++c)
-    ListCapsuleFields(
-        [&](const char* field, const auto& value) {
-          flatten(Format("capsule[{}].{}", c, field), value);
-        },
-        input.capsule[c]);
+  ListCountedFields(
+      [&](const char* what, uint32_t i, const char* field, const auto& value) {
+        flatten(Format("{}[{}]{}{}", what, i, *field ? "." : "", field), value);
+      },
+      input);
   flatten("weather.count", uint32_t(input.weather.size()));
   for (size_t w = 0; w < input.weather.size(); ++w) {
     flatten(Format("weather[{}].wetness", w), input.weather[w].wetness);

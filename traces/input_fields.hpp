@@ -3,8 +3,8 @@
 // it, and kInputLogVersion goes up.
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
-// array of floats. Spheres (as many as sphere_count says), capsules and weather follow; each user
-// lists them after checking the count.
+// array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples and
+// weather follow; each user lists them after checking the count.
 #pragma once
 
 #include "core/frame_input.hpp"
@@ -42,8 +42,19 @@ void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersi
   archive("skip.cull", in.skip.cull);
   archive("skip.wind", in.skip.wind);
   archive("skip.lod", in.skip.lod);
+  if (version >= 3) {
+    archive("skip.light", in.skip.light);
+    archive("sun.direction", in.lighting.sun_direction);
+    archive("sun.rgb", in.lighting.sun_rgb);
+    archive("rim.direction", in.lighting.rim_direction);
+    archive("rim.rgb", in.lighting.rim_rgb);
+    archive("rim.exponent", in.lighting.rim_exponent);
+  }
+  // The counts are last.
   archive("sphere_count", in.sphere_count);
   if (version >= 2) archive("capsule_count", in.capsule_count);
+  if (version >= 3) archive("light_count", in.lighting.light_count);
+  if (version >= 3) archive("irradiance_sample_count", in.lighting.sample_count);
 }
 
 // One capsule. `archive` is called with "from", "to" and so on.
@@ -53,6 +64,37 @@ void ListCapsuleFields(auto&& archive, auto& capsule) {
   archive("radius", capsule.radius);
   archive("character", capsule.character);
   archive("joint", capsule.joint);
+}
+
+void ListLightFields(auto&& archive, auto& light) {
+  archive("position", light.position);
+  archive("radius", light.radius);
+  archive("rgb", light.rgb);
+  archive("range", light.range);
+}
+
+void ListIrradianceFields(auto&& archive, auto& sample) {
+  archive("position", sample.position);
+  archive("falloff", sample.falloff);
+  archive("sky", sample.sky);
+  archive("ground", sample.ground);
+  archive("up", sample.up);
+}
+
+// All of whom there may be more than one, as many as the counts say. `archive` is called with a
+// name, its number and the field: ("capsule", 2, "radius", value); of a sphere without the field.
+void ListCountedFields(auto&& archive, auto& in) {
+  for (uint32_t s = 0; s < in.sphere_count; ++s) archive("sphere", s, "", in.sphere[s]);
+  const auto each = [&](const char* what, uint32_t i) {
+    return [&archive, what, i](const char* field, auto& value) { archive(what, i, field, value); };
+  };
+  for (uint32_t c = 0; c < in.capsule_count; ++c)
+    ListCapsuleFields(each("capsule", c), in.capsule[c]);
+  auto& lighting = in.lighting;
+  for (uint32_t l = 0; l < lighting.light_count; ++l)
+    ListLightFields(each("light", l), lighting.light[l]);
+  for (uint32_t s = 0; s < lighting.sample_count; ++s)
+    ListIrradianceFields(each("irradiance sample", s), lighting.sample[s]);
 }
 
 }  // namespace pelt

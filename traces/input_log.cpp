@@ -160,21 +160,34 @@ void ReadPose(Reader& reader, InputLog& log) {
   log.poses.push_back(pose);
 }
 
+// The counts are the last fields; older versions have fewer of them.
+void CheckInputCounts(Reader& reader, const FrameInput& in, uint32_t version) {
+  const struct {
+    uint32_t count, most;
+    const char* what;
+    uint32_t since;
+  } counts[] = {{in.sphere_count, kSpheresPerScene, "spheres", 1},
+                {in.capsule_count, kCapsulesPerScene, "capsules", 2},
+                {in.lighting.light_count, kLightsPerScene, "lights", 3},
+                {in.lighting.sample_count, kIrradianceSamplesPerScene, "irradiance samples", 3}};
+  size_t at = reader.At();
+  for (const auto& c : counts) at -= version >= c.since ? 4 : 0;
+  for (const auto& c : counts) {
+    if (version < c.since) return;
+    if (c.count > c.most)
+      reader.Fail(at, Format("{} {}, a scene has at most {}", c.count, c.what, c.most));
+    at += 4;
+  }
+}
+
 void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   InputLogFrame frame;
   ListInputFields(reader, frame.input, log.version);
-  const size_t counts_end = reader.At();
-  const size_t capsules_at = counts_end - 4, spheres_at = counts_end - (log.version >= 2 ? 8 : 4);
-  if (frame.input.sphere_count > kSpheresPerScene)
-    reader.Fail(spheres_at, Format("{} spheres, a scene has at most {}", frame.input.sphere_count,
-                                   kSpheresPerScene));
-  if (frame.input.capsule_count > kCapsulesPerScene)
-    reader.Fail(capsules_at, Format("{} capsules, a scene has at most {}",
-                                    frame.input.capsule_count, kCapsulesPerScene));
+  CheckInputCounts(reader, frame.input, log.version);
   if (reader.failed()) return;
-  for (uint32_t s = 0; s < frame.input.sphere_count; ++s) reader("sphere", frame.input.sphere[s]);
-  for (uint32_t c = 0; c < frame.input.capsule_count; ++c)
-    ListCapsuleFields(reader, frame.input.capsule[c]);
+  ListCountedFields(
+      [&reader](const char*, uint32_t, const char* field, auto& value) { reader(field, value); },
+      frame.input);
   const uint32_t characters = log.CharacterCount();
   frame.first_weather = log.weather.size();
   frame.weather_count = reader.Get<uint32_t>();
@@ -205,7 +218,7 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   log.frames.push_back(frame);
 }
 
-// Of a frame without spheres, capsules, weather and poses.
+// Of a frame without spheres, capsules, lights, weather and poses.
 uint64_t LeastFrameBytes(uint32_t characters, uint32_t version) {
   std::vector<std::byte> input;
   Writer writer{input};

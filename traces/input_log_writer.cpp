@@ -82,13 +82,17 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
     return "not as many poses, or weathers, as characters";
   if (input.sphere_count > kSpheresPerScene) return "more spheres than a scene can have";
   if (input.capsule_count > kCapsulesPerScene) return "more capsules than a scene can have";
+  if (input.lighting.light_count > kLightsPerScene ||
+      input.lighting.sample_count > kIrradianceSamplesPerScene)
+    return "more lights or irradiance samples than a scene can have";
   for (const PoseBlock& pose : poses)
     if (pose.joint_count > kJointsPerCharacter)
       return "a pose of more joints than a character can have";
   Writer writer{bytes_};
   ListInputFields(writer, input);
-  for (uint32_t s = 0; s < input.sphere_count; ++s) writer("sphere", input.sphere[s]);
-  for (uint32_t c = 0; c < input.capsule_count; ++c) ListCapsuleFields(writer, input.capsule[c]);
+  ListCountedFields([&writer](const char*, uint32_t, const char* field,
+                              const auto& value) { writer(field, value); },
+                    input);
   PutNumber(bytes_, uint32_t(input.weather.size()));
   for (const Weather& weather : input.weather) {
     writer("wetness", weather.wetness);

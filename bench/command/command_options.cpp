@@ -144,11 +144,9 @@ void AddPlanOptions(CLI::App& app, SceneOptions& options) {
 }
 
 void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
-  const std::pair<const char*, bool*> skips[] = {{"sleep", &skip.sleep},
-                                                 {"unmoved", &skip.unmoved},
-                                                 {"sort", &skip.sort},
-                                                 {"wind", &skip.wind},
-                                                 {"cull", &skip.cull}};
+  const std::pair<const char*, bool*> skips[] = {{"sleep", &skip.sleep}, {"unmoved", &skip.unmoved},
+                                                 {"sort", &skip.sort},   {"wind", &skip.wind},
+                                                 {"cull", &skip.cull},   {"light", &skip.light}};
   for (const auto& [name, value] : skips)
     app.add_flag(fmt::format("!--no-{}", name), *value,
                  fmt::format("Do not skip what '{}' finds needless", name));

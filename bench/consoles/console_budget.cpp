@@ -43,8 +43,13 @@ StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneO
     running.Begin(f, skip, {});
     serial.Run(running.scene().CurrentFrame());
   }
-  const SkipSettings all{
-      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .lod = false};
+  const SkipSettings all{.sleep = false,
+                         .unmoved = false,
+                         .sort = false,
+                         .cull = false,
+                         .wind = false,
+                         .light = false,
+                         .lod = false};
   running.Begin(kPricedFrame, all, {});
   const CoreKind kind = request.console == Console::kPs3 ? CoreKind::kSpu : CoreKind::kXenon;
   const PricedCore core = MakePricedCore(kind, request.numbers);

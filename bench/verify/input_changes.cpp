@@ -20,12 +20,16 @@ namespace {
 // compile.
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, camera, wind, gravity, use_ground, ground, spheres,
-                                sphere, capsules, capsule, weather, lod, skip] = in;
+                                sphere, capsules, capsule, weather, lighting, lod, skip] = in;
   [[maybe_unused]] const auto& [from, to, radius, character, joint] = capsule[0];
+  [[maybe_unused]] const auto& [lights, samples, light, sample, sun, sun_rgb, rim, rim_rgb,
+                                exponent] = lighting;
+  [[maybe_unused]] const auto& [light_at, light_radius, rgb, range] = light[0];
+  [[maybe_unused]] const auto& [sample_at, falloff, sky, below, above] = sample[0];
   [[maybe_unused]] const auto& [position, target, up, fov, width, height, near_m, far_m] = camera;
   [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
   [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget] = lod;
-  [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, lod_too] = skip;
+  [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, light_too, lod_too] = skip;
   [[maybe_unused]] const auto& [wetness, dirt] = Weather{};
 }
 
@@ -80,14 +84,14 @@ class Numbers {
   Amount amount_{};
 };
 
-void Visit(Numbers& numbers, FrameInput& in, uint32_t spheres, uint32_t capsules,
-           std::vector<Weather>& weather) {
+void Visit(Numbers& numbers, FrameInput& in, std::vector<Weather>& weather) {
+  // First: one of the counts, which are among the fields, may be the number that changes.
+  ListCountedFields(
+      [&](const char* what, uint32_t i, const char* field, auto& value) {
+        numbers(fmt::format("{} {}{}{}", what, i, *field ? " " : "", field), value);
+      },
+      in);
   ListInputFields(numbers, in);
-  for (uint32_t s = 0; s < spheres; ++s) numbers(fmt::format("sphere {}", s), in.sphere[s]);
-  for (uint32_t c = 0; c < capsules; ++c)
-    ListCapsuleFields([&](const char* field,
-                          auto& value) { numbers(fmt::format("capsule {} {}", c, field), value); },
-                      in.capsule[c]);
   for (size_t c = 0; c < weather.size(); ++c) {
     numbers(fmt::format("wetness of character {}", c), weather[c].wetness);
     numbers(fmt::format("dirt of character {}", c), weather[c].dirt);
@@ -105,7 +109,7 @@ void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) 
   Numbers lister(&names);
   FrameInput copy = input;
   std::vector<Weather> weather(input.weather.begin(), input.weather.end());
-  Visit(lister, copy, input.sphere_count, input.capsule_count, weather);
+  Visit(lister, copy, weather);
   const auto kept = std::make_shared<std::vector<Weather>>();
   for (size_t n = 0; n < names.size(); ++n) {
     const std::string& name = names[n].text;
@@ -114,7 +118,7 @@ void AddFrameInputs(const FrameInput& input, std::vector<InputChange>& changes) 
         {name, PartOf(name), names[n].type, [n, kept](FrameInput& in, FurScene&, Amount a) {
            kept->assign(in.weather.begin(), in.weather.end());
            Numbers changer(n, a);
-           Visit(changer, in, in.sphere_count, in.capsule_count, *kept);
+           Visit(changer, in, *kept);
            in.weather = *kept;
          }});
   }

@@ -75,8 +75,13 @@ std::unique_ptr<WatchedExecutor> MakeExecutor(const VerifyCase& what) {
 }
 
 SkipSettings NoSkips(bool lod) {
-  return {
-      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .lod = lod};
+  return {.sleep = false,
+          .unmoved = false,
+          .sort = false,
+          .cull = false,
+          .wind = false,
+          .light = false,
+          .lod = lod};
 }
 
 FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {

@@ -11,11 +11,10 @@ struct SwitchDesc {
   std::string_view name;
   bool SkipSettings::*member;
 };
-constexpr SwitchDesc kSwitches[] = {{"sleep", &SkipSettings::sleep},
-                                    {"unmoved", &SkipSettings::unmoved},
-                                    {"sort", &SkipSettings::sort},
-                                    {"wind", &SkipSettings::wind},
-                                    {"cull", &SkipSettings::cull}};
+constexpr SwitchDesc kSwitches[] = {
+    {"sleep", &SkipSettings::sleep}, {"unmoved", &SkipSettings::unmoved},
+    {"sort", &SkipSettings::sort},   {"wind", &SkipSettings::wind},
+    {"cull", &SkipSettings::cull},   {"light", &SkipSettings::light}};
 
 // Stage items that run in the frame just run: what skipping saves.
 uint64_t CountWork(CaseRun& run) {

@@ -128,6 +128,10 @@ std::vector<std::byte> RecordWalk(const Fur& fur) {
     input.weather = weather;
     input.sphere_count = 1;
     input.sphere[0][3] = 0.1f;
+    input.lighting.light_count = 1;
+    input.lighting.light[0] = {{0.0f, 2.0f, 1.0f}, 0.1f, {1.0f, 0.9f, 0.8f}, 5.0f};
+    input.lighting.sample_count = 1;
+    input.lighting.sample[0] = {{}, 4.0f, {0.5f, 0.6f, 0.7f}, {0.2f, 0.1f, 0.1f}, {0, 1, 0}};
     if (const char* fault = scene.BeginFrame(input)) throw Error(fault);
     SerialExecutor().Run(scene.CurrentFrame());
     writer.AddFrame(input, {&scene.Pose(0), 1}, scene.DigestFrame());
@@ -154,6 +158,9 @@ void WritePoses(const std::filesystem::path& folder) {
     ListInputFields(input_log::Writer{walk}, input);
     for (const auto& sphere : input.sphere) input_log::Writer{walk}("sphere", sphere);
     for (const auto& capsule : input.capsule) ListCapsuleFields(input_log::Writer{walk}, capsule);
+    for (const auto& light : input.lighting.light) ListLightFields(input_log::Writer{walk}, light);
+    for (const auto& sample : input.lighting.sample)
+      ListIrradianceFields(input_log::Writer{walk}, sample);
     run(walk);
   }
   Write(folder / "walk.pose", walk);

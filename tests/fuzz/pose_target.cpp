@@ -82,6 +82,8 @@ void ReadHostile(std::span<const std::byte> bytes) {
         ListInputFields(reader, input);
         for (auto& sphere : input.sphere) reader("sphere", sphere);
         for (CapsuleCollider& capsule : input.capsule) ListCapsuleFields(reader, capsule);
+        for (SphereLight& light : input.lighting.light) ListLightFields(reader, light);
+        for (IrradianceSample& sample : input.lighting.sample) ListIrradianceFields(reader, sample);
         break;
       case 2:
         RunFrame(scene, input);

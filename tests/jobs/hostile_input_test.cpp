@@ -86,6 +86,22 @@ void SpoilInput(Random& random, FrameInput& in) {
       if (random.Below(2)) capsule.joint = 0;
     }
   }
+  if (random.Below(2)) {
+    in.lighting.light_count = kLightsPerScene;
+    for (SphereLight& light : in.lighting.light) {
+      FillExtreme(random, light.position, 1);
+      FillExtreme(random, light.rgb, 1);
+      light.radius = std::abs(Extreme(random));
+      light.range = random.Below(2) ? std::abs(Extreme(random)) : 0.0f;
+    }
+    in.lighting.sample_count = kIrradianceSamplesPerScene;
+    for (IrradianceSample& sample : in.lighting.sample) {
+      FillExtreme(random, sample.position, 1);
+      FillExtreme(random, sample.sky, 1);
+      FillExtreme(random, sample.ground, 1);
+      sample.falloff = random.Below(2) ? 1e-3f : 1e6f;
+    }
+  }
   if (random.Below(3) == 0) {
     in.use_ground = true;
     in.ground[3] = Extreme(random);

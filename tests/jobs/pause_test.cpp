@@ -57,8 +57,12 @@ TEST(Pause, KeepsEverything) {
   ExpectPausesChangeNothing(TinyScenario(), 30, {}, lod, serial, OptionsFor(BestIsa()));
   lod.strand_budget = 300;
   ExpectPausesChangeNothing(TinyScenario(), 12, {.lod = true}, lod, serial, OptionsFor(BestIsa()));
-  const SkipSettings no_skips{
-      .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false};
+  const SkipSettings no_skips{.sleep = false,
+                              .unmoved = false,
+                              .sort = false,
+                              .cull = false,
+                              .wind = false,
+                              .light = false};
   ExpectPausesChangeNothing(TinyScenario(), 8, no_skips, {}, serial, OptionsFor(BestIsa()));
 }
 

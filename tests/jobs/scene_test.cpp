@@ -182,6 +182,53 @@ const std::vector<BadInput> kBadInputs = {
        in.capsule_count = 1;
        in.capsule[0].joint = 99;
      }},
+    {"9 lights, a scene holds 8",
+     [](FrameInput& in, FurScene&) { in.lighting.light_count = kLightsPerScene + 1; }},
+    {"light 1: its position is not finite, or beyond 1e6",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.light_count = 2;
+       in.lighting.light[1].position[2] = kNaN;
+     }},
+    {"light 0: its colour",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.light_count = 1;
+       in.lighting.light[0].rgb[0] = kInf;
+     }},
+    {"light 0: its radius is not in [0, 1e6] m",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.light_count = 1;
+       in.lighting.light[0].radius = -1.0f;
+     }},
+    {"light 0: its range is not in [0, 1e6] m",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.light_count = 1;
+       in.lighting.light[0].range = kNaN;
+     }},
+    {"13 irradiance samples, a scene holds 12",
+     [](FrameInput& in, FurScene&) { in.lighting.sample_count = kIrradianceSamplesPerScene + 1; }},
+    {"irradiance sample 0: its falloff is not in [1e-3, 1e6] m",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.sample_count = 1;
+       in.lighting.sample[0].falloff = 0.0f;
+     }},
+    {"irradiance sample 0: its up is not unit",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.sample_count = 1;
+       in.lighting.sample[0].up[1] = 0.9f;
+     }},
+    {"irradiance sample 0: a colour is not finite",
+     [](FrameInput& in, FurScene&) {
+       in.lighting.sample_count = 1;
+       in.lighting.sample[0].ground[1] = kNaN;
+     }},
+    {"the sun's direction is not unit",
+     [](FrameInput& in, FurScene&) { in.lighting.sun_direction[0] = kNaN; }},
+    {"the sun's colour", [](FrameInput& in, FurScene&) { in.lighting.sun_rgb[0] = kInf; }},
+    {"the rim light's direction is not unit",
+     [](FrameInput& in, FurScene&) { in.lighting.rim_direction[1] = 0.0f; }},
+    {"the rim light's colour", [](FrameInput& in, FurScene&) { in.lighting.rim_rgb[2] = kNaN; }},
+    {"the rim light's exponent is -1, not in [0, 1000]",
+     [](FrameInput& in, FurScene&) { in.lighting.rim_exponent = -1.0f; }},
     {"weather for 2 characters, the scene has 1",
      [](FrameInput& in, FurScene&) {
        static const Weather kTwo[2];

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "core/file_bytes.hpp"
 #include "tests/source_folder.hpp"
 #include "tests/traces/recorded_frames.hpp"
 #include "traces/digest.hpp"
@@ -67,6 +68,8 @@ TEST(InputLog, WhatIsRecordedComesBack) {
       EXPECT_EQ(input.capsule[c].radius, 0.25f);
       EXPECT_EQ(input.capsule[c].joint, c > 0 ? 7 * c : CapsuleCollider::kFree);
     }
+    EXPECT_EQ(input.skip.light, f != 1);
+    EXPECT_EQ(std::memcmp(&input.lighting, &recorded.inputs[f].lighting, sizeof(Lighting)), 0);
     ASSERT_EQ(input.weather.size(), recorded.weather[f].size());
     for (const Weather& weather : input.weather) EXPECT_EQ(weather.dirt, 0.1f * float(f));
     EXPECT_EQ(log.frames[f].digest, recorded.digests[f]);
@@ -100,8 +103,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 2.
-TEST(InputLog, BytesAreThoseOfVersionTwo) {
+// reads version 3.
+TEST(InputLog, BytesAreThoseOfVersionThree) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -111,7 +114,7 @@ TEST(InputLog, BytesAreThoseOfVersionTwo) {
                           'N',
                           'P',
                           '\n',
-                          2,
+                          3,
                           0,
                           0,
                           0,
@@ -136,10 +139,10 @@ TEST(InputLog, BytesAreThoseOfVersionTwo) {
                           0,
                           0};
   EXPECT_EQ(std::memcmp(bytes.data(), head, sizeof head), 0);
-  ASSERT_EQ(bytes.size(), 220815u);
+  ASSERT_EQ(bytes.size(), 222187u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0xec0a26a3498b5e1fu);
+  EXPECT_EQ(digest.Value(), 0x68309bc8b94be2adu);
 }
 
 // A recording from before there were capsules.
@@ -156,6 +159,32 @@ TEST(InputLog, VersionOneIsStillRead) {
     EXPECT_EQ(input.capsule_count, 0u);
     ASSERT_EQ(input.weather.size(), 1u);
     EXPECT_EQ(input.weather[0].dirt, 0.25f);
+  }
+}
+
+// From before there were lights: the same recording, with the count of capsules behind each frame's
+// count of spheres.
+TEST(InputLog, VersionTwoIsStillRead) {
+  std::vector<std::byte> bytes =
+      ReadFileBytes("", test::SourceFolder() + "/tests/fuzz/corpus/input_log/version_1.peltinput")
+          .OrThrow();
+  const InputLog first = ReadInputLog(bytes, "x").OrThrow();
+  // Behind the counts: one sphere, one weather, what pose it is; then the pose, or the digest.
+  constexpr size_t kToPose = 16 + 4 + 8 + 1;
+  ASSERT_EQ(first.poses.size(), 2u);
+  for (const size_t end : {bytes.size() - 8, first.poses[1].byte, first.poses[0].byte})
+    bytes.insert(bytes.begin() + ptrdiff_t(end - kToPose), 4, std::byte{0});
+  input_log::PutNumberAt(bytes, 8, 2u);
+  const InputLog log = ReadInputLog(Reseal(bytes), "x").OrThrow();
+  EXPECT_EQ(log.version, 2u);
+  ASSERT_EQ(log.FrameCount(), 3u);
+  for (uint32_t f = 0; f < 3; ++f) {
+    const FrameInput input = log.Input(f);
+    EXPECT_EQ(input.sphere[0][3], 0.1f);
+    EXPECT_EQ(input.capsule_count + input.lighting.light_count + input.lighting.sample_count, 0u);
+    EXPECT_TRUE(input.skip.light);
+    EXPECT_EQ(input.weather[0].dirt, 0.25f);
+    EXPECT_EQ(log.frames[f].digest, first.frames[f].digest);
   }
 }
 
@@ -196,6 +225,12 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
   input = recorded.inputs[0];
   input.capsule_count = kCapsulesPerScene + 1;
+  EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
+  input = recorded.inputs[0];
+  input.lighting.light_count = kLightsPerScene + 1;
+  EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
+  input.lighting.light_count = 0;
+  input.lighting.sample_count = kIrradianceSamplesPerScene + 1;
   EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
   const Weather weather[2];
   input = recorded.inputs[0];
@@ -248,7 +283,7 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 3, "byte 8: version 3, this program reads 1 to 2"},
+      {"version", 8, 4, "byte 8: version 4, this program reads 1 to 3"},
       {"no version", 8, 0, "byte 8: version 0"},
       {"vertex order", 16, 2, "byte 16"},
       {"no groom", 20, 0, "byte 20"},

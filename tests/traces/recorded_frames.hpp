@@ -72,6 +72,13 @@ inline RecordedFrames MakeRecordedFrames() {
       input.capsule[c].radius = 0.25f;
       if (c > 0) input.capsule[c].joint = 7 * c;
     }
+    input.lighting.light_count = f;
+    for (uint32_t l = 0; l < f; ++l) input.lighting.light[l] = {{float(l)}, 0.5f, {1, 2, 3}, 9.0f};
+    input.lighting.sample_count = 3 * f;
+    for (uint32_t s = 0; s < 3 * f; ++s)
+      input.lighting.sample[s] = {{float(s)}, 4.0f, {1, 2, 3}, {4, 5, 6}, {0, 1, 0}};
+    input.lighting.sun_rgb[1] = 0.5f * float(f);
+    input.skip.light = f != 1;
     input.skip.lod = f == 2;
     input.lod.strand_budget = 100 * f;
     all.inputs.push_back(input);

@@ -162,6 +162,23 @@ static void TryBadFrames(PeltScene* scene) {
   bad.capsules = &capsule;
   bad.capsule_count = 1;
   ExpectRefused(pelt_begin(scene, &bad), "joint");
+  bad = frame;
+  bad.light_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "lights are null");
+  bad.light_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more lights");
+  const PeltLight light = {{0, 2, 0}, -1, {1, 1, 1}, 0};
+  bad.lights = &light;
+  bad.light_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "light 0: its radius");
+  bad = frame;
+  bad.irradiance_sample_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "irradiance samples are null");
+  bad.irradiance_sample_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more irradiance samples");
+  bad = frame;
+  bad.sun_direction[1] = 2;
+  ExpectRefused(pelt_begin(scene, &bad), "sun's direction");
   ExpectRefused(pelt_run(scene, NULL), "no frame was begun");
   ExpectRefused(pelt_run(scene, &door), "enqueue and finish");
 }
