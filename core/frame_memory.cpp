@@ -1,12 +1,19 @@
 #include "core/frame_memory.hpp"
 
+#include <algorithm>
+
 namespace pelt {
 
 uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape) {
-  if (stream.domain != Domain::kChunk) return shape.ItemCount(stream.domain);
+  const auto admits = [&](uint32_t kind) { return stream.kinds.Admits(kind); };
+  if (stream.domain != Domain::kChunk) {
+    const bool any =
+        stream.domain != Domain::kLayer || std::ranges::any_of(shape.layer_kind, admits);
+    return any ? shape.ItemCount(stream.domain) : 0;
+  }
   uint32_t count = 0;
   for (uint32_t l = 0; l < shape.layer_count; ++l)
-    if (stream.kinds.Admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
+    if (admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
   return count;
 }
 
@@ -24,8 +31,10 @@ FrameMemory PlaceStreams(const StreamTable& table, const SceneShape& shape, std:
     place.base = memory;
     place.block_count = CountBlocks(stream, shape);
     if (memory) memory += size_t(place.block_count) * stream.block_bytes;
-    if (stream.domain != Domain::kChunk || place.block_count == shape.chunk_count) continue;
-    place.slot.assign(shape.chunk_count, kNoBlock);
+    const uint32_t items = shape.ItemCount(stream.domain);
+    if (place.block_count == items) continue;
+    place.slot.assign(items, kNoBlock);
+    if (place.block_count == 0) continue;
     uint32_t next = 0;
     for (uint32_t c = 0; c < shape.chunk_count; ++c)
       if (stream.kinds.Admits(shape.layer_kind[shape.chunk_layer[c]])) place.slot[c] = next++;

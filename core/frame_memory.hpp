@@ -93,7 +93,8 @@ struct FrameMemory {
   }
 };
 
-// Blocks of a stream: chunks of layers that lack it have none.
+// Blocks of a stream: chunks of layers that lack it have none. Layers have all, or, where none is of
+// its kind, none.
 uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape);
 uint64_t CountBytes(const StreamTable& table, const SceneShape& shape);
 // All streams back to back from `memory` on, which holds CountBytes of them, aligned to
