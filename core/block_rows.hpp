@@ -150,6 +150,8 @@ template <>
 inline constexpr auto kBlockMembers<LineVertexBlock> = std::tuple{
     PELT_MEMBER(LineVertexBlock, vertex)};
 template <>
+inline constexpr auto kBlockMembers<StrandUvBlock> = std::tuple{PELT_MEMBER(StrandUvBlock, uv)};
+template <>
 inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
     BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>

@@ -232,6 +232,10 @@ PELT_BLOCK StrandBlock {
   uint32_t pad[20];
 };
 
+// Where on the skin's texture each strand stands: u in the low 16 bits, v above, of 65535, repeated
+// beyond.
+PELT_BLOCK StrandUvBlock { uint32_t uv[kStrandsPerChunk]; };
+
 // Rest shape of a chain or strand of kPoints points: offsets of points 1.. from the root, in the
 // root frame (x along tangent, y bitangent, z normal), m. All segments of a lane have the same
 // length.

@@ -51,6 +51,7 @@ Groom TakeLayers(const Groom& from, const std::vector<size_t>& layers) {
     const uint32_t chunks = layer.chunk_count;
     Append(groom.mesh, from.mesh, layer.first_chunk, chunks);
     Append(groom.strands, from.strands, layer.first_chunk, chunks);
+    Append(groom.strand_uv, from.strand_uv, layer.first_chunk, chunks);
     const RestPlace one = RestOf(layer.params);
     Append(groom.vertex_rest, from.vertex_rest, rest[l].vertex, chunks * one.vertex);
     Append(groom.strand_rest4, from.strand_rest4, rest[l].strand4, chunks * one.strand4);

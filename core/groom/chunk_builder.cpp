@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/float_rules.hpp"
+#include "core/groom/growth.hpp"
 
 namespace pelt {
 namespace {
@@ -132,6 +133,22 @@ void FillStrands(const LayerBake& bake, const Patch& patch, const LocalVertices&
   block.first_strand = place * kStrandsPerChunk;
 }
 
+// Repeated beyond 0 to 1; 0 of what interpolation made infinite.
+uint32_t PackUnit(float value) {
+  const float part = value - std::floor(value);
+  return part >= 0.0f && part <= 1.0f ? uint32_t(part * 65535.0f + 0.5f) : 0u;
+}
+
+void FillStrandUv(const LayerBake& bake, const Patch& patch, StrandUvBlock& block) {
+  if (bake.mesh.uv.empty()) return;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(patch.strands.size()));
+    const SurfacePoint& place = bake.strands[patch.strands[source]].place;
+    const glm::vec2 uv = Interpolate(bake.mesh.uv, bake.mesh, place);
+    block.uv[lane] = PackUnit(uv.x) | PackUnit(uv.y) << 16;
+  }
+}
+
 template <uint32_t kPoints>
 void SetRestLane(RestBlock<kPoints>& block, uint32_t lane, const RestShape& shape, float length,
                  float strength) {
@@ -212,11 +229,13 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
   JointBoxes boxes;
   groom.mesh.reserve(groom.mesh.size() + patches.size());
   groom.strands.reserve(groom.strands.size() + patches.size());
+  groom.strand_uv.reserve(groom.strand_uv.size() + patches.size());
   for (uint32_t place = 0; place < patches.size(); ++place) {
     const Patch& patch = patches[place];
     local.Load(patch);
     FillMesh(bake, patch, groom.mesh.emplace_back());
     FillStrands(bake, patch, local, place, groom.strands.emplace_back());
+    FillStrandUv(bake, patch, groom.strand_uv.emplace_back());
     if (layer.params.chain == ChainKind::kVertex) {
       FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
     }

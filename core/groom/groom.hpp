@@ -19,7 +19,7 @@ struct GroomLayer {
 };
 
 // Chunks of a layer are contiguous; layers are in setup order. Chunk c of the groom has mesh[c],
-// strands[c]; a chunk of a vertex-chain layer has vertex_rest and strand_rest4, of a 4-point
+// strands[c], strand_uv[c]; a chunk of a vertex-chain layer has vertex_rest and strand_rest4, of a 4-point
 // strand-chain layer strand_rest4, of a 5-point one strand_rest5. Those arrays hold the chunks that
 // need them, in chunk order.
 struct Groom {
@@ -31,6 +31,7 @@ struct Groom {
   std::vector<LayerJointBlock> layer_joints;
   std::vector<MeshBlock> mesh;
   std::vector<StrandBlock> strands;
+  std::vector<StrandUvBlock> strand_uv;
   std::vector<RestBlock<4>> vertex_rest;
   std::vector<RestBlock<4>> strand_rest4;
   std::vector<RestBlock<5>> strand_rest5;

@@ -213,7 +213,8 @@ bool Checker::CheckLayout() {
   };
   return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
-         expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5);
+         expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
+         expect(groom_.strand_uv, chunks);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.

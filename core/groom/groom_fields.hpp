@@ -158,9 +158,9 @@ uint64_t MeasureItem(const T& item) {
 
 // Sections in file order.
 inline constexpr std::string_view kSectionNames[] = {
-    "general", "skeleton", "joint_names", "layers",       "layer_joints",
-    "mesh",    "strands",  "vertex_rest", "strand_rest4", "strand_rest5"};
-inline constexpr uint32_t kSectionCount = 10;
+    "general", "skeleton",    "joint_names",  "layers",       "layer_joints", "mesh",
+    "strands", "vertex_rest", "strand_rest4", "strand_rest5", "strand_uv"};
+inline constexpr uint32_t kSectionCount = 11;
 inline constexpr uint64_t kSectionNameBytes = 16;
 inline constexpr uint64_t kHeaderBytes = 48;
 inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
@@ -176,6 +176,7 @@ void ListSections(auto&& visit, Like<Groom> auto& groom) {
   visit(kSectionNames[7], groom.vertex_rest);
   visit(kSectionNames[8], groom.strand_rest4);
   visit(kSectionNames[9], groom.strand_rest5);
+  visit(kSectionNames[10], groom.strand_uv);
 }
 
 }  // namespace pelt::groom_file

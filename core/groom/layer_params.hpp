@@ -66,6 +66,7 @@ struct LayerParams {
   // left.
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
+  bool lit = false;  // the frame says what light reaches the layer
 };
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
@@ -173,6 +174,7 @@ inline constexpr auto kRows = std::tuple{
     LayerParamRow<std::array<float, 3>>{.member = &P::dirt_colour, .key = "dirt_colour",
         .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
         .group = kWeather, .in_file = kDirtFields},
+    SwitchRow(&P::lit, kLook, "lit", "gather the scene's lights for it, for the renderer to shade with"),
 };
 // clang-format on
 static_assert(std::tuple_size_v<decltype(kRows)> == kMemberCount<LayerParams>,

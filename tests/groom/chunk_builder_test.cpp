@@ -248,6 +248,29 @@ TEST(Chunks, ClumpControlsAreRoundedUpAndFewerThanAll) {
   EXPECT_EQ(BakeTorus(layer).strands[0].control_count, 64u);
 }
 
+// A torus' UVs are its two angles. Between 0 and 1 all the same where a texture repeats.
+TEST(Chunks, StrandsKnowWhereOnTheTextureTheyStand) {
+  const Groom groom = BakeTorus(MakeLayer(20000.0f));
+  ASSERT_EQ(groom.strand_uv.size(), groom.strands.size());
+  const auto apart = [](double a, double b) { return std::abs(std::remainder(a - b, 1.0)); };
+  for (size_t c = 0; c < groom.strands.size(); ++c) {
+    const StrandBlock& block = groom.strands[c];
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+      double p[3] = {};
+      for (int k = 0; k < 3; ++k)
+        for (int axis = 0; axis < 3; ++axis)
+          p[axis] += double(block.bary[k][lane]) *
+                     double(groom.mesh[c].position[axis][block.vertex[k][lane]]);
+      const double turn = 2.0 * exact::kPi, ring = std::hypot(p[0], p[2]) - 0.3;
+      const uint32_t uv = groom.strand_uv[c].uv[lane];
+      ASSERT_LT(apart((uv & 0xffffu) / 65535.0, std::atan2(p[2], p[0]) / turn), 0.004);
+      ASSERT_LT(apart((uv >> 16) / 65535.0, std::atan2(p[1], ring) / turn), 0.01);
+    }
+  }
+  for (const StrandUvBlock& block : BakeTorus(MakeLayer(2000.0f), {.uvs = false}).strand_uv)
+    for (const uint32_t uv : block.uv) ASSERT_EQ(uv, 0u);
+}
+
 TEST(Chunks, ControlsAreTheNearest) {
   const Groom groom = BakeTorus(MakeLayer(40000.0f));
   const StrandBlock& block = groom.strands[3];

@@ -136,6 +136,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"wet_clump", "0.75", [](L l) { return l.params.wet_clump == 0.75f; }},
       {"wet_hardness", "0.25", [](L l) { return l.params.wet_hardness == 0.25f; }},
       {"wet_darken", "0.125", [](L l) { return l.params.wet_darken == 0.125f; }},
+      {"lit", "true", [](L l) { return l.params.lit; }},
       {"dirt_colour", "'#ff0033'",
        [](L l) {
          return l.params.dirt_colour[0] == 1.0f && l.params.dirt_colour[1] == 0.0f &&

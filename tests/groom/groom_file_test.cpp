@@ -131,6 +131,7 @@ Groom MakeGroom() {
       const uint32_t strands = c == 0 ? kStrandsPerChunk : 21, vertices = c == 0 ? 40 : 16;
       FillMesh(groom.mesh.emplace_back(), vertices, groom.joint_count, random);
       FillStrands(groom.strands.emplace_back(), strands, groom.mesh.back(), c, random);
+      for (uint32_t& uv : groom.strand_uv.emplace_back().uv) uv = uint32_t(random());
       if (l == 0) FillRest(groom.vertex_rest.emplace_back(), random);
       if (l == 2) {
         FillRest(groom.strand_rest5.emplace_back(), random);
@@ -178,6 +179,7 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
   expect_same(back.layer_joints, groom.layer_joints);
   expect_same(back.mesh, groom.mesh);
   expect_same(back.strands, groom.strands);
+  expect_same(back.strand_uv, groom.strand_uv);
   expect_same(back.vertex_rest, groom.vertex_rest);
   expect_same(back.strand_rest4, groom.strand_rest4);
   expect_same(back.strand_rest5, groom.strand_rest5);
@@ -257,10 +259,10 @@ TEST(GroomFile, BytesAreLittleEndian) {
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTGRM\n", 8), 0);
   EXPECT_EQ(LoadU32(bytes, 8), kGroomVersion);
   EXPECT_EQ(LoadU32(bytes, 12), kStrandsPerChunk);
-  EXPECT_EQ(LoadU32(bytes, 28), 10u);
+  EXPECT_EQ(LoadU32(bytes, 28), 11u);
   EXPECT_EQ(LoadU32(bytes, 32), bytes.size());
   EXPECT_EQ(std::memcmp(bytes.data() + 48, "general\0\0\0\0\0\0\0\0\0", 16), 0);
-  const size_t general = 48 + 10 * 40;
+  const size_t general = 48 + 11 * 40;
   EXPECT_EQ(LoadU32(bytes, 48 + 16), general);
   EXPECT_EQ(bytes[general + 0], std::byte{0x00});
   EXPECT_EQ(bytes[general + 2], std::byte{0x20});
@@ -311,7 +313,7 @@ TEST(GroomFile, WrongFilesAreTold) {
   bad = good;
   bad[8] = std::byte{9};
   EXPECT_EQ(ErrorOf(bad),
-            "groom 'g.groom': section 'header', byte 8: version 9, this program reads 2; bake the "
+            "groom 'g.groom': section 'header', byte 8: version 9, this program reads 3; bake the "
             "character again with `pelt bake`");
   bad = good;
   bad[12] = std::byte{0};
@@ -378,6 +380,7 @@ TEST(GroomFile, EveryRuleHolds) {
       {"vertex_rest", "where the layers need", [](Groom& g) { g.vertex_rest.pop_back(); }},
       {"strand_rest4", "where the layers need", [](Groom& g) { g.strand_rest4.pop_back(); }},
       {"strand_rest5", "where the layers need", [](Groom& g) { g.strand_rest5.pop_back(); }},
+      {"strand_uv", "where the layers need", [](Groom& g) { g.strand_uv.pop_back(); }},
       {"layer_joints", "joints", [](Groom& g) { g.layer_joints[1].count = 257; }},
       {"layer_joints", "unknown or named twice", [](Groom& g) { g.layer_joints[1].joint[2] = 7; }},
       {"layer_joints", "unknown or named twice", [](Groom& g) { g.layer_joints[1].joint[2] = 1; }},
