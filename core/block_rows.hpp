@@ -152,6 +152,15 @@ inline constexpr auto kBlockMembers<LineVertexBlock> = std::tuple{
 template <>
 inline constexpr auto kBlockMembers<StrandUvBlock> = std::tuple{PELT_MEMBER(StrandUvBlock, uv)};
 template <>
+inline constexpr auto kBlockMembers<LayerLightBlock> = std::tuple{
+    PELT_MEMBER(LayerLightBlock, harmonics),
+    PELT_MEMBER(LayerLightBlock, ambient),
+    PELT_MEMBER(LayerLightBlock, sun_direction),
+    PELT_MEMBER(LayerLightBlock, sun_rgb),
+    PELT_MEMBER(LayerLightBlock, rim_direction),
+    PELT_MEMBER(LayerLightBlock, rim_rgb),
+    PELT_MEMBER(LayerLightBlock, rim_exponent)};
+template <>
 inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
     BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>

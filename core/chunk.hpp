@@ -57,6 +57,7 @@ inline constexpr uint32_t kLayersPerScene = 1024;
 inline constexpr uint32_t kSpheresPerScene = 8;
 inline constexpr uint32_t kCapsulesPerScene = 8;
 inline constexpr uint32_t kRibbonPoints = 5;
+inline constexpr uint32_t kHarmonics = 16;  // spherical ones, of degrees 0 to 3
 
 // ---- Character, once per frame ------------------------------------------------------------------
 
@@ -114,13 +115,15 @@ enum LayerFlag : uint32_t {
   kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
   kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
   kLayerLines = 1u << 11,
+  kLayerLit = 1u << 12,      // has a LayerLightBlock
+  kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
-inline constexpr uint32_t kLayerKindFlags =
-    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerModal | kLayerOutputFlags;
+inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
+                                            kLayerModal | kLayerOutputFlags | kLayerLit;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -377,6 +380,18 @@ struct LineVertex {
 static_assert(sizeof(LineVertex) == 32);
 PELT_BLOCK LineVertexBlock { LineVertex vertex[kStrandsPerChunk][kRibbonPoints]; };
 
+// What lights a layer: its surroundings as spherical harmonics of the radiance, and what is shaded
+// with by itself (core/lighting.hpp). Colours are linear.
+PELT_BLOCK LayerLightBlock {
+  float harmonics[3][kHarmonics];  // red, green, blue; order 00, 1-1, 10, 11, 2-2 .. 22, 3-3 .. 33
+  float ambient[3];                // mean radiance
+  float sun_direction[3];
+  float sun_rgb[3];
+  float rim_direction[3];
+  float rim_rgb[3];
+  float rim_exponent;
+};
+
 // Layers in draw order.
 PELT_BLOCK DrawListBlock {
   uint32_t layer[kLayersPerScene];
@@ -392,6 +407,7 @@ static_assert(sizeof(LayerJointBlock) % 128 == 0 && sizeof(BoundsBlock) == 128);
 static_assert(sizeof(LodBlock) == 128 && sizeof(LayerSortBlock) == 128);
 static_assert(sizeof(MeshBlock) % 128 == 0 && sizeof(StrandBlock) % 128 == 0);
 static_assert(sizeof(ChunkStateBlock) == 128);
+static_assert(sizeof(LayerLightBlock) == 256);
 static_assert(sizeof(CurveRecord) == 64 && sizeof(RibbonRecord) == 80);
 
 }  // namespace pelt

@@ -27,10 +27,11 @@ float InFrameOf(float value, InFrame how, float softer) {
   return how == InFrame::kClamped ? Saturate(value) : Saturate(value) * softer;
 }
 
-// `changed` itself is not compared.
+// `changed` itself is not compared, nor what says that only the lights did.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
   LayerBlock x = a, y = b;
   x.changed = y.changed = 0;
+  x.flags &= ~kLayerRelight, y.flags &= ~kLayerRelight;
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
 
@@ -42,6 +43,7 @@ uint32_t LayerKind(const LayerParams& p) {
   if (p.points == 5) kind |= kLayerFivePoints;
   if (p.solver == Solver::kVerlet) kind |= kLayerVerlet;
   if (p.solver == Solver::kModal) kind |= kLayerModal;
+  if (p.lit) kind |= kLayerLit;
   return kind;
 }
 

@@ -30,7 +30,8 @@ inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
 inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal;
 inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive}, kOf5{kFive, 0};
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
-    kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons};  // the last: instances, and lines along them
+    kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons},  // the last: instances, and lines along them
+    kLit{kLayerLit, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -98,6 +99,9 @@ struct Streams {
 
   StreamRow<LineVertexBlock> line_vertices{"line_vertices", kChunk, kValue,
                                            kInEitherOrder,  kLined, kOutput};
+
+  // What lit layers are shaded with.
+  StreamRow<LayerLightBlock> layer_light{"layer_light", kLayer, kValue, kAll, kLit, kOutput};
 };
 
 }  // namespace streams_detail

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <new>
 
 #include "core/float_rules.hpp"
@@ -173,7 +174,7 @@ void FurScene::FillFrame(const FrameInput& input) {
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
   const bool wind_blows = !(still && input.skip.wind);
-  FillLayers(input, wind_blows);
+  FillLayers(input, wind_blows, FillLights(input));
   FillParams(input, wind_blows);
   first_frame_ = false;
 }
@@ -193,7 +194,16 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
   }
 }
 
-void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
+// Says whether every lit layer has to be lit again.
+bool FurScene::FillLights(const FrameInput& input) {
+  LightLayerParams lights{input.lighting};
+  Lighting& all = lights.lighting;
+  std::fill(all.light + all.light_count, std::end(all.light), SphereLight{});
+  std::fill(all.sample + all.sample_count, std::end(all.sample), IrradianceSample{});
+  return Replace(params_->light_layer, lights) || first_frame_ || !input.skip.light;
+}
+
+void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight) {
   const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
     auto& block = *memory_.Of<&Streams::layers>(l);
@@ -203,6 +213,7 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block);
+    if (relight && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
       if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,

@@ -126,8 +126,8 @@ class FurScene {
   //
   // A pose that cannot be used stops nobody but its character: see RefusedPoses.
   //
-  // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles
-  // and level of detail are not looked at, and the frame after it is what it would have been
+  // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles,
+  // lights and level of detail are not looked at, and the frame after it is what it would have been
   // without. Only the view counts: what was visible is sorted and written for it. As a scene's
   // first frame it lays the fur on its groom.
   const char* BeginFrame(const FrameInput& input);
@@ -180,7 +180,8 @@ class FurScene {
   void CopyGrooms(std::span<const Groom* const> grooms);
   void FillFrame(const FrameInput& input);
   void FillPausedFrame(const FrameInput& input);
-  void FillLayers(const FrameInput& input, bool wind_blows);
+  bool FillLights(const FrameInput& input);
+  void FillLayers(const FrameInput& input, bool wind_blows, bool relight);
   void FillParams(const FrameInput& input, bool wind_blows);
   bool FillView(const FrameInput& input, const SelectLodParams& lod);
 

@@ -170,6 +170,25 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
     }
 }
 
+// A lamp, a dimmer one behind, open sky and a shaded corner. No built-in layer is lit, so it is for
+// setups of others.
+Lighting StudioLighting() {
+  Lighting in;
+  in.light_count = 2;
+  in.light[0] = {{1.2f, 1.8f, 1.5f}, 0.15f, {3.0f, 2.7f, 2.2f}, 8.0f};
+  in.light[1] = {{-1.5f, 1.0f, -1.5f}, 0.0f, {0.4f, 0.5f, 0.9f}, 0.0f};
+  in.sample_count = 2;
+  in.sample[0] = {{0, 1, 0}, 4.0f, {0.45f, 0.55f, 0.7f}, {0.2f, 0.16f, 0.12f}, {0, 1, 0}};
+  in.sample[1] = {{2, 1, -2}, 3.0f, {0.1f, 0.1f, 0.14f}, {0.05f, 0.05f, 0.05f}, {0, 1, 0}};
+  for (float& colour : in.sun_rgb) colour = 1.0f;
+  for (float& colour : in.rim_rgb) colour = 0.3f;
+  return in;
+}
+
+bool HasLitLayer(const Groom& groom) {
+  return std::ranges::any_of(groom.layers, [](const GroomLayer& l) { return l.params.lit; });
+}
+
 }  // namespace
 
 std::span<const std::string_view> ScenarioNames() { return kNames; }
@@ -254,6 +273,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
     scenario = MakeFromFiles(request);
   }
   OverrideSolver(request, scenario);
+  if (std::ranges::any_of(scenario.grooms, HasLitLayer)) scenario.base.lighting = StudioLighting();
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;
   return scenario;
 }

@@ -2,6 +2,9 @@
 // has only the addresses of these.
 #include "core/kernels/frame_gates.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace pelt::frame_gates {
 
 template <uint32_t kChunkFlags>
@@ -19,6 +22,13 @@ bool IsBlown(const FrameMemory& memory, const ItemPlace& place) {
   const uint32_t layer = place.first[size_t(Domain::kLayer)];
   return HasFlags<kChunkSimulate>(memory, place) &&
          (memory.Of<&Streams::layers>(layer)->flags & kLayerWind) != 0;
+}
+
+bool IsRelit(const FrameMemory& memory, const ItemPlace& place) {
+  const auto& layer = *memory.Of<&Streams::layers>(place.first[size_t(Domain::kLayer)]);
+  const auto& palette = *memory.Of<&Streams::palette>(place.first[size_t(Domain::kCharacter)]);
+  return (layer.flags & kLayerRelight) != 0 ||
+         std::ranges::any_of(palette.moved, [](uint32_t joints) { return joints != 0; });
 }
 
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place) {

@@ -10,6 +10,7 @@ namespace pelt::frame_gates {
 template <uint32_t kChunkFlags>
 bool HasFlags(const FrameMemory& memory, const ItemPlace& place);
 bool IsBlown(const FrameMemory& memory, const ItemPlace& place);
+bool IsRelit(const FrameMemory& memory, const ItemPlace& place);
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place);
 bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place);
 
@@ -24,6 +25,10 @@ inline constexpr Gate kSimulated{kWithFlags<kChunkSimulate>};
 inline constexpr Gate kBlown{
     // simulated, and wind blows
     {&IsBlown, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
+// Lights changed, or some joint of the character moved: otherwise the layer's bounds did not. (The
+// bounds themselves are written in the same pass, and so not there to be looked at.)
+inline constexpr Gate kRelit{
+    {&IsRelit, Domain::kLayer, {StreamOf<&Streams::layers>, StreamOf<&Streams::palette>}}};
 inline constexpr Gate kFitted{kWithFlags<kChunkFit>};
 
 // What follows the view goes on when time does not.

@@ -4,6 +4,7 @@
 
 #include "core/kernels/activate.hpp"
 #include "core/kernels/collect_changes.hpp"
+#include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "core/kernels/simulate_pbd.hpp"
@@ -22,6 +23,7 @@ struct FrameParams {
   CollectChangesParams collect_changes{};
   OrderLayersParams order_layers{};
   WriteRibbonsParams write_ribbons{};
+  LightLayerParams light_layer{};
 };
 
 }  // namespace pelt

@@ -13,6 +13,7 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/interpolate.hpp"
 #include "core/kernels/joint_palette.hpp"
+#include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
@@ -67,6 +68,7 @@ constexpr FrameRow kRows[] = {
     Row<JointPalette<V>>(kCharacter, kPosed),
     Row<BoundLayer<V>>(kLayer, kAlways),
     Row<SelectLod<V>>(kLayer, kAlways),
+    Row<LightLayer<V>>(kLayer, kRelit),
 
     // A chunk from mesh to strands: nothing outside it but the pose.
     Row<Activate<V>>(kChunk, kAlways),

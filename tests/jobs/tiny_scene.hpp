@@ -19,15 +19,31 @@ inline Scenario TinyScenario() {
   return kBaked;
 }
 
-// `tiny` with every other layer of ribbons as lines, so that there are layers of every output; the
-// scene itself has none, as its digests are kept.
+// One of each kind, near `tiny`.
+inline Lighting TinyLighting() {
+  Lighting lighting;
+  lighting.light_count = 2;
+  lighting.light[0] = {{1.0f, 1.5f, 0.5f}, 0.2f, {2.0f, 1.5f, 1.0f}, 6.0f};
+  lighting.light[1] = {{-1.0f, 0.5f, 1.0f}, 0.0f, {0.2f, 0.3f, 0.8f}, 0.0f};
+  lighting.sample_count = 2;
+  lighting.sample[0] = {{0, 1, 0}, 4.0f, {0.4f, 0.5f, 0.7f}, {0.2f, 0.15f, 0.1f}, {0, 1, 0}};
+  lighting.sample[1] = {{3, 1, 0}, 4.0f, {0.1f, 0.1f, 0.2f}, {0.1f, 0.1f, 0.1f}, {0, 1, 0}};
+  for (float& colour : lighting.sun_rgb) colour = 1.5f;
+  return lighting;
+}
+
+// `tiny` with every other layer of ribbons as lines, so that there are layers of every output, and
+// every other layer lit; the scene itself has none, as its digests are kept.
 inline Scenario EveryOutputScenario() {
   Scenario scenario = TinyScenario();
-  uint32_t ribbons = 0;
+  scenario.base.lighting = TinyLighting();
+  uint32_t ribbons = 0, layers = 0;
   for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
+    for (GroomLayer& layer : groom.layers) {
+      layer.params.lit = layers++ % 2 == 0;
       if (layer.params.output == Output::kRibbons && ribbons++ % 2 == 0)
         layer.params.output = Output::kLines;
+    }
   return scenario;
 }
 
