@@ -158,7 +158,8 @@ PELT_BLOCK LayerBlock {
   uint32_t strand_count;
   float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
                        // 0: no limit
-  uint32_t pad[4];
+  float wetness;       // lit layers: 0 dry to 1 soaked
+  uint32_t pad[3];
 };
 
 // Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned
@@ -391,6 +392,15 @@ PELT_BLOCK LayerLightBlock {
   float rim_rgb[3];
   float rim_exponent;
 };
+
+// What a strand of a lit layer is shaded with.
+struct alignas(16) LookRecord {
+  uint32_t normal;  // of the skin, world: octahedral, x low, y high, 16 bits signed normalised each
+  uint32_t uv;      // StrandUvBlock
+  uint32_t amounts;  // of 255: mud, snow, wet, dust, from the low byte up
+  uint32_t random;   // the same in every frame
+};
+PELT_BLOCK LookBlock { LookRecord record[kStrandsPerChunk]; };
 
 // Layers in draw order.
 PELT_BLOCK DrawListBlock {

@@ -69,6 +69,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   b.darken = Mix(1.0f, Saturate(params.wet_darken), wet);
   for (int k = 0; k < 3; ++k) b.dirt_colour[k] = Saturate(params.dirt_colour[k]);
   b.dirt = Saturate(weather.dirt);
+  if (params.lit) b.wetness = wet;
   b.strand_count = strand_count;
   b.flags = LayerKind(params);
   const auto set = [&](bool condition, uint32_t flag) { b.flags |= condition ? flag : 0u; };

@@ -102,6 +102,8 @@ struct Streams {
 
   // What lit layers are shaded with.
   StreamRow<LayerLightBlock> layer_light{"layer_light", kLayer, kValue, kAll, kLit, kOutput};
+  StreamRow<StrandUvBlock> strand_uv{"strand_uv", kChunk, kInput, kAll, kLit};
+  StreamRow<LookBlock> looks{"looks", kChunk, kValue, kLiveStrands, kLit, kOutput};
 };
 
 }  // namespace streams_detail

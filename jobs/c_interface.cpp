@@ -48,6 +48,11 @@ static_assert(PELT_FREE == pelt::CapsuleCollider::kFree);
 static_assert(sizeof(PeltStrandCurve) == sizeof(pelt::StrandCurve));
 static_assert(offsetof(PeltStrandCurve, strand) == offsetof(pelt::StrandCurve, strand));
 
+static_assert(sizeof(PeltLook) == sizeof(pelt::LookRecord));
+static_assert(offsetof(PeltLook, amounts) == offsetof(pelt::LookRecord, amounts));
+static_assert(sizeof(PeltLayerLight) == sizeof(pelt::LayerLightBlock));
+static_assert(offsetof(PeltLayerLight, rim_rgb) == offsetof(pelt::LayerLightBlock, rim_rgb));
+
 struct SkipBit {
   uint32_t bit;
   bool pelt::SkipSettings::*member;
@@ -340,7 +345,10 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .live_strands = from.live_strands,
           .low = {},
           .high = {},
-          .tip_width = from.tip_width};
+          .tip_width = from.tip_width,
+          .looks = reinterpret_cast<const PeltLook*>(from.looks.data()),
+          .look_count = uint32_t(from.looks.size()),
+          .light = reinterpret_cast<const PeltLayerLight*>(from.light)};
     Copy(from.low, to.low);
     Copy(from.high, to.high);
   }

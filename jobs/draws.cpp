@@ -22,6 +22,10 @@ LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t
   std::copy_n(box.low, 3, draw.low);
   std::copy_n(box.high, 3, draw.high);
   draw.tip_width = memory.Of<&Streams::layers>(layer)->tip_width;
+  if (shape.layer_kind[layer] & kLayerLit) {
+    draw.looks = {memory.Of<&Streams::looks>(first)->record, size_t(chunks) * kStrandsPerChunk};
+    draw.light = memory.Of<&Streams::layer_light>(layer);
+  }
   const OutputRow& row = draw.format();
   const bool sorted = vertex_order == VertexOrder::kSorted;
   const size_t strands = sorted ? draw.strand_count : size_t(chunks) * kStrandsPerChunk;

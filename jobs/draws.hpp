@@ -34,6 +34,10 @@ struct LayerDraw {
   uint32_t live_strands;  // what CopyCurves has: culled ones too
   float low[3], high[3];  // box around the layer's strands; m, world
   float tip_width;        // over the width at the root: instances do not carry it
+  // Of a lit layer: a record for each place in strand order, found by the strand's number, those of
+  // strands that do not live holding anything; and what lights it. Else empty, and null.
+  std::span<const LookRecord> looks;
+  const LayerLightBlock* light;
 
   const OutputRow& format() const { return kOutputs[size_t(output)]; }
   // The vertices as what they are, CurveRecord, RibbonVertex or LineVertex; empty for another format's type.

@@ -188,6 +188,22 @@ int pelt_pull(PeltScene* scene);
 
 enum PeltOutput { PELT_INSTANCES = 0, PELT_RIBBONS = 1, PELT_LINES = 2 };
 
+/* What a strand of a lit layer is shaded with. */
+typedef struct PeltLook {
+  uint32_t normal;  /* of the skin, world: octahedral, x low, y high, 16 bits signed each */
+  uint32_t uv;      /* on the skin's texture: u low, v high, of 65535 */
+  uint32_t amounts; /* of 255: mud, snow, wet, dust, from the low byte up */
+  uint32_t random;  /* the same in every frame */
+} PeltLook;
+
+/* What lights a layer. Colours are linear. */
+typedef struct PeltLayerLight {
+  float harmonics[3][16]; /* of the radiance; red, green, blue: jobs/DRAWING.md has the order */
+  float ambient[3];       /* mean radiance */
+  float sun_direction[3], sun_rgb[3];
+  float rim_direction[3], rim_rgb[3], rim_exponent;
+} PeltLayerLight;
+
 typedef struct PeltDraw {
   uint32_t layer;
   uint32_t output;         /* PeltOutput: jobs/DRAWING.md describes the bytes of each */
@@ -201,6 +217,10 @@ typedef struct PeltDraw {
   uint32_t live_strands; /* what pelt_copy_curves has */
   float low[3], high[3]; /* box around the layer's strands; m, world */
   float tip_width;       /* over the width at the root */
+  /* Of a lit layer: a record for each of `look_count` strands, by the strand's number; else NULL. */
+  const PeltLook* looks;
+  uint32_t look_count;
+  const PeltLayerLight* light;
 } PeltDraw;
 
 /* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none

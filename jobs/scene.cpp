@@ -137,6 +137,8 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
         *memory_.Of<&Streams::mesh>(chunk) = groom.mesh[layer.first_chunk + i];
         *memory_.Of<&Streams::strands>(chunk) = groom.strands[layer.first_chunk + i];
+        if (layer.params.lit)
+          *memory_.Of<&Streams::strand_uv>(chunk) = groom.strand_uv[layer.first_chunk + i];
         const bool on_vertices = layer.params.chain == ChainKind::kVertex;
         if (on_vertices)
           *memory_.Of<&Streams::vertex_rest>(chunk) = groom.vertex_rest[vertex_rest++];

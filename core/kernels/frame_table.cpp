@@ -28,6 +28,7 @@
 #include "core/kernels/wind.hpp"
 #include "core/kernels/write_instances.hpp"
 #include "core/kernels/write_lines.hpp"
+#include "core/kernels/write_looks.hpp"
 #include "core/kernels/write_ribbons.hpp"
 
 namespace pelt {
@@ -90,6 +91,7 @@ constexpr FrameRow kRows[] = {
     Row<FitCubic<V, 5>>(kChunk, kFitted),
     Row<FitRibbon<V, 4>>(kChunk, kFitted),
     Row<FitRibbon<V, 5>>(kChunk, kFitted),
+    Row<WriteLooks<V>>(kChunk, kFitted),
     Row<SortKey<V, 4>>(kChunk, kKeyed),
     Row<SortKey<V, 5>>(kChunk, kKeyed),
 

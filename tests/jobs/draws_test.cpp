@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -82,6 +83,38 @@ TEST(Draws, AreReadAsTheirOwnVerticesOnly) {
     EXPECT_EQ(draw.As<CurveRecord>().size(), vertices(Output::kInstances, 1));
     EXPECT_EQ(draw.As<RibbonVertex>().size(), vertices(Output::kRibbons, 10));
     EXPECT_EQ(draw.As<LineVertex>().size(), vertices(Output::kLines, 5));
+  }
+}
+
+// Found by the strand's number, which every vertex carries, in either order of vertices.
+TEST(Draws, OfLitLayersHaveALookForEveryStrand) {
+  for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer}) {
+    Drawn drawn(order);
+    const FrameMemory& memory = drawn.scene().memory();
+    uint32_t lit = 0;
+    for (const LayerDraw& draw : drawn.scene().Draws()) {
+      const bool is_lit = drawn.scene().shape().layer_kind[draw.layer] & kLayerLit;
+      EXPECT_EQ(draw.light != nullptr, is_lit);
+      EXPECT_EQ(draw.looks.empty(), !is_lit);
+      if (!is_lit) continue;
+      ++lit;
+      EXPECT_EQ(draw.light, memory.Of<&Streams::layer_light>(draw.layer));
+      const uint32_t first = drawn.scene().shape().layer_first_chunk[draw.layer];
+      for (const uint32_t strand : draw.order) {
+        ASSERT_LT(strand, draw.looks.size());
+        const uint32_t chunk = first + strand / kStrandsPerChunk, lane = strand % kStrandsPerChunk;
+        EXPECT_EQ(draw.looks[strand].uv, memory.Of<&Streams::strand_uv>(chunk)->uv[lane]);
+        // Up and down are told apart by the word's fold: the skin's own z.
+        const float z = memory.Of<&Streams::roots>(chunk)->normal[2][lane];
+        const auto part = [](uint32_t bits) { return float(int16_t(uint16_t(bits))) / 32767.0f; };
+        const uint32_t normal = draw.looks[strand].normal;
+        const float folded = 1.0f - std::abs(part(normal & 0xffffu)) - std::abs(part(normal >> 16));
+        if (std::abs(z) > 1e-3f) {
+          EXPECT_EQ(folded > 0.0f, z > 0.0f);
+        }
+      }
+    }
+    EXPECT_GT(lit, 0u);
   }
 }
 

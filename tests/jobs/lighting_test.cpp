@@ -12,8 +12,8 @@ namespace {
 using namespace testing;
 
 constexpr Stream kStream = StreamOf<&Streams::layer_light>;
-constexpr uint32_t kStages = 1;  // what lit layers have and others have not
-bool IsOfLight(Stream stream) { return stream == kStream; }
+constexpr uint32_t kStages = 2;  // what lit layers have and others have not
+bool IsOfLight(Stream stream) { return stream == kStream || stream == StreamOf<&Streams::looks>; }
 
 // Lit layers, on their course until `rest_from`.
 struct LitRun {

@@ -1,0 +1,79 @@
+// What a shader is told of a strand that its curve does not say: which way the skin under it faces,
+// where on the skin it stands, how wet it is, and a number of its own. Shading fur needs the
+// skin's normal, and a record of curves has none.
+//
+// Records lie in strand order whatever the vertices do: a shader finds one by the strand's number,
+// which every vertex format carries. So they are written when the strands' curves are, and not when
+// only their order changes.
+#pragma once
+
+#include <string_view>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/kernels/write_lines.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+namespace write_looks_detail {
+
+using write_lines_detail::PackSigned;
+
+// A unit vector as a point of the octahedron, unfolded to a square (Cigolle et al., A Survey of
+// Efficient Representations for Independent Unit Vectors, JCGT 2014): x in the low 16 bits, y above.
+template <class V>
+PELT_INLINE typename V::Int PackOctahedral(const Vec3<V>& n) {
+  const V zero(0.0f), one(1.0f), least(-1.0f);
+  const V across = Abs(n.x) + Abs(n.y), sum = across + Abs(n.z);
+  const V x = n.x / sum, y = n.y / sum;
+  const V sign_x = Select(x < zero, least, one), sign_y = Select(y < zero, least, one);
+  const V folded_x = (one - Abs(y)) * sign_x, folded_y = (one - Abs(x)) * sign_y;
+  const auto below = n.z < zero;
+  const V u = Clamp(Select(below, folded_x, x), least, one);
+  const V v = Clamp(Select(below, folded_y, y), least, one);
+  return PackSigned(u) | (PackSigned(v) << 16);
+}
+
+// Every bit depends on every bit (lowbias32, Wellons, Hash Function Prospector, 2018).
+template <class I>
+PELT_INLINE I MixWord(I a) {
+  const I first(0x7feb352d), second(int32_t(0x846ca68bu));
+  const I b = (a ^ (a >> 16)) * first, c = (b ^ (b >> 15)) * second;
+  return c ^ (c >> 16);
+}
+
+}  // namespace write_looks_detail
+
+template <class V>
+struct WriteLooks {
+  static constexpr std::string_view kName = "write_looks";
+  struct Ports {
+    Shared<&Streams::layers> layer;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strand_uv> uv;
+    In<&Streams::roots> roots;
+    Out<&Streams::looks> looks;
+  };
+
+  static void Run(const Ports& ports) {
+    using namespace write_looks_detail;
+    using I = typename V::Int;
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
+    const V wet(ports.layer->wetness * 255.0f + 0.5f);
+    const I amounts = Truncate(wet) << 16;
+    LookRecord* const record = ports.looks->record;
+    for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
+      const I normal = PackOctahedral(Load3<V>(ports.roots->normal, lane));
+      const I random = MixWord(I::Iota(int32_t(ports.state->first_place + lane + 1)));
+      const I uv = I::Load(ports.uv->uv + lane);
+      ScatterRecords<V>(
+          [&](int l) __attribute__((always_inline)) {
+            return reinterpret_cast<float*>(record + lane + uint32_t(l));
+          },
+          FromBits(normal), FromBits(uv), FromBits(amounts), FromBits(random));
+    }
+  }
+};
+
+}  // namespace pelt

@@ -1,0 +1,138 @@
+// write_looks: what its records say, read back as a shader reads them.
+#include "core/kernels/write_looks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "tests/kernels/run_kernel.hpp"
+
+namespace pelt {
+namespace {
+
+using test::ForEveryVector;
+using test::RunOnBlocks;
+using test::Uniform;
+
+struct Scene {
+  LayerBlock layer{};
+  ChunkStateBlock state{};
+  StrandUvBlock uv{};
+  RootBlock roots{};
+
+  template <class V>
+  LookBlock Run() {
+    LookBlock looks;
+    test::Poison(looks);
+    RunOnBlocks<WriteLooks<V>>(nullptr, layer, state, uv, roots, looks);
+    return looks;
+  }
+};
+
+Scene MakeScene(uint32_t live, uint32_t seed) {
+  Scene scene;
+  std::mt19937 random(seed);
+  scene.state.live_strands = live;
+  scene.state.first_place = seed * kStrandsPerChunk;
+  for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+    double n[3], length = 0.0;
+    for (double& c : n) c = double(Uniform(random, -1.0f, 1.0f));
+    length = std::hypot(n[0], n[1], n[2]);
+    for (int axis = 0; axis < 3; ++axis) scene.roots.normal[axis][s] = float(n[axis] / length);
+    scene.uv.uv[s] = uint32_t(random());
+  }
+  return scene;
+}
+
+// As a shader does it: unpackSnorm2x16, unfold, normalise.
+void Decode(uint32_t packed, double (&n)[3]) {
+  const auto part = [](uint32_t bits) {
+    return double(std::bit_cast<int16_t>(uint16_t(bits))) / 32767.0;
+  };
+  double x = part(packed & 0xffffu), y = part(packed >> 16);
+  const double z = 1.0 - std::abs(x) - std::abs(y), fold = std::max(-z, 0.0);
+  x += x >= 0.0 ? -fold : fold;
+  y += y >= 0.0 ? -fold : fold;
+  const double length = std::hypot(x, y, z);
+  n[0] = x / length, n[1] = y / length, n[2] = z / length;
+}
+
+void ExpectNormals(const Scene& scene, const LookBlock& looks, uint32_t live) {
+  for (uint32_t s = 0; s < live; ++s) {
+    double n[3];
+    Decode(looks.record[s].normal, n);
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_NEAR(n[axis], double(scene.roots.normal[axis][s]), 1e-4) << s << " " << axis;
+  }
+}
+
+TEST(WriteLooks, NormalsComeBackFromTheirWord) {
+  for (uint32_t seed = 0; seed < 80; ++seed) {
+    Scene scene = MakeScene(kStrandsPerChunk, seed);
+    ExpectNormals(scene, scene.Run<ArrayVec<4>>(), kStrandsPerChunk);
+  }
+}
+
+TEST(WriteLooks, AxesAndSeamsComeBackToo) {
+  Scene scene = MakeScene(kStrandsPerChunk, 1);
+  uint32_t s = 0;
+  for (const float z : {-1.0f, -0.0f, 0.0f, 1.0f})
+    for (const float y : {-1.0f, -0.0f, 0.0f, 1.0f})
+      for (const float x : {-1.0f, -0.0f, 0.0f, 1.0f}) {
+        const float length = std::hypot(x, y, z);
+        if (length == 0.0f) continue;
+        const float n[] = {x / length, y / length, z / length};
+        for (int axis = 0; axis < 3; ++axis) scene.roots.normal[axis][s] = n[axis];
+        ++s;
+      }
+  ASSERT_LE(s, kStrandsPerChunk);
+  ExpectNormals(scene, scene.Run<ArrayVec<4>>(), s);
+}
+
+TEST(WriteLooks, HandsOnPlacesAndWetness) {
+  Scene scene = MakeScene(kStrandsPerChunk, 2);
+  for (const auto& [wetness, byte] : {std::pair(0.0f, 0u), {0.5f, 128u}, {1.0f, 255u}}) {
+    scene.layer.wetness = wetness;
+    const LookBlock looks = scene.Run<ArrayVec<4>>();
+    for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+      EXPECT_EQ(looks.record[s].uv, scene.uv.uv[s]);
+      EXPECT_EQ(looks.record[s].amounts, byte << 16);
+    }
+  }
+}
+
+// No two strands of a layer have the same, every bit is set in half of them, and it stays.
+TEST(WriteLooks, EveryStrandHasANumberOfItsOwn) {
+  constexpr uint32_t kChunks = 64;
+  std::set<uint32_t> seen;
+  uint32_t set_bits[32] = {};
+  for (uint32_t c = 0; c < kChunks; ++c) {
+    const LookBlock looks = MakeScene(kStrandsPerChunk, c).Run<ArrayVec<4>>();
+    const LookBlock fewer = MakeScene(16, c).Run<ArrayVec<4>>();
+    EXPECT_EQ(looks.record[5].random, fewer.record[5].random);
+    for (const LookRecord& record : looks.record) {
+      seen.insert(record.random);
+      for (int b = 0; b < 32; ++b) set_bits[b] += record.random >> b & 1;
+    }
+  }
+  constexpr uint32_t kAll = kChunks * kStrandsPerChunk;
+  EXPECT_EQ(seen.size(), kAll);
+  for (const uint32_t count : set_bits) EXPECT_NEAR(double(count) / kAll, 0.5, 0.03);
+}
+
+TEST(WriteLooks, SameRecordsOnEveryVector) {
+  for (const uint32_t live : {1u, 15u, 17u, 64u}) {
+    Scene scene = MakeScene(live, live);
+    scene.layer.wetness = 0.3f;
+    const LookBlock expected = scene.Run<ArrayVec<4>>();
+    ForEveryVector([&]<class V>(const char* name) {
+      const LookBlock found = scene.Run<V>();
+      EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name << " " << live;
+    });
+  }
+}
+
+}  // namespace
+}  // namespace pelt
