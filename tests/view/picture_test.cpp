@@ -1,0 +1,97 @@
+// The picture of a frame with every output, and what it knows of the fur on the skin.
+#include "bench/picture/picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "bench/picture/body.hpp"
+#include "bench/picture/skin_fur.hpp"
+#include "core/groom/surface_colour.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+struct Drawn {
+  explicit Drawn(VertexOrder order, Scenario drawn = EveryOutputScenario())
+      : order(order), scenario(std::move(drawn)), running(scenario, Options(order)) {
+    running.Begin(0);
+    SerialExecutor().Run(running.scene().CurrentFrame());
+  }
+  static SceneOptions Options(VertexOrder order) {
+    SceneOptions options;
+    options.vertex_order = order;
+    return options;
+  }
+  std::vector<std::byte> Picture() {
+    const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
+    std::vector<std::string> notes;
+    return DrawPicture(scenario, running.scene(), camera, order, {160, 120, 2}, notes);
+  }
+
+  VertexOrder order;
+  Scenario scenario;
+  RunningScenario running;
+};
+
+TEST(Picture, IsTheSameInBothVertexOrders) {
+  EXPECT_EQ(Drawn(VertexOrder::kSorted).Picture(), Drawn(VertexOrder::kIndexBuffer).Picture());
+}
+
+TEST(Picture, ShowsMoreThanABackground) {
+  const std::vector<std::byte> png = Drawn(VertexOrder::kSorted).Picture();
+  const ControlMap image =
+      ReadControlMap({reinterpret_cast<const uint8_t*>(png.data()), png.size()}, "picture");
+  ASSERT_EQ(image.width, 160u);
+  ASSERT_EQ(image.height, 120u);
+  std::set<uint32_t> colours;
+  for (size_t i = 0; i < image.rgba.size(); i += 4)
+    colours.insert(uint32_t(image.rgba[i] | image.rgba[i + 1] << 8 | image.rgba[i + 2] << 16));
+  EXPECT_GT(colours.size(), 1500u);
+}
+
+TEST(Picture, SkinHasTheAreaOfAllStrands) {
+  Drawn drawn(VertexOrder::kSorted);
+  const FurScene& scene = drawn.running.scene();
+  const Mesh& mesh = drawn.scenario.characters[drawn.scenario.actors[0].character].mesh;
+  const SkinFur fur = FindSkinFur(scene, 0, mesh);
+  double strands = 0.0, skin = 0.0;
+  const SceneShape& shape = scene.shape();
+  for (uint32_t c = 0; c < shape.chunk_count; ++c) {
+    if (shape.layer_character[shape.chunk_layer[c]] != 0) continue;
+    const StrandBlock& block = *scene.memory().Of<&Streams::strands>(c);
+    for (uint32_t s = 0; s < block.strand_count; ++s) strands += block.length[s] * block.width[s];
+  }
+  std::set<std::array<float, 3>> counted;  // vertices at one place have one share
+  for (size_t v = 0; v < mesh.position.size(); ++v)
+    if (counted.insert({mesh.position[v].x, mesh.position[v].y, mesh.position[v].z}).second)
+      skin += fur.area[v];
+  ASSERT_GT(strands, 0.0);
+  EXPECT_NEAR(skin / strands, 1.0, 1e-3);
+}
+
+TEST(Picture, FurCoversOnlyWhereItGrows) {
+  Drawn drawn(VertexOrder::kSorted, LoadScenario("monster"));  // whose eyes are bare
+  const Character& character = drawn.scenario.characters[drawn.scenario.actors[0].character];
+  const Body body = PoseBody(drawn.scenario, drawn.running.scene(), 0,
+                             std::make_shared<const SurfaceColour>(character));
+  const SkinFur fur = FindSkinFur(drawn.running.scene(), 0, character.mesh);
+  int bare = 0, covered = 0;
+  for (size_t v = 0; v < body.covered.size(); ++v) {
+    ASSERT_EQ(body.covered[v] > 0.0f, fur.area[v] > 0.0f) << v;
+    ASSERT_LE(body.covered[v], 1.0f);
+    (body.covered[v] > 0.0f ? covered : bare) += 1;
+  }
+  EXPECT_GT(bare, 0);
+  EXPECT_GT(covered, 0);
+  EXPECT_GT(body.mean_covered, 0.0f);
+  EXPECT_GT(DepthFloor(0.0f), DepthFloor(body.mean_covered));
+  for (size_t m = 0; m < character.mesh.materials.size(); ++m)
+    EXPECT_FALSE(character.mesh.materials[m] == "eye" && body.furry_material[m]);
+}
+
+}  // namespace
+}  // namespace pelt
