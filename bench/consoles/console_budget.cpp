@@ -212,8 +212,8 @@ ConsoleBudget ConsoleRun::Run() {
   budget.faults = Describe(console->faults());
   const uint32_t last = request_.warm_up + request_.frames - 1;
   const Camera camera = host.Prepare(last, request_.skip, request_.lod).camera;
-  budget.gpu = request_.console == Console::kPs3 ? request_.numbers.cell.gpu
-                                                 : request_.numbers.xenon.gpu;
+  budget.gpu =
+      request_.console == Console::kPs3 ? request_.numbers.cell.gpu : request_.numbers.xenon.gpu;
   budget.draws = FindDrawPasses(scene, MakeView(camera));
   return budget;
 }

@@ -102,9 +102,9 @@ struct LayerSetup {
   uint32_t clump_controls = 16;  // control strands per chunk (rounded up to 16)
   // 0xAABBGGRR. Alpha 0: the setup says none, and the surface's own colour is taken, if it has one.
   uint32_t base_colour = 0x00303850, tip_colour = 0x0090a0c0;
-  Attribute colour_variation;                                  // random brightness, share
-  MapChannel colour_map;                                       // rgb multiplies both colours
-  uint32_t film_strip_count = 1;                               // index is picked at random below it
+  Attribute colour_variation;     // random brightness, share
+  MapChannel colour_map;          // rgb multiplies both colours
+  uint32_t film_strip_count = 1;  // index is picked at random below it
 };
 
 // An attribute that every strand (or mesh vertex) has a value of: its key, and where the value
