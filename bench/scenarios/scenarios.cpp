@@ -1,8 +1,10 @@
 #include "bench/scenarios/scenarios.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bench/scenarios/cast.hpp"
@@ -18,8 +20,12 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kBuiltInCharacter = "builtin";
-constexpr std::string_view kNames[] = {"monster", "cast", "eyepet", "tiny"};
+struct BuiltInCharacter {
+  std::string_view name;
+  BuiltinBody body;
+};
+constexpr BuiltInCharacter kCharacters[] = {{"builtin", BuiltinBody::kMonster},
+                                            {"scorpion", BuiltinBody::kScorpion}};
 
 const EmbeddedSetup* FindEmbeddedSetup(std::string_view name) {
   for (const EmbeddedSetup& setup : EmbeddedSetups())
@@ -89,7 +95,7 @@ CameraOrbit MonsterCamera() {
   return camera;
 }
 
-Scenario MakeMonster(uint64_t seed) {
+Scenario MakeMonster(uint64_t seed, const LoadProgress&) {
   Scenario scenario;
   AddActor(scenario, LoadCharacter("builtin"), LoadSetup("monster", seed), "walk");
   scenario.base.wind = Breeze();
@@ -97,7 +103,7 @@ Scenario MakeMonster(uint64_t seed) {
   return scenario;
 }
 
-Scenario MakeEyePet(uint64_t seed) {
+Scenario MakeEyePet(uint64_t seed, const LoadProgress&) {
   Scenario scenario;
   AddActor(scenario, LoadCharacter("builtin"), LoadSetup("eyepet", seed), "walk");
   scenario.base.wind = Breeze();
@@ -107,7 +113,7 @@ Scenario MakeEyePet(uint64_t seed) {
   return scenario;
 }
 
-Scenario MakeTiny(uint64_t seed) {
+Scenario MakeTiny(uint64_t seed, const LoadProgress&) {
   Scenario scenario;
   AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), LoadSetup("tiny", seed), "walk");
   scenario.default_frames = 60;
@@ -189,17 +195,35 @@ bool HasLitLayer(const Groom& groom) {
   return std::ranges::any_of(groom.layers, [](const GroomLayer& l) { return l.params.lit; });
 }
 
+struct BuiltInScene {
+  std::string_view name;
+  Scenario (*make)(uint64_t seed, const LoadProgress& progress);
+};
+constexpr BuiltInScene kScenes[] = {
+    {"monster", MakeMonster}, {"cast", MakeCast}, {"eyepet", MakeEyePet}, {"tiny", MakeTiny}};
+
+constexpr auto NamesOfScenes() {
+  std::array<std::string_view, std::size(kScenes)> names;
+  for (size_t i = 0; i < names.size(); ++i) names[i] = kScenes[i].name;
+  return names;
+}
+
 }  // namespace
 
-std::span<const std::string_view> ScenarioNames() { return kNames; }
+std::span<const std::string_view> ScenarioNames() {
+  static constexpr auto kNames = NamesOfScenes();
+  return kNames;
+}
 
 Character LoadCharacter(const std::string& name_or_path) {
-  if (name_or_path == kBuiltInCharacter) return MakeBuiltinCharacter({});
+  for (const BuiltInCharacter& character : kCharacters)
+    if (name_or_path == character.name) return MakeBuiltinCharacter({.body = character.body});
   return ImportGltfFile(name_or_path);
 }
 
 bool IsBuiltInName(std::string_view value) {
-  return value == kBuiltInCharacter || FindEmbeddedSetup(value);
+  return std::ranges::count(kCharacters, value, &BuiltInCharacter::name) ||
+         FindEmbeddedSetup(value);
 }
 
 std::vector<std::string> FilesReadFor(const Character& character, const FurSetup& setup) {
@@ -256,22 +280,14 @@ void CheckGroomFits(const Groom& groom, const std::string& path, const Character
 
 Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progress) {
   Scenario scenario;
-  if (request.scene == "monster") {
-    scenario = MakeMonster(request.seed);
-  } else if (request.scene == "cast") {
-    scenario = MakeCast(request.seed, progress);
-  } else if (request.scene == "eyepet") {
-    scenario = MakeEyePet(request.seed);
-  } else if (request.scene == "tiny") {
-    scenario = MakeTiny(request.seed);
-  } else if (!request.scene.empty()) {
-    std::string names;
-    for (const std::string_view name : kNames)
-      names += (names.empty() ? "" : ", ") + std::string(name);
-    throw Error(fmt::format("no scene '{}'; there are: {}", request.scene, names));
-  } else {
+  const auto scene = std::ranges::find(kScenes, request.scene, &BuiltInScene::name);
+  if (request.scene.empty())
     scenario = MakeFromFiles(request);
-  }
+  else if (scene != std::end(kScenes))
+    scenario = scene->make(request.seed, progress);
+  else
+    throw Error(fmt::format("no scene '{}'; there are: {}", request.scene,
+                            fmt::join(ScenarioNames(), ", ")));
   OverrideSolver(request, scenario);
   if (std::ranges::any_of(scenario.grooms, HasLitLayer)) scenario.base.lighting = StudioLighting();
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;

@@ -34,7 +34,7 @@ struct EmbeddedSetup {
 };
 std::span<const EmbeddedSetup> EmbeddedSetups();
 
-// "builtin", or the path of a .glb or .gltf file. Throws Error.
+// "builtin" (the monster), "scorpion", or the path of a .glb or .gltf file. Throws Error.
 Character LoadCharacter(const std::string& name_or_path);
 
 // Whether `value` names what is built in, in place of a file: a setup or the character.

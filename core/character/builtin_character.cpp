@@ -1,4 +1,4 @@
-// Writes the monster as GLB, byte by byte: numbers are little-endian whatever the host, JSON
+// Writes a built-in character as GLB, byte by byte: numbers are little-endian whatever the host, JSON
 // numbers are the shortest that read back the same (std::to_chars), so the file's bytes are fixed.
 // Source: glTF 2.0, 4 (GLB).
 #include "core/character/builtin_character.hpp"
@@ -8,15 +8,13 @@
 #include <cstring>
 #include <string>
 
-#include "core/character/builtin_clips.hpp"
+#include "core/character/builtin_monster.hpp"
+#include "core/character/builtin_scorpion.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {
-
-using builtin::kJointCount;
-using builtin::kMaterialCount;
 
 std::string Number(float value) {
   char text[32];
@@ -42,14 +40,14 @@ class GlbWriter {
   std::vector<std::byte> Write(const builtin::Shape& shape, const builtin::ShapeMesh& mesh,
                                const std::vector<builtin::ShapeClip>& clips) {
     const std::string nodes = WriteNodes(shape);
-    const std::string meshes = WriteMesh(mesh);
+    const std::string meshes = WriteMesh(shape.name, mesh);
     const std::string skin = WriteSkin(shape);
     const std::string animations = WriteClips(clips);
     std::string materials;
-    for (const char* name : builtin::kMaterialNames)
+    for (const char* name : shape.materials)
       AddItem(std::string("{\"name\":\"") + name + "\"}", materials);
     std::string json = "{\"asset\":{\"version\":\"2.0\",\"generator\":\"pelt\"},\"scene\":0,";
-    json += "\"scenes\":[{\"nodes\":[0," + std::to_string(kJointCount) + "]}],";
+    json += "\"scenes\":[{\"nodes\":[0," + std::to_string(shape.joints.size()) + "]}],";
     json += "\"nodes\":[" + nodes + "],\"meshes\":[" + meshes + "],\"skins\":[" + skin + "],";
     json += "\"animations\":[" + animations + "],\"materials\":[" + materials + "],";
     json += "\"accessors\":[" + accessors_ + "],\"bufferViews\":[" + views_ + "],";
@@ -92,7 +90,7 @@ class GlbWriter {
 
   std::string WriteNodes(const builtin::Shape& shape) {
     std::string out;
-    for (int j = 0; j < kJointCount; ++j) {
+    for (int j = 0; j < int(shape.joints.size()); ++j) {
       const builtin::JointPlace& joint = shape.joints[size_t(j)];
       glm::dvec3 local = joint.position;
       if (joint.parent >= 0) local -= shape.joints[size_t(joint.parent)].position;
@@ -100,15 +98,15 @@ class GlbWriter {
       out += "{\"name\":\"" + std::string(joint.name) +
              "\",\"translation\":" + Numbers(&translation[0], 3);
       std::string children;
-      for (int c = 0; c < kJointCount; ++c)
+      for (int c = 0; c < int(shape.joints.size()); ++c)
         if (shape.joints[size_t(c)].parent == j) AddItem(std::to_string(c), children);
       if (!children.empty()) out += ",\"children\":[" + children + "]";
       out += "},";
     }
-    return out + "{\"name\":\"monster\",\"mesh\":0,\"skin\":0}";
+    return out + "{\"name\":\"" + shape.name + "\",\"mesh\":0,\"skin\":0}";
   }
 
-  std::string WriteMesh(const builtin::ShapeMesh& mesh) {
+  std::string WriteMesh(const std::string& name, const builtin::ShapeMesh& mesh) {
     glm::vec3 low = mesh.position[0], high = low;
     for (const glm::vec3& p : mesh.position) {
       low = glm::min(low, p);
@@ -131,7 +129,7 @@ class GlbWriter {
         ",\"TEXCOORD_0\":" + std::to_string(uv) + ",\"JOINTS_0\":" + std::to_string(joints) +
         ",\"WEIGHTS_0\":" + std::to_string(weights) + "}";
     std::string primitives;
-    for (int m = 0; m < kMaterialCount; ++m) {
+    for (size_t m = 0; m < mesh.triangles.size(); ++m) {
       if (mesh.triangles[m].empty()) continue;
       const size_t first = binary_.size();
       for (const auto& t : mesh.triangles[m])
@@ -141,19 +139,19 @@ class GlbWriter {
                   ",\"material\":" + std::to_string(m) + "}",
               primitives);
     }
-    return "{\"name\":\"monster\",\"primitives\":[" + primitives + "]}";
+    return "{\"name\":\"" + name + "\",\"primitives\":[" + primitives + "]}";
   }
 
   std::string WriteSkin(const builtin::Shape& shape) {
     const size_t start = binary_.size();
     std::string joints;
-    for (int j = 0; j < kJointCount; ++j) {
+    for (size_t j = 0; j < shape.joints.size(); ++j) {
       glm::mat4 inverse(1.0f);
-      inverse[3] = glm::vec4(glm::vec3(-shape.joints[size_t(j)].position), 1.0f);
+      inverse[3] = glm::vec4(glm::vec3(-shape.joints[j].position), 1.0f);
       for (int c = 0; c < 4; ++c) PutFloats(&inverse[c][0], 4);
       AddItem(std::to_string(j), joints);
     }
-    const int inverse_bind = AddAccessor(start, kJointCount, 5126, "MAT4");
+    const int inverse_bind = AddAccessor(start, shape.joints.size(), 5126, "MAT4");
     return "{\"joints\":[" + joints +
            "],\"skeleton\":0,\"inverseBindMatrices\":" + std::to_string(inverse_bind) + "}";
   }
@@ -212,13 +210,18 @@ class GlbWriter {
 }  // namespace
 
 std::vector<std::byte> MakeBuiltinCharacterGlb(const BuiltinCharacterOptions& options) {
-  const builtin::Shape shape = builtin::DesignShape(options);
+  const bool scorpion = options.body == BuiltinBody::kScorpion;
+  const builtin::Shape shape =
+      scorpion ? builtin::DesignScorpion() : builtin::DesignMonster(options);
   const builtin::ShapeMesh mesh = builtin::MeshShape(shape, options);
-  return GlbWriter().Write(shape, mesh, builtin::MakeClips(shape));
+  return GlbWriter().Write(
+      shape, mesh,
+      builtin::MakeClips(shape, scorpion ? builtin::ScorpionClips() : builtin::MonsterClips()));
 }
 
 Character MakeBuiltinCharacter(const BuiltinCharacterOptions& options) {
-  return ImportGltf(MakeBuiltinCharacterGlb(options), "builtin");
+  return ImportGltf(MakeBuiltinCharacterGlb(options),
+                    options.body == BuiltinBody::kScorpion ? "scorpion" : "builtin");
 }
 
 }  // namespace pelt

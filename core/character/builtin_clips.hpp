@@ -1,7 +1,9 @@
-// How the built-in monster moves: rotations of its joints as functions of time, sampled into keys.
+// How a built-in character moves: rotations of its joints as functions of time, sampled into keys.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,8 +11,26 @@
 
 namespace pelt::builtin {
 
+inline constexpr size_t kMostJoints = 40;
+
+// Turns about x (nod), y (turn) and z (tilt), radians, z first; and the carrier's shift, m.
+struct Motion {
+  std::array<glm::dvec3, kMostJoints> turn{};
+  glm::dvec3 shift{0.0};
+};
+
+struct ClipPlan {
+  const char* name;
+  Motion (*motion)(double time_s);
+  bool cubic;         // splines, else lines
+  bool loops;         // its ends agree to the last bit
+  double duration_s;  // with `steps` keys at equal times behind the first
+  int steps;
+  double held_s = 0.0;  // a last key here, if it is later
+};
+
 struct ShapeTrack {
-  Joint joint;
+  size_t joint;
   bool rotation;                  // else translation (local, m)
   std::vector<glm::vec4> values;  // cubic: in tangent, value, out tangent for each time
 };
@@ -22,6 +42,11 @@ struct ShapeClip {
   std::vector<ShapeTrack> tracks;
 };
 
-std::vector<ShapeClip> MakeClips(const Shape& shape);
+std::vector<ShapeClip> MakeClips(const Shape& shape, std::span<const ClipPlan> plans);
+
+// sin of so many turns.
+double Wave(double turns);
+// 0 to 1 as s goes from 0 to 1, at rest at both ends; constant outside.
+double Ease(double s);
 
 }  // namespace pelt::builtin

@@ -1,4 +1,4 @@
-// From the monster's primitives to triangles: surface nets on a grid, each vertex then pulled onto
+// From primitives to triangles: surface nets on a grid, each vertex then pulled onto
 // the surface along the gradient.
 //
 // The grid has a plane of samples at x = 0, so the mesh is as symmetric as the shape. Weights fall
@@ -193,6 +193,7 @@ class Dresser {
 
   ShapeMesh Dress() {
     const size_t charts = shape_.charts.size();
+    out_.triangles.resize(shape_.materials.size());
     place_.assign(surface_.position.size() * charts * 2, -1);
     for (const auto& t : surface_.triangles) {
       const dvec3 centre =
@@ -258,8 +259,8 @@ class Dresser {
       double weight = 0.0;
       uint8_t joint = 0;
     };
-    std::array<Share, kJointCount> share;
-    for (size_t j = 0; j < kJointCount; ++j) share[j].joint = uint8_t(j);
+    std::vector<Share> share(shape_.joints.size());
+    for (size_t j = 0; j < share.size(); ++j) share[j].joint = uint8_t(j);
     for (const Primitive& p : shape_.primitives) {
       const double d = std::max(DistanceTo(p, at), 0.0) + 0.02;
       share[p.joint].weight = std::max(share[p.joint].weight, 1.0 / (d * d * d * d));
@@ -288,15 +289,45 @@ class Dresser {
   ShapeMesh out_;
 };
 
-constexpr double kCell = 0.027;  // m at detail 1
 constexpr size_t kTinyVertices = 200;
 
+// Around it, so that whatever is farther is not asked.
+Primitive Bounded(Primitive p) {
+  if (p.radius_b < 0.0) {
+    p.centre = p.a;
+    p.bound = std::max({p.b.x, p.b.y, p.b.z});
+    return p;
+  }
+  const dvec3 half = (p.b - p.a) * 0.5;
+  p.centre = p.a + half;
+  p.bound = std::sqrt(glm::dot(half, half)) + std::max(p.radius_a, p.radius_b);
+  return p;
+}
+
 }  // namespace
+
+Primitive MakeEllipsoid(const dvec3& centre, const dvec3& radii, uint8_t joint, uint8_t material,
+                        uint8_t chart, double blend) {
+  return Bounded({centre, radii, 0.0, -1.0, joint, material, chart, blend});
+}
+
+Primitive MakeCone(const dvec3& a, const dvec3& b, double radius_a, double radius_b, uint8_t joint,
+                   uint8_t material, uint8_t chart, double blend) {
+  return Bounded({a, b, radius_a, radius_b, joint, material, chart, blend});
+}
+
+Chart MakeChart(const dvec3& from, const dvec3& to, const dvec3& front) {
+  const dvec3 along = to - from;
+  const double length = std::sqrt(glm::dot(along, along));
+  const dvec3 axis = along / length;
+  const dvec3 across = front - axis * glm::dot(axis, front);
+  return {from, axis, across / std::sqrt(glm::dot(across, across)), length};
+}
 
 ShapeMesh MeshShape(const Shape& shape, const BuiltinCharacterOptions& options) {
   if (!options.tiny) {
     const double detail = std::min(std::max(double(options.detail), 0.25), 4.0);
-    return Dresser(shape, SurfaceNets(shape, kCell / detail).Extract(), false).Dress();
+    return Dresser(shape, SurfaceNets(shape, shape.cell_m / detail).Extract(), false).Dress();
   }
   for (double cell = 0.09;; cell *= 1.06) {
     ShapeMesh mesh = Dresser(shape, SurfaceNets(shape, cell).Extract(), true).Dress();

@@ -1,4 +1,4 @@
-// The built-in monster's body: an implicit surface made of ellipsoids and round cones blended
+// A built-in character's body: an implicit surface made of ellipsoids and round cones blended
 // together, turned into one closed mesh. Skin weights, materials and UVs all follow from the same
 // primitives, so they fit each other by construction.
 //
@@ -16,45 +16,16 @@
 
 namespace pelt {
 
+enum class BuiltinBody : uint8_t { kMonster, kScorpion };
+
 struct BuiltinCharacterOptions {
-  uint64_t seed = 0;    // 0: the standard monster; others vary the proportions
+  BuiltinBody body = BuiltinBody::kMonster;
+  uint64_t seed = 0;    // 0: the standard one; others vary a monster's proportions
   float detail = 1.0f;  // 0.25 .. 4: vertices grow with its square; 1 is about 4,000
   bool tiny = false;    // at most 200 vertices, for tests
 };
 
 namespace builtin {
-
-enum Material : uint8_t { kHead, kBrow, kBody, kArm, kLeg, kTail, kEye, kMaterialCount };
-inline constexpr const char* kMaterialNames[kMaterialCount] = {"head", "brow", "body", "arm",
-                                                               "leg",  "tail", "eye"};
-
-enum Joint : uint8_t {
-  kRoot,
-  kHips,
-  kSpine,
-  kChest,
-  kNeck,
-  kHeadJoint,
-  kBrowL,
-  kBrowR,
-  kShoulderL,
-  kElbowL,
-  kHandL,
-  kShoulderR,
-  kElbowR,
-  kHandR,
-  kThighL,
-  kShinL,
-  kFootL,
-  kThighR,
-  kShinR,
-  kFootR,
-  kTail1,
-  kTail2,
-  kTail3,
-  kTail4,
-  kJointCount
-};
 
 struct JointPlace {
   const char* name;
@@ -66,9 +37,7 @@ struct JointPlace {
 struct Primitive {
   glm::dvec3 a, b;
   double radius_a, radius_b;
-  Joint joint;
-  Material material;
-  uint8_t chart;
+  uint8_t joint, material, chart;
   double blend;            // width over which it melts into the rest, m
   glm::dvec3 centre{0.0};  // of a sphere around it
   double bound = 0.0;      // its radius, m
@@ -82,10 +51,22 @@ struct Chart {
 
 // y up, facing +z, its left at +x, feet on y = 0.
 struct Shape {
-  std::array<JointPlace, kJointCount> joints;
+  const char* name;
+  double cell_m;                   // of the grid it is meshed on, at detail 1
+  std::vector<JointPlace> joints;  // parents before children
+  uint8_t carrier;                 // the joint that a clip also shifts
+  std::vector<const char*> materials;
   std::vector<Primitive> primitives;
   std::vector<Chart> charts;
 };
+
+Primitive MakeEllipsoid(const glm::dvec3& centre, const glm::dvec3& radii, uint8_t joint,
+                        uint8_t material, uint8_t chart, double blend);
+Primitive MakeCone(const glm::dvec3& a, const glm::dvec3& b, double radius_a, double radius_b,
+                   uint8_t joint, uint8_t material, uint8_t chart, double blend);
+// From `from`, v = 0, to `to`, v = 1.
+Chart MakeChart(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& front);
+inline glm::dvec3 Mirror(const glm::dvec3& p) { return {-p.x, p.y, p.z}; }
 
 struct ShapeMesh {
   std::vector<glm::vec3> position, normal;
@@ -93,10 +74,9 @@ struct ShapeMesh {
   std::vector<glm::vec2> uv;
   std::vector<std::array<uint8_t, 4>> joints;
   std::vector<glm::vec4> weights;
-  std::vector<std::array<uint32_t, 3>> triangles[kMaterialCount];
+  std::vector<std::vector<std::array<uint32_t, 3>>> triangles;  // of each material
 };
 
-Shape DesignShape(const BuiltinCharacterOptions& options);
 ShapeMesh MeshShape(const Shape& shape, const BuiltinCharacterOptions& options);
 
 }  // namespace builtin

@@ -25,6 +25,8 @@ uint64_t DigestOf(const std::vector<std::byte>& bytes) {
 TEST(BuiltinCharacter, BytesAreFixed) {
   EXPECT_EQ(DigestOf(MakeBuiltinCharacterGlb({})), 6254142181428578039ull);
   EXPECT_EQ(DigestOf(MakeBuiltinCharacterGlb({.seed = 7, .tiny = true})), 994526926315135317ull);
+  EXPECT_EQ(DigestOf(MakeBuiltinCharacterGlb({.body = BuiltinBody::kScorpion})),
+            6328609436031650976ull);
 }
 
 TEST(BuiltinCharacter, IsWholeAndNeedsNoRepair) {
@@ -49,10 +51,32 @@ TEST(BuiltinCharacter, IsWholeAndNeedsNoRepair) {
   EXPECT_NEAR(low.x, -high.x, 0.01f);
 }
 
+TEST(BuiltinCharacter, ScorpionIsWholeAndNeedsNoRepair) {
+  const Character c = MakeBuiltinCharacter({.body = BuiltinBody::kScorpion});
+  test::ExpectWhole(c);
+  test::ExpectRestAgrees(c, 1.0f);
+  EXPECT_TRUE(c.notes.empty()) << c.notes[0];
+  EXPECT_EQ(c.name, "scorpion");
+  EXPECT_EQ(c.skeleton.name.size(), 34u);
+  EXPECT_EQ(c.mesh.materials,
+            (std::vector<std::string>{"head", "body", "tail", "sting", "claw", "leg", "eye"}));
+  EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, 1.0f);
+  glm::vec3 low(1e9f), high(-1e9f);
+  for (const glm::vec3& p : c.mesh.position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  EXPECT_NEAR(low.y, 0.0f, 0.02f);
+  EXPECT_NEAR(low.x, -high.x, 0.01f);
+  EXPECT_NEAR(high.z - low.z, 1.25f, 0.1f);
+}
+
 // Every edge of the surface, by position, has exactly one triangle on either side.
 TEST(BuiltinCharacter, SurfaceIsClosedAndFacesOut) {
-  for (uint64_t seed : {0, 3, 11}) {
-    const Mesh m = MakeBuiltinCharacter({.seed = seed}).mesh;
+  for (const BuiltinCharacterOptions& options :
+       {BuiltinCharacterOptions{}, {.seed = 3}, {.seed = 11}, {.body = BuiltinBody::kScorpion}}) {
+    const Mesh m = MakeBuiltinCharacter(options).mesh;
+    const uint64_t seed = options.seed;
     auto key = [&m](uint32_t v) {
       return std::array<float, 3>{m.position[v].x, m.position[v].y, m.position[v].z};
     };

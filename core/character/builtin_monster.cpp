@@ -1,15 +1,16 @@
 // Proportions of the built-in monster: where its joints and primitives lie. Numbers are metres of
 // the standard monster; a seed scales limbs, belly, head, ears and tail.
+#include "core/character/builtin_monster.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "core/character/builtin_shape.hpp"
 #include "core/float_rules.hpp"
 #include "core/random.hpp"
 
 namespace pelt::builtin {
+namespace monster {
 namespace {
-
 using glm::dvec3;
 
 struct Proportions {
@@ -42,14 +43,17 @@ enum ChartIndex : uint8_t {
   kEyeRChart,
 };
 
-dvec3 Mirror(const dvec3& p) { return {-p.x, p.y, p.z}; }
-
 class Designer {
  public:
   explicit Designer(const BuiltinCharacterOptions& options)
       : p_(DrawProportions(options.seed)), inflate_(options.tiny ? 0.03 : 0.0) {}
 
   Shape Design() {
+    shape_.name = "monster";
+    shape_.cell_m = 0.027;
+    shape_.joints.resize(kJointCount);
+    shape_.carrier = kHips;
+    shape_.materials.assign(std::begin(kMaterialNames), std::end(kMaterialNames));
     hip_ = 0.06 + 0.31 * p_.leg;
     PlaceTrunk();
     PlaceArms();
@@ -61,20 +65,20 @@ class Designer {
   }
 
  private:
-  void Joint(builtin::Joint joint, const char* name, int parent, const dvec3& at) {
+  void Joint(monster::Joint joint, const char* name, int parent, const dvec3& at) {
     shape_.joints[joint] = {name, parent, at};
   }
 
-  void Ellipsoid(const dvec3& centre, const dvec3& radii, builtin::Joint joint, Material material,
+  void Ellipsoid(const dvec3& centre, const dvec3& radii, monster::Joint joint, Material material,
                  ChartIndex chart, double blend) {
-    shape_.primitives.push_back({centre, radii + dvec3(inflate_), 0.0, -1.0, joint, material, chart,
-                                 blend, dvec3(0.0), 0.0});
+    shape_.primitives.push_back(
+        MakeEllipsoid(centre, radii + dvec3(inflate_), joint, material, chart, blend));
   }
 
-  void Cone(const dvec3& a, const dvec3& b, double radius_a, double radius_b, builtin::Joint joint,
+  void Cone(const dvec3& a, const dvec3& b, double radius_a, double radius_b, monster::Joint joint,
             Material material, ChartIndex chart, double blend) {
-    shape_.primitives.push_back({a, b, radius_a + inflate_, radius_b + inflate_, joint, material,
-                                 chart, blend, dvec3(0.0), 0.0});
+    shape_.primitives.push_back(
+        MakeCone(a, b, radius_a + inflate_, radius_b + inflate_, joint, material, chart, blend));
   }
 
   void PlaceTrunk() {
@@ -97,7 +101,7 @@ class Designer {
               kHead, kHeadChart, 0.05);
     for (int side = 0; side < 2; ++side) {
       auto on = [&](const dvec3& at) { return head_ + (side ? Mirror(at) : at) * h; };
-      const builtin::Joint brow = side ? kBrowR : kBrowL;
+      const monster::Joint brow = side ? kBrowR : kBrowL;
       Joint(brow, side ? "brow_r" : "brow_l", kHeadJoint, on({0.075, 0.085, 0.12}));
       const dvec3 tip = dvec3(0.135, 0.125, -0.01) + dvec3(0.045, 0.075, 0.0) * p_.ear;
       Cone(on({0.115, 0.105, -0.01}), on(tip), 0.052 * h, 0.03 * h, kHeadJoint, kHead, kHeadChart,
@@ -116,8 +120,8 @@ class Designer {
     const dvec3 hand = wrist + dvec3(0.025, -0.05, 0.015);
     for (int side = 0; side < 2; ++side) {
       auto on = [&](const dvec3& at) { return side ? Mirror(at) : at; };
-      const builtin::Joint s = side ? kShoulderR : kShoulderL, e = side ? kElbowR : kElbowL;
-      const builtin::Joint w = side ? kHandR : kHandL;
+      const monster::Joint s = side ? kShoulderR : kShoulderL, e = side ? kElbowR : kElbowL;
+      const monster::Joint w = side ? kHandR : kHandL;
       const ChartIndex chart = side ? kArmRChart : kArmLChart;
       Joint(s, side ? "shoulder_r" : "shoulder_l", kChest, on(shoulder));
       Joint(e, side ? "elbow_r" : "elbow_l", s, on(elbow));
@@ -135,8 +139,8 @@ class Designer {
     const dvec3 ankle(0.128, 0.075, -0.005);
     for (int side = 0; side < 2; ++side) {
       auto on = [&](const dvec3& at) { return side ? Mirror(at) : at; };
-      const builtin::Joint t = side ? kThighR : kThighL, s = side ? kShinR : kShinL;
-      const builtin::Joint f = side ? kFootR : kFootL;
+      const monster::Joint t = side ? kThighR : kThighL, s = side ? kShinR : kShinL;
+      const monster::Joint f = side ? kFootR : kFootL;
       const ChartIndex chart = side ? kLegRChart : kLegLChart;
       Joint(t, side ? "thigh_r" : "thigh_l", kHips, on(thigh));
       Joint(s, side ? "shin_r" : "shin_l", t, on(knee));
@@ -156,7 +160,7 @@ class Designer {
     dvec3 at(0.0, hip_ - 0.02, -0.15 * p_.belly);
     tail_[0] = at;
     for (int i = 0; i < 4; ++i) {
-      const builtin::Joint joint = builtin::Joint(kTail1 + i);
+      const monster::Joint joint = monster::Joint(kTail1 + i);
       const dvec3 next = at + step[i] * p_.tail;
       Joint(joint, names[i], i ? joint - 1 : int(kHips), at);
       Cone(at, next, radius[i], radius[i + 1], joint, kTail, kTailChart, 0.04);
@@ -166,11 +170,7 @@ class Designer {
   }
 
   void AddChart(const dvec3& from, const dvec3& to, const dvec3& front) {
-    const dvec3 along = to - from;
-    const double length = std::sqrt(glm::dot(along, along));
-    const dvec3 axis = along / length;
-    const dvec3 across = front - axis * glm::dot(axis, front);
-    shape_.charts.push_back({from, axis, across / std::sqrt(glm::dot(across, across)), length});
+    shape_.charts.push_back(MakeChart(from, to, front));
   }
 
   // In the order of ChartIndex.
@@ -188,28 +188,14 @@ class Designer {
     AddChart(head_ + Mirror(eye) - forward * 0.05, head_ + Mirror(eye) + forward * 0.05, up);
   }
 
-  static void Bound(Primitive* p) {
-    if (p->radius_b < 0.0) {
-      p->centre = p->a;
-      p->bound = std::max({p->b.x, p->b.y, p->b.z});
-      return;
-    }
-    const dvec3 half = (p->b - p->a) * 0.5;
-    p->centre = p->a + half;
-    p->bound = std::sqrt(glm::dot(half, half)) + std::max(p->radius_a, p->radius_b);
-  }
-
   void Scale() {
     const double s = p_.size;
     for (JointPlace& joint : shape_.joints) joint.position *= s;
-    for (Primitive& p : shape_.primitives) {
-      p.a *= s;
-      p.b *= s;
-      p.radius_a *= s;
-      if (p.radius_b > 0.0) p.radius_b *= s;
-      p.blend *= s;
-      Bound(&p);
-    }
+    for (Primitive& p : shape_.primitives)
+      p = p.radius_b < 0.0
+              ? MakeEllipsoid(p.a * s, p.b * s, p.joint, p.material, p.chart, p.blend * s)
+              : MakeCone(p.a * s, p.b * s, p.radius_a * s, p.radius_b * s, p.joint, p.material,
+                         p.chart, p.blend * s);
     for (Chart& chart : shape_.charts) {
       chart.origin *= s;
       chart.length *= s;
@@ -221,11 +207,14 @@ class Designer {
   double hip_ = 0.0;
   dvec3 head_{0.0};
   std::array<dvec3, 2> arm_{}, leg_{}, tail_{};
-  Shape shape_;
+  Shape shape_{};
 };
 
 }  // namespace
+}  // namespace monster
 
-Shape DesignShape(const BuiltinCharacterOptions& options) { return Designer(options).Design(); }
+Shape DesignMonster(const BuiltinCharacterOptions& options) {
+  return monster::Designer(options).Design();
+}
 
 }  // namespace pelt::builtin
