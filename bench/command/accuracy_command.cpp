@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 #include "bench/accuracy/recorded_run.hpp"
 #include "bench/accuracy/report/accuracy_features.hpp"
@@ -154,10 +153,7 @@ int RunRecorded(const AccuracyArgs& args) {
 }
 
 int WriteExample(const OutputPath& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder.path(), error);
-  if (error)
-    throw Error(fmt::format("cannot make the folder {}: {}", folder.path(), error.message()));
+  MakeFolder(folder);
   const std::pair<OutputPath, std::string> files[] = {
       {folder.Inside("roots.csv"), RootsText(ExampleRoots())},
       {folder.Inside("strand.toml"), ExampleStrand()}};

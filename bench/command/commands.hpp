@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/command/output_path.hpp"
+#include "bench/command/picture_shots.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/platforms/platform.hpp"
@@ -25,13 +25,21 @@ struct BakeArgs {
 };
 int Bake(const BakeArgs& args);
 
+// Where the camera stands instead of where the scene has it.
+struct CameraChoice {
+  // Yaw and elevation about the target in degrees, and the share of the scene's own distance; then it stands still.
+  std::vector<double> orbit;
+  std::vector<float> target_m;  // x, y, z
+  bool turntable = false;       // once round in the frames that are run
+};
+
 struct RunArgs {
   ScenarioRequest request;
   RunOptions options;
   std::optional<WeatherCourse> weather;  // the scenario's own if not given
   double fps = 0.0;                      // 0: the scenario's own
-  OutputPath picture;
-  uint32_t picture_width_px = 1200, picture_height_px = 900;
+  CameraChoice camera;
+  PictureArgs picture;
   OutputPath trace;            // Chrome trace file to write
   uint32_t trace_frames = 10;  // the last ones; 0: all
   OutputPath digest_log;       // to write

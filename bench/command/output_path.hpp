@@ -30,7 +30,8 @@ class OutputPath {
   std::string path_;
 };
 
-// Throw Error; `what` is for its text: "digest log".
+// Throw Error; `what` is for its text: "digest log". MakeFolder: and the folders above it.
+void MakeFolder(const OutputPath& folder);
 void CheckOutput(std::string_view what, const OutputPath& output);
 void WriteOutput(std::string_view what, const OutputPath& output, std::span<const std::byte> bytes);
 inline void WriteOutput(std::string_view what, const OutputPath& output, std::string_view text) {

@@ -36,7 +36,7 @@ Subcommand SetUpBake(CLI::App& root) {
   const auto kept = std::make_shared<BakeArgs>();
   BakeArgs& args = *kept;
   auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
-  AddInputFileOrName(*app, "--character", args.character, "A .glb or .gltf file, or 'builtin'")
+  AddInputFileOrName(*app, "--character", args.character, "A .glb or .gltf file, or 'builtin', 'scorpion'")
       ->capture_default_str();
   AddInputFileOrName(*app, "--setup", args.setup,
                      "A fur setup: a .toml file, or the name of a built-in one")
@@ -62,6 +62,7 @@ Subcommand SetUpBake(CLI::App& root) {
 void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& args) {
   CompleteSource(app, args.request);
   args.weather = WeatherOf(app, weather);
+  CheckCamera(args.camera);
 }
 
 // What runs and how.
@@ -74,6 +75,7 @@ void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddPlanOptions(app, args.options.scene);
   AddSkips(app, args.options.skip, args.options.lod);
   AddTimeAndWeather(app, args.fps, weather);
+  AddCamera(app, args.camera);
   app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
 }
 
@@ -83,16 +85,7 @@ Subcommand SetUpRun(CLI::App& root) {
   RunArgs& args = *kept;
   auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
   AddRun(*app, args, *weather);
-  auto* picture = AddOutputFile(*app, "--picture", args.picture,
-                                "PNG file for a picture of the last frame", ".png");
-  app->add_option("--picture-width", args.picture_width_px, "In pixels")
-      ->needs(picture)
-      ->check(CLI::Range(16, 4096))
-      ->capture_default_str();
-  app->add_option("--picture-height", args.picture_height_px, "In pixels")
-      ->needs(picture)
-      ->check(CLI::Range(16, 4096))
-      ->capture_default_str();
+  AddPictures(*app, args.picture);
   auto* trace = AddOutputFile(
       *app, "--trace", args.trace,
       "Chrome trace of the last frames, for ui.perfetto.dev or speedscope; stages are in "
@@ -112,10 +105,15 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene tiny --executor serial --isa reference --no-sleep\n"
       "  pelt run --scene tiny --wetness 1 --dirt 0.5 --wet-at 20 --fps 30 --json\n"
       "  pelt run --character builtin --setup eyepet --frames 10 --picture eyepet.png\n"
+      "  pelt run --scene monster --frames 61 --picture wet.png --time 1 --wetness 1 --light "
+      "backlit\n"
+      "  pelt run --scene tiny --frames 24 --animation turn.png --turntable --picture-width 320 "
+      "--picture-height 240\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
   return {app,
           [app, kept, weather] {
             CompleteRun(*app, *weather, *kept);
+            CompletePictures(*app, kept->picture);
             CheckExecutor(*app, kept->options.executor);
           },
           [kept] { return Run(*kept); }};

@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/picture/picture.hpp"
 #include "bench/report/timeline.hpp"
 #include "bench/verify/stage_digests.hpp"
 #include "core/error.hpp"
+#include "core/exact_math.hpp"
 #include "jobs/tick_clock.hpp"
 #include "traces/chrome_trace.hpp"
 
@@ -30,6 +31,22 @@ std::string TraceText(const FurScene& scene, const RunReport& report,
   return ChromeTrace(timeline);
 }
 
+void PlaceCamera(const CameraChoice& choice, Scenario& scenario, uint32_t frames) {
+  CameraOrbit& orbit = scenario.camera;
+  if (!choice.target_m.empty())
+    orbit.target = {choice.target_m[0], choice.target_m[1], choice.target_m[2]};
+  if (!choice.orbit.empty()) {
+    const double elevation = choice.orbit[1] * exact::kRadiansPerDegree;
+    const double distance_m = std::hypot(orbit.radius_m, orbit.height_m) *
+                              (choice.orbit.size() > 2 ? choice.orbit[2] : 1.0);
+    orbit.start_rad = choice.orbit[0] * exact::kRadiansPerDegree;
+    orbit.radius_m = distance_m * exact::Cos(elevation);
+    orbit.height_m = distance_m * exact::Sin(elevation);
+    orbit.rate_rad_per_s = 0.0;
+  }
+  if (choice.turntable) orbit.rate_rad_per_s = 2.0 * exact::kPi / (frames * scenario.dt_s);
+}
+
 }  // namespace
 
 Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
@@ -44,6 +61,8 @@ Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
     for (const std::string& note : scenario.notes) fmt::print(notes, "note: {}\n", note);
   if (args.weather) scenario.weather_course = *args.weather;
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
+  PlaceCamera(args.camera, scenario,
+              args.options.frames ? args.options.frames : scenario.default_frames);
   return scenario;
 }
 
@@ -54,10 +73,12 @@ int Run(const RunArgs& args) {
   RunOptions options = args.options;
   options.scene.plan.must_fit = options.executor->local_store;
   RunningScenario running(scenario, options.scene);
+  const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
+  PictureShots pictures(args.picture, scenario, running.scene(), frames,
+                        options.scene.vertex_order);
   std::vector<FrameRecord> records;
   const TickScale tick_scale;
   if (!args.trace.empty()) {
-    const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
     if (args.trace_frames && args.trace_frames < frames)
       options.observe_from_frame = frames - args.trace_frames;
     options.observe = [&](const FinishedFrame& f) {
@@ -67,17 +88,22 @@ int Run(const RunArgs& args) {
   const StageDigests stage_digests(running.scene());
   DigestLog digest_log =
       stage_digests.Begin(scenario.name, DescribeSettings(args), options.scene.vertex_order);
-  if (!args.digest_log.empty())
-    options.after_frame = [&](uint32_t, const FurScene& scene) {
-      stage_digests.AddFrame(scene, digest_log);
-    };
   RunReport report;
   {
-    Progress progress("run", options.frames ? options.frames : scenario.default_frames);
-    options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
+    Progress progress("run", frames);
+    options.progress = [&](uint32_t done, uint32_t) {
+      progress.Show(done, pictures.Count()
+                              ? fmt::format("{} of {} pictures", pictures.Taken(), pictures.Count())
+                              : "");
+    };
+    options.after_frame = [&](uint32_t frame, const FurScene& scene) {
+      if (!args.digest_log.empty()) stage_digests.AddFrame(scene, digest_log);
+      pictures.Take(frame);
+    };
     report = RunFrames(scenario, running, options);
   }
-  const ReportTree tree = MakeRunTree(report);
+  ReportTree tree = MakeRunTree(report);
+  pictures.AddTo(tree);
   fmt::print("{}", args.json ? tree.Json() : tree.Text() + '\n');
   // One that cannot be written keeps no other from being written.
   std::vector<std::string> faults;
@@ -90,16 +116,12 @@ int Run(const RunArgs& args) {
       faults.push_back(error.what());
     }
   };
-  write("picture", args.picture, [&] {
-    const Camera camera = scenario.PrepareFrame(report.frames - 1, running.scene()).camera;
-    std::vector<std::string> picture_notes;
-    std::vector<std::byte> png =
-        DrawPicture(scenario, running.scene(), camera, options.scene.vertex_order,
-                    {args.picture_width_px, args.picture_height_px}, picture_notes);
-    for (const std::string& note : picture_notes)
-      fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
-    return png;
-  });
+  for (const std::string& note : pictures.notes())
+    fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
+  pictures.Finish();
+  for (const std::string& file : pictures.written())
+    if (!args.json) fmt::print("{}\n", file);
+  faults = pictures.faults();
   write(fmt::format("trace of {} frames", records.size()), args.trace,
         [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });
   write("digest log", args.digest_log, [&] { return WriteDigestLog(digest_log); });

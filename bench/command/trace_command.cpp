@@ -99,6 +99,11 @@ std::string DescribeSettings(const RunArgs& args) {
   if (args.weather)
     all.push_back(fmt::format("wetness {}, dirt {} from frame {}", args.weather->wetness,
                               args.weather->dirt, args.weather->from_frame));
+  if (!args.camera.orbit.empty())
+    all.push_back(fmt::format("camera {}", fmt::join(args.camera.orbit, ",")));
+  if (!args.camera.target_m.empty())
+    all.push_back(fmt::format("camera target {}", fmt::join(args.camera.target_m, ",")));
+  if (args.camera.turntable) all.push_back("turntable");
   if (args.options.skip.lod) all.push_back("lod");
   if (args.options.skip.lod && args.options.lod.strand_budget)
     all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));

@@ -82,7 +82,7 @@ std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& sce
                                    const PictureOptions& options, std::vector<std::string>& notes) {
   Canvas canvas(options.width_px * options.samples, options.height_px * options.samples);
   const Projection projection(camera, canvas.width(), canvas.height());
-  const LightSet light = DefaultLights();
+  const LightSet light = options.light ? *options.light : DefaultLights();
   std::vector<Body> bodies;
   std::vector<std::shared_ptr<const SurfaceColour>> surfaces;
   for (const Character& character : scenario.characters) {

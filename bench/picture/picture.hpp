@@ -5,16 +5,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "bench/view/strand_light.hpp"
 
 namespace pelt {
 
 struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
-  uint32_t samples = 3;  // a side of each pixel
+  uint32_t samples = 3;                // a side of each pixel
+  std::optional<LightSet> light = {};  // none: DefaultLights
 };
 
 // A PNG of the scene's last frame as `camera` saw it. What of the characters' own images could not be drawn goes into

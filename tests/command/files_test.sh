@@ -38,7 +38,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
-    --picture) echo .png ;;
+    --picture | --animation) echo .png ;;
     *) echo .out ;;
   esac
 }

@@ -4,29 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/picture/png_chunks.hpp"
+
 namespace pelt::test {
-
-inline uint32_t CountCrc(const uint8_t* bytes, size_t count) {
-  uint32_t crc = 0xffffffffu;
-  for (size_t i = 0; i < count; ++i) {
-    crc ^= bytes[i];
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
-  }
-  return ~crc;
-}
-
-inline void PutBig(std::vector<uint8_t>& out, uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(uint8_t(value >> shift));
-}
-
-inline void PutChunk(std::vector<uint8_t>& out, const char* type,
-                     const std::vector<uint8_t>& body) {
-  PutBig(out, uint32_t(body.size()));
-  const size_t begin = out.size();
-  for (int i = 0; i < 4; ++i) out.push_back(uint8_t(type[i]));
-  out.insert(out.end(), body.begin(), body.end());
-  PutBig(out, CountCrc(out.data() + begin, out.size() - begin));
-}
 
 // `pixels` are rows from the top.
 inline std::vector<uint8_t> MakePng(uint32_t width, uint32_t height, int channels,
@@ -53,7 +33,7 @@ inline std::vector<uint8_t> MakePng(uint32_t width, uint32_t height, int channel
     packed.insert(packed.end(), raw.begin() + ptrdiff_t(at), raw.begin() + ptrdiff_t(at + count));
   }
   PutBig(packed, b << 16 | a);
-  std::vector<uint8_t> out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  std::vector<uint8_t> out(std::begin(kPngSignature), std::end(kPngSignature));
   std::vector<uint8_t> header;
   PutBig(header, width);
   PutBig(header, height);

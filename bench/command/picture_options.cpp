@@ -1,0 +1,85 @@
+// Where the camera stands, and what is drawn of a run.
+#include <fmt/format.h>
+
+#include "bench/command/command_options.hpp"
+#include "bench/command/file_options.hpp"
+#include "bench/command/usage_error.hpp"
+#include "bench/view/named_lights.hpp"
+
+namespace pelt {
+namespace {
+
+std::string DescribeLights() {
+  std::string text = "Light of the pictures.";
+  for (const NamedLight& light : kNamedLights)
+    text += fmt::format(" {}: {}.", light.name, light.text);
+  return text;
+}
+
+std::vector<std::string> LightNames() {
+  std::vector<std::string> names;
+  for (const NamedLight& light : kNamedLights) names.emplace_back(light.name);
+  return names;
+}
+
+}  // namespace
+
+void AddCamera(CLI::App& app, CameraChoice& choice) {
+  app.add_option("--camera", choice.orbit,
+                 "Where the camera stands, seen from what it looks at: yaw and elevation in "
+                 "degrees, and how far off "
+                 "as a share of the scene's own distance: 30,10,0.5. It stands still there")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->type_name("YAW,ELEVATION[,SHARE]");
+  app.add_option("--camera-target", choice.target_m, "What it looks at: x,y,z in m")
+      ->delimiter(',')
+      ->expected(3)
+      ->allow_extra_args(false)
+      ->check(InRange(-1e4, 1e4));
+  app.add_flag("--turntable", choice.turntable,
+               "The camera goes once round in the frames that are run");
+}
+
+void AddPictures(CLI::App& app, PictureArgs& args) {
+  AddOutputFile(app, "--picture", args.last, "PNG file for a picture of the last frame", ".png");
+  AddOutputFolder(app, "--pictures", args.folder, "Folder for a picture of each frame");
+  AddOutputFile(app, "--animation", args.animation, "Animated PNG of the frames", ".png");
+  app.add_option("--time", args.times_s,
+                 "Pictures of the frames at these times alone: 0.5,1,2 in s")
+      ->delimiter(',')
+      ->check(InRange(0.0, 1e5));
+  app.add_option("--picture-every", args.every, "Frames from one picture to the next")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--picture-width", args.width_px, "In pixels")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app.add_option("--picture-height", args.height_px, "In pixels")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app.add_option("--light", args.light, DescribeLights())->check(CLI::IsMember(LightNames()));
+}
+
+void CheckCamera(const CameraChoice& choice) {
+  if (choice.orbit.empty()) return;
+  const auto refuse_outside = [](const char* what, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw UsageError(
+          fmt::format("--camera: {} {} is not within {} and {}", what, value, least, most));
+  };
+  refuse_outside("yaw", choice.orbit[0], -360.0, 360.0);
+  refuse_outside("elevation", choice.orbit[1], -85.0, 85.0);  // straight down has no up
+  if (choice.orbit.size() > 2) refuse_outside("the share", choice.orbit[2], 0.01, 100.0);
+}
+
+void CompletePictures(const CLI::App& app, const PictureArgs& args) {
+  RefuseUnless(app, args.Any(), {"--time", "--picture-width", "--picture-height", "--light"},
+               "--picture, --pictures or --animation");
+  RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
+               "--pictures or --animation");
+  RefuseBeside(app, "--time", {"--picture-every"});
+}
+
+}  // namespace pelt

@@ -1,0 +1,121 @@
+#include "bench/command/picture_shots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "bench/picture/picture.hpp"
+#include "bench/report/budget.hpp"
+#include "bench/view/named_lights.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+namespace {
+
+std::vector<uint32_t> FramesAt(std::span<const double> times_s, double dt_s, uint32_t frames) {
+  std::vector<uint32_t> found;
+  for (const double time_s : times_s) {
+    const double frame = std::round(time_s / dt_s);
+    if (frame >= frames)
+      throw Error(
+          fmt::format("--time {}: the last of {} frames is at {:.3f} s; --frames {:.0f} has it",
+                      time_s, frames, (frames - 1) * dt_s, frame + 1.0));
+    found.push_back(uint32_t(frame));
+  }
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+std::vector<uint32_t> FramesToDraw(const PictureArgs& args, double dt_s, uint32_t frames) {
+  if (!args.Any() || frames == 0) return {};
+  if (!args.times_s.empty()) return FramesAt(args.times_s, dt_s, frames);
+  const bool many = !args.folder.empty() || !args.animation.empty();
+  std::vector<uint32_t> found;
+  for (uint32_t f = many ? (frames - 1) % args.every : frames - 1; f < frames; f += args.every)
+    found.push_back(f);
+  return found;
+}
+
+}  // namespace
+
+PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene,
+                           uint32_t frames, VertexOrder order)
+    : args_(args),
+      scenario_(scenario),
+      scene_(scene),
+      order_(order),
+      frames_(FramesToDraw(args, scenario.dt_s, frames)) {
+  if (args_.folder.empty()) return;
+  MakeFolder(args_.folder);
+  for (const uint32_t frame : frames_) CheckOutput("picture", FrameFile(frame));
+}
+
+OutputPath PictureShots::FrameFile(uint32_t frame) const {
+  return args_.folder.Inside(fmt::format("frame-{:05}.png", frame));
+}
+
+bool PictureShots::Wants(uint32_t frame) const {
+  return std::ranges::binary_search(frames_, frame);
+}
+
+std::vector<std::byte> PictureShots::DrawFrame(uint32_t frame) {
+  // The frame's camera again, which depends on the frame's number alone.
+  const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
+  PictureOptions options{.width_px = args_.width_px, .height_px = args_.height_px};
+  for (const NamedLight& light : kNamedLights)
+    if (light.name == args_.light)
+      options.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
+                                {camera.target[0], camera.target[1], camera.target[2]});
+  std::vector<std::string> notes;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::byte> png = DrawPicture(scenario_, scene_, camera, order_, options, notes);
+  seconds_.push_back(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time
+  return png;
+}
+
+void PictureShots::Take(uint32_t frame) {
+  if (!Wants(frame)) return;
+  std::vector<std::byte> png = DrawFrame(frame);
+  if (!args_.folder.empty()) Write("picture", FrameFile(frame), png);
+  if (!args_.animation.empty()) {
+    const auto next = std::ranges::upper_bound(frames_, frame);
+    const uint32_t shown = next == frames_.end() ? 1 : *next - frame;
+    animation_.push_back({png, shown * scenario_.dt_s});
+  }
+  last_ = std::move(png);
+}
+
+void PictureShots::Finish() {
+  if (frames_.empty()) return;
+  if (!args_.last.empty()) Write("picture", args_.last, last_);
+  if (!args_.animation.empty()) Write("animation", args_.animation, AnimatePng(animation_));
+}
+
+void PictureShots::Write(std::string_view what, const OutputPath& path,
+                         std::span<const std::byte> png) {
+  try {
+    WriteOutput(what, path, png);
+    written_.push_back(fmt::format("{} {}", what, path.path()));
+  } catch (const Error& error) {
+    faults_.push_back(error.what());
+  }
+}
+
+void PictureShots::AddTo(ReportTree& tree) const {
+  if (seconds_.empty()) return;
+  std::vector<double> sorted = seconds_;
+  const Spread spread = SpreadOf(sorted);
+  ReportTree& section = tree.AddSection("pictures", "pictures, in no frame's time");
+  section.Add({.key = "count"}, seconds_.size());
+  section.Add({.key = "draw_ms.median", .unit = "ms", .decimals = 0, .heading = "median"},
+              spread.median * 1e3);
+  section.Add({.key = "draw_ms.worst", .unit = "ms", .decimals = 0, .heading = "worst"},
+              spread.worst * 1e3);
+}
+
+}  // namespace pelt

@@ -1,0 +1,68 @@
+// The pictures of a run: which of its frames are drawn, in which light, and into which files.
+//
+// They are drawn between frames, outside of what is timed, and their own times are a section of
+// their own in the report.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/command/output_path.hpp"
+#include "bench/picture/animation.hpp"
+#include "bench/report/report_tree.hpp"
+#include "bench/scenarios/scenarios.hpp"
+
+namespace pelt {
+
+struct PictureArgs {
+  OutputPath last;       // the last of the pictures
+  OutputPath folder;     // each as frame-00060.png
+  OutputPath animation;  // all of them as an animated PNG
+  uint32_t width_px = 1200, height_px = 900;
+  uint32_t every = 1;           // frames from one picture to the next, counted from the last frame
+  std::vector<double> times_s;  // of the frames to draw instead
+  std::string light;            // of kNamedLights; empty: the default
+
+  bool Any() const { return !last.empty() || !folder.empty() || !animation.empty(); }
+};
+
+class PictureShots {
+ public:
+  // `frames` are run in all; scenario and scene must outlive this. Throws Error for a time that no frame of them has.
+  PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene, uint32_t frames,
+               VertexOrder order);
+
+  uint32_t Count() const { return uint32_t(frames_.size()); }
+  uint32_t Taken() const { return uint32_t(seconds_.size()); }
+  // Draws the frame that the scene is in, if it is one of those. A picture that cannot be written keeps no other from
+  // being drawn: see faults().
+  void Take(uint32_t frame);
+  // After the last: `last` and `animation`.
+  void Finish();
+
+  // "pictures": how many, and how long they took. None: nothing.
+  void AddTo(ReportTree& tree) const;
+  const std::vector<std::string>& written() const { return written_; }  // "picture p.png"
+  const std::vector<std::string>& notes() const { return notes_; }
+  const std::vector<std::string>& faults() const { return faults_; }
+
+ private:
+  OutputPath FrameFile(uint32_t frame) const;
+  bool Wants(uint32_t frame) const;
+  std::vector<std::byte> DrawFrame(uint32_t frame);
+  void Write(std::string_view what, const OutputPath& path, std::span<const std::byte> png);
+
+  PictureArgs args_;
+  Scenario& scenario_;
+  FurScene& scene_;
+  VertexOrder order_;
+  std::vector<uint32_t> frames_;  // rising
+  std::vector<std::byte> last_;
+  std::vector<AnimationFrame> animation_;
+  std::vector<double> seconds_;  // that each took
+  std::vector<std::string> written_, notes_, faults_;
+};
+
+}  // namespace pelt
