@@ -5,7 +5,6 @@
 
 #include "bench/picture/eyes.hpp"
 #include "bench/picture/skin_fur.hpp"
-#include "bench/view/default_look.hpp"
 
 namespace pelt {
 namespace {
@@ -57,9 +56,9 @@ void CoverBody(const SkinFur& fur, Body& body) {
 
 class BodyPainter {
  public:
-  BodyPainter(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+  BodyPainter(const Body& body, const PictureLook& look, const SunShare& sun,
               const Projection& projection)
-      : body_(body), light_(light), look_(look), eye_(projection.eye()) {
+      : body_(body), look_(look), eye_(projection.eye()) {
     for (size_t v = 0; v < body.position.size(); ++v) {
       screen_.push_back(projection.Project(body.position[v]));
       sun_.push_back(sun(body.position[v], body.normal[v]));
@@ -90,13 +89,13 @@ class BodyPainter {
     glm::vec3 colour = at(body_.fur);
     if (body_.surface->Knows(point.triangle))
       colour = glm::mix(body_.surface->At(point), colour, covered);
-    return ShadeSkin(light_, look_, colour, glm::normalize(at(body_.normal)),
-                     glm::normalize(eye_ - at(body_.position)), DepthFloor(covered), at(sun_));
+    return ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
+                     glm::normalize(eye_ - at(body_.position)),
+                     DepthFloor(covered, look_.depth_floor), at(sun_));
   }
 
   const Body& body_;
-  const LightSet& light_;
-  const HairLook& look_;
+  const PictureLook& look_;
   glm::vec3 eye_;
   std::vector<glm::vec3> screen_;
   std::vector<float> sun_;
@@ -104,7 +103,7 @@ class BodyPainter {
 
 }  // namespace
 
-float DepthFloor(float covered) { return glm::mix(1.0f, kDefaultDepthFloor, covered); }
+float DepthFloor(float covered, float floor) { return glm::mix(1.0f, floor, covered); }
 
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface) {
@@ -120,11 +119,11 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
   return body;
 }
 
-void DrawBody(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,
               const Projection& projection, Canvas& canvas) {
-  const BodyPainter painter(body, light, look, sun, projection);
+  const BodyPainter painter(body, look, sun, projection);
   for (uint32_t t = 0; t < body.character->mesh.triangles.size(); ++t) painter.Draw(t, canvas);
-  for (const Eye& eye : body.eyes) DrawEye(eye, light, look, projection, canvas);
+  for (const Eye& eye : body.eyes) DrawEye(eye, look.light, look.hair, projection, canvas);
 }
 
 }  // namespace pelt

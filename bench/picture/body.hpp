@@ -9,7 +9,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/scenarios/scenarios.hpp"
-#include "bench/view/strand_light.hpp"
+#include "bench/view/default_look.hpp"
 #include "core/groom/surface_colour.hpp"
 
 namespace pelt {
@@ -31,15 +31,15 @@ struct Body {
   std::vector<Eye> eyes;
 };
 
-// Light left at skin that is covered so far, and at the roots of the fur.
-float DepthFloor(float covered);
+// Light left at skin that is covered so far, and at the roots of the fur; `floor`: where nothing but fur is.
+float DepthFloor(float covered, float floor = kDefaultDepthFloor);
 
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface);
 
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;
-void DrawBody(const Body& body, const LightSet& light, const HairLook& look, const SunShare& sun,
+void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,
               const Projection& projection, Canvas& canvas);
 
 }  // namespace pelt

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/view/strand_shading.hpp"
+#include "bench/view/studio.hpp"
 
 namespace pelt {
 namespace {
@@ -13,12 +13,6 @@ namespace {
 constexpr float kFar = std::numeric_limits<float>::max();
 
 glm::vec3 ToVec(const float v[3]) { return {v[0], v[1], v[2]}; }
-
-// Colours up to the middle as they are, brighter ones ever closer to white: no edge where light is strong.
-float Tone(float v) {
-  constexpr float kKept = 0.5f;
-  return v <= kKept ? v : 1.0f - (1.0f - kKept) * std::exp((kKept - v) / (1.0f - kKept));
-}
 
 }  // namespace
 

@@ -3,21 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/view/studio.hpp"
+
 namespace pelt {
-namespace {
-
-glm::vec3 ShadeEye(const Eye& eye, const LightSet& light, const HairLook& look,
-                   const glm::vec3& normal, const glm::vec3& to_eye) {
-  const glm::vec3 white(0.90f, 0.88f, 0.82f), iris(0.75f, 0.36f, 0.03f), pupil(0.005f);
-  const float ahead = glm::dot(normal, eye.forward);
-  const glm::vec3 colour = ahead > 0.945f ? pupil : ahead > 0.85f ? iris : white;
-  const float glint =
-      std::pow(std::max(glm::dot(normal, Halfway(light.to_sun, to_eye)), 0.0f), 150.0f);
-  return ShadeSkin(light, look, colour, normal, to_eye, 1.0f, 0.6f) + glm::vec3(3.0f * glint);
-}
-
-}  // namespace
-
 std::vector<Eye> FindEyes(const Body& body) {
   const Mesh& mesh = body.character->mesh;
   std::vector<Eye> eyes;
@@ -66,7 +54,7 @@ void DrawEye(const Eye& eye, const LightSet& light, const HairLook& look,
       if (inside < 0.0f) continue;
       const glm::vec3 at = projection.eye() + ray * (-along - std::sqrt(inside));
       canvas.DrawPoint(x, y, projection.Project(at).z,
-                       ShadeEye(eye, light, look, (at - eye.centre) / eye.radius, -ray));
+                       ShadeEye(light, look, eye.forward, (at - eye.centre) / eye.radius, -ray));
     }
 }
 

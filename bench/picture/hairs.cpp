@@ -1,5 +1,7 @@
 #include "bench/picture/hairs.hpp"
 
+#include <algorithm>
+
 #include "core/ribbon_indices.hpp"
 
 namespace pelt {
@@ -67,6 +69,13 @@ Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, u
 }
 
 }  // namespace
+
+float Hair::DepthOfLight() const {
+  float length = 0.0f;
+  for (uint32_t k = 1; k < knots; ++k) length += glm::length(knot[k].at - knot[k - 1].at);
+  const float height = glm::dot(knot[knots - 1].at - root, normal);
+  return std::max({height, 0.35f * length, 1e-4f});
+}
 
 std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order) {
   std::vector<std::vector<Hair>> layers;

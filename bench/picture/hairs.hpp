@@ -26,6 +26,8 @@ struct Hair {
   glm::vec3 root, normal;  // on the skin
 
   float Alpha() const { return float(base_colour >> 24) / 255.0f; }
+  // How far above the skin light is whole: the tip's height, or for hair that lies flat a share of its length.
+  float DepthOfLight() const;
 };
 
 // Layer by layer in the drawing order, each layer far to near.

@@ -18,7 +18,7 @@ constexpr float kSeen = 2.0f / 255.0f;
 HairEnd Knot(const Hair& hair, uint32_t k, const LightSet& light, const Projection& projection) {
   const float t = float(k) / float(hair.knots - 1);
   const float depth_light = glm::mix(kDefaultDepthFloor, 1.0f, t);
-  return ShadeKnot(hair, k, light, depth_light, 1.0f, projection);
+  return ShadeKnot(hair, k, light, kDefaultHair, depth_light, 1.0f, projection);
 }
 
 glm::vec3 Srgb(const glm::vec3& linear) {

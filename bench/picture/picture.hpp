@@ -1,27 +1,45 @@
-// A picture of the last frame, drawn in software from what the frame wrote: the draw list, the
-// sorted instances and ribbons, and the palette for the body under them.
+// A picture of the last frame, drawn from what the frame wrote: the draw list, the sorted instances and ribbons, and
+// the palette for the body under them. Here the renderer in software; gl_renderer.hpp has the one on a graphics card.
 //
-// For people who want to see what they measure. Nothing here is timed, or fast.
+//   const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes);
+//   const std::vector<std::byte> png = EncodePng(SoftwareRenderer().Draw(shown, options), options);
+//
+// For people who want to see what they measure. Nothing of the frame is timed here.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/scenarios/scenarios.hpp"
-#include "bench/view/strand_light.hpp"
+#include "bench/picture/picture_scene.hpp"
 
 namespace pelt {
 
 struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
-  uint32_t samples = 3;                // a side of each pixel
-  std::optional<LightSet> light = {};  // none: DefaultLights
+  uint32_t samples = 0;  // a side of each pixel; 0: what the renderer has if nobody says otherwise
+  bool lighting_buffer = false;  // OpenGL alone: hair lit by gl_lighting.hpp
 };
 
-// A PNG of the scene's last frame as `camera` saw it. What of the characters' own images could not be drawn goes into
-// `notes`.
+class PictureRenderer {
+ public:
+  virtual ~PictureRenderer() = default;
+  // 8-bit sRGB, rows from the top. Throws Error for what it cannot draw.
+  virtual std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) = 0;
+  // What draws: "software", or what the driver calls itself.
+  virtual std::string Device() const = 0;
+};
+
+class SoftwareRenderer final : public PictureRenderer {
+ public:
+  std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) override;
+  std::string Device() const override { return "software"; }
+};
+
+std::vector<std::byte> EncodePng(const std::vector<uint8_t>& rgb, const PictureOptions& options);
+
+// A PNG of the scene's last frame as `camera` saw it, in software. What of the characters' own images could not be
+// drawn goes into `notes`.
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
                                    const PictureOptions& options, std::vector<std::string>& notes);

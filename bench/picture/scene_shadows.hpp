@@ -3,16 +3,19 @@
 
 #include <vector>
 
-#include "bench/picture/body.hpp"
-#include "bench/picture/hairs.hpp"
+#include "bench/picture/picture_scene.hpp"
 #include "bench/picture/shadow_map.hpp"
 
 namespace pelt {
 
+inline constexpr uint32_t kShadowTexels =
+    384;                               // a side: a few millimetres on a character a metre tall
+inline constexpr int kSoftTexels = 6;  // of half shadow round what the ground is shaded by
+inline constexpr float kLiftTexels = 1.5f;
+
 class SceneShadows {
  public:
-  SceneShadows(const glm::vec3& to_sun, const std::vector<Body>& bodies,
-               const std::vector<std::vector<Hair>>& layers);
+  explicit SceneShadows(const PictureScene& scene);
 
   // Share of the sun that reaches a place on a character: past itself and those whose shadows meet it.
   float OnActor(uint32_t actor, const glm::vec3& world) const;
@@ -22,6 +25,7 @@ class SceneShadows {
   float Lift(uint32_t actor) const { return lift_[actor]; }
 
  private:
+  ShadowLook look_;
   std::vector<ShadowMap> maps_;
   std::vector<float> lift_;
   std::vector<std::vector<uint32_t>>

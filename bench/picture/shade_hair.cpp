@@ -2,13 +2,10 @@
 
 #include <algorithm>
 
-#include "bench/view/default_look.hpp"
-
 namespace pelt {
 
-HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, float depth_light,
-                  float sun_share, const Projection& projection) {
-  constexpr float kNoiseKnots = 3.0f;  // of noise along a hair
+HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, const HairLook& look,
+                  float depth_light, float sun_share, const Projection& projection) {
   const float t = float(k) / float(hair.knots - 1);
   const glm::vec3 at = hair.knot[k].at;
   const glm::vec3 along =
@@ -22,7 +19,7 @@ HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, float dep
       .sun_share = sun_share,
       .noise = StrandNoise(hair.number, t, kNoiseKnots)};
   const glm::vec3 screen = projection.Project(at);
-  return {screen, ShadeHair(light, kDefaultHair, point),
+  return {screen, ShadeHair(light, look, point),
           hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
 }
 

@@ -8,7 +8,7 @@
 namespace pelt {
 
 // `depth_light` and `sun_share` as HairPoint has them.
-HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, float depth_light,
-                  float sun_share, const Projection& projection);
+HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, const HairLook& look,
+                  float depth_light, float sun_share, const Projection& projection);
 
 }  // namespace pelt

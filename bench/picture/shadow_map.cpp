@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/default_look.hpp"
 #include "core/character/mesh_repair.hpp"
 
 namespace pelt {
@@ -99,14 +98,14 @@ bool ShadowMap::Covers(const glm::vec3& world) const {
   return at.x > 0.0f && at.y > 0.0f && at.x < float(side_) && at.y < float(side_) && at.z > 0.0f;
 }
 
-float ShadowMap::Share(const glm::vec3& world) const {
+float ShadowMap::Share(const glm::vec3& world, const ShadowLook& look) const {
   const glm::vec3 at = Map(world);
   return Mix(at, 1.0f, [&](size_t i) {
     const Texel& texel = texels_[i];
     if (texel.coverage == 0) return 1.0f;
     const float behind = (at.z - float(texel.nearest)) / steps_per_m_;
-    return SelfShadow(float(texel.coverage) / float(kFull), behind, kDefaultShadow.bias,
-                      kDefaultShadow.falloff, kDefaultShadow.strength);
+    return SelfShadow(float(texel.coverage) / float(kFull), behind, look.bias, look.falloff,
+                      look.strength);
   });
 }
 

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "bench/view/default_look.hpp"
+
 namespace pelt {
 
 class ShadowMap {
@@ -32,7 +34,7 @@ class ShadowMap {
   // Whether the light's rays through the place meet the map at all.
   bool Covers(const glm::vec3& world) const;
   // Share of light that reaches a place: SelfShadow of the texels round it, mixed.
-  float Share(const glm::vec3& world) const;
+  float Share(const glm::vec3& world, const ShadowLook& look = kDefaultShadow) const;
   // Softened coverage, 0 to 1, of the rays through a place behind everything.
   float Blocked(const glm::vec3& world) const;
   // For Blocked: after all has been added.

@@ -42,4 +42,14 @@ struct ShadowLook {
 };
 inline constexpr ShadowLook kDefaultShadow{.bias = 0.004f, .falloff = 45.0f, .strength = 0.9f};
 
+struct PictureLook {
+  LightSet light;
+  HairLook hair;
+  ShadowLook shadow;
+  float depth_floor;  // light left at the skin below hair
+};
+inline PictureLook DefaultLook() {
+  return {DefaultLights(), kDefaultHair, kDefaultShadow, kDefaultDepthFloor};
+}
+
 }  // namespace pelt

@@ -105,6 +105,19 @@ inline float SrgbFromLinear(float v) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
 }
 
+// Signed normalised: the low half of a word.
+inline float Snorm16(uint32_t word) {
+  return std::max(float(int16_t(word & 0xffffu)) / 32767.0f, -1.0f);
+}
+
+// A unit vector from LookRecord::normal.
+inline glm::vec3 OctahedralNormal(uint32_t packed) {
+  const float x = Snorm16(packed), y = Snorm16(packed >> 16u);
+  const float z = 1.0f - std::abs(x) - std::abs(y), fold = std::max(-z, 0.0f);
+  return glm::normalize(
+      glm::vec3(x >= 0.0f ? x - fold : x + fold, y >= 0.0f ? y - fold : y + fold, z));
+}
+
 // Even in [0, 1), by whole numbers alone (Wellons' lowbias32): the same on each machine.
 inline float HashShare(uint32_t x) {
   x = (x ^ x >> 16u) * 0x7feb352du;
@@ -112,6 +125,8 @@ inline float HashShare(uint32_t x) {
   return float((x ^ x >> 16u) >> 8u) * (1.0f / 16777216.0f);
 }
 
+// Of noise along a hair, as pictures have it.
+inline constexpr float kNoiseKnots = 3.0f;
 // Noise along a hair, 0 to 1, of `knots` values from root (t 0) to tip (t 1), to break highlights up.
 inline float StrandNoise(uint32_t strand, float t, float knots) {
   const float at = t * knots, low = std::floor(at);

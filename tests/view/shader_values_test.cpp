@@ -15,6 +15,7 @@
 #include "bench/view/spherical_harmonics.hpp"
 #include "bench/view/strand_light.hpp"
 #include "bench/view/strand_shading.hpp"
+#include "bench/view/studio.hpp"
 
 namespace pelt {
 namespace {
@@ -36,6 +37,12 @@ struct Function {
 glm::vec3 Unit(const glm::vec4& v) { return glm::vec3(v); }
 glm::vec4 Wide(float x) { return {x, 0.0f, 0.0f, 0.0f}; }
 glm::vec4 Wide(const glm::vec3& x) { return glm::vec4(x, 0.0f); }
+
+uint32_t BitsOf(float v) {
+  uint32_t bits = 0;
+  std::memcpy(&bits, &v, sizeof(bits));
+  return bits;
+}
 
 // Light from every side whose coefficients come from the arguments, and a look, in both languages.
 LightSet LightOf(const Arguments& a) {
@@ -112,12 +119,25 @@ std::vector<Function> ListFunctions() {
        [](A a) { return glm::vec4(LinearFromSrgb(a.u.x), LinearFromSrgb(0.04f * a.u.y), 0, 0); }},
       {"SrgbFromLinear", "vec4(SrgbFromLinear(u.x), SrgbFromLinear(0.004 * u.y), 0.0, 0.0)",
        [](A a) { return glm::vec4(SrgbFromLinear(a.u.x), SrgbFromLinear(0.004f * a.u.y), 0, 0); }},
-      {"HashShare", "vec4(HashShare(floatBitsToUint(d.x)), 0.0, 0.0, 0.0)",
+      {"Snorm16", "vec4(Snorm16(floatBitsToUint(d.x)), Snorm16(32768u), 0.0, 0.0)",
+       [](A a) { return glm::vec4(Snorm16(BitsOf(a.d.x)), Snorm16(32768u), 0.0f, 0.0f); }},
+      {"OctahedralNormal", "vec4(OctahedralNormal(floatBitsToUint(d.x) * 2654435761u), 0.0)",
+       [](A a) { return Wide(OctahedralNormal(BitsOf(a.d.x) * 2654435761u)); }},
+      {"Tone", "vec4(Tone(3.0 * u.x), Tone(0.5 * u.y), 0.0, 0.0)",
+       [](A a) { return glm::vec4(Tone(3.0f * a.u.x), Tone(0.5f * a.u.y), 0.0f, 0.0f); }},
+      {"FloorDistance", "vec4(FloorDistance(u.x, -0.1 - u.y), FloorDistance(u.x, u.y), 0.0, 0.0)",
        [](A a) {
-         uint32_t bits = 0;
-         std::memcpy(&bits, &a.d.x, sizeof(bits));
-         return Wide(HashShare(bits));
+         return glm::vec4(FloorDistance(a.u.x, -0.1f - a.u.y), FloorDistance(a.u.x, a.u.y), 0, 0);
        }},
+      {"StudioColour", "vec4(StudioColour(d.xyz, u.x), 0.0)",
+       [](A a) { return Wide(StudioColour(Unit(a.d), a.u.x)); }},
+      {"ShadeEye", "LIGHT vec4(ShadeEye(light, look, -point.to_eye, e.xyz, point.to_eye), 0.0)",
+       [](A a) {
+         const glm::vec3 to_eye = PointOf(a).to_eye;
+         return Wide(ShadeEye(LightOf(a), kLook, -to_eye, Unit(a.e), to_eye));
+       }},
+      {"HashShare", "vec4(HashShare(floatBitsToUint(d.x)), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(HashShare(BitsOf(a.d.x))); }},
       {"StrandNoise", "vec4(StrandNoise(uint(40000.0 * u.x), u.y, 8.0), 0.0, 0.0, 0.0)",
        [](A a) { return Wide(StrandNoise(uint32_t(40000.0f * a.u.x), a.u.y, 8.0f)); }},
       {"ShBasis",
@@ -235,7 +255,7 @@ class Bench {
       before += kLightText;
       value.erase(0, kMark.size());
     }
-    return ShaderText("strand_light.glsl") +
+    return ShaderText("studio.glsl") +
            "uniform sampler2D arguments;\nout vec4 result;\n"
            "vec4 At(int i) { return texelFetch(arguments, ivec2(i, int(gl_FragCoord.x)), 0); }\n"
            "void main() {\n  vec4 d = At(0), e = At(1), u = At(2), v = At(3);\n" +

@@ -3,6 +3,8 @@
 precision highp float;
 precision highp int;
 
+const float kNoiseKnots = 3.0;
+
 float Saturate(float x) { return clamp(x, 0.0, 1.0); }
 
 float HairDiffuse(vec3 tangent, vec3 to_light) {
@@ -67,6 +69,14 @@ float LinearFromSrgb(float v) {
 }
 float SrgbFromLinear(float v) {
   return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+}
+
+float Snorm16(uint word) { return max(float(int(word << 16u) >> 16) / 32767.0, -1.0); }
+
+vec3 OctahedralNormal(uint packed_normal) {
+  float x = Snorm16(packed_normal), y = Snorm16(packed_normal >> 16u);
+  float z = 1.0 - abs(x) - abs(y), fold = max(-z, 0.0);
+  return normalize(vec3(x >= 0.0 ? x - fold : x + fold, y >= 0.0 ? y - fold : y + fold, z));
 }
 
 float HashShare(uint x) {

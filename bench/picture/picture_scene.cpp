@@ -1,0 +1,48 @@
+#include "bench/picture/picture_scene.hpp"
+
+namespace pelt {
+
+PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
+                           VertexOrder order, std::vector<std::string>& notes) {
+  std::vector<std::shared_ptr<const SurfaceColour>> surfaces;
+  for (const Character& character : scenario.characters) {
+    surfaces.push_back(std::make_shared<const SurfaceColour>(character));
+    const auto& faults = surfaces.back()->faults();
+    notes.insert(notes.end(), faults.begin(), faults.end());
+  }
+  PictureScene shown{camera, order, DefaultLook(), {}, {}, {}};
+  for (uint32_t a = 0; a < scenario.actors.size(); ++a)
+    shown.bodies.push_back(PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character]));
+  const std::span<const LayerDraw> draws = scene.Draws();
+  shown.draws.assign(draws.begin(), draws.end());
+  shown.layers = ReadHairs(scene, order);
+  return shown;
+}
+
+std::vector<Ball> BoundActors(const PictureScene& scene) {
+  struct Box {
+    glm::vec3 low{1e30f}, high{-1e30f};
+    void Add(const glm::vec3& p) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  };
+  std::vector<Box> boxes(scene.bodies.size());
+  for (size_t a = 0; a < scene.bodies.size(); ++a)
+    for (const glm::vec3& p : scene.bodies[a].position) boxes[a].Add(p);
+  for (const auto& hairs : scene.layers)
+    for (const Hair& hair : hairs) boxes[hair.actor].Add(hair.knot[hair.knots - 1].at);
+  std::vector<Ball> balls;
+  for (const Box& box : boxes)
+    balls.push_back({(box.low + box.high) * 0.5f, 0.52f * glm::length(box.high - box.low) + 0.01f});
+  return balls;
+}
+
+bool ShadowMeets(const Ball& a, const Ball& b, const glm::vec3& to_sun) {
+  const glm::vec3 apart = b.centre - a.centre;
+  const float towards = glm::dot(apart, to_sun);
+  return towards > -a.radius - b.radius &&
+         glm::length(apart - towards * to_sun) < a.radius + b.radius;
+}
+
+}  // namespace pelt

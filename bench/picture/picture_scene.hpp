@@ -1,0 +1,39 @@
+// What a picture shows, gathered from a frame that ran: all that a renderer needs, and the same for each of them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/picture/body.hpp"
+#include "bench/picture/hairs.hpp"
+#include "bench/view/default_look.hpp"
+
+namespace pelt {
+
+struct PictureScene {
+  Camera camera;
+  VertexOrder order;
+  PictureLook look;
+  std::vector<Body> bodies;  // one for each character
+  // In drawing order, and what each has to draw as hairs, in the same places. Vertices lie in the scene's memory: good
+  // until its next frame runs.
+  std::vector<LayerDraw> draws;
+  std::vector<std::vector<Hair>> layers;
+};
+
+// Of the scene's last frame as `camera` saw it. What of the characters' own images could not be read goes into `notes`.
+PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
+                           VertexOrder order, std::vector<std::string>& notes);
+
+// A sphere round everything of each character, its hairs' tips too.
+struct Ball {
+  glm::vec3 centre;
+  float radius;  // m
+};
+std::vector<Ball> BoundActors(const PictureScene& scene);
+
+// Whether b's shadow may fall on a.
+bool ShadowMeets(const Ball& a, const Ball& b, const glm::vec3& to_sun);
+
+}  // namespace pelt
