@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::string_view kVersion = "#version 330 core\n", kAfter = "// After: ";
 
-std::string_view FileText(std::string_view file) {
-  for (const ShaderFile& known : EmbeddedShaders())
-    if (known.name == file) return known.text;
-  return {};
-}
-
 Result<GLuint> Compile(const GlApi& gl, GLenum kind, const std::string& text) {
   const GLchar* parts[] = {kVersion.data(), text.c_str()};
   const GLint lengths[] = {GLint(kVersion.size()), GLint(text.size())};
@@ -36,12 +30,18 @@ Result<GLuint> Compile(const GlApi& gl, GLenum kind, const std::string& text) {
 
 }  // namespace
 
+std::string_view OwnText(std::string_view file) {
+  for (const ShaderFile& known : EmbeddedShaders())
+    if (known.name == file) return known.text;
+  return {};
+}
+
 std::string ShaderText(std::string_view file) {
-  const std::string_view text = FileText(file);
+  const std::string_view text = OwnText(file);
   std::string whole;
   for (size_t at = text.find(kAfter); at != text.npos; at = text.find(kAfter, at)) {
     at += kAfter.size();
-    whole += FileText(text.substr(at, text.find('\n', at) - at));
+    whole += OwnText(text.substr(at, text.find('\n', at) - at));
   }
   return whole.append(text);
 }

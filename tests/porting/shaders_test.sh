@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compiles every shader in jobs/shaders, and holds that each output of core/outputs.hpp has one in GLSL
 # and one in HLSL, which jobs/DRAWING.md names. Compiles the functions in bench/view/shaders as GLSL 3.30 core and
-# as ES 3.00, and holds that a C++ header has each of them by its name.
+# as ES 3.00, the passes that use them too, and holds that a C++ header has each of them by its name.
 # Arguments: glslangValidator (empty: not here), the source directory.
 set -uo pipefail
 glslang=$1 source=$2
@@ -37,14 +37,26 @@ for shader in "$source"/jobs/shaders/*.vert; do
   compile -G "$shader"
 done
 for shader in "$source"/jobs/shaders/*.hlsl; do compile -V -D -e main -S vert "$shader"; done
-for functions in "$source"/bench/view/shaders/*.glsl; do
+shaders=$source/bench/view/shaders
+# own FILE: behind what it names, and READER where there is one, as a whole of that stage in both versions.
+own() {
+  local file=$1 stage=$2 reader=${3:-}
   for version in "330 core" "300 es"; do
     { echo "#version $version"
-      for before in $(sed -n 's,^// After: ,,p' "$functions"); do cat "$source/bench/view/shaders/$before"; done
-      cat "$functions"; } >"$work/whole.frag"
-    "$glslang" "$work/whole.frag" >"$work/log" 2>&1 || { cat "$work/log"; fail "$functions as $version"; }
+      for before in $(sed -n 's,^// After: ,,p' "$file"); do cat "$shaders/$before"; done
+      [ -z "$reader" ] || cat "$reader"
+      cat "$file"; } >"$work/whole.$stage"
+    "$glslang" "$work/whole.$stage" >"$work/log" 2>&1 || { cat "$work/log"; fail "$file $reader as $version"; }
   done
+}
+for functions in "$shaders"/*.glsl; do own "$functions" frag; done
+for pass in "$shaders"/passes/*.vert "$shaders"/passes/*.frag; do
+  case $pass in
+    */strand*.vert)
+      for output in $outputs; do own "$pass" vert "$shaders/passes/readers/$output.glsl"; done ;;
+    *) own "$pass" "${pass##*.}" ;;
+  esac
 done
 [ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source/jobs/shaders" | wc -l) files;" \
-  "for OpenGL and OpenGL ES: $(ls "$source/bench/view/shaders" | wc -l)"
+  "for OpenGL and OpenGL ES: $(find "$source/bench/view/shaders" -type f | wc -l)"
 exit "$failed"

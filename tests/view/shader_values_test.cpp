@@ -318,6 +318,7 @@ TEST(ShaderValues, CoverEveryFunction) {
   const std::regex function(R"((?:^|\n)\w+ ([A-Z]\w*)\()");
   int found = 0;
   for (const ShaderFile& file : EmbeddedShaders()) {
+    if (file.name.starts_with("passes/")) continue;  // pictures are compared for those
     const std::string text(file.text);
     for (std::sregex_iterator at(text.begin(), text.end(), function), end; at != end; ++at) {
       EXPECT_NE(compared.find((*at)[1].str() + "("), compared.npos)

@@ -1,0 +1,29 @@
+// Skin, the sun's share found at its corners.
+// After: spherical_harmonics.glsl
+// After: strand_shading.glsl
+// After: strand_light.glsl
+// After: passes/frame.glsl
+// After: passes/shadow_maps.glsl
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 fur;    // colour of what grows there, linear
+layout(location = 3) in vec3 tint;   // of the skin, times its image
+layout(location = 4) in vec2 share;  // of the fur's colour; of light, that fur leaves
+layout(location = 5) in vec2 uv;
+
+uniform int character;
+uniform float lift;  // out of its own shadow, m
+
+out vec3 skin_at, skin_normal, skin_fur, skin_tint;
+out vec3 skin_shares;  // the two, and the sun's
+out vec2 skin_uv;
+
+void main() {
+  skin_at = position;
+  skin_normal = normal;
+  skin_fur = fur;
+  skin_tint = tint;
+  skin_shares = vec3(share, SunShare(position + normal * lift, character));
+  skin_uv = uv;
+  gl_Position = world_to_clip * vec4(position, 1.0);
+}

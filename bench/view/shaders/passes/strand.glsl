@@ -1,0 +1,63 @@
+// A strand of a layer, by the instance's number: vertices as LayerDraw has them, in texels of 16
+// bytes, and what they do not say of its root. A file of readers/ makes a knot of each format.
+uniform usampler2D vertices;
+// Two for each place of the drawing order: root, m, and depth of light; normal, strand.
+uniform usampler2D roots;
+uniform usampler2D looks;  // of a lit layer: LookRecord, in strand order
+uniform int knots;
+uniform int is_lit, in_strand_order;
+uniform int first_strand;  // of the layer, among all of the scene
+uniform float tip_width;
+uniform float samples_at_1m;  // that a metre across the view covers, 1 m ahead
+
+uvec4 Texel(usampler2D texels, uint i) {
+  return texelFetch(texels, ivec2(int(i & 2047u), int(i >> 11u)), 0);
+}
+
+struct Strand {
+  uint number;  // of the scene
+  uint record;  // its place in `vertices`
+  vec3 root, normal;
+  float depth;
+};
+
+Strand ReadStrand() {
+  uint place = uint(gl_InstanceID);
+  uvec4 first = Texel(roots, 2u * place), second = Texel(roots, 2u * place + 1u);
+  uint number = second.w;
+  vec3 normal =
+      is_lit != 0 ? OctahedralNormal(Texel(looks, number).x) : uintBitsToFloat(second.xyz);
+  return Strand(uint(first_strand) + number, in_strand_order != 0 ? number : place,
+                uintBitsToFloat(first.xyz), normal, uintBitsToFloat(first.w));
+}
+
+struct Knot {
+  vec3 at;
+  float width;  // m, whole
+  vec3 tangent, across;
+  vec4 colour;  // linear; a carries the LOD fade
+};
+
+vec4 ColourOf(uint aabbggrr) {
+  vec4 c = vec4(uvec4(aabbggrr, aabbggrr >> 8u, aabbggrr >> 16u, aabbggrr >> 24u) & 255u) / 255.0;
+  return vec4(LinearFromSrgb(c.r), LinearFromSrgb(c.g), LinearFromSrgb(c.b), c.a);
+}
+
+vec3 NormalizeOr(vec3 a, vec3 otherwise) {
+  float squared = dot(a, a);
+  return squared > 1e-20 ? a * inversesqrt(squared) : otherwise;
+}
+
+vec3 AcrossView(vec3 tangent, vec3 at) {
+  return NormalizeOr(cross(tangent, eye - at), vec3(1.0, 0.0, 0.0));
+}
+
+// One of the two corners at a knot: hairs thinner than a sample are as wide as one, with less
+// coverage.
+vec4 CornerOf(Knot knot, float side, out float coverage) {
+  float samples_per_m = samples_at_1m / (world_to_clip * vec4(knot.at, 1.0)).w;
+  float wide = knot.width * samples_per_m;
+  coverage = min(wide, 1.0) * knot.colour.a;
+  float from_middle = 0.5 * max(wide, 1.0) / samples_per_m * (2.0 * side - 1.0);
+  return world_to_clip * vec4(knot.at + knot.across * from_middle, 1.0);
+}

@@ -1,0 +1,22 @@
+// A strand lit by the lighting buffer: what is the hair's own is found here, what is the light's
+// where it is seen.
+// After: spherical_harmonics.glsl
+// After: strand_shading.glsl
+// After: strand_light.glsl
+// After: passes/frame.glsl
+// After: passes/strand.glsl
+uniform float depth_floor;
+
+out vec3 sunlit, skylit, rimlit;  // times the buffer's coefficients
+out float coverage;
+
+void main() {
+  Strand strand = ReadStrand();
+  Knot knot = ReadKnot(strand.record, gl_VertexID / 2);
+  float depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
+  vec3 coat = CoatColour(look, knot.colour.rgb, depth_light);
+  sunlit = coat * light.sun * HairDiffuse(knot.tangent, light.to_sun);
+  skylit = coat * light.sky[0] * (2.0 * 0.282094792);
+  rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * depth_light;
+  gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
+}

@@ -1,0 +1,28 @@
+// A strand as a strip of two corners at each knot, lit there.
+// After: spherical_harmonics.glsl
+// After: strand_shading.glsl
+// After: strand_light.glsl
+// After: passes/frame.glsl
+// After: passes/shadow_maps.glsl
+// After: passes/strand.glsl
+uniform int character;
+uniform float depth_floor;
+
+out vec3 lit;
+out float coverage;
+
+void main() {
+  Strand strand = ReadStrand();
+  int k = gl_VertexID / 2;
+  Knot knot = ReadKnot(strand.record, k);
+  HairPoint point;
+  point.colour = knot.colour.rgb;
+  point.tangent = knot.tangent;
+  point.normal = strand.normal;
+  point.to_eye = normalize(eye - knot.at);
+  point.depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
+  point.sun_share = SunShare(knot.at, character);
+  point.noise = StrandNoise(strand.number, float(k) / float(knots - 1), kNoiseKnots);
+  lit = ShadeHair(light, look, point);
+  gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
+}
