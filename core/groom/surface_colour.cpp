@@ -57,11 +57,21 @@ glm::vec3 SurfaceColour::At(const SurfacePoint& point) const {
       colour[c] *= linear_[low] + (linear_[low + 1] - linear_[low]) * (byte - float(low));
     }
   }
-  if (!mesh_.corner_colour.empty()) {
-    const auto& corner = mesh_.corner_colour[point.triangle];
-    colour *= corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
-  }
-  return colour;
+  return colour * CornersAt(point);
+}
+
+const ControlMap* SurfaceColour::ImageOf(uint32_t triangle) const {
+  return HasImage(triangle) ? &images_[size_t(LookOf(triangle).image)] : nullptr;
+}
+
+glm::vec3 SurfaceColour::TintAt(const SurfacePoint& point) const {
+  return LookOf(point.triangle).base_colour * CornersAt(point);
+}
+
+glm::vec3 SurfaceColour::CornersAt(const SurfacePoint& point) const {
+  if (mesh_.corner_colour.empty()) return glm::vec3(1.0f);
+  const auto& corner = mesh_.corner_colour[point.triangle];
+  return corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
 }
 
 }  // namespace pelt

@@ -26,12 +26,16 @@ class SurfaceColour {
   // Whether it differs within the triangle by an image.
   bool HasImage(uint32_t triangle) const;
   glm::vec3 At(const SurfacePoint& point) const;
+  // For those who sample images themselves: the triangle's, null if it has none, and what it is multiplied with.
+  const ControlMap* ImageOf(uint32_t triangle) const;
+  glm::vec3 TintAt(const SurfacePoint& point) const;
 
   // What could not be decoded, one sentence each.
   const std::vector<std::string>& faults() const { return faults_; }
 
  private:
   const MaterialLook& LookOf(uint32_t triangle) const;
+  glm::vec3 CornersAt(const SurfacePoint& point) const;
 
   const Mesh& mesh_;
   std::vector<ControlMap> images_;

@@ -1,0 +1,89 @@
+// OpenGL's objects as owned values, and programs whose uniforms are set by name.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "bench/view/gl_context.hpp"
+
+namespace pelt {
+
+template <auto kGen, auto kDelete>
+class GlName {
+ public:
+  explicit GlName(const GlApi& gl) : gl_(&gl) { (gl.*kGen)(1, &name_); }
+  GlName(GlName&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
+  GlName& operator=(GlName&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~GlName() {
+    if (name_) (gl_->*kDelete)(1, &name_);
+  }
+  operator GLuint() const { return name_; }
+
+ private:
+  const GlApi* gl_;
+  GLuint name_ = 0;
+};
+using GlBuffer = GlName<&GlApi::GenBuffers, &GlApi::DeleteBuffers>;
+using GlFramebuffer = GlName<&GlApi::GenFramebuffers, &GlApi::DeleteFramebuffers>;
+using GlTexture = GlName<&GlApi::GenTextures, &GlApi::DeleteTextures>;
+using GlVertexArray = GlName<&GlApi::GenVertexArrays, &GlApi::DeleteVertexArrays>;
+
+// Of textures that texelFetch reads: neither filtered nor repeated.
+GlTexture MakeTexture(const GlApi& gl, GLenum format, GLsizei width, GLsizei height);
+GlTexture MakeTextureArray(const GlApi& gl, GLenum format, const glm::ivec2& size, GLsizei layers);
+// What strand.glsl reads by Texel(): 16 bytes a texel; a rest that is none is left out.
+GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes);
+void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture);
+
+class GlProgram {
+ public:
+  // Of shader texts without their version line. Fails with the driver's words behind `name`.
+  static Result<GlProgram> Make(const GlApi& gl, const char* name, const std::string& vertex,
+                                const std::string& fragment);
+  GlProgram(GlProgram&& other) noexcept
+      : gl_(other.gl_), program_(std::exchange(other.program_, 0)) {}
+  GlProgram& operator=(GlProgram&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(program_, other.program_);
+    return *this;
+  }
+  ~GlProgram() {
+    if (program_) gl_->DeleteProgram(program_);
+  }
+
+  // Until another one is used. Names that the program lacks, or does not need, are passed over.
+  void Use() const { gl_->UseProgram(program_); }
+  void BindBlock(const char* name, GLuint point) const {
+    const GLuint block = gl_->GetUniformBlockIndex(program_, name);
+    if (block != GL_INVALID_INDEX) gl_->UniformBlockBinding(program_, block, point);
+  }
+  void Set(const char* name, int value) const { gl_->Uniform1i(At(name), value); }
+  void Set(const char* name, uint32_t value) const { Set(name, int(value)); }
+  void Set(const char* name, float value) const { gl_->Uniform1f(At(name), value); }
+  void Set(const char* name, const glm::ivec2& v) const { gl_->Uniform2i(At(name), v.x, v.y); }
+  void Set(const char* name, const glm::vec2& v) const { gl_->Uniform2fv(At(name), 1, &v.x); }
+  void Set(const char* name, const glm::vec3& v) const { gl_->Uniform3fv(At(name), 1, &v.x); }
+  void Set(const char* name, const glm::vec4& v) const { gl_->Uniform4fv(At(name), 1, &v.x); }
+  void Set(const char* name, const glm::mat3& m) const {
+    gl_->UniformMatrix3fv(At(name), 1, GL_FALSE, &m[0].x);
+  }
+  void Set(const char* name, const glm::mat4& m) const {
+    gl_->UniformMatrix4fv(At(name), 1, GL_FALSE, &m[0].x);
+  }
+
+ private:
+  GlProgram(const GlApi& gl, GLuint program) : gl_(&gl), program_(program) {}
+  GLint At(const char* name) const { return gl_->GetUniformLocation(program_, name); }
+
+  const GlApi* gl_;
+  GLuint program_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,46 @@
+// The renderer's programs, from bench/view/shaders/passes, and the texture units that they share.
+#pragma once
+
+#include <vector>
+
+#include "bench/picture/gl_objects.hpp"
+#include "core/outputs.hpp"
+
+namespace pelt {
+
+// What lies where as long as something is drawn.
+enum GlUnit : GLint {
+  kVerticesUnit,
+  kRootsUnit,
+  kLooksUnit,
+  kShadowMapsUnit,
+  kCharactersUnit,
+  kSoftMapsUnit,
+  kLightingUnit,
+  kSurfaceUnit,
+  kSourceUnit,
+  kMakingUnit  // where textures are made
+};
+
+struct GlPrograms {
+  // For each output.
+  std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
+  std::vector<GlProgram> others;
+
+  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve };
+  const GlProgram& operator[](Other other) const { return others[other]; }
+
+  static Result<GlPrograms> Make(const GlApi& gl);
+  // Calls set(program), in use, for each.
+  template <class Set>
+  void ForEach(const Set& set) const {
+    for (const auto* list :
+         {&strand_light, &strand_buffered, &strand_depth, &strand_shadow, &others})
+      for (const GlProgram& program : *list) {
+        program.Use();
+        set(program);
+      }
+  }
+};
+
+}  // namespace pelt

@@ -1,0 +1,234 @@
+#include "bench/picture/gl_renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <optional>
+
+#include "bench/picture/gl_lighting.hpp"
+#include "bench/picture/scene_shadows.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kSamples = 2;
+
+glm::vec3 Vec(const float v[3]) { return {v[0], v[1], v[2]}; }
+
+// The block `Look` of frame.glsl, by the rules of std140: vectors of three take the room of four.
+struct LookBlock140 {
+  std::array<glm::vec4, sizeof(LightSet) / sizeof(glm::vec3)> light;
+  HairLook hair;
+  float pad[2];
+};
+static_assert(sizeof(LightSet) == 20 * sizeof(glm::vec3));
+static_assert(sizeof(HairLook) == 14 * sizeof(float));
+
+LookBlock140 Look140(const PictureLook& look) {
+  LookBlock140 block{.light = {}, .hair = look.hair, .pad = {}};
+  std::array<glm::vec3, 20> vectors;
+  std::memcpy(vectors.data(), &look.light, sizeof(look.light));
+  for (size_t i = 0; i < vectors.size(); ++i) block.light[i] = glm::vec4(vectors[i], 0.0f);
+  return block;
+}
+
+// How the picture looks into the world.
+struct Lens {
+  glm::vec3 eye, ahead, right, up;  // the last two from the middle to the edges, where ahead is 1 m
+  glm::mat4 world_to_clip;
+};
+
+Lens LensOf(const Camera& camera, const PictureOptions& options) {
+  const glm::vec3 eye = Vec(camera.position);
+  const float aspect = float(options.width_px) / float(options.height_px);
+  const glm::mat4 view = glm::lookAt(eye, Vec(camera.target), Vec(camera.up));
+  const float height = std::tan(0.5f * camera.vertical_fov_rad);
+  const auto row = [&](int r) { return glm::vec3(view[0][r], view[1][r], view[2][r]); };
+  return {eye, -row(2), row(0) * (height * aspect), row(1) * height,
+          glm::perspective(camera.vertical_fov_rad, aspect, camera.near_m, camera.far_m) * view};
+}
+
+}  // namespace
+
+struct GlRenderer::State {
+  GlContext context;
+  GlPrograms programs;
+  GlVertexArray no_array;
+  GlBuffer look;
+
+  State(GlContext opened, GlPrograms made)
+      : context(std::move(opened)),
+        programs(std::move(made)),
+        no_array(context.gl()),
+        look(context.gl()) {}
+
+  const GlApi& gl() const { return context.gl(); }
+  void SetScene(const PictureScene& scene, const PictureOptions& options) const;
+  void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
+                 const GlStrands& strands, const GlShadows& shadows) const;
+  std::vector<uint8_t> Resolve(const PictureOptions& options, const Lens& lens, GLuint drawn,
+                               uint32_t samples, size_t characters) const;
+  void CheckErrors() const;
+};
+
+GlRenderer::GlRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
+GlRenderer& GlRenderer::operator=(GlRenderer&&) noexcept = default;
+GlRenderer::~GlRenderer() = default;
+
+Result<GlRenderer> GlRenderer::Open() {
+  Result<GlContext> context = GlContext::Open();
+  if (!context) return Failure{context.error()};
+  Result<GlPrograms> programs = GlPrograms::Make(context->gl());
+  if (!programs)
+    return Failure{
+        fmt::format("{} does not take the shaders: {}", context->Renderer(), programs.error())};
+  return GlRenderer(std::make_unique<State>(*std::move(context), *std::move(programs)));
+}
+
+std::string GlRenderer::Device() const { return state_->context.Renderer(); }
+
+void GlRenderer::State::SetScene(const PictureScene& scene, const PictureOptions& options) const {
+  const Lens lens = LensOf(scene.camera, options);
+  const glm::mat3 axes = SunAxes(scene.look.light.to_sun);
+  const ShadowLook& shadow = scene.look.shadow;
+  const glm::vec2 size(options.width_px * options.samples, options.height_px * options.samples);
+  programs.ForEach([&](const GlProgram& program) {
+    program.Set("world_to_clip", lens.world_to_clip);
+    program.Set("eye", lens.eye);
+    program.Set("sun_axes", axes);
+    program.Set("shadow_look", glm::vec3(shadow.bias, shadow.falloff, shadow.strength));
+    program.Set("map_side", float(kShadowTexels));
+    program.Set("target_size", size);
+    program.Set("samples_at_1m", 0.5f * size.y / std::tan(0.5f * scene.camera.vertical_fov_rad));
+  });
+  const LookBlock140 block = Look140(scene.look);
+  gl().BindBufferBase(GL_UNIFORM_BUFFER, 0, look);
+  gl().BufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
+  gl().BindVertexArray(no_array);
+}
+
+// Into the framebuffer that is bound.
+void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options,
+                                  const GlBodies& bodies, const GlStrands& strands,
+                                  const GlShadows& shadows) const {
+  constexpr float kNothing[4] = {}, kFar = 1.0f;
+  gl().DepthMask(GL_TRUE);
+  gl().ClearBufferfv(GL_COLOR, 0, kNothing);
+  gl().ClearBufferfv(GL_DEPTH, 0, &kFar);
+  gl().Enable(GL_DEPTH_TEST);
+  gl().DepthFunc(GL_LESS);
+  for (uint32_t a = 0; a < scene.bodies.size(); ++a) {
+    const GlProgram& skin = programs[GlPrograms::kBody];
+    skin.Use();
+    skin.Set("character", a);
+    skin.Set("lift", shadows.Lift(a));
+    bodies.DrawSkin(a);
+    const GlProgram& eye = programs[GlPrograms::kEye];
+    eye.Use();
+    bodies.DrawEyes(eye, scene.bodies[a].eyes);
+  }
+  const std::vector<GlProgram>& lit =
+      options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
+  for (size_t layer = 0; layer < strands.layers(); ++layer) {
+    const Body& body = scene.bodies[strands.ActorOf(layer)];
+    gl().Enable(GL_BLEND);
+    gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    gl().DepthMask(GL_FALSE);
+    for (const GlProgram& program : lit) {
+      program.Use();
+      program.Set("depth_floor", DepthFloor(body.mean_covered, scene.look.depth_floor));
+    }
+    strands.DrawStrips(lit, layer);
+    gl().Disable(GL_BLEND);
+    gl().DepthMask(GL_TRUE);
+    if (layer + 1 == strands.layers()) break;
+    gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    strands.DrawStrips(programs.strand_depth, layer);
+    gl().ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  }
+  gl().Disable(GL_DEPTH_TEST);
+}
+
+std::vector<uint8_t> GlRenderer::State::Resolve(const PictureOptions& options, const Lens& lens,
+                                                GLuint drawn, uint32_t samples,
+                                                size_t characters) const {
+  const GLsizei width = GLsizei(options.width_px), height = GLsizei(options.height_px);
+  gl().ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  const GlTexture pixels = MakeTexture(gl(), GL_RGBA8, width, height);
+  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
+  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pixels, 0);
+  gl().Viewport(0, 0, width, height);
+  const GlProgram& program = programs[GlPrograms::kResolve];
+  program.Use();
+  BindTexture(gl(), kSourceUnit, GL_TEXTURE_2D, drawn);
+  program.Set("samples", samples);
+  program.Set("ray_ahead", lens.ahead);
+  program.Set("ray_right", lens.right);
+  program.Set("ray_up", lens.up);
+  program.Set("character_count", int(characters));
+  gl().DrawArrays(GL_TRIANGLES, 0, 3);
+  std::vector<uint8_t> rgb(size_t(width) * size_t(height) * 3);
+  gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl().ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
+  return rgb;
+}
+
+void GlRenderer::State::CheckErrors() const {
+  if (const GLenum error = gl().GetError(); error != GL_NO_ERROR)
+    throw Error(fmt::format("picture: {} reports OpenGL's error {:#x}", context.Renderer(), error));
+}
+
+std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& wanted) {
+  const GlApi& gl = state_->gl();
+  PictureOptions options = wanted;
+  if (!options.samples) options.samples = kSamples;
+  const GLsizei width = GLsizei(options.width_px * options.samples),
+                height = GLsizei(options.height_px * options.samples);
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  if (std::max(width, height) > most)
+    throw Error(
+        fmt::format("picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
+                    "samples are {} x {}",
+                    Device(), most, options.width_px, options.height_px, options.samples,
+                    options.samples, width, height));
+  state_->SetScene(scene, options);
+  const GlBodies bodies(gl, scene);
+  const GlStrands strands(gl, scene);
+  const GlShadows shadows(gl, state_->programs, scene, bodies, strands);
+  std::optional<GlLighting> lighting;
+  if (options.lighting_buffer)
+    lighting.emplace(gl, state_->programs, scene, bodies, shadows, options);
+  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  const GlTexture drawn = MakeTexture(gl, GL_RGBA16F, width, height);
+  const GlTexture depth = MakeTexture(gl, GL_DEPTH_COMPONENT32F, width, height);
+  const GlFramebuffer target(gl);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
+  gl.Viewport(0, 0, width, height);
+  state_->DrawScene(scene, options, bodies, strands, shadows);
+  std::vector<uint8_t> rgb = state_->Resolve(options, LensOf(scene.camera, options), drawn,
+                                             options.samples, scene.bodies.size());
+  state_->CheckErrors();
+  return rgb;
+}
+
+std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
+  state_->SetScene(scene, {.samples = kSamples});
+  const GlBodies bodies(state_->gl(), scene);
+  const GlStrands strands(state_->gl(), scene);
+  const GlShadows shadows(state_->gl(), state_->programs, scene, bodies, strands);
+  std::vector<glm::vec4> texels = shadows.Read(actor);
+  state_->CheckErrors();
+  return texels;
+}
+
+}  // namespace pelt

@@ -1,0 +1,72 @@
+#include "bench/picture/gl_strands.hpp"
+
+namespace pelt {
+namespace {
+
+// Two texels of strand.glsl's `roots`.
+struct RootTexels {
+  glm::vec3 root;
+  float depth;  // Hair::DepthOfLight
+  glm::vec3 normal;
+  uint32_t strand;  // of the layer
+};
+static_assert(sizeof(RootTexels) == 32);
+
+std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& hairs) {
+  std::vector<RootTexels> roots;
+  roots.reserve(hairs.size());
+  for (size_t place = 0; place < hairs.size(); ++place) {
+    const Hair& hair = hairs[place];
+    roots.push_back({hair.root, hair.DepthOfLight(), hair.normal, draw.order[place]});
+  }
+  return roots;
+}
+
+}  // namespace
+
+GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
+    : gl_(gl), in_strand_order_(scene.order == VertexOrder::kIndexBuffer) {
+  gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  for (size_t i = 0; i < scene.draws.size(); ++i)
+    layers_.push_back(Upload(scene.draws[i], scene.layers[i]));
+}
+
+GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const {
+  const std::vector<RootTexels> roots = RootsOf(draw, hairs);
+  return {.vertices = UploadTexels(gl_, draw.vertices),
+          .roots = UploadTexels(gl_, std::as_bytes(std::span(roots))),
+          .looks = UploadTexels(gl_, std::as_bytes(draw.looks)),
+          .output = size_t(draw.output),
+          .strands = GLsizei(draw.strand_count),
+          .knots = GLsizei(hairs.front().knots),
+          .actor = hairs.front().actor,
+          .first_strand = hairs.front().number - draw.order.front(),
+          .tip_width = draw.tip_width,
+          .is_lit = !draw.looks.empty()};
+}
+
+void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer) const {
+  const GlProgram& program = programs[layer.output];
+  program.Use();
+  BindTexture(gl_, kVerticesUnit, GL_TEXTURE_2D, layer.vertices);
+  BindTexture(gl_, kRootsUnit, GL_TEXTURE_2D, layer.roots);
+  BindTexture(gl_, kLooksUnit, GL_TEXTURE_2D, layer.looks);
+  program.Set("knots", layer.knots);
+  program.Set("is_lit", int(layer.is_lit));
+  program.Set("in_strand_order", int(in_strand_order_));
+  program.Set("first_strand", layer.first_strand);
+  program.Set("tip_width", layer.tip_width);
+  program.Set("character", layer.actor);
+}
+
+void GlStrands::DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const {
+  Bind(programs, layers_[layer]);
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * layers_[layer].knots, layers_[layer].strands);
+}
+
+void GlStrands::DrawLines(const std::vector<GlProgram>& programs, size_t layer) const {
+  Bind(programs, layers_[layer]);
+  gl_.DrawArraysInstanced(GL_LINE_STRIP, 0, layers_[layer].knots, layers_[layer].strands);
+}
+
+}  // namespace pelt

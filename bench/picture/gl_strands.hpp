@@ -1,0 +1,38 @@
+// A frame's draw list on the graphics card: vertices as they are, and the roots that they do not know of.
+#pragma once
+
+#include <vector>
+
+#include "bench/picture/gl_programs.hpp"
+#include "bench/picture/picture_scene.hpp"
+
+namespace pelt {
+
+class GlStrands {
+ public:
+  GlStrands(const GlApi& gl, const PictureScene& scene);
+
+  size_t layers() const { return layers_.size(); }
+  uint32_t ActorOf(size_t layer) const { return layers_[layer].actor; }
+  // By a program of the layer's output, in use from here on: strips of two corners at each knot, or lines.
+  void DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const;
+  void DrawLines(const std::vector<GlProgram>& programs, size_t layer) const;
+
+ private:
+  struct Layer {
+    GlTexture vertices, roots, looks;
+    size_t output;
+    GLsizei strands, knots;
+    uint32_t actor, first_strand;
+    float tip_width;
+    bool is_lit;
+  };
+  Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const;
+  void Bind(const std::vector<GlProgram>& programs, const Layer& layer) const;
+
+  const GlApi& gl_;
+  bool in_strand_order_;
+  std::vector<Layer> layers_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,204 @@
+// The picture by OpenGL against the one in software, against itself, and against faults planted in it. Skipped, and
+// says why, where there is no OpenGL.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <set>
+
+#include "bench/picture/gl_renderer.hpp"
+#include "bench/picture/order_error.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr PictureOptions kSmall{320, 240, 2};
+// Other drivers, and other rasterisers of the same driver, are above; each planted fault is below.
+constexpr double kSameDb = 52.0;
+// Triangles against hairs painted by distance: another rasteriser, the same picture.
+constexpr double kTwinDb = 30.0;
+
+class Shown {
+ public:
+  Shown(Scenario drawn, VertexOrder order)
+      : scenario_(std::move(drawn)), running_(scenario_, Options(order)) {
+    running_.Begin(0);
+    SerialExecutor().Run(running_.scene().CurrentFrame());
+    std::vector<std::string> notes;
+    const Camera camera = scenario_.PrepareFrame(0, running_.scene()).camera;
+    scene_ = GatherPicture(scenario_, running_.scene(), camera, order, notes);
+  }
+  const PictureScene& scene() const { return scene_; }
+
+ private:
+  static SceneOptions Options(VertexOrder order) {
+    SceneOptions options;
+    options.vertex_order = order;
+    return options;
+  }
+  Scenario scenario_;
+  RunningScenario running_;
+  PictureScene scene_{};
+};
+
+const PictureScene& Monster() {
+  static const Shown shown(LoadScenario("monster"), VertexOrder::kIndexBuffer);
+  return shown.scene();
+}
+
+double PsnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double squares = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double off = (double(a[i]) - double(b[i])) / 255.0;
+    squares += off * off;
+  }
+  return PictureError{.mean_square = squares / double(a.size())}.PsnrDb();
+}
+
+// Layers' hairs in another order; `sequence` has the places of each as they are to be.
+class Reordered {
+ public:
+  template <class Change>
+  Reordered(const PictureScene& scene, const Change& change) : scene(scene) {
+    orders_.reserve(scene.draws.size());
+    for (size_t layer = 0; layer < scene.draws.size(); ++layer) {
+      std::vector<uint32_t> places(scene.layers[layer].size());
+      for (uint32_t i = 0; i < places.size(); ++i) places[i] = i;
+      change(places);
+      std::vector<uint32_t>& order = orders_.emplace_back();
+      for (size_t i = 0; i < places.size(); ++i) {
+        order.push_back(scene.draws[layer].order[places[i]]);
+        this->scene.layers[layer][i] = scene.layers[layer][places[i]];
+      }
+      this->scene.draws[layer].order = order;
+    }
+  }
+  PictureScene scene;
+
+ private:
+  std::vector<std::vector<uint32_t>> orders_;
+};
+
+struct GlPicture : ::testing::Test {
+  static void SetUpTestSuite() {
+    Result<GlRenderer> opened = GlRenderer::Open();
+    if (opened)
+      renderer_ = std::make_unique<GlRenderer>(*std::move(opened));
+    else
+      missing_ = opened.error();
+  }
+  static void TearDownTestSuite() { renderer_.reset(); }
+  void SetUp() override {
+    if (!renderer_) GTEST_SKIP() << missing_;
+  }
+
+  static inline std::unique_ptr<GlRenderer> renderer_;
+  static inline std::string missing_;
+};
+
+TEST_F(GlPicture, IsThatOfTheSoftware) {
+  const double db =
+      PsnrDb(renderer_->Draw(Monster(), kSmall), SoftwareRenderer().Draw(Monster(), kSmall));
+  std::printf("monster, 320 x 240: %.1f dB between OpenGL and software\n", db);
+  EXPECT_GE(db, kTwinDb);
+}
+
+TEST_F(GlPicture, IsThatOfTheSoftwareForEveryOutputInBothOrders) {
+  const Shown sorted(EveryOutputScenario(), VertexOrder::kSorted);
+  const Shown indexed(EveryOutputScenario(), VertexOrder::kIndexBuffer);
+  std::set<Output> outputs;
+  for (const LayerDraw& draw : sorted.scene().draws) outputs.insert(draw.output);
+  ASSERT_EQ(outputs.size(), kOutputCount);
+  const std::vector<uint8_t> picture = renderer_->Draw(sorted.scene(), kSmall);
+  EXPECT_EQ(picture, renderer_->Draw(indexed.scene(), kSmall));
+  const double db = PsnrDb(picture, SoftwareRenderer().Draw(sorted.scene(), kSmall));
+  std::printf("every output, 320 x 240: %.1f dB between OpenGL and software\n", db);
+  EXPECT_GE(db, kTwinDb);
+}
+
+TEST_F(GlPicture, IsTheSameAgain) {
+  const std::vector<uint8_t> picture = renderer_->Draw(Monster(), kSmall);
+  EXPECT_GE(PsnrDb(renderer_->Draw(Monster(), kSmall), picture), kSameDb);
+  renderer_.reset();
+  renderer_ = std::make_unique<GlRenderer>(GlRenderer::Open().OrThrow());
+  EXPECT_GE(PsnrDb(renderer_->Draw(Monster(), kSmall), picture), kSameDb);
+}
+
+TEST_F(GlPicture, EachPlantedFaultIsSeen) {
+  const std::vector<uint8_t> right = renderer_->Draw(Monster(), kSmall);
+  const struct {
+    const char* name;
+    std::function<void(PictureScene&)> plant;
+  } kFaults[] = {
+      {"no sun", [](PictureScene& s) { s.look.light.sun = glm::vec3(0.0f); }},
+      {"no sky", [](PictureScene& s) { std::ranges::fill(s.look.light.sky, glm::vec3(0.0f)); }},
+      {"no rim", [](PictureScene& s) { s.look.light.rim = glm::vec3(0.0f); }},
+      {"no secondary lobe", [](PictureScene& s) { s.look.hair.secondary = 0.0f; }},
+      {"no scattering", [](PictureScene& s) { s.look.hair.scatter = 0.0f; }},
+      {"no self-shadow", [](PictureScene& s) { s.look.shadow.strength = 0.0f; }},
+      {"no depth shadow", [](PictureScene& s) { s.look.depth_floor = 1.0f; }},
+  };
+  const auto hold = [&](const char* name, const PictureScene& scene) {
+    const double db = PsnrDb(renderer_->Draw(scene, kSmall), right);
+    std::printf("%s: %.1f dB\n", name, db);
+    EXPECT_LT(db, kSameDb) << name;
+  };
+  for (const auto& fault : kFaults) {
+    PictureScene scene = Monster();
+    fault.plant(scene);
+    hold(fault.name, scene);
+  }
+  hold("reversed order",
+       Reordered(Monster(), [](auto& places) { std::ranges::reverse(places); }).scene);
+}
+
+TEST_F(GlPicture, ShadowMapsForgetTheOrder) {
+  const std::vector<glm::vec4> forwards = renderer_->DrawShadowMap(Monster(), 0);
+  const auto count = [&](auto is) { return std::ranges::count_if(forwards, is); };
+  ASSERT_GT(count([](const glm::vec4& t) { return t.a == 0.0f; }), 1000);
+  ASSERT_GT(count([](const glm::vec4& t) { return t.a > 0.0f && t.a < 255.0f; }), 300);
+  ASSERT_GT(count([](const glm::vec4& t) { return t.a > 512.0f; }), 1000);  // many hairs deep
+  ASSERT_EQ(count([](const glm::vec4& t) { return t.r != t.g || t.r != t.b; }), 0);
+  const Reordered backwards(Monster(), [](auto& places) { std::ranges::reverse(places); });
+  EXPECT_TRUE(renderer_->DrawShadowMap(backwards.scene, 0) == forwards);
+  std::mt19937 random(15);
+  const Reordered shuffled(Monster(), [&](auto& places) { std::ranges::shuffle(places, random); });
+  EXPECT_TRUE(renderer_->DrawShadowMap(shuffled.scene, 0) == forwards);
+  // The comparison sees one hair less.
+  const Reordered without(Monster(), [](auto& places) { places.back() = places.front(); });
+  EXPECT_FALSE(renderer_->DrawShadowMap(without.scene, 0) == forwards);
+}
+
+// EyePet's way: another picture, of the same hairs, that is found in less time.
+TEST_F(GlPicture, LightingBufferIsAnotherLightOfTheSamePicture) {
+  PictureOptions buffered = kSmall;
+  buffered.lighting_buffer = true;
+  const std::vector<uint8_t> picture = renderer_->Draw(Monster(), buffered);
+  const double db = PsnrDb(picture, renderer_->Draw(Monster(), kSmall));
+  std::printf("lighting buffer: %.1f dB\n", db);
+  EXPECT_LT(db, kSameDb);
+  EXPECT_GE(db, 18.0);
+  EXPECT_GE(PsnrDb(picture, renderer_->Draw(Monster(), buffered)), kSameDb);
+  // What is behind everything is what the outlines have.
+  PictureScene scene = Monster();
+  scene.look.light.rim = glm::vec3(0.0f);
+  EXPECT_LT(PsnrDb(picture, renderer_->Draw(scene, buffered)), kSameDb);
+}
+
+// What is too large is refused in words.
+TEST_F(GlPicture, RefusesWhatTheDriverCannotDraw) {
+  try {
+    renderer_->Draw(Monster(), {4096, 16, 64});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("samples a side"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace pelt
