@@ -59,6 +59,14 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
   app.add_option("--picture-height", args.height_px, "In pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
+  auto* renderer = app.add_option("--renderer", args.renderer,
+                                  "What draws: software, or OpenGL without a display (gl)")
+                       ->check(CLI::IsMember(RendererNames()))
+                       ->capture_default_str();
+  app.add_flag(
+         "--lighting-buffer", args.lighting_buffer,
+         "With --renderer gl: hair is lit in a blurred buffer of half the size, as EyePet's was")
+      ->needs(renderer);
   app.add_option("--light", args.light, DescribeLights())->check(CLI::IsMember(LightNames()));
 }
 
@@ -75,7 +83,8 @@ void CheckCamera(const CameraChoice& choice) {
 }
 
 void CompletePictures(const CLI::App& app, const PictureArgs& args) {
-  RefuseUnless(app, args.Any(), {"--time", "--picture-width", "--picture-height", "--light"},
+  RefuseUnless(app, args.Any(),
+               {"--time", "--picture-width", "--picture-height", "--light", "--renderer"},
                "--picture, --pictures or --animation");
   RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
                "--pictures or --animation");

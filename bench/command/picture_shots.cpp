@@ -48,6 +48,7 @@ PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene
       scene_(scene),
       order_(order),
       frames_(FramesToDraw(args, scenario.dt_s, frames)) {
+  if (!frames_.empty()) renderer_ = OpenRenderer(args_.renderer).OrThrow();
   if (args_.folder.empty()) return;
   MakeFolder(args_.folder);
   for (const uint32_t frame : frames_) CheckOutput("picture", FrameFile(frame));
@@ -64,14 +65,18 @@ bool PictureShots::Wants(uint32_t frame) const {
 std::vector<std::byte> PictureShots::DrawFrame(uint32_t frame) {
   // The frame's camera again, which depends on the frame's number alone.
   const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
-  PictureOptions options{.width_px = args_.width_px, .height_px = args_.height_px};
-  for (const NamedLight& light : kNamedLights)
-    if (light.name == args_.light)
-      options.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
-                                {camera.target[0], camera.target[1], camera.target[2]});
+  const PictureOptions options{.width_px = args_.width_px,
+                               .height_px = args_.height_px,
+                               .lighting_buffer = args_.lighting_buffer};
   std::vector<std::string> notes;
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::byte> png = DrawPicture(scenario_, scene_, camera, order_, options, notes);
+  PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes);
+  for (const NamedLight& light : kNamedLights)
+    if (light.name == args_.light)
+      shown.look.light =
+          MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
+                    {camera.target[0], camera.target[1], camera.target[2]});
+  std::vector<std::byte> png = EncodePng(renderer_->Draw(shown, options), options);
   seconds_.push_back(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time
@@ -112,6 +117,7 @@ void PictureShots::AddTo(ReportTree& tree) const {
   const Spread spread = SpreadOf(sorted);
   ReportTree& section = tree.AddSection("pictures", "pictures, in no frame's time");
   section.Add({.key = "count"}, seconds_.size());
+  section.Add({.key = "drawn_by"}, renderer_->Device());
   section.Add({.key = "draw_ms.median", .unit = "ms", .decimals = 0, .heading = "median"},
               spread.median * 1e3);
   section.Add({.key = "draw_ms.worst", .unit = "ms", .decimals = 0, .heading = "worst"},

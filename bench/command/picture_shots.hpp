@@ -11,6 +11,7 @@
 
 #include "bench/command/output_path.hpp"
 #include "bench/picture/animation.hpp"
+#include "bench/picture/renderers.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/scenarios/scenarios.hpp"
 
@@ -24,13 +25,16 @@ struct PictureArgs {
   uint32_t every = 1;           // frames from one picture to the next, counted from the last frame
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
+  std::string renderer = RendererNames().front();
+  bool lighting_buffer = false;  // PictureOptions has it
 
   bool Any() const { return !last.empty() || !folder.empty() || !animation.empty(); }
 };
 
 class PictureShots {
  public:
-  // `frames` are run in all; scenario and scene must outlive this. Throws Error for a time that no frame of them has.
+  // `frames` are run in all; scenario and scene must outlive this. Throws Error for a time that no frame of them has, and where the
+  // renderer cannot be had.
   PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene, uint32_t frames,
                VertexOrder order);
 
@@ -58,6 +62,7 @@ class PictureShots {
   Scenario& scenario_;
   FurScene& scene_;
   VertexOrder order_;
+  std::unique_ptr<PictureRenderer> renderer_;
   std::vector<uint32_t> frames_;  // rising
   std::vector<std::byte> last_;
   std::vector<AnimationFrame> animation_;
