@@ -23,12 +23,13 @@ SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner, float depth
   const bool furry = body.furry_material[mesh.triangle_material[triangle]];
   const float covered = furry ? body.covered[v] : 0.0f;
   const bool known = body.surface->Knows(triangle);
-  return {.position = body.position[v],
-          .normal = body.normal[v],
-          .fur = body.fur[v],
-          .tint = known ? body.surface->TintAt(point) : glm::vec3(0.0f),
-          .share = {known ? covered : 1.0f, DepthFloor(covered, depth_floor)},
-          .uv = mesh.uv.empty() ? glm::vec2(0.0f) : mesh.uv[v]};
+  return {
+      .position = body.position[v],
+      .normal = body.normal[v],
+      .fur = body.fur[v],
+      .tint = known ? body.surface->TintAt(point) : glm::vec3(0.0f),
+      .share = {known ? covered : 1.0f, DepthFloor(covered, depth_floor)},
+      .uv = body.surface->HasImage(triangle) ? body.surface->ImageUvAt(point) : glm::vec2(0.0f)};
 }
 
 GlTexture UploadImage(const GlApi& gl, const ControlMap* image) {

@@ -19,6 +19,9 @@ struct MaterialLook {
   bool stated = false;
   glm::vec3 base_colour{1.0f};  // linear
   int32_t image = -1;           // of Character::images, multiplied with it; -1: none
+  uint32_t uv_set = 0;          // TEXCOORD_n that the image is laid by
+  // The place in the image is this much of (u, v, 1), for its u and its v (KHR_texture_transform).
+  glm::vec3 image_u{1.0f, 0.0f, 0.0f}, image_v{0.0f, 1.0f, 0.0f};
 };
 
 // Triangles of all skinned primitives, welded, in mesh (bind) space. Arrays over vertices have
@@ -37,6 +40,8 @@ struct Mesh {
   std::vector<MaterialLook> looks;                      // of the materials
   std::vector<std::array<glm::vec3, 3>> corner_colour;  // of the triangles, linear; empty when the
                                                         // file has none
+  // By which images are laid, before their materials move it; empty where that is `uv`, by vertex.
+  std::vector<std::array<glm::vec2, 3>> corner_uv;
 };
 
 struct JointPose {

@@ -225,12 +225,17 @@ Animation Convert(const tinygltf::Animation& from) {
   return to;
 }
 
-// Of files beside the glTF file, under the rules of its buffers.
+// Of files beside the glTF file, under the rules of its buffers, and of what the text itself holds.
 ImageReader MakeImageReader(BufferFolder& from) {
   return [&from](const std::string& uri, std::string& fault) {
     std::vector<unsigned char> bytes;
     const std::string path = from.folder + "/" + uri;
-    if (from.folder.empty())
+    std::string type;
+    if (tinygltf::IsDataURI(uri))
+      tinygltf::DecodeDataURI(&bytes, type, uri, 0, false);
+    else if (uri.starts_with("data:"))
+      fault = "not of a type that is read, in base64";
+    else if (from.folder.empty())
       fault = "no folder to look for it";
     else if (uri.find("..") != std::string::npos || uri.starts_with('/'))
       fault = "not below the file's folder";

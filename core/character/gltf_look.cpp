@@ -1,9 +1,12 @@
 #include "core/character/gltf_look.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/printable.hpp"
@@ -20,12 +23,16 @@ const Json& Member(const Json& from, const char* name) {
   return from.is_object() && found != from.end() ? *found : kNone;
 }
 
-const Json& Element(const Json& from, const Json& index) {
+const Json& Element(const Json& from, size_t index) {
   static const Json kNone;
-  const bool fits =
-      from.is_array() && index.is_number_unsigned() && index.get<uint64_t>() < from.size();
-  return fits ? from[size_t(index.get<uint64_t>())] : kNone;
+  return from.is_array() && index < from.size() ? from[index] : kNone;
 }
+const Json& Element(const Json& from, const Json& index) {
+  return Element(from, index.is_number_unsigned() ? size_t(index.get<uint64_t>()) : SIZE_MAX);
+}
+
+constexpr uint64_t kUvSets = 16;
+constexpr double kFarOut = 1e6;  // of a texture transform: beyond, floats have no fractions left
 
 class LookReader {
  public:
@@ -50,54 +57,82 @@ class LookReader {
         look.base_colour[c] = std::clamp(factor[size_t(c)].get<float>(), 0.0f, 1.0f);
     }
     if (texture.is_object()) {
-      look.image =
-          FindImage(texture, Format("material {} '{}'", number, document_.materials[number]));
+      const std::string fault = ReadTexture(texture, look);
+      if (!fault.empty())
+        document_.look_faults.push_back(
+            Format("material {} '{}': its base colour's image was left out: {}.", number,
+                   document_.materials[number], fault));
       look.stated |= look.image >= 0;
     }
     return look;
   }
 
-  // Its number among the document's images; -1 and a sentence where it cannot be had.
-  int32_t FindImage(const Json& texture, const std::string& material) {
+  // Why it cannot be had, or nothing.
+  std::string ReadTexture(const Json& texture, MaterialLook& look) {
+    const Json& transform = Member(Member(texture, "extensions"), "KHR_texture_transform");
+    const Json& other_set = Member(transform, "texCoord");
+    const Json& set = other_set.is_null() ? Member(texture, "texCoord") : other_set;
+    if (!set.is_null()) {
+      if (!set.is_number_unsigned() || set.get<uint64_t>() >= kUvSets)
+        return Format("its texCoord is none of 0 to {}", kUvSets - 1);
+      look.uv_set = uint32_t(set.get<uint64_t>());
+    }
+    if (!ReadTransform(transform, look))
+      return "its KHR_texture_transform is not made of finite numbers";
     const Json& index = Element(Member(json_, "textures"), Member(texture, "index"));
     const Json& source = Member(index, "source");
     const Json& image = Element(Member(json_, "images"), source);
-    std::string fault;
-    int32_t number = -1;
-    if (const Json& set = Member(texture, "texCoord"); set.is_number() && set != 0)
-      fault = "it uses other texture coordinates than the first";
-    else if (!image.is_object())
-      fault = "there is no such image";
-    else
-      number = ReadImage(source.get<uint64_t>(), image, fault);
-    if (!fault.empty())
-      document_.look_faults.push_back(
-          Format("{}: its base colour's image was left out: {}.", material, fault));
-    return number;
+    if (!image.is_object()) return "there is no such image";
+    const auto [at, is_new] = images_.try_emplace(source.get<uint64_t>());
+    if (is_new) at->second = ReadImage(image);
+    look.image = at->second.number;
+    return at->second.fault;
   }
 
-  int32_t ReadImage(uint64_t source, const Json& image, std::string& fault) {
-    const auto known = number_.find(source);
-    if (known != number_.end()) return known->second;
+  // Scaled, turned counter-clockwise as the image is seen, whose v points down, and moved.
+  static bool ReadTransform(const Json& transform, MaterialLook& look) {
+    const auto number = [](const Json& json, double fallback) {
+      return json.is_null() ? fallback
+             : json.is_number() && json.get<double>() < kFarOut && json.get<double>() > -kFarOut
+                 ? json.get<double>()
+                 : std::numeric_limits<double>::quiet_NaN();
+    };
+    const auto element = [&](const char* member, size_t i, double fallback) {
+      const Json& pair = Member(transform, member);
+      if (pair.is_null()) return fallback;
+      return number(Element(pair, i), std::numeric_limits<double>::quiet_NaN());
+    };
+    const double turn = number(Member(transform, "rotation"), 0.0);
+    const double c = exact::Cos(turn), s = exact::Sin(turn);
+    const double across = element("scale", 0, 1.0), down = element("scale", 1, 1.0);
+    look.image_u = glm::vec3(glm::dvec3(c * across, s * down, element("offset", 0, 0.0)));
+    look.image_v = glm::vec3(glm::dvec3(-s * across, c * down, element("offset", 1, 0.0)));
+    const glm::vec3 sum = look.image_u + look.image_v;
+    return std::isfinite(sum.x) && std::isfinite(sum.y) && std::isfinite(sum.z);
+  }
+
+  struct ReadBefore {
+    int32_t number = -1;  // among the document's images
+    std::string fault;    // why there is none
+  };
+  ReadBefore ReadImage(const Json& image) {
+    ReadBefore read;
     std::vector<std::byte> bytes;
     if (const Json& uri = Member(image, "uri"); uri.is_string())
-      bytes = ReadUri(uri.get<std::string>(), fault);
+      bytes = ReadUri(uri.get<std::string>(), read.fault);
     else
-      bytes = ReadView(Member(image, "bufferView"), fault);
-    if (!fault.empty()) return -1;
-    const int32_t number = int32_t(document_.images.size());
+      bytes = ReadView(Member(image, "bufferView"), read.fault);
+    if (!read.fault.empty()) return read;
+    read.number = int32_t(document_.images.size());
     document_.images.push_back(std::move(bytes));
-    number_.emplace(source, number);
-    return number;
+    return read;
   }
 
   std::vector<std::byte> ReadUri(const std::string& uri, std::string& fault) {
-    if (uri.starts_with("data:")) {
-      fault = "images within the text are not read";
-      return {};
-    }
     const std::vector<unsigned char> bytes = read_(uri, fault);
-    if (!fault.empty()) fault = Format("'{}': {}", Printable(uri), fault);
+    // What is within the text may be long.
+    const std::string shown = uri.starts_with("data:") ? uri.substr(0, 32) : uri;
+    if (!fault.empty()) fault = Format("'{}': {}", Printable(shown), fault);
     const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
     return {first, first + bytes.size()};
   }
@@ -123,7 +158,7 @@ class LookReader {
   const Json& json_;
   const ImageReader& read_;
   Document& document_;
-  std::map<uint64_t, int32_t> number_;  // of the file's images among the document's
+  std::map<uint64_t, ReadBefore> images_;  // of the file; each is read once
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ namespace {
 // Beyond this a float has no room for the sums of skinning.
 constexpr float kLargestCoordinate = 1e15f;
 
+constexpr Wanted kUvsWanted{2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false};
 constexpr uint32_t kSetQuantised = kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16;
 
 struct Influence {
@@ -28,7 +29,7 @@ struct Influence {
 // What was repaired, to be said once.
 struct RepairCounts {
   size_t no_indices = 0, morphs = 0, negative = 0, extra = 0, not_one = 0, unweighted = 0;
-  size_t bad_unused_joint = 0, no_uv = 0;
+  size_t bad_unused_joint = 0, no_uv = 0, no_image_uv = 0;
   // Vertices with something that is no finite number.
   size_t odd_weights = 0, odd_normals = 0, odd_tangents = 0, odd_uvs = 0;
 };
@@ -97,6 +98,7 @@ class MeshReader {
     ReadInfluences(primitive, binding, count, place);
     ReadTriangles(primitive, first, count, place);
     StoreColours(colours, first);
+    StoreImageUvs(primitive, first, count, place);
   }
 
   void ReadPositions(const Primitive& primitive, const SkinBinding& binding, size_t count,
@@ -154,9 +156,7 @@ class MeshReader {
   }
 
   void ReadUvs(const Primitive& primitive, size_t count, const std::string& place) {
-    const std::vector<float> uv =
-        ReadAttribute(primitive, "TEXCOORD_0",
-                      {2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false}, count, place);
+    const std::vector<float> uv = ReadAttribute(primitive, "TEXCOORD_0", kUvsWanted, count, place);
     has_uv_ |= !uv.empty();
     if (uv.empty()) repairs_.no_uv += count;
     for (size_t v = 0; v < count; ++v)
@@ -186,6 +186,28 @@ class MeshReader {
           if (std::isfinite(colours[at])) corner[k][c] = std::clamp(colours[at], 0.0f, 1.0f);
         }
       out_.corner_colour.push_back(corner);
+    }
+  }
+
+  // By corner too, where the material's image is laid by another set.
+  void StoreImageUvs(const Primitive& primitive, size_t first, size_t count,
+                     const std::string& place) {
+    MaterialLook look;
+    if (primitive.material >= 0) look = document_.looks[size_t(primitive.material)];
+    std::vector<float> uv;
+    if (look.image >= 0 && look.uv_set > 0) {
+      const std::string attribute = "TEXCOORD_" + std::to_string(look.uv_set);
+      uv = ReadAttribute(primitive, attribute.c_str(), kUvsWanted, count, place);
+      has_image_uv_ |= !uv.empty();
+      repairs_.no_image_uv += uv.empty();
+    }
+    for (size_t t = out_.corner_uv.size(); t < out_.triangles.size(); ++t) {
+      std::array<glm::vec2, 3>& corner = out_.corner_uv.emplace_back();
+      for (size_t k = 0; k < 3; ++k) {
+        const size_t v = out_.triangles[t][k], own = 2 * (v - first);
+        const bool known = !uv.empty() && std::isfinite(uv[own]) && std::isfinite(uv[own + 1]);
+        corner[k] = known ? glm::vec2(uv[own], uv[own + 1]) : out_.uv[v];
+      }
     }
   }
 
@@ -339,6 +361,9 @@ class MeshReader {
     Note(repairs_.odd_normals, "vertices had a normal that is no finite number; made anew.");
     Note(repairs_.odd_tangents, "vertices had a tangent that is no finite number; made anew.");
     if (!has_colour_) out_.corner_colour.clear();
+    if (!has_image_uv_) out_.corner_uv.clear();
+    Note(repairs_.no_image_uv,
+         "primitives lack the UVs that their image is laid by; the first ones were taken.");
     const size_t borrowed = BorrowWeights(&out_, no_weights_);
     Note(borrowed,
          "vertices had skin weights that are no finite numbers; a neighbour's were taken.");
@@ -372,7 +397,7 @@ class MeshReader {
   const SkeletonImport& skeleton_;
   std::vector<std::string>* notes_;
   std::vector<int> material_of_;
-  bool has_uv_ = false, has_colour_ = false;
+  bool has_uv_ = false, has_colour_ = false, has_image_uv_ = false;
   int colour_size_ = 4;  // numbers a vertex
   RepairCounts repairs_;
   std::vector<uint8_t> no_weights_;  // of each vertex: its weights were not finite

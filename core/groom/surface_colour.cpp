@@ -43,14 +43,25 @@ bool SurfaceColour::Knows(uint32_t triangle) const {
 }
 
 bool SurfaceColour::HasImage(uint32_t triangle) const {
-  return LookOf(triangle).image >= 0 && !mesh_.uv.empty();
+  return LookOf(triangle).image >= 0 && !(mesh_.uv.empty() && mesh_.corner_uv.empty());
+}
+
+glm::vec2 SurfaceColour::ImageUvAt(const SurfacePoint& point) const {
+  const auto laid_by = [&]() -> glm::vec2 {
+    if (mesh_.corner_uv.empty()) return Interpolate(mesh_.uv, mesh_, point);
+    const auto& corner = mesh_.corner_uv[point.triangle];
+    return corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
+  };
+  const MaterialLook& look = LookOf(point.triangle);
+  const glm::vec3 laid(laid_by(), 1.0f);
+  return {glm::dot(look.image_u, laid), glm::dot(look.image_v, laid)};
 }
 
 glm::vec3 SurfaceColour::At(const SurfacePoint& point) const {
   const MaterialLook& look = LookOf(point.triangle);
   glm::vec3 colour = look.base_colour;
   if (HasImage(point.triangle)) {
-    const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, point);
+    const glm::vec2 uv = ImageUvAt(point);
     for (int c = 0; c < 3; ++c) {
       const float byte = images_[size_t(look.image)].Sample(uv, c) * 255.0f;
       const int low = int(byte);

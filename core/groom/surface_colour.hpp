@@ -26,8 +26,10 @@ class SurfaceColour {
   // Whether it differs within the triangle by an image.
   bool HasImage(uint32_t triangle) const;
   glm::vec3 At(const SurfacePoint& point) const;
-  // For those who sample images themselves: the triangle's, null if it has none, and what it is multiplied with.
+  // For those who sample images themselves: the triangle's, null if it has none; where on it the point is; and what it is
+  // multiplied with.
   const ControlMap* ImageOf(uint32_t triangle) const;
+  glm::vec2 ImageUvAt(const SurfacePoint& point) const;
   glm::vec3 TintAt(const SurfacePoint& point) const;
 
   // What could not be decoded, one sentence each.

@@ -1,6 +1,7 @@
 // What a glTF says of its colours, and that nothing of it can refuse a file.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -77,6 +78,102 @@ TEST(GltfLook, ImageIsMultipliedWithTheFactor) {
   ExpectNear(surface.At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 0.5f, 0.0f});
 }
 
+std::string Base64(const std::vector<uint8_t>& bytes) {
+  static const char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t three = 0;
+    for (size_t k = i; k < i + 3; ++k) three = three << 8 | (k < bytes.size() ? bytes[k] : 0u);
+    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[three >> shift & 63u];
+  }
+  for (size_t i = 0; i < (3 - bytes.size() % 3) % 3; ++i) text[text.size() - 1 - i] = '=';
+  return text;
+}
+
+TEST(GltfLook, ImagesWithinTheTextAreRead) {
+  const std::string uri = "data:image/png;base64," + Base64(TwoTexels());
+  // The two materials have one image.
+  const std::string material = Material(R"("baseColorTexture":{"index":0})");
+  const Character c =
+      Import(MakeLook(material + "," + material, kPlainImage + R"({"uri":")" + uri + R"("}])"));
+  ASSERT_EQ(c.images.size(), 1u);
+  const std::vector<uint8_t> wanted = TwoTexels();
+  ASSERT_EQ(c.images[0].size(), wanted.size());
+  for (size_t i = 0; i < wanted.size(); ++i) EXPECT_EQ(uint8_t(c.images[0][i]), wanted[i]);
+  ExpectNear(SurfaceColour(c).At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 1.0f, 0.0f});
+}
+
+// The place in the image, of TwoTexels, by how green it is: u from 1/4 to 3/4.
+float PlaceInImage(const Character& c, const SurfacePoint& at) {
+  return 0.25f +
+         0.5f * float(ExactSrgb(double(SurfaceColour(c).At(at).g)) * 255.0 - 128.0) / 127.0f;
+}
+
+TEST(GltfLook, ImagesAreLaidByOtherCoordinates) {
+  for (const bool by_transform : {false, true}) {
+    const std::string set =
+        by_transform ? R"("texCoord":5,"extensions":{"KHR_texture_transform":{"texCoord":2}})"
+                     : R"("texCoord":2)";
+    GltfBuilder b = MakeLook(Material(R"("baseColorTexture":{"index":0,)" + set + "}"));
+    b.Attribute("TEXCOORD_2", b.Floats("VEC2", {0.3f, 0, 0.4f, 0, 0.7f, 0, 0.6f, 0}));
+    const int view = b.View(TwoTexels());
+    b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+    const Character c = Import(b);
+    ASSERT_EQ(c.mesh.corner_uv.size(), c.mesh.triangles.size());
+    EXPECT_NEAR(PlaceInImage(c, {0, {1.0f, 0.0f, 0.0f}}), 0.3f, 5e-3f);
+    EXPECT_NEAR(PlaceInImage(c, {0, {0.0f, 0.5f, 0.5f}}), 0.55f, 5e-3f);
+    EXPECT_NEAR(PlaceInImage(c, {1, {0.0f, 0.0f, 1.0f}}), 0.6f, 5e-3f);
+    EXPECT_EQ(c.mesh.uv[2].x, 1.0f) << "fur keeps the first";
+  }
+}
+
+TEST(GltfLook, CoordinatesThatAPrimitiveLacksAreTold) {
+  GltfBuilder b = MakeLook(Material(R"("baseColorTexture":{"index":0,"texCoord":1})"));
+  const int view = b.View(TwoTexels());
+  b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+  const Character c = Import(b);
+  EXPECT_TRUE(c.mesh.corner_uv.empty());
+  EXPECT_TRUE(std::ranges::any_of(c.notes, [](const std::string& note) {
+    return note ==
+           "1 primitives lack the UVs that their image is laid by; the first ones were taken.";
+  }));
+  ExpectNear(SurfaceColour(c).At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 1.0f, 0.0f});
+}
+
+// Scaled, then turned, then moved; the turn is against the clock as the image is seen, whose v points down.
+TEST(GltfLook, ImagesAreMovedTurnedAndScaled) {
+  const struct {
+    std::string transform;
+    glm::vec2 from, to;
+  } kCases[] = {{R"("offset":[0.25,-0.5])", {0.5f, 0.5f}, {0.75f, 0.0f}},
+                {R"("scale":[2,0.5])", {0.25f, 0.5f}, {0.5f, 0.25f}},
+                {R"("rotation":1.5707963267948966)", {0.5f, 0.25f}, {0.25f, -0.5f}},
+                {R"("rotation":0.5235987755982988)", {1.0f, 0.0f}, {0.866025f, -0.5f}},
+                {R"("offset":[1,2],"rotation":1.5707963267948966,"scale":[3,4])",
+                 {0.1f, 0.2f},
+                 {1.0f + 0.8f, 2.0f - 0.3f}}};
+  for (const auto& test : kCases) {
+    GltfBuilder b = MakeLook(
+        Material(R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{)" +
+                 test.transform + "}}}"));
+    const int view = b.View(TwoTexels());
+    b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+    const MaterialLook look = Import(b).mesh.looks.at(0);
+    ASSERT_GE(look.image, 0) << test.transform;
+    EXPECT_NEAR(glm::dot(look.image_u, glm::vec3(test.from, 1.0f)), test.to.x, kNear)
+        << test.transform;
+    EXPECT_NEAR(glm::dot(look.image_v, glm::vec3(test.from, 1.0f)), test.to.y, kNear)
+        << test.transform;
+  }
+  GltfBuilder b = MakeLook(Material(
+      R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.25,0],"scale":[0.5,1]}}})"));
+  const int view = b.View(TwoTexels());
+  b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+  const Character c = Import(b);
+  EXPECT_NEAR(PlaceInImage(c, {0, {0.5f, 0.5f, 0.0f}}), 0.5f, 5e-3f);
+  EXPECT_NEAR(PlaceInImage(c, {0, {0.8f, 0.2f, 0.0f}}), 0.35f, 5e-3f);
+}
+
 TEST(GltfLook, CornersHaveColours) {
   GltfBuilder b = test::MakeQuad();
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -113,13 +210,20 @@ TEST(GltfLook, WhatIsWrongIsSaidAndLeftOut) {
   } kCases[] = {
       {texture, "", "no such image"},
       {R"("baseColorTexture":{"index":-1})", kPlainImage + R"({"bufferView":0}])", "no such image"},
-      {R"("baseColorTexture":{"index":0,"texCoord":1})", kPlainImage + R"({"bufferView":0}])",
-       "other texture coordinates"},
+      {R"("baseColorTexture":{"index":0,"texCoord":16})", kPlainImage + R"({"bufferView":0}])",
+       "texCoord is none of 0 to 15"},
+      {R"("baseColorTexture":{"index":0,"texCoord":-1})", kPlainImage + R"({"bufferView":0}])",
+       "texCoord is none of 0 to 15"},
+      {R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"scale":[1]}}})",
+       kPlainImage + R"({"bufferView":0}])", "not made of finite numbers"},
+      {R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"rotation":1e9}}})",
+       kPlainImage + R"({"bufferView":0}])", "not made of finite numbers"},
       {texture, R"(,"textures":[{"source":9}],"images":[{"bufferView":0}])", "no such image"},
       {texture, R"(,"textures":[7],"images":[{"bufferView":0}])", "no such image"},
       {texture, kPlainImage + R"({"bufferView":999}])", "bufferView does not exist"},
       {texture, kPlainImage + R"({"bufferView":-5}])", "bufferView does not exist"},
-      {texture, kPlainImage + R"({"uri":"data:image/png;base64,AAAA"}])", "within the text"},
+      {texture, kPlainImage + R"({"uri":"data:image/webp;base64,AAAA"}])",
+       "'data:image/webp;base64,AAAA': not of a type"},
       {texture, kPlainImage + R"({"uri":"a.png"}])", "'a.png': no folder"},
   };
   for (const auto& test : kCases) {
