@@ -32,7 +32,8 @@ Random RandomFor(uint64_t seed, uint64_t purpose, uint32_t owner) {
 struct Place {
   glm::vec2 uv;
   uint64_t seed;
-  uint32_t owner;  // strand or vertex
+  uint32_t owner;      // strand or vertex
+  bool varies = true;  // else what is drawn at random counts as its middle
 };
 
 double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place& place) {
@@ -41,7 +42,7 @@ double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place
   if (attribute.map.map) {
     value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel));
   }
-  if (attribute.randomise != 0.0f) {
+  if (place.varies && attribute.randomise != 0.0f) {
     value *= 1.0 + double(attribute.randomise) *
                        RandomFor(place.seed, row.random, place.owner).Uniform(-1.0, 1.0);
   }
@@ -85,6 +86,18 @@ glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
   direction *= std::sqrt((1.0 - kLowest * kLowest) / square);
   direction.z = kLowest;
   return direction;
+}
+
+// As comb and attributes have it, without frizz; in the root frame. value(&LayerSetup::azimuth) is an attribute's value.
+template <class Value>
+glm::dvec3 CombedDirection(const Comb& comb, const glm::vec3& position, const RootFrame& frame,
+                           const Value& value) {
+  const glm::dvec3 direction =
+      comb.Direction(position, frame, value(&LayerSetup::azimuth), value(&LayerSetup::elevation));
+  const double turn = value(&LayerSetup::direction) * exact::kRadiansPerDegree;
+  if (turn == 0.0) return direction;
+  const double s = exact::Sin(turn), c = exact::Cos(turn);
+  return {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
 }
 
 constexpr float kRootShade = 0.6f;  // of fur that is coloured as the surface
@@ -178,13 +191,7 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   groomed.length = float(length);
   groomed.strength = float(std::clamp(value(&LayerSetup::strength), 0.0, 1.0));
 
-  glm::dvec3 direction = comb_.Direction(point.position, groomed.frame, value(&LayerSetup::azimuth),
-                                         value(&LayerSetup::elevation));
-  const double turn = value(&LayerSetup::direction) * exact::kRadiansPerDegree;
-  if (turn != 0.0) {
-    const double s = exact::Sin(turn), c = exact::Cos(turn);
-    direction = {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
-  }
+  glm::dvec3 direction = CombedDirection(comb_, point.position, groomed.frame, value);
   const double frizz = value(&LayerSetup::frizz) * exact::kRadiansPerDegree;
   if (frizz != 0.0) {
     direction = Tilt(direction, frizz, RandomFor(layer_.seed, kFrizzTilt, strand));
@@ -204,6 +211,27 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   const uint32_t strips = std::clamp(layer_.film_strip_count, 1u, 256u);
   groomed.film_strip = uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
   return groomed;
+}
+
+StrandLie AttributeMaker::MeanLie(const SurfacePoint& at) const {
+  const RootFrame frame = MakeRootFrame(glm::dvec3(InterpolateNormal(mesh_, rest_, at)),
+                                        glm::dvec3(Interpolate(rest_.tangent, mesh_, at)));
+  const glm::vec2 uv = mesh_.uv.empty() ? glm::vec2(0.0f) : Interpolate(mesh_.uv, mesh_, at);
+  const Place place{.uv = uv, .seed = layer_.seed, .owner = 0, .varies = false};
+  const auto value = [&](Attribute LayerSetup::*attribute) {
+    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
+  };
+  const double length = std::max(value(&LayerSetup::length), double(kShortestStrand));
+  const glm::vec3 position = Interpolate(rest_.position, mesh_, at);
+  const glm::dvec3 direction = KeepAboveSurface(CombedDirection(comb_, position, frame, value));
+  const RestShape shape =
+      MakeRestShape(direction, length, value(&LayerSetup::curl) * exact::kRadiansPerDegree,
+                    value(&LayerSetup::twist) * exact::kRadiansPerDegree, layer_.params.points);
+  const glm::dvec3 tip = shape.offset[layer_.params.points - 2];
+  const double reach = std::sqrt(glm::dot(tip, tip));
+  // One that curls up comes back to its root.
+  const glm::dvec3 towards = reach > 1e-3 * length ? KeepAboveSurface(tip / reach) : direction;
+  return {frame.normal, frame.FromFrame(towards), length};
 }
 
 float AttributeMaker::LiftVertex(uint32_t vertex) const {

@@ -50,12 +50,21 @@ RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl,
 RestShape MakeEqualSegments(const RestShape& places, double length, uint32_t points,
                             const glm::dvec3& first);
 
+// How a strand lies as a whole.
+struct StrandLie {
+  glm::dvec3 normal;   // of the skin; unit, rest pose
+  glm::dvec3 towards;  // the tip, from the root; unit, rest pose, above the skin
+  double length;       // m, along the strand
+};
+
 class AttributeMaker {
  public:
   AttributeMaker(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
 
   // `strand` is the place in the layer's progressive order.
   GroomedStrand Groom(const ScatterPoint&, uint32_t strand) const;
+  // How a strand there would lie if nothing of it was drawn at random.
+  StrandLie MeanLie(const SurfacePoint&) const;
   // How far the skin is raised along its normal at a mesh vertex, m.
   float LiftVertex(uint32_t vertex) const;
 

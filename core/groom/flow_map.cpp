@@ -1,0 +1,236 @@
+#include "core/groom/flow_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.hpp"
+#include "core/exact_math.hpp"
+#include "core/float_rules.hpp"
+#include "core/format.hpp"
+#include "core/groom/attributes.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
+// An island may lose so much of itself to one before it, as at a shared edge, and still lie on its sheet.
+constexpr uint64_t kOverlapShare = 64;
+
+struct Texel {
+  uint32_t triangle = kNobody;
+  glm::vec3 bary{0.0f};
+};
+using Sheet = std::vector<Texel>;
+
+// Triangles that share vertices; UV seams have vertices of their own on both sides.
+class Islands {
+ public:
+  explicit Islands(size_t vertices) : parent_(vertices) {
+    for (uint32_t v = 0; v < vertices; ++v) parent_[v] = v;
+  }
+  void Join(uint32_t a, uint32_t b) {
+    a = Find(a);
+    b = Find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+  uint32_t Find(uint32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+
+ private:
+  std::vector<uint32_t> parent_;
+};
+
+class FlowMaker {
+ public:
+  FlowMaker(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+            const LayerSetup& layer, uint32_t side)
+      : mesh_(character.mesh),
+        rest_(rest),
+        place_(Format("{}: layer '{}': flow map: ", setup.path, layer.name)),
+        growth_(character, rest, setup, layer),
+        maker_(character, rest, setup, layer) {
+    map_.side = side;
+    if (side < 1 || side > kMostFlowSide)
+      throw Error(Format("{}{} texels a side; 1 to {} are allowed", place_, side, kMostFlowSide));
+    if (mesh_.uv.empty()) throw Error(place_ + "the character has no texture coordinates");
+    map_.sheet.assign(mesh_.triangles.size(), FlowMap::kNoSheet);
+  }
+
+  FlowMap Make() {
+    for (const std::vector<uint32_t>& island : FindIslands()) Lay(island);
+    if (sheets_.empty()) sheets_.emplace_back(size_t(map_.side) * map_.side);
+    map_.sheets = uint32_t(sheets_.size());
+    Evaluate();
+    for (size_t s = 0; s < sheets_.size(); ++s) Fill(s);
+    return std::move(map_);
+  }
+
+ private:
+  // Each one's triangles, ascending, in the order of the first.
+  std::vector<std::vector<uint32_t>> FindIslands() {
+    Islands islands(mesh_.position.size());
+    std::vector<uint32_t> growing;
+    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (growth_.TriangleLimit(t) <= 0.0f) continue;
+      growing.push_back(t);
+      islands.Join(mesh_.triangles[t][0], mesh_.triangles[t][1]);
+      islands.Join(mesh_.triangles[t][0], mesh_.triangles[t][2]);
+    }
+    std::vector<std::vector<uint32_t>> found;
+    std::map<uint32_t, size_t> number;
+    for (const uint32_t t : growing) {
+      const auto [at, is_new] = number.emplace(islands.Find(mesh_.triangles[t][0]), number.size());
+      if (is_new) found.emplace_back();
+      found[at->second].push_back(t);
+    }
+    return found;
+  }
+
+  // Calls visit(texel, bary) for each texel whose middle lies within the triangle.
+  template <class Visit>
+  void ForEachTexel(uint32_t triangle, const Visit& visit) const {
+    glm::dvec2 p[3];
+    for (int k = 0; k < 3; ++k)
+      p[k] = glm::dvec2(mesh_.uv[mesh_.triangles[triangle][size_t(k)]]) * double(map_.side);
+    const glm::dvec2 low = glm::min(glm::min(p[0], p[1]), p[2]);
+    const glm::dvec2 high = glm::max(glm::max(p[0], p[1]), p[2]);
+    const double most = 2.0 * double(map_.side);
+    if (!(high.x - low.x <= most && high.y - low.y <= most && std::abs(low.x) < 1e12 &&
+          std::abs(low.y) < 1e12))
+      throw Error(
+          Format("{}triangle {} goes round the texture more than twice, or lies too far out",
+                 place_, triangle));
+    const glm::dvec2 a = p[1] - p[0], b = p[2] - p[0];
+    const double area = a.x * b.y - a.y * b.x;
+    if (area == 0.0) return;
+    const int64_t x_end = int64_t(exact::Floor(high.x)), y_end = int64_t(exact::Floor(high.y));
+    for (int64_t y = int64_t(exact::Floor(low.y)); y <= y_end; ++y)
+      for (int64_t x = int64_t(exact::Floor(low.x)); x <= x_end; ++x) {
+        const glm::dvec2 s = glm::dvec2(double(x) + 0.5, double(y) + 0.5) - p[0];
+        const double v = (s.x * b.y - s.y * b.x) / area, w = (a.x * s.y - a.y * s.x) / area;
+        const double u = 1.0 - v - w;
+        if (u >= 0.0 && v >= 0.0 && w >= 0.0)
+          visit(Wrap(y) * map_.side + Wrap(x), glm::dvec3(u, v, w));
+      }
+  }
+
+  size_t Wrap(int64_t i) const {
+    const int64_t side = int64_t(map_.side), left = i % side;
+    return size_t(left < 0 ? left + side : left);
+  }
+
+  void Lay(const std::vector<uint32_t>& island) {
+    std::vector<size_t> texels;
+    for (const uint32_t t : island)
+      ForEachTexel(t, [&](size_t texel, const glm::dvec3&) { texels.push_back(texel); });
+    const auto has_room = [&](const Sheet& sheet) {
+      const auto taken = std::count_if(texels.begin(), texels.end(), [&](size_t texel) {
+        return sheet[texel].triangle != kNobody;
+      });
+      return uint64_t(taken) * kOverlapShare <= texels.size();
+    };
+    const size_t number =
+        size_t(std::find_if(sheets_.begin(), sheets_.end(), has_room) - sheets_.begin());
+    if (number == kMostFlowSheets)
+      throw Error(Format("{}more than {} parts of the surface have one place in the texture",
+                         place_, kMostFlowSheets));
+    if (number == sheets_.size()) sheets_.emplace_back(size_t(map_.side) * map_.side);
+    for (const uint32_t t : island) Take(t, uint16_t(number));
+  }
+
+  void Take(uint32_t triangle, uint16_t number) {
+    map_.sheet[triangle] = number;
+    ForEachTexel(triangle, [&](size_t at, const glm::dvec3& bary) {
+      Texel& texel = sheets_[number][at];
+      if (texel.triangle == kNobody) {
+        texel = {triangle, glm::vec3(bary)};
+        ++map_.covered;
+      } else {  // on an edge both have it
+        constexpr double kInside = 1e-6;
+        map_.contested += bary.x > kInside && bary.y > kInside && bary.z > kInside;
+      }
+    });
+  }
+
+  // The direction in the surface as one in texture space, as long as it is.
+  glm::dvec2 ToTexture(uint32_t triangle, const glm::dvec3& along) const {
+    const auto& v = mesh_.triangles[triangle];
+    const glm::dvec3 first(rest_.position[v[0]]), a = glm::dvec3(rest_.position[v[1]]) - first,
+                                                  b = glm::dvec3(rest_.position[v[2]]) - first;
+    const glm::dvec2 uv(mesh_.uv[v[0]]), uv_a = glm::dvec2(mesh_.uv[v[1]]) - uv,
+                                         uv_b = glm::dvec2(mesh_.uv[v[2]]) - uv;
+    const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
+    const double det = aa * bb - ab * ab;
+    if (!(det > 0.0)) return glm::dvec2(0.0);
+    const double pa = glm::dot(a, along), pb = glm::dot(b, along);
+    const glm::dvec2 to = uv_a * ((pa * bb - pb * ab) / det) + uv_b * ((pb * aa - pa * ab) / det);
+    const double size = std::sqrt(glm::dot(to, to));
+    if (!(size > 0.0)) return glm::dvec2(0.0);
+    return to * (std::sqrt(glm::dot(along, along)) / size);
+  }
+
+  void Evaluate() {
+    const size_t texels = size_t(map_.side) * map_.side;
+    std::vector<float> length(texels * sheets_.size());
+    map_.rgba.assign(length.size() * 4, 0);
+    for (size_t s = 0; s < sheets_.size(); ++s)
+      for (size_t i = 0; i < texels; ++i) {
+        const Texel& texel = sheets_[s][i];
+        if (texel.triangle == kNobody) continue;
+        const SurfacePoint at{texel.triangle, texel.bary};
+        const StrandLie lie = maker_.MeanLie(at);
+        const glm::dvec3 along = lie.towards - lie.normal * glm::dot(lie.towards, lie.normal);
+        const glm::dvec2 lean = ToTexture(texel.triangle, along);
+        uint8_t* to = &map_.rgba[(s * texels + i) * 4];
+        for (int c = 0; c < 2; ++c) to[c] = uint8_t(128.5 + 127.0 * std::clamp(lean[c], -1.0, 1.0));
+        to[3] = uint8_t(0.5f + 255.0f * std::clamp(growth_.Share(at), 0.0f, 1.0f));
+        length[s * texels + i] = float(lie.length);
+        map_.longest_m = std::max(map_.longest_m, float(lie.length));
+      }
+    for (size_t i = 0; i < length.size(); ++i)
+      if (length[i] > 0.0f)
+        map_.rgba[4 * i + 2] = uint8_t(std::max(1.0f, 0.5f + 255.0f * length[i] / map_.longest_m));
+  }
+
+  // From the nearest texel that has something, counted along rows and columns; the first of several.
+  void Fill(size_t sheet) {
+    const size_t side = map_.side, texels = side * side;
+    uint8_t* rgba = &map_.rgba[sheet * texels * 4];
+    std::vector<uint8_t> filled(texels);
+    std::vector<uint32_t> reached;  // in the order of their distance
+    for (size_t i = 0; i < texels; ++i) {
+      filled[i] = sheets_[sheet][i].triangle != kNobody;
+      if (filled[i]) reached.push_back(uint32_t(i));
+    }
+    for (size_t k = 0; k < reached.size(); ++k) {
+      const size_t from = reached[k], x = from % side, y = from / side;
+      for (const size_t to : {y * side + (x + side - 1) % side, y * side + (x + 1) % side,
+                              (y + side - 1) % side * side + x, (y + 1) % side * side + x}) {
+        if (filled[to]) continue;
+        filled[to] = 1;
+        std::copy_n(rgba + 4 * from, 4, rgba + 4 * to);
+        reached.push_back(uint32_t(to));
+      }
+    }
+  }
+
+  const Mesh& mesh_;
+  const RestGeometry& rest_;
+  std::string place_;
+  Growth growth_;
+  AttributeMaker maker_;
+  FlowMap map_;
+  std::vector<Sheet> sheets_;
+};
+
+}  // namespace
+
+FlowMap MakeFlowMap(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+                    const LayerSetup& layer, uint32_t side) {
+  return FlowMaker(character, rest, setup, layer, side).Make();
+}
+
+}  // namespace pelt

@@ -1,0 +1,44 @@
+// Which way a layer's fur lies, as a texture over the character's UVs: what shades fur as relief on the skin, or combs
+// shells. Made from comb, attributes and maps, without what is drawn at random.
+//
+// A texel has four bytes. Red and green: the direction from root to tip, seen from above, in texture space, as
+// 128 + 127 x for u and for v; its length is the share of the strand that lies along the skin, so that flat fur has 1
+// and fur that stands up 0. Blue: the strand's length over longest_m, 1 to 255. Alpha: how densely fur grows, of the
+// layer's densest; 0 is bald. Rows from v = 0, as glTF's images; the texture repeats.
+//
+// UVs may give one place of the texture to several of the surface. Parts of the surface that hang together ("islands")
+// are laid down in the order of their first triangles, each on the first sheet that has room for it; sheets lie below
+// each other. Texels that no triangle has get the nearest one's, so that no seam is seen when texels are mixed.
+//
+// Invariant: the same bytes on every machine.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/character/character.hpp"
+#include "core/groom/fur_setup.hpp"
+
+namespace pelt {
+
+struct FlowMap {
+  static constexpr uint16_t kNoSheet = std::numeric_limits<uint16_t>::max();
+
+  uint32_t side = 0, sheets = 0;  // texels a side of a sheet
+  float longest_m = 0.0f;
+  std::vector<uint8_t> rgba;  // side x (side * sheets)
+  std::vector<uint16_t>
+      sheet;               // of each triangle of the mesh; kNoSheet where the layer cannot grow
+  uint64_t covered = 0;    // texels that triangles have
+  uint64_t contested = 0;  // of these, texels that two of one sheet have: they got the first one's
+};
+
+inline constexpr uint32_t kMostFlowSide = 4096, kMostFlowSheets = 64;
+
+// `side` is 1 to kMostFlowSide. Throws pelt::Error "path: layer 'x': flow map: reason" for a mesh without UVs, for UVs that
+// go round the texture more than twice within a triangle, and for ones that need more than kMostFlowSheets.
+FlowMap MakeFlowMap(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
+                    uint32_t side);
+
+}  // namespace pelt
