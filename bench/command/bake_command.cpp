@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
+#include "bench/picture/png.hpp"
 #include "bench/report/report_tree.hpp"
 #include "core/character/pose.hpp"
+#include "core/error.hpp"
 #include "core/groom/bake.hpp"
+#include "core/groom/flow_map.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/groom/height_field.hpp"
 
 namespace pelt {
 namespace {
@@ -23,7 +28,13 @@ struct BakeReport {
   Groom groom;
   ScatterStats stats;
   std::vector<LayerDensity> densities = {};
-  OutputPath out;
+  OutputPath out, height_field;
+  struct Flow {
+    OutputPath out;
+    uint32_t sheets = 0;
+    double covered = 0.0, contested = 0.0;  // shares
+    float longest_m = 0.0f;
+  } flow = {};
   uint64_t file_bytes = 0, digest = 0;
   double import_ms = 0.0, bake_ms = 0.0;
 };
@@ -115,6 +126,21 @@ void AddStats(const ScatterStats& stats, ReportTree& tree) {
   }
 }
 
+void AddMaps(const BakeReport& report, ReportTree& tree) {
+  if (const BakeReport::Flow& flow = report.flow; !flow.out.empty()) {
+    tree.EndLine();
+    tree.Add({"flow_map", "", -1, "flow map"}, flow.out.path());
+    tree.Add({"flow_sheets", "", -1, "sheets"}, flow.sheets);
+    tree.Add({"flow_covered", "%", 1, "covered", 100}, flow.covered);
+    tree.Add({"flow_contested", "%", -2, "contested", 100}, flow.contested);
+    tree.Add({"flow_longest_mm", "mm", 1, "longest"}, 1000.0 * double(flow.longest_m));
+  }
+  if (!report.height_field.empty()) {
+    tree.EndLine();
+    tree.Add({"height_field", "", -1, "height field"}, report.height_field.path());
+  }
+}
+
 ReportTree MakeTree(const BakeReport& report) {
   ReportTree tree;
   tree.AddTexts("notes", report.notes, "note");
@@ -132,7 +158,42 @@ ReportTree MakeTree(const BakeReport& report) {
     tree.Say("not written: no --out");
   else
     tree.Add({"out", "", -1, "written to"}, report.out.path());
+  AddMaps(report, tree);
   return tree;
+}
+
+const LayerSetup& FindLayer(const FurSetup& setup, const std::string& name) {
+  if (name.empty() && !setup.layers.empty()) return setup.layers.front();
+  std::string known;
+  for (const LayerSetup& layer : setup.layers) {
+    if (layer.name == name) return layer;
+    known += (known.empty() ? "" : ", ") + layer.name;
+  }
+  throw Error(fmt::format("{}: no layer '{}'; there are: {}", setup.path, name, known));
+}
+
+void WriteFlowMap(const BakeArgs& args, const Character& character, const RestGeometry& rest,
+                  const FurSetup& setup, BakeReport& report) {
+  if (args.flow_map.empty()) return;
+  const LayerSetup& layer = FindLayer(setup, args.flow_layer);
+  const FlowMap map = MakeFlowMap(character, rest, setup, layer, args.flow_side);
+  const double texels = double(map.side) * map.side * map.sheets;
+  const double taken = double(std::max<uint64_t>(map.covered, 1));
+  report.flow = {args.flow_map, map.sheets, double(map.covered) / texels,
+                 double(map.contested) / taken, map.longest_m};
+  if (map.sheets > 1)
+    report.notes.push_back(fmt::format(
+        "flow map: UVs give places of the texture to several of the surface; {} sheets, one below "
+        "the other",
+        map.sheets));
+  WriteOutput("flow map", args.flow_map, EncodePng(map.rgba, map.side, map.side * map.sheets, 4));
+}
+
+void WriteHeightField(const BakeArgs& args, BakeReport& report) {
+  if (args.height_field.empty()) return;
+  WriteOutput("height field", args.height_field,
+              EncodePng(MakeHairTile(), kHairTileSide, kHairTileSide, 1));
+  report.height_field = args.height_field;
 }
 
 }  // namespace
@@ -168,6 +229,8 @@ int Bake(const BakeArgs& args) {
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);
   if (!args.out.empty()) WriteOutput("groom", args.out, bytes);
+  WriteFlowMap(args, character, rest, setup, report);
+  WriteHeightField(args, report);
   MakeTree(report).Print(args.json);
   return 0;
 }

@@ -70,7 +70,8 @@ CLI::Validator InRange(double least, double most) {
 
 void AddSource(CLI::App& app, ScenarioRequest& request) {
   auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
-  AddInputFileOrName(app, "--character", request.character, "A .glb or .gltf file, or 'builtin', 'scorpion'")
+  AddInputFileOrName(app, "--character", request.character,
+                     "A .glb or .gltf file, or 'builtin', 'scorpion'")
       ->excludes(scene)
       ->capture_default_str();
   auto* setup = AddInputFileOrName(app, "--setup", request.setup,

@@ -26,6 +26,8 @@ struct Subcommand {
   int no_answer = 1;
 };
 
+// What makes a groom (bake_options.cpp).
+Subcommand SetUpBake(CLI::App& root);
 // Of a listing or a scene on a console's core (console_options.cpp).
 Subcommand SetUpTiming(CLI::App& root);
 Subcommand SetUpBudget(CLI::App& root);

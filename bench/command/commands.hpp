@@ -19,6 +19,9 @@ struct BakeArgs {
   std::string character = "builtin";
   std::string setup = "monster";
   OutputPath out;
+  OutputPath flow_map, height_field;  // PNG files
+  std::string flow_layer;             // empty: the setup's first
+  uint32_t flow_side = 512;           // texels
   uint64_t seed = 0;
   bool stats = false, keys = false, json = false;
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's

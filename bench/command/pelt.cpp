@@ -32,32 +32,6 @@ void PrintError(const std::string& message) {
   std::fputs(("pelt: " + Printable(message) + "\n").c_str(), stderr);
 }
 
-Subcommand SetUpBake(CLI::App& root) {
-  const auto kept = std::make_shared<BakeArgs>();
-  BakeArgs& args = *kept;
-  auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
-  AddInputFileOrName(*app, "--character", args.character, "A .glb or .gltf file, or 'builtin', 'scorpion'")
-      ->capture_default_str();
-  AddInputFileOrName(*app, "--setup", args.setup,
-                     "A fur setup: a .toml file, or the name of a built-in one")
-      ->capture_default_str();
-  AddOutputFile(*app, "--out", args.out, "Groom file to write");
-  args.check_files_read = [app](const std::vector<std::string>& files) {
-    CheckFilesRead(*app, files);
-  };
-  app->add_option("--seed", args.seed, "Another groom from the same setup")->capture_default_str();
-  app->add_flag("--stats", args.stats, "How even every prefix of the scatter is");
-  app->add_flag("--keys", args.keys, "Explain the keys of a fur setup");
-  app->add_flag("--json", args.json, "Machine-readable output");
-  app->footer(
-      "Examples:\n"
-      "  pelt bake --character builtin --setup monster --out monster.groom\n"
-      "  pelt bake --setup eyepet --stats\n"
-      "  pelt bake --setup tiny --json\n"
-      "  pelt bake --keys");
-  return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
-}
-
 // What may be set to other than the scene's own.
 void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& args) {
   CompleteSource(app, args.request);
@@ -109,6 +83,7 @@ Subcommand SetUpRun(CLI::App& root) {
       "backlit\n"
       "  pelt run --scene tiny --frames 24 --animation turn.png --turntable --picture-width 320 "
       "--picture-height 240\n"
+      "  pelt run --scene monster --frames 1 --picture relief.png --relief body,arms\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
   return {app,
           [app, kept, weather] {

@@ -67,6 +67,9 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
          "--lighting-buffer", args.lighting_buffer,
          "With --renderer gl: hair is lit in a blurred buffer of half the size, as EyePet's was")
       ->needs(renderer);
+  app.add_option("--relief", args.relief,
+                 "Layers that the pictures show as relief on the skin instead of as hairs; 'all'")
+      ->delimiter(',');
   app.add_option("--light", args.light, DescribeLights())->check(CLI::IsMember(LightNames()));
 }
 
@@ -83,11 +86,14 @@ void CheckCamera(const CameraChoice& choice) {
 }
 
 void CompletePictures(const CLI::App& app, const PictureArgs& args) {
-  RefuseUnless(app, args.Any(),
-               {"--time", "--picture-width", "--picture-height", "--light", "--renderer"},
-               "--picture, --pictures or --animation");
+  RefuseUnless(
+      app, args.Any(),
+      {"--time", "--picture-width", "--picture-height", "--light", "--renderer", "--relief"},
+      "--picture, --pictures or --animation");
   RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
                "--pictures or --animation");
+  RefuseUnless(app, args.renderer == "software", {"--relief"}, "--renderer software");
+  RefuseUnless(app, args.renderer == "gl", {"--lighting-buffer"}, "--renderer gl");
   RefuseBeside(app, "--time", {"--picture-every"});
 }
 

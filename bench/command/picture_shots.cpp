@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "bench/picture/picture.hpp"
+#include "bench/picture/png.hpp"
+#include "bench/picture/relief_coat.hpp"
 #include "bench/report/budget.hpp"
 #include "bench/view/named_lights.hpp"
 #include "core/error.hpp"
@@ -48,6 +50,7 @@ PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene
       scene_(scene),
       order_(order),
       frames_(FramesToDraw(args, scenario.dt_s, frames)) {
+  CheckRelief(scenario, args_.relief);
   if (!frames_.empty()) renderer_ = OpenRenderer(args_.renderer).OrThrow();
   if (args_.folder.empty()) return;
   MakeFolder(args_.folder);
@@ -70,13 +73,14 @@ std::vector<std::byte> PictureShots::DrawFrame(uint32_t frame) {
                                .lighting_buffer = args_.lighting_buffer};
   std::vector<std::string> notes;
   const auto start = std::chrono::steady_clock::now();
-  PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes);
+  PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes, args_.relief);
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
       shown.look.light =
           MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
                     {camera.target[0], camera.target[1], camera.target[2]});
-  std::vector<std::byte> png = EncodePng(renderer_->Draw(shown, options), options);
+  std::vector<std::byte> png =
+      EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
   seconds_.push_back(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time

@@ -26,6 +26,7 @@ struct PictureArgs {
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
   std::string renderer = RendererNames().front();
+  std::vector<std::string> relief;  // PictureOptions has it
   bool lighting_buffer = false;  // PictureOptions has it
 
   bool Any() const { return !last.empty() || !folder.empty() || !animation.empty(); }

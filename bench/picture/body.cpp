@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/picture/eyes.hpp"
+#include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
 
 namespace pelt {
@@ -65,13 +66,13 @@ class BodyPainter {
     }
   }
 
-  // An image is shaded at every sample, what has none at the corners.
+  // An image or relief is shaded at every sample, what has none at the corners.
   void Draw(uint32_t triangle, Canvas& canvas) const {
     const auto& corner = body_.character->mesh.triangles[triangle];
     const auto draw = [&](auto shade) {
       canvas.DrawTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], shade);
     };
-    if (body_.surface->HasImage(triangle))
+    if (body_.surface->HasImage(triangle) || (body_.relief && body_.relief->Covers(triangle)))
       return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });
     const glm::vec3 first = Shade({triangle, {1.0f, 0.0f, 0.0f}}),
                     second = Shade({triangle, {0.0f, 1.0f, 0.0f}}),
@@ -89,9 +90,12 @@ class BodyPainter {
     glm::vec3 colour = at(body_.fur);
     if (body_.surface->Knows(point.triangle))
       colour = glm::mix(body_.surface->At(point), colour, covered);
-    return ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
-                     glm::normalize(eye_ - at(body_.position)),
-                     DepthFloor(covered, look_.depth_floor), at(sun_));
+    const glm::vec3 skin =
+        ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
+                  glm::normalize(eye_ - at(body_.position)), DepthFloor(covered, look_.depth_floor),
+                  at(sun_));
+    if (!body_.relief) return skin;
+    return body_.relief->Shade(body_, point, look_.light, look_.hair, eye_, at(sun_), skin);
   }
 
   const Body& body_;
@@ -106,16 +110,20 @@ class BodyPainter {
 float DepthFloor(float covered, float floor) { return glm::mix(1.0f, floor, covered); }
 
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
-              std::shared_ptr<const SurfaceColour> surface) {
+              std::shared_ptr<const SurfaceColour> surface,
+              std::shared_ptr<const ReliefCoat> relief) {
   Body body;
   body.surface = std::move(surface);
   body.character = &scenario.characters[scenario.actors[actor].character];
   PoseVertices(*scene.memory().Of<&Streams::palette>(actor), body);
   const SkinFur fur = FindSkinFur(scene, actor, body.character->mesh);
   body.fur = fur.colour;
+  body.fur_tip = fur.tip;
   body.furry_material = fur.on_material;
   CoverBody(fur, body);
   body.eyes = FindEyes(body);
+  if (relief) body.axes = FindTextureAxes(body.character->mesh, body.position);
+  body.relief = std::move(relief);
   return body;
 }
 

@@ -2,15 +2,11 @@
 #include "bench/picture/picture.hpp"
 
 #include "bench/picture/canvas.hpp"
+#include "bench/picture/png.hpp"
 #include "bench/picture/scene_shadows.hpp"
 #include "bench/picture/shade_hair.hpp"
 #include "bench/view/studio.hpp"
 #include "core/error.hpp"
-
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb/stb_image_write.h>
 
 namespace pelt {
 namespace {
@@ -70,24 +66,11 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   return canvas.Resolve(samples);
 }
 
-std::vector<std::byte> EncodePng(const std::vector<uint8_t>& rgb, const PictureOptions& options) {
-  std::vector<std::byte> png;
-  const auto append = [](void* to, void* data, int bytes) {
-    const std::byte* first = static_cast<const std::byte*>(data);
-    static_cast<std::vector<std::byte>*>(to)->insert(
-        static_cast<std::vector<std::byte>*>(to)->end(), first, first + bytes);
-  };
-  if (!stbi_write_png_to_func(append, &png, int(options.width_px), int(options.height_px), 3,
-                              rgb.data(), int(options.width_px) * 3))
-    throw Error("picture: no memory to write it as PNG");
-  return png;
-}
-
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
                                    const PictureOptions& options, std::vector<std::string>& notes) {
-  const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes);
-  return EncodePng(SoftwareRenderer().Draw(shown, options), options);
+  const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes, options.relief);
+  return EncodePng(SoftwareRenderer().Draw(shown, options), options.width_px, options.height_px, 3);
 }
 
 }  // namespace pelt

@@ -2,7 +2,7 @@
 // the palette for the body under them. Here the renderer in software; gl_renderer.hpp has the one on a graphics card.
 //
 //   const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes);
-//   const std::vector<std::byte> png = EncodePng(SoftwareRenderer().Draw(shown, options), options);
+//   const std::vector<uint8_t> rgb = SoftwareRenderer().Draw(shown, options);  // png.hpp
 //
 // For people who want to see what they measure. Nothing of the frame is timed here.
 #pragma once
@@ -19,6 +19,8 @@ struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
   uint32_t samples = 0;  // a side of each pixel; 0: what the renderer has if nobody says otherwise
   bool lighting_buffer = false;  // OpenGL alone: hair lit by gl_lighting.hpp
+  // Layers by name, "all" for each, that are drawn as relief on the skin instead of as hairs.
+  std::vector<std::string> relief = {};
 };
 
 class PictureRenderer {
@@ -35,8 +37,6 @@ class SoftwareRenderer final : public PictureRenderer {
   std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) override;
   std::string Device() const override { return "software"; }
 };
-
-std::vector<std::byte> EncodePng(const std::vector<uint8_t>& rgb, const PictureOptions& options);
 
 // A PNG of the scene's last frame as `camera` saw it, in software. What of the characters' own images could not be
 // drawn goes into `notes`.

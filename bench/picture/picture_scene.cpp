@@ -1,21 +1,27 @@
 #include "bench/picture/picture_scene.hpp"
 
+#include "bench/picture/relief_coat.hpp"
+
 namespace pelt {
 
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
-                           VertexOrder order, std::vector<std::string>& notes) {
+                           VertexOrder order, std::vector<std::string>& notes,
+                           std::span<const std::string> relief) {
   std::vector<std::shared_ptr<const SurfaceColour>> surfaces;
   for (const Character& character : scenario.characters) {
     surfaces.push_back(std::make_shared<const SurfaceColour>(character));
     const auto& faults = surfaces.back()->faults();
     notes.insert(notes.end(), faults.begin(), faults.end());
   }
+  const auto coats = MakeReliefCoats(scenario, relief);
   PictureScene shown{camera, order, DefaultLook(), {}, {}, {}};
   for (uint32_t a = 0; a < scenario.actors.size(); ++a)
-    shown.bodies.push_back(PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character]));
+    shown.bodies.push_back(
+        PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character], coats[a]));
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
+  RemoveRelief(scene, relief, shown.layers);
   return shown;
 }
 

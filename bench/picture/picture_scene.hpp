@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct PictureScene {
 };
 
 // Of the scene's last frame as `camera` saw it. What of the characters' own images could not be read goes into `notes`.
+// `relief`: layers by name, "all" for each, that are on the skin instead of hairs; throws as MakeReliefCoats.
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
-                           VertexOrder order, std::vector<std::string>& notes);
+                           VertexOrder order, std::vector<std::string>& notes,
+                           std::span<const std::string> relief = {});
 
 // A sphere round everything of each character, its hairs' tips too.
 struct Ball {

@@ -52,7 +52,7 @@ class Finder {
 };
 
 struct FurSum {
-  glm::vec3 colour{0.0f};
+  glm::vec3 colour{0.0f}, tip{0.0f};
   float strands = 0.0f, area = 0.0f;
 };
 
@@ -61,6 +61,7 @@ void AddChunk(const StrandBlock& strands, const std::vector<uint32_t>& chunk_pla
   Triangle last{};
   for (uint32_t s = 0; s < strands.strand_count; ++s) {
     const glm::vec3 colour = LinearColour(strands.base_colour[s]);
+    const glm::vec3 tip = LinearColour(strands.tip_colour[s]);
     const float area = strands.length[s] * strands.width[s];
     Triangle places;
     for (size_t k = 0; k < 3; ++k) {
@@ -68,6 +69,7 @@ void AddChunk(const StrandBlock& strands, const std::vector<uint32_t>& chunk_pla
       const float share = strands.bary[k][s];
       FurSum& sum = sums[places[k]];
       sum.colour += colour * share;
+      sum.tip += tip * share;
       sum.strands += share;
       sum.area += area * share;
     }
@@ -92,12 +94,14 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
   FurSum all;
   for (const FurSum& sum : sums) {
     all.colour += sum.colour;
+    all.tip += sum.tip;
     all.strands += sum.strands;
   }
-  const auto mean = [](const FurSum& sum) { return sum.colour / std::max(sum.strands, 1e-6f); };
   for (const uint32_t place : finder.places()) {
     const FurSum& sum = sums[place];
-    fur.colour.push_back(mean(sum.strands > 0.0f ? sum : all));
+    const FurSum& known = sum.strands > 0.0f ? sum : all;
+    fur.colour.push_back(known.colour / std::max(known.strands, 1e-6f));
+    fur.tip.push_back(known.tip / std::max(known.strands, 1e-6f));
     fur.area.push_back(sum.area);
   }
   return fur;

@@ -11,6 +11,7 @@ namespace pelt {
 
 struct SkinFur {
   std::vector<glm::vec3> colour;  // at each vertex, linear; where no fur grows the mean of all
+  std::vector<glm::vec3> tip;     // the same, of the strands' other ends
   std::vector<float> area;  // at each vertex, of its share of the strands seen from the side; m^2
   std::vector<uint8_t> on_material;  // whether any grow on the material's triangles
 };

@@ -99,6 +99,7 @@ Scenario MakeCast(uint64_t seed, const LoadProgress& progress) {
     actor.placement = PlaceMember(m, size);
     scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, actor.unit_scale),
                                         setup, actor.unit_scale));
+    scenario.setups.push_back(setup);
     scenario.characters.push_back(std::move(character));
     scenario.actors.push_back(actor);
   }

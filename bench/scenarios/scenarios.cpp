@@ -68,6 +68,7 @@ void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
   std::vector<LayerDensity> densities;
   scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup,
                                       unit_scale, nullptr, nullptr, &densities));
+  scenario.setups.push_back(setup);
   for (std::string& warning : WarnOfBaldness(densities))
     scenario.notes.push_back(std::move(warning));
   scenario.characters.push_back(std::move(character));
@@ -153,6 +154,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   } else {
     scenario.characters.push_back(std::move(character));
     scenario.grooms.push_back(ReadGroomFile(request.groom).OrThrow());
+    scenario.setups.emplace_back();
     CheckGroomFits(scenario.grooms[0], request.groom, scenario.characters[0]);
     scenario.actors.push_back(MakeActor(scenario, FurSetup{}, "", scenario.grooms[0].unit_scale));
   }

@@ -96,6 +96,7 @@ struct Scenario {
   double dt_s = 1.0 / 60.0;
   std::vector<Character> characters;
   std::vector<Groom> grooms;
+  std::vector<FurSetup> setups;  // that the grooms were baked from; of one that is a file no layers
   std::vector<Actor> actors;
   CameraOrbit camera;
   std::vector<MovingSphere> spheres;      // at most kSpheresPerScene

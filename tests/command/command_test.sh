@@ -125,6 +125,9 @@ check_ignored() {
   expect 2 --order-seed -- run --scene tiny --order-seed 3
   expect 2 --picture-width -- run --scene tiny --picture-width 100
   expect 2 --picture-height -- run --scene tiny --picture-height 100
+  expect 2 --relief -- run --scene tiny --relief all
+  expect 2 --flow-side -- bake --setup tiny --flow-side 100
+  expect 2 --flow-layer -- bake --setup tiny --flow-layer head
   expect 2 --trace-frames -- run --scene tiny --trace-frames 3
   expect 2 --wet-at -- run --scene tiny --wet-at 3
   expect 2 --seed -- run --groom tiny.groom --seed 3

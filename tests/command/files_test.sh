@@ -38,7 +38,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
-    --picture | --animation) echo .png ;;
+    --picture | --animation | --flow-map | --height-field) echo .png ;;
     *) echo .out ;;
   esac
 }

@@ -6,7 +6,9 @@
 #include <set>
 
 #include "bench/picture/body.hpp"
+#include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
+#include "core/error.hpp"
 #include "core/groom/surface_colour.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
@@ -26,10 +28,11 @@ struct Drawn {
     options.vertex_order = order;
     return options;
   }
-  std::vector<std::byte> Picture() {
+  std::vector<std::byte> Picture(std::vector<std::string> relief = {}) {
     const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
     std::vector<std::string> notes;
-    return DrawPicture(scenario, running.scene(), camera, order, {160, 120, 2}, notes);
+    return DrawPicture(scenario, running.scene(), camera, order, {160, 120, 2, std::move(relief)},
+                       notes);
   }
 
   VertexOrder order;
@@ -51,6 +54,37 @@ TEST(Picture, ShowsMoreThanABackground) {
   for (size_t i = 0; i < image.rgba.size(); i += 4)
     colours.insert(uint32_t(image.rgba[i] | image.rgba[i + 1] << 8 | image.rgba[i + 2] << 16));
   EXPECT_GT(colours.size(), 1500u);
+}
+
+// Fur on the skin in place of hairs, of the layers that are named and no others.
+TEST(Picture, ReliefTakesThePlaceOfHairs) {
+  Drawn drawn(VertexOrder::kSorted);
+  const std::vector<std::byte> hairs = drawn.Picture(), all = drawn.Picture({"all"}),
+                               one = drawn.Picture({"vertex"});
+  EXPECT_NE(all, hairs);
+  EXPECT_NE(one, hairs);
+  EXPECT_NE(one, all);
+  std::vector<std::string> each;
+  for (const GroomLayer& layer : drawn.scenario.grooms[0].layers) each.push_back(layer.name);
+  EXPECT_EQ(drawn.Picture(each), all);
+}
+
+TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
+  Drawn drawn(VertexOrder::kSorted);
+  const auto reason = [&](const std::vector<std::string>& names) -> std::string {
+    try {
+      CheckRelief(drawn.scenario, names);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(reason({}), "");
+  EXPECT_EQ(reason({"all"}), "");
+  EXPECT_EQ(reason({"vertex", "modal4"}), "");
+  EXPECT_NE(reason({"vertex", "beard"}).find("no layer 'beard'"), std::string::npos);
+  drawn.scenario.setups.clear();
+  EXPECT_NE(reason({"all"}).find("fur setup"), std::string::npos);
 }
 
 TEST(Picture, SkinHasTheAreaOfAllStrands) {

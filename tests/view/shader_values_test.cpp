@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <random>
 #include <regex>
 #include <vector>
@@ -16,27 +15,13 @@
 #include "bench/view/strand_light.hpp"
 #include "bench/view/strand_shading.hpp"
 #include "bench/view/studio.hpp"
+#include "tests/view/relief_functions.hpp"
 
 namespace pelt {
 namespace {
 
 constexpr GLsizei kCases = 256, kRows = 4;
 constexpr float kNear = 1e-3f;  // of values above 1, as a share
-
-// Random arguments: each component within -1 and 1, u within 0 and 1; d and e are unit vectors.
-struct Arguments {
-  glm::vec4 d, e, u, v;
-};
-
-struct Function {
-  const char* name;
-  const char* text;  // an expression, or statements that end in one, of vec4 d, e, u, v
-  std::function<glm::vec4(const Arguments&)> wanted;
-};
-
-glm::vec3 Unit(const glm::vec4& v) { return glm::vec3(v); }
-glm::vec4 Wide(float x) { return {x, 0.0f, 0.0f, 0.0f}; }
-glm::vec4 Wide(const glm::vec3& x) { return glm::vec4(x, 0.0f); }
 
 uint32_t BitsOf(float v) {
   uint32_t bits = 0;
@@ -179,6 +164,12 @@ std::vector<Function> ListFunctions() {
   };
 }
 
+std::vector<Function> ListAllFunctions() {
+  std::vector<Function> all = ListFunctions();
+  for (const auto& list : {ListReliefFunctions()}) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
 std::vector<Arguments> RandomArguments() {
   std::mt19937 random(15);
   std::uniform_real_distribution<float> side(-1.0f, 1.0f), share(0.0f, 1.0f);
@@ -226,7 +217,7 @@ class Bench {
     static const std::string kVertex =
         "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, "
         "0.0, 1.0); }\n";
-    const Result<GLuint> program = MakeProgram(gl_, kVertex, FragmentOf(function.text));
+    const Result<GLuint> program = MakeProgram(gl_, kVertex, FragmentOf(function));
     if (!program) return Failure{program.error()};
     gl_.UseProgram(*program);
     gl_.Uniform1i(gl_.GetUniformLocation(*program, "arguments"), 0);
@@ -247,7 +238,8 @@ class Bench {
     gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, columns, rows, 0, GL_RGBA, GL_FLOAT, texels);
   }
 
-  static std::string FragmentOf(const std::string& text) {
+  static std::string FragmentOf(const Function& function) {
+    const std::string text = function.text;
     const size_t last = text.rfind(';');
     std::string before = last == text.npos ? "" : text.substr(0, last + 1);
     std::string value = last == text.npos ? text : text.substr(last + 1);
@@ -255,7 +247,7 @@ class Bench {
       before += kLightText;
       value.erase(0, kMark.size());
     }
-    return ShaderText("studio.glsl") +
+    return kHeightText + ShaderText(function.file) +
            "uniform sampler2D arguments;\nout vec4 result;\n"
            "vec4 At(int i) { return texelFetch(arguments, ivec2(i, int(gl_FragCoord.x)), 0); }\n"
            "void main() {\n  vec4 d = At(0), e = At(1), u = At(2), v = At(3);\n" +
@@ -272,7 +264,7 @@ TEST(ShaderValues, AreThoseOfTheFunctionsInCpp) {
   const std::vector<Arguments> arguments = RandomArguments();
   const Bench bench(context->gl(), arguments);
   ASSERT_TRUE(bench.IsComplete()) << context->Renderer();
-  for (const Function& function : ListFunctions()) {
+  for (const Function& function : ListAllFunctions()) {
     const Result<std::vector<glm::vec4>> values = bench.Draw(function);
     ASSERT_TRUE(values) << function.name << ": " << values.error();
     for (GLsizei i = 0; i < kCases; ++i) {
@@ -314,7 +306,7 @@ TEST(ShaderValues, ABrokenShaderIsToldInTheDriversWords) {
 // A function that is added to the shaders and not to the list above is found here.
 TEST(ShaderValues, CoverEveryFunction) {
   std::string compared = kLightText;
-  for (const Function& function : ListFunctions()) compared += std::string(function.text) + '\n';
+  for (const Function& function : ListAllFunctions()) compared += std::string(function.text) + '\n';
   const std::regex function(R"((?:^|\n)\w+ ([A-Z]\w*)\()");
   int found = 0;
   for (const ShaderFile& file : EmbeddedShaders()) {

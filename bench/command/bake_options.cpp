@@ -1,0 +1,47 @@
+// The options of `pelt bake`.
+#include <memory>
+
+#include "bench/command/command_options.hpp"
+#include "bench/command/file_options.hpp"
+
+namespace pelt {
+
+Subcommand SetUpBake(CLI::App& root) {
+  const auto kept = std::make_shared<BakeArgs>();
+  BakeArgs& args = *kept;
+  auto* app = root.add_subcommand("bake", "Grow the fur of a character into a groom file");
+  AddInputFileOrName(*app, "--character", args.character,
+                     "A .glb or .gltf file, or 'builtin', 'scorpion'")
+      ->capture_default_str();
+  AddInputFileOrName(*app, "--setup", args.setup,
+                     "A fur setup: a .toml file, or the name of a built-in one")
+      ->capture_default_str();
+  AddOutputFile(*app, "--out", args.out, "Groom file to write");
+  auto* flow = AddOutputFile(*app, "--flow-map", args.flow_map,
+                             "PNG file for which way a layer's fur lies, over the UVs", ".png");
+  app->add_option("--flow-layer", args.flow_layer, "With --flow-map: the first layer if not given")
+      ->needs(flow);
+  app->add_option("--flow-side", args.flow_side, "In texels")
+      ->needs(flow)
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  AddOutputFile(*app, "--height-field", args.height_field,
+                "PNG file for a tile of hairs as heights, for relief", ".png");
+  args.check_files_read = [app](const std::vector<std::string>& files) {
+    CheckFilesRead(*app, files);
+  };
+  app->add_option("--seed", args.seed, "Another groom from the same setup")->capture_default_str();
+  app->add_flag("--stats", args.stats, "How even every prefix of the scatter is");
+  app->add_flag("--keys", args.keys, "Explain the keys of a fur setup");
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt bake --character builtin --setup monster --out monster.groom\n"
+      "  pelt bake --setup eyepet --stats\n"
+      "  pelt bake --setup monster --flow-map flow.png --flow-layer body --height-field hairs.png\n"
+      "  pelt bake --setup tiny --json\n"
+      "  pelt bake --keys");
+  return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
+}
+
+}  // namespace pelt

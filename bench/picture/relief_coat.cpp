@@ -1,0 +1,213 @@
+#include "bench/picture/relief_coat.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/view/default_look.hpp"
+#include "bench/view/relief.hpp"
+#include "core/character/pose.hpp"
+#include "core/error.hpp"
+#include "core/groom/height_field.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kFlowSide = 256;
+constexpr float kHairSpacing = 0.0035f;  // m, between the tile's dots
+constexpr float kDepthShare = 0.3f;      // of the fur's height that a flat skin can show
+constexpr float kLeastSteps = 4.0f, kMostSteps = 16.0f;
+constexpr float kShadow = 0.75f, kSheenRoughness = 0.45f;
+
+glm::vec3 UnitOr(const glm::vec3& v, const glm::vec3& fallback) {
+  const float length = glm::length(v);
+  return length > 1e-12f ? v / length : fallback;
+}
+
+// The steps along u and v that make up the step `d`, as well as they can.
+glm::vec2 InTexture(const glm::vec3& d, const glm::vec3& u, const glm::vec3& v) {
+  const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);
+  const float det = uu * vv - uv * uv;
+  if (!(det > 1e-6f * uu * vv)) return glm::vec2(0.0f);
+  const float du = glm::dot(d, u), dv = glm::dot(d, v);
+  return glm::vec2(du * vv - dv * uv, dv * uu - du * uv) / det;
+}
+
+// How often the tile goes along each sheet: whole times, so that it meets itself where the texture repeats.
+std::vector<glm::vec2> Repeats(const Mesh& mesh, const RestGeometry& rest, const FlowMap& flow) {
+  const TextureAxes axes = FindTextureAxes(mesh, rest.position);
+  std::vector<glm::vec2> sum(flow.sheets, glm::vec2(0.0f));
+  std::vector<float> count(flow.sheets, 0.0f);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (flow.sheet[t] == FlowMap::kNoSheet) continue;
+    for (const uint32_t corner : mesh.triangles[t]) {
+      sum[flow.sheet[t]] += glm::vec2(glm::length(axes.u[corner]), glm::length(axes.v[corner]));
+      count[flow.sheet[t]] += 1.0f;
+    }
+  }
+  for (size_t s = 0; s < sum.size(); ++s)
+    sum[s] = glm::max(
+        glm::round(sum[s] / std::max(count[s], 1.0f) / (kHairSpacing * float(kHairTileDots))),
+        glm::vec2(1.0f));
+  return sum;
+}
+
+ControlMap Sheet(const FlowMap& flow, uint32_t number) {
+  const size_t bytes = size_t(flow.side) * flow.side * 4;
+  const auto first = flow.rgba.begin() + ptrdiff_t(bytes * number);
+  return {flow.side, flow.side, {first, first + ptrdiff_t(bytes)}};
+}
+
+ControlMap MakeTile() {
+  ControlMap tile{kHairTileSide, kHairTileSide, {}};
+  for (const uint8_t height : MakeHairTile())
+    tile.rgba.insert(tile.rgba.end(), {height, height, height, 255});
+  return tile;
+}
+
+bool IsNamed(std::span<const std::string> names, std::string_view layer) {
+  return std::ranges::any_of(
+      names, [&](const std::string& name) { return name == layer || name == "all"; });
+}
+
+}  // namespace
+
+TextureAxes FindTextureAxes(const Mesh& mesh, const std::vector<glm::vec3>& position) {
+  TextureAxes axes{std::vector<glm::vec3>(position.size(), glm::vec3(0.0f)),
+                   std::vector<glm::vec3>(position.size(), glm::vec3(0.0f))};
+  if (mesh.uv.empty()) return axes;
+  std::vector<float> weight(position.size(), 0.0f);
+  for (const auto& corner : mesh.triangles) {
+    const glm::vec3 a = position[corner[1]] - position[corner[0]],
+                    b = position[corner[2]] - position[corner[0]];
+    const glm::vec2 ta = mesh.uv[corner[1]] - mesh.uv[corner[0]],
+                    tb = mesh.uv[corner[2]] - mesh.uv[corner[0]];
+    const float det = ta.x * tb.y - ta.y * tb.x;
+    if (std::abs(det) < 1e-12f) continue;
+    const float area = glm::length(glm::cross(a, b));
+    for (const uint32_t v : corner) {
+      axes.u[v] += (a * tb.y - b * ta.y) * (area / det);
+      axes.v[v] += (b * ta.x - a * tb.x) * (area / det);
+      weight[v] += area;
+    }
+  }
+  for (size_t v = 0; v < position.size(); ++v) {
+    axes.u[v] /= std::max(weight[v], 1e-20f);
+    axes.v[v] /= std::max(weight[v], 1e-20f);
+  }
+  return axes;
+}
+
+ReliefCoat::ReliefCoat(const Character& character, const FurSetup& setup, float unit_scale,
+                       std::span<const std::string> names)
+    : mesh_(character.mesh), tile_(MakeTile()) {
+  const RestGeometry rest = ComputeRestGeometry(character, unit_scale);
+  for (const LayerSetup& layer : setup.layers) {
+    if (!layer.params.enabled || !IsNamed(names, layer.name)) continue;
+    const FlowMap flow = MakeFlowMap(character, rest, setup, layer, kFlowSide);
+    Layer& made = layers_.emplace_back(Layer{flow.sheet, {}, {}, flow.longest_m});
+    for (uint32_t s = 0; s < flow.sheets; ++s) made.flow.push_back(Sheet(flow, s));
+    made.repeat = Repeats(mesh_, rest, flow);
+  }
+}
+
+bool ReliefCoat::Covers(uint32_t triangle) const {
+  return std::ranges::any_of(
+      layers_, [&](const Layer& layer) { return layer.sheet[triangle] != FlowMap::kNoSheet; });
+}
+
+glm::vec3 ReliefCoat::Shade(const Body& body, const SurfacePoint& at, const LightSet& light,
+                            const HairLook& look, const glm::vec3& eye, float sun_share,
+                            const glm::vec3& skin) const {
+  const glm::vec3 to_eye = glm::normalize(eye - Interpolate(body.position, mesh_, at));
+  glm::vec3 colour = skin;
+  for (const Layer& layer : layers_)
+    if (layer.sheet[at.triangle] != FlowMap::kNoSheet)
+      colour = ShadeLayer(layer, body, at, light, look, to_eye, sun_share, colour);
+  return colour;
+}
+
+glm::vec3 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
+                                 const LightSet& light, const HairLook& look,
+                                 const glm::vec3& to_eye, float sun_share,
+                                 const glm::vec3& below) const {
+  const uint16_t sheet = layer.sheet[at.triangle];
+  const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, at);
+  glm::vec4 texel;
+  for (int c = 0; c < 4; ++c) texel[c] = layer.flow[sheet].Sample(uv, c);
+  if (texel.a <= 0.0f) return below;
+
+  const glm::vec3 normal = glm::normalize(Interpolate(body.normal, mesh_, at));
+  const glm::vec3 u = Interpolate(body.axes.u, mesh_, at), v = Interpolate(body.axes.v, mesh_, at);
+  const glm::vec3 flow = ReliefFlow(texel);
+  glm::vec3 along = u * flow.x + v * flow.y;
+  along = UnitOr(along - normal * glm::dot(along, normal), glm::vec3(0.0f));
+  const glm::vec3 hair = UnitOr(along * glm::length(glm::vec2(flow)) + normal * flow.z, normal);
+
+  const glm::vec3 x = UnitOr(u - normal * glm::dot(u, normal), along), y = glm::cross(normal, x);
+  const auto local = [&](const glm::vec3& d) {
+    return glm::vec3(glm::dot(d, x), glm::dot(d, y), glm::dot(d, normal));
+  };
+  const float depth = kDepthShare * texel.b * layer.longest_m * std::max(flow.z, kReliefLowest);
+  const glm::vec2 repeat = layer.repeat[sheet];
+  const auto shift = [&](const glm::vec3& towards) {
+    const glm::vec2 m = ReliefShift(local(hair), local(towards), depth);
+    return InTexture(x * m.x + y * m.y, u, v) * repeat;
+  };
+  const auto height = [&](const glm::vec2& place) { return tile_.Sample(place, 0); };
+  const float steps = ReliefSteps(local(hair), local(to_eye), kLeastSteps, kMostSteps);
+  const glm::vec3 hit = ReliefHit(height, uv * repeat, shift(to_eye), steps);
+
+  const glm::uvec2 cell(glm::ivec2(glm::floor(glm::vec2(hit) * float(kHairTileDots))));
+  const HairPoint point{
+      .colour =
+          glm::mix(Interpolate(body.fur, mesh_, at), Interpolate(body.fur_tip, mesh_, at), hit.z),
+      .tangent = hair,
+      .normal = normal,
+      .to_eye = to_eye,
+      .depth_light = ReliefAmbient(hit.z, kDefaultDepthFloor),
+      .sun_share = sun_share * ReliefShadow(height, hit, shift(light.to_sun), kShadow),
+      .noise = HashShare(cell.x * 7919u + cell.y)};
+  glm::vec3 colour = ShadeHair(light, look, point);
+  colour += light.sun * glm::mix(point.colour, glm::vec3(1.0f), 0.25f) *
+            (point.sun_share * ReliefSheen(normal, light.to_sun, to_eye, kSheenRoughness));
+  return glm::mix(below, colour, texel.a);
+}
+
+void CheckRelief(const Scenario& scenario, std::span<const std::string> names) {
+  if (names.empty()) return;
+  std::vector<std::string> known;
+  for (const Actor& actor : scenario.actors) {
+    if (actor.groom >= scenario.setups.size() || scenario.setups[actor.groom].layers.empty())
+      throw Error("picture: relief is made from a fur setup, and a groom file has none");
+    for (const LayerSetup& layer : scenario.setups[actor.groom].layers)
+      if (std::ranges::find(known, layer.name) == known.end()) known.push_back(layer.name);
+  }
+  for (const std::string& name : names)
+    if (name != "all" && std::ranges::find(known, name) == known.end())
+      throw Error(fmt::format("picture: no layer '{}' to draw as relief; there are: {}", name,
+                              fmt::join(known, ", ")));
+}
+
+std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,
+                                                               std::span<const std::string> names) {
+  CheckRelief(scenario, names);
+  std::vector<std::shared_ptr<const ReliefCoat>> coats(scenario.actors.size());
+  for (size_t a = 0; a < coats.size() && !names.empty(); ++a) {
+    const Actor& actor = scenario.actors[a];
+    coats[a] =
+        std::make_shared<const ReliefCoat>(scenario.characters[actor.character],
+                                           scenario.setups[actor.groom], actor.unit_scale, names);
+  }
+  return coats;
+}
+
+void RemoveRelief(const FurScene& scene, std::span<const std::string> names,
+                  std::vector<std::vector<Hair>>& layers) {
+  const std::span<const LayerDraw> draws = scene.Draws();
+  for (size_t d = 0; d < draws.size(); ++d)
+    if (IsNamed(names, scene.LayerName(draws[d].layer))) layers[d].clear();
+}
+
+}  // namespace pelt

@@ -1,0 +1,56 @@
+// Layers of fur that are drawn as relief on the skin instead of as hairs: bench/view/relief.hpp with the layers' own
+// flow maps and a tile of hairs.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/picture/body.hpp"
+#include "bench/picture/hairs.hpp"
+#include "core/groom/flow_map.hpp"
+
+namespace pelt {
+
+class ReliefCoat {
+ public:
+  // The named layers of the setup on this character. Throws Error where a flow map cannot be made.
+  ReliefCoat(const Character& character, const FurSetup& setup, float unit_scale,
+             std::span<const std::string> names);
+
+  bool Covers(uint32_t triangle) const;
+  // The fur's light over that of the skin at a place of the posed body.
+  glm::vec3 Shade(const Body& body, const SurfacePoint& at, const LightSet& light,
+                  const HairLook& look, const glm::vec3& eye, float sun_share,
+                  const glm::vec3& skin) const;
+
+ private:
+  struct Layer {
+    std::vector<uint16_t> sheet;    // of each triangle
+    std::vector<ControlMap> flow;   // of each sheet
+    std::vector<glm::vec2> repeat;  // of the tile, over each sheet
+    float longest_m;
+  };
+  glm::vec3 ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
+                       const LightSet& light, const HairLook& look, const glm::vec3& to_eye,
+                       float sun_share, const glm::vec3& below) const;
+
+  const Mesh& mesh_;
+  ControlMap tile_;
+  std::vector<Layer> layers_;
+};
+
+// Of layers by name, "all" for each. Throws Error for one that the scenario does not have, and for a groom without a
+// setup.
+void CheckRelief(const Scenario& scenario, std::span<const std::string> names);
+// The fur of each actor's groom that is drawn on the skin; null where no layer is named. Throws as CheckRelief.
+std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,
+                                                               std::span<const std::string> names);
+// Leaves the hairs of the scene's draws to those layers that are not named.
+void RemoveRelief(const FurScene& scene, std::span<const std::string> names,
+                  std::vector<std::vector<Hair>>& layers);
+
+// Of a mesh with its vertices at these places; zeros without UVs.
+TextureAxes FindTextureAxes(const Mesh& mesh, const std::vector<glm::vec3>& position);
+
+}  // namespace pelt

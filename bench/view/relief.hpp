@@ -1,0 +1,109 @@
+// Fur as relief on the skin ("groom parallax mapping"): the eye's ray is followed through a tile of hairs that lean as
+// the groom does, so that a flat surface shows their sides, gaps and shadows. The cheapest look of fur; it has no
+// outline of its own.
+// shaders/relief.glsl has the same functions, by the same names.
+//
+// Directions are in the tangent space of the texture: x along u, y along v, z along the normal. A flow is the direction
+// of a hair, root to tip, and need not be unit. Heights are 0 at the skin and 1 at the longest hair's tip; what is seen
+// of the mesh is where the ray enters at 1. Hairs are told apart by where their roots are: a place at height h on a
+// hair that leans is above another root, which is why flow and view act as one shift.
+//
+// Source: Tatarchuk, "Dynamic Parallax Occlusion Mapping with Approximate Soft Shadows", 2006; Estevez & Kulla,
+// "Production Friendly Microfacet Sheen BRDF", 2017 (Charlie); Ashikhmin & Premoze, "Distribution-based BRDFs", 2007;
+// Neubelt & Pettineo, "Crafting a Next-Gen Material Pipeline for The Order: 1886", 2013 (visibility).
+#pragma once
+
+#include "bench/view/strand_shading.hpp"
+
+namespace pelt {
+
+// Lower than this neither view nor hair is followed: what lies flat would be shifted without end.
+inline constexpr float kReliefLowest = 0.2f;
+
+// The flow that a texel of a flow map holds, its channels 0 to 1 (core/groom/flow_map.hpp); unit.
+inline glm::vec3 ReliefFlow(const glm::vec4& texel) {
+  const glm::vec2 lean = (glm::vec2(texel) * 255.0f - 128.0f) / 127.0f;
+  return {lean, std::sqrt(std::max(1.0f - glm::dot(lean, lean), 0.0f))};
+}
+
+// Layers that the ray is followed through: the fewest where it goes along the hairs, more the more it goes across.
+inline float ReliefSteps(const glm::vec3& flow, const glm::vec3& view, float least, float most) {
+  return std::max(least, least + (most - least) * (1.0f - glm::dot(flow, view)));
+}
+
+// How far the roots below the ray move while it sinks by `depth`.
+inline glm::vec2 ReliefShift(const glm::vec3& flow, const glm::vec3& view, float depth) {
+  return (glm::vec2(view) / std::max(view.z, kReliefLowest) -
+          glm::vec2(flow) / std::max(flow.z, kReliefLowest)) *
+         depth;
+}
+
+// The first hair that the ray meets: its place in the tile, and the height there; at the skin, if none. `shift` is
+// ReliefShift of the whole depth in the tile's coordinates, height(place) a height of the tile.
+template <class Height>
+inline glm::vec3 ReliefHit(const Height& height, const glm::vec2& entry, const glm::vec2& shift,
+                           float steps) {
+  const int count = int(std::ceil(steps));
+  const float step = 1.0f / float(count);
+  float last = 1.0f - height(entry);  // of the ray above the hairs
+  for (int i = 1; i <= count; ++i) {
+    const float sunk = float(i) * step;
+    const float above = 1.0f - sunk - height(entry - shift * sunk);
+    if (above <= 0.0f) {
+      const float met = sunk - step * above / std::min(above - last, -1e-6f);
+      return {entry - shift * met, 1.0f - met};
+    }
+    last = above;
+  }
+  return {entry - shift, 0.0f};
+}
+
+// Light that reaches this height of a coat from all around; `floor` of it reaches the skin.
+inline float ReliefAmbient(float height, float floor) { return floor + (1.0f - floor) * height; }
+
+// Share of a light that reaches what was hit, past the hairs that stand higher towards it. `shift` is ReliefShift
+// towards the light, as above; `strength` the share that a hair takes which stands a quarter of the depth above the ray.
+template <class Height>
+inline float ReliefShadow(const Height& height, const glm::vec3& hit, const glm::vec2& shift,
+                          float strength) {
+  float most = 0.0f;
+  for (int i = 1; i <= 4; ++i) {
+    const float rise = (1.0f - hit.z) * 0.25f * float(i);
+    most = std::max(most, height(glm::vec2(hit) + shift * rise) - hit.z - rise);
+  }
+  return 1.0f - strength * Saturate(4.0f * most);
+}
+
+// Of fibres that stand up, by how far the half vector is from the normal; both distributions are normalised.
+inline float SheenCharlie(float n_dot_h, float roughness) {
+  const float across = std::max(1.0f - n_dot_h * n_dot_h, 1e-6f);
+  return (2.0f + 1.0f / roughness) * std::pow(across, 0.5f / roughness) * 0.15915494f;
+}
+inline float SheenAshikhmin(float n_dot_h, float roughness) {
+  const float rough = roughness * roughness, along = n_dot_h * n_dot_h;
+  const float across = std::max(1.0f - along, 0.0078125f);
+  const float hollow = 4.0f * std::exp(-along / (rough * across));
+  return (hollow / (across * across) + 1.0f) / (3.14159265f * (4.0f * rough + 1.0f));
+}
+
+// What of the sheen is seen, with the microfacet's denominator.
+inline float SheenVisibility(float n_dot_v, float n_dot_l) {
+  return 1.0f / (4.0f * std::max(n_dot_l + n_dot_v - n_dot_l * n_dot_v, 1e-4f));
+}
+
+// Schlick's, of the angle to the normal.
+inline float Fresnel(float cosine, float at_normal) {
+  return at_normal + (1.0f - at_normal) * std::pow(Saturate(1.0f - cosine), 5.0f);
+}
+
+// The soft edge of velvet and short fur, of a light of 1: the more aslant it is seen, the more fibres shine.
+inline float ReliefSheen(const glm::vec3& normal, const glm::vec3& to_light,
+                         const glm::vec3& to_eye, float roughness) {
+  const glm::vec3 halfway = Halfway(to_light, to_eye);
+  const float n_dot_l = Saturate(glm::dot(normal, to_light));
+  const float n_dot_v = Saturate(glm::dot(normal, to_eye));
+  return SheenCharlie(Saturate(glm::dot(normal, halfway)), roughness) *
+         SheenVisibility(n_dot_v, n_dot_l) * Fresnel(n_dot_v, 0.04f) * n_dot_l * 3.14159265f;
+}
+
+}  // namespace pelt

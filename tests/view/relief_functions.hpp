@@ -1,0 +1,61 @@
+// The functions of relief.hpp for shader_values_test.cpp.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "bench/view/relief.hpp"
+#include "tests/view/shader_function.hpp"
+
+namespace pelt {
+
+// A tile of hairs that both languages have.
+inline constexpr const char* kHeightText =
+    "#define RELIEF_HEIGHT(place) (0.5 + 0.5 * sin(9.0 * (place).x) * cos(7.0 * (place).y))\n";
+inline float HeightOf(const glm::vec2& place) {
+  return 0.5f + 0.5f * std::sin(9.0f * place.x) * std::cos(7.0f * place.y);
+}
+
+inline std::vector<Function> ListReliefFunctions() {
+  using A = const Arguments&;
+  const char* file = "relief.glsl";
+  return {
+      {"ReliefFlow", "vec4(ReliefFlow(vec4(0.3 + 0.4 * u.xy, u.zw)), 0.0)",
+       [](A a) {
+         return Wide(ReliefFlow({0.3f + 0.4f * a.u.x, 0.3f + 0.4f * a.u.y, a.u.z, a.u.w}));
+       },
+       file},
+      {"ReliefSteps", "vec4(ReliefSteps(d.xyz, e.xyz, 2.0, 16.0), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(ReliefSteps(Unit(a.d), Unit(a.e), 2.0f, 16.0f)); }, file},
+      {"ReliefShift", "vec4(ReliefShift(d.xyz, e.xyz, u.x), 0.0, 0.0)",
+       [](A a) { return glm::vec4(ReliefShift(Unit(a.d), Unit(a.e), a.u.x), 0.0f, 0.0f); }, file},
+      {"ReliefHit", "vec4(ReliefHit(u.xy, 0.3 * v.xy, 3.5 + 8.0 * floor(3.0 * u.z)), 0.0)",
+       [](A a) {
+         return Wide(ReliefHit(HeightOf, glm::vec2(a.u), 0.3f * glm::vec2(a.v),
+                               3.5f + 8.0f * std::floor(3.0f * a.u.z)));
+       },
+       file},
+      {"ReliefAmbient", "vec4(ReliefAmbient(u.x, u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(ReliefAmbient(a.u.x, a.u.y)); }, file},
+      {"ReliefShadow", "vec4(ReliefShadow(u.xyz, v.xy, 0.75), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(ReliefShadow(HeightOf, glm::vec3(a.u), glm::vec2(a.v), 0.75f)); },
+       file},
+      {"SheenCharlie", "vec4(SheenCharlie(u.x, 0.2 + 0.8 * u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(SheenCharlie(a.u.x, 0.2f + 0.8f * a.u.y)); }, file},
+      {"SheenAshikhmin", "vec4(SheenAshikhmin(u.x, 0.2 + 0.8 * u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(SheenAshikhmin(a.u.x, 0.2f + 0.8f * a.u.y)); }, file},
+      {"SheenVisibility", "vec4(SheenVisibility(u.x, u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(SheenVisibility(a.u.x, a.u.y)); }, file},
+      {"Fresnel", "vec4(Fresnel(u.x, 0.2 * u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(Fresnel(a.u.x, 0.2f * a.u.y)); }, file},
+      {"ReliefSheen",
+       "vec4(ReliefSheen(d.xyz, e.xyz, normalize(d.xyz + v.xyz), 0.45), 0.0, 0.0, 0.0)",
+       [](A a) {
+         return Wide(
+             ReliefSheen(Unit(a.d), Unit(a.e), glm::normalize(Unit(a.d) + glm::vec3(a.v)), 0.45f));
+       },
+       file},
+  };
+}
+
+}  // namespace pelt
