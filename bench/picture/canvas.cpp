@@ -59,19 +59,26 @@ void Canvas::DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& col
   colour_[i] = colour;
 }
 
-void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha) {
-  const SampleBox box = ForEachHairSample(
-      a, b, width_, height_,
-      [&](uint32_t x, uint32_t y, float depth, const glm::vec3& colour, float coverage) {
-        const size_t i = size_t(y) * width_ + x;
-        if (depth >= depth_[i]) return;
-        coverage *= alpha;
-        colour_[i] = Over(colour, coverage, colour_[i]);
-        if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
-      });
+void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha, const CardPiece* card) {
+  const SampleBox box =
+      ForEachHairSample(a, b, width_, height_,
+                        [&](uint32_t x, uint32_t y, float depth, const glm::vec3& colour,
+                            float coverage, const glm::vec2& place) {
+                          const size_t i = size_t(y) * width_ + x;
+                          if (depth >= depth_[i]) return;
+                          coverage *= alpha;
+                          if (card)
+                            coverage *= card->Cover(place, glm::mix(a.width, b.width, place.y));
+                          colour_[i] = Over(colour, coverage, colour_[i]);
+                          if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
+                        });
   if (box.y1 == 0) return;
   touched_from_ = std::min(touched_from_, box.y0);
   touched_to_ = std::max(touched_to_, box.y1);
+}
+
+float CardPiece::Cover(const glm::vec2& place, float width) const {
+  return texture->Sample(strip, place.x, glm::mix(from, to, place.y), 1.0f / std::max(width, 1.0f));
 }
 
 void Canvas::FinishLayer() {

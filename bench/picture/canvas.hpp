@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/picture/hair_samples.hpp"
+#include "bench/picture/strip_texture.hpp"
 #include "core/view.hpp"
 
 namespace pelt {
@@ -29,6 +30,16 @@ class Projection {
   float focal_, centre_x_, centre_y_;
 };
 
+// A piece of a card of hairs.
+struct CardPiece {
+  const StripTexture* texture;
+  uint32_t strip;
+  float from, to;  // share of the card's length
+
+  // What hairs cover of a sample at this share across and along the piece, where it is so many samples wide.
+  float Cover(const glm::vec2& place, float width) const;
+};
+
 class Canvas {
  public:
   Canvas(uint32_t width, uint32_t height);
@@ -44,8 +55,8 @@ class Canvas {
 
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
-  // A tapering piece of a hair, painted with coverage `alpha`.
-  void DrawHair(const HairEnd& a, const HairEnd& b, float alpha);
+  // A tapering piece of a hair, painted with coverage `alpha`; of a card, if there is one.
+  void DrawHair(const HairEnd& a, const HairEnd& b, float alpha, const CardPiece* card = nullptr);
   // Hairs drawn so far hide what lies behind them from now on.
   void FinishLayer();
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -20,8 +21,9 @@ struct SampleBox {
   uint32_t x0, y0, x1, y1;
 };
 
-// Calls visit(x, y, depth, colour, coverage) for every sample whose nearest point of the piece is closer than half the
-// width there, at least half a sample: thinner hairs are as wide, with less coverage. Returns the samples that were
+// Calls visit(x, y, depth, colour, coverage, place) for every sample whose nearest point of the piece is closer than half the
+// width there, at least half a sample: thinner hairs are as wide, with less coverage. `place` is the share across the
+// hair and along the piece. Returns the samples that were
 // looked at, none where the piece is beside the picture.
 template <class Visit>
 SampleBox ForEachHairSample(const HairEnd& a, const HairEnd& b, uint32_t width, uint32_t height,
@@ -43,8 +45,9 @@ SampleBox ForEachHairSample(const HairEnd& a, const HairEnd& b, uint32_t width, 
       const float wide = a.width + (b.width - a.width) * t;
       const float half = 0.5f * std::max(wide, 1.0f);
       if (glm::dot(off, off) > half * half) continue;
+      const float beside = (along.x * off.y - along.y * off.x) / std::sqrt(length2);
       visit(x, y, a.at.z + (b.at.z - a.at.z) * t, glm::mix(a.colour, b.colour, t),
-            std::min(wide, 1.0f));
+            std::min(wide, 1.0f), glm::vec2(0.5f + 0.5f * beside / half, t));
     }
   return box;
 }

@@ -12,6 +12,7 @@ void ReadCurve(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = kCurveKnots;
   hair.base_colour = record.base_colour;
   hair.tip_colour = record.tip_colour;
+  hair.film_strip = record.tag >> 24;
   for (uint32_t k = 0; k < kCurveKnots; ++k) {
     const float t = float(k) / float(kCurveKnots - 1);
     for (int c = 0; c < 3; ++c)
@@ -28,6 +29,7 @@ void ReadRibbon(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = kRibbonPoints;
   hair.base_colour = vertex.front().colour;
   hair.tip_colour = vertex.back().colour;
+  hair.film_strip = vertex.front().texture >> 8 & 255u;
   for (uint32_t k = 0; k < kRibbonPoints; ++k) {
     const float* l = vertex[2 * k].position;
     const float* r = vertex[2 * k + 1].position;
@@ -41,6 +43,7 @@ void ReadLine(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = kRibbonPoints;
   hair.base_colour = vertex.front().colour;
   hair.tip_colour = vertex.back().colour;
+  hair.film_strip = vertex.front().tag >> 24;
   for (uint32_t k = 0; k < kRibbonPoints; ++k) {
     const float* p = vertex[k].position;
     hair.knot[k] = {{p[0], p[1], p[2]}, vertex[k].width};
@@ -59,6 +62,7 @@ Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, u
   const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
   Hair hair{};
   hair.actor = shape.layer_character[draw.layer];
+  hair.is_card = scene.memory().Of<&Streams::strands>(chunk)->width[lane] >= kCardWidth;
   hair.number = chunk * kStrandsPerChunk + lane;
   for (int c = 0; c < 3; ++c) {
     hair.root[c] = roots.position[c][lane];

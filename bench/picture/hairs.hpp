@@ -6,11 +6,15 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "bench/view/film_strip.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
 
 inline constexpr uint32_t kCurveKnots = 9;  // a cubic is drawn as eight straight pieces
+
+// Strands as wide as this when they were baked, m, are cards of several hairs; no hair is, and few tufts are.
+inline constexpr float kCardWidth = 0.004f;
 
 struct HairKnot {
   glm::vec3 at;  // world, m
@@ -23,11 +27,15 @@ struct Hair {
   uint32_t base_colour, tip_colour;  // 0xAABBGGRR
   uint32_t actor;
   uint32_t number;         // of the strand among all of the scene
+  uint32_t film_strip;     // of bench/view/film_strip.hpp
+  bool is_card;            // wide enough to show silhouettes
   glm::vec3 root, normal;  // on the skin
 
   float Alpha() const { return float(base_colour >> 24) / 255.0f; }
   // How far above the skin light is whole: the tip's height, or for hair that lies flat a share of its length.
   float DepthOfLight() const;
+  // Of the light that falls on it, the share that it keeps.
+  float Opacity() const { return is_card ? Alpha() * StripShare(film_strip) : Alpha(); }
 };
 
 // Layer by layer in the drawing order, each layer far to near.

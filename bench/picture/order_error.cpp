@@ -43,12 +43,12 @@ HairFragments::HairFragments(std::span<const Hair> hairs, const Camera& camera, 
     HairEnd last = Knot(hairs[h], 0, light, projection);
     for (uint32_t k = 1; k < hairs[h].knots; ++k) {
       const HairEnd end = Knot(hairs[h], k, light, projection);
-      ForEachHairSample(
-          last, end, width, height,
-          [&](uint32_t x, uint32_t y, float depth, const glm::vec3& colour, float coverage) {
-            pixels_[size_t(y) * width + x].push_back(
-                {h, depth, coverage * hairs[h].Alpha(), colour});
-          });
+      ForEachHairSample(last, end, width, height,
+                        [&](uint32_t x, uint32_t y, float depth, const glm::vec3& colour,
+                            float coverage, const glm::vec2&) {
+                          pixels_[size_t(y) * width + x].push_back(
+                              {h, depth, coverage * hairs[h].Alpha(), colour});
+                        });
       last = end;
     }
   }

@@ -6,13 +6,12 @@
 #include "bench/picture/scene_shadows.hpp"
 #include "bench/picture/shade_hair.hpp"
 #include "bench/view/studio.hpp"
-#include "core/error.hpp"
 
 namespace pelt {
 namespace {
 
 void DrawHair(const Hair& hair, const PictureLook& look, float floor, const Projection& projection,
-              const SceneShadows& shadows, Canvas& canvas) {
+              const SceneShadows& shadows, const StripTexture& strips, Canvas& canvas) {
   const float depth = hair.DepthOfLight();
   HairEnd last{};
   for (uint32_t k = 0; k < hair.knots; ++k) {
@@ -20,9 +19,20 @@ void DrawHair(const Hair& hair, const PictureLook& look, float floor, const Proj
     const HairEnd end = ShadeKnot(hair, k, look.light, look.hair,
                                   DepthShadow(at, hair.root, hair.normal, depth, floor),
                                   shadows.OnActor(hair.actor, at), projection);
-    if (k > 0) canvas.DrawHair(last, end, hair.Alpha());
+    const float pieces = float(hair.knots - 1);
+    const CardPiece card{&strips, hair.film_strip, float(k - 1) / pieces, float(k) / pieces};
+    if (k > 0) canvas.DrawHair(last, end, hair.Alpha(), hair.is_card ? &card : nullptr);
     last = end;
   }
+}
+
+// The silhouettes of all cards; of at least one.
+StripTexture MakeStrips(const std::vector<std::vector<Hair>>& layers) {
+  uint32_t strips = 1;
+  for (const std::vector<Hair>& hairs : layers)
+    for (const Hair& hair : hairs)
+      if (hair.is_card) strips = std::max(strips, hair.film_strip + 1);
+  return StripTexture(strips);
 }
 
 glm::vec3 ShadeGround(const glm::vec3& eye, const glm::vec3& ray, const SceneShadows& shadows) {
@@ -56,11 +66,12 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
     };
     DrawBody(scene.bodies[a], scene.look, sun, projection, canvas);
   }
+  const StripTexture strips = MakeStrips(scene.layers);
   for (const std::vector<Hair>& hairs : scene.layers) {
     for (const Hair& hair : hairs)
       DrawHair(hair, scene.look,
                DepthFloor(scene.bodies[hair.actor].mean_covered, scene.look.depth_floor),
-               projection, shadows, canvas);
+               projection, shadows, strips, canvas);
     canvas.FinishLayer();
   }
   return canvas.Resolve(samples);

@@ -18,7 +18,7 @@ SceneShadows::SceneShadows(const PictureScene& scene)
     for (const Hair& hair : hairs)
       for (uint32_t k = 1; k < hair.knots; ++k)
         maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at, hair.knot[k].width,
-                                  hair.Alpha());
+                                  hair.Opacity());
   for (ShadowMap& map : maps_) map.Soften(kSoftTexels);
 }
 

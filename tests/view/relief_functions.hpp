@@ -1,9 +1,10 @@
-// The functions of relief.hpp for shader_values_test.cpp.
+// The functions of relief.hpp and film_strip.hpp for shader_values_test.cpp.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
+#include "bench/view/film_strip.hpp"
 #include "bench/view/relief.hpp"
 #include "tests/view/shader_function.hpp"
 
@@ -55,6 +56,29 @@ inline std::vector<Function> ListReliefFunctions() {
              ReliefSheen(Unit(a.d), Unit(a.e), glm::normalize(Unit(a.d) + glm::vec3(a.v)), 0.45f));
        },
        file},
+  };
+}
+
+inline std::vector<Function> ListStripFunctions() {
+  using A = const Arguments&;
+  const char* file = "film_strip.glsl";
+  const auto strip = [](A a) { return uint32_t(32.0f * a.u.x); };
+  const auto hair = [](A a) { return uint32_t(8.0f * a.u.y); };
+  return {
+      {"StripHairs", "vec4(float(StripHairs(uint(32.0 * u.x))), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(float(StripHairs(strip(a)))); }, file},
+      {"StripTip", "vec4(StripTip(uint(32.0 * u.x), uint(8.0 * u.y)), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(StripTip(strip(a), hair(a))); }, file},
+      {"StripCentre", "vec4(StripCentre(uint(32.0 * u.x), uint(8.0 * u.y), u.z), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(StripCentre(strip(a), hair(a), a.u.z)); }, file},
+      {"StripWidth", "vec4(StripWidth(uint(32.0 * u.x), uint(8.0 * u.y), u.z), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(StripWidth(strip(a), hair(a), a.u.z)); }, file},
+      {"StripCoverage",
+       "vec4(StripCoverage(uint(32.0 * u.x), u.y, u.z, 0.02 + 0.5 * u.w), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(StripCoverage(strip(a), a.u.y, a.u.z, 0.02f + 0.5f * a.u.w)); },
+       file},
+      {"StripShare", "vec4(StripShare(uint(32.0 * u.x)), 0.0, 0.0, 0.0)",
+       [=](A a) { return Wide(StripShare(strip(a))); }, file},
   };
 }
 

@@ -166,7 +166,8 @@ std::vector<Function> ListFunctions() {
 
 std::vector<Function> ListAllFunctions() {
   std::vector<Function> all = ListFunctions();
-  for (const auto& list : {ListReliefFunctions()}) all.insert(all.end(), list.begin(), list.end());
+  for (const auto& list : {ListReliefFunctions(), ListStripFunctions()})
+    all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
