@@ -4,6 +4,7 @@
 #include "bench/command/command_options.hpp"
 #include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
+#include "bench/picture/light_steps.hpp"
 #include "bench/view/named_lights.hpp"
 
 namespace pelt {
@@ -46,6 +47,10 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
   AddOutputFile(app, "--picture", args.last, "PNG file for a picture of the last frame", ".png");
   AddOutputFolder(app, "--pictures", args.folder, "Folder for a picture of each frame");
   AddOutputFile(app, "--animation", args.animation, "Animated PNG of the frames", ".png");
+  std::string steps = "PNG file for the last picture in steps:";
+  for (const LightStep& step : LightSteps()) steps += fmt::format(" {};", step.text);
+  steps.pop_back();
+  AddOutputFile(app, "--steps", args.steps, steps.c_str(), ".png");
   app.add_option("--time", args.times_s,
                  "Pictures of the frames at these times alone: 0.5,1,2 in s")
       ->delimiter(',')
@@ -89,7 +94,7 @@ void CompletePictures(const CLI::App& app, const PictureArgs& args) {
   RefuseUnless(
       app, args.Any(),
       {"--time", "--picture-width", "--picture-height", "--light", "--renderer", "--relief"},
-      "--picture, --pictures or --animation");
+      "--picture, --pictures, --animation or --steps");
   RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
                "--pictures or --animation");
   RefuseUnless(app, args.renderer == "software", {"--relief"}, "--renderer software");

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bench/picture/light_steps.hpp"
 #include "bench/picture/picture.hpp"
 #include "bench/picture/png.hpp"
 #include "bench/picture/relief_coat.hpp"
@@ -65,43 +66,50 @@ bool PictureShots::Wants(uint32_t frame) const {
   return std::ranges::binary_search(frames_, frame);
 }
 
-std::vector<std::byte> PictureShots::DrawFrame(uint32_t frame) {
+PictureScene PictureShots::Gather(uint32_t frame) {
   // The frame's camera again, which depends on the frame's number alone.
   const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
-  const PictureOptions options{.width_px = args_.width_px,
-                               .height_px = args_.height_px,
-                               .lighting_buffer = args_.lighting_buffer};
   std::vector<std::string> notes;
-  const auto start = std::chrono::steady_clock::now();
   PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes, args_.relief);
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
       shown.look.light =
           MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
                     {camera.target[0], camera.target[1], camera.target[2]});
-  std::vector<std::byte> png =
-      EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
-  seconds_.push_back(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time
-  return png;
+  return shown;
 }
 
 void PictureShots::Take(uint32_t frame) {
   if (!Wants(frame)) return;
-  std::vector<std::byte> png = DrawFrame(frame);
+  const PictureOptions options{.width_px = args_.width_px,
+                               .height_px = args_.height_px,
+                               .lighting_buffer = args_.lighting_buffer};
+  const auto start = std::chrono::steady_clock::now();
+  const PictureScene shown = Gather(frame);
+  std::vector<std::byte> png =
+      EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
+  seconds_.push_back(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (!args_.folder.empty()) Write("picture", FrameFile(frame), png);
   if (!args_.animation.empty()) {
     const auto next = std::ranges::upper_bound(frames_, frame);
-    const uint32_t shown = next == frames_.end() ? 1 : *next - frame;
-    animation_.push_back({png, shown * scenario_.dt_s});
+    const uint32_t shown_for = next == frames_.end() ? 1 : *next - frame;
+    animation_.push_back({png, shown_for * scenario_.dt_s});
   }
+  if (frame != frames_.back()) return;
   last_ = std::move(png);
+  if (!args_.steps.empty()) steps_ = DrawSteps(shown, options, *renderer_);
 }
 
 void PictureShots::Finish() {
   if (frames_.empty()) return;
   if (!args_.last.empty()) Write("picture", args_.last, last_);
+  if (!args_.steps.empty()) {
+    const uint32_t down = uint32_t(LightSteps().size() + kStepsAcross - 1) / kStepsAcross;
+    Write("steps", args_.steps,
+          EncodePng(steps_, args_.width_px * kStepsAcross, args_.height_px * down, 3));
+  }
   if (!args_.animation.empty()) Write("animation", args_.animation, AnimatePng(animation_));
 }
 

@@ -21,15 +21,18 @@ struct PictureArgs {
   OutputPath last;       // the last of the pictures
   OutputPath folder;     // each as frame-00060.png
   OutputPath animation;  // all of them as an animated PNG
+  OutputPath steps;      // the last, step by step (light_steps.hpp)
   uint32_t width_px = 1200, height_px = 900;
   uint32_t every = 1;           // frames from one picture to the next, counted from the last frame
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
   std::string renderer = RendererNames().front();
   std::vector<std::string> relief;  // PictureOptions has it
-  bool lighting_buffer = false;  // PictureOptions has it
+  bool lighting_buffer = false;     // PictureOptions has it
 
-  bool Any() const { return !last.empty() || !folder.empty() || !animation.empty(); }
+  bool Any() const {
+    return !last.empty() || !folder.empty() || !animation.empty() || !steps.empty();
+  }
 };
 
 class PictureShots {
@@ -44,7 +47,7 @@ class PictureShots {
   // Draws the frame that the scene is in, if it is one of those. A picture that cannot be written keeps no other from
   // being drawn: see faults().
   void Take(uint32_t frame);
-  // After the last: `last` and `animation`.
+  // After the last frame: what is not one of the folder.
   void Finish();
 
   // "pictures": how many, and how long they took. None: nothing.
@@ -56,7 +59,7 @@ class PictureShots {
  private:
   OutputPath FrameFile(uint32_t frame) const;
   bool Wants(uint32_t frame) const;
-  std::vector<std::byte> DrawFrame(uint32_t frame);
+  PictureScene Gather(uint32_t frame);
   void Write(std::string_view what, const OutputPath& path, std::span<const std::byte> png);
 
   PictureArgs args_;
@@ -66,6 +69,7 @@ class PictureShots {
   std::unique_ptr<PictureRenderer> renderer_;
   std::vector<uint32_t> frames_;  // rising
   std::vector<std::byte> last_;
+  std::vector<uint8_t> steps_;
   std::vector<AnimationFrame> animation_;
   std::vector<double> seconds_;  // that each took
   std::vector<std::string> written_, notes_, faults_;

@@ -38,7 +38,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
-    --picture | --animation | --flow-map | --height-field) echo .png ;;
+    --picture | --animation | --steps | --flow-map | --height-field) echo .png ;;
     *) echo .out ;;
   esac
 }

@@ -5,13 +5,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <map>
+#include <set>
 
 #include "bench/command/commands.hpp"
 #include "bench/picture/png_chunks.hpp"
 #include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/file_bytes.hpp"
+#include "core/groom/fur_setup.hpp"
 #include "tests/groom/png.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
@@ -114,6 +115,32 @@ TEST_F(PictureShotsTest, LightChangesThePicture) {
   for (size_t a = 1; a < pictures.size(); ++a)
     for (size_t b = a + 1; b < pictures.size(); ++b)
       EXPECT_NE(pictures[a], pictures[b]) << a << ' ' << b;
+}
+
+// Each step has what the one before it has not.
+TEST_F(PictureShotsTest, StepsAreASheetOfPicturesThatDiffer) {
+  args_.steps = Path("steps.png");
+  args_.last = Path("last.png");
+  Take(1);
+  const auto read = [&](const char* name) {
+    const std::vector<std::byte> png = Bytes(name);
+    return ReadControlMap({reinterpret_cast<const uint8_t*>(png.data()), png.size()}, name);
+  };
+  const ControlMap sheet = read("steps.png"), last = read("last.png");
+  ASSERT_EQ(sheet.width, 3 * args_.width_px);
+  ASSERT_EQ(sheet.height, 2 * args_.height_px);
+  std::set<std::vector<uint8_t>> seen;
+  std::vector<uint8_t> panel;
+  for (uint32_t s = 0; s < 6; ++s) {
+    panel.clear();
+    for (uint32_t y = 0; y < args_.height_px; ++y) {
+      const size_t row = (s / 3 * args_.height_px + y) * sheet.width + s % 3 * args_.width_px;
+      panel.insert(panel.end(), sheet.rgba.begin() + long(4 * row),
+                   sheet.rgba.begin() + long(4 * (row + args_.width_px)));
+    }
+    EXPECT_TRUE(seen.insert(panel).second) << s;
+  }
+  EXPECT_EQ(panel, last.rgba);
 }
 
 TEST(CameraChoice, StandsWhereItWasToldAndTurnsOnce) {
