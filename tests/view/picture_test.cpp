@@ -69,6 +69,20 @@ TEST(Picture, ReliefTakesThePlaceOfHairs) {
   EXPECT_EQ(drawn.Picture(each), all);
 }
 
+TEST(Picture, ReliefLeavesTheOthersTheirHairs) {
+  Drawn drawn(VertexOrder::kSorted);
+  const FurScene& scene = drawn.running.scene();
+  const auto all = ReadHairs(scene, VertexOrder::kSorted);
+  auto left = all;
+  const std::vector<std::string> names = {"vertex", "modal4"};
+  RemoveRelief(scene, names, left);
+  for (size_t d = 0; d < all.size(); ++d) {
+    const std::string_view name = scene.LayerName(scene.Draws()[d].layer);
+    ASSERT_FALSE(all[d].empty()) << name;
+    EXPECT_EQ(left[d].size(), name == names[0] || name == names[1] ? 0 : all[d].size()) << name;
+  }
+}
+
 TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
   Drawn drawn(VertexOrder::kSorted);
   const auto reason = [&](const std::vector<std::string>& names) -> std::string {
