@@ -163,6 +163,26 @@ inline constexpr auto kBlockMembers<LayerLightBlock> = std::tuple{
     PELT_MEMBER(LayerLightBlock, rim_rgb),
     PELT_MEMBER(LayerLightBlock, rim_exponent)};
 template <>
+inline constexpr auto kBlockMembers<ShellLayerBlock> = std::tuple{
+    PELT_MEMBER(ShellLayerBlock, most),
+    PELT_MEMBER(ShellLayerBlock, shadow),
+    PELT_MEMBER(ShellLayerBlock, texture_repeat),
+    PELT_MEMBER(ShellLayerBlock, cone),
+    PELT_MEMBER(ShellLayerBlock, cone_kind)};
+template <>
+inline constexpr auto kBlockMembers<ShellSkinBlock> = std::tuple{
+    PELT_MEMBER(ShellSkinBlock, uv).ByLane().Within(-kLargest, kLargest),
+    PELT_MEMBER(ShellSkinBlock, base_colour),
+    PELT_MEMBER(ShellSkinBlock, tip_colour)};
+template <>
+inline constexpr auto kBlockMembers<ShellVertexBlock> = std::tuple{
+    PELT_MEMBER(ShellVertexBlock, vertex)};
+template <>
+inline constexpr auto kBlockMembers<ShellLodBlock> = std::tuple{
+    PELT_MEMBER(ShellLodBlock, shell),
+    PELT_MEMBER(ShellLodBlock, count),
+    PELT_MEMBER(ShellLodBlock, texture_repeat)};
+template <>
 inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
     BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>

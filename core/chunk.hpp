@@ -117,9 +117,10 @@ enum LayerFlag : uint32_t {
   kLayerLines = 1u << 11,
   kLayerLit = 1u << 12,      // has a LayerLightBlock
   kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
+  kLayerShells = 1u << 14,  // its strands are triangles of the skin; always with kLayerVertexChains
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
-inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines;
+inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
@@ -402,6 +403,59 @@ struct alignas(16) LookRecord {
 };
 PELT_BLOCK LookBlock { LookRecord record[kStrandsPerChunk]; };
 
+// ---- Shells -------------------------------------------------------------------------------------
+//
+// Fur as copies of the skin, one above the other, each drawn where a texture says that hair reaches
+// so high. A vertex at height h, 0 at the skin and 1 at the tips, is at P(h) = p + h g + h^2 f.
+// The strands of such a layer are its triangles, all of which live: StrandBlock::vertex has their
+// corners. The rest of the frame then treats a chunk of skin as it does any other.
+
+inline constexpr uint32_t kMaxShells = 40;
+
+enum class ConeKind : uint8_t { kExact, kPublished };
+
+// What a layer of shells is given by its setup; does not change.
+PELT_BLOCK ShellLayerBlock {
+  uint32_t most;         // shells, up close
+  float shadow;          // light left at the skin, 0..1
+  float texture_repeat;  // of the fur's texture, along 0..1 of the skin's coordinates
+  float cone;            // least cosine between force and normal
+  uint32_t cone_kind;    // ConeKind
+  uint32_t pad[27];
+};
+
+// Baked, of a chunk's vertices.
+PELT_BLOCK ShellSkinBlock {
+  float uv[kVerticesPerChunk][2];           // on the skin's texture
+  uint32_t base_colour[kVerticesPerChunk];  // 0xAABBGGRR; alpha is the stencil: share of the fur
+  uint32_t tip_colour[kVerticesPerChunk];
+};
+
+struct alignas(16) ShellVertex {
+  float position[3];     // p, m, world
+  uint32_t base_colour;  // 0xAABBGGRR; alpha is the stencil
+  float groom[3];        // g, m
+  uint32_t tip_colour;
+  float force[3];   // f, m
+  uint32_t normal;  // of the skin: as LookRecord has it
+};
+static_assert(sizeof(ShellVertex) == 48);
+PELT_BLOCK ShellVertexBlock { ShellVertex vertex[kVerticesPerChunk]; };
+
+// One shell, as it is drawn.
+struct Shell {
+  float height;     // h
+  float shadow;     // share of the light that gets down to it
+  float threshold;  // drawn where the texture, times the stencil, is above
+  float fade;       // alpha: below 1 where the last shell is about to go
+};
+PELT_BLOCK ShellLodBlock {
+  Shell shell[kMaxShells];  // `count` of them; zero behind
+  uint32_t count;
+  float texture_repeat;
+  uint32_t pad[30];
+};
+
 // Layers in draw order.
 PELT_BLOCK DrawListBlock {
   uint32_t layer[kLayersPerScene];
@@ -418,6 +472,7 @@ static_assert(sizeof(LodBlock) == 128 && sizeof(LayerSortBlock) == 128);
 static_assert(sizeof(MeshBlock) % 128 == 0 && sizeof(StrandBlock) % 128 == 0);
 static_assert(sizeof(ChunkStateBlock) == 128);
 static_assert(sizeof(LayerLightBlock) == 256);
+static_assert(sizeof(ShellLayerBlock) == 128 && sizeof(ShellLodBlock) == 768);
 static_assert(sizeof(CurveRecord) == 64 && sizeof(RibbonRecord) == 80);
 
 }  // namespace pelt

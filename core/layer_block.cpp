@@ -41,8 +41,9 @@ uint32_t LayerKind(const LayerParams& p) {
   uint32_t kind = kOutputs[size_t(p.output)].flag;
   if (p.chain == ChainKind::kVertex) kind |= kLayerVertexChains;
   if (p.points == 5) kind |= kLayerFivePoints;
-  if (p.solver == Solver::kVerlet) kind |= kLayerVerlet;
-  if (p.solver == Solver::kModal) kind |= kLayerModal;
+  const bool solved = p.output != Output::kShells;  // shells are bent, without a state
+  if (solved && p.solver == Solver::kVerlet) kind |= kLayerVerlet;
+  if (solved && p.solver == Solver::kModal) kind |= kLayerModal;
   if (p.lit) kind |= kLayerLit;
   return kind;
 }
@@ -81,6 +82,16 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kLayerWind))
     b.flags |= kLayerWindEnds;
   b.changed = !last || Differ(*last, b) ? 1u : 0u;
+  return b;
+}
+
+ShellLayerBlock FillShellLayer(const LayerParams& params) {
+  ShellLayerBlock b{};
+  b.most = params.shells;
+  b.shadow = params.fur_shadow;
+  b.texture_repeat = params.fur_texture_repeat;
+  b.cone = params.cone;
+  b.cone_kind = uint32_t(params.cone_kind);
   return b;
 }
 

@@ -30,6 +30,9 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
                           float length_max, bool any_strength, const LayerBlock* last);
 
+// Of a layer with output = "shells".
+ShellLayerBlock FillShellLayer(const LayerParams& params);
+
 // What the strands of a layer with the modal solver are made of. Wetness takes stiffness.
 RodMaterial LayerRod(const LayerParams& params, const Weather& weather);
 

@@ -40,11 +40,13 @@ struct OutputRow {
   const void* vertex_type;  // address of kVertexType of it
   uint32_t vertex_bytes, vertices_per_strand;
   bool faces_eye;  // vertices depend on where the eye is
-  // The strands' curves, in strand order, and how one record is read.
+  // The strands' curves, in strand order, and how one record is read; kNone and null of vertices
+  // that are the skin's.
   Stream curves;
   uint32_t curve_bytes;
   StrandCurve (*read_curve)(const std::byte* record, float tip_width);
 
+  constexpr bool OfStrands() const { return read_curve != nullptr; }
   constexpr uint32_t StrandBytes() const { return vertex_bytes * vertices_per_strand; }
 };
 
@@ -78,6 +80,23 @@ constexpr OutputRow Row(std::string_view name, uint32_t flag, bool faces_eye) {
           &ReadCurveAt<BlockOf<kCurves>>};
 }
 
+// A vertex for each of the chunk's mesh vertices, which are in no drawing order.
+template <auto kVertices, class Vertex>
+constexpr OutputRow SkinRow(std::string_view name, uint32_t flag) {
+  static_assert(sizeof(BlockOf<kVertices>) == kVerticesPerChunk * sizeof(Vertex));
+  return {name,
+          flag,
+          StreamOf<kVertices>,
+          StreamOf<kVertices>,
+          &kVertexType<Vertex>,
+          sizeof(Vertex),
+          1,
+          false,
+          Stream::kNone,
+          0,
+          nullptr};
+}
+
 inline constexpr OutputRow kRows[] = {
     Row<&Streams::instances, &Streams::curves, &Streams::curves, CurveRecord>("instances", 0,
                                                                               false),
@@ -85,6 +104,7 @@ inline constexpr OutputRow kRows[] = {
         "ribbons", kLayerRibbons, true),
     Row<&Streams::line_vertices, &Streams::line_vertices, &Streams::curves, LineVertex>(
         "lines", kLayerLines, false),
+    SkinRow<&Streams::shell_vertices, ShellVertex>("shells", kLayerShells),
 };
 
 constexpr auto NamesOf() {

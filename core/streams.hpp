@@ -27,11 +27,12 @@ inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
     kKeyed{&CountStrands, 1, true}, kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder},
     kInEitherOrder{&CountInEitherOrder};
 
-inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal;
-inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive}, kOf5{kFive, 0};
+inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal, kShells = kLayerShells;
+inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kShells},
+    kOf5{kFive, 0}, kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
-    kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons},  // the last: instances, and lines along them
-    kLit{kLayerLit, 0};
+    kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
+    kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -56,14 +57,17 @@ struct Streams {
   StreamRow<ChunkStateBlock> chunk_state{"chunk_state", kChunk, kBookkeeping, kAll, {}, kOutput};
   StreamRow<SkinnedBlock> skinned{"skinned", kChunk, kValue, kLiveVertices};
   StreamRow<RootBlock> anchors{"anchors", kChunk, kValue, kLiveVertices,
-                               kOnVertices};                          // of mesh vertices
-  StreamRow<RootBlock> roots{"roots", kChunk, kValue, kLiveStrands};  // of strands
+                               kOnVertices};  // of mesh vertices
+  StreamRow<RootBlock> roots{"roots", kChunk, kValue, kLiveStrands, kOfStrands};
   StreamRow<WindBlock> wind{"wind", kChunk, kScratch, kLiveChains};
   // Points without a last frame (strands that follow vertex chains) are made anew: no state.
-  StreamRow<PointBlock<4>> vertex_points{"vertex_points", kChunk, kValue, kLiveVertices,
-                                         kOnVertices};
-  StreamRow<PointBlock<4>> vertex_previous{
-      "vertex_previous", kChunk, kValue, kLiveVertices, {kLayerVertexChains, kModal}, kState};
+  StreamRow<PointBlock<4>> vertex_points{"vertex_points", kChunk, kValue, kLiveVertices, kChains};
+  StreamRow<PointBlock<4>> vertex_previous{"vertex_previous",
+                                           kChunk,
+                                           kValue,
+                                           kLiveVertices,
+                                           {kLayerVertexChains, kModal | kShells},
+                                           kState};
   StreamRow<PointBlock<4>> strand_points4{"strand_points4", kChunk, kValue, kLiveStrands, kOf4};
   StreamRow<PointBlock<4>> strand_previous4{"strand_previous4",
                                             kChunk,
@@ -76,11 +80,11 @@ struct Streams {
                                             kLiveStrands,       {kFive, kModal}, kState};
   StreamRow<CurveBlock> curves{"curves", kChunk, kValue, kLiveStrands, kCubic, kOutput};
   StreamRow<RibbonBlock> ribbons{"ribbons", kChunk, kValue, kLiveStrands, kRibboned};
-  StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue, kKeyed};
-  StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch};
-  StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch};
-  StreamRow<DigitBlock> digits{"digits", kChunk, kScratch};
-  StreamRow<OrderBlock> order{"order", kChunk, kValue, kPlaces, {}, kOutput};
+  StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue, kKeyed, kOfStrands};
+  StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch, kAll, kOfStrands};
+  StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch, kAll, kOfStrands};
+  StreamRow<DigitBlock> digits{"digits", kChunk, kScratch, kAll, kOfStrands};
+  StreamRow<OrderBlock> order{"order", kChunk, kValue, kPlaces, kOfStrands, kOutput};
   StreamRow<LayerSortBlock> layer_sort{"layer_sort", kLayer, kBookkeeping, kAll, {}, kOutput};
   StreamRow<DrawListBlock> draw_list{"draw_list", kScene, kValue, kAll, {}, kOutput};
   StreamRow<InstanceBlock> instances{"instances",  kChunk,     kValue,
@@ -102,8 +106,15 @@ struct Streams {
 
   // What lit layers are shaded with.
   StreamRow<LayerLightBlock> layer_light{"layer_light", kLayer, kValue, kAll, kLit, kOutput};
-  StreamRow<StrandUvBlock> strand_uv{"strand_uv", kChunk, kInput, kAll, kLit};
-  StreamRow<LookBlock> looks{"looks", kChunk, kValue, kLiveStrands, kLit, kOutput};
+  StreamRow<StrandUvBlock> strand_uv{"strand_uv", kChunk, kInput, kAll, kLitStrands};
+  StreamRow<LookBlock> looks{"looks", kChunk, kValue, kLiveStrands, kLitStrands, kOutput};
+
+  // Layers of shells.
+  StreamRow<ShellLayerBlock> shell_layers{"shell_layers", kLayer, kInput, kAll, kShelled};
+  StreamRow<ShellSkinBlock> shell_skin{"shell_skin", kChunk, kInput, kAll, kShelled};
+  StreamRow<ShellLodBlock> shell_lod{"shell_lod", kLayer, kValue, kAll, kShelled, kOutput};
+  StreamRow<ShellVertexBlock> shell_vertices{"shell_vertices", kChunk,   kValue,
+                                             kLiveVertices,    kShelled, kOutput};
 };
 
 }  // namespace streams_detail

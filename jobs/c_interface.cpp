@@ -40,7 +40,10 @@ static_assert(PELT_SORTED == int(pelt::VertexOrder::kSorted));
 static_assert(PELT_INDEX_BUFFER == int(pelt::VertexOrder::kIndexBuffer));
 static_assert(PELT_INSTANCES == int(pelt::Output::kInstances));
 static_assert(PELT_RIBBONS == int(pelt::Output::kRibbons));
-static_assert(PELT_LINES == int(pelt::Output::kLines) && PELT_LINES + 1 == pelt::kOutputCount);
+static_assert(PELT_LINES == int(pelt::Output::kLines));
+static_assert(PELT_SHELLS == int(pelt::Output::kShells) && PELT_SHELLS + 1 == pelt::kOutputCount);
+static_assert(sizeof(PeltShell) == sizeof(pelt::Shell));
+static_assert(offsetof(PeltShell, threshold) == offsetof(pelt::Shell, threshold));
 static_assert(PELT_RAN == int(pelt::PullResult::kRan));
 static_assert(PELT_NOTHING_READY == int(pelt::PullResult::kNothingReady));
 static_assert(PELT_IDLE == int(pelt::PullResult::kIdle));
@@ -348,7 +351,10 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .tip_width = from.tip_width,
           .looks = reinterpret_cast<const PeltLook*>(from.looks.data()),
           .look_count = uint32_t(from.looks.size()),
-          .light = reinterpret_cast<const PeltLayerLight*>(from.light)};
+          .light = reinterpret_cast<const PeltLayerLight*>(from.light),
+          .shells = reinterpret_cast<const PeltShell*>(from.shells.shell.data()),
+          .shell_count = uint32_t(from.shells.shell.size()),
+          .texture_repeat = from.shells.texture_repeat};
     Copy(from.low, to.low);
     Copy(from.high, to.high);
   }
@@ -369,6 +375,32 @@ uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint3
   if (order) return pelt::WriteSortedRibbonIndices({order, strand_count}, 0, all);
   pelt::WriteRibbonIndices(all);
   return uint32_t(all.size() / pelt::kRibbonIndicesPerHair * pelt::kRibbonIndicesPerHair);
+}
+
+uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* indices,
+                            uint32_t room) {
+  if (!scene) return 0;
+  const pelt::ShellDraw shells = pelt::FindShells(scene->scene->memory(), layer);
+  return pelt::WriteShellIndices(shells, {indices, indices ? room : 0});
+}
+
+uint32_t pelt_shell_uvs(const PeltScene* scene, uint32_t layer, float (*uvs)[2], uint32_t room) {
+  if (!scene) return 0;
+  uint32_t count = 0;
+  for (const pelt::ShellSkinBlock& skin : pelt::FindShells(scene->scene->memory(), layer).skin)
+    for (const auto& uv : skin.uv) {
+      if (uvs && count < room) std::copy_n(uv, 2, uvs[count]);
+      ++count;
+    }
+  return count;
+}
+
+uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texels, size_t room) {
+  uint32_t side = 0;
+  if (!scene) return side;
+  const std::vector<uint8_t> all = scene->scene->FurTexture(layer, side);
+  if (texels) std::copy_n(all.begin(), std::min(room, all.size()), texels);
+  return side;
 }
 
 uint64_t pelt_digest(const PeltScene* scene) { return scene ? scene->scene->DigestFrame() : 0; }

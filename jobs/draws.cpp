@@ -7,6 +7,27 @@
 namespace pelt {
 namespace {
 
+void AddStrands(const FrameMemory& memory, VertexOrder vertex_order, uint32_t first,
+                uint32_t chunks, LayerDraw& draw) {
+  draw.strand_count = memory.Of<&Streams::layer_sort>(draw.layer)->visible_count;
+  draw.order = {memory.Of<&Streams::order>(first)->strand, draw.strand_count};
+  for (uint32_t c = first; c < first + chunks; ++c)
+    draw.live_strands += memory.Of<&Streams::chunk_state>(c)->live_strands;
+  if (memory.shape->layer_kind[draw.layer] & kLayerLit)
+    draw.looks = {memory.Of<&Streams::looks>(first)->record, size_t(chunks) * kStrandsPerChunk};
+  const OutputRow& row = draw.format();
+  const bool sorted = vertex_order == VertexOrder::kSorted;
+  const size_t strands = sorted ? draw.strand_count : size_t(chunks) * kStrandsPerChunk;
+  draw.vertices = {memory.Block(sorted ? row.in_draw_order : row.in_strand_order, first),
+                   strands * row.StrandBytes()};
+}
+
+void AddShells(const FrameMemory& memory, uint32_t first, uint32_t chunks, LayerDraw& draw) {
+  draw.shells = FindShells(memory, draw.layer);
+  draw.vertices = {memory.Block(draw.format().in_draw_order, first),
+                   size_t(chunks) * sizeof(ShellVertexBlock)};
+}
+
 // The chunks of a layer lie one behind the other in every stream: its vertices are one span.
 LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t layer) {
   const SceneShape& shape = *memory.shape;
@@ -15,22 +36,14 @@ LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t
   LayerDraw draw{};
   draw.layer = layer;
   draw.output = Output(OutputOf(shape.layer_kind[layer]));
-  draw.strand_count = memory.Of<&Streams::layer_sort>(layer)->visible_count;
-  draw.order = {memory.Of<&Streams::order>(first)->strand, draw.strand_count};
-  for (uint32_t c = first; c < first + chunks; ++c)
-    draw.live_strands += memory.Of<&Streams::chunk_state>(c)->live_strands;
   std::copy_n(box.low, 3, draw.low);
   std::copy_n(box.high, 3, draw.high);
   draw.tip_width = memory.Of<&Streams::layers>(layer)->tip_width;
-  if (shape.layer_kind[layer] & kLayerLit) {
-    draw.looks = {memory.Of<&Streams::looks>(first)->record, size_t(chunks) * kStrandsPerChunk};
-    draw.light = memory.Of<&Streams::layer_light>(layer);
-  }
-  const OutputRow& row = draw.format();
-  const bool sorted = vertex_order == VertexOrder::kSorted;
-  const size_t strands = sorted ? draw.strand_count : size_t(chunks) * kStrandsPerChunk;
-  draw.vertices = {memory.Block(sorted ? row.in_draw_order : row.in_strand_order, first),
-                   strands * row.StrandBytes()};
+  if (shape.layer_kind[layer] & kLayerLit) draw.light = memory.Of<&Streams::layer_light>(layer);
+  if (draw.format().OfStrands())
+    AddStrands(memory, vertex_order, first, chunks, draw);
+  else
+    AddShells(memory, first, chunks, draw);
   return draw;
 }
 
@@ -46,6 +59,7 @@ uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandC
   const SceneShape& shape = *memory.shape;
   if (layer >= shape.layer_count) return 0;
   const OutputRow& row = kOutputs[OutputOf(shape.layer_kind[layer])];
+  if (!row.OfStrands()) return 0;
   const float tip_width = memory.Of<&Streams::layers>(layer)->tip_width;
   size_t written = 0;
   for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
@@ -56,6 +70,30 @@ uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandC
       out[written] = row.read_curve(records + i * row.curve_bytes, tip_width);
   }
   return uint32_t(written);
+}
+
+ShellDraw FindShells(const FrameMemory& memory, uint32_t layer) {
+  const SceneShape& shape = *memory.shape;
+  if (layer >= shape.layer_count || !(shape.layer_kind[layer] & kLayerShells)) return {};
+  const uint32_t first = shape.layer_first_chunk[layer], chunks = shape.LayerChunks(layer);
+  const ShellLodBlock& lod = *memory.Of<&Streams::shell_lod>(layer);
+  return {{lod.shell, lod.count},
+          lod.texture_repeat,
+          {memory.Of<&Streams::shell_skin>(first), chunks},
+          {memory.Of<&Streams::strands>(first), chunks}};
+}
+
+uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices) {
+  uint32_t count = 0;
+  for (uint32_t c = 0; c < shells.triangles.size(); ++c) {
+    const StrandBlock& block = shells.triangles[c];
+    for (uint32_t t = 0; t < block.strand_count; ++t)
+      for (const auto& corner : block.vertex) {
+        if (count < indices.size()) indices[count] = c * kVerticesPerChunk + corner[t];
+        ++count;
+      }
+  }
+  return count;
 }
 
 }  // namespace pelt

@@ -21,10 +21,22 @@
 
 namespace pelt {
 
+// How a layer of shells is drawn: its triangles, `shell` by `shell` from the skin up, each vertex at
+// position + h groom + h^2 force. All but the shells stays the same from frame to frame.
+struct ShellDraw {
+  std::span<const Shell> shell;
+  float texture_repeat = 0.0f;
+  // For each chunk of the layer its vertices' places on the skin, and its triangles; a chunk has
+  // kVerticesPerChunk places among the draw's vertices.
+  std::span<const ShellSkinBlock> skin;
+  std::span<const StrandBlock> triangles;
+};
+
 struct LayerDraw {
   uint32_t layer;  // of the scene
   Output output;   // its row of kOutputs says what a vertex is
-  // VertexOrder::kSorted: of the strands to draw, in drawing order. kIndexBuffer: of every place of
+  // Shells: of every vertex of the layer, in the order of `shells.skin`; strand_count is 0, and no
+  // strand has an order. VertexOrder::kSorted: of the strands to draw, in drawing order. kIndexBuffer: of every place of
   // the layer, in strand order, those that `order` does not name holding anything.
   std::span<const std::byte> vertices;
   // To draw: instances, or times OutputRow::vertices_per_strand vertices.
@@ -38,9 +50,11 @@ struct LayerDraw {
   // strands that do not live holding anything; and what lights it. Else empty, and null.
   std::span<const LookRecord> looks;
   const LayerLightBlock* light;
+  ShellDraw shells;  // of a layer of shells, else empty
 
   const OutputRow& format() const { return kOutputs[size_t(output)]; }
-  // The vertices as what they are, CurveRecord, RibbonVertex or LineVertex; empty for another format's type.
+  // The vertices as what they are, CurveRecord, RibbonVertex, LineVertex or ShellVertex;
+  // empty for another format's type.
   template <class Vertex>
   std::span<const Vertex> As() const {
     if (&kVertexType<Vertex> != format().vertex_type) return {};
@@ -51,5 +65,14 @@ struct LayerDraw {
 // Of a frame that has run; `draws` has room for the scene's layers.
 void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<LayerDraw>& draws);
 uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandCurve> out);
+
+// Of any layer at any time: its triangles and their places on the skin do not change. Empty for layers
+// of strands.
+ShellDraw FindShells(const FrameMemory& memory, uint32_t layer);
+
+// Indices of a layer's triangles among its draw's vertices, three each, counter-clockwise from
+// outside as the mesh has them; the same in every frame. Returns how many there are, and writes
+// those there is room for.
+uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices);
 
 }  // namespace pelt

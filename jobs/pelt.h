@@ -186,7 +186,7 @@ int pelt_pull(PeltScene* scene);
 
 /* ---- What there is to draw ---- */
 
-enum PeltOutput { PELT_INSTANCES = 0, PELT_RIBBONS = 1, PELT_LINES = 2 };
+enum PeltOutput { PELT_INSTANCES = 0, PELT_RIBBONS = 1, PELT_LINES = 2, PELT_SHELLS = 3 };
 
 /* What a strand of a lit layer is shaded with. */
 typedef struct PeltLook {
@@ -203,6 +203,14 @@ typedef struct PeltLayerLight {
   float sun_direction[3], sun_rgb[3];
   float rim_direction[3], rim_rgb[3], rim_exponent;
 } PeltLayerLight;
+
+/* One shell: an instance of the layer's triangles. */
+typedef struct PeltShell {
+  float height;    /* h: vertices are at position + h groom + h^2 force */
+  float shadow;    /* share of the light that gets down to it */
+  float threshold; /* drawn where the texture, times the stencil, is above */
+  float fade;      /* alpha */
+} PeltShell;
 
 typedef struct PeltDraw {
   uint32_t layer;
@@ -221,6 +229,10 @@ typedef struct PeltDraw {
   const PeltLook* looks;
   uint32_t look_count;
   const PeltLayerLight* light;
+  /* PELT_SHELLS, which have no strands: what to draw of the layer's triangles, from the skin up. */
+  const PeltShell* shells;
+  uint32_t shell_count;
+  float texture_repeat; /* of the fur's texture, along 0 to 1 of the skin's coordinates */
 } PeltDraw;
 
 /* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none
@@ -242,6 +254,14 @@ uint32_t pelt_copy_curves(PeltScene* scene, uint32_t layer, PeltStrandCurve* cur
  * names otherwise. 24 for each strand. Returns how many were written. */
 uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint32_t* indices,
                              uint32_t room);
+
+/* What does not change of a layer of shells: ask once. Each returns how much there is, 0 for other
+ * layers, and writes what there is room for: three indices a triangle; u and v of each vertex that the
+ * draw has; a byte for each texel of the fur's texture, whose side is returned. */
+uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* indices,
+                            uint32_t room);
+uint32_t pelt_shell_uvs(const PeltScene* scene, uint32_t layer, float (*uvs)[2], uint32_t room);
+uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texels, size_t room);
 
 /* Digest of all that the last frame computed: the same on every machine and thread count. */
 uint64_t pelt_digest(const PeltScene* scene);

@@ -8,6 +8,7 @@
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/groom/fur_texture.hpp"
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
@@ -124,7 +125,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
     *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
-    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0;
+    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0;
     for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
       const GroomLayer& layer = groom.layers[l];
       *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
@@ -134,16 +135,23 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       layer_length_max_.push_back(layer.length_max);
       layer_strands_.push_back(layer.strand_count);
       layer_simulates_.push_back(0);
+      const bool shells = layer.params.output == Output::kShells;
+      if (shells) *memory_.Of<&Streams::shell_layers>(layer_index) = FillShellLayer(layer.params);
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
         *memory_.Of<&Streams::mesh>(chunk) = groom.mesh[layer.first_chunk + i];
         *memory_.Of<&Streams::strands>(chunk) = groom.strands[layer.first_chunk + i];
-        if (layer.params.lit)
+        if (layer.params.lit && !shells)
           *memory_.Of<&Streams::strand_uv>(chunk) = groom.strand_uv[layer.first_chunk + i];
         const bool on_vertices = layer.params.chain == ChainKind::kVertex;
-        if (on_vertices)
-          *memory_.Of<&Streams::vertex_rest>(chunk) = groom.vertex_rest[vertex_rest++];
         const float* strength = nullptr;
-        if (layer.params.points == 5) {
+        if (on_vertices) {
+          auto& rest = *memory_.Of<&Streams::vertex_rest>(chunk);
+          rest = groom.vertex_rest[vertex_rest++];
+          strength = rest.strength;
+        }
+        if (shells) {
+          *memory_.Of<&Streams::shell_skin>(chunk) = groom.shell_skin[shell_skin++];
+        } else if (layer.params.points == 5) {
           auto& rest = *memory_.Of<&Streams::strand_rest5>(chunk);
           rest = groom.strand_rest5[rest5++];
           strength = rest.strength;
@@ -250,6 +258,8 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
       BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
                   {memory_.Of<&Streams::layers>(0), shape().layer_count}, in.lod.strand_budget);
   const bool view_changed = FillView(in, lod);
+  std::copy_n(lod.view.eye, 3, params_->select_shells.eye);
+  params_->select_shells.all = in.skip.lod ? 0 : 1;
 
   SimulateParams simulate{};
   simulate.dt = float(StepOf(in));
@@ -310,6 +320,13 @@ std::span<const LayerDraw> FurScene::Draws() const {
 
 uint32_t FurScene::CopyCurves(uint32_t layer, std::span<StrandCurve> out) const {
   return phase_.IsDone() ? pelt::CopyCurves(memory_, layer, out) : 0;
+}
+
+std::vector<uint8_t> FurScene::FurTexture(uint32_t layer, uint32_t& side) const {
+  side = 0;
+  if (layer >= layer_params_.size() || layer_params_[layer].output != Output::kShells) return {};
+  side = layer_params_[layer].fur_texture_size;
+  return MakeFurTexture(layer_params_[layer]);
 }
 
 uint32_t FurScene::LiveStrands() const {

@@ -162,6 +162,10 @@ class FurScene {
   // how many were written: none of a layer that is not in Draws().
   uint32_t CopyCurves(uint32_t layer, std::span<StrandCurve> out) const;
 
+  // The texture that a layer's shells are cut from: texels of one byte, `side` in each row; empty for
+  // other layers. The same whenever it is asked for: once, when the scene is made.
+  std::vector<uint8_t> FurTexture(uint32_t layer, uint32_t& side) const;
+
   // Lanes of the block of `item` that hold values of the last frame run.
   uint32_t LiveLanes(Stream stream, uint32_t item) const { return memory_.LiveLanes(stream, item); }
   uint64_t DigestStream(Stream stream) const { return pelt::DigestStream(memory_, stream); }

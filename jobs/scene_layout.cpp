@@ -91,11 +91,12 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
       "or leave out layers or characters",
       share * double(layout.strand_count), layout.strand_count);
   const auto less = [](const OutputRow& a, const OutputRow& b) {
-    return a.StrandBytes() < b.StrandBytes();
+    return a.OfStrands() && (!b.OfStrands() || a.StrandBytes() < b.StrandBytes());
   };
   const OutputRow& least = *std::min_element(std::begin(kOutputs), std::end(kOutputs), less);
   for (const OutputRow& output : kOutputs)
-    if (less(least, output) && layout.ranges[size_t(output.in_draw_order)].bytes != 0)
+    if (output.OfStrands() && less(least, output) &&
+        layout.ranges[size_t(output.in_draw_order)].bytes != 0)
       text += Format("; layers with output = \"{}\" need less than {}", least.name, output.name);
   return text;
 }

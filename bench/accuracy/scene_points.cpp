@@ -40,7 +40,8 @@ uint32_t FindNearest(const RootBlock& roots, uint32_t lane, uint32_t live) {
 ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     const uint32_t live = scene.memory().Of<&Streams::chunk_state>(c)->live_strands;
-    if (live == 0) continue;
+    const bool shells = scene.shape().layer_kind[scene.shape().chunk_layer[c]] & kLayerShells;
+    if (live == 0 || shells) continue;  // nothing is simulated of shells
     const uint32_t free_points = HasFivePoints(scene, c) ? 4 : 3;
     pieces_.push_back({c, live, free_points, size_});
     size_ += size_t(live) * free_points * 3;

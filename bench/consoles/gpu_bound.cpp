@@ -78,6 +78,7 @@ std::vector<DrawPass> FindDrawPasses(const FurScene& scene, const View& view,
   DrawPass shadows{.name = "shadow map"}, picture{.name = "strands"};
   std::vector<StrandCurve> curves;
   for (const LayerDraw& draw : scene.Draws()) {
+    if (!draw.format().OfStrands()) continue;
     AddLayer(draw, InShadowMap(draw.output, shaders), shadows);
     AddLayer(draw, InPicture(draw.output, shaders), picture);
     curves.resize(draw.live_strands);

@@ -51,8 +51,9 @@ void ReadLine(const LayerDraw& draw, uint32_t strand, Hair& hair) {
 }
 
 // For each output, how the vertices of one strand of a draw are read.
+// Shells have none.
 constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCurve, ReadRibbon,
-                                                                          ReadLine};
+                                                                          ReadLine, nullptr};
 static_assert(std::size(kReaders) == kOutputCount);
 
 Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, uint32_t place) {

@@ -193,6 +193,7 @@ class CullingCheck {
     if (!IsVisible(scene, layer)) return;  // switched off, or without strands
     const SceneShape& shape = scene.shape();
     const float reach = scene.memory().Of<&Streams::layers>(layer)->length_max;
+    if (shape.layer_kind[layer] & kLayerShells) return ForEachShellPoint(layer, visit);
     const bool five = shape.layer_kind[layer] & kLayerFivePoints;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& roots = *scene.memory().Of<&Streams::roots>(c);
@@ -211,6 +212,26 @@ class CullingCheck {
             away2 += (double(point.at[axis]) - root) * (double(point.at[axis]) - root);
           }
           if (away2 < double(reach) * reach && visit(point)) return;
+        }
+    }
+  }
+
+  // Of every vertex, on the skin and at the tips.
+  template <class Visit>
+  void ForEachShellPoint(uint32_t layer, Visit visit) {
+    const FurScene& scene = seen_.scene();
+    const SceneShape& shape = scene.shape();
+    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
+      const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(c);
+      const uint32_t count = scene.memory().Of<&Streams::chunk_state>(c)->live_vertices;
+      for (uint32_t v = 0; v < count; ++v)
+        for (uint32_t p = 0; p < 2; ++p) {
+          const ShellVertex& vertex = vertices.vertex[v];
+          Point point{c, v, p, {}};
+          for (int axis = 0; axis < 3; ++axis)
+            point.at[axis] =
+                vertex.position[axis] + float(p) * (vertex.groom[axis] + vertex.force[axis]);
+          if (visit(point)) return;
         }
     }
   }

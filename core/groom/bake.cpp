@@ -7,6 +7,7 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
+#include "core/groom/shell_skin.hpp"
 
 namespace pelt {
 namespace {
@@ -30,6 +31,15 @@ float MeasureMetresPerMeshUnit(const Mesh& mesh, const RestGeometry& rest, float
   return float(std::sqrt(rest_area / mesh_area));
 }
 
+// What stands where: strands that are scattered, or the triangles of shells.
+std::vector<ScatterPoint> PlaceStrands(const Character& character, const RestGeometry& rest,
+                                       const FurSetup& setup, const LayerSetup& layer,
+                                       const Growth& growth, ScatterDensity* density) {
+  if (layer.params.output == Output::kShells)
+    return PlaceShells(character, rest, setup, layer, growth, density);
+  return ScatterLayer(character, rest, setup, layer, growth, density);
+}
+
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer, std::span<const uint32_t> duplicates,
                float metres_per_mesh_unit, Groom& groom, ScatterStats* stats,
@@ -41,13 +51,20 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
   const AttributeMaker maker(character, rest, setup, layer);
   ScatterDensity density;
   const std::vector<ScatterPoint> points =
-      ScatterLayer(character, rest, setup, layer, growth, &density);
+      PlaceStrands(character, rest, setup, layer, growth, &density);
   std::vector<GroomedStrand> strands(points.size());
   for (uint32_t i = 0; i < points.size(); ++i) strands[i] = maker.Groom(points[i], i);
-  const VertexChains vertices(character.mesh, rest, duplicates, maker, strands);
+  // Shells know each vertex's own fur; other layers have the mean of the strands around it.
+  std::optional<ShellSkin> shells;
+  if (layer.params.output == Output::kShells)
+    shells.emplace(character.mesh, rest, growth, maker, points);
+  const VertexChains vertices(character.mesh, rest, duplicates, maker,
+                              shells ? shells->corners() : strands);
   const std::vector<Patch> patches =
       CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
-  AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit}, patches, groom);
+  AppendLayer(
+      {character.mesh, layer, strands, vertices, metres_per_mesh_unit, shells ? &*shells : nullptr},
+      patches, groom);
   if (densities) densities->push_back({layer.name, density, groom.layers.back().length_max});
   if (stats) {
     stats->layers.push_back(MeasureLayerScatter(character, rest, layer, growth, points, patches));

@@ -178,6 +178,27 @@ void FillVertexRest(const LayerBake& bake, const Patch& patch, RestBlock<4>& blo
   }
 }
 
+void FillShellSkin(const LayerBake& bake, const Patch& patch, ShellSkinBlock& block) {
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const uint32_t v = patch.vertices[SourceLane(lane, uint32_t(patch.vertices.size()))];
+    for (int axis = 0; axis < 2; ++axis) block.uv[lane][axis] = bake.mesh.uv[v][axis];
+    const ShellColours colours = (*bake.shells)[v];
+    block.base_colour[lane] = colours.base;
+    block.tip_colour[lane] = colours.tip;
+  }
+}
+
+// How far from the skin the layer may be found.
+float FindReach(const LayerBake& bake, std::span<const Patch> patches) {
+  float reach = 0.0f;
+  for (const GroomedStrand& strand : bake.strands) reach = std::max(reach, strand.length);
+  if (!bake.shells) return reach;
+  // Groom and force, each as long as the fur (kernels/shell_force.hpp), and rounding.
+  for (const Patch& patch : patches)
+    for (const uint32_t v : patch.vertices) reach = std::max(reach, bake.vertices[v].length);
+  return 2.001f * reach;
+}
+
 // Bind-space boxes of the vertices that each joint moves.
 class JointBoxes {
  public:
@@ -222,9 +243,7 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
   layer.first_chunk = uint32_t(groom.mesh.size());
   layer.chunk_count = uint32_t(patches.size());
   layer.strand_count = uint32_t(bake.strands.size());
-  for (const GroomedStrand& strand : bake.strands) {
-    layer.length_max = std::max(layer.length_max, strand.length);
-  }
+  layer.length_max = FindReach(bake, patches);
   LocalVertices local(bake.mesh.position.size());
   JointBoxes boxes;
   groom.mesh.reserve(groom.mesh.size() + patches.size());
@@ -239,7 +258,9 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
     if (layer.params.chain == ChainKind::kVertex) {
       FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
     }
-    if (layer.params.points == 5) {
+    if (bake.shells) {
+      FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
+    } else if (layer.params.points == 5) {
       FillStrandRest(bake, patch, groom.strand_rest5.emplace_back());
     } else {
       FillStrandRest(bake, patch, groom.strand_rest4.emplace_back());

@@ -10,6 +10,7 @@
 
 #include "core/groom/groom.hpp"
 #include "core/groom/patches.hpp"
+#include "core/groom/shell_skin.hpp"
 #include "core/groom/vertex_chains.hpp"
 
 namespace pelt {
@@ -20,6 +21,7 @@ struct LayerBake {
   std::span<const GroomedStrand> strands;  // progressive order
   const VertexChains& vertices;
   float metres_per_mesh_unit;
+  const ShellSkin* shells = nullptr;  // of a layer of shells
 };
 
 // Appends the layer, its chunks and its joint boxes to the groom.

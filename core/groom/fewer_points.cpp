@@ -61,6 +61,7 @@ Groom ResampleToFewestPoints(const Groom& groom) {
   out.strand_rest5.clear();
   size_t four = 0, five = 0;
   for (GroomLayer& layer : out.layers) {
+    if (layer.params.output == Output::kShells) continue;  // has no strands' chains
     for (uint32_t c = 0; c < layer.chunk_count; ++c)
       out.strand_rest4.push_back(layer.params.points == kFrom ? Resample(groom.strand_rest5[five++])
                                                               : groom.strand_rest4[four++]);

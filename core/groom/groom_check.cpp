@@ -140,7 +140,8 @@ class Checker {
 };
 
 bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
-bool HasStrandRest4(const LayerParams& p) { return p.points == 4; }
+bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
+bool HasStrandRest4(const LayerParams& p) { return p.points == 4 && !HasShells(p); }
 bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
 
 bool Checker::CheckSkeleton() {
@@ -188,7 +189,7 @@ bool Checker::CheckLayout() {
     return FailSection(layers,
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
-  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0;
+  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -205,7 +206,9 @@ bool Checker::CheckLayout() {
     }
     chunks += layer.chunk_count;
     if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
-    (HasStrandRest5(layer.params) ? rest5 : rest4) += layer.chunk_count;
+    if (HasStrandRest4(layer.params)) rest4 += layer.chunk_count;
+    if (HasStrandRest5(layer.params)) rest5 += layer.chunk_count;
+    if (HasShells(layer.params)) shell_skin += layer.chunk_count;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
@@ -214,7 +217,7 @@ bool Checker::CheckLayout() {
   return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
          expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
-         expect(groom_.strand_uv, chunks);
+         expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
@@ -236,6 +239,7 @@ bool Checker::CheckLayer(size_t index) {
   size_t vertex_rest = CountBefore(layer.first_chunk, HasVertexRest);
   size_t rest4 = CountBefore(layer.first_chunk, HasStrandRest4);
   size_t rest5 = CountBefore(layer.first_chunk, HasStrandRest5);
+  size_t shell_skin = CountBefore(layer.first_chunk, HasShells);
   for (uint32_t c = 0; c < layer.chunk_count; ++c) {
     const size_t chunk = layer.first_chunk + c;
     const StrandBlock& block = groom_.strands[chunk];
@@ -259,6 +263,7 @@ bool Checker::CheckLayer(size_t index) {
     if (HasStrandRest5(layer.params) &&
         !CheckRest(groom_.strand_rest5, rest5++, block.strand_count))
       return false;
+    if (HasShells(layer.params) && !CheckBounds(groom_.shell_skin, shell_skin++)) return false;
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }

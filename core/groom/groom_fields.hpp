@@ -159,8 +159,8 @@ uint64_t MeasureItem(const T& item) {
 // Sections in file order.
 inline constexpr std::string_view kSectionNames[] = {
     "general", "skeleton",    "joint_names",  "layers",       "layer_joints", "mesh",
-    "strands", "vertex_rest", "strand_rest4", "strand_rest5", "strand_uv"};
-inline constexpr uint32_t kSectionCount = 11;
+    "strands", "vertex_rest", "strand_rest4", "strand_rest5", "strand_uv",    "shell_skin"};
+inline constexpr uint32_t kSectionCount = 12;
 inline constexpr uint64_t kSectionNameBytes = 16;
 inline constexpr uint64_t kHeaderBytes = 48;
 inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
@@ -177,6 +177,7 @@ void ListSections(auto&& visit, Like<Groom> auto& groom) {
   visit(kSectionNames[8], groom.strand_rest4);
   visit(kSectionNames[9], groom.strand_rest5);
   visit(kSectionNames[10], groom.strand_uv);
+  visit(kSectionNames[11], groom.shell_skin);
 }
 
 }  // namespace pelt::groom_file

@@ -34,6 +34,9 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.max_distance > 0.0f && params.solver != Solver::kModal) {
     return BadKey{"max_distance", "only solver = \"modal\" keeps it"};
   }
+  if (params.output == Output::kShells && params.chain != ChainKind::kVertex) {
+    return BadKey{"output", "shells stand on mesh vertices: chain = \"vertex\""};
+  }
   return std::nullopt;
 }
 

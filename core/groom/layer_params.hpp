@@ -30,7 +30,7 @@ inline constexpr float kLeastMaxDistance = 0.05f;
 
 enum class Solver : uint8_t { kPbd, kVerlet, kModal };
 enum class ChainKind : uint8_t { kVertex, kStrand };
-enum class Output : uint8_t { kInstances, kRibbons, kLines };
+enum class Output : uint8_t { kInstances, kRibbons, kLines, kShells };
 
 struct LayerParams {
   bool enabled = true;
@@ -67,6 +67,16 @@ struct LayerParams {
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
   bool lit = false;  // the frame says what light reaches the layer
+  // Of shells (core/chunk.hpp); and the texture they are cut from (core/groom/fur_texture.hpp).
+  uint32_t shells = kMaxShells;  // up close
+  ConeKind cone_kind = ConeKind::kExact;
+  float cone = 0.2f;                // least cosine between force and normal; -1: no cone
+  float fur_shadow = 0.3f;          // light left at the skin
+  float fur_density = 0.5f;         // hairs drawn for each texel, at random
+  float fur_min_length = 0.2f;      // of the longest hair
+  uint32_t fur_texture_size = 256;  // texels a side
+  float fur_texture_repeat = 4.0f;  // along 0..1 of the skin's coordinates
+  uint32_t fur_seed = 1;
 };
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
@@ -100,6 +110,7 @@ using enum KeyGroup;
 inline constexpr Text kSolverWords[] = {"pbd", "verlet", "modal"};
 inline constexpr Text kQualityWords[] = {"fast", "default", "best"};
 inline constexpr Text kChainWords[] = {"vertex", "strand"};
+inline constexpr Text kConeWords[] = {"exact", "published"};
 inline constexpr Text kDirtFields[] = {"dirt_red", "dirt_green", "dirt_blue"};
 
 template <class T>
@@ -154,7 +165,8 @@ inline constexpr auto kRows = std::tuple{
         "bend removed, an iteration; last joint", &B::angular_end, kSoftened),
     Row(&P::surface_hardness, kMotion, "surface_hardness", "", 0, 1,
         "depth under the skin removed, an iteration or substep", &B::surface_hardness, kClamped),
-    Row(&P::stiffness, kMotion, "stiffness", "", 0, 1, "verlet: way to the groom, an iteration",
+    Row(&P::stiffness, kMotion, "stiffness", "", 0, 1,
+        "verlet: way to the groom, an iteration; shells: share of the pull that does not bend them",
         &B::stiffness, kSoftened),
     Row(&P::clump, kMotion, "clump", "", 0, 1, "way to the control strand, at the tip"),
     Row(&P::tip_width, kLook, "tip_width", "", 0, 4, "width at the tip over that at the root",
@@ -175,6 +187,22 @@ inline constexpr auto kRows = std::tuple{
         .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
         .group = kWeather, .in_file = kDirtFields},
     SwitchRow(&P::lit, kLook, "lit", "gather the scene's lights for it, for the renderer to shade with"),
+    Row(&P::shells, kLook, "shells", "", 1, kMaxShells,
+        "shells: how many up close; at d metres at most 40 / d"),
+    WordRow(&P::cone_kind, kMotion, "cone_kind", kConeWords,
+            "shells: how the force is kept in its cone; published: as in the original"),
+    Row(&P::cone, kMotion, "cone", "", -1, 1,
+        "shells: least cosine between the force and the skin's normal; -1: no cone"),
+    Row(&P::fur_shadow, kLook, "fur_shadow", "", 0, 1, "shells: share of the light left at the skin"),
+    Row(&P::fur_density, kLook, "fur_density", "", 0, 8,
+        "shells: hairs thrown on the texture, for each texel; 1 - exp(-density) of them have one"),
+    Row(&P::fur_min_length, kLook, "fur_min_length", "", 0, 1,
+        "shells: of the shortest hair, over the longest"),
+    Row(&P::fur_texture_size, kLook, "fur_texture_size", "texels", 1, 2048,
+        "shells: side of the texture"),
+    Row(&P::fur_texture_repeat, kLook, "fur_texture_repeat", "", 0.01, 1000,
+        "shells: of the texture, along 0 to 1 of the skin's coordinates"),
+    Row(&P::fur_seed, kLook, "fur_seed", "", 0, 1e6, "shells: of the texture's random numbers"),
 };
 // clang-format on
 static_assert(std::tuple_size_v<decltype(kRows)> == kMemberCount<LayerParams>,

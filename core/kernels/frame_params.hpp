@@ -7,6 +7,7 @@
 #include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
 #include "core/kernels/select_lod.hpp"
+#include "core/kernels/select_shells.hpp"
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/sort_key.hpp"
 #include "core/kernels/wind.hpp"
@@ -24,6 +25,7 @@ struct FrameParams {
   OrderLayersParams order_layers{};
   WriteRibbonsParams write_ribbons{};
   LightLayerParams light_layer{};
+  SelectShellsParams select_shells{};
 };
 
 }  // namespace pelt

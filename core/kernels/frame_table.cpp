@@ -18,6 +18,8 @@
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
 #include "core/kernels/select_lod.hpp"
+#include "core/kernels/select_shells.hpp"
+#include "core/kernels/shell_force.hpp"
 #include "core/kernels/simulate_modal.hpp"
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/simulate_verlet.hpp"
@@ -70,6 +72,7 @@ constexpr FrameRow kRows[] = {
     Row<BoundLayer<V>>(kLayer, kAlways),
     Row<SelectLod<V>>(kLayer, kAlways),
     Row<LightLayer<V>>(kLayer, kRelit),
+    Row<SelectShells<V>>(kLayer, kAlways),
 
     // A chunk from mesh to strands: nothing outside it but the pose.
     Row<Activate<V>>(kChunk, kAlways),
@@ -92,6 +95,7 @@ constexpr FrameRow kRows[] = {
     Row<FitRibbon<V, 4>>(kChunk, kFitted),
     Row<FitRibbon<V, 5>>(kChunk, kFitted),
     Row<WriteLooks<V>>(kChunk, kFitted),
+    Row<ShellForce<V>>(kChunk, kFitted),
     Row<SortKey<V, 4>>(kChunk, kKeyed),
     Row<SortKey<V, 5>>(kChunk, kKeyed),
 

@@ -14,6 +14,9 @@
 // only through the band. The last strands of the prefix fade out; the fade narrows to nothing as
 // the share reaches 1, so it does not jump there either.
 //
+// Shells are of whole layers: of one that is seen every strand (triangle) lives, at any distance
+// that it has a shell at (select_shells.hpp), and the budget does not count them.
+//
 // Invariant: visible == 0 means fraction 0, and fraction > 0 means visible != 0. What breaks if
 // ignored: chunks with no live strands in a visible layer would keep last frame's sort keys.
 #pragma once
@@ -22,6 +25,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/kernels/select_shells.hpp"
 #include "core/streams.hpp"
 #include "core/view.hpp"
 
@@ -68,14 +72,10 @@ PELT_INLINE bool IsVisible(const SelectLodParams& p, const LayerBlock& layer,
 // Share of strands the box's size on the screen asks for.
 template <class V>
 PELT_INLINE float WantedFraction(const SelectLodParams& p, const BoundsBlock& box) {
-  float diagonal2 = 0.0f, distance2 = 0.0f;
+  float diagonal2 = 0.0f, distance2 = SquaredDistance(p.view.eye, box);
   for (int axis = 0; axis < 3; ++axis) {
     const float edge = box.high[axis] - box.low[axis];
-    const float below = box.low[axis] - p.view.eye[axis];
-    const float above = p.view.eye[axis] - box.high[axis];
-    const float gap = below > 0.0f ? below : above > 0.0f ? above : 0.0f;
     diagonal2 = diagonal2 + edge * edge;
-    distance2 = distance2 + gap * gap;
   }
   const float near2 = p.view.near_m * p.view.near_m;
   if (distance2 < near2) distance2 = near2;
@@ -106,8 +106,10 @@ PELT_INLINE float BudgetScale(std::span<const LodBlock> lod, std::span<const Lay
                               uint32_t strand_budget) {
   if (strand_budget == 0) return 1.0f;
   double strands = 0.0;
-  for (size_t i = 0; i < lod.size() && i < layers.size(); ++i)
+  for (size_t i = 0; i < lod.size() && i < layers.size(); ++i) {
+    if (layers[i].flags & kLayerShells) continue;
     if (lod[i].visible) strands += double(lod[i].wanted) * double(layers[i].strand_count);
+  }
   return strands > double(strand_budget) ? float(double(strand_budget) / strands) : 1.0f;
 }
 
@@ -124,9 +126,11 @@ struct SelectLod {
   static PELT_INLINE void SetFraction(const Params& p, const Ports& ports) {
     using namespace select_lod_detail;
     LodBlock& lod = *ports.lod;
-    if (!(p.flags & kLodOn)) {
-      lod.wanted = 1.0f;
-      lod.fraction = 1.0f;
+    const bool shells = (ports.layer->flags & kLayerShells) != 0;
+    if (!(p.flags & kLodOn) || shells) {
+      const bool reached = !(p.flags & kLodOn) || !shells ||
+                           CountShells(SquaredDistance(p.view.eye, *ports.bounds), 1) != 0;
+      lod.wanted = lod.fraction = reached ? 1.0f : 0.0f;
       lod.fade = 0.0f;
       return;
     }

@@ -36,6 +36,29 @@ PELT_INLINE typename V::Int ScaleAlpha(typename V::Int colour, V share) {
   return (colour & I(0x00ffffff)) | (Truncate(alpha) << 24);
 }
 
+// What weather makes of the layer's colours.
+template <class V>
+struct LayerTint {
+  bool changes;
+  float scale;
+  V add[3];
+};
+
+template <class V>
+PELT_INLINE LayerTint<V> MakeTint(const LayerBlock& layer) {
+  LayerTint<V> tint{};
+  tint.changes = layer.darken != 1.0f || layer.dirt > 0.0f;
+  if (!tint.changes) return tint;
+  tint.scale = layer.darken * (1.0f - layer.dirt);
+  for (int k = 0; k < 3; ++k) tint.add[k] = V(layer.dirt * layer.dirt_colour[k] * 255.0f);
+  return tint;
+}
+
+template <class V>
+PELT_INLINE typename V::Int Tinted(const LayerTint<V>& tint, typename V::Int colour) {
+  return tint.changes ? Tint<V>(colour, tint.scale, tint.add) : colour;
+}
+
 // Lanes [lane, lane + kLanes) of the chunk.
 template <class V>
 PELT_INLINE StrandLook<V> Look(const LayerBlock& layer, const ChunkStateBlock& state,
@@ -43,15 +66,10 @@ PELT_INLINE StrandLook<V> Look(const LayerBlock& layer, const ChunkStateBlock& s
   using I = typename V::Int;
   const I lanes = I::Iota(int32_t(lane));
   StrandLook<V> look;
-  look.base_colour = I::Load(strands.base_colour + lane);
-  look.tip_colour = I::Load(strands.tip_colour + lane);
-  if (layer.darken != 1.0f || layer.dirt > 0.0f) {
-    const float clean = 1.0f - layer.dirt;
-    V add[3];
-    for (int k = 0; k < 3; ++k) add[k] = V(layer.dirt * layer.dirt_colour[k] * 255.0f);
-    look.base_colour = Tint<V>(look.base_colour, layer.darken * clean, add);
-    look.tip_colour = Tint<V>(look.tip_colour, layer.darken * clean, add);
-  }
+  const I base = I::Load(strands.base_colour + lane), tip = I::Load(strands.tip_colour + lane);
+  const LayerTint<V> tint = MakeTint<V>(layer);
+  look.base_colour = Tinted(tint, base);
+  look.tip_colour = Tinted(tint, tip);
   if (state.fade_count > 0.0f) {
     const V left = (V(state.live_exact) - ToFloat(lanes)) / V(state.fade_count);
     const V share = Clamp(left, V(0.0f), V(1.0f));

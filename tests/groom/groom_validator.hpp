@@ -226,7 +226,7 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
-  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0;
+  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0, shell_skin = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
@@ -245,7 +245,9 @@ inline void ExpectValidGroom(const Groom& groom) {
       if (layer.params.chain == ChainKind::kVertex) {
         ExpectRest(groom.vertex_rest.at(vertex_rest++), block.vertex_count);
       }
-      if (layer.params.points == 5) {
+      if (layer.params.output == Output::kShells) {
+        ++shell_skin;
+      } else if (layer.params.points == 5) {
         ExpectRest(groom.strand_rest5.at(rest5++), block.strand_count);
       } else {
         ExpectRest(groom.strand_rest4.at(rest4++), block.strand_count);
@@ -255,13 +257,18 @@ inline void ExpectValidGroom(const Groom& groom) {
         longest = std::max(longest, block.length[i]);
     }
     ASSERT_EQ(layer.strand_count, strands);
-    ASSERT_EQ(layer.length_max, longest);
+    if (layer.params.output == Output::kShells) {
+      ASSERT_GE(layer.length_max, 2.0f * longest);  // bent as far again
+    } else {
+      ASSERT_EQ(layer.length_max, longest);
+    }
   }
   ASSERT_EQ(groom.mesh.size(), chunk);
   ASSERT_EQ(groom.strands.size(), chunk);
   ASSERT_EQ(groom.vertex_rest.size(), vertex_rest);
   ASSERT_EQ(groom.strand_rest4.size(), rest4);
   ASSERT_EQ(groom.strand_rest5.size(), rest5);
+  ASSERT_EQ(groom.shell_skin.size(), shell_skin);
 }
 
 }  // namespace pelt::test

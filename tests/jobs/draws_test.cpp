@@ -50,9 +50,17 @@ TEST(Draws, AreTheDrawListWithVerticesOfEveryOutput) {
   for (size_t i = 0; i < draws.size(); ++i) {
     const LayerDraw& draw = draws[i];
     EXPECT_EQ(draw.layer, list.layer[i]);
-    EXPECT_EQ(draw.vertices.size(), size_t(draw.strand_count) * draw.format().StrandBytes());
     EXPECT_EQ(draw.order.size(), draw.strand_count);
     outputs.insert(draw.output);
+    if (draw.output == Output::kShells) {
+      EXPECT_EQ(draw.strand_count, 0u);
+      EXPECT_FALSE(draw.shells.shell.empty());
+      EXPECT_EQ(draw.vertices.size(), draw.shells.skin.size() * sizeof(ShellVertexBlock));
+      strands += WriteShellIndices(draw.shells, {}) / 3;
+      continue;
+    }
+    EXPECT_TRUE(draw.shells.shell.empty());
+    EXPECT_EQ(draw.vertices.size(), size_t(draw.strand_count) * draw.format().StrandBytes());
     strands += draw.strand_count;
   }
   EXPECT_EQ(outputs.size(), kOutputCount);
@@ -83,6 +91,7 @@ TEST(Draws, AreReadAsTheirOwnVerticesOnly) {
     EXPECT_EQ(draw.As<CurveRecord>().size(), vertices(Output::kInstances, 1));
     EXPECT_EQ(draw.As<RibbonVertex>().size(), vertices(Output::kRibbons, 10));
     EXPECT_EQ(draw.As<LineVertex>().size(), vertices(Output::kLines, 5));
+    EXPECT_EQ(draw.As<ShellVertex>().size(), draw.shells.skin.size() * kVerticesPerChunk);
   }
 }
 
@@ -95,7 +104,7 @@ TEST(Draws, OfLitLayersHaveALookForEveryStrand) {
     for (const LayerDraw& draw : drawn.scene().Draws()) {
       const bool is_lit = drawn.scene().shape().layer_kind[draw.layer] & kLayerLit;
       EXPECT_EQ(draw.light != nullptr, is_lit);
-      EXPECT_EQ(draw.looks.empty(), !is_lit);
+      EXPECT_EQ(draw.looks.empty(), !is_lit || draw.output == Output::kShells);
       if (!is_lit) continue;
       ++lit;
       EXPECT_EQ(draw.light, memory.Of<&Streams::layer_light>(draw.layer));

@@ -69,10 +69,7 @@ TEST(LitLayers, AreLitAndNoOthers) {
 // Stages lie between others of their kind: no barrier is added, and without a lit layer there are
 // neither stages nor memory.
 TEST(LitLayers, CostNoBarrierAndOthersNothing) {
-  Scenario dark = TinyScenario(), lit = EveryOutputScenario();
-  for (Groom& groom : lit.grooms)
-    for (size_t l = 0; l < groom.layers.size(); ++l)
-      groom.layers[l].params.output = dark.grooms[0].layers[l].params.output;
+  Scenario dark = TinyScenario(), lit = LitScenario();
   RunningScenario without(dark, {}), with(lit, {});
   EXPECT_EQ(with.scene().plan().passes.size(), without.scene().plan().passes.size());
   EXPECT_EQ(with.scene().plan().stages.size(), without.scene().plan().stages.size() + kStages);

@@ -33,6 +33,8 @@ inline std::string FindNonFinite(const FurScene& scene) {
           if (Stream(s) == StreamOf<&Streams::ribbons>) is_float = word < 15 || word == 17;
           if (Stream(s) == StreamOf<&Streams::ribbon_vertices>) is_float = word % 8 < 6;
           if (Stream(s) == StreamOf<&Streams::line_vertices>) is_float = word % 8 < 4;
+          if (Stream(s) == StreamOf<&Streams::shell_vertices>) is_float = word % 4 < 3;
+          if (Stream(s) == StreamOf<&Streams::shell_lod>) is_float = row.name == "shell";
           if (!is_float) continue;
           float value;
           std::memcpy(&value, block + row.offset_bytes + 4 * size_t(e), 4);

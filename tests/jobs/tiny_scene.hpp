@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "core/character/pose.hpp"
+#include "core/groom/bake.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt::testing {
@@ -32,18 +34,54 @@ inline Lighting TinyLighting() {
   return lighting;
 }
 
-// `tiny` with every other layer of ribbons as lines, so that there are layers of every output, and
-// every other layer lit; the scene itself has none, as its digests are kept.
-inline Scenario EveryOutputScenario() {
+// A layer of shells on the character's head, behind the layers that there are.
+inline void AddShells(Scenario& scenario) {
+  const FurSetup setup = ReadFurSetup(
+      "[[layer]]\n"
+      "name = 'shells'\n"
+      "output = 'shells'\n"
+      "length = { value = 0.03, randomise = 0.3 }\n"
+      "shells = 12\n"
+      "fur_texture_size = 32\n"
+      "mask.range = { low = [0.0, 0.5, 0.0], high = [1.0, 1.0, 1.0] }\n",
+      "shells", ".");
+  Groom& groom = scenario.grooms[scenario.actors[0].groom];
+  const Character& character = scenario.characters[scenario.actors[0].character];
+  const Groom shells = BakeGroom(character, ComputeRestGeometry(character, groom.unit_scale), setup,
+                                 groom.unit_scale);
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  groom.layers.push_back(shells.layers[0]);
+  groom.layers.back().first_chunk = uint32_t(groom.mesh.size());
+  append(groom.layer_joints, shells.layer_joints);
+  append(groom.mesh, shells.mesh);
+  append(groom.strands, shells.strands);
+  append(groom.strand_uv, shells.strand_uv);
+  append(groom.vertex_rest, shells.vertex_rest);
+  append(groom.shell_skin, shells.shell_skin);
+}
+
+// `tiny` with every other layer lit; the scene itself has none, as its digests are kept.
+inline Scenario LitScenario() {
   Scenario scenario = TinyScenario();
   scenario.base.lighting = TinyLighting();
-  uint32_t ribbons = 0, layers = 0;
+  uint32_t layers = 0;
   for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      layer.params.lit = layers++ % 2 == 0;
+    for (GroomLayer& layer : groom.layers) layer.params.lit = layers++ % 2 == 0;
+  return scenario;
+}
+
+// Besides, every other layer of ribbons as lines, and a lit layer of shells: layers of every output.
+inline Scenario EveryOutputScenario() {
+  Scenario scenario = LitScenario();
+  uint32_t ribbons = 0;
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
       if (layer.params.output == Output::kRibbons && ribbons++ % 2 == 0)
         layer.params.output = Output::kLines;
-    }
+  AddShells(scenario);
+  scenario.grooms[0].layers.back().params.lit = true;
   return scenario;
 }
 

@@ -1,0 +1,88 @@
+// How many shells a layer is drawn with, and what each of them is: the four numbers of an instance.
+//
+//   count = min(most, floor(40 m / d)),  d from the eye to the layer's box
+//
+// so 40 shells up to a metre, 8 at five, 1 at forty, and none beyond (select_lod then leaves the
+// whole layer out). Shell i of n stands at h = (i + 1) / n, lets light down by k + (1 - k) h, and is
+// drawn where the texture is above i / n: the hairs that reach into the gap below it, so that the
+// last shell, at h = 1, has its share of them.
+//
+// Invariant: the count is found without a root or a division, so that a table of whole metres is
+// met exactly; what lies behind it in the table is zero.
+#pragma once
+
+#include <string_view>
+
+#include "core/chunk.hpp"
+#include "core/kernel.hpp"
+#include "core/streams.hpp"
+
+namespace pelt {
+
+inline constexpr float kShellReach_m = 40.0f;  // the farthest that there is a shell
+
+// Square of the distance from a place to a box, m^2; 0 inside.
+PELT_INLINE float SquaredDistance(const float (&place)[3], const BoundsBlock& box) {
+  float sum = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float below = box.low[axis] - place[axis], above = place[axis] - box.high[axis];
+    const float gap = below > 0.0f ? below : above > 0.0f ? above : 0.0f;
+    sum = sum + gap * gap;
+  }
+  return sum;
+}
+
+// The most n, up to `most`, for which n d <= kShellReach_m.
+PELT_INLINE uint32_t CountShells(float squared_distance, uint32_t most) {
+  uint32_t count = 0;
+  while (count < most &&
+         float((count + 1) * (count + 1)) * squared_distance <= kShellReach_m * kShellReach_m)
+    ++count;
+  return count;
+}
+
+struct SelectShellsParams {
+  float eye[3];  // m
+  uint32_t all;  // not 0: as many as there may be, whatever the distance
+};
+
+template <class V>
+struct SelectShells {
+  static constexpr std::string_view kName = "select_shells";
+  using Params = SelectShellsParams;
+  struct Ports {
+    In<&Streams::lod> lod;
+    In<&Streams::bounds> bounds;
+    In<&Streams::shell_layers> layer;
+    Out<&Streams::shell_lod> shells;
+  };
+
+  // From where the last shell is alone until it goes, this falls to 0.
+  static PELT_INLINE float FadeAt(float squared_distance) {
+    constexpr float kAlone = 0.5f * kShellReach_m;
+    if (squared_distance <= kAlone * kAlone) return 1.0f;
+    const float left = kShellReach_m / Sqrt(V(squared_distance))[0] - 1.0f;
+    return left > 0.0f ? left : 0.0f;
+  }
+
+  static void Run(const Params& p, const Ports& ports) {
+    const ShellLayerBlock& layer = *ports.layer;
+    ShellLodBlock& out = *ports.shells;
+    const float squared = p.all != 0 ? 0.0f : SquaredDistance(p.eye, *ports.bounds);
+    const uint32_t count = ports.lod->visible != 0 ? CountShells(squared, layer.most) : 0;
+    const float fade = count != 0 ? FadeAt(squared) : 0.0f;
+    for (uint32_t i = 0; i < kMaxShells; ++i) {
+      Shell& shell = out.shell[i];
+      const bool drawn = i < count;
+      shell.height = drawn ? float(i + 1) / float(count) : 0.0f;
+      shell.shadow = drawn ? layer.shadow + (1.0f - layer.shadow) * shell.height : 0.0f;
+      shell.threshold = drawn ? float(i) / float(count) : 0.0f;
+      shell.fade = drawn ? fade : 0.0f;
+    }
+    out.count = count;
+    out.texture_repeat = layer.texture_repeat;
+    for (uint32_t& word : out.pad) word = 0;
+  }
+};
+
+}  // namespace pelt
