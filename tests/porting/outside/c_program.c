@@ -127,7 +127,9 @@ static void TryNulls(void) {
   Expect(pelt_draws(NULL, NULL, 0) == 0 && pelt_copy_curves(NULL, 0, NULL, 0) == 0 &&
              pelt_digest(NULL) == 0 && pelt_layer_count(NULL) == 0 && !pelt_layer_name(NULL, 0) &&
              pelt_joint_count(NULL, 0) == 0 && !pelt_joint_name(NULL, 0, 0) &&
-             pelt_ribbon_indices(NULL, 1, NULL, 24) == 0,
+             pelt_ribbon_indices(NULL, 1, NULL, 24) == 0 &&
+             pelt_shell_indices(NULL, 0, NULL, 0) == 0 && pelt_shell_uvs(NULL, 0, NULL, 0) == 0 &&
+             pelt_fur_texture(NULL, 0, NULL, 0) == 0,
          "nothing of a null scene", "");
 }
 
@@ -187,6 +189,36 @@ static void TryBadFrames(PeltScene* scene) {
 
 enum { kDraws = 64 };
 
+/* What an engine would upload of them, once and each frame. */
+static void DrawShells(PeltScene* scene, const PeltDraw* draw, Canvas* canvas) {
+  const uint32_t count = pelt_shell_indices(scene, draw->layer, NULL, 0);
+  const uint32_t vertices = pelt_shell_uvs(scene, draw->layer, NULL, 0);
+  const uint32_t side = pelt_fur_texture(scene, draw->layer, NULL, 0);
+  Expect(count > 0 && count % 3 == 0 && side > 0, "triangles and a texture", draw->output_name);
+  Expect(draw->vertex_bytes == 48 && draw->vertices_bytes == (size_t)vertices * 48, "vertices",
+         draw->output_name);
+  uint32_t* indices = malloc(count * sizeof *indices);
+  float(*uvs)[2] = malloc(vertices * sizeof *uvs);
+  uint8_t* texels = malloc((size_t)side * side);
+  pelt_shell_indices(scene, draw->layer, indices, count);
+  pelt_shell_uvs(scene, draw->layer, uvs, vertices);
+  pelt_fur_texture(scene, draw->layer, texels, (size_t)side * side);
+  uint32_t hairs = 0;
+  for (uint32_t i = 0; i < side * side; ++i) hairs += texels[i] != 0;
+  Expect(hairs > 0 && hairs < side * side, "hairs and gaps", draw->output_name);
+  for (uint32_t i = 0; i < count; ++i) {
+    Expect(indices[i] < vertices, "an index", draw->output_name);
+    Expect(isfinite(uvs[indices[i]][0]) && isfinite(uvs[indices[i]][1]), "uv", draw->output_name);
+  }
+  for (uint32_t s = 0; s < draw->shell_count; ++s)
+    DrawShell(canvas, draw->vertices, indices, count, draw->shells[s].height);
+  Expect(draw->shell_count > 0 && draw->shells[draw->shell_count - 1].height == 1.0f, "shells",
+         draw->output_name);
+  free(indices);
+  free(uvs);
+  free(texels);
+}
+
 static uint32_t DrawFrame(PeltScene* scene) {
   static Canvas canvas;
   PeltDraw draws[kDraws];
@@ -203,6 +235,12 @@ static uint32_t DrawFrame(PeltScene* scene) {
   LookAt(&canvas, low, high);
   for (uint32_t i = 0; i < count; ++i) {
     const PeltDraw* draw = &draws[i];
+    if (draw->output == PELT_SHELLS) {
+      DrawShells(scene, draw, &canvas);
+      continue;
+    }
+    Expect(pelt_shell_indices(scene, draw->layer, NULL, 0) == 0 && draw->shell_count == 0,
+           "no shells", draw->output_name);
     if (draw->output == PELT_INSTANCES) {
       DrawInstances(&canvas, draw->vertices, draw->strand_count);
     } else if (draw->output == PELT_RIBBONS) {

@@ -53,6 +53,21 @@ static void DrawRibbons(Canvas* canvas, const unsigned char* vertices, const uin
   }
 }
 
+/* Vertices of 48 bytes at height h: at position + h groom + h^2 force, of three floats at bytes 0, 16
+ * and 32. */
+static void DrawShell(Canvas* canvas, const unsigned char* vertices, const uint32_t* indices,
+                      size_t index_count, float h) {
+  for (size_t i = 0; i < index_count; ++i) {
+    float position[3], groom[3], force[3], at[3];
+    memcpy(position, vertices + 48 * indices[i], sizeof position);
+    memcpy(groom, vertices + 48 * indices[i] + 16, sizeof groom);
+    memcpy(force, vertices + 48 * indices[i] + 32, sizeof force);
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = position[axis] + h * (groom[axis] + h * force[axis]);
+    DrawPoint(canvas, at);
+  }
+}
+
 /* Prints the picture and returns how many places of it something was drawn to. */
 static uint32_t ShowCanvas(const Canvas* canvas) {
   uint32_t drawn = 0;
