@@ -53,6 +53,10 @@ class Canvas {
   template <class Shade>
   void DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
 
+  // The same of one that has holes: shade is the colour, and in w how much of the place it covers.
+  template <class Shade>
+  void DrawCutTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
+
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
   // A tapering piece of a hair, painted with coverage `alpha`; of a card, if there is one.
@@ -64,14 +68,19 @@ class Canvas {
   std::vector<uint8_t> Resolve(uint32_t samples) const;
 
  private:
+  // visit(sample, shares of the corners, depth) for each sample of the triangle that nothing hides.
+  template <class Visit>
+  void ForEachSample(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Visit visit);
+
   uint32_t width_, height_;
   std::vector<glm::vec3> colour_;
   std::vector<float> depth_, layer_depth_;
   uint32_t touched_from_, touched_to_ = 0;
 };
 
-template <class Shade>
-void Canvas::DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade) {
+template <class Visit>
+void Canvas::ForEachSample(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                           Visit visit) {
   const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   if (area == 0.0f) return;
   const auto low = [](float v) { return uint32_t(std::max(0.0f, std::floor(v))); };
@@ -90,9 +99,27 @@ void Canvas::DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec
       const float depth = 1.0f / (nearness.x + nearness.y + nearness.z);
       const size_t i = size_t(y) * width_ + x;
       if (depth >= depth_[i]) continue;
-      depth_[i] = depth;
-      colour_[i] = shade(nearness * depth);
+      visit(i, nearness * depth, depth);
     }
+}
+
+template <class Shade>
+void Canvas::DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade) {
+  ForEachSample(a, b, c, [&](size_t i, const glm::vec3& bary, float depth) {
+    depth_[i] = depth;
+    colour_[i] = shade(bary);
+  });
+}
+
+template <class Shade>
+void Canvas::DrawCutTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                             Shade shade) {
+  ForEachSample(a, b, c, [&](size_t i, const glm::vec3& bary, float depth) {
+    const glm::vec4 colour = shade(bary);
+    if (colour.w <= 0.0f) return;
+    depth_[i] = depth;
+    colour_[i] = glm::mix(colour_[i], glm::vec3(colour), colour.w);
+  });
 }
 
 // Linear light of sRGB bytes.

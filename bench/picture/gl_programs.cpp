@@ -12,7 +12,8 @@ constexpr struct {
   const char *vertex, *fragment;
 } kOthers[] = {{"body.vert", "body.frag"},    {"body_shadow.vert", "shadow.frag"},
                {"eye.vert", "eye.frag"},      {"lighting.vert", "lighting.frag"},
-               {"whole.vert", "soften.frag"}, {"whole.vert", "resolve.frag"}};
+               {"whole.vert", "soften.frag"}, {"whole.vert", "resolve.frag"},
+               {"shell.vert", "shell.frag"}};
 
 std::string PassText(std::string_view file) { return ShaderText(fmt::format("passes/{}", file)); }
 
@@ -39,6 +40,7 @@ Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
       fault = program.error();
   };
   for (const OutputRow& output : kOutputs) {
+    if (!output.OfStrands()) continue;
     const auto strand = [&](std::vector<GlProgram>& to, const char* vertex, const char* fragment) {
       add(to, vertex, StrandText(vertex, output.name), fragment);
     };

@@ -23,11 +23,11 @@ enum GlUnit : GLint {
 };
 
 struct GlPrograms {
-  // For each output.
+  // For each output of strands, in kOutputs' order.
   std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
   std::vector<GlProgram> others;
 
-  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve };
+  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell };
   const GlProgram& operator[](Other other) const { return others[other]; }
 
   static Result<GlPrograms> Make(const GlApi& gl);

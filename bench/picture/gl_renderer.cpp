@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "bench/picture/gl_lighting.hpp"
+#include "bench/picture/gl_shells.hpp"
 #include "bench/picture/scene_shadows.hpp"
 
 namespace pelt {
@@ -69,7 +70,7 @@ struct GlRenderer::State {
   const GlApi& gl() const { return context.gl(); }
   void SetScene(const PictureScene& scene, const PictureOptions& options) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
-                 const GlStrands& strands, const GlShadows& shadows) const;
+                 const GlStrands& strands, const GlShells& shells, const GlShadows& shadows) const;
   std::vector<uint8_t> Resolve(const PictureOptions& options, const Lens& lens, GLuint drawn,
                                uint32_t samples, size_t characters) const;
   void CheckErrors() const;
@@ -115,7 +116,7 @@ void GlRenderer::State::SetScene(const PictureScene& scene, const PictureOptions
 // Into the framebuffer that is bound.
 void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options,
                                   const GlBodies& bodies, const GlStrands& strands,
-                                  const GlShadows& shadows) const {
+                                  const GlShells& shells, const GlShadows& shadows) const {
   constexpr float kNothing[4] = {}, kFar = 1.0f;
   gl().DepthMask(GL_TRUE);
   gl().ClearBufferfv(GL_COLOR, 0, kNothing);
@@ -135,9 +136,16 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
   const std::vector<GlProgram>& lit =
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
   for (size_t layer = 0; layer < strands.layers(); ++layer) {
-    const Body& body = scene.bodies[strands.ActorOf(layer)];
+    const Body& body = scene.bodies[scene.actors[layer]];
     gl().Enable(GL_BLEND);
     gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    if (shells.Has(layer)) {
+      const GlProgram& shell = programs[GlPrograms::kShell];
+      shell.Use();
+      shell.Set("character", scene.actors[layer]);
+      shell.Set("lift", shadows.Lift(scene.actors[layer]));
+      shells.Draw(shell, layer, scene.draws[layer].shells.shell);
+    }
     gl().DepthMask(GL_FALSE);
     for (const GlProgram& program : lit) {
       program.Use();
@@ -200,6 +208,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   state_->SetScene(scene, options);
   const GlBodies bodies(gl, scene);
   const GlStrands strands(gl, scene);
+  const GlShells shells(gl, scene);
   const GlShadows shadows(gl, state_->programs, scene, bodies, strands);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
@@ -214,7 +223,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
   gl.Viewport(0, 0, width, height);
-  state_->DrawScene(scene, options, bodies, strands, shadows);
+  state_->DrawScene(scene, options, bodies, strands, shells, shadows);
   std::vector<uint8_t> rgb = state_->Resolve(options, LensOf(scene.camera, options), drawn,
                                              options.samples, scene.bodies.size());
   state_->CheckErrors();

@@ -33,7 +33,7 @@ GlShadows::GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureS
   gl_.Enable(GL_BLEND);
   gl_.BlendEquationSeparate(GL_MIN, GL_FUNC_ADD);
   gl_.BlendFunc(GL_ONE, GL_ONE);
-  for (uint32_t a = 0; a < balls_.size(); ++a) DrawMap(programs, bodies, strands, a);
+  for (uint32_t a = 0; a < balls_.size(); ++a) DrawMap(programs, scene, bodies, strands, a);
   gl_.Disable(GL_BLEND);
   gl_.BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
   for (GLint a = 0; a < GLint(balls_.size()); ++a)
@@ -70,8 +70,8 @@ void GlShadows::Attach(GLuint texture, uint32_t layer) const {
   gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0, GLint(layer));
 }
 
-void GlShadows::DrawMap(const GlPrograms& programs, const GlBodies& bodies,
-                        const GlStrands& strands, uint32_t actor) const {
+void GlShadows::DrawMap(const GlPrograms& programs, const PictureScene& scene,
+                        const GlBodies& bodies, const GlStrands& strands, uint32_t actor) const {
   constexpr float kNothing[4] = {1e9f, 1e9f, 1e9f, 0.0f};
   Attach(maps_, actor);
   gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
@@ -80,7 +80,7 @@ void GlShadows::DrawMap(const GlPrograms& programs, const GlBodies& bodies,
   skin.Set("character", actor);
   bodies.DrawSkin(actor);
   for (size_t layer = 0; layer < strands.layers(); ++layer)
-    if (strands.ActorOf(layer) == actor) strands.DrawLines(programs.strand_shadow, layer);
+    if (scene.actors[layer] == actor) strands.DrawLines(programs.strand_shadow, layer);
 }
 
 std::vector<glm::vec4> GlShadows::Read(uint32_t actor) const {

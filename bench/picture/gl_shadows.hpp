@@ -24,8 +24,8 @@ class GlShadows {
 
  private:
   GlTexture UploadCharacters(const glm::vec3& to_sun) const;
-  void DrawMap(const GlPrograms& programs, const GlBodies& bodies, const GlStrands& strands,
-               uint32_t actor) const;
+  void DrawMap(const GlPrograms& programs, const PictureScene& scene, const GlBodies& bodies,
+               const GlStrands& strands, uint32_t actor) const;
   void Attach(GLuint texture, uint32_t layer) const;
 
   const GlApi& gl_;

@@ -1,5 +1,7 @@
 #include "bench/picture/gl_strands.hpp"
 
+#include <algorithm>
+
 namespace pelt {
 namespace {
 
@@ -22,6 +24,12 @@ std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& 
   return roots;
 }
 
+// Its place among the outputs of strands.
+size_t ProgramOf(Output output) {
+  return size_t(std::count_if(kOutputs, kOutputs + size_t(output),
+                              [](const OutputRow& row) { return row.OfStrands(); }));
+}
+
 }  // namespace
 
 GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
@@ -32,11 +40,13 @@ GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
 }
 
 GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const {
+  if (hairs.empty())
+    return {.vertices = GlTexture(gl_), .roots = GlTexture(gl_), .looks = GlTexture(gl_)};
   const std::vector<RootTexels> roots = RootsOf(draw, hairs);
   return {.vertices = UploadTexels(gl_, draw.vertices),
           .roots = UploadTexels(gl_, std::as_bytes(std::span(roots))),
           .looks = UploadTexels(gl_, std::as_bytes(draw.looks)),
-          .output = size_t(draw.output),
+          .output = ProgramOf(draw.output),
           .strands = GLsizei(draw.strand_count),
           .knots = GLsizei(hairs.front().knots),
           .actor = hairs.front().actor,
@@ -60,11 +70,13 @@ void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer)
 }
 
 void GlStrands::DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const {
+  if (!layers_[layer].strands) return;
   Bind(programs, layers_[layer]);
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * layers_[layer].knots, layers_[layer].strands);
 }
 
 void GlStrands::DrawLines(const std::vector<GlProgram>& programs, size_t layer) const {
+  if (!layers_[layer].strands) return;
   Bind(programs, layers_[layer]);
   gl_.DrawArraysInstanced(GL_LINE_STRIP, 0, layers_[layer].knots, layers_[layer].strands);
 }

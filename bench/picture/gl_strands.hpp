@@ -13,7 +13,6 @@ class GlStrands {
   GlStrands(const GlApi& gl, const PictureScene& scene);
 
   size_t layers() const { return layers_.size(); }
-  uint32_t ActorOf(size_t layer) const { return layers_[layer].actor; }
   // By a program of the layer's output, in use from here on: strips of two corners at each knot, or lines.
   void DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const;
   void DrawLines(const std::vector<GlProgram>& programs, size_t layer) const;
@@ -21,11 +20,11 @@ class GlStrands {
  private:
   struct Layer {
     GlTexture vertices, roots, looks;
-    size_t output;
-    GLsizei strands, knots;
-    uint32_t actor, first_strand;
-    float tip_width;
-    bool is_lit;
+    size_t output = 0;  // its place in GlPrograms' lists
+    GLsizei strands = 0, knots = 0;
+    uint32_t actor = 0, first_strand = 0;
+    float tip_width = 1.0f;
+    bool is_lit = false;
   };
   Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const;
   void Bind(const std::vector<GlProgram>& programs, const Layer& layer) const;

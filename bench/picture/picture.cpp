@@ -5,6 +5,7 @@
 #include "bench/picture/png.hpp"
 #include "bench/picture/scene_shadows.hpp"
 #include "bench/picture/shade_hair.hpp"
+#include "bench/picture/shells.hpp"
 #include "bench/view/studio.hpp"
 
 namespace pelt {
@@ -60,15 +61,17 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   const Projection projection(scene.camera, canvas.width(), canvas.height());
   const SceneShadows shadows(scene);
   DrawGround(projection, shadows, samples, canvas);
-  for (uint32_t a = 0; a < scene.bodies.size(); ++a) {
-    const auto sun = [&](const glm::vec3& at, const glm::vec3& normal) {
-      return shadows.OnActor(a, at + normal * shadows.Lift(a));
+  const auto sun_on = [&shadows](uint32_t actor) {
+    return [&shadows, actor](const glm::vec3& at, const glm::vec3& normal) {
+      return shadows.OnActor(actor, at + normal * shadows.Lift(actor));
     };
-    DrawBody(scene.bodies[a], scene.look, sun, projection, canvas);
-  }
+  };
+  for (uint32_t a = 0; a < scene.bodies.size(); ++a)
+    DrawBody(scene.bodies[a], scene.look, sun_on(a), projection, canvas);
   const StripTexture strips = MakeStrips(scene.layers);
-  for (const std::vector<Hair>& hairs : scene.layers) {
-    for (const Hair& hair : hairs)
+  for (size_t i = 0; i < scene.draws.size(); ++i) {
+    DrawShells(scene, i, sun_on(scene.actors[i]), projection, canvas);
+    for (const Hair& hair : scene.layers[i])
       DrawHair(hair, scene.look,
                DepthFloor(scene.bodies[hair.actor].mean_covered, scene.look.depth_floor),
                projection, shadows, strips, canvas);

@@ -14,7 +14,7 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
     notes.insert(notes.end(), faults.begin(), faults.end());
   }
   const auto coats = MakeReliefCoats(scenario, relief);
-  PictureScene shown{camera, order, DefaultLook(), {}, {}, {}};
+  PictureScene shown{camera, order, DefaultLook(), {}, {}, {}, {}, {}};
   for (uint32_t a = 0; a < scenario.actors.size(); ++a)
     shown.bodies.push_back(
         PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character], coats[a]));
@@ -22,6 +22,11 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
   RemoveRelief(scene, relief, shown.layers);
+  for (const LayerDraw& draw : draws) {
+    FurTexture& texture = shown.textures.emplace_back();
+    if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);
+    shown.actors.push_back(scene.shape().layer_character[draw.layer]);
+  }
   return shown;
 }
 

@@ -12,15 +12,23 @@
 
 namespace pelt {
 
+// A layer of shells is cut by it: square, the length of the hair at each texel; of other layers empty.
+struct FurTexture {
+  uint32_t side = 0;
+  std::vector<uint8_t> texels;
+};
+
 struct PictureScene {
   Camera camera;
   VertexOrder order;
   PictureLook look;
   std::vector<Body> bodies;  // one for each character
-  // In drawing order, and what each has to draw as hairs, in the same places. Vertices lie in the scene's memory: good
+  // In drawing order; and in the same places what each has to draw as hairs or is cut by. Vertices lie in the scene's memory: good
   // until its next frame runs.
   std::vector<LayerDraw> draws;
   std::vector<std::vector<Hair>> layers;
+  std::vector<FurTexture> textures;
+  std::vector<uint32_t> actors;  // whose layer it is
 };
 
 // Of the scene's last frame as `camera` saw it. What of the characters' own images could not be read goes into `notes`.

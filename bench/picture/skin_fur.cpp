@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "bench/picture/canvas.hpp"
@@ -56,13 +57,35 @@ struct FurSum {
   float strands = 0.0f, area = 0.0f;
 };
 
-void AddChunk(const StrandBlock& strands, const std::vector<uint32_t>& chunk_places,
-              const Finder& finder, std::vector<FurSum>& sums, SkinFur& fur) {
+// Area of hair for each of skin, of a layer of shells: so much that as great a share of skin is bare as
+// of the texture's texels.
+float ShellDensity(const FurScene& scene, uint32_t layer) {
+  uint32_t side = 0;
+  const std::vector<uint8_t> texels = scene.FurTexture(layer, side);
+  const auto bare = std::count(texels.begin(), texels.end(), uint8_t(0));
+  return -std::log(std::max(float(bare), 1.0f) / float(texels.size()));
+}
+
+// Of a chunk's triangle in the world, at rest or not.
+float AreaOf(const ShellVertexBlock& vertices, const StrandBlock& triangles, uint32_t t) {
+  const auto corner = [&](int k) {
+    const float* p = vertices.vertex[triangles.vertex[k][t]].position;
+    return glm::vec3(p[0], p[1], p[2]);
+  };
+  const glm::vec3 a = corner(0);
+  return 0.5f * glm::length(glm::cross(corner(1) - a, corner(2) - a));
+}
+
+// hair_area(strand) is how much it covers, m^2.
+template <class HairArea>
+void AddChunk(const StrandBlock& strands, const HairArea& hair_area,
+              const std::vector<uint32_t>& chunk_places, const Finder& finder,
+              std::vector<FurSum>& sums, SkinFur& fur) {
   Triangle last{};
   for (uint32_t s = 0; s < strands.strand_count; ++s) {
     const glm::vec3 colour = LinearColour(strands.base_colour[s]);
     const glm::vec3 tip = LinearColour(strands.tip_colour[s]);
-    const float area = strands.length[s] * strands.width[s];
+    const float area = hair_area(s);
     Triangle places;
     for (size_t k = 0; k < 3; ++k) {
       places[k] = chunk_places[strands.vertex[k][s]];
@@ -87,10 +110,21 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
   fur.on_material.resize(mesh.materials.size());
   std::vector<FurSum> sums(finder.size() + 1);
   const SceneShape& shape = scene.shape();
-  for (uint32_t c = 0; c < shape.chunk_count; ++c)
-    if (shape.layer_character[shape.chunk_layer[c]] == actor)
-      AddChunk(*scene.memory().Of<&Streams::strands>(c),
-               finder.Places(*scene.memory().Of<&Streams::mesh>(c)), finder, sums, fur);
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    if (shape.layer_character[l] != actor) continue;
+    const bool shells = shape.layer_kind[l] & kLayerShells;
+    const float density = shells ? ShellDensity(scene, l) : 0.0f;
+    for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
+      const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
+      const auto* vertices = scene.memory().Of<&Streams::shell_vertices>(c);
+      const auto hair_area = [&](uint32_t s) {
+        return shells ? density * AreaOf(*vertices, strands, s)
+                      : strands.length[s] * strands.width[s];
+      };
+      AddChunk(strands, hair_area, finder.Places(*scene.memory().Of<&Streams::mesh>(c)), finder,
+               sums, fur);
+    }
+  }
   FurSum all;
   for (const FurSum& sum : sums) {
     all.colour += sum.colour;

@@ -110,6 +110,7 @@ TEST(Picture, SkinHasTheAreaOfAllStrands) {
   const SceneShape& shape = scene.shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     if (shape.layer_character[shape.chunk_layer[c]] != 0) continue;
+    if (shape.layer_kind[shape.chunk_layer[c]] & kLayerShells) continue;
     const StrandBlock& block = *scene.memory().Of<&Streams::strands>(c);
     for (uint32_t s = 0; s < block.strand_count; ++s) strands += block.length[s] * block.width[s];
   }

@@ -11,6 +11,7 @@
 #include "bench/view/gl_context.hpp"
 #include "bench/view/gl_program.hpp"
 #include "bench/view/shader_files.hpp"
+#include "bench/view/shell_shading.hpp"
 #include "bench/view/spherical_harmonics.hpp"
 #include "bench/view/strand_light.hpp"
 #include "bench/view/strand_shading.hpp"
@@ -156,6 +157,14 @@ std::vector<Function> ListFunctions() {
        }},
       {"ShadeHair", "LIGHT vec4(ShadeHair(light, look, point), 0.0)",
        [](A a) { return Wide(ShadeHair(LightOf(a), kLook, PointOf(a))); }},
+      {"ShellPosition", "vec4(ShellPosition(u.xyz, d.xyz, v.xyz, u.w), 0.0)",
+       [](A a) { return Wide(ShellPosition(glm::vec3(a.u), Unit(a.d), glm::vec3(a.v), a.u.w)); },
+       "shell_shading.glsl"},
+      {"ShellDirection", "vec4(ShellDirection(d.xyz, 0.4 * v.xyz, u.w), 0.0)",
+       [](A a) { return Wide(ShellDirection(Unit(a.d), 0.4f * glm::vec3(a.v), a.u.w)); },
+       "shell_shading.glsl"},
+      {"ShellCoverage", "vec4(ShellCoverage(u.x, u.y, 0.5 * u.z), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(ShellCoverage(a.u.x, a.u.y, 0.5f * a.u.z)); }, "shell_shading.glsl"},
       {"ShadeSkin", "LIGHT vec4(ShadeSkin(light, look, u.xyz, e.xyz, point.to_eye, u.w, u.x), 0.0)",
        [](A a) {
          return Wide(ShadeSkin(LightOf(a), kLook, glm::vec3(a.u), Unit(a.e), PointOf(a).to_eye,

@@ -1,0 +1,88 @@
+#include "bench/picture/gl_shells.hpp"
+
+#include "bench/picture/canvas.hpp"
+#include "bench/view/strand_shading.hpp"
+
+namespace pelt {
+namespace {
+
+// The attributes of shell.vert, one behind the other.
+struct ShellCorner {
+  glm::vec3 position, groom, force, normal, base_colour, tip_colour;
+  glm::vec3 place;  // on the texture, and the stencil
+};
+constexpr size_t kAttributes = 7;
+static_assert(sizeof(ShellCorner) == kAttributes * sizeof(glm::vec3));
+
+glm::vec3 Vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
+  std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
+  WriteShellIndices(draw.shells, indices);
+  const std::span<const ShellVertex> vertices = draw.As<ShellVertex>();
+  std::vector<ShellCorner> corners;
+  corners.reserve(indices.size());
+  for (const uint32_t i : indices) {
+    const ShellVertex& vertex = vertices[i];
+    const float(&uv)[2] = draw.shells.skin[i / kVerticesPerChunk].uv[i % kVerticesPerChunk];
+    corners.push_back(
+        {.position = Vec(vertex.position),
+         .groom = Vec(vertex.groom),
+         .force = Vec(vertex.force),
+         .normal = OctahedralNormal(vertex.normal),
+         .base_colour = LinearColour(vertex.base_colour),
+         .tip_colour = LinearColour(vertex.tip_colour),
+         .place = {uv[0] * draw.shells.texture_repeat, uv[1] * draw.shells.texture_repeat,
+                   float(vertex.base_colour >> 24) / 255.0f}});
+  }
+  return corners;
+}
+
+GlTexture UploadFur(const GlApi& gl, const FurTexture& fur) {
+  GlTexture texture = MakeTexture(gl, GL_R8, 1, 1);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (fur.side)
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, GLsizei(fur.side), GLsizei(fur.side), 0, GL_RED,
+                  GL_UNSIGNED_BYTE, fur.texels.data());
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
+  return texture;
+}
+
+}  // namespace
+
+GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
+  gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  for (size_t i = 0; i < scene.draws.size(); ++i)
+    layers_.push_back(Upload(scene.draws[i], scene.textures[i]));
+}
+
+GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture) const {
+  Layer layer{GlVertexArray(gl_), GlBuffer(gl_), UploadFur(gl_, texture), 0};
+  if (draw.shells.shell.empty()) return layer;
+  const std::vector<ShellCorner> corners = CornersOf(draw);
+  layer.corners = GLsizei(corners.size());
+  gl_.BindVertexArray(layer.array);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, layer.vertices);
+  gl_.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(corners.size() * sizeof(ShellCorner)), corners.data(),
+                 GL_STATIC_DRAW);
+  for (size_t i = 0; i < kAttributes; ++i) {
+    gl_.VertexAttribPointer(GLuint(i), 3, GL_FLOAT, GL_FALSE, sizeof(ShellCorner),
+                            reinterpret_cast<const void*>(i * sizeof(glm::vec3)));
+    gl_.EnableVertexAttribArray(GLuint(i));
+  }
+  gl_.BindVertexArray(nothing_);
+  return layer;
+}
+
+void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
+  gl_.BindVertexArray(layers_[layer].array);
+  BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layers_[layer].texture);
+  for (const Shell& shell : shells) {
+    program.Set("shell", glm::vec4(shell.height, shell.shadow, shell.threshold, shell.fade));
+    gl_.DrawArrays(GL_TRIANGLES, 0, layers_[layer].corners);
+  }
+  gl_.BindVertexArray(nothing_);
+}
+
+}  // namespace pelt

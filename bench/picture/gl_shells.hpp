@@ -1,0 +1,33 @@
+// Layers of shells on the graphics card: the skin's triangles, drawn once for each shell.
+#pragma once
+
+#include <vector>
+
+#include "bench/picture/gl_programs.hpp"
+#include "bench/picture/picture_scene.hpp"
+
+namespace pelt {
+
+class GlShells {
+ public:
+  GlShells(const GlApi& gl, const PictureScene& scene);
+
+  bool Has(size_t layer) const { return layers_[layer].corners > 0; }
+  // By GlPrograms' shell, in use: from the skin up, over what is there.
+  void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const;
+
+ private:
+  struct Layer {
+    GlVertexArray array;
+    GlBuffer vertices;
+    GlTexture texture;
+    GLsizei corners;
+  };
+  Layer Upload(const LayerDraw& draw, const FurTexture& texture) const;
+
+  const GlApi& gl_;
+  GlVertexArray nothing_;
+  std::vector<Layer> layers_;
+};
+
+}  // namespace pelt

@@ -1,0 +1,35 @@
+// A shell: a copy of the skin, lit at its corners.
+// After: spherical_harmonics.glsl
+// After: strand_shading.glsl
+// After: strand_light.glsl
+// After: shell_shading.glsl
+// After: passes/frame.glsl
+// After: passes/shadow_maps.glsl
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 groom;
+layout(location = 2) in vec3 force;
+layout(location = 3) in vec3 normal;
+layout(location = 4) in vec3 base_colour;  // linear
+layout(location = 5) in vec3 tip_colour;
+layout(location = 6) in vec3 place;  // on the texture, and the stencil
+
+uniform vec4 shell;  // height, shadow, threshold, fade
+uniform int character;
+uniform float lift;  // out of the skin's own shadow, m
+
+out vec3 shell_lit, shell_place;
+
+void main() {
+  HairPoint point;
+  vec3 at = ShellPosition(position, groom, force, shell.x);
+  point.colour = mix(base_colour, tip_colour, shell.x);
+  point.tangent = ShellDirection(groom, force, shell.x);
+  point.normal = normal;
+  point.to_eye = normalize(eye - at);
+  point.depth_light = shell.y;
+  point.sun_share = SunShare(position + normal * lift, character);
+  point.noise = 0.5;
+  shell_lit = ShadeHair(light, look, point);
+  shell_place = place;
+  gl_Position = world_to_clip * vec4(at, 1.0);
+}
