@@ -1,5 +1,5 @@
 // Speed of the first half of the frame on one core: pose, palette, bounds, skin, anchors, roots,
-// wind.
+// wind, and the vertices of shells.
 //
 // Prints the time a lane (joint, vertex or strand) as the counter `each`, with the digest of what
 // was computed beside it: instruction sets must agree on the digest, whatever their speed. 64
@@ -22,6 +22,7 @@
 #include "core/kernels/joint_palette.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
+#include "core/kernels/shell_force.hpp"
 #include "core/kernels/skin.hpp"
 #include "core/kernels/wind.hpp"
 
@@ -64,6 +65,10 @@ struct Scene {
   RootBlock anchors[kChunks]{};
   RootBlock roots[kChunks]{};
   WindBlock wind[kChunks]{};
+  ShellLayerBlock shell_layer{};
+  RestBlock<4> vertex_rest[kChunks]{};
+  ShellSkinBlock shell_skin[kChunks]{};
+  ShellVertexBlock shell_vertices[kChunks]{};
 };
 
 void FillPose(Scene& scene, Random& random) {
@@ -276,6 +281,44 @@ void BenchWind(benchmark::State& state) {
   Report(state, double(kChunks) * kStrandsPerChunk, DigestOf(scene->wind, sizeof scene->wind));
 }
 
+void FillShells(Scene& scene) {
+  Random random{7};
+  using V = ArrayVec<4>;
+  scene.layer.flags = kLayerSimulate | kLayerWind;
+  scene.layer.gravity[1] = -9.81f;
+  scene.layer.stiffness = 0.5f;
+  scene.layer.darken = 1.0f;
+  scene.shell_layer.cone = 0.2f;
+  for (uint32_t c = 0; c < kChunks; ++c) {
+    Anchors<V>::Run(PortsOf<Anchors<V>>(&scene.state[c], &scene.skinned[c], &scene.anchors[c]));
+    for (uint32_t v = 0; v < kVerticesPerChunk; ++v) {
+      for (int axis = 0; axis < 3; ++axis) {
+        scene.vertex_rest[c].offset[2][axis][v] = random.Between(-0.02f, 0.02f);
+        scene.wind[c].acceleration[axis][v] = random.Between(-5.0f, 5.0f);
+      }
+      scene.vertex_rest[c].segment_length[v] = 0.01f;
+      scene.vertex_rest[c].strength[v] = 1.0f;
+      scene.shell_skin[c].base_colour[v] = random.Next();
+      scene.shell_skin[c].tip_colour[v] = random.Next();
+    }
+  }
+}
+
+template <class V>
+void BenchShellForce(benchmark::State& state) {
+  const auto scene = MakeScene(5);
+  FillShells(*scene);
+  for (auto _ : state) {
+    for (uint32_t c = 0; c < kChunks; ++c)
+      ShellForce<V>::Run(PortsOf<ShellForce<V>>(
+          &scene->layer, &scene->shell_layer, &scene->vertex_rest[c], &scene->shell_skin[c],
+          &scene->anchors[c], &scene->wind[c], &scene->state[c], &scene->shell_vertices[c]));
+    benchmark::ClobberMemory();
+  }
+  Report(state, double(kChunks) * kVerticesPerChunk,
+         DigestOf(scene->shell_vertices, sizeof scene->shell_vertices));
+}
+
 template <class V>
 void RegisterAll(const std::string& isa) {
   const auto add = [&](const char* name, void (*run)(benchmark::State&)) {
@@ -294,6 +337,7 @@ void RegisterAll(const std::string& isa) {
   add("anchors", BenchAnchors<V>);
   add("roots", BenchRoots<V>);
   add("wind", BenchWind<V>);
+  add("shell_force", BenchShellForce<V>);
 }
 
 const bool kRegistered = [] {
