@@ -152,6 +152,8 @@ inline constexpr auto kBlockMembers<LineVertexBlock> = std::tuple{
 template <>
 inline constexpr auto kBlockMembers<StrandUvBlock> = std::tuple{PELT_MEMBER(StrandUvBlock, uv)};
 template <>
+inline constexpr auto kBlockMembers<PaintBlock> = std::tuple{PELT_MEMBER(PaintBlock, amounts)};
+template <>
 inline constexpr auto kBlockMembers<LookBlock> = std::tuple{PELT_MEMBER(LookBlock, record)};
 template <>
 inline constexpr auto kBlockMembers<LayerLightBlock> = std::tuple{

@@ -56,6 +56,7 @@ inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
 inline constexpr uint32_t kLayersPerScene = 1024;
 inline constexpr uint32_t kSpheresPerScene = 8;
 inline constexpr uint32_t kCapsulesPerScene = 8;
+inline constexpr uint32_t kBrushesPerScene = 16;
 inline constexpr uint32_t kRibbonPoints = 5;
 inline constexpr uint32_t kHarmonics = 16;  // spherical ones, of degrees 0 to 3
 
@@ -118,13 +119,16 @@ enum LayerFlag : uint32_t {
   kLayerLit = 1u << 12,      // has a LayerLightBlock
   kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
   kLayerShells = 1u << 14,  // its strands are triangles of the skin; always with kLayerVertexChains
+  kLayerPainted = 1u << 15,  // has a PaintBlock; only with kLayerLit
+  kLayerBrushed = 1u << 16,  // there are brushes in this frame, wherever they are
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
-                                            kLayerModal | kLayerOutputFlags | kLayerLit;
+                                            kLayerModal | kLayerOutputFlags | kLayerLit |
+                                            kLayerPainted;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -160,7 +164,10 @@ PELT_BLOCK LayerBlock {
   float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
                        // 0: no limit
   float wetness;       // lit layers: 0 dry to 1 soaked
-  uint32_t pad[3];
+  // Painted layers, whose colours are left dry and clean: weather is in the strands' looks.
+  float mud;         // dirt of the weather
+  float wet_darken;  // share of the brightness that is left of a soaked strand
+  uint32_t pad[1];
 };
 
 // Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned
@@ -262,10 +269,11 @@ enum ChunkFlag : uint32_t {
   kChunkKeys = 1u << 4,      // sort keys run
   kChunkRestart =
       1u << 5,  // no last frame to take motion from: motion is 0, chains start from the groom
+  kChunkPainted = 1u << 6,  // a brush changed the paint of some strand in this frame
 };
 
-// What of the chunk runs this frame, and why. Written by `activate`; simulate and sort_key report
-// back.
+// What of the chunk runs this frame, and why. Written by `activate`; simulate, sort_key and
+// paint_strands report back.
 PELT_BLOCK ChunkStateBlock {
   uint32_t flags;             // ChunkFlag
   uint32_t live_strands;      // prefix of strands that live; 0 when culled
@@ -394,11 +402,19 @@ PELT_BLOCK LayerLightBlock {
   float rim_exponent;
 };
 
+// What can be on a strand, as bytes of a word from the low one up.
+enum class PaintChannel : uint32_t { kMud, kSnow, kWet, kDust };
+inline constexpr uint32_t kPaintChannels = 4;
+
+// What brushes have left on each strand: an amount of 255 for each channel. State, as the points
+// are.
+PELT_BLOCK PaintBlock { uint32_t amounts[kStrandsPerChunk]; };
+
 // What a strand of a lit layer is shaded with.
 struct alignas(16) LookRecord {
   uint32_t normal;  // of the skin, world: octahedral, x low, y high, 16 bits signed normalised each
   uint32_t uv;      // StrandUvBlock
-  uint32_t amounts;  // of 255: mud, snow, wet, dust, from the low byte up
+  uint32_t amounts;  // of 255 for each PaintChannel; weather included
   uint32_t random;   // the same in every frame
 };
 PELT_BLOCK LookBlock { LookRecord record[kStrandsPerChunk]; };

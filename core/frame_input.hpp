@@ -1,9 +1,10 @@
-// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, lights, and
-// what may be left out. Plain data, so that it can be recorded and replayed (traces/).
+// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, lights,
+// brushes, and what may be left out. Plain data, so that it can be recorded and replayed (traces/).
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "core/chunk.hpp"
 #include "core/lighting.hpp"
@@ -46,6 +47,19 @@ struct CapsuleCollider {
   uint32_t joint = kFree;  // as in Groom::joint_names
 };
 
+// By PaintChannel.
+inline constexpr std::string_view kPaintChannelNames[kPaintChannels] = {"mud", "snow", "wet",
+                                                                        "dust"};
+
+// A ball that paints the strands whose roots it holds, in every frame it is there.
+struct PaintBrush {
+  float centre[3] = {};   // m, world
+  float radius = 0.0f;    // m
+  float hardness = 0.0f;  // 0 to 1: share of the radius within which it paints all of `amount`
+  uint32_t channel = 0;   // PaintChannel
+  float amount = 0.0f;    // -1 to 1, of the most that a strand can have; below 0: takes away
+};
+
 struct FrameInput {
   double dt_s = 1.0 / 60.0;  // 1e-6 to 1; or 0: a pause
   double time_s = 0.0;
@@ -60,6 +74,8 @@ struct FrameInput {
   CapsuleCollider capsule[kCapsulesPerScene];
   std::span<const Weather> weather;  // one a character; empty: dry and clean
   Lighting lighting;
+  uint32_t brush_count = 0;
+  PaintBrush brush[kBrushesPerScene];  // one after the other: the last has the last word
   LodSettings lod;
   SkipSettings skip;
 };

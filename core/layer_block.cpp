@@ -27,11 +27,12 @@ float InFrameOf(float value, InFrame how, float softer) {
   return how == InFrame::kClamped ? Saturate(value) : Saturate(value) * softer;
 }
 
-// `changed` itself is not compared, nor what says that only the lights did.
+// `changed` itself is not compared, nor what only says that lights changed, or that brushes came.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
+  constexpr uint32_t kOfOthers = kLayerRelight | kLayerBrushed;
   LayerBlock x = a, y = b;
   x.changed = y.changed = 0;
-  x.flags &= ~kLayerRelight, y.flags &= ~kLayerRelight;
+  x.flags &= ~kOfOthers, y.flags &= ~kOfOthers;
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
 
@@ -45,6 +46,7 @@ uint32_t LayerKind(const LayerParams& p) {
   if (solved && p.solver == Solver::kVerlet) kind |= kLayerVerlet;
   if (solved && p.solver == Solver::kModal) kind |= kLayerModal;
   if (p.lit) kind |= kLayerLit;
+  if (p.painted) kind |= kLayerPainted;
   return kind;
 }
 
@@ -71,6 +73,12 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   for (int k = 0; k < 3; ++k) b.dirt_colour[k] = Saturate(params.dirt_colour[k]);
   b.dirt = Saturate(weather.dirt);
   if (params.lit) b.wetness = wet;
+  if (params.painted) {
+    b.mud = b.dirt;
+    b.wet_darken = Saturate(params.wet_darken);
+    b.dirt = 0.0f;
+    b.darken = 1.0f;
+  }
   b.strand_count = strand_count;
   b.flags = LayerKind(params);
   const auto set = [&](bool condition, uint32_t flag) { b.flags |= condition ? flag : 0u; };

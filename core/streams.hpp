@@ -24,15 +24,16 @@ uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk);
 
 inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
     kLiveVertices{&CountVertices, kLaneGroup}, kLiveChains{&CountChains, kLaneGroup},
-    kKeyed{&CountStrands, 1, true}, kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder},
-    kInEitherOrder{&CountInEitherOrder};
+    kKeyed{&CountStrands, 1, true}, kPainted{&CountStrands, kLaneGroup, true},
+    kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
 
 inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal, kShells = kLayerShells;
 inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kShells},
     kOf5{kFive, 0}, kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
-    kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0};
+    kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
+    kOfPaint{kLayerPainted | kLayerLit, kShells};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -115,6 +116,9 @@ struct Streams {
   StreamRow<ShellLodBlock> shell_lod{"shell_lod", kLayer, kValue, kAll, kShelled, kOutput};
   StreamRow<ShellVertexBlock> shell_vertices{"shell_vertices", kChunk,   kValue,
                                              kLiveVertices,    kShelled, kOutput};
+
+  // Of strands that do not live too: they keep what is on them.
+  StreamRow<PaintBlock> paint{"paint", kChunk, kValue, kPainted, kOfPaint, kState};
 };
 
 }  // namespace streams_detail

@@ -48,6 +48,11 @@ static_assert(PELT_RAN == int(pelt::PullResult::kRan));
 static_assert(PELT_NOTHING_READY == int(pelt::PullResult::kNothingReady));
 static_assert(PELT_IDLE == int(pelt::PullResult::kIdle));
 static_assert(PELT_FREE == pelt::CapsuleCollider::kFree);
+static_assert(PELT_MUD == int(pelt::PaintChannel::kMud));
+static_assert(PELT_SNOW == int(pelt::PaintChannel::kSnow));
+static_assert(PELT_WET == int(pelt::PaintChannel::kWet));
+static_assert(PELT_DUST == int(pelt::PaintChannel::kDust));
+static_assert(PELT_DUST + 1 == pelt::kPaintChannels);
 static_assert(sizeof(PeltStrandCurve) == sizeof(pelt::StrandCurve));
 static_assert(offsetof(PeltStrandCurve, strand) == offsetof(pelt::StrandCurve, strand));
 
@@ -156,6 +161,21 @@ const char* TranslateLighting(const PeltFrame& from, pelt::Lighting& to) {
   return nullptr;
 }
 
+const char* TranslateBrushes(const PeltFrame& from, pelt::FrameInput& to) {
+  if (from.brush_count > std::size(to.brush)) return "more brushes than a scene holds";
+  if (from.brush_count != 0 && !from.brushes) return "the brushes are null";
+  to.brush_count = from.brush_count;
+  for (uint32_t b = 0; b < to.brush_count; ++b) {
+    const PeltBrush& brush = from.brushes[b];
+    Copy(brush.centre, to.brush[b].centre);
+    to.brush[b].radius = brush.radius;
+    to.brush[b].hardness = brush.hardness;
+    to.brush[b].channel = brush.channel;
+    to.brush[b].amount = brush.amount;
+  }
+  return nullptr;
+}
+
 // Null, or what the counts and pointers of the frame promise and do not hold.
 const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather,
                       pelt::FrameInput& to) {
@@ -193,6 +213,7 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
     to.capsule[c].joint = capsule.joint;
   }
   if (const char* fault = TranslateLighting(from, to.lighting)) return fault;
+  if (const char* fault = TranslateBrushes(from, to)) return fault;
   if (from.weather) {
     for (size_t c = 0; c < weather.size(); ++c)
       weather[c] = {from.weather[c][0], from.weather[c][1]};
@@ -354,9 +375,12 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .light = reinterpret_cast<const PeltLayerLight*>(from.light),
           .shells = reinterpret_cast<const PeltShell*>(from.shells.shell.data()),
           .shell_count = uint32_t(from.shells.shell.size()),
-          .texture_repeat = from.shells.texture_repeat};
+          .texture_repeat = from.shells.texture_repeat,
+          .wet_darken = from.wet_darken,
+          .mud_colour = {}};
     Copy(from.low, to.low);
     Copy(from.high, to.high);
+    Copy(from.mud_colour, to.mud_colour);
   }
   return uint32_t(all.size());
 }

@@ -38,7 +38,13 @@ LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t
   draw.output = Output(OutputOf(shape.layer_kind[layer]));
   std::copy_n(box.low, 3, draw.low);
   std::copy_n(box.high, 3, draw.high);
-  draw.tip_width = memory.Of<&Streams::layers>(layer)->tip_width;
+  const LayerBlock& params = *memory.Of<&Streams::layers>(layer);
+  draw.tip_width = params.tip_width;
+  draw.wet_darken = 1.0f;
+  if (shape.layer_kind[layer] & kLayerPainted) {
+    draw.wet_darken = params.wet_darken;
+    std::copy_n(params.dirt_colour, 3, draw.mud_colour);
+  }
   if (shape.layer_kind[layer] & kLayerLit) draw.light = memory.Of<&Streams::layer_light>(layer);
   if (draw.format().OfStrands())
     AddStrands(memory, vertex_order, first, chunks, draw);

@@ -51,6 +51,9 @@ struct LayerDraw {
   std::span<const LookRecord> looks;
   const LayerLightBlock* light;
   ShellDraw shells;  // of a layer of shells, else empty
+  // Of a painted layer, whose colours are left dry and clean: the share of its brightness that a
+  // soaked strand keeps, and the sRGB colour that mud is mixed in with. Else 1, and 0.
+  float wet_darken, mud_colour[3];
 
   const OutputRow& format() const { return kOutputs[size_t(output)]; }
   // The vertices as what they are, CurveRecord, RibbonVertex, LineVertex or ShellVertex;

@@ -124,6 +124,26 @@ const char* FindLightingFault(const Lighting& in, std::string& text) {
   return nullptr;
 }
 
+// Writes the reason to `text`; null where there is none.
+const char* FindBrushFault(const FrameInput& in, std::string& text) {
+  if (in.brush_count > kBrushesPerScene)
+    return Say(text, "{} brushes, a scene holds {}", in.brush_count, kBrushesPerScene);
+  for (uint32_t b = 0; b < in.brush_count; ++b) {
+    const PaintBrush& brush = in.brush[b];
+    if (!AreUsable(brush.centre, 3)) return Say(text, "brush {}: its centre {}", b, kNotUsable);
+    if (!IsWithin(brush.radius, 0.0f, kLargestInput))
+      return Say(text, "brush {}: its radius is {}, not in [0, 1e6] m", b, brush.radius);
+    if (!IsWithin(brush.hardness, 0.0f, 1.0f))
+      return Say(text, "brush {}: its hardness is {}, not in [0, 1]", b, brush.hardness);
+    if (!IsWithin(brush.amount, -1.0f, 1.0f))
+      return Say(text, "brush {}: its amount is {}, not in [-1, 1]", b, brush.amount);
+    if (brush.channel >= kPaintChannels)
+      return Say(text, "brush {}: its channel is {}, there are {}", b, brush.channel,
+                 kPaintChannels);
+  }
+  return nullptr;
+}
+
 const char* FindLodFault(const LodSettings& lod) {
   if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
     return "full_detail_px is not a number from 0 on";
@@ -155,6 +175,7 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const 
   if (const char* what = FindObstacleFault(in)) return fault("{}", what);
   if (const char* what = FindCapsuleFault(in, shape, gate, text)) return what;
   if (const char* what = FindLightingFault(in.lighting, text)) return what;
+  if (const char* what = FindBrushFault(in, text)) return what;
   if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
   if (!in.weather.empty() && in.weather.size() != shape.character_count)
     return fault("weather for {} characters, the scene has {}", in.weather.size(),

@@ -130,6 +130,18 @@ typedef struct PeltIrradianceSample {
   float up[3]; /* unit */
 } PeltIrradianceSample;
 
+enum PeltChannel { PELT_MUD = 0, PELT_SNOW = 1, PELT_WET = 2, PELT_DUST = 3 };
+
+/* A ball that paints the strands of painted layers whose roots it holds, in every frame it is
+ * there. They act one after the other. */
+typedef struct PeltBrush {
+  float centre[3];  /* m, world */
+  float radius;     /* m */
+  float hardness;   /* 0 to 1: share of the radius within which it paints all of `amount` */
+  uint32_t channel; /* PeltChannel */
+  float amount;     /* -1 to 1, of the most that a strand can have; below 0: takes away */
+} PeltBrush;
+
 typedef struct PeltFrame {
   double dt_s;   /* 1e-6 to 1; or 0: a pause */
   double time_s; /* 0 or later */
@@ -151,6 +163,8 @@ typedef struct PeltFrame {
   const PeltIrradianceSample* irradiance_samples;
   float sun_direction[3], sun_rgb[3];               /* towards it, unit */
   float rim_direction[3], rim_rgb[3], rim_exponent; /* the side that has the rim, unit */
+  uint32_t brush_count; /* at most 16 */
+  const PeltBrush* brushes;
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
   float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */
@@ -192,7 +206,7 @@ enum PeltOutput { PELT_INSTANCES = 0, PELT_RIBBONS = 1, PELT_LINES = 2, PELT_SHE
 typedef struct PeltLook {
   uint32_t normal;  /* of the skin, world: octahedral, x low, y high, 16 bits signed each */
   uint32_t uv;      /* on the skin's texture: u low, v high, of 65535 */
-  uint32_t amounts; /* of 255: mud, snow, wet, dust, from the low byte up */
+  uint32_t amounts; /* of 255 for each PeltChannel, from the low byte up */
   uint32_t random;  /* the same in every frame */
 } PeltLook;
 
@@ -233,6 +247,9 @@ typedef struct PeltDraw {
   const PeltShell* shells;
   uint32_t shell_count;
   float texture_repeat; /* of the fur's texture, along 0 to 1 of the skin's coordinates */
+  /* Of a painted layer, whose colours are left dry and clean: what a soaked strand keeps of its
+   * brightness, and the sRGB colour that mud is mixed in with. Else 1, and 0. */
+  float wet_darken, mud_colour[3];
 } PeltDraw;
 
 /* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none

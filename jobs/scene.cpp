@@ -184,6 +184,7 @@ void FurScene::FillFrame(const FrameInput& input) {
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
   const bool wind_blows = !(still && input.skip.wind);
+  params_->paint_strands = MakePaintStrandsParams({input.brush, input.brush_count});
   FillLayers(input, wind_blows, FillLights(input));
   FillParams(input, wind_blows);
   first_frame_ = false;
@@ -224,6 +225,8 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block);
     if (relight && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
+    if (params_->paint_strands.count > 0 && (block.flags & kLayerPainted))
+      block.flags |= kLayerBrushed;
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
       if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,

@@ -127,7 +127,7 @@ class FurScene {
   // A pose that cannot be used stops nobody but its character: see RefusedPoses.
   //
   // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles,
-  // lights and level of detail are not looked at, and the frame after it is what it would have been
+  // lights, brushes and level of detail are not looked at, and the frame after it is what it would have been
   // without. Only the view counts: what was visible is sorted and written for it. As a scene's
   // first frame it lays the fur on its groom.
   const char* BeginFrame(const FrameInput& input);

@@ -3,8 +3,8 @@
 // it, and kInputLogVersion goes up.
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
-// array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples and
-// weather follow; each user lists them after checking the count.
+// array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples,
+// brushes and weather follow; each user lists them after checking the count.
 #pragma once
 
 #include "core/frame_input.hpp"
@@ -55,6 +55,7 @@ void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersi
   if (version >= 2) archive("capsule_count", in.capsule_count);
   if (version >= 3) archive("light_count", in.lighting.light_count);
   if (version >= 3) archive("irradiance_sample_count", in.lighting.sample_count);
+  if (version >= 4) archive("brush_count", in.brush_count);
 }
 
 // One capsule. `archive` is called with "from", "to" and so on.
@@ -81,6 +82,14 @@ void ListIrradianceFields(auto&& archive, auto& sample) {
   archive("up", sample.up);
 }
 
+void ListBrushFields(auto&& archive, auto& brush) {
+  archive("centre", brush.centre);
+  archive("radius", brush.radius);
+  archive("hardness", brush.hardness);
+  archive("channel", brush.channel);
+  archive("amount", brush.amount);
+}
+
 // All of whom there may be more than one, as many as the counts say. `archive` is called with a
 // name, its number and the field: ("capsule", 2, "radius", value); of a sphere without the field.
 void ListCountedFields(auto&& archive, auto& in) {
@@ -95,6 +104,7 @@ void ListCountedFields(auto&& archive, auto& in) {
     ListLightFields(each("light", l), lighting.light[l]);
   for (uint32_t s = 0; s < lighting.sample_count; ++s)
     ListIrradianceFields(each("irradiance sample", s), lighting.sample[s]);
+  for (uint32_t b = 0; b < in.brush_count; ++b) ListBrushFields(each("brush", b), in.brush[b]);
 }
 
 }  // namespace pelt

@@ -169,7 +169,8 @@ void CheckInputCounts(Reader& reader, const FrameInput& in, uint32_t version) {
   } counts[] = {{in.sphere_count, kSpheresPerScene, "spheres", 1},
                 {in.capsule_count, kCapsulesPerScene, "capsules", 2},
                 {in.lighting.light_count, kLightsPerScene, "lights", 3},
-                {in.lighting.sample_count, kIrradianceSamplesPerScene, "irradiance samples", 3}};
+                {in.lighting.sample_count, kIrradianceSamplesPerScene, "irradiance samples", 3},
+                {in.brush_count, kBrushesPerScene, "brushes", 4}};
   size_t at = reader.At();
   for (const auto& c : counts) at -= version >= c.since ? 4 : 0;
   for (const auto& c : counts) {
@@ -218,7 +219,7 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   log.frames.push_back(frame);
 }
 
-// Of a frame without spheres, capsules, lights, weather and poses.
+// Of a frame without spheres, capsules, lights, brushes, weather and poses.
 uint64_t LeastFrameBytes(uint32_t characters, uint32_t version) {
   std::vector<std::byte> input;
   Writer writer{input};

@@ -33,8 +33,8 @@
 
 namespace pelt {
 
-// 1: without capsules, 2: without lights; both still read.
-inline constexpr uint32_t kInputLogVersion = 3;
+// 1: without capsules, 2: without lights, 3: without brushes; all still read.
+inline constexpr uint32_t kInputLogVersion = 4;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {

@@ -85,6 +85,7 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
   if (input.lighting.light_count > kLightsPerScene ||
       input.lighting.sample_count > kIrradianceSamplesPerScene)
     return "more lights or irradiance samples than a scene can have";
+  if (input.brush_count > kBrushesPerScene) return "more brushes than a scene can have";
   for (const PoseBlock& pose : poses)
     if (pose.joint_count > kJointsPerCharacter)
       return "a pose of more joints than a character can have";

@@ -37,6 +37,12 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.output == Output::kShells && params.chain != ChainKind::kVertex) {
     return BadKey{"output", "shells stand on mesh vertices: chain = \"vertex\""};
   }
+  if (params.painted && params.output == Output::kShells) {
+    return BadKey{"painted", "shells have no strands to paint"};
+  }
+  if (params.painted && !params.lit) {
+    return BadKey{"painted", "paint is in what lit layers are shaded with: lit = true"};
+  }
   return std::nullopt;
 }
 

@@ -66,7 +66,8 @@ struct LayerParams {
   // left.
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
-  bool lit = false;  // the frame says what light reaches the layer
+  bool lit = false;      // the frame says what light reaches the layer
+  bool painted = false;  // brushes put mud, snow, water and dust on strands; lit layers alone
   // Of shells (core/chunk.hpp); and the texture they are cut from (core/groom/fur_texture.hpp).
   uint32_t shells = kMaxShells;  // up close
   ConeKind cone_kind = ConeKind::kExact;
@@ -187,6 +188,7 @@ inline constexpr auto kRows = std::tuple{
         .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
         .group = kWeather, .in_file = kDirtFields},
     SwitchRow(&P::lit, kLook, "lit", "gather the scene's lights for it, for the renderer to shade with"),
+    SwitchRow(&P::painted, kWeather, "painted", "lit: brushes and weather act on each strand's look"),
     Row(&P::shells, kLook, "shells", "", 1, kMaxShells,
         "shells: how many up close; at d metres at most 40 / d"),
     WordRow(&P::cone_kind, kMotion, "cone_kind", kConeWords,

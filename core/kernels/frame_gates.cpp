@@ -24,6 +24,16 @@ bool IsBlown(const FrameMemory& memory, const ItemPlace& place) {
          (memory.Of<&Streams::layers>(layer)->flags & kLayerWind) != 0;
 }
 
+bool IsBrushed(const FrameMemory& memory, const ItemPlace& place) {
+  const uint32_t layer = place.first[size_t(Domain::kLayer)];
+  return (memory.Of<&Streams::layers>(layer)->flags & kLayerBrushed) != 0 &&
+         HasFlags<kChunkVisible>(memory, place);
+}
+
+bool IsLookedAt(const FrameMemory& memory, const ItemPlace& place) {
+  return HasFlags<kChunkFit>(memory, place) || HasFlags<kChunkPainted>(memory, place);
+}
+
 bool IsRelit(const FrameMemory& memory, const ItemPlace& place) {
   const auto& layer = *memory.Of<&Streams::layers>(place.first[size_t(Domain::kLayer)]);
   const auto& palette = *memory.Of<&Streams::palette>(place.first[size_t(Domain::kCharacter)]);

@@ -10,6 +10,8 @@ namespace pelt::frame_gates {
 template <uint32_t kChunkFlags>
 bool HasFlags(const FrameMemory& memory, const ItemPlace& place);
 bool IsBlown(const FrameMemory& memory, const ItemPlace& place);
+bool IsBrushed(const FrameMemory& memory, const ItemPlace& place);
+bool IsLookedAt(const FrameMemory& memory, const ItemPlace& place);
 bool IsRelit(const FrameMemory& memory, const ItemPlace& place);
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place);
 bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place);
@@ -30,6 +32,12 @@ inline constexpr Gate kBlown{
 inline constexpr Gate kRelit{
     {&IsRelit, Domain::kLayer, {StreamOf<&Streams::layers>, StreamOf<&Streams::palette>}}};
 inline constexpr Gate kFitted{kWithFlags<kChunkFit>};
+// Living strands, and brushes somewhere. Asleep or not: paint is no reason to wake.
+inline constexpr Gate kBrushed{
+    {&IsBrushed, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
+// Fitted, or painted in this frame.
+inline constexpr Gate kFittedOrPainted{
+    {&IsLookedAt, Domain::kChunk, {StreamOf<&Streams::chunk_state>, Stream::kNone}}};
 
 // What follows the view goes on when time does not.
 inline constexpr Gate kKeyed{kWithFlags<kChunkKeys>, FrameGate::kAlsoPaused};

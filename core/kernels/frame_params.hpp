@@ -6,6 +6,7 @@
 #include "core/kernels/collect_changes.hpp"
 #include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
+#include "core/kernels/paint_strands.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "core/kernels/select_shells.hpp"
 #include "core/kernels/simulate_pbd.hpp"
@@ -26,6 +27,7 @@ struct FrameParams {
   WriteRibbonsParams write_ribbons{};
   LightLayerParams light_layer{};
   SelectShellsParams select_shells{};
+  PaintStrandsParams paint_strands{};
 };
 
 }  // namespace pelt

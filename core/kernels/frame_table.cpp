@@ -15,6 +15,7 @@
 #include "core/kernels/joint_palette.hpp"
 #include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
+#include "core/kernels/paint_strands.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
 #include "core/kernels/select_lod.hpp"
@@ -46,6 +47,7 @@ using namespace frame_gates;
 // Kinds a stage's streams do not tell apart.
 constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
+constexpr KindMask kUnpainted{0, kLayerPainted};
 constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
 
 template <class P>
@@ -94,7 +96,9 @@ constexpr FrameRow kRows[] = {
     Row<FitCubic<V, 5>>(kChunk, kFitted),
     Row<FitRibbon<V, 4>>(kChunk, kFitted),
     Row<FitRibbon<V, 5>>(kChunk, kFitted),
-    Row<WriteLooks<V>>(kChunk, kFitted),
+    Row<PaintStrands<V>>(kChunk, kBrushed),
+    Row<WriteLooks<V, false>>(kChunk, kFitted, kUnpainted),
+    Row<WriteLooks<V, true>>(kChunk, kFittedOrPainted),
     Row<ShellForce<V>>(kChunk, kFitted),
     Row<SortKey<V, 4>>(kChunk, kKeyed),
     Row<SortKey<V, 5>>(kChunk, kKeyed),

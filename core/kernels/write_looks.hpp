@@ -1,10 +1,10 @@
 // What a shader is told of a strand that its curve does not say: which way the skin under it faces,
-// where on the skin it stands, how wet it is, and a number of its own. Shading fur needs the
-// skin's normal, and a record of curves has none.
+// where on the skin it stands, what is on it, and a number of its own. Shading fur needs the skin's
+// normal, and a record of curves has none.
 //
 // Records lie in strand order whatever the vertices do: a shader finds one by the strand's number,
-// which every vertex format carries. So they are written when the strands' curves are, and not when
-// only their order changes.
+// which every vertex format carries. So they are written when the strands' curves are, or when
+// brushes changed what is on one of them, and not when only their order changes.
 #pragma once
 
 #include <string_view>
@@ -45,26 +45,66 @@ PELT_INLINE I MixWord(I a) {
 
 }  // namespace write_looks_detail
 
-template <class V>
+namespace write_looks_detail {
+
+template <bool kPainted>
+struct Ports {
+  Shared<&Streams::layers> layer;
+  In<&Streams::chunk_state> state;
+  In<&Streams::strand_uv> uv;
+  In<&Streams::roots> roots;
+  Out<&Streams::looks> looks;
+};
+template <>
+struct Ports<true> {
+  Shared<&Streams::layers> layer;
+  In<&Streams::chunk_state> state;
+  In<&Streams::strand_uv> uv;
+  In<&Streams::roots> roots;
+  In<&Streams::paint> paint;
+  Out<&Streams::looks> looks;
+};
+
+// What weather puts on every strand of the layer. The colours of a layer that is not painted show
+// its dirt already.
+template <class V, bool kPainted>
+PELT_INLINE typename V::Int WeatherAmounts(const LayerBlock& layer) {
+  const V wet(layer.wetness * 255.0f + 0.5f);
+  const typename V::Int wet_byte = Truncate(wet) << 16;
+  if constexpr (!kPainted) return wet_byte;
+  const V mud(layer.mud * 255.0f + 0.5f);
+  return wet_byte | Truncate(mud);
+}
+
+// Of each byte the larger: it rains on who is wet already.
+template <class I>
+PELT_INLINE I LargerBytes(I a, I b) {
+  I larger(0);
+  for (uint32_t c = 0; c < kPaintChannels; ++c) {
+    const I channel(int32_t(255u << 8 * c)), x = (a & channel) >> int(8 * c),
+                                             y = (b & channel) >> int(8 * c);
+    larger = larger | (Select(x > y, x, y) << int(8 * c));
+  }
+  return larger;
+}
+
+}  // namespace write_looks_detail
+
+template <class V, bool kPainted>
 struct WriteLooks {
-  static constexpr std::string_view kName = "write_looks";
-  struct Ports {
-    Shared<&Streams::layers> layer;
-    In<&Streams::chunk_state> state;
-    In<&Streams::strand_uv> uv;
-    In<&Streams::roots> roots;
-    Out<&Streams::looks> looks;
-  };
+  static constexpr std::string_view kName = kPainted ? "write_painted_looks" : "write_looks";
+  using Ports = write_looks_detail::Ports<kPainted>;
 
   static void Run(const Ports& ports) {
     using namespace write_looks_detail;
     using I = typename V::Int;
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
-    const V wet(ports.layer->wetness * 255.0f + 0.5f);
-    const I amounts = Truncate(wet) << 16;
+    const I weather = WeatherAmounts<V, kPainted>(*ports.layer);
     LookRecord* const record = ports.looks->record;
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
       const I normal = PackOctahedral(Load3<V>(ports.roots->normal, lane));
+      I amounts = weather;
+      if constexpr (kPainted) amounts = LargerBytes(weather, I::Load(ports.paint->amounts + lane));
       const I random = MixWord(I::Iota(int32_t(ports.state->first_place + lane + 1)));
       const I uv = I::Load(ports.uv->uv + lane);
       ScatterRecords<V>(

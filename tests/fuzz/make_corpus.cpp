@@ -132,6 +132,8 @@ std::vector<std::byte> RecordWalk(const Fur& fur) {
     input.lighting.light[0] = {{0.0f, 2.0f, 1.0f}, 0.1f, {1.0f, 0.9f, 0.8f}, 5.0f};
     input.lighting.sample_count = 1;
     input.lighting.sample[0] = {{}, 4.0f, {0.5f, 0.6f, 0.7f}, {0.2f, 0.1f, 0.1f}, {0, 1, 0}};
+    input.brush_count = 1;
+    input.brush[0] = {{0.0f, 0.5f, 0.0f}, 0.5f, 0.5f, uint32_t(PaintChannel::kMud), 0.25f};
     if (const char* fault = scene.BeginFrame(input)) throw Error(fault);
     SerialExecutor().Run(scene.CurrentFrame());
     writer.AddFrame(input, {&scene.Pose(0), 1}, scene.DigestFrame());
@@ -161,6 +163,7 @@ void WritePoses(const std::filesystem::path& folder) {
     for (const auto& light : input.lighting.light) ListLightFields(input_log::Writer{walk}, light);
     for (const auto& sample : input.lighting.sample)
       ListIrradianceFields(input_log::Writer{walk}, sample);
+    for (const auto& brush : input.brush) ListBrushFields(input_log::Writer{walk}, brush);
     run(walk);
   }
   Write(folder / "walk.pose", walk);

@@ -84,6 +84,7 @@ void ReadHostile(std::span<const std::byte> bytes) {
         for (CapsuleCollider& capsule : input.capsule) ListCapsuleFields(reader, capsule);
         for (SphereLight& light : input.lighting.light) ListLightFields(reader, light);
         for (IrradianceSample& sample : input.lighting.sample) ListIrradianceFields(reader, sample);
+        for (PaintBrush& brush : input.brush) ListBrushFields(reader, brush);
         break;
       case 2:
         RunFrame(scene, input);

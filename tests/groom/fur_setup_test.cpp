@@ -147,6 +147,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"wet_hardness", "0.25", [](L l) { return l.params.wet_hardness == 0.25f; }},
       {"wet_darken", "0.125", [](L l) { return l.params.wet_darken == 0.125f; }},
       {"lit", "true", [](L l) { return l.params.lit; }},
+      {"painted", "true\nlit = true", [](L l) { return l.params.painted && l.params.lit; }},
       {"dirt_colour", "'#ff0033'",
        [](L l) {
          return l.params.dirt_colour[0] == 1.0f && l.params.dirt_colour[1] == 0.0f &&
@@ -386,6 +387,7 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
        "key 'output': shells stand on mesh vertices: chain = \"vertex\""},
       {"max_distance = 0.04",
        "key 'max_distance': 0 (no limit) or at least 0.05; strength = 0 holds a strand"},
+      {"painted = true", "key 'painted': paint is in what lit layers are shaded with: lit = true"},
       {"seed = -1", "key 'seed': -1 is out of bounds; allowed are 0 to 9223372036854775807"},
       {"max_strands = 9000000",
        "key 'max_strands': 9000000 is out of bounds; allowed are 0 to 8388608"},

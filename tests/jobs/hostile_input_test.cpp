@@ -102,6 +102,16 @@ void SpoilInput(Random& random, FrameInput& in) {
       sample.falloff = random.Below(2) ? 1e-3f : 1e6f;
     }
   }
+  if (random.Below(2)) {
+    in.brush_count = kBrushesPerScene;
+    for (PaintBrush& brush : in.brush) {
+      FillExtreme(random, brush.centre, 1);
+      brush.radius = std::abs(Extreme(random));
+      brush.hardness = random.Below(2) ? 1.0f : 0.0f;
+      brush.channel = uint32_t(random.Below(kPaintChannels));
+      brush.amount = random.Below(2) ? 1.0f : -1.0f;
+    }
+  }
   if (random.Below(3) == 0) {
     in.use_ground = true;
     in.ground[3] = Extreme(random);

@@ -12,8 +12,12 @@ namespace {
 using namespace testing;
 
 constexpr Stream kStream = StreamOf<&Streams::layer_light>;
-constexpr uint32_t kStages = 2;  // what lit layers have and others have not
-bool IsOfLight(Stream stream) { return stream == kStream || stream == StreamOf<&Streams::looks>; }
+// What lit layers have and others have not: light, looks, paint, looks of painted ones.
+constexpr uint32_t kStages = 4;
+bool IsOfLight(Stream stream) {
+  return stream == kStream || stream == StreamOf<&Streams::looks> ||
+         stream == StreamOf<&Streams::paint>;
+}
 
 // Lit layers, on their course until `rest_from`.
 struct LitRun {
@@ -70,12 +74,15 @@ TEST(LitLayers, AreLitAndNoOthers) {
 // neither stages nor memory.
 TEST(LitLayers, CostNoBarrierAndOthersNothing) {
   Scenario dark = TinyScenario(), lit = LitScenario();
+  // Whose colours weather leaves alone where they are painted.
+  dark.weather_course = lit.weather_course = {};
+  lit.base.brush_count = 0;
   RunningScenario without(dark, {}), with(lit, {});
   EXPECT_EQ(with.scene().plan().passes.size(), without.scene().plan().passes.size());
   EXPECT_EQ(with.scene().plan().stages.size(), without.scene().plan().stages.size() + kStages);
   EXPECT_EQ(without.scene().layout().ranges[size_t(kStream)].bytes, 0u);
   EXPECT_EQ(without.scene().memory().Block(kStream, 0), nullptr);
-  // Light changes nothing else.
+  // Light and paint change nothing else.
   SerialExecutor serial;
   for (uint32_t f = 0; f < 3; ++f) {
     with.Begin(f);

@@ -229,6 +229,33 @@ const std::vector<BadInput> kBadInputs = {
     {"the rim light's colour", [](FrameInput& in, FurScene&) { in.lighting.rim_rgb[2] = kNaN; }},
     {"the rim light's exponent is -1, not in [0, 1000]",
      [](FrameInput& in, FurScene&) { in.lighting.rim_exponent = -1.0f; }},
+    {"17 brushes, a scene holds 16",
+     [](FrameInput& in, FurScene&) { in.brush_count = kBrushesPerScene + 1; }},
+    {"brush 1: its centre is not finite, or beyond 1e6",
+     [](FrameInput& in, FurScene&) {
+       in.brush_count = 2;
+       in.brush[1].centre[2] = kInf;
+     }},
+    {"brush 0: its radius is -1, not in [0, 1e6] m",
+     [](FrameInput& in, FurScene&) {
+       in.brush_count = 1;
+       in.brush[0].radius = -1.0f;
+     }},
+    {"brush 0: its hardness is 1.5, not in [0, 1]",
+     [](FrameInput& in, FurScene&) {
+       in.brush_count = 1;
+       in.brush[0].hardness = 1.5f;
+     }},
+    {"brush 0: its amount is nan, not in [-1, 1]",
+     [](FrameInput& in, FurScene&) {
+       in.brush_count = 1;
+       in.brush[0].amount = kNaN;
+     }},
+    {"brush 0: its channel is 4, there are 4",
+     [](FrameInput& in, FurScene&) {
+       in.brush_count = 1;
+       in.brush[0].channel = kPaintChannels;
+     }},
     {"weather for 2 characters, the scene has 1",
      [](FrameInput& in, FurScene&) {
        static const Weather kTwo[2];

@@ -62,13 +62,28 @@ inline void AddShells(Scenario& scenario) {
   append(groom.shell_skin, shells.shell_skin);
 }
 
-// `tiny` with every other layer lit; the scene itself has none, as its digests are kept.
+// A sponge on the head, mud that reaches further, and what wipes some of it off.
+inline std::vector<PaintBrush> TinyBrushes() {
+  const auto brush = [](PaintChannel channel, float height, float radius, float amount) {
+    return PaintBrush{{0.1f, height, 0.1f}, radius, 0.5f, uint32_t(channel), amount};
+  };
+  return {brush(PaintChannel::kWet, 1.0f, 0.3f, 0.05f), brush(PaintChannel::kMud, 0.5f, 0.5f, 0.1f),
+          brush(PaintChannel::kMud, 0.6f, 0.2f, -0.04f)};
+}
+
+// `tiny` with every other layer lit, every other one of these painted; the scene itself has none, as
+// its digests are kept.
 inline Scenario LitScenario() {
   Scenario scenario = TinyScenario();
   scenario.base.lighting = TinyLighting();
+  for (const PaintBrush& brush : TinyBrushes())
+    scenario.base.brush[scenario.base.brush_count++] = brush;
   uint32_t layers = 0;
   for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) layer.params.lit = layers++ % 2 == 0;
+    for (GroomLayer& layer : groom.layers) {
+      layer.params.painted = layers % 4 == 0;
+      layer.params.lit = layers++ % 2 == 0;
+    }
   return scenario;
 }
 

@@ -21,12 +21,20 @@ struct Scene {
   ChunkStateBlock state{};
   StrandUvBlock uv{};
   RootBlock roots{};
+  PaintBlock paint{};
 
   template <class V>
   LookBlock Run() {
     LookBlock looks;
     test::Poison(looks);
-    RunOnBlocks<WriteLooks<V>>(nullptr, layer, state, uv, roots, looks);
+    RunOnBlocks<WriteLooks<V, false>>(nullptr, layer, state, uv, roots, looks);
+    return looks;
+  }
+  template <class V>
+  LookBlock RunPainted() {
+    LookBlock looks;
+    test::Poison(looks);
+    RunOnBlocks<WriteLooks<V, true>>(nullptr, layer, state, uv, roots, paint, looks);
     return looks;
   }
 };
@@ -42,6 +50,7 @@ Scene MakeScene(uint32_t live, uint32_t seed) {
     length = std::hypot(n[0], n[1], n[2]);
     for (int axis = 0; axis < 3; ++axis) scene.roots.normal[axis][s] = float(n[axis] / length);
     scene.uv.uv[s] = uint32_t(random());
+    scene.paint.amounts[s] = uint32_t(random());
   }
   return scene;
 }
@@ -103,6 +112,27 @@ TEST(WriteLooks, HandsOnPlacesAndWetness) {
   }
 }
 
+// What brushes left, or what weather brings, whichever is more; the rest of the record is the same.
+TEST(WriteLooks, PaintAndWeatherAreOnStrandsTogether) {
+  Scene scene = MakeScene(kStrandsPerChunk, 3);
+  scene.layer.wetness = 0.5f;  // 128
+  scene.layer.mud = 0.2f;      // 51
+  const LookBlock looks = scene.RunPainted<ArrayVec<4>>(), plain = scene.Run<ArrayVec<4>>();
+  uint32_t more = 0;
+  for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+    const uint32_t paint = scene.paint.amounts[s], found = looks.record[s].amounts;
+    EXPECT_EQ(found & 255, std::max(paint & 255, 51u));
+    EXPECT_EQ(found >> 16 & 255, std::max(paint >> 16 & 255, 128u));
+    EXPECT_EQ(found & 0xff00ff00u, paint & 0xff00ff00u);
+    more += (paint >> 16 & 255) > 128;
+    EXPECT_EQ(looks.record[s].normal, plain.record[s].normal);
+    EXPECT_EQ(looks.record[s].uv, plain.record[s].uv);
+    EXPECT_EQ(looks.record[s].random, plain.record[s].random);
+  }
+  EXPECT_GT(more, 0u);
+  EXPECT_LT(more, kStrandsPerChunk);
+}
+
 // No two strands of a layer have the same, every bit is set in half of them, and it stays.
 TEST(WriteLooks, EveryStrandHasANumberOfItsOwn) {
   constexpr uint32_t kChunks = 64;
@@ -126,10 +156,13 @@ TEST(WriteLooks, SameRecordsOnEveryVector) {
   for (const uint32_t live : {1u, 15u, 17u, 64u}) {
     Scene scene = MakeScene(live, live);
     scene.layer.wetness = 0.3f;
-    const LookBlock expected = scene.Run<ArrayVec<4>>();
+    scene.layer.mud = 0.6f;
+    const LookBlock expected = scene.Run<ArrayVec<4>>(), painted = scene.RunPainted<ArrayVec<4>>();
     ForEveryVector([&]<class V>(const char* name) {
-      const LookBlock found = scene.Run<V>();
+      LookBlock found = scene.Run<V>();
       EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name << " " << live;
+      found = scene.RunPainted<V>();
+      EXPECT_EQ(std::memcmp(&found, &painted, sizeof found), 0) << name << " " << live;
     });
   }
 }

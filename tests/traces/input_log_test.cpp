@@ -70,6 +70,8 @@ TEST(InputLog, WhatIsRecordedComesBack) {
     }
     EXPECT_EQ(input.skip.light, f != 1);
     EXPECT_EQ(std::memcmp(&input.lighting, &recorded.inputs[f].lighting, sizeof(Lighting)), 0);
+    EXPECT_EQ(input.brush_count, 2 * f);
+    EXPECT_EQ(std::memcmp(&input.brush, &recorded.inputs[f].brush, sizeof input.brush), 0);
     ASSERT_EQ(input.weather.size(), recorded.weather[f].size());
     for (const Weather& weather : input.weather) EXPECT_EQ(weather.dirt, 0.1f * float(f));
     EXPECT_EQ(log.frames[f].digest, recorded.digests[f]);
@@ -103,8 +105,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 3.
-TEST(InputLog, BytesAreThoseOfVersionThree) {
+// reads version 4.
+TEST(InputLog, BytesAreThoseOfVersionFour) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -114,7 +116,7 @@ TEST(InputLog, BytesAreThoseOfVersionThree) {
                           'N',
                           'P',
                           '\n',
-                          3,
+                          4,
                           0,
                           0,
                           0,
@@ -139,10 +141,10 @@ TEST(InputLog, BytesAreThoseOfVersionThree) {
                           0,
                           0};
   EXPECT_EQ(std::memcmp(bytes.data(), head, sizeof head), 0);
-  ASSERT_EQ(bytes.size(), 222187u);
+  ASSERT_EQ(bytes.size(), 222539u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0x68309bc8b94be2adu);
+  EXPECT_EQ(digest.Value(), 0x453ff52d582eaa7bu);
 }
 
 // A recording from before there were capsules.
@@ -185,6 +187,22 @@ TEST(InputLog, VersionTwoIsStillRead) {
     EXPECT_TRUE(input.skip.light);
     EXPECT_EQ(input.weather[0].dirt, 0.25f);
     EXPECT_EQ(log.frames[f].digest, first.frames[f].digest);
+  }
+}
+
+// From before there were brushes: a lit walk, kept as it was written.
+TEST(InputLog, VersionThreeIsStillRead) {
+  const InputLog log =
+      ReadInputLogFile(test::SourceFolder() + "/tests/fuzz/corpus/input_log/version_3.peltinput")
+          .OrThrow();
+  EXPECT_EQ(log.version, 3u);
+  ASSERT_EQ(log.FrameCount(), 3u);
+  for (uint32_t f = 0; f < 3; ++f) {
+    const FrameInput input = log.Input(f);
+    EXPECT_EQ(input.lighting.light[0].range, 5.0f);
+    EXPECT_EQ(input.lighting.sample[0].falloff, 4.0f);
+    EXPECT_EQ(input.brush_count, 0u);
+    EXPECT_EQ(input.weather[0].dirt, 0.25f);
   }
 }
 
@@ -231,6 +249,9 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
   input.lighting.light_count = 0;
   input.lighting.sample_count = kIrradianceSamplesPerScene + 1;
+  EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
+  input = recorded.inputs[0];
+  input.brush_count = kBrushesPerScene + 1;
   EXPECT_NE(writer.AddFrame(input, recorded.poses[0], 0), nullptr);
   const Weather weather[2];
   input = recorded.inputs[0];
@@ -283,7 +304,7 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 4, "byte 8: version 4, this program reads 1 to 3"},
+      {"version", 8, 5, "byte 8: version 5, this program reads 1 to 4"},
       {"no version", 8, 0, "byte 8: version 0"},
       {"vertex order", 16, 2, "byte 16"},
       {"no groom", 20, 0, "byte 20"},

@@ -78,6 +78,9 @@ inline RecordedFrames MakeRecordedFrames() {
     for (uint32_t s = 0; s < 3 * f; ++s)
       input.lighting.sample[s] = {{float(s)}, 4.0f, {1, 2, 3}, {4, 5, 6}, {0, 1, 0}};
     input.lighting.sun_rgb[1] = 0.5f * float(f);
+    input.brush_count = 2 * f;
+    for (uint32_t b = 0; b < 2 * f; ++b)
+      input.brush[b] = {{0, float(b), 0}, 0.25f, 0.5f, b % kPaintChannels, b % 2 ? 1.0f : -0.5f};
     input.skip.light = f != 1;
     input.skip.lod = f == 2;
     input.lod.strand_budget = 100 * f;

@@ -1,5 +1,5 @@
 // Speed of the first half of the frame on one core: pose, palette, bounds, skin, anchors, roots,
-// wind, and the vertices of shells.
+// wind, the vertices of shells; and paint, by brushes that hold every strand.
 //
 // Prints the time a lane (joint, vertex or strand) as the counter `each`, with the digest of what
 // was computed beside it: instruction sets must agree on the digest, whatever their speed. 64
@@ -20,6 +20,7 @@
 #include "core/kernels/anchors.hpp"
 #include "core/kernels/bound_layer.hpp"
 #include "core/kernels/joint_palette.hpp"
+#include "core/kernels/paint_strands.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
 #include "core/kernels/shell_force.hpp"
@@ -69,6 +70,7 @@ struct Scene {
   RestBlock<4> vertex_rest[kChunks]{};
   ShellSkinBlock shell_skin[kChunks]{};
   ShellVertexBlock shell_vertices[kChunks]{};
+  PaintBlock paint[kChunks]{};
 };
 
 void FillPose(Scene& scene, Random& random) {
@@ -320,6 +322,22 @@ void BenchShellForce(benchmark::State& state) {
 }
 
 template <class V>
+void BenchPaint(benchmark::State& state) {
+  const auto scene = MakeScene(5);
+  std::vector<PaintBrush> brushes;
+  for (uint32_t b = 0; b < uint32_t(state.range(0)); ++b)
+    brushes.push_back({{0, 0, 0}, 5.0f, 0.1f, b % kPaintChannels, b % 2 ? -0.3f : 0.4f});
+  const PaintStrandsParams params = MakePaintStrandsParams(brushes);
+  for (auto _ : state) {
+    for (uint32_t c = 0; c < kChunks; ++c)
+      PaintStrands<V>::Run(params, PortsOf<PaintStrands<V>>(&scene->bounds, &scene->roots[c],
+                                                            &scene->state[c], &scene->paint[c]));
+    benchmark::ClobberMemory();
+  }
+  Report(state, double(kChunks) * kStrandsPerChunk, DigestOf(scene->paint, sizeof scene->paint));
+}
+
+template <class V>
 void RegisterAll(const std::string& isa) {
   const auto add = [&](const char* name, void (*run)(benchmark::State&)) {
     return benchmark::RegisterBenchmark((std::string(name) + "/" + isa).c_str(), run);
@@ -338,6 +356,7 @@ void RegisterAll(const std::string& isa) {
   add("roots", BenchRoots<V>);
   add("wind", BenchWind<V>);
   add("shell_force", BenchShellForce<V>);
+  add("paint_strands", BenchPaint<V>)->ArgName("brushes")->Arg(1)->Arg(4)->Arg(16);
 }
 
 const bool kRegistered = [] {

@@ -179,6 +179,15 @@ static void TryBadFrames(PeltScene* scene) {
   bad.irradiance_sample_count = 4000000000u;
   ExpectRefused(pelt_begin(scene, &bad), "more irradiance samples");
   bad = frame;
+  bad.brush_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "brushes are null");
+  bad.brush_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more brushes");
+  const PeltBrush brush = {{0, 1, 0}, 0.1f, 0.5f, PELT_DUST + 1, 1};
+  bad.brushes = &brush;
+  bad.brush_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "brush 0: its channel");
+  bad = frame;
   bad.sun_direction[1] = 2;
   ExpectRefused(pelt_begin(scene, &bad), "sun's direction");
   ExpectRefused(pelt_run(scene, NULL), "no frame was begun");
