@@ -31,8 +31,9 @@ struct Drawn {
   std::vector<std::byte> Picture(std::vector<std::string> relief = {}) {
     const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
     std::vector<std::string> notes;
-    return DrawPicture(scenario, running.scene(), camera, order, {160, 120, 2, std::move(relief)},
-                       notes);
+    return DrawPicture(
+        scenario, running.scene(), camera, order,
+        {.width_px = 160, .height_px = 120, .samples = 2, .relief = std::move(relief)}, notes);
   }
 
   VertexOrder order;
