@@ -27,11 +27,9 @@ struct Golden {
   uint32_t frames;
   uint32_t strand_budget;  // 0: without LOD
 };
-constexpr Golden kGoldens[] = {{"tiny", "tiny", 20, 0},
-                               {"tiny.lod", "tiny", 20, 400},
-                               {"monster", "monster", 10, 0},
-                               {"eyepet", "eyepet", 10, 0},
-                               {"cast", "cast", 3, 0}};
+constexpr Golden kGoldens[] = {{"tiny", "tiny", 20, 0},       {"tiny.lod", "tiny", 20, 400},
+                               {"monster", "monster", 10, 0}, {"eyepet", "eyepet", 10, 0},
+                               {"cast", "cast", 3, 0},        {"scorpion", "scorpion", 10, 0}};
 
 DigestLog RunGolden(const Golden& golden) {
   RunArgs args;

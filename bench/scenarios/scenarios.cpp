@@ -114,6 +114,19 @@ Scenario MakeEyePet(uint64_t seed, const LoadProgress&) {
   return scenario;
 }
 
+Scenario MakeScorpion(uint64_t seed, const LoadProgress&) {
+  Scenario scenario;
+  AddActor(scenario, LoadCharacter("scorpion"), LoadSetup("scorpion", seed), "walk");
+  scenario.base.wind = Breeze();
+  scenario.base.use_ground = true;
+  scenario.camera.target = {0.0f, 0.34f, 0.0f};
+  scenario.camera.radius_m = 2.1;
+  scenario.camera.height_m = 0.75;
+  scenario.camera.start_rad = 0.6;
+  scenario.camera.vertical_fov_rad = 0.62;
+  return scenario;
+}
+
 Scenario MakeTiny(uint64_t seed, const LoadProgress&) {
   Scenario scenario;
   AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), LoadSetup("tiny", seed), "walk");
@@ -201,8 +214,11 @@ struct BuiltInScene {
   std::string_view name;
   Scenario (*make)(uint64_t seed, const LoadProgress& progress);
 };
-constexpr BuiltInScene kScenes[] = {
-    {"monster", MakeMonster}, {"cast", MakeCast}, {"eyepet", MakeEyePet}, {"tiny", MakeTiny}};
+constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster},
+                                    {"cast", MakeCast},
+                                    {"eyepet", MakeEyePet},
+                                    {"scorpion", MakeScorpion},
+                                    {"tiny", MakeTiny}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;

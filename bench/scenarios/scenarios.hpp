@@ -4,6 +4,7 @@
 //   monster  one character, about 40,000 strands in head, brows, body, arms and tail
 //   cast     17 characters, 166 layers, over 100,000 strands: what the original shipped
 //   eyepet   8,000 strands of 5 points, Verlet, clumping, ground plane, ribbons
+//   scorpion shells over all but eyes and sting, walking in the wind: no strands
 //   tiny     every solver and chain, instances and ribbons, in under a thousand strands: for tests
 //
 // Invariant: frame f of a scenario has the same input whatever was run before it, on every machine
