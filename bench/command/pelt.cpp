@@ -19,6 +19,7 @@
 #include "bench/command/usage_error.hpp"
 #include "bench/command/usage_text.hpp"
 #include "bench/command/version.hpp"
+#include "bench/picture/renderers.hpp"
 #include "core/error.hpp"
 #include "core/printable.hpp"
 

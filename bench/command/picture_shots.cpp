@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "bench/picture/light_steps.hpp"
 #include "bench/picture/picture.hpp"
@@ -16,6 +17,10 @@
 
 namespace pelt {
 namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 std::vector<uint32_t> FramesAt(std::span<const double> times_s, double dt_s, uint32_t frames) {
   std::vector<uint32_t> found;
@@ -52,7 +57,11 @@ PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene
       order_(order),
       frames_(FramesToDraw(args, scenario.dt_s, frames)) {
   CheckRelief(scenario, args_.relief);
-  if (!frames_.empty()) renderer_ = OpenRenderer(args_.renderer).OrThrow();
+  if (!frames_.empty()) {
+    const auto start = std::chrono::steady_clock::now();
+    renderer_ = OpenRenderer(args_.renderer).OrThrow();
+    open_seconds_ = SecondsSince(start);
+  }
   if (args_.folder.empty()) return;
   MakeFolder(args_.folder);
   for (const uint32_t frame : frames_) CheckOutput("picture", FrameFile(frame));
@@ -86,11 +95,17 @@ void PictureShots::Take(uint32_t frame) {
                                .height_px = args_.height_px,
                                .lighting_buffer = args_.lighting_buffer};
   const auto start = std::chrono::steady_clock::now();
+  const std::clock_t core_start = std::clock();
   const PictureScene shown = Gather(frame);
-  std::vector<std::byte> png =
-      EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
-  seconds_.push_back(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  std::vector<std::byte> png;
+  try {
+    png = EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
+  } catch (const Error& error) {
+    faults_.push_back(fmt::format("frame {}: {}", frame, error.what()));
+    return;
+  }
+  core_seconds_ += double(std::clock() - core_start) / CLOCKS_PER_SEC;
+  seconds_.push_back(SecondsSince(start));
   if (!args_.folder.empty()) Write("picture", FrameFile(frame), png);
   if (!args_.animation.empty()) {
     const auto next = std::ranges::upper_bound(frames_, frame);
@@ -103,9 +118,9 @@ void PictureShots::Take(uint32_t frame) {
 }
 
 void PictureShots::Finish() {
-  if (frames_.empty()) return;
-  if (!args_.last.empty()) Write("picture", args_.last, last_);
-  if (!args_.steps.empty()) {
+  if (seconds_.empty()) return;
+  if (!args_.last.empty() && !last_.empty()) Write("picture", args_.last, last_);
+  if (!args_.steps.empty() && !steps_.empty()) {
     const uint32_t down = uint32_t(LightSteps().size() + kStepsAcross - 1) / kStepsAcross;
     Write("steps", args_.steps,
           EncodePng(steps_, args_.width_px * kStepsAcross, args_.height_px * down, 3));
@@ -130,6 +145,10 @@ void PictureShots::AddTo(ReportTree& tree) const {
   ReportTree& section = tree.AddSection("pictures", "pictures, in no frame's time");
   section.Add({.key = "count"}, seconds_.size());
   section.Add({.key = "drawn_by"}, renderer_->Device());
+  section.Add({.key = "open_ms", .unit = "ms", .decimals = 0, .heading = "opened in"},
+              open_seconds_ * 1e3);
+  section.Add({.key = "draw_core_ms", .unit = "ms", .decimals = 0, .heading = "core time"},
+              core_seconds_ / double(seconds_.size()) * 1e3);
   section.Add({.key = "draw_ms.median", .unit = "ms", .decimals = 0, .heading = "median"},
               spread.median * 1e3);
   section.Add({.key = "draw_ms.worst", .unit = "ms", .decimals = 0, .heading = "worst"},

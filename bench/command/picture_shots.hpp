@@ -71,6 +71,7 @@ class PictureShots {
   std::vector<std::byte> last_;
   std::vector<uint8_t> steps_;
   std::vector<AnimationFrame> animation_;
+  double open_seconds_ = 0.0, core_seconds_ = 0.0;
   std::vector<double> seconds_;  // that each took
   std::vector<std::string> written_, notes_, faults_;
 };

@@ -105,8 +105,13 @@ int Run(const RunArgs& args) {
   ReportTree tree = MakeRunTree(report);
   pictures.AddTo(tree);
   fmt::print("{}", args.json ? tree.Json() : tree.Text() + '\n');
+  for (const std::string& note : pictures.notes())
+    fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
+  pictures.Finish();
+  for (const std::string& file : pictures.written())
+    if (!args.json) fmt::print("{}\n", file);
   // One that cannot be written keeps no other from being written.
-  std::vector<std::string> faults;
+  std::vector<std::string> faults = pictures.faults();
   const auto write = [&](std::string_view what, const OutputPath& path, const auto& make) {
     if (path.empty()) return;
     try {
@@ -116,12 +121,6 @@ int Run(const RunArgs& args) {
       faults.push_back(error.what());
     }
   };
-  for (const std::string& note : pictures.notes())
-    fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
-  pictures.Finish();
-  for (const std::string& file : pictures.written())
-    if (!args.json) fmt::print("{}\n", file);
-  faults = pictures.faults();
   write(fmt::format("trace of {} frames", records.size()), args.trace,
         [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });
   write("digest log", args.digest_log, [&] { return WriteDigestLog(digest_log); });

@@ -38,6 +38,7 @@ check_errors() {
   expect 2 nowhere -- run --scene nowhere
   expect 2 frames -- run --scene tiny --frames many
   expect 2 executor -- run --scene tiny --executor magic
+  expect 2 renderer -- run --scene tiny --picture x.png --renderer magic
   expect 2 --setup -- run --character some.glb
   expect 2 --scene -- run --scene tiny --setup tiny
   expect 1 missing.glb -- run --character missing.glb --setup tiny
@@ -54,6 +55,9 @@ check_errors() {
   grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
   expect 1 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
   expect 1 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
+  # Without a driver: what to install, before anything is run.
+  __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere.json expect 1 'no OpenGL' 'apt-get install' -- \
+    run --scene tiny --frames 1 --picture x.png --renderer gl
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake tiny"
   head -c 5000 tiny.groom >cut.groom
   expect 1 cut.groom -- run --groom cut.groom
@@ -128,6 +132,8 @@ check_ignored() {
   expect 2 --relief -- run --scene tiny --relief all
   expect 2 --flow-side -- bake --setup tiny --flow-side 100
   expect 2 --flow-layer -- bake --setup tiny --flow-layer head
+  expect 2 --renderer -- run --scene tiny --renderer gl
+  expect 2 --lighting-buffer -- run --scene tiny --picture x.png --lighting-buffer
   expect 2 --trace-frames -- run --scene tiny --trace-frames 3
   expect 2 --wet-at -- run --scene tiny --wet-at 3
   expect 2 --seed -- run --groom tiny.groom --seed 3

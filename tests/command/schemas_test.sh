@@ -33,6 +33,7 @@ hold bake bake --setup tiny --stats --out c.groom
 hold bake bake --setup tiny --flow-map flow.png --height-field hairs.png --flow-side 64
 hold run run --scene tiny --frames 2
 hold run run --scene tiny --frames 1 --executor local-store
+hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48
 hold plan plan --scene tiny
 hold plan plan --scene tiny --local-store --unfused
 hold verify verify --scene tiny --frames 1 --isa reference

@@ -174,7 +174,7 @@ TEST_F(GlPicture, ShadowMapsForgetTheOrder) {
   EXPECT_FALSE(renderer_->DrawShadowMap(without.scene, 0) == forwards);
 }
 
-// EyePet's way: another picture, of the same hairs, that is found in less time.
+// EyePet's way: another light on the same hairs.
 TEST_F(GlPicture, LightingBufferIsAnotherLightOfTheSamePicture) {
   PictureOptions buffered = kSmall;
   buffered.lighting_buffer = true;

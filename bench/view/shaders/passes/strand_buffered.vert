@@ -17,6 +17,7 @@ void main() {
   vec3 coat = CoatColour(look, knot.colour.rgb, depth_light);
   sunlit = coat * light.sun * HairDiffuse(knot.tangent, light.to_sun);
   skylit = coat * light.sky[0] * (2.0 * 0.282094792);
-  rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * depth_light;
+  float from = RimFrom(strand.normal, light.to_rim, look.rim_from);
+  rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * (from * depth_light);
   gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
 }
