@@ -121,6 +121,43 @@ TEST_F(GlPicture, IsThatOfTheSoftwareForEveryOutputInBothOrders) {
   EXPECT_GE(db, kTwinDb);
 }
 
+// A checkered character without fur, of which the image has its upper half darker: turned over, it would be seen.
+Scenario Checkered() {
+  Scenario scenario = TinyScenario();
+  std::vector<uint8_t> rgb;
+  for (uint32_t i = 0; i < 32 * 32; ++i) {
+    const bool upper = i / 32 < 16, odd = (i / 4 + i / 128) % 2;
+    for (const int channel : {odd ? 230 : 40, upper ? 60 : 160, 90})
+      rgb.push_back(uint8_t(channel));
+  }
+  const std::vector<std::byte> png = EncodePng(rgb, {32, 32});
+  for (Character& character : scenario.characters) {
+    character.images = {{png.begin(), png.end()}};
+    Mesh& mesh = character.mesh;
+    mesh.looks.assign(mesh.materials.size(),
+                      {.stated = true, .base_colour = {0.9f, 0.8f, 1.0f}, .image = 0});
+    mesh.uv.clear();
+    for (const glm::vec3& p : mesh.position) mesh.uv.push_back({3.0f * p.x, 1.5f * p.y});
+  }
+  return scenario;
+}
+
+TEST_F(GlPicture, SkinHasItsImage) {
+  const Shown shown(Checkered(), VertexOrder::kSorted);
+  PictureScene bare = shown.scene();
+  bare.draws.clear();
+  bare.layers.clear();
+  for (Body& body : bare.bodies) std::ranges::fill(body.covered, 0.0f);
+  const std::vector<uint8_t> picture = renderer_->Draw(bare, kSmall);
+  const double db = PsnrDb(picture, SoftwareRenderer().Draw(bare, kSmall));
+  std::printf("an image on the skin: %.1f dB between OpenGL and software\n", db);
+  EXPECT_GE(db, kTwinDb);
+  const Shown plain(TinyScenario(), VertexOrder::kSorted);
+  for (size_t b = 0; b < bare.bodies.size(); ++b)
+    bare.bodies[b].surface = plain.scene().bodies[b].surface;
+  EXPECT_LT(PsnrDb(picture, renderer_->Draw(bare, kSmall)), kTwinDb);
+}
+
 TEST_F(GlPicture, IsTheSameAgain) {
   const std::vector<uint8_t> picture = renderer_->Draw(Monster(), kSmall);
   EXPECT_GE(PsnrDb(renderer_->Draw(Monster(), kSmall), picture), kSameDb);
