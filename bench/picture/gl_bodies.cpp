@@ -75,8 +75,10 @@ GlBodies::Skin GlBodies::Upload(const Body& body, float depth_floor) const {
                  GL_STATIC_DRAW);
   size_t offset = 0;
   for (size_t i = 0; i < kFloats.size(); ++i) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's way to say an offset.
+    const void* from_start = reinterpret_cast<const void*>(offset);
     gl_.VertexAttribPointer(GLuint(i), kFloats[i], GL_FLOAT, GL_FALSE, sizeof(SkinVertex),
-                            reinterpret_cast<const void*>(offset));
+                            from_start);
     gl_.EnableVertexAttribArray(GLuint(i));
     offset += size_t(kFloats[i]) * sizeof(float);
   }

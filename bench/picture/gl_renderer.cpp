@@ -68,7 +68,7 @@ struct GlRenderer::State {
         look(context.gl()) {}
 
   const GlApi& gl() const { return context.gl(); }
-  void SetScene(const PictureScene& scene, const PictureOptions& options) const;
+  void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
                  const GlStrands& strands, const GlShells& shells, const GlShadows& shadows) const;
   std::vector<uint8_t> Resolve(const PictureOptions& options, const Lens& lens, GLuint drawn,
@@ -93,11 +93,12 @@ Result<GlRenderer> GlRenderer::Open() {
 
 std::string GlRenderer::Device() const { return state_->context.Renderer(); }
 
-void GlRenderer::State::SetScene(const PictureScene& scene, const PictureOptions& options) const {
+void GlRenderer::State::SetScene(const PictureScene& scene, const PictureOptions& options,
+                                 uint32_t samples) const {
   const Lens lens = LensOf(scene.camera, options);
   const glm::mat3 axes = SunAxes(scene.look.light.to_sun);
   const ShadowLook& shadow = scene.look.shadow;
-  const glm::vec2 size(options.width_px * options.samples, options.height_px * options.samples);
+  const glm::vec2 size(options.width_px * samples, options.height_px * samples);
   programs.ForEach([&](const GlProgram& program) {
     program.Set("world_to_clip", lens.world_to_clip);
     program.Set("eye", lens.eye);
@@ -191,21 +192,19 @@ void GlRenderer::State::CheckErrors() const {
     throw Error(fmt::format("picture: {} reports OpenGL's error {:#x}", context.Renderer(), error));
 }
 
-std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& wanted) {
+std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& options) {
   const GlApi& gl = state_->gl();
-  PictureOptions options = wanted;
-  if (!options.samples) options.samples = kSamples;
-  const GLsizei width = GLsizei(options.width_px * options.samples),
-                height = GLsizei(options.height_px * options.samples);
+  const uint32_t samples = options.samples ? options.samples : kSamples;
+  const GLsizei width = GLsizei(options.width_px * samples),
+                height = GLsizei(options.height_px * samples);
   GLint most = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
   if (std::max(width, height) > most)
-    throw Error(
-        fmt::format("picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
-                    "samples are {} x {}",
-                    Device(), most, options.width_px, options.height_px, options.samples,
-                    options.samples, width, height));
-  state_->SetScene(scene, options);
+    throw Error(fmt::format(
+        "picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
+        "samples are {} x {}",
+        Device(), most, options.width_px, options.height_px, samples, samples, width, height));
+  state_->SetScene(scene, options, samples);
   const GlBodies bodies(gl, scene);
   const GlStrands strands(gl, scene);
   const GlShells shells(gl, scene);
@@ -224,14 +223,14 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
     throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
   gl.Viewport(0, 0, width, height);
   state_->DrawScene(scene, options, bodies, strands, shells, shadows);
-  std::vector<uint8_t> rgb = state_->Resolve(options, LensOf(scene.camera, options), drawn,
-                                             options.samples, scene.bodies.size());
+  std::vector<uint8_t> rgb =
+      state_->Resolve(options, LensOf(scene.camera, options), drawn, samples, scene.bodies.size());
   state_->CheckErrors();
   return rgb;
 }
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
-  state_->SetScene(scene, {.samples = kSamples});
+  state_->SetScene(scene, {}, kSamples);
   const GlBodies bodies(state_->gl(), scene);
   const GlStrands strands(state_->gl(), scene);
   const GlShadows shadows(state_->gl(), state_->programs, scene, bodies, strands);

@@ -37,8 +37,8 @@ StripTexture MakeStrips(const std::vector<std::vector<Hair>>& layers) {
 }
 
 glm::vec3 ShadeGround(const glm::vec3& eye, const glm::vec3& ray, const SceneShadows& shadows) {
-  const float far = FloorDistance(eye.y, ray.y);
-  return StudioColour(ray, far < 0.0f ? 0.0f : shadows.OnGround(eye + ray * far));
+  const float away = FloorDistance(eye.y, ray.y);
+  return StudioColour(ray, away < 0.0f ? 0.0f : shadows.OnGround(eye + ray * away));
 }
 
 // Once for each pixel: nothing in it is as fine as a sample.

@@ -44,6 +44,7 @@ std::vector<Ball> BoundActors(const PictureScene& scene) {
   for (const auto& hairs : scene.layers)
     for (const Hair& hair : hairs) boxes[hair.actor].Add(hair.knot[hair.knots - 1].at);
   std::vector<Ball> balls;
+  balls.reserve(boxes.size());
   for (const Box& box : boxes)
     balls.push_back({(box.low + box.high) * 0.5f, 0.52f * glm::length(box.high - box.low) + 0.01f});
   return balls;
