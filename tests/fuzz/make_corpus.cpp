@@ -110,6 +110,15 @@ mask = { materials = ["tail"] }
 curl = 200.0
 )";
 
+constexpr const char* kShells = R"(
+[[layer]]
+name = "shells"
+output = "shells"
+mask = { materials = ["head"] }
+fur_texture_size = 16
+cone_kind = "published"
+)";
+
 // Three frames of a walk, the last of them as the one before.
 std::vector<std::byte> RecordWalk(const Fur& fur) {
   const Groom* grooms[] = {&fur.groom};
@@ -205,6 +214,8 @@ int main(int argc, char** argv) {
     const pelt::Fur strand = pelt::BakeLayers(pelt::kStrandChains);
     pelt::Write(folder / "groom" / "vertex_chains.groom", WriteGroom(vertex.groom).OrThrow());
     pelt::Write(folder / "groom" / "strand_chains.groom", WriteGroom(strand.groom).OrThrow());
+    pelt::Write(folder / "groom" / "shells.groom",
+                WriteGroom(pelt::BakeLayers(pelt::kShells).groom).OrThrow());
     pelt::Write(folder / "input_log" / "walk.peltinput", RecordWalk(vertex));
     pelt::WritePoses(folder / "pose");
     pelt::WriteDigestLogs(folder / "digest_log");

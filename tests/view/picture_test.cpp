@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "bench/picture/body.hpp"
@@ -79,6 +81,7 @@ TEST(Picture, ReliefLeavesTheOthersTheirHairs) {
   RemoveRelief(scene, names, left);
   for (size_t d = 0; d < all.size(); ++d) {
     const std::string_view name = scene.LayerName(scene.Draws()[d].layer);
+    if (!scene.Draws()[d].format().OfStrands()) continue;
     ASSERT_FALSE(all[d].empty()) << name;
     EXPECT_EQ(left[d].size(), name == names[0] || name == names[1] ? 0 : all[d].size()) << name;
   }
@@ -102,6 +105,23 @@ TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
   EXPECT_NE(reason({"all"}).find("fur setup"), std::string::npos);
 }
 
+// As much hair as leaves the texture's share of a chunk's skin bare.
+double ShellHairArea(const FurScene& scene, uint32_t layer, const StrandBlock& block,
+                     const ShellVertexBlock& vertices) {
+  uint32_t side = 0;
+  const std::vector<uint8_t> texels = scene.FurTexture(layer, side);
+  const auto bare = double(std::count(texels.begin(), texels.end(), uint8_t(0)));
+  double area = 0.0;
+  for (uint32_t t = 0; t < block.strand_count; ++t) {
+    glm::dvec3 p[3];
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        p[k][axis] = double(vertices.vertex[block.vertex[k][t]].position[axis]);
+    area += 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+  }
+  return area * -std::log(bare / double(texels.size()));
+}
+
 TEST(Picture, SkinHasTheAreaOfAllStrands) {
   Drawn drawn(VertexOrder::kSorted);
   const FurScene& scene = drawn.running.scene();
@@ -111,8 +131,12 @@ TEST(Picture, SkinHasTheAreaOfAllStrands) {
   const SceneShape& shape = scene.shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     if (shape.layer_character[shape.chunk_layer[c]] != 0) continue;
-    if (shape.layer_kind[shape.chunk_layer[c]] & kLayerShells) continue;
     const StrandBlock& block = *scene.memory().Of<&Streams::strands>(c);
+    if (shape.layer_kind[shape.chunk_layer[c]] & kLayerShells) {
+      strands += ShellHairArea(scene, shape.chunk_layer[c], block,
+                               *scene.memory().Of<&Streams::shell_vertices>(c));
+      continue;
+    }
     for (uint32_t s = 0; s < block.strand_count; ++s) strands += block.length[s] * block.width[s];
   }
   std::set<std::array<float, 3>> counted;  // vertices at one place have one share
