@@ -2,6 +2,7 @@
 // a cool light behind.
 #pragma once
 
+#include "bench/view/paint_shading.hpp"
 #include "bench/view/strand_light.hpp"
 
 namespace pelt {
@@ -33,6 +34,11 @@ inline constexpr HairLook kDefaultHair{.primary = 0.10f,
                                        .backlight_exponent = 6.0f,
                                        .scatter = 0.6f,
                                        .scatter_depth = 1.0f};
+// Paint of a layer that has none of its own colours: nothing is darkened.
+inline constexpr PaintLook kDefaultPaint{.wet_darken = 1.0f,
+                                         .mud = {0.25f, 0.18f, 0.10f},
+                                         .snow = {0.86f, 0.89f, 0.94f},
+                                         .dust = {0.56f, 0.51f, 0.44f}};
 // Light left at the skin below hair.
 inline constexpr float kDefaultDepthFloor = 0.22f;
 

@@ -11,11 +11,14 @@ struct Arguments {
   glm::vec4 d, e, u, v;
 };
 
+// With all that lights hair and skin.
+inline constexpr const char* kStudioFile = "studio.glsl";
+
 struct Function {
   const char* name;
   const char* text;  // an expression, or statements that end in one, of vec4 d, e, u, v
   std::function<glm::vec4(const Arguments&)> wanted;
-  const char* file = "studio.glsl";
+  const char* file = kStudioFile;
 };
 
 inline glm::vec3 Unit(const glm::vec4& v) { return glm::vec3(v); }

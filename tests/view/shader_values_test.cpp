@@ -10,6 +10,7 @@
 
 #include "bench/view/gl_context.hpp"
 #include "bench/view/gl_program.hpp"
+#include "bench/view/paint_shading.hpp"
 #include "bench/view/shader_files.hpp"
 #include "bench/view/shell_shading.hpp"
 #include "bench/view/spherical_harmonics.hpp"
@@ -48,6 +49,9 @@ HairPoint PointOf(const Arguments& a) {
   return {glm::vec3(a.u), tangent, normal, glm::normalize(normal + 0.7f * glm::vec3(a.v)),
           a.u.w,          a.u.x,   a.u.y};
 }
+PaintLook PaintOf(const Arguments& a) {
+  return {a.u.x, glm::vec3(a.u.y, a.u.z, a.u.w), glm::vec3(a.u.w, a.u.x, a.u.y), glm::vec3(a.u)};
+}
 constexpr const char* kLightText = R"(
   LightSet light;
   light.to_sun = d.xyz;
@@ -59,6 +63,7 @@ constexpr const char* kLightText = R"(
   ShAddZonal(d.xyz, ShDelta(), u.xyz * u.w, light.sky);
   HairLook look = HairLook(0.1, 90.0, 0.1, 0.55, 28.0, 0.1, 0.7, 0.4, 3.0, 0.8, 0.35, 6.0, 0.6, 1.0);
   HairPoint point = HairPoint(u.xyz, e.xyz, d.xyz, normalize(d.xyz + 0.7 * v.xyz), u.w, u.x, u.y);
+  PaintLook paint = PaintLook(u.x, u.yzw, u.wxy, u.xyz);
 )";
 
 std::vector<Function> ListFunctions() {
@@ -170,6 +175,38 @@ std::vector<Function> ListFunctions() {
          return Wide(ShadeSkin(LightOf(a), kLook, glm::vec3(a.u), Unit(a.e), PointOf(a).to_eye,
                                a.u.w, a.u.x));
        }},
+      {"TintColour", "vec4(TintColour(u.xyz, 0.5 + 0.5 * u.w, 0.2 * u.zyx), 0.0)",
+       [](A a) {
+         const glm::vec3 add = 0.2f * glm::vec3(a.u.z, a.u.y, a.u.x);
+         return Wide(TintColour(glm::vec3(a.u), 0.5f + 0.5f * a.u.w, add));
+       }},
+      {"WetColour", "vec4(WetColour(u.xyz, u.w, abs(v.x)), 0.0)",
+       [](A a) { return Wide(WetColour(glm::vec3(a.u), a.u.w, std::abs(a.v.x))); }},
+      {"MudColour", "vec4(MudColour(u.xyz, u.w, abs(v.xyz)), 0.0)",
+       [](A a) { return Wide(MudColour(glm::vec3(a.u), a.u.w, glm::abs(glm::vec3(a.v)))); }},
+      {"DustColour", "vec4(DustColour(u.xyz, u.w, abs(v.xyz)), 0.0)",
+       [](A a) { return Wide(DustColour(glm::vec3(a.u), a.u.w, glm::abs(glm::vec3(a.v)))); }},
+      {"Clotted", "vec4(Clotted(u.x, u.y), Clotted(0.0, u.y), Clotted(1.0, u.y), 0.0)",
+       [](A a) {
+         return glm::vec4(Clotted(a.u.x, a.u.y), Clotted(0.0f, a.u.y), Clotted(1.0f, a.u.y), 0);
+       }},
+      {"SnowCover", "vec4(SnowCover(u.x, d.xyz, u.y), 0.0, 0.0, 0.0)",
+       [](A a) { return Wide(SnowCover(a.u.x, Unit(a.d), a.u.y)); }},
+      {"SeenPaint", "SeenPaint(u, d.xyz, abs(v.x))",
+       [](A a) { return SeenPaint(a.u, Unit(a.d), std::abs(a.v.x)); }},
+      {"PaintedColour", "LIGHT vec4(PaintedColour(paint, abs(v.xyz), u), 0.0)",
+       [](A a) { return Wide(PaintedColour(PaintOf(a), glm::abs(glm::vec3(a.v)), a.u)); }},
+      {"PaintedHair",
+       "LIGHT vec4(PaintedHair(look, u).primary, PaintedHair(look, u).secondary, PaintedHair(look, "
+       "u).primary_exponent + PaintedHair(look, u).secondary_exponent, PaintedHair(look, u).noise "
+       "+ "
+       "2.0 * PaintedHair(look, u).backlight + 4.0 * PaintedHair(look, u).scatter)",
+       [](A a) {
+         const HairLook look = PaintedHair(kLook, a.u);
+         return glm::vec4(look.primary, look.secondary,
+                          look.primary_exponent + look.secondary_exponent,
+                          look.noise + 2.0f * look.backlight + 4.0f * look.scatter);
+       }},
   };
 }
 
@@ -258,6 +295,9 @@ class Bench {
       value.erase(0, kMark.size());
     }
     return kHeightText + ShaderText(function.file) +
+           (function.file == std::string_view(kStudioFile)
+                ? std::string(OwnText("paint_shading.glsl"))
+                : "") +
            "uniform sampler2D arguments;\nout vec4 result;\n"
            "vec4 At(int i) { return texelFetch(arguments, ivec2(i, int(gl_FragCoord.x)), 0); }\n"
            "void main() {\n  vec4 d = At(0), e = At(1), u = At(2), v = At(3);\n" +
