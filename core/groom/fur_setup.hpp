@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/groom/layer_params.hpp"
+#include "core/groom/light_setup.hpp"
 
 namespace pelt {
 
@@ -164,9 +165,10 @@ constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
 }
 
 struct FurSetup {
-  std::string path;                 // for messages
-  std::optional<float> unit_scale;  // metres a file unit; default from the bounding box
-  std::string clip;                 // to play; empty: the first
+  std::string path;                   // for messages
+  std::optional<float> unit_scale;    // metres a file unit; default from the bounding box
+  std::string clip;                   // to play; empty: the first
+  std::optional<LightsSetup> lights;  // of the scene that the setup is seen in
   std::vector<LayerSetup> layers;
   std::vector<std::string> files_read;  // besides the setup itself: its maps
 };

@@ -276,9 +276,25 @@ void SetupReader::Check(const KeyInfo& info, const toml::node& node, const Mask:
     }
   }
 }
+void SetupReader::CheckDirection(const KeyInfo& info, const toml::node& node, std::string_view key,
+                                 const glm::vec3& direction) {
+  const glm::vec3 d = glm::abs(direction);
+  if (std::max({d.x, d.y, d.z}) < 1e-6f) FailKey(LineOf(node), info.key, Format("{} is zero", key));
+}
 void SetupReader::Check(const KeyInfo& info, const toml::node& node, const CombVector& value) {
-  const glm::vec3 d = glm::abs(value.direction);
-  if (std::max({d.x, d.y, d.z}) < 1e-6f) FailKey(LineOf(node), info.key, "direction is zero");
+  CheckDirection(info, node, "direction", value.direction);
+}
+void SetupReader::Check(const KeyInfo& info, const toml::node& node,
+                        const LightsSetup::Sample& value) {
+  CheckDirection(info, node, "up", value.up);
+}
+void SetupReader::Check(const KeyInfo& info, const toml::node& node,
+                        const LightsSetup::Sun& value) {
+  CheckDirection(info, node, "direction", value.direction);
+}
+void SetupReader::Check(const KeyInfo& info, const toml::node& node,
+                        const LightsSetup::Rim& value) {
+  CheckDirection(info, node, "direction", value.direction);
 }
 
 }  // namespace pelt

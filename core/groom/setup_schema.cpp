@@ -21,6 +21,7 @@ constexpr std::string_view kChannelWords[] = {"r", "g", "b", "a"};
 
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 constexpr double kReachLimit = 1000.0;      // m, for places
+constexpr double kBrightest = 1000.0;       // of a light's colour
 
 // Follows members: Field<&LayerSetup::params, &LayerParams::weight>(layer) is layer.params.weight.
 template <auto kMember, auto... kRest, class T>
@@ -56,6 +57,8 @@ requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) 
 std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
 std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
 std::string Show(const KeyInfo&, const Mask&) { return "everywhere"; }
+std::string Show(const KeyInfo&, const LightsSetup::Sun&) { return "dark"; }
+std::string Show(const KeyInfo&, const LightsSetup::Rim&) { return "dark"; }
 template <class T>
 std::string Show(const KeyInfo&, const std::optional<T>&) {
   return "none";
@@ -219,6 +222,7 @@ std::span<const KeyRow<FurSetup>> Schema() {
       Number<&FurSetup::unit_scale>("unit_scale", "m", 1e-6, 1e6,
                                     "metres a unit of the character file; else from its size"),
       Plain<&FurSetup::clip>("clip", "text", "the animation to play; else the file's first"),
+      Plain<&FurSetup::lights>("lights", "table", "what light there is, for lit layers"),
       {{"defaults", "table", "", 0, 0, "layer keys that hold for every layer that lacks them"},
        nullptr,
        [](const KeyInfo&, const FurSetup&) { return std::string("none"); }},
@@ -360,6 +364,80 @@ std::span<const KeyRow<CombVector>> Schema() {
 
 namespace {
 
+// A place or a direction; a colour, linear.
+template <auto kMember>
+auto Place(Text key, Text doc) {
+  return Plain<kMember>(key, "[x, y, z]", doc, -kReachLimit, kReachLimit);
+}
+template <auto kMember>
+auto LinearColour(Text key, Text doc, double low = 0.0) {
+  return Plain<kMember>(key, "[r, g, b]", doc, low, kBrightest);
+}
+
+}  // namespace
+
+template <>
+std::span<const KeyRow<LightsSetup>> Schema() {
+  using S = LightsSetup;
+  static const KeyRow<S> kRows[] = {
+      Plain<&S::lights>("light", "tables", "points and balls that shine", 0,
+                        double(kLightsPerScene)),
+      Plain<&S::samples>("sample", "tables", "the surroundings as seen from places", 0,
+                         double(kIrradianceSamplesPerScene)),
+      Plain<&S::sun>("sun", "table", "light from one side"),
+      Plain<&S::rim>("rim", "table", "light at the outline"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<LightsSetup::Light>> Schema() {
+  using S = LightsSetup::Light;
+  static const KeyRow<S> kRows[] = {
+      Required(Place<&S::position>("position", "m, world")),
+      Number<&S::radius>("radius", "m", 0, kReachLimit, "of a ball; 0: a point"),
+      LinearColour<&S::colour>("colour", "linear; irradiance of what faces it, at 1 m"),
+      Number<&S::range>("range", "m", 0, kReachLimit, "it falls to 0 there; 0: nowhere"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<LightsSetup::Sample>> Schema() {
+  using S = LightsSetup::Sample;
+  static const KeyRow<S> kRows[] = {
+      Required(Place<&S::position>("position", "m, world")),
+      Number<&S::falloff>("falloff", "m", 1e-3, kReachLimit, "its weight falls to 0 there"),
+      LinearColour<&S::sky>("sky", "linear radiance from above"),
+      LinearColour<&S::ground>("ground", "and from below"),
+      Place<&S::up>("up", "any length but 0"),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<LightsSetup::Sun>> Schema() {
+  using S = LightsSetup::Sun;
+  static const KeyRow<S> kRows[] = {
+      Place<&S::direction>("direction", "towards it; any length but 0"),
+      Required(LinearColour<&S::colour>("colour", "linear; what white that faces it reflects")),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<LightsSetup::Rim>> Schema() {
+  using S = LightsSetup::Rim;
+  static const KeyRow<S> kRows[] = {
+      Place<&S::direction>("direction", "the side that has it; any length but 0"),
+      Required(LinearColour<&S::colour>("colour", "linear; below 0: darkens", -kBrightest)),
+      Number<&S::exponent>("exponent", "", 0, kBrightest, "of 1 - |normal . view|"),
+  };
+  return kRows;
+}
+
+namespace {
+
 template <class T>
 std::string FindMapKey(const T& object, const std::string& prefix = {}) {
   for (const auto& row : Schema<T>()) {
@@ -421,6 +499,11 @@ std::string DescribeSetupKeys() {
   Describe<Mask::Box>(out, "In mask.box");
   Describe<Mask::Range>(out, "In mask.range");
   Describe<CombVector>(out, "In comb = [{ ... }]");
+  Describe<LightsSetup>(out, "In [lights]");
+  Describe<LightsSetup::Light>(out, "In lights.light = [{ ... }], or [[lights.light]]");
+  Describe<LightsSetup::Sample>(out, "In lights.sample");
+  Describe<LightsSetup::Sun>(out, "In lights.sun");
+  Describe<LightsSetup::Rim>(out, "In lights.rim");
   return out;
 }
 

@@ -80,10 +80,23 @@ template <>
 std::span<const KeyRow<Mask::Range>> Schema();
 template <>
 std::span<const KeyRow<CombVector>> Schema();
+template <>
+std::span<const KeyRow<LightsSetup>> Schema();
+template <>
+std::span<const KeyRow<LightsSetup::Light>> Schema();
+template <>
+std::span<const KeyRow<LightsSetup::Sample>> Schema();
+template <>
+std::span<const KeyRow<LightsSetup::Sun>> Schema();
+template <>
+std::span<const KeyRow<LightsSetup::Rim>> Schema();
 
+template <class T, class... Tables>
+concept OneOf = (std::is_same_v<T, Tables> || ...);
 template <class T>
-concept SetupTable = std::is_same_v<T, Mask> || std::is_same_v<T, Mask::JointWeight> ||
-    std::is_same_v<T, Mask::Box> || std::is_same_v<T, Mask::Range> || std::is_same_v<T, CombVector>;
+concept SetupTable =
+    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, CombVector, LightsSetup,
+          LightsSetup::Light, LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
 
 // toml::parse that throws nothing but Error, with file and line.
 toml::table ParseToml(std::string_view text, const std::string& path);
@@ -202,6 +215,12 @@ class SetupReader {
   void Check(const KeyInfo&, const toml::node&, const Mask::JointWeight&);
   void Check(const KeyInfo&, const toml::node&, const Mask::Range&);
   void Check(const KeyInfo&, const toml::node&, const CombVector&);
+  void Check(const KeyInfo&, const toml::node&, const LightsSetup&) {}
+  void Check(const KeyInfo&, const toml::node&, const LightsSetup::Light&) {}
+  void Check(const KeyInfo&, const toml::node&, const LightsSetup::Sample&);
+  void Check(const KeyInfo&, const toml::node&, const LightsSetup::Sun&);
+  void Check(const KeyInfo&, const toml::node&, const LightsSetup::Rim&);
+  void CheckDirection(const KeyInfo&, const toml::node&, std::string_view key, const glm::vec3&);
 
   std::string path_, map_directory_, owner_, prefix_;
   std::map<std::string, std::shared_ptr<const ControlMap>> maps_;
