@@ -189,6 +189,14 @@ void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
       ->capture_default_str();
 }
 
+void AddPaint(CLI::App& app, PaintAmounts& paint) {
+  for (uint32_t c = 0; c < kPaintChannels; ++c)
+    app.add_option(fmt::format("--{}", kPaintChannelNames[c]), paint[c],
+                   "On all of every character from the first frame on, 0 to 1; has every layer lit "
+                   "and painted")
+        ->check(InRange(0.0, 1.0));
+}
+
 std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather) {
   const bool given = app.count("--wetness") || app.count("--dirt");
   RefuseUnless(app, given, {"--wet-at"}, "--wetness and --dirt");

@@ -64,6 +64,7 @@ void CheckCamera(const CameraChoice& choice);
 void AddPictures(CLI::App& app, PictureArgs& args);
 // Refuses what has no effect.
 void CompletePictures(const CLI::App& app, const PictureArgs& args);
+void AddPaint(CLI::App& app, PaintAmounts& paint);
 // The weather that was asked for, if any was.
 std::optional<WeatherCourse> WeatherOf(const CLI::App& app, const WeatherCourse& weather);
 

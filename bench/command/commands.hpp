@@ -42,6 +42,7 @@ struct RunArgs {
   std::optional<WeatherCourse> weather;  // the scenario's own if not given
   double fps = 0.0;                      // 0: the scenario's own
   CameraChoice camera;
+  PaintAmounts paint = {};  // of all of every character; none: as the scenario has it
   PictureArgs picture;
   OutputPath trace;            // Chrome trace file to write
   uint32_t trace_frames = 10;  // the last ones; 0: all
@@ -50,6 +51,7 @@ struct RunArgs {
 };
 int Run(const RunArgs& args);
 
+inline bool IsPainted(const RunArgs& args) { return args.paint != PaintAmounts{}; }
 // The scenario as the arguments change it; what was assumed goes to `notes`, unless that is null.
 Scenario LoadForRun(const RunArgs& args, std::FILE* notes);
 // What makes its digests others than the scene's own: "lod, strand budget 400"; empty: nothing.

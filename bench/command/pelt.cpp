@@ -51,6 +51,7 @@ void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddSkips(app, args.options.skip, args.options.lod);
   AddTimeAndWeather(app, args.fps, weather);
   AddCamera(app, args.camera);
+  AddPaint(app, args.paint);
   app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
 }
 
@@ -85,6 +86,7 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene tiny --frames 24 --animation turn.png --turntable --picture-width 320 "
       "--picture-height 240\n"
       "  pelt run --scene monster --frames 1 --picture relief.png --relief body,arms\n"
+      "  pelt run --scene tiny --frames 5 --mud 0.6 --wet 1 --picture muddy.png\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
   return {app,
           [app, kept, weather] {
@@ -216,6 +218,7 @@ Subcommand SetUpTrace(CLI::App& root) {
   AddPlanOptions(*record, args.record.run.options.scene);
   AddSkips(*record, args.record.run.options.skip, args.record.run.options.lod);
   AddTimeAndWeather(*record, args.record.run.fps, *weather);
+  AddPaint(*record, args.record.run.paint);
   AddOutputFile(*record, "--out", args.record.out, "Input log to write")->required();
 
   auto* replay = app->add_subcommand(

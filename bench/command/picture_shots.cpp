@@ -82,9 +82,10 @@ PictureScene PictureShots::Gather(uint32_t frame) {
   PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes, args_.relief);
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
-      shown.look.light =
-          MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
-                    {camera.target[0], camera.target[1], camera.target[2]});
+      shown.ForEachLook([&](PictureLook& look) {
+        look.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
+                               {camera.target[0], camera.target[1], camera.target[2]});
+      });
   if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time
   return shown;
 }

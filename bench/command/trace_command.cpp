@@ -104,6 +104,9 @@ std::string DescribeSettings(const RunArgs& args) {
   if (!args.camera.target_m.empty())
     all.push_back(fmt::format("camera target {}", fmt::join(args.camera.target_m, ",")));
   if (args.camera.turntable) all.push_back("turntable");
+  for (uint32_t c = 0; c < kPaintChannels; ++c)
+    if (args.paint[c] > 0.0f)
+      all.push_back(fmt::format("{} {}", kPaintChannelNames[c], args.paint[c]));
   if (args.options.skip.lod) all.push_back("lod");
   if (args.options.skip.lod && args.options.lod.strand_budget)
     all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));

@@ -90,6 +90,8 @@ class BodyPainter {
     glm::vec3 colour = at(body_.fur);
     if (body_.surface->Knows(point.triangle))
       colour = glm::mix(body_.surface->At(point), colour, covered);
+    if (const glm::vec4 paint = at(body_.paint); covered > 0.0f && paint != glm::vec4(0.0f))
+      colour = PaintedColour(body_.paint_look, colour, paint);
     const glm::vec3 skin =
         ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
                   glm::normalize(eye_ - at(body_.position)), DepthFloor(covered, look_.depth_floor),
@@ -119,6 +121,10 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
   const SkinFur fur = FindSkinFur(scene, actor, body.character->mesh);
   body.fur = fur.colour;
   body.fur_tip = fur.tip;
+  body.paint = fur.paint;
+  body.paint_look = kDefaultPaint;
+  body.paint_look.wet_darken = 0.0f;
+  body.paint_look.mud = fur.mud_colour;
   body.furry_material = fur.on_material;
   CoverBody(fur, body);
   body.eyes = FindEyes(body);

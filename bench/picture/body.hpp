@@ -10,6 +10,7 @@
 #include "bench/picture/canvas.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/view/default_look.hpp"
+#include "bench/view/paint_shading.hpp"
 #include "core/groom/surface_colour.hpp"
 
 namespace pelt {
@@ -32,9 +33,11 @@ struct Body {
   std::vector<glm::vec3> position, normal;       // world
   std::shared_ptr<const SurfaceColour> surface;  // what the character's file says of its colour
   std::vector<glm::vec3> fur, fur_tip;           // colours at its roots and tips, linear
-  std::vector<float> covered;                    // by fur, 0 to 1
-  std::vector<uint8_t> furry_material;           // those that fur grows on
-  float mean_covered = 0.0f;                     // where fur grows
+  std::vector<glm::vec4> paint;                  // SkinFur::paint
+  PaintLook paint_look;
+  std::vector<float> covered;           // by fur, 0 to 1
+  std::vector<uint8_t> furry_material;  // those that fur grows on
+  float mean_covered = 0.0f;            // where fur grows
   std::vector<Eye> eyes;
   std::shared_ptr<const ReliefCoat> relief;  // fur that is drawn on the skin; null: none
   TextureAxes axes;                          // with relief

@@ -68,4 +68,11 @@ Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
   return programs;
 }
 
+void SetPaint(const GlProgram& program, const PaintLook& paint) {
+  program.Set("paint_wet_darken", paint.wet_darken);
+  program.Set("paint_mud", paint.mud);
+  program.Set("paint_snow", paint.snow);
+  program.Set("paint_dust", paint.dust);
+}
+
 }  // namespace pelt

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bench/picture/gl_objects.hpp"
+#include "bench/view/paint_shading.hpp"
 #include "core/outputs.hpp"
 
 namespace pelt {
@@ -42,5 +43,8 @@ struct GlPrograms {
       }
   }
 };
+
+// What passes/painted.glsl is told; of a program in use.
+void SetPaint(const GlProgram& program, const PaintLook& paint);
 
 }  // namespace pelt

@@ -69,6 +69,7 @@ struct GlRenderer::State {
 
   const GlApi& gl() const { return context.gl(); }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
+  void SetLook(const PictureLook& lit_by) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
                  const GlStrands& strands, const GlShells& shells, const GlShadows& shadows) const;
   std::vector<uint8_t> Resolve(const PictureOptions& options, const Lens& lens, GLuint drawn,
@@ -108,10 +109,14 @@ void GlRenderer::State::SetScene(const PictureScene& scene, const PictureOptions
     program.Set("target_size", size);
     program.Set("samples_at_1m", 0.5f * size.y / std::tan(0.5f * scene.camera.vertical_fov_rad));
   });
-  const LookBlock140 block = Look140(scene.look);
+  SetLook(scene.look);
+  gl().BindVertexArray(no_array);
+}
+
+void GlRenderer::State::SetLook(const PictureLook& lit_by) const {
+  const LookBlock140 block = Look140(lit_by);
   gl().BindBufferBase(GL_UNIFORM_BUFFER, 0, look);
   gl().BufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
-  gl().BindVertexArray(no_array);
 }
 
 // Into the framebuffer that is bound.
@@ -125,8 +130,10 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
   gl().Enable(GL_DEPTH_TEST);
   gl().DepthFunc(GL_LESS);
   for (uint32_t a = 0; a < scene.bodies.size(); ++a) {
+    SetLook(scene.body_looks[a]);
     const GlProgram& skin = programs[GlPrograms::kBody];
     skin.Use();
+    SetPaint(skin, scene.bodies[a].paint_look);
     skin.Set("character", a);
     skin.Set("lift", shadows.Lift(a));
     bodies.DrawSkin(a);
@@ -138,6 +145,7 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
   for (size_t layer = 0; layer < strands.layers(); ++layer) {
     const Body& body = scene.bodies[scene.actors[layer]];
+    SetLook(scene.layer_looks[layer]);
     gl().Enable(GL_BLEND);
     gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     if (shells.Has(layer)) {
@@ -150,7 +158,8 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
     gl().DepthMask(GL_FALSE);
     for (const GlProgram& program : lit) {
       program.Use();
-      program.Set("depth_floor", DepthFloor(body.mean_covered, scene.look.depth_floor));
+      program.Set("depth_floor",
+                  DepthFloor(body.mean_covered, scene.layer_looks[layer].depth_floor));
     }
     strands.DrawStrips(lit, layer);
     gl().Disable(GL_BLEND);

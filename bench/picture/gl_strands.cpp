@@ -52,7 +52,8 @@ GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair
           .actor = hairs.front().actor,
           .first_strand = hairs.front().number - draw.order.front(),
           .tip_width = draw.tip_width,
-          .is_lit = !draw.looks.empty()};
+          .is_lit = !draw.looks.empty(),
+          .paint = PaintLookOf(draw)};
 }
 
 void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer) const {
@@ -67,6 +68,7 @@ void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer)
   program.Set("first_strand", layer.first_strand);
   program.Set("tip_width", layer.tip_width);
   program.Set("character", layer.actor);
+  SetPaint(program, layer.paint);
 }
 
 void GlStrands::DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const {

@@ -25,6 +25,7 @@ class GlStrands {
     uint32_t actor = 0, first_strand = 0;
     float tip_width = 1.0f;
     bool is_lit = false;
+    PaintLook paint = kDefaultPaint;
   };
   Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const;
   void Bind(const std::vector<GlProgram>& programs, const Layer& layer) const;

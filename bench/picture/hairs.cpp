@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bench/view/default_look.hpp"
 #include "core/ribbon_indices.hpp"
 
 namespace pelt {
@@ -69,6 +70,8 @@ Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, u
     hair.root[c] = roots.position[c][lane];
     hair.normal[c] = roots.normal[c][lane];
   }
+  if (!draw.looks.empty()) hair.paint = PaintOf(draw.looks[strand]);
+  hair.paint_look = PaintLookOf(draw);
   kReaders[size_t(draw.output)](draw, order == VertexOrder::kSorted ? place : strand, hair);
   return hair;
 }
@@ -80,6 +83,20 @@ float Hair::DepthOfLight() const {
   for (uint32_t k = 1; k < knots; ++k) length += glm::length(knot[k].at - knot[k - 1].at);
   const float height = glm::dot(knot[knots - 1].at - root, normal);
   return std::max({height, 0.35f * length, 1e-4f});
+}
+
+glm::vec4 PaintOf(const LookRecord& record) {
+  glm::vec4 paint;
+  for (int c = 0; c < int(kPaintChannels); ++c)
+    paint[c] = float(record.amounts >> 8 * c & 255) / 255.0f;
+  return paint;
+}
+
+PaintLook PaintLookOf(const LayerDraw& draw) {
+  PaintLook look = kDefaultPaint;
+  look.wet_darken = draw.wet_darken;
+  for (int c = 0; c < 3; ++c) look.mud[c] = draw.mud_colour[c];
+  return look;
 }
 
 std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/view/film_strip.hpp"
+#include "bench/view/paint_shading.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -30,6 +31,8 @@ struct Hair {
   uint32_t film_strip;     // of bench/view/film_strip.hpp
   bool is_card;            // wide enough to show silhouettes
   glm::vec3 root, normal;  // on the skin
+  glm::vec4 paint;         // amounts, none of a layer that is not lit
+  PaintLook paint_look;
 
   float Alpha() const { return float(base_colour >> 24) / 255.0f; }
   // How far above the skin light is whole: the tip's height, or for hair that lies flat a share of its length.
@@ -37,6 +40,10 @@ struct Hair {
   // Of the light that falls on it, the share that it keeps.
   float Opacity() const { return is_card ? Alpha() * StripShare(film_strip) : Alpha(); }
 };
+
+// A record's amounts, and what a draw says of how they look.
+glm::vec4 PaintOf(const LookRecord& record);
+PaintLook PaintLookOf(const LayerDraw& draw);
 
 // Layer by layer in the drawing order, each layer far to near.
 std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order);

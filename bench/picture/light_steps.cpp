@@ -6,24 +6,28 @@ namespace pelt {
 namespace {
 
 void LeaveOutRim(PictureScene& scene) {
-  scene.look.light.rim = glm::vec3(0.0f);
-  scene.look.hair.backlight = 0.0f;
+  scene.ForEachLook([](PictureLook& look) {
+    look.light.rim = glm::vec3(0.0f);
+    look.hair.backlight = 0.0f;
+  });
 }
 
 void LeaveOutHighlights(PictureScene& scene) {
   LeaveOutRim(scene);
-  scene.look.hair.primary = scene.look.hair.secondary = 0.0f;
+  scene.ForEachLook([](PictureLook& look) { look.hair.primary = look.hair.secondary = 0.0f; });
 }
 
 void LeaveOutShadows(PictureScene& scene) {
   LeaveOutHighlights(scene);
-  scene.look.shadow.strength = 0.0f;
-  scene.look.depth_floor = 1.0f;
+  scene.ForEachLook([](PictureLook& look) {
+    look.shadow.strength = 0.0f;
+    look.depth_floor = 1.0f;
+  });
 }
 
 void LeaveOutSun(PictureScene& scene) {
   LeaveOutShadows(scene);
-  scene.look.light.sun = glm::vec3(0.0f);
+  scene.ForEachLook([](PictureLook& look) { look.light.sun = glm::vec3(0.0f); });
 }
 
 void LeaveOutHair(PictureScene& scene) {

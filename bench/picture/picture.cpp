@@ -67,13 +67,13 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
     };
   };
   for (uint32_t a = 0; a < scene.bodies.size(); ++a)
-    DrawBody(scene.bodies[a], scene.look, sun_on(a), projection, canvas);
+    DrawBody(scene.bodies[a], scene.body_looks[a], sun_on(a), projection, canvas);
   const StripTexture strips = MakeStrips(scene.layers);
   for (size_t i = 0; i < scene.draws.size(); ++i) {
+    const PictureLook& look = scene.layer_looks[i];
     DrawShells(scene, i, sun_on(scene.actors[i]), projection, canvas);
     for (const Hair& hair : scene.layers[i])
-      DrawHair(hair, scene.look,
-               DepthFloor(scene.bodies[hair.actor].mean_covered, scene.look.depth_floor),
+      DrawHair(hair, look, DepthFloor(scene.bodies[hair.actor].mean_covered, look.depth_floor),
                projection, shadows, strips, canvas);
     canvas.FinishLayer();
   }

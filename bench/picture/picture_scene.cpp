@@ -1,5 +1,6 @@
 #include "bench/picture/picture_scene.hpp"
 
+#include "bench/picture/frame_light.hpp"
 #include "bench/picture/relief_coat.hpp"
 
 namespace pelt {
@@ -14,10 +15,13 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
     notes.insert(notes.end(), faults.begin(), faults.end());
   }
   const auto coats = MakeReliefCoats(scenario, relief);
-  PictureScene shown{camera, order, DefaultLook(), {}, {}, {}, {}, {}};
-  for (uint32_t a = 0; a < scenario.actors.size(); ++a)
+  const FrameLight light(scene);
+  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}};
+  for (uint32_t a = 0; a < scenario.actors.size(); ++a) {
     shown.bodies.push_back(
         PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character], coats[a]));
+    shown.body_looks.push_back(light.OnActor(a));
+  }
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
@@ -26,6 +30,7 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);
     shown.actors.push_back(scene.shape().layer_character[draw.layer]);
+    shown.layer_looks.push_back(light.OnLayer(draw.layer));
   }
   return shown;
 }

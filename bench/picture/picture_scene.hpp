@@ -21,14 +21,24 @@ struct FurTexture {
 struct PictureScene {
   Camera camera;
   VertexOrder order;
-  PictureLook look;
+  PictureLook look;          // of what has none of its own
   std::vector<Body> bodies;  // one for each character
   // In drawing order; and in the same places what each has to draw as hairs or is cut by. Vertices lie in the scene's memory: good
   // until its next frame runs.
   std::vector<LayerDraw> draws;
   std::vector<std::vector<Hair>> layers;
   std::vector<FurTexture> textures;
-  std::vector<uint32_t> actors;  // whose layer it is
+  std::vector<uint32_t> actors;          // whose layer it is
+  std::vector<PictureLook> layer_looks;  // and what it is lit by
+  std::vector<PictureLook> body_looks;   // of each character's skin
+
+  // change(look) for each of them.
+  template <class Change>
+  void ForEachLook(const Change& change) {
+    change(look);
+    for (PictureLook& of_layer : layer_looks) change(of_layer);
+    for (PictureLook& of_body : body_looks) change(of_body);
+  }
 };
 
 // Of the scene's last frame as `camera` saw it. What of the characters' own images could not be read goes into `notes`.

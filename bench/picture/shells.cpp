@@ -103,7 +103,8 @@ void DrawShells(const PictureScene& scene, size_t draw, const SunShare& sun,
                 const Projection& projection, Canvas& canvas) {
   const LayerDraw& layer = scene.draws[draw];
   if (layer.shells.shell.empty()) return;
-  ShellPainter painter(scene.look, layer, scene.textures[draw], sun, projection, canvas);
+  ShellPainter painter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection,
+                       canvas);
   for (const Shell& shell : layer.shells.shell) painter.Draw(shell);
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "bench/picture/canvas.hpp"
+#include "bench/picture/hairs.hpp"
 
 namespace pelt {
 namespace {
@@ -55,6 +56,8 @@ class Finder {
 struct FurSum {
   glm::vec3 colour{0.0f}, tip{0.0f};
   float strands = 0.0f, area = 0.0f;
+  glm::vec4 paint{0.0f};
+  float living = 0.0f;  // strands whose paint is known
 };
 
 // Area of hair for each of skin, of a layer of shells: so much that as great a share of skin is bare as
@@ -74,6 +77,35 @@ float AreaOf(const ShellVertexBlock& vertices, const StrandBlock& triangles, uin
   };
   const glm::vec3 a = corner(0);
   return 0.5f * glm::length(glm::cross(corner(1) - a, corner(2) - a));
+}
+
+// What the skin at a strand's root has of mud, snow, darkness and dust. Of a layer that is not
+// painted, what its colours are tinted with.
+glm::vec4 SkinPaint(const FurScene& scene, uint32_t chunk, uint32_t strand) {
+  constexpr float kMeanNoise = 0.5f;
+  const FrameMemory& memory = scene.memory();
+  const LayerBlock& layer = *memory.Of<&Streams::layers>(scene.shape().chunk_layer[chunk]);
+  if (!(layer.flags & kLayerPainted)) return {layer.dirt, 0.0f, 1.0f - layer.darken, 0.0f};
+  const RootBlock& roots = *memory.Of<&Streams::roots>(chunk);
+  const glm::vec3 normal(roots.normal[0][strand], roots.normal[1][strand], roots.normal[2][strand]);
+  glm::vec4 seen =
+      SeenPaint(PaintOf(memory.Of<&Streams::looks>(chunk)->record[strand]), normal, kMeanNoise);
+  seen.z *= 1.0f - layer.wet_darken;
+  return seen;
+}
+
+void AddPaint(const FurScene& scene, uint32_t chunk, const std::vector<uint32_t>& chunk_places,
+              std::vector<FurSum>& sums) {
+  const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(chunk);
+  const uint32_t live = scene.memory().Of<&Streams::chunk_state>(chunk)->live_strands;
+  for (uint32_t s = 0; s < live; ++s) {
+    const glm::vec4 paint = SkinPaint(scene, chunk, s);
+    for (size_t k = 0; k < 3; ++k) {
+      FurSum& sum = sums[chunk_places[strands.vertex[k][s]]];
+      sum.paint += paint * strands.bary[k][s];
+      sum.living += strands.bary[k][s];
+    }
+  }
 }
 
 // hair_area(strand) is how much it covers, m^2.
@@ -114,6 +146,8 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
     if (shape.layer_character[l] != actor) continue;
     const bool shells = shape.layer_kind[l] & kLayerShells;
     const float density = shells ? ShellDensity(scene, l) : 0.0f;
+    const auto& layer = *scene.memory().Of<&Streams::layers>(l);
+    for (int k = 0; k < 3; ++k) fur.mud_colour[k] = layer.dirt_colour[k];
     for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
       const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
       const auto* vertices = scene.memory().Of<&Streams::shell_vertices>(c);
@@ -121,8 +155,9 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
         return shells ? density * AreaOf(*vertices, strands, s)
                       : strands.length[s] * strands.width[s];
       };
-      AddChunk(strands, hair_area, finder.Places(*scene.memory().Of<&Streams::mesh>(c)), finder,
-               sums, fur);
+      const std::vector<uint32_t> places = finder.Places(*scene.memory().Of<&Streams::mesh>(c));
+      AddChunk(strands, hair_area, places, finder, sums, fur);
+      AddPaint(scene, c, places, sums);
     }
   }
   FurSum all;
@@ -137,6 +172,7 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
     fur.colour.push_back(known.colour / std::max(known.strands, 1e-6f));
     fur.tip.push_back(known.tip / std::max(known.strands, 1e-6f));
     fur.area.push_back(sum.area);
+    fur.paint.push_back(sum.paint / std::max(sum.living, 1e-6f));
   }
   return fur;
 }

@@ -14,6 +14,10 @@ struct SkinFur {
   std::vector<glm::vec3> tip;     // the same, of the strands' other ends
   std::vector<float> area;  // at each vertex, of its share of the strands seen from the side; m^2
   std::vector<uint8_t> on_material;  // whether any grow on the material's triangles
+  // At each vertex, what is on the skin, as SeenPaint: the mean of the strands that grow there. Its
+  // wetness is the share of the brightness that is lost, and so goes with a `wet_darken` of 0.
+  std::vector<glm::vec4> paint;
+  glm::vec3 mud_colour{0.0f};  // sRGB
 };
 
 SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh);

@@ -73,6 +73,7 @@ void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
     scenario.notes.push_back(std::move(warning));
   scenario.characters.push_back(std::move(character));
   scenario.actors.push_back(MakeActor(scenario, setup, clip, unit_scale));
+  if (setup.lights) scenario.base.lighting = MakeLighting(*setup.lights);
 }
 
 WindSetup Breeze() {
@@ -191,8 +192,8 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
     }
 }
 
-// A lamp, a dimmer one behind, open sky and a shaded corner. No built-in layer is lit, so it is for
-// setups of others.
+// A lamp, a dimmer one behind, open sky and a shaded corner: for lit layers of setups that say
+// nothing of lights.
 Lighting StudioLighting() {
   Lighting in;
   in.light_count = 2;
@@ -224,6 +225,20 @@ constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
   for (size_t i = 0; i < names.size(); ++i) names[i] = kScenes[i].name;
   return names;
+}
+
+bool IsDark(const Lighting& in) {
+  const auto is_dark = [](const float(&rgb)[3]) { return !(rgb[0] || rgb[1] || rgb[2]); };
+  return in.light_count + in.sample_count == 0 && is_dark(in.sun_rgb) && is_dark(in.rim_rgb);
+}
+
+// The setup's own light is that of the scene.
+void LightScene(Scenario& scenario) {
+  const bool is_lit = std::ranges::any_of(scenario.grooms, HasLitLayer);
+  const bool is_dark = IsDark(scenario.base.lighting);
+  if (is_lit && is_dark) scenario.base.lighting = StudioLighting();
+  if (!is_lit && !is_dark)
+    scenario.notes.push_back("[lights] light no layer: none of the setup has lit = true");
 }
 
 }  // namespace
@@ -307,9 +322,18 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
     throw Error(fmt::format("no scene '{}'; there are: {}", request.scene,
                             fmt::join(ScenarioNames(), ", ")));
   OverrideSolver(request, scenario);
-  if (std::ranges::any_of(scenario.grooms, HasLitLayer)) scenario.base.lighting = StudioLighting();
+  LightScene(scenario);
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;
   return scenario;
+}
+
+void PaintAll(Scenario& scenario, const PaintAmounts& amounts) {
+  constexpr float kAround_m = 1000.0f;
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
+      layer.params.lit = layer.params.painted = layer.params.output != Output::kShells;
+  for (uint32_t c = 0; c < kPaintChannels; ++c)
+    if (amounts[c] > 0.0f) scenario.first_brushes.push_back({{}, kAround_m, 1.0f, c, amounts[c]});
 }
 
 std::vector<const Groom*> Scenario::ActorGrooms() const {
@@ -342,6 +366,8 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   input_ = base;
   input_.dt_s = dt_s;
   input_.time_s = frame * dt_s;
+  if (frame == 0)
+    for (const PaintBrush& brush : first_brushes) input_.brush[input_.brush_count++] = brush;
   if (frame >= rest_from_frame) input_.wind = WindSetup{};
   const double angle = camera.start_rad + camera.rate_rad_per_s * time_s;
   const glm::vec3 from(float(camera.radius_m * exact::Sin(angle)), float(camera.height_m),

@@ -11,6 +11,7 @@
 // (no clock, no libm); preparing a frame does not allocate.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -106,6 +107,8 @@ struct Scenario {
   // From this frame on nothing moves and no wind blows, though time goes on.
   uint32_t rest_from_frame = ~0u;
   FrameInput base;  // what does not change from frame to frame
+  std::vector<PaintBrush>
+      first_brushes;  // of frame 0 alone, behind those of `base`; together at most kBrushesPerScene
   std::vector<std::string> notes;
 
   // One groom for each actor, as FurScene::Create takes them.
@@ -135,6 +138,10 @@ struct ScenarioRequest {
   std::optional<ModalQuality> quality = {};
   CheckFilesReadHook check_files_read = {};
 };
+
+using PaintAmounts = std::array<float, kPaintChannels>;  // 0 to 1, by PaintChannel
+// Has every layer of strands lit and painted, and paints all of every character in frame 0.
+void PaintAll(Scenario& scenario, const PaintAmounts& amounts);
 
 std::span<const std::string_view> ScenarioNames();
 

@@ -9,6 +9,7 @@
 #include "bench/scenarios/cast.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -117,6 +118,49 @@ TEST(Scenarios, TinyRunsEveryKernelThereIs) {
   ran.merge(KernelsThatRun(testing::EveryOutputScenario()));
   for (const FrameRow& row : FindKernels(Isa::kReference)->rows)
     EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;
+}
+
+// A setup of the test's own, for the built-in character.
+Scenario LoadText(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "pelt_scenarios_test.toml";
+  WriteFileBytes("setup", path, AsBytes(text)).OrThrow();
+  return LoadScenario(ScenarioRequest{.setup = path});
+}
+
+TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
+  const std::string layer = "[[layer]]\nname = 'x'\nmax_strands = 32\n";
+  const std::string lights = "[lights.sun]\ncolour = [3, 2, 1]\n";
+  const Scenario lit = LoadText(layer + "lit = true\n" + lights);
+  EXPECT_EQ(lit.base.lighting.sun_rgb[0], 3.0f);
+  EXPECT_EQ(lit.base.lighting.light_count, 0u);
+  const auto told = [](const Scenario& scenario) {
+    for (const std::string& note : scenario.notes)
+      if (note.find("light no layer") != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_FALSE(told(lit));
+  EXPECT_TRUE(told(LoadText(layer + lights)));
+  // A studio's, if it says nothing; none where nothing is lit.
+  EXPECT_GT(LoadText(layer + "lit = true\n").base.lighting.light_count, 0u);
+  EXPECT_EQ(LoadText(layer).base.lighting.light_count, 0u);
+}
+
+// In its first frame, and it stays.
+TEST(Scenarios, PaintAllPaintsEveryStrandOnce) {
+  Scenario scenario = LoadScenario("tiny");
+  PaintAmounts amounts{};
+  amounts[size_t(PaintChannel::kMud)] = 0.4f;
+  amounts[size_t(PaintChannel::kDust)] = 1.0f;
+  PaintAll(scenario, amounts);
+  RunningScenario running(scenario, {});
+  for (uint32_t f = 0; f < 3; ++f) {
+    running.Begin(f);
+    SerialExecutor().Run(running.scene().CurrentFrame());
+    const FrameMemory& memory = running.scene().memory();
+    for (uint32_t c = 0; c < running.scene().shape().chunk_count; ++c)
+      for (uint32_t s = 0; s < memory.Of<&Streams::chunk_state>(c)->live_strands; ++s)
+        ASSERT_EQ(memory.Of<&Streams::paint>(c)->amounts[s], 255u << 24 | 102u) << f;
+  }
 }
 
 TEST(Scenarios, SameScenarioTwiceGivesTheSameBits) {

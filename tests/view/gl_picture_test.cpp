@@ -9,6 +9,7 @@
 
 #include "bench/picture/gl_renderer.hpp"
 #include "bench/picture/order_error.hpp"
+#include "bench/picture/png.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt {
@@ -130,7 +131,7 @@ Scenario Checkered() {
     for (const int channel : {odd ? 230 : 40, upper ? 60 : 160, 90})
       rgb.push_back(uint8_t(channel));
   }
-  const std::vector<std::byte> png = EncodePng(rgb, {32, 32});
+  const std::vector<std::byte> png = EncodePng(rgb, 32, 32, 3);
   for (Character& character : scenario.characters) {
     character.images = {{png.begin(), png.end()}};
     Mesh& mesh = character.mesh;
@@ -170,15 +171,15 @@ TEST_F(GlPicture, EachPlantedFaultIsSeen) {
   const std::vector<uint8_t> right = renderer_->Draw(Monster(), kSmall);
   const struct {
     const char* name;
-    std::function<void(PictureScene&)> plant;
+    void (*plant)(PictureLook& look);
   } kFaults[] = {
-      {"no sun", [](PictureScene& s) { s.look.light.sun = glm::vec3(0.0f); }},
-      {"no sky", [](PictureScene& s) { std::ranges::fill(s.look.light.sky, glm::vec3(0.0f)); }},
-      {"no rim", [](PictureScene& s) { s.look.light.rim = glm::vec3(0.0f); }},
-      {"no secondary lobe", [](PictureScene& s) { s.look.hair.secondary = 0.0f; }},
-      {"no scattering", [](PictureScene& s) { s.look.hair.scatter = 0.0f; }},
-      {"no self-shadow", [](PictureScene& s) { s.look.shadow.strength = 0.0f; }},
-      {"no depth shadow", [](PictureScene& s) { s.look.depth_floor = 1.0f; }},
+      {"no sun", [](PictureLook& look) { look.light.sun = glm::vec3(0.0f); }},
+      {"no sky", [](PictureLook& look) { std::ranges::fill(look.light.sky, glm::vec3(0.0f)); }},
+      {"no rim", [](PictureLook& look) { look.light.rim = glm::vec3(0.0f); }},
+      {"no secondary lobe", [](PictureLook& look) { look.hair.secondary = 0.0f; }},
+      {"no scattering", [](PictureLook& look) { look.hair.scatter = 0.0f; }},
+      {"no self-shadow", [](PictureLook& look) { look.shadow.strength = 0.0f; }},
+      {"no depth shadow", [](PictureLook& look) { look.depth_floor = 1.0f; }},
   };
   const auto hold = [&](const char* name, const PictureScene& scene) {
     const double db = PsnrDb(renderer_->Draw(scene, kSmall), right);
@@ -187,7 +188,7 @@ TEST_F(GlPicture, EachPlantedFaultIsSeen) {
   };
   for (const auto& fault : kFaults) {
     PictureScene scene = Monster();
-    fault.plant(scene);
+    scene.ForEachLook(fault.plant);
     hold(fault.name, scene);
   }
   hold("reversed order",
@@ -223,7 +224,7 @@ TEST_F(GlPicture, LightingBufferIsAnotherLightOfTheSamePicture) {
   EXPECT_GE(PsnrDb(picture, renderer_->Draw(Monster(), buffered)), kSameDb);
   // What is behind everything is what the outlines have.
   PictureScene scene = Monster();
-  scene.look.light.rim = glm::vec3(0.0f);
+  scene.ForEachLook([](PictureLook& look) { look.light.rim = glm::vec3(0.0f); });
   EXPECT_LT(PsnrDb(picture, renderer_->Draw(scene, buffered)), kSameDb);
 }
 

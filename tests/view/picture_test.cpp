@@ -8,8 +8,11 @@
 #include <set>
 
 #include "bench/picture/body.hpp"
+#include "bench/picture/frame_light.hpp"
+#include "bench/picture/hairs.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
+#include "bench/view/default_look.hpp"
 #include "core/error.hpp"
 #include "core/groom/surface_colour.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -20,9 +23,9 @@ namespace {
 using namespace testing;
 
 struct Drawn {
-  explicit Drawn(VertexOrder order, Scenario drawn = EveryOutputScenario())
+  explicit Drawn(VertexOrder order, Scenario drawn = EveryOutputScenario(), uint32_t frame = 0)
       : order(order), scenario(std::move(drawn)), running(scenario, Options(order)) {
-    running.Begin(0);
+    running.Begin(frame);
     SerialExecutor().Run(running.scene().CurrentFrame());
   }
   static SceneOptions Options(VertexOrder order) {
@@ -48,7 +51,9 @@ TEST(Picture, IsTheSameInBothVertexOrders) {
 }
 
 TEST(Picture, ShowsMoreThanABackground) {
-  const std::vector<std::byte> png = Drawn(VertexOrder::kSorted).Picture();
+  Scenario scenario = EveryOutputScenario();
+  scenario.base.lighting = {};  // in the studio's light
+  const std::vector<std::byte> png = Drawn(VertexOrder::kSorted, scenario).Picture();
   const ControlMap image =
       ReadControlMap({reinterpret_cast<const uint8_t*>(png.data()), png.size()}, "picture");
   ASSERT_EQ(image.width, 160u);
@@ -120,6 +125,88 @@ double ShellHairArea(const FurScene& scene, uint32_t layer, const StrandBlock& b
     area += 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
   }
   return area * -std::log(bare / double(texels.size()));
+}
+
+TEST(Picture, IsLitByTheFrameWhereThatIsLit) {
+  Drawn drawn(VertexOrder::kSorted);
+  const FurScene& scene = drawn.running.scene();
+  const FrameLight light(scene);
+  for (uint32_t l = 0; l < scene.shape().layer_count; ++l) {
+    const PictureLook& lit = light.OnLayer(l);
+    if (!(scene.shape().layer_kind[l] & kLayerLit)) {
+      EXPECT_EQ(lit.light.sky[0], light.OnActor(0).light.sky[0]);
+      continue;
+    }
+    const auto& block = *scene.memory().Of<&Streams::layer_light>(l);
+    EXPECT_EQ(lit.light.sky[3].y, block.harmonics[1][3]);
+    EXPECT_EQ(lit.light.sun.x, 1.5f);
+    EXPECT_EQ(lit.hair.rim_exponent, block.rim_exponent);
+  }
+  // Light that comes from no side, and none at all, is a studio's.
+  Scenario dark = EveryOutputScenario();
+  dark.base.lighting = {};
+  EXPECT_EQ(FrameLight(Drawn(VertexOrder::kSorted, dark).running.scene()).OnActor(0).light.sun,
+            DefaultLights().sun);
+  EXPECT_EQ(FrameLight(Drawn(VertexOrder::kSorted, TinyScenario()).running.scene())
+                .OnActor(0)
+                .light.to_sun,
+            DefaultLights().to_sun);
+}
+
+// On hair and on the skin below it, where the brush was and nowhere else.
+TEST(Picture, PaintIsOnHairAndSkin) {
+  Scenario scenario = EveryOutputScenario();
+  scenario.base.brush_count = 1;
+  scenario.base.brush[0] = {{0, 0.5f, 0}, 0.4f, 1.0f, uint32_t(PaintChannel::kMud), 1.0f};
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
+      layer.params.lit = layer.params.painted = layer.params.output != Output::kShells;
+  Drawn drawn(VertexOrder::kSorted, scenario);
+  const glm::vec3 centre(0, 0.5f, 0);
+  uint32_t muddy = 0, clean = 0;
+  for (const std::vector<Hair>& hairs : ReadHairs(drawn.running.scene(), VertexOrder::kSorted))
+    for (const Hair& hair : hairs) {
+      const bool is_in = glm::distance(hair.root, centre) < 0.4f;
+      EXPECT_EQ(hair.paint, is_in ? glm::vec4(1, 0, 0, 0) : glm::vec4(0.0f));
+      (is_in ? muddy : clean) += 1;
+    }
+  EXPECT_GT(muddy, 0u);
+  EXPECT_GT(clean, 0u);
+  const Body body = PoseBody(drawn.scenario, drawn.running.scene(), 0,
+                             std::make_shared<const SurfaceColour>(scenario.characters[0]));
+  float most = 0.0f;
+  for (size_t v = 0; v < body.paint.size(); ++v) {
+    // Strands stand within an edge's length of the vertices that they lean on.
+    if (body.paint[v].x > 0.0f) {
+      EXPECT_LT(glm::distance(body.position[v], centre), 0.8f);
+    }
+    most = std::max(most, body.paint[v].x);
+  }
+  EXPECT_NEAR(most, 1.0f, 1e-5f);
+}
+
+// Soaked, the skin below is as dark as the fur, painted or not.
+TEST(Picture, WetSkinIsAsDarkAsWetFur) {
+  for (const bool painted : {false, true}) {
+    Scenario scenario = TinyScenario();
+    scenario.weather_course = {1.0f, 0.0f, 0};
+    float darken = 0.0f;
+    for (Groom& groom : scenario.grooms)
+      for (GroomLayer& layer : groom.layers) {
+        layer.params.lit = layer.params.painted = painted;
+        darken = layer.params.wet_darken = 0.25f;
+      }
+    Drawn drawn(VertexOrder::kSorted, scenario, 40);
+    const Mesh& mesh = scenario.characters[0].mesh;
+    const SkinFur fur = FindSkinFur(drawn.running.scene(), 0, mesh);
+    uint32_t wet = 0;
+    for (size_t v = 0; v < fur.paint.size(); ++v) {
+      if (fur.area[v] <= 0.0f) continue;
+      EXPECT_NEAR(fur.paint[v].z, 1.0f - darken, 1e-3f) << painted;
+      ++wet;
+    }
+    EXPECT_GT(wet, 0u);
+  }
 }
 
 TEST(Picture, SkinHasTheAreaOfAllStrands) {

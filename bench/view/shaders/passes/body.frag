@@ -2,9 +2,12 @@
 // After: strand_shading.glsl
 // After: strand_light.glsl
 // After: passes/frame.glsl
+// After: paint_shading.glsl
+// After: passes/painted.glsl
 in vec3 skin_at, skin_normal, skin_fur, skin_tint;
 in vec3 skin_shares;
 in vec2 skin_uv;
+in vec4 skin_paint;
 out vec4 colour;
 
 uniform sampler2D surface;  // sRGB
@@ -13,7 +16,9 @@ void main() {
   vec3 image = texture(surface, skin_uv).rgb;
   vec3 skin =
       skin_tint * vec3(LinearFromSrgb(image.r), LinearFromSrgb(image.g), LinearFromSrgb(image.b));
-  vec3 shaded = ShadeSkin(light, look, mix(skin, skin_fur, skin_shares.x), normalize(skin_normal),
-                          normalize(eye - skin_at), skin_shares.y, skin_shares.z);
+  skin = mix(skin, skin_fur, skin_shares.x);
+  if (skin_paint != vec4(0.0)) skin = PaintedColour(LookOfPaint(), skin, skin_paint);
+  vec3 shaded = ShadeSkin(light, look, skin, normalize(skin_normal), normalize(eye - skin_at),
+                          skin_shares.y, skin_shares.z);
   colour = vec4(shaded, 1.0);
 }

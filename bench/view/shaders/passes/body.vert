@@ -10,6 +10,7 @@ layout(location = 2) in vec3 fur;    // colour of what grows there, linear
 layout(location = 3) in vec3 tint;   // of the skin, times its image
 layout(location = 4) in vec2 share;  // of the fur's colour; of light, that fur leaves
 layout(location = 5) in vec2 uv;
+layout(location = 6) in vec4 paint;  // of the fur above
 
 uniform int character;
 uniform float lift;  // out of its own shadow, m
@@ -17,6 +18,7 @@ uniform float lift;  // out of its own shadow, m
 out vec3 skin_at, skin_normal, skin_fur, skin_tint;
 out vec3 skin_shares;  // the two, and the sun's
 out vec2 skin_uv;
+out vec4 skin_paint;
 
 void main() {
   skin_at = position;
@@ -25,5 +27,6 @@ void main() {
   skin_tint = tint;
   skin_shares = vec3(share, SunShare(position + normal * lift, character));
   skin_uv = uv;
+  skin_paint = paint;
   gl_Position = world_to_clip * vec4(position, 1.0);
 }

@@ -19,16 +19,19 @@ struct Strand {
   uint record;  // its place in `vertices`
   vec3 root, normal;
   float depth;
+  vec4 paint;  // amounts of mud, snow, water, dust
 };
 
 Strand ReadStrand() {
   uint place = uint(gl_InstanceID);
   uvec4 first = Texel(roots, 2u * place), second = Texel(roots, 2u * place + 1u);
   uint number = second.w;
-  vec3 normal =
-      is_lit != 0 ? OctahedralNormal(Texel(looks, number).x) : uintBitsToFloat(second.xyz);
+  uvec4 record = is_lit != 0 ? Texel(looks, number) : uvec4(0u);
+  vec3 normal = is_lit != 0 ? OctahedralNormal(record.x) : uintBitsToFloat(second.xyz);
+  vec4 paint = vec4(uvec4(record.z, record.z >> 8u, record.z >> 16u, record.z >> 24u) & 255u) / 255.0;
   return Strand(uint(first_strand) + number, in_strand_order != 0 ? number : place,
-                uintBitsToFloat(first.xyz), normal, uintBitsToFloat(first.w));
+                uintBitsToFloat(first.xyz), normal, uintBitsToFloat(first.w),
+                paint);
 }
 
 struct Knot {

@@ -4,6 +4,8 @@
 // After: strand_shading.glsl
 // After: strand_light.glsl
 // After: passes/frame.glsl
+// After: paint_shading.glsl
+// After: passes/painted.glsl
 // After: passes/strand.glsl
 uniform float depth_floor;
 
@@ -14,7 +16,10 @@ void main() {
   Strand strand = ReadStrand();
   Knot knot = ReadKnot(strand.record, gl_VertexID / 2);
   float depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
-  vec3 coat = CoatColour(look, knot.colour.rgb, depth_light);
+  HairLook hair = look;
+  float noise = StrandNoise(strand.number, float(gl_VertexID / 2) / float(knots - 1), kNoiseKnots);
+  PaintHair(strand.paint, strand.normal, noise, knot.colour.rgb, hair);
+  vec3 coat = CoatColour(hair, knot.colour.rgb, depth_light);
   sunlit = coat * light.sun * HairDiffuse(knot.tangent, light.to_sun);
   skylit = coat * light.sky[0] * (2.0 * 0.282094792);
   float from = RimFrom(strand.normal, light.to_rim, look.rim_from);

@@ -4,6 +4,8 @@
 // After: strand_light.glsl
 // After: passes/frame.glsl
 // After: passes/shadow_maps.glsl
+// After: paint_shading.glsl
+// After: passes/painted.glsl
 // After: passes/strand.glsl
 uniform int character;
 uniform float depth_floor;
@@ -23,6 +25,8 @@ void main() {
   point.depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
   point.sun_share = SunShare(knot.at, character);
   point.noise = StrandNoise(strand.number, float(k) / float(knots - 1), kNoiseKnots);
-  lit = ShadeHair(light, look, point);
+  HairLook hair = look;
+  PaintHair(strand.paint, strand.normal, point.noise, point.colour, hair);
+  lit = ShadeHair(light, hair, point);
   gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
 }
