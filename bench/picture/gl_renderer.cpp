@@ -206,8 +206,12 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   const uint32_t samples = options.samples ? options.samples : kSamples;
   const GLsizei width = GLsizei(options.width_px * samples),
                 height = GLsizei(options.height_px * samples);
-  GLint most = 0;
+  GLint most = 0, most_maps = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_maps);
+  if (scene.bodies.size() > size_t(most_maps))
+    throw Error(fmt::format("picture: {} draws at most {} characters, and there are {}", Device(),
+                            most_maps, scene.bodies.size()));
   if (std::max(width, height) > most)
     throw Error(fmt::format(
         "picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "

@@ -20,8 +20,9 @@ using namespace testing;
 constexpr PictureOptions kSmall{320, 240, 2};
 // Other drivers, and other rasterisers of the same driver, are above; each planted fault is below.
 constexpr double kSameDb = 52.0;
-// Triangles against hairs painted by distance: another rasteriser, the same picture.
-constexpr double kTwinDb = 30.0;
+// Triangles against hairs painted by distance: another rasteriser, the same picture. Where next to nothing but fur is
+// seen there is less between them; skin is lit per pixel by the one and at its corners by the other.
+constexpr double kTwinDb = 30.0, kFurTwinDb = 45.0;
 
 class Shown {
  public:
@@ -46,8 +47,12 @@ class Shown {
   PictureScene scene_{};
 };
 
+const Scenario& BakedMonster() {
+  static const Scenario kBaked = LoadScenario("monster");
+  return kBaked;
+}
 const PictureScene& Monster() {
-  static const Shown shown(LoadScenario("monster"), VertexOrder::kIndexBuffer);
+  static const Shown shown(BakedMonster(), VertexOrder::kIndexBuffer);
   return shown.scene();
 }
 
@@ -106,7 +111,7 @@ TEST_F(GlPicture, IsThatOfTheSoftware) {
   const double db =
       PsnrDb(renderer_->Draw(Monster(), kSmall), SoftwareRenderer().Draw(Monster(), kSmall));
   std::printf("monster, 320 x 240: %.1f dB between OpenGL and software\n", db);
-  EXPECT_GE(db, kTwinDb);
+  EXPECT_GE(db, kFurTwinDb);
 }
 
 TEST_F(GlPicture, IsThatOfTheSoftwareForEveryOutputInBothOrders) {
@@ -120,6 +125,29 @@ TEST_F(GlPicture, IsThatOfTheSoftwareForEveryOutputInBothOrders) {
   const double db = PsnrDb(picture, SoftwareRenderer().Draw(sorted.scene(), kSmall));
   std::printf("every output, 320 x 240: %.1f dB between OpenGL and software\n", db);
   EXPECT_GE(db, kTwinDb);
+}
+
+// Whatever comes first, what is in front hides it.
+TEST_F(GlPicture, LayersHideEachOtherInAnyOrder) {
+  PictureScene scene = Monster();
+  std::ranges::reverse(scene.draws);
+  std::ranges::reverse(scene.layers);
+  const double db = PsnrDb(renderer_->Draw(scene, kSmall), SoftwareRenderer().Draw(scene, kSmall));
+  std::printf("last layer first: %.1f dB between OpenGL and software\n", db);
+  EXPECT_GE(db, kFurTwinDb);
+}
+
+// Normals from look records are those of the roots, but for 16 bits.
+TEST_F(GlPicture, LookRecordsHaveTheRootsNormals) {
+  Scenario scenario = BakedMonster();
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) layer.params.lit = true;
+  for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer}) {
+    const Shown lit(scenario, order);
+    for (const LayerDraw& draw : lit.scene().draws) ASSERT_FALSE(draw.looks.empty());
+    EXPECT_GE(PsnrDb(renderer_->Draw(lit.scene(), kSmall), renderer_->Draw(Monster(), kSmall)),
+              kSameDb);
+  }
 }
 
 // A checkered character without fur, of which the image has its upper half darker: turned over, it would be seen.
