@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <ctime>
 #include <functional>
 #include <random>
 #include <set>
@@ -244,9 +246,19 @@ TEST_F(GlPicture, ShadowMapsForgetTheOrder) {
 TEST_F(GlPicture, LightingBufferIsAnotherLightOfTheSamePicture) {
   PictureOptions buffered = kSmall;
   buffered.lighting_buffer = true;
-  const std::vector<uint8_t> picture = renderer_->Draw(Monster(), buffered);
-  const double db = PsnrDb(picture, renderer_->Draw(Monster(), kSmall));
-  std::printf("lighting buffer: %.1f dB\n", db);
+  // Each twice: the driver compiles before the first time.
+  const auto draw = [&](const PictureOptions& options, double& ms) {
+    renderer_->Draw(Monster(), options);
+    const std::clock_t start = std::clock();
+    std::vector<uint8_t> rgb = renderer_->Draw(Monster(), options);
+    ms = 1e3 * double(std::clock() - start) / double(CLOCKS_PER_SEC);
+    return rgb;
+  };
+  double buffered_ms = 0.0, direct_ms = 0.0;
+  const std::vector<uint8_t> picture = draw(buffered, buffered_ms);
+  const double db = PsnrDb(picture, draw(kSmall, direct_ms));
+  std::printf("lighting buffer: %.1f dB; %.0f ms of one core, and %.0f without it\n", db,
+              buffered_ms, direct_ms);
   EXPECT_LT(db, kSameDb);
   EXPECT_GE(db, 18.0);
   EXPECT_GE(PsnrDb(picture, renderer_->Draw(Monster(), buffered)), kSameDb);
