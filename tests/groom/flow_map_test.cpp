@@ -113,6 +113,23 @@ TEST(FlowMap, GoesWithTheTextureThatIsTurnedMirroredOrStretched) {
   }
 }
 
+TEST(FlowMap, LiesRoundTheTextureWhereUvsGoBeyondIt) {
+  const auto make = [](glm::vec2 moved) {
+    Plane plane([=](glm::vec2 at) { return at + moved; });
+    plane.CombAll(30.0, 20.0);
+    plane.layer.comb.push_back({{0.2f, 0.0f, 0.3f}, {-1.0f, 0.2f, 0.5f}, 0.6f});  // and not alike
+    return plane.Make();
+  };
+  const FlowMap within = make({0.0f, 0.0f}), beyond = make({7.25f, -3.5f});
+  EXPECT_EQ(beyond.covered, kSide * kSide);
+  for (uint32_t y = 0; y < kSide; ++y)
+    for (uint32_t x = 0; x < kSide; ++x)
+      ASSERT_EQ(LeanAt(beyond, (x + kSide / 4) % kSide, (y + kSide / 2) % kSide),
+                LeanAt(within, x, y))
+          << x << ' ' << y;
+  EXPECT_NE(LeanAt(within, 7, 10), LeanAt(within, 30, 30));
+}
+
 TEST(FlowMap, HasLengthsAndDensity) {
   Plane plane(AsItIs);
   plane.layer.length.map = test::MakeMap([](float u, float) { return 0.25f + 0.75f * u; });
