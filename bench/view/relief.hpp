@@ -1,5 +1,5 @@
 // Fur as relief on the skin ("groom parallax mapping"): the eye's ray is followed through a tile of hairs that lean as
-// the groom does, so that a flat surface shows their sides, gaps and shadows. The cheapest look of fur; it has no
+// the groom does, so that a flat surface shows their sides, gaps and shadows. It needs no geometry, and has no
 // outline of its own.
 // shaders/relief.glsl has the same functions, by the same names.
 //

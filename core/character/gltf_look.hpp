@@ -13,7 +13,7 @@
 
 namespace pelt::gltf {
 
-// The bytes of a file beside the glTF file; none, and why, where it cannot be read.
+// The bytes of a file beside the glTF file, or of a data: URI; none, and why, where they cannot be read.
 using ImageReader =
     std::function<std::vector<unsigned char>(const std::string& uri, std::string& fault)>;
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/character/gltf_accessor.hpp"
+#include "core/character/gltf_corners.hpp"
 #include "core/character/gltf_read.hpp"
 #include "core/character/mesh_repair.hpp"
 #include "core/float_rules.hpp"
@@ -175,21 +176,12 @@ class MeshReader {
                          count, place);
   }
 
-  // By corner, so that vertices which differ in colour alone are still one to fur.
   void StoreColours(const std::vector<float>& colours, size_t first) {
     has_colour_ |= !colours.empty();
-    for (size_t t = out_.corner_colour.size(); t < out_.triangles.size(); ++t) {
-      std::array<glm::vec3, 3> corner{glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
-      for (size_t k = 0; k < 3 && !colours.empty(); ++k)
-        for (int c = 0; c < 3; ++c) {
-          const size_t at = (out_.triangles[t][k] - first) * size_t(colour_size_) + size_t(c);
-          if (std::isfinite(colours[at])) corner[k][c] = std::clamp(colours[at], 0.0f, 1.0f);
-        }
-      out_.corner_colour.push_back(corner);
-    }
+    StoreCornerColours(colours, size_t(colour_size_), first, out_);
   }
 
-  // By corner too, where the material's image is laid by another set.
+  // Where the material's image is laid by another set than the first.
   void StoreImageUvs(const Primitive& primitive, size_t first, size_t count,
                      const std::string& place) {
     MaterialLook look;
@@ -201,14 +193,7 @@ class MeshReader {
       has_image_uv_ |= !uv.empty();
       repairs_.no_image_uv += uv.empty();
     }
-    for (size_t t = out_.corner_uv.size(); t < out_.triangles.size(); ++t) {
-      std::array<glm::vec2, 3>& corner = out_.corner_uv.emplace_back();
-      for (size_t k = 0; k < 3; ++k) {
-        const size_t v = out_.triangles[t][k], own = 2 * (v - first);
-        const bool known = !uv.empty() && std::isfinite(uv[own]) && std::isfinite(uv[own + 1]);
-        corner[k] = known ? glm::vec2(uv[own], uv[own + 1]) : out_.uv[v];
-      }
-    }
+    StoreCornerUvs(uv, first, out_);
   }
 
   // Every JOINTS_n, WEIGHTS_n pair of a primitive, one after the other.
