@@ -181,6 +181,10 @@ void CheckRelief(const Scenario& scenario, std::span<const std::string> names) {
   for (const Actor& actor : scenario.actors) {
     if (actor.groom >= scenario.setups.size() || scenario.setups[actor.groom].layers.empty())
       throw Error("picture: relief is made from a fur setup, and a groom file has none");
+    if (const Character& character = scenario.characters[actor.character];
+        character.mesh.uv.empty())
+      throw Error(
+          fmt::format("picture: relief needs texture coordinates, which {} lacks", character.name));
     for (const LayerSetup& layer : scenario.setups[actor.groom].layers)
       if (std::ranges::find(known, layer.name) == known.end()) known.push_back(layer.name);
   }

@@ -41,7 +41,7 @@ class ReliefCoat {
 };
 
 // Of layers by name, "all" for each. Throws Error for one that the scenario does not have, and for a groom without a
-// setup.
+// setup or a character without UVs.
 void CheckRelief(const Scenario& scenario, std::span<const std::string> names);
 // The fur of each actor's groom that is drawn on the skin; null where no layer is named. Throws as CheckRelief.
 std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,

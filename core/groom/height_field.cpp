@@ -28,8 +28,9 @@ std::vector<uint8_t> MakeHeightField(uint32_t side, uint32_t dots_a_side, uint64
   std::vector<Dot> dots(size_t(dots_a_side) * dots_a_side);
   for (size_t i = 0; i < dots.size(); ++i) {
     Random random(MixSeed(seed, i));
-    dots[i].x = double(i % dots_a_side) + random.Uniform();
-    dots[i].y = double(i / dots_a_side) + random.Uniform();
+    const size_t column = i % dots_a_side, row = i / dots_a_side;
+    dots[i].x = double(column) + random.Uniform();
+    dots[i].y = double(row) + random.Uniform();
     dots[i].height = random.Uniform(0.35, 1.0);
     dots[i].radius = random.Uniform(0.6, 1.0);
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "bench/picture/body.hpp"
 #include "bench/picture/frame_light.hpp"
@@ -106,6 +107,11 @@ TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
   EXPECT_EQ(reason({"all"}), "");
   EXPECT_EQ(reason({"vertex", "modal4"}), "");
   EXPECT_NE(reason({"vertex", "beard"}).find("no layer 'beard'"), std::string::npos);
+  std::vector<glm::vec2>& uv = drawn.scenario.characters[0].mesh.uv;
+  const std::vector<glm::vec2> kept = std::exchange(uv, {});
+  EXPECT_NE(reason({"all"}).find("needs texture coordinates"), std::string::npos);
+  uv = kept;
+  EXPECT_EQ(reason({"all"}), "");
   drawn.scenario.setups.clear();
   EXPECT_NE(reason({"all"}).find("fur setup"), std::string::npos);
 }
