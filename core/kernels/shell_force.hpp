@@ -61,10 +61,10 @@ PELT_INLINE Vec3<V> ConeOfShame(const Vec3<V>& force, const Vec3<V>& normal, V c
   return Select<V>(leans, corrected, force);
 }
 
-// At most 1 long.
+// What a vector as long as `a` is multiplied with to be at most 1 long.
 template <class V>
-PELT_INLINE Vec3<V> LimitToUnit(const Vec3<V>& a) {
-  return Select<V>(Dot(a, a) > V(1.0f), NormalizeOr(a, a), a);
+PELT_INLINE V ShrinkToUnit(const Vec3<V>& a) {
+  return Min(Rsqrt(Dot(a, a)), V(1.0f));
 }
 
 }  // namespace shell_force_detail
@@ -110,37 +110,46 @@ struct ShellForce {
     using namespace shell_force_detail;
     Vec3<V> acceleration = pull.gravity;
     if (pull.blows) acceleration = acceleration + Load3<V>(wind.acceleration, lane);
-    const Vec3<V> force = LimitToUnit(acceleration * pull.compliance);
-    if (pull.published) return ConeOfShame(force, normal, pull.cosine, V(1.0f));
-    return KeepInCone(force, normal, pull.cosine, pull.sine);
+    const Vec3<V> force = acceleration * pull.compliance;
+    const V shrink = ShrinkToUnit(force);
+    // The exact cone keeps the size, so that it need not wait for it.
+    if (!pull.published) return KeepInCone(force, normal, pull.cosine, pull.sine) * shrink;
+    return ConeOfShame(force * shrink, normal, pull.cosine, V(1.0f));
+  }
+
+  static PELT_INLINE void WriteGroom(const Ports& ports, const look::LayerTint<V>& tint,
+                                     uint32_t lane) {
+    using I = typename V::Int;
+    const Vec3<V> normal = Load3<V>(ports.anchors->normal, lane);
+    const Vec3<V> tangent = Load3<V>(ports.anchors->tangent, lane);
+    const Vec3<V> bitangent = Cross(normal, tangent);
+    const Vec3<V> tip = Load3<V>(ports.rest->offset[2], lane);
+    const Vec3<V> groom = Combine(tangent, tip.x, bitangent, tip.y, normal, tip.z);
+    const I base = look::Tinted(tint, I::Load(ports.skin->base_colour + lane));
+    const I tip_colour = look::Tinted(tint, I::Load(ports.skin->tip_colour + lane));
+    Store(*ports.vertices, lane, 0, Load3<V>(ports.anchors->position, lane), base);
+    Store(*ports.vertices, lane, 1, groom, tip_colour);
+  }
+
+  static PELT_INLINE void WriteForce(const Ports& ports, const Pull& pull, uint32_t lane) {
+    const V zero(0.0f);
+    const Vec3<V> normal = Load3<V>(ports.anchors->normal, lane);
+    Vec3<V> force = {zero, zero, zero};
+    if (pull.acts) {
+      const V length = V::Load(ports.rest->segment_length + lane) * V(3.0f);
+      const V yields = length * V::Load(ports.rest->strength + lane);
+      force = ForceOn(pull, *ports.wind, lane, normal) * yields;
+    }
+    Store(*ports.vertices, lane, 2, force, write_looks_detail::PackOctahedral(normal));
   }
 
   static void Run(const Ports& ports) {
-    using I = typename V::Int;
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
-    const RootBlock& anchors = *ports.anchors;
-    const RestBlock<4>& rest = *ports.rest;
     const Pull pull = MakePull(*ports.layer, *ports.shells);
     const look::LayerTint<V> tint = look::MakeTint<V>(*ports.layer);
-    const V zero(0.0f);
-    for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
-      const Vec3<V> normal = Load3<V>(anchors.normal, lane);
-      const Vec3<V> tangent = Load3<V>(anchors.tangent, lane), bitangent = Cross(normal, tangent);
-      const Vec3<V> tip = Load3<V>(rest.offset[2], lane);
-      const Vec3<V> groom = Combine(tangent, tip.x, bitangent, tip.y, normal, tip.z);
-      Vec3<V> force = {zero, zero, zero};
-      if (pull.acts) {
-        const V length = V::Load(rest.segment_length + lane) * V(3.0f);
-        const V yields = length * V::Load(rest.strength + lane);
-        force = ForceOn(pull, *ports.wind, lane, normal) * yields;
-      }
-      const I base = look::Tinted(tint, I::Load(ports.skin->base_colour + lane));
-      const I tip_colour = look::Tinted(tint, I::Load(ports.skin->tip_colour + lane));
-      const I packed = write_looks_detail::PackOctahedral(normal);
-      Store(*ports.vertices, lane, 0, Load3<V>(anchors.position, lane), base);
-      Store(*ports.vertices, lane, 1, groom, tip_colour);
-      Store(*ports.vertices, lane, 2, force, packed);
-    }
+    for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) WriteGroom(ports, tint, lane);
+    // A loop of its own: its roots are long chains, and only short bodies overlap them.
+    for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) WriteForce(ports, pull, lane);
     ports.state->visible_strands = ports.state->live_strands;
   }
 
