@@ -76,16 +76,13 @@ PELT_INLINE typename V::Int WeatherAmounts(const LayerBlock& layer) {
   return wet_byte | Truncate(mud);
 }
 
-// Of each byte the larger: it rains on who is wet already.
+// The larger of what is there and what weather brings: it rains on who is wet already. For channels
+// without the sign's bit, which compare where they are.
 template <class I>
-PELT_INLINE I LargerBytes(I a, I b) {
-  I larger(0);
-  for (uint32_t c = 0; c < kPaintChannels; ++c) {
-    const I channel(int32_t(255u << 8 * c)), x = (a & channel) >> int(8 * c),
-                                             y = (b & channel) >> int(8 * c);
-    larger = larger | (Select(x > y, x, y) << int(8 * c));
-  }
-  return larger;
+PELT_INLINE I LargerByte(I paint, I weather, PaintChannel channel) {
+  const I byte(int32_t(255u << 8 * uint32_t(channel)));
+  const I old = paint & byte, fresh = weather & byte;
+  return (paint ^ old) | Select(old > fresh, old, fresh);
 }
 
 }  // namespace write_looks_detail
@@ -100,11 +97,18 @@ struct WriteLooks {
     using I = typename V::Int;
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
     const I weather = WeatherAmounts<V, kPainted>(*ports.layer);
+    [[maybe_unused]] const bool is_fair = ports.layer->wetness == 0.0f && ports.layer->mud == 0.0f;
     LookRecord* const record = ports.looks->record;
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
       const I normal = PackOctahedral(Load3<V>(ports.roots->normal, lane));
       I amounts = weather;
-      if constexpr (kPainted) amounts = LargerBytes(weather, I::Load(ports.paint->amounts + lane));
+      if constexpr (kPainted) {
+        amounts = I::Load(ports.paint->amounts + lane);
+        if (!is_fair) {
+          amounts = LargerByte(amounts, weather, PaintChannel::kMud);
+          amounts = LargerByte(amounts, weather, PaintChannel::kWet);
+        }
+      }
       const I random = MixWord(I::Iota(int32_t(ports.state->first_place + lane + 1)));
       const I uv = I::Load(ports.uv->uv + lane);
       ScatterRecords<V>(

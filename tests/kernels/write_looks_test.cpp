@@ -129,6 +129,14 @@ TEST(WriteLooks, PaintAndWeatherAreOnStrandsTogether) {
     EXPECT_EQ(looks.record[s].uv, plain.record[s].uv);
     EXPECT_EQ(looks.record[s].random, plain.record[s].random);
   }
+  // What brings one of them alone; and nothing does.
+  scene.layer.wetness = 0.0f;
+  EXPECT_EQ(scene.RunPainted<ArrayVec<4>>().record[0].amounts & 255,
+            std::max(scene.paint.amounts[0] & 255, 51u));
+  scene.layer.mud = 0.0f;
+  const LookBlock fair = scene.RunPainted<ArrayVec<4>>();
+  for (uint32_t s = 0; s < kStrandsPerChunk; ++s)
+    EXPECT_EQ(fair.record[s].amounts, scene.paint.amounts[s]);
   EXPECT_GT(more, 0u);
   EXPECT_LT(more, kStrandsPerChunk);
 }
