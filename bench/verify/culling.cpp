@@ -132,12 +132,13 @@ class CullingCheck {
       result.Fail({FindingKind::kCull, std::string(stage), std::string(stream), std::move(text)});
   }
 
-  // What each chunk of the layer does in the frame just run.
+  // What each chunk of the layer does in the frame just run, but for paint: what was on it before is
+  // on it still, and may be all there can be.
   static std::vector<uint32_t> FlagsOf(const FurScene& scene, uint32_t layer) {
     const std::vector<uint32_t>& first = scene.shape().layer_first_chunk;
     std::vector<uint32_t> flags;
     for (uint32_t c = first[layer]; c < first[layer + 1]; ++c)
-      flags.push_back(scene.memory().Of<&Streams::chunk_state>(c)->flags);
+      flags.push_back(scene.memory().Of<&Streams::chunk_state>(c)->flags & ~kChunkPainted);
     return flags;
   }
 
@@ -328,7 +329,8 @@ class CullingCheck {
                  fmt::format("frame {}: {} came back into view, and does not start as in a first "
                              "frame",
                              frame, NameLayer(layer)));
-      if (DigestLayer(culled_.scene(), layer) != DigestLayer(fresh.run->scene(), layer))
+      if (DigestLayer(culled_.scene(), layer, LayerPart::kWithoutPaint) !=
+          DigestLayer(fresh.run->scene(), layer, LayerPart::kWithoutPaint))
         FailOnce(returned_, "", "",
                  fmt::format("frame {}: {} came back into view in frame {}, and is not what it is "
                              "in a scene that begins there",

@@ -35,12 +35,17 @@ bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement
   return true;
 }
 
-uint64_t DigestLayer(const FurScene& scene, uint32_t layer) {
+uint64_t DigestLayer(const FurScene& scene, uint32_t layer, LayerPart part) {
   const SceneShape& shape = scene.shape();
+  const bool no_paint =
+      part == LayerPart::kWithoutPaint && (shape.layer_kind[layer] & kLayerPainted);
   Digest digest;
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     if (desc.role != Role::kValue) continue;
+    if (no_paint &&
+        (Stream(s) == StreamOf<&Streams::paint> || Stream(s) == StreamOf<&Streams::looks>))
+      continue;
     if (desc.domain == Domain::kLayer) AddItem(digest, scene.memory(), Stream(s), layer);
     if (desc.domain != Domain::kChunk) continue;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c)

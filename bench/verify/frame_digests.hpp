@@ -21,7 +21,9 @@ struct Agreement {
 };
 bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement);
 
-// Of one layer's part of every value stream of layers and chunks.
-uint64_t DigestLayer(const FurScene& scene, uint32_t layer);
+// Of one layer's part of every value stream of layers and chunks; without what brushes have left on a
+// painted layer, which outlasts a time out of view as nothing else does.
+enum class LayerPart : uint8_t { kAll, kWithoutPaint };
+uint64_t DigestLayer(const FurScene& scene, uint32_t layer, LayerPart part = LayerPart::kAll);
 
 }  // namespace pelt

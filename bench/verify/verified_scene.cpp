@@ -111,6 +111,27 @@ glm::mat4 TurnAndMove(const glm::mat4& placement, const glm::vec3& by) {
   return moved;
 }
 
+// Painted layers are painted: a little in each frame, some of it wiped off again, where the camera looks.
+void AddBrushes(Scenario& scenario) {
+  const auto is_painted = [](const GroomLayer& layer) { return layer.params.painted; };
+  if (std::ranges::none_of(scenario.grooms, [&](const Groom& groom) {
+        return std::ranges::any_of(groom.layers, is_painted);
+      }))
+    return;
+  FrameInput& base = scenario.base;
+  const auto add = [&](PaintChannel channel, float share_of_distance, float amount) {
+    PaintBrush& brush = base.brush[base.brush_count++];
+    for (int k = 0; k < 3; ++k) brush.centre[k] = scenario.camera.target[k];
+    brush.radius = share_of_distance * float(scenario.camera.radius_m);
+    brush.hardness = 0.3f;
+    brush.channel = uint32_t(channel);
+    brush.amount = amount;
+  };
+  add(PaintChannel::kWet, 0.15f, 0.05f);
+  add(PaintChannel::kMud, 0.3f, 0.1f);
+  add(PaintChannel::kMud, 0.1f, -0.04f);
+}
+
 }  // namespace
 
 Scenario MakeVerifiedScene(const Scenario& scenario) {
@@ -135,6 +156,7 @@ Scenario MakeVerifiedScene(const Scenario& scenario) {
   verified.characters.push_back(verified.characters[last.character]);
   last.character = uint32_t(verified.characters.size()) - 1;
   AddDenormals(verified.grooms[last.groom], verified.characters[last.character]);
+  AddBrushes(verified);
   return verified;
 }
 
