@@ -232,9 +232,14 @@ class DigestCheck {
 
   // The frame's digest and the log's columns, once a stream: each is as long as all of it.
   void FlipForLogs(Stream stream, const std::vector<uint32_t>& items, CheckResult& result) {
-    const RowDesc& row = DescribeStream(stream).rows.front();
+    const StreamDesc& desc = DescribeStream(stream);
+    const RowDesc& row = desc.rows.front();
     for (const uint32_t item : items) {
       if (CountLive(stream, item) == 0) continue;
+      // Logs have what stages ran on; blocks of layers are there for those of any kind.
+      if (desc.domain == Domain::kLayer &&
+          !desc.kinds.Admits(run_.scene().shape().layer_kind[item]))
+        continue;
       const uint64_t frame = run_.scene().DigestFrame();
       const DigestLog log = LogFrame();
       std::byte* at = AddressOf(stream, item, row, {0, 0});
