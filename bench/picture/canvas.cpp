@@ -12,14 +12,12 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::max();
 
-glm::vec3 ToVec(const float v[3]) { return {v[0], v[1], v[2]}; }
-
 }  // namespace
 
 Projection::Projection(const Camera& camera, uint32_t width, uint32_t height)
-    : eye_(ToVec(camera.position)) {
-  forward_ = glm::normalize(ToVec(camera.target) - eye_);
-  right_ = glm::normalize(glm::cross(forward_, ToVec(camera.up)));
+    : eye_(VecOf(camera.position)) {
+  forward_ = glm::normalize(VecOf(camera.target) - eye_);
+  right_ = glm::normalize(glm::cross(forward_, VecOf(camera.up)));
   up_ = glm::cross(right_, forward_);
   focal_ = 0.5f * float(height) / std::tan(0.5f * camera.vertical_fov_rad);
   centre_x_ = 0.5f * float(width);

@@ -122,6 +122,8 @@ void Canvas::DrawCutTriangle(const glm::vec3& a, const glm::vec3& b, const glm::
   });
 }
 
+inline glm::vec3 VecOf(const float* v) { return {v[0], v[1], v[2]}; }
+
 // Linear light of sRGB bytes.
 glm::vec3 LinearColour(uint32_t aabbggrr);
 

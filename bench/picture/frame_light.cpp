@@ -2,18 +2,18 @@
 
 #include <algorithm>
 
+#include "bench/picture/canvas.hpp"
+
 namespace pelt {
 namespace {
-
-glm::vec3 Vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 PictureLook LitBy(const LayerLightBlock& block) {
   PictureLook lit = DefaultLook();
   lit.light = {};
-  lit.light.to_sun = Vec(block.sun_direction);
-  lit.light.sun = Vec(block.sun_rgb);
-  lit.light.to_rim = Vec(block.rim_direction);
-  lit.light.rim = Vec(block.rim_rgb);
+  lit.light.to_sun = VecOf(block.sun_direction);
+  lit.light.sun = VecOf(block.sun_rgb);
+  lit.light.to_rim = VecOf(block.rim_direction);
+  lit.light.rim = VecOf(block.rim_rgb);
   for (uint32_t i = 0; i < kHarmonics; ++i)
     lit.light.sky[i] = {block.harmonics[0][i], block.harmonics[1][i], block.harmonics[2][i]};
   lit.hair.rim_exponent = block.rim_exponent;

@@ -18,8 +18,6 @@ namespace {
 
 constexpr uint32_t kSamples = 2;
 
-glm::vec3 Vec(const float v[3]) { return {v[0], v[1], v[2]}; }
-
 // The block `Look` of frame.glsl, by the rules of std140: vectors of three take the room of four.
 struct LookBlock140 {
   std::array<glm::vec4, sizeof(LightSet) / sizeof(glm::vec3)> light;
@@ -44,9 +42,9 @@ struct Lens {
 };
 
 Lens LensOf(const Camera& camera, const PictureOptions& options) {
-  const glm::vec3 eye = Vec(camera.position);
+  const glm::vec3 eye = VecOf(camera.position);
   const float aspect = float(options.width_px) / float(options.height_px);
-  const glm::mat4 view = glm::lookAt(eye, Vec(camera.target), Vec(camera.up));
+  const glm::mat4 view = glm::lookAt(eye, VecOf(camera.target), VecOf(camera.up));
   const float height = std::tan(0.5f * camera.vertical_fov_rad);
   const auto row = [&](int r) { return glm::vec3(view[0][r], view[1][r], view[2][r]); };
   return {eye, -row(2), row(0) * (height * aspect), row(1) * height,

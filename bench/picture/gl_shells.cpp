@@ -14,8 +14,6 @@ struct ShellCorner {
 constexpr size_t kAttributes = 7;
 static_assert(sizeof(ShellCorner) == kAttributes * sizeof(glm::vec3));
 
-glm::vec3 Vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
   std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
   WriteShellIndices(draw.shells, indices);
@@ -26,9 +24,9 @@ std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
     const ShellVertex& vertex = vertices[i];
     const float(&uv)[2] = draw.shells.skin[i / kVerticesPerChunk].uv[i % kVerticesPerChunk];
     corners.push_back(
-        {.position = Vec(vertex.position),
-         .groom = Vec(vertex.groom),
-         .force = Vec(vertex.force),
+        {.position = VecOf(vertex.position),
+         .groom = VecOf(vertex.groom),
+         .force = VecOf(vertex.force),
          .normal = OctahedralNormal(vertex.normal),
          .base_colour = LinearColour(vertex.base_colour),
          .tip_colour = LinearColour(vertex.tip_colour),

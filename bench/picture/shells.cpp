@@ -8,8 +8,6 @@
 namespace pelt {
 namespace {
 
-glm::vec3 ToVec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 class ShellPainter {
  public:
   ShellPainter(const PictureLook& look, const LayerDraw& draw, const FurTexture& texture,
@@ -33,7 +31,7 @@ class ShellPainter {
       corner.uv = glm::vec2(uv[0], uv[1]) * draw.shells.texture_repeat;
       corner.stencil = float(vertex.base_colour >> 24) / 255.0f;
       corner.normal = OctahedralNormal(vertex.normal);
-      corner.sun = sun(ToVec(vertex.position), corner.normal);
+      corner.sun = sun(VecOf(vertex.position), corner.normal);
     }
   }
 
@@ -55,8 +53,8 @@ class ShellPainter {
   };
 
   void Shade(const Shell& shell, const ShellVertex& vertex, Corner& corner) const {
-    const glm::vec3 groom = ToVec(vertex.groom), force = ToVec(vertex.force);
-    const glm::vec3 at = ShellPosition(ToVec(vertex.position), groom, force, shell.height);
+    const glm::vec3 groom = VecOf(vertex.groom), force = VecOf(vertex.force);
+    const glm::vec3 at = ShellPosition(VecOf(vertex.position), groom, force, shell.height);
     constexpr float kNoNoise = 0.5f;
     const HairPoint point{.colour = glm::mix(LinearColour(vertex.base_colour),
                                              LinearColour(vertex.tip_colour), shell.height),
