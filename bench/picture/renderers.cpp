@@ -19,7 +19,7 @@ Opened OpenGl() {
 
 constexpr struct {
   std::string_view name;
-  Opened (*open)();
+  Opened (*make)();
 } kRenderers[] = {{"software", OpenSoftware}, {"gl", OpenGl}};
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<std::string> RendererNames() {
 Opened OpenRenderer(std::string_view name) {
   const auto* row = std::ranges::find(kRenderers, name, [](const auto& r) { return r.name; });
   if (row == std::end(kRenderers)) return Failure{"there is no renderer " + std::string(name)};
-  return row->open();
+  return row->make();
 }
 
 }  // namespace pelt
