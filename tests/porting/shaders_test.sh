@@ -10,7 +10,9 @@ fail() {
   echo "FAILED: $*"
   failed=1
 }
-outputs=$(sed -n '/ kRows\[\] = {/,/^};/p' "$source/core/outputs.hpp" | grep -oE '"[a-z_]+"' | tr -d '"')
+rows=$(sed -n '/ kRows\[\] = {/,/^};/p' "$source/core/outputs.hpp")
+outputs=$(grep -oE '"[a-z_]+"' <<<"$rows" | tr -d '"')
+of_strands=$(grep -v SkinRow <<<"$rows" | grep -oE '"[a-z_]+"' | tr -d '"')  # which the passes read as strands
 [ "$(wc -w <<<"$outputs")" -ge 2 ] || fail "no outputs found in core/outputs.hpp"
 for output in $outputs; do
   for shader in "$output.vert" "$output.vs.hlsl"; do
@@ -53,7 +55,7 @@ for functions in "$shaders"/*.glsl; do own "$functions" frag; done
 for pass in "$shaders"/passes/*.vert "$shaders"/passes/*.frag; do
   case $pass in
     */strand*.vert)
-      for output in $outputs; do own "$pass" vert "$shaders/passes/readers/$output.glsl"; done ;;
+      for output in $of_strands; do own "$pass" vert "$shaders/passes/readers/$output.glsl"; done ;;
     *) own "$pass" "${pass##*.}" ;;
   esac
 done
