@@ -30,6 +30,11 @@ void DrawLayer(const pelt::LayerDraw& draw, pelt::VertexOrder order, Canvas& can
     else
       pelt::WriteSortedRibbonIndices(draw.order, 0, indices);
     DrawRibbons(&canvas, vertices, indices.data(), indices.size());
+  } else if (draw.output == pelt::Output::kShells) {
+    std::vector<uint32_t> indices(pelt::WriteShellIndices(draw.shells, {}));
+    pelt::WriteShellIndices(draw.shells, indices);
+    for (const pelt::Shell& shell : draw.shells.shell)
+      DrawShell(&canvas, vertices, indices.data(), indices.size(), shell.height);
   }
 }
 
