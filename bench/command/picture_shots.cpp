@@ -83,6 +83,7 @@ PictureScene PictureShots::Gather(uint32_t frame) {
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
       shown.ForEachLook([&](PictureLook& look) {
+        look.room = light.room;
         look.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
                                {camera.target[0], camera.target[1], camera.target[2]});
       });

@@ -70,8 +70,8 @@ struct GlRenderer::State {
   void SetLook(const PictureLook& lit_by) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
                  const GlStrands& strands, const GlShells& shells, const GlShadows& shadows) const;
-  std::vector<uint8_t> Resolve(const PictureOptions& options, const Lens& lens, GLuint drawn,
-                               uint32_t samples, size_t characters) const;
+  std::vector<uint8_t> Resolve(const PictureScene& scene, const PictureOptions& options,
+                               GLuint drawn, uint32_t samples) const;
   void CheckErrors() const;
 };
 
@@ -170,9 +170,10 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
   gl().Disable(GL_DEPTH_TEST);
 }
 
-std::vector<uint8_t> GlRenderer::State::Resolve(const PictureOptions& options, const Lens& lens,
-                                                GLuint drawn, uint32_t samples,
-                                                size_t characters) const {
+std::vector<uint8_t> GlRenderer::State::Resolve(const PictureScene& scene,
+                                                const PictureOptions& options, GLuint drawn,
+                                                uint32_t samples) const {
+  const Lens lens = LensOf(scene.camera, options);
   const GLsizei width = GLsizei(options.width_px), height = GLsizei(options.height_px);
   gl().ActiveTexture(GL_TEXTURE0 + kMakingUnit);
   const GlTexture pixels = MakeTexture(gl(), GL_RGBA8, width, height);
@@ -186,7 +187,8 @@ std::vector<uint8_t> GlRenderer::State::Resolve(const PictureOptions& options, c
   program.Set("ray_ahead", lens.ahead);
   program.Set("ray_right", lens.right);
   program.Set("ray_up", lens.up);
-  program.Set("character_count", int(characters));
+  program.Set("character_count", int(scene.bodies.size()));
+  program.Set("room_light", scene.look.room);
   gl().DrawArrays(GL_TRIANGLES, 0, 3);
   std::vector<uint8_t> rgb(size_t(width) * size_t(height) * 3);
   gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -234,8 +236,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
     throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
   gl.Viewport(0, 0, width, height);
   state_->DrawScene(scene, options, bodies, strands, shells, shadows);
-  std::vector<uint8_t> rgb =
-      state_->Resolve(options, LensOf(scene.camera, options), drawn, samples, scene.bodies.size());
+  std::vector<uint8_t> rgb = state_->Resolve(scene, options, drawn, samples);
   state_->CheckErrors();
   return rgb;
 }

@@ -36,19 +36,20 @@ StripTexture MakeStrips(const std::vector<std::vector<Hair>>& layers) {
   return StripTexture(strips);
 }
 
-glm::vec3 ShadeGround(const glm::vec3& eye, const glm::vec3& ray, const SceneShadows& shadows) {
+glm::vec3 ShadeGround(const glm::vec3& eye, const glm::vec3& ray, const glm::vec3& room,
+                      const SceneShadows& shadows) {
   const float away = FloorDistance(eye.y, ray.y);
-  return StudioColour(ray, away < 0.0f ? 0.0f : shadows.OnGround(eye + ray * away));
+  return room * StudioColour(ray, away < 0.0f ? 0.0f : shadows.OnGround(eye + ray * away));
 }
 
 // Once for each pixel: nothing in it is as fine as a sample.
-void DrawGround(const Projection& projection, const SceneShadows& shadows, uint32_t samples,
-                Canvas& canvas) {
+void DrawGround(const Projection& projection, const glm::vec3& room, const SceneShadows& shadows,
+                uint32_t samples, Canvas& canvas) {
   const float half = 0.5f * float(samples);
   for (uint32_t y = 0; y < canvas.height(); y += samples)
     for (uint32_t x = 0; x < canvas.width(); x += samples) {
       const glm::vec3 ray = projection.RayThrough(float(x) + half, float(y) + half);
-      canvas.SetBackground(x, y, samples, ShadeGround(projection.eye(), ray, shadows));
+      canvas.SetBackground(x, y, samples, ShadeGround(projection.eye(), ray, room, shadows));
     }
 }
 
@@ -60,7 +61,7 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   Canvas canvas(options.width_px * samples, options.height_px * samples);
   const Projection projection(scene.camera, canvas.width(), canvas.height());
   const SceneShadows shadows(scene);
-  DrawGround(projection, shadows, samples, canvas);
+  DrawGround(projection, scene.look.room, shadows, samples, canvas);
   const auto sun_on = [&shadows](uint32_t actor) {
     return [&shadows, actor](const glm::vec3& at, const glm::vec3& normal) {
       return shadows.OnActor(actor, at + normal * shadows.Lift(actor));

@@ -52,10 +52,11 @@ struct PictureLook {
   LightSet light;
   HairLook hair;
   ShadowLook shadow;
-  float depth_floor;  // light left at the skin below hair
+  float depth_floor;     // light left at the skin below hair
+  glm::vec3 room{1.0f};  // how bright floor and wall are, of a studio's
 };
 inline PictureLook DefaultLook() {
-  return {DefaultLights(), kDefaultHair, kDefaultShadow, kDefaultDepthFloor};
+  return {DefaultLights(), kDefaultHair, kDefaultShadow, kDefaultDepthFloor, glm::vec3(1.0f)};
 }
 
 }  // namespace pelt

@@ -59,15 +59,23 @@ inline LightSet Evening(const Stage& stage) {
 struct NamedLight {
   std::string_view name, text;
   LightSet (*make)(const named_lights_detail::Stage& stage);
+  glm::vec3 room;  // PictureLook has it
 };
 
 inline constexpr NamedLight kNamedLights[] = {
-    {"studio", "a warm sun, a pale sky, a cool light behind", &named_lights_detail::Studio},
+    {"studio", "a warm sun, a pale sky, a cool light behind", &named_lights_detail::Studio,
+     glm::vec3(1.0f)},
     {"dark-rim", "the studio, with outlines darker instead of brighter",
-     &named_lights_detail::DarkRim},
-    {"backlit", "the sun behind what is seen", &named_lights_detail::Backlit},
-    {"overcast", "a grey sky alone", &named_lights_detail::Overcast},
-    {"evening", "a low red sun from the right, a blue sky", &named_lights_detail::Evening},
+     &named_lights_detail::DarkRim, glm::vec3(1.0f)},
+    {"backlit",
+     "the sun behind what is seen",
+     &named_lights_detail::Backlit,
+     {0.42f, 0.44f, 0.50f}},
+    {"overcast", "a grey sky alone", &named_lights_detail::Overcast, {0.92f, 0.93f, 0.95f}},
+    {"evening",
+     "a low red sun from the right, a blue sky",
+     &named_lights_detail::Evening,
+     {0.62f, 0.50f, 0.52f}},
 };
 
 // As the eye at `eye` sees what stands at `target`; from straight above, as one at +z does.

@@ -11,6 +11,7 @@ uniform vec3 ray_ahead;
 uniform vec3 ray_right, ray_up;    // from the middle to the picture's right and upper edges
 uniform sampler2DArray soft_maps;  // a: coverage, softened
 uniform int character_count;
+uniform vec3 room_light;  // of a studio's
 out vec4 colour;
 
 float SoftAt(ivec2 at, int map) {
@@ -43,7 +44,7 @@ void main() {
   vec2 at = gl_FragCoord.xy / vec2(size) * 2.0 - 1.0;
   vec3 ray = normalize(ray_ahead + ray_right * at.x - ray_up * at.y);
   float far = FloorDistance(eye.y, ray.y);
-  vec3 room = StudioColour(ray, far < 0.0 ? 0.0 : DarkAt(eye + ray * far));
+  vec3 room = room_light * StudioColour(ray, far < 0.0 ? 0.0 : DarkAt(eye + ray * far));
   vec3 shown = max(sum.rgb + room * (1.0 - sum.a), vec3(0.0));
   colour = vec4(SrgbFromLinear(Tone(shown.r)), SrgbFromLinear(Tone(shown.g)),
                 SrgbFromLinear(Tone(shown.b)), 1.0);
