@@ -36,7 +36,7 @@ namespace {
 class NothingFrame {
  public:
   NothingFrame(uint32_t passes, uint32_t items) {
-    shape_.chunk_count = items;
+    shape_.AddLayer(0, 0, items);
     memory_.shape = &shape_;
     plan_.stages.push_back({{"nothing", nullptr, {}, 0, nullptr}, nullptr, Domain::kChunk});
     Pass pass{};
