@@ -163,7 +163,7 @@ typedef struct PeltFrame {
   const PeltIrradianceSample* irradiance_samples;
   float sun_direction[3], sun_rgb[3];               /* towards it, unit */
   float rim_direction[3], rim_rgb[3], rim_exponent; /* the side that has the rim, unit */
-  uint32_t brush_count; /* at most 16 */
+  uint32_t brush_count;                             /* at most 16 */
   const PeltBrush* brushes;
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
