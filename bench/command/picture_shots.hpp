@@ -27,7 +27,7 @@ struct PictureArgs {
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
   std::string renderer = RendererNames().front();
-  std::vector<std::string> relief;  // PictureOptions has it
+  std::vector<std::string> relief;  // GatherPicture has it
   bool lighting_buffer = false;     // PictureOptions has it
 
   bool Any() const {

@@ -97,7 +97,7 @@ class BodyPainter {
                   glm::normalize(eye_ - at(body_.position)), DepthFloor(covered, look_.depth_floor),
                   at(sun_));
     if (!body_.relief) return skin;
-    return body_.relief->Shade(body_, point, look_.light, look_.hair, eye_, at(sun_), skin);
+    return body_.relief->Shade(body_, point, look_, eye_, at(sun_), skin);
   }
 
   const Body& body_;

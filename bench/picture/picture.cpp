@@ -83,8 +83,9 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
 
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
-                                   const PictureOptions& options, std::vector<std::string>& notes) {
-  const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes, options.relief);
+                                   const PictureOptions& options, std::vector<std::string>& notes,
+                                   std::span<const std::string> relief) {
+  const PictureScene shown = GatherPicture(scenario, scene, camera, order, notes, relief);
   return EncodePng(SoftwareRenderer().Draw(shown, options), options.width_px, options.height_px, 3);
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,6 @@ struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
   uint32_t samples = 0;  // a side of each pixel; 0: what the renderer has if nobody says otherwise
   bool lighting_buffer = false;  // OpenGL alone: hair lit by gl_lighting.hpp
-  // Layers by name, "all" for each, that are drawn as relief on the skin instead of as hairs.
-  std::vector<std::string> relief = {};
 };
 
 class PictureRenderer {
@@ -38,10 +37,10 @@ class SoftwareRenderer final : public PictureRenderer {
   std::string Device() const override { return "software"; }
 };
 
-// A PNG of the scene's last frame as `camera` saw it, in software. What of the characters' own images could not be
-// drawn goes into `notes`.
+// A PNG of the scene's last frame as `camera` saw it, in software: GatherPicture has `notes` and `relief`.
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,
                                    const Camera& camera, VertexOrder order,
-                                   const PictureOptions& options, std::vector<std::string>& notes);
+                                   const PictureOptions& options, std::vector<std::string>& notes,
+                                   std::span<const std::string> relief = {});
 
 }  // namespace pelt

@@ -25,7 +25,7 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
-  RemoveRelief(scene, relief, shown.layers);
+  RemoveRelief(scenario, scene, relief, shown.layers, shown.draws);
   for (const LayerDraw& draw : draws) {
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);

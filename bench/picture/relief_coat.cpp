@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/default_look.hpp"
-#include "bench/view/relief.hpp"
+#include "bench/view/relief_shading.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/groom/height_field.hpp"
@@ -16,23 +15,7 @@ namespace {
 
 constexpr uint32_t kFlowSide = 256;
 constexpr float kHairSpacing = 0.0035f;  // m, between the tile's dots
-constexpr float kDepthShare = 0.3f;      // of the fur's height that a flat skin can show
-constexpr float kLeastSteps = 4.0f, kMostSteps = 16.0f;
-constexpr float kShadow = 0.75f, kSheenRoughness = 0.45f;
-
-glm::vec3 UnitOr(const glm::vec3& v, const glm::vec3& fallback) {
-  const float length = glm::length(v);
-  return length > 1e-12f ? v / length : fallback;
-}
-
-// The steps along u and v that make up the step `d`, as well as they can.
-glm::vec2 InTexture(const glm::vec3& d, const glm::vec3& u, const glm::vec3& v) {
-  const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);
-  const float det = uu * vv - uv * uv;
-  if (!(det > 1e-6f * uu * vv)) return glm::vec2(0.0f);
-  const float du = glm::dot(d, u), dv = glm::dot(d, v);
-  return glm::vec2(du * vv - dv * uv, dv * uu - du * uv) / det;
-}
+static_assert(kReliefTileDots == float(kHairTileDots));
 
 // How often the tile goes along each sheet: whole times, so that it meets itself where the texture repeats.
 std::vector<glm::vec2> Repeats(const Mesh& mesh, const RestGeometry& rest, const FlowMap& flow) {
@@ -117,62 +100,38 @@ bool ReliefCoat::Covers(uint32_t triangle) const {
       layers_, [&](const Layer& layer) { return layer.sheet[triangle] != FlowMap::kNoSheet; });
 }
 
-glm::vec3 ReliefCoat::Shade(const Body& body, const SurfacePoint& at, const LightSet& light,
-                            const HairLook& look, const glm::vec3& eye, float sun_share,
-                            const glm::vec3& skin) const {
+glm::vec3 ReliefCoat::Shade(const Body& body, const SurfacePoint& at, const PictureLook& look,
+                            const glm::vec3& eye, float sun_share, const glm::vec3& skin) const {
   const glm::vec3 to_eye = glm::normalize(eye - Interpolate(body.position, mesh_, at));
   glm::vec3 colour = skin;
   for (const Layer& layer : layers_)
     if (layer.sheet[at.triangle] != FlowMap::kNoSheet)
-      colour = ShadeLayer(layer, body, at, light, look, to_eye, sun_share, colour);
+      colour = ShadeLayer(layer, body, at, look, to_eye, sun_share, colour);
   return colour;
 }
 
 glm::vec3 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
-                                 const LightSet& light, const HairLook& look,
-                                 const glm::vec3& to_eye, float sun_share,
+                                 const PictureLook& look, const glm::vec3& to_eye, float sun_share,
                                  const glm::vec3& below) const {
   const uint16_t sheet = layer.sheet[at.triangle];
   const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, at);
   glm::vec4 texel;
   for (int c = 0; c < 4; ++c) texel[c] = layer.flow[sheet].Sample(uv, c);
   if (texel.a <= 0.0f) return below;
-
-  const glm::vec3 normal = glm::normalize(Interpolate(body.normal, mesh_, at));
-  const glm::vec3 u = Interpolate(body.axes.u, mesh_, at), v = Interpolate(body.axes.v, mesh_, at);
-  const glm::vec3 flow = ReliefFlow(texel);
-  glm::vec3 along = u * flow.x + v * flow.y;
-  along = UnitOr(along - normal * glm::dot(along, normal), glm::vec3(0.0f));
-  const glm::vec3 hair = UnitOr(along * glm::length(glm::vec2(flow)) + normal * flow.z, normal);
-
-  const glm::vec3 x = UnitOr(u - normal * glm::dot(u, normal), along), y = glm::cross(normal, x);
-  const auto local = [&](const glm::vec3& d) {
-    return glm::vec3(glm::dot(d, x), glm::dot(d, y), glm::dot(d, normal));
-  };
-  const float depth = kDepthShare * texel.b * layer.longest_m * std::max(flow.z, kReliefLowest);
-  const glm::vec2 repeat = layer.repeat[sheet];
-  const auto shift = [&](const glm::vec3& towards) {
-    const glm::vec2 m = ReliefShift(local(hair), local(towards), depth);
-    return InTexture(x * m.x + y * m.y, u, v) * repeat;
-  };
+  const ReliefPoint point{.colour = Interpolate(body.fur, mesh_, at),
+                          .tip_colour = Interpolate(body.fur_tip, mesh_, at),
+                          .normal = glm::normalize(Interpolate(body.normal, mesh_, at)),
+                          .axis_u = Interpolate(body.axes.u, mesh_, at),
+                          .axis_v = Interpolate(body.axes.v, mesh_, at),
+                          .uv = uv,
+                          .repeat = layer.repeat[sheet],
+                          .flow = texel,
+                          .longest = layer.longest_m,
+                          .floor = look.depth_floor,
+                          .sun_share = sun_share,
+                          .to_eye = to_eye};
   const auto height = [&](const glm::vec2& place) { return tile_.Sample(place, 0); };
-  const float steps = ReliefSteps(local(hair), local(to_eye), kLeastSteps, kMostSteps);
-  const glm::vec3 hit = ReliefHit(height, uv * repeat, shift(to_eye), steps);
-
-  const glm::uvec2 cell(glm::ivec2(glm::floor(glm::vec2(hit) * float(kHairTileDots))));
-  const HairPoint point{
-      .colour =
-          glm::mix(Interpolate(body.fur, mesh_, at), Interpolate(body.fur_tip, mesh_, at), hit.z),
-      .tangent = hair,
-      .normal = normal,
-      .to_eye = to_eye,
-      .depth_light = ReliefAmbient(hit.z, kDefaultDepthFloor),
-      .sun_share = sun_share * ReliefShadow(height, hit, shift(light.to_sun), kShadow),
-      .noise = HashShare(cell.x * 7919u + cell.y)};
-  glm::vec3 colour = ShadeHair(light, look, point);
-  colour += light.sun * glm::mix(point.colour, glm::vec3(1.0f), 0.25f) *
-            (point.sun_share * ReliefSheen(normal, light.to_sun, to_eye, kSheenRoughness));
-  return glm::mix(below, colour, texel.a);
+  return glm::mix(below, ShadeRelief(height, look.light, look.hair, point), texel.a);
 }
 
 void CheckRelief(const Scenario& scenario, std::span<const std::string> names) {
@@ -207,11 +166,19 @@ std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& s
   return coats;
 }
 
-void RemoveRelief(const FurScene& scene, std::span<const std::string> names,
-                  std::vector<std::vector<Hair>>& layers) {
-  const std::span<const LayerDraw> draws = scene.Draws();
-  for (size_t d = 0; d < draws.size(); ++d)
-    if (IsNamed(names, scene.LayerName(draws[d].layer))) layers[d].clear();
+void RemoveRelief(const Scenario& scenario, const FurScene& scene,
+                  std::span<const std::string> names, std::vector<std::vector<Hair>>& layers,
+                  std::span<LayerDraw> draws) {
+  if (names.empty()) return;
+  for (size_t d = 0; d < draws.size(); ++d) {
+    const std::string_view name = scene.LayerName(draws[d].layer);
+    const Actor& actor = scenario.actors[scene.shape().layer_character[draws[d].layer]];
+    const bool is_known = std::ranges::any_of(
+        scenario.setups[actor.groom].layers, [&](const auto& layer) { return layer.name == name; });
+    if (!is_known || !IsNamed(names, name)) continue;
+    layers[d].clear();
+    draws[d].shells.shell = {};
+  }
 }
 
 }  // namespace pelt

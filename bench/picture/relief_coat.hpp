@@ -20,20 +20,23 @@ class ReliefCoat {
 
   bool Covers(uint32_t triangle) const;
   // The fur's light over that of the skin at a place of the posed body.
-  glm::vec3 Shade(const Body& body, const SurfacePoint& at, const LightSet& light,
-                  const HairLook& look, const glm::vec3& eye, float sun_share,
-                  const glm::vec3& skin) const;
+  glm::vec3 Shade(const Body& body, const SurfacePoint& at, const PictureLook& look,
+                  const glm::vec3& eye, float sun_share, const glm::vec3& skin) const;
 
- private:
   struct Layer {
     std::vector<uint16_t> sheet;    // of each triangle
     std::vector<ControlMap> flow;   // of each sheet
     std::vector<glm::vec2> repeat;  // of the tile, over each sheet
     float longest_m;
   };
+  // In the setup's order, each over the ones before.
+  const std::vector<Layer>& layers() const { return layers_; }
+  const ControlMap& tile() const { return tile_; }  // of hairs, grey
+
+ private:
   glm::vec3 ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
-                       const LightSet& light, const HairLook& look, const glm::vec3& to_eye,
-                       float sun_share, const glm::vec3& below) const;
+                       const PictureLook& look, const glm::vec3& to_eye, float sun_share,
+                       const glm::vec3& below) const;
 
   const Mesh& mesh_;
   ControlMap tile_;
@@ -46,9 +49,10 @@ void CheckRelief(const Scenario& scenario, std::span<const std::string> names);
 // The fur of each actor's groom that is drawn on the skin; null where no layer is named. Throws as CheckRelief.
 std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,
                                                                std::span<const std::string> names);
-// Leaves the hairs of the scene's draws to those layers that are not named.
-void RemoveRelief(const FurScene& scene, std::span<const std::string> names,
-                  std::vector<std::vector<Hair>>& layers);
+// Leaves hairs and shells of the scene's draws to those layers that are not drawn as relief.
+void RemoveRelief(const Scenario& scenario, const FurScene& scene,
+                  std::span<const std::string> names, std::vector<std::vector<Hair>>& layers,
+                  std::span<LayerDraw> draws);
 
 // Of a mesh with its vertices at these places; zeros without UVs.
 TextureAxes FindTextureAxes(const Mesh& mesh, const std::vector<glm::vec3>& position);

@@ -34,12 +34,10 @@ struct Drawn {
     options.vertex_order = order;
     return options;
   }
-  std::vector<std::byte> Picture(std::vector<std::string> relief = {}) {
+  std::vector<std::byte> Picture(const std::vector<std::string>& relief = {}) {
     const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
     std::vector<std::string> notes;
-    return DrawPicture(
-        scenario, running.scene(), camera, order,
-        {.width_px = 160, .height_px = 120, .samples = 2, .relief = std::move(relief)}, notes);
+    return DrawPicture(scenario, running.scene(), camera, order, {160, 120, 2}, notes, relief);
   }
 
   VertexOrder order;
@@ -84,14 +82,35 @@ TEST(Picture, ReliefLeavesTheOthersTheirHairs) {
   const FurScene& scene = drawn.running.scene();
   const auto all = ReadHairs(scene, VertexOrder::kSorted);
   auto left = all;
+  std::vector<LayerDraw> draws(scene.Draws().begin(), scene.Draws().end());
   const std::vector<std::string> names = {"vertex", "modal4"};
-  RemoveRelief(scene, names, left);
+  RemoveRelief(drawn.scenario, scene, names, left, draws);
   for (size_t d = 0; d < all.size(); ++d) {
     const std::string_view name = scene.LayerName(scene.Draws()[d].layer);
     if (!scene.Draws()[d].format().OfStrands()) continue;
     ASSERT_FALSE(all[d].empty()) << name;
     EXPECT_EQ(left[d].size(), name == names[0] || name == names[1] ? 0 : all[d].size()) << name;
   }
+}
+
+TEST(Picture, ReliefTakesThePlaceOfShellsToo) {
+  Scenario scenario = EveryOutputScenario();
+  FurSetup& setup = scenario.setups[scenario.actors[0].groom];
+  setup.layers.push_back(setup.layers.front());
+  setup.layers.back().name = "shells";
+  Drawn drawn(VertexOrder::kSorted, scenario);
+  std::vector<std::string> notes, names;
+  const auto shells = [&] {
+    const PictureScene shown = GatherPicture(drawn.scenario, drawn.running.scene(), {},
+                                             VertexOrder::kSorted, notes, names);
+    return std::ranges::count_if(shown.draws,
+                                 [](const LayerDraw& draw) { return !draw.shells.shell.empty(); });
+  };
+  EXPECT_EQ(shells(), 1);
+  names = {"vertex"};
+  EXPECT_EQ(shells(), 1);
+  names = {"shells"};
+  EXPECT_EQ(shells(), 0);
 }
 
 TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/view/film_strip.hpp"
-#include "bench/view/relief.hpp"
+#include "bench/view/relief_shading.hpp"
 #include "tests/view/shader_function.hpp"
 
 namespace pelt {
@@ -58,6 +58,70 @@ inline std::vector<Function> ListReliefFunctions() {
        file},
   };
 }
+
+// A place on the skin of both languages; axes are neither square nor of a length.
+inline ReliefPoint ReliefPointOf(const Arguments& a) {
+  const glm::vec3 u(a.u), v(a.v);
+  return {.colour = u,
+          .tip_colour = glm::abs(v),
+          .normal = Unit(a.d),
+          .axis_u = 0.4f * Unit(a.e),
+          .axis_v = 0.3f * glm::cross(Unit(a.d), Unit(a.e)) + 0.1f * v,
+          .uv = glm::vec2(u),
+          .repeat = {3.0f, 5.0f},
+          .flow = {0.3f + 0.4f * a.u.z, 0.3f + 0.4f * a.u.w, a.u.x, 1.0f},
+          .longest = 0.06f,
+          .floor = 0.22f,
+          .sun_share = a.u.y,
+          .to_eye = glm::normalize(Unit(a.d) + 0.7f * v)};
+}
+#define PELT_RELIEF_POINT                                                                      \
+  "ReliefPoint p = ReliefPoint(u.xyz, abs(v.xyz), d.xyz, 0.4 * e.xyz, 0.3 * cross(d.xyz, "     \
+  "e.xyz) + 0.1 * v.xyz, u.xy, vec2(3.0, 5.0), vec4(0.3 + 0.4 * u.zw, u.x, 1.0), 0.06, 0.22, " \
+  "u.y, normalize(d.xyz + 0.7 * v.xyz)); "
+
+// `lights` and `look` are those that the shader's text has.
+template <class Lights>
+std::vector<Function> ListReliefShading(const Lights& lights, const HairLook& look) {
+  using A = const Arguments&;
+  const char* file = "relief_shading.glsl";
+  const auto frame = [](A a) { return ReliefFrame(ReliefPointOf(a), Unit(a.e)); };
+  return {
+      {"UnitOr", "vec4(UnitOr(v.xyz, d.xyz) + UnitOr(vec3(0.0), e.xyz), 0.0)",
+       [](A a) {
+         return Wide(UnitOr(glm::vec3(a.v), Unit(a.d)) + UnitOr(glm::vec3(0.0f), Unit(a.e)));
+       },
+       file},
+      {"InTexture",
+       "vec4(InTexture(0.1 * v.xyz, d.xyz, cross(d.xyz, e.xyz) + 0.3 * u.xyz), "
+       "InTexture(v.xyz, d.xyz, d.xyz))",
+       [](A a) {
+         const glm::vec3 v(a.v), across = glm::cross(Unit(a.d), Unit(a.e)) + 0.3f * glm::vec3(a.u);
+         return glm::vec4(InTexture(0.1f * v, Unit(a.d), across),
+                          InTexture(v, Unit(a.d), Unit(a.d)));
+       },
+       file},
+      {"ReliefAlong", PELT_RELIEF_POINT "vec4(ReliefAlong(p, vec3(v.xy, 0.5)), 0.0)",
+       [](A a) {
+         return Wide(ReliefAlong(ReliefPointOf(a), {a.v.x, a.v.y, 0.5f}));
+       },
+       file},
+      {"ReliefFrame", PELT_RELIEF_POINT "vec4(ReliefFrame(p, e.xyz) * v.xyz, 0.0)",
+       [=](A a) { return Wide(frame(a) * glm::vec3(a.v)); }, file},
+      {"ReliefTileShift",
+       PELT_RELIEF_POINT "vec4(ReliefTileShift(p, ReliefFrame(p, e.xyz), normalize(u.xyz), "
+                         "p.to_eye, 0.01), 0.0, 0.0)",
+       [=](A a) {
+         const ReliefPoint p = ReliefPointOf(a);
+         const glm::vec3 hair = glm::normalize(glm::vec3(a.u));
+         return glm::vec4(ReliefTileShift(p, frame(a), hair, p.to_eye, 0.01f), 0.0f, 0.0f);
+       },
+       file},
+      {"ShadeRelief", PELT_RELIEF_POINT "LIGHT vec4(ShadeRelief(light, look, p), 0.0)",
+       [=](A a) { return Wide(ShadeRelief(HeightOf, lights(a), look, ReliefPointOf(a))); }, file},
+  };
+}
+#undef PELT_RELIEF_POINT
 
 inline std::vector<Function> ListStripFunctions() {
   using A = const Arguments&;

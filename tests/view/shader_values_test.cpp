@@ -212,7 +212,8 @@ std::vector<Function> ListFunctions() {
 
 std::vector<Function> ListAllFunctions() {
   std::vector<Function> all = ListFunctions();
-  for (const auto& list : {ListReliefFunctions(), ListStripFunctions()})
+  for (const auto& list :
+       {ListReliefFunctions(), ListReliefShading(LightOf, kLook), ListStripFunctions()})
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }
@@ -290,12 +291,15 @@ class Bench {
     const size_t last = text.rfind(';');
     std::string before = last == text.npos ? "" : text.substr(0, last + 1);
     std::string value = last == text.npos ? text : text.substr(last + 1);
-    if (constexpr std::string_view kMark = "LIGHT "; value.starts_with(kMark)) {
+    constexpr std::string_view kMark = "LIGHT ";
+    const size_t mark = value.find_first_not_of(' ');
+    const bool is_lit = value.compare(mark, kMark.size(), kMark) == 0;
+    if (is_lit) {
       before += kLightText;
-      value.erase(0, kMark.size());
+      value.erase(mark, kMark.size());
     }
     return kHeightText + ShaderText(function.file) +
-           (function.file == std::string_view(kStudioFile)
+           (is_lit || function.file == std::string_view(kStudioFile)
                 ? std::string(OwnText("paint_shading.glsl"))
                 : "") +
            "uniform sampler2D arguments;\nout vec4 result;\n"

@@ -6,6 +6,7 @@ precision highp int;
 
 // A height of the tile of hairs; a host that has other heights defines it before.
 #ifndef RELIEF_HEIGHT
+precision highp sampler2D;
 uniform sampler2D relief_heights;
 #define RELIEF_HEIGHT(place) textureLod(relief_heights, place, 0.0).r
 #endif
