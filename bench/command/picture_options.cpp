@@ -97,7 +97,6 @@ void CompletePictures(const CLI::App& app, const PictureArgs& args) {
       "--picture, --pictures, --animation or --steps");
   RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
                "--pictures or --animation");
-  RefuseUnless(app, args.renderer == "software", {"--relief"}, "--renderer software");
   RefuseUnless(app, args.renderer == "gl", {"--lighting-buffer"}, "--renderer gl");
   RefuseBeside(app, "--time", {"--picture-every"});
 }

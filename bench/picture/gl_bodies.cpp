@@ -12,7 +12,7 @@ struct SkinVertex {
   glm::vec2 share, uv;
   glm::vec4 paint;  // of the fur above
 };
-constexpr std::array<GLint, 7> kFloats = {3, 3, 3, 3, 2, 2, 4};
+constexpr std::array<GLint, 7> kSkinFloats = {3, 3, 3, 3, 2, 2, 4};
 static_assert(sizeof(SkinVertex) == 20 * sizeof(float));
 
 // Corners have their own vertices: materials meet there.
@@ -33,18 +33,10 @@ SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner, float depth
           .paint = covered > 0.0f ? body.paint[v] : glm::vec4(0.0f)};
 }
 
-GlTexture UploadImage(const GlApi& gl, const ControlMap* image) {
+GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
   constexpr uint8_t kWhite[4] = {255, 255, 255, 255};
-  const bool is_there = image && !image->rgba.empty();
-  GlTexture texture = MakeTexture(gl, GL_RGBA8, 1, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, is_there ? GLsizei(image->width) : 1,
-                is_there ? GLsizei(image->height) : 1, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                is_there ? image->rgba.data() : kWhite);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
-  return texture;
+  if (!image || image->rgba.empty()) return UploadImage(gl, GL_RGBA8, glm::ivec2(1), kWhite);
+  return UploadImage(gl, GL_RGBA8, {int(image->width), int(image->height)}, image->rgba.data());
 }
 
 }  // namespace
@@ -60,7 +52,7 @@ GlBodies::Skin GlBodies::Upload(const Body& body, float depth_floor) const {
   for (uint32_t t = 0; t < triangles; ++t)
     if (std::ranges::find(images, body.surface->ImageOf(t)) == images.end())
       images.push_back(body.surface->ImageOf(t));
-  Skin skin{.array = GlVertexArray(gl_), .vertices = GlBuffer(gl_), .parts = {}};
+  std::vector<Part> parts;
   std::vector<SkinVertex> vertices;
   for (const ControlMap* image : images) {
     const size_t first = vertices.size();
@@ -68,27 +60,13 @@ GlBodies::Skin GlBodies::Upload(const Body& body, float depth_floor) const {
       if (body.surface->ImageOf(t) == image)
         for (int corner = 0; corner < 3; ++corner)
           vertices.push_back(CornerOf(body, t, corner, depth_floor));
-    skin.parts.push_back({UploadImage(gl_, image), GLint(first), GLsizei(vertices.size() - first)});
+    parts.push_back({UploadSurface(gl_, image), GLint(first), GLsizei(vertices.size() - first)});
   }
-  gl_.BindVertexArray(skin.array);
-  gl_.BindBuffer(GL_ARRAY_BUFFER, skin.vertices);
-  gl_.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size() * sizeof(SkinVertex)), vertices.data(),
-                 GL_STATIC_DRAW);
-  size_t offset = 0;
-  for (size_t i = 0; i < kFloats.size(); ++i) {
-    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's way to say an offset.
-    const void* from_start = reinterpret_cast<const void*>(offset);
-    gl_.VertexAttribPointer(GLuint(i), kFloats[i], GL_FLOAT, GL_FALSE, sizeof(SkinVertex),
-                            from_start);
-    gl_.EnableVertexAttribArray(GLuint(i));
-    offset += size_t(kFloats[i]) * sizeof(float);
-  }
-  gl_.BindVertexArray(nothing_);
-  return skin;
+  return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kSkinFloats), std::move(parts)};
 }
 
 void GlBodies::DrawSkin(uint32_t actor) const {
-  gl_.BindVertexArray(skins_[actor].array);
+  gl_.BindVertexArray(skins_[actor].mesh.array);
   for (const Part& part : skins_[actor].parts) {
     BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, part.image);
     gl_.DrawArrays(GL_TRIANGLES, part.first, part.vertices);

@@ -24,8 +24,7 @@ class GlBodies {
     GLsizei vertices;
   };
   struct Skin {
-    GlVertexArray array;
-    GlBuffer vertices;
+    GlMesh mesh;
     std::vector<Part> parts;
   };
   Skin Upload(const Body& body, float depth_floor) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "bench/view/gl_program.hpp"
 
@@ -70,9 +71,41 @@ GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes) {
   return texture;
 }
 
+GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, const void* texels) {
+  GlTexture texture = Plain(gl, GL_TEXTURE_2D);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GLint(format), size.x, size.y, 0,
+                format == GL_R8 ? GL_RED : GL_RGBA, GL_UNSIGNED_BYTE, texels);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
+  return texture;
+}
+
 void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture) {
   gl.ActiveTexture(GL_TEXTURE0 + GLenum(unit));
   gl.BindTexture(target, texture);
+}
+
+GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
+                  std::span<const GLint> floats) {
+  GlMesh mesh{GlVertexArray(gl), GlBuffer(gl)};
+  const GLint stride = std::accumulate(floats.begin(), floats.end(), 0);
+  gl.BindVertexArray(mesh.array);
+  gl.BindBuffer(GL_ARRAY_BUFFER, mesh.vertices);
+  gl.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size()), vertices.data(), GL_STATIC_DRAW);
+  size_t offset = 0;
+  for (size_t i = 0; i < floats.size(); ++i) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's way to say an offset.
+    const void* from_start = reinterpret_cast<const void*>(offset);
+    gl.VertexAttribPointer(GLuint(i), floats[i], GL_FLOAT, GL_FALSE, stride * GLint(sizeof(float)),
+                           from_start);
+    gl.EnableVertexAttribArray(GLuint(i));
+    offset += size_t(floats[i]) * sizeof(float);
+  }
+  gl.BindVertexArray(0);
+  return mesh;
 }
 
 Result<GlProgram> GlProgram::Make(const GlApi& gl, const char* name, const std::string& vertex,

@@ -40,7 +40,18 @@ GlTexture MakeTexture(const GlApi& gl, GLenum format, GLsizei width, GLsizei hei
 GlTexture MakeTextureArray(const GlApi& gl, GLenum format, const glm::ivec2& size, GLsizei layers);
 // What strand.glsl reads by Texel(): 16 bytes a texel; a rest that is none is left out.
 GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes);
+// 8-bit texels with four channels, or one (GL_R8), mixed and repeated.
+GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, const void* texels);
 void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture);
+
+// Vertices of floats, attribute behind attribute.
+struct GlMesh {
+  GlVertexArray array;
+  GlBuffer vertices;
+};
+// `floats`: of each attribute, 1 to 4. No vertex array is bound afterwards.
+GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
+                  std::span<const GLint> floats);
 
 class GlProgram {
  public:

@@ -13,7 +13,7 @@ constexpr struct {
 } kOthers[] = {{"body.vert", "body.frag"},    {"body_shadow.vert", "shadow.frag"},
                {"eye.vert", "eye.frag"},      {"lighting.vert", "lighting.frag"},
                {"whole.vert", "soften.frag"}, {"whole.vert", "resolve.frag"},
-               {"shell.vert", "shell.frag"}};
+               {"shell.vert", "shell.frag"},  {"relief.vert", "relief.frag"}};
 
 std::string PassText(std::string_view file) { return ShaderText(fmt::format("passes/{}", file)); }
 
@@ -63,6 +63,7 @@ Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
     program.Set("surface", kSurfaceUnit);
     program.Set("source", kSourceUnit);
     program.Set("drawn", kSourceUnit);
+    program.Set("relief_heights", kHeightsUnit);
     program.BindBlock("Look", 0);
   });
   return programs;

@@ -20,6 +20,7 @@ enum GlUnit : GLint {
   kLightingUnit,
   kSurfaceUnit,
   kSourceUnit,
+  kHeightsUnit,
   kMakingUnit  // where textures are made
 };
 
@@ -28,7 +29,7 @@ struct GlPrograms {
   std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
   std::vector<GlProgram> others;
 
-  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell };
+  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell, kRelief };
   const GlProgram& operator[](Other other) const { return others[other]; }
 
   static Result<GlPrograms> Make(const GlApi& gl);

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "bench/picture/gl_lighting.hpp"
+#include "bench/picture/gl_relief.hpp"
 #include "bench/picture/gl_shells.hpp"
 #include "bench/picture/scene_shadows.hpp"
 
@@ -34,6 +35,22 @@ LookBlock140 Look140(const PictureLook& look) {
   for (size_t i = 0; i < vectors.size(); ++i) block.light[i] = glm::vec4(vectors[i], 0.0f);
   return block;
 }
+
+// What is drawn, as the graphics card has it.
+struct Uploaded {
+  GlBodies bodies;
+  GlRelief relief;
+  GlStrands strands;
+  GlShells shells;
+  GlShadows shadows;
+
+  Uploaded(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene)
+      : bodies(gl, scene),
+        relief(gl, scene),
+        strands(gl, scene),
+        shells(gl, scene),
+        shadows(gl, programs, scene, bodies, strands) {}
+};
 
 // How the picture looks into the world.
 struct Lens {
@@ -68,8 +85,11 @@ struct GlRenderer::State {
   const GlApi& gl() const { return context.gl(); }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
-  void DrawScene(const PictureScene& scene, const PictureOptions& options, const GlBodies& bodies,
-                 const GlStrands& strands, const GlShells& shells, const GlShadows& shadows) const;
+  void DrawActor(const PictureScene& scene, uint32_t actor, const Uploaded& uploaded) const;
+  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer,
+                 const Uploaded& uploaded) const;
+  void DrawScene(const PictureScene& scene, const PictureOptions& options,
+                 const Uploaded& uploaded) const;
   std::vector<uint8_t> Resolve(const PictureScene& scene, const PictureOptions& options,
                                GLuint drawn, uint32_t samples) const;
   void CheckErrors() const;
@@ -117,54 +137,74 @@ void GlRenderer::State::SetLook(const PictureLook& lit_by) const {
   gl().BufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
 }
 
+// Skin, the relief on it, eyes.
+void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
+                                  const Uploaded& uploaded) const {
+  SetLook(scene.body_looks[actor]);
+  const auto use = [&](GlPrograms::Other name) -> const GlProgram& {
+    const GlProgram& program = programs[name];
+    program.Use();
+    program.Set("character", actor);
+    program.Set("lift", uploaded.shadows.Lift(actor));
+    return program;
+  };
+  SetPaint(use(GlPrograms::kBody), scene.bodies[actor].paint_look);
+  uploaded.bodies.DrawSkin(actor);
+  if (uploaded.relief.Has(actor)) {
+    gl().DepthFunc(GL_LEQUAL);
+    gl().Enable(GL_BLEND);
+    gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    const GlProgram& relief = use(GlPrograms::kRelief);
+    relief.Set("depth_floor", scene.body_looks[actor].depth_floor);
+    uploaded.relief.Draw(relief, actor);
+    gl().Disable(GL_BLEND);
+    gl().DepthFunc(GL_LESS);
+  }
+  gl().BindVertexArray(no_array);
+  uploaded.bodies.DrawEyes(use(GlPrograms::kEye), scene.bodies[actor].eyes);
+}
+
+void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit,
+                                  size_t layer, const Uploaded& uploaded) const {
+  const uint32_t actor = scene.actors[layer];
+  SetLook(scene.layer_looks[layer]);
+  gl().Enable(GL_BLEND);
+  gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  if (uploaded.shells.Has(layer)) {
+    const GlProgram& shell = programs[GlPrograms::kShell];
+    shell.Use();
+    shell.Set("character", actor);
+    shell.Set("lift", uploaded.shadows.Lift(actor));
+    uploaded.shells.Draw(shell, layer, scene.draws[layer].shells.shell);
+  }
+  gl().DepthMask(GL_FALSE);
+  for (const GlProgram& program : lit) {
+    program.Use();
+    program.Set("depth_floor",
+                DepthFloor(scene.bodies[actor].mean_covered, scene.layer_looks[layer].depth_floor));
+  }
+  uploaded.strands.DrawStrips(lit, layer);
+  gl().Disable(GL_BLEND);
+  gl().DepthMask(GL_TRUE);
+}
+
 // Into the framebuffer that is bound.
 void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options,
-                                  const GlBodies& bodies, const GlStrands& strands,
-                                  const GlShells& shells, const GlShadows& shadows) const {
+                                  const Uploaded& uploaded) const {
   constexpr float kNothing[4] = {}, kFar = 1.0f;
   gl().DepthMask(GL_TRUE);
   gl().ClearBufferfv(GL_COLOR, 0, kNothing);
   gl().ClearBufferfv(GL_DEPTH, 0, &kFar);
   gl().Enable(GL_DEPTH_TEST);
   gl().DepthFunc(GL_LESS);
-  for (uint32_t a = 0; a < scene.bodies.size(); ++a) {
-    SetLook(scene.body_looks[a]);
-    const GlProgram& skin = programs[GlPrograms::kBody];
-    skin.Use();
-    SetPaint(skin, scene.bodies[a].paint_look);
-    skin.Set("character", a);
-    skin.Set("lift", shadows.Lift(a));
-    bodies.DrawSkin(a);
-    const GlProgram& eye = programs[GlPrograms::kEye];
-    eye.Use();
-    bodies.DrawEyes(eye, scene.bodies[a].eyes);
-  }
+  for (uint32_t a = 0; a < scene.bodies.size(); ++a) DrawActor(scene, a, uploaded);
   const std::vector<GlProgram>& lit =
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
-  for (size_t layer = 0; layer < strands.layers(); ++layer) {
-    const Body& body = scene.bodies[scene.actors[layer]];
-    SetLook(scene.layer_looks[layer]);
-    gl().Enable(GL_BLEND);
-    gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    if (shells.Has(layer)) {
-      const GlProgram& shell = programs[GlPrograms::kShell];
-      shell.Use();
-      shell.Set("character", scene.actors[layer]);
-      shell.Set("lift", shadows.Lift(scene.actors[layer]));
-      shells.Draw(shell, layer, scene.draws[layer].shells.shell);
-    }
-    gl().DepthMask(GL_FALSE);
-    for (const GlProgram& program : lit) {
-      program.Use();
-      program.Set("depth_floor",
-                  DepthFloor(body.mean_covered, scene.layer_looks[layer].depth_floor));
-    }
-    strands.DrawStrips(lit, layer);
-    gl().Disable(GL_BLEND);
-    gl().DepthMask(GL_TRUE);
-    if (layer + 1 == strands.layers()) break;
+  for (size_t layer = 0; layer < uploaded.strands.layers(); ++layer) {
+    DrawLayer(scene, lit, layer, uploaded);
+    if (layer + 1 == uploaded.strands.layers()) break;
     gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    strands.DrawStrips(programs.strand_depth, layer);
+    uploaded.strands.DrawStrips(programs.strand_depth, layer);
     gl().ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   }
   gl().Disable(GL_DEPTH_TEST);
@@ -218,13 +258,10 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
         "samples are {} x {}",
         Device(), most, options.width_px, options.height_px, samples, samples, width, height));
   state_->SetScene(scene, options, samples);
-  const GlBodies bodies(gl, scene);
-  const GlStrands strands(gl, scene);
-  const GlShells shells(gl, scene);
-  const GlShadows shadows(gl, state_->programs, scene, bodies, strands);
+  const Uploaded uploaded(gl, state_->programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
-    lighting.emplace(gl, state_->programs, scene, bodies, shadows, options);
+    lighting.emplace(gl, state_->programs, scene, uploaded.bodies, uploaded.shadows, options);
   gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
   const GlTexture drawn = MakeTexture(gl, GL_RGBA16F, width, height);
   const GlTexture depth = MakeTexture(gl, GL_DEPTH_COMPONENT32F, width, height);
@@ -235,7 +272,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
   gl.Viewport(0, 0, width, height);
-  state_->DrawScene(scene, options, bodies, strands, shells, shadows);
+  state_->DrawScene(scene, options, uploaded);
   std::vector<uint8_t> rgb = state_->Resolve(scene, options, drawn, samples);
   state_->CheckErrors();
   return rgb;
@@ -243,10 +280,8 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
   state_->SetScene(scene, {}, kSamples);
-  const GlBodies bodies(state_->gl(), scene);
-  const GlStrands strands(state_->gl(), scene);
-  const GlShadows shadows(state_->gl(), state_->programs, scene, bodies, strands);
-  std::vector<glm::vec4> texels = shadows.Read(actor);
+  const Uploaded uploaded(state_->gl(), state_->programs, scene);
+  std::vector<glm::vec4> texels = uploaded.shadows.Read(actor);
   state_->CheckErrors();
   return texels;
 }

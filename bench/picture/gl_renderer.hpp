@@ -2,7 +2,7 @@
 // light as in software, drawn as a game would draw them.
 //
 //   sun's maps, one for each character (MIN, ADD)
-//   skin, eyes -> strands of each layer in the frame's order, over each other, premultiplied
+//   skin, relief, eyes -> strands of each layer in the frame's order, over each other, premultiplied
 //   samples -> pixels, over the room, sRGB
 //
 // There is one at a time in a process.

@@ -1,5 +1,7 @@
 #include "bench/picture/gl_shells.hpp"
 
+#include <array>
+
 #include "bench/picture/canvas.hpp"
 #include "bench/view/strand_shading.hpp"
 
@@ -11,8 +13,8 @@ struct ShellCorner {
   glm::vec3 position, groom, force, normal, base_colour, tip_colour;
   glm::vec3 place;  // on the texture, and the stencil
 };
-constexpr size_t kAttributes = 7;
-static_assert(sizeof(ShellCorner) == kAttributes * sizeof(glm::vec3));
+constexpr std::array<GLint, 7> kCornerFloats = {3, 3, 3, 3, 3, 3, 3};
+static_assert(sizeof(ShellCorner) == 21 * sizeof(float));
 
 std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
   std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
@@ -56,25 +58,14 @@ GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothin
 }
 
 GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture) const {
-  Layer layer{GlVertexArray(gl_), GlBuffer(gl_), UploadFur(gl_, texture), 0};
-  if (draw.shells.shell.empty()) return layer;
-  const std::vector<ShellCorner> corners = CornersOf(draw);
-  layer.corners = GLsizei(corners.size());
-  gl_.BindVertexArray(layer.array);
-  gl_.BindBuffer(GL_ARRAY_BUFFER, layer.vertices);
-  gl_.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(corners.size() * sizeof(ShellCorner)), corners.data(),
-                 GL_STATIC_DRAW);
-  for (size_t i = 0; i < kAttributes; ++i) {
-    gl_.VertexAttribPointer(GLuint(i), 3, GL_FLOAT, GL_FALSE, sizeof(ShellCorner),
-                            reinterpret_cast<const void*>(i * sizeof(glm::vec3)));
-    gl_.EnableVertexAttribArray(GLuint(i));
-  }
-  gl_.BindVertexArray(nothing_);
-  return layer;
+  std::vector<ShellCorner> corners;
+  if (!draw.shells.shell.empty()) corners = CornersOf(draw);
+  return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
+          UploadFur(gl_, texture), GLsizei(corners.size())};
 }
 
 void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
-  gl_.BindVertexArray(layers_[layer].array);
+  gl_.BindVertexArray(layers_[layer].mesh.array);
   BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layers_[layer].texture);
   for (const Shell& shell : shells) {
     program.Set("shell", glm::vec4(shell.height, shell.shadow, shell.threshold, shell.fade));

@@ -18,8 +18,7 @@ class GlShells {
 
  private:
   struct Layer {
-    GlVertexArray array;
-    GlBuffer vertices;
+    GlMesh mesh;
     GlTexture texture;
     GLsizei corners;
   };

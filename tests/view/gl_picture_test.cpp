@@ -8,64 +8,13 @@
 #include <random>
 #include <set>
 
-#include "bench/picture/gl_renderer.hpp"
-#include "bench/picture/order_error.hpp"
 #include "bench/picture/png.hpp"
-#include "tests/jobs/tiny_scene.hpp"
+#include "tests/view/gl_pictures.hpp"
 
 namespace pelt {
 namespace {
 
 using namespace testing;
-
-constexpr PictureOptions kSmall{320, 240, 2};
-// Other drivers, and other rasterisers of the same driver, are above; each planted fault is below.
-constexpr double kSameDb = 52.0;
-// Triangles against hairs painted by distance: another rasteriser, the same picture. Where next to nothing but fur is
-// seen there is less between them; skin is lit per pixel by the one and at its corners by the other.
-constexpr double kTwinDb = 30.0, kFurTwinDb = 45.0;
-
-class Shown {
- public:
-  Shown(Scenario drawn, VertexOrder order)
-      : scenario_(std::move(drawn)), running_(scenario_, Options(order)) {
-    running_.Begin(0);
-    SerialExecutor().Run(running_.scene().CurrentFrame());
-    std::vector<std::string> notes;
-    const Camera camera = scenario_.PrepareFrame(0, running_.scene()).camera;
-    scene_ = GatherPicture(scenario_, running_.scene(), camera, order, notes);
-  }
-  const PictureScene& scene() const { return scene_; }
-
- private:
-  static SceneOptions Options(VertexOrder order) {
-    SceneOptions options;
-    options.vertex_order = order;
-    return options;
-  }
-  Scenario scenario_;
-  RunningScenario running_;
-  PictureScene scene_{};
-};
-
-const Scenario& BakedMonster() {
-  static const Scenario kBaked = LoadScenario("monster");
-  return kBaked;
-}
-const PictureScene& Monster() {
-  static const Shown shown(BakedMonster(), VertexOrder::kIndexBuffer);
-  return shown.scene();
-}
-
-double PsnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double squares = 0.0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double off = (double(a[i]) - double(b[i])) / 255.0;
-    squares += off * off;
-  }
-  return PictureError{.mean_square = squares / double(a.size())}.PsnrDb();
-}
 
 // Layers' hairs in another order; `sequence` has the places of each as they are to be.
 class Reordered {
@@ -89,23 +38,6 @@ class Reordered {
 
  private:
   std::vector<std::vector<uint32_t>> orders_;
-};
-
-struct GlPicture : ::testing::Test {
-  static void SetUpTestSuite() {
-    Result<GlRenderer> opened = GlRenderer::Open();
-    if (opened)
-      renderer_ = std::make_unique<GlRenderer>(*std::move(opened));
-    else
-      missing_ = opened.error();
-  }
-  static void TearDownTestSuite() { renderer_.reset(); }
-  void SetUp() override {
-    if (!renderer_) GTEST_SKIP() << missing_;
-  }
-
-  static inline std::unique_ptr<GlRenderer> renderer_;
-  static inline std::string missing_;
 };
 
 TEST_F(GlPicture, IsThatOfTheSoftware) {

@@ -19,6 +19,7 @@ out vec3 skin_at, skin_normal, skin_fur, skin_tint;
 out vec3 skin_shares;  // the two, and the sun's
 out vec2 skin_uv;
 out vec4 skin_paint;
+invariant gl_Position;  // relief.vert comes there again
 
 void main() {
   skin_at = position;

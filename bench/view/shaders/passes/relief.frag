@@ -1,0 +1,34 @@
+// Premultiplied, over the skin and the layers before; nothing where the layer is bald.
+// After: spherical_harmonics.glsl
+// After: strand_shading.glsl
+// After: strand_light.glsl
+// After: passes/frame.glsl
+// After: relief.glsl
+// After: relief_shading.glsl
+uniform sampler2D surface;  // the layer's flow map
+uniform vec2 repeat;        // of the tile of hairs
+uniform float longest;      // m
+uniform float depth_floor;
+
+in vec3 relief_at, relief_normal, relief_root, relief_tip, relief_u, relief_v;
+in vec2 relief_uv;
+in float relief_sun;
+out vec4 colour;
+
+void main() {
+  ReliefPoint point;
+  point.flow = textureLod(surface, relief_uv, 0.0);
+  if (point.flow.a <= 0.0) discard;
+  point.colour = relief_root;
+  point.tip_colour = relief_tip;
+  point.normal = normalize(relief_normal);
+  point.axis_u = relief_u;
+  point.axis_v = relief_v;
+  point.uv = relief_uv;
+  point.repeat = repeat;
+  point.longest = longest;
+  point.floor_light = depth_floor;
+  point.sun_share = relief_sun;
+  point.to_eye = normalize(eye - relief_at);
+  colour = vec4(ShadeRelief(light, look, point) * point.flow.a, point.flow.a);
+}
