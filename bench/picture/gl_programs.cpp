@@ -64,6 +64,7 @@ Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
     program.Set("source", kSourceUnit);
     program.Set("drawn", kSourceUnit);
     program.Set("relief_heights", kHeightsUnit);
+    program.Set("strips", kStripsUnit);
     program.BindBlock("Look", 0);
   });
   return programs;

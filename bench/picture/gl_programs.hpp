@@ -21,6 +21,7 @@ enum GlUnit : GLint {
   kSurfaceUnit,
   kSourceUnit,
   kHeightsUnit,
+  kStripsUnit,
   kMakingUnit  // where textures are made
 };
 

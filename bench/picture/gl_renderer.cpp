@@ -12,6 +12,7 @@
 #include "bench/picture/gl_lighting.hpp"
 #include "bench/picture/gl_relief.hpp"
 #include "bench/picture/gl_shells.hpp"
+#include "bench/picture/gl_strips.hpp"
 #include "bench/picture/scene_shadows.hpp"
 
 namespace pelt {
@@ -75,12 +76,14 @@ struct GlRenderer::State {
   GlPrograms programs;
   GlVertexArray no_array;
   GlBuffer look;
+  GlStrips strips;
 
   State(GlContext opened, GlPrograms made)
       : context(std::move(opened)),
         programs(std::move(made)),
         no_array(context.gl()),
-        look(context.gl()) {}
+        look(context.gl()),
+        strips(context.gl()) {}
 
   const GlApi& gl() const { return context.gl(); }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
@@ -258,6 +261,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
         "samples are {} x {}",
         Device(), most, options.width_px, options.height_px, samples, samples, width, height));
   state_->SetScene(scene, options, samples);
+  state_->strips.Bind(CountStrips(scene.layers));
   const Uploaded uploaded(gl, state_->programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)

@@ -10,8 +10,9 @@ struct RootTexels {
   glm::vec3 root;
   float depth;  // Hair::DepthOfLight
   glm::vec3 normal;
-  uint32_t strand;  // of the layer
+  uint32_t strand;  // of the layer, with kCard
 };
+constexpr uint32_t kCard = 1u << 31;
 static_assert(sizeof(RootTexels) == 32);
 
 std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& hairs) {
@@ -19,7 +20,8 @@ std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& 
   roots.reserve(hairs.size());
   for (size_t place = 0; place < hairs.size(); ++place) {
     const Hair& hair = hairs[place];
-    roots.push_back({hair.root, hair.DepthOfLight(), hair.normal, draw.order[place]});
+    roots.push_back({hair.root, hair.DepthOfLight(), hair.normal,
+                     draw.order[place] | (hair.is_card ? kCard : 0u)});
   }
   return roots;
 }

@@ -27,15 +27,6 @@ void DrawHair(const Hair& hair, const PictureLook& look, float floor, const Proj
   }
 }
 
-// The silhouettes of all cards; of at least one.
-StripTexture MakeStrips(const std::vector<std::vector<Hair>>& layers) {
-  uint32_t strips = 1;
-  for (const std::vector<Hair>& hairs : layers)
-    for (const Hair& hair : hairs)
-      if (hair.is_card) strips = std::max(strips, hair.film_strip + 1);
-  return StripTexture(strips);
-}
-
 glm::vec3 ShadeGround(const glm::vec3& eye, const glm::vec3& ray, const glm::vec3& room,
                       const SceneShadows& shadows) {
   const float away = FloorDistance(eye.y, ray.y);
@@ -69,7 +60,7 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   };
   for (uint32_t a = 0; a < scene.bodies.size(); ++a)
     DrawBody(scene.bodies[a], scene.body_looks[a], sun_on(a), projection, canvas);
-  const StripTexture strips = MakeStrips(scene.layers);
+  const StripTexture strips(CountStrips(scene.layers));
   for (size_t i = 0; i < scene.draws.size(); ++i) {
     const PictureLook& look = scene.layer_looks[i];
     DrawShells(scene, i, sun_on(scene.actors[i]), projection, canvas);

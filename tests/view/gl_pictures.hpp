@@ -52,6 +52,13 @@ inline const PictureScene& Monster() {
   return shown.scene();
 }
 
+// Seen from this share of the distance.
+inline PictureScene Nearer(PictureScene scene, float share) {
+  for (int k = 0; k < 3; ++k)
+    scene.camera.position[k] = glm::mix(scene.camera.target[k], scene.camera.position[k], share);
+  return scene;
+}
+
 inline double PsnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   EXPECT_EQ(a.size(), b.size());
   double squares = 0.0;

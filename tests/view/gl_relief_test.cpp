@@ -16,17 +16,11 @@ using namespace testing;
 constexpr double kReliefTwinDb = 40.0;
 
 struct GlReliefPicture : GlPicture {
-  // A monster near enough that its relief is more than a colour.
-  static PictureScene Near(PictureScene scene) {
-    for (int k = 0; k < 3; ++k)
-      scene.camera.position[k] =
-          scene.camera.target[k] + 0.45f * (scene.camera.position[k] - scene.camera.target[k]);
-    return scene;
-  }
+  // So near that its relief is more than a colour.
   static const PictureScene& Furry() {
     static const Shown shown(BakedMonster(), VertexOrder::kSorted, {"all"});
-    static const PictureScene near = Near(shown.scene());
-    return near;
+    static const PictureScene kNear = Nearer(shown.scene(), 0.45f);
+    return kNear;
   }
 };
 

@@ -1,8 +1,11 @@
 // Premultiplied: drawn over what is there.
-precision highp float;
+// After: passes/card.glsl
 
 in vec3 lit;
 in float coverage;
 out vec4 colour;
 
-void main() { colour = vec4(lit * coverage, coverage); }
+void main() {
+  float covered = coverage * CardCover();
+  colour = vec4(lit * covered, covered);
+}

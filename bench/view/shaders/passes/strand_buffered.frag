@@ -1,5 +1,4 @@
-precision highp float;
-precision highp sampler2DArray;
+// After: passes/card.glsl
 
 uniform sampler2DArray lighting;
 uniform vec2 target_size;  // samples
@@ -11,5 +10,6 @@ out vec4 colour;
 void main() {
   vec3 c = texture(lighting, vec3(gl_FragCoord.xy / target_size, 0.0)).rgb;
   vec3 shaded = max(sunlit * c.r + skylit * c.g + rimlit * c.b, vec3(0.0));
-  colour = vec4(shaded * coverage, coverage);
+  float covered = coverage * CardCover();
+  colour = vec4(shaded * covered, covered);
 }

@@ -11,18 +11,23 @@ uniform float depth_floor;
 
 out vec3 sunlit, skylit, rimlit;  // times the buffer's coefficients
 out float coverage;
+out vec3 on_card;
+flat out int strip;
 
 void main() {
   Strand strand = ReadStrand();
-  Knot knot = ReadKnot(strand.record, gl_VertexID / 2);
+  int k = gl_VertexID / 2;
+  float along = float(k) / float(knots - 1);
+  Knot knot = ReadKnot(strand.record, k);
   float depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
   HairLook hair = look;
-  float noise = StrandNoise(strand.number, float(gl_VertexID / 2) / float(knots - 1), kNoiseKnots);
+  float noise = StrandNoise(strand.number, along, kNoiseKnots);
   PaintHair(strand.paint, strand.normal, noise, knot.colour.rgb, hair);
   vec3 coat = CoatColour(hair, knot.colour.rgb, depth_light);
   sunlit = coat * light.sun * HairDiffuse(knot.tangent, light.to_sun);
   skylit = coat * light.sky[0] * (2.0 * 0.282094792);
   float from = RimFrom(strand.normal, light.to_rim, look.rim_from);
   rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * (from * depth_light);
-  gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
+  strip = strand.strip;
+  gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);
 }

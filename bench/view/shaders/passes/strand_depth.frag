@@ -1,9 +1,9 @@
-precision highp float;
+// After: passes/card.glsl
 
 in float coverage;
 out vec4 colour;
 
 void main() {
-  if (coverage <= 0.3) discard;
+  if (coverage * CardCover() <= 0.3) discard;
   colour = vec4(0.0);
 }

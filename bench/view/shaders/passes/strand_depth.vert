@@ -5,8 +5,14 @@
 // After: passes/frame.glsl
 // After: passes/strand.glsl
 out float coverage;
+out vec3 on_card;
+flat out int strip;
 
 void main() {
-  Knot knot = ReadKnot(ReadStrand().record, gl_VertexID / 2);
-  gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
+  Strand strand = ReadStrand();
+  int k = gl_VertexID / 2;
+  Knot knot = ReadKnot(strand.record, k);
+  strip = strand.strip;
+  float along = float(k) / float(knots - 1);
+  gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);
 }

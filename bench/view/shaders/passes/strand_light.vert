@@ -12,10 +12,13 @@ uniform float depth_floor;
 
 out vec3 lit;
 out float coverage;
+out vec3 on_card;
+flat out int strip;
 
 void main() {
   Strand strand = ReadStrand();
   int k = gl_VertexID / 2;
+  float along = float(k) / float(knots - 1);
   Knot knot = ReadKnot(strand.record, k);
   HairPoint point;
   point.colour = knot.colour.rgb;
@@ -24,9 +27,10 @@ void main() {
   point.to_eye = normalize(eye - knot.at);
   point.depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
   point.sun_share = SunShare(knot.at, character);
-  point.noise = StrandNoise(strand.number, float(k) / float(knots - 1), kNoiseKnots);
+  point.noise = StrandNoise(strand.number, along, kNoiseKnots);
   HairLook hair = look;
   PaintHair(strand.paint, strand.normal, point.noise, point.colour, hair);
   lit = ShadeHair(light, hair, point);
-  gl_Position = CornerOf(knot, float(gl_VertexID % 2), coverage);
+  strip = strand.strip;
+  gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);
 }

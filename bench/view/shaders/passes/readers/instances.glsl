@@ -13,3 +13,5 @@ Knot ReadKnot(uint record, int k) {
   knot.colour = mix(ColourOf(rest.x), ColourOf(rest.y), t);
   return knot;
 }
+
+uint ReadStrip(uint record) { return Texel(vertices, record * 4u + 3u).w >> 24u; }

@@ -11,3 +11,5 @@ Knot ReadKnot(uint record, int k) {
   knot.colour = ColourOf(rest.z);
   return knot;
 }
+
+uint ReadStrip(uint record) { return Texel(vertices, record * 10u + 1u).w >> 24u; }

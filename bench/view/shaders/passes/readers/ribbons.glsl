@@ -10,3 +10,5 @@ Knot ReadKnot(uint record, int k) {
   knot.colour = ColourOf(l_rest.z);
   return knot;
 }
+
+uint ReadStrip(uint record) { return Texel(vertices, record * 20u + 1u).w >> 8u & 255u; }
