@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bench/view/gl_program.hpp"
 
 namespace pelt {
@@ -26,33 +28,61 @@ std::string StrandText(std::string_view file, std::string_view output) {
          whole.substr(before);
 }
 
+// Into `to`, unless the driver refuses: then what it says.
+std::string Add(const GlApi& gl, std::vector<GlProgram>& to, const char* name,
+                const std::string& vertex, const std::string& fragment) {
+  Result<GlProgram> program = GlProgram::Make(gl, name, vertex, fragment);
+  if (!program) return program.error();
+  to.push_back(*std::move(program));
+  return {};
+}
+
+constexpr size_t kStrandOutputs =
+    size_t(std::ranges::count_if(kOutputs, [](const OutputRow& row) { return row.OfStrands(); }));
+
 }  // namespace
+
+std::string GlPrograms::AddStrands(const GlApi& gl, std::string_view defines) {
+  const struct {
+    std::vector<GlProgram>& to;
+    const char *vertex, *fragment;
+  } kPasses[] = {{strand_light, "strand_light.vert", "strand.frag"},
+                 {strand_buffered, "strand_buffered.vert", "strand_buffered.frag"},
+                 {strand_depth, "strand_depth.vert", "strand_depth.frag"},
+                 {strand_shadow, "strand_shadow.vert", "shadow.frag"}};
+  const std::string before(defines);
+  for (const OutputRow& output : kOutputs) {
+    if (!output.OfStrands()) continue;
+    for (const auto& [to, vertex, fragment] : kPasses)
+      if (std::string fault = Add(gl, to, vertex, before + StrandText(vertex, output.name),
+                                  before + PassText(fragment));
+          !fault.empty())
+        return fault;
+  }
+  return {};
+}
 
 Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
   GlPrograms programs;
-  std::string fault;
-  const auto add = [&](std::vector<GlProgram>& to, const char* name, const std::string& vertex,
-                       const char* fragment) {
-    Result<GlProgram> program = GlProgram::Make(gl, name, vertex, PassText(fragment));
-    if (program)
-      to.push_back(*std::move(program));
-    else if (fault.empty())
-      fault = program.error();
-  };
-  for (const OutputRow& output : kOutputs) {
-    if (!output.OfStrands()) continue;
-    const auto strand = [&](std::vector<GlProgram>& to, const char* vertex, const char* fragment) {
-      add(to, vertex, StrandText(vertex, output.name), fragment);
-    };
-    strand(programs.strand_light, "strand_light.vert", "strand.frag");
-    strand(programs.strand_buffered, "strand_buffered.vert", "strand_buffered.frag");
-    strand(programs.strand_depth, "strand_depth.vert", "strand_depth.frag");
-    strand(programs.strand_shadow, "strand_shadow.vert", "shadow.frag");
-  }
+  std::string fault = programs.AddStrands(gl, "");
   for (const auto& other : kOthers)
-    add(programs.others, other.fragment, PassText(other.vertex), other.fragment);
+    if (fault.empty())
+      fault = Add(gl, programs.others, other.fragment, PassText(other.vertex),
+                  PassText(other.fragment));
   if (!fault.empty()) return Failure{std::move(fault)};
-  programs.ForEach([](const GlProgram& program) {
+  programs.SetUnits();
+  return programs;
+}
+
+void GlPrograms::MakeCards(const GlApi& gl) {
+  if (strand_light.size() > kStrandOutputs) return;
+  if (const std::string fault = AddStrands(gl, "#define CARDS\n"); !fault.empty())
+    throw Error("picture: the driver does not take the shaders of cards: " + fault);
+  SetUnits();
+}
+
+void GlPrograms::SetUnits() const {
+  ForEach([](const GlProgram& program) {
     program.Set("vertices", kVerticesUnit);
     program.Set("roots", kRootsUnit);
     program.Set("looks", kLooksUnit);
@@ -67,7 +97,6 @@ Result<GlPrograms> GlPrograms::Make(const GlApi& gl) {
     program.Set("strips", kStripsUnit);
     program.BindBlock("Look", 0);
   });
-  return programs;
 }
 
 void SetPaint(const GlProgram& program, const PaintLook& paint) {

@@ -1,6 +1,8 @@
 // The renderer's programs, from bench/view/shaders/passes, and the texture units that they share.
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/picture/gl_objects.hpp"
@@ -26,7 +28,7 @@ enum GlUnit : GLint {
 };
 
 struct GlPrograms {
-  // For each output of strands, in kOutputs' order.
+  // For each output of strands, in kOutputs' order; once MakeCards was called, as many again for layers with cards.
   std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
   std::vector<GlProgram> others;
 
@@ -34,6 +36,8 @@ struct GlPrograms {
   const GlProgram& operator[](Other other) const { return others[other]; }
 
   static Result<GlPrograms> Make(const GlApi& gl);
+  // Unless it was called before. Throws Error with the driver's words.
+  void MakeCards(const GlApi& gl);
   // Calls set(program), in use, for each.
   template <class Set>
   void ForEach(const Set& set) const {
@@ -44,6 +48,11 @@ struct GlPrograms {
         set(program);
       }
   }
+
+ private:
+  // Words of the driver, if it refuses; `defines` come before each text.
+  std::string AddStrands(const GlApi& gl, std::string_view defines);
+  void SetUnits() const;
 };
 
 // What passes/painted.glsl is told; of a program in use.

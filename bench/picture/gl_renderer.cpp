@@ -86,6 +86,13 @@ struct GlRenderer::State {
         strips(context.gl()) {}
 
   const GlApi& gl() const { return context.gl(); }
+  // What cards of hairs need, if there are any.
+  void MakeCards(const PictureScene& scene) {
+    const uint32_t count = CountStrips(scene.layers);
+    if (count == 0) return;
+    programs.MakeCards(gl());
+    strips.Bind(count);
+  }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
   void DrawActor(const PictureScene& scene, uint32_t actor, const Uploaded& uploaded) const;
@@ -260,8 +267,8 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
         "picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
         "samples are {} x {}",
         Device(), most, options.width_px, options.height_px, samples, samples, width, height));
+  state_->MakeCards(scene);
   state_->SetScene(scene, options, samples);
-  state_->strips.Bind(CountStrips(scene.layers));
   const Uploaded uploaded(gl, state_->programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
@@ -283,6 +290,7 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
 }
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
+  state_->MakeCards(scene);
   state_->SetScene(scene, {}, kSamples);
   const Uploaded uploaded(state_->gl(), state_->programs, scene);
   std::vector<glm::vec4> texels = uploaded.shadows.Read(actor);

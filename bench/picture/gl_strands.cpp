@@ -26,10 +26,12 @@ std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& 
   return roots;
 }
 
-// Its place among the outputs of strands.
-size_t ProgramOf(Output output) {
-  return size_t(std::count_if(kOutputs, kOutputs + size_t(output),
-                              [](const OutputRow& row) { return row.OfStrands(); }));
+// Its place among the outputs of strands; of a layer with cards, behind all of them.
+size_t ProgramOf(Output output, const std::vector<Hair>& hairs) {
+  const auto of_strands = [](const OutputRow& row) { return row.OfStrands(); };
+  const auto place = std::count_if(kOutputs, kOutputs + size_t(output), of_strands);
+  const bool cards = std::ranges::any_of(hairs, &Hair::is_card);
+  return size_t(place + (cards ? std::ranges::count_if(kOutputs, of_strands) : 0));
 }
 
 }  // namespace
@@ -48,7 +50,7 @@ GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair
   return {.vertices = UploadTexels(gl_, draw.vertices),
           .roots = UploadTexels(gl_, std::as_bytes(std::span(roots))),
           .looks = UploadTexels(gl_, std::as_bytes(draw.looks)),
-          .output = ProgramOf(draw.output),
+          .output = ProgramOf(draw.output, hairs),
           .strands = GLsizei(draw.strand_count),
           .knots = GLsizei(hairs.front().knots),
           .actor = hairs.front().actor,

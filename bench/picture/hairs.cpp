@@ -111,7 +111,7 @@ std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder orde
 }
 
 uint32_t CountStrips(const std::vector<std::vector<Hair>>& layers) {
-  uint32_t strips = 1;
+  uint32_t strips = 0;
   for (const std::vector<Hair>& hairs : layers)
     for (const Hair& hair : hairs)
       if (hair.is_card) strips = std::max(strips, hair.film_strip + 1);

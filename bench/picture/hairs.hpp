@@ -48,7 +48,7 @@ PaintLook PaintLookOf(const LayerDraw& draw);
 // Layer by layer in the drawing order, each layer far to near.
 std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order);
 
-// How many film strips their cards need, from the first: at least one.
+// How many film strips their cards need, from the first; 0 without cards.
 uint32_t CountStrips(const std::vector<std::vector<Hair>>& layers);
 
 }  // namespace pelt

@@ -1,6 +1,8 @@
 // Hair and skin are lit by the functions of bench/view, as shaders on a graphics card would.
 #include "bench/picture/picture.hpp"
 
+#include <algorithm>
+
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/png.hpp"
 #include "bench/picture/scene_shadows.hpp"
@@ -60,7 +62,7 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   };
   for (uint32_t a = 0; a < scene.bodies.size(); ++a)
     DrawBody(scene.bodies[a], scene.body_looks[a], sun_on(a), projection, canvas);
-  const StripTexture strips(CountStrips(scene.layers));
+  const StripTexture strips(std::max(CountStrips(scene.layers), 1u));
   for (size_t i = 0; i < scene.draws.size(); ++i) {
     const PictureLook& look = scene.layer_looks[i];
     DrawShells(scene, i, sun_on(scene.actors[i]), projection, canvas);

@@ -40,11 +40,13 @@ for shader in "$source"/jobs/shaders/*.vert; do
 done
 for shader in "$source"/jobs/shaders/*.hlsl; do compile -V -D -e main -S vert "$shader"; done
 shaders=$source/bench/view/shaders
-# own FILE: behind what it names, and READER where there is one, as a whole of that stage in both versions.
+# own FILE: behind what it names, and READER where there is one, as a whole of that stage in both versions; what is
+# otherwise with cards, in both ways.
 own() {
   local file=$1 stage=$2 reader=${3:-}
-  for version in "330 core" "300 es"; do
-    { echo "#version $version"
+  for version in "330 core" "300 es" "330 core|#define CARDS" "300 es|#define CARDS"; do
+    [[ $version != *CARDS || $file == */strand* ]] || continue
+    { echo "#version ${version/|/$'\n'}"
       for before in $(sed -n 's,^// After: ,,p' "$file"); do cat "$shaders/$before"; done
       [ -z "$reader" ] || cat "$reader"
       cat "$file"; } >"$work/whole.$stage"

@@ -1,9 +1,11 @@
 // What of a card of hairs is seen: its silhouettes, in a texture with a layer for each film strip (bench/picture/
-// strip_texture.hpp).
+// strip_texture.hpp). The host defines CARDS for layers that have any: others do without reading a
+// texture for every fragment.
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
 
+#ifdef CARDS
 uniform sampler2DArray strips;
 
 flat in int strip;  // -1: a hair of its own
@@ -15,3 +17,6 @@ float CardCover() {
   float level = log2(float(textureSize(strips, 0).x) / on_card.y);
   return textureLod(strips, vec3(across, on_card.z, float(strip)), level).r;
 }
+#else
+float CardCover() { return 1.0; }
+#endif

@@ -20,6 +20,8 @@ void main() {
   vec3 at = ToMap(knot.at, ball, map_side);
   from_front = at.z;
   covered = min(knot.width * 0.5 * map_side / ball.w, 1.0) * knot.colour.a;
+#ifdef CARDS
   if (strand.strip >= 0) covered *= StripShare(uint(strand.strip));
+#endif
   gl_Position = vec4(at.xy * (2.0 / map_side) - 1.0, 0.0, 1.0);
 }
