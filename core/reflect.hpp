@@ -16,7 +16,7 @@
 
 namespace pelt {
 
-inline constexpr size_t kMaxMembers = 48;
+inline constexpr size_t kMaxMembers = 64;
 
 namespace reflect_detail {
 
@@ -99,6 +99,22 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
 #define PELT_M46 PELT_M45, m46
 #define PELT_M47 PELT_M46, m47
 #define PELT_M48 PELT_M47, m48
+#define PELT_M49 PELT_M48, m49
+#define PELT_M50 PELT_M49, m50
+#define PELT_M51 PELT_M50, m51
+#define PELT_M52 PELT_M51, m52
+#define PELT_M53 PELT_M52, m53
+#define PELT_M54 PELT_M53, m54
+#define PELT_M55 PELT_M54, m55
+#define PELT_M56 PELT_M55, m56
+#define PELT_M57 PELT_M56, m57
+#define PELT_M58 PELT_M57, m58
+#define PELT_M59 PELT_M58, m59
+#define PELT_M60 PELT_M59, m60
+#define PELT_M61 PELT_M60, m61
+#define PELT_M62 PELT_M61, m62
+#define PELT_M63 PELT_M62, m63
+#define PELT_M64 PELT_M63, m64
 #define PELT_MEMBERS(k) if constexpr (n == k) { auto& [PELT_M##k] = t; return visit(PELT_M##k); }
   PELT_MEMBERS(1) PELT_MEMBERS(2) PELT_MEMBERS(3) PELT_MEMBERS(4) PELT_MEMBERS(5) PELT_MEMBERS(6)
   PELT_MEMBERS(7) PELT_MEMBERS(8) PELT_MEMBERS(9) PELT_MEMBERS(10) PELT_MEMBERS(11)
@@ -109,7 +125,10 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
   PELT_MEMBERS(32) PELT_MEMBERS(33) PELT_MEMBERS(34) PELT_MEMBERS(35) PELT_MEMBERS(36)
   PELT_MEMBERS(37) PELT_MEMBERS(38) PELT_MEMBERS(39) PELT_MEMBERS(40) PELT_MEMBERS(41)
   PELT_MEMBERS(42) PELT_MEMBERS(43) PELT_MEMBERS(44) PELT_MEMBERS(45) PELT_MEMBERS(46)
-  PELT_MEMBERS(47) PELT_MEMBERS(48)
+  PELT_MEMBERS(47) PELT_MEMBERS(48) PELT_MEMBERS(49) PELT_MEMBERS(50) PELT_MEMBERS(51)
+  PELT_MEMBERS(52) PELT_MEMBERS(53) PELT_MEMBERS(54) PELT_MEMBERS(55) PELT_MEMBERS(56)
+  PELT_MEMBERS(57) PELT_MEMBERS(58) PELT_MEMBERS(59) PELT_MEMBERS(60) PELT_MEMBERS(61)
+  PELT_MEMBERS(62) PELT_MEMBERS(63) PELT_MEMBERS(64)
 #undef PELT_MEMBERS
 #undef PELT_M1
 #undef PELT_M2
@@ -159,6 +178,22 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
 #undef PELT_M46
 #undef PELT_M47
 #undef PELT_M48
+#undef PELT_M49
+#undef PELT_M50
+#undef PELT_M51
+#undef PELT_M52
+#undef PELT_M53
+#undef PELT_M54
+#undef PELT_M55
+#undef PELT_M56
+#undef PELT_M57
+#undef PELT_M58
+#undef PELT_M59
+#undef PELT_M60
+#undef PELT_M61
+#undef PELT_M62
+#undef PELT_M63
+#undef PELT_M64
   // clang-format on
 }
 
