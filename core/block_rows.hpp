@@ -185,6 +185,10 @@ inline constexpr auto kBlockMembers<ShellLodBlock> = std::tuple{
     PELT_MEMBER(ShellLodBlock, count),
     PELT_MEMBER(ShellLodBlock, texture_repeat)};
 template <>
+inline constexpr auto kBlockMembers<FinEdgeBlock> = std::tuple{PELT_MEMBER(FinEdgeBlock, owned)};
+template <>
+inline constexpr auto kBlockMembers<FinBlock> = std::tuple{PELT_MEMBER(FinBlock, fade)};
+template <>
 inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
     BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>

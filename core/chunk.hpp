@@ -121,6 +121,7 @@ enum LayerFlag : uint32_t {
   kLayerShells = 1u << 14,  // its strands are triangles of the skin; always with kLayerVertexChains
   kLayerPainted = 1u << 15,  // has a PaintBlock; only with kLayerLit
   kLayerBrushed = 1u << 16,  // there are brushes in this frame, wherever they are
+  kLayerFins = 1u << 17,     // has fins on its edges; only with kLayerShells
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
@@ -128,7 +129,7 @@ inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLay
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
                                             kLayerModal | kLayerOutputFlags | kLayerLit |
-                                            kLayerPainted;
+                                            kLayerPainted | kLayerFins;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -471,6 +472,16 @@ PELT_BLOCK ShellLodBlock {
   float texture_repeat;
   uint32_t pad[30];
 };
+
+// Fins: where the skin is seen from the side one looks between its shells, so the triangles' edges
+// there are drawn out along their hairs. Edge k of a triangle goes from its corner k to the next.
+//
+// Baked: byte k of a triangle's word is 255 where it owns its edge k, else 0. Of the triangles that
+// share an edge one owns it, in whichever chunks they are.
+PELT_BLOCK FinEdgeBlock { uint32_t owned[kStrandsPerChunk]; };
+
+// Byte k of a triangle's word: how much of the fin on its edge k is seen, of 255; 0: none is drawn.
+PELT_BLOCK FinBlock { uint32_t fade[kStrandsPerChunk]; };
 
 // Layers in draw order.
 PELT_BLOCK DrawListBlock {

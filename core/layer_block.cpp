@@ -47,6 +47,7 @@ uint32_t LayerKind(const LayerParams& p) {
   if (solved && p.solver == Solver::kModal) kind |= kLayerModal;
   if (p.lit) kind |= kLayerLit;
   if (p.painted) kind |= kLayerPainted;
+  if (p.fins) kind |= kLayerFins;
   return kind;
 }
 

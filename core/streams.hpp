@@ -33,7 +33,7 @@ inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kS
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
-    kOfPaint{kLayerPainted | kLayerLit, kShells};
+    kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -119,6 +119,10 @@ struct Streams {
 
   // Of strands that do not live too: they keep what is on them.
   StreamRow<PaintBlock> paint{"paint", kChunk, kValue, kPainted, kOfPaint, kState};
+
+  // Shells' fins.
+  StreamRow<FinEdgeBlock> fin_edges{"fin_edges", kChunk, kInput, kAll, kFinned};
+  StreamRow<FinBlock> fins{"fins", kChunk, kValue, kKeyed, kFinned, kOutput};
 };
 
 }  // namespace streams_detail

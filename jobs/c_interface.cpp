@@ -44,6 +44,8 @@ static_assert(PELT_LINES == int(pelt::Output::kLines));
 static_assert(PELT_SHELLS == int(pelt::Output::kShells) && PELT_SHELLS + 1 == pelt::kOutputCount);
 static_assert(sizeof(PeltShell) == sizeof(pelt::Shell));
 static_assert(offsetof(PeltShell, threshold) == offsetof(pelt::Shell, threshold));
+static_assert(sizeof(PeltFin) == sizeof(pelt::Fin));
+static_assert(offsetof(PeltFin, fade) == offsetof(pelt::Fin, fade));
 static_assert(PELT_RAN == int(pelt::PullResult::kRan));
 static_assert(PELT_NOTHING_READY == int(pelt::PullResult::kNothingReady));
 static_assert(PELT_IDLE == int(pelt::PullResult::kIdle));
@@ -376,6 +378,7 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .shells = reinterpret_cast<const PeltShell*>(from.shells.shell.data()),
           .shell_count = uint32_t(from.shells.shell.size()),
           .texture_repeat = from.shells.texture_repeat,
+          .fur_shadow = from.shells.shadow,
           .wet_darken = from.wet_darken,
           .mud_colour = {}};
     Copy(from.low, to.low);
@@ -417,6 +420,14 @@ uint32_t pelt_shell_uvs(const PeltScene* scene, uint32_t layer, float (*uvs)[2],
       ++count;
     }
   return count;
+}
+
+uint32_t pelt_fins(PeltScene* scene, uint32_t layer, PeltFin* fins, uint32_t room) {
+  if (!scene) return 0;
+  for (const pelt::LayerDraw& draw : scene->scene->Draws())
+    if (draw.layer == layer)
+      return pelt::WriteFins(draw.shells, {reinterpret_cast<pelt::Fin*>(fins), fins ? room : 0});
+  return 0;
 }
 
 uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texels, size_t room) {

@@ -78,6 +78,14 @@ uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandC
   return uint32_t(written);
 }
 
+namespace {
+std::span<const FinBlock> FindFins(const FrameMemory& memory, uint32_t layer, uint32_t first,
+                                   uint32_t chunks) {
+  if (!(memory.shape->layer_kind[layer] & kLayerFins)) return {};
+  return {memory.Of<&Streams::fins>(first), chunks};
+}
+}  // namespace
+
 ShellDraw FindShells(const FrameMemory& memory, uint32_t layer) {
   const SceneShape& shape = *memory.shape;
   if (layer >= shape.layer_count || !(shape.layer_kind[layer] & kLayerShells)) return {};
@@ -85,8 +93,10 @@ ShellDraw FindShells(const FrameMemory& memory, uint32_t layer) {
   const ShellLodBlock& lod = *memory.Of<&Streams::shell_lod>(layer);
   return {{lod.shell, lod.count},
           lod.texture_repeat,
+          memory.Of<&Streams::shell_layers>(layer)->shadow,
           {memory.Of<&Streams::shell_skin>(first), chunks},
-          {memory.Of<&Streams::strands>(first), chunks}};
+          {memory.Of<&Streams::strands>(first), chunks},
+          FindFins(memory, layer, first, chunks)};
 }
 
 uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices) {
@@ -96,6 +106,24 @@ uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices)
     for (uint32_t t = 0; t < block.strand_count; ++t)
       for (const auto& corner : block.vertex) {
         if (count < indices.size()) indices[count] = c * kVerticesPerChunk + corner[t];
+        ++count;
+      }
+  }
+  return count;
+}
+
+uint32_t WriteFins(const ShellDraw& shells, std::span<Fin> fins) {
+  uint32_t count = 0;
+  for (uint32_t c = 0; c < shells.fins.size(); ++c) {
+    const StrandBlock& block = shells.triangles[c];
+    for (uint32_t t = 0; t < block.strand_count; ++t)
+      for (uint32_t k = 0; k < 3; ++k) {
+        const uint32_t fade = shells.fins[c].fade[t] >> 8 * k & 255u;
+        if (fade == 0) continue;
+        if (count < fins.size()) {
+          const uint32_t first = c * kVerticesPerChunk;
+          fins[count] = {first + block.vertex[k][t], first + block.vertex[(k + 1) % 3][t], fade};
+        }
         ++count;
       }
   }

@@ -22,14 +22,24 @@
 namespace pelt {
 
 // How a layer of shells is drawn: its triangles, `shell` by `shell` from the skin up, each vertex at
-// position + h groom + h^2 force. All but the shells stays the same from frame to frame.
+// position + h groom + h^2 force; then its fins. All but the shells and the fins stays the same from
+// frame to frame.
 struct ShellDraw {
   std::span<const Shell> shell;
   float texture_repeat = 0.0f;
+  float shadow = 1.0f;  // light left at the skin: at height h there is 1 + (shadow - 1) (1 - h)
   // For each chunk of the layer its vertices' places on the skin, and its triangles; a chunk has
   // kVerticesPerChunk places among the draw's vertices.
   std::span<const ShellSkinBlock> skin;
   std::span<const StrandBlock> triangles;
+  std::span<const FinBlock> fins;  // of its chunks too; empty of a layer without
+};
+
+// An edge of the skin that is drawn out along the fur: a quad, or as many as follow the fur's bend,
+// from the skin at h = 0 up to h = 1, both ends at position + h groom + h^2 force of their vertex.
+struct Fin {
+  uint32_t from, to;  // among the draw's vertices
+  uint32_t fade;      // of 255, above 0: what its colour and alpha are multiplied with
 };
 
 struct LayerDraw {
@@ -77,5 +87,9 @@ ShellDraw FindShells(const FrameMemory& memory, uint32_t layer);
 // outside as the mesh has them; the same in every frame. Returns how many there are, and writes
 // those there is room for.
 uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices);
+
+// The fins that are seen in this frame, in the order of their triangles. Returns how many there are,
+// and writes those there is room for.
+uint32_t WriteFins(const ShellDraw& shells, std::span<Fin> fins);
 
 }  // namespace pelt

@@ -247,6 +247,7 @@ typedef struct PeltDraw {
   const PeltShell* shells;
   uint32_t shell_count;
   float texture_repeat; /* of the fur's texture, along 0 to 1 of the skin's coordinates */
+  float fur_shadow; /* light left at the skin: at height h there is 1 + (fur_shadow - 1) (1 - h) */
   /* Of a painted layer, whose colours are left dry and clean: what a soaked strand keeps of its
    * brightness, and the sRGB colour that mud is mixed in with. Else 1, and 0. */
   float wet_darken, mud_colour[3];
@@ -279,6 +280,16 @@ uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* in
                             uint32_t room);
 uint32_t pelt_shell_uvs(const PeltScene* scene, uint32_t layer, float (*uvs)[2], uint32_t room);
 uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texels, size_t room);
+
+/* An edge of the skin that is drawn out along the fur, from h = 0 to 1. */
+typedef struct PeltFin {
+  uint32_t from, to; /* among the draw's vertices */
+  uint32_t fade;     /* of 255, above 0: what its colour and alpha are multiplied with */
+} PeltFin;
+
+/* The fins that are seen in the last frame, of a layer with `fins = true`. Returns how many there are,
+ * none of other layers and while a frame is begun or runs, and writes what there is room for. */
+uint32_t pelt_fins(PeltScene* scene, uint32_t layer, PeltFin* fins, uint32_t room);
 
 /* Digest of all that the last frame computed: the same on every machine and thread count. */
 uint64_t pelt_digest(const PeltScene* scene);

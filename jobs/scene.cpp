@@ -125,7 +125,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
     *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
-    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0;
+    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0;
     for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
       const GroomLayer& layer = groom.layers[l];
       *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
@@ -151,6 +151,8 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
         }
         if (shells) {
           *memory_.Of<&Streams::shell_skin>(chunk) = groom.shell_skin[shell_skin++];
+          if (layer.params.fins)
+            *memory_.Of<&Streams::fin_edges>(chunk) = groom.fin_edges[fin_edges++];
         } else if (layer.params.points == 5) {
           auto& rest = *memory_.Of<&Streams::strand_rest5>(chunk);
           rest = groom.strand_rest5[rest5++];
@@ -245,6 +247,7 @@ bool FurScene::FillView(const FrameInput& in, const SelectLodParams& lod) {
   std::copy_n(view.eye, 3, params_->order_layers.eye);
   std::copy_n(view.forward, 3, params_->order_layers.forward);
   std::copy_n(view.eye, 3, params_->write_ribbons.eye);
+  std::copy_n(view.eye, 3, params_->select_fins.eye);
   params_->collect_changes = {SwitchesOf(in.skip), changed};
   return changed;
 }

@@ -7,6 +7,7 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
+#include "core/groom/fin_edges.hpp"
 #include "core/groom/shell_skin.hpp"
 
 namespace pelt {
@@ -58,13 +59,15 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
   std::optional<ShellSkin> shells;
   if (layer.params.output == Output::kShells)
     shells.emplace(character.mesh, rest, growth, maker, points);
+  std::vector<uint32_t> fin_edges;
+  if (layer.params.fins) fin_edges = FindFinEdges(character.mesh, duplicates, points);
   const VertexChains vertices(character.mesh, rest, duplicates, maker,
                               shells ? shells->corners() : strands);
   const std::vector<Patch> patches =
       CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
-  AppendLayer(
-      {character.mesh, layer, strands, vertices, metres_per_mesh_unit, shells ? &*shells : nullptr},
-      patches, groom);
+  AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit,
+               shells ? &*shells : nullptr, fin_edges},
+              patches, groom);
   if (densities) densities->push_back({layer.name, density, groom.layers.back().length_max});
   if (stats) {
     stats->layers.push_back(MeasureLayerScatter(character, rest, layer, growth, points, patches));

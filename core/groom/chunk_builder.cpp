@@ -188,6 +188,12 @@ void FillShellSkin(const LayerBake& bake, const Patch& patch, ShellSkinBlock& bl
   }
 }
 
+// Unused lanes own no edge: a copy would own another's.
+void FillFinEdges(const LayerBake& bake, const Patch& patch, FinEdgeBlock& block) {
+  for (size_t lane = 0; lane < patch.strands.size(); ++lane)
+    block.owned[lane] = bake.fin_edges[patch.strands[lane]];
+}
+
 // How far from the skin the layer may be found.
 float FindReach(const LayerBake& bake, std::span<const Patch> patches) {
   float reach = 0.0f;
@@ -260,6 +266,7 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
     }
     if (bake.shells) {
       FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
+      if (layer.params.fins) FillFinEdges(bake, patch, groom.fin_edges.emplace_back());
     } else if (layer.params.points == 5) {
       FillStrandRest(bake, patch, groom.strand_rest5.emplace_back());
     } else {

@@ -22,6 +22,8 @@ struct LayerBake {
   const VertexChains& vertices;
   float metres_per_mesh_unit;
   const ShellSkin* shells = nullptr;  // of a layer of shells
+  // Of each strand of a layer of shells with fins, which are triangles: fin_edges.hpp. Else empty.
+  std::span<const uint32_t> fin_edges = {};
 };
 
 // Appends the layer, its chunks and its joint boxes to the groom.

@@ -132,6 +132,7 @@ class Checker {
   [[nodiscard]] bool CheckStrands(size_t chunk, const JointSet& used);
   template <class T>
   [[nodiscard]] bool CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes);
+  [[nodiscard]] bool CheckFinEdges(size_t index, uint32_t strands);
   size_t CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const;
 
   const Groom& groom_;
@@ -141,6 +142,7 @@ class Checker {
 
 bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
 bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
+bool HasFins(const LayerParams& p) { return p.fins; }
 bool HasStrandRest4(const LayerParams& p) { return p.points == 4 && !HasShells(p); }
 bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
 
@@ -189,7 +191,7 @@ bool Checker::CheckLayout() {
     return FailSection(layers,
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
-  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0;
+  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -209,6 +211,7 @@ bool Checker::CheckLayout() {
     if (HasStrandRest4(layer.params)) rest4 += layer.chunk_count;
     if (HasStrandRest5(layer.params)) rest5 += layer.chunk_count;
     if (HasShells(layer.params)) shell_skin += layer.chunk_count;
+    if (HasFins(layer.params)) fin_edges += layer.chunk_count;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
@@ -217,7 +220,8 @@ bool Checker::CheckLayout() {
   return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
          expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
-         expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin);
+         expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin) &&
+         expect(groom_.fin_edges, fin_edges);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
@@ -240,6 +244,7 @@ bool Checker::CheckLayer(size_t index) {
   size_t rest4 = CountBefore(layer.first_chunk, HasStrandRest4);
   size_t rest5 = CountBefore(layer.first_chunk, HasStrandRest5);
   size_t shell_skin = CountBefore(layer.first_chunk, HasShells);
+  size_t fin_edges = CountBefore(layer.first_chunk, HasFins);
   for (uint32_t c = 0; c < layer.chunk_count; ++c) {
     const size_t chunk = layer.first_chunk + c;
     const StrandBlock& block = groom_.strands[chunk];
@@ -264,6 +269,7 @@ bool Checker::CheckLayer(size_t index) {
         !CheckRest(groom_.strand_rest5, rest5++, block.strand_count))
       return false;
     if (HasShells(layer.params) && !CheckBounds(groom_.shell_skin, shell_skin++)) return false;
+    if (HasFins(layer.params) && !CheckFinEdges(fin_edges++, block.strand_count)) return false;
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }
@@ -421,6 +427,19 @@ bool Checker::CheckRest(const std::vector<T>& items, size_t index, uint32_t coun
     if (!(block.segment_length[i] > 0.0f)) {
       return Fail(items, index, &block.segment_length[i], "not above 0");
     }
+  }
+  return true;
+}
+
+bool Checker::CheckFinEdges(size_t index, uint32_t strands) {
+  const FinEdgeBlock& block = groom_.fin_edges[index];
+  for (uint32_t t = 0; t < kStrandsPerChunk; ++t) {
+    const uint32_t& owned = block.owned[t];
+    if ((owned & 0x010101u) * 255u != owned)
+      return Fail(groom_.fin_edges, index, &owned,
+                  Format("{:#x}: three bytes of 0 or 255 are allowed", owned));
+    if (t >= strands && owned != 0)
+      return Fail(groom_.fin_edges, index, &owned, "no triangle has these edges");
   }
   return true;
 }

@@ -37,6 +37,9 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.output == Output::kShells && params.chain != ChainKind::kVertex) {
     return BadKey{"output", "shells stand on mesh vertices: chain = \"vertex\""};
   }
+  if (params.fins && params.output != Output::kShells) {
+    return BadKey{"fins", "they stand between shells: output = \"shells\""};
+  }
   if (params.painted && params.output == Output::kShells) {
     return BadKey{"painted", "shells have no strands to paint"};
   }

@@ -78,6 +78,7 @@ struct LayerParams {
   uint32_t fur_texture_size = 256;  // texels a side
   float fur_texture_repeat = 4.0f;  // along 0..1 of the skin's coordinates
   uint32_t fur_seed = 1;
+  bool fins = false;
 };
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
@@ -205,6 +206,8 @@ inline constexpr auto kRows = std::tuple{
     Row(&P::fur_texture_repeat, kLook, "fur_texture_repeat", "", 0.01, 1000,
         "shells: of the texture, along 0 to 1 of the skin's coordinates"),
     Row(&P::fur_seed, kLook, "fur_seed", "", 0, 1e6, "shells: of the texture's random numbers"),
+    SwitchRow(&P::fins, kLook, "fins",
+              "shells: edges of the skin that are seen from the side are drawn out along the fur"),
 };
 // clang-format on
 static_assert(std::tuple_size_v<decltype(kRows)> == kMemberCount<LayerParams>,

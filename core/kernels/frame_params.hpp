@@ -7,6 +7,7 @@
 #include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
 #include "core/kernels/paint_strands.hpp"
+#include "core/kernels/select_fins.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "core/kernels/select_shells.hpp"
 #include "core/kernels/simulate_pbd.hpp"
@@ -28,6 +29,7 @@ struct FrameParams {
   LightLayerParams light_layer{};
   SelectShellsParams select_shells{};
   PaintStrandsParams paint_strands{};
+  SelectFinsParams select_fins{};
 };
 
 }  // namespace pelt

@@ -18,6 +18,7 @@
 #include "core/kernels/paint_strands.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
+#include "core/kernels/select_fins.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "core/kernels/select_shells.hpp"
 #include "core/kernels/shell_force.hpp"
@@ -100,6 +101,7 @@ constexpr FrameRow kRows[] = {
     Row<WriteLooks<V, false>>(kChunk, kFitted, kUnpainted),
     Row<WriteLooks<V, true>>(kChunk, kFittedOrPainted),
     Row<ShellForce<V>>(kChunk, kFitted),
+    Row<SelectFins<V>>(kChunk, kKeyed),
     Row<SortKey<V, 4>>(kChunk, kKeyed),
     Row<SortKey<V, 5>>(kChunk, kKeyed),
 

@@ -117,6 +117,7 @@ output = "shells"
 mask = { materials = ["head"] }
 fur_texture_size = 16
 cone_kind = "published"
+fins = true
 )";
 
 // Three frames of a walk, the last of them as the one before.

@@ -85,6 +85,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"fur_texture_size", "64", [](L l) { return l.params.fur_texture_size == 64; }},
       {"fur_texture_repeat", "7.5", [](L l) { return l.params.fur_texture_repeat == 7.5f; }},
       {"fur_seed", "77", [](L l) { return l.params.fur_seed == 77; }},
+      {"fins", "true\noutput = 'shells'", [](L l) { return l.params.fins; }},
       {"density",
        "{ value = 5e4, randomise = 0.25, range = [1e4, 9e4], map = 'maps/m.png', channel = 'b' }",
        [](L l) {

@@ -226,7 +226,7 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
-  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0, shell_skin = 0;
+  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0, shell_skin = 0, fin_edges = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
@@ -247,6 +247,7 @@ inline void ExpectValidGroom(const Groom& groom) {
       }
       if (layer.params.output == Output::kShells) {
         ++shell_skin;
+        fin_edges += layer.params.fins;
       } else if (layer.params.points == 5) {
         ExpectRest(groom.strand_rest5.at(rest5++), block.strand_count);
       } else {
@@ -269,6 +270,7 @@ inline void ExpectValidGroom(const Groom& groom) {
   ASSERT_EQ(groom.strand_rest4.size(), rest4);
   ASSERT_EQ(groom.strand_rest5.size(), rest5);
   ASSERT_EQ(groom.shell_skin.size(), shell_skin);
+  ASSERT_EQ(groom.fin_edges.size(), fin_edges);
 }
 
 }  // namespace pelt::test

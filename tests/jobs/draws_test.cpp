@@ -56,10 +56,13 @@ TEST(Draws, AreTheDrawListWithVerticesOfEveryOutput) {
       EXPECT_EQ(draw.strand_count, 0u);
       EXPECT_FALSE(draw.shells.shell.empty());
       EXPECT_EQ(draw.vertices.size(), draw.shells.skin.size() * sizeof(ShellVertexBlock));
+      EXPECT_EQ(draw.shells.fins.size(), draw.shells.skin.size());
+      EXPECT_GT(WriteFins(draw.shells, {}), 0u);
       strands += WriteShellIndices(draw.shells, {}) / 3;
       continue;
     }
     EXPECT_TRUE(draw.shells.shell.empty());
+    EXPECT_TRUE(draw.shells.fins.empty());
     EXPECT_EQ(draw.vertices.size(), size_t(draw.strand_count) * draw.format().StrandBytes());
     strands += draw.strand_count;
   }

@@ -60,9 +60,10 @@ TEST(Shells, CostNoBarrierAndOthersNothing) {
   Scenario plain = TinyScenario(), furry = ShellScenario();
   RunningScenario without(plain, {}), with(furry, {});
   EXPECT_EQ(with.scene().plan().passes.size(), without.scene().plan().passes.size());
-  EXPECT_EQ(with.scene().plan().stages.size(), without.scene().plan().stages.size() + 2);
+  EXPECT_EQ(with.scene().plan().stages.size(), without.scene().plan().stages.size() + 3);
   for (const Stream stream : {StreamOf<&Streams::shell_layers>, StreamOf<&Streams::shell_skin>,
-                              StreamOf<&Streams::shell_lod>, StreamOf<&Streams::shell_vertices>})
+                              StreamOf<&Streams::shell_lod>, StreamOf<&Streams::shell_vertices>,
+                              StreamOf<&Streams::fin_edges>, StreamOf<&Streams::fins>})
     EXPECT_EQ(without.scene().layout().ranges[size_t(stream)].bytes, 0u);
   // Of strands they have no more than what chunks are cut and woken by.
   const uint32_t chunk = with.scene().shape().chunk_count - 1;
@@ -131,6 +132,89 @@ TEST(Shells, DoNotPartOnBorders) {
     EXPECT_EQ(std::memcmp(place->second.force, vertex.force, sizeof vertex.force), 0) << i;
   }
   EXPECT_GT(shared, 0u);
+}
+
+// Each edge once, over the seams of texture and chunks, and as much of it as its formula says: from
+// the vertices that are drawn, in double.
+TEST(Shells, HaveFinsOnTheEdgesThatAreSeenFromTheSide) {
+  ShellRun run(ShellScenario());
+  float eye[3] = {};
+  run.edit = [&](FrameInput& input) { std::copy_n(input.camera.position, 3, eye); };
+  for (int f = 0; f < 3; ++f) run.Run();
+  const LayerDraw& draw = *run.FindDraw();
+  const auto vertices = draw.As<ShellVertex>();
+  const auto place = [&](uint32_t i) {
+    const float(&p)[3] = vertices[i].position;
+    return glm::dvec3(p[0], p[1], p[2]);
+  };
+  const auto hair = [&](uint32_t i) {
+    const ShellVertex& v = vertices[i];
+    return glm::dvec3(v.groom[0], v.groom[1], v.groom[2]) +
+           glm::dvec3(v.force[0], v.force[1], v.force[2]);
+  };
+  using Edge = std::set<std::array<double, 3>>;
+  const auto edge_of = [&](uint32_t a, uint32_t b) {
+    const glm::dvec3 p = place(a), q = place(b);
+    return Edge{{p.x, p.y, p.z}, {q.x, q.y, q.z}};
+  };
+  std::map<Edge, uint32_t> wanted;
+  std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
+  WriteShellIndices(draw.shells, indices);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const uint32_t a = indices[i], b = indices[i % 3 == 2 ? i - 2 : i + 1];
+    const glm::dvec3 across = glm::cross(place(b) - place(a), hair(a) + hair(b));
+    const glm::dvec3 to_eye = glm::dvec3(eye[0], eye[1], eye[2]) - 0.5 * (place(a) + place(b));
+    const double size = glm::length(across) * glm::length(to_eye);
+    const double facing = size > 0.0 ? std::abs(glm::dot(across, to_eye)) / size : 0.0;
+    wanted[edge_of(a, b)] = uint32_t(255.0 * std::max(0.0, 2.0 * facing - 1.0) + 0.5);
+  }
+  std::vector<Fin> fins(WriteFins(draw.shells, {}));
+  ASSERT_EQ(WriteFins(draw.shells, fins), fins.size());
+  for (const Fin& fin : fins) {
+    const auto found = wanted.find(edge_of(fin.from, fin.to));
+    ASSERT_NE(found, wanted.end()) << "twice, or no edge";
+    EXPECT_NEAR(double(fin.fade), double(found->second), 1.0);
+    EXPECT_GT(fin.fade, 0u);
+    wanted.erase(found);
+  }
+  for (const auto& [edge, fade] : wanted) EXPECT_LE(fade, 1u) << "left out";
+  EXPECT_GT(fins.size(), wanted.size() / 2);
+  EXPECT_GT(wanted.size(), fins.size() / 4);
+}
+
+// Nothing moves but the eye: the fins alone are worked out again, in a paused frame too.
+TEST(Shells, FinsFollowTheEye) {
+  Scenario rest = ShellScenario();
+  rest.actors[0].teleport_frame = -1;
+  rest.weather_course.from_frame = ~0u;
+  rest.rest_from_frame = 3;
+  ShellRun run(rest);
+  const auto look_from = [&](float x, float z, bool paused) {
+    run.edit = [=](FrameInput& input) {
+      if (paused) input.dt_s = 0.0;
+      std::fill_n(input.wind.velocity, 3, 0.0f);
+      input.camera = {};
+      input.camera.position[0] = x;
+      input.camera.position[2] = z;
+    };
+    run.Run();
+    const LayerDraw* draw = run.FindDraw();
+    std::vector<uint32_t> fades;
+    if (draw)
+      for (const FinBlock& block : draw->shells.fins)
+        fades.insert(fades.end(), std::begin(block.fade), std::end(block.fade));
+    return fades;
+  };
+  for (int f = 0; f < 8; ++f) look_from(0.0f, 3.0f, false);
+  EXPECT_EQ(run.CountItems("select_fins"), 0u) << "asleep";
+  const std::vector<uint32_t> front = look_from(0.0f, 3.0f, false);
+  ASSERT_FALSE(front.empty());
+  const std::vector<uint32_t> side = look_from(3.0f, 0.0f, false);
+  EXPECT_NE(side, front);
+  EXPECT_GT(run.CountItems("select_fins"), 0u);
+  EXPECT_EQ(run.CountItems("shell_force"), 0u);
+  EXPECT_EQ(look_from(0.0f, 3.0f, true), front);
+  EXPECT_GT(run.CountItems("select_fins"), 0u) << "paused";
 }
 
 TEST(Shells, StayInTheirBox) {

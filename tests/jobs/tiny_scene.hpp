@@ -43,6 +43,7 @@ inline void AddShells(Scenario& scenario) {
       "length = { value = 0.03, randomise = 0.3 }\n"
       "shells = 12\n"
       "fur_texture_size = 32\n"
+      "fins = true\n"
       "mask.range = { low = [0.0, 0.5, 0.0], high = [1.0, 1.0, 1.0] }\n",
       "shells", ".");
   Groom& groom = scenario.grooms[scenario.actors[0].groom];
@@ -60,6 +61,7 @@ inline void AddShells(Scenario& scenario) {
   append(groom.strand_uv, shells.strand_uv);
   append(groom.vertex_rest, shells.vertex_rest);
   append(groom.shell_skin, shells.shell_skin);
+  append(groom.fin_edges, shells.fin_edges);
 }
 
 // A sponge on the head, mud that reaches further, and what wipes some of it off.

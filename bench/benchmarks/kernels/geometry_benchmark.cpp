@@ -23,6 +23,7 @@
 #include "core/kernels/paint_strands.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
+#include "core/kernels/select_fins.hpp"
 #include "core/kernels/shell_force.hpp"
 #include "core/kernels/skin.hpp"
 #include "core/kernels/wind.hpp"
@@ -70,6 +71,8 @@ struct Scene {
   RestBlock<4> vertex_rest[kChunks]{};
   ShellSkinBlock shell_skin[kChunks]{};
   ShellVertexBlock shell_vertices[kChunks]{};
+  FinEdgeBlock fin_edges[kChunks]{};
+  FinBlock fins[kChunks]{};
   PaintBlock paint[kChunks]{};
 };
 
@@ -321,6 +324,30 @@ void BenchShellForce(benchmark::State& state) {
          DigestOf(scene->shell_vertices, sizeof scene->shell_vertices));
 }
 
+// Three edges for two triangles, as on a closed skin.
+template <class V>
+void BenchSelectFins(benchmark::State& state) {
+  const auto scene = MakeScene(5);
+  FillShells(*scene);
+  const SelectFinsParams params{{0.3f, 0.4f, 2.0f}};
+  for (uint32_t c = 0; c < kChunks; ++c) {
+    using R = ArrayVec<4>;
+    ShellForce<R>::Run(PortsOf<ShellForce<R>>(
+        &scene->layer, &scene->shell_layer, &scene->vertex_rest[c], &scene->shell_skin[c],
+        &scene->anchors[c], &scene->wind[c], &scene->state[c], &scene->shell_vertices[c]));
+    for (uint32_t t = 0; t < kStrandsPerChunk; ++t)
+      scene->fin_edges[c].owned[t] = t % 2 ? 0xffff00u : 0x0000ffu;
+  }
+  for (auto _ : state) {
+    for (uint32_t c = 0; c < kChunks; ++c)
+      SelectFins<V>::Run(
+          params, PortsOf<SelectFins<V>>(&scene->state[c], &scene->strands[c], &scene->fin_edges[c],
+                                         &scene->shell_vertices[c], &scene->fins[c]));
+    benchmark::ClobberMemory();
+  }
+  Report(state, double(kChunks) * kStrandsPerChunk, DigestOf(scene->fins, sizeof scene->fins));
+}
+
 template <class V>
 void BenchPaint(benchmark::State& state) {
   const auto scene = MakeScene(5);
@@ -356,6 +383,7 @@ void RegisterAll(const std::string& isa) {
   add("roots", BenchRoots<V>);
   add("wind", BenchWind<V>);
   add("shell_force", BenchShellForce<V>);
+  add("select_fins", BenchSelectFins<V>);
   add("paint_strands", BenchPaint<V>)->ArgName("brushes")->Arg(1)->Arg(4)->Arg(16);
 }
 

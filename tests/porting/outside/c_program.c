@@ -129,7 +129,7 @@ static void TryNulls(void) {
              pelt_joint_count(NULL, 0) == 0 && !pelt_joint_name(NULL, 0, 0) &&
              pelt_ribbon_indices(NULL, 1, NULL, 24) == 0 &&
              pelt_shell_indices(NULL, 0, NULL, 0) == 0 && pelt_shell_uvs(NULL, 0, NULL, 0) == 0 &&
-             pelt_fur_texture(NULL, 0, NULL, 0) == 0,
+             pelt_fur_texture(NULL, 0, NULL, 0) == 0 && pelt_fins(NULL, 0, NULL, 0) == 0,
          "nothing of a null scene", "");
 }
 
@@ -228,6 +228,23 @@ static void DrawShells(PeltScene* scene, const PeltDraw* draw, Canvas* canvas) {
   free(texels);
 }
 
+/* Each edge once, and none that is not seen. */
+static void DrawFins(PeltScene* scene, const PeltDraw* draw, Canvas* canvas) {
+  const uint32_t count = pelt_fins(scene, draw->layer, NULL, 0);
+  const uint32_t vertices = (uint32_t)(draw->vertices_bytes / draw->vertex_bytes);
+  Expect(count > 0 && draw->fur_shadow > 0.0f && draw->fur_shadow < 1.0f, "fins",
+         draw->output_name);
+  PeltFin* fins = malloc(count * sizeof *fins);
+  Expect(pelt_fins(scene, draw->layer, fins, count) == count, "as many fins", draw->output_name);
+  for (uint32_t i = 0; i < count; ++i) {
+    Expect(fins[i].from < vertices && fins[i].to < vertices && fins[i].from != fins[i].to &&
+               fins[i].fade >= 1 && fins[i].fade <= 255,
+           "a fin", draw->output_name);
+    DrawFin(canvas, draw->vertices, fins[i].from, fins[i].to);
+  }
+  free(fins);
+}
+
 static uint32_t DrawFrame(PeltScene* scene) {
   static Canvas canvas;
   PeltDraw draws[kDraws];
@@ -246,9 +263,11 @@ static uint32_t DrawFrame(PeltScene* scene) {
     const PeltDraw* draw = &draws[i];
     if (draw->output == PELT_SHELLS) {
       DrawShells(scene, draw, &canvas);
+      DrawFins(scene, draw, &canvas);
       continue;
     }
-    Expect(pelt_shell_indices(scene, draw->layer, NULL, 0) == 0 && draw->shell_count == 0,
+    Expect(pelt_shell_indices(scene, draw->layer, NULL, 0) == 0 && draw->shell_count == 0 &&
+               pelt_fins(scene, draw->layer, NULL, 0) == 0,
            "no shells", draw->output_name);
     if (draw->output == PELT_INSTANCES) {
       DrawInstances(&canvas, draw->vertices, draw->strand_count);

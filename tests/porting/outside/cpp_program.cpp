@@ -35,6 +35,9 @@ void DrawLayer(const pelt::LayerDraw& draw, pelt::VertexOrder order, Canvas& can
     pelt::WriteShellIndices(draw.shells, indices);
     for (const pelt::Shell& shell : draw.shells.shell)
       DrawShell(&canvas, vertices, indices.data(), indices.size(), shell.height);
+    std::vector<pelt::Fin> fins(pelt::WriteFins(draw.shells, {}));
+    pelt::WriteFins(draw.shells, fins);
+    for (const pelt::Fin& fin : fins) DrawFin(&canvas, vertices, fin.from, fin.to);
   }
 }
 

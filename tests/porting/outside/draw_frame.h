@@ -68,6 +68,12 @@ static void DrawShell(Canvas* canvas, const unsigned char* vertices, const uint3
   }
 }
 
+/* A strip of two quads between two vertices, from the skin to the tips. */
+static void DrawFin(Canvas* canvas, const unsigned char* vertices, uint32_t from, uint32_t to) {
+  const uint32_t ends[2] = {from, to};
+  for (float h = 0.0f; h <= 1.0f; h += 0.5f) DrawShell(canvas, vertices, ends, 2, h);
+}
+
 /* Prints the picture and returns how many places of it something was drawn to. */
 static uint32_t ShowCanvas(const Canvas* canvas) {
   uint32_t drawn = 0;
