@@ -78,19 +78,19 @@ PELT_INLINE Vec3<W> Turn(Vec3<W> tangent, Vec3<W> bitangent, Vec3<W> normal, Vec
   return Combine(tangent, offset.x, bitangent, offset.y, normal, offset.z);
 }
 
-template <class W, uint32_t kPoints>
+template <class W, uint32_t kPoints, class At>
 PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& roots, float follow,
-                           uint32_t lane, Group<W, kPoints - 1>& g) {
-  g.root = Load3<W>(roots.position, lane);
-  g.normal = Load3<W>(roots.normal, lane);
-  const Vec3<W> tangent = Load3<W>(roots.tangent, lane);
+                           const At& at, Group<W, kPoints - 1>& g) {
+  g.root = Load3<W>(roots.position, at);
+  g.normal = Load3<W>(roots.normal, at);
+  const Vec3<W> tangent = Load3<W>(roots.tangent, at);
   const Vec3<W> bitangent = Cross(g.normal, tangent);
-  const Vec3<W> motion = Load3<W>(roots.motion, lane);
+  const Vec3<W> motion = Load3<W>(roots.motion, at);
   g.carried_motion = motion * W(follow);
   g.free_motion = motion - g.carried_motion;
-  g.length = Max(W::Load(rest.segment_length + lane), W(kSegmentMin));
+  g.length = Max(LoadLanes<W>(rest.segment_length, at), W(kSegmentMin));
   for (uint32_t i = 0; i < kPoints - 1; ++i)
-    g.rest[i] = Turn(tangent, bitangent, g.normal, Load3<W>(rest.offset[i], lane));
+    g.rest[i] = Turn(tangent, bitangent, g.normal, Load3<W>(rest.offset[i], at));
 }
 
 // Where the points go if nothing holds them: the old place, carried along with the root by the
@@ -305,7 +305,17 @@ struct ControlRecords {
       }
   }
 
-  // Point i of the control strands of W's lanes; W is V or Unrolled<V>.
+  // Point i of the control strands of W's lanes, named in `control` row; W is V or Unrolled<V>.
+  template <class W>
+  PELT_INLINE Vec3<W> Gather(const uint8_t* control, const PickedLanes<W>& at, uint32_t i) const {
+    uint8_t picked[W::kLanes];
+    for (int l = 0; l < W::kLanes; ++l) picked[l] = control[at.lane[l]];
+    return GatherHalf(picked, i);
+  }
+  template <class W>
+  PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t first, uint32_t i) const {
+    return Gather<W>(control + first, i);
+  }
   template <class W>
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
     const Vec3<V> a = GatherHalf(control, i);

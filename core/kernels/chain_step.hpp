@@ -42,7 +42,8 @@ struct Ports<kPoints, false> {
 
 // Chains in lanes [begin, end), both multiples of kLaneGroup: two groups at once where the machine
 // has registers, as a step's operations wait for each other; on arrays unrolling would only be
-// more code.
+// more code. group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or
+// Unrolled<V>.
 template <class V, class Controls, class Group>
 bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* controls,
               const Group& group) {
@@ -58,10 +59,10 @@ bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* contr
 }
 
 // All live chains of a chunk: the control strands, then with their records those that follow them.
-// group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or Unrolled<V>,
-// and says whether a bit of a live one changed; `controls` is null for whom nobody is followed.
-template <class V, uint32_t kFree, bool kVertexChains, class Ports, class Group>
-PELT_INLINE void RunChunk(const Ports& ports, const Group& group) {
+// range(begin, end, live, controls) solves the chains of lanes [begin, end) and says whether a bit
+// of a live one changed; `controls` is null for whom nobody is followed.
+template <class V, uint32_t kFree, bool kVertexChains, class Ports, class Range>
+PELT_INLINE void RunChunk(const Ports& ports, const Range& range) {
   using Controls = ControlRecords<V, kFree>;
   ChunkStateBlock& state = *ports.state;
   const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
@@ -73,12 +74,12 @@ PELT_INLINE void RunChunk(const Ports& ports, const Group& group) {
       if (count > 0 && count < end) controls = count;
     }
   const Controls* none = nullptr;
-  bool changed = RunRange<V>(0, controls, live, none, group);
+  bool changed = range(0u, controls, live, none);
   if constexpr (!kVertexChains)
     if (controls < end) {
       Controls records;
       records.Fill(*ports.position, controls);
-      changed |= RunRange<V>(controls, end, live, &records, group);
+      changed |= range(controls, end, live, &records);
     }
   state.state_changed = changed ? 1 : 0;
 }
@@ -95,8 +96,11 @@ struct Step {
 
   PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports) {
     RunChunk<V, kFree, kVertexChains>(
-        ports, [&]<class W>(uint32_t lane, uint32_t live, const Controls* controls) {
-          return SolveGroup<W>(params, ports, lane, live, controls);
+        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
+          return RunRange<V>(begin, end, live, controls,
+                             [&]<class W>(uint32_t lane, uint32_t alive, const Controls* followed) {
+                               return SolveGroup<W>(params, ports, lane, alive, followed);
+                             });
         });
   }
 

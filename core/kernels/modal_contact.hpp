@@ -216,15 +216,23 @@ PELT_INLINE void TakeContact(const ModalTableBlock& t, const Vec3<W> (&d)[N],
   }
 }
 
+// What links are turned out of at the frame's end.
+template <class W, uint32_t N>
+PELT_INLINE Walls<W, N> EndWalls(const LayerBlock& layer, const SimulateParams& params,
+                                 const chain::Group<W, N>& g) {
+  Walls<W, N> walls(layer, params, g);
+  walls.allowed = kLeftInside;
+  // A soft surface is left to the substeps: taking a share of what they left is another motion.
+  if (walls.hardness < 1.0f) walls.hardness = 0.0f;
+  return walls;
+}
+
 // Needs g.point placed; leaves them placed.
 template <class W, uint32_t N>
 PELT_INLINE void PushOut(const ModalTableBlock& t, const LayerBlock& layer,
                          const SimulateParams& params, chain::Group<W, N>& g,
                          Motion<W, N>& motion) {
-  Walls<W, N> walls(layer, params, g);
-  walls.allowed = kLeftInside;
-  // A soft surface is left to the substeps: taking a share of what they left is another motion.
-  if (walls.hardness < 1.0f) walls.hardness = 0.0f;
+  const Walls<W, N> walls = EndWalls(layer, params, g);
   const auto touching = IsInside(walls, g);
   if (!Any(touching)) return;
   Vec3<W> d[N];

@@ -31,6 +31,39 @@ namespace pelt::modal {
 // lengths' force that knows nothing of the contact.
 inline constexpr int kTouchRounds = 2;
 
+// Ends of the links y, from the root.
+template <class W, uint32_t N>
+PELT_INLINE void PlaceEnds(const Motion<W, N>& m, Vec3<W> (&at)[N]) {
+  at[0] = Row(m, &Axis<W, N>::y, 0);
+  for (uint32_t i = 1; i < N; ++i) at[i] = at[i - 1] + Row(m, &Axis<W, N>::y, i);
+}
+
+// In the place of Touches, below: which lanes end a substep inside something. What such a lane does
+// from there on is of no use.
+template <class W, uint32_t N>
+struct TouchNotes {
+  typename W::Mask inside = W(1.0f) < W(0.0f);
+  bool use = false;  // false: nothing below is set
+  Surroundings<W, N> around;
+
+  PELT_INLINE void Load(const ModalTableBlock&, const LayerBlock& layer,
+                        const SimulateParams& params, Vec3<W> last_surface,
+                        const chain::Group<W, N>& g) {
+    use = true;
+    around.Load(layer, params, last_surface, g);
+  }
+  template <bool kBest>
+  PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
+    if (!use) return false;
+    around.Advance(t, substep, motion);
+    Vec3<W> at[N];
+    PlaceEnds(motion, at);
+    inside = inside | around.IsInside(at);
+    return false;
+  }
+  PELT_INLINE void Settle(const ModalTableBlock&, uint32_t, const Motion<W, N>&) const {}
+};
+
 // What a group's chains can touch this frame, and what they touched in the present substep.
 template <class W, uint32_t N>
 struct Touches {
@@ -83,12 +116,6 @@ struct Touches {
   }
 
  private:
-  // Ends of the links y, from the root.
-  static PELT_INLINE void PlaceEnds(const Motion<W, N>& m, Vec3<W> (&at)[N]) {
-    at[0] = Row(m, &Axis<W, N>::y, 0);
-    for (uint32_t i = 1; i < N; ++i) at[i] = at[i - 1] + Row(m, &Axis<W, N>::y, i);
-  }
-
   // The lengths' matrix and |y|^2 of motion's w and y.
   template <bool kBest>
   static PELT_INLINE void Linearise(const ModalTableBlock& t, Motion<W, N>& m, W (&square)[N],

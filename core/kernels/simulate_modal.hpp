@@ -3,8 +3,11 @@
 // the root did, who starts afresh, who falls back, strength, contacts, rest, and the report to
 // `activate`.
 //
-// The fallback (modal_fallback.hpp), the contacts and the special lanes are branches over whole
-// groups that only skip work: a lane's bits never depend on its neighbours.
+// Few lanes of many groups touch something, and a step with contact takes several times as long as
+// one without. So every lane first steps as if it were free; those that end a substep inside
+// something, and those that the free step fails (modal_fallback.hpp), keep their state, are picked
+// from all groups and take the frame once more, with contact, as full groups. A lane's bits depend
+// neither on its neighbours nor on where in a group it stood.
 //
 // Invariants, as chain.hpp's:
 //  - From finite input comes finite output; links keep their length.
@@ -16,6 +19,7 @@
 #pragma once
 
 #include <string_view>
+#include <type_traits>
 
 #include "core/kernels/chain_step.hpp"
 #include "core/kernels/modal_contact.hpp"
@@ -53,9 +57,45 @@ struct SimulateModal {
   template <bool kBest>
   PELT_INLINE static void RunAs(const Params& params, const Ports& ports) {
     chain::RunChunk<V, N, kVertexChains>(
-        ports, [&]<class W>(uint32_t lane, uint32_t live, const Controls* controls) {
-          return Lanes<W>::template RunGroup<kBest>(params, ports, lane, live, controls);
+        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
+          return RunRange<kBest>(params, ports, begin, end, live, controls);
         });
+  }
+
+  // Lanes of a range that take the frame once more.
+  struct Picks {
+    uint32_t count = 0;
+    int32_t lane[kStrandsPerChunk];
+
+    template <class W>
+    PELT_INLINE void Add(typename W::Mask picked, uint32_t first) {
+      alignas(64) float is_picked[W::kLanes];
+      Select(picked, W(1.0f), W(0.0f)).Store(is_picked);
+      for (uint32_t l = 0; l < uint32_t(W::kLanes); ++l)
+        if (is_picked[l] != 0.0f) lane[count++] = int32_t(first + l);
+    }
+    // A group of them; the last one fills it up.
+    PELT_INLINE PickedLanes<V> Group(uint32_t first) const {
+      PickedLanes<V> at;
+      for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
+        at.lane[l] = lane[first + l < count ? first + l : count - 1];
+      return at;
+    }
+  };
+
+  template <bool kBest>
+  PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, uint32_t begin,
+                                   uint32_t end, uint32_t live, const Controls* controls) {
+    Picks picks;
+    bool changed = chain::RunRange<V>(
+        begin, end, live, controls,
+        [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
+          return Lanes<W>::template RunGroup<kBest>(params, ports, first, alive, followed, &picks);
+        });
+    for (uint32_t i = 0; i < picks.count; i += uint32_t(V::kLanes))
+      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, picks.Group(i), live, controls,
+                                                    static_cast<Picks*>(nullptr));
+    return changed;
   }
 
   // A group's frame on W: V or Unrolled<V>.
@@ -64,6 +104,7 @@ struct SimulateModal {
     using Group = chain::Group<W, N>;
     using Motion = modal::Motion<W, N>;
     using Touches = modal::Touches<W, N>;
+    using TouchNotes = modal::TouchNotes<W, N>;
     using Mask = typename W::Mask;
 
     static PELT_INLINE bool HasWind(const Ports& ports) {
@@ -75,14 +116,16 @@ struct SimulateModal {
       return (ports.layer->flags & (kLayerWind | kLayerWindEnds)) != 0;
     }
 
-    static PELT_INLINE W LoadWind(const Ports& ports, uint32_t axis, uint32_t lane) {
-      return HasWind(ports) ? W::Load(ports.wind->acceleration[axis] + lane) : W(0.0f);
+    template <class At>
+    static PELT_INLINE W LoadWind(const Ports& ports, uint32_t axis, const At& at) {
+      return HasWind(ports) ? LoadLanes<W>(ports.wind->acceleration[axis], at) : W(0.0f);
     }
 
     // Rest directions and root of this frame.
-    static PELT_INLINE void LoadRest(const Ports& ports, uint32_t lane, Group& g,
-                                     Vec3<W> (&rest)[N], W& per_length) {
-      chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, lane, g);
+    template <class At>
+    static PELT_INLINE void LoadRest(const Ports& ports, const At& at, Group& g, Vec3<W> (&rest)[N],
+                                     W& per_length) {
+      chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, at, g);
       per_length = W(1.0f) / g.length;
       rest[0] = g.rest[0] * per_length;
       for (uint32_t i = 1; i < N; ++i) rest[i] = (g.rest[i] - g.rest[i - 1]) * per_length;
@@ -92,7 +135,8 @@ struct SimulateModal {
       return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
     }
 
-    static PELT_INLINE void LoadAxis(const Ports& ports, uint32_t lane, uint32_t k, const Group& g,
+    template <class At>
+    static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
                                      const Vec3<W> (&rest)[N], W per_length, modal::Axis<W, N>& a) {
       const ModalTableBlock& t = *ports.table;
       const ModalStateBlock<kPoints>& old = *ports.chain;
@@ -101,20 +145,21 @@ struct SimulateModal {
       if (t.parent_curl != 0 || modal::HasLimit(*ports.layer))
         for (uint32_t i = 0; i < N; ++i) a.rest[i] = r[i];
       a.root[0] = Part(g.free_motion, k) * per_length;
-      a.root[1] = a.root[0] - W::Load(old.root_step[k] + lane);
-      a.root[2] = a.root[1] - W::Load(old.root_turn[k] + lane);
-      const W wind = LoadWind(ports, k, lane);
+      a.root[1] = a.root[0] - LoadLanes<W>(old.root_step[k], at);
+      a.root[2] = a.root[1] - LoadLanes<W>(old.root_turn[k], at);
+      const W wind = LoadWind(ports, k, at);
       const W force = (W(ports.layer->gravity[k]) + wind) * per_length;
-      a.wind_step = (wind - W::Load(old.wind[k] + lane)) * per_length;
+      a.wind_step = (wind - LoadLanes<W>(old.wind[k], at)) * per_length;
       PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m) {
         a.bend[0][m] = modal::Weigh<W, N>(t.bend[m], r);
-        a.bend[1][m] = a.bend[0][m] - W::Load(old.bend[m][k] + lane) + a.root[0] * W(t.bend[m][0]);
-        a.bend[2][m] = a.bend[1][m] - W::Load(old.bend_step[m][k] + lane);
-        a.bend[3][m] = a.bend[2][m] - W::Load(old.bend_turn[m][k] + lane);
+        a.bend[1][m] =
+            a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend[m][0]);
+        a.bend[2][m] = a.bend[1][m] - LoadLanes<W>(old.bend_step[m][k], at);
+        a.bend[3][m] = a.bend[2][m] - LoadLanes<W>(old.bend_turn[m][k], at);
         a.force[m] = a.bend[0][m] + force * W(t.image[m][0]);
-        a.z[m] = W::Load(old.velocity[m][k] + lane);
-        a.d[m] = W::Load(old.direction[m][k] + lane);
+        a.z[m] = LoadLanes<W>(old.velocity[m][k], at);
+        a.d[m] = LoadLanes<W>(old.direction[m][k], at);
       }
     }
 
@@ -147,18 +192,19 @@ struct SimulateModal {
 
     // Lanes that failed: once more with a second Newton step, if they follow, then without one that
     // could fail. Kept out of line and of the way: such lanes are rare.
-    static __attribute__((noinline)) void FallBack(const Ports& ports, uint32_t lane, Mask good,
+    template <class At>
+    static __attribute__((noinline)) void FallBack(const Ports& ports, const At& at, Mask good,
                                                    Mask follows, const Vec3<W> (&rest)[N],
                                                    W per_length, Touches& touches, Motion& motion) {
       const ModalStateBlock<kPoints>& old = *ports.chain;
       Motion safe = motion;
       W force[3];
-      for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = W::Load(old.multiplier[i] + lane);
+      for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = LoadLanes<W>(old.multiplier[i], at);
       for (uint32_t k = 0; k < 3; ++k) {
-        force[k] = (W(ports.layer->gravity[k]) + LoadWind(ports, k, lane)) * per_length;
+        force[k] = (W(ports.layer->gravity[k]) + LoadWind(ports, k, at)) * per_length;
         for (uint32_t i = 0; i < N; ++i) {
-          safe.axis[k].d[i] = W::Load(old.direction[i][k] + lane);
-          safe.axis[k].z[i] = W::Load(old.velocity[i][k] + lane);
+          safe.axis[k].d[i] = LoadLanes<W>(old.direction[i][k], at);
+          safe.axis[k].z[i] = LoadLanes<W>(old.velocity[i][k], at);
         }
       }
       if (Any(follows & !good)) {
@@ -173,17 +219,50 @@ struct SimulateModal {
       TakeLanes(!good, safe, motion);
     }
 
-    template <bool kBest>
-    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, uint32_t lane,
-                                     uint32_t live, const Controls* controls) {
-      const LayerBlock& layer = *ports.layer;
+    // A frame of lanes that may touch things. Returns whom something pushed at its end.
+    template <bool kBest, class At>
+    static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
+                                         Mask fresh, const Vec3<W> (&rest)[N], W per_length,
+                                         const Group& g, Motion& motion) {
       const ModalTableBlock& t = *ports.table;
+      Touches touches;
+      if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
+      const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
+      Mask good = fresh;
+      if (Any(follows))
+        good = good | (modal::StepFrame<kBest>(t, WindChanges(ports), touches, motion) & follows);
+      const Mask touched = touches.Touched() & good;
+      if (!AllSet(good)) FallBack(ports, at, good, follows, rest, per_length, touches, motion);
+      return touched;
+    }
+
+    // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
+    // that it fails.
+    template <bool kBest>
+    static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
+                                     W per_length, const Group& g, Motion& motion) {
+      const ModalTableBlock& t = *ports.table;
+      TouchNotes notes;
+      if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
+      const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
+      if (!Any(follows)) return !follows;
+      const Mask good = modal::StepFrame<kBest>(t, WindChanges(ports), notes, motion) & follows;
+      return notes.inside | !good;
+    }
+
+    // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
+    // Without, lanes that were picked. Says whether a bit of a live one changed.
+    template <bool kBest, class At>
+    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const At& at,
+                                     uint32_t live, const Controls* controls, Picks* picks) {
+      constexpr bool kPicks = std::is_same_v<At, uint32_t>;
+      const LayerBlock& layer = *ports.layer;
       const ChunkStateBlock& state = *ports.state;
-      const auto lanes = W::Int::Iota(int32_t(lane));
+      const auto lanes = NumberLanes<W>(at);
       const Mask alive = lanes < typename W::Int(int32_t(live));
       const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
       const bool restart = (state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate);
-      const W strength = W::Load(ports.rest->strength + lane);
+      const W strength = LoadLanes<W>(ports.rest->strength, at);
       const Mask fresh =
           (!(lanes < typename W::Int(restart ? 0 : int32_t(first_new)))) | (strength <= W(0.0f));
 
@@ -191,43 +270,48 @@ struct SimulateModal {
       Motion motion;
       Vec3<W> rest[N], d[N];
       W per_length;
-      LoadRest(ports, lane, g, rest, per_length);
+      LoadRest(ports, at, g, rest, per_length);
       PELT_NO_UNROLL
-      for (uint32_t k = 0; k < 3; ++k)
-        LoadAxis(ports, lane, k, g, rest, per_length, motion.axis[k]);
+      for (uint32_t k = 0; k < 3; ++k) LoadAxis(ports, at, k, g, rest, per_length, motion.axis[k]);
       for (uint32_t i = 0; i < N; ++i)
-        motion.lambda[i] = W::Load(ports.chain->multiplier[i] + lane);
+        motion.lambda[i] = LoadLanes<W>(ports.chain->multiplier[i], at);
       // In a statement of its own: it branches, and what a console's price is must not depend on
       // which operand a compiler takes first.
       const Mask calm = IsCalm(motion);
       const Mask quiet = calm & !fresh;
 
-      Mask touched = W(1.0f) < W(0.0f);
+      const Mask none = W(1.0f) < W(0.0f);
+      Mask touched = none, picked = none;
       if (!restart) {
-        Touches touches;
-        if (HasObstacles(params, ports)) LoadTouches(params, ports, lane, g, touches);
-        const Mask follows = modal::FollowsWeight<kBest, W, N>(t, layer.gravity, per_length);
-        Mask good = fresh;
-        if (Any(follows))
-          good = good | (modal::StepFrame<kBest>(t, WindChanges(ports), touches, motion) & follows);
-        touched = touches.Touched() & good;
-        if (!AllSet(good)) FallBack(ports, lane, good, follows, rest, per_length, touches, motion);
+        if constexpr (kPicks)
+          picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
+        else
+          touched = StepTouching<kBest>(params, ports, at, fresh, rest, per_length, g, motion);
       }
       modal::Directions(motion, d);
       modal::PlacePoints(d, g);
       if (!restart) {
-        if (HasObstacles(params, ports)) PushOut(params, ports, g, motion);
+        if constexpr (kPicks) {
+          if (HasObstacles(params, ports))
+            picked = picked | modal::IsInside(modal::EndWalls(layer, params, g), g);
+          picked = picked & !fresh;
+          if (Any(picked)) picks->template Add<W>(picked, at);
+          if (AllSet(picked)) return false;
+        } else if (HasObstacles(params, ports)) {
+          PushOut(params, ports, g, motion);
+        }
         const Mask full = strength >= W(1.0f);
         if (controls || !AllSet(full))
-          Shape(params, ports, lane, controls, full, strength, rest, motion, g);
+          Shape(params, ports, at, controls, full, picked, strength, rest, motion, g);
       }
       if (Any(fresh)) {
-        StartAfresh(t, rest, fresh, motion);
+        StartAfresh(*ports.table, rest, fresh, motion);
         for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<W>(fresh, g.rest[i], g.point[i]);
       }
       const W still = Select(touched, W(modal::kStillTouching), W(modal::kStillTurn));
-      return Any(Store(params, ports, lane, g, fresh, quiet, still, controls != nullptr, motion) &
-                 alive);
+      return Any(
+          Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr, motion) &
+          alive);
     }
 
     static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
@@ -235,10 +319,11 @@ struct SimulateModal {
              Colliders<W>::HasAny(params);
     }
 
-    static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, uint32_t lane,
-                                        const Group& g, Touches& touches) {
+    template <class At, class AnyTouches>
+    static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, const At& at,
+                                        const Group& g, AnyTouches& touches) {
       const Vec3<W> last =
-          chain::HasSurface(*ports.layer) ? Load3<W>(ports.chain->normal, lane) : g.normal;
+          chain::HasSurface(*ports.layer) ? Load3<W>(ports.chain->normal, at) : g.normal;
       touches.Load(*ports.table, *ports.layer, params, last, g);
     }
 
@@ -248,10 +333,11 @@ struct SimulateModal {
     }
 
     // What is seen of the chain: the points, not the state. Lanes at full strength that follow
-    // nobody keep theirs.
+    // nobody keep theirs; what those get that were picked is of no use.
+    template <class At>
     static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
-                                                uint32_t lane, const Controls* controls, Mask full,
-                                                W strength, const Vec3<W> (&rest)[N],
+                                                const At& at, const Controls* controls, Mask full,
+                                                Mask picked, W strength, const Vec3<W> (&rest)[N],
                                                 const Motion& motion, Group& g) {
       const LayerBlock& layer = *ports.layer;
       Vec3<W> d[N];
@@ -264,10 +350,10 @@ struct SimulateModal {
           shaped = shaped | full;
           Vec3<W> control[N];
           for (uint32_t i = 0; i < N; ++i)
-            control[i] = controls->template Gather<W>(ports.strands->control + lane, i) - g.root;
+            control[i] = controls->template Gather<W>(ports.strands->control, at, i) - g.root;
           modal::Gather(layer.clump, control, g, d);
         }
-      if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped, g, d);
+      if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, g, d);
     }
 
     // Lanes whose root, history and wind are those of the last frame.
@@ -287,36 +373,37 @@ struct SimulateModal {
     }
 
     // Calls put(row, value) for every row of the state but quiet_s, and of the points.
-    template <class Put>
-    static PELT_INLINE void ForEachRow(const Ports& ports, uint32_t lane, const Group& g,
+    template <class At, class Put>
+    static PELT_INLINE void ForEachRow(const Ports& ports, const At& at, const Group& g,
                                        const Motion& motion, Put put) {
       ModalStateBlock<kPoints>& to = *ports.chain;
       PELT_UNROLL
-      for (uint32_t i = 0; i < N; ++i) put(to.multiplier[i] + lane, motion.lambda[i]);
+      for (uint32_t i = 0; i < N; ++i) put(to.multiplier[i], motion.lambda[i]);
       PELT_UNROLL
       for (uint32_t k = 0; k < 3; ++k) {
         const modal::Axis<W, N>& a = motion.axis[k];
         PELT_UNROLL
         for (uint32_t i = 0; i < N; ++i) {
-          put(to.direction[i][k] + lane, a.d[i]);
-          put(to.velocity[i][k] + lane, a.z[i]);
-          put(to.bend[i][k] + lane, a.bend[0][i]);
-          put(to.bend_step[i][k] + lane, a.bend[1][i]);
-          put(to.bend_turn[i][k] + lane, a.bend[2][i]);
-          put(ports.position->position[i][k] + lane, Part(g.root, k) + Part(g.point[i], k));
+          put(to.direction[i][k], a.d[i]);
+          put(to.velocity[i][k], a.z[i]);
+          put(to.bend[i][k], a.bend[0][i]);
+          put(to.bend_step[i][k], a.bend[1][i]);
+          put(to.bend_turn[i][k], a.bend[2][i]);
+          put(ports.position->position[i][k], Part(g.root, k) + Part(g.point[i], k));
         }
-        put(to.root_step[k] + lane, a.root[0]);
-        put(to.root_turn[k] + lane, a.root[1]);
-        put(to.wind[k] + lane, LoadWind(ports, k, lane));
-        put(to.normal[k] + lane, Part(g.normal, k));
+        put(to.root_step[k], a.root[0]);
+        put(to.root_turn[k], a.root[1]);
+        put(to.wind[k], LoadWind(ports, k, at));
+        put(to.normal[k], Part(g.normal, k));
       }
     }
 
     // Lanes whose points are where they were: a follower moves with its control strand.
-    static PELT_INLINE Mask HoldsPoints(const Ports& ports, uint32_t lane, const Group& g) {
+    template <class At>
+    static PELT_INLINE Mask HoldsPoints(const Ports& ports, const At& at, const Group& g) {
       W far2 = W(0.0f);
       for (uint32_t i = 0; i < N; ++i) {
-        const Vec3<W> step = g.root + g.point[i] - Load3<W>(ports.position->position[i], lane);
+        const Vec3<W> step = g.root + g.point[i] - Load3<W>(ports.position->position[i], at);
         far2 = Max(far2, Dot(step, step));
       }
       const W size = Max(Max(Abs(g.root.x), Abs(g.root.y)), Abs(g.root.z));
@@ -324,44 +411,48 @@ struct SimulateModal {
       return far2 < limit * limit;
     }
 
-    // Writes the lanes back; returns those of which some bit changed, or the root or the wind did.
-    static PELT_INLINE Mask Store(const Params& params, const Ports& ports, uint32_t lane,
-                                  const Group& g, Mask fresh, Mask quiet, W still_turn,
+    // Writes the lanes back but those that were picked, which keep their bits; returns those of
+    // which some bit changed, or the root or the wind did.
+    template <class At>
+    static PELT_INLINE Mask Store(const Params& params, const Ports& ports, const At& at,
+                                  const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,
                                   bool follows, const Motion& motion) {
       ModalStateBlock<kPoints>& to = *ports.chain;
       const bool may_rest = params.rest_threshold > 0.0f;
-      const Mask moved = !(quiet | fresh);
+      const Mask moved = !(quiet | fresh | picked);
       if (may_rest && AllSet(moved)) {
-        W(0.0f).Store(to.quiet_s + lane);
+        StoreLanes(W(0.0f), to.quiet_s, at);
         ForEachRow(
-            ports, lane, g, motion,
-            [](float* row, W value) __attribute__((always_inline)) { value.Store(row); });
+            ports, at, g, motion, [&](float* row, W value) __attribute__((always_inline)) {
+              StoreLanes(value, row, at);
+            });
         return moved;
       }
       W turn2 = W(0.0f);
       for (uint32_t i = 0; i < N; ++i) {
         W sum = W(0.0f);
         for (uint32_t k = 0; k < 3; ++k) {
-          const W turn = motion.axis[k].d[i] - W::Load(to.direction[i][k] + lane);
+          const W turn = motion.axis[k].d[i] - LoadLanes<W>(to.direction[i][k], at);
           sum = sum + turn * turn;
         }
         turn2 = Max(turn2, sum);
       }
       const W limit = may_rest ? still_turn : W(0.0f);
       quiet = quiet & (turn2 < limit * limit);
-      if (follows) quiet = quiet & HoldsPoints(ports, lane, g);
-      const W before = W::Load(to.quiet_s + lane);
+      if (follows) quiet = quiet & HoldsPoints(ports, at, g);
+      const W before = LoadLanes<W>(to.quiet_s, at);
       const Mask still = quiet & (before >= W(ports.table->quiet_s));
+      const Mask kept = still | picked;
       const W now = Select(quiet, before + W(ports.table->frame_s), W(0.0f));
       typename W::Int change = 0;
       const auto put = [&](float* row, W value) __attribute__((always_inline)) {
-        const W old = W::Load(row);
-        value = Select(still, old, value);
+        const W old = LoadLanes<W>(row, at);
+        value = Select(kept, old, value);
         change = change | (Bits(value) ^ Bits(old));
-        value.Store(row);
+        StoreLanes(value, row, at);
       };
-      put(to.quiet_s + lane, now);
-      ForEachRow(ports, lane, g, motion, put);
+      put(to.quiet_s, now);
+      ForEachRow(ports, at, g, motion, put);
       return moved | !(change == typename W::Int(0));
     }
   };

@@ -75,18 +75,6 @@ PELT_INLINE Vec3<V> Select(typename V::Mask m, Vec3<V> a, Vec3<V> b) {
   return {Select(m, a.x, b.x), Select(m, a.y, b.y), Select(m, a.z, b.z)};
 }
 
-// Loads kLanes values from each of three rows (x, y, z) of one block, starting at `lane`.
-template <class V, int S>
-PELT_INLINE Vec3<V> Load3(const float (&rows)[3][S], uint32_t lane) {
-  return {V::Load(rows[0] + lane), V::Load(rows[1] + lane), V::Load(rows[2] + lane)};
-}
-template <class V, int S>
-PELT_INLINE void Store3(float (&rows)[3][S], uint32_t lane, Vec3<V> a) {
-  a.x.Store(rows[0] + lane);
-  a.y.Store(rows[1] + lane);
-  a.z.Store(rows[2] + lane);
-}
-
 // ---- Unit frames ----------------------------------------------------------------------------
 //
 // The usual lane costs one reciprocal square root. A lane whose squares would leave the range of

@@ -252,6 +252,26 @@ struct RecordingVec {
     const float* p = base + at.value;
     return {Base(*p), recording::Load(Kind::kLoadSplat, p, sizeof(float), at.id)};
   }
+  // What core/simd/lanes.hpp asks for: consoles have neither gather nor scatter, so a load for each
+  // lane that all but it forget, and for each a quad that is read, changed and written.
+  static RecordingVec LoadPicked(const float* row, const int32_t* lanes) {
+    RecordingVec picked = LoadSplat(row, uint32_t(lanes[0]));
+    for (int l = 1; l < kLanes; ++l) {
+      const RecordingVec next = LoadSplat(row, uint32_t(lanes[l]));
+      picked.v.v[l] = next.v.v[l];
+      picked.id = recording::Make(Kind::kSelect, {LaneMask(l), next.id, picked.id});
+    }
+    return picked;
+  }
+  static void StorePicked(RecordingVec a, float* row, const int32_t* lanes) {
+    for (int l = 0; l < kLanes; ++l) {
+      row[lanes[l]] = a.v.v[l];
+      const float* quad = row + lanes[l] / kLanes * kLanes;
+      const uint32_t old = recording::Load(Kind::kLoad, quad, 16);
+      recording::Store(Kind::kStore, quad, 16,
+                       recording::Make(Kind::kSelect, {LaneMask(l), a.id, old}));
+    }
+  }
   using Record = RecordingVec;
   static RecordingVec LoadRecord(const float* p) {
     return {Base::Load(p), recording::Load(Kind::kLoadRecord, p, 16)};
@@ -282,6 +302,10 @@ struct RecordingVec {
     *p = value.value;
     recording::Store(Kind::kWordStore, p, sizeof(T), value.id, at.id);
   }
+
+ private:
+  // The constant that picks one lane.
+  static uint32_t LaneMask(int lane) { return recording::Splat(1u << lane); }
 };
 
 }  // namespace pelt

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -276,6 +277,32 @@ TEST(Simd, RecordsTransposeLoadAndStore) {
     ScatterRecords([&](int lane) { return out[place(lane)]; }, x, y, z, w);
     for (int l = 0; l < kLanes; ++l)
       ASSERT_EQ(std::memcmp(out[place(l)], memory[place(l)], 16), 0) << l;
+  });
+}
+
+// The last lane stands twice, as where a group is not full.
+TEST(Simd, PickedLanesLoadAndStore) {
+  ForEveryVector([]<class V>(const char* name) {
+    SCOPED_TRACE(name);
+    constexpr int kLanes = V::kLanes, kRow = 3 * kLanes;
+    PickedLanes<V> at;
+    for (int l = 0; l < kLanes; ++l) at.lane[l] = (l * 7 + 3) % kRow;
+    at.lane[kLanes - 1] = at.lane[kLanes - 2];
+    alignas(64) float rows[3][kRow], out[kRow];
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < kRow; ++l) rows[k][l] = float(100 * k - l);
+    const Vec3<V> a = Load3<V>(rows, at);
+    for (int l = 0; l < kLanes; ++l) {
+      ASSERT_EQ(BitsOf(a.x[l]), BitsOf(rows[0][at.lane[l]])) << l;
+      ASSERT_TRUE(a.y[l] == rows[1][at.lane[l]] && a.z[l] == rows[2][at.lane[l]]) << l;
+      ASSERT_EQ(NumberLanes<V>(at)[l], at.lane[l]);
+    }
+    for (float& value : out) value = -1.0f;
+    StoreLanes(a.y, out, at);
+    for (int l = 0; l < kRow; ++l) {
+      const bool picked = std::find(at.lane, at.lane + kLanes, l) != at.lane + kLanes;
+      ASSERT_EQ(out[l], picked ? rows[1][l] : -1.0f) << l;
+    }
   });
 }
 

@@ -252,6 +252,54 @@ TEST(SimulateModal, KeepsOutOfSurfaceSphereAndGround) {
   EXPECT_LT(worst, 0.01 * 0.04);
 }
 
+// Who touches something is picked from the chunk and stepped beside others than it stands beside.
+TEST(SimulateModal, ALaneDoesNotDependOnItsNeighbours) {
+  constexpr uint32_t kLast = kStrandsPerChunk - 1;
+  const auto run = [](bool turned_round) {
+    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 1.0, 0.05, 4.0));
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      std::mt19937 random(i);
+      const uint32_t lane = turned_round ? kLast - i : i;
+      s->SetRest(lane, 0.01, std::vector<Point3>(3, RandomUnit(random)));
+      s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, 0.0f, 0.1f), 0.0});
+    }
+    s->layer.surface_hardness = 0.5f;
+    s->params.use_ground = 1;
+    s->params.ground[1] = 1.0f;
+    for (int frame = 0; frame < 20; ++frame) {
+      s->Step(kDt);
+      s->HoldRoots();
+    }
+    return s;
+  };
+  const auto forth = run(false), back = run(true);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    for (uint32_t i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(forth->chain.direction[i][k][lane], back->chain.direction[i][k][kLast - lane]);
+        EXPECT_EQ(forth->chain.velocity[i][k][lane], back->chain.velocity[i][k][kLast - lane]);
+        EXPECT_EQ(forth->position.position[i][k][lane],
+                  back->position.position[i][k][kLast - lane]);
+      }
+}
+
+// Only the substeps meet a soft surface: nothing is pushed out of it at the frame's end.
+TEST(SimulateModal, ASoftSurfaceHoldsPartOfTheWeight) {
+  const auto depth_at = [](float hardness) {
+    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 0.5, 0.1, 6.0));
+    s->layer.gravity[1] = 0.0f;
+    s->layer.gravity[2] = -9.81f;
+    s->layer.surface_hardness = hardness;
+    for (int frame = 0; frame < 240; ++frame) s->Step(kDt);
+    return -s->Tip(0).z;
+  };
+  const double none = depth_at(0.0f), soft = depth_at(0.25f), hard = depth_at(1.0f);
+  EXPECT_GT(none, 0.01);
+  EXPECT_LT(soft, 0.5 * none);
+  EXPECT_GT(soft, 0.0);
+  EXPECT_LT(hard, 1e-5);
+}
+
 // Strands droop onto it from above: along it, across it, and a short one, beyond its caps too.
 TEST(SimulateModal, KeepsOutOfACapsule) {
   for (const Point3 half :

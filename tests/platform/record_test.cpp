@@ -1,6 +1,7 @@
 // The recording vector: the reference's bits, every operation seen once, places instead of
 // addresses.
 #include <bit>
+#include <cstring>
 #include <memory>
 
 #include "bench/scenarios/scenarios.hpp"
@@ -65,6 +66,22 @@ TEST(RecordingVec, SeesRecordsTranspositionAndRootsAsOne) {
   EXPECT_EQ(kinds[Kind::kSplatInFours], 1u);
   EXPECT_EQ(kinds[Kind::kStore], 4u);
   EXPECT_EQ(trace.operations.size(), 13u);
+}
+
+// A lane's load and the choice of it; a quad that is read, changed and written.
+TEST(RecordingVec, PickedLanesCostALoadAndAStoreEach) {
+  const Trace trace = Record([](Rows& rows) {
+    PickedLanes<V> at;
+    for (int l = 0; l < V::kLanes; ++l) at.lane[l] = V::kLanes - 1 - l;
+    for (int l = 0; l < V::kLanes; ++l) rows.row[0][l] = float(l);
+    StoreLanes(LoadLanes<V>(rows.row[0], at), rows.row[1], at);
+    EXPECT_EQ(0, std::memcmp(rows.row[0], rows.row[1], sizeof rows.row[0]));
+  });
+  auto kinds = CountKinds(trace.operations);
+  EXPECT_EQ(kinds[Kind::kLoadSplat], 4u);
+  EXPECT_EQ(kinds[Kind::kLoad], 4u);
+  EXPECT_EQ(kinds[Kind::kSelect], 7u);
+  EXPECT_EQ(kinds[Kind::kStore], 4u);
 }
 
 TEST(RecordingVec, ComputesWhatTheReferenceDoes) {
