@@ -1,161 +1,32 @@
-// The keys of a fur setup: the table itself, and the list of them for people.
+// The keys of a fur setup, without those of its lights (light_schema.cpp), and the list of all for people.
 //
 // Bounds are there to catch slips (millimetres for metres, a missing decimal point) and to keep
 // hostile files from asking for absurd amounts of work; they are far outside what looks good.
-// Longer than a file should be because it is one table.
 #include "core/groom/setup_schema.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "core/chunk.hpp"
-#include "core/float_rules.hpp"
-#include "core/format.hpp"
+#include "core/groom/setup_rows.hpp"
 
 namespace pelt {
 namespace {
 
+using setup_rows::AsOuter;
+using setup_rows::ChannelOf;
+using setup_rows::Colour;
+using setup_rows::Count;
+using setup_rows::kReachLimit;
+using setup_rows::MakeRow;
+using setup_rows::Map;
+using setup_rows::Number;
+using setup_rows::Plain;
+using setup_rows::Required;
+using setup_rows::Show;
+using setup_rows::SurfaceMap;
+using setup_rows::Switch;
+using setup_rows::Text;
+
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
-constexpr std::string_view kChannelWords[] = {"r", "g", "b", "a"};
-
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
-constexpr double kReachLimit = 1000.0;      // m, for places
-constexpr double kBrightest = 1000.0;       // of a light's colour
-
-// Follows members: Field<&LayerSetup::params, &LayerParams::weight>(layer) is layer.params.weight.
-template <auto kMember, auto... kRest, class T>
-auto& Field(T& object) {
-  if constexpr (sizeof...(kRest) == 0) {
-    return object.*kMember;
-  } else {
-    return Field<kRest...>(object.*kMember);
-  }
-}
-
-std::string Show(const KeyInfo&, float value) { return Format("{}", value); }
-std::string Show(const KeyInfo&, uint32_t value) { return Format("{}", value); }
-std::string Show(const KeyInfo&, uint64_t value) { return Format("{}", value); }
-std::string Show(const KeyInfo&, int value) { return Format("\"{}\"", kChannelWords[value]); }
-std::string Show(const KeyInfo&, bool value) { return value ? "true" : "false"; }
-std::string Show(const KeyInfo&, char value) { return Format("\"{}\"", value); }
-std::string Show(const KeyInfo&, const std::string& value) { return Format("\"{}\"", value); }
-std::string Show(const KeyInfo&, const Attribute& value) { return Format("{}", value.value); }
-std::string Show(const KeyInfo&, const glm::vec3& value) {
-  return Format("[{}, {}, {}]", value.x, value.y, value.z);
-}
-std::string ShowColour(uint32_t value) {
-  return Format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255, value >> 16 & 255);
-}
-std::string ShowColour(const std::array<float, 3>& value) {
-  return Format("[{}, {}, {}]", value[0], value[1], value[2]);
-}
-template <class Enum>
-requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) {
-  return Format("\"{}\"", info.words[size_t(value)]);
-}
-std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
-std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
-std::string Show(const KeyInfo&, const Mask&) { return "everywhere"; }
-std::string Show(const KeyInfo&, const LightsSetup::Sun&) { return "dark"; }
-std::string Show(const KeyInfo&, const LightsSetup::Rim&) { return "dark"; }
-template <class T>
-std::string Show(const KeyInfo&, const std::optional<T>&) {
-  return "none";
-}
-template <class T>
-std::string Show(const KeyInfo&, const std::vector<T>&) {
-  return "none";
-}
-
-const MapChannel* SurfaceMap(const MapChannel& value) { return &value; }
-const MapChannel* SurfaceMap(const Attribute& value) { return &value.map; }
-template <class T>
-const MapChannel* SurfaceMap(const T&) {
-  return nullptr;
-}
-
-template <class M>
-struct OwnerOf;
-template <class C, class F>
-struct OwnerOf<F C::*> {
-  using Type = C;
-};
-
-// A row whose field is read by its type. A key starts from its own built-in value, so that a table
-// which gives part of it never mixes with [defaults].
-template <auto kFirst, auto... kRest>
-auto MakeRow(const KeyInfo& info) {
-  using Object = typename OwnerOf<decltype(kFirst)>::Type;
-  return KeyRow<Object>{
-      info,
-      [](SetupReader& reader, const KeyInfo& key, const toml::node& node, Object& object) {
-        const Object builtin{};
-        auto fresh = Field<kFirst, kRest...>(builtin);
-        reader.Read(key, node, fresh);
-        Field<kFirst, kRest...>(object) = std::move(fresh);
-      },
-      [](const KeyInfo& key, const Object& object) {
-        return Show(key, Field<kFirst, kRest...>(object));
-      },
-      [](const Object& object) { return SurfaceMap(Field<kFirst, kRest...>(object)); }};
-}
-
-using Text = std::string_view;
-
-template <auto... kMembers>
-auto Number(Text key, Text unit, double low, double high, Text doc) {
-  return MakeRow<kMembers...>({key, "number", unit, low, high, doc});
-}
-template <auto... kMembers>
-auto Count(Text key, double low, double high, Text doc) {
-  return MakeRow<kMembers...>({key, "whole number", "", low, high, doc});
-}
-template <auto... kMembers>
-auto Switch(Text key, Text doc) {
-  return MakeRow<kMembers...>({key, "true or false", "", 0, 1, doc});
-}
-template <auto... kMembers>
-auto Word(Text key, std::span<const Text> words, Text doc) {
-  return MakeRow<kMembers...>({key, "word", "", 0, 0, doc, words});
-}
-template <auto... kMembers>
-auto Map(Text key, Text doc) {
-  return MakeRow<kMembers...>({key, "map", "", 0, 1, doc});
-}
-// Texts, tables and lists; a list's bounds are those of its length.
-template <auto... kMembers>
-auto Plain(Text key, Text type, Text doc, double low = 0, double high = 256) {
-  return MakeRow<kMembers...>({key, type, "", low, high, doc});
-}
-template <class Row>
-Row Required(Row row) {
-  row.info.required = true;
-  return row;
-}
-template <class Row>
-Row AsOuter(Row row) {
-  row.info.outer_bounds = true;
-  return row;
-}
-
-template <auto kFirst, auto... kRest>
-auto Colour(Text key, Text doc) {
-  using Object = typename OwnerOf<decltype(kFirst)>::Type;
-  return KeyRow<Object>{
-      {key, "colour", "", 0, 1, doc},
-      [](SetupReader& reader, const KeyInfo& info, const toml::node& node, Object& object) {
-        reader.ReadColour(info, node, Field<kFirst, kRest...>(object));
-      },
-      [](const KeyInfo&, const Object& object) {
-        return ShowColour(Field<kFirst, kRest...>(object));
-      }};
-}
-
-template <auto... kMembers>
-auto ChannelOf(Text doc) {
-  return MakeRow<kMembers...>({"channel", "word", "", 0, 3, doc, kChannelWords});
-}
 
 using L = LayerSetup;
 constexpr auto kParams = &LayerSetup::params;
@@ -358,80 +229,6 @@ std::span<const KeyRow<CombVector>> Schema() {
       Required(Plain<&C::direction>("direction", "[x, y, z]", "rest pose; any length but 0",
                                     -kReachLimit, kReachLimit)),
       Number<&C::reach>("reach", "m", 1e-4, kReachLimit, "how far it acts"),
-  };
-  return kRows;
-}
-
-namespace {
-
-// A place or a direction; a colour, linear.
-template <auto kMember>
-auto Place(Text key, Text doc) {
-  return Plain<kMember>(key, "[x, y, z]", doc, -kReachLimit, kReachLimit);
-}
-template <auto kMember>
-auto LinearColour(Text key, Text doc, double low = 0.0) {
-  return Plain<kMember>(key, "[r, g, b]", doc, low, kBrightest);
-}
-
-}  // namespace
-
-template <>
-std::span<const KeyRow<LightsSetup>> Schema() {
-  using S = LightsSetup;
-  static const KeyRow<S> kRows[] = {
-      Plain<&S::lights>("light", "tables", "points and balls that shine", 0,
-                        double(kLightsPerScene)),
-      Plain<&S::samples>("sample", "tables", "the surroundings as seen from places", 0,
-                         double(kIrradianceSamplesPerScene)),
-      Plain<&S::sun>("sun", "table", "light from one side"),
-      Plain<&S::rim>("rim", "table", "light at the outline"),
-  };
-  return kRows;
-}
-
-template <>
-std::span<const KeyRow<LightsSetup::Light>> Schema() {
-  using S = LightsSetup::Light;
-  static const KeyRow<S> kRows[] = {
-      Required(Place<&S::position>("position", "m, world")),
-      Number<&S::radius>("radius", "m", 0, kReachLimit, "of a ball; 0: a point"),
-      LinearColour<&S::colour>("colour", "linear; irradiance of what faces it, at 1 m"),
-      Number<&S::range>("range", "m", 0, kReachLimit, "it falls to 0 there; 0: nowhere"),
-  };
-  return kRows;
-}
-
-template <>
-std::span<const KeyRow<LightsSetup::Sample>> Schema() {
-  using S = LightsSetup::Sample;
-  static const KeyRow<S> kRows[] = {
-      Required(Place<&S::position>("position", "m, world")),
-      Number<&S::falloff>("falloff", "m", 1e-3, kReachLimit, "its weight falls to 0 there"),
-      LinearColour<&S::sky>("sky", "linear radiance from above"),
-      LinearColour<&S::ground>("ground", "and from below"),
-      Place<&S::up>("up", "any length but 0"),
-  };
-  return kRows;
-}
-
-template <>
-std::span<const KeyRow<LightsSetup::Sun>> Schema() {
-  using S = LightsSetup::Sun;
-  static const KeyRow<S> kRows[] = {
-      Place<&S::direction>("direction", "towards it; any length but 0"),
-      Required(LinearColour<&S::colour>("colour", "linear; what white that faces it reflects")),
-  };
-  return kRows;
-}
-
-template <>
-std::span<const KeyRow<LightsSetup::Rim>> Schema() {
-  using S = LightsSetup::Rim;
-  static const KeyRow<S> kRows[] = {
-      Place<&S::direction>("direction", "the side that has it; any length but 0"),
-      Required(LinearColour<&S::colour>("colour", "linear; below 0: darkens", -kBrightest)),
-      Number<&S::exponent>("exponent", "", 0, kBrightest, "of 1 - |normal . view|"),
   };
   return kRows;
 }
