@@ -57,6 +57,8 @@ void Canvas::DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& col
   colour_[i] = colour;
 }
 
+void Canvas::BeginShells() { shell_.assign(colour_.size(), 0); }
+
 void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha, const CardPiece* card) {
   const SampleBox box =
       ForEachHairSample(a, b, width_, height_,

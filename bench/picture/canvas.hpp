@@ -4,14 +4,13 @@
 // writes would: a wrong sort shows. Between layers, and against the body, depth decides.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "bench/picture/hair_samples.hpp"
 #include "bench/picture/strip_texture.hpp"
+#include "bench/picture/triangle_samples.hpp"
 #include "core/view.hpp"
 
 namespace pelt {
@@ -53,9 +52,14 @@ class Canvas {
   template <class Shade>
   void DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
 
-  // The same of one that has holes: shade is the colour, and in w how much of the place it covers.
+  // Before the shells of a layer.
+  void BeginShells();
+  // The same of one that has holes: shade(shares, colour) says whether it covers the place, and with what; how much in w.
+  // Where two are as far off, the lower `shell`, 1 or more, is seen: opaque ones may come in any order, and nearest first
+  // most that is hidden is never shaded.
   template <class Shade>
-  void DrawCutTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
+  void DrawShellTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, uint8_t shell,
+                         Shade shade);
 
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
@@ -68,58 +72,46 @@ class Canvas {
   std::vector<uint8_t> Resolve(uint32_t samples) const;
 
  private:
-  // visit(sample, shares of the corners, depth) for each sample of the triangle that nothing hides.
-  template <class Visit>
-  void ForEachSample(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Visit visit);
+  size_t Place(uint32_t x, uint32_t y) const { return size_t(y) * width_ + x; }
 
   uint32_t width_, height_;
   std::vector<glm::vec3> colour_;
   std::vector<float> depth_, layer_depth_;
+  std::vector<uint8_t> shell_;  // that was drawn there; 0: none of this layer
   uint32_t touched_from_, touched_to_ = 0;
 };
 
-template <class Visit>
-void Canvas::ForEachSample(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
-                           Visit visit) {
-  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  if (area == 0.0f) return;
-  const auto low = [](float v) { return uint32_t(std::max(0.0f, std::floor(v))); };
-  const uint32_t x0 = low(std::min({a.x, b.x, c.x})), y0 = low(std::min({a.y, b.y, c.y}));
-  const float x_end = std::min(std::max({a.x, b.x, c.x}) + 1.0f, float(width_));
-  const float y_end = std::min(std::max({a.y, b.y, c.y}) + 1.0f, float(height_));
-  for (uint32_t y = y0; float(y) < y_end; ++y)
-    for (uint32_t x = x0; float(x) < x_end; ++x) {
-      const glm::vec2 s(float(x) + 0.5f, float(y) + 0.5f);
-      const float u = ((c.x - b.x) * (s.y - b.y) - (c.y - b.y) * (s.x - b.x)) / area;
-      const float v = ((a.x - c.x) * (s.y - c.y) - (a.y - c.y) * (s.x - c.x)) / area;
-      const glm::vec3 on_screen(u, v, 1.0f - u - v);
-      if (u < 0.0f || v < 0.0f || on_screen.z < 0.0f) continue;
-      // What is even in the world is even on the screen by the depth's reciprocal.
-      const glm::vec3 nearness = on_screen / glm::vec3(a.z, b.z, c.z);
-      const float depth = 1.0f / (nearness.x + nearness.y + nearness.z);
-      const size_t i = size_t(y) * width_ + x;
-      if (depth >= depth_[i]) continue;
-      visit(i, nearness * depth, depth);
-    }
-}
-
 template <class Shade>
 void Canvas::DrawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade) {
-  ForEachSample(a, b, c, [&](size_t i, const glm::vec3& bary, float depth) {
-    depth_[i] = depth;
-    colour_[i] = shade(bary);
-  });
+  TriangleSamples(a, b, c, width_, height_)
+      .ForEach(
+          depth_, [&](uint32_t x, uint32_t y, float depth) { return depth < depth_[Place(x, y)]; },
+          [&](uint32_t x, uint32_t y, float depth, const glm::vec3& nearness) {
+            const size_t i = Place(x, y);
+            depth_[i] = depth;
+            colour_[i] = shade(nearness * depth);
+          });
 }
 
 template <class Shade>
-void Canvas::DrawCutTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
-                             Shade shade) {
-  ForEachSample(a, b, c, [&](size_t i, const glm::vec3& bary, float depth) {
-    const glm::vec4 colour = shade(bary);
-    if (colour.w <= 0.0f) return;
-    depth_[i] = depth;
-    colour_[i] = glm::mix(colour_[i], glm::vec3(colour), colour.w);
-  });
+void Canvas::DrawShellTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                               uint8_t shell, Shade shade) {
+  TriangleSamples(a, b, c, width_, height_)
+      .ForEach(
+          depth_,
+          [&](uint32_t x, uint32_t y, float depth) {
+            const size_t i = Place(x, y);
+            return depth < depth_[i] || (depth == depth_[i] && shell_[i] > shell);
+          },
+          [&](uint32_t x, uint32_t y, float depth, const glm::vec3& nearness) {
+            glm::vec4 colour;
+            if (!shade(nearness * depth, colour)) return;
+            const size_t i = Place(x, y);
+            depth_[i] = depth;
+            shell_[i] = shell;
+            colour_[i] = colour.w == 1.0f ? glm::vec3(colour)
+                                          : glm::mix(colour_[i], glm::vec3(colour), colour.w);
+          });
 }
 
 inline glm::vec3 VecOf(const float* v) { return {v[0], v[1], v[2]}; }

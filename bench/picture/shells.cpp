@@ -1,5 +1,6 @@
 #include "bench/picture/shells.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "bench/view/shell_shading.hpp"
@@ -17,6 +18,7 @@ class ShellPainter {
         canvas_(canvas),
         vertices_(draw.As<ShellVertex>()),
         texture_(texture) {
+    for (int texel = 0; texel < 256; ++texel) hair_[texel] = float(texel) / 255.0f;
     indices_.resize(WriteShellIndices(draw.shells, {}));
     WriteShellIndices(draw.shells, indices_);
     // Of vertices that no triangle has nothing is known.
@@ -35,47 +37,87 @@ class ShellPainter {
     }
   }
 
-  void Draw(const Shell& shell) {
-    for (size_t i = 0; i < corners_.size(); ++i)
-      if (corners_[i].known) Shade(shell, vertices_[i], corners_[i]);
-    for (size_t t = 0; t < indices_.size(); t += 3)
-      DrawTriangle(shell, corners_[indices_[t]], corners_[indices_[t + 1]],
-                   corners_[indices_[t + 2]]);
+  // All shells of a chunk before the next chunk's, as its samples are at hand then; the outermost first, which hides
+  // most of the others. Shells that are not opaque cover each other in their own order.
+  void Draw(std::span<const Shell> shells) {
+    static_assert(kMaxShells < 256);
+    if (indices_.empty()) return;
+    canvas_.BeginShells();
+    const bool opaque =
+        std::ranges::all_of(shells, [](const Shell& shell) { return shell.fade == 1.0f; });
+    if (!opaque)
+      for (size_t i = 0; i < shells.size(); ++i) Draw(shells[i], uint8_t(i + 1), indices_);
+    for (std::span<const uint32_t> left = indices_; opaque && !left.empty();) {
+      const std::span<const uint32_t> chunk = left.first(FindChunkEnd(left));
+      left = left.subspan(chunk.size());
+      for (size_t i = shells.size(); i > 0; --i) Draw(shells[i - 1], uint8_t(i), chunk);
+    }
   }
 
  private:
   struct Corner {
     bool known = false;
+    uint8_t lit = 0;  // shell that `colour` is of
     glm::vec2 uv;
     float stencil, sun;
     glm::vec3 normal;
-    glm::vec3 screen, colour;  // at the shell that is drawn
+    glm::vec3 screen, colour;
   };
 
-  void Shade(const Shell& shell, const ShellVertex& vertex, Corner& corner) const {
-    const glm::vec3 groom = VecOf(vertex.groom), force = VecOf(vertex.force);
-    const glm::vec3 at = ShellPosition(VecOf(vertex.position), groom, force, shell.height);
-    constexpr float kNoNoise = 0.5f;
-    const HairPoint point{.colour = glm::mix(LinearColour(vertex.base_colour),
-                                             LinearColour(vertex.tip_colour), shell.height),
-                          .tangent = ShellDirection(groom, force, shell.height),
-                          .normal = corner.normal,
-                          .to_eye = glm::normalize(projection_.eye() - at),
-                          .depth_light = shell.shadow,
-                          .sun_share = corner.sun,
-                          .noise = kNoNoise};
-    corner.screen = projection_.Project(at);
-    corner.colour = ShadeHair(look_.light, look_.hair, point);
+  static size_t FindChunkEnd(std::span<const uint32_t> indices) {
+    const uint32_t chunk = indices[0] / kVerticesPerChunk;
+    const auto is_other = [&](uint32_t index) { return index / kVerticesPerChunk != chunk; };
+    return size_t(std::ranges::find_if(indices, is_other) - indices.begin());
   }
 
-  void DrawTriangle(const Shell& shell, const Corner& a, const Corner& b, const Corner& c) const {
-    canvas_.DrawCutTriangle(a.screen, b.screen, c.screen, [&](const glm::vec3& bary) {
+  // `indices` of whole chunks.
+  void Draw(const Shell& shell, uint8_t number, std::span<const uint32_t> indices) {
+    const size_t first = indices.front() / kVerticesPerChunk * kVerticesPerChunk;
+    const size_t end = (indices.back() / kVerticesPerChunk + 1) * kVerticesPerChunk;
+    for (size_t i = first; i < std::min(end, corners_.size()); ++i)
+      if (corners_[i].known) corners_[i].screen = projection_.Project(Place(shell, i));
+    for (size_t t = 0; t < indices.size(); t += 3) DrawTriangle(shell, number, &indices[t]);
+  }
+
+  glm::vec3 Place(const Shell& shell, size_t i) const {
+    const ShellVertex& vertex = vertices_[i];
+    return ShellPosition(VecOf(vertex.position), VecOf(vertex.groom), VecOf(vertex.force),
+                         shell.height);
+  }
+
+  // Lit when it is first seen, which many are not.
+  const glm::vec3& Colour(const Shell& shell, uint8_t number, uint32_t i) {
+    Corner& corner = corners_[i];
+    if (corner.lit == number) return corner.colour;
+    const ShellVertex& vertex = vertices_[i];
+    constexpr float kNoNoise = 0.5f;
+    const HairPoint point{
+        .colour = glm::mix(LinearColour(vertex.base_colour), LinearColour(vertex.tip_colour),
+                           shell.height),
+        .tangent = ShellDirection(VecOf(vertex.groom), VecOf(vertex.force), shell.height),
+        .normal = corner.normal,
+        .to_eye = glm::normalize(projection_.eye() - Place(shell, i)),
+        .depth_light = shell.shadow,
+        .sun_share = corner.sun,
+        .noise = kNoNoise};
+    corner.lit = number;
+    return corner.colour = ShadeHair(look_.light, look_.hair, point);
+  }
+
+  void DrawTriangle(const Shell& shell, uint8_t number, const uint32_t* index) {
+    const Corner &a = corners_[index[0]], &b = corners_[index[1]], &c = corners_[index[2]];
+    const auto shade = [&](const glm::vec3& bary, glm::vec4& colour) {
       const glm::vec2 uv = a.uv * bary.x + b.uv * bary.y + c.uv * bary.z;
       const float stencil = a.stencil * bary.x + b.stencil * bary.y + c.stencil * bary.z;
-      const float covered = ShellCoverage(HairAt(uv), stencil, shell.threshold);
-      const glm::vec3 colour = a.colour * bary.x + b.colour * bary.y + c.colour * bary.z;
-      return glm::vec4(colour, covered * shell.fade);
-    });
+      const float covered = ShellCoverage(HairAt(uv), stencil, shell.threshold) * shell.fade;
+      if (covered <= 0.0f) return false;
+      const glm::vec3 first = Colour(shell, number, index[0]) * bary.x,
+                      second = Colour(shell, number, index[1]) * bary.y,
+                      third = Colour(shell, number, index[2]) * bary.z;
+      colour = glm::vec4(first + second + third, covered);
+      return true;
+    };
+    canvas_.DrawShellTriangle(a.screen, b.screen, c.screen, number, shade);
   }
 
   float HairAt(const glm::vec2& uv) const {
@@ -83,7 +125,7 @@ class ShellPainter {
     const auto texel = [&](float share) {
       return std::min(uint32_t(share * float(texture_.side)), texture_.side - 1);
     };
-    return float(texture_.texels[size_t(texel(part.y)) * texture_.side + texel(part.x)]) / 255.0f;
+    return hair_[texture_.texels[size_t(texel(part.y)) * texture_.side + texel(part.x)]];
   }
 
   const PictureLook& look_;
@@ -93,6 +135,7 @@ class ShellPainter {
   const FurTexture& texture_;
   std::vector<uint32_t> indices_;
   std::vector<Corner> corners_;
+  float hair_[256];  // length of a texel's hair, of the longest
 };
 
 }  // namespace
@@ -101,9 +144,8 @@ void DrawShells(const PictureScene& scene, size_t draw, const SunShare& sun,
                 const Projection& projection, Canvas& canvas) {
   const LayerDraw& layer = scene.draws[draw];
   if (layer.shells.shell.empty()) return;
-  ShellPainter painter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection,
-                       canvas);
-  for (const Shell& shell : layer.shells.shell) painter.Draw(shell);
+  ShellPainter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection, canvas)
+      .Draw(layer.shells.shell);
 }
 
 }  // namespace pelt
