@@ -158,28 +158,66 @@ Score ScoreMotions(const Suite& suite, size_t preset, std::span<const Motion> mo
   return score;
 }
 
-// The pose between samples: the polynomial through the end of frame `frame` and those before.
-BodyMotion SampledMotion(const BodyMotion& exact, int rate, int frame, int degree) {
+// One term of a pose between samples: a sample, or its velocity, times a function of time.
+struct CourseTerm {
+  Double3 position, axis[3];
+  double value, slope, bend;  // of the function, by the frame's length
+
+  CourseTerm(const BodyPose& p) : position(p.position) { std::copy_n(p.axis, 3, axis); }
+  static CourseTerm RateOf(const BodyPose& p) {
+    CourseTerm term(p);
+    term.position = p.velocity;
+    std::copy_n(p.axis_rate, 3, term.axis);
+    return term;
+  }
+};
+
+// Lagrange's polynomial of the lower degrees is the cubic's formula on fewer nodes. `s`: frames
+// since the frame's start.
+void AddLagrange(const std::array<BodyPose, 4>& sample, int degree, double s,
+                 std::vector<CourseTerm>& terms) {
+  for (int j = 0; j <= degree; ++j) {
+    CourseTerm& term = terms.emplace_back(sample[size_t(j)]);
+    term.value = 1.0, term.slope = term.bend = 0.0;
+    for (int i = 0; i <= degree; ++i) {
+      if (i == j) continue;
+      const double per = 1.0 / (i - j), f = (s - 1.0 + i) * per;
+      term.bend = term.bend * f + 2.0 * term.slope * per;
+      term.slope = term.slope * f + term.value * per;
+      term.value *= f;
+    }
+  }
+}
+
+void AddHermite(const BodyPose& end, const BodyPose& start, double frame_seconds, double s,
+                std::vector<CourseTerm>& terms) {
+  // Coefficients of 1, s, s^2, s^3.
+  static constexpr double kBasis[4][4] = {
+      {1, 0, -3, 2}, {0, 1, -2, 1}, {0, 0, 3, -2}, {0, 0, -1, 1}};
+  terms = {CourseTerm(start), CourseTerm::RateOf(start), CourseTerm(end), CourseTerm::RateOf(end)};
+  for (size_t j = 0; j < 4; ++j) {
+    const auto& c = kBasis[j];
+    const double scale = j % 2 == 0 ? 1.0 : frame_seconds;
+    terms[j].value = scale * (c[0] + s * (c[1] + s * (c[2] + s * c[3])));
+    terms[j].slope = scale * (c[1] + s * (2.0 * c[2] + s * 3.0 * c[3]));
+    terms[j].bend = scale * (2.0 * c[2] + s * 6.0 * c[3]);
+  }
+}
+
+// The pose in frame `frame`, between the samples at its ends.
+BodyMotion SampledMotion(const BodyMotion& exact, int rate, int frame, RootCourse course) {
   std::array<BodyPose, 4> sample;
   for (int j = 0; j < 4; ++j) sample[size_t(j)] = exact(std::max(frame - j, 0) / double(rate));
   return [=](double t) {
-    // Lagrange's polynomial of the lower degrees is the cubic's formula on fewer nodes.
     const double s = t * rate - (frame - 1);
-    double value[4] = {}, slope[4] = {}, bend[4] = {};
-    for (int j = 0; j <= degree; ++j) {
-      value[j] = 1.0;
-      for (int i = 0; i <= degree; ++i) {
-        if (i == j) continue;
-        const double per = 1.0 / (i - j), f = (s - 1.0 + i) * per;
-        bend[j] = bend[j] * f + 2.0 * slope[j] * per;
-        slope[j] = slope[j] * f + value[j] * per;
-        value[j] *= f;
-      }
-    }
+    std::vector<CourseTerm> terms;
+    if (course == RootCourse::kHermite)
+      AddHermite(sample[0], sample[1], 1.0 / rate, s, terms);
+    else
+      AddLagrange(sample, int(course), s, terms);
     BodyPose pose{};
-    for (int j = 0; j <= degree; ++j) {
-      const BodyPose& p = sample[size_t(j)];
-      const double v = value[j], d = slope[j] * rate, b = bend[j] * rate * rate;
+    for (const CourseTerm& p : terms) {
+      const double v = p.value, d = p.slope * rate, b = p.bend * rate * rate;
       pose.position = pose.position + p.position * v;
       pose.velocity = pose.velocity + p.position * d;
       pose.acceleration = pose.acceleration + p.position * b;
@@ -196,7 +234,7 @@ BodyMotion SampledMotion(const BodyMotion& exact, int rate, int frame, int degre
 }
 
 double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& suite, int rate,
-                    int degree, int& cases) {
+                    RootCourse course, int& cases) {
   std::vector<ChainProblem> problems;
   for (const SuiteCase* c : batch) problems.push_back(c->problem);
   // An error in per cent needs no thirteen digits.
@@ -208,7 +246,7 @@ double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& sui
   std::vector<Double3> root_rate(batch.size(), kZero3);
   const int frames = int(std::lround(suite.options.seconds * rate));
   for (int frame = 1; frame <= frames; ++frame) {
-    const BodyMotion motion = SampledMotion(exact, rate, frame, degree);
+    const BodyMotion motion = SampledMotion(exact, rate, frame, course);
     integrator.SetMotion(motion);
     const BodyPose begin = motion(double(frame - 1) / rate), end = motion(double(frame) / rate);
     for (size_t s = 0; s < batch.size(); ++s) {
@@ -288,12 +326,12 @@ TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_secon
   return best;
 }
 
-double InputError(const Suite& suite, size_t preset, int frames_per_second, int degree) {
+double InputError(const Suite& suite, size_t preset, int frames_per_second, RootCourse course) {
   double squares = 0.0;
   int cases = 0;
   for (const Motion motion : suite.options.motions) {
     const auto batch = BatchOf(suite, preset, motion);
-    if (!batch.empty()) squares += InputSquares(batch, suite, frames_per_second, degree, cases);
+    if (!batch.empty()) squares += InputSquares(batch, suite, frames_per_second, course, cases);
   }
   return cases > 0 ? std::sqrt(squares / cases) : 0.0;
 }

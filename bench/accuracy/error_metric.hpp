@@ -85,8 +85,15 @@ inline constexpr double kStiffnessScales[] = {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0
 TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
                          const std::function<SolverFactory(double scale)>& make);
 
-// The error of the exact motion under a root that is only known at frame times: a polynomial of
-// `degree` (1 to 3) through the frame's end and the samples before it.
-double InputError(const Suite& suite, size_t preset, int frames_per_second, int degree);
+// What is known of the root, and so of its way through a frame.
+enum class RootCourse : uint8_t {
+  kLine = 1,  // a polynomial of this degree through the frame's end and the samples before it
+  kQuadratic = 2,
+  kCubic = 3,
+  kHermite,  // the cubic with the poses and their velocities at both ends of the frame
+};
+
+// The error of the exact motion under a root that is only known at frame times.
+double InputError(const Suite& suite, size_t preset, int frames_per_second, RootCourse course);
 
 }  // namespace pelt::accuracy

@@ -128,7 +128,7 @@ WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
       show(1);
       WorkPrecisionPanel panel{links, preset, {}, {}};
       for (const int rate : options.rates)
-        panel.input_errors.push_back(InputError(suite, preset, rate, 3));
+        panel.input_errors.push_back(InputError(suite, preset, rate, RootCourse::kCubic));
       const PanelScores scores(options, suite, preset);
       std::vector<NamedSolver> timed;
       for (const NamedSolver& solver : solvers) {
