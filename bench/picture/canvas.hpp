@@ -61,6 +61,11 @@ class Canvas {
   void DrawShellTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, uint8_t shell,
                          Shade shade);
 
+  // The same, of what is thinner than its samples: what lies behind it is still drawn. shade(bary)
+  // returns colour and coverage.
+  template <class Shade>
+  void DrawThinTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Shade shade);
+
   void DrawPoint(uint32_t x, uint32_t y, float depth, const glm::vec3& colour);
 
   // A tapering piece of a hair, painted with coverage `alpha`; of a card, if there is one.
@@ -111,6 +116,19 @@ void Canvas::DrawShellTriangle(const glm::vec3& a, const glm::vec3& b, const glm
             shell_[i] = shell;
             colour_[i] = colour.w == 1.0f ? glm::vec3(colour)
                                           : glm::mix(colour_[i], glm::vec3(colour), colour.w);
+          });
+}
+
+template <class Shade>
+void Canvas::DrawThinTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                              Shade shade) {
+  TriangleSamples(a, b, c, width_, height_)
+      .ForEach(
+          depth_, [&](uint32_t x, uint32_t y, float depth) { return depth < depth_[Place(x, y)]; },
+          [&](uint32_t x, uint32_t y, float depth, const glm::vec3& nearness) {
+            const glm::vec4 colour = shade(nearness * depth);
+            glm::vec3& under = colour_[Place(x, y)];
+            under = glm::mix(under, glm::vec3(colour), colour.w);
           });
 }
 

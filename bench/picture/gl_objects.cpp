@@ -89,7 +89,7 @@ void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture) {
 }
 
 GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
-                  std::span<const GLint> floats) {
+                  std::span<const GLint> floats, GLuint divisor) {
   GlMesh mesh{GlVertexArray(gl), GlBuffer(gl)};
   const GLint stride = std::accumulate(floats.begin(), floats.end(), 0);
   gl.BindVertexArray(mesh.array);
@@ -101,6 +101,7 @@ GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
     const void* from_start = reinterpret_cast<const void*>(offset);
     gl.VertexAttribPointer(GLuint(i), floats[i], GL_FLOAT, GL_FALSE, stride * GLint(sizeof(float)),
                            from_start);
+    gl.VertexAttribDivisor(GLuint(i), divisor);
     gl.EnableVertexAttribArray(GLuint(i));
     offset += size_t(floats[i]) * sizeof(float);
   }

@@ -49,9 +49,10 @@ struct GlMesh {
   GlVertexArray array;
   GlBuffer vertices;
 };
-// `floats`: of each attribute, 1 to 4. No vertex array is bound afterwards.
+// `floats`: of each attribute, 1 to 4. `divisor`: instances that share a vertex; 0: none, vertices
+// are those of a mesh. No vertex array is bound afterwards.
 GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
-                  std::span<const GLint> floats);
+                  std::span<const GLint> floats, GLuint divisor = 0);
 
 class GlProgram {
  public:

@@ -15,7 +15,8 @@ constexpr struct {
 } kOthers[] = {{"body.vert", "body.frag"},    {"body_shadow.vert", "shadow.frag"},
                {"eye.vert", "eye.frag"},      {"lighting.vert", "lighting.frag"},
                {"whole.vert", "soften.frag"}, {"whole.vert", "resolve.frag"},
-               {"shell.vert", "shell.frag"},  {"relief.vert", "relief.frag"}};
+               {"shell.vert", "shell.frag"},  {"relief.vert", "relief.frag"},
+               {"fin.vert", "fin.frag"}};
 
 std::string PassText(std::string_view file) { return ShaderText(fmt::format("passes/{}", file)); }
 

@@ -32,7 +32,7 @@ struct GlPrograms {
   std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
   std::vector<GlProgram> others;
 
-  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell, kRelief };
+  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell, kRelief, kFin };
   const GlProgram& operator[](Other other) const { return others[other]; }
 
   static Result<GlPrograms> Make(const GlApi& gl);

@@ -188,6 +188,13 @@ void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<G
     uploaded.shells.Draw(shell, layer, scene.draws[layer].shells.shell);
   }
   gl().DepthMask(GL_FALSE);
+  if (uploaded.shells.HasFins(layer)) {
+    const GlProgram& fin = programs[GlPrograms::kFin];
+    fin.Use();
+    fin.Set("character", actor);
+    fin.Set("lift", uploaded.shadows.Lift(actor));
+    uploaded.shells.DrawFins(fin, layer, scene.draws[layer].shells);
+  }
   for (const GlProgram& program : lit) {
     program.Use();
     program.Set("depth_floor",

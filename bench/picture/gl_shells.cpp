@@ -3,6 +3,7 @@
 #include <array>
 
 #include "bench/picture/canvas.hpp"
+#include "bench/view/shell_shading.hpp"
 #include "bench/view/strand_shading.hpp"
 
 namespace pelt {
@@ -16,26 +17,47 @@ struct ShellCorner {
 constexpr std::array<GLint, 7> kCornerFloats = {3, 3, 3, 3, 3, 3, 3};
 static_assert(sizeof(ShellCorner) == 21 * sizeof(float));
 
+ShellCorner CornerOf(const LayerDraw& draw, uint32_t i) {
+  const ShellVertex& vertex = draw.As<ShellVertex>()[i];
+  const float(&uv)[2] = draw.shells.skin[i / kVerticesPerChunk].uv[i % kVerticesPerChunk];
+  return {.position = VecOf(vertex.position),
+          .groom = VecOf(vertex.groom),
+          .force = VecOf(vertex.force),
+          .normal = OctahedralNormal(vertex.normal),
+          .base_colour = LinearColour(vertex.base_colour),
+          .tip_colour = LinearColour(vertex.tip_colour),
+          .place = {uv[0] * draw.shells.texture_repeat, uv[1] * draw.shells.texture_repeat,
+                    float(vertex.base_colour >> 24) / 255.0f}};
+}
+
 std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
   std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
   WriteShellIndices(draw.shells, indices);
-  const std::span<const ShellVertex> vertices = draw.As<ShellVertex>();
   std::vector<ShellCorner> corners;
   corners.reserve(indices.size());
-  for (const uint32_t i : indices) {
-    const ShellVertex& vertex = vertices[i];
-    const float(&uv)[2] = draw.shells.skin[i / kVerticesPerChunk].uv[i % kVerticesPerChunk];
-    corners.push_back(
-        {.position = VecOf(vertex.position),
-         .groom = VecOf(vertex.groom),
-         .force = VecOf(vertex.force),
-         .normal = OctahedralNormal(vertex.normal),
-         .base_colour = LinearColour(vertex.base_colour),
-         .tip_colour = LinearColour(vertex.tip_colour),
-         .place = {uv[0] * draw.shells.texture_repeat, uv[1] * draw.shells.texture_repeat,
-                   float(vertex.base_colour >> 24) / 255.0f}});
-  }
+  for (const uint32_t i : indices) corners.push_back(CornerOf(draw, i));
   return corners;
+}
+
+// An instance of fin.vert: the attributes of its ends, and its fade behind them.
+struct FinEnds {
+  ShellCorner from, to;
+  float fade;
+};
+// 16 attributes are what OpenGL 3.3 has.
+constexpr std::array<GLint, 15> kFinFloats = {3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 1};
+static_assert(sizeof(FinEnds) == 43 * sizeof(float));
+
+std::vector<FinEnds> FinsOf(const LayerDraw& draw) {
+  std::vector<Fin> fins(WriteFins(draw.shells, {}));
+  WriteFins(draw.shells, fins);
+  std::vector<FinEnds> ends;
+  ends.reserve(fins.size());
+  const float last = draw.shells.shell.back().fade;
+  for (const Fin& fin : fins)
+    ends.push_back(
+        {CornerOf(draw, fin.from), CornerOf(draw, fin.to), float(fin.fade) / 255.0f * last});
+  return ends;
 }
 
 GlTexture UploadFur(const GlApi& gl, const FurTexture& fur) {
@@ -59,9 +81,14 @@ GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothin
 
 GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture) const {
   std::vector<ShellCorner> corners;
-  if (!draw.shells.shell.empty()) corners = CornersOf(draw);
+  std::vector<FinEnds> fins;
+  if (!draw.shells.shell.empty()) {
+    corners = CornersOf(draw);
+    fins = FinsOf(draw);
+  }
   return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
-          UploadFur(gl_, texture), GLsizei(corners.size())};
+          UploadFur(gl_, texture), GLsizei(corners.size()),
+          UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1), GLsizei(fins.size())};
 }
 
 void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
@@ -71,6 +98,16 @@ void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shel
     program.Set("shell", glm::vec4(shell.height, shell.shadow, shell.threshold, shell.fade));
     gl_.DrawArrays(GL_TRIANGLES, 0, layers_[layer].corners);
   }
+  gl_.BindVertexArray(nothing_);
+}
+
+void GlShells::DrawFins(const GlProgram& program, size_t layer, const ShellDraw& shells) const {
+  gl_.BindVertexArray(layers_[layer].fins.array);
+  BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layers_[layer].texture);
+  program.Set("fur_shadow", shells.shadow);
+  program.Set("steps", float(kFinSteps));
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, GLsizei(2 * (kFinSteps + 1)),
+                          layers_[layer].fin_count);
   gl_.BindVertexArray(nothing_);
 }
 

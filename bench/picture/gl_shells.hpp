@@ -16,11 +16,17 @@ class GlShells {
   // By GlPrograms' shell, in use: from the skin up, over what is there.
   void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const;
 
+  bool HasFins(size_t layer) const { return layers_[layer].fin_count > 0; }
+  // By GlPrograms' fin, in use: over what is there.
+  void DrawFins(const GlProgram& program, size_t layer, const ShellDraw& shells) const;
+
  private:
   struct Layer {
     GlMesh mesh;
     GlTexture texture;
     GLsizei corners;
+    GlMesh fins;  // an instance each
+    GLsizei fin_count;
   };
   Layer Upload(const LayerDraw& draw, const FurTexture& texture) const;
 

@@ -14,6 +14,7 @@ class ShellPainter {
   ShellPainter(const PictureLook& look, const LayerDraw& draw, const FurTexture& texture,
                const SunShare& sun, const Projection& projection, Canvas& canvas)
       : look_(look),
+        shells_(draw.shells),
         projection_(projection),
         canvas_(canvas),
         vertices_(draw.As<ShellVertex>()),
@@ -54,6 +55,13 @@ class ShellPainter {
     }
   }
 
+  // Seen from the side: hairs all along the edge, each to its own height, with those of the shells.
+  void DrawFins() {
+    std::vector<Fin> fins(WriteFins(shells_, {}));
+    WriteFins(shells_, fins);
+    for (const Fin& fin : fins) DrawFin(fin);
+  }
+
  private:
   struct Corner {
     bool known = false;
@@ -89,19 +97,23 @@ class ShellPainter {
   const glm::vec3& Colour(const Shell& shell, uint8_t number, uint32_t i) {
     Corner& corner = corners_[i];
     if (corner.lit == number) return corner.colour;
+    corner.lit = number;
+    return corner.colour = Light(shell, i);
+  }
+
+  glm::vec3 Light(const Shell& shell, uint32_t i) const {
     const ShellVertex& vertex = vertices_[i];
     constexpr float kNoNoise = 0.5f;
     const HairPoint point{
         .colour = glm::mix(LinearColour(vertex.base_colour), LinearColour(vertex.tip_colour),
                            shell.height),
         .tangent = ShellDirection(VecOf(vertex.groom), VecOf(vertex.force), shell.height),
-        .normal = corner.normal,
+        .normal = corners_[i].normal,
         .to_eye = glm::normalize(projection_.eye() - Place(shell, i)),
         .depth_light = shell.shadow,
-        .sun_share = corner.sun,
+        .sun_share = corners_[i].sun,
         .noise = kNoNoise};
-    corner.lit = number;
-    return corner.colour = ShadeHair(look_.light, look_.hair, point);
+    return ShadeHair(look_.light, look_.hair, point);
   }
 
   void DrawTriangle(const Shell& shell, uint8_t number, const uint32_t* index) {
@@ -120,6 +132,46 @@ class ShellPainter {
     canvas_.DrawShellTriangle(a.screen, b.screen, c.screen, number, shade);
   }
 
+  void DrawFin(const Fin& fin) const {
+    const float fade = float(fin.fade) / 255.0f * shells_.shell.back().fade;
+    FinRow low = RowAt(fin, 0);
+    for (uint32_t step = 1; step <= kFinSteps; ++step) {
+      const FinRow high = RowAt(fin, step);
+      DrawFinTriangle(low.from, low.to, high.from, {low.height, low.height, high.height}, fade);
+      DrawFinTriangle(low.to, high.from, high.to, {low.height, high.height, high.height}, fade);
+      low = high;
+    }
+  }
+
+  struct FinRow {
+    float height;
+    Corner from, to;
+  };
+  FinRow RowAt(const Fin& fin, uint32_t step) const {
+    const float height = FinHeight(step);
+    const Shell at{.height = height,
+                   .shadow = glm::mix(shells_.shadow, 1.0f, height),
+                   .threshold = height,
+                   .fade = 1.0f};
+    FinRow row{height, corners_[fin.from], corners_[fin.to]};
+    for (const auto& [corner, i] : {std::pair(&row.from, fin.from), std::pair(&row.to, fin.to)}) {
+      corner->screen = projection_.Project(Place(at, i));
+      corner->colour = Light(at, i);
+    }
+    return row;
+  }
+
+  void DrawFinTriangle(const Corner& a, const Corner& b, const Corner& c, const glm::vec3& heights,
+                       float fade) const {
+    canvas_.DrawThinTriangle(a.screen, b.screen, c.screen, [&](const glm::vec3& bary) {
+      const glm::vec2 uv = a.uv * bary.x + b.uv * bary.y + c.uv * bary.z;
+      const float stencil = a.stencil * bary.x + b.stencil * bary.y + c.stencil * bary.z;
+      const float covered = ShellCoverage(HairAt(uv), stencil, glm::dot(heights, bary));
+      const glm::vec3 colour = a.colour * bary.x + b.colour * bary.y + c.colour * bary.z;
+      return glm::vec4(colour, covered * fade);
+    });
+  }
+
   float HairAt(const glm::vec2& uv) const {
     const glm::vec2 part = uv - glm::floor(uv);
     const auto texel = [&](float share) {
@@ -129,6 +181,7 @@ class ShellPainter {
   }
 
   const PictureLook& look_;
+  const ShellDraw& shells_;
   const Projection& projection_;
   Canvas& canvas_;
   std::span<const ShellVertex> vertices_;
@@ -144,8 +197,10 @@ void DrawShells(const PictureScene& scene, size_t draw, const SunShare& sun,
                 const Projection& projection, Canvas& canvas) {
   const LayerDraw& layer = scene.draws[draw];
   if (layer.shells.shell.empty()) return;
-  ShellPainter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection, canvas)
-      .Draw(layer.shells.shell);
+  ShellPainter painter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection,
+                       canvas);
+  painter.Draw(layer.shells.shell);
+  painter.DrawFins();
 }
 
 }  // namespace pelt

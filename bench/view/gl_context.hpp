@@ -82,6 +82,7 @@
   F(UniformMatrix3fv, UNIFORMMATRIX3FV)               \
   F(UniformMatrix4fv, UNIFORMMATRIX4FV)               \
   F(UseProgram, USEPROGRAM)                           \
+  F(VertexAttribDivisor, VERTEXATTRIBDIVISOR)         \
   F(VertexAttribPointer, VERTEXATTRIBPOINTER)         \
   F(Viewport, VIEWPORT)
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 
 namespace pelt {
@@ -26,5 +27,12 @@ inline glm::vec3 ShellDirection(const glm::vec3& groom, const glm::vec3& force, 
 inline float ShellCoverage(float hair, float stencil, float threshold) {
   return hair * stencil > threshold ? 1.0f : 0.0f;
 }
+
+// A fin, an edge of the skin drawn out along its hairs, is a strip of kFinSteps quads that follow their
+// bend. Its ends are at ShellPosition; a hair at a share of the edge covers it up to its height, by
+// ShellCoverage with the height as threshold.
+inline constexpr uint32_t kFinSteps = 4;
+
+inline float FinHeight(uint32_t step) { return float(step) / float(kFinSteps); }
 
 }  // namespace pelt
