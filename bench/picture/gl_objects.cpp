@@ -32,6 +32,8 @@ Source SourceOf(GLenum format) {
       return {GL_RGBA_INTEGER, GL_UNSIGNED_INT};
     case GL_DEPTH_COMPONENT32F:
       return {GL_DEPTH_COMPONENT, GL_FLOAT};
+    case GL_R32F:
+      return {GL_RED, GL_FLOAT};
     case GL_RGBA8:
       return {GL_RGBA, GL_UNSIGNED_BYTE};
     default:

@@ -12,11 +12,11 @@ namespace {
 // Of GlPrograms::Other, in its order.
 constexpr struct {
   const char *vertex, *fragment;
-} kOthers[] = {{"body.vert", "body.frag"},    {"body_shadow.vert", "shadow.frag"},
-               {"eye.vert", "eye.frag"},      {"lighting.vert", "lighting.frag"},
-               {"whole.vert", "soften.frag"}, {"whole.vert", "resolve.frag"},
-               {"shell.vert", "shell.frag"},  {"relief.vert", "relief.frag"},
-               {"fin.vert", "fin.frag"}};
+} kOthers[] = {{"body.vert", "body.frag"},     {"body_shadow.vert", "shadow.frag"},
+               {"eye.vert", "eye.frag"},       {"lighting.vert", "lighting.frag"},
+               {"whole.vert", "soften.frag"},  {"whole.vert", "resolve.frag"},
+               {"shell.vert", "shell.frag"},   {"shell_shadow.vert", "shell_shadow.frag"},
+               {"relief.vert", "relief.frag"}, {"fin.vert", "fin.frag"}};
 
 std::string PassText(std::string_view file) { return ShaderText(fmt::format("passes/{}", file)); }
 
@@ -96,6 +96,7 @@ void GlPrograms::SetUnits() const {
     program.Set("drawn", kSourceUnit);
     program.Set("relief_heights", kHeightsUnit);
     program.Set("strips", kStripsUnit);
+    program.Set("covers", kCoversUnit);
     program.BindBlock("Look", 0);
   });
 }

@@ -24,6 +24,7 @@ enum GlUnit : GLint {
   kSourceUnit,
   kHeightsUnit,
   kStripsUnit,
+  kCoversUnit,
   kMakingUnit  // where textures are made
 };
 
@@ -32,7 +33,18 @@ struct GlPrograms {
   std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
   std::vector<GlProgram> others;
 
-  enum Other { kBody, kBodyShadow, kEye, kLighting, kSoften, kResolve, kShell, kRelief, kFin };
+  enum Other {
+    kBody,
+    kBodyShadow,
+    kEye,
+    kLighting,
+    kSoften,
+    kResolve,
+    kShell,
+    kShellShadow,
+    kRelief,
+    kFin
+  };
   const GlProgram& operator[](Other other) const { return others[other]; }
 
   static Result<GlPrograms> Make(const GlApi& gl);

@@ -50,7 +50,7 @@ struct Uploaded {
         relief(gl, scene),
         strands(gl, scene),
         shells(gl, scene),
-        shadows(gl, programs, scene, bodies, strands) {}
+        shadows(gl, programs, scene, bodies, strands, shells) {}
 };
 
 // How the picture looks into the world.

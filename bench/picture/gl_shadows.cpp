@@ -19,7 +19,7 @@ glm::mat3 SunAxes(const glm::vec3& to_sun) {
 }
 
 GlShadows::GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene,
-                     const GlBodies& bodies, const GlStrands& strands)
+                     const GlBodies& bodies, const GlStrands& strands, const GlShells& shells)
     : gl_(gl),
       balls_(BoundActors(scene)),
       maps_(MakeTextureArray(gl, GL_RGBA32F, glm::ivec2(kMapSide), GLsizei(balls_.size()))),
@@ -33,7 +33,7 @@ GlShadows::GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureS
   gl_.Enable(GL_BLEND);
   gl_.BlendEquationSeparate(GL_MIN, GL_FUNC_ADD);
   gl_.BlendFunc(GL_ONE, GL_ONE);
-  for (uint32_t a = 0; a < balls_.size(); ++a) DrawMap(programs, scene, bodies, strands, a);
+  for (uint32_t a = 0; a < balls_.size(); ++a) DrawMap(programs, scene, bodies, strands, shells, a);
   gl_.Disable(GL_BLEND);
   gl_.BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
   for (GLint a = 0; a < GLint(balls_.size()); ++a)
@@ -71,7 +71,8 @@ void GlShadows::Attach(GLuint texture, uint32_t layer) const {
 }
 
 void GlShadows::DrawMap(const GlPrograms& programs, const PictureScene& scene,
-                        const GlBodies& bodies, const GlStrands& strands, uint32_t actor) const {
+                        const GlBodies& bodies, const GlStrands& strands, const GlShells& shells,
+                        uint32_t actor) const {
   constexpr float kNothing[4] = {1e9f, 1e9f, 1e9f, 0.0f};
   Attach(maps_, actor);
   gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
@@ -81,6 +82,11 @@ void GlShadows::DrawMap(const GlPrograms& programs, const PictureScene& scene,
   bodies.DrawSkin(actor);
   for (size_t layer = 0; layer < strands.layers(); ++layer)
     if (scene.actors[layer] == actor) strands.DrawLines(programs.strand_shadow, layer);
+  const GlProgram& shell = programs[GlPrograms::kShellShadow];
+  shell.Use();
+  shell.Set("character", actor);
+  for (size_t layer = 0; layer < scene.draws.size(); ++layer)
+    if (scene.actors[layer] == actor && shells.Has(layer)) shells.DrawShadow(shell, layer);
 }
 
 std::vector<glm::vec4> GlShadows::Read(uint32_t actor) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/picture/gl_bodies.hpp"
+#include "bench/picture/gl_shells.hpp"
 #include "bench/picture/gl_strands.hpp"
 
 namespace pelt {
@@ -15,7 +16,7 @@ class GlShadows {
  public:
   // Draws them, and leaves them bound where passes look for them.
   GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene,
-            const GlBodies& bodies, const GlStrands& strands);
+            const GlBodies& bodies, const GlStrands& strands, const GlShells& shells);
 
   // A normal's length by which skin is lifted out of its own shadow, m.
   float Lift(uint32_t actor) const;
@@ -25,7 +26,7 @@ class GlShadows {
  private:
   GlTexture UploadCharacters(const glm::vec3& to_sun) const;
   void DrawMap(const GlPrograms& programs, const PictureScene& scene, const GlBodies& bodies,
-               const GlStrands& strands, uint32_t actor) const;
+               const GlStrands& strands, const GlShells& shells, uint32_t actor) const;
   void Attach(GLuint texture, uint32_t layer) const;
 
   const GlApi& gl_;

@@ -1,8 +1,10 @@
 #include "bench/picture/gl_shells.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "bench/picture/canvas.hpp"
+#include "bench/picture/shell_shadow.hpp"
 #include "bench/view/shell_shading.hpp"
 #include "bench/view/strand_shading.hpp"
 
@@ -71,6 +73,16 @@ GlTexture UploadFur(const GlApi& gl, const FurTexture& fur) {
   return texture;
 }
 
+GlTexture UploadCovers(const GlApi& gl, const std::vector<ShadowShell>& shells) {
+  const GLsizei columns = GLsizei(std::tuple_size_v<decltype(ShadowShell::covers)>);
+  GlTexture texture =
+      MakeTexture(gl, GL_R32F, columns, GLsizei(std::max(shells.size(), size_t(1))));
+  for (size_t row = 0; row < shells.size(); ++row)
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, GLint(row), columns, 1, GL_RED, GL_FLOAT,
+                     shells[row].covers.data());
+  return texture;
+}
+
 }  // namespace
 
 GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
@@ -86,9 +98,16 @@ GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& textur
     corners = CornersOf(draw);
     fins = FinsOf(draw);
   }
+  const std::vector<ShadowShell> shadows = FindShadowShells(draw.shells.shell, texture);
+  std::vector<float> heights;
+  for (const ShadowShell& shell : shadows) heights.push_back(shell.height);
   return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
-          UploadFur(gl_, texture), GLsizei(corners.size()),
-          UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1), GLsizei(fins.size())};
+          UploadFur(gl_, texture),
+          GLsizei(corners.size()),
+          UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1),
+          GLsizei(fins.size()),
+          UploadCovers(gl_, shadows),
+          std::move(heights)};
 }
 
 void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
@@ -108,6 +127,18 @@ void GlShells::DrawFins(const GlProgram& program, size_t layer, const ShellDraw&
   program.Set("steps", float(kFinSteps));
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, GLsizei(2 * (kFinSteps + 1)),
                           layers_[layer].fin_count);
+  gl_.BindVertexArray(nothing_);
+}
+
+void GlShells::DrawShadow(const GlProgram& program, size_t layer) const {
+  const Layer& drawn = layers_[layer];
+  gl_.BindVertexArray(drawn.mesh.array);
+  BindTexture(gl_, kCoversUnit, GL_TEXTURE_2D, drawn.covers);
+  for (size_t row = 0; row < drawn.heights.size(); ++row) {
+    program.Set("row", int(row));
+    program.Set("height", drawn.heights[row]);
+    gl_.DrawArrays(GL_TRIANGLES, 0, drawn.corners);
+  }
   gl_.BindVertexArray(nothing_);
 }
 

@@ -15,6 +15,8 @@ class GlShells {
   bool Has(size_t layer) const { return layers_[layer].corners > 0; }
   // By GlPrograms' shell, in use: from the skin up, over what is there.
   void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const;
+  // By GlPrograms' shell_shadow, in use.
+  void DrawShadow(const GlProgram& program, size_t layer) const;
 
   bool HasFins(size_t layer) const { return layers_[layer].fin_count > 0; }
   // By GlPrograms' fin, in use: over what is there.
@@ -27,6 +29,8 @@ class GlShells {
     GLsizei corners;
     GlMesh fins;  // an instance each
     GLsizei fin_count;
+    GlTexture covers;            // ShadowShell::covers, a row each
+    std::vector<float> heights;  // and what they are of
   };
   Layer Upload(const LayerDraw& draw, const FurTexture& texture) const;
 

@@ -2,6 +2,7 @@
 
 #include "bench/picture/frame_light.hpp"
 #include "bench/picture/relief_coat.hpp"
+#include "bench/view/shell_shading.hpp"
 
 namespace pelt {
 
@@ -48,6 +49,17 @@ std::vector<Ball> BoundActors(const PictureScene& scene) {
     for (const glm::vec3& p : scene.bodies[a].position) boxes[a].Add(p);
   for (const auto& hairs : scene.layers)
     for (const Hair& hair : hairs) boxes[hair.actor].Add(hair.knot[hair.knots - 1].at);
+  for (size_t i = 0; i < scene.draws.size(); ++i) {
+    const LayerDraw& draw = scene.draws[i];
+    if (draw.shells.shell.empty()) continue;
+    std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
+    WriteShellIndices(draw.shells, indices);
+    for (const uint32_t v : indices) {
+      const ShellVertex& vertex = draw.As<ShellVertex>()[v];
+      boxes[scene.actors[i]].Add(
+          ShellPosition(VecOf(vertex.position), VecOf(vertex.groom), VecOf(vertex.force), 1.0f));
+    }
+  }
   std::vector<Ball> balls;
   balls.reserve(boxes.size());
   for (const Box& box : boxes)

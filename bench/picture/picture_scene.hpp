@@ -47,7 +47,7 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
                            VertexOrder order, std::vector<std::string>& notes,
                            std::span<const std::string> relief = {});
 
-// A sphere round everything of each character, its hairs' tips too.
+// A sphere round everything of each character, the tips of its hairs and shells too.
 struct Ball {
   glm::vec3 centre;
   float radius;  // m

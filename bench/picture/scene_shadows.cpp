@@ -1,5 +1,7 @@
 #include "bench/picture/scene_shadows.hpp"
 
+#include "bench/picture/shell_shadow.hpp"
+
 namespace pelt {
 SceneShadows::SceneShadows(const PictureScene& scene)
     : look_(scene.look.shadow), near_(scene.bodies.size()) {
@@ -19,6 +21,8 @@ SceneShadows::SceneShadows(const PictureScene& scene)
       for (uint32_t k = 1; k < hair.knots; ++k)
         maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at, hair.knot[k].width,
                                   hair.Opacity());
+  for (size_t i = 0; i < scene.draws.size(); ++i)
+    AddShells(scene.draws[i], scene.textures[i], maps_[scene.actors[i]]);
   for (ShadowMap& map : maps_) map.Soften(kSoftTexels);
 }
 

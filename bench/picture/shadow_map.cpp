@@ -64,7 +64,8 @@ void ShadowMap::AddHair(const glm::vec3& a, const glm::vec3& b, float width, flo
   }
 }
 
-void ShadowMap::AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+void ShadowMap::AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                            const glm::vec3& covered) {
   const glm::vec3 p = Map(a), q = Map(b), r = Map(c);
   const float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
   if (area == 0.0f) return;
@@ -76,7 +77,10 @@ void ShadowMap::AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::v
       const float u = ((r.x - q.x) * (sy - q.y) - (r.y - q.y) * (sx - q.x)) / area;
       const float v = ((p.x - r.x) * (sy - r.y) - (p.y - r.y) * (sx - r.x)) / area;
       const float w = 1.0f - u - v;
-      if (u >= 0.0f && v >= 0.0f && w >= 0.0f) Add(x, y, u * p.z + v * q.z + w * r.z, kFull);
+      if (u < 0.0f || v < 0.0f || w < 0.0f) continue;
+      const float share = u * covered.x + v * covered.y + w * covered.z;
+      const uint32_t coverage = uint32_t(float(kFull) * share + 0.5f);
+      if (coverage > 0) Add(x, y, u * p.z + v * q.z + w * r.z, coverage);
     }
 }
 

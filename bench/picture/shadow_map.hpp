@@ -29,7 +29,9 @@ class ShadowMap {
 
   // A piece of a hair of this full width, m: as wide as a texel, with less coverage where it is thinner.
   void AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha);
-  void AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+  // `covered`: share of a texel that it covers, at its corners; nothing is added where that is none.
+  void AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                   const glm::vec3& covered = glm::vec3(1.0f));
 
   // Whether the light's rays through the place meet the map at all.
   bool Covers(const glm::vec3& world) const;

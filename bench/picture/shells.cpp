@@ -15,6 +15,7 @@ class ShellPainter {
                const SunShare& sun, const Projection& projection, Canvas& canvas)
       : look_(look),
         shells_(draw.shells),
+        sun_(sun),
         projection_(projection),
         canvas_(canvas),
         vertices_(draw.As<ShellVertex>()),
@@ -34,7 +35,6 @@ class ShellPainter {
       corner.uv = glm::vec2(uv[0], uv[1]) * draw.shells.texture_repeat;
       corner.stencil = float(vertex.base_colour >> 24) / 255.0f;
       corner.normal = OctahedralNormal(vertex.normal);
-      corner.sun = sun(VecOf(vertex.position), corner.normal);
     }
   }
 
@@ -67,7 +67,7 @@ class ShellPainter {
     bool known = false;
     uint8_t lit = 0;  // shell that `colour` is of
     glm::vec2 uv;
-    float stencil, sun;
+    float stencil;
     glm::vec3 normal;
     glm::vec3 screen, colour;
   };
@@ -103,15 +103,16 @@ class ShellPainter {
 
   glm::vec3 Light(const Shell& shell, uint32_t i) const {
     const ShellVertex& vertex = vertices_[i];
+    const glm::vec3 at = Place(shell, i);
     constexpr float kNoNoise = 0.5f;
     const HairPoint point{
         .colour = glm::mix(LinearColour(vertex.base_colour), LinearColour(vertex.tip_colour),
                            shell.height),
         .tangent = ShellDirection(VecOf(vertex.groom), VecOf(vertex.force), shell.height),
         .normal = corners_[i].normal,
-        .to_eye = glm::normalize(projection_.eye() - Place(shell, i)),
+        .to_eye = glm::normalize(projection_.eye() - at),
         .depth_light = shell.shadow,
-        .sun_share = corners_[i].sun,
+        .sun_share = sun_(at, corners_[i].normal),
         .noise = kNoNoise};
     return ShadeHair(look_.light, look_.hair, point);
   }
@@ -182,6 +183,7 @@ class ShellPainter {
 
   const PictureLook& look_;
   const ShellDraw& shells_;
+  const SunShare& sun_;
   const Projection& projection_;
   Canvas& canvas_;
   std::span<const ShellVertex> vertices_;

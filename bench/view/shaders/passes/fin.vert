@@ -24,7 +24,7 @@ layout(location = 14) in float fade;
 uniform float fur_shadow;  // light left at the skin
 uniform float steps;       // quads in the strip
 uniform int character;
-uniform float lift;  // out of the skin's own shadow, m
+uniform float lift;  // out of its own shadow, m
 
 out vec3 fin_lit, fin_place;
 out vec2 fin_height_fade;
@@ -44,7 +44,7 @@ void main() {
   point.normal = normal;
   point.to_eye = normalize(eye - at);
   point.depth_light = mix(fur_shadow, 1.0, height);
-  point.sun_share = SunShare(position + normal * lift, character);
+  point.sun_share = SunShare(at + normal * lift, character);
   point.noise = 0.5;
   fin_lit = ShadeHair(light, look, point);
   fin_place = is_from ? from_place : to_place;

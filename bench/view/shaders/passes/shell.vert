@@ -15,7 +15,7 @@ layout(location = 6) in vec3 place;  // on the texture, and the stencil
 
 uniform vec4 shell;  // height, shadow, threshold, fade
 uniform int character;
-uniform float lift;  // out of the skin's own shadow, m
+uniform float lift;  // out of its own shadow, m
 
 out vec3 shell_lit, shell_place;
 
@@ -27,7 +27,7 @@ void main() {
   point.normal = normal;
   point.to_eye = normalize(eye - at);
   point.depth_light = shell.y;
-  point.sun_share = SunShare(position + normal * lift, character);
+  point.sun_share = SunShare(at + normal * lift, character);
   point.noise = 0.5;
   shell_lit = ShadeHair(light, look, point);
   shell_place = place;
