@@ -27,6 +27,16 @@ inline constexpr auto kBlockMembers<PoseBlock> = std::tuple{
     PELT_MEMBER(PoseBlock, joint_count),
     PELT_MEMBER(PoseBlock, teleported)};
 template <>
+inline constexpr auto kBlockMembers<PoseRateBlock> = std::tuple{
+    PELT_MEMBER(PoseRateBlock, translation),
+    PELT_MEMBER(PoseRateBlock, spin),
+    PELT_MEMBER(PoseRateBlock, scale),
+    PELT_MEMBER(PoseRateBlock, root),
+    PELT_MEMBER(PoseRateBlock, given)};
+template <>
+inline constexpr auto kBlockMembers<PaletteRateBlock> = std::tuple{
+    PELT_MEMBER(PaletteRateBlock, matrix).ByLane()};
+template <>
 inline constexpr auto kBlockMembers<SkeletonBlock> = std::tuple{
     PELT_MEMBER(SkeletonBlock, parent),
     PELT_MEMBER(SkeletonBlock, inverse_bind).ByLane()};
@@ -119,6 +129,10 @@ inline constexpr auto kBlockMembers<RootBlock> = std::tuple{
     PELT_MEMBER(RootBlock, normal),
     PELT_MEMBER(RootBlock, tangent),
     PELT_MEMBER(RootBlock, motion)};
+template <>
+inline constexpr auto kBlockMembers<RootRateBlock> = std::tuple{
+    PELT_MEMBER(RootRateBlock, velocity),
+    PELT_MEMBER(RootRateBlock, spin)};
 template <>
 inline constexpr auto kBlockMembers<WindBlock> = std::tuple{PELT_MEMBER(WindBlock, acceleration)};
 template <uint32_t N>

@@ -79,6 +79,17 @@ PELT_BLOCK PoseBlock {
   uint32_t pad[18];
 };
 
+// How fast a pose's joints move at its time: derivatives of their transforms relative to their
+// parents. Where a velocity jumps there, the mean of both sides.
+PELT_BLOCK PoseRateBlock {
+  float translation[3][kJointsPerCharacter];  // units of the character file, 1/s
+  float spin[3][kJointsPerCharacter];         // rad/s, in the parent's axes
+  float scale[3][kJointsPerCharacter];        // 1/s
+  float root[12];                             // of PoseBlock::root, 1/s
+  uint32_t given;                             // 0: nothing is known in this frame
+  uint32_t pad[19];
+};
+
 // Skeleton nodes in parent-first order: skin joints and every ancestor of one.
 PELT_BLOCK SkeletonBlock {
   int32_t parent[kJointsPerCharacter];  // -1 for a root; always below its own index
@@ -100,6 +111,9 @@ PELT_BLOCK PaletteBlock {
   uint32_t pad[23];
 };
 
+// Derivatives of PaletteBlock's matrices, 1/s.
+PELT_BLOCK PaletteRateBlock { float matrix[kJointsPerCharacter][12]; };
+
 // ---- Layer --------------------------------------------------------------------------------------
 
 enum LayerFlag : uint32_t {
@@ -119,9 +133,11 @@ enum LayerFlag : uint32_t {
   kLayerLit = 1u << 12,      // has a LayerLightBlock
   kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
   kLayerShells = 1u << 14,  // its strands are triangles of the skin; always with kLayerVertexChains
-  kLayerPainted = 1u << 15,  // has a PaintBlock; only with kLayerLit
-  kLayerBrushed = 1u << 16,  // there are brushes in this frame, wherever they are
-  kLayerFins = 1u << 17,     // has fins on its edges; only with kLayerShells
+  kLayerPainted = 1u << 15,     // has a PaintBlock; only with kLayerLit
+  kLayerBrushed = 1u << 16,     // there are brushes in this frame, wherever they are
+  kLayerFins = 1u << 17,        // has fins on its edges; only with kLayerShells
+  kLayerRates = 1u << 18,       // modal, and has a RootRateBlock
+  kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
@@ -129,7 +145,7 @@ inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLay
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
                                             kLayerModal | kLayerOutputFlags | kLayerLit |
-                                            kLayerPainted | kLayerFins;
+                                            kLayerPainted | kLayerFins | kLayerRates;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -166,9 +182,9 @@ PELT_BLOCK LayerBlock {
                        // 0: no limit
   float wetness;       // lit layers: 0 dry to 1 soaked
   // Painted layers, whose colours are left dry and clean: weather is in the strands' looks.
-  float mud;         // dirt of the weather
-  float wet_darken;  // share of the brightness that is left of a soaked strand
-  uint32_t pad[1];
+  float mud;          // dirt of the weather
+  float wet_darken;   // share of the brightness that is left of a soaked strand
+  float frame_ratio;  // kLayerRatesGiven: this frame's length over the last one's
 };
 
 // Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned
@@ -310,6 +326,12 @@ PELT_BLOCK RootBlock {
   float normal[3][kStrandsPerChunk];
   float tangent[3][kStrandsPerChunk];
   float motion[3][kStrandsPerChunk];  // since last frame, m
+};
+
+// How fast they go at the frame's end: derivatives of RootBlock's rows by time.
+PELT_BLOCK RootRateBlock {
+  float velocity[3][kStrandsPerChunk];  // m/s
+  float spin[3][kStrandsPerChunk];      // of normal and tangent, rad/s, world
 };
 
 // Wind acceleration at the chain's root, m/s^2 (response included).

@@ -93,8 +93,8 @@ struct FrameMemory {
   }
 };
 
-// Blocks of a stream: chunks of layers that lack it have none. Layers have all, or, where none is of
-// its kind, none.
+// Blocks of a stream: chunks of layers that lack it have none. Layers, characters and the scene have
+// all, or, where no layer is of its kind, none.
 uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape);
 uint64_t CountBytes(const StreamTable& table, const SceneShape& shape);
 // All streams back to back from `memory` on, which holds CountBytes of them, aligned to

@@ -27,11 +27,13 @@ float InFrameOf(float value, InFrame how, float softer) {
   return how == InFrame::kClamped ? Saturate(value) : Saturate(value) * softer;
 }
 
-// `changed` itself is not compared, nor what only says that lights changed, or that brushes came.
+// `changed` itself is not compared, nor what only says that lights changed, that brushes came, or
+// what is known of the roots.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
-  constexpr uint32_t kOfOthers = kLayerRelight | kLayerBrushed;
+  constexpr uint32_t kOfOthers = kLayerRelight | kLayerBrushed | kLayerRates | kLayerRatesGiven;
   LayerBlock x = a, y = b;
   x.changed = y.changed = 0;
+  x.frame_ratio = y.frame_ratio = 0.0f;
   x.flags &= ~kOfOthers, y.flags &= ~kOfOthers;
   return std::memcmp(&x, &y, sizeof x) != 0;
 }

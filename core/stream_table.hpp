@@ -76,7 +76,9 @@ struct StreamRow {
   Domain domain;
   Role role;
   Lanes lanes = {};
-  KindMask kinds = {};  // chunk streams exist for layers of these kinds; and so stages run on them
+  // Chunk streams exist for layers of these kinds, and so stages run on them; those of layers and
+  // characters, where the scene has a layer of these kinds.
+  KindMask kinds = {};
   Kept kept = Kept::kNot;
 };
 

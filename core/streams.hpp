@@ -33,7 +33,8 @@ inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kS
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
-    kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0};
+    kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0},
+    kRated{kModal | kLayerRates, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -123,6 +124,10 @@ struct Streams {
   // Shells' fins.
   StreamRow<FinEdgeBlock> fin_edges{"fin_edges", kChunk, kInput, kAll, kFinned};
   StreamRow<FinBlock> fins{"fins", kChunk, kValue, kKeyed, kFinned, kOutput};
+  // Of scenes that are told velocities with their poses.
+  StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated};
+  StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
+  StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveChains, kRated};
 };
 
 }  // namespace streams_detail

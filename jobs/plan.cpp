@@ -204,7 +204,7 @@ void AddStreamKinds(const StreamTable& table, Stage& stage) {
 }
 
 bool IsAdmitted(const Stage& stage, const SceneShape& shape) {
-  return stage.domain < Domain::kLayer ||
+  return (stage.kinds.required | stage.kinds.forbidden) == 0 ||
          std::any_of(shape.layer_kind.begin(), shape.layer_kind.end(),
                      [&](uint32_t kind) { return stage.kinds.Admits(kind); });
 }

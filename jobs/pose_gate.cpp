@@ -21,8 +21,22 @@ template <size_t kRows>
 PoseRow RowsOf(const char* what, const float (&rows)[4][kRows][kJointsPerCharacter]) {
   return {what, rows[0], 4 * kRows};
 }
-PoseRow RowsOf(const char* what, const float (&rows)[4][kJointsPerCharacter]) {
-  return {what, rows, 4};
+
+template <size_t kRows>
+PoseRow RowsOf(const char* what, const float (&rows)[kRows][kJointsPerCharacter]) {
+  return {what, rows, kRows};
+}
+
+// The first row of which a value cannot be used, and its joint.
+RefusedPose FindBadRow(std::span<const PoseRow> all, uint32_t joint_count, uint32_t character) {
+  for (const PoseRow& row : all)
+    for (size_t r = 0; r < row.rows; ++r) {
+      if (AreUsable(row.lanes[r], joint_count)) continue;
+      uint32_t joint = 0;
+      while (AreUsable(row.lanes[r] + joint, 1)) ++joint;
+      return {character, joint, row.what};
+    }
+  return {character, kNoJoint, nullptr};
 }
 
 // Any value that cannot be used; `what` null: none.
@@ -36,14 +50,16 @@ RefusedPose FindBadValue(const PoseBlock& pose, uint32_t character) {
       RowsOf("its translation weights are not finite, or beyond 1e6", pose.translation_weight),
       RowsOf("its rotation weights are not finite, or beyond 1e6", pose.rotation_weight),
       RowsOf("its scale weights are not finite, or beyond 1e6", pose.scale_weight)};
-  for (const PoseRow& row : all)
-    for (size_t r = 0; r < row.rows; ++r) {
-      if (AreUsable(row.lanes[r], pose.joint_count)) continue;
-      uint32_t joint = 0;
-      while (AreUsable(row.lanes[r] + joint, 1)) ++joint;
-      return {character, joint, row.what};
-    }
-  return {character, kNoJoint, nullptr};
+  return FindBadRow(all, pose.joint_count, character);
+}
+
+RefusedPose FindBadRate(const PoseRateBlock& rates, uint32_t joint_count, uint32_t character) {
+  if (!AreUsable(rates.root, 12))
+    return {character, kNoJoint, "its root placement's velocity is not finite, or beyond 1e6"};
+  const PoseRow all[] = {RowsOf("its velocity is not finite, or beyond 1e6", rates.translation),
+                         RowsOf("its spin is not finite, or beyond 1e6", rates.spin),
+                         RowsOf("its scale's velocity is not finite, or beyond 1e6", rates.scale)};
+  return FindBadRow(all, joint_count, character);
 }
 
 double Square(float a) { return double(a) * double(a); }
@@ -80,6 +96,23 @@ PoseGate::Reach LocalReach(const PoseBlock& pose, uint32_t joint) {
     reach.translation += LargestBlend(pose.translation_key, pose.translation_weight, c, joint);
   }
   return reach;
+}
+
+// How fast a joint's own transform changes.
+PoseGate::Reach LocalRate(const PoseBlock& pose, const PoseRateBlock& rates, uint32_t joint) {
+  const auto size = [joint](const float(&rows)[3][kJointsPerCharacter]) {
+    return std::sqrt(Square(rows[0][joint]) + Square(rows[1][joint]) + Square(rows[2][joint]));
+  };
+  const double turned = size(rates.spin) * LocalReach(pose, joint).linear;
+  return {turned + size(rates.scale), size(rates.translation)};
+}
+
+// A bound on the derivative of a * b.
+PoseGate::Reach RateOfProduct(const PoseGate::Reach& a, const PoseGate::Reach& a_rate,
+                              const PoseGate::Reach& b, const PoseGate::Reach& b_rate) {
+  const PoseGate::Reach carried = a_rate * b;
+  return {carried.linear + a.linear * b_rate.linear,
+          carried.translation + a.linear * b_rate.translation};
 }
 
 }  // namespace
@@ -161,10 +194,36 @@ RefusedPose PoseGate::FindFault(const FrameMemory& memory, uint32_t character) c
   return {character, far_joint, "with its parents' it takes the skin beyond 1e7 m"};
 }
 
+RefusedPose PoseGate::FindRateFault(const FrameMemory& memory, uint32_t character) const {
+  const RefusedPose none = {character, kNoJoint, nullptr};
+  const PoseRateBlock* rates = memory.Of<&Streams::pose_rates>(character);
+  if (!rates || !rates->given) return none;
+  const PoseBlock& pose = *memory.Of<&Streams::pose>(character);
+  const RefusedPose bad = FindBadRate(*rates, pose.joint_count, character);
+  if (bad.what) return bad;
+
+  const SkeletonBlock& skeleton = *memory.Of<&Streams::skeleton>(character);
+  const CharacterLimits& limits = characters_[character];
+  Reach world[kJointsPerCharacter], rate[kJointsPerCharacter];
+  const Reach root = ReachOf(pose.root), root_rate = ReachOf(rates->root);
+  for (uint32_t j = 0; j < pose.joint_count; ++j) {
+    const int32_t parent = skeleton.parent[j];
+    const Reach local = LocalReach(pose, j);
+    const Reach above = parent < 0 ? root : world[parent];
+    world[j] = above * local;
+    rate[j] = RateOfProduct(above, parent < 0 ? root_rate : rate[parent], local,
+                            LocalRate(pose, *rates, j));
+    if (!IsNear(rate[j] * inverse_bind_[limits.first_joint + j], limits.reach_m))
+      return {character, j, "with its parents' its velocity moves the skin faster than 1e7 m/s"};
+  }
+  return none;
+}
+
 void PoseGate::Judge(const FrameMemory& memory) {
   refused_.clear();
   for (uint32_t c = 0; c < characters_.size(); ++c) {
-    const RefusedPose fault = FindFault(memory, c);
+    RefusedPose fault = FindFault(memory, c);
+    if (!fault.what) fault = FindRateFault(memory, c);
     holds_pose_[c] = fault.what != nullptr;
     if (fault.what) {
       refused_.push_back(fault);

@@ -5,6 +5,9 @@
 //   joint count of the groom?  all keys, weights and the placement usable?  skin within 1e7 m?
 //        └── no: refused, the joint named ──────┴───────────────────────────────┘
 //
+// Velocities, where the pose has them, are asked the same: usable, and the skin below 1e7 m/s by a
+// bound.
+//
 // The last question needs the chain of joints: scales of 1e6 in 24 joints are each harmless and
 // together infinite. It is answered by a bound, a few operations per joint; a pose that does not pass
 // it is put through the kernels themselves, so what is refused is what they would have made of it.
@@ -88,6 +91,7 @@ class PoseGate {
 
   // `refused.what` null: it can be used.
   RefusedPose FindFault(const FrameMemory& memory, uint32_t character) const;
+  RefusedPose FindRateFault(const FrameMemory& memory, uint32_t character) const;
   uint32_t FindFarJoint(const FrameMemory& memory, uint32_t character) const;
   const PaletteBlock& RunKernels(const FrameMemory& memory, uint32_t character) const;
   void Hold(const FrameMemory& memory, uint32_t character);

@@ -190,6 +190,7 @@ void FurScene::FillFrame(const FrameInput& input) {
   FillLayers(input, wind_blows, FillLights(input));
   FillParams(input, wind_blows);
   first_frame_ = false;
+  last_dt_s_ = StepOf(input);
 }
 
 // Time stands still: state, layers, poses and level of detail stay what they are, and so does what
@@ -229,10 +230,18 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight
     if (relight && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
     if (params_->paint_strands.count > 0 && (block.flags & kLayerPainted))
       block.flags |= kLayerBrushed;
+    const uint32_t character = shape().layer_character[l];
+    const bool rates = (shape().layer_kind[l] & kLayerRates) &&
+                       !pose_gate_.holds_pose()[character] &&
+                       memory_.Of<&Streams::pose_rates>(character)->given != 0;
+    if (rates) {
+      block.flags |= kLayerRatesGiven;
+      block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / last_dt_s_ : 1.0);
+    }
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
       if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,
-                            {modal_.data(), l}, tables, tables + l))
+                            rates, {modal_.data(), l}, tables, tables + l))
         block.changed = 1;
     }
   }
@@ -299,6 +308,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   pose_gate_.CopyStateFrom(other.pose_gate_);
   memory_.paused = other.memory_.paused;
   first_frame_ = other.first_frame_;
+  last_dt_s_ = other.last_dt_s_;
   return true;
 }
 

@@ -44,6 +44,8 @@ struct SceneOptions {
   // Layers of more chunks than this sort in pieces, over many chunks; 0: those whose sort must fit
   // a local store and does not.
   uint32_t piecewise_sort_chunks = 0;
+  // Poses may come with velocities (FurScene::PoseRates); layers with the modal solver take them.
+  bool velocities = false;
   // What the scene's block may have. A scene that needs more is refused when it is measured, with
   // the largest ranges and what would help. 0: no budget.
   uint64_t memory_budget_bytes = 0;
@@ -118,6 +120,13 @@ class FurScene {
 
   // To be filled before every BeginFrame.
   PoseBlock& Pose(uint32_t character) { return *memory_.Of<&Streams::pose>(character); }
+
+  // How fast the pose's joints move, beside it: see PoseRateBlock. Null, unless the scene was made
+  // with SceneOptions::velocities and some layer has the modal solver. With `given` 0, as it is at
+  // first, the frame is what it would be without. Frames with and without may follow each other.
+  PoseRateBlock* PoseRates(uint32_t character) {
+    return memory_.Of<&Streams::pose_rates>(character);
+  }
 
   // Fills every parameter of the frame, which must then be run, once. Returns null, or the reason
   // the frame must not run: what is not finite or out of range, and where; or that the last frame
@@ -204,6 +213,7 @@ class FurScene {
   PoseGate pose_gate_;
   mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;
+  double last_dt_s_ = 0.0;  // 0: there was no frame
   mutable std::vector<LayerDraw> draws_;
   std::string fault_;
 };

@@ -14,11 +14,12 @@
 namespace pelt {
 namespace {
 
-void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks,
+void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks, bool velocities,
                SceneShape& shape) {
   for (const GroomLayer& layer : groom.layers) {
     uint32_t kind = LayerKind(layer.params);
     if (layer.chunk_count > piecewise_chunks) kind |= kLayerSortInPieces;
+    if (velocities && (kind & kLayerModal)) kind |= kLayerRates;
     shape.AddLayer(character, kind, layer.chunk_count);
   }
 }
@@ -29,7 +30,8 @@ SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& opt
                              : options.plan.must_fit
                                  ? SortableChunks(options.plan.local_store_data_bytes)
                                  : ~0u;
-  for (uint32_t c = 0; c < grooms.size(); ++c) AddLayers(*grooms[c], c, piecewise, shape);
+  for (uint32_t c = 0; c < grooms.size(); ++c)
+    AddLayers(*grooms[c], c, piecewise, options.velocities, shape);
   shape.character_count = uint32_t(grooms.size());  // the last may have no layers
   return shape;
 }

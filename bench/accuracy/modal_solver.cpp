@@ -14,6 +14,7 @@ namespace {
 template <uint32_t kPoints>
 struct Blocks : ChunkRows<kPoints> {
   Owned<ModalStateBlock<kPoints>> chain;
+  Owned<RootRateBlock> rates;
 };
 
 template <uint32_t kPoints>
@@ -33,8 +34,11 @@ class ModalSolver final : public StrandSolver {
     for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
       chunks_.push_back(std::make_unique<Blocks<kPoints>>());
     for (double& dt : times_.dt_s) dt = setup.frame_seconds;
+    times_.velocities = features.velocities;
     FillModalTable(layer_params_, quality_, times_, table_.block);
     layer_->flags = kLayerEnabled | kLayerSimulate | kLayerModal;
+    if (features.velocities) layer_->flags |= kLayerRates | kLayerRatesGiven;
+    layer_->frame_ratio = 1.0f;
     layer_->gravity[0] = float(material_.gravity.x);
     layer_->gravity[1] = float(material_.gravity.y);
     layer_->gravity[2] = float(material_.gravity.z);
@@ -72,10 +76,17 @@ class ModalSolver final : public StrandSolver {
       times_.dt_s[1] = times_.dt_s[0];
       times_.dt_s[0] = next_dt_;
       params_.dt = float(next_dt_);
+      layer_->frame_ratio = float(times_.dt_s[0] / times_.dt_s[1]);
       FillModalTable(layer_params_, quality_, times_, table_.block);
     }
-    for (uint32_t lane = 0; lane < lanes_; ++lane)
-      ChunkOf(lane).LoadRoots(frame, lane, float(material_.drag));
+    for (uint32_t lane = 0; lane < lanes_; ++lane) {
+      Blocks<kPoints>& c = ChunkOf(lane);
+      c.LoadRoots(frame, lane, float(material_.drag));
+      for (int k = 0; k < 3; ++k) {
+        c.rates->velocity[k][lane % kStrandsPerChunk] = frame.velocity[k][lane];
+        c.rates->spin[k][lane % kStrandsPerChunk] = frame.spin[k][lane];
+      }
+    }
   }
   void Step(const FrameRows&) override {
     for (auto& c : chunks_)
@@ -142,6 +153,7 @@ class ModalSolver final : public StrandSolver {
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
     if (stream == StreamOf<&Streams::modal_tables>) return table_.block;
+    if (stream == StreamOf<&Streams::root_rates>) return c.rates.block;
     void* shared = c.Find(stream);
     return shared ? shared : c.chain.block;
   }
@@ -187,7 +199,8 @@ ModalMaterial ToModal(const ChainMaterial& material) {
 ModalKernels ModalKernelsOf(Isa isa) {
   const FrameTable* table = FindKernels(isa);
   if (!table) throw Error("no " + std::string(IsaName(isa)) + " kernels here");
-  return {*table->Find("simulate_modal_4"), *table->Find("simulate_modal_5")};
+  return {*table->Find("simulate_modal_4"), *table->Find("simulate_modal_5"),
+          *table->Find("simulate_modal_rated_4"), *table->Find("simulate_modal_rated_5")};
 }
 
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
@@ -195,9 +208,13 @@ SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
   return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
     if (!IsUniform(setup.material)) return nullptr;
     if (setup.material.links == 3)
-      return std::make_unique<ModalSolver<4>>(kernels.three_links, quality, features, setup);
+      return std::make_unique<ModalSolver<4>>(
+          features.velocities ? kernels.rated_three_links : kernels.three_links, quality, features,
+          setup);
     if (setup.material.links == 4)
-      return std::make_unique<ModalSolver<5>>(kernels.four_links, quality, features, setup);
+      return std::make_unique<ModalSolver<5>>(
+          features.velocities ? kernels.rated_four_links : kernels.four_links, quality, features,
+          setup);
     return nullptr;
   };
 }

@@ -11,6 +11,7 @@ namespace pelt::accuracy {
 // of equal length.
 struct ModalKernels {
   KernelDesc three_links, four_links;
+  KernelDesc rated_three_links, rated_four_links;  // SimulateModalRated of the same
 };
 // As built for an instruction set. Throws Error when this program or processor lacks it.
 ModalKernels ModalKernelsOf(Isa isa);
@@ -28,6 +29,7 @@ struct ModalFeatures {
   float max_distance = 0.0f;  // of a point from the groom, share of its distance along the strand
   float clump = 0.0f;         // towards the first strands of a chunk
   float strength = 1.0f;      // of every strand
+  bool velocities = false;    // of the root are given with its poses
 };
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features = {});

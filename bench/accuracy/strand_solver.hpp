@@ -1,5 +1,6 @@
 // What is plugged into the yardstick: a solver that steps a batch of strands once per frame, from
-// what a game knows: root positions, rest directions and wind at the frame's time, in float.
+// what a game knows: root positions, rest directions and wind at the frame's time, in float; and
+// where its animation says so, how fast the body moves then.
 //
 // Invariants:
 //  - Points come out relative to the root of the present frame, so float error is that of a strand,
@@ -30,6 +31,8 @@ struct FrameRows {
   const float* motion[3];           // of the root since the last frame, m: difference of positions
   const float* rest[kMaxLinks][3];  // unit rest directions, world
   const float* wind[3];             // m/s
+  const float* velocity[3];         // of the root, m/s: for solvers that take it
+  const float* spin[3];             // of the body, rad/s, world
 };
 
 // Owns a frame's rows.

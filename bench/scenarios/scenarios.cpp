@@ -11,6 +11,7 @@
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
+#include "core/character/pose_rates.hpp"
 #include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/groom/bake.hpp"
@@ -362,6 +363,9 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
     FillPose(character.skeleton, clip, time_s + actor.phase_s, true,
              PlaceCharacter(placement, actor.unit_scale), &pose);
     pose.teleported = int32_t(frame) == actor.teleport_frame;
+    if (PoseRateBlock* rates = scene.PoseRates(a))
+      FillPoseRates(clip, time_s + actor.phase_s, true, frame < rest_from_frame ? 1.0 : 0.0,
+                    glm::mat4(0.0f), rates);
   }
   input_ = base;
   input_.dt_s = dt_s;

@@ -7,38 +7,18 @@
 #include <cstdio>
 
 #include "core/character/mesh_repair.hpp"
+#include "core/character/track_place.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
 namespace {
 
-// Where a track stands: keys [low] and [high] (equal at the ends) and the place between them.
-struct LocalPlace {
-  size_t low, high;
-  double share;  // [0, 1)
-  double span_s;
-};
-
-LocalPlace FindPlace(const Track& track, double t) {
-  const std::vector<float>& time = track.time_s;
-  if (t <= time.front()) return {0, 0, 0.0, 0.0};
-  if (t >= time.back()) return {time.size() - 1, time.size() - 1, 0.0, 0.0};
-  const size_t high =
-      size_t(std::upper_bound(time.begin(), time.end(), t,
-                              [](double value, float key) { return value < double(key); }) -
-             time.begin());
-  const double span = double(time[high]) - double(time[high - 1]);
-  return {high - 1, high, (t - double(time[high - 1])) / span, span};
-}
-
 // One channel of one joint: four keys of n numbers, and their weights.
 struct KeyBlend {
   glm::vec4 key[4] = {};
   float weight[4] = {1.0f, 0.0f, 0.0f, 0.0f};
 };
-
-bool IsZero(const glm::vec4& v) { return v == glm::vec4(0.0f); }
 
 // Keys are unit quaternions. Weights of the shorter arc; key 3 is turned to key 0's side.
 void BlendSlerp(const glm::vec4& a, const glm::vec4& b, double share, KeyBlend* blend) {
@@ -60,7 +40,7 @@ void BlendSlerp(const glm::vec4& a, const glm::vec4& b, double share, KeyBlend* 
 }
 
 // Hermite: value, out tangent * dt, in tangent * dt of the next, value of the next.
-void BlendCubic(const Track& track, const LocalPlace& at, KeyBlend* blend) {
+void BlendCubic(const Track& track, const TrackPlace& at, KeyBlend* blend) {
   const float span = float(at.span_s);
   blend->key[0] = track.value[3 * at.low + 1];
   blend->key[1] = track.value[3 * at.low + 2] * span;
@@ -73,18 +53,9 @@ void BlendCubic(const Track& track, const LocalPlace& at, KeyBlend* blend) {
   blend->weight[3] = float(3.0 * s2 - 2.0 * s3);
 }
 
-// Between equal keys nothing may move, not even a last bit: a still joint lets its chunks sleep.
-bool IsHeld(const Track& track, const LocalPlace& at) {
-  if (at.low == at.high || track.interpolation == Interpolation::kStep) return true;
-  if (track.interpolation == Interpolation::kLinear)
-    return track.value[at.low] == track.value[at.high];
-  return track.value[3 * at.low + 1] == track.value[3 * at.high + 1] &&
-         IsZero(track.value[3 * at.low + 2]) && IsZero(track.value[3 * at.high]);
-}
-
 KeyBlend SampleTrack(const Track& track, double t) {
   KeyBlend blend;
-  const LocalPlace at = FindPlace(track, t);
+  const TrackPlace at = FindPlace(track, t);
   const bool cubic = track.interpolation == Interpolation::kCubicSpline;
   if (IsHeld(track, at)) {
     blend.key[0] = track.value[cubic ? 3 * at.low + 1 : at.low];
@@ -146,14 +117,6 @@ void CopyLane(float (&key)[4][kNumbers][kJointsPerCharacter],
     for (size_t c = 0; c < kNumbers; ++c) key[k][c][to] = key[k][c][from];
     weight[k][to] = weight[k][from];
   }
-}
-
-double WrapTime(const Clip& clip, double time_s, bool loop) {
-  if (!std::isfinite(time_s)) return 0.0;
-  const double duration = double(clip.duration_s);
-  if (!loop || !(duration > 0.0)) return time_s;
-  const double t = time_s - exact::Floor(time_s / duration) * duration;
-  return t >= 0.0 && t < duration ? t : 0.0;
 }
 
 glm::dmat4 MatrixOf(const JointPose& pose) {

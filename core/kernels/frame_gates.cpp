@@ -34,6 +34,16 @@ bool IsLookedAt(const FrameMemory& memory, const ItemPlace& place) {
   return HasFlags<kChunkFit>(memory, place) || HasFlags<kChunkPainted>(memory, place);
 }
 
+bool HasPoseRates(const FrameMemory& memory, const ItemPlace& place) {
+  return memory.Of<&Streams::pose_rates>(place.first[size_t(Domain::kCharacter)])->given != 0;
+}
+
+bool HasRootRates(const FrameMemory& memory, const ItemPlace& place) {
+  const uint32_t layer = place.first[size_t(Domain::kLayer)];
+  return HasFlags<kChunkSimulate>(memory, place) &&
+         (memory.Of<&Streams::layers>(layer)->flags & kLayerRatesGiven) != 0;
+}
+
 bool IsRelit(const FrameMemory& memory, const ItemPlace& place) {
   const auto& layer = *memory.Of<&Streams::layers>(place.first[size_t(Domain::kLayer)]);
   const auto& palette = *memory.Of<&Streams::palette>(place.first[size_t(Domain::kCharacter)]);

@@ -12,6 +12,8 @@ bool HasFlags(const FrameMemory& memory, const ItemPlace& place);
 bool IsBlown(const FrameMemory& memory, const ItemPlace& place);
 bool IsBrushed(const FrameMemory& memory, const ItemPlace& place);
 bool IsLookedAt(const FrameMemory& memory, const ItemPlace& place);
+bool HasPoseRates(const FrameMemory& memory, const ItemPlace& place);
+bool HasRootRates(const FrameMemory& memory, const ItemPlace& place);
 bool IsRelit(const FrameMemory& memory, const ItemPlace& place);
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place);
 bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place);
@@ -27,6 +29,13 @@ inline constexpr Gate kSimulated{kWithFlags<kChunkSimulate>};
 inline constexpr Gate kBlown{
     // simulated, and wind blows
     {&IsBlown, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
+// The character's pose came with velocities.
+inline constexpr Gate kPosedWithRates{
+    {&HasPoseRates, Domain::kCharacter, {StreamOf<&Streams::pose_rates>, Stream::kNone}},
+    FrameGate::kNotHeld};
+inline constexpr Gate kRated{
+    // simulated, and so
+    {&HasRootRates, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
 // Lights changed, or some joint of the character moved: otherwise the layer's bounds did not. (The
 // bounds themselves are written in the same pass, and so not there to be looked at.)
 inline constexpr Gate kRelit{

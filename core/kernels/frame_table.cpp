@@ -13,9 +13,11 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/interpolate.hpp"
 #include "core/kernels/joint_palette.hpp"
+#include "core/kernels/joint_rates.hpp"
 #include "core/kernels/light_layer.hpp"
 #include "core/kernels/order_layers.hpp"
 #include "core/kernels/paint_strands.hpp"
+#include "core/kernels/root_rates.hpp"
 #include "core/kernels/roots.hpp"
 #include "core/kernels/sample_pose.hpp"
 #include "core/kernels/select_fins.hpp"
@@ -47,6 +49,7 @@ using namespace frame_gates;
 
 // Kinds a stage's streams do not tell apart.
 constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
+constexpr KindMask kUnrated{0, kLayerRates};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
 constexpr KindMask kUnpainted{0, kLayerPainted};
 constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
@@ -72,6 +75,7 @@ constexpr FrameRow kRows[] = {
     // Where everything is, what is seen and what needs doing.
     Row<SamplePose<V>>(kCharacter, kPosed),
     Row<JointPalette<V>>(kCharacter, kPosed),
+    Row<JointRates<V>>(kCharacter, kPosedWithRates),
     Row<BoundLayer<V>>(kLayer, kAlways),
     Row<SelectLod<V>>(kLayer, kAlways),
     Row<LightLayer<V>>(kLayer, kRelit),
@@ -82,6 +86,8 @@ constexpr FrameRow kRows[] = {
     Row<Skin<V>>(kChunk, kSkinned),
     Row<Anchors<V>>(kChunk, kSkinned),
     Row<Roots<V>>(kChunk, kSkinned),
+    Row<AnchorRates<V>>(kChunk, kRated),
+    Row<RootRates<V>>(kChunk, kRated, kStrandChains),
     Row<Wind<V, true>>(kChunk, kBlown),
     Row<Wind<V, false>>(kChunk, kBlown, kStrandChains),
     Row<SimulatePbd<V, 4, true>>(kChunk, kSimulated, kPbd),
@@ -89,9 +95,12 @@ constexpr FrameRow kRows[] = {
     Row<SimulatePbd<V, 5, false>>(kChunk, kSimulated, kPbd),
     Row<SimulateVerlet<V, 4>>(kChunk, kSimulated, kVerlet),
     Row<SimulateVerlet<V, 5>>(kChunk, kSimulated, kVerlet),
-    Row<SimulateModal<V, 4, true>>(kChunk, kSimulated),
-    Row<SimulateModal<V, 4, false>>(kChunk, kSimulated),
-    Row<SimulateModal<V, 5, false>>(kChunk, kSimulated),
+    Row<SimulateModal<V, 4, true>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModal<V, 4, false>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModal<V, 5, false>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModalRated<V, 4, true>>(kChunk, kSimulated),
+    Row<SimulateModalRated<V, 4, false>>(kChunk, kSimulated),
+    Row<SimulateModalRated<V, 5, false>>(kChunk, kSimulated),
     Row<Interpolate<V>>(kChunk, kFitted),
     Row<FitCubic<V, 4>>(kChunk, kFitted),
     Row<FitCubic<V, 5>>(kChunk, kFitted),

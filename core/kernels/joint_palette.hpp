@@ -52,7 +52,8 @@ struct JointPalette {
     palette.teleported = ports.pose->teleported;
   }
 
- private:
+  // What joint_rates.hpp needs too.
+
   static PELT_INLINE void BuildLocalMatrices(const LocalPoseBlock& local, uint32_t joint,
                                              float (*matrix)[12]) {
     const V one(1.0f), two(2.0f);
@@ -83,6 +84,7 @@ struct JointPalette {
       StoreRecordAs<V>(out + 4 * r, b0 * a[0] + b1 * a[1] + b2 * a[2] + origin * a[3]);
   }
 
+ private:
   static PELT_INLINE void StoreIfMoved(PaletteBlock& palette, uint32_t joint,
                                        const float (&matrix)[12]) {
     uint32_t before[12], now[12], differs = 0;

@@ -1,7 +1,7 @@
 // Simulate, modal: chains of stiff links moved by their own bending modes, accurate at any frame
 // rate. The mathematics is in modal_step.hpp; this file is a chunk's frame around it: ports, what
-// the root did, who starts afresh, who falls back, strength, contacts, rest, and the report to
-// `activate`.
+// the root did (by its last poses, or its velocities), who starts afresh, who falls back, strength,
+// contacts, rest, and the report to `activate`.
 //
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside
@@ -46,19 +46,25 @@ struct SimulateModal {
   using Ports = modal::Ports<kPoints, kVertexChains>;
   using Controls = chain::ControlRecords<V, N>;
 
-  static void Run(const Params& params, const Ports& ports) {
+  static void Run(const Params& params, const Ports& ports) { RunWith(params, ports, nullptr); }
+
+  // `rates`: null where nothing is known of the roots between frames. Out of line: both kernels
+  // share it.
+  static __attribute__((noinline)) void RunWith(const Params& params, const Ports& ports,
+                                                const RootRateBlock* rates) {
     if (ports.table->use_slope != 0)
-      RunAs<true>(params, ports);
+      RunAs<true>(params, ports, rates);
     else
-      RunAs<false>(params, ports);
+      RunAs<false>(params, ports, rates);
   }
 
  private:
   template <bool kBest>
-  PELT_INLINE static void RunAs(const Params& params, const Ports& ports) {
+  PELT_INLINE static void RunAs(const Params& params, const Ports& ports,
+                                const RootRateBlock* rates) {
     chain::RunChunk<V, N, kVertexChains>(
         ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
-          return RunRange<kBest>(params, ports, begin, end, live, controls);
+          return RunRange<kBest>(params, ports, rates, begin, end, live, controls);
         });
   }
 
@@ -84,17 +90,19 @@ struct SimulateModal {
   };
 
   template <bool kBest>
-  PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, uint32_t begin,
-                                   uint32_t end, uint32_t live, const Controls* controls) {
+  PELT_INLINE static bool RunRange(const Params& params, const Ports& ports,
+                                   const RootRateBlock* rates, uint32_t begin, uint32_t end,
+                                   uint32_t live, const Controls* controls) {
     Picks picks;
-    bool changed = chain::RunRange<V>(
-        begin, end, live, controls,
-        [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
-          return Lanes<W>::template RunGroup<kBest>(params, ports, first, alive, followed, &picks);
-        });
+    bool changed =
+        chain::RunRange<V>(begin, end, live, controls,
+                           [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
+                             return Lanes<W>::template RunGroup<kBest>(params, ports, rates, first,
+                                                                       alive, followed, &picks);
+                           });
     for (uint32_t i = 0; i < picks.count; i += uint32_t(V::kLanes))
-      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, picks.Group(i), live, controls,
-                                                    static_cast<Picks*>(nullptr));
+      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, rates, picks.Group(i), live,
+                                                    controls, static_cast<Picks*>(nullptr));
     return changed;
   }
 
@@ -160,6 +168,48 @@ struct SimulateModal {
         a.force[m] = a.bend[0][m] + force * W(t.image[m][0]);
         a.z[m] = LoadLanes<W>(old.velocity[m][k], at);
         a.d[m] = LoadLanes<W>(old.direction[m][k], at);
+      }
+    }
+
+    // With H the frame's length and D a row's first difference, e = H times its velocity at the
+    // frame's end: what stands for its second and third difference (modal_table.hpp). The velocity
+    // at the frame's start is the last frame's: e = D + D2 / 2 of what it left. (Without velocities
+    // it left what this is near enough to, so that frames with and without may follow each other.)
+    static PELT_INLINE void TakeRate(W first, W end, W last_first, W last_second, W ratio,
+                                     W& second, W& third) {
+      const W over = end - first;
+      const W start = (last_first + last_second * W(0.5f)) * ratio;
+      second = over + over;
+      third = over + (start - first);
+    }
+
+    template <class At>
+    static __attribute__((noinline)) void TakeRates(const Ports& ports, const RootRateBlock& rates,
+                                                    const At& at, const Vec3<W> (&rest)[N],
+                                                    W per_length, Motion& motion) {
+      const ModalTableBlock& t = *ports.table;
+      const ModalStateBlock<kPoints>& old = *ports.chain;
+      const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
+      const W scale = frame * per_length;
+      const Vec3<W> step = Load3<W>(rates.velocity, at) * scale;
+      const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
+      Vec3<W> rest_step[N];
+      for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
+      PELT_NO_UNROLL
+      for (uint32_t k = 0; k < 3; ++k) {
+        modal::Axis<W, N>& a = motion.axis[k];
+        const W root = Part(step, k);
+        W r[N];
+        for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
+        TakeRate(a.root[0], root, LoadLanes<W>(old.root_step[k], at),
+                 LoadLanes<W>(old.root_turn[k], at), ratio, a.root[1], a.root[2]);
+        PELT_UNROLL
+        for (uint32_t m = 0; m < N; ++m) {
+          const W turned = modal::Weigh<W, N>(t.bend[m], r);
+          const W bend = turned + root * W(t.bend[m][0]);
+          TakeRate(a.bend[1][m], bend, LoadLanes<W>(old.bend_step[m][k], at),
+                   LoadLanes<W>(old.bend_turn[m][k], at), ratio, a.bend[2][m], a.bend[3][m]);
+        }
       }
     }
 
@@ -253,8 +303,9 @@ struct SimulateModal {
     // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
     // Without, lanes that were picked. Says whether a bit of a live one changed.
     template <bool kBest, class At>
-    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const At& at,
-                                     uint32_t live, const Controls* controls, Picks* picks) {
+    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports,
+                                     const RootRateBlock* rates, const At& at, uint32_t live,
+                                     const Controls* controls, Picks* picks) {
       constexpr bool kPicks = std::is_same_v<At, uint32_t>;
       const LayerBlock& layer = *ports.layer;
       const ChunkStateBlock& state = *ports.state;
@@ -273,6 +324,7 @@ struct SimulateModal {
       LoadRest(ports, at, g, rest, per_length);
       PELT_NO_UNROLL
       for (uint32_t k = 0; k < 3; ++k) LoadAxis(ports, at, k, g, rest, per_length, motion.axis[k]);
+      if (rates) TakeRates(ports, *rates, at, rest, per_length, motion);
       for (uint32_t i = 0; i < N; ++i)
         motion.lambda[i] = LoadLanes<W>(ports.chain->multiplier[i], at);
       // In a statement of its own: it branches, and what a console's price is must not depend on
@@ -456,6 +508,22 @@ struct SimulateModal {
       return moved | !(change == typename W::Int(0));
     }
   };
+};
+
+// The same with the roots' velocities, in frames that have them.
+template <class V, uint32_t kPoints, bool kVertexChains>
+struct SimulateModalRated {
+  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_rated_vertex"
+                                            : kPoints == 4 ? "simulate_modal_rated_4"
+                                                           : "simulate_modal_rated_5";
+  using Params = SimulateParams;
+  using Ports = modal::RatedPorts<kPoints, kVertexChains>;
+
+  static void Run(const Params& params, const Ports& ports) {
+    const bool given = (ports.layer->flags & kLayerRatesGiven) != 0;
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.WithoutRates(),
+                                                      given ? ports.rates.block : nullptr);
+  }
 };
 
 }  // namespace pelt

@@ -34,14 +34,14 @@ struct BlendedMatrix {
 };
 
 template <class V>
-PELT_INLINE BlendedMatrix<V> BlendMatrices(const PaletteBlock& palette, const MeshBlock& mesh,
-                                           uint32_t group, uint32_t lane) {
+PELT_INLINE BlendedMatrix<V> BlendMatrices(const float (&matrix)[kJointsPerCharacter][12],
+                                           const MeshBlock& mesh, uint32_t group, uint32_t lane) {
   const V zero(0.0f);
   BlendedMatrix<V> sum = {
       {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
   const uint32_t end = mesh.group_first_row[group + 1];
   for (uint32_t row = mesh.group_first_row[group]; row < end; ++row) {
-    const float* m = palette.matrix[mesh.row_joint[row]];
+    const float* m = matrix[mesh.row_joint[row]];
     const V weight = V::Load(mesh.weight[row] + lane);
     sum.x = sum.x + Vec3<V>{V(m[0]), V(m[4]), V(m[8])} * weight;
     sum.y = sum.y + Vec3<V>{V(m[1]), V(m[5]), V(m[9])} * weight;
@@ -68,7 +68,7 @@ PELT_INLINE void BlendVertices(const PaletteBlock& palette, const MeshBlock& mes
                                uint32_t first_new, SkinnedVertex* skinned, RawFrames& raw) {
   const V zero(0.0f);
   const BlendedMatrix<V> m =
-      BlendMatrices<V>(palette, mesh, first / kLaneGroup, first % kLaneGroup);
+      BlendMatrices<V>(palette.matrix, mesh, first / kLaneGroup, first % kLaneGroup);
   Store3<V>(raw.normal, first, TransformDirection(m, Load3<V>(mesh.normal, first)));
   if constexpr (kFrames)
     Store3<V>(raw.tangent, first, TransformDirection(m, Load3<V>(mesh.tangent, first)));

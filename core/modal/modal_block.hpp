@@ -24,7 +24,8 @@ inline constexpr uint32_t kModalSamples = 4;  // root poses that the frame's mot
 inline constexpr uint32_t kModalRow = kStrandsPerChunk + 16;
 
 // One substep's weights. Root poses enter as the pull of the newest one, T = omega^2 Phi^T M r, and
-// T's backward differences (with the root's place).
+// T's backward differences (with the root's place). Where velocities are known, what stands for the
+// second and third difference is made from those (modal_table.hpp).
 struct ModalSubstep {
   float bend_q[kModalSamples - 1][kMaxLinks];  // of T's differences in Q at the end: [dT ..][mode]
   float bend_z[kModalSamples - 1][kMaxLinks];

@@ -7,14 +7,15 @@
 namespace pelt {
 
 bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
-                          std::span<const ModalCourse> others, const ModalTableBlock* tables,
-                          ModalTableBlock* table) {
+                          bool velocities, std::span<const ModalCourse> others,
+                          const ModalTableBlock* tables, ModalTableBlock* table) {
   ModalCourse next = *this;
   next.begun_ = true;
   next.rod_ = rod;
   next.quality_ = quality;
   for (size_t k = std::size(times_.dt_s); k-- > 0;)
     next.times_.dt_s[k] = k == 0 || !begun_ ? dt_s : times_.dt_s[k - 1];
+  next.times_.velocities = velocities;
   if (HasTableOf(next)) return false;
 
   const auto same = std::find_if(others.begin(), others.end(),
@@ -34,6 +35,7 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
 
 bool ModalCourse::HasTableOf(const ModalCourse& other) const {
   return begun_ && other.begun_ && rod_ == other.rod_ && quality_ == other.quality_ &&
+         times_.velocities == other.times_.velocities &&
          std::equal(std::begin(times_.dt_s), std::end(times_.dt_s), other.times_.dt_s);
 }
 

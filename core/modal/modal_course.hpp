@@ -5,8 +5,8 @@
 // the frames have changed; then it stays as it is. Layers of one material share the work
 // (`others`).
 //
-// Invariant: the table is a function of the rod, the quality and the last three frame lengths
-// alone, so that layers that share and layers that do not get the same bits.
+// Invariant: the table is a function of the rod, the quality, the last three frame lengths
+// and whether velocities are known, alone, so that layers that share and layers that do not get the same bits.
 #pragma once
 
 #include <span>
@@ -27,9 +27,9 @@ struct RodMaterial {
 class ModalCourse {
  public:
   // Fills the table for a frame of dt_s seconds; the first call assumes that the frames before were
-  // as long. Says whether the table changed. `others` and `tables` are courses that have advanced
+  // as long. `velocities`: the root's are known in this frame. Says whether the table changed. `others` and `tables` are courses that have advanced
   // to this frame, with their tables.
-  bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
+  bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s, bool velocities,
                std::span<const ModalCourse> others, const ModalTableBlock* tables,
                ModalTableBlock* table);
 

@@ -4,7 +4,19 @@
 // The root's motion is the polynomial through its last four poses, at the times they had: frames
 // need not be equally long. In backward differences S, S - S1, S - 2 S1 + S2, ... its value and
 // derivatives at any time are weights that depend on the four times alone, and the modes' answers
-// to them are weights too. Cost: some 5 microseconds a layer and frame (dt varies), nothing a
+// to them are weights too.
+//
+// Where the root's velocity is known at both ends of the frame, its motion is the cubic that has
+// both (Hermite's). With D = S - S1, e and s the frame's length times dS/dt at its end and start, and
+// u from -1 to 0,
+//
+//     S(u) = S + D u + D2 u (u + 1) / 2 + D3 u^2 (u + 1),   D2 = 2 (e - D),   D3 = e + s - 2 D,
+//
+// so D2 and D3 take the places of the second and third difference, and nothing but their weights is
+// another. D2 is the second difference of the quadratic that has S, S1 and e: frames that know
+// velocities and frames that do not can follow each other.
+//
+// Cost: some 5 microseconds a layer and frame (dt varies), nothing a
 // strand.
 //
 // Invariant: double precision and exact arithmetic throughout (core/exact_math.hpp), rounded to
@@ -25,6 +37,7 @@ namespace pelt {
 // The last frames' lengths, s: this one's first. All > 0.
 struct FrameTimes {
   double dt_s[kModalSamples - 1];
+  bool velocities = false;  // of the root are known in this frame; then only its own length counts
 };
 
 // What depends on the material alone; made once.

@@ -42,6 +42,39 @@ TEST(Modal, ErrorOfTheSecondaryMotion) {
   }
 }
 
+// Velocities with the poses, default tier: per cent, dangly, soft, medium, stiff; 3 links, and the
+// calibrated chains of layers.
+TEST(Modal, VelocitiesMakeItExactAtLowRates) {
+  struct Rate {
+    int hz;
+    double most[4], most_calibrated[4];
+  };
+  static constexpr Rate kRates[] = {{15, {2, 5, 3, 7}, {4, 6, 5, 8}},
+                                    {30, {1.5, 4, 1.5, 1.5}, {2.5, 2.5, 1, 1.2}},
+                                    {60, {0.6, 1.5, 0.5, 0.3}, {2.6, 1.8, 0.6, 0.5}}};
+  const auto factory = [](bool velocities) {
+    return ModalFactory(ModalKernelsOf(BestIsa()), ModalQuality::kDefault,
+                        {.velocities = velocities});
+  };
+  SuiteOptions options;
+  options.coefficients = Coefficients::kCalibrated;
+  const Suite calibrated = SolveSuite(options);
+  for (const bool even : {true, false})
+    for (const Rate& rate : kRates) {
+      std::printf("%s masses, %d Hz:", even ? "even" : "calibrated", rate.hz);
+      for (size_t preset = 0; preset < 4; ++preset) {
+        const Suite& suite = even ? SharedSuite() : calibrated;
+        const Score without = ScoreSolver(suite, preset, factory(false), rate.hz);
+        const Score with = ScoreSolver(suite, preset, factory(true), rate.hz);
+        std::printf(" %s %.2f -> %.2f %%", kPresets[preset].name.data(), 100.0 * without.error,
+                    100.0 * with.error);
+        EXPECT_LT(100.0 * with.error, (even ? rate.most : rate.most_calibrated)[preset]);
+        EXPECT_LT(with.stretch, 1e-5);
+      }
+      std::printf("\n");
+    }
+}
+
 // 4 links, and the calibrated chains of layers: few cases.
 TEST(Modal, ErrorOnOtherChains) {
   struct Chain {

@@ -1,0 +1,208 @@
+// How fast the roots of a chunk's chains move and turn: the derivative of skin, anchors and roots
+// by time.
+//
+// Linear blend skinning is linear in the matrices, so a vertex has the velocity that the same blend
+// of the palette's derivatives gives it. Normal and tangent are made unit and square after the
+// blend; with n and t what they were before, N and T what they are after,
+//
+//     N' = (n' - N (N . n')) / |n|,   B = N x T,   B . T' = (B . t' - (B . N') (N . t)) / (T . t),
+//     spin = N x N' + (B . T') N,
+//
+// of a vertex, and again of a strand, whose n and t are the blend of its three vertices' N and T.
+//
+// Invariant: finite in, finite out, also where blended normals cancel: a spin is let grow to 1e6
+// rad/s and no further.
+#pragma once
+
+#include <string_view>
+
+#include "core/kernels/skin.hpp"
+
+namespace pelt {
+
+namespace root_rates_detail {
+
+inline constexpr float kFastestSpin = 1.0e6f;
+
+template <class V>
+struct Frame {
+  Vec3<V> normal, tangent;
+};
+
+// Of frame `unit`, made from `raw`, which changes at `rate`.
+template <class V>
+PELT_INLINE Vec3<V> SpinOf(const Frame<V>& unit, const Frame<V>& raw, const Frame<V>& rate) {
+  const V most(kFastestSpin), least = V(0.0f) - most;
+  const V inverse = Rsqrt(Max(Dot(raw.normal, raw.normal), V(1.0e-30f)));
+  const V along = Dot(unit.normal, rate.normal);
+  const Vec3<V> off = (rate.normal - unit.normal * along) * inverse;
+  const Vec3<V> lean = {Clamp(off.x, least, most), Clamp(off.y, least, most),
+                        Clamp(off.z, least, most)};
+  const Vec3<V> across = Cross(unit.normal, unit.tangent);
+  const V forward = Dot(across, rate.tangent);
+  const V carried = Dot(across, lean) * Dot(unit.normal, raw.tangent);
+  const V size = Max(Dot(unit.tangent, raw.tangent), V(1.0e-15f));
+  const V turn = Clamp((forward - carried) / size, least, most);
+  const Vec3<V> tilt = Cross(unit.normal, lean);
+  return tilt + unit.normal * turn;
+}
+
+template <class V>
+struct VertexRates {
+  Vec3<V> velocity, spin;
+  Frame<V> frame;
+};
+
+// Of vertices [first, first + kLanes).
+template <class V>
+PELT_INLINE VertexRates<V> RatesOfVertices(const PaletteBlock& palette,
+                                           const PaletteRateBlock& rates, const MeshBlock& mesh,
+                                           uint32_t first) {
+  using namespace skin_detail;
+  const uint32_t group = first / kLaneGroup, lane = first % kLaneGroup;
+  const BlendedMatrix<V> m = BlendMatrices<V>(palette.matrix, mesh, group, lane);
+  const BlendedMatrix<V> d = BlendMatrices<V>(rates.matrix, mesh, group, lane);
+  const Vec3<V> position = Load3<V>(mesh.position, first);
+  const Vec3<V> normal = Load3<V>(mesh.normal, first), tangent = Load3<V>(mesh.tangent, first);
+  const Frame<V> raw = {TransformDirection(m, normal), TransformDirection(m, tangent)};
+  const Frame<V> rate = {TransformDirection(d, normal), TransformDirection(d, tangent)};
+  const Vec3<V> up = {V(0.0f), V(1.0f), V(0.0f)};
+  VertexRates<V> out;
+  out.velocity = TransformDirection(d, position) + d.origin;
+  out.frame.normal = NormalizeOr(raw.normal, up);
+  out.frame.tangent = UnitAcross(out.frame.normal, raw.tangent);
+  out.spin = SpinOf(out.frame, raw, rate);
+  return out;
+}
+
+// Of a chunk's vertices, as the records that its strands blend.
+struct RateRecords {
+  alignas(64) float velocity[kVerticesPerChunk][4];
+  alignas(64) float normal[kVerticesPerChunk][4];   // N'
+  alignas(64) float tangent[kVerticesPerChunk][4];  // T'
+};
+
+}  // namespace root_rates_detail
+
+// Of chains at mesh vertices.
+template <class V>
+struct AnchorRates {
+  static constexpr std::string_view kName = "anchor_rates";
+  struct Ports {
+    Shared<&Streams::palette> palette;
+    Shared<&Streams::palette_rates> palette_rates;
+    In<&Streams::mesh> mesh;
+    In<&Streams::chunk_state> state;
+    In<&Streams::anchors> anchors;  // of layers that have them
+    Out<&Streams::root_rates> rates;
+  };
+
+  static void Run(const Ports& ports) {
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
+    for (uint32_t v = 0; v < lanes; v += V::kLanes) {
+      const auto rates = root_rates_detail::RatesOfVertices<V>(*ports.palette, *ports.palette_rates,
+                                                               *ports.mesh, v);
+      Store3<V>(ports.rates->velocity, v, rates.velocity);
+      Store3<V>(ports.rates->spin, v, rates.spin);
+    }
+  }
+};
+
+// Of chains of strands.
+template <class V>
+struct RootRates {
+  static constexpr std::string_view kName = "root_rates";
+  struct Ports {
+    Shared<&Streams::palette> palette;
+    Shared<&Streams::palette_rates> palette_rates;
+    In<&Streams::mesh> mesh;
+    In<&Streams::chunk_state> state;
+    In<&Streams::strands> strands;
+    In<&Streams::skinned> skinned;
+    In<&Streams::roots> roots;
+    Out<&Streams::root_rates> rates;
+  };
+
+  static void Run(const Ports& ports) {
+    Records records;
+    const uint32_t vertices = RoundUpToLaneGroups(ports.state->live_vertices);
+    for (uint32_t v = 0; v < vertices; v += V::kLanes) WriteRecords(ports, v, records);
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
+    for (uint32_t s = 0; s < lanes; s += V::kLanes) BlendStrands(ports, records, s);
+  }
+
+ private:
+  using Records = root_rates_detail::RateRecords;
+  using Frame = root_rates_detail::Frame<V>;
+
+  static PELT_INLINE void Scatter(float (*records)[4], uint32_t first, const Vec3<V>& a) {
+    float(*const out)[4] = records + first;
+    ScatterRecords([out](int lane) { return out[lane]; }, a.x, a.y, a.z, V(0.0f));
+  }
+
+  static PELT_INLINE void WriteRecords(const Ports& ports, uint32_t v, Records& records) {
+    const auto rates =
+        root_rates_detail::RatesOfVertices<V>(*ports.palette, *ports.palette_rates, *ports.mesh, v);
+    Scatter(records.velocity, v, rates.velocity);
+    Scatter(records.normal, v, Cross(rates.spin, rates.frame.normal));
+    Scatter(records.tangent, v, Cross(rates.spin, rates.frame.tangent));
+  }
+
+  // What strands blend of a vertex, for those of lanes k, k + 4, ...
+  struct Weighed {
+    V velocity, normal, tangent, normal_rate, tangent_rate;
+  };
+
+  template <int k>
+  static PELT_INLINE Weighed WeighVertex(const SkinnedBlock& skinned, const Records& records,
+                                         const uint8_t* index, V weight) {
+    const V w = SplatInFours<k>(weight);
+    const SkinnedVertex* const vertices = skinned.vertex;
+    return {LoadRecords<V, k>([&](int lane) { return records.velocity[index[lane]]; }) * w,
+            LoadRecords<V, k>([&](int lane) { return vertices[index[lane]].normal; }) * w,
+            LoadRecords<V, k>([&](int lane) { return vertices[index[lane]].tangent; }) * w,
+            LoadRecords<V, k>([&](int lane) { return records.normal[index[lane]]; }) * w,
+            LoadRecords<V, k>([&](int lane) { return records.tangent[index[lane]]; }) * w};
+  }
+
+  static PELT_INLINE Weighed Add(const Weighed& a, const Weighed& b) {
+    return {a.velocity + b.velocity, a.normal + b.normal, a.tangent + b.tangent,
+            a.normal_rate + b.normal_rate, a.tangent_rate + b.tangent_rate};
+  }
+
+  template <int k>
+  static PELT_INLINE Weighed BlendVertices(const Ports& ports, const Records& records, uint32_t s,
+                                           const Vec3<V>& bary) {
+    const StrandBlock& strands = *ports.strands;
+    // Named, so that no compiler computes them in another order (pricing/written_order.hpp).
+    const Weighed a = WeighVertex<k>(*ports.skinned, records, strands.vertex[0] + s, bary.x);
+    const Weighed b = WeighVertex<k>(*ports.skinned, records, strands.vertex[1] + s, bary.y);
+    const Weighed c = WeighVertex<k>(*ports.skinned, records, strands.vertex[2] + s, bary.z);
+    return Add(Add(a, b), c);
+  }
+
+  static PELT_INLINE Vec3<V> Columns(V a, V b, V c, V d) {
+    TransposeFours(a, b, c, d);
+    return {a, b, c};
+  }
+
+  static PELT_INLINE void BlendStrands(const Ports& ports, const Records& records, uint32_t s) {
+    const Vec3<V> bary = Load3<V>(ports.strands->bary, s);
+    const Weighed a = BlendVertices<0>(ports, records, s, bary);
+    const Weighed b = BlendVertices<1>(ports, records, s, bary);
+    const Weighed c = BlendVertices<2>(ports, records, s, bary);
+    const Weighed d = BlendVertices<3>(ports, records, s, bary);
+    Store3<V>(ports.rates->velocity, s, Columns(a.velocity, b.velocity, c.velocity, d.velocity));
+    const Vec3<V> normal = Columns(a.normal, b.normal, c.normal, d.normal);
+    const Vec3<V> tangent = Columns(a.tangent, b.tangent, c.tangent, d.tangent);
+    const Vec3<V> normal_rate = Columns(a.normal_rate, b.normal_rate, c.normal_rate, d.normal_rate);
+    const Vec3<V> tangent_rate =
+        Columns(a.tangent_rate, b.tangent_rate, c.tangent_rate, d.tangent_rate);
+    const Frame unit = {Load3<V>(ports.roots->normal, s), Load3<V>(ports.roots->tangent, s)};
+    const Vec3<V> spin = root_rates_detail::SpinOf<V>(unit, Frame{normal, tangent},
+                                                      Frame{normal_rate, tangent_rate});
+    Store3<V>(ports.rates->spin, s, spin);
+  }
+};
+
+}  // namespace pelt
