@@ -127,21 +127,21 @@ std::optional<Difference> CompareInputs(const FrameInput& a, const FrameInput& b
   return std::nullopt;
 }
 
-std::optional<Difference> ComparePoses(const PoseBlock& a, const PoseBlock& b, uint32_t frame,
-                                       uint32_t character) {
+Difference PlaceOf(uint32_t frame, uint32_t character) {
   Difference out;
   out.place = {{"frame", std::to_string(frame)}, {"character", std::to_string(character)}};
-  if (a.joint_count != b.joint_count) {
-    out.place.emplace_back("pose", "joint_count");
-    out.left = ShowWhole(a.joint_count, 8);
-    out.right = ShowWhole(b.joint_count, 8);
-    return out;
-  }
+  return out;
+}
+
+// The first difference of two blocks of a character's joints; `what` names the block.
+template <auto kRow>
+std::optional<Difference> CompareRows(const BlockOf<kRow>& a, const BlockOf<kRow>& b,
+                                      const char* what, Difference out) {
   const BlockDifference found =
-      FindDifference(DescribeStream(StreamOf<&Streams::pose>), &a, &b, kJointsPerCharacter);
+      FindDifference(DescribeStream(StreamOf<kRow>), &a, &b, kJointsPerCharacter);
   if (!found.differs) return std::nullopt;
   const RowDesc& row = *found.row;
-  out.place.emplace_back("pose", row.name);
+  out.place.emplace_back(what, row.name);
   if (row.lane_count == kJointsPerCharacter) {
     // Keyed rows are [key][component][joint].
     out.place.emplace_back("row", std::to_string(found.component));
@@ -153,6 +153,18 @@ std::optional<Difference> ComparePoses(const PoseBlock& a, const PoseBlock& b, u
   out.left = is_float ? ShowFloat(found.left) : ShowWhole(found.left, 8);
   out.right = is_float ? ShowFloat(found.right) : ShowWhole(found.right, 8);
   return out;
+}
+
+std::optional<Difference> ComparePoses(const PoseBlock& a, const PoseBlock& b, uint32_t frame,
+                                       uint32_t character) {
+  Difference out = PlaceOf(frame, character);
+  if (a.joint_count != b.joint_count) {
+    out.place.emplace_back("pose", "joint_count");
+    out.left = ShowWhole(a.joint_count, 8);
+    out.right = ShowWhole(b.joint_count, 8);
+    return out;
+  }
+  return CompareRows<&Streams::pose>(a, b, "pose", std::move(out));
 }
 
 std::optional<Difference> CompareGrooms(const InputLog& a, const InputLog& b) {
@@ -186,16 +198,26 @@ std::optional<Difference> CompareHeads(const InputLog& a, const InputLog& b) {
     const auto name = [](bool index) { return index ? "index-buffer" : "sorted"; };
     return HeadDifference("vertex_order", name(a.about.index_buffer), name(b.about.index_buffer));
   }
+  if (a.about.velocities != b.about.velocities) {
+    const auto name = [](bool velocities) { return velocities ? "with" : "without"; };
+    return HeadDifference("velocities", name(a.about.velocities), name(b.about.velocities));
+  }
   return CompareGrooms(a, b);
 }
 
 std::optional<Difference> CompareFrame(const InputLog& a, const InputLog& b, uint32_t frame) {
   if (auto found = CompareInputs(a.Input(frame), b.Input(frame), frame)) return found;
   PoseBlock left, right;
+  PoseRateBlock left_rates, right_rates;
   for (uint32_t c = 0; c < a.CharacterCount(); ++c) {
     a.FillPose(frame, c, &left);
     b.FillPose(frame, c, &right);
     if (auto found = ComparePoses(left, right, frame, c)) return found;
+    a.FillPoseRates(frame, c, &left_rates);
+    b.FillPoseRates(frame, c, &right_rates);
+    if (auto found = CompareRows<&Streams::pose_rates>(left_rates, right_rates, "velocities",
+                                                       PlaceOf(frame, c)))
+      return found;
   }
   if (a.frames[frame].digest == b.frames[frame].digest) return std::nullopt;
   return Difference{{{"frame", std::to_string(frame)}, {"recorded", "digest"}},

@@ -102,7 +102,7 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
     reader.Fail(8, Format("version {}, this program reads 1 to {}", log.version, kInputLogVersion));
   Counts counts;
   log.chunk_strands = reader.Get<uint32_t>();
-  const auto index_buffer = reader.Get<uint32_t>();
+  const auto options = reader.Get<uint32_t>();
   counts.grooms = reader.Get<uint32_t>();
   counts.characters = reader.Get<uint32_t>();
   counts.frames = reader.Get<uint32_t>();
@@ -114,9 +114,12 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
                        log.file_bytes, file.size()));
   if (!reader.failed() && hash != HashOf(file))
     reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
-  if (index_buffer > 1)
-    reader.Fail(16, Format("index buffer is {}, neither 0 nor 1", index_buffer));
-  log.about.index_buffer = index_buffer == 1;
+  const uint32_t known = kWithIndexBuffer | (log.version >= 5 ? kWithVelocities : 0u);
+  if (options & ~known)
+    reader.Fail(
+        16, Format("options are {}, version {} has none above {}", options, log.version, known));
+  log.about.index_buffer = (options & kWithIndexBuffer) != 0;
+  log.about.velocities = (options & kWithVelocities) != 0;
   if (counts.characters == 0 || counts.characters > kCharactersLimit)
     reader.Fail(24, Format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
   if (counts.grooms == 0 || counts.grooms > counts.characters)
@@ -143,6 +146,13 @@ void ReadGrooms(Reader& reader, const Counts& counts, InputLog& log) {
   }
 }
 
+bool ReadWords(Reader& reader, size_t words, InputLog& log) {
+  const std::byte* from = reader.Take(4 * words);
+  if (reader.failed()) return false;
+  for (size_t w = 0; w < words; ++w) log.pose_words.push_back(GetNumber<uint32_t>(from + 4 * w));
+  return true;
+}
+
 void ReadPose(Reader& reader, InputLog& log) {
   PackedPose pose;
   pose.byte = reader.At();
@@ -153,11 +163,30 @@ void ReadPose(Reader& reader, InputLog& log) {
   pose.teleported = reader.Get<uint32_t>();
   pose.first_word = log.pose_words.size();
   if (reader.failed()) return;
-  const size_t words = CountPoseWords(pose.joint_count);
-  const std::byte* from = reader.Take(4 * words);
-  if (reader.failed()) return;
-  for (size_t w = 0; w < words; ++w) log.pose_words.push_back(GetNumber<uint32_t>(from + 4 * w));
-  log.poses.push_back(pose);
+  if (ReadWords(reader, CountPoseWords(pose.joint_count), log)) log.poses.push_back(pose);
+}
+
+// Velocities of the pose that was just read, or is the last frame's.
+void ReadRates(Reader& reader, uint32_t frame, uint32_t joint_count, InputLog& log) {
+  const size_t at = reader.At();
+  const auto kind = reader.Get<uint8_t>();
+  const size_t characters = log.CharacterCount();
+  const uint32_t before =
+      frame > 0 ? log.frame_rates[log.frame_rates.size() - characters] : InputLog::kNoRates;
+  if (kind == kNoRatesGiven) {
+    log.frame_rates.push_back(InputLog::kNoRates);
+  } else if (kind == kRatesFollow) {
+    log.frame_rates.push_back(uint32_t(log.rates.size()));
+    const PackedRates rates{joint_count, log.pose_words.size()};
+    if (ReadWords(reader, CountPoseWords<&Streams::pose_rates>(joint_count), log))
+      log.rates.push_back(rates);
+  } else if (kind == kRatesUnchanged && before != InputLog::kNoRates &&
+             log.rates[before].joint_count == joint_count) {
+    log.frame_rates.push_back(before);
+  } else {
+    reader.Fail(at, Format("velocities of kind {}{}", kind,
+                           kind == kRatesUnchanged ? ", and the frame before has none" : ""));
+  }
 }
 
 // The counts are the last fields; older versions have fewer of them.
@@ -214,18 +243,28 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
       reader.Fail(at, Format("a pose of kind {}{}", kind,
                              kind == kPoseUnchanged ? " in the first frame" : ""));
     }
+    if (log.about.velocities && !reader.failed())
+      ReadRates(reader, index, log.poses[log.frame_pose.back()].joint_count, log);
   }
   frame.digest = reader.Get<uint64_t>();
   log.frames.push_back(frame);
 }
 
 // Of a frame without spheres, capsules, lights, brushes, weather and poses.
-uint64_t LeastFrameBytes(uint32_t characters, uint32_t version) {
+uint64_t LeastFrameBytes(uint32_t characters, const InputLog& log) {
   std::vector<std::byte> input;
   Writer writer{input};
   const FrameInput nothing;
-  ListInputFields(writer, nothing, version);
-  return input.size() + 4 + characters + 8;
+  ListInputFields(writer, nothing, log.version);
+  return input.size() + 4 + characters * (log.about.velocities ? 2 : 1) + 8;
+}
+
+template <auto kRow>
+void FillRows(const uint32_t* from, uint32_t joint_count, BlockOf<kRow>* block) {
+  ForEachPoseRow<kRow>(joint_count, [&](size_t offset, uint32_t lanes) {
+    std::memcpy(reinterpret_cast<std::byte*>(block) + offset, from, 4 * size_t(lanes));
+    from += lanes;
+  });
 }
 
 }  // namespace
@@ -244,11 +283,17 @@ void InputLog::FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) con
   *pose = PoseBlock{};
   pose->joint_count = packed.joint_count;
   pose->teleported = packed.teleported;
-  const uint32_t* from = pose_words.data() + packed.first_word;
-  ForEachPoseRow(packed.joint_count, [&](size_t offset, uint32_t lanes) {
-    std::memcpy(reinterpret_cast<std::byte*>(pose) + offset, from, 4 * size_t(lanes));
-    from += lanes;
-  });
+  FillRows<&Streams::pose>(pose_words.data() + packed.first_word, packed.joint_count, pose);
+}
+
+void InputLog::FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* block) const {
+  *block = PoseRateBlock{};
+  if (frame_rates.empty()) return;
+  const uint32_t at = frame_rates[size_t(frame) * CharacterCount() + character];
+  if (at == kNoRates) return;
+  const PackedRates& packed = rates[at];
+  block->given = 1;
+  FillRows<&Streams::pose_rates>(pose_words.data() + packed.first_word, packed.joint_count, block);
 }
 
 Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::string& name) {
@@ -262,7 +307,7 @@ Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::strin
   log.about.note = reader.Text();
   ReadGrooms(reader, counts, log);
   reader.Section("frames");
-  reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters, log.version),
+  reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters, log),
                     "frames");
   if (reader.failed()) return Failure{std::move(error)};
   log.frames.reserve(counts.frames);

@@ -1,11 +1,12 @@
 // The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
 //
-//      header      magic "PELTINP\n", version, strands per chunk, vertex order, number of grooms,
-//                  characters and frames, file size, hash
+//      header      magic "PELTINP\n", version, strands per chunk, options (bit 0: index buffer,
+//                  bit 1: velocities), number of grooms, characters and frames, file size, hash
 //      texts       scene, note
 //      characters  the number of each one's groom
 //      grooms      each as the bytes of a groom file, opaque here
-//      frames      FrameInput, weather, poses, digest: one after the other
+//      frames      FrameInput, weather, poses (with velocities: each followed by its own), digest:
+//                  one after the other
 //
 // An engine records by itself, without a scenario: Begin once, AddFrame after every frame, Finish.
 // What it sends can be replayed on any machine, and the recorded digests say whether that machine
@@ -13,7 +14,7 @@
 //
 // Everything is little-endian and goes through one list of fields (input_fields.hpp), floats by
 // their bits; of a pose only the joints in use. A pose that is the last frame's is not written
-// again. The hash covers all bytes but its own.
+// again, nor are its velocities. The hash covers all bytes but its own.
 //
 // A file is read as hostile input: a count is held against the bytes that are left before anything
 // is allocated for it, and poses stay packed as they lie in the file. The hash finds damage; it is
@@ -33,14 +34,21 @@
 
 namespace pelt {
 
-// 1: without capsules, 2: without lights, 3: without brushes; all still read.
-inline constexpr uint32_t kInputLogVersion = 4;
+// 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities; all still read.
+// Recordings without velocities are written as version 4, which older programs read.
+inline constexpr uint32_t kInputLogVersion = 5, kInputLogVersionWithoutVelocities = 4;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {
   uint32_t joint_count = 0, teleported = 0;
   size_t first_word = 0;  // in InputLog::pose_words
   size_t byte = 0;        // where it begins in the file
+};
+
+// The velocities of one.
+struct PackedRates {
+  uint32_t joint_count = 0;
+  size_t first_word = 0;  // in InputLog::pose_words
 };
 
 struct InputLogFrame {
@@ -55,6 +63,7 @@ struct InputLogScene {
   std::string scene;          // a name, for people
   std::string note;           // free text: settings, build, machine
   bool index_buffer = false;  // SceneOptions::vertex_order is VertexOrder::kIndexBuffer
+  bool velocities = false;    // SceneOptions::velocities
 };
 
 struct InputLog {
@@ -66,6 +75,10 @@ struct InputLog {
   std::vector<InputLogFrame> frames;
   std::vector<uint32_t> frame_pose;  // [frame][character], into `poses`
   std::vector<PackedPose> poses;     // those that differ from the frame before
+  static constexpr uint32_t kNoRates = ~0u;
+  // With about.velocities: [frame][character], into `rates`, or kNoRates where none were given.
+  std::vector<uint32_t> frame_rates;
+  std::vector<PackedRates> rates;  // those that differ from the frame before
   std::vector<uint32_t> pose_words;
   std::vector<Weather> weather;
   uint64_t file_bytes = 0;
@@ -76,6 +89,8 @@ struct InputLog {
   FrameInput Input(uint32_t frame) const;
   // Writes every byte of `pose`; joints not in use are 0.
   void FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const;
+  // The same of its velocities; with `given` 0 where there were none.
+  void FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* rates) const;
 };
 
 // The text of a failure is "input log 'name': frame 3, byte 1234: reason"; the byte counts from the
@@ -97,8 +112,10 @@ class InputLogWriter {
                     std::span<const std::span<const std::byte>> character_grooms);
 
   // One frame that ran: what BeginFrame was given, the scene's poses ({&scene.Pose(0),
-  // characters}), and DigestFrame() after it.
-  const char* AddFrame(const FrameInput& input, std::span<const PoseBlock> poses, uint64_t digest);
+  // characters}), and DigestFrame() after it. With InputLogScene::velocities, also their velocities
+  // ({scene.PoseRates(0), characters}); else none.
+  const char* AddFrame(const FrameInput& input, std::span<const PoseBlock> poses, uint64_t digest,
+                       std::span<const PoseRateBlock> rates = {});
 
   uint32_t FrameCount() const { return frame_count_; }
   // The bytes of the file so far; recording may go on after it. Empty before Begin.
@@ -106,7 +123,8 @@ class InputLogWriter {
 
  private:
   std::vector<std::byte> bytes_;
-  std::vector<std::vector<std::byte>> last_pose_;  // of each character, as written
+  std::vector<std::vector<std::byte>> last_pose_, last_rates_;  // of each character, as written
+  bool velocities_ = false;
   uint32_t frame_count_ = 0;
 };
 

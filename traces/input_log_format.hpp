@@ -28,6 +28,8 @@ inline constexpr uint32_t kTextBytesLimit = 4096;
 // Every character has at least one layer.
 inline constexpr uint32_t kCharactersLimit = kLayersPerScene;
 inline constexpr uint8_t kPoseUnchanged = 0, kPoseFollows = 1;
+inline constexpr uint8_t kRatesUnchanged = 0, kRatesFollow = 1, kNoRatesGiven = 2;
+inline constexpr uint32_t kWithIndexBuffer = 1u << 0, kWithVelocities = 1u << 1;
 
 template <class T>
 void PutNumber(std::vector<std::byte>& to, T value) {
@@ -60,11 +62,13 @@ inline uint64_t HashOf(std::span<const std::byte> file) {
   return digest.Value();
 }
 
-// Calls visit(byte offset in PoseBlock, number of words) for every row, of lanes in use only.
-template <class Visit>
+// Calls visit(byte offset in PoseBlock, number of words) for every row, of lanes in use only; or in
+// another block of a character's joints.
+template <auto kRow = &Streams::pose, class Visit>
 void ForEachPoseRow(uint32_t joint_count, Visit visit) {
-  for (const RowDesc& row : DescribeStream(StreamOf<&Streams::pose>).rows) {
-    if (row.lane_count == 1) continue;  // joint_count and teleported stand before the rows
+  for (const RowDesc& row : DescribeStream(StreamOf<kRow>).rows) {
+    // joint_count and teleported stand before the rows; whether velocities are given, too.
+    if (row.lane_count == 1) continue;
     const bool by_joint = row.lane_count == kJointsPerCharacter;
     const uint32_t lanes = by_joint ? joint_count : row.lane_count;
     for (uint32_t first = 0; first < row.element_count; first += row.lane_count)
@@ -72,9 +76,10 @@ void ForEachPoseRow(uint32_t joint_count, Visit visit) {
   }
 }
 
-inline size_t CountPoseWords(uint32_t joint_count) {
+template <auto kRow = &Streams::pose>
+size_t CountPoseWords(uint32_t joint_count) {
   size_t words = 0;
-  ForEachPoseRow(joint_count, [&words](size_t, uint32_t lanes) { words += lanes; });
+  ForEachPoseRow<kRow>(joint_count, [&words](size_t, uint32_t lanes) { words += lanes; });
   return words;
 }
 

@@ -23,19 +23,46 @@ void PutText(std::vector<std::byte>& to, const std::string& text) {
   for (const std::byte c : AsBytes(text).first(size)) to.push_back(c);
 }
 
+template <auto kRow>
+void PutRows(const BlockOf<kRow>& block, uint32_t joint_count, std::vector<std::byte>& packed) {
+  ForEachPoseRow<kRow>(joint_count, [&](size_t offset, uint32_t lanes) {
+    for (uint32_t l = 0; l < lanes; ++l) {
+      uint32_t word;
+      std::memcpy(&word, reinterpret_cast<const std::byte*>(&block) + offset + 4 * l, 4);
+      PutNumber(packed, word);
+    }
+  });
+}
+
 std::vector<std::byte> PackPose(const PoseBlock& pose) {
   std::vector<std::byte> packed;
   packed.reserve(8 + 4 * CountPoseWords(pose.joint_count));
   PutNumber(packed, pose.joint_count);
   PutNumber(packed, pose.teleported);
-  ForEachPoseRow(pose.joint_count, [&](size_t offset, uint32_t lanes) {
-    for (uint32_t l = 0; l < lanes; ++l) {
-      uint32_t word;
-      std::memcpy(&word, reinterpret_cast<const std::byte*>(&pose) + offset + 4 * l, 4);
-      PutNumber(packed, word);
-    }
-  });
+  PutRows<&Streams::pose>(pose, pose.joint_count, packed);
   return packed;
+}
+
+// Writes a part of a frame, or that it is the last frame's.
+void PutPart(uint8_t unchanged, uint8_t follows, std::vector<std::byte> packed,
+             std::vector<std::byte>& last, std::vector<std::byte>& to) {
+  const bool same = packed == last;
+  PutNumber(to, same ? unchanged : follows);
+  if (same) return;
+  to.insert(to.end(), packed.begin(), packed.end());
+  last = std::move(packed);
+}
+
+void PutRates(const PoseRateBlock& rates, uint32_t joint_count, std::vector<std::byte>& last,
+              std::vector<std::byte>& to) {
+  if (!rates.given) {
+    PutNumber(to, kNoRatesGiven);
+    last.clear();
+    return;
+  }
+  std::vector<std::byte> packed;
+  PutRows<&Streams::pose_rates>(rates, joint_count, packed);
+  PutPart(kRatesUnchanged, kRatesFollow, std::move(packed), last, to);
 }
 
 }  // namespace
@@ -56,11 +83,14 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
     if (same == grooms.end()) grooms.push_back(groom);
   }
   last_pose_.assign(character_grooms.size(), {});
+  last_rates_.assign(character_grooms.size(), {});
+  velocities_ = about.velocities;
   frame_count_ = 0;
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
-  PutNumber(bytes_, kInputLogVersion);
+  PutNumber(bytes_, velocities_ ? kInputLogVersion : kInputLogVersionWithoutVelocities);
   PutNumber(bytes_, kStrandsPerChunk);
-  PutNumber(bytes_, uint32_t(about.index_buffer));
+  PutNumber(bytes_, (about.index_buffer ? kWithIndexBuffer : 0u) |
+                        (about.velocities ? kWithVelocities : 0u));
   PutNumber(bytes_, uint32_t(grooms.size()));
   PutNumber(bytes_, uint32_t(character_grooms.size()));
   bytes_.resize(kHeaderBytes);  // frames, file size and hash, once they are known
@@ -75,11 +105,14 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
 }
 
 const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const PoseBlock> poses,
-                                     uint64_t digest) {
+                                     uint64_t digest, std::span<const PoseRateBlock> rates) {
   const size_t characters = last_pose_.size();
   if (characters == 0) return "frames come after Begin";
   if (poses.size() != characters || (!input.weather.empty() && input.weather.size() != characters))
     return "not as many poses, or weathers, as characters";
+  if (rates.size() != (velocities_ ? characters : 0))
+    return velocities_ ? "not as many velocities as characters"
+                       : "velocities in a recording that was begun without";
   if (input.sphere_count > kSpheresPerScene) return "more spheres than a scene can have";
   if (input.capsule_count > kCapsulesPerScene) return "more capsules than a scene can have";
   if (input.lighting.light_count > kLightsPerScene ||
@@ -100,12 +133,8 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
     writer("dirt", weather.dirt);
   }
   for (size_t c = 0; c < characters; ++c) {
-    std::vector<std::byte> packed = PackPose(poses[c]);
-    const bool unchanged = packed == last_pose_[c];
-    PutNumber(bytes_, unchanged ? kPoseUnchanged : kPoseFollows);
-    if (unchanged) continue;
-    bytes_.insert(bytes_.end(), packed.begin(), packed.end());
-    last_pose_[c] = std::move(packed);
+    PutPart(kPoseUnchanged, kPoseFollows, PackPose(poses[c]), last_pose_[c], bytes_);
+    if (velocities_) PutRates(rates[c], poses[c].joint_count, last_rates_[c], bytes_);
   }
   PutNumber(bytes_, digest);
   ++frame_count_;

@@ -21,7 +21,9 @@ std::vector<const Groom*> GroomOfEach(const InputLog& log, const std::vector<Gro
   return each;
 }
 
-SceneOptions WithOrderOf(const InputLog& log, SceneOptions options) {
+// What of a scene's options changes bits.
+SceneOptions WithOptionsOf(const InputLog& log, SceneOptions options) {
+  options.velocities = log.about.velocities;
   options.vertex_order = log.about.index_buffer ? VertexOrder::kIndexBuffer : VertexOrder::kSorted;
   return options;
 }
@@ -30,13 +32,16 @@ SceneOptions WithOrderOf(const InputLog& log, SceneOptions options) {
 
 ReplayScene::ReplayScene(const InputLog& log, const std::string& name, SceneOptions options)
     : log_(log),
-      options_(WithOrderOf(log, options)),
+      options_(WithOptionsOf(log, options)),
       grooms_(ReadGrooms(log, name)),
       character_groom_(GroomOfEach(log, grooms_)),
       scene_(FurScene::Create(character_groom_, options_).OrThrow()) {}
 
 const char* ReplayScene::Begin(uint32_t frame) {
-  for (uint32_t c = 0; c < log_.CharacterCount(); ++c) log_.FillPose(frame, c, &scene_->Pose(c));
+  for (uint32_t c = 0; c < log_.CharacterCount(); ++c) {
+    log_.FillPose(frame, c, &scene_->Pose(c));
+    if (PoseRateBlock* rates = scene_->PoseRates(c)) log_.FillPoseRates(frame, c, rates);
+  }
   return scene_->BeginFrame(log_.Input(frame));
 }
 

@@ -164,6 +164,61 @@ TEST(InputLog, VersionOneIsStillRead) {
   }
 }
 
+// Velocities of some characters in some frames come back as they were; a recording without them is
+// one of version 4, byte for byte.
+TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
+  const RecordedFrames recorded = MakeRecordedFrames();
+  const auto rates_of = [](uint32_t frame, uint32_t character) {
+    PoseRateBlock rates{};
+    rates.given = character != 1 && frame != 2;
+    if (!rates.given) return rates;
+    const uint32_t said = character == 0 ? frame : 9;  // the third's never change
+    for (int c = 0; c < 3; ++c) {
+      rates.translation[c][2] = 1.0f + float(said + 10 * uint32_t(c));
+      rates.spin[c][0] = -2.0f * float(said);
+      rates.scale[c][1] = 0.5f;
+    }
+    rates.root[11] = float(said);
+    return rates;
+  };
+  InputLogWriter writer;
+  const std::vector<std::span<const std::byte>> each(recorded.grooms.begin(),
+                                                     recorded.grooms.end());
+  InputLogScene about = recorded.about;
+  about.velocities = true;
+  ASSERT_EQ(writer.Begin(about, each), nullptr);
+  for (uint32_t f = 0; f < 4; ++f) {
+    FrameInput input = recorded.inputs[f];
+    input.weather = recorded.weather[f];
+    const std::vector<PoseRateBlock> rates = {rates_of(f, 0), rates_of(f, 1), rates_of(f, 2)};
+    EXPECT_NE(writer.AddFrame(input, recorded.poses[f], 0), nullptr);
+    EXPECT_NE(writer.AddFrame(input, recorded.poses[f], 0, std::span(rates).first(2)), nullptr);
+    ASSERT_EQ(writer.AddFrame(input, recorded.poses[f], recorded.digests[f], rates), nullptr);
+  }
+  const std::vector<std::byte> bytes = writer.Finish();
+  const InputLog log = ReadInputLog(bytes, "x").OrThrow();
+  EXPECT_EQ(log.version, 5u);
+  EXPECT_TRUE(log.about.velocities);
+  EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
+  PoseRateBlock found;
+  for (uint32_t f = 0; f < 4; ++f)
+    for (uint32_t c = 0; c < 3; ++c) {
+      const PoseRateBlock expected = rates_of(f, c);
+      log.FillPoseRates(f, c, &found);
+      EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << f << ", character " << c;
+    }
+  for (size_t size = input_log::kHeaderBytes; size < bytes.size(); size += 101)
+    ASSERT_FALSE(ErrorOf(Reseal({bytes.begin(), bytes.begin() + ptrdiff_t(size)})).empty()) << size;
+
+  const InputLog without = ReadInputLog(recorded.Write(), "x").OrThrow();
+  EXPECT_EQ(without.version, 4u);
+  without.FillPoseRates(0, 0, &found);
+  EXPECT_EQ(found.given, 0u);
+  ASSERT_EQ(writer.Begin(recorded.about, each), nullptr);
+  const std::vector<PoseRateBlock> rates(3);
+  EXPECT_NE(writer.AddFrame({}, recorded.poses[0], 0, rates), nullptr);
+}
+
 // From before there were lights: the same recording, with the count of capsules behind each frame's
 // count of spheres.
 TEST(InputLog, VersionTwoIsStillRead) {
@@ -304,9 +359,9 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 5, "byte 8: version 5, this program reads 1 to 4"},
+      {"version", 8, 6, "byte 8: version 6, this program reads 1 to 5"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"vertex order", 16, 2, "byte 16"},
+      {"velocities before there were any", 16, 2, "byte 16: options are 2, version 4 has none"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},
