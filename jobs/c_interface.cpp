@@ -23,6 +23,7 @@ struct PeltScene {
   pelt::PullExecutor pull;
   std::string text;
   std::vector<pelt::Weather> weather;
+  std::vector<uint8_t> has_rates;  // of each character, for the frame that comes
 
   const pelt::Groom* GroomOf(uint32_t character) const {
     return character < character_groom.size() ? &grooms[character_groom[character]] : nullptr;
@@ -98,6 +99,7 @@ Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count
   if (wanted.vertex_order > PELT_INDEX_BUFFER) return Failure{"there is no such vertex order"};
   options.vertex_order = pelt::VertexOrder(wanted.vertex_order);
   options.memory_budget_bytes = wanted.memory_budget_bytes;
+  options.velocities = wanted.velocities != 0;
 
   auto made = std::make_unique<PeltScene>();
   if (const auto read = ReadGrooms(files, count, *made); !read) return Failure{read.error()};
@@ -116,6 +118,7 @@ Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count
   made->scene = *std::move(scene);
   for (uint32_t c = 0; c < count; ++c) pelt::FillBindPose(*grooms[c], made->scene->Pose(c));
   made->weather.resize(count);
+  made->has_rates.resize(count);
   return made;
 }
 
@@ -227,6 +230,20 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
   return nullptr;
 }
 
+// The velocities of the frame that comes, for a character that is there; null: the scene has none.
+pelt::PoseRateBlock* RatesOf(PeltScene& scene, uint32_t character) {
+  pelt::PoseRateBlock* rates = scene.scene->PoseRates(character);
+  if (rates && !scene.has_rates[character]) {
+    *rates = {};
+    rates->given = 1;
+    scene.has_rates[character] = 1;
+  }
+  return rates;
+}
+
+constexpr const char* kNoRates =
+    "the scene takes no velocities: it was made without, or has no layer with the modal solver";
+
 bool SameDoor(const PeltDoor& a, const PeltDoor& b) {
   return a.enqueue == b.enqueue && a.finish == b.finish && a.user == b.user &&
          a.worker_count == b.worker_count;
@@ -284,6 +301,31 @@ const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12
   return nullptr;
 }
 
+const char* pelt_set_joint_velocity(PeltScene* scene, uint32_t character, uint32_t joint,
+                                    const PeltJointVelocity* velocity) {
+  if (!scene) return kNoScene;
+  if (!velocity) return "the joint's velocity is null";
+  if (joint >= pelt_joint_count(scene, character)) return "there is no such joint";
+  pelt::PoseRateBlock* rates = RatesOf(*scene, character);
+  if (!rates) return kNoRates;
+  for (int c = 0; c < 3; ++c) {
+    rates->translation[c][joint] = velocity->translation[c];
+    rates->spin[c][joint] = velocity->spin[c];
+    rates->scale[c][joint] = velocity->scale[c];
+  }
+  return nullptr;
+}
+
+const char* pelt_place_velocity(PeltScene* scene, uint32_t character, const float root[12]) {
+  if (!scene) return kNoScene;
+  if (!root) return "the placement's velocity is null";
+  if (!scene->GroomOf(character)) return "there is no such character";
+  pelt::PoseRateBlock* rates = RatesOf(*scene, character);
+  if (!rates) return kNoRates;
+  std::copy_n(root, 12, rates->root);
+  return nullptr;
+}
+
 void pelt_default_frame(PeltFrame* frame) {
   if (!frame) return;
   *frame = {};
@@ -317,7 +359,12 @@ const char* pelt_begin(PeltScene* scene, const PeltFrame* frame) {
   if (!frame) return "the frame is null";
   pelt::FrameInput input;
   if (const char* fault = Translate(*frame, scene->weather, input)) return fault;
-  return scene->scene->BeginFrame(input);
+  for (uint32_t c = 0; c < scene->has_rates.size(); ++c)
+    if (pelt::PoseRateBlock* rates = scene->scene->PoseRates(c))
+      if (!scene->has_rates[c]) rates->given = 0;
+  if (const char* fault = scene->scene->BeginFrame(input)) return fault;
+  std::fill(scene->has_rates.begin(), scene->has_rates.end(), uint8_t{0});
+  return nullptr;
 }
 
 const char* pelt_refused_pose(PeltScene* scene, uint32_t character) {

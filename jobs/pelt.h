@@ -64,6 +64,9 @@ typedef struct PeltSceneOptions {
    * pelt_destroy, or when pelt_create has failed. NULL: Pelt allocates it. */
   void* (*allocate)(uint64_t bytes, void* user);
   void* user;
+  /* Not 0: poses may come with velocities (pelt_set_joint_velocity), for layers with the modal
+   * solver. */
+  int velocities;
 } PeltSceneOptions;
 
 /* A scene of `count` characters, one groom file (`pelt bake`) in memory for each; the bytes are
@@ -92,6 +95,21 @@ const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
                            const PeltJoint* local);
 /* Where the character stands: row-major 3x4. `teleported`: its fur starts from its groom. */
 const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12], int teleported);
+
+/* How fast a joint's transform changes at the pose's time. With it the roots of strands are known
+ * between frames too: at 30 frames per second their motion is several times as exact. */
+typedef struct PeltJointVelocity {
+  float translation[3]; /* of the translation, 1/s */
+  float spin[3];        /* rad/s, about the parent's axes */
+  float scale[3];       /* of the scale, 1/s */
+} PeltJointVelocity;
+
+/* A frame has the velocities of a character for which one of these was called since the pelt_begin
+ * before it; what was not set then stands still. A scene that takes none refuses them. */
+const char* pelt_set_joint_velocity(PeltScene* scene, uint32_t character, uint32_t joint,
+                                    const PeltJointVelocity* velocity);
+/* Of pelt_place's root: its derivative by time, row-major 3x4, 1/s. */
+const char* pelt_place_velocity(PeltScene* scene, uint32_t character, const float root[12]);
 
 enum PeltSkip { /* what may be left out; of these only PELT_LOD and PELT_CULL can change a bit */
                 PELT_SLEEP = 1,

@@ -6,9 +6,13 @@
 #include <limits>
 
 #include "bench/accuracy/double3.hpp"
+#include "core/bind_pose.hpp"
+#include "core/groom/groom_file.hpp"
 #include "core/kernels/frame_table.hpp"
+#include "jobs/pelt.h"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "traces/input_log.hpp"
 
 namespace pelt::testing {
 namespace {
@@ -217,6 +221,81 @@ TEST(Velocities, WakeAndLetSleepAgain) {
   uint32_t more = 0;
   while (more < 1200 && simulated() > 0) RunFrame(run, frame++), ++more;
   EXPECT_EQ(simulated(), 0u);
+}
+
+TEST(Velocities, AreRecordedAndReplayed) {
+  Scenario scenario = TinyScenario();
+  RunningScenario run(scenario, WithVelocities());
+  const std::vector<std::byte> groom = WriteGroom(scenario.grooms[0]).OrThrow();
+  const std::span<const std::byte> grooms[] = {groom};
+  InputLogWriter writer;
+  ASSERT_EQ(writer.Begin({.velocities = true}, grooms), nullptr);
+  for (uint32_t f = 0; f < 6; ++f) {
+    const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
+    run.scene().PoseRates(0)->given = f != 3;
+    ASSERT_TRUE(run.TryBegin(input));
+    ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+    ASSERT_EQ(writer.AddFrame(input, {&run.scene().Pose(0), 1}, run.scene().DigestFrame(),
+                              {run.scene().PoseRates(0), 1}),
+              nullptr);
+  }
+  const InputLog log = ReadInputLog(writer.Finish(), "log").OrThrow();
+  RunningScenario again(scenario, WithVelocities());
+  for (uint32_t f = 0; f < 6; ++f) {
+    log.FillPose(f, 0, &again.scene().Pose(0));
+    log.FillPoseRates(f, 0, again.scene().PoseRates(0));
+    EXPECT_EQ(again.scene().PoseRates(0)->given, f != 3 ? 1u : 0u);
+    ASSERT_EQ(again.scene().BeginFrame(log.Input(f)), nullptr);
+    ASSERT_EQ(SerialExecutor().Run(again.scene().CurrentFrame()), nullptr);
+    EXPECT_EQ(again.scene().DigestFrame(), log.frames[f].digest) << f;
+  }
+}
+
+TEST(Velocities, ComeInByTheCInterface) {
+  const Scenario scenario = TinyScenario();
+  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
+  const PeltBytes groom = {file.data(), file.size()};
+  const PeltSceneOptions options = {.velocities = 1};
+  char why[200] = "";
+  PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
+  PeltScene* plain = pelt_create(&groom, 1, nullptr, why, sizeof why);
+  ASSERT_TRUE(scene && plain) << why;
+  const PeltJointVelocity velocity = {{0.0f, 0.5f, 0.0f}, {1.0f, 0.0f, 0.0f}, {}};
+  const float root[12] = {0, 0, 0, 0.3f};
+  EXPECT_NE(pelt_set_joint_velocity(plain, 0, 0, &velocity), nullptr);
+  EXPECT_NE(pelt_place_velocity(plain, 0, root), nullptr);
+  EXPECT_NE(pelt_set_joint_velocity(scene, 0, 1000, &velocity), nullptr);
+  EXPECT_NE(pelt_set_joint_velocity(scene, 1, 0, &velocity), nullptr);
+  EXPECT_NE(pelt_set_joint_velocity(scene, 0, 0, nullptr), nullptr);
+  EXPECT_NE(pelt_place_velocity(scene, 1, root), nullptr);
+  PeltFrame frame;
+  pelt_default_frame(&frame);
+
+  RunningScenario own(const_cast<Scenario&>(scenario), WithVelocities());
+  FillBindPose(scenario.grooms[0], own.scene().Pose(0));
+  for (uint32_t f = 0; f < 4; ++f) {
+    PoseRateBlock& rates = *own.scene().PoseRates(0);
+    rates = {};
+    if (f == 1 || f == 2) {  // and in the last frame no longer
+      rates.given = 1;
+      if (f == 1) {
+        rates.translation[1][2] = 0.5f;
+        rates.spin[0][2] = 1.0f;
+        EXPECT_EQ(pelt_set_joint_velocity(scene, 0, 2, &velocity), nullptr);
+      }
+      rates.root[3] = 0.3f;  // what was said of a joint before is not said again
+      EXPECT_EQ(pelt_place_velocity(scene, 0, root), nullptr);
+    }
+    FrameInput input;
+    input.time_s = frame.time_s = f / 60.0;
+    ASSERT_EQ(pelt_begin(scene, &frame), nullptr);
+    ASSERT_EQ(pelt_run(scene, nullptr), nullptr);
+    ASSERT_EQ(own.scene().BeginFrame(input), nullptr);
+    ASSERT_EQ(SerialExecutor().Run(own.scene().CurrentFrame()), nullptr);
+    EXPECT_EQ(pelt_digest(scene), own.scene().DigestFrame()) << f;
+  }
+  pelt_destroy(scene);
+  pelt_destroy(plain);
 }
 
 TEST(Velocities, ThatCannotBeUsedRefuseThePoseAndSayWhy) {
