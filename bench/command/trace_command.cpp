@@ -20,13 +20,15 @@ void CheckRecorded(const char* fault) {
   if (fault) throw Error(fmt::format("recording: {}", fault));
 }
 
-void BeginRecording(const Scenario& scenario, const RunArgs& args, InputLogWriter& writer) {
+void BeginRecording(const Scenario& scenario, const RunArgs& args, bool velocities,
+                    InputLogWriter& writer) {
   std::vector<std::vector<std::byte>> grooms;
   for (const Groom& groom : scenario.grooms) grooms.push_back(WriteGroom(groom).OrThrow());
   std::vector<std::span<const std::byte>> each;
   for (const Actor& actor : scenario.actors) each.emplace_back(grooms[actor.groom]);
   const bool index_buffer = args.options.scene.vertex_order == VertexOrder::kIndexBuffer;
-  CheckRecorded(writer.Begin({scenario.name, DescribeSettings(args), index_buffer}, each));
+  CheckRecorded(
+      writer.Begin({scenario.name, DescribeSettings(args), index_buffer, velocities}, each));
 }
 
 // Poses that are the same as in the frame before.
@@ -111,6 +113,7 @@ std::string DescribeSettings(const RunArgs& args) {
   if (args.options.skip.lod && args.options.lod.strand_budget)
     all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));
   if (!args.options.skip.cull) all.push_back("no culling");
+  if (args.options.scene.velocities) all.push_back("velocities");
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
@@ -121,14 +124,16 @@ int Record(const RecordArgs& args) {
   options.scene.plan.must_fit = options.executor->local_store;
   RunningScenario running(scenario, options.scene);
   InputLogWriter writer;
-  BeginRecording(scenario, args.run, writer);
+  const PoseRateBlock* const rates = running.scene().PoseRates(0);
+  BeginRecording(scenario, args.run, rates != nullptr, writer);
   options.after_frame = [&](uint32_t frame, const FurScene& scene) {
     // The frame's input again: it depends on the frame's number alone.
     FrameInput input = scenario.PrepareFrame(frame, running.scene());
     input.skip = options.skip;
     input.lod = options.lod;
-    CheckRecorded(writer.AddFrame(input, {&running.scene().Pose(0), scene.shape().character_count},
-                                  scene.DigestFrame()));
+    const uint32_t characters = scene.shape().character_count;
+    CheckRecorded(writer.AddFrame(input, {&running.scene().Pose(0), characters},
+                                  scene.DigestFrame(), {rates, rates ? characters : 0}));
   };
   {
     Progress progress("record", options.frames ? options.frames : scenario.default_frames);
