@@ -1,6 +1,7 @@
 #include "core/groom/fin_edges.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/float_rules.hpp"
 
@@ -10,7 +11,6 @@ namespace {
 struct Edge {
   uint64_t key;  // both vertices, the lower above
   uint32_t triangle, number;
-  auto operator<=>(const Edge&) const = default;
 };
 
 }  // namespace
@@ -27,7 +27,8 @@ std::vector<uint32_t> FindFinEdges(const Mesh& mesh, std::span<const uint32_t> d
       if (low != high) edges.push_back({uint64_t(low) << 32 | high, t, k});
     }
   }
-  std::ranges::sort(edges);
+  std::ranges::sort(edges, {},
+                    [](const Edge& e) { return std::tuple(e.key, e.triangle, e.number); });
   std::vector<uint32_t> owned(triangles.size(), 0);
   for (size_t i = 0; i < edges.size(); ++i)
     if (i == 0 || edges[i].key != edges[i - 1].key)
