@@ -88,6 +88,12 @@ BodyPose ToPose(const Angles& a) {
 
 }  // namespace
 
+Double3 SpinOf(const BodyPose& pose) {
+  Double3 spin = kZero3;
+  for (int k = 0; k < 3; ++k) spin = spin + Cross(pose.axis[k], pose.axis_rate[k]) * 0.5;
+  return spin;
+}
+
 BodyPose StillPose() { return ToPose(Angles{}); }
 
 BodyPose PoseOf(Motion motion, double t) {

@@ -30,6 +30,7 @@ struct BodyPose {
   Double3 PlaceRate(Double3 q) const { return velocity + TurnRate(q); }
   Double3 PlaceBend(Double3 q) const { return acceleration + TurnBend(q); }
 };
+Double3 SpinOf(const BodyPose& pose);  // rad/s, world
 
 // t in seconds to pose. Must be smooth: the reference is of eighth order.
 using BodyMotion = std::function<BodyPose(double)>;

@@ -160,7 +160,7 @@ SolverFactory FactoryOf(const NamedSolver& solver, Isa isa) {
   if (IsCore(solver.family)) return CoreFactory(isa, solver.core);
   if (solver.family != Family::kModal) return ComparisonFactory(isa, solver.method);
   if (!FindKernels(isa)) return [](const SolverSetup&) { return std::unique_ptr<StrandSolver>(); };
-  return ModalFactory(ModalKernelsOf(isa), solver.quality);
+  return ModalFactory(ModalKernelsOf(isa), solver.quality, {.velocities = solver.velocities});
 }
 
 TunedSolver ScoreNamed(const NamedSolver& solver, Isa isa, const Suite& suite, size_t preset,

@@ -37,6 +37,7 @@ struct NamedSolver {
   MethodSettings method;
   CoreSettings core;
   ModalQuality quality = ModalQuality::kDefault;
+  bool velocities = false;  // modal: takes the root's, where a motion has them
 
   // Its stiffness is not the material's but found by trying (TuneStiffness).
   bool Tuned() const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 #include "bench/accuracy/jet.hpp"
 #include "core/error.hpp"
@@ -14,9 +15,12 @@
 namespace pelt::accuracy {
 namespace {
 
-constexpr std::string_view kColumns[] = {"time", "x",  "y",      "z",      "qx",    "qy",
-                                         "qz",   "qw", "wind_x", "wind_y", "wind_z"};
-constexpr size_t kNeeded = 8;  // wind may be left out
+constexpr std::string_view kColumns[] = {
+    "time",       "x",          "y",      "z",      "qx",     "qy",
+    "qz",         "qw",         "wind_x", "wind_y", "wind_z", "velocity_x",
+    "velocity_y", "velocity_z", "spin_x", "spin_y", "spin_z"};
+// Groups of columns, each from here to the next: wind and velocities may be left out.
+constexpr size_t kNeeded = 8, kWindEnd = 11;
 constexpr double kMostCoordinate = 1e6;
 constexpr double kUnitTolerance = 1e-3;
 
@@ -98,11 +102,20 @@ class RootsParser {
       if (place != kAbsent) Fail(fmt::format("column '{}' stands there twice", *known));
       place = c;
     }
-    const bool wind = std::any_of(place_.begin() + kNeeded, place_.end(),
-                                  [](size_t place) { return place != kAbsent; });
-    for (size_t k = 0; k < (wind ? place_.size() : kNeeded); ++k)
-      if (place_[k] == kAbsent) Fail(fmt::format("column '{}' is missing", kColumns[k]));
+    Require(0, kNeeded);
+    if (HasAny(kNeeded, kWindEnd)) Require(kNeeded, kWindEnd);
+    rated_ = HasAny(kWindEnd, place_.size());
+    if (rated_) Require(kWindEnd, place_.size());
     columns_ = cells.size();
+  }
+
+  bool HasAny(size_t begin, size_t end) const {
+    return std::any_of(place_.begin() + ptrdiff_t(begin), place_.begin() + ptrdiff_t(end),
+                       [](size_t place) { return place != kAbsent; });
+  }
+  void Require(size_t begin, size_t end) const {
+    for (size_t k = begin; k < end; ++k)
+      if (place_[k] == kAbsent) Fail(fmt::format("column '{}' is missing", kColumns[k]));
   }
 
   double ReadCell(std::string_view cell, size_t column) const {
@@ -127,7 +140,10 @@ class RootsParser {
     RootSample sample{value[0],
                       {value[1], value[2], value[3]},
                       {value[4], value[5], value[6], value[7]},
-                      {value[8], value[9], value[10]}};
+                      {value[8], value[9], value[10]},
+                      rated_,
+                      {value[11], value[12], value[13]},
+                      {value[14], value[15], value[16]}};
     double square = 0.0;
     for (const double part : sample.quaternion) square += part * part;
     const double length = std::sqrt(square);
@@ -149,6 +165,7 @@ class RootsParser {
   std::string_view text_;
   const std::string& path_;
   size_t at_ = 0, line_ = 0, columns_ = 0;
+  bool rated_ = false;
   std::array<size_t, std::size(kColumns)> place_{};
 };
 
@@ -186,16 +203,22 @@ std::vector<RootSample> ReadRootsFile(const std::string& path) {
 }
 
 std::string RootsText(const std::vector<RootSample>& samples) {
-  std::string text = fmt::format("{}\n", fmt::join(kColumns, ","));
-  for (const RootSample& s : samples)
-    text += fmt::format(
-        "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", s.seconds,
-        s.position.x, s.position.y, s.position.z, s.quaternion[0], s.quaternion[1], s.quaternion[2],
-        s.quaternion[3], s.wind.x, s.wind.y, s.wind.z);
+  const bool rated = !samples.empty() && samples[0].rated;
+  const std::span columns = std::span(kColumns).first(rated ? std::size(kColumns) : kWindEnd);
+  std::string text = fmt::format("{}\n", fmt::join(columns, ","));
+  for (const RootSample& s : samples) {
+    std::vector<double> row = {s.seconds,       s.position.x,    s.position.y,    s.position.z,
+                               s.quaternion[0], s.quaternion[1], s.quaternion[2], s.quaternion[3],
+                               s.wind.x,        s.wind.y,        s.wind.z};
+    if (rated)
+      row.insert(row.end(),
+                 {s.velocity.x, s.velocity.y, s.velocity.z, s.spin.x, s.spin.y, s.spin.z});
+    text += fmt::format("{:.9g}\n", fmt::join(row, ","));
+  }
   return text;
 }
 
-RootSample SampleOf(const BodyPose& pose, double seconds) {
+RootSample SampleOf(const BodyPose& pose, double seconds, bool rated) {
   const double m[3][3] = {{pose.axis[0].x, pose.axis[1].x, pose.axis[2].x},
                           {pose.axis[0].y, pose.axis[1].y, pose.axis[2].y},
                           {pose.axis[0].z, pose.axis[1].z, pose.axis[2].z}};
@@ -213,6 +236,10 @@ RootSample SampleOf(const BodyPose& pose, double seconds) {
   const double root = std::sqrt(square[largest]);
   for (size_t k = 0; k < 4; ++k)
     sample.quaternion[k] = k == largest ? root : 0.25 * product[largest][k] / root;
+  sample.rated = rated;
+  if (!rated) return sample;
+  sample.velocity = pose.velocity;
+  sample.spin = SpinOf(pose);
   return sample;
 }
 
@@ -223,11 +250,12 @@ BodyPose PoseOf(const RootSample& sample) {
   Jet q[4];
   for (size_t k = 0; k < 4; ++k) q[k] = sample.quaternion[k];
   TurnBy(q, pose);
+  pose.velocity = sample.velocity;
+  for (int k = 0; k < 3; ++k) pose.axis_rate[k] = Cross(sample.spin, pose.axis[k]);
   return pose;
 }
 
 RootSpline::RootSpline(std::vector<RootSample> samples) : samples_(std::move(samples)) {
-  const size_t count = samples_.size();
   for (const RootSample& s : samples_) {
     Row row = {s.position.x,    s.position.y,    s.position.z,   s.quaternion[0],
                s.quaternion[1], s.quaternion[2], s.quaternion[3]};
@@ -237,7 +265,17 @@ RootSpline::RootSpline(std::vector<RootSample> samples) : samples_(std::move(sam
     if (along < 0.0)
       for (size_t k = 3; k < 7; ++k) row[k] = -row[k];
     value_.push_back(row);
+    // q' = spin q / 2, the spin a quaternion without a real part.
+    const Double3 v = {row[3], row[4], row[5]};
+    const Double3 turn = (s.spin * row[6] + Cross(s.spin, v)) * 0.5;
+    rate_.push_back(
+        {s.velocity.x, s.velocity.y, s.velocity.z, turn.x, turn.y, turn.z, -0.5 * Dot(s.spin, v)});
   }
+  if (!samples_[0].rated) FindBends();
+}
+
+void RootSpline::FindBends() {
+  const size_t count = samples_.size();
   // Second derivatives: tridiagonal, begin at rest (slope 0), end without bend.
   bend_.assign(count, Row{});
   std::vector<double> upper(count, 0.0);
@@ -276,6 +314,14 @@ BodyPose RootSpline::At(double seconds, size_t frame) const {
   Jet part[7];
   for (size_t k = 0; k < 7; ++k) {
     const double from = value_[frame - 1][k], to = value_[frame][k];
+    if (before.rated) {
+      const double out = rate_[frame - 1][k] * h, in = rate_[frame][k] * h, step = to - from;
+      const double c2 = 3.0 * step - 2.0 * out - in, c3 = out + in - 2.0 * step;
+      part[k].value = from + b * (out + b * (c2 + b * c3));
+      part[k].rate = (out + b * (2.0 * c2 + b * 3.0 * c3)) / h;
+      part[k].bend = (2.0 * c2 + b * 6.0 * c3) / (h * h);
+      continue;
+    }
     const double m = bend_[frame - 1][k], n = bend_[frame][k];
     part[k].value = a * from + b * to + ((a * a * a - a) * m + (b * b * b - b) * n) * h * h / 6.0;
     part[k].rate = (to - from) / h + ((1.0 - 3.0 * a * a) * m + (3.0 * b * b - 1.0) * n) * h / 6.0;

@@ -5,13 +5,16 @@
 //     0.016667,0.001,0,0,0,0.0087,0,0.99996,0,0,0
 //
 // time: s, rising, frames need not be equally long; x y z: where the body's origin is, m; q: its
-// rotation as a unit quaternion; wind: m/s, all three columns or none. Columns stand in any order.
+// rotation as a unit quaternion; wind: m/s, all three columns or none; velocity_x velocity_y
+// velocity_z spin_x spin_y spin_z: how fast the origin moves, m/s, and the body turns, rad/s, world,
+// all six or none. Columns stand in any order.
 //
 // Between the samples nobody knows the pose. A solver gets the samples alone, as in a game; the
 // exact motion needs one for all times, and takes cubic splines with continuous acceleration
 // through all samples: of the position, and of the quaternion's parts (signs made to agree, the
 // result normalised). Before the first sample the body stood still, so both splines begin at rest;
-// they end with no acceleration. Wind is linear between samples, as the solvers take it.
+// they end with no acceleration. With velocities they are the cubics that have those instead, and a
+// solver that takes velocities gets them. Wind is linear between samples, as the solvers take it.
 //
 // Invariant: a RecordedRoot holds at least two samples with rising times, finite values and unit
 // quaternions; whatever breaks that is an Error with file, line and reason.
@@ -31,6 +34,9 @@ struct RootSample {
   Double3 position;                  // m
   std::array<double, 4> quaternion;  // x, y, z, w; unit
   Double3 wind;                      // m/s
+  bool rated = false;                // the next two are known
+  Double3 velocity = kZero3;         // of the origin, m/s
+  Double3 spin = kZero3;             // rad/s, world
 };
 
 inline constexpr double kMostFrameSeconds = 1.0, kLeastFrameSeconds = 1e-5;
@@ -42,9 +48,10 @@ std::vector<RootSample> ReadRootsFile(const std::string& path);
 // The table of samples, readable by ParseRoots.
 std::string RootsText(const std::vector<RootSample>& samples);
 
-// A pose of a motion as a sample.
-RootSample SampleOf(const BodyPose& pose, double seconds);
-// The pose at a sample; its derivatives are 0 (solvers do not look at them).
+// A pose of a motion as a sample; `rated`: with its velocities.
+RootSample SampleOf(const BodyPose& pose, double seconds, bool rated = false);
+// The pose at a sample; its velocities are the sample's, its accelerations 0 (solvers do not look at
+// them).
 BodyPose PoseOf(const RootSample& sample);
 
 // The pose at all times between the samples, as above; before and after, the nearest sample's.
@@ -58,10 +65,11 @@ class RootSpline {
  private:
   size_t Frame(double seconds) const;
 
-  // Position and quaternion: values and second derivatives at each sample.
+  // Position and quaternion: values and second derivatives, or first ones, at each sample.
   using Row = std::array<double, 7>;
+  void FindBends();
   std::vector<RootSample> samples_;
-  std::vector<Row> value_, bend_;
+  std::vector<Row> value_, bend_, rate_;
 };
 
 }  // namespace pelt::accuracy

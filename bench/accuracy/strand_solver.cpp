@@ -2,17 +2,6 @@
 
 namespace pelt::accuracy {
 
-namespace {
-
-// The spin of an orthonormal frame that changes.
-Double3 SpinOf(const BodyPose& pose) {
-  Double3 spin = kZero3;
-  for (int k = 0; k < 3; ++k) spin = spin + Cross(pose.axis[k], pose.axis_rate[k]) * 0.5;
-  return spin;
-}
-
-}  // namespace
-
 // Position, motion, wind, velocity, spin, rest directions, in this order.
 FrameBuffer::FrameBuffer(int links, size_t strands) : links_(links), strands_(strands) {
   rows_.lanes = uint32_t((strands + kBatchLanes - 1) / kBatchLanes * kBatchLanes);

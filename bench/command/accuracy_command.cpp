@@ -127,7 +127,8 @@ NamedSolver SolverOf(const AccuracyArgs& args) {
 int RunRecorded(const AccuracyArgs& args) {
   const std::vector<RootSample> samples = ReadRootsFile(args.roots);
   const StrandFile strand = ReadStrandFile(args.strand);
-  const NamedSolver solver = SolverOf(args);
+  NamedSolver solver = SolverOf(args);
+  solver.velocities = samples[0].rated && solver.family == Family::kModal;
   const PointTrack exact = RunExact(strand, samples);
   const PointTrack track =
       args.exact ? exact : RunSolver(strand, samples, FactoryOf(solver, args.isa));
@@ -138,11 +139,13 @@ int RunRecorded(const AccuracyArgs& args) {
              samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
              args.out.path());
   if (args.exact) {
-    fmt::print("the exact motion, the root between samples by cubic splines\n");
+    fmt::print("the exact motion, the root between samples by {}\n",
+               samples[0].rated ? "their velocities" : "cubic splines");
     return 0;
   }
   const TrackError error = CompareTracks(strand, samples, track, exact);
-  fmt::print("{} ({} kernels): ", solver.label, IsaName(args.isa));
+  fmt::print("{}{} ({} kernels): ", solver.label, solver.velocities ? ", with velocities" : "",
+             IsaName(args.isa));
   if (!std::isfinite(error.share) && std::isfinite(error.worst))
     fmt::print("no secondary motion to compare\n");
   else

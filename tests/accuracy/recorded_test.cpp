@@ -34,10 +34,12 @@ std::string StrandMessage(const std::string& text) {
   return MessageOf([&] { ParseStrand(text, "s.toml"); });
 }
 
-std::vector<RootSample> Record(Motion motion, double frames_per_second, double seconds = 4.0) {
+std::vector<RootSample> Record(Motion motion, double frames_per_second, double seconds = 4.0,
+                               bool rated = false) {
   std::vector<RootSample> samples;
   for (int f = 0; f <= int(std::lround(seconds * frames_per_second)); ++f)
-    samples.push_back(SampleOf(PoseOf(motion, f / frames_per_second), f / frames_per_second));
+    samples.push_back(
+        SampleOf(PoseOf(motion, f / frames_per_second), f / frames_per_second, rated));
   return samples;
 }
 
@@ -96,6 +98,33 @@ TEST(RecordedRoot, EveryMistakeHasItsLineAndReason) {
     EXPECT_NE(RootsMessage(text).find(expected), std::string::npos)
         << "expected " << expected << "\ngot      " << RootsMessage(text);
   EXPECT_EQ(RootsMessage(with(next)), "no error");
+}
+
+TEST(RecordedRoot, VelocitiesAreReadBackAndKept) {
+  const std::vector<RootSample> samples = Record(Motion::kHeadshake, 30.0, 2.0, true);
+  const std::vector<RootSample> again = ParseRoots(RootsText(samples), "r.csv");
+  ASSERT_EQ(again.size(), samples.size());
+  const RootSpline spline(again);
+  double fastest = 0.0;
+  for (size_t s = 0; s < samples.size(); ++s) {
+    ASSERT_TRUE(again[s].rated);
+    EXPECT_LT(Length(again[s].velocity - samples[s].velocity), 1e-7);
+    EXPECT_LT(Length(again[s].spin - samples[s].spin), 1e-7);
+    for (const size_t frame : {std::max<size_t>(s, 1), std::min(s + 1, samples.size() - 1)}) {
+      const BodyPose pose = spline.At(again[s].seconds, frame);
+      EXPECT_LT(Length(SpinOf(pose) - samples[s].spin), 1e-6) << s;
+      EXPECT_LT(Length(pose.velocity - samples[s].velocity), 1e-6) << s;
+    }
+    fastest = std::max(fastest, Length(samples[s].spin));
+  }
+  EXPECT_GT(fastest, 3.0);
+  const std::string row = "0,0,0,0,0,0,0,1";
+  EXPECT_EQ(RootsMessage("time,x,y,z,qx,qy,qz,qw,velocity_x\n" + row + ",0\n"),
+            "r.csv:1: column 'velocity_y' is missing");
+  EXPECT_EQ(RootsMessage("time,x,y,z,qx,qy,qz,qw,velocity_x,velocity_y,velocity_z,spin_x,spin_y,"
+                         "spin_z\n" +
+                         row + ",0,0,nan,0,0,0\n"),
+            "r.csv:2: column 'velocity_z': nan is not finite");
 }
 
 // Every cut of a good file is either refused with file and line or a shorter good file.
@@ -287,6 +316,31 @@ TEST(RecordedRun, UnknownChainsAreNotRun) {
   const PointTrack track = RunSolver(strand, Record(Motion::kWalk, 60.0, 0.1),
                                      [](const SolverSetup&) { return nullptr; });
   EXPECT_EQ(track.links, 0);
+}
+
+TEST(RecordedRun, VelocitiesMakeAFewSamplesEnough) {
+  StrandFile strand = ParseStrand("length = 0.03\nfrequency_hz = 12\ndrag = 10\n", "s.toml");
+  const auto samples = Record(Motion::kHeadshake, 30.0, 3.0, true);
+  auto unknown = samples;
+  for (RootSample& sample : unknown) sample.rated = false, sample.velocity = sample.spin = kZero3;
+  // Exact under the motion itself: samples so near each other that it matters no more.
+  const auto dense = Record(Motion::kHeadshake, 960.0, 3.0, true);
+  const PointTrack fine = RunExact(strand, dense);
+  PointTrack exact{fine.links, {}, {}, {}};
+  for (size_t f = 0; f < samples.size(); ++f)
+    for (size_t i = 0; i < size_t(fine.links); ++i)
+      exact.offset.push_back(fine.offset[32 * f * size_t(fine.links) + i]);
+  NamedSolver solver = *FindSolver("modal");
+  const auto error_of = [&](const std::vector<RootSample>& seen) {
+    solver.velocities = seen[0].rated;
+    return CompareTracks(strand, seen, RunSolver(strand, seen, FactoryOf(solver, BestIsa())), exact)
+        .share;
+  };
+  const double with = error_of(samples), without = error_of(unknown);
+  std::printf("30 Hz: %.2f %% wrong without velocities, %.2f with\n", 100 * without, 100 * with);
+  EXPECT_LT(with, 0.02);
+  EXPECT_GT(without, 0.03);
+  EXPECT_LT(CompareTracks(strand, samples, RunExact(strand, samples), exact).share, 0.02);
 }
 
 }  // namespace
