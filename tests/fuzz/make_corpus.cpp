@@ -16,6 +16,7 @@
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
+#include "core/character/pose_rates.hpp"
 #include "core/error.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
@@ -121,18 +122,23 @@ fins = true
 )";
 
 // Three frames of a walk, the last of them as the one before.
-std::vector<std::byte> RecordWalk(const Fur& fur) {
+std::vector<std::byte> RecordWalk(const Fur& fur, bool velocities) {
   const Groom* grooms[] = {&fur.groom};
-  const auto made = FurScene::Create(grooms).OrThrow();
+  const auto made = FurScene::Create(grooms, {.velocities = velocities}).OrThrow();
   FurScene& scene = *made;
   const std::vector<std::byte> groom_file = WriteGroom(fur.groom).OrThrow();
   const std::span<const std::byte> files[] = {groom_file};
   InputLogWriter writer;
-  writer.Begin({"walk", "a seed for fuzzing", false}, files);
+  const PoseRateBlock* const rates = scene.PoseRates(0);
+  if (velocities && !rates) throw Error("no layer takes velocities");
+  writer.Begin({"walk", "a seed for fuzzing", false, velocities}, files);
   const Weather weather[] = {{0.5f, 0.25f}};
   for (const double time_s : {0.0, 0.1, 0.1}) {
     FillPose(fur.character.skeleton, &fur.character.clips[0], time_s, true,
              PlaceCharacter(glm::mat4(1.0f), fur.unit_scale), &scene.Pose(0));
+    if (rates)
+      FillPoseRates(&fur.character.clips[0], time_s, true, 1.0, glm::mat4(0.0f),
+                    scene.PoseRates(0));
     FrameInput input;
     input.time_s = time_s;
     input.weather = weather;
@@ -146,7 +152,7 @@ std::vector<std::byte> RecordWalk(const Fur& fur) {
     input.brush[0] = {{0.0f, 0.5f, 0.0f}, 0.5f, 0.5f, uint32_t(PaintChannel::kMud), 0.25f};
     if (const char* fault = scene.BeginFrame(input)) throw Error(fault);
     SerialExecutor().Run(scene.CurrentFrame());
-    writer.AddFrame(input, {&scene.Pose(0), 1}, scene.DigestFrame());
+    writer.AddFrame(input, {&scene.Pose(0), 1}, scene.DigestFrame(), {rates, rates ? 1u : 0u});
   }
   return writer.Finish();
 }
@@ -217,7 +223,8 @@ int main(int argc, char** argv) {
     pelt::Write(folder / "groom" / "strand_chains.groom", WriteGroom(strand.groom).OrThrow());
     pelt::Write(folder / "groom" / "shells.groom",
                 WriteGroom(pelt::BakeLayers(pelt::kShells).groom).OrThrow());
-    pelt::Write(folder / "input_log" / "walk.peltinput", RecordWalk(vertex));
+    pelt::Write(folder / "input_log" / "walk.peltinput", RecordWalk(vertex, false));
+    pelt::Write(folder / "input_log" / "velocities.peltinput", RecordWalk(vertex, true));
     pelt::WritePoses(folder / "pose");
     pelt::WriteDigestLogs(folder / "digest_log");
   } catch (const std::exception& error) {

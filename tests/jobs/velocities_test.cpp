@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "bench/accuracy/double3.hpp"
 #include "core/bind_pose.hpp"
@@ -11,6 +12,7 @@
 #include "core/kernels/frame_table.hpp"
 #include "jobs/pelt.h"
 #include "platform_sim/local_store.hpp"
+#include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 #include "traces/input_log.hpp"
 
@@ -221,6 +223,35 @@ TEST(Velocities, WakeAndLetSleepAgain) {
   uint32_t more = 0;
   while (more < 1200 && simulated() > 0) RunFrame(run, frame++), ++more;
   EXPECT_EQ(simulated(), 0u);
+}
+
+// Whatever is let through, however large, and bodies that are flattened while they spin.
+TEST(Velocities, OfAnySizeLeaveEverythingFinite) {
+  Scenario scenario = TinyScenario();
+  RunningScenario run(scenario, WithVelocities());
+  std::mt19937 random(7);
+  uint32_t accepted = 0;
+  for (uint32_t f = 0; f < 60; ++f) {
+    const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
+    FurScene& scene = run.scene();
+    PoseRateBlock& rates = *scene.PoseRates(0);
+    const auto any = [&](double most) {
+      return float(std::uniform_real_distribution<>(-1.0, 1.0)(random) * most);
+    };
+    const double size = std::pow(10.0, double(f % 12) - 5.0);
+    for (auto* rows : {&rates.translation, &rates.spin, &rates.scale})
+      for (auto& row : *rows) row[random() % 8] = any(std::min(size, 1e6));
+    for (float& element : rates.root) element = any(std::min(size, 1e6));
+    if (f % 5 == 4)
+      for (auto& key : scene.Pose(0).scale_key)
+        for (auto& row : key) row[random() % 8] = 0.0f;
+    ASSERT_EQ(scene.BeginFrame(input), nullptr);
+    accepted += scene.RefusedPoses().empty();
+    ASSERT_EQ(SerialExecutor().Run(scene.CurrentFrame()), nullptr);
+    ASSERT_EQ(FindNonFinite(scene), "") << f;
+  }
+  EXPECT_GT(accepted, 30u);
+  EXPECT_LT(accepted, 60u);
 }
 
 TEST(Velocities, AreRecordedAndReplayed) {
