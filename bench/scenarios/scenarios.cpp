@@ -16,6 +16,7 @@
 #include "core/exact_math.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/groom/setup_names.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -70,6 +71,8 @@ void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
   scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup,
                                       unit_scale, nullptr, nullptr, &densities));
   scenario.setups.push_back(setup);
+  if (const std::string bare = DescribeBare(character.mesh, setup); !bare.empty())
+    scenario.notes.push_back(bare);
   for (std::string& warning : WarnOfBaldness(densities))
     scenario.notes.push_back(std::move(warning));
   scenario.characters.push_back(std::move(character));

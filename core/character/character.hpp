@@ -14,9 +14,11 @@
 
 namespace pelt {
 
-// What a material says of its base colour.
+// What a material says of its look.
 struct MaterialLook {
-  bool stated = false;
+  bool stated = false;  // its base colour
+  bool unlit = false;   // KHR_materials_unlit
+  bool bare = false;    // an eye, a nose or the like: fur grows there only if a setup names it
   glm::vec3 base_colour{1.0f};  // linear
   int32_t image = -1;           // of Character::images, multiplied with it; -1: none
   uint32_t uv_set = 0;          // TEXCOORD_n that the image is laid by

@@ -50,6 +50,7 @@ class LookReader {
     const Json& factor = Member(metallic, "baseColorFactor");
     const Json& texture = Member(metallic, "baseColorTexture");
     MaterialLook look;
+    look.unlit = Member(Member(material, "extensions"), "KHR_materials_unlit").is_object();
     if (factor.is_array() && factor.size() == 4 &&
         std::all_of(factor.begin(), factor.end(), [](const Json& v) { return v.is_number(); })) {
       look.stated = true;

@@ -1,13 +1,15 @@
 // Mesh: all skinned primitives of a document as one triangle list, repaired.
 //
-// Everything the frame relies on is established here: weights sum to 1 and descend, joints are
-// skeleton nodes, normals and tangents are unit, no triangle is degenerate, nothing is NaN. Each
-// repair that changes what the artist wrote is stated once, with its count.
+// Everything the frame relies on is established here: weights sum to 1 and descend, joints are skeleton nodes, normals
+// and tangents are unit, no triangle is degenerate, nothing is NaN. Each repair that changes what the artist wrote is
+// stated once, with its count.
 // Source: glTF 2.0, 3.7.2 (geometry), 3.7.3 (skins).
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/character/gltf_accessor.hpp"
+#include "core/character/gltf_bare.hpp"
 #include "core/character/gltf_corners.hpp"
 #include "core/character/gltf_read.hpp"
 #include "core/character/mesh_repair.hpp"
@@ -16,9 +18,7 @@
 namespace pelt::gltf {
 namespace {
 
-// Beyond this a float has no room for the sums of skinning.
-constexpr float kLargestCoordinate = 1e15f;
-
+constexpr float kLargestCoordinate = 1e15f;  // beyond, a float has no room for the sums of skinning
 constexpr Wanted kUvsWanted{2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false};
 constexpr uint32_t kSetQuantised = kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16;
 
@@ -42,11 +42,11 @@ class MeshReader {
       : document_(document), skeleton_(skeleton), notes_(notes) {}
 
   Mesh Read() {
-    material_of_.assign(document_.materials.size() + 1, -1);
     for (const MeshUse& use : skeleton_.uses) {
       const MeshDesc& mesh = document_.meshes[size_t(use.mesh)];
       const std::string place = Place("mesh", size_t(use.mesh), mesh.name);
       if (mesh.primitives.empty()) Fail(document_, place, "has no primitives");
+      is_bare_ = IsBareName(mesh.name) || IsBareName(document_.nodes[size_t(use.node)].name);
       for (size_t p = 0; p < mesh.primitives.size(); ++p)
         ReadPrimitive(mesh.primitives[p], skeleton_.bindings[size_t(use.binding)],
                       place + " primitive " + std::to_string(p));
@@ -319,16 +319,16 @@ class MeshReader {
     const bool none = primitive.material < 0;
     if (!none && size_t(primitive.material) >= document_.materials.size())
       Fail(document_, place, "material " + std::to_string(primitive.material) + " does not exist");
-    int& known = material_of_[none ? document_.materials.size() : size_t(primitive.material)];
-    if (known < 0) {
-      if (out_.materials.size() >= 65535) Fail(document_, place, "more than 65535 materials");
-      known = int(out_.materials.size());
-      std::string name = none ? "default" : document_.materials[size_t(primitive.material)];
-      if (name.empty()) name = "material " + std::to_string(primitive.material);
-      out_.materials.push_back(name);
-      out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(primitive.material)]);
-    }
-    return uint16_t(known);
+    const size_t next = out_.materials.size();
+    const auto [known, is_new] = material_of_.try_emplace({primitive.material, is_bare_}, next);
+    if (!is_new) return uint16_t(known->second);
+    if (next >= 65535) Fail(document_, place, "more than 65535 materials");
+    std::string name = none ? "default" : document_.materials[size_t(primitive.material)];
+    if (name.empty()) name = "material " + std::to_string(primitive.material);
+    out_.materials.push_back(name);
+    out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(primitive.material)]);
+    out_.looks.back().bare = is_bare_ || IsBareName(name);
+    return uint16_t(next);
   }
 
   void Note(size_t count, const std::string& what) {
@@ -352,10 +352,9 @@ class MeshReader {
     const size_t borrowed = BorrowWeights(&out_, no_weights_);
     Note(borrowed,
          "vertices had skin weights that are no finite numbers; a neighbour's were taken.");
-    Note(
-        repairs_.odd_weights - borrowed,
-        "vertices had skin weights that are no finite numbers, and no neighbour with others; bound "
-        "to the first joint.");
+    Note(repairs_.odd_weights - borrowed,
+         "vertices had skin weights that are no finite numbers, and no neighbour with others; "
+         "bound to the first joint.");
     Note(repairs_.negative, "skin weights were negative; taken as 0.");
     Note(repairs_.bad_unused_joint, "joint indices of weight 0 were out of range; ignored.");
     Note(repairs_.unweighted, "vertices had no skin weight at all; bound to the first joint.");
@@ -376,12 +375,14 @@ class MeshReader {
                                       : "vertices had no tangent; made from the UVs.");
     // With normals and tangents in place more vertices can be equal.
     WeldVertices(&out_);
+    SettleBare(&out_);
   }
 
   const Document& document_;
   const SkeletonImport& skeleton_;
   std::vector<std::string>* notes_;
-  std::vector<int> material_of_;
+  bool is_bare_ = false;                                // the mesh that is read
+  std::map<std::pair<int, bool>, size_t> material_of_;  // by the file's, of bare meshes or not
   bool has_uv_ = false, has_colour_ = false, has_image_uv_ = false;
   int colour_size_ = 4;  // numbers a vertex
   RepairCounts repairs_;

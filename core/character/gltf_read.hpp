@@ -29,6 +29,7 @@ struct SkinBinding {
 struct MeshUse {
   int mesh = -1;
   int binding = -1;  // into bindings
+  int node = -1;     // that has it
 };
 
 struct SkeletonImport {

@@ -89,7 +89,7 @@ class SkeletonReader {
         binding = int(out_.bindings.size());
         out_.bindings.push_back({skin, {}, glm::dmat4(1.0)});
       }
-      out_.uses.push_back({mesh, binding});
+      out_.uses.push_back({mesh, binding, int(n)});
     }
     if (out_.uses.empty())
       Fail(document_, "nodes",

@@ -50,7 +50,7 @@ struct Attribute {
 // Where a layer grows when the mesh has no UVs (or besides them): all that are given are
 // multiplied.
 struct Mask {
-  std::vector<std::string> materials;  // empty: all
+  std::vector<std::string> materials;  // empty: all that are not bare (MaterialLook)
   struct JointWeight {
     std::string joint;
     bool subtree = true;            // the joint's descendants count too

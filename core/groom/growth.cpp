@@ -36,7 +36,7 @@ Growth::Growth(const Character& character, const RestGeometry& rest, const FurSe
     }
     box_extent_ = high - box_low_;
   }
-  if (!layer.mask.materials.empty()) material_grows_ = FindMaterials(mesh_, setup, layer);
+  material_grows_ = FindMaterials(mesh_, setup, layer);
   for (const Mask::JointWeight& mask : layer.mask.joints) {
     const auto counts =
         FindJoints(character.skeleton, setup, layer, "mask.joints.joint", mask.joint, mask.subtree);

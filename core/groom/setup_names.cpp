@@ -60,6 +60,9 @@ std::vector<uint8_t> FindJoints(const Skeleton& skeleton, const FurSetup& setup,
 std::vector<uint8_t> FindMaterials(const Mesh& mesh, const FurSetup& setup,
                                    const LayerSetup& layer) {
   std::vector<uint8_t> found(mesh.materials.size(), 0);
+  if (layer.mask.materials.empty())
+    for (size_t i = 0; i < found.size(); ++i)
+      found[i] = i >= mesh.looks.size() || !mesh.looks[i].bare;
   for (const std::string& name : layer.mask.materials) {
     bool any = false;
     for (size_t i = 0; i < found.size(); ++i) {
@@ -72,6 +75,17 @@ std::vector<uint8_t> FindMaterials(const Mesh& mesh, const FurSetup& setup,
                    DescribeUnknown("material", name, mesh.materials));
   }
   return found;
+}
+
+std::string DescribeBare(const Mesh& mesh, const FurSetup& setup) {
+  const bool any =
+      std::any_of(setup.layers.begin(), setup.layers.end(),
+                  [](const LayerSetup& layer) { return layer.mask.materials.empty(); });
+  std::string list;
+  for (size_t i = 0; any && i < mesh.looks.size(); ++i)
+    if (mesh.looks[i].bare) list += Format("{}'{}'", list.empty() ? "" : ", ", mesh.materials[i]);
+  if (list.empty()) return list;
+  return Format("bare, as no layer's mask.materials names them: {}", list);
 }
 
 }  // namespace pelt

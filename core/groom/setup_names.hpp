@@ -22,7 +22,11 @@ void CheckMapsHaveUvs(const Mesh&, const FurSetup&, const LayerSetup&);
 std::vector<uint8_t> FindJoints(const Skeleton&, const FurSetup&, const LayerSetup&,
                                 const std::string& key, const std::string& joint, bool subtree);
 
-// 1 for each of the mesh's materials that mask.materials names. Throws for a name that is unknown.
+// 1 for each of the mesh's materials that mask.materials names; if it names none, that is not bare. Throws for a name
+// that is unknown.
 std::vector<uint8_t> FindMaterials(const Mesh&, const FurSetup&, const LayerSetup&);
+
+// What the setup's layers leave bare although they name no materials, as a sentence; empty: nothing.
+std::string DescribeBare(const Mesh&, const FurSetup&);
 
 }  // namespace pelt
