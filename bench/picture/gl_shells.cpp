@@ -100,6 +100,7 @@ GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& textur
   }
   const std::vector<ShadowShell> shadows = FindShadowShells(draw.shells.shell, texture);
   std::vector<float> heights;
+  heights.reserve(shadows.size());
   for (const ShadowShell& shell : shadows) heights.push_back(shell.height);
   return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
           UploadFur(gl_, texture),
