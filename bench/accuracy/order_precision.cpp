@@ -101,10 +101,26 @@ double SortNs(const Budget& budget) {
   return ns;
 }
 
+// Tells where the eye is in a frame, and runs nothing.
+class Cameras {
+ public:
+  explicit Cameras(const Scenario& scenario) : scenario_(scenario) {}
+  Camera At(uint32_t frame) {
+    if (!running_) running_ = std::make_unique<RunningScenario>(scenario_, SceneOptions{});
+    return running_->Prepare(frame, {}, {}).camera;
+  }
+
+ private:
+  Scenario scenario_;
+  std::unique_ptr<RunningScenario> running_;
+};
+
+bool IsPicture(uint32_t frame) { return frame >= kFirst && (frame - kFirst) % kApart == 0; }
+
 // What the pictures' frames leave behind.
 class Gatherer {
  public:
-  Gatherer(Scenario& scenario, OrderPrecision& out) : scenario_(scenario), out_(out) {
+  Gatherer(const Scenario& scenario, OrderPrecision& out) : cameras_(scenario), out_(out) {
     for (const Way& way : kWays) out_.rows.push_back({way.name});
   }
 
@@ -112,8 +128,7 @@ class Gatherer {
     if (frame + kOldest < kFirst) return;
     const std::vector<Hair> hairs = Flatten(ReadHairs(scene, VertexOrder::kSorted));
     places_.push_back(PlacesOf(hairs));
-    if (frame < kFirst || (frame - kFirst) % kApart != 0) return;
-    AddPicture(frame, hairs);
+    if (IsPicture(frame)) AddPicture(frame, hairs);
   }
 
   void Finish(const Budget& budget) {
@@ -129,7 +144,7 @@ class Gatherer {
 
  private:
   void AddPicture(uint32_t frame, const std::vector<Hair>& hairs) {
-    const Camera camera = CameraOf(frame);
+    const Camera camera = cameras_.At(frame);
     const HairFragments fragments(hairs, camera, out_.options.width_px, out_.options.height_px);
     const std::vector<glm::vec3> exact = fragments.PaintByDepth();
     out_.drawn_strands += double(hairs.size());
@@ -143,18 +158,75 @@ class Gatherer {
     }
   }
 
-  Camera CameraOf(uint32_t frame) {
-    if (!beside_) beside_ = std::make_unique<RunningScenario>(scenario_, SceneOptions{});
-    return beside_->Prepare(frame, {}, {}).camera;
-  }
-
-  Scenario& scenario_;
+  Cameras cameras_;
   OrderPrecision& out_;
-  std::unique_ptr<RunningScenario> beside_;    // tells the camera, and runs nothing
   std::vector<std::vector<uint32_t>> places_;  // of the frames so far, from kOldest before kFirst
   std::array<double, kWays.size()> squares_{};
   size_t done_ = 0;
 };
+
+RunOptions OptionsOf(const OrderOptions& order) {
+  RunOptions options;
+  options.scene.isa = order.isa;
+  options.executor = "serial";
+  options.frames = kFirst + kApart * (order.pictures - 1) + 1;
+  options.digest = false;
+  options.skip.sort = false;  // each frame pays for its order
+  return options;
+}
+
+// seen(picture's hairs, their fragments) for each picture.
+template <class Seen>
+Budget RunPictures(Scenario scenario, const OrderOptions& order, bool lod, const Seen& seen) {
+  Cameras cameras(scenario);
+  RunOptions options = OptionsOf(order);
+  options.skip.lod = lod;
+  options.after_frame = [&](uint32_t frame, const FurScene& scene) {
+    if (!IsPicture(frame)) return;
+    const std::vector<Hair> hairs = Flatten(ReadHairs(scene, VertexOrder::kSorted));
+    seen(hairs, HairFragments(hairs, cameras.At(frame), order.width_px, order.height_px));
+  };
+  RunningScenario running(scenario, options.scene);
+  return RunFrames(scenario, running, options).budget;
+}
+
+std::vector<glm::vec3> PaintAsDrawn(const std::vector<Hair>& hairs,
+                                    const HairFragments& fragments) {
+  Ranks rank(hairs.size());
+  std::iota(rank.begin(), rank.end(), 0u);
+  return fragments.PaintByRank(rank);
+}
+
+// The scene from further off, as it is and with level of detail, both against all of its strands by depth.
+void AddFarRows(const Scenario& near, uint32_t times, OrderPrecision& out) {
+  Scenario far = near;
+  far.camera.radius_m *= times;
+  far.camera.height_m *= times;
+  std::vector<std::vector<glm::vec3>> fewer;
+  const Budget lod_budget =
+      RunPictures(far, out.options, true, [&](const auto& hairs, const HairFragments& fragments) {
+        fewer.push_back(PaintAsDrawn(hairs, fragments));
+      });
+  OrderRow rows[2] = {{std::to_string(times) + " times as far, every frame"},
+                      {std::to_string(times) + " times as far, every frame, --lod"}};
+  double squares[2] = {};
+  size_t picture = 0;
+  const Budget budget =
+      RunPictures(far, out.options, false, [&](const auto& hairs, const HairFragments& fragments) {
+        const std::vector<glm::vec3> exact = fragments.PaintByDepth();
+        const PictureError errors[2] = {fragments.Compare(PaintAsDrawn(hairs, fragments), exact),
+                                        fragments.Compare(fewer[picture++], exact)};
+        for (int i = 0; i < 2; ++i) {
+          squares[i] += errors[i].mean_square / out.options.pictures;
+          rows[i].wrong_pixels += errors[i].wrong_pixels / out.options.pictures;
+        }
+      });
+  for (int i = 0; i < 2; ++i) {
+    rows[i].psnr_db = PictureError{squares[i]}.PsnrDb();
+    rows[i].sort_ns = SortNs(i == 0 ? budget : lod_budget);
+    out.rows.push_back(rows[i]);
+  }
+}
 
 }  // namespace
 
@@ -166,20 +238,17 @@ OrderPrecision MeasureOrderPrecision(const OrderOptions& given) {
     out.options.width_px = 320;
     out.options.height_px = 240;
   }
-  Scenario scenario = LoadScenario(out.options.scene), cameras = scenario;
-  out.strands = scenario.StrandCount();
-  RunOptions options;
-  options.scene.isa = out.options.isa;
-  options.executor = "serial";
-  options.frames = kFirst + kApart * (out.options.pictures - 1) + 1;
-  options.digest = false;
-  options.skip.sort = false;  // each frame pays for its order
-  Gatherer gatherer(cameras, out);
+  const Scenario start = LoadScenario(out.options.scene);
+  out.strands = start.StrandCount();
+  Scenario scenario = start;
+  RunOptions options = OptionsOf(out.options);
+  Gatherer gatherer(start, out);
   options.after_frame = [&](uint32_t frame, const FurScene& scene) {
     gatherer.AddFrame(frame, scene);
   };
   RunningScenario running(scenario, options.scene);
   gatherer.Finish(RunFrames(scenario, running, options).budget);
+  for (const uint32_t times : {3u, 8u}) AddFarRows(start, times, out);
   return out;
 }
 

@@ -25,6 +25,14 @@ TEST(OrderPrecision, AnOlderOrderIsNoBetterAndNoneIsFarWorse) {
   EXPECT_EQ(half.sort_ns, 0.5 * sorted.sort_ns);
   EXPECT_EQ(unsorted.sort_ns, 0.0);
   EXPECT_LT(reversed.sort_ns, 0.0);
+  // Level of detail leaves something out, and costs less to sort.
+  const OrderRow far = find("8 times as far, every frame"),
+                 lod = find("8 times as far, every frame, --lod");
+  EXPECT_LT(lod.psnr_db, far.psnr_db);
+  EXPECT_GT(lod.psnr_db, 20.0);
+  EXPECT_GT(lod.wrong_pixels, far.wrong_pixels);
+  EXPECT_LT(lod.sort_ns, far.sort_ns);
+  EXPECT_GT(lod.sort_ns, 0.0);
   EXPECT_GT(t.drawn_strands, 100.0);
   EXPECT_LE(t.drawn_strands, double(t.strands));
 }

@@ -29,7 +29,8 @@ ReportTree MakeOrderTree(const OrderPrecision& t, const Machine& machine) {
   tree.Say(fmt::format(
       "Sorting: keys, sort and order of layers per strand of the scene ({}; {:.0f} drawn in the "
       "mean) and frame, {} kernels, one core; every second frame costs half. Layers are drawn one "
-      "after the other, by their sort_bias, where it does not say 'all layers'.",
+      "after the other, by their sort_bias, where it does not say 'all layers'. Further off: with "
+      "all strands and with level of detail, against all strands by depth.",
       t.strands, t.drawn_strands, IsaName(o.isa)));
   AddMachine(machine, tree);
   tree.Add(InJson("scene"), o.scene).Add(InJson("pictures"), o.pictures);
