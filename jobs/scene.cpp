@@ -236,7 +236,7 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight
                        memory_.Of<&Streams::pose_rates>(character)->given != 0;
     if (rates) {
       block.flags |= kLayerRatesGiven;
-      block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / last_dt_s_ : 1.0);
+      block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
     }
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);

@@ -72,9 +72,7 @@ class ModalSolver final : public StrandSolver {
   // A layer's table is made once per frame, on the caller's thread: not the kernel's time.
   void Prepare(const FrameRows& frame) override {
     if (next_dt_ > 0.0) {
-      times_.dt_s[2] = times_.dt_s[1];
-      times_.dt_s[1] = times_.dt_s[0];
-      times_.dt_s[0] = next_dt_;
+      times_ = NextTimes(times_, next_dt_);
       params_.dt = float(next_dt_);
       layer_->frame_ratio = float(times_.dt_s[0] / times_.dt_s[1]);
       FillModalTable(layer_params_, quality_, times_, table_.block);

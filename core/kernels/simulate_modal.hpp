@@ -3,6 +3,8 @@
 // the root did (by its last poses, or its velocities), who starts afresh, who falls back, strength,
 // contacts, rest, and the report to `activate`.
 //
+// A frame that is too long to be stepped only carries them (modal_carry.hpp).
+//
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside
 // something, and those that the free step fails (modal_fallback.hpp), keep their state, are picked
@@ -23,18 +25,10 @@
 
 #include "core/kernels/chain_step.hpp"
 #include "core/kernels/modal_contact.hpp"
+#include "core/kernels/modal_end.hpp"
 #include "core/kernels/modal_fallback.hpp"
-#include "core/kernels/modal_ports.hpp"
 
 namespace pelt {
-
-namespace modal {
-
-// Radians a frame below which a link is still: a few roundings of its direction. What a link is
-// pressed against multiplies them.
-inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
-
-}  // namespace modal
 
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModal {
@@ -113,122 +107,9 @@ struct SimulateModal {
     using Motion = modal::Motion<W, N>;
     using Touches = modal::Touches<W, N>;
     using TouchNotes = modal::TouchNotes<W, N>;
+    using Start = modal::FrameStart<W, kPoints, Ports>;
+    using End = modal::FrameEnd<W, kPoints, Ports>;
     using Mask = typename W::Mask;
-
-    static PELT_INLINE bool HasWind(const Ports& ports) {
-      return (ports.layer->flags & kLayerWind) != 0;
-    }
-
-    // Wind that has stopped still goes down to nothing over this frame.
-    static PELT_INLINE bool WindChanges(const Ports& ports) {
-      return (ports.layer->flags & (kLayerWind | kLayerWindEnds)) != 0;
-    }
-
-    template <class At>
-    static PELT_INLINE W LoadWind(const Ports& ports, uint32_t axis, const At& at) {
-      return HasWind(ports) ? LoadLanes<W>(ports.wind->acceleration[axis], at) : W(0.0f);
-    }
-
-    // Rest directions and root of this frame.
-    template <class At>
-    static PELT_INLINE void LoadRest(const Ports& ports, const At& at, Group& g, Vec3<W> (&rest)[N],
-                                     W& per_length) {
-      chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, at, g);
-      per_length = W(1.0f) / g.length;
-      rest[0] = g.rest[0] * per_length;
-      for (uint32_t i = 1; i < N; ++i) rest[i] = (g.rest[i] - g.rest[i - 1]) * per_length;
-    }
-
-    static PELT_INLINE W Part(const Vec3<W>& v, uint32_t axis) {
-      return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-    }
-
-    template <class At>
-    static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
-                                     const Vec3<W> (&rest)[N], W per_length, modal::Axis<W, N>& a) {
-      const ModalTableBlock& t = *ports.table;
-      const ModalStateBlock<kPoints>& old = *ports.chain;
-      W r[N];
-      for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest[i], k);
-      if (t.parent_curl != 0 || modal::HasLimit(*ports.layer))
-        for (uint32_t i = 0; i < N; ++i) a.rest[i] = r[i];
-      a.root[0] = Part(g.free_motion, k) * per_length;
-      a.root[1] = a.root[0] - LoadLanes<W>(old.root_step[k], at);
-      a.root[2] = a.root[1] - LoadLanes<W>(old.root_turn[k], at);
-      const W wind = LoadWind(ports, k, at);
-      const W force = (W(ports.layer->gravity[k]) + wind) * per_length;
-      a.wind_step = (wind - LoadLanes<W>(old.wind[k], at)) * per_length;
-      PELT_UNROLL
-      for (uint32_t m = 0; m < N; ++m) {
-        a.bend[0][m] = modal::Weigh<W, N>(t.bend[m], r);
-        a.bend[1][m] =
-            a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend[m][0]);
-        a.bend[2][m] = a.bend[1][m] - LoadLanes<W>(old.bend_step[m][k], at);
-        a.bend[3][m] = a.bend[2][m] - LoadLanes<W>(old.bend_turn[m][k], at);
-        a.force[m] = a.bend[0][m] + force * W(t.image[m][0]);
-        a.z[m] = LoadLanes<W>(old.velocity[m][k], at);
-        a.d[m] = LoadLanes<W>(old.direction[m][k], at);
-      }
-    }
-
-    // With H the frame's length and D a row's first difference, e = H times its velocity at the
-    // frame's end: what stands for its second and third difference (modal_table.hpp). The velocity
-    // at the frame's start is the last frame's: e = D + D2 / 2 of what it left. (Without velocities
-    // it left what this is near enough to, so that frames with and without may follow each other.)
-    static PELT_INLINE void TakeRate(W first, W end, W last_first, W last_second, W ratio,
-                                     W& second, W& third) {
-      const W over = end - first;
-      const W start = (last_first + last_second * W(0.5f)) * ratio;
-      second = over + over;
-      third = over + (start - first);
-    }
-
-    template <class At>
-    static __attribute__((noinline)) void TakeRates(const Ports& ports, const RootRateBlock& rates,
-                                                    const At& at, const Vec3<W> (&rest)[N],
-                                                    W per_length, Motion& motion) {
-      const ModalTableBlock& t = *ports.table;
-      const ModalStateBlock<kPoints>& old = *ports.chain;
-      const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
-      const W scale = frame * per_length;
-      const Vec3<W> step = Load3<W>(rates.velocity, at) * scale;
-      const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
-      Vec3<W> rest_step[N];
-      for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
-      PELT_NO_UNROLL
-      for (uint32_t k = 0; k < 3; ++k) {
-        modal::Axis<W, N>& a = motion.axis[k];
-        const W root = Part(step, k);
-        W r[N];
-        for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
-        TakeRate(a.root[0], root, LoadLanes<W>(old.root_step[k], at),
-                 LoadLanes<W>(old.root_turn[k], at), ratio, a.root[1], a.root[2]);
-        PELT_UNROLL
-        for (uint32_t m = 0; m < N; ++m) {
-          const W turned = modal::Weigh<W, N>(t.bend[m], r);
-          const W bend = turned + root * W(t.bend[m][0]);
-          TakeRate(a.bend[1][m], bend, LoadLanes<W>(old.bend_step[m][k], at),
-                   LoadLanes<W>(old.bend_turn[m][k], at), ratio, a.bend[2][m], a.bend[3][m]);
-        }
-      }
-    }
-
-    // Start of a lane, or of a chunk: on the groom, moving with the root, no history but its step.
-    static PELT_INLINE void StartAfresh(const ModalTableBlock& t, const Vec3<W> (&rest)[N],
-                                        Mask fresh, Motion& motion) {
-      const W none = W(0.0f);
-      for (uint32_t k = 0; k < 3; ++k) {
-        modal::Axis<W, N>& a = motion.axis[k];
-        a.root[1] = Select(fresh, none, a.root[1]);
-        for (uint32_t m = 0; m < N; ++m) {
-          a.bend[1][m] = Select(fresh, a.root[0] * W(t.bend[m][0]), a.bend[1][m]);
-          a.bend[2][m] = Select(fresh, none, a.bend[2][m]);
-          a.z[m] = Select(fresh, a.root[0] * W(t.euler_speed * t.image[m][0]), a.z[m]);
-          a.d[m] = Select(fresh, Part(rest[m], k), a.d[m]);
-        }
-      }
-      for (uint32_t m = 0; m < N; ++m) motion.lambda[m] = Select(fresh, none, motion.lambda[m]);
-    }
 
     static PELT_INLINE void TakeLanes(Mask lanes, const Motion& from, Motion& to) {
       for (uint32_t i = 0; i < N; ++i) {
@@ -251,7 +132,7 @@ struct SimulateModal {
       W force[3];
       for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = LoadLanes<W>(old.multiplier[i], at);
       for (uint32_t k = 0; k < 3; ++k) {
-        force[k] = (W(ports.layer->gravity[k]) + LoadWind(ports, k, at)) * per_length;
+        force[k] = (W(ports.layer->gravity[k]) + Start::LoadWind(ports, k, at)) * per_length;
         for (uint32_t i = 0; i < N; ++i) {
           safe.axis[k].d[i] = LoadLanes<W>(old.direction[i][k], at);
           safe.axis[k].z[i] = LoadLanes<W>(old.velocity[i][k], at);
@@ -260,7 +141,8 @@ struct SimulateModal {
       if (Any(follows & !good)) {
         Motion again = safe;
         const Mask better =
-            modal::StepFrame<true>(*ports.table, WindChanges(ports), touches, again) & follows;
+            modal::StepFrame<true>(*ports.table, Start::WindChanges(ports), touches, again) &
+            follows;
         TakeLanes(better & !good, again, motion);
         good = good | better;
         if (AllSet(good)) return;
@@ -280,7 +162,8 @@ struct SimulateModal {
       const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
       Mask good = fresh;
       if (Any(follows))
-        good = good | (modal::StepFrame<kBest>(t, WindChanges(ports), touches, motion) & follows);
+        good = good |
+               (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
       const Mask touched = touches.Touched() & good;
       if (!AllSet(good)) FallBack(ports, at, good, follows, rest, per_length, touches, motion);
       return touched;
@@ -296,7 +179,8 @@ struct SimulateModal {
       if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
       const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
       if (!Any(follows)) return !follows;
-      const Mask good = modal::StepFrame<kBest>(t, WindChanges(ports), notes, motion) & follows;
+      const Mask good =
+          modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
       return notes.inside | !good;
     }
 
@@ -321,20 +205,25 @@ struct SimulateModal {
       Motion motion;
       Vec3<W> rest[N], d[N];
       W per_length;
-      LoadRest(ports, at, g, rest, per_length);
+      Start::LoadRest(ports, at, g, rest, per_length);
       PELT_NO_UNROLL
-      for (uint32_t k = 0; k < 3; ++k) LoadAxis(ports, at, k, g, rest, per_length, motion.axis[k]);
-      if (rates) TakeRates(ports, *rates, at, rest, per_length, motion);
+      for (uint32_t k = 0; k < 3; ++k)
+        Start::LoadAxis(ports, at, k, g, rest, per_length, motion.axis[k]);
+      if (rates && ports.table->substeps > 0)
+        Start::TakeRates(ports, *rates, at, rest, per_length, motion);
       for (uint32_t i = 0; i < N; ++i)
         motion.lambda[i] = LoadLanes<W>(ports.chain->multiplier[i], at);
       // In a statement of its own: it branches, and what a console's price is must not depend on
       // which operand a compiler takes first.
-      const Mask calm = IsCalm(motion);
+      const Mask calm = Start::IsCalm(motion);
       const Mask quiet = calm & !fresh;
 
       const Mask none = W(1.0f) < W(0.0f);
       Mask touched = none, picked = none;
-      if (!restart) {
+      const bool carried = !restart && ports.table->substeps == 0;
+      if (carried) {
+        Start::Carry(*ports.table, rest[0], calm, motion);
+      } else if (!restart) {
         if constexpr (kPicks)
           picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
         else
@@ -357,13 +246,14 @@ struct SimulateModal {
           Shape(params, ports, at, controls, full, picked, strength, rest, motion, g);
       }
       if (Any(fresh)) {
-        StartAfresh(*ports.table, rest, fresh, motion);
+        const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
+        Start::StartAfresh(*ports.table, rest, per_step, fresh, motion);
         for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<W>(fresh, g.rest[i], g.point[i]);
       }
       const W still = Select(touched, W(modal::kStillTouching), W(modal::kStillTurn));
-      return Any(
-          Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr, motion) &
-          alive);
+      return Any(End::Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr,
+                            motion) &
+                 alive);
     }
 
     static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
@@ -406,106 +296,6 @@ struct SimulateModal {
           modal::Gather(layer.clump, control, g, d);
         }
       if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, g, d);
-    }
-
-    // Lanes whose root, history and wind are those of the last frame.
-    static PELT_INLINE Mask IsCalm(const Motion& motion) {
-      const W none = W(0.0f);
-      Mask calm =
-          Abs(motion.axis[0].root[0]) + Abs(motion.axis[1].root[0]) + Abs(motion.axis[2].root[0]) <=
-          none;
-      if (!Any(calm)) return calm;
-      for (const modal::Axis<W, N>& a : motion.axis) {
-        W moving = Abs(a.root[1]) + Abs(a.root[2]) + Abs(a.wind_step);
-        for (uint32_t k = 1; k < 4; ++k)
-          for (uint32_t m = 0; m < N; ++m) moving = moving + Abs(a.bend[k][m]);
-        calm = calm & (moving <= none);
-      }
-      return calm;
-    }
-
-    // Calls put(row, value) for every row of the state but quiet_s, and of the points.
-    template <class At, class Put>
-    static PELT_INLINE void ForEachRow(const Ports& ports, const At& at, const Group& g,
-                                       const Motion& motion, Put put) {
-      ModalStateBlock<kPoints>& to = *ports.chain;
-      PELT_UNROLL
-      for (uint32_t i = 0; i < N; ++i) put(to.multiplier[i], motion.lambda[i]);
-      PELT_UNROLL
-      for (uint32_t k = 0; k < 3; ++k) {
-        const modal::Axis<W, N>& a = motion.axis[k];
-        PELT_UNROLL
-        for (uint32_t i = 0; i < N; ++i) {
-          put(to.direction[i][k], a.d[i]);
-          put(to.velocity[i][k], a.z[i]);
-          put(to.bend[i][k], a.bend[0][i]);
-          put(to.bend_step[i][k], a.bend[1][i]);
-          put(to.bend_turn[i][k], a.bend[2][i]);
-          put(ports.position->position[i][k], Part(g.root, k) + Part(g.point[i], k));
-        }
-        put(to.root_step[k], a.root[0]);
-        put(to.root_turn[k], a.root[1]);
-        put(to.wind[k], LoadWind(ports, k, at));
-        put(to.normal[k], Part(g.normal, k));
-      }
-    }
-
-    // Lanes whose points are where they were: a follower moves with its control strand.
-    template <class At>
-    static PELT_INLINE Mask HoldsPoints(const Ports& ports, const At& at, const Group& g) {
-      W far2 = W(0.0f);
-      for (uint32_t i = 0; i < N; ++i) {
-        const Vec3<W> step = g.root + g.point[i] - Load3<W>(ports.position->position[i], at);
-        far2 = Max(far2, Dot(step, step));
-      }
-      const W size = Max(Max(Abs(g.root.x), Abs(g.root.y)), Abs(g.root.z));
-      const W limit = Max(g.length * W(modal::kStillTurn), size * W(chain::kRoundingShare));
-      return far2 < limit * limit;
-    }
-
-    // Writes the lanes back but those that were picked, which keep their bits; returns those of
-    // which some bit changed, or the root or the wind did.
-    template <class At>
-    static PELT_INLINE Mask Store(const Params& params, const Ports& ports, const At& at,
-                                  const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,
-                                  bool follows, const Motion& motion) {
-      ModalStateBlock<kPoints>& to = *ports.chain;
-      const bool may_rest = params.rest_threshold > 0.0f;
-      const Mask moved = !(quiet | fresh | picked);
-      if (may_rest && AllSet(moved)) {
-        StoreLanes(W(0.0f), to.quiet_s, at);
-        ForEachRow(
-            ports, at, g, motion, [&](float* row, W value) __attribute__((always_inline)) {
-              StoreLanes(value, row, at);
-            });
-        return moved;
-      }
-      W turn2 = W(0.0f);
-      for (uint32_t i = 0; i < N; ++i) {
-        W sum = W(0.0f);
-        for (uint32_t k = 0; k < 3; ++k) {
-          const W turn = motion.axis[k].d[i] - LoadLanes<W>(to.direction[i][k], at);
-          sum = sum + turn * turn;
-        }
-        turn2 = Max(turn2, sum);
-      }
-      const W limit = may_rest ? still_turn : W(0.0f);
-      quiet = quiet & (turn2 < limit * limit);
-      if (follows) quiet = quiet & HoldsPoints(ports, at, g);
-      const W before = LoadLanes<W>(to.quiet_s, at);
-      const Mask still = quiet & (before >= W(ports.table->quiet_s));
-      const Mask kept = still | picked;
-      const W now = Select(quiet, before + W(ports.table->frame_s), W(0.0f));
-      typename W::Int change = 0;
-      const auto put = [&](float* row, W value) __attribute__((always_inline)) {
-        const W old = LoadLanes<W>(row, at);
-        value = Select(kept, old, value);
-        change = change | (Bits(value) ^ Bits(old));
-        StoreLanes(value, row, at);
-      };
-      put(to.quiet_s, now);
-      ForEachRow(ports, at, g, motion, put);
-      return moved | !(change == typename W::Int(0));
     }
   };
 };

@@ -16,6 +16,8 @@
 
 namespace pelt {
 
+// What the root did in a frame that was too long to be stepped is kept as of one this long.
+inline constexpr float kCarriedFrame_s = 1.0f / 60.0f;
 inline constexpr uint32_t kModalSubsteps = 6;  // at most; as many as keep them short enough
 inline constexpr uint32_t kModalSamples = 4;  // root poses that the frame's motion is drawn through
 // Floats between two rows of the state. Rows of a power of two bytes would fall on a handful of
@@ -38,13 +40,13 @@ struct ModalSubstep {
 // Constant over the frame; lanes differ only in their length. Matrices are [row][column].
 struct alignas(kBlockAlignment) ModalTableBlock {
   uint32_t links;
-  uint32_t substeps;  // 1 to kModalSubsteps
+  uint32_t substeps;  // 1 to kModalSubsteps; 0: the frame is too long, strands are carried
   // Not 0: three Newton steps, and the constraint force turns with its link within the step.
   uint32_t use_slope;
   uint32_t parent_curl;    // not 0: the curl follows its parent link (modal_curl.hpp)
   float joint[kMaxLinks];  // stiffness of the joint above each link, 1/s^2; the two are read only
                            // then
-  float rest_of_bend[kMaxLinks][kMaxLinks];  // r of T: K^-1 M Phi
+  float rest_of_bend[kMaxLinks][kMaxLinks];  // r of T: K^-1 M Phi; 0 where a joint is loose
   float y_of_y[kMaxLinks], y_of_v[kMaxLinks], v_of_y[kMaxLinks], v_of_v[kMaxLinks];
   float y_of_force[kMaxLinks], v_of_force[kMaxLinks];  // of a force constant over the substep
   ModalSubstep substep[kModalSubsteps];

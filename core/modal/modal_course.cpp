@@ -13,8 +13,7 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
   next.begun_ = true;
   next.rod_ = rod;
   next.quality_ = quality;
-  for (size_t k = std::size(times_.dt_s); k-- > 0;)
-    next.times_.dt_s[k] = k == 0 || !begun_ ? dt_s : times_.dt_s[k - 1];
+  next.times_ = begun_ ? NextTimes(times_, dt_s) : FrameTimes{{dt_s, dt_s, dt_s}};
   next.times_.velocities = velocities;
   if (HasTableOf(next)) return false;
 

@@ -1,5 +1,7 @@
 #include "core/modal/modal_table.hpp"
 
+#include <algorithm>
+
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/modal/modal_response.hpp"
@@ -191,25 +193,30 @@ bool IsEven(const double (&value)[kMaxLinks], uint32_t links) {
   return high <= kMostUneven * low;
 }
 
-void FillCurl(const ModalLayer& layer, ModalTableBlock* t) {
+// False where a joint is loose: rest directions are not in the pull then.
+bool FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
   const uint32_t n = layer.modes.links;
-  // An explicit force cannot hold joints a million times stiffer than their neighbours still.
-  if (!IsEven(layer.material.stiffness, n)) return;
   double stiffness[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
   for (uint32_t i = 0; i < n; ++i) {
-    if (layer.material.stiffness[i] <= 0.0) return;
+    if (layer.material.stiffness[i] <= 0.0) return false;
     for (uint32_t j = 0; j < n; ++j) stiffness[i][j] = layer.modes.stiffness[i][j];
   }
   Invert(stiffness, n, inverse);
-  t->parent_curl = 1;
-  for (uint32_t i = 0; i < n; ++i) {
-    t->joint[i] = float(layer.material.stiffness[i]);
+  for (uint32_t i = 0; i < n; ++i)
     for (uint32_t m = 0; m < n; ++m) {
       double sum = 0.0;
       for (uint32_t j = 0; j < n; ++j) sum += inverse[i][j] * layer.modes.image[m][j];
       t->rest_of_bend[i][m] = float(sum);
     }
-  }
+  return true;
+}
+
+void FillCurl(const ModalLayer& layer, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.links;
+  // An explicit force cannot hold joints a million times stiffer than their neighbours still.
+  if (!IsEven(layer.material.stiffness, n) || !FillRestOfBend(layer, t)) return;
+  t->parent_curl = 1;
+  for (uint32_t i = 0; i < n; ++i) t->joint[i] = float(layer.material.stiffness[i]);
 }
 
 // A quarter of the slowest swing, or of a second without stiffness.
@@ -219,9 +226,10 @@ double QuietTime(const ModalLayer& layer) {
   return quarter < 0.25 ? quarter : 0.25;
 }
 
-// Substeps that keep a frame's as short as the quality asks for.
+// Substeps that keep a frame's as short as the quality asks for; none in one too long for any.
 uint32_t SubstepsOf(ModalQuality quality, const FrameTimes& times) {
   const double frame = times.dt_s[0];
+  if (frame > kLongestModalFrame_s) return 0;
   double longest = quality == ModalQuality::kFast ? kLongestFast : kLongest;
   if (times.velocities && quality == ModalQuality::kDefault) longest = kLongestRated;
   uint32_t count = 1;
@@ -230,6 +238,13 @@ uint32_t SubstepsOf(ModalQuality quality, const FrameTimes& times) {
 }
 
 }  // namespace
+
+FrameTimes NextTimes(const FrameTimes& last, double dt_s) {
+  FrameTimes next = last;
+  for (size_t k = std::size(next.dt_s); k-- > 1;) next.dt_s[k] = FrameInHistory(last.dt_s[k - 1]);
+  next.dt_s[0] = dt_s;
+  return next;
+}
 
 ModalLayer MakeModalLayer(const ModalMaterial& material) { return {material, FindModes(material)}; }
 
@@ -243,7 +258,7 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
   t.use_slope = quality == ModalQuality::kBest ? 1 : 0;
   t.looks = quality == ModalQuality::kDefault ? 2 : 1;
   t.look_share = quality == ModalQuality::kFast ? 0.5f : 1.0f;
-  const double frame = times.dt_s[0], h = frame / t.substeps;
+  const double frame = times.dt_s[0], h = frame / std::max(t.substeps, 1u);
   ModeSteps steps;
   for (uint32_t m = 0; m < modes.links; ++m) {
     const double damping =
@@ -257,8 +272,11 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
   FillConstraint(layer, steps, h, &t);
   FillEuler(layer, frame, &t);
   if (layer.material.parent_curl) FillCurl(layer, &t);
-  for (uint32_t k = 0; k + 1 < kSamples; ++k)
-    t.root_end_speed[k] = t.substep[t.substeps - 1].root_speed[k];
+  if (t.substeps == 0) FillRestOfBend(layer, &t);
+  if (t.substeps > 0)
+    std::ranges::copy(t.substep[t.substeps - 1].root_speed, t.root_end_speed);
+  else
+    t.root_end_speed[0] = float(1.0 / kCarriedFrame_s);
   for (uint32_t i = 0; i < modes.links; ++i) {
     t.inverse_mass[i] = float(modes.inverse_mass_diagonal[i]);
     t.inverse_mass_off[i] = float(modes.inverse_mass_off[i]);

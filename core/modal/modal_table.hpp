@@ -40,6 +40,16 @@ struct FrameTimes {
   bool velocities = false;  // of the root are known in this frame; then only its own length counts
 };
 
+// A frame longer than this is not stepped: strands are carried (kernels/modal_carry.hpp).
+inline constexpr double kLongestModalFrame_s = 0.075;  // kModalSubsteps of the longest there are
+// The frame that it then counts as where later ones look back.
+inline constexpr double FrameInHistory(double dt_s) {
+  return dt_s > kLongestModalFrame_s ? double(kCarriedFrame_s) : dt_s;
+}
+// The times of a frame of dt_s that follows one with `last`. Whether velocities are known is as it
+// was.
+FrameTimes NextTimes(const FrameTimes& last, double dt_s);
+
 // What depends on the material alone; made once.
 struct ModalLayer {
   ModalMaterial material;

@@ -81,7 +81,7 @@ struct ModalScene {
     return {p[0][lane], p[1][lane], p[2][lane]};
   }
   void Step(double dt, Isa isa = BestIsa()) {
-    times = {{dt, times.dt_s[0] > 0 ? times.dt_s[0] : dt, times.dt_s[1] > 0 ? times.dt_s[1] : dt}};
+    times = times.dt_s[0] > 0 ? NextTimes(times, dt) : FrameTimes{{dt, dt, dt}};
     FillModalTable(material, quality, times, &table);
     params.dt = float(dt);
     Run(isa);

@@ -160,7 +160,8 @@ TEST(ModalTable, KeepsSubstepsShort) {
     EXPECT_EQ(substeps(ModalQuality::kDefault, rates[i]), rest[i]) << rates[i];
     EXPECT_EQ(substeps(ModalQuality::kBest, rates[i]), rest[i]) << rates[i];
   }
-  EXPECT_EQ(substeps(ModalQuality::kBest, 1.0), kModalSubsteps);
+  EXPECT_EQ(substeps(ModalQuality::kBest, 1.0 / kLongestModalFrame_s), kModalSubsteps);
+  EXPECT_EQ(substeps(ModalQuality::kBest, 1.0), 0u);
 }
 
 }  // namespace

@@ -183,6 +183,66 @@ void ExpectOnlyTheTouchedWake(ModalScene<4>& s, Change change) {
   }
 }
 
+// What a strand has swung to turns with the root of a frame too long to be stepped, and lasts no
+// longer than it would have; the root goes on as evenly as it came.
+TEST(SimulateModal, ALongFrameCarriesStrandsWithTheirRoots) {
+  constexpr double kWalk = 1.4, kHitch = 0.4;  // m/s, s
+  const auto run = [](double hitch_s) {
+    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 4.0), 16);
+    for (uint32_t lane = 0; lane < 16; ++lane)
+      s->SetRest(lane, 0.02, std::vector<Point3>(3, {0.8, 0.0, 0.6}));
+    double x = 0.0;
+    const auto walk = [&](double dt) {
+      x += kWalk * dt;
+      for (uint32_t lane = 0; lane < 16; ++lane) s->MoveRoot(lane, {x, 0.0, 0.0});
+      s->Step(dt);
+    };
+    for (int frame = 0; frame < 30; ++frame) walk(kDt);
+    if (hitch_s > 0.0) walk(hitch_s);
+    double worst = 0.0;
+    const Point3 before = s->Tip(0) + Point3{-x, 0.0, 0.0};
+    for (int frame = 0; frame < 30; ++frame) {
+      walk(kDt);
+      worst = std::max(worst, Norm(s->Tip(0) + Point3{-x, 0.0, 0.0} + before * -1.0));
+    }
+    EXPECT_LT(s->Stretch(), 1e-5);
+    return worst;
+  };
+  // It swings on from where it was, as from a frame of the usual length.
+  const double usual = run(0.0), hitch = run(kHitch);
+  EXPECT_LT(hitch, usual + 0.1 * 0.06);
+}
+
+TEST(SimulateModal, ALongFrameTurnsTheShapeWithTheRoot) {
+  auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 4.0), 16);
+  for (uint32_t lane = 0; lane < 16; ++lane)
+    s->SetRest(lane, 0.02, std::vector<Point3>(3, {0.8, 0.0, 0.6}));
+  s->Step(kDt);
+  for (int frame = 0; frame < 20; ++frame) s->Step(kDt);
+  const Point3 before = s->Tip(0);
+  ASSERT_GT(Norm(before + Point3{-0.048, 0.0, -0.036}), 0.003) << "it hangs off its rest shape";
+  // A quarter turn about z, and a step aside.
+  for (uint32_t lane = 0; lane < 16; ++lane) {
+    s->roots.tangent[0][lane] = 0.0f;
+    s->roots.tangent[1][lane] = 1.0f;
+    s->MoveRoot(lane, {0.5, 0.0, 0.0});
+  }
+  s->Step(0.3);
+  const Point3 after = s->Tip(0) + Point3{-0.5, 0.0, 0.0};
+  // The least turn from (0.8, 0, 0.6) to (0, 0.8, 0.6) keeps length and angle to the rest shape.
+  const Point3 rest = {0.8, 0.0, 0.6}, turned = {0.0, 0.8, 0.6};
+  const auto along = [](Point3 a, Point3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  EXPECT_NEAR(Norm(after), Norm(before), 1e-6);
+  EXPECT_NEAR(along(after, turned), along(before, rest), 1e-6);
+  EXPECT_LT(s->Stretch(), 1e-5);
+}
+
+TEST(SimulateModal, ALongFrameLetsWhatRestsRest) {
+  auto s = RestingScene();
+  s->Step(0.5);
+  EXPECT_EQ(s->state.state_changed, 0u);
+}
+
 TEST(SimulateModal, TheLeastChangeOfWindWakes) {
   auto s = RestingScene(kLayerWind);
   ExpectOnlyTheTouchedWake(*s, [&](uint32_t lane) { s->wind.acceleration[2][lane] = 1.0e-5f; });

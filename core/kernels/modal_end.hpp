@@ -1,0 +1,106 @@
+// What a modal frame leaves: state and points, but for lanes at rest, which keep their bits.
+#pragma once
+
+#include "core/kernels/modal_start.hpp"
+
+namespace pelt::modal {
+
+// Radians a frame below which a link is still: a few roundings of its direction. What a link is
+// pressed against multiplies them.
+inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
+
+// Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
+template <class W, uint32_t kPoints, class Ports>
+struct FrameEnd {
+  static constexpr uint32_t N = kPoints - 1;
+  using Group = chain::Group<W, N>;
+  using Motion = modal::Motion<W, N>;
+  using Start = FrameStart<W, kPoints, Ports>;
+  using Mask = typename W::Mask;
+
+  // Calls put(row, value) for every row of the state but quiet_s, and of the points.
+  template <class At, class Put>
+  static PELT_INLINE void ForEachRow(const Ports& ports, const At& at, const Group& g,
+                                     const Motion& motion, Put put) {
+    ModalStateBlock<kPoints>& to = *ports.chain;
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) put(to.multiplier[i], motion.lambda[i]);
+    PELT_UNROLL
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Axis<W, N>& a = motion.axis[k];
+      PELT_UNROLL
+      for (uint32_t i = 0; i < N; ++i) {
+        put(to.direction[i][k], a.d[i]);
+        put(to.velocity[i][k], a.z[i]);
+        put(to.bend[i][k], a.bend[0][i]);
+        put(to.bend_step[i][k], a.bend[1][i]);
+        put(to.bend_turn[i][k], a.bend[2][i]);
+        put(ports.position->position[i][k], Start::Part(g.root, k) + Start::Part(g.point[i], k));
+      }
+      put(to.root_step[k], a.root[0]);
+      put(to.root_turn[k], a.root[1]);
+      put(to.wind[k], Start::LoadWind(ports, k, at));
+      put(to.normal[k], Start::Part(g.normal, k));
+    }
+  }
+
+  // Lanes whose points are where they were: a follower moves with its control strand.
+  template <class At>
+  static PELT_INLINE Mask HoldsPoints(const Ports& ports, const At& at, const Group& g) {
+    W far2 = W(0.0f);
+    for (uint32_t i = 0; i < N; ++i) {
+      const Vec3<W> step = g.root + g.point[i] - Load3<W>(ports.position->position[i], at);
+      far2 = Max(far2, Dot(step, step));
+    }
+    const W size = Max(Max(Abs(g.root.x), Abs(g.root.y)), Abs(g.root.z));
+    const W limit = Max(g.length * W(kStillTurn), size * W(chain::kRoundingShare));
+    return far2 < limit * limit;
+  }
+
+  // Writes the lanes back but those that were picked, which keep their bits; returns those of
+  // which some bit changed, or the root or the wind did.
+  template <class At>
+  static PELT_INLINE Mask Store(const SimulateParams& params, const Ports& ports, const At& at,
+                                const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,
+                                bool follows, const Motion& motion) {
+    ModalStateBlock<kPoints>& to = *ports.chain;
+    const bool may_rest = params.rest_threshold > 0.0f;
+    const Mask moved = !(quiet | fresh | picked);
+    if (may_rest && AllSet(moved)) {
+      StoreLanes(W(0.0f), to.quiet_s, at);
+      ForEachRow(
+          ports, at, g, motion, [&](float* row, W value) __attribute__((always_inline)) {
+            StoreLanes(value, row, at);
+          });
+      return moved;
+    }
+    W turn2 = W(0.0f);
+    for (uint32_t i = 0; i < N; ++i) {
+      W sum = W(0.0f);
+      for (uint32_t k = 0; k < 3; ++k) {
+        const W turn = motion.axis[k].d[i] - LoadLanes<W>(to.direction[i][k], at);
+        sum = sum + turn * turn;
+      }
+      turn2 = Max(turn2, sum);
+    }
+    const W limit = may_rest ? still_turn : W(0.0f);
+    quiet = quiet & (turn2 < limit * limit);
+    if (follows) quiet = quiet & HoldsPoints(ports, at, g);
+    const W before = LoadLanes<W>(to.quiet_s, at);
+    const Mask still = quiet & (before >= W(ports.table->quiet_s));
+    const Mask kept = still | picked;
+    const W now = Select(quiet, before + W(ports.table->frame_s), W(0.0f));
+    typename W::Int change = 0;
+    const auto put = [&](float* row, W value) __attribute__((always_inline)) {
+      const W old = LoadLanes<W>(row, at);
+      value = Select(kept, old, value);
+      change = change | (Bits(value) ^ Bits(old));
+      StoreLanes(value, row, at);
+    };
+    put(to.quiet_s, now);
+    ForEachRow(ports, at, g, motion, put);
+    return moved | !(change == typename W::Int(0));
+  }
+};
+
+}  // namespace pelt::modal

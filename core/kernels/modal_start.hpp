@@ -1,0 +1,161 @@
+// What a modal frame begins with: rest directions, the roots' and the wind's course since the last
+// frames, and the state; who starts afresh, and who is only carried along.
+#pragma once
+
+#include "core/kernels/modal_carry.hpp"
+#include "core/kernels/modal_obstacle.hpp"
+#include "core/kernels/modal_ports.hpp"
+
+namespace pelt::modal {
+
+// Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
+template <class W, uint32_t kPoints, class Ports>
+struct FrameStart {
+  static constexpr uint32_t N = kPoints - 1;
+  using Group = chain::Group<W, N>;
+  using Motion = modal::Motion<W, N>;
+  using Mask = typename W::Mask;
+
+  static PELT_INLINE bool HasWind(const Ports& ports) {
+    return (ports.layer->flags & kLayerWind) != 0;
+  }
+
+  // Wind that has stopped still goes down to nothing over this frame.
+  static PELT_INLINE bool WindChanges(const Ports& ports) {
+    return (ports.layer->flags & (kLayerWind | kLayerWindEnds)) != 0;
+  }
+
+  template <class At>
+  static PELT_INLINE W LoadWind(const Ports& ports, uint32_t axis, const At& at) {
+    return HasWind(ports) ? LoadLanes<W>(ports.wind->acceleration[axis], at) : W(0.0f);
+  }
+
+  // Rest directions and root of this frame.
+  template <class At>
+  static PELT_INLINE void LoadRest(const Ports& ports, const At& at, Group& g, Vec3<W> (&rest)[N],
+                                   W& per_length) {
+    chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, at, g);
+    per_length = W(1.0f) / g.length;
+    rest[0] = g.rest[0] * per_length;
+    for (uint32_t i = 1; i < N; ++i) rest[i] = (g.rest[i] - g.rest[i - 1]) * per_length;
+  }
+
+  static PELT_INLINE W Part(const Vec3<W>& v, uint32_t axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+  }
+
+  template <class At>
+  static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
+                                   const Vec3<W> (&rest)[N], W per_length, Axis<W, N>& a) {
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<kPoints>& old = *ports.chain;
+    W r[N];
+    for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest[i], k);
+    if (t.parent_curl != 0 || HasLimit(*ports.layer))
+      for (uint32_t i = 0; i < N; ++i) a.rest[i] = r[i];
+    a.root[0] = Part(g.free_motion, k) * per_length;
+    a.root[1] = a.root[0] - LoadLanes<W>(old.root_step[k], at);
+    a.root[2] = a.root[1] - LoadLanes<W>(old.root_turn[k], at);
+    const W wind = LoadWind(ports, k, at);
+    const W force = (W(ports.layer->gravity[k]) + wind) * per_length;
+    a.wind_step = (wind - LoadLanes<W>(old.wind[k], at)) * per_length;
+    PELT_UNROLL
+    for (uint32_t m = 0; m < N; ++m) {
+      a.bend[0][m] = Weigh<W, N>(t.bend[m], r);
+      a.bend[1][m] = a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend[m][0]);
+      a.bend[2][m] = a.bend[1][m] - LoadLanes<W>(old.bend_step[m][k], at);
+      a.bend[3][m] = a.bend[2][m] - LoadLanes<W>(old.bend_turn[m][k], at);
+      a.force[m] = a.bend[0][m] + force * W(t.image[m][0]);
+      a.z[m] = LoadLanes<W>(old.velocity[m][k], at);
+      a.d[m] = LoadLanes<W>(old.direction[m][k], at);
+    }
+  }
+
+  // With H the frame's length and D a row's first difference, e = H times its velocity at the
+  // frame's end: what stands for its second and third difference (modal_table.hpp). The velocity
+  // at the frame's start is the last frame's: e = D + D2 / 2 of what it left. (Without velocities
+  // it left what this is near enough to, so that frames with and without may follow each other.)
+  static PELT_INLINE void TakeRate(W first, W end, W last_first, W last_second, W ratio, W& second,
+                                   W& third) {
+    const W over = end - first;
+    const W start = (last_first + last_second * W(0.5f)) * ratio;
+    second = over + over;
+    third = over + (start - first);
+  }
+
+  template <class At>
+  static __attribute__((noinline)) void TakeRates(const Ports& ports, const RootRateBlock& rates,
+                                                  const At& at, const Vec3<W> (&rest)[N],
+                                                  W per_length, Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
+    const W scale = frame * per_length;
+    const Vec3<W> step = Load3<W>(rates.velocity, at) * scale;
+    const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
+    Vec3<W> rest_step[N];
+    for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
+    PELT_NO_UNROLL
+    for (uint32_t k = 0; k < 3; ++k) {
+      Axis<W, N>& a = motion.axis[k];
+      const W root = Part(step, k);
+      W r[N];
+      for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
+      TakeRate(a.root[0], root, LoadLanes<W>(old.root_step[k], at),
+               LoadLanes<W>(old.root_turn[k], at), ratio, a.root[1], a.root[2]);
+      PELT_UNROLL
+      for (uint32_t m = 0; m < N; ++m) {
+        const W turned = Weigh<W, N>(t.bend[m], r);
+        const W bend = turned + root * W(t.bend[m][0]);
+        TakeRate(a.bend[1][m], bend, LoadLanes<W>(old.bend_step[m][k], at),
+                 LoadLanes<W>(old.bend_turn[m][k], at), ratio, a.bend[2][m], a.bend[3][m]);
+      }
+    }
+  }
+
+  // Start of a lane, or of a chunk, with directions `from`, moving with the root, no history but
+  // its step, which took `per_step` of a second, 1/s.
+  static PELT_INLINE void StartAfresh(const ModalTableBlock& t, const Vec3<W> (&from)[N],
+                                      float per_step, Mask fresh, Motion& motion) {
+    const W none = W(0.0f);
+    for (uint32_t k = 0; k < 3; ++k) {
+      Axis<W, N>& a = motion.axis[k];
+      a.root[1] = Select(fresh, none, a.root[1]);
+      for (uint32_t m = 0; m < N; ++m) {
+        a.bend[1][m] = Select(fresh, a.root[0] * W(t.bend[m][0]), a.bend[1][m]);
+        a.bend[2][m] = Select(fresh, none, a.bend[2][m]);
+        a.z[m] = Select(fresh, a.root[0] * W(per_step * t.image[m][0]), a.z[m]);
+        a.d[m] = Select(fresh, Part(from[m], k), a.d[m]);
+      }
+    }
+    for (uint32_t m = 0; m < N; ++m) motion.lambda[m] = Select(fresh, none, motion.lambda[m]);
+  }
+
+  // A frame too long to be stepped. Where nothing moved, nothing turns.
+  static __attribute__((noinline)) void Carry(const ModalTableBlock& t, Vec3<W> rest, Mask calm,
+                                              Motion& motion) {
+    Vec3<W> d[N];
+    CarryFrame(t, rest, motion, d);
+    for (uint32_t i = 0; i < N; ++i) d[i] = Select<W>(calm, Row(motion, &Axis<W, N>::d, i), d[i]);
+    for (Axis<W, N>& a : motion.axis) a.root[0] = a.root[0] * W(t.euler_speed * kCarriedFrame_s);
+    StartAfresh(t, d, 1.0f / kCarriedFrame_s, W(0.0f) < W(1.0f), motion);
+  }
+
+  // Lanes whose root, history and wind are those of the last frame.
+  static PELT_INLINE Mask IsCalm(const Motion& motion) {
+    const W none = W(0.0f);
+    Mask calm =
+        Abs(motion.axis[0].root[0]) + Abs(motion.axis[1].root[0]) + Abs(motion.axis[2].root[0]) <=
+        none;
+    if (!Any(calm)) return calm;
+    for (const Axis<W, N>& a : motion.axis) {
+      W moving = Abs(a.root[1]) + Abs(a.root[2]) + Abs(a.wind_step);
+      for (uint32_t k = 1; k < 4; ++k)
+        for (uint32_t m = 0; m < N; ++m) moving = moving + Abs(a.bend[k][m]);
+      calm = calm & (moving <= none);
+    }
+    return calm;
+  }
+};
+
+}  // namespace pelt::modal
