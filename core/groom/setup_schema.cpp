@@ -177,7 +177,8 @@ std::span<const KeyRow<MapChannel>> Schema() {
 template <>
 std::span<const KeyRow<Mask>> Schema() {
   static const KeyRow<Mask> kRows[] = {
-      Plain<&Mask::materials>("materials", "texts", "grow on these alone; else on all but eyes, noses, claws..."),
+      Plain<&Mask::materials>("materials", "texts",
+                              "grow on these alone; else on all but eyes, noses, claws..."),
       Plain<&Mask::joints>("joints", "tables", "grow where joints move the skin; largest counts"),
       Plain<&Mask::box>("box", "table", "a map projected through the rest pose's bounding box"),
       Plain<&Mask::range>("range", "table", "grow inside a part of the bounding box"),
