@@ -91,24 +91,26 @@ struct FrameStart {
     const ModalStateBlock<kPoints>& old = *ports.chain;
     const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
     const W scale = frame * per_length;
-    const Vec3<W> step = Load3<W>(rates.velocity, at) * scale;
+    const Vec3<W> move = Load3<W>(rates.velocity, at) * scale;
     const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
     Vec3<W> rest_step[N];
     for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
     PELT_NO_UNROLL
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = motion.axis[k];
-      const W root = Part(step, k);
+      const W root = Part(move, k);
       W r[N];
       for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
-      TakeRate(a.root[0], root, LoadLanes<W>(old.root_step[k], at),
-               LoadLanes<W>(old.root_turn[k], at), ratio, a.root[1], a.root[2]);
+      const W root_step = LoadLanes<W>(old.root_step[k], at);
+      const W root_turn = LoadLanes<W>(old.root_turn[k], at);
+      TakeRate(a.root[0], root, root_step, root_turn, ratio, a.root[1], a.root[2]);
       PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m) {
         const W turned = Weigh<W, N>(t.bend[m], r);
         const W bend = turned + root * W(t.bend[m][0]);
-        TakeRate(a.bend[1][m], bend, LoadLanes<W>(old.bend_step[m][k], at),
-                 LoadLanes<W>(old.bend_turn[m][k], at), ratio, a.bend[2][m], a.bend[3][m]);
+        const W step = LoadLanes<W>(old.bend_step[m][k], at);
+        const W curve = LoadLanes<W>(old.bend_turn[m][k], at);
+        TakeRate(a.bend[1][m], bend, step, curve, ratio, a.bend[2][m], a.bend[3][m]);
       }
     }
   }

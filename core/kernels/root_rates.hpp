@@ -40,7 +40,8 @@ PELT_INLINE Vec3<V> SpinOf(const Frame<V>& unit, const Frame<V>& raw, const Fram
                         Clamp(off.z, least, most)};
   const Vec3<V> across = Cross(unit.normal, unit.tangent);
   const V forward = Dot(across, rate.tangent);
-  const V carried = Dot(across, lean) * Dot(unit.normal, raw.tangent);
+  const V leans = Dot(across, lean), slant = Dot(unit.normal, raw.tangent);
+  const V carried = leans * slant;
   const V size = Max(Dot(unit.tangent, raw.tangent), V(1.0e-15f));
   const V turn = Clamp((forward - carried) / size, least, most);
   const Vec3<V> tilt = Cross(unit.normal, lean);
