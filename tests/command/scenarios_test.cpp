@@ -98,10 +98,11 @@ TEST(Scenarios, TinyHasEverySolverChainAndOutput) {
 std::set<std::string_view> KernelsThatRun(Scenario tiny) {
   std::set<std::string_view> ran;
   for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
-    for (const uint32_t pieces : {0u, 1u}) {
+    for (const uint32_t other : {0u, 1u}) {
       SceneOptions options;
       options.vertex_order = order;
-      options.piecewise_sort_chunks = pieces;
+      options.piecewise_sort_chunks = other;
+      options.velocities = other != 0;
       RunningScenario running(tiny, options);
       SerialExecutor serial;
       running.Begin(0);
