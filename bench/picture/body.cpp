@@ -6,6 +6,7 @@
 #include "bench/picture/eyes.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
+#include "bench/view/studio.hpp"
 
 namespace pelt {
 namespace {
@@ -55,6 +56,10 @@ void CoverBody(const SkinFur& fur, Body& body) {
   body.mean_covered /= std::max(furry, 1e-9f);
 }
 
+glm::vec3 UnlitColour(const glm::vec3& own) {
+  return {Untone(own.r), Untone(own.g), Untone(own.b)};
+}
+
 class BodyPainter {
  public:
   BodyPainter(const Body& body, const PictureLook& look, const SunShare& sun,
@@ -66,13 +71,14 @@ class BodyPainter {
     }
   }
 
-  // An image or relief is shaded at every sample, what has none at the corners.
+  // An image or relief is shaded at every sample, and what is unlit, which is no sum; all else at the corners.
   void Draw(uint32_t triangle, Canvas& canvas) const {
     const auto& corner = body_.character->mesh.triangles[triangle];
     const auto draw = [&](auto shade) {
       canvas.DrawTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], shade);
     };
-    if (body_.surface->HasImage(triangle) || (body_.relief && body_.relief->Covers(triangle)))
+    if (body_.surface->HasImage(triangle) || body_.surface->IsUnlit(triangle) ||
+        (body_.relief && body_.relief->Covers(triangle)))
       return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });
     const glm::vec3 first = Shade({triangle, {1.0f, 0.0f, 0.0f}}),
                     second = Shade({triangle, {0.0f, 1.0f, 0.0f}}),
@@ -88,14 +94,15 @@ class BodyPainter {
     const uint16_t material = body_.character->mesh.triangle_material[point.triangle];
     const float covered = body_.furry_material[material] ? at(body_.covered) : 0.0f;
     glm::vec3 colour = at(body_.fur);
-    if (body_.surface->Knows(point.triangle))
+    const bool unlit = body_.surface->IsUnlit(point.triangle);
+    if (!unlit && body_.surface->Knows(point.triangle))
       colour = glm::mix(body_.surface->At(point), colour, covered);
     if (const glm::vec4 paint = at(body_.paint); covered > 0.0f && paint != glm::vec4(0.0f))
       colour = PaintedColour(body_.paint_look, colour, paint);
-    const glm::vec3 skin =
-        ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
-                  glm::normalize(eye_ - at(body_.position)), DepthFloor(covered, look_.depth_floor),
-                  at(sun_));
+    glm::vec3 skin = ShadeSkin(look_.light, look_.hair, colour, glm::normalize(at(body_.normal)),
+                               glm::normalize(eye_ - at(body_.position)),
+                               DepthFloor(covered, look_.depth_floor), at(sun_));
+    if (unlit) skin = glm::mix(UnlitColour(body_.surface->At(point)), skin, covered);
     if (!body_.relief) return skin;
     return body_.relief->Shade(body_, point, look_, eye_, at(sun_), skin);
   }

@@ -8,12 +8,13 @@ namespace {
 
 // The attributes of body.vert, one behind the other.
 struct SkinVertex {
-  glm::vec3 position, normal, fur, tint;
+  glm::vec3 position, normal, fur;
+  glm::vec4 tint;
   glm::vec2 share, uv;
   glm::vec4 paint;  // of the fur above
 };
-constexpr std::array<GLint, 7> kSkinFloats = {3, 3, 3, 3, 2, 2, 4};
-static_assert(sizeof(SkinVertex) == 20 * sizeof(float));
+constexpr std::array<GLint, 7> kSkinFloats = {3, 3, 3, 4, 2, 2, 4};
+static_assert(sizeof(SkinVertex) == 21 * sizeof(float));
 
 // Corners have their own vertices: materials meet there.
 SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner, float depth_floor) {
@@ -23,11 +24,12 @@ SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner, float depth
   point.bary[corner] = 1.0f;
   const bool furry = body.furry_material[mesh.triangle_material[triangle]];
   const float covered = furry ? body.covered[v] : 0.0f;
-  const bool known = body.surface->Knows(triangle);
+  const bool unlit = body.surface->IsUnlit(triangle);
+  const bool known = unlit || body.surface->Knows(triangle);
   return {.position = body.position[v],
           .normal = body.normal[v],
           .fur = body.fur[v],
-          .tint = known ? body.surface->TintAt(point) : glm::vec3(0.0f),
+          .tint = glm::vec4(known ? body.surface->TintAt(point) : glm::vec3(0.0f), float(unlit)),
           .share = {known ? covered : 1.0f, DepthFloor(covered, depth_floor)},
           .uv = body.surface->HasImage(triangle) ? body.surface->ImageUvAt(point) : glm::vec2(0.0f),
           .paint = covered > 0.0f ? body.paint[v] : glm::vec4(0.0f)};

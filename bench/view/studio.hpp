@@ -12,6 +12,14 @@ inline float Tone(float v) {
   return v <= kept ? v : 1.0f - (1.0f - kept) * std::exp((kept - v) / (1.0f - kept));
 }
 
+// What Tone shows as v, 0 to 1: for what is to be seen in its own colour. White is at the end of the
+// curve, which nothing reaches: it comes out within half of an 8-bit step.
+inline float Untone(float v) {
+  const float kept = 0.5f, most = 0.9985f;
+  const float left = (1.0f - std::min(v, most)) / (1.0f - kept);
+  return v <= kept ? v : kept - (1.0f - kept) * std::log(left);
+}
+
 // How far along a unit ray the floor is, at height 0; below 0: nowhere.
 inline float FloorDistance(float eye_height, float ray_up) {
   return ray_up >= -1e-3f || eye_height <= 0.0f ? -1.0f : -eye_height / ray_up;

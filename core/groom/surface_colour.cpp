@@ -42,6 +42,8 @@ bool SurfaceColour::Knows(uint32_t triangle) const {
   return LookOf(triangle).stated || !mesh_.corner_colour.empty();
 }
 
+bool SurfaceColour::IsUnlit(uint32_t triangle) const { return LookOf(triangle).unlit; }
+
 bool SurfaceColour::HasImage(uint32_t triangle) const {
   return LookOf(triangle).image >= 0 && !(mesh_.uv.empty() && mesh_.corner_uv.empty());
 }

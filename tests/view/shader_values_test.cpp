@@ -116,6 +116,11 @@ std::vector<Function> ListFunctions() {
        [](A a) { return Wide(OctahedralNormal(BitsOf(a.d.x) * 2654435761u)); }},
       {"Tone", "vec4(Tone(3.0 * u.x), Tone(0.5 * u.y), 0.0, 0.0)",
        [](A a) { return glm::vec4(Tone(3.0f * a.u.x), Tone(0.5f * a.u.y), 0.0f, 0.0f); }},
+      {"Untone", "vec4(Untone(u.x), Untone(0.5 * u.y), Untone(1.0), Tone(Untone(u.x)) - u.x)",
+       [](A a) {
+         return glm::vec4(Untone(a.u.x), Untone(0.5f * a.u.y), Untone(1.0f),
+                          Tone(Untone(a.u.x)) - a.u.x);
+       }},
       {"FloorDistance", "vec4(FloorDistance(u.x, -0.1 - u.y), FloorDistance(u.x, u.y), 0.0, 0.0)",
        [](A a) {
          return glm::vec4(FloorDistance(a.u.x, -0.1f - a.u.y), FloorDistance(a.u.x, a.u.y), 0, 0);

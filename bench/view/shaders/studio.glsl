@@ -11,6 +11,12 @@ float Tone(float v) {
   return v <= kept ? v : 1.0 - (1.0 - kept) * exp((kept - v) / (1.0 - kept));
 }
 
+float Untone(float v) {
+  const float kept = 0.5, most = 0.9985;
+  float left = (1.0 - min(v, most)) / (1.0 - kept);
+  return v <= kept ? v : kept - (1.0 - kept) * log(left);
+}
+
 float FloorDistance(float eye_height, float ray_up) {
   return ray_up >= -1e-3 || eye_height <= 0.0 ? -1.0 : -eye_height / ray_up;
 }
