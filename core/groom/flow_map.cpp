@@ -43,29 +43,42 @@ class Islands {
   std::vector<uint32_t> parent_;
 };
 
-class FlowMaker {
+// Which triangle, and which place on it, each texel of each sheet has.
+class SheetMaker {
  public:
-  FlowMaker(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-            const LayerSetup& layer, uint32_t side)
+  SheetMaker(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+             const LayerSetup& layer, uint32_t side)
       : mesh_(character.mesh),
         rest_(rest),
         place_(Format("{}: layer '{}': flow map: ", setup.path, layer.name)),
-        growth_(character, rest, setup, layer),
-        maker_(character, rest, setup, layer) {
+        growth_(character, rest, setup, layer) {
     map_.side = side;
     if (side < 1 || side > kMostFlowSide)
       throw Error(Format("{}{} texels a side; 1 to {} are allowed", place_, side, kMostFlowSide));
     if (mesh_.uv.empty()) throw Error(place_ + "the character has no texture coordinates");
     map_.sheet.assign(mesh_.triangles.size(), FlowMap::kNoSheet);
-  }
-
-  FlowMap Make() {
     for (const std::vector<uint32_t>& island : FindIslands()) Lay(island);
     if (sheets_.empty()) sheets_.emplace_back(size_t(map_.side) * map_.side);
     map_.sheets = uint32_t(sheets_.size());
-    Evaluate();
-    for (size_t s = 0; s < sheets_.size(); ++s) Fill(s);
+  }
+
+  FlowMap MakeFlow(const AttributeMaker& maker) {
+    Evaluate(maker);
+    for (size_t s = 0; s < sheets_.size(); ++s) Fill(s, 4, map_.rgba);
     return std::move(map_);
+  }
+
+  GrowthMap MakeGrowth() {
+    const size_t texels = size_t(map_.side) * map_.side;
+    GrowthMap made{map_.side, map_.sheets, std::vector<uint8_t>(texels * map_.sheets), {}};
+    for (size_t s = 0; s < sheets_.size(); ++s) {
+      for (size_t i = 0; i < texels; ++i)
+        if (const Texel& texel = sheets_[s][i]; texel.triangle != kNobody)
+          made.share[s * texels + i] = ShareByte({texel.triangle, texel.bary});
+      Fill(s, 1, made.share);
+    }
+    made.sheet = std::move(map_.sheet);
+    return made;
   }
 
  private:
@@ -172,7 +185,11 @@ class FlowMaker {
     return to * (std::sqrt(glm::dot(along, along)) / size);
   }
 
-  void Evaluate() {
+  uint8_t ShareByte(const SurfacePoint& at) const {
+    return uint8_t(0.5f + 255.0f * std::clamp(growth_.Share(at), 0.0f, 1.0f));
+  }
+
+  void Evaluate(const AttributeMaker& maker) {
     const size_t texels = size_t(map_.side) * map_.side;
     std::vector<float> length(texels * sheets_.size());
     map_.rgba.assign(length.size() * 4, 0);
@@ -181,12 +198,12 @@ class FlowMaker {
         const Texel& texel = sheets_[s][i];
         if (texel.triangle == kNobody) continue;
         const SurfacePoint at{texel.triangle, texel.bary};
-        const StrandLie lie = maker_.MeanLie(at);
+        const StrandLie lie = maker.MeanLie(at);
         const glm::dvec3 along = lie.towards - lie.normal * glm::dot(lie.towards, lie.normal);
         const glm::dvec2 lean = ToTexture(texel.triangle, along);
         uint8_t* to = &map_.rgba[(s * texels + i) * 4];
         for (int c = 0; c < 2; ++c) to[c] = uint8_t(128.5 + 127.0 * std::clamp(lean[c], -1.0, 1.0));
-        to[3] = uint8_t(0.5f + 255.0f * std::clamp(growth_.Share(at), 0.0f, 1.0f));
+        to[3] = ShareByte(at);
         length[s * texels + i] = float(lie.length);
         map_.longest_m = std::max(map_.longest_m, float(lie.length));
       }
@@ -196,9 +213,9 @@ class FlowMaker {
   }
 
   // From the nearest texel that has something, counted along rows and columns; the first of several.
-  void Fill(size_t sheet) {
+  void Fill(size_t sheet, size_t bytes, std::vector<uint8_t>& map) const {
     const size_t side = map_.side, texels = side * side;
-    uint8_t* rgba = &map_.rgba[sheet * texels * 4];
+    uint8_t* first = &map[sheet * texels * bytes];
     std::vector<uint8_t> filled(texels);
     std::vector<uint32_t> reached;  // in the order of their distance
     for (size_t i = 0; i < texels; ++i) {
@@ -211,7 +228,7 @@ class FlowMaker {
                               (y + side - 1) % side * side + x, (y + 1) % side * side + x}) {
         if (filled[to]) continue;
         filled[to] = 1;
-        std::copy_n(rgba + 4 * from, 4, rgba + 4 * to);
+        std::copy_n(first + bytes * from, bytes, first + bytes * to);
         reached.push_back(uint32_t(to));
       }
     }
@@ -221,7 +238,6 @@ class FlowMaker {
   const RestGeometry& rest_;
   std::string place_;
   Growth growth_;
-  AttributeMaker maker_;
   FlowMap map_;
   std::vector<Sheet> sheets_;
 };
@@ -230,7 +246,13 @@ class FlowMaker {
 
 FlowMap MakeFlowMap(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                     const LayerSetup& layer, uint32_t side) {
-  return FlowMaker(character, rest, setup, layer, side).Make();
+  SheetMaker sheets(character, rest, setup, layer, side);
+  return sheets.MakeFlow(AttributeMaker(character, rest, setup, layer));
+}
+
+GrowthMap MakeGrowthMap(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+                        const LayerSetup& layer, uint32_t side) {
+  return SheetMaker(character, rest, setup, layer, side).MakeGrowth();
 }
 
 }  // namespace pelt

@@ -41,4 +41,15 @@ inline constexpr uint32_t kMostFlowSide = 4096, kMostFlowSheets = 64;
 FlowMap MakeFlowMap(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
                     uint32_t side);
 
+// How densely the layer grows and nothing else: the flow map's alpha, on the same sheets.
+struct GrowthMap {
+  uint32_t side = 0, sheets = 0;
+  std::vector<uint8_t> share;   // side x (side * sheets)
+  std::vector<uint16_t> sheet;  // as FlowMap's
+};
+
+// Throws as MakeFlowMap.
+GrowthMap MakeGrowthMap(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
+                        uint32_t side);
+
 }  // namespace pelt
