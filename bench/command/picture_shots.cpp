@@ -78,8 +78,8 @@ bool PictureShots::Wants(uint32_t frame) const {
 PictureScene PictureShots::Gather(uint32_t frame) {
   // The frame's camera again, which depends on the frame's number alone.
   const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
-  std::vector<std::string> notes;
-  PictureScene shown = GatherPicture(scenario_, scene_, camera, order_, notes, args_.relief);
+  if (!maps_) maps_.emplace(scenario_, args_.relief);
+  PictureScene shown = GatherPicture(scenario_, *maps_, scene_, camera, order_);
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
       shown.ForEachLook([&](PictureLook& look) {
@@ -87,7 +87,7 @@ PictureScene PictureShots::Gather(uint32_t frame) {
         look.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
                                {camera.target[0], camera.target[1], camera.target[2]});
       });
-  if (frame == frames_.front()) notes_ = notes;  // of the characters, so the same each time
+  notes_ = maps_->notes();
   return shown;
 }
 

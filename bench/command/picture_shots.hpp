@@ -27,7 +27,7 @@ struct PictureArgs {
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
   std::string renderer = RendererNames().front();
-  std::vector<std::string> relief;  // GatherPicture has it
+  std::vector<std::string> relief;  // PictureMaps has it
   bool lighting_buffer = false;     // PictureOptions has it
 
   bool Any() const {
@@ -67,7 +67,8 @@ class PictureShots {
   FurScene& scene_;
   VertexOrder order_;
   std::unique_ptr<PictureRenderer> renderer_;
-  std::vector<uint32_t> frames_;  // rising
+  std::optional<PictureMaps> maps_;  // from the first picture on
+  std::vector<uint32_t> frames_;     // rising
   std::vector<std::byte> last_;
   std::vector<uint8_t> steps_;
   std::vector<AnimationFrame> animation_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/picture/eyes.hpp"
+#include "bench/picture/mapped_fur.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
 #include "bench/view/studio.hpp"
@@ -30,22 +31,9 @@ void PoseVertices(const PaletteBlock& palette, Body& body) {
   }
 }
 
-// A third of the area of the triangles round each vertex.
-std::vector<float> AreasRoundVertices(const Body& body) {
-  std::vector<float> area(body.position.size(), 0.0f);
-  for (const auto& triangle : body.character->mesh.triangles) {
-    const glm::vec3& p = body.position[triangle[0]];
-    const float third =
-        glm::length(glm::cross(body.position[triangle[1]] - p, body.position[triangle[2]] - p)) /
-        6.0f;
-    for (const uint32_t v : triangle) area[v] += third;
-  }
-  return area;
-}
-
 // Of strands thrown at random onto the skin, the share of it that is below at least one.
 void CoverBody(const SkinFur& fur, Body& body) {
-  const std::vector<float> area = AreasRoundVertices(body);
+  const std::vector<float> area = AreasRoundVertices(body.character->mesh, body.position);
   float furry = 0.0f;
   for (size_t v = 0; v < area.size(); ++v) {
     body.covered.push_back(1.0f - std::exp(-fur.area[v] / std::max(area[v], 1e-9f)));
@@ -71,14 +59,14 @@ class BodyPainter {
     }
   }
 
-  // An image or relief is shaded at every sample, and what is unlit, which is no sum; all else at the corners.
+  // At the corners alone where all is even between them.
   void Draw(uint32_t triangle, Canvas& canvas) const {
     const auto& corner = body_.character->mesh.triangles[triangle];
     const auto draw = [&](auto shade) {
       canvas.DrawTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], shade);
     };
     if (body_.surface->HasImage(triangle) || body_.surface->IsUnlit(triangle) ||
-        (body_.relief && body_.relief->Covers(triangle)))
+        IsMapped(body_, triangle) || (body_.relief && body_.relief->Covers(triangle)))
       return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });
     const glm::vec3 first = Shade({triangle, {1.0f, 0.0f, 0.0f}}),
                     second = Shade({triangle, {0.0f, 1.0f, 0.0f}}),
@@ -91,8 +79,7 @@ class BodyPainter {
     const auto at = [&](const auto& values) {
       return Interpolate(values, body_.character->mesh, point);
     };
-    const uint16_t material = body_.character->mesh.triangle_material[point.triangle];
-    const float covered = body_.furry_material[material] ? at(body_.covered) : 0.0f;
+    const float covered = CoveredAt(body_, point);
     glm::vec3 colour = at(body_.fur);
     const bool unlit = body_.surface->IsUnlit(point.triangle);
     if (!unlit && body_.surface->Knows(point.triangle))
@@ -120,7 +107,7 @@ float DepthFloor(float covered, float floor) { return glm::mix(1.0f, floor, cove
 
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface,
-              std::shared_ptr<const ReliefCoat> relief) {
+              std::shared_ptr<const ReliefCoat> relief, std::span<const SharedGrowth> growth) {
   Body body;
   body.surface = std::move(surface);
   body.character = &scenario.characters[scenario.actors[actor].character];
@@ -134,6 +121,7 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
   body.paint_look.mud = fur.mud_colour;
   body.furry_material = fur.on_material;
   CoverBody(fur, body);
+  MapFur(fur, growth, body);
   body.eyes = FindEyes(body);
   if (relief) body.axes = FindTextureAxes(body.character->mesh, body.position);
   body.relief = std::move(relief);

@@ -5,9 +5,11 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "bench/picture/canvas.hpp"
+#include "bench/picture/growth_sheets.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/view/default_look.hpp"
 #include "bench/view/paint_shading.hpp"
@@ -23,6 +25,15 @@ struct Eye {
 
 class ReliefCoat;
 
+// A layer whose density is known per texel: hair seen from the side for each area of skin, where that is 1. A bald
+// spot is as sharp as its map.
+struct MappedFur {
+  SharedGrowth growth;
+  std::vector<float> rate;  // at each vertex
+};
+// At most so many of a body; what more there are count at the vertices.
+inline constexpr size_t kMappedLayers = 4;
+
 // Metres that the skin goes along for one unit of u and of v, at each vertex.
 struct TextureAxes {
   std::vector<glm::vec3> u, v;
@@ -35,7 +46,9 @@ struct Body {
   std::vector<glm::vec3> fur, fur_tip;           // colours at its roots and tips, linear
   std::vector<glm::vec4> paint;                  // SkinFur::paint
   PaintLook paint_look;
-  std::vector<float> covered;           // by fur, 0 to 1
+  std::vector<float> covered;  // by fur, 0 to 1
+  std::vector<MappedFur> mapped;
+  std::vector<float> unmapped;          // as MappedFur's rate, of all other layers; with any mapped
   std::vector<uint8_t> furry_material;  // those that fur grows on
   float mean_covered = 0.0f;            // where fur grows
   std::vector<Eye> eyes;
@@ -46,9 +59,16 @@ struct Body {
 // Light left at skin that is covered so far, and at the roots of the fur; `floor`: where nothing but fur is.
 float DepthFloor(float covered, float floor = kDefaultDepthFloor);
 
+// Whether any of the mapped layers can grow on it.
+bool IsMapped(const Body& body, uint32_t triangle);
+// How much of the skin fur covers, at any place: with mapped layers as their maps say, else between the vertices.
+float CoveredAt(const Body& body, const SurfacePoint& point);
+
+// `growth`: of the scene's layers by number, null where there is none; or empty.
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface,
-              std::shared_ptr<const ReliefCoat> relief = nullptr);
+              std::shared_ptr<const ReliefCoat> relief = nullptr,
+              std::span<const SharedGrowth> growth = {});
 
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;

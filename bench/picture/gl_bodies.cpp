@@ -10,29 +10,61 @@ namespace {
 struct SkinVertex {
   glm::vec3 position, normal, fur;
   glm::vec4 tint;
-  glm::vec2 share, uv;
+  glm::vec3 share;
+  glm::vec2 uv;
   glm::vec4 paint;  // of the fur above
+  glm::vec2 growth_uv;
+  glm::vec4 rate, sheet;
 };
-constexpr std::array<GLint, 7> kSkinFloats = {3, 3, 3, 4, 2, 2, 4};
-static_assert(sizeof(SkinVertex) == 21 * sizeof(float));
+constexpr std::array<GLint, 10> kSkinFloats = {3, 3, 3, 4, 3, 2, 4, 2, 4, 4};
+static_assert(sizeof(SkinVertex) == 32 * sizeof(float));
+static_assert(kMappedLayers == 4);  // that a vec4 holds
+
+// Layers of fur that grow by maps on the triangle: how much, and which of GrowthImages shows where.
+void AddMapped(const Body& body, uint32_t triangle, uint32_t v, SkinVertex& vertex) {
+  uint32_t first = 0;
+  for (size_t i = 0; i < body.mapped.size(); ++i) {
+    const MappedFur& mapped = body.mapped[i];
+    const uint16_t sheet = mapped.growth->SheetOf(triangle);
+    if (sheet != FlowMap::kNoSheet) {
+      vertex.rate[int(i)] = mapped.rate[v];
+      vertex.sheet[int(i)] = float(first + sheet);
+      vertex.share.z = body.unmapped[v];
+      vertex.growth_uv = body.character->mesh.uv[v];
+    }
+    first += uint32_t(mapped.growth->texels().size());
+  }
+}
+
+std::vector<const ControlMap*> GrowthImages(const Body& body) {
+  std::vector<const ControlMap*> images;
+  for (const MappedFur& mapped : body.mapped)
+    for (const ControlMap& sheet : mapped.growth->texels()) images.push_back(&sheet);
+  return images;
+}
 
 // Corners have their own vertices: materials meet there.
-SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner, float depth_floor) {
+SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner) {
   const Mesh& mesh = body.character->mesh;
   const uint32_t v = mesh.triangles[triangle][size_t(corner)];
   SurfacePoint point{triangle, glm::vec3(0.0f)};
   point.bary[corner] = 1.0f;
   const bool furry = body.furry_material[mesh.triangle_material[triangle]];
-  const float covered = furry ? body.covered[v] : 0.0f;
   const bool unlit = body.surface->IsUnlit(triangle);
   const bool known = unlit || body.surface->Knows(triangle);
-  return {.position = body.position[v],
-          .normal = body.normal[v],
-          .fur = body.fur[v],
-          .tint = glm::vec4(known ? body.surface->TintAt(point) : glm::vec3(0.0f), float(unlit)),
-          .share = {known ? covered : 1.0f, DepthFloor(covered, depth_floor)},
-          .uv = body.surface->HasImage(triangle) ? body.surface->ImageUvAt(point) : glm::vec2(0.0f),
-          .paint = covered > 0.0f ? body.paint[v] : glm::vec4(0.0f)};
+  SkinVertex vertex{
+      .position = body.position[v],
+      .normal = body.normal[v],
+      .fur = body.fur[v],
+      .tint = glm::vec4(known ? body.surface->TintAt(point) : glm::vec3(0.0f), float(unlit)),
+      .share = {furry ? body.covered[v] : 0.0f, float(known), 0.0f},
+      .uv = body.surface->HasImage(triangle) ? body.surface->ImageUvAt(point) : glm::vec2(0.0f),
+      .paint = furry ? body.paint[v] : glm::vec4(0.0f),
+      .growth_uv = glm::vec2(0.0f),
+      .rate = glm::vec4(0.0f),
+      .sheet = glm::vec4(-1.0f)};
+  if (furry) AddMapped(body, triangle, v, vertex);
+  return vertex;
 }
 
 GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
@@ -45,10 +77,10 @@ GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
 
 GlBodies::GlBodies(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  for (const Body& body : scene.bodies) skins_.push_back(Upload(body, scene.look.depth_floor));
+  for (const Body& body : scene.bodies) skins_.push_back(Upload(body));
 }
 
-GlBodies::Skin GlBodies::Upload(const Body& body, float depth_floor) const {
+GlBodies::Skin GlBodies::Upload(const Body& body) const {
   const uint32_t triangles = uint32_t(body.character->mesh.triangles.size());
   std::vector<const ControlMap*> images;
   for (uint32_t t = 0; t < triangles; ++t)
@@ -60,15 +92,16 @@ GlBodies::Skin GlBodies::Upload(const Body& body, float depth_floor) const {
     const size_t first = vertices.size();
     for (uint32_t t = 0; t < triangles; ++t)
       if (body.surface->ImageOf(t) == image)
-        for (int corner = 0; corner < 3; ++corner)
-          vertices.push_back(CornerOf(body, t, corner, depth_floor));
+        for (int corner = 0; corner < 3; ++corner) vertices.push_back(CornerOf(body, t, corner));
     parts.push_back({UploadSurface(gl_, image), GLint(first), GLsizei(vertices.size() - first)});
   }
-  return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kSkinFloats), std::move(parts)};
+  return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kSkinFloats), std::move(parts),
+          UploadSheets(gl_, GrowthImages(body))};
 }
 
 void GlBodies::DrawSkin(uint32_t actor) const {
   gl_.BindVertexArray(skins_[actor].mesh.array);
+  BindTexture(gl_, kGrowthUnit, GL_TEXTURE_2D_ARRAY, skins_[actor].growth);
   for (const Part& part : skins_[actor].parts) {
     BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, part.image);
     gl_.DrawArrays(GL_TRIANGLES, part.first, part.vertices);

@@ -26,8 +26,9 @@ class GlBodies {
   struct Skin {
     GlMesh mesh;
     std::vector<Part> parts;
+    GlTexture growth;  // sheets of its mapped layers
   };
-  Skin Upload(const Body& body, float depth_floor) const;
+  Skin Upload(const Body& body) const;
 
   const GlApi& gl_;
   GlVertexArray nothing_;

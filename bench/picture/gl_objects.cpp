@@ -85,6 +85,25 @@ GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, co
   return texture;
 }
 
+GlTexture UploadSheets(const GlApi& gl, std::span<const ControlMap* const> sheets) {
+  std::vector<uint8_t> texels(1, 255);
+  const GLsizei width = sheets.empty() ? 1 : GLsizei(sheets[0]->width),
+                height = sheets.empty() ? 1 : GLsizei(sheets[0]->height);
+  if (!sheets.empty()) texels.clear();
+  for (const ControlMap* sheet : sheets)
+    for (size_t i = 0; i < sheet->rgba.size(); i += 4) texels.push_back(sheet->rgba[i]);
+  GlTexture texture = Plain(gl, GL_TEXTURE_2D_ARRAY);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R8, width, height,
+                GLsizei(std::max(sheets.size(), size_t(1))), 0, GL_RED, GL_UNSIGNED_BYTE,
+                texels.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D_ARRAY, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_REPEAT);
+  return texture;
+}
+
 void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture) {
   gl.ActiveTexture(GL_TEXTURE0 + GLenum(unit));
   gl.BindTexture(target, texture);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bench/view/gl_context.hpp"
+#include "core/groom/fur_setup.hpp"
 
 namespace pelt {
 
@@ -42,6 +43,8 @@ GlTexture MakeTextureArray(const GlApi& gl, GLenum format, const glm::ivec2& siz
 GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes);
 // 8-bit texels with four channels, or one (GL_R8), mixed and repeated.
 GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, const void* texels);
+// One channel of images of one size as the layers of a texture, mixed and repeated; a white texel where there are none.
+GlTexture UploadSheets(const GlApi& gl, std::span<const ControlMap* const> sheets);
 void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture);
 
 // Vertices of floats, attribute behind attribute.

@@ -97,6 +97,7 @@ void GlPrograms::SetUnits() const {
     program.Set("relief_heights", kHeightsUnit);
     program.Set("strips", kStripsUnit);
     program.Set("covers", kCoversUnit);
+    program.Set("growth", kGrowthUnit);
     program.BindBlock("Look", 0);
   });
 }

@@ -25,6 +25,7 @@ enum GlUnit : GLint {
   kHeightsUnit,
   kStripsUnit,
   kCoversUnit,
+  kGrowthUnit,
   kMakingUnit  // where textures are made
 };
 

@@ -158,7 +158,9 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
     program.Set("lift", uploaded.shadows.Lift(actor));
     return program;
   };
-  SetPaint(use(GlPrograms::kBody), scene.bodies[actor].paint_look);
+  const GlProgram& body = use(GlPrograms::kBody);
+  SetPaint(body, scene.bodies[actor].paint_look);
+  body.Set("depth_floor", scene.body_looks[actor].depth_floor);
   uploaded.bodies.DrawSkin(actor);
   if (uploaded.relief.Has(actor)) {
     gl().DepthFunc(GL_LEQUAL);

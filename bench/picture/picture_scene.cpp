@@ -5,28 +5,41 @@
 #include "bench/view/shell_shading.hpp"
 
 namespace pelt {
+namespace {
+
+// Of the scene's layers.
+std::vector<SharedGrowth> FindGrowth(const PictureMaps& maps, const FurScene& scene) {
+  std::vector<SharedGrowth> growth;
+  for (uint32_t l = 0; l < scene.shape().layer_count; ++l)
+    growth.push_back(maps.GrowthOf(scene.shape().layer_character[l], scene.LayerName(l)));
+  return growth;
+}
+
+}  // namespace
 
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
                            VertexOrder order, std::vector<std::string>& notes,
                            std::span<const std::string> relief) {
-  std::vector<std::shared_ptr<const SurfaceColour>> surfaces;
-  for (const Character& character : scenario.characters) {
-    surfaces.push_back(std::make_shared<const SurfaceColour>(character));
-    const auto& faults = surfaces.back()->faults();
-    notes.insert(notes.end(), faults.begin(), faults.end());
-  }
-  const auto coats = MakeReliefCoats(scenario, relief);
+  const PictureMaps maps(scenario, relief);
+  notes.insert(notes.end(), maps.notes().begin(), maps.notes().end());
+  return GatherPicture(scenario, maps, scene, camera, order);
+}
+
+PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
+                           const Camera& camera, VertexOrder order) {
+  const std::vector<SharedGrowth> growth = FindGrowth(maps, scene);
   const FrameLight light(scene);
   PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}};
   for (uint32_t a = 0; a < scenario.actors.size(); ++a) {
-    shown.bodies.push_back(
-        PoseBody(scenario, scene, a, surfaces[scenario.actors[a].character], coats[a]));
+    shown.bodies.push_back(PoseBody(scenario, scene, a,
+                                    maps.SurfaceOf(scenario.actors[a].character), maps.ReliefOf(a),
+                                    growth));
     shown.body_looks.push_back(light.OnActor(a));
   }
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
-  RemoveRelief(scenario, scene, relief, shown.layers, shown.draws);
+  RemoveRelief(scenario, scene, maps.relief(), shown.layers, shown.draws);
   for (const LayerDraw& draw : draws) {
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);

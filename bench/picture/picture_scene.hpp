@@ -8,6 +8,7 @@
 
 #include "bench/picture/body.hpp"
 #include "bench/picture/hairs.hpp"
+#include "bench/picture/picture_maps.hpp"
 #include "bench/view/default_look.hpp"
 
 namespace pelt {
@@ -41,8 +42,10 @@ struct PictureScene {
   }
 };
 
-// Of the scene's last frame as `camera` saw it. What of the characters' own images could not be read goes into `notes`.
-// `relief`: layers by name, "all" for each, that are on the skin instead of hairs; throws as MakeReliefCoats.
+// Of the scene's last frame as `camera` saw it, with the scenario's own maps.
+PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
+                           const Camera& camera, VertexOrder order);
+// With maps for this picture alone: `relief` is theirs, and what they have to say goes into `notes`.
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
                            VertexOrder order, std::vector<std::string>& notes,
                            std::span<const std::string> relief = {});

@@ -159,9 +159,15 @@ std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& s
   std::vector<std::shared_ptr<const ReliefCoat>> coats(scenario.actors.size());
   for (size_t a = 0; a < coats.size() && !names.empty(); ++a) {
     const Actor& actor = scenario.actors[a];
-    coats[a] =
-        std::make_shared<const ReliefCoat>(scenario.characters[actor.character],
-                                           scenario.setups[actor.groom], actor.unit_scale, names);
+    const auto same = std::ranges::find_if(scenario.actors, [&](const Actor& other) {
+      return other.character == actor.character && other.groom == actor.groom &&
+             other.unit_scale == actor.unit_scale;
+    });
+    coats[a] = coats[size_t(same - scenario.actors.begin())];
+    if (!coats[a])
+      coats[a] =
+          std::make_shared<const ReliefCoat>(scenario.characters[actor.character],
+                                             scenario.setups[actor.groom], actor.unit_scale, names);
   }
   return coats;
 }

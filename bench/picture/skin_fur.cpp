@@ -1,57 +1,14 @@
 #include "bench/picture/skin_fur.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/hairs.hpp"
+#include "bench/picture/mesh_finder.hpp"
 
 namespace pelt {
 namespace {
-
-using Place = std::array<float, 3>;
-using Triangle = std::array<uint32_t, 3>;
-
-// Chunks hold copies of the mesh's vertices, which are known again by where they are.
-class Finder {
- public:
-  explicit Finder(const Mesh& mesh) {
-    for (const glm::vec3& p : mesh.position)
-      place_.push_back(
-          number_.emplace(Place{p.x, p.y, p.z}, uint32_t(number_.size())).first->second);
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-      Triangle places;
-      for (size_t k = 0; k < 3; ++k) places[k] = place_[mesh.triangles[t][k]];
-      std::sort(places.begin(), places.end());
-      material_.emplace(places, mesh.triangle_material[t]);
-    }
-  }
-
-  size_t size() const { return number_.size(); }
-  const std::vector<uint32_t>& places() const { return place_; }  // of the mesh's vertices
-  // Those of a chunk's vertices; of ones that the mesh lacks, size().
-  std::vector<uint32_t> Places(const MeshBlock& mesh) const {
-    std::vector<uint32_t> places;
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-      const auto found =
-          number_.find({mesh.position[0][v], mesh.position[1][v], mesh.position[2][v]});
-      places.push_back(found == number_.end() ? uint32_t(size()) : found->second);
-    }
-    return places;
-  }
-  const uint16_t* FindMaterial(Triangle places) const {
-    std::sort(places.begin(), places.end());
-    const auto found = material_.find(places);
-    return found == material_.end() ? nullptr : &found->second;
-  }
-
- private:
-  std::map<Place, uint32_t> number_;
-  std::vector<uint32_t> place_;
-  std::map<Triangle, uint16_t> material_;
-};
 
 struct FurSum {
   glm::vec3 colour{0.0f}, tip{0.0f};
@@ -111,14 +68,14 @@ void AddPaint(const FurScene& scene, uint32_t chunk, const std::vector<uint32_t>
 // hair_area(strand) is how much it covers, m^2.
 template <class HairArea>
 void AddChunk(const StrandBlock& strands, const HairArea& hair_area,
-              const std::vector<uint32_t>& chunk_places, const Finder& finder,
-              std::vector<FurSum>& sums, SkinFur& fur) {
-  Triangle last{};
+              const std::vector<uint32_t>& chunk_places, const MeshFinder& finder, const Mesh& mesh,
+              std::vector<FurSum>& sums, std::vector<float>& layer_area, SkinFur& fur) {
+  MeshFinder::Triangle last{};
   for (uint32_t s = 0; s < strands.strand_count; ++s) {
     const glm::vec3 colour = LinearColour(strands.base_colour[s]);
     const glm::vec3 tip = LinearColour(strands.tip_colour[s]);
     const float area = hair_area(s);
-    Triangle places;
+    MeshFinder::Triangle places;
     for (size_t k = 0; k < 3; ++k) {
       places[k] = chunk_places[strands.vertex[k][s]];
       const float share = strands.bary[k][s];
@@ -127,17 +84,19 @@ void AddChunk(const StrandBlock& strands, const HairArea& hair_area,
       sum.tip += tip * share;
       sum.strands += share;
       sum.area += area * share;
+      layer_area[places[k]] += area * share;
     }
     if (places == last) continue;
     last = places;
-    if (const uint16_t* material = finder.FindMaterial(places)) fur.on_material[*material] = 1;
+    if (const uint32_t* triangle = finder.FindTriangle(places))
+      fur.on_material[mesh.triangle_material[*triangle]] = 1;
   }
 }
 
 }  // namespace
 
 SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
-  const Finder finder(mesh);
+  const MeshFinder finder(mesh);
   SkinFur fur;
   fur.on_material.resize(mesh.materials.size());
   std::vector<FurSum> sums(finder.size() + 1);
@@ -148,6 +107,7 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
     const float density = shells ? ShellDensity(scene, l) : 0.0f;
     const auto& layer = *scene.memory().Of<&Streams::layers>(l);
     for (int k = 0; k < 3; ++k) fur.mud_colour[k] = layer.dirt_colour[k];
+    std::vector<float> layer_area(finder.size() + 1, 0.0f);
     for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
       const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
       const auto* vertices = scene.memory().Of<&Streams::shell_vertices>(c);
@@ -156,10 +116,13 @@ SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
                       : strands.length[s] * strands.width[s];
       };
       const std::vector<uint32_t> places = finder.Places(*scene.memory().Of<&Streams::mesh>(c));
-      AddChunk(strands, hair_area, places, finder, sums, fur);
+      AddChunk(strands, hair_area, places, finder, mesh, sums, layer_area, fur);
       AddPaint(scene, c, places, sums);
     }
+    SkinFur::OfLayer& of_layer = fur.layers.emplace_back(SkinFur::OfLayer{l, {}});
+    for (const uint32_t place : finder.places()) of_layer.area.push_back(layer_area[place]);
   }
+  fur.place = finder.places();
   FurSum all;
   for (const FurSum& sum : sums) {
     all.colour += sum.colour;

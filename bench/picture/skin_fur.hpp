@@ -13,6 +13,12 @@ struct SkinFur {
   std::vector<glm::vec3> colour;  // at each vertex, linear; where no fur grows the mean of all
   std::vector<glm::vec3> tip;     // the same, of the strands' other ends
   std::vector<float> area;  // at each vertex, of its share of the strands seen from the side; m^2
+  struct OfLayer {
+    uint32_t layer;
+    std::vector<float> area;  // as above; the sum over layers is what is above, but for rounding
+  };
+  std::vector<OfLayer> layers;
+  std::vector<uint32_t> place;  // number of each vertex's place: vertices at one have one share
   std::vector<uint8_t> on_material;  // whether any grow on the material's triangles
   // At each vertex, what is on the skin, as SeenPaint: the mean of the strands that grow there. Its
   // wetness is the share of the brightness that is lost, and so goes with a `wet_darken` of 0.

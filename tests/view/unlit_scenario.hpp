@@ -25,7 +25,10 @@ inline Scenario UnlitScenario(bool unlit) {
 inline PictureScene BareSkin(PictureScene scene) {
   scene.draws.clear();
   scene.layers.clear();
-  for (Body& body : scene.bodies) std::ranges::fill(body.covered, 0.0f);
+  for (Body& body : scene.bodies) {
+    std::ranges::fill(body.covered, 0.0f);
+    body.mapped.clear();
+  }
   return scene;
 }
 

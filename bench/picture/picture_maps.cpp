@@ -1,0 +1,52 @@
+#include "bench/picture/picture_maps.hpp"
+
+#include <algorithm>
+
+#include "bench/picture/relief_coat.hpp"
+#include "core/character/pose.hpp"
+
+namespace pelt {
+namespace {
+
+// Actors that have the same of everything that maps are made from.
+bool AreAlike(const Actor& a, const Actor& b) {
+  return a.character == b.character && a.groom == b.groom && a.unit_scale == b.unit_scale;
+}
+
+}  // namespace
+
+PictureMaps::PictureMaps(const Scenario& scenario, std::span<const std::string> relief)
+    : relief_(relief.begin(), relief.end()), coats_(MakeReliefCoats(scenario, relief)) {
+  for (const Character& character : scenario.characters) {
+    surfaces_.push_back(std::make_shared<const SurfaceColour>(character));
+    const auto& faults = surfaces_.back()->faults();
+    notes_.insert(notes_.end(), faults.begin(), faults.end());
+  }
+  for (const Actor& actor : scenario.actors) {
+    const auto same = std::ranges::find_if(
+        scenario.actors, [&](const Actor& other) { return AreAlike(actor, other); });
+    const size_t number = size_t(same - scenario.actors.begin());
+    growth_.push_back(number < growth_.size() ? growth_[number] : MakeGrowth(scenario, actor));
+  }
+}
+
+std::vector<PictureMaps::LayerGrowth> PictureMaps::MakeGrowth(const Scenario& scenario,
+                                                              const Actor& actor) {
+  std::vector<LayerGrowth> made;
+  if (actor.groom >= scenario.setups.size()) return made;
+  const Character& character = scenario.characters[actor.character];
+  const FurSetup& setup = scenario.setups[actor.groom];
+  const RestGeometry rest = ComputeRestGeometry(character, actor.unit_scale);
+  for (const LayerSetup& layer : setup.layers)
+    if (SharedGrowth growth = MakeGrowthSheets(character, rest, setup, layer, notes_))
+      made.push_back({layer.name, std::move(growth)});
+  return made;
+}
+
+SharedGrowth PictureMaps::GrowthOf(uint32_t actor, std::string_view layer) const {
+  for (const LayerGrowth& known : growth_[actor])
+    if (known.layer == layer) return known.growth;
+  return nullptr;
+}
+
+}  // namespace pelt
