@@ -145,17 +145,37 @@ toml::table ParseToml(std::string_view text, const std::string& path) {
   }
 }
 
-FurSetup ReadFurSetup(std::string_view text, const std::string& path,
-                      const std::string& map_directory) {
+namespace {
+
+toml::table ParseSetup(std::string_view text, const std::string& path) {
   if (text.size() > kSetupBytesLimit) {
     throw Error(
         Format("{}: {} bytes; a fur setup has at most {}", path, text.size(), kSetupBytesLimit));
   }
-  const toml::table root = ParseToml(text, path);
-  SetupReader reader(path, map_directory);
+  return ParseToml(text, path);
+}
+
+// All but [defaults] and the layers.
+FurSetup ReadTop(SetupReader& reader, const toml::table& root) {
   FurSetup setup;
-  setup.path = path;
   reader.ReadTable(KeyInfo{}, root, setup);
+  return setup;
+}
+
+std::vector<std::byte> ReadSetupBytes(const std::string& path) {
+  auto bytes = ReadWhole(path, kSetupBytesLimit);
+  if (!bytes) throw Error(Format("{}: {}", path, bytes.error()));
+  return *std::move(bytes);
+}
+
+}  // namespace
+
+FurSetup ReadFurSetup(std::string_view text, const std::string& path,
+                      const std::string& map_directory) {
+  const toml::table root = ParseSetup(text, path);
+  SetupReader reader(path, map_directory);
+  FurSetup setup = ReadTop(reader, root);
+  setup.path = path;
 
   LayerSetup base;
   const toml::table* defaults = nullptr;
@@ -190,9 +210,20 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
 }
 
 FurSetup ReadFurSetupFile(const std::string& path) {
-  const auto bytes = ReadWhole(path, kSetupBytesLimit);
-  if (!bytes) throw Error(Format("{}: {}", path, bytes.error()));
-  return ReadFurSetup(AsText(*bytes), path, std::filesystem::path(path).parent_path().string());
+  return ReadFurSetup(AsText(ReadSetupBytes(path)), path,
+                      std::filesystem::path(path).parent_path().string());
+}
+
+LightsSetup ReadLights(std::string_view text, const std::string& path) {
+  const toml::table root = ParseSetup(text, path);
+  SetupReader reader(path, "");
+  const FurSetup setup = ReadTop(reader, root);
+  if (!setup.lights) reader.Fail(1, "there is no [lights] in it");
+  return *setup.lights;
+}
+
+LightsSetup ReadLightsFile(const std::string& path) {
+  return ReadLights(AsText(ReadSetupBytes(path)), path);
 }
 
 }  // namespace pelt

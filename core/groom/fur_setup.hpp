@@ -180,6 +180,11 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                       const std::string& map_directory);
 FurSetup ReadFurSetupFile(const std::string& path);
 
+// Reads [lights] alone, of a setup or of a file that has nothing else; [defaults], layers and their maps are not looked
+// at. Throws as ReadFurSetup does, and where there is no [lights].
+LightsSetup ReadLights(std::string_view text, const std::string& path);
+LightsSetup ReadLightsFile(const std::string& path);
+
 // A key of the layer that gives a map over the surface, which needs texture coordinates
 // ("mask.uv"); empty when none does.
 std::string FindSurfaceMap(const LayerSetup& layer);

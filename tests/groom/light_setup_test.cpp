@@ -15,13 +15,17 @@ namespace {
 FurSetup Read(const std::string& lights) {
   return ReadFurSetup("[[layer]]\nname = 'x'\n" + lights, "fur.toml", "");
 }
-std::string ErrorOf(const std::string& lights) {
+template <class Reading>
+std::string ErrorFrom(const Reading& reading) {
   try {
-    Read(lights);
+    reading();
   } catch (const Error& error) {
     return error.what();
   }
   return {};
+}
+std::string ErrorOf(const std::string& lights) {
+  return ErrorFrom([&] { Read(lights); });
 }
 
 constexpr const char* kAll = R"([lights]
@@ -104,6 +108,28 @@ TEST(LightSetup, NoMoreThanASceneHolds) {
   EXPECT_EQ(ErrorOf(lights + "]"), "");
   EXPECT_NE(ErrorOf(lights + "{ position = [0, 0, 0] }]").find("has 9 entries; 0 to 8"),
             std::string::npos);
+}
+
+// With the layers around them or without, whatever those say.
+TEST(LightSetup, IsReadWithoutTheLayers) {
+  const std::string broken = "[[layer]]\nlenght = { map = 'missing.png' }\n";
+  for (const std::string& text : {std::string(kAll), broken + kAll}) {
+    const LightsSetup lights = ReadLights(text, "lights.toml");
+    ASSERT_EQ(lights.lights.size(), 2u);
+    EXPECT_EQ(lights.lights[0].position, glm::vec3(1, 2, 3));
+    ASSERT_EQ(lights.samples.size(), 1u);
+    EXPECT_EQ(lights.sun.colour, glm::vec3(1.8f, 1.6f, 1.4f));
+  }
+  const auto error_of = [](const std::string& text) {
+    return ErrorFrom([&] { ReadLights(text, "lights.toml"); });
+  };
+  EXPECT_EQ(error_of(broken), "lights.toml:1: there is no [lights] in it");
+  EXPECT_EQ(error_of(""), "lights.toml:1: there is no [lights] in it");
+  EXPECT_EQ(error_of("\n[lihgts.sun]\ncolour = [1, 1, 1]\n"),
+            "lights.toml:2: unknown key 'lihgts'; did you mean 'lights'?");
+  EXPECT_NE(error_of("[lights.sun]\ncolour = [1, 1]\n").find("lights.toml:2: key 'lights.sun.col"),
+            std::string::npos);
+  EXPECT_NE(error_of("[lights\n").find("lights.toml:1: not valid TOML"), std::string::npos);
 }
 
 }  // namespace
