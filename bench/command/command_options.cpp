@@ -133,14 +133,18 @@ void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge) {
       files->excludes(other);
 }
 
+void AddVelocities(CLI::App& app, bool& velocities) {
+  app.add_flag("--velocities", velocities,
+               "Poses with velocities, as their clips have them: exact roots between frames for "
+               "layers with the modal solver");
+}
+
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {
   app.add_flag("!--unfused", options.plan.fuse, "One stage a pass");
   app.add_flag_function(
       "--index-buffer", [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
       "Vertices in strand order with a sorted index buffer, not in draw order");
-  app.add_flag("--velocities", options.velocities,
-               "Poses with velocities, as their clips have them: exact roots between frames for "
-               "layers with the modal solver");
+  AddVelocities(app, options.velocities);
   app.add_option("--sort-pieces", options.piecewise_sort_chunks,
                  "Layers of more chunks than this sort in pieces; 0: those that do not fit a local "
                  "store")

@@ -160,6 +160,7 @@ struct VerifyArgs {
   std::optional<Isa> isa;  // only this instruction set, besides the reference
   bool skips = true, checks = true, every_executor = false, json = false;
   bool stop_at_failure = false;
+  bool velocities = false;  // poses come with them
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };

@@ -161,6 +161,7 @@ Subcommand SetUpVerify(CLI::App& root) {
       ->capture_default_str();
   AddIsa(*app, "Only this instruction set, against the reference",
          [&args](Isa isa) { args.isa = isa; });
+  AddVelocities(*app, args.velocities);
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
   app->add_flag("--stop-at-failure", args.stop_at_failure,
                 "Run nothing after the first case that fails");
@@ -175,6 +176,7 @@ Subcommand SetUpVerify(CLI::App& root) {
       "  pelt verify --scene tiny --frames 5\n"
       "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --no-checks --json\n"
       "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
+      "  pelt verify --scene tiny --frames 2 --isa reference --solver modal --velocities\n"
       "Several processes, and the one verdict of what they print:\n"
       "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
       "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"

@@ -38,6 +38,7 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
 int VerifyScene(const VerifyArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("verify", args.merge, args.json);
   Scenario scenario = LoadScenario(args.request);
+  scenario.velocities = args.velocities;
   VerifyOptions options;
   options.frames = args.frames;
   options.skips = args.skips;

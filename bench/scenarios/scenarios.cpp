@@ -406,8 +406,10 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   return input_;
 }
 
-RunningScenario::RunningScenario(Scenario& scenario, const SceneOptions& options)
-    : scenario_(scenario), scene_(FurScene::Create(scenario.ActorGrooms(), options).OrThrow()) {}
+RunningScenario::RunningScenario(Scenario& scenario, SceneOptions options) : scenario_(scenario) {
+  options.velocities |= scenario.velocities;
+  scene_ = FurScene::Create(scenario.ActorGrooms(), options).OrThrow();
+}
 
 FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
                                     const LodSettings& lod) {

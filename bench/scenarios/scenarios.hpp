@@ -104,6 +104,7 @@ struct Scenario {
   std::vector<MovingSphere> spheres;      // at most kSpheresPerScene
   std::vector<CapsuleCollider> capsules;  // at most kCapsulesPerScene
   WeatherCourse weather_course;
+  bool velocities = false;  // poses come with those of their clips (SceneOptions::velocities)
   // From this frame on nothing moves and no wind blows, though time goes on.
   uint32_t rest_from_frame = ~0u;
   FrameInput base;  // what does not change from frame to frame
@@ -158,7 +159,7 @@ inline Scenario LoadScenario(const std::string& name) {
 class RunningScenario {
  public:
   // The scenario must outlive this.
-  RunningScenario(Scenario& scenario, const SceneOptions& options);
+  RunningScenario(Scenario& scenario, SceneOptions options);
 
   FurScene& scene() { return *scene_; }
   const FurScene& scene() const { return *scene_; }
