@@ -9,6 +9,7 @@
 
 #include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
+#include "bench/scenarios/embedded_files.hpp"
 #include "core/error.hpp"
 
 namespace pelt {
@@ -91,6 +92,10 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
           &LayerParams::solver, request.solver);
   AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
           &LayerParams::quality, request.quality);
+  const std::string lights =
+      fmt::format("Has every layer lit by [lights] of this .toml file, or by built-in ones: {}",
+                  fmt::join(NamesOf(EmbeddedLights()), ", "));
+  AddInputFileOrName(app, "--lights", request.lights, lights.c_str());
 }
 
 void CompleteSource(const CLI::App& app, ScenarioRequest& request) {

@@ -86,6 +86,7 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene tiny --frames 24 --animation turn.png --turntable --picture-width 320 "
       "--picture-height 240\n"
       "  pelt run --scene monster --frames 1 --picture relief.png --relief body,arms\n"
+      "  pelt run --scene cast --frames 1 --lights night --picture night.png\n"
       "  pelt run --scene tiny --frames 5 --mud 0.6 --wet 1 --picture muddy.png\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
   return {app,

@@ -99,6 +99,7 @@ void CompletePictures(const CLI::App& app, const PictureArgs& args) {
                "--pictures or --animation");
   RefuseUnless(app, args.renderer == "gl", {"--lighting-buffer"}, "--renderer gl");
   RefuseBeside(app, "--time", {"--picture-every"});
+  RefuseBeside(app, "--lights", {"--light"});
 }
 
 }  // namespace pelt

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
@@ -97,6 +98,9 @@ ReportTree MakeReplayTree(const ReplayResult& result) {
 std::string DescribeSettings(const RunArgs& args) {
   std::vector<std::string> all;
   if (args.request.seed) all.push_back(fmt::format("seed {}", args.request.seed));
+  // Not by its folder, which is another on another machine.
+  if (!args.request.lights.empty())
+    all.push_back("lights " + std::filesystem::path(args.request.lights).filename().string());
   if (args.fps > 0.0) all.push_back(fmt::format("{} fps", args.fps));
   if (args.weather)
     all.push_back(fmt::format("wetness {}, dirt {} from frame {}", args.weather->wetness,

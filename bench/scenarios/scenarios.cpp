@@ -8,6 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bench/scenarios/cast.hpp"
+#include "bench/scenarios/embedded_files.hpp"
+#include "bench/scenarios/scene_lights.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
@@ -28,12 +30,6 @@ struct BuiltInCharacter {
 };
 constexpr BuiltInCharacter kCharacters[] = {{"builtin", BuiltinBody::kMonster},
                                             {"scorpion", BuiltinBody::kScorpion}};
-
-const EmbeddedSetup* FindEmbeddedSetup(std::string_view name) {
-  for (const EmbeddedSetup& setup : EmbeddedSetups())
-    if (setup.name == name) return &setup;
-  return nullptr;
-}
 
 double Wave(double time_s, double period_s) {
   return exact::Sin(2.0 * exact::kPi * time_s / period_s);
@@ -196,25 +192,6 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
     }
 }
 
-// A lamp, a dimmer one behind, open sky and a shaded corner: for lit layers of setups that say
-// nothing of lights.
-Lighting StudioLighting() {
-  Lighting in;
-  in.light_count = 2;
-  in.light[0] = {{1.2f, 1.8f, 1.5f}, 0.15f, {3.0f, 2.7f, 2.2f}, 8.0f};
-  in.light[1] = {{-1.5f, 1.0f, -1.5f}, 0.0f, {0.4f, 0.5f, 0.9f}, 0.0f};
-  in.sample_count = 2;
-  in.sample[0] = {{0, 1, 0}, 4.0f, {0.45f, 0.55f, 0.7f}, {0.2f, 0.16f, 0.12f}, {0, 1, 0}};
-  in.sample[1] = {{2, 1, -2}, 3.0f, {0.1f, 0.1f, 0.14f}, {0.05f, 0.05f, 0.05f}, {0, 1, 0}};
-  for (float& colour : in.sun_rgb) colour = 1.0f;
-  for (float& colour : in.rim_rgb) colour = 0.3f;
-  return in;
-}
-
-bool HasLitLayer(const Groom& groom) {
-  return std::ranges::any_of(groom.layers, [](const GroomLayer& l) { return l.params.lit; });
-}
-
 struct BuiltInScene {
   std::string_view name;
   Scenario (*make)(uint64_t seed, const LoadProgress& progress);
@@ -229,20 +206,6 @@ constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
   for (size_t i = 0; i < names.size(); ++i) names[i] = kScenes[i].name;
   return names;
-}
-
-bool IsDark(const Lighting& in) {
-  const auto is_dark = [](const float(&rgb)[3]) { return !(rgb[0] || rgb[1] || rgb[2]); };
-  return in.light_count + in.sample_count == 0 && is_dark(in.sun_rgb) && is_dark(in.rim_rgb);
-}
-
-// The setup's own light is that of the scene.
-void LightScene(Scenario& scenario) {
-  const bool is_lit = std::ranges::any_of(scenario.grooms, HasLitLayer);
-  const bool is_dark = IsDark(scenario.base.lighting);
-  if (is_lit && is_dark) scenario.base.lighting = StudioLighting();
-  if (!is_lit && !is_dark)
-    scenario.notes.push_back("[lights] light no layer: none of the setup has lit = true");
 }
 
 }  // namespace
@@ -260,7 +223,7 @@ Character LoadCharacter(const std::string& name_or_path) {
 
 bool IsBuiltInName(std::string_view value) {
   return std::ranges::count(kCharacters, value, &BuiltInCharacter::name) ||
-         FindEmbeddedSetup(value);
+         FindEmbedded(EmbeddedSetups(), value) || FindEmbedded(EmbeddedLights(), value);
 }
 
 std::vector<std::string> FilesReadFor(const Character& character, const FurSetup& setup) {
@@ -270,19 +233,9 @@ std::vector<std::string> FilesReadFor(const Character& character, const FurSetup
 }
 
 FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed) {
-  FurSetup setup;
-  const auto embedded = EmbeddedSetups();
-  if (const EmbeddedSetup* found = FindEmbeddedSetup(name_or_path)) {
-    setup = ReadFurSetup(found->text, name_or_path + ".toml", "");
-  } else if (name_or_path.find_first_of("./") == std::string::npos) {
-    std::string names;
-    for (const EmbeddedSetup& e : embedded)
-      names += (names.empty() ? "" : ", ") + std::string(e.name);
-    throw Error(fmt::format("no built-in setup '{}' (there are: {}); a file's path ends in .toml",
-                            name_or_path, names));
-  } else {
-    setup = ReadFurSetupFile(name_or_path);
-  }
+  const EmbeddedFile* found = NamedOrPath(EmbeddedSetups(), "setup", name_or_path);
+  FurSetup setup = found ? ReadFurSetup(found->text, name_or_path + ".toml", "")
+                         : ReadFurSetupFile(name_or_path);
   if (seed != 0)
     for (LayerSetup& layer : setup.layers) layer.seed = MixSeed(layer.seed, seed);
   return setup;
@@ -316,6 +269,9 @@ void CheckGroomFits(const Groom& groom, const std::string& path, const Character
 }
 
 Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progress) {
+  // Before the bake, so that a mistake in them is told at once.
+  std::optional<Lighting> lights;
+  if (!request.lights.empty()) lights = LoadLights(request.lights);
   Scenario scenario;
   const auto scene = std::ranges::find(kScenes, request.scene, &BuiltInScene::name);
   if (request.scene.empty())
@@ -326,7 +282,8 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
     throw Error(fmt::format("no scene '{}'; there are: {}", request.scene,
                             fmt::join(ScenarioNames(), ", ")));
   OverrideSolver(request, scenario);
-  LightScene(scenario);
+  if (lights) LightAll(scenario, *lights);
+  CompleteLights(scenario);
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;
   return scenario;
 }

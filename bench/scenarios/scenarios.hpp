@@ -29,17 +29,10 @@
 
 namespace pelt {
 
-// A fur setup that is built into the program.
-struct EmbeddedSetup {
-  std::string_view name;  // "monster"
-  std::string_view text;  // TOML
-};
-std::span<const EmbeddedSetup> EmbeddedSetups();
-
 // "builtin" (the monster), "scorpion", or the path of a .glb or .gltf file. Throws Error.
 Character LoadCharacter(const std::string& name_or_path);
 
-// Whether `value` names what is built in, in place of a file: a setup or the character.
+// Whether `value` names what is built in, in place of a file: a setup, lights or a character.
 bool IsBuiltInName(std::string_view value);
 
 // The files that the two led to besides their own.
@@ -137,6 +130,8 @@ struct ScenarioRequest {
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
+  // Name or path of lights (scene_lights.hpp): every layer is lit by them, instead of what scene and setup say.
+  std::string lights = {};
   CheckFilesReadHook check_files_read = {};
 };
 

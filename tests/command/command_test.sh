@@ -53,6 +53,7 @@ check_errors() {
   printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
   expect 1 typo.toml:3 -- bake --setup ./typo.toml
   grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
+  check_lights
   expect 1 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
   expect 1 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
   # Without a driver: what to install, before anything is run.
@@ -93,6 +94,36 @@ check_errors() {
   check_budget_errors
   check_what_if
   check_accuracy_errors
+}
+
+# Lights of one's own: for whatever takes a scene, told where they are wrong before anything is baked, and seen.
+check_lights() {
+  local subcommand
+  for subcommand in run report plan verify budget 'trace record'; do
+    # shellcheck disable=SC2086
+    "$pelt" $subcommand --help >help.txt
+    grep -q -- '^  --lights INPUT-FILE|NAME' help.txt || fail "pelt $subcommand has no --lights"
+    # shellcheck disable=SC2086
+    timeout 300 "$pelt" ${subcommand/record/record --out x.peltinput} --scene cast --lights ./missing.toml >out.txt 2>err.txt &&
+      fail "pelt $subcommand --lights missing.toml: exit 0"
+    grep -q 'missing.toml' err.txt || fail "pelt $subcommand --lights missing.toml: $(cat err.txt)"
+  done
+  expect 1 'there are: lamps, night' -- run --scene cast --lights lamp
+  printf '[[layer]]\nname = "a"\n' >bare.toml
+  expect 1 'bare.toml:1: there is no [lights] in it' -- run --scene cast --lights ./bare.toml
+  printf '[[lights.light]]\nposition = [0, 1, 1]\nradios = 2\n' >radios.toml
+  expect 1 'radios.toml:3:' "did you mean 'lights.light[0].radius'?" -- run --scene cast --lights ./radios.toml
+  printf '[lights.sun]\ncolour = [0, 0, 0]\n' >black.toml
+  expect 1 'black.toml: all of its [lights] are black' -- run --scene cast --lights ./black.toml
+  expect 2 --light --lights -- run --scene tiny --lights night --light evening --picture x.png
+  # The same lights from a file and by name; others; none.
+  cp "$source_dir/bench/scenarios/lights/night.toml" .
+  local digests=() lights
+  for lights in './night.toml' night lamps ''; do
+    digests+=("$("$pelt" run --scene tiny --frames 2 ${lights:+--lights "$lights"} | grep '^digest')")
+  done
+  [ -n "${digests[0]}" ] && [ "${digests[0]}" = "${digests[1]}" ] || fail "lights by name are not those of their file"
+  [ "${digests[1]}" != "${digests[2]}" ] && [ "${digests[2]}" != "${digests[3]}" ] || fail "--lights changes nothing"
 }
 
 # A mistyped word is answered with the one that was meant, in every subcommand.

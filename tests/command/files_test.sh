@@ -155,6 +155,8 @@ check_conflicts() {
   expect 2 --trace --digest-log -- run --scene tiny --trace folder/a --digest-log other/a
   expect 2 --picture --trace -- run --scene tiny --picture a.png --trace a.png
   expect 2 --groom --digest-log -- run --groom tiny.groom --digest-log tiny.groom
+  cp "$source_dir/bench/scenarios/lights/night.toml" night.toml
+  expect 2 --trace --lights -- run --scene tiny --lights ./night.toml --trace night.toml
   expect 2 --out --groom -- trace record --groom tiny.groom --frames 1 --out tiny.groom
   expect 2 --digest-log file -- trace replay tiny.peltinput --digest-log ./tiny.peltinput
   expect 2 --out --roots -- accuracy --roots roots.csv --strand strand.toml --out roots.csv
@@ -199,6 +201,8 @@ check_input() {
 check_inputs() {
   check_input bake --setup tiny.toml bake --setup ./in
   check_input run --groom tiny.groom run --frames 1 --groom in
+  printf '[lights.sun]\ncolour = [1, 1, 1]\n' >lights.toml
+  check_input run --lights lights.toml run --scene tiny --frames 1 --lights ./in
   check_input 'trace replay' file tiny.peltinput trace replay in
   check_input 'trace show' file tiny.peltinput trace show in
   check_input diff left tiny.groom diff in tiny.groom
@@ -217,7 +221,8 @@ check_inputs() {
 $((16 << 20)) report --scene tiny --frames 1 --accuracy huge --out page.html
 $((1 << 20)) accuracy --roots roots.csv --strand huge --out points.csv
 $((64 << 20)) timing huge
-$((4 << 20)) bake --setup ./huge"
+$((4 << 20)) bake --setup ./huge
+$((4 << 20)) run --scene tiny --frames 1 --lights ./huge"
   rm huge
   "$pelt" timing - <nop.s >/dev/null || fail "timing of standard input"
   expect 1 'not readable' -- bake --character <(printf '{}') --setup tiny

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "bench/scenarios/cast.hpp"
+#include "bench/scenarios/embedded_files.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
@@ -121,11 +122,16 @@ TEST(Scenarios, TinyRunsEveryKernelThereIs) {
     EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;
 }
 
+std::string WriteText(const std::string& text) {
+  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const std::string path = ::testing::TempDir() + "pelt_scenarios_" + test + ".toml";
+  WriteFileBytes("setup", path, AsBytes(text)).OrThrow();
+  return path;
+}
+
 // A setup of the test's own, for the built-in character.
 Scenario LoadText(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "pelt_scenarios_test.toml";
-  WriteFileBytes("setup", path, AsBytes(text)).OrThrow();
-  return LoadScenario(ScenarioRequest{.setup = path});
+  return LoadScenario(ScenarioRequest{.setup = WriteText(text)});
 }
 
 TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
@@ -144,6 +150,57 @@ TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
   // A studio's, if it says nothing; none where nothing is lit.
   EXPECT_GT(LoadText(layer + "lit = true\n").base.lighting.light_count, 0u);
   EXPECT_EQ(LoadText(layer).base.lighting.light_count, 0u);
+}
+
+Scenario CastLitBy(const std::string& lights) {
+  return LoadScenario({.scene = "cast", .lights = lights});
+}
+
+// Of characters whose setups say nothing of light, and in front of those whose do.
+TEST(Scenarios, LightsOfOnesOwnReachEveryLayer) {
+  Scenario cast = CastLitBy(WriteText("[[lights.light]]\nposition = [0, 2, 3]\n"));
+  RunningScenario running(cast, {});
+  running.Begin(0);
+  SerialExecutor().Run(running.scene().CurrentFrame());
+  const FrameMemory& memory = running.scene().memory();
+  ASSERT_EQ(running.scene().shape().layer_count, kCastLayers);
+  for (uint32_t l = 0; l < kCastLayers; ++l) {
+    ASSERT_TRUE(running.scene().shape().layer_kind[l] & kLayerLit) << l;
+    EXPECT_GT(memory.Of<&Streams::layer_light>(l)->harmonics[0][0], 0.0f) << l;
+  }
+  const std::string setup =
+      WriteText("[lights.sun]\ncolour = [3, 2, 1]\n[[layer]]\nname = 'x'\nmax_strands = 32\n");
+  const Scenario other = LoadScenario({.setup = setup, .lights = "lamps"});
+  EXPECT_EQ(other.base.lighting.sun_rgb[0], 1.0f);
+  EXPECT_TRUE(other.grooms[0].layers[0].params.lit);
+  const Scenario shells = LoadScenario({.scene = "scorpion", .lights = setup});
+  EXPECT_EQ(shells.base.lighting.sun_rgb[0], 3.0f);
+  for (const GroomLayer& layer : shells.grooms[0].layers) EXPECT_TRUE(layer.params.lit);
+}
+
+TEST(Scenarios, EveryBuiltInLightLights) {
+  for (const EmbeddedFile& file : EmbeddedLights()) {
+    const Scenario lit = LoadScenario({.scene = "tiny", .lights = std::string(file.name)});
+    EXPECT_GT(lit.base.lighting.light_count, 0u) << file.name;
+  }
+}
+
+TEST(Scenarios, MistakesInLightsAreTold) {
+  const auto error_of = [](const std::string& lights) {
+    return ErrorOf({.scene = "tiny", .lights = lights});
+  };
+  EXPECT_NE(error_of("lamp").find("no built-in lights 'lamp' (there are: lamps, night)"),
+            std::string::npos);
+  EXPECT_NE(error_of("no/such.toml").find("no/such.toml"), std::string::npos);
+  EXPECT_NE(error_of(WriteText("[[layer]]\nname = 'x'\n")).find(":1: there is no [lights] in it"),
+            std::string::npos);
+  EXPECT_NE(error_of(WriteText("\n[lights.sun]\ncolour = 3\n")).find(":3: key 'lights.sun.colour'"),
+            std::string::npos);
+  for (const char* black : {"[lights]\n", "[lights.sun]\ncolour = [0, 0, 0]\n",
+                            "[[lights.light]]\nposition = [0, 1, 0]\ncolour = [0, 0, 0]\n",
+                            "[[lights.sample]]\nposition = [0, 1, 0]\n"})
+    EXPECT_NE(error_of(WriteText(black)).find("all of its [lights] are black"), std::string::npos)
+        << black;
 }
 
 // In its first frame, and it stays.
