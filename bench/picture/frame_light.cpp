@@ -28,6 +28,20 @@ bool IsDark(const LayerLightBlock& block) {
          none(block.sun_rgb) && none(block.rim_rgb);
 }
 
+// What floor and walls have of it: a white floor's light and the mean of white walls on four sides.
+glm::vec3 RoomLight(const LightSet& light) {
+  const auto on = [&light](const glm::vec3& normal) {
+    const float facing = std::max(glm::dot(normal, light.to_sun), 0.0f);
+    return ShLight(light.sky, normal, kShLambert) + light.sun * facing;
+  };
+  glm::vec3 walls(0.0f);
+  for (const float side : {-1.0f, 1.0f}) {
+    walls += on({side, 0.0f, 0.0f});
+    walls += on({0.0f, 0.0f, side});
+  }
+  return on({0.0f, 1.0f, 0.0f}) + 0.25f * walls;
+}
+
 // Lights from all around are added up; sun and rim are one for the whole scene.
 struct MeanLight {
   PictureLook sum{};
@@ -52,20 +66,28 @@ struct MeanLight {
 FrameLight::FrameLight(const FurScene& scene) {
   const SceneShape& shape = scene.shape();
   std::vector<const LayerLightBlock*> blocks(shape.layer_count, nullptr);
+  bool is_dark = true;
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    if (!(shape.layer_kind[l] & kLayerLit)) continue;
+    blocks[l] = scene.memory().Of<&Streams::layer_light>(l);
+    is_dark = is_dark && IsDark(*blocks[l]);
+  }
+  // A layer that no light reaches is black beside one that is lit.
+  if (is_dark) std::ranges::fill(blocks, nullptr);
   MeanLight all;
   std::vector<MeanLight> of_actor(shape.character_count);
   for (uint32_t l = 0; l < shape.layer_count; ++l) {
-    if (!(shape.layer_kind[l] & kLayerLit)) continue;
-    const auto* block = scene.memory().Of<&Streams::layer_light>(l);
-    if (IsDark(*block)) continue;
-    blocks[l] = block;
-    all.Add(LitBy(*block));
-    of_actor[shape.layer_character[l]].Add(LitBy(*block));
+    if (!blocks[l]) continue;
+    all.Add(LitBy(*blocks[l]));
+    of_actor[shape.layer_character[l]].Add(LitBy(*blocks[l]));
   }
   const PictureLook other = all.MeanOr(DefaultLook());
   for (const MeanLight& actor : of_actor) actors_.push_back(actor.MeanOr(other));
   for (uint32_t l = 0; l < shape.layer_count; ++l)
     layers_.push_back(blocks[l] ? LitBy(*blocks[l]) : actors_[shape.layer_character[l]]);
+  const glm::vec3 room = RoomLight(other.light) / RoomLight(DefaultLights());
+  for (PictureLook& look : actors_) look.room = room;
+  for (PictureLook& look : layers_) look.room = room;
 }
 
 }  // namespace pelt

@@ -1,4 +1,6 @@
-// What a picture's fur and skin are lit by: what the frame's layers are lit by, where there is any, else the default.
+// What a picture's fur, skin and room are lit by: what the frame's layers are lit by, where there is any, else the
+// default. The room, which has no layer, is as much brighter or darker than in the default light as white patches that
+// face up and to the sides are in the mean of what reaches the layers.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -179,6 +179,79 @@ TEST(Picture, IsLitByTheFrameWhereThatIsLit) {
             DefaultLights().to_sun);
 }
 
+// Lights at places where some characters are out of reach; without a sun.
+void LightBy(Scenario& scenario, const glm::vec3& at, const glm::vec3& colour, float range) {
+  Lighting& in = scenario.base.lighting = {};
+  in.light_count = 1;
+  SphereLight& light = in.light[0];
+  for (int k = 0; k < 3; ++k) {
+    light.position[k] = at[k];
+    light.rgb[k] = colour[k];
+  }
+  light.range = range;
+}
+
+PictureLook LookUnder(const Scenario& scenario) {
+  return FrameLight(Drawn(VertexOrder::kSorted, scenario).running.scene()).OnActor(0);
+}
+
+TEST(Picture, TheRoomIsAsBrightAsTheLightThere) {
+  Scenario scenario = EveryOutputScenario();
+  scenario.base.lighting = {};
+  EXPECT_EQ(LookUnder(scenario).room, glm::vec3(1.0f));
+  LightBy(scenario, {0, 2.5f, 0}, {0.3f, 0.2f, 0.1f}, 0.0f);
+  const glm::vec3 dim = LookUnder(scenario).room;
+  EXPECT_LT(dim.x, 0.2f);
+  EXPECT_GT(dim.z, 0.0f);
+  EXPECT_GT(dim.x / dim.z, 2.0f);  // as red as the lamp
+  LightBy(scenario, {0, 2.5f, 0}, {0.6f, 0.4f, 0.2f}, 0.0f);
+  const glm::vec3 brighter = LookUnder(scenario).room;
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(brighter[k], 2.0f * dim[k], 1e-4f) << k;
+  // The sun alone: 0.8 on the floor and 0.6 on one of four walls.
+  scenario.base.lighting = {};
+  const float direction[3] = {0.0f, 0.8f, 0.6f};
+  for (int k = 0; k < 3; ++k) {
+    scenario.base.lighting.sun_direction[k] = direction[k];
+    scenario.base.lighting.sun_rgb[k] = 1.0f;
+  }
+  const glm::vec3 sun = LookUnder(scenario).room;
+  scenario.base.lighting.sun_direction[1] = -0.8f;  // from below: that wall alone
+  const glm::vec3 below = LookUnder(scenario).room;
+  EXPECT_NEAR(sun.x / below.x, (0.8f + 0.15f) / 0.15f, 1e-3f);
+}
+
+// The mean of the picture's upper corners, where nothing stands.
+double Backdrop(const Scenario& scenario) {
+  const std::vector<std::byte> png = Drawn(VertexOrder::kSorted, scenario).Picture();
+  const ControlMap image =
+      ReadControlMap({reinterpret_cast<const uint8_t*>(png.data()), png.size()}, "picture");
+  double sum = 0.0;
+  for (size_t y = 0; y < 8; ++y)
+    for (const size_t x : {size_t(0), size_t(image.width) - 1})
+      for (size_t c = 0; c < 3; ++c) sum += image.rgba[(y * image.width + x) * 4 + c];
+  return sum / (8 * 2 * 3);
+}
+
+TEST(Picture, DimLightsDarkenTheBackdrop) {
+  Scenario scenario = EveryOutputScenario();
+  scenario.base.lighting = {};
+  const double studio = Backdrop(scenario);
+  LightBy(scenario, {0, 2.5f, 0}, {0.3f, 0.3f, 0.3f}, 0.0f);
+  EXPECT_LT(Backdrop(scenario), 0.5 * studio);
+}
+
+TEST(Picture, WhatNoLightReachesIsBlackBesideWhatIsLit) {
+  Scenario scenario = EveryOutputScenario();
+  scenario.actors.push_back(scenario.actors[0]);
+  scenario.actors[1].placement[3] += glm::vec4(20.0f, 0.0f, 0.0f, 0.0f);
+  LightBy(scenario, {0, 1, 2}, glm::vec3(1.0f), 5.0f);
+  const Drawn drawn(VertexOrder::kSorted, scenario);
+  const FrameLight light(drawn.running.scene());
+  EXPECT_GT(light.OnActor(0).light.sky[0].x, 0.0f);
+  EXPECT_EQ(light.OnActor(1).light.sky[0], glm::vec3(0.0f));
+  EXPECT_EQ(light.OnActor(1).room, light.OnActor(0).room);
+}
+
 // On hair and on the skin below it, where the brush was and nowhere else.
 TEST(Picture, PaintIsOnHairAndSkin) {
   Scenario scenario = EveryOutputScenario();
