@@ -21,6 +21,16 @@ struct Point3 {
 };
 inline double Norm(Point3 a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
 
+inline constexpr double kDt = 1.0 / 60.0;
+
+inline Point3 RandomUnit(std::mt19937& random) {
+  for (;;) {
+    const Point3 p = {Uniform(random, -1, 1), Uniform(random, -1, 1), Uniform(random, -1, 1)};
+    const double length = Norm(p);
+    if (length > 0.1 && length < 1.0) return p * (1.0 / length);
+  }
+}
+
 // The root frame is the world's axes turned by nothing: rest offsets are given in world axes.
 template <uint32_t kPoints>
 struct ModalScene {

@@ -1,0 +1,187 @@
+// What a modal chain touches: the surface, soft ones too, colliders, the ball about its groom.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/groom/layer_params.hpp"
+#include "tests/kernels/modal_scene.hpp"
+
+namespace pelt::test {
+namespace {
+
+TEST(SimulateModalContact, KeepsOutOfSurfaceSphereAndGround) {
+  auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+  std::mt19937 random(3);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+    s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), 0.02, Uniform(random, 0.021f, 0.03f)});
+  }
+  s->layer.surface_hardness = 1.0f;
+  s->params.use_ground = 1;
+  s->params.ground[1] = 1.0f;
+  s->params.sphere_count = 1;
+  s->params.sphere[0][3] = 0.02f;
+  double worst = 0.0;
+  for (int frame = 0; frame < 240; ++frame) {
+    s->Step(kDt);
+    s->HoldRoots();
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      for (uint32_t i = 0; i < 4; ++i) {
+        const auto& p = s->position.position[i];
+        const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
+        worst = std::max({worst, -at.y, 0.02 - Norm(at), s->roots.position[2][lane] - at.z});
+      }
+    ASSERT_LT(s->Stretch(), 1e-5);
+  }
+  RecordProperty("worst_penetration_um", int(worst * 1e6));
+  EXPECT_LT(worst, 0.01 * 0.04);
+}
+
+// Who touches something is picked from the chunk and stepped beside others than it stands beside.
+TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
+  constexpr uint32_t kLast = kStrandsPerChunk - 1;
+  const auto run = [](bool turned_round) {
+    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 1.0, 0.05, 4.0));
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      std::mt19937 random(i);
+      const uint32_t lane = turned_round ? kLast - i : i;
+      s->SetRest(lane, 0.01, std::vector<Point3>(3, RandomUnit(random)));
+      s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, 0.0f, 0.1f), 0.0});
+    }
+    s->layer.surface_hardness = 0.5f;
+    s->params.use_ground = 1;
+    s->params.ground[1] = 1.0f;
+    for (int frame = 0; frame < 20; ++frame) {
+      s->Step(kDt);
+      s->HoldRoots();
+    }
+    return s;
+  };
+  const auto forth = run(false), back = run(true);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    for (uint32_t i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(forth->chain.direction[i][k][lane], back->chain.direction[i][k][kLast - lane]);
+        EXPECT_EQ(forth->chain.velocity[i][k][lane], back->chain.velocity[i][k][kLast - lane]);
+        EXPECT_EQ(forth->position.position[i][k][lane],
+                  back->position.position[i][k][kLast - lane]);
+      }
+}
+
+// Only the substeps meet a soft surface: nothing is pushed out of it at the frame's end.
+TEST(SimulateModalContact, ASoftSurfaceHoldsPartOfTheWeight) {
+  const auto depth_at = [](float hardness) {
+    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 0.5, 0.1, 6.0));
+    s->layer.gravity[1] = 0.0f;
+    s->layer.gravity[2] = -9.81f;
+    s->layer.surface_hardness = hardness;
+    for (int frame = 0; frame < 240; ++frame) s->Step(kDt);
+    return -s->Tip(0).z;
+  };
+  const double none = depth_at(0.0f), soft = depth_at(0.25f), hard = depth_at(1.0f);
+  EXPECT_GT(none, 0.01);
+  EXPECT_LT(soft, 0.5 * none);
+  EXPECT_GT(soft, 0.0);
+  EXPECT_LT(hard, 1e-5);
+}
+
+// Strands droop onto it from above: along it, across it, and a short one, beyond its caps too.
+TEST(SimulateModalContact, KeepsOutOfACapsule) {
+  for (const Point3 half :
+       {Point3{0.03, 0.0, 0.0}, Point3{0.0, 0.02, 0.0}, Point3{0.004, -0.004, 0.0}}) {
+    auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+    std::mt19937 random(5);
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+      s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+      s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), Uniform(random, -0.02f, 0.02f),
+                         Uniform(random, 0.021f, 0.03f)});
+    }
+    s->layer.gravity[1] = 0.0f;
+    s->layer.gravity[2] = -9.81f;
+    const double length = Norm(half);
+    s->params.capsule_count = 1;
+    CapsuleParams& capsule = s->params.capsule[0];
+    const double ends[3] = {half.x, half.y, half.z};
+    for (int k = 0; k < 3; ++k) {
+      capsule.from[k] = float(-ends[k]);
+      capsule.axis[k] = float(ends[k] / length);
+    }
+    capsule.length = float(2.0 * length);
+    capsule.radius = 0.02f;
+    double worst = 0.0, nearest = 1.0;
+    for (int frame = 0; frame < 240; ++frame) {
+      s->Step(kDt);
+      s->HoldRoots();
+      for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+        for (uint32_t i = 0; i < 4; ++i) {
+          const auto& p = s->position.position[i];
+          const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
+          const double along = (at.x * half.x + at.y * half.y + at.z * half.z) / (length * length);
+          const double distance = Norm(at - half * std::clamp(along, -1.0, 1.0)) - 0.02;
+          worst = std::max(worst, -distance);
+          if (frame == 239) nearest = std::min(nearest, std::abs(distance));
+        }
+      ASSERT_LT(s->Stretch(), 1e-5);
+    }
+    RecordProperty("worst_penetration_um", int(worst * 1e6));
+    EXPECT_LT(worst, 0.01 * 0.04) << half.x << " " << half.y;
+    EXPECT_LT(nearest, 1e-5) << "nothing lies on it";
+  }
+}
+
+// Largest distance of a point from the groom over its distance along the strand.
+template <uint32_t kPoints>
+double FarthestFromGroom(const ModalScene<kPoints>& s) {
+  double worst = 0.0;
+  for (uint32_t lane = 0; lane < s.state.live_strands; ++lane)
+    for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+      Point3 off;
+      double* const to[] = {&off.x, &off.y, &off.z};
+      for (int k = 0; k < 3; ++k)
+        *to[k] = double(s.position.position[i][k][lane]) - s.roots.position[k][lane] -
+                 s.rest.offset[i][k][lane];
+      worst = std::max(worst, Norm(off) / (double(s.rest.segment_length[lane]) * (i + 1)));
+    }
+  return worst;
+}
+
+// Strands so soft that they lie on their limits, shaken and then left alone.
+TEST(SimulateModalContact, KeepsWithinMaxDistanceAndComesToRestThere) {
+  for (const ModalQuality quality :
+       {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest})
+    for (const float limit : {kLeastMaxDistance, 0.3f, 1.0f}) {
+      SCOPED_TRACE(testing::Message() << "limit " << limit << ", quality " << int(quality));
+      auto s = std::make_unique<ModalScene<5>>(UniformMaterial(4, 0.5, 0.2, 6.0));
+      s->quality = quality;
+      s->layer.max_distance = limit;
+      s->params.rest_threshold = kRestThreshold;
+      std::mt19937 random(5);
+      for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+        // Upright ones would slide round a limit that is nearly level for minutes.
+        Point3 d = RandomUnit(random);
+        while (std::fabs(d.y) > 0.9) d = RandomUnit(random);
+        s->SetRest(lane, 0.01, std::vector<Point3>(4, d));
+      }
+      double worst = 0.0;
+      for (int frame = 0; frame < 120; ++frame) {
+        for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+          s->MoveRoot(lane, {0.02 * std::sin(0.7 * frame), 0.0, 0.03 * std::cos(0.3 * frame)});
+        s->Step(kDt);
+        worst = std::max(worst, FarthestFromGroom(*s));
+        ASSERT_LT(s->Stretch(), 1e-5);
+      }
+      EXPECT_LT(worst, limit + 1e-3f);
+      s->HoldRoots();
+      int frames = 0;
+      do {
+        s->Step(kDt);
+      } while (s->state.state_changed && ++frames < 1800);
+      EXPECT_LT(frames, 1800);
+      EXPECT_LT(FarthestFromGroom(*s), limit + 1e-3f);
+      // Strands that point sideways hang at the limit.
+      EXPECT_GT(FarthestFromGroom(*s), std::min(limit, 0.9f) - 0.01f);
+    }
+}
+
+}  // namespace
+}  // namespace pelt::test
