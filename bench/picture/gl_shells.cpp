@@ -14,12 +14,12 @@ namespace {
 // The attributes of shell.vert, one behind the other.
 struct ShellCorner {
   glm::vec3 position, groom, force, normal, base_colour, tip_colour;
-  glm::vec3 place;  // on the texture, and the stencil
+  glm::vec4 place;  // on the texture, the stencil, and the sheet of one that is known per texel
 };
-constexpr std::array<GLint, 7> kCornerFloats = {3, 3, 3, 3, 3, 3, 3};
-static_assert(sizeof(ShellCorner) == 21 * sizeof(float));
+constexpr std::array<GLint, 7> kCornerFloats = {3, 3, 3, 3, 3, 3, 4};
+static_assert(sizeof(ShellCorner) == 22 * sizeof(float));
 
-ShellCorner CornerOf(const LayerDraw& draw, uint32_t i) {
+ShellCorner CornerOf(const LayerDraw& draw, const ShellGrowth& growth, uint32_t i) {
   const ShellVertex& vertex = draw.As<ShellVertex>()[i];
   const float(&uv)[2] = draw.shells.skin[i / kVerticesPerChunk].uv[i % kVerticesPerChunk];
   return {.position = VecOf(vertex.position),
@@ -29,15 +29,15 @@ ShellCorner CornerOf(const LayerDraw& draw, uint32_t i) {
           .base_colour = LinearColour(vertex.base_colour),
           .tip_colour = LinearColour(vertex.tip_colour),
           .place = {uv[0] * draw.shells.texture_repeat, uv[1] * draw.shells.texture_repeat,
-                    float(vertex.base_colour >> 24) / 255.0f}};
+                    float(vertex.base_colour >> 24) / 255.0f, float(growth.SheetOf(i))}};
 }
 
-std::vector<ShellCorner> CornersOf(const LayerDraw& draw) {
+std::vector<ShellCorner> CornersOf(const LayerDraw& draw, const ShellGrowth& growth) {
   std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
   WriteShellIndices(draw.shells, indices);
   std::vector<ShellCorner> corners;
   corners.reserve(indices.size());
-  for (const uint32_t i : indices) corners.push_back(CornerOf(draw, i));
+  for (const uint32_t i : indices) corners.push_back(CornerOf(draw, growth, i));
   return corners;
 }
 
@@ -47,18 +47,18 @@ struct FinEnds {
   float fade;
 };
 // 16 attributes are what OpenGL 3.3 has.
-constexpr std::array<GLint, 15> kFinFloats = {3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 1};
-static_assert(sizeof(FinEnds) == 43 * sizeof(float));
+constexpr std::array<GLint, 15> kFinFloats = {3, 3, 3, 3, 3, 3, 4, 3, 3, 3, 3, 3, 3, 4, 1};
+static_assert(sizeof(FinEnds) == 45 * sizeof(float));
 
-std::vector<FinEnds> FinsOf(const LayerDraw& draw) {
+std::vector<FinEnds> FinsOf(const LayerDraw& draw, const ShellGrowth& growth) {
   std::vector<Fin> fins(WriteFins(draw.shells, {}));
   WriteFins(draw.shells, fins);
   std::vector<FinEnds> ends;
   ends.reserve(fins.size());
   const float last = draw.shells.shell.back().fade;
   for (const Fin& fin : fins)
-    ends.push_back(
-        {CornerOf(draw, fin.from), CornerOf(draw, fin.to), float(fin.fade) / 255.0f * last});
+    ends.push_back({CornerOf(draw, growth, fin.from), CornerOf(draw, growth, fin.to),
+                    float(fin.fade) / 255.0f * last});
   return ends;
 }
 
@@ -71,6 +71,13 @@ GlTexture UploadFur(const GlApi& gl, const FurTexture& fur) {
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
   return texture;
+}
+
+std::vector<const ControlMap*> SheetsOf(const ShellGrowth& growth) {
+  std::vector<const ControlMap*> sheets;
+  if (growth.sheets)
+    for (const ControlMap& sheet : growth.sheets->texels()) sheets.push_back(&sheet);
+  return sheets;
 }
 
 GlTexture UploadCovers(const GlApi& gl, const std::vector<ShadowShell>& shells) {
@@ -88,15 +95,16 @@ GlTexture UploadCovers(const GlApi& gl, const std::vector<ShadowShell>& shells) 
 GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
   for (size_t i = 0; i < scene.draws.size(); ++i)
-    layers_.push_back(Upload(scene.draws[i], scene.textures[i]));
+    layers_.push_back(Upload(scene.draws[i], scene.textures[i], scene.growth[i]));
 }
 
-GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture) const {
+GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture,
+                                 const ShellGrowth& growth) const {
   std::vector<ShellCorner> corners;
   std::vector<FinEnds> fins;
   if (!draw.shells.shell.empty()) {
-    corners = CornersOf(draw);
-    fins = FinsOf(draw);
+    corners = CornersOf(draw, growth);
+    fins = FinsOf(draw, growth);
   }
   const std::vector<ShadowShell> shadows = FindShadowShells(draw.shells.shell, texture);
   std::vector<float> heights;
@@ -108,12 +116,20 @@ GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& textur
           UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1),
           GLsizei(fins.size()),
           UploadCovers(gl_, shadows),
-          std::move(heights)};
+          std::move(heights),
+          UploadSheets(gl_, SheetsOf(growth)),
+          growth.sheets ? 1.0f / draw.shells.texture_repeat : 0.0f};
+}
+
+void GlShells::BindTextures(const GlProgram& program, const Layer& layer) const {
+  BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layer.texture);
+  BindTexture(gl_, kGrowthUnit, GL_TEXTURE_2D_ARRAY, layer.growth);
+  program.Set("growth_scale", layer.growth_scale);
 }
 
 void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
   gl_.BindVertexArray(layers_[layer].mesh.array);
-  BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layers_[layer].texture);
+  BindTextures(program, layers_[layer]);
   for (const Shell& shell : shells) {
     program.Set("shell", glm::vec4(shell.height, shell.shadow, shell.threshold, shell.fade));
     gl_.DrawArrays(GL_TRIANGLES, 0, layers_[layer].corners);
@@ -123,7 +139,7 @@ void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shel
 
 void GlShells::DrawFins(const GlProgram& program, size_t layer, const ShellDraw& shells) const {
   gl_.BindVertexArray(layers_[layer].fins.array);
-  BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, layers_[layer].texture);
+  BindTextures(program, layers_[layer]);
   program.Set("fur_shadow", shells.shadow);
   program.Set("steps", float(kFinSteps));
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, GLsizei(2 * (kFinSteps + 1)),

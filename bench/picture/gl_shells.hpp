@@ -31,8 +31,11 @@ class GlShells {
     GLsizei fin_count;
     GlTexture covers;            // ShadowShell::covers, a row each
     std::vector<float> heights;  // and what they are of
+    GlTexture growth;
+    float growth_scale;  // passes/stencil.glsl has it
   };
-  Layer Upload(const LayerDraw& draw, const FurTexture& texture) const;
+  Layer Upload(const LayerDraw& draw, const FurTexture& texture, const ShellGrowth& growth) const;
+  void BindTextures(const GlProgram& program, const Layer& layer) const;
 
   const GlApi& gl_;
   GlVertexArray nothing_;

@@ -15,6 +15,14 @@ std::vector<SharedGrowth> FindGrowth(const PictureMaps& maps, const FurScene& sc
   return growth;
 }
 
+ShellGrowth GrowthOfShells(const Scenario& scenario, const FurScene& scene, const LayerDraw& draw,
+                           const SharedGrowth& sheets) {
+  if (draw.format().OfStrands() || !sheets) return {};
+  const Actor& actor = scenario.actors[scene.shape().layer_character[draw.layer]];
+  return {sheets,
+          SheetsOfShells(scene, draw.layer, scenario.characters[actor.character].mesh, *sheets)};
+}
+
 }  // namespace
 
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
@@ -29,7 +37,7 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
                            const Camera& camera, VertexOrder order) {
   const std::vector<SharedGrowth> growth = FindGrowth(maps, scene);
   const FrameLight light(scene);
-  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}};
+  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}, {}};
   for (uint32_t a = 0; a < scenario.actors.size(); ++a) {
     shown.bodies.push_back(PoseBody(scenario, scene, a,
                                     maps.SurfaceOf(scenario.actors[a].character), maps.ReliefOf(a),
@@ -41,6 +49,7 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
   shown.layers = ReadHairs(scene, order);
   RemoveRelief(scenario, scene, maps.relief(), shown.layers, shown.draws);
   for (const LayerDraw& draw : draws) {
+    shown.growth.push_back(GrowthOfShells(scenario, scene, draw, growth[draw.layer]));
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);
     shown.actors.push_back(scene.shape().layer_character[draw.layer]);

@@ -19,6 +19,16 @@ struct FurTexture {
   std::vector<uint8_t> texels;
 };
 
+// How densely a layer of shells grows, per texel: its stencil. Without sheets that is the vertices'.
+struct ShellGrowth {
+  SharedGrowth sheets;
+  std::vector<uint16_t> sheet_of_vertex;  // of `vertices`; empty: the first
+
+  uint16_t SheetOf(size_t vertex) const {
+    return sheet_of_vertex.empty() ? uint16_t(0) : sheet_of_vertex[vertex];
+  }
+};
+
 struct PictureScene {
   Camera camera;
   VertexOrder order;
@@ -29,6 +39,7 @@ struct PictureScene {
   std::vector<LayerDraw> draws;
   std::vector<std::vector<Hair>> layers;
   std::vector<FurTexture> textures;
+  std::vector<ShellGrowth> growth;
   std::vector<uint32_t> actors;          // whose layer it is
   std::vector<PictureLook> layer_looks;  // and what it is lit by
   std::vector<PictureLook> body_looks;   // of each character's skin

@@ -12,14 +12,16 @@ namespace {
 class ShellPainter {
  public:
   ShellPainter(const PictureLook& look, const LayerDraw& draw, const FurTexture& texture,
-               const SunShare& sun, const Projection& projection, Canvas& canvas)
+               const ShellGrowth& growth, const SunShare& sun, const Projection& projection,
+               Canvas& canvas)
       : look_(look),
         shells_(draw.shells),
         sun_(sun),
         projection_(projection),
         canvas_(canvas),
         vertices_(draw.As<ShellVertex>()),
-        texture_(texture) {
+        texture_(texture),
+        growth_(growth) {
     for (int texel = 0; texel < 256; ++texel) hair_[texel] = float(texel) / 255.0f;
     indices_.resize(WriteShellIndices(draw.shells, {}));
     WriteShellIndices(draw.shells, indices_);
@@ -32,7 +34,9 @@ class ShellPainter {
       const ShellSkinBlock& skin = draw.shells.skin[i / kVerticesPerChunk];
       const float(&uv)[2] = skin.uv[i % kVerticesPerChunk];
       corner.known = true;
-      corner.uv = glm::vec2(uv[0], uv[1]) * draw.shells.texture_repeat;
+      corner.skin_uv = glm::vec2(uv[0], uv[1]);
+      corner.sheet = growth.SheetOf(i);
+      corner.uv = corner.skin_uv * draw.shells.texture_repeat;
       corner.stencil = float(vertex.base_colour >> 24) / 255.0f;
       corner.normal = OctahedralNormal(vertex.normal);
     }
@@ -65,8 +69,9 @@ class ShellPainter {
  private:
   struct Corner {
     bool known = false;
-    uint8_t lit = 0;  // shell that `colour` is of
-    glm::vec2 uv;
+    uint8_t lit = 0;     // shell that `colour` is of
+    uint16_t sheet = 0;  // of ShellGrowth
+    glm::vec2 uv, skin_uv;
     float stencil;
     glm::vec3 normal;
     glm::vec3 screen, colour;
@@ -121,8 +126,10 @@ class ShellPainter {
     const Corner &a = corners_[index[0]], &b = corners_[index[1]], &c = corners_[index[2]];
     const auto shade = [&](const glm::vec3& bary, glm::vec4& colour) {
       const glm::vec2 uv = a.uv * bary.x + b.uv * bary.y + c.uv * bary.z;
-      const float stencil = a.stencil * bary.x + b.stencil * bary.y + c.stencil * bary.z;
-      const float covered = ShellCoverage(HairAt(uv), stencil, shell.threshold) * shell.fade;
+      const float hair = HairAt(uv);
+      if (hair <= shell.threshold) return false;  // whatever the stencil, and most are
+      const float covered =
+          ShellCoverage(hair, StencilAt(a, b, c, bary), shell.threshold) * shell.fade;
       if (covered <= 0.0f) return false;
       const glm::vec3 first = Colour(shell, number, index[0]) * bary.x,
                       second = Colour(shell, number, index[1]) * bary.y,
@@ -166,11 +173,18 @@ class ShellPainter {
                        float fade) const {
     canvas_.DrawThinTriangle(a.screen, b.screen, c.screen, [&](const glm::vec3& bary) {
       const glm::vec2 uv = a.uv * bary.x + b.uv * bary.y + c.uv * bary.z;
-      const float stencil = a.stencil * bary.x + b.stencil * bary.y + c.stencil * bary.z;
-      const float covered = ShellCoverage(HairAt(uv), stencil, glm::dot(heights, bary));
+      const float covered =
+          ShellCoverage(HairAt(uv), StencilAt(a, b, c, bary), glm::dot(heights, bary));
       const glm::vec3 colour = a.colour * bary.x + b.colour * bary.y + c.colour * bary.z;
       return glm::vec4(colour, covered * fade);
     });
+  }
+
+  // Corners of a triangle are on one sheet: those that grow hang together, and so lie on one.
+  float StencilAt(const Corner& a, const Corner& b, const Corner& c, const glm::vec3& bary) const {
+    if (!growth_.sheets) return a.stencil * bary.x + b.stencil * bary.y + c.stencil * bary.z;
+    return growth_.sheets->At(a.sheet,
+                              a.skin_uv * bary.x + b.skin_uv * bary.y + c.skin_uv * bary.z);
   }
 
   float HairAt(const glm::vec2& uv) const {
@@ -188,6 +202,7 @@ class ShellPainter {
   Canvas& canvas_;
   std::span<const ShellVertex> vertices_;
   const FurTexture& texture_;
+  const ShellGrowth& growth_;
   std::vector<uint32_t> indices_;
   std::vector<Corner> corners_;
   float hair_[256];  // length of a texel's hair, of the longest
@@ -199,8 +214,8 @@ void DrawShells(const PictureScene& scene, size_t draw, const SunShare& sun,
                 const Projection& projection, Canvas& canvas) {
   const LayerDraw& layer = scene.draws[draw];
   if (layer.shells.shell.empty()) return;
-  ShellPainter painter(scene.layer_looks[draw], layer, scene.textures[draw], sun, projection,
-                       canvas);
+  ShellPainter painter(scene.layer_looks[draw], layer, scene.textures[draw], scene.growth[draw],
+                       sun, projection, canvas);
   painter.Draw(layer.shells.shell);
   painter.DrawFins();
 }

@@ -72,6 +72,7 @@ class Head {
     keep(scene_.draws);
     keep(scene_.layers);
     keep(scene_.textures);
+    keep(scene_.growth);
     keep(scene_.actors);
     keep(scene_.layer_looks);
   }

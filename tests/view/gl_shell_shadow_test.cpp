@@ -24,6 +24,7 @@ struct GlShellShadow : GlPicture {
     std::ranges::reverse(scene.draws);
     std::ranges::reverse(scene.layers);
     std::ranges::reverse(scene.textures);
+    std::ranges::reverse(scene.growth);
     std::ranges::reverse(scene.actors);
     std::ranges::reverse(scene.layer_looks);
   }

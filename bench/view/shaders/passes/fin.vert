@@ -11,14 +11,14 @@ layout(location = 2) in vec3 from_force;
 layout(location = 3) in vec3 from_normal;
 layout(location = 4) in vec3 from_base_colour;  // linear
 layout(location = 5) in vec3 from_tip_colour;
-layout(location = 6) in vec3 from_place;  // on the texture, and the stencil
+layout(location = 6) in vec4 from_place;  // on the texture, and the stencil (passes/stencil.glsl)
 layout(location = 7) in vec3 to_position;
 layout(location = 8) in vec3 to_groom;
 layout(location = 9) in vec3 to_force;
 layout(location = 10) in vec3 to_normal;
 layout(location = 11) in vec3 to_base_colour;
 layout(location = 12) in vec3 to_tip_colour;
-layout(location = 13) in vec3 to_place;
+layout(location = 13) in vec4 to_place;
 layout(location = 14) in float fade;
 
 uniform float fur_shadow;  // light left at the skin
@@ -26,7 +26,8 @@ uniform float steps;       // quads in the strip
 uniform int character;
 uniform float lift;  // out of its own shadow, m
 
-out vec3 fin_lit, fin_place;
+out vec3 fin_lit;
+out vec4 fin_place;
 out vec2 fin_height_fade;
 
 void main() {

@@ -11,13 +11,14 @@ layout(location = 2) in vec3 force;
 layout(location = 3) in vec3 normal;
 layout(location = 4) in vec3 base_colour;  // linear
 layout(location = 5) in vec3 tip_colour;
-layout(location = 6) in vec3 place;  // on the texture, and the stencil
+layout(location = 6) in vec4 place;  // on the texture, and the stencil (passes/stencil.glsl)
 
 uniform vec4 shell;  // height, shadow, threshold, fade
 uniform int character;
 uniform float lift;  // out of its own shadow, m
 
-out vec3 shell_lit, shell_place;
+out vec3 shell_lit;
+out vec4 shell_place;
 
 void main() {
   HairPoint point;
