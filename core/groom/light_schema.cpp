@@ -1,4 +1,5 @@
 // The keys of a fur setup's [lights].
+#include "core/float_rules.hpp"
 #include "core/groom/setup_rows.hpp"
 
 namespace pelt {

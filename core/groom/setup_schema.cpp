@@ -5,6 +5,7 @@
 #include "core/groom/setup_schema.hpp"
 
 #include "core/chunk.hpp"
+#include "core/float_rules.hpp"
 #include "core/groom/setup_rows.hpp"
 
 namespace pelt {
