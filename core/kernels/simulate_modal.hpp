@@ -56,38 +56,41 @@ struct SimulateModal {
   template <bool kBest>
   PELT_INLINE static void RunAs(const Params& params, const Ports& ports,
                                 const RootRateBlock* rates) {
+    Picks picks;
     chain::RunChunk<V, N, kVertexChains>(
         ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
-          return RunRange<kBest>(params, ports, rates, begin, end, live, controls);
+          return RunRange<kBest>(params, ports, rates, begin, end, live, controls, picks);
         });
   }
 
-  // Lanes of a range that take the frame once more.
+  // Lanes of a range that take the frame once more. One for the whole kernel, with all that its
+  // functions go through memory for: what a console's price is must not depend on where a compiler
+  // puts temporaries.
   struct Picks {
-    uint32_t count = 0;
+    alignas(64) float is_picked[2 * V::kLanes];
+    PickedLanes<V> group;
+    uint32_t count;
     int32_t lane[kStrandsPerChunk];
 
     template <class W>
     PELT_INLINE void Add(typename W::Mask picked, uint32_t first) {
-      alignas(64) float is_picked[W::kLanes];
       Select(picked, W(1.0f), W(0.0f)).Store(is_picked);
       for (uint32_t l = 0; l < uint32_t(W::kLanes); ++l)
         if (is_picked[l] != 0.0f) lane[count++] = int32_t(first + l);
     }
     // A group of them; the last one fills it up.
-    PELT_INLINE PickedLanes<V> Group(uint32_t first) const {
-      PickedLanes<V> at;
+    PELT_INLINE const PickedLanes<V>& Group(uint32_t first) {
       for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
-        at.lane[l] = lane[first + l < count ? first + l : count - 1];
-      return at;
+        group.lane[l] = lane[first + l < count ? first + l : count - 1];
+      return group;
     }
   };
 
   template <bool kBest>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports,
                                    const RootRateBlock* rates, uint32_t begin, uint32_t end,
-                                   uint32_t live, const Controls* controls) {
-    Picks picks;
+                                   uint32_t live, const Controls* controls, Picks& picks) {
+    picks.count = 0;
     bool changed =
         chain::RunRange<V>(begin, end, live, controls,
                            [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
