@@ -260,7 +260,9 @@ TEST(Velocities, AreRecordedAndReplayed) {
   const std::vector<std::byte> groom = WriteGroom(scenario.grooms[0]).OrThrow();
   const std::span<const std::byte> grooms[] = {groom};
   InputLogWriter writer;
-  ASSERT_EQ(writer.Begin({.velocities = true}, grooms), nullptr);
+  InputLogScene about;
+  about.velocities = true;
+  ASSERT_EQ(writer.Begin(about, grooms), nullptr);
   for (uint32_t f = 0; f < 6; ++f) {
     const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
     run.scene().PoseRates(0)->given = f != 3;
@@ -286,7 +288,8 @@ TEST(Velocities, ComeInByTheCInterface) {
   const Scenario scenario = TinyScenario();
   const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
   const PeltBytes groom = {file.data(), file.size()};
-  const PeltSceneOptions options = {.velocities = 1};
+  PeltSceneOptions options{};
+  options.velocities = 1;
   char why[200] = "";
   PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
   PeltScene* plain = pelt_create(&groom, 1, nullptr, why, sizeof why);
