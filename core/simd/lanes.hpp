@@ -28,16 +28,18 @@ PELT_INLINE V LoadLanes(const float* row, uint32_t first) {
 template <class V>
 PELT_INLINE V LoadLanes(const float* row, const PickedLanes<V>& at) {
   if constexpr (requires { V::LoadPicked(row, at.lane); }) return V::LoadPicked(row, at.lane);
-#if defined(__AVX512F__)
-  // The masked form: g++ 12 warns inside its own unmasked one.
-  if constexpr (simd_detail::IsRegister<V> && V::kLanes == 16)
-    return V(typename V::Raw(
-        _mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, _mm512_load_si512(at.lane), row, 4)));
-#endif
 #if defined(__AVX2__)
-  if constexpr (simd_detail::IsRegister<V> && V::kLanes == 8)
+  const auto eight = [&](int first) __attribute__((always_inline)) {
+    const void* lanes = at.lane + first;
+    return _mm256_i32gather_ps(row, _mm256_load_si256(static_cast<const __m256i*>(lanes)), 4);
+  };
+  if constexpr (simd_detail::IsRegister<V> && V::kLanes == 8) return V(typename V::Raw(eight(0)));
+  // Two halves: g++ 12 does not compile its own 512-bit gather without optimisation.
+  if constexpr (simd_detail::IsRegister<V> && V::kLanes == 16) {
+    const __m256 low = eight(0), high = eight(8);
     return V(typename V::Raw(
-        _mm256_i32gather_ps(row, _mm256_load_si256(reinterpret_cast<const __m256i*>(at.lane)), 4)));
+        __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)));
+  }
 #endif
   alignas(64) float lanes[V::kLanes];
   for (int l = 0; l < V::kLanes; ++l) lanes[l] = row[at.lane[l]];
