@@ -90,7 +90,7 @@ struct InputLog {
   // Writes every byte of `pose`; joints not in use are 0.
   void FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const;
   // The same of its velocities; with `given` 0 where there were none.
-  void FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* rates) const;
+  void FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* block) const;
 };
 
 // The text of a failure is "input log 'name': frame 3, byte 1234: reason"; the byte counts from the
