@@ -1,29 +1,16 @@
 #include "bench/accuracy/body_motion.hpp"
 
-#include "bench/accuracy/jet.hpp"
+#include "bench/accuracy/body_angles.hpp"
 
 namespace pelt::accuracy {
 namespace {
 
-using Jet3 = Vec3<Jet>;
-
 constexpr double kTurn = 6.283185307179586476925;
 
-// (1 + tanh((t - t0) / w)) / 2, and its integral from minus infinity.
-Jet Rise(Jet t, double t0, double w) { return Jet(0.5) * (Jet(1.0) + Tanh((t - t0) * (1.0 / w))); }
-Jet Ramp(Jet t, double t0, double w) {
-  return Jet(0.5) * ((t - t0) + Jet(w) * LogTwoCosh((t - t0) * (1.0 / w)));
-}
-
-struct Angles {
-  Jet3 position;
-  Jet yaw, pitch, roll;
-};
-
-Angles Walk(Jet t) {
+BodyAngles Walk(Jet t) {
   const Jet on = Rise(t, 0.5, 0.1);
   const Jet phase = Jet(kTurn * 1.8) * t;
-  Angles a;
+  BodyAngles a;
   a.position.x = Jet(0.03) * on * Sin(phase) + Jet(0.8) * Ramp(t, 0.5, 0.1);
   a.position.y = Jet(0.02) * on * Sin(phase * 2.0);
   a.position.z = Jet(0.02) * on * Sin(phase + 0.5);
@@ -33,24 +20,24 @@ Angles Walk(Jet t) {
   return a;
 }
 
-Angles Headshake(Jet t) {
+BodyAngles Headshake(Jet t) {
   const Jet strength = Rise(t, 0.5, 0.1) * (Jet(1.0) - Rise(t, 2.5, 0.08));
-  Angles a;
+  BodyAngles a;
   a.yaw = Jet(0.7) * strength * Sin(Jet(kTurn * 2.0) * t);
   a.pitch = Jet(0.15) * strength * Sin(Jet(kTurn * 1.3) * t);
   return a;
 }
 
-Angles Dash(Jet t) {
-  Angles a;
+BodyAngles Dash(Jet t) {
+  BodyAngles a;
   a.position.x = Jet(1.5) * (Ramp(t, 0.6, 0.06) - Ramp(t, 1.5, 0.06));
   a.position.y = Jet(0.2) * (Rise(t, 3.0, 0.08) - Rise(t, 3.4, 0.08));
   a.yaw = Jet(kTurn / 3.0) * Rise(t, 2.2, 0.1);
   return a;
 }
 
-Angles Violent(Jet t) {
-  Angles a;
+BodyAngles Violent(Jet t) {
+  BodyAngles a;
   a.position.x = Jet(2.0) * (Ramp(t, 0.5, 0.03) - Ramp(t, 1.5, 0.02));
   a.position.y = Jet(0.3) * (Rise(t, 3.0, 0.04) - Rise(t, 3.4, 0.04));
   a.yaw = Jet(kTurn / 3.0) * Rise(t, 2.2, 0.05);
@@ -63,7 +50,9 @@ Double3 Gust(double t) {
          strength;
 }
 
-BodyPose ToPose(const Angles& a) {
+}  // namespace
+
+BodyPose ToPose(const BodyAngles& a) {
   const Jet cr = Cos(a.roll), sr = Sin(a.roll), cp = Cos(a.pitch), sp = Sin(a.pitch);
   const Jet cy = Cos(a.yaw), sy = Sin(a.yaw);
   const auto image = [&](Jet3 q) -> Jet3 {
@@ -86,15 +75,13 @@ BodyPose ToPose(const Angles& a) {
   return pose;
 }
 
-}  // namespace
-
 Double3 SpinOf(const BodyPose& pose) {
   Double3 spin = kZero3;
   for (int k = 0; k < 3; ++k) spin = spin + Cross(pose.axis[k], pose.axis_rate[k]) * 0.5;
   return spin;
 }
 
-BodyPose StillPose() { return ToPose(Angles{}); }
+BodyPose StillPose() { return ToPose(BodyAngles{}); }
 
 BodyPose PoseOf(Motion motion, double t) {
   const Jet now(t, 1.0, 0.0);

@@ -11,10 +11,21 @@ namespace pelt::accuracy {
 namespace {
 
 constexpr double kNudge = 1e-7;
+constexpr int kNudgeFrames = kKeptRate / 4;
 
 std::array<Double3, kMaxLinks> Nudged(std::array<Double3, kMaxLinks> d, int links) {
   for (int i = 0; i < links; ++i) d[i] = Unit(d[i] + Double3{0.3 + 0.1 * i, -0.7, 0.5} * kNudge);
   return d;
+}
+
+// The same of what moves: rates stay across their links.
+ChainState NudgedState(ChainState state, int links) {
+  state.direction = Nudged(state.direction, links);
+  for (size_t i = 0; i < size_t(links); ++i) {
+    const Double3 d = state.direction[i];
+    state.rate[i] = state.rate[i] - d * Dot(d, state.rate[i]);
+  }
+  return state;
 }
 
 // Points of an integrator's problem relative to the root.
@@ -27,30 +38,50 @@ void RelativePoints(const ReferenceIntegrator& integrator, size_t problem,
   }
 }
 
+size_t MotionCount(const SuiteOptions& options) {
+  return options.drawn ? size_t(options.drawn->motions) : options.motions.size();
+}
+
+// One motion of a suite, with the strands that move so.
+struct SuiteMotion {
+  BodyMotion motion;
+  std::vector<Strand> strands;
+  double length_scale = 1.0;
+};
+
+SuiteMotion MakeMotion(const SuiteOptions& options, size_t index) {
+  if (!options.drawn)
+    return {MotionOf(options.motions[index]),
+            SeededStrands(options.links, options.strands, options.seed, options.degrees)};
+  const uint64_t seed = options.drawn->seed;
+  return {DrawMotion(seed, int(index)),
+          DrawStrands(options.links, options.strands, seed, int(index)),
+          DrawLengthScale(seed, int(index))};
+}
+
 std::vector<SuiteCase> MakeCases(const SuiteOptions& options) {
   std::vector<SuiteCase> cases;
-  const std::vector<Strand> strands =
-      SeededStrands(options.links, options.strands, options.seed, options.degrees);
-  for (size_t preset = 0; preset < options.presets.size(); ++preset) {
-    ChainProblem problem;
-    problem.material = MakeMaterial(options.presets[preset], options.links, options.coefficients);
-    problem.material.curl = options.curl;
-    std::vector<std::array<Double3, kMaxLinks>> starts;
-    for (const Strand& strand : strands)
-      starts.push_back(FindEquilibrium(problem.material, strand));
-    for (const Motion motion : options.motions)
-      for (size_t s = 0; s < strands.size(); ++s) {
-        problem.strand = strands[s];
-        problem.motion = MotionOf(motion);
-        problem.start = starts[s];
-        cases.push_back({preset, motion, problem, 0.0, true, {}, {}});
+  std::vector<SuiteMotion> motions;
+  for (size_t m = 0; m < MotionCount(options); ++m) motions.push_back(MakeMotion(options, m));
+  for (size_t preset = 0; preset < options.presets.size(); ++preset)
+    for (size_t m = 0; m < motions.size(); ++m) {
+      Preset scaled = options.presets[preset];
+      scaled.length *= motions[m].length_scale;
+      ChainProblem problem;
+      problem.material = MakeMaterial(scaled, options.links, options.coefficients);
+      problem.material.curl = options.curl;
+      problem.motion = motions[m].motion;
+      for (const Strand& strand : motions[m].strands) {
+        problem.strand = strand;
+        problem.start = FindEquilibrium(problem.material, strand);
+        cases.push_back({preset, m, problem, 0.0, true, {}, {}});
       }
-  }
+    }
   return cases;
 }
 
 // Cases that share a motion and a step are solved together, each beside its nudged copy.
-void SolveTogether(const std::vector<SuiteCase*>& group, int rate, double seconds) {
+void SolveTogether(const std::vector<SuiteCase*>& group, int rate, const SuiteOptions& options) {
   std::vector<ChainProblem> problems;
   for (const SuiteCase* c : group) {
     problems.push_back(c->problem);
@@ -58,9 +89,15 @@ void SolveTogether(const std::vector<SuiteCase*>& group, int rate, double second
     problems.back().start = Nudged(c->problem.start, c->problem.material.links);
   }
   ReferenceIntegrator integrator(problems, rate);
-  const int frames = int(std::lround(seconds * kKeptRate));
+  const int frames = int(std::lround(options.seconds * kKeptRate));
+  // Drawn motions begin at any time, when a nudge of the start has long swung out.
+  const int nudge_frames = options.drawn ? kNudgeFrames : frames + 1;
   std::vector<Double3> nudged;
   for (int frame = 0; frame <= frames; ++frame) {
+    if (frame > 0 && frame % nudge_frames == 0)
+      for (size_t g = 0; g < group.size(); ++g)
+        integrator.SetState(2 * g + 1,
+                            NudgedState(integrator.state(2 * g), group[g]->problem.material.links));
     const BodyPose pose = problems[0].motion(double(frame) / kKeptRate);
     for (size_t g = 0; g < group.size(); ++g) {
       SuiteCase& c = *group[g];
@@ -85,13 +122,16 @@ void SolveTogether(const std::vector<SuiteCase*>& group, int rate, double second
   for (SuiteCase* c : group) c->scored = c->growth < kMostGrowth;
 }
 
+// No frame ends after the exact motion: 2.5 s at 15 Hz are 37 of them.
+int WholeFrames(double seconds, int rate) { return int(seconds * rate + 1e-9); }
+
 // Sums over the frames of one case.
 struct CaseSums {
   double error = 0.0, secondary = 0.0;
 };
 
 // The cases of one preset and motion that share a batch.
-std::vector<const SuiteCase*> BatchOf(const Suite& suite, size_t preset, Motion motion) {
+std::vector<const SuiteCase*> BatchOf(const Suite& suite, size_t preset, size_t motion) {
   std::vector<const SuiteCase*> batch;
   for (const SuiteCase& c : suite.cases)
     if (c.preset == preset && c.motion == motion) batch.push_back(&c);
@@ -130,7 +170,7 @@ double RunBatch(const std::vector<const SuiteCase*>& batch, const SolverFactory&
   SolverRun run(factory, batch[0]->problem.material, 1.0 / rate, strands, starts, motion(0.0));
   if (!run.valid()) return 0.0;
   std::vector<CaseSums> sums(batch.size());
-  const int frames = int(std::lround(seconds * rate));
+  const int frames = WholeFrames(seconds, rate);
   for (int f = 1; f <= frames && score.finite; ++f) {
     run.Step(motion(double(f) / rate));
     for (size_t s = 0; s < batch.size(); ++s)
@@ -139,17 +179,20 @@ double RunBatch(const std::vector<const SuiteCase*>& batch, const SolverFactory&
   double squares = 0.0;
   for (size_t s = 0; s < batch.size(); ++s) {
     if (!batch[s]->scored) continue;
-    squares += sums[s].error / sums[s].secondary;
+    const double square = sums[s].error / sums[s].secondary;
+    squares += square;
+    score.errors.push_back(std::sqrt(square));
     ++score.cases;
   }
   return squares;
 }
 
-Score ScoreMotions(const Suite& suite, size_t preset, std::span<const Motion> motions,
+// Of motions `first` up to `end`.
+Score ScoreMotions(const Suite& suite, size_t preset, size_t first, size_t end,
                    const SolverFactory& factory, int frames_per_second) {
   Score score;
   double square_sum = 0.0;
-  for (const Motion motion : motions) {
+  for (size_t motion = first; motion < end; ++motion) {
     const auto batch = BatchOf(suite, preset, motion);
     if (!batch.empty())
       square_sum += RunBatch(batch, factory, frames_per_second, suite.options.seconds, score);
@@ -244,7 +287,7 @@ double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& sui
   std::vector<CaseSums> sums(batch.size());
   std::vector<Double3> points;
   std::vector<Double3> root_rate(batch.size(), kZero3);
-  const int frames = int(std::lround(suite.options.seconds * rate));
+  const int frames = WholeFrames(suite.options.seconds, rate);
   for (int frame = 1; frame <= frames; ++frame) {
     const BodyMotion motion = SampledMotion(exact, rate, frame, course);
     integrator.SetMotion(motion);
@@ -278,12 +321,24 @@ double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& sui
 
 }  // namespace
 
+double Score::Median() const {
+  if (errors.empty()) return 0.0;
+  std::vector<double> sorted = errors;
+  std::sort(sorted.begin(), sorted.end());
+  const size_t half = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
+double Score::WorstCase() const {
+  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
+}
+
 Suite SolveSuite(const SuiteOptions& options) {
   Suite suite{options, MakeCases(options)};
-  std::map<std::pair<Motion, int>, std::vector<SuiteCase*>> groups;
+  std::map<std::pair<size_t, int>, std::vector<SuiteCase*>> groups;
   for (SuiteCase& c : suite.cases)
     groups[{c.motion, ReferenceRate(c.problem.material) * options.rate_scale}].push_back(&c);
-  for (const auto& [key, group] : groups) SolveTogether(group, key.second, options.seconds);
+  for (const auto& [key, group] : groups) SolveTogether(group, key.second, options);
   return suite;
 }
 
@@ -307,12 +362,15 @@ double SuiteDistance(const Suite& suite, const Suite& other, size_t preset) {
 
 Score ScoreSolver(const Suite& suite, size_t preset, const SolverFactory& factory,
                   int frames_per_second) {
-  return ScoreMotions(suite, preset, suite.options.motions, factory, frames_per_second);
+  return ScoreMotions(suite, preset, 0, MotionCount(suite.options), factory, frames_per_second);
 }
 
 Score ScoreSolver(const Suite& suite, size_t preset, Motion motion, const SolverFactory& factory,
                   int frames_per_second) {
-  return ScoreMotions(suite, preset, std::span(&motion, 1), factory, frames_per_second);
+  const auto& motions = suite.options.motions;
+  const size_t at = size_t(std::find(motions.begin(), motions.end(), motion) - motions.begin());
+  return ScoreMotions(suite, preset, at, std::min(at + 1, motions.size()), factory,
+                      frames_per_second);
 }
 
 TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
@@ -329,7 +387,7 @@ TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_secon
 double InputError(const Suite& suite, size_t preset, int frames_per_second, RootCourse course) {
   double squares = 0.0;
   int cases = 0;
-  for (const Motion motion : suite.options.motions) {
+  for (size_t motion = 0; motion < MotionCount(suite.options); ++motion) {
     const auto batch = BatchOf(suite, preset, motion);
     if (!batch.empty()) squares += InputSquares(batch, suite, frames_per_second, course, cases);
   }

@@ -8,14 +8,17 @@
 //
 // Only well-conditioned cases count: the exact motion is solved again from directions moved by
 // 1e-7, and the case is scored if no point is ever further off than kMostGrowth times 1e-7 of the
-// length. Beyond that, an error says more about the case than about the solver.
+// length. Under drawn motions, which begin at any time, the directions are moved again every quarter
+// second, from the exact ones. Beyond that, an error says more about the case than about the solver.
 //
 // What is left when the solver is exact is the input's: the root is known at frame times only.
 // InputError measures it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "bench/accuracy/drawn_problem.hpp"
 #include "bench/accuracy/reference_integrator.hpp"
 #include "bench/accuracy/strand_solver.hpp"
 
@@ -35,13 +38,14 @@ struct SuiteOptions {
   CurlRange degrees;  // of rest curl, a joint
   std::vector<Preset> presets{std::begin(kPresets), std::end(kPresets)};
   std::vector<Motion> motions{Motion::kWalk, Motion::kHeadshake, Motion::kDash, Motion::kWind};
+  std::optional<DrawnOptions> drawn;  // motions, strands (so many each) and lengths; not the above
   int rate_scale =
       1;  // reference steps over ReferenceRate's: 2 to see what the reference is good to
 };
 
 struct SuiteCase {
   size_t preset;
-  Motion motion;
+  size_t motion;  // place in the options' list, or number of the drawn one
   ChainProblem problem;
   double growth;  // of the perturbation
   bool scored;
@@ -65,7 +69,11 @@ struct Score {
   double worst = 0.0;    // largest distance of a point from the exact one, over the length
   double stretch = 0.0;  // largest | |link| / l - 1 |
   bool finite = true;
-  int cases = 0;  // that counted
+  int cases = 0;               // that counted
+  std::vector<double> errors;  // of each of them; `error` is their RMS
+
+  double Median() const;
+  double WorstCase() const;
 };
 
 // Of the cases of a preset; of one motion, if given.

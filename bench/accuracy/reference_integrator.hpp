@@ -66,6 +66,7 @@ class ReferenceIntegrator {
   void Kick(size_t problem, Double3 velocity_jump);
   double seconds() const { return double(steps_) / rate_; }
   const ChainState& state(size_t problem) const { return states_[problem]; }
+  void SetState(size_t problem, const ChainState& state) { states_[problem] = state; }
   // Points 1 .. links of a chain at the present time, m, world.
   void Points(size_t problem, Double3* points) const;
 

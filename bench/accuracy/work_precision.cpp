@@ -23,6 +23,12 @@ SuiteOptions SuiteFor(const WorkPrecisionOptions& options, int links) {
     suite.seconds = 2.5;
     suite.motions = {Motion::kWalk, Motion::kHeadshake};
   }
+  if (options.problems == Problems::kDrawn) {
+    suite.coefficients = Coefficients::kCalibrated;
+    suite.drawn = {.seed = options.seed, .motions = options.quick ? 3 : 12};
+    suite.strands = options.quick ? 3 : 4;
+    suite.presets = ShippedPresets(options.presets, links);
+  }
   return suite;
 }
 
@@ -79,14 +85,26 @@ void TimePanel(const std::vector<NamedSolver>& solvers, const ChainMaterial& mat
   }
 }
 
+uint64_t MixScore(uint64_t digest, const Score& score) {
+  for (const double value : {score.error, score.worst, score.stretch})
+    digest = MixDouble(digest, value);
+  return digest;
+}
+
 uint64_t DigestOf(const std::vector<WorkPrecisionPanel>& panels) {
   uint64_t digest = 0;
   for (const WorkPrecisionPanel& panel : panels)
     for (const WorkPrecisionRow& row : panel.rows)
       for (size_t r = 0; r < row.scores.size(); ++r)
-        for (const double value :
-             {row.scores[r].error, row.scores[r].worst, row.scores[r].stretch, row.scales[r]})
-          digest = MixDouble(digest, value);
+        digest = MixDouble(MixScore(digest, row.scores[r]), row.scales[r]);
+  return digest;
+}
+
+uint64_t DigestOf(const std::vector<ShippedPanel>& panels) {
+  uint64_t digest = 0;
+  for (const ShippedPanel& panel : panels)
+    for (const ShippedRow& row : panel.rows)
+      for (const Score& score : row.scores) digest = MixScore(digest, score);
   return digest;
 }
 
@@ -108,7 +126,8 @@ size_t MiddleRate(const std::vector<int>& rates) {
 }
 
 WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
-  WorkPrecision result{options, {}};
+  WorkPrecision result;
+  result.options = options;
   const TimingOptions timing = TimingFor(options.quick);
   result.rounds = timing.repeats;
   result.timed_strands = int(timing.strands);
@@ -124,6 +143,10 @@ WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
   for (const int links : options.links) {
     show(0);
     const Suite suite = SolveSuite(SuiteFor(options, links));
+    if (suite.options.drawn)
+      result.shipped.push_back({links, suite.options.presets, suite.options.strands,
+                                suite.options.drawn->motions,
+                                MeasureShipped(suite, options.shipped_rates, options.isa)});
     for (size_t preset = 0; preset < options.presets.size(); ++preset) {
       show(1);
       WorkPrecisionPanel panel{links, preset, {}, {}};
@@ -137,13 +160,14 @@ WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
         show(1);
       }
       if (options.timed)
-        TimePanel(timed, MakeMaterial(options.presets[preset], links, options.coefficients),
+        TimePanel(timed, MakeMaterial(options.presets[preset], links, suite.options.coefficients),
                   options, panel);
       show(1);
       result.panels.push_back(std::move(panel));
     }
   }
   result.error_digest = DigestOf(result.panels);
+  result.shipped_digest = DigestOf(result.shipped);
   return result;
 }
 

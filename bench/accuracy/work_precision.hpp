@@ -14,12 +14,19 @@
 #include <vector>
 
 #include "bench/accuracy/named_solver.hpp"
+#include "bench/accuracy/shipped_layer.hpp"
 
 namespace pelt::accuracy {
 
+// kDrawn has the calibrated coefficients of layers whatever the options say.
+enum class Problems : uint8_t { kDrawn, kTuned };
+
 struct WorkPrecisionOptions {
+  Problems problems = Problems::kDrawn;
+  uint64_t seed = kDrawnSeed;
   std::vector<int> links{3, 4};
   std::vector<int> rates{15, 30, 60, 120};  // frames per second, divisors of kKeptRate
+  std::vector<int> shipped_rates{15, 30, 60, 120, 240};
   std::vector<Preset> presets{std::begin(kPresets), std::end(kPresets)};
   Coefficients coefficients = Coefficients::kUniform;
   Isa isa = BestIsa();
@@ -49,11 +56,20 @@ struct WorkPrecisionPanel {
   bool IsParetoOptimal(const WorkPrecisionRow& row, size_t rate) const;
 };
 
+struct ShippedPanel {
+  int links;
+  std::vector<Preset> presets;
+  int strands = 0, motions = 0;  // for each preset: strands a motion
+  std::vector<ShippedRow> rows;
+};
+
 struct WorkPrecision {
   WorkPrecisionOptions options;
+  std::vector<ShippedPanel> shipped;       // [links]; of drawn problems alone
   std::vector<WorkPrecisionPanel> panels;  // links after links, preset after preset
   int rounds = 0, timed_strands = 0, timed_frames = 0;
-  uint64_t error_digest = 0;  // of every error, worst distance and stretch
+  uint64_t error_digest = 0;    // of the panels: every error, worst distance and stretch
+  uint64_t shipped_digest = 0;  // the same of what is shipped
 };
 
 WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options);

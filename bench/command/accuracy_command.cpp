@@ -25,12 +25,15 @@ WorkPrecisionOptions OptionsOf(const AccuracyArgs& args) {
   WorkPrecisionOptions options;
   options.isa = args.isa;
   options.quick = args.quick;
+  options.seed = args.seed;
+  if (args.tuned) options.problems = Problems::kTuned;
   if (args.calibrated) options.coefficients = Coefficients::kCalibrated;
   if (args.quick) {
     options.rates = {60};
+    options.shipped_rates = {30, 60};
     options.links = {3};
   }
-  if (!args.rates.empty()) options.rates = args.rates;
+  if (!args.rates.empty()) options.rates = options.shipped_rates = args.rates;
   if (!args.links.empty()) options.links = args.links;
   if (!args.presets.empty()) {
     options.presets.clear();
@@ -38,7 +41,7 @@ WorkPrecisionOptions OptionsOf(const AccuracyArgs& args) {
       if (std::count(args.presets.begin(), args.presets.end(), preset.name))
         options.presets.push_back(preset);
   }
-  for (auto* values : {&options.rates, &options.links}) {
+  for (auto* values : {&options.rates, &options.shipped_rates, &options.links}) {
     std::sort(values->begin(), values->end());
     values->erase(std::unique(values->begin(), values->end()), values->end());
   }

@@ -30,8 +30,17 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
       ->check(CLI::IsMember(presets));
   AddIsa(app, "Instruction set: the widest there is if not given",
          [&args](Isa isa) { args.isa = isa; });
+  auto* seed = app.add_option("--seed", args.seed, "That motions and strands are drawn from")
+                   ->check(CLI::Range(uint64_t{0}, uint64_t{UINT32_MAX}))
+                   ->capture_default_str();
+  auto* tuned = app.add_flag("--tuned", args.tuned,
+                             "Instead of drawn problems: the suite that chose the constants of "
+                             "the modal solver")
+                    ->excludes(seed);
   app.add_flag("--calibrated", args.calibrated,
-               "Strands with the calibrated coefficients of layers, not equal masses and joints");
+               "With --tuned: strands with the calibrated coefficients of layers, as drawn ones "
+               "always are, not equal masses and joints")
+      ->needs(tuned);
   app.add_flag("--quick", args.quick, "Few solvers and cases, 3 links at 60 Hz: seconds");
   AddOutputFile(app, "--json", args.json,
                 "JSON file to write; pelt report --accuracy draws the benchmark's and a scene's");
@@ -90,11 +99,12 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
 // What replaces the benchmark has options of its own.
 void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
   RefuseBeside(app, "--roots",
-               {"--rates", "--links", "--presets", "--calibrated", "--quick", "--json", "--scene",
-                "--features"});
-  RefuseBeside(app, "--scene", {"--rates", "--links", "--presets", "--calibrated", "--features"});
+               {"--rates", "--links", "--presets", "--seed", "--tuned", "--calibrated", "--quick",
+                "--json", "--scene", "--features"});
+  RefuseBeside(app, "--scene",
+               {"--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
   RefuseBeside(app, "--order", {"--frames", "--no-contact"});
-  RefuseBeside(app, "--features", {"--rates", "--presets", "--calibrated"});
+  RefuseBeside(app, "--features", {"--rates", "--presets", "--seed", "--tuned"});
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
   const auto solver = accuracy::FindSolver(args.solver);
@@ -126,6 +136,8 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "Examples:\n"
       "  pelt accuracy --quick\n"
       "  pelt accuracy --quick --presets soft,stiff --json accuracy.json\n"
+      "  pelt accuracy --quick --presets soft --seed 7\n"
+      "  pelt accuracy --quick --presets soft --tuned --calibrated\n"
       "  pelt accuracy --scene tiny --quick --json scene.json\n"
       "  pelt accuracy --scene tiny --order --quick\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/accuracy/drawn_problem.hpp"
 #include "bench/command/picture_shots.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/scenarios/scenarios.hpp"
@@ -178,9 +179,11 @@ int CheckConformance(const ConformanceArgs& args);
 // or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
 // root.
 struct AccuracyArgs {
-  std::vector<int> rates, links;     // empty: all
-  std::vector<std::string> presets;  // empty: all
-  bool calibrated = false;  // strands as layers have them, not with equal masses and joints
+  std::vector<int> rates, links;         // empty: all
+  std::vector<std::string> presets;      // empty: all
+  uint64_t seed = accuracy::kDrawnSeed;  // that problems are drawn from
+  bool tuned = false;                    // instead: the suite that chose the constants
+  bool calibrated = false;  // there: strands as layers have them, not equal masses and joints
   Isa isa = BestIsa();
   bool quick = false;  // few solvers, cases and rounds
   OutputPath json;     // file to write

@@ -563,6 +563,19 @@ function fillAccuracyTable(accuracy, panels, rate) {
         })]), {tall: true});
 }
 
+// What a layer gets as it comes, for one number of links.
+function fillShipped(accuracy, links) {
+  byId('accuracy-shipped').replaceChildren();
+  const panel = accuracy.shipped.find((p) => p.links === links);
+  if (!panel) return;
+  const rates = panel.rows[0].scores.map((s) => s.rate);
+  const cell = (s) => s.finite ? `${percent(s.rms)} (${percent(s.median)}, ${percent(s.worst_case)})` : 'not finite';
+  table(byId('accuracy-shipped'), `Layers as they come: RMS of the error over drawn cases (median, worst), seed ${accuracy.seed}`,
+        ['material', 'quality', ...rates.map((r) => r + ' Hz'), 'cases'],
+        panel.rows.map((row) => [row.preset, row.solver + (row.velocities ? ', velocities' : ''), ...row.scores.map(cell), row.scores[0].cases]),
+        {tall: true});
+}
+
 // A button for each value; returns what tells the chosen one's place.
 function chooser(parent, values, name, chosen, redraw) {
   const buttons = values.map((value, i) => {
@@ -585,6 +598,7 @@ function fillAccuracy() {
   byId('accuracy-note').textContent =
       `${accuracy.processor}, one core, ${accuracy.isa} kernels, ${accuracy.timed_strands} strands, fastest of ${accuracy.rounds} rounds taken in turn; ` +
       `${accuracy.compiler}, ${accuracy.build_type}, commit ${accuracy.commit}; digest of the errors ${accuracy.error_digest}.` +
+      (accuracy.problems === 'tuned' ? ' The suite that chose the constants of the modal solver.' : ` Motions and strands drawn from seed ${accuracy.seed}.`) +
       (accuracy.calibrated ? ' Strands with calibrated coefficients.' : '') +
       (accuracy.quick ? ' Quick: few solvers, cases and rounds.' : '');
   fillFamilies(byId('accuracy-legend'), families, kMarks);
@@ -593,6 +607,7 @@ function fillAccuracy() {
     byId('accuracy').replaceChildren();
     const boxes = panels.map(() => add(byId('accuracy'), 'div'));
     panels.forEach((panel, i) => drawPanel(boxes[i], accuracy, panel, rate, families));
+    fillShipped(accuracy, links[linksAt()]);
     fillAccuracyTable(accuracy, panels, rate);
   };
   const linksAt = chooser(byId('accuracy-links'), links, (n) => n + ' links', 0, draw);

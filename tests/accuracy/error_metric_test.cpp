@@ -33,7 +33,8 @@ TEST(Suite, ReferenceConverges) {
       for (size_t i = 0; i < a.exact.size(); ++i)
         worst = std::max(worst, Length(a.exact[i] - fine.cases[c].exact[i]));
       EXPECT_LT(worst / a.problem.material.TotalLength(), 1e-10)
-          << kPresets[a.preset].name << " " << MotionName(a.motion) << ", " << links << " links";
+          << kPresets[a.preset].name << " " << MotionName(options.motions[a.motion]) << ", "
+          << links << " links";
     }
   }
 }

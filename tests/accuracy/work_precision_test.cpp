@@ -25,17 +25,27 @@ WorkPrecisionOptions Small(Isa isa) {
 }
 
 TEST(WorkPrecision, ErrorsAreTheSameOnEveryInstructionSet) {
-  const uint64_t expected = MeasureWorkPrecision(Small(Isa::kReference)).error_digest;
+  const WorkPrecision reference = MeasureWorkPrecision(Small(Isa::kReference));
+  const uint64_t expected = reference.error_digest;
   for (const Isa isa : kAllIsas) {
     if (!FindKernels(isa)) continue;
-    EXPECT_EQ(MeasureWorkPrecision(Small(isa)).error_digest, expected) << IsaName(isa);
+    const WorkPrecision same = MeasureWorkPrecision(Small(isa));
+    EXPECT_EQ(same.error_digest, expected) << IsaName(isa);
+    EXPECT_EQ(same.shipped_digest, reference.shipped_digest) << IsaName(isa);
   }
   WorkPrecisionOptions other = Small(BestIsa());
   other.presets = {kPresets[3]};
   EXPECT_NE(MeasureWorkPrecision(other).error_digest, expected);
   other = Small(BestIsa());
-  other.coefficients = Coefficients::kCalibrated;
+  other.seed += 1;
   EXPECT_NE(MeasureWorkPrecision(other).error_digest, expected);
+  other = Small(BestIsa());
+  other.problems = Problems::kTuned;
+  const WorkPrecision even = MeasureWorkPrecision(other);
+  EXPECT_NE(even.error_digest, expected);
+  EXPECT_TRUE(even.shipped.empty());
+  other.coefficients = Coefficients::kCalibrated;
+  EXPECT_NE(MeasureWorkPrecision(other).error_digest, even.error_digest);
 }
 
 TEST(WorkPrecision, PanelsHoldEverySolverAndRate) {
@@ -68,7 +78,7 @@ TEST(WorkPrecision, TheFrontIsWhatNothingAsCheapBeats) {
   const auto add = [&](double ns, double error) {
     WorkPrecisionRow row{};
     row.ns = ns;
-    row.scores = {Score{.error = error}};
+    row.scores.emplace_back().error = error;
     row.scales = {1.0};
     panel.rows.push_back(row);
   };

@@ -14,6 +14,7 @@
 #include "bench/command/commands.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/groom/fur_setup.hpp"
 
 namespace pelt {
 namespace {
@@ -72,6 +73,18 @@ TEST(AccuracyReport, JsonHoldsTheTable) {
   const Json json = Json::parse(MakeAccuracyTree(report).Json());
   EXPECT_EQ(json["format"], kAccuracyFormat);
   EXPECT_EQ(json["rates"], Json::parse("[30, 60]"));
+  EXPECT_EQ(json["problems"], "drawn");
+  EXPECT_EQ(json["seed"], accuracy::kDrawnSeed);
+  const auto& shipped = report.table.shipped.at(0).rows;
+  ASSERT_EQ(json["shipped"][0]["rows"].size(), shipped.size());
+  for (size_t r = 0; r < shipped.size(); ++r) {
+    const Json &row = json["shipped"][0]["rows"][r], &score = row["scores"][1];
+    EXPECT_EQ(row["solver"], shipped[r].solver.name);
+    EXPECT_EQ(row["velocities"], shipped[r].solver.velocities);
+    EXPECT_EQ(score["rms"], shipped[r].scores[1].error);
+    EXPECT_EQ(score["median"], shipped[r].scores[1].Median());
+    EXPECT_EQ(score["worst_case"], shipped[r].scores[1].WorstCase());
+  }
   ASSERT_EQ(json["panels"].size(), 2u);
   for (size_t p = 0; p < 2; ++p) {
     const accuracy::WorkPrecisionPanel& panel = report.table.panels[p];
@@ -90,11 +103,21 @@ TEST(AccuracyReport, JsonHoldsTheTable) {
 
 TEST(AccuracyReport, TextNamesAllThatWasMeasured) {
   const std::string text = MakeAccuracyTree(SharedReport()).Text();
-  for (const char* part : {"soft, 3 links", "medium, 3 links", "30 Hz", "60 Hz", "modal, best",
-                           "a <processor>", "commit", "digest"})
+  for (const char* part :
+       {"soft, 3 links", "medium, 3 links", "30 Hz", "60 Hz", "modal, best", "a <processor>",
+        "commit", "digest", "default layer", "modal, velocities", "drawn from seed 20261123"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   for (const accuracy::WorkPrecisionRow& row : SharedReport().table.panels[0].rows)
     EXPECT_GE(Count(text, row.solver.label), 2u) << row.solver.label;
+}
+
+// The length that a setup gives a layer stands in code that knows no setups.
+TEST(ShippedLayer, IsThatOfASetupThatSaysNothing) {
+  const accuracy::Preset layer = accuracy::DefaultLayer(3);
+  const LayerSetup setup;
+  EXPECT_FLOAT_EQ(float(layer.length), setup.length.value);
+  EXPECT_FLOAT_EQ(float(layer.drag), setup.params.velocity_damping);
+  EXPECT_NEAR(layer.frequency, 3.87, 0.01);
 }
 
 std::string SectionMessage(const std::string& text) {
@@ -113,6 +136,8 @@ TEST(AccuracySection, PassesOnWhatThePageDraws) {
   AddAccuracySection(json, text, "a.json");
   const Json section = Json::parse(json.text()), file = Json::parse(text);
   EXPECT_EQ(section["panels"].size(), 2u);
+  EXPECT_EQ(section["shipped"][0]["rows"][2]["scores"][1]["worst_case"],
+            file["shipped"][0]["rows"][2]["scores"][1]["worst_case"]);
   EXPECT_EQ(section["panels"][1]["rows"][3]["scores"][0]["error"],
             file["panels"][1]["rows"][3]["scores"][0]["error"]);
   EXPECT_EQ(section["error_digest"], file["error_digest"]);
@@ -128,12 +153,12 @@ TEST(AccuracySection, RefusesOtherFiles) {
             std::string::npos);
   EXPECT_NE(SectionMessage("[1, 2]").find("is not of the format"), std::string::npos);
   EXPECT_NE(SectionMessage(Json{{"format", kFeatureAccuracyFormat}}.dump())
-                .find("a.json: is not of the format 'pelt accuracy 1' or 'pelt scene accuracy 1'"),
+                .find("a.json: is not of the format 'pelt accuracy 2' or 'pelt scene accuracy 1'"),
             std::string::npos);
   const std::string whole = good.dump();
   for (size_t cut : {size_t{1}, whole.size() / 2, whole.size() - 1})
     EXPECT_NE(SectionMessage(whole.substr(0, cut)).find("not JSON"), std::string::npos) << cut;
-  for (const char* needed : {"isa", "rates", "panels", "rounds", "commit"}) {
+  for (const char* needed : {"isa", "rates", "panels", "rounds", "commit", "shipped", "seed"}) {
     Json less = good;
     less.erase(needed);
     EXPECT_NE(SectionMessage(less.dump()).find(needed), std::string::npos) << needed;

@@ -202,6 +202,9 @@ check_control_characters() {
 check_accuracy_errors() {
   expect 2 --rates -- accuracy --quick --rates 50
   expect 2 --presets -- accuracy --quick --presets hard
+  expect 2 --tuned -- accuracy --quick --calibrated
+  expect 2 --seed -- accuracy --quick --tuned --seed 3
+  expect 2 --seed -- accuracy --features --seed 3
   expect 2 --strand -- accuracy --roots roots.csv
   expect 2 --roots -- accuracy --solver modal
   expect 2 --json -- accuracy --roots roots.csv --strand strand.toml --out x.csv --json x.json

@@ -13,7 +13,7 @@
 
 namespace pelt {
 
-inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 1";
+inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 2";
 
 struct AccuracyReport {
   accuracy::WorkPrecision table;

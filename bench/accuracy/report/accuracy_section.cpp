@@ -116,8 +116,38 @@ class SectionWriter {
     json_.EndArray();
   }
 
+  void Shipped(const Json& file) {
+    json_.BeginArray("shipped");
+    for (const Json& panel : List(file, "shipped", 0)) {
+      json_.BeginObject();
+      for (const char* key : {"links", "motions", "strands"}) Number(panel, key);
+      json_.BeginArray("rows");
+      for (const Json& row : List(panel, "rows")) {
+        json_.BeginObject();
+        for (const char* key : {"solver", "preset"}) Text(row, key);
+        Flag(row, "velocities");
+        json_.BeginArray("scores");
+        for (const Json& score : List(row, "scores")) {
+          json_.BeginObject();
+          for (const char* key : {"rate", "cases"}) Number(score, key);
+          for (const char* key : {"rms", "median", "worst_case"}) NumberOrNull(score, key);
+          Flag(score, "finite");
+          json_.EndObject();
+        }
+        json_.EndArray();
+        json_.EndObject();
+      }
+      json_.EndArray();
+      json_.EndObject();
+    }
+    json_.EndArray();
+  }
+
   void Solvers(const Json& file) {
     Number(file, "timed_strands");
+    Text(file, "problems");
+    Number(file, "seed");
+    Shipped(file);
     Flag(file, "calibrated");
     const size_t rates = List(file, "rates").size();
     Numbers(file, "rates", rates);
