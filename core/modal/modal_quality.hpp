@@ -1,5 +1,5 @@
-// How exactly the modal solver steps, from cheapest to most exact. The figures of each stand in
-// modal_table.hpp.
+// How exactly the modal solver steps; substeps are of a frame of 1/60 s. The figures of each stand
+// in README.md.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 namespace pelt {
 
 enum class ModalQuality : uint8_t {
-  kFast,     // one step per frame
-  kDefault,  // two
+  kFast,     // one substep
+  kDefault,  // three
   kBest,     // two, three Newton steps, and the constraint force turns within the step
 };
 

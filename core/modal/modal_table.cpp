@@ -105,11 +105,11 @@ void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const Differen
 // The longest substeps, s: one and two at 60 frames per second. The length, not their number, is
 // what an error and a steady state depend on: at 15 frames per second substeps of a fixed number
 // leave a static shape 3e-4 off and single strands that do not converge to rest.
-constexpr double kLongestFast = 1.0 / 48.0, kLongest = 1.0 / 80.0;
-// Of the default tier where velocities are known: what is left to the substeps is then most of the
-// error, and three of them at 60 frames per second leave a third of what two do (in per cent 0.62 /
-// 1.6 / 0.42 / 0.53 -> 0.29 / 0.67 / 0.19 / 0.17).
-constexpr double kLongestRated = 1.0 / 150.0;
+constexpr double kLongestFast = 1.0 / 48.0, kLongestBest = 1.0 / 80.0;
+// The force that keeps the lengths has one direction over a substep of the default tier, while
+// tension swings the light points of calibrated chains: three substeps at 60 frames per second
+// leave two fifths of the error that two do (README.md).
+constexpr double kLongest = 1.0 / 150.0;
 
 void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
   const uint32_t n = layer.modes.links;
@@ -230,8 +230,9 @@ double QuietTime(const ModalLayer& layer) {
 uint32_t SubstepsOf(ModalQuality quality, const FrameTimes& times) {
   const double frame = times.dt_s[0];
   if (frame > kLongestModalFrame_s) return 0;
-  double longest = quality == ModalQuality::kFast ? kLongestFast : kLongest;
-  if (times.velocities && quality == ModalQuality::kDefault) longest = kLongestRated;
+  const double longest = quality == ModalQuality::kFast   ? kLongestFast
+                         : quality == ModalQuality::kBest ? kLongestBest
+                                                          : kLongest;
   uint32_t count = 1;
   while (count < kModalSubsteps && frame > count * longest) ++count;
   return count;

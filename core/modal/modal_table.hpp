@@ -29,9 +29,9 @@
 
 namespace pelt {
 
-// ModalQuality at 60 frames per second: kFast takes one substep, kDefault two, kBest two with three
-// Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s for
-// kFast, 1/80 s for the others), so a frame of 1/30 s takes two or three, and one of 1/120 s one.
+// ModalQuality at 60 frames per second: kFast takes one substep, kDefault three, kBest two with
+// three Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s for
+// kFast, 1/150 s for kDefault, 1/80 s for kBest), so a frame of 1/30 s takes two, five or three.
 // What each gets wrong, and costs: README.md, `pelt accuracy`.
 
 // The last frames' lengths, s: this one's first. All > 0.

@@ -127,8 +127,8 @@ TEST(ModalResponse, KeepsTheWronskianFarBeyondTheStep) {
 TEST(ModalTable, DrawsACubicThroughUnevenFrames) {
   const FrameTimes times{{1.0 / 60.0, 1.0 / 45.0, 1.0 / 100.0}};
   ModalTableBlock t;
-  FillModalTable(MakeModalLayer(CalibratedMaterial(3, 5.0, 0.05, 6.0)), ModalQuality::kDefault,
-                 times, &t);
+  FillModalTable(MakeModalLayer(CalibratedMaterial(3, 5.0, 0.05, 6.0)), ModalQuality::kBest, times,
+                 &t);
   const auto place = [](double x) { return 0.3 + 2.0 * x - 50.0 * x * x + 900.0 * x * x * x; };
   const auto speed = [](double x) { return 2.0 - 100.0 * x + 2700.0 * x * x; };
   double at[4] = {}, sample[4];
@@ -154,11 +154,12 @@ TEST(ModalTable, KeepsSubstepsShort) {
     return t.substeps;
   };
   const double rates[] = {15, 24, 30, 60, 120, 240};
-  const uint32_t fast[] = {4, 2, 2, 1, 1, 1}, rest[] = {6, 4, 3, 2, 1, 1};
+  const uint32_t fast[] = {4, 2, 2, 1, 1, 1}, normal[] = {6, 6, 5, 3, 2, 1};
+  const uint32_t best[] = {6, 4, 3, 2, 1, 1};
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(substeps(ModalQuality::kFast, rates[i]), fast[i]) << rates[i];
-    EXPECT_EQ(substeps(ModalQuality::kDefault, rates[i]), rest[i]) << rates[i];
-    EXPECT_EQ(substeps(ModalQuality::kBest, rates[i]), rest[i]) << rates[i];
+    EXPECT_EQ(substeps(ModalQuality::kDefault, rates[i]), normal[i]) << rates[i];
+    EXPECT_EQ(substeps(ModalQuality::kBest, rates[i]), best[i]) << rates[i];
   }
   EXPECT_EQ(substeps(ModalQuality::kBest, 1.0 / kLongestModalFrame_s), kModalSubsteps);
   EXPECT_EQ(substeps(ModalQuality::kBest, 1.0), 0u);
