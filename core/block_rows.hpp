@@ -54,6 +54,11 @@ template <>
 inline constexpr auto kBlockMembers<LayerBlock> = std::tuple{
     BlockRecord<LayerBlock>{"parameters"}};
 template <>
+inline constexpr auto kBlockMembers<LayerOriginBlock> = std::tuple{
+    PELT_MEMBER(LayerOriginBlock, shift),
+    PELT_MEMBER(LayerOriginBlock, shifted),
+    PELT_MEMBER(LayerOriginBlock, eye)};
+template <>
 inline constexpr auto kBlockMembers<LayerJointBlock> = std::tuple{
     PELT_MEMBER(LayerJointBlock, joint),
     PELT_MEMBER(LayerJointBlock, low).Within(-kLargest, kLargest),

@@ -138,6 +138,7 @@ enum LayerFlag : uint32_t {
   kLayerFins = 1u << 17,        // has fins on its edges; only with kLayerShells
   kLayerRates = 1u << 18,       // modal, and has a RootRateBlock
   kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
+  kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
@@ -145,7 +146,7 @@ inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLay
 // stages a layer has.
 inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
                                             kLayerModal | kLayerOutputFlags | kLayerLit |
-                                            kLayerPainted | kLayerFins | kLayerRates;
+                                            kLayerPainted | kLayerFins | kLayerRates | kLayerApart;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -185,6 +186,15 @@ PELT_BLOCK LayerBlock {
   float mud;          // dirt of the weather
   float wet_darken;   // share of the brightness that is left of a soaked strand
   float frame_ratio;  // kLayerRatesGiven: this frame's length over the last one's
+};
+
+// Where a layer is whose character has an origin of its own: all of the layer's places are relative
+// to that. Filled on the caller's thread, from differences of doubles that are rounded once.
+PELT_BLOCK LayerOriginBlock {
+  float shift[3];    // of the origin since last frame, m
+  uint32_t shifted;  // not 0: some of it is not 0
+  float eye[3];      // the eye, m
+  uint32_t pad[25];
 };
 
 // Bind-space boxes of the layer's vertices, one for each joint that moves any of them. A skinned
@@ -517,6 +527,7 @@ PELT_BLOCK DrawListBlock {
 static_assert(sizeof(PoseBlock) % 128 == 0 && sizeof(PaletteBlock) % 128 == 0);
 static_assert(sizeof(LayerBlock) == 128);
 static_assert(sizeof(LayerJointBlock) % 128 == 0 && sizeof(BoundsBlock) == 128);
+static_assert(sizeof(LayerOriginBlock) == 128);
 static_assert(sizeof(LodBlock) == 128 && sizeof(LayerSortBlock) == 128);
 static_assert(sizeof(MeshBlock) % 128 == 0 && sizeof(StrandBlock) % 128 == 0);
 static_assert(sizeof(ChunkStateBlock) == 128);

@@ -63,6 +63,9 @@ struct PaintBrush {
 struct FrameInput {
   double dt_s = 1.0 / 60.0;  // 1e-6 to 1; or 0: a pause
   double time_s = 0.0;
+  // What the places below are relative to, world, m. Not 0 only in scenes whose characters have
+  // origins (SceneOptions::origins).
+  double origin[3] = {};
   Camera camera;
   WindSetup wind;
   float gravity[3] = {0.0f, -9.81f, 0.0f};

@@ -66,7 +66,10 @@ struct FrameMemory {
   // FrameGate::kNotHeld leave it out; null: none is.
   const uint8_t* held[kDomainCount] = {};
   bool paused = false;  // a frame of no time: only what depends on the view is done
-  uint32_t marks = 0;   // the scene's own, for its conditions and lane counts
+  // From the parameters of one character's stages to those of the next one's, bytes: 0 where all have
+  // the same. Those of a stage of the scene are the first's.
+  uint64_t params_step = 0;
+  uint32_t marks = 0;  // the scene's own, for its conditions and lane counts
 
   // First byte of the block that `item` of the stream's own domain has; null if it has none.
   std::byte* Block(Stream stream, uint32_t item) const {

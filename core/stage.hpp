@@ -28,10 +28,17 @@ struct Gate {
 
 struct Stage {
   KernelDesc kernel;
-  const void* params;
+  const void* params;  // of the first character's items: see ParamsOf
   Domain domain;
   Gate gate = {};
   KindMask kinds = {};  // in the table: besides what its streams demand; in a plan: all of it
 };
+
+// The parameters of the item at `place`.
+inline const void* ParamsOf(const Stage& stage, const FrameMemory& memory, const ItemPlace& place) {
+  if (!stage.params || memory.params_step == 0) return stage.params;
+  return static_cast<const std::byte*>(stage.params) +
+         memory.params_step * place.first[size_t(Domain::kCharacter)];
+}
 
 }  // namespace pelt

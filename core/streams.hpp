@@ -34,7 +34,7 @@ inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibb
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
     kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0},
-    kRated{kModal | kLayerRates, 0};
+    kRated{kModal | kLayerRates, 0}, kApart{kLayerApart, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -128,6 +128,8 @@ struct Streams {
   StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated};
   StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
   StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveChains, kRated};
+  // Of scenes whose characters have origins of their own.
+  StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart};
 };
 
 }  // namespace streams_detail

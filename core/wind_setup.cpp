@@ -33,7 +33,7 @@ float WrapCells(double cells) {
 
 }  // namespace
 
-WindParams MakeWindParams(const WindSetup& setup, double time_s) {
+WindParams MakeWindParams(const WindSetup& setup, double time_s, const double (&origin)[3]) {
   WindParams params{};
   const double gust = 1.0 + double(setup.gust_strength) * Swell(time_s, setup.gust_period_s);
   for (int c = 0; c < 3; ++c) params.direction_speed[c] = float(setup.velocity[c] * gust);
@@ -46,7 +46,8 @@ WindParams MakeWindParams(const WindSetup& setup, double time_s) {
   static constexpr double kDrift[3] = {0.31, -0.47, 0.23};
   for (int c = 0; c < 3; ++c) {
     const double speed = setup.velocity[c] + kDrift[c] * setup.turbulence;
-    params.scroll[c] = WrapCells(-speed * time_s * params.frequency);
+    params.scroll[c] =
+        WrapCells(-speed * time_s * params.frequency + origin[c] * double(params.frequency));
   }
   return params;
 }

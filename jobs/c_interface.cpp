@@ -100,6 +100,7 @@ Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count
   options.vertex_order = pelt::VertexOrder(wanted.vertex_order);
   options.memory_budget_bytes = wanted.memory_budget_bytes;
   options.velocities = wanted.velocities != 0;
+  options.origins = wanted.origins != 0;
 
   auto made = std::make_unique<PeltScene>();
   if (const auto read = ReadGrooms(files, count, *made); !read) return Failure{read.error()};
@@ -194,6 +195,7 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
   to.camera.viewport_height_px = from.viewport_height_px;
   to.camera.near_m = from.near_m;
   to.camera.far_m = from.far_m;
+  std::copy_n(from.origin, 3, to.origin);
   Copy(from.gravity, to.gravity);
   Copy(from.wind, to.wind.velocity);
   to.wind.gust_strength = from.gust_strength;
@@ -326,6 +328,16 @@ const char* pelt_place_velocity(PeltScene* scene, uint32_t character, const floa
   return nullptr;
 }
 
+const char* pelt_set_origin(PeltScene* scene, uint32_t character, const double origin[3]) {
+  if (!scene) return kNoScene;
+  if (!origin) return "the origin is null";
+  if (!scene->GroomOf(character)) return "there is no such character";
+  double* const to = scene->scene->Origin(character);
+  if (!to) return "the scene was made without origins";
+  std::copy_n(origin, 3, to);
+  return nullptr;
+}
+
 void pelt_default_frame(PeltFrame* frame) {
   if (!frame) return;
   *frame = {};
@@ -427,10 +439,12 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .texture_repeat = from.shells.texture_repeat,
           .fur_shadow = from.shells.shadow,
           .wet_darken = from.wet_darken,
-          .mud_colour = {}};
+          .mud_colour = {},
+          .origin = {}};
     Copy(from.low, to.low);
     Copy(from.high, to.high);
     Copy(from.mud_colour, to.mud_colour);
+    std::copy_n(from.origin, 3, to.origin);
   }
   return uint32_t(all.size());
 }

@@ -54,7 +54,10 @@ struct LayerDraw {
   // The strand at each place of the drawing order, in either VertexOrder.
   std::span<const uint32_t> order;
   uint32_t live_strands;  // what CopyCurves has: culled ones too
-  float low[3], high[3];  // box around the layer's strands; m, world
+  // What all places of the draw are relative to, world, m: 0 but in scenes whose characters have
+  // origins of their own.
+  double origin[3];
+  float low[3], high[3];  // box around the layer's strands; m
   float tip_width;        // over the width at the root: instances do not carry it
   // Of a lit layer: a record for each place in strand order, found by the strand's number, those of
   // strands that do not live holding anything; and what lights it. Else empty, and null.

@@ -54,7 +54,7 @@ void RunStage(const Frame& frame, const Stage& stage, const ItemPlace& place) {
   Binding bindings[kMaxPorts];
   Binding* next = bindings;
   for (const PortDesc& port : stage.kernel.ports) BindPort(port, *frame.memory, place, *next++);
-  stage.kernel.run(stage.params, bindings);
+  stage.kernel.run(ParamsOf(stage, *frame.memory, place), bindings);
 }
 
 // One reading of the clock a stage, where one ends the next begins; or one an item.

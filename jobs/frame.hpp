@@ -51,6 +51,9 @@ ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item);
 
 // Whether `stage` runs this frame on the item at `place`, as main memory stands.
 bool IsWanted(const Stage& stage, const FrameMemory& memory, const ItemPlace& place);
+inline const void* ParamsOf(const Stage& stage, const FrameMemory& memory, uint32_t item) {
+  return ParamsOf(stage, memory, PlaceOf(*memory.shape, stage.domain, item));
+}
 inline bool IsWanted(const Stage& stage, const FrameMemory& memory, uint32_t item) {
   return IsWanted(stage, memory, PlaceOf(*memory.shape, stage.domain, item));
 }

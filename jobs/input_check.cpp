@@ -7,6 +7,7 @@
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "jobs/origins.hpp"
 
 namespace pelt {
 namespace {
@@ -41,6 +42,13 @@ const char* FindCameraRangeFault(const Camera& c) {
   if (!AreUsable(c.position, 3)) return "the camera's position is beyond 1e6";
   if (!AreUsable(c.target, 3)) return "the camera's target is beyond 1e6";
   return AreUsable(c.up, 3) ? nullptr : "the camera's up vector is beyond 1e6";
+}
+
+const char* FindOriginFault(const FrameInput& in, const SceneShape& shape) {
+  if (!IsOriginUsable(in.origin)) return "it is not finite, or beyond 1e7 m";
+  const bool is_any = in.origin[0] != 0.0 || in.origin[1] != 0.0 || in.origin[2] != 0.0;
+  const bool may_be = !shape.layer_kind.empty() && (shape.layer_kind[0] & kLayerApart);
+  return is_any && !may_be ? "the scene was made without SceneOptions::origins" : nullptr;
 }
 
 const char* FindWindFault(const WindSetup& w) {
@@ -169,6 +177,7 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const 
     return fault("dt_s is {}, neither 0 nor in [{}, 1] s", in.dt_s, kShortest_s);
   if (!(in.time_s >= 0.0 && in.time_s <= kLatest_s))
     return fault("time_s is {}, not in [0, {}] s", in.time_s, kLatest_s);
+  if (const char* what = FindOriginFault(in, shape)) return fault("origin: {}", what);
   if (const char* camera = FindCameraRangeFault(in.camera)) return fault("camera: {}", camera);
   if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
   if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);

@@ -67,6 +67,9 @@ typedef struct PeltSceneOptions {
   /* Not 0: poses may come with velocities (pelt_set_joint_velocity), for layers with the modal
    * solver. */
   int velocities;
+  /* Not 0: each character has an origin (pelt_set_origin), which its placement and all that is drawn
+   * of it are relative to: as fine far from the world's origin as at it. */
+  int origins;
 } PeltSceneOptions;
 
 /* A scene of `count` characters, one groom file (`pelt bake`) in memory for each; the bytes are
@@ -95,6 +98,11 @@ const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
                            const PeltJoint* local);
 /* Where the character stands: row-major 3x4. `teleported`: its fur starts from its groom. */
 const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12], int teleported);
+
+/* What pelt_place's root is relative to, world, m; 0 until it is set. To be moved with the character,
+ * in every frame or now and then: what it moves by is part of the character's motion. Velocities
+ * are the world's all the same. A scene made without origins refuses it. */
+const char* pelt_set_origin(PeltScene* scene, uint32_t character, const double origin[3]);
 
 /* How fast a joint's transform changes at the pose's time. With it the roots of strands are known
  * between frames too: at 30 frames per second their motion is several times as exact. */
@@ -188,6 +196,8 @@ typedef struct PeltFrame {
   float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */
   uint32_t strand_budget;                                     /* 0: no budget */
   uint32_t skip;                                              /* PeltSkip */
+  /* What the places above are relative to, world, m; not 0 only in a scene that has origins. */
+  double origin[3];
 } PeltFrame;
 
 /* Fills in what a frame has unless it is told otherwise. */
@@ -255,7 +265,7 @@ typedef struct PeltDraw {
   uint32_t strand_count;
   const uint32_t* order; /* the strand at each of `strand_count` places */
   uint32_t live_strands; /* what pelt_copy_curves has */
-  float low[3], high[3]; /* box around the layer's strands; m, world */
+  float low[3], high[3]; /* box around the layer's strands; m */
   float tip_width;       /* over the width at the root */
   /* Of a lit layer: a record for each of `look_count` strands, by the strand's number; else NULL. */
   const PeltLook* looks;
@@ -269,6 +279,8 @@ typedef struct PeltDraw {
   /* Of a painted layer, whose colours are left dry and clean: what a soaked strand keeps of its
    * brightness, and the sRGB colour that mud is mixed in with. Else 1, and 0. */
   float wet_darken, mud_colour[3];
+  /* What all places of the draw are relative to, world, m: its character's origin. */
+  double origin[3];
 } PeltDraw;
 
 /* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none

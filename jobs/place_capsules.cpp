@@ -11,12 +11,13 @@ namespace {
 
 // The placed end of a capsule; false where it is not finite or too far away to touch anything.
 bool PlaceEnd(const float (&end)[3], const SkeletonBlock& skeleton, const float (&matrix)[12],
-              uint32_t joint, float (&placed)[3]) {
+              uint32_t joint, const Offset& offset, float (&placed)[3]) {
   double in_mesh[3];
   PlaceInMesh(skeleton, joint, end, in_mesh);
   for (int r = 0; r < 3; ++r) {
     const float* row = matrix + 4 * r;
-    const double sum = row[0] * in_mesh[0] + row[1] * in_mesh[1] + row[2] * in_mesh[2] + row[3];
+    double sum = row[0] * in_mesh[0] + row[1] * in_mesh[1] + row[2] * in_mesh[2] + row[3];
+    if (offset.step[r] != 0.0) sum -= offset.step[r];
     if (!(std::abs(sum) <= kFarthest_m)) return false;
     placed[r] = float(sum);
   }
@@ -43,7 +44,8 @@ CapsuleParams Span(const float (&from)[3], const float (&to)[3], float radius) {
 }  // namespace
 
 void PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGate& gate,
-                   SimulateParams& params) {
+                   SimulateParams& params, std::span<const CharacterOrigin> origins,
+                   uint32_t character) {
   params.capsule_count = 0;
   const PaletteBlock* palette = nullptr;
   uint32_t palette_of = 0;
@@ -58,8 +60,11 @@ void PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGa
         palette = &gate.PaletteOf(memory, palette_of = capsule.character);
       const auto& skeleton = *memory.Of<&Streams::skeleton>(capsule.character);
       const auto& matrix = palette->matrix[capsule.joint];
-      if (!PlaceEnd(capsule.from, skeleton, matrix, capsule.joint, from) ||
-          !PlaceEnd(capsule.to, skeleton, matrix, capsule.joint, to))
+      const Offset offset =
+          origins.empty() ? Offset{}
+                          : OffsetBetween(origins[capsule.character].used, origins[character].used);
+      if (!PlaceEnd(capsule.from, skeleton, matrix, capsule.joint, offset, from) ||
+          !PlaceEnd(capsule.to, skeleton, matrix, capsule.joint, offset, to))
         continue;
     }
     params.capsule[params.capsule_count++] = Span(from, to, capsule.radius);

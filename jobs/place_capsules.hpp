@@ -13,13 +13,16 @@
 #include "core/frame_input.hpp"
 #include "core/kernels/simulate_params.hpp"
 #include "jobs/frame.hpp"
+#include "jobs/origins.hpp"
 #include "jobs/pose_gate.hpp"
 
 namespace pelt {
 
 // For an input without fault, after the gate has judged the frame's poses. Does nothing, and costs
 // nothing, where there are no capsules.
+// `origins`: of the characters, where they have some; places are then told from `character`'s.
 void PlaceCapsules(const FrameInput& input, const FrameMemory& memory, const PoseGate& gate,
-                   SimulateParams& params);
+                   SimulateParams& params, std::span<const CharacterOrigin> origins = {},
+                   uint32_t character = 0);
 
 }  // namespace pelt

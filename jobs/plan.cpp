@@ -32,8 +32,16 @@ bool Conflict(const Stage& a, const Stage& b) {
   return false;
 }
 
+// Some of the layers are of such a kind, and some are not. (Of none, there is no such stage.)
+bool HasSomeOnly(const KindMask& kinds, const SceneShape& shape) {
+  const auto admits = [&](uint32_t kind) { return kinds.Admits(kind); };
+  return std::any_of(shape.layer_kind.begin(), shape.layer_kind.end(), admits) &&
+         !std::all_of(shape.layer_kind.begin(), shape.layer_kind.end(), admits);
+}
+
 // Null, or why a port cannot be bound: it would reach another item's block, or none at all.
-const char* FindPortFault(const StreamTable& table, const PortDesc& p, Domain domain) {
+const char* FindPortFault(const StreamTable& table, const SceneShape& shape, const PortDesc& p,
+                          Domain domain) {
   const StreamDesc& stream = table[p.stream];
   if (Crosses(p.access)) {
     if (domain != Domain::kChunk || stream.domain != Domain::kChunk)
@@ -47,13 +55,13 @@ const char* FindPortFault(const StreamTable& table, const PortDesc& p, Domain do
   if (!IsAll(p.access)) return stream.domain == domain ? nullptr : "own blocks are of one domain";
   if (stream.domain <= domain || domain == Domain::kCharacter)
     return "All is for the scene, and for the chunks of a layer";
-  if (domain == Domain::kScene && (stream.kinds.required | stream.kinds.forbidden) != 0)
+  if (domain == Domain::kScene && HasSomeOnly(stream.kinds, shape))
     return "not every layer has the stream";
   return nullptr;
 }
 
 // Why a stage cannot run as it is declared, or its items would race; or empty.
-std::string FindStageFault(const StreamTable& table, const Stage& stage) {
+std::string FindStageFault(const StreamTable& table, const SceneShape& shape, const Stage& stage) {
   const auto ports = stage.kernel.ports;
   if (&stage.kernel.table() != &table)
     return Format("stage {}: its ports are of another table of streams than the first stage's",
@@ -62,7 +70,7 @@ std::string FindStageFault(const StreamTable& table, const Stage& stage) {
     return Format("stage {}: its gate is for {}s, and its items are not", stage.kernel.name,
                   DomainName(stage.gate.when.domain));
   for (size_t i = 0; i < ports.size(); ++i) {
-    if (const char* fault = FindPortFault(table, ports[i], stage.domain))
+    if (const char* fault = FindPortFault(table, shape, ports[i], stage.domain))
       return Format("stage {}: port '{}': {}", stage.kernel.name, table[ports[i].stream].name,
                     fault);
     for (size_t j = 0; j < i; ++j)
@@ -229,7 +237,7 @@ Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
   if (plan.stages.empty()) return plan;
   plan.table = &plan.stages.front().kernel.table();
   for (Stage& stage : plan.stages) {
-    if (std::string fault = FindStageFault(*plan.table, stage); !fault.empty())
+    if (std::string fault = FindStageFault(*plan.table, shape, stage); !fault.empty())
       return Failure{std::move(fault)};
     AddStreamKinds(*plan.table, stage);
   }

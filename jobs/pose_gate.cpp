@@ -8,6 +8,7 @@
 #include "core/format.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "jobs/input_check.hpp"
+#include "jobs/origins.hpp"
 
 namespace pelt {
 namespace {
@@ -219,11 +220,13 @@ RefusedPose PoseGate::FindRateFault(const FrameMemory& memory, uint32_t characte
   return none;
 }
 
-void PoseGate::Judge(const FrameMemory& memory) {
+void PoseGate::Judge(const FrameMemory& memory, std::span<const double> origins) {
   refused_.clear();
   for (uint32_t c = 0; c < characters_.size(); ++c) {
     RefusedPose fault = FindFault(memory, c);
     if (!fault.what) fault = FindRateFault(memory, c);
+    if (!fault.what && !origins.empty() && !IsOriginUsable(&origins[3 * c]))
+      fault = {c, kNoJoint, "its origin is not finite, or beyond 1e7 m"};
     holds_pose_[c] = fault.what != nullptr;
     if (fault.what) {
       refused_.push_back(fault);

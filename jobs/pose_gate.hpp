@@ -59,8 +59,9 @@ class PoseGate {
   PoseGate(std::span<const Groom* const> grooms, const FrameTable& kernels);
 
   // Judges the poses that lie in the scene's memory, and prepares the palettes of characters that
-  // keep their last one.
-  void Judge(const FrameMemory& memory);
+  // keep their last one. `origins`: of the characters, three
+  // each, where they have some.
+  void Judge(const FrameMemory& memory, std::span<const double> origins = {});
 
   // What it remembers of earlier frames, from the gate of a scene of the same grooms.
   void CopyStateFrom(const PoseGate& other);

@@ -82,7 +82,12 @@ Result<std::unique_ptr<FurScene>> FurScene::Create(std::span<const Groom* const>
 }
 
 FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
-    : options_(options), layout_(std::move(layout)), params_(std::make_unique<FrameParams>()) {
+    : options_(options),
+      layout_(std::move(layout)),
+      params_(options.origins ? layout_.shape.character_count : 1),
+      relights_(params_.size(), 0),
+      given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
+      origins_(options.origins ? layout_.shape.character_count : 0) {
   draws_.reserve(layout_.shape.layer_count);
   fault_.reserve(256);
 }
@@ -90,7 +95,7 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
 FurScene::~FurScene() = default;
 
 std::string FurScene::MakePlan(const FrameTable& kernels) {
-  Result<Plan> plan = CompilePlan(MakeStages(kernels, *params_, options_.vertex_order),
+  Result<Plan> plan = CompilePlan(MakeStages(kernels, params_[0], options_.vertex_order),
                                   layout_.shape, options_.plan);
   if (!plan) return plan.error();
   plan_ = *std::move(plan);
@@ -118,6 +123,7 @@ void FurScene::Place(std::span<std::byte> memory) {
   std::memset(memory.data(), 0, layout_.total_bytes);
   memory_ = PlaceStreams(TableOf<Streams>(), layout_.shape, memory.data());
   if (options_.vertex_order == VertexOrder::kIndexBuffer) memory_.marks = kInStrandOrder;
+  if (options_.origins) memory_.params_step = sizeof(FrameParams);
 }
 
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
@@ -181,43 +187,78 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
 void FurScene::FillFrame(const FrameInput& input) {
   memory_.paused = input.dt_s == 0.0 && !first_frame_;
   if (memory_.paused) return FillPausedFrame(input);
-  pose_gate_.Judge(memory_);
+  pose_gate_.Judge(memory_, given_origins_);
+  FillOrigins();
   const WindSetup& w = input.wind;
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
   const bool wind_blows = !(still && input.skip.wind);
-  params_->paint_strands = MakePaintStrandsParams({input.brush, input.brush_count});
-  FillLayers(input, wind_blows, FillLights(input));
-  FillParams(input, wind_blows);
+  ForEachSet(input, [this](uint32_t s, const FrameInput& in) {
+    params_[s].paint_strands = MakePaintStrandsParams({in.brush, in.brush_count});
+    relights_[s] = FillLights(s, in);
+  });
+  FillLayers(input, wind_blows);
+  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, in, wind_blows); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
+}
+
+void FurScene::ForEachSet(const FrameInput& input, auto&& fill) {
+  if (origins_.empty()) return fill(0u, input);
+  for (uint32_t s = 0; s < params_.size(); ++s) {
+    FrameInput moved = input;
+    MovePlaces(OffsetBetween(input.origin, origins_[s].used), moved);
+    fill(s, moved);
+  }
+}
+
+View FurScene::ViewFrom(uint32_t s, const FrameInput& input) const {
+  View view = MakeView(input.camera);
+  if (!origins_.empty()) MoveView(OffsetBetween(input.origin, origins_[s].used), view);
+  return view;
+}
+
+// Where the characters' poses are told from in this frame.
+void FurScene::FillOrigins() {
+  if (origins_.empty()) return;
+  for (uint32_t c = 0; c < origins_.size(); ++c)
+    origins_[c].Advance(pose_gate_.holds_pose()[c] ? nullptr : Origin(c));
+  for (uint32_t l = 0; l < shape().layer_count; ++l) {
+    const CharacterOrigin& from = origins_[shape().layer_character[l]];
+    auto& block = *memory_.Of<&Streams::layer_origins>(l);
+    std::copy_n(from.shift, 3, block.shift);
+    block.shifted = from.shifted;
+  }
 }
 
 // Time stands still: state, layers, poses and level of detail stay what they are, and so does what
 // the next frame is compared with. What is left is to draw the same strands from another eye.
 void FurScene::FillPausedFrame(const FrameInput& in) {
-  SelectLodParams lod = params_->select_lod;
-  lod.view = MakeView(in.camera);
-  const bool view_changed = FillView(in, lod);
-  const bool keys = view_changed || !in.skip.sort;
+  for (uint32_t s = 0; s < params_.size(); ++s) {
+    SelectLodParams lod = params_[s].select_lod;
+    lod.view = ViewFrom(s, in);
+    FillView(s, in, lod);
+  }
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
     auto& state = *memory_.Of<&Streams::chunk_state>(c);
     const uint32_t visible = state.flags & kChunkVisible;
+    const CollectChangesParams& view = params_[SetOf(shape().chunk_layer[c])].collect_changes;
+    const bool keys = view.view_changed != 0 || !in.skip.sort;
     state.flags = visible | (visible && keys ? kChunkKeys : 0u);
     state.keys_changed = state.records_changed = 0;
   }
 }
 
 // Says whether every lit layer has to be lit again.
-bool FurScene::FillLights(const FrameInput& input) {
+bool FurScene::FillLights(uint32_t s, const FrameInput& input) {
   LightLayerParams lights{input.lighting};
   Lighting& all = lights.lighting;
   std::fill(all.light + all.light_count, std::end(all.light), SphereLight{});
   std::fill(all.sample + all.sample_count, std::end(all.sample), IrradianceSample{});
-  return Replace(params_->light_layer, lights) || first_frame_ || !input.skip.light;
+  return Replace(params_[s].light_layer, lights) || first_frame_ || !input.skip.light;
 }
 
-void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight) {
+void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
   const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
     auto& block = *memory_.Of<&Streams::layers>(l);
@@ -227,8 +268,9 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block);
-    if (relight && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
-    if (params_->paint_strands.count > 0 && (block.flags & kLayerPainted))
+    const uint32_t set = SetOf(l);
+    if (relights_[set] && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
+    if (params_[set].paint_strands.count > 0 && (block.flags & kLayerPainted))
       block.flags |= kLayerBrushed;
     const uint32_t character = shape().layer_character[l];
     const bool rates = (shape().layer_kind[l] & kLayerRates) &&
@@ -248,22 +290,27 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows, bool relight
 }
 
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
-bool FurScene::FillView(const FrameInput& in, const SelectLodParams& lod) {
-  const bool changed = Replace(params_->select_lod, lod) || first_frame_;
-  const View& view = params_->select_lod.view;
-  std::copy_n(view.eye, 3, params_->sort_key.eye);
-  std::copy_n(view.forward, 3, params_->sort_key.forward);
-  std::copy_n(view.eye, 3, params_->order_layers.eye);
-  std::copy_n(view.forward, 3, params_->order_layers.forward);
-  std::copy_n(view.eye, 3, params_->write_ribbons.eye);
-  std::copy_n(view.eye, 3, params_->select_fins.eye);
-  params_->collect_changes = {SwitchesOf(in.skip), changed};
+bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams& lod) {
+  FrameParams& to = params_[s];
+  const bool changed = Replace(to.select_lod, lod) || first_frame_;
+  const View& view = to.select_lod.view;
+  std::copy_n(view.eye, 3, to.sort_key.eye);
+  std::copy_n(view.forward, 3, to.sort_key.forward);
+  std::copy_n(view.eye, 3, to.order_layers.eye);
+  std::copy_n(view.forward, 3, to.order_layers.forward);
+  std::copy_n(view.eye, 3, to.write_ribbons.eye);
+  std::copy_n(view.eye, 3, to.select_fins.eye);
+  to.collect_changes = {SwitchesOf(in.skip), changed};
+  if (!origins_.empty())
+    for (uint32_t l = 0; l < shape().layer_count; ++l)
+      if (SetOf(l) == s) std::copy_n(view.eye, 3, memory_.Of<&Streams::layer_origins>(l)->eye);
   return changed;
 }
 
-void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
+void FurScene::FillParams(uint32_t s, const FrameInput& in, bool wind_blows) {
+  FrameParams& to = params_[s];
   SelectLodParams lod{};
-  lod.view = MakeView(in.camera);
+  lod.view = ViewFrom(s, in);
   lod.full_detail_pixels = in.lod.full_detail_px;
   lod.min_fraction = in.lod.min_fraction;
   lod.hysteresis = in.lod.hysteresis;
@@ -272,9 +319,9 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   lod.budget_scale =
       BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
                   {memory_.Of<&Streams::layers>(0), shape().layer_count}, in.lod.strand_budget);
-  const bool view_changed = FillView(in, lod);
-  std::copy_n(lod.view.eye, 3, params_->select_shells.eye);
-  params_->select_shells.all = in.skip.lod ? 0 : 1;
+  const bool view_changed = FillView(s, in, lod);
+  std::copy_n(lod.view.eye, 3, to.select_shells.eye);
+  to.select_shells.all = in.skip.lod ? 0 : 1;
 
   SimulateParams simulate{};
   simulate.dt = float(StepOf(in));
@@ -283,11 +330,18 @@ void FurScene::FillParams(const FrameInput& in, bool wind_blows) {
   if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
-  PlaceCapsules(in, memory_, pose_gate_, simulate);
-  const bool simulate_changed = Replace(params_->simulate, simulate);
+  PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
+  const bool simulate_changed = Replace(to.simulate, simulate);
 
-  if (wind_blows) params_->wind = MakeWindParams(in.wind, in.time_s);
-  params_->activate = {SwitchesOf(in.skip), simulate_changed, view_changed, first_frame_};
+  const bool apart = !origins_.empty();
+  if (wind_blows)
+    to.wind = apart ? MakeWindParams(in.wind, in.time_s, origins_[s].used)
+                    : MakeWindParams(in.wind, in.time_s);
+  // A character may stand still where its origin moves, and what is left out of a frame is told from
+  // last frame's.
+  const bool shifts = apart && (origins_[s].shifted || origins_[s].was_shifted);
+  const uint32_t kept = shifts ? ~uint32_t(kSwitchSleep | kSwitchSkipUnmoved) : ~0u;
+  to.activate = {SwitchesOf(in.skip) & kept, simulate_changed, view_changed, first_frame_};
 }
 
 bool FurScene::CopyStateFrom(const FurScene& other) {
@@ -299,7 +353,9 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   if (this == &other) return true;
   // Ranges lie back to back from the first stream on, in the same places of both blocks.
   std::memcpy(memory_.streams[0].base, other.memory_.streams[0].base, layout_.total_bytes);
-  *params_ = *other.params_;
+  params_ = other.params_;
+  given_origins_ = other.given_origins_;
+  origins_ = other.origins_;
   layer_params_ = other.layer_params_;
   modal_ = other.modal_;
   layer_length_max_ = other.layer_length_max_;
@@ -315,13 +371,13 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum = sizeof(FurScene) + sizeof(FrameParams) + bytes(shape.layer_character) +
-                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
-                 bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
-                 bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
-                 bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
-                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(draws_) + bytes(fault_) +
-                 pose_gate_.HeapBytes();
+  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(given_origins_) +
+                 bytes(origins_) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
+                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
+                 bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
+                 bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
+                 bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);
@@ -331,6 +387,10 @@ uint64_t FurScene::HeapBytes() const {
 std::span<const LayerDraw> FurScene::Draws() const {
   draws_.clear();
   if (phase_.IsDone()) FindDraws(memory_, options_.vertex_order, draws_);
+  for (LayerDraw& draw : draws_) {
+    const std::array<double, 3> origin = OriginOfLayer(draw.layer);
+    std::copy(origin.begin(), origin.end(), draw.origin);
+  }
   return draws_;
 }
 

@@ -12,6 +12,7 @@
 // twice, run twice, or begun while it runs) are refused too, on any thread, and change nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,7 @@
 #include "core/streams.hpp"
 #include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
+#include "jobs/origins.hpp"
 #include "jobs/pose_gate.hpp"
 #include "traces/digest.hpp"
 
@@ -46,6 +48,9 @@ struct SceneOptions {
   uint32_t piecewise_sort_chunks = 0;
   // Poses may come with velocities (FurScene::PoseRates); layers with the modal solver take them.
   bool velocities = false;
+  // Each character has an origin of its own (FurScene::Origin), which its pose, its state and what
+  // is drawn of it are relative to: as fine 10 km away as at the world's.
+  bool origins = false;
   // What the scene's block may have. A scene that needs more is refused when it is measured, with
   // the largest ranges and what would help. 0: no budget.
   uint64_t memory_budget_bytes = 0;
@@ -128,6 +133,20 @@ class FurScene {
     return memory_.Of<&Streams::pose_rates>(character);
   }
 
+  // What the pose is relative to, world, m; three of them, 0 at first. To be moved with the
+  // character, in every frame or now and then: what it moved by is part of the character's motion.
+  // Velocities (PoseRates) are the world's all the same. Null, unless the scene was made with
+  // SceneOptions::origins.
+  double* Origin(uint32_t character) {
+    return given_origins_.empty() ? nullptr : &given_origins_[3 * size_t(character)];
+  }
+
+  // What the places of a layer are relative to in the last frame begun, world, m: as LayerDraw has it.
+  std::array<double, 3> OriginOfLayer(uint32_t layer) const {
+    if (origins_.empty()) return {};
+    return std::to_array(origins_[layout_.shape.layer_character[layer]].used);
+  }
+
   // Fills every parameter of the frame, which must then be run, once. Returns null, or the reason
   // the frame must not run: what is not finite or out of range, and where; or that the last frame
   // was begun and not run, or is running. The scene is then as it was. The text lives until the
@@ -193,16 +212,29 @@ class FurScene {
   void CopyGrooms(std::span<const Groom* const> grooms);
   void FillFrame(const FrameInput& input);
   void FillPausedFrame(const FrameInput& input);
-  bool FillLights(const FrameInput& input);
-  void FillLayers(const FrameInput& input, bool wind_blows, bool relight);
-  void FillParams(const FrameInput& input, bool wind_blows);
-  bool FillView(const FrameInput& input, const SelectLodParams& lod);
+  // Of set `s` of parameters, for an input that is told from its characters' origin.
+  bool FillLights(uint32_t s, const FrameInput& input);
+  void FillParams(uint32_t s, const FrameInput& input, bool wind_blows);
+  bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
+  void FillLayers(const FrameInput& input, bool wind_blows);
+  // Calls fill(s, input) for each set, with the input as it is told there.
+  void ForEachSet(const FrameInput& input, auto&& fill);
+  View ViewFrom(uint32_t s, const FrameInput& input) const;
+  void FillOrigins();
+  // Which of them a layer's items take.
+  uint32_t SetOf(uint32_t layer) const {
+    return origins_.empty() ? 0 : layout_.shape.layer_character[layer];
+  }
 
   SceneOptions options_;
   SceneLayout layout_;
   std::optional<SceneBlock> own_block_;
   FrameMemory memory_;
-  std::unique_ptr<FrameParams> params_;
+  std::vector<FrameParams>
+      params_;                     // one for all characters, or, where they have origins, for each
+  std::vector<uint8_t> relights_;  // of each, in this frame: every lit layer is lit again
+  std::vector<double> given_origins_;     // of characters, three each; empty: they have none
+  std::vector<CharacterOrigin> origins_;  // likewise
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

@@ -14,12 +14,13 @@
 namespace pelt {
 namespace {
 
-void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks, bool velocities,
-               SceneShape& shape) {
+void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks,
+               const SceneOptions& options, SceneShape& shape) {
   for (const GroomLayer& layer : groom.layers) {
     uint32_t kind = LayerKind(layer.params);
     if (layer.chunk_count > piecewise_chunks) kind |= kLayerSortInPieces;
-    if (velocities && (kind & kLayerModal)) kind |= kLayerRates;
+    if (options.velocities && (kind & kLayerModal)) kind |= kLayerRates;
+    if (options.origins) kind |= kLayerApart;
     shape.AddLayer(character, kind, layer.chunk_count);
   }
 }
@@ -30,8 +31,7 @@ SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& opt
                              : options.plan.must_fit
                                  ? SortableChunks(options.plan.local_store_data_bytes)
                                  : ~0u;
-  for (uint32_t c = 0; c < grooms.size(); ++c)
-    AddLayers(*grooms[c], c, piecewise, options.velocities, shape);
+  for (uint32_t c = 0; c < grooms.size(); ++c) AddLayers(*grooms[c], c, piecewise, options, shape);
   shape.character_count = uint32_t(grooms.size());  // the last may have no layers
   return shape;
 }

@@ -114,7 +114,7 @@ void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32
       std::fill_n(buffer_->bytes + block->offset, block->bytes, kPoison);
   }
   std::memcpy(snapshot_.data(), buffer_->bytes, top_);
-  stage.kernel.run(stage.params, bindings);
+  stage.kernel.run(ParamsOf(stage, *frame.memory, item), bindings);
 
   for (Resident& block : resident_) {
     if (!block.writable) {

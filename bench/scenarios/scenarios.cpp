@@ -310,6 +310,23 @@ uint64_t Scenario::StrandCount() const {
   return strands;
 }
 
+// In steps that floats have exactly, and not those of the character.
+glm::dvec3 Scenario::OriginOf(uint32_t actor, uint32_t frame) const {
+  const double walked = 0.03125 * double(std::min(frame, rest_from_frame) % 64u);
+  return place + glm::dvec3(0.25 * double(actor) + walked, 0.125, -2.0 * walked);
+}
+
+// What is not a pose, where the scenario is.
+void Scenario::Place() {
+  if (origins) return (void)std::copy_n(&place[0], 3, input_.origin);
+  const Offset offset{{-place[0], -place[1], -place[2]}};
+  MovePlaces(offset, input_);
+  for (int c = 0; c < 3; ++c) {
+    input_.camera.target[c] = offset.Place(input_.camera.target[c], c);
+    input_.camera.position[c] = offset.Place(input_.camera.position[c], c);
+  }
+}
+
 const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   const double time_s = std::min(frame, rest_from_frame) * dt_s;
   for (uint32_t a = 0; a < actors.size(); ++a) {
@@ -319,6 +336,14 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
     glm::mat4 placement = actor.placement;
     if (actor.teleport_frame >= 0 && int32_t(frame) >= actor.teleport_frame)
       placement[3] += glm::vec4(actor.teleport_by, 0.0f);
+    glm::dvec3 from(0.0);
+    if (double* origin = origins ? scene.Origin(a) : nullptr) {
+      from = OriginOf(a, frame);
+      std::copy_n(&from[0], 3, origin);
+    }
+    for (int c = 0; c < 3; ++c)
+      if (place[c] != from[c])
+        placement[3][c] = float(double(placement[3][c]) + (place[c] - from[c]));
     PoseBlock& pose = scene.Pose(a);
     FillPose(character.skeleton, clip, time_s + actor.phase_s, true,
              PlaceCharacter(placement, actor.unit_scale), &pose);
@@ -360,11 +385,13 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
     weather_[a].dirt = float(weather_course.dirt * share * actors[a].weather_share);
   }
   input_.weather = weather_;
+  if (place != glm::dvec3(0.0)) Place();
   return input_;
 }
 
 RunningScenario::RunningScenario(Scenario& scenario, SceneOptions options) : scenario_(scenario) {
   options.velocities |= scenario.velocities;
+  options.origins |= scenario.origins;
   scene_ = FurScene::Create(scenario.ActorGrooms(), options).OrThrow();
 }
 

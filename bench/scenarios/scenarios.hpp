@@ -98,6 +98,9 @@ struct Scenario {
   std::vector<CapsuleCollider> capsules;  // at most kCapsulesPerScene
   WeatherCourse weather_course;
   bool velocities = false;  // poses come with those of their clips (SceneOptions::velocities)
+  // Every character has an origin near it (SceneOptions::origins), which goes its own way.
+  bool origins = false;
+  glm::dvec3 place{0.0};  // where all of it is in the world, m
   // From this frame on nothing moves and no wind blows, though time goes on.
   uint32_t rest_from_frame = ~0u;
   FrameInput base;  // what does not change from frame to frame
@@ -114,6 +117,10 @@ struct Scenario {
   const FrameInput& PrepareFrame(uint32_t frame, FurScene& scene);
 
  private:
+  // Where character `actor`'s pose is told from in a frame.
+  glm::dvec3 OriginOf(uint32_t actor, uint32_t frame) const;
+  void Place();
+
   FrameInput input_;
   std::vector<Weather> weather_;
 };

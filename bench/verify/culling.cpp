@@ -194,6 +194,7 @@ class CullingCheck {
     if (!IsVisible(scene, layer)) return;  // switched off, or without strands
     const SceneShape& shape = scene.shape();
     const float reach = scene.memory().Of<&Streams::layers>(layer)->length_max;
+    const std::array<double, 3> from = scene.OriginOfLayer(layer);
     if (shape.layer_kind[layer] & kLayerShells) return ForEachShellPoint(layer, visit);
     const bool five = shape.layer_kind[layer] & kLayerFivePoints;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
@@ -211,6 +212,7 @@ class CullingCheck {
                              : five     ? five_points->position[p - 1][axis][s]
                                         : four_points->position[p - 1][axis][s];
             away2 += (double(point.at[axis]) - root) * (double(point.at[axis]) - root);
+            point.at[axis] = float(point.at[axis] + from[size_t(axis)]);
           }
           if (away2 < double(reach) * reach && visit(point)) return;
         }
@@ -222,6 +224,7 @@ class CullingCheck {
   void ForEachShellPoint(uint32_t layer, Visit visit) {
     const FurScene& scene = seen_.scene();
     const SceneShape& shape = scene.shape();
+    const std::array<double, 3> from = scene.OriginOfLayer(layer);
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(c);
       const uint32_t count = scene.memory().Of<&Streams::chunk_state>(c)->live_vertices;
@@ -231,7 +234,8 @@ class CullingCheck {
           Point point{c, v, p, {}};
           for (int axis = 0; axis < 3; ++axis)
             point.at[axis] =
-                vertex.position[axis] + float(p) * (vertex.groom[axis] + vertex.force[axis]);
+                float(vertex.position[axis] + float(p) * (vertex.groom[axis] + vertex.force[axis]) +
+                      from[size_t(axis)]);
           if (visit(point)) return;
         }
     }

@@ -134,7 +134,7 @@ void GuardedExecutor::RunStage(const Frame& frame, const Stage& stage, uint32_t 
     Binding bindings[kMaxPorts];
     for (size_t p = 0; p < ports; ++p)
       bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
-    GuardedPages::Call(stage.kernel.run, stage.params, bindings);
+    GuardedPages::Call(stage.kernel.run, ParamsOf(stage, *frame.memory, item), bindings);
   }
   arena_->pages.CloseAll();
 }
@@ -172,7 +172,7 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
   GuardedPages::Stop stop;
   {
     const FloatEnvironment float_environment;
-    stop = GuardedPages::Call(stage.kernel.run, stage.params, bindings);
+    stop = GuardedPages::Call(stage.kernel.run, ParamsOf(stage, *frame.memory, item), bindings);
   }
   if (!stop.stopped) return CheckSlack(frame, stage, item, run);
 

@@ -19,9 +19,9 @@ namespace {
 // A number added to what a frame is told is listed in input_fields.hpp or below, or this does not
 // compile.
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
-  [[maybe_unused]] const auto& [dt, time, camera, wind, gravity, use_ground, ground, spheres,
-                                sphere, capsules, capsule, weather, lighting, brushes, brush, lod,
-                                skip] = in;
+  [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,
+                                spheres, sphere, capsules, capsule, weather, lighting, brushes,
+                                brush, lod, skip] = in;
   [[maybe_unused]] const auto& [centre, brush_radius, hardness, channel, amount] = brush[0];
   [[maybe_unused]] const auto& [from, to, radius, character, joint] = capsule[0];
   [[maybe_unused]] const auto& [lights, samples, light, sample, sun, sun_rgb, rim, rim_rgb,

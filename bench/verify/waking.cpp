@@ -296,10 +296,15 @@ void AddTouchingColliders(Scenario& scenario, uint32_t rest_frames) {
       const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
       const auto* five = scene.memory().Of<&Streams::strand_points5>(chunk);
       const auto* four = scene.memory().Of<&Streams::strand_points4>(chunk);
+      const std::array<double, 3> from = scene.OriginOfLayer(l);
+      const auto tip_of = [&](int axis) {
+        const float tip = five ? five->position[3][axis][0] : four->position[2][axis][0];
+        return float(tip + from[size_t(axis)]);
+      };
       MovingSphere sphere;
       sphere.radius = 0.5f * layer.length_max;
       for (int axis = 0; axis < 3; ++axis) {
-        const float tip = five ? five->position[3][axis][0] : four->position[2][axis][0];
+        const float tip = tip_of(axis);
         sphere.centre[axis] = tip + 0.6f * sphere.radius * roots.normal[axis][0];
       }
       scenario.spheres.push_back(sphere);
@@ -307,7 +312,7 @@ void AddTouchingColliders(Scenario& scenario, uint32_t rest_frames) {
       CapsuleCollider capsule;
       capsule.radius = 0.5f * sphere.radius;
       for (int axis = 0; axis < 3; ++axis) {
-        const float tip = five ? five->position[3][axis][0] : four->position[2][axis][0];
+        const float tip = tip_of(axis);
         const float across = 1.5f * sphere.radius * roots.tangent[axis][0];
         capsule.from[axis] = tip - across;
         capsule.to[axis] = tip + across;

@@ -51,6 +51,14 @@ bool IsRelit(const FrameMemory& memory, const ItemPlace& place) {
          std::ranges::any_of(palette.moved, [](uint32_t joints) { return joints != 0; });
 }
 
+bool IsShifted(const FrameMemory& memory, const ItemPlace& place) {
+  const uint32_t layer = place.first[size_t(Domain::kLayer)];
+  const uint32_t flags =
+      memory.Of<&Streams::chunk_state>(place.first[size_t(Domain::kChunk)])->flags;
+  return (flags & kChunkVisible) && !(flags & kChunkRestart) &&
+         memory.Of<&Streams::layer_origins>(layer)->shifted != 0;
+}
+
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place) {
   return memory.Of<&Streams::layer_sort>(place.first[size_t(Domain::kLayer)])->keys_changed != 0;
 }

@@ -15,6 +15,7 @@ bool IsLookedAt(const FrameMemory& memory, const ItemPlace& place);
 bool HasPoseRates(const FrameMemory& memory, const ItemPlace& place);
 bool HasRootRates(const FrameMemory& memory, const ItemPlace& place);
 bool IsRelit(const FrameMemory& memory, const ItemPlace& place);
+bool IsShifted(const FrameMemory& memory, const ItemPlace& place);
 bool IsResorted(const FrameMemory& memory, const ItemPlace& place);
 bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place);
 
@@ -25,6 +26,11 @@ inline constexpr Condition kWithFlags{
 inline constexpr Gate kAlways{};
 inline constexpr Gate kPosed{.frame = FrameGate::kNotHeld};
 inline constexpr Gate kSkinned{kWithFlags<kChunkSkin>};
+// Skinned or simulated from what the last frame left, and the character's origin moved.
+inline constexpr Gate kShifted{
+    {&IsShifted,
+     Domain::kChunk,
+     {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layer_origins>}}};
 inline constexpr Gate kSimulated{kWithFlags<kChunkSimulate>};
 inline constexpr Gate kBlown{
     // simulated, and wind blows

@@ -24,6 +24,7 @@
 #include "core/kernels/select_lod.hpp"
 #include "core/kernels/select_shells.hpp"
 #include "core/kernels/shell_force.hpp"
+#include "core/kernels/shift_origin.hpp"
 #include "core/kernels/simulate_modal.hpp"
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/simulate_verlet.hpp"
@@ -50,6 +51,8 @@ using namespace frame_gates;
 // Kinds a stage's streams do not tell apart.
 constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
 constexpr KindMask kUnrated{0, kLayerRates};
+constexpr KindMask kTogether{0, kLayerApart}, kModalChains{kLayerModal, 0},
+    kModalStrands{kLayerModal, kLayerVertexChains};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
 constexpr KindMask kUnpainted{0, kLayerPainted};
 constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
@@ -83,6 +86,13 @@ constexpr FrameRow kRows[] = {
 
     // A chunk from mesh to strands: nothing outside it but the pose.
     Row<Activate<V>>(kChunk, kAlways),
+    Row<ShiftSkin<V>>(kChunk, kShifted),
+    Row<ShiftChains<V, 4, true>>(kChunk, kShifted),
+    Row<ShiftChains<V, 4, false>>(kChunk, kShifted),
+    Row<ShiftChains<V, 5, false>>(kChunk, kShifted),
+    Row<ShiftModal<V, 4, true>>(kChunk, kShifted, kModalChains),
+    Row<ShiftModal<V, 4, false>>(kChunk, kShifted, kModalStrands),
+    Row<ShiftModal<V, 5, false>>(kChunk, kShifted, kModalStrands),
     Row<Skin<V>>(kChunk, kSkinned),
     Row<Anchors<V>>(kChunk, kSkinned),
     Row<Roots<V>>(kChunk, kSkinned),
@@ -129,7 +139,8 @@ constexpr FrameRow kRows[] = {
     Row<SortCount<V, 3>>(kChunk, kResorted, kPieces),
     Row<SortOffsets<V, 3>>(kLayer, kResorted, kPieces),
     Row<SortScatter<V, 3>>(kChunk, kResorted, kPieces),
-    Row<OrderLayers<V>>(kScene, kCollected),
+    Row<OrderLayers<V>>(kScene, kCollected, kTogether),
+    Row<OrderLayersApart<V>>(kScene, kCollected),
 
     // Vertices, in pieces of a chunk's size.
     Row<WriteInstances<V>>(kChunk, kRedrawn, {}, VertexOrder::kSorted),

@@ -41,12 +41,12 @@ struct OrderLayers {
   };
 
   // Ascending key: ascending bias, then descending depth.
-  static PELT_INLINE uint64_t MakeKey(const Params& p, const LayerBlock& layer,
-                                      const BoundsBlock& box) {
+  static PELT_INLINE uint64_t MakeKey(const float (&eye)[3], const Params& p,
+                                      const LayerBlock& layer, const BoundsBlock& box) {
     float depth = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const float centre = 0.5f * box.low[axis] + 0.5f * box.high[axis];
-      depth = depth + (centre - p.eye[axis]) * p.forward[axis];
+      depth = depth + (centre - eye[axis]) * p.forward[axis];
     }
     const uint32_t bias = ~uint32_t(FarToNearKey(V(layer.sort_bias))[0]);
     return uint64_t(bias) << 32 | uint32_t(FarToNearKey(V(depth))[0]);
@@ -64,11 +64,17 @@ struct OrderLayers {
   }
 
   static void Run(const Params& p, const Ports& ports) {
+    RunFrom(p, ports, [&](uint32_t) -> const float(&)[3] { return p.eye; });
+  }
+
+  // eye_of(layer): where the eye is, told as the layer's bounds are.
+  template <class EyeOf>
+  static PELT_INLINE void RunFrom(const Params& p, const auto& ports, const EyeOf& eye_of) {
     Entry a[kLayersPerScene], b[kLayersPerScene];
     uint32_t count = 0;
     for (uint32_t l = 0; l < ports.layers.count && l < kLayersPerScene; ++l)
       if (ports.lod[l].visible != 0 && ports.sort[l].visible_count > 0)
-        a[count++] = {MakeKey(p, ports.layers[l], ports.bounds[l]), l};
+        a[count++] = {MakeKey(eye_of(l), p, ports.layers[l], ports.bounds[l]), l};
 
     Entry* from = a;
     Entry* to = b;
@@ -85,6 +91,26 @@ struct OrderLayers {
     for (uint32_t i = 0; i < kLayersPerScene; ++i)
       ports.list->layer[i] = i < count ? from[i].layer : kNoLayer;
     ports.list->count = count;
+  }
+};
+
+// The same for characters with origins of their own, from each of which the eye is elsewhere.
+template <class V>
+struct OrderLayersApart {
+  static constexpr std::string_view kName = "order_layers_apart";
+  using Params = OrderLayersParams;
+  struct Ports {
+    All<&Streams::layers> layers;
+    All<&Streams::bounds> bounds;
+    All<&Streams::lod> lod;
+    All<&Streams::layer_sort> sort;
+    All<&Streams::layer_origins> origins;
+    Out<&Streams::draw_list> list;
+  };
+
+  static void Run(const Params& p, const Ports& ports) {
+    OrderLayers<V>::RunFrom(p, ports,
+                            [&](uint32_t l) -> const float(&)[3] { return ports.origins[l].eye; });
   }
 };
 

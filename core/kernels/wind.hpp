@@ -29,7 +29,9 @@ struct WindParams {
 // Wind of the moment `time_s` (0 or later), in core/wind_setup.cpp. Exact for weeks: phases are
 // wrapped in double. Still air (velocity and turbulence 0) is all zeros. The noise travels at the
 // mean velocity, so a change of velocity in mid-run makes it jump; gusts do not.
-WindParams MakeWindParams(const WindSetup& setup, double time_s);
+// `origin`: of the places it is asked at, world, m.
+WindParams MakeWindParams(const WindSetup& setup, double time_s,
+                          const double (&origin)[3] = {0.0, 0.0, 0.0});
 
 // Lanes are mesh vertices with kVertexChains, strands otherwise.
 template <class V, bool kVertexChains>

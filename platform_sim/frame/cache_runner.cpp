@@ -26,7 +26,7 @@ class CacheRunner final : public ItemRunner {
         bindings[p] = BindPort(stage.kernel.ports[p], *frame.memory, stage.domain, item);
         TouchPort(*frame.memory, stage.kernel.ports[p], bindings[p], work);
       }
-      stage.kernel.run(stage.params, bindings);
+      stage.kernel.run(ParamsOf(stage, *frame.memory, item), bindings);
     }
     Shape(work);
   }

@@ -39,7 +39,8 @@ Result<> RecordStage(const Frame& frame, uint32_t stage_index, uint32_t item,
     return Failure{
         Format("stage {}: there is no recording kernel of this name", stage.kernel.name)};
   const FrameMemory& memory = *frame.memory;
-  bool fits = recorder.AddBlock(stage.params, stage.kernel.params_bytes);
+  const void* const params = ParamsOf(stage, memory, item);
+  bool fits = recorder.AddBlock(params, stage.kernel.params_bytes);
   Binding bindings[kMaxPorts];
   for (size_t p = 0; p < stage.kernel.ports.size(); ++p) {
     const PortDesc& port = stage.kernel.ports[p];
@@ -51,7 +52,7 @@ Result<> RecordStage(const Frame& frame, uint32_t stage_index, uint32_t item,
                           stage.kernel.name, item)};
   const FloatEnvironment float_environment;
   const RecorderScope recording(recorder);
-  kernel->run(stage.params, bindings);
+  kernel->run(params, bindings);
   return Done{};
 }
 
