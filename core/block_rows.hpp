@@ -204,6 +204,9 @@ inline constexpr auto kBlockMembers<ShellLodBlock> = std::tuple{
     PELT_MEMBER(ShellLodBlock, count),
     PELT_MEMBER(ShellLodBlock, texture_repeat)};
 template <>
+inline constexpr auto kBlockMembers<DownBlock> = std::tuple{
+    PELT_MEMBER(DownBlock, down).Within(-1.01f, 1.01f)};
+template <>
 inline constexpr auto kBlockMembers<FinEdgeBlock> = std::tuple{PELT_MEMBER(FinEdgeBlock, owned)};
 template <>
 inline constexpr auto kBlockMembers<FinBlock> = std::tuple{PELT_MEMBER(FinBlock, fade)};

@@ -138,15 +138,16 @@ enum LayerFlag : uint32_t {
   kLayerFins = 1u << 17,        // has fins on its edges; only with kLayerShells
   kLayerRates = 1u << 18,       // modal, and has a RootRateBlock
   kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
+  kLayerSagFree = 1u << 20,     // modal, and has a DownBlock
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
-inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints | kLayerVerlet |
-                                            kLayerModal | kLayerOutputFlags | kLayerLit |
-                                            kLayerPainted | kLayerFins | kLayerRates | kLayerApart;
+inline constexpr uint32_t kLayerKindFlags =
+    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerModal | kLayerOutputFlags |
+    kLayerLit | kLayerPainted | kLayerFins | kLayerRates | kLayerSagFree | kLayerApart;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 
@@ -160,7 +161,10 @@ PELT_BLOCK LayerBlock {
   float bounce;         // share of the normal velocity returned by a contact
   float velocity_keep;  // exp(-velocity_damping * dt): share of a point's velocity kept this frame
   float motion_follow;  // share of the root's motion given to the points directly (motion damping)
-  float segment_hardness;  // share of a segment's length error removed per iteration
+  union {
+    float segment_hardness;  // share of a segment's length error removed per iteration
+    float rest_gravity;  // kLayerSagFree: dry weight * gravity that the groom rests under, m/s^2
+  };
   float angular_middle;    // share of the angle to the rest direction removed per iteration: inner
                            // joints
   float angular_end;       // the same at the last joint
@@ -285,6 +289,10 @@ PELT_BLOCK RestBlock {
   float strength[kStrandsPerChunk];  // simulation strength: 0 follows the skin rigidly, 1 fully
                                      // simulated
 };
+
+// Of layers that are sag-free, whose groomed shape is where their chains rest under gravity: which
+// way is down at each chain's root in the rest pose, in its root frame; unit.
+PELT_BLOCK DownBlock { float down[3][kStrandsPerChunk]; };
 
 // ---- Chunk, every frame -------------------------------------------------------------------------
 

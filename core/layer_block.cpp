@@ -47,6 +47,7 @@ uint32_t LayerKind(const LayerParams& p) {
   const bool solved = p.output != Output::kShells;  // shells are bent, without a state
   if (solved && p.solver == Solver::kVerlet) kind |= kLayerVerlet;
   if (solved && p.solver == Solver::kModal) kind |= kLayerModal;
+  if (p.sag_free && (kind & kLayerModal)) kind |= kLayerSagFree;
   if (p.lit) kind |= kLayerLit;
   if (p.painted) kind |= kLayerPainted;
   if (p.fins) kind |= kLayerFins;
@@ -66,6 +67,11 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   });
   const float weight = params.weight * Mix(1.0f, params.wet_weight, wet);
   for (int k = 0; k < 3; ++k) b.gravity[k] = weight * gravity[k];
+  if (LayerKind(params) & kLayerSagFree) {
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) square += double(gravity[k]) * double(gravity[k]);
+    b.rest_gravity = float(double(params.weight) * std::sqrt(square));
+  }
   b.velocity_keep = float(exact::Exp(
       -double(params.velocity_damping > 0 ? params.velocity_damping : 0.0f) * double(dt)));
   // Water closes a share of what is left to a full clump.
@@ -106,7 +112,7 @@ ShellLayerBlock FillShellLayer(const LayerParams& params) {
   return b;
 }
 
-RodMaterial LayerRod(const LayerParams& params, const Weather& weather) {
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool curled) {
   const uint32_t links = params.points - 1;
   const double dry =
       params.frequency_hz > 0.0f
@@ -115,7 +121,8 @@ RodMaterial LayerRod(const LayerParams& params, const Weather& weather) {
                                 Saturate(params.angular_hardness_end), params.iterations);
   const double drag = params.velocity_damping > 0.0f ? double(params.velocity_damping) : 0.0;
   return {links, dry * std::sqrt(double(StiffnessLeft(params, weather))),
-          double(params.damping_ratio), drag};
+          double(params.damping_ratio), drag,
+          curled && params.curl_follows == CurlFollows::kParent};
 }
 
 }  // namespace pelt

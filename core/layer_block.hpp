@@ -33,7 +33,9 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
 // Of a layer with output = "shells".
 ShellLayerBlock FillShellLayer(const LayerParams& params);
 
-// What the strands of a layer with the modal solver are made of. Wetness takes stiffness.
-RodMaterial LayerRod(const LayerParams& params, const Weather& weather);
+// What the strands of a layer with the modal solver are made of. Wetness takes stiffness. `curled`:
+// some of them rest bent (HasCurl); where none does, both models of a curl are one, and the dear one
+// is left out.
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool curled);
 
 }  // namespace pelt

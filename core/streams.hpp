@@ -34,7 +34,7 @@ inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibb
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
     kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0},
-    kRated{kModal | kLayerRates, 0}, kApart{kLayerApart, 0};
+    kRated{kModal | kLayerRates, 0}, kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -130,6 +130,8 @@ struct Streams {
   StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveChains, kRated};
   // Of scenes whose characters have origins of their own.
   StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart};
+  // Of sag-free layers.
+  StreamRow<DownBlock> rest_down{"rest_down", kChunk, kInput, kAll, kHeld};
 };
 
 }  // namespace streams_detail

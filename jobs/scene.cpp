@@ -12,6 +12,7 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
+#include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/input_check.hpp"
@@ -131,7 +132,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
     *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
-    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0;
+    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0, rest_down = 0;
     for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
       const GroomLayer& layer = groom.layers[l];
       *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
@@ -141,6 +142,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       layer_length_max_.push_back(layer.length_max);
       layer_strands_.push_back(layer.strand_count);
       layer_simulates_.push_back(0);
+      layer_curled_.push_back(0);
       const bool shells = layer.params.output == Output::kShells;
       if (shells) *memory_.Of<&Streams::shell_layers>(layer_index) = FillShellLayer(layer.params);
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
@@ -150,24 +152,27 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
           *memory_.Of<&Streams::strand_uv>(chunk) = groom.strand_uv[layer.first_chunk + i];
         const bool on_vertices = layer.params.chain == ChainKind::kVertex;
         const float* strength = nullptr;
-        if (on_vertices) {
-          auto& rest = *memory_.Of<&Streams::vertex_rest>(chunk);
-          rest = groom.vertex_rest[vertex_rest++];
-          strength = rest.strength;
-        }
+        bool curled = false;  // of the chains that are simulated
+        const auto take = [&](auto& to, const auto& from, bool simulated) {
+          to = from;
+          strength = to.strength;
+          if (simulated && !layer_curled_[layer_index]) curled = HasCurl(to);
+        };
+        if (on_vertices)
+          take(*memory_.Of<&Streams::vertex_rest>(chunk), groom.vertex_rest[vertex_rest++], true);
         if (shells) {
           *memory_.Of<&Streams::shell_skin>(chunk) = groom.shell_skin[shell_skin++];
           if (layer.params.fins)
             *memory_.Of<&Streams::fin_edges>(chunk) = groom.fin_edges[fin_edges++];
         } else if (layer.params.points == 5) {
-          auto& rest = *memory_.Of<&Streams::strand_rest5>(chunk);
-          rest = groom.strand_rest5[rest5++];
-          strength = rest.strength;
+          take(*memory_.Of<&Streams::strand_rest5>(chunk), groom.strand_rest5[rest5++], true);
         } else {
-          auto& rest = *memory_.Of<&Streams::strand_rest4>(chunk);
-          rest = groom.strand_rest4[rest4++];
-          strength = rest.strength;
+          take(*memory_.Of<&Streams::strand_rest4>(chunk), groom.strand_rest4[rest4++],
+               !on_vertices);
         }
+        layer_curled_[layer_index] |= curled;
+        if (layer.params.sag_free)
+          *memory_.Of<&Streams::rest_down>(chunk) = groom.rest_down[rest_down++];
         layer_simulates_[layer_index] |=
             std::any_of(strength, strength + kStrandsPerChunk, [](float s) { return s > 0.0f; });
       }
@@ -282,8 +287,9 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     }
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
-      if (modal_[l].Advance(LayerRod(layer_params_[l], weather), layer_params_[l].quality, dt_s,
-                            rates, {modal_.data(), l}, tables, tables + l))
+      if (modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
+                            layer_params_[l].quality, dt_s, rates, {modal_.data(), l}, tables,
+                            tables + l))
         block.changed = 1;
     }
   }
@@ -361,6 +367,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   layer_length_max_ = other.layer_length_max_;
   layer_strands_ = other.layer_strands_;
   layer_simulates_ = other.layer_simulates_;
+  layer_curled_ = other.layer_curled_;
   pose_gate_.CopyStateFrom(other.pose_gate_);
   memory_.paused = other.memory_.paused;
   first_frame_ = other.first_frame_;
@@ -377,6 +384,7 @@ uint64_t FurScene::HeapBytes() const {
                  bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
                  bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
                  bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
+                 bytes(layer_curled_) +
                  bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);

@@ -242,6 +242,7 @@ class FurScene {
   std::vector<float> layer_length_max_;
   std::vector<uint32_t> layer_strands_;
   std::vector<uint8_t> layer_simulates_;
+  std::vector<uint8_t> layer_curled_;  // some chain rests bent
   PoseGate pose_gate_;
   mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;

@@ -11,14 +11,17 @@ constexpr float kDenormal = 1.0e-40f;
 
 // Where a layer's rest blocks begin in the groom's arrays.
 struct RestPlace {
-  size_t vertex = 0, strand4 = 0, strand5 = 0, shells = 0, fins = 0;
+  size_t vertex = 0, strand4 = 0, strand5 = 0, shells = 0, fins = 0, downs = 0;
 };
 
 // What one chunk of the layer has in each.
 RestPlace RestOf(const LayerParams& params) {
   if (params.output == Output::kShells) return {1, 0, 0, 1, params.fins ? size_t(1) : 0};
-  if (params.chain == ChainKind::kVertex) return {1, 1, 0};
-  return params.points == 5 ? RestPlace{0, 0, 1} : RestPlace{0, 1, 0};
+  RestPlace one{0, 1, 0};
+  if (params.points == 5) one = {0, 0, 1};
+  if (params.chain == ChainKind::kVertex) one.vertex = 1;
+  one.downs = params.sag_free ? 1 : 0;
+  return one;
 }
 
 std::vector<RestPlace> FindRest(const Groom& groom) {
@@ -32,6 +35,7 @@ std::vector<RestPlace> FindRest(const Groom& groom) {
     at.strand5 += layer.chunk_count * one.strand5;
     at.shells += layer.chunk_count * one.shells;
     at.fins += layer.chunk_count * one.fins;
+    at.downs += layer.chunk_count * one.downs;
   }
   return places;
 }
@@ -61,6 +65,7 @@ Groom TakeLayers(const Groom& from, const std::vector<size_t>& layers) {
     Append(groom.strand_rest5, from.strand_rest5, rest[l].strand5, chunks * one.strand5);
     Append(groom.shell_skin, from.shell_skin, rest[l].shells, chunks * one.shells);
     Append(groom.fin_edges, from.fin_edges, rest[l].fins, chunks * one.fins);
+    Append(groom.rest_down, from.rest_down, rest[l].downs, chunks * one.downs);
     layer.first_chunk = uint32_t(groom.mesh.size()) - chunks;
     groom.layers.push_back(layer);
     groom.layer_joints.push_back(from.layer_joints[l]);

@@ -178,6 +178,18 @@ void FillVertexRest(const LayerBake& bake, const Patch& patch, RestBlock<4>& blo
   }
 }
 
+void FillRestDown(const LayerBake& bake, const Patch& patch, DownBlock& block) {
+  const bool on_vertices = bake.layer.params.chain == ChainKind::kVertex;
+  const uint32_t count = uint32_t(on_vertices ? patch.vertices.size() : patch.strands.size());
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, count);
+    const glm::dvec3 down = on_vertices
+                                ? bake.vertices[patch.vertices[source]].down
+                                : bake.strands[patch.strands[source]].frame.ToFrame(kRestDown);
+    for (int axis = 0; axis < 3; ++axis) block.down[axis][lane] = float(down[axis]);
+  }
+}
+
 void FillShellSkin(const LayerBake& bake, const Patch& patch, ShellSkinBlock& block) {
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const uint32_t v = patch.vertices[SourceLane(lane, uint32_t(patch.vertices.size()))];
@@ -272,6 +284,7 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
     } else {
       FillStrandRest(bake, patch, groom.strand_rest4.emplace_back());
     }
+    if (layer.params.sag_free) FillRestDown(bake, patch, groom.rest_down.emplace_back());
     for (const uint32_t v : patch.vertices) boxes.Add(bake, v);
   }
   groom.layer_joints.push_back(boxes.Make());

@@ -21,7 +21,7 @@ struct GroomLayer {
 // Chunks of a layer are contiguous; layers are in setup order. Chunk c of the groom has mesh[c],
 // strands[c], strand_uv[c]; a chunk of a vertex-chain layer has vertex_rest and strand_rest4, of a 4-point
 // strand-chain layer strand_rest4, of a 5-point one strand_rest5; a chunk of shells has vertex_rest
-// and shell_skin alone, and with fins fin_edges. Those arrays hold the chunks that need them, in chunk order.
+// and shell_skin alone, and with fins fin_edges; a chunk of a sag-free layer has rest_down. Those arrays hold the chunks that need them, in chunk order.
 struct Groom {
   float unit_scale = 1.0f;
   uint32_t joint_count = 0;
@@ -37,6 +37,7 @@ struct Groom {
   std::vector<RestBlock<5>> strand_rest5;
   std::vector<ShellSkinBlock> shell_skin;
   std::vector<FinEdgeBlock> fin_edges;
+  std::vector<DownBlock> rest_down;
 };
 
 }  // namespace pelt

@@ -133,6 +133,7 @@ class Checker {
   template <class T>
   [[nodiscard]] bool CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes);
   [[nodiscard]] bool CheckFinEdges(size_t index, uint32_t strands);
+  [[nodiscard]] bool CheckRestDown(size_t index, uint32_t lanes);
   size_t CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const;
 
   const Groom& groom_;
@@ -143,6 +144,7 @@ class Checker {
 bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
 bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
 bool HasFins(const LayerParams& p) { return p.fins; }
+bool HasRestDown(const LayerParams& p) { return p.sag_free; }
 bool HasStrandRest4(const LayerParams& p) { return p.points == 4 && !HasShells(p); }
 bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
 
@@ -192,6 +194,7 @@ bool Checker::CheckLayout() {
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
   uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0;
+  uint64_t rest_down = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -212,6 +215,7 @@ bool Checker::CheckLayout() {
     if (HasStrandRest5(layer.params)) rest5 += layer.chunk_count;
     if (HasShells(layer.params)) shell_skin += layer.chunk_count;
     if (HasFins(layer.params)) fin_edges += layer.chunk_count;
+    if (HasRestDown(layer.params)) rest_down += layer.chunk_count;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
@@ -221,7 +225,7 @@ bool Checker::CheckLayout() {
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
          expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
          expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin) &&
-         expect(groom_.fin_edges, fin_edges);
+         expect(groom_.fin_edges, fin_edges) && expect(groom_.rest_down, rest_down);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
@@ -245,6 +249,7 @@ bool Checker::CheckLayer(size_t index) {
   size_t rest5 = CountBefore(layer.first_chunk, HasStrandRest5);
   size_t shell_skin = CountBefore(layer.first_chunk, HasShells);
   size_t fin_edges = CountBefore(layer.first_chunk, HasFins);
+  size_t rest_down = CountBefore(layer.first_chunk, HasRestDown);
   for (uint32_t c = 0; c < layer.chunk_count; ++c) {
     const size_t chunk = layer.first_chunk + c;
     const StrandBlock& block = groom_.strands[chunk];
@@ -270,6 +275,10 @@ bool Checker::CheckLayer(size_t index) {
       return false;
     if (HasShells(layer.params) && !CheckBounds(groom_.shell_skin, shell_skin++)) return false;
     if (HasFins(layer.params) && !CheckFinEdges(fin_edges++, block.strand_count)) return false;
+    if (HasRestDown(layer.params) &&
+        !CheckRestDown(rest_down++,
+                       HasVertexRest(layer.params) ? block.vertex_count : block.strand_count))
+      return false;
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }
@@ -440,6 +449,18 @@ bool Checker::CheckFinEdges(size_t index, uint32_t strands) {
                   Format("{:#x}: three bytes of 0 or 255 are allowed", owned));
     if (t >= strands && owned != 0)
       return Fail(groom_.fin_edges, index, &owned, "no triangle has these edges");
+  }
+  return true;
+}
+
+bool Checker::CheckRestDown(size_t index, uint32_t count) {
+  const DownBlock& block = groom_.rest_down[index];
+  if (!CheckBounds(groom_.rest_down, index)) return false;
+  for (uint32_t i = 0; i < RoundUpToLaneGroups(count); ++i) {
+    float square = 0.0f;
+    for (const auto& row : block.down) square += row[i] * row[i];
+    if (!(std::fabs(square - 1.0f) < kUnitTolerance))
+      return Fail(groom_.rest_down, index, &block.down[0][i], "not a direction of length 1");
   }
   return true;
 }

@@ -25,7 +25,7 @@
 
 namespace pelt {
 
-inline constexpr uint32_t kGroomVersion = 5;
+inline constexpr uint32_t kGroomVersion = 6;
 
 // The text of every failure is "groom 'name': section 'mesh', byte 1234: reason"; the byte counts
 // from the start of the file.

@@ -34,6 +34,12 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.max_distance > 0.0f && params.solver != Solver::kModal) {
     return BadKey{"max_distance", "only solver = \"modal\" keeps it"};
   }
+  if (params.sag_free && params.solver != Solver::kModal) {
+    return BadKey{"sag_free", "only solver = \"modal\" holds a groom up"};
+  }
+  if (params.sag_free && params.output == Output::kShells) {
+    return BadKey{"sag_free", "shells have no chains to hold up"};
+  }
   if (params.output == Output::kShells && params.chain != ChainKind::kVertex) {
     return BadKey{"output", "shells stand on mesh vertices: chain = \"vertex\""};
   }

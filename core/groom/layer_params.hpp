@@ -30,6 +30,8 @@ inline constexpr float kLeastMaxDistance = 0.05f;
 
 enum class Solver : uint8_t { kPbd, kVerlet, kModal };
 enum class ChainKind : uint8_t { kVertex, kStrand };
+// What carries a strand's rest curl from joint to joint (core/kernels/modal_curl.hpp).
+enum class CurlFollows : uint8_t { kRoot, kParent };
 enum class Output : uint8_t { kInstances, kRibbons, kLines, kShells };
 
 struct LayerParams {
@@ -46,6 +48,8 @@ struct LayerParams {
   // Modal: how far a point may get from its groomed place, a share of its distance along the
   // strand; 0: no limit.
   float max_distance = 0.0f;
+  CurlFollows curl_follows = CurlFollows::kParent;
+  bool sag_free = false;  // modal: the groomed shape is where strands rest under gravity, dry
   uint32_t iterations = 4;
   float weight = 1.0f;            // scale on gravity
   float bounce = 0.0f;            // share of the normal velocity a contact returns
@@ -112,6 +116,7 @@ using enum KeyGroup;
 inline constexpr Text kSolverWords[] = {"pbd", "verlet", "modal"};
 inline constexpr Text kQualityWords[] = {"fast", "default", "best"};
 inline constexpr Text kChainWords[] = {"vertex", "strand"};
+inline constexpr Text kCurlWords[] = {"root", "parent"};
 inline constexpr Text kConeWords[] = {"exact", "published"};
 inline constexpr Text kDirtFields[] = {"dirt_red", "dirt_green", "dirt_blue"};
 
@@ -151,6 +156,10 @@ inline constexpr auto kRows = std::tuple{
     Row(&P::max_distance, kMotion, "max_distance", "", 0, 2,
         "modal: of a point from the groom, over its distance along the strand; 0: no limit",
         &B::max_distance),
+    WordRow(&P::curl_follows, kMotion, "curl_follows", kCurlWords,
+            "modal: what a joint's rest bend turns with, the link above it or the root (cheaper)"),
+    SwitchRow(&P::sag_free, kMotion, "sag_free",
+              "modal: the groomed shape is where strands rest under gravity, not before it"),
     Row(&P::iterations, kMotion, "iterations", "", 1, 32, "pbd, verlet: of the solver, a frame",
         &B::iterations),
     Row(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),

@@ -81,6 +81,7 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
         MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));
+    chains_[i].down = frame.ToFrame(kRestDown);
     chains_[i].lift = maker.LiftVertex(duplicates[v]);
   }
 }

@@ -17,6 +17,7 @@ struct VertexChain {
   RestShape rest;         // 4 points, equal segments, in the vertex's own frame
   float length = 0.0f;    // m
   float strength = 0.0f;  // 0..1
+  glm::dvec3 down{0.0};   // of the rest pose, in the vertex's own frame
   float lift = 0.0f;      // of the skin along its normal: the layer's offset attribute, m
 };
 

@@ -50,7 +50,8 @@ using namespace frame_gates;
 
 // Kinds a stage's streams do not tell apart.
 constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
-constexpr KindMask kUnrated{0, kLayerRates};
+constexpr KindMask kBare{0, kLayerRates | kLayerSagFree}, kUnrated{0, kLayerRates},
+    kUnheld{0, kLayerSagFree};
 constexpr KindMask kTogether{0, kLayerApart}, kModalChains{kLayerModal, 0},
     kModalStrands{kLayerModal, kLayerVertexChains};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
@@ -105,12 +106,18 @@ constexpr FrameRow kRows[] = {
     Row<SimulatePbd<V, 5, false>>(kChunk, kSimulated, kPbd),
     Row<SimulateVerlet<V, 4>>(kChunk, kSimulated, kVerlet),
     Row<SimulateVerlet<V, 5>>(kChunk, kSimulated, kVerlet),
-    Row<SimulateModal<V, 4, true>>(kChunk, kSimulated, kUnrated),
-    Row<SimulateModal<V, 4, false>>(kChunk, kSimulated, kUnrated),
-    Row<SimulateModal<V, 5, false>>(kChunk, kSimulated, kUnrated),
-    Row<SimulateModalRated<V, 4, true>>(kChunk, kSimulated),
-    Row<SimulateModalRated<V, 4, false>>(kChunk, kSimulated),
-    Row<SimulateModalRated<V, 5, false>>(kChunk, kSimulated),
+    Row<SimulateModal<V, 4, true>>(kChunk, kSimulated, kBare),
+    Row<SimulateModal<V, 4, false>>(kChunk, kSimulated, kBare),
+    Row<SimulateModal<V, 5, false>>(kChunk, kSimulated, kBare),
+    Row<SimulateModalRated<V, 4, true>>(kChunk, kSimulated, kUnheld),
+    Row<SimulateModalRated<V, 4, false>>(kChunk, kSimulated, kUnheld),
+    Row<SimulateModalRated<V, 5, false>>(kChunk, kSimulated, kUnheld),
+    Row<SimulateModalHeld<V, 4, true>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModalHeld<V, 4, false>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModalHeld<V, 5, false>>(kChunk, kSimulated, kUnrated),
+    Row<SimulateModalRatedHeld<V, 4, true>>(kChunk, kSimulated),
+    Row<SimulateModalRatedHeld<V, 4, false>>(kChunk, kSimulated),
+    Row<SimulateModalRatedHeld<V, 5, false>>(kChunk, kSimulated),
     Row<Interpolate<V>>(kChunk, kFitted),
     Row<FitCubic<V, 4>>(kChunk, kFitted),
     Row<FitCubic<V, 5>>(kChunk, kFitted),

@@ -43,6 +43,14 @@ PELT_INLINE Vec3<W> LastRest(const ModalTableBlock& t, const Motion<W, N>& motio
   return {rest[0], rest[1], rest[2]};
 }
 
+// The same of this frame, with what holds it up.
+template <class W, uint32_t N>
+PELT_INLINE Vec3<W> NowRest(const ModalTableBlock& t, const Motion<W, N>& motion) {
+  return {Weigh<W, N>(t.rest_of_bend[0], motion.axis[0].bend[0]),
+          Weigh<W, N>(t.rest_of_bend[0], motion.axis[1].bend[0]),
+          Weigh<W, N>(t.rest_of_bend[0], motion.axis[2].bend[0])};
+}
+
 // Directions `d` at the end of the frame, from motion's at its start.
 template <class W, uint32_t N>
 PELT_INLINE void CarryFrame(const ModalTableBlock& t, Vec3<W> rest, const Motion<W, N>& motion,

@@ -64,10 +64,10 @@ PELT_INLINE void SweepLinks(const ModalTableBlock& t, const Vec3<W> (&known)[N],
 }
 
 // From the state before the frame (motion's d and z) to the one after it. `force`: gravity and
-// wind, links/s^2.
+// wind, links/s^2. `hold`: of sag-free strands (modal_start.hpp), or null.
 template <class W, uint32_t N>
-PELT_INLINE void EulerFrame(const ModalTableBlock& t, const Vec3<W> (&rest)[N], Vec3<W> force,
-                            Motion<W, N>& motion) {
+PELT_INLINE void EulerFrame(const ModalTableBlock& t, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
+                            Vec3<W> force, Motion<W, N>& motion) {
   const W speed = W(t.euler_speed), reach = W(kFallbackReach);
   W known[3][N], step[3];
   Vec3<W> g[N], d[N];
@@ -80,6 +80,8 @@ PELT_INLINE void EulerFrame(const ModalTableBlock& t, const Vec3<W> (&rest)[N], 
   const auto& axis = motion.axis;
   for (uint32_t i = 0; i < N; ++i) {
     g[i] = Vec3<W>{known[0][i], known[1][i], known[2][i]} + force * W(t.mass[i][0]);
+    // As the rest directions' pull is, damping included.
+    if (hold) g[i] = g[i] + hold[i] * W(1.0f + t.euler_bend);
     d[i] = {axis[0].d[i], axis[1].d[i], axis[2].d[i]};
   }
   SweepLinks<W, N>(t, g, d);

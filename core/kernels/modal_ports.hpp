@@ -37,9 +37,55 @@ struct RatedPorts {
   InOut<Of::kPosition> position;
   In<&Streams::root_rates> rates;
 
-  PELT_INLINE Ports<kPoints, kVertexChains> WithoutRates() const {
+  PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
     return {layer, table, state, rest, roots, wind, strands, chain, position};
   }
+};
+
+// Of sag-free layers: and which way was down at their roots when they were groomed.
+template <uint32_t kPoints, bool kVertexChains>
+struct HeldPorts {
+  using Of = ChainStreams<kPoints, kVertexChains>;
+  Shared<&Streams::layers> layer;
+  Shared<&Streams::modal_tables> table;
+  InOut<&Streams::chunk_state> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<&Streams::wind> wind;
+  In<&Streams::strands> strands;
+  InOut<Of::kModal> chain;
+  InOut<Of::kPosition> position;
+  In<&Streams::rest_down> down;
+
+  PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
+    return {layer, table, state, rest, roots, wind, strands, chain, position};
+  }
+};
+
+template <uint32_t kPoints, bool kVertexChains>
+struct RatedHeldPorts {
+  using Of = ChainStreams<kPoints, kVertexChains>;
+  Shared<&Streams::layers> layer;
+  Shared<&Streams::modal_tables> table;
+  InOut<&Streams::chunk_state> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<&Streams::wind> wind;
+  In<&Streams::strands> strands;
+  InOut<Of::kModal> chain;
+  InOut<Of::kPosition> position;
+  In<&Streams::rest_down> down;
+  In<&Streams::root_rates> rates;
+
+  PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
+    return {layer, table, state, rest, roots, wind, strands, chain, position};
+  }
+};
+
+// What some layers have besides; null where a layer has it not.
+struct Extras {
+  const RootRateBlock* rates;  // what is known of the roots between frames
+  const DownBlock* down;
 };
 
 }  // namespace pelt::modal

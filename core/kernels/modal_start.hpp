@@ -44,9 +44,30 @@ struct FrameStart {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
   }
 
+  // What holds a sag-free strand where it was groomed, a force on each link that turns with the root:
+  // against the weight that the link bears in the rest pose, but for what of that stretches it. So a
+  // strand that was groomed to hang still swings as one that hangs, and none is groomed so that it
+  // would fall: what is left of the weight there never pushes a link together.
+  template <class At>
+  static __attribute__((noinline)) void LoadHold(const Ports& ports, const DownBlock& down,
+                                                 const At& at, const Vec3<W> (&rest)[N],
+                                                 W per_length, Vec3<W> (&hold)[N]) {
+    const Vec3<W> normal = Load3<W>(ports.roots->normal, at);
+    const Vec3<W> tangent = Load3<W>(ports.roots->tangent, at);
+    const Vec3<W> bitangent = Cross(normal, tangent), local = Load3<W>(down.down, at);
+    const W gravity = per_length * W(ports.layer->rest_gravity);
+    const Vec3<W> pull = chain::Turn(tangent, bitangent, normal, local) * gravity;
+    for (uint32_t i = 0; i < N; ++i) {
+      const W stretch = Max(Dot(pull, rest[i]), W(0.0f));
+      hold[i] = (rest[i] * stretch - pull) * W(ports.table->mass[i][0]);
+    }
+  }
+
+  // `hold`: null where nothing is held up.
   template <class At>
   static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
-                                   const Vec3<W> (&rest)[N], W per_length, Axis<W, N>& a) {
+                                   const Vec3<W> (&rest)[N], const Vec3<W>* hold, W per_length,
+                                   Axis<W, N>& a) {
     const ModalTableBlock& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     W r[N];
@@ -58,10 +79,14 @@ struct FrameStart {
     a.root[2] = a.root[1] - LoadLanes<W>(old.root_turn[k], at);
     const W wind = LoadWind(ports, k, at);
     const W force = (W(ports.layer->gravity[k]) + wind) * per_length;
+    W h[N];
+    if (hold)
+      for (uint32_t i = 0; i < N; ++i) h[i] = Part(hold[i], k);
     a.wind_step = (wind - LoadLanes<W>(old.wind[k], at)) * per_length;
     PELT_UNROLL
     for (uint32_t m = 0; m < N; ++m) {
       a.bend[0][m] = Weigh<W, N>(t.bend[m], r);
+      if (hold) a.bend[0][m] = a.bend[0][m] + WeighColumn<W, N>(t.shape, m, h);
       a.bend[1][m] = a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend[m][0]);
       a.bend[2][m] = a.bend[1][m] - LoadLanes<W>(old.bend_step[m][k], at);
       a.bend[3][m] = a.bend[2][m] - LoadLanes<W>(old.bend_turn[m][k], at);
@@ -86,27 +111,33 @@ struct FrameStart {
   template <class At>
   static __attribute__((noinline)) void TakeRates(const Ports& ports, const RootRateBlock& rates,
                                                   const At& at, const Vec3<W> (&rest)[N],
-                                                  W per_length, Motion& motion) {
+                                                  const Vec3<W>* hold, W per_length,
+                                                  Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
     const W scale = frame * per_length;
     const Vec3<W> move = Load3<W>(rates.velocity, at) * scale;
     const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
-    Vec3<W> rest_step[N];
+    Vec3<W> rest_step[N], hold_step[N];
     for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
+    if (hold)
+      for (uint32_t i = 0; i < N; ++i) hold_step[i] = Cross(turn, hold[i]);
     PELT_NO_UNROLL
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = motion.axis[k];
       const W root = Part(move, k);
-      W r[N];
+      W r[N], h[N];
       for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
+      if (hold)
+        for (uint32_t i = 0; i < N; ++i) h[i] = Part(hold_step[i], k);
       const W root_step = LoadLanes<W>(old.root_step[k], at);
       const W root_turn = LoadLanes<W>(old.root_turn[k], at);
       TakeRate(a.root[0], root, root_step, root_turn, ratio, a.root[1], a.root[2]);
       PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m) {
-        const W turned = Weigh<W, N>(t.bend[m], r);
+        W turned = Weigh<W, N>(t.bend[m], r);
+        if (hold) turned = turned + WeighColumn<W, N>(t.shape, m, h);
         const W bend = turned + root * W(t.bend[m][0]);
         const W step = LoadLanes<W>(old.bend_step[m][k], at);
         const W curve = LoadLanes<W>(old.bend_turn[m][k], at);
@@ -133,11 +164,13 @@ struct FrameStart {
     for (uint32_t m = 0; m < N; ++m) motion.lambda[m] = Select(fresh, none, motion.lambda[m]);
   }
 
-  // A frame too long to be stepped. Where nothing moved, nothing turns.
-  static __attribute__((noinline)) void Carry(const ModalTableBlock& t, Vec3<W> rest, Mask calm,
-                                              Motion& motion) {
+  // A frame too long to be stepped. Where nothing moved, nothing turns. `held`: what the strand was
+  // last frame is known of rest and hold together, so that is what turns.
+  static __attribute__((noinline)) void Carry(const ModalTableBlock& t, Vec3<W> rest, bool held,
+                                              Mask calm, Motion& motion) {
     Vec3<W> d[N];
-    CarryFrame(t, rest, motion, d);
+    const Vec3<W> to = held ? NormalizeOr(NowRest(t, motion), rest) : rest;
+    CarryFrame(t, to, motion, d);
     for (uint32_t i = 0; i < N; ++i) d[i] = Select<W>(calm, Row(motion, &Axis<W, N>::d, i), d[i]);
     for (Axis<W, N>& a : motion.axis) a.root[0] = a.root[0] * W(t.euler_speed * kCarriedFrame_s);
     StartAfresh(t, d, 1.0f / kCarriedFrame_s, W(0.0f) < W(1.0f), motion);

@@ -39,27 +39,28 @@ struct SimulateModal {
   using Params = SimulateParams;
   using Ports = modal::Ports<kPoints, kVertexChains>;
   using Controls = chain::ControlRecords<V, N>;
+  using Extras = modal::Extras;
 
-  static void Run(const Params& params, const Ports& ports) { RunWith(params, ports, nullptr); }
+  static void Run(const Params& params, const Ports& ports) {
+    RunWith(params, ports, {nullptr, nullptr});
+  }
 
-  // `rates`: null where nothing is known of the roots between frames. Out of line: both kernels
-  // share it.
+  // Out of line: the kernels below share it.
   static __attribute__((noinline)) void RunWith(const Params& params, const Ports& ports,
-                                                const RootRateBlock* rates) {
+                                                const Extras& extras) {
     if (ports.table->use_slope != 0)
-      RunAs<true>(params, ports, rates);
+      RunAs<true>(params, ports, extras);
     else
-      RunAs<false>(params, ports, rates);
+      RunAs<false>(params, ports, extras);
   }
 
  private:
   template <bool kBest>
-  PELT_INLINE static void RunAs(const Params& params, const Ports& ports,
-                                const RootRateBlock* rates) {
+  PELT_INLINE static void RunAs(const Params& params, const Ports& ports, const Extras& extras) {
     Picks picks;
     chain::RunChunk<V, N, kVertexChains>(
         ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
-          return RunRange<kBest>(params, ports, rates, begin, end, live, controls, picks);
+          return RunRange<kBest>(params, ports, extras, begin, end, live, controls, picks);
         });
   }
 
@@ -87,18 +88,18 @@ struct SimulateModal {
   };
 
   template <bool kBest>
-  PELT_INLINE static bool RunRange(const Params& params, const Ports& ports,
-                                   const RootRateBlock* rates, uint32_t begin, uint32_t end,
-                                   uint32_t live, const Controls* controls, Picks& picks) {
+  PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
+                                   uint32_t begin, uint32_t end, uint32_t live,
+                                   const Controls* controls, Picks& picks) {
     picks.count = 0;
     bool changed =
         chain::RunRange<V>(begin, end, live, controls,
                            [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
-                             return Lanes<W>::template RunGroup<kBest>(params, ports, rates, first,
+                             return Lanes<W>::template RunGroup<kBest>(params, ports, extras, first,
                                                                        alive, followed, &picks);
                            });
     for (uint32_t i = 0; i < picks.count; i += uint32_t(V::kLanes))
-      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, rates, picks.Group(i), live,
+      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, extras, picks.Group(i), live,
                                                     controls, static_cast<Picks*>(nullptr));
     return changed;
   }
@@ -129,7 +130,8 @@ struct SimulateModal {
     template <class At>
     static __attribute__((noinline)) void FallBack(const Ports& ports, const At& at, Mask good,
                                                    Mask follows, const Vec3<W> (&rest)[N],
-                                                   W per_length, Touches& touches, Motion& motion) {
+                                                   const Vec3<W>* hold, W per_length,
+                                                   Touches& touches, Motion& motion) {
       const ModalStateBlock<kPoints>& old = *ports.chain;
       Motion safe = motion;
       W force[3];
@@ -150,15 +152,15 @@ struct SimulateModal {
         good = good | better;
         if (AllSet(good)) return;
       }
-      modal::EulerFrame<W, N>(*ports.table, rest, {force[0], force[1], force[2]}, safe);
+      modal::EulerFrame<W, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
       TakeLanes(!good, safe, motion);
     }
 
     // A frame of lanes that may touch things. Returns whom something pushed at its end.
     template <bool kBest, class At>
     static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
-                                         Mask fresh, const Vec3<W> (&rest)[N], W per_length,
-                                         const Group& g, Motion& motion) {
+                                         Mask fresh, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
+                                         W per_length, const Group& g, Motion& motion) {
       const ModalTableBlock& t = *ports.table;
       Touches touches;
       if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
@@ -168,7 +170,8 @@ struct SimulateModal {
         good = good |
                (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
       const Mask touched = touches.Touched() & good;
-      if (!AllSet(good)) FallBack(ports, at, good, follows, rest, per_length, touches, motion);
+      if (!AllSet(good))
+        FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
       return touched;
     }
 
@@ -190,9 +193,9 @@ struct SimulateModal {
     // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
     // Without, lanes that were picked. Says whether a bit of a live one changed.
     template <bool kBest, class At>
-    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports,
-                                     const RootRateBlock* rates, const At& at, uint32_t live,
-                                     const Controls* controls, Picks* picks) {
+    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
+                                     const At& at, uint32_t live, const Controls* controls,
+                                     Picks* picks) {
       constexpr bool kPicks = std::is_same_v<At, uint32_t>;
       const LayerBlock& layer = *ports.layer;
       const ChunkStateBlock& state = *ports.state;
@@ -206,14 +209,19 @@ struct SimulateModal {
 
       Group g;
       Motion motion;
-      Vec3<W> rest[N], d[N];
+      Vec3<W> rest[N], d[N], held[N];
       W per_length;
       Start::LoadRest(ports, at, g, rest, per_length);
+      const Vec3<W>* hold = nullptr;
+      if (extras.down) {
+        Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
+        hold = held;
+      }
       PELT_NO_UNROLL
       for (uint32_t k = 0; k < 3; ++k)
-        Start::LoadAxis(ports, at, k, g, rest, per_length, motion.axis[k]);
-      if (rates && ports.table->substeps > 0)
-        Start::TakeRates(ports, *rates, at, rest, per_length, motion);
+        Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
+      if (extras.rates && ports.table->substeps > 0)
+        Start::TakeRates(ports, *extras.rates, at, rest, hold, per_length, motion);
       for (uint32_t i = 0; i < N; ++i)
         motion.lambda[i] = LoadLanes<W>(ports.chain->multiplier[i], at);
       // In a statement of its own: it branches, and what a console's price is must not depend on
@@ -225,12 +233,13 @@ struct SimulateModal {
       Mask touched = none, picked = none;
       const bool carried = !restart && ports.table->substeps == 0;
       if (carried) {
-        Start::Carry(*ports.table, rest[0], calm, motion);
+        Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
       } else if (!restart) {
         if constexpr (kPicks)
           picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
         else
-          touched = StepTouching<kBest>(params, ports, at, fresh, rest, per_length, g, motion);
+          touched =
+              StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, motion);
       }
       modal::Directions(motion, d);
       modal::PlacePoints(d, g);
@@ -314,8 +323,38 @@ struct SimulateModalRated {
 
   static void Run(const Params& params, const Ports& ports) {
     const bool given = (ports.layer->flags & kLayerRatesGiven) != 0;
-    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.WithoutRates(),
-                                                      given ? ports.rates.block : nullptr);
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(
+        params, ports.WithoutExtras(), {given ? ports.rates.block : nullptr, nullptr});
+  }
+};
+
+// The same of sag-free layers.
+template <class V, uint32_t kPoints, bool kVertexChains>
+struct SimulateModalHeld {
+  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_held_vertex"
+                                            : kPoints == 4 ? "simulate_modal_held_4"
+                                                           : "simulate_modal_held_5";
+  using Params = SimulateParams;
+  using Ports = modal::HeldPorts<kPoints, kVertexChains>;
+
+  static void Run(const Params& params, const Ports& ports) {
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.WithoutExtras(),
+                                                      {nullptr, ports.down.block});
+  }
+};
+
+template <class V, uint32_t kPoints, bool kVertexChains>
+struct SimulateModalRatedHeld {
+  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_rated_held_vertex"
+                                            : kPoints == 4 ? "simulate_modal_rated_held_4"
+                                                           : "simulate_modal_rated_held_5";
+  using Params = SimulateParams;
+  using Ports = modal::RatedHeldPorts<kPoints, kVertexChains>;
+
+  static void Run(const Params& params, const Ports& ports) {
+    const bool given = (ports.layer->flags & kLayerRatesGiven) != 0;
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(
+        params, ports.WithoutExtras(), {given ? ports.rates.block : nullptr, ports.down.block});
   }
 };
 

@@ -23,9 +23,12 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
     *table = tables[same - others.begin()];
     next.layer_ = same->layer_;
   } else {
-    if (!begun_ || !(rod == rod_))
-      next.layer_ = MakeModalLayer(
-          CalibratedMaterial(rod.links, rod.frequency_hz, rod.damping_ratio, rod.drag_per_s));
+    if (!begun_ || !(rod == rod_)) {
+      ModalMaterial material =
+          CalibratedMaterial(rod.links, rod.frequency_hz, rod.damping_ratio, rod.drag_per_s);
+      material.parent_curl = rod.parent_curl;
+      next.layer_ = MakeModalLayer(material);
+    }
     FillModalTable(next.layer_, quality, next.times_, table);
   }
   *this = next;

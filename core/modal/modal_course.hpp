@@ -15,12 +15,13 @@
 
 namespace pelt {
 
-// What CalibratedMaterial takes.
+// What CalibratedMaterial takes, and how its curl turns.
 struct RodMaterial {
   uint32_t links;        // 3 or 4
   double frequency_hz;   // of the first bending mode, without gravity
   double damping_ratio;  // that bending gives it
   double drag_per_s;
+  bool parent_curl = false;  // ModalMaterial::parent_curl
   friend bool operator==(const RodMaterial&, const RodMaterial&) = default;
 };
 

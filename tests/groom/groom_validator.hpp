@@ -227,6 +227,7 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
   size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0, shell_skin = 0, fin_edges = 0;
+  size_t rest_down = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
@@ -253,6 +254,7 @@ inline void ExpectValidGroom(const Groom& groom) {
       } else {
         ExpectRest(groom.strand_rest4.at(rest4++), block.strand_count);
       }
+      rest_down += layer.params.sag_free;
       strands += block.strand_count;
       for (uint32_t i = 0; i < block.strand_count; ++i)
         longest = std::max(longest, block.length[i]);
@@ -271,6 +273,7 @@ inline void ExpectValidGroom(const Groom& groom) {
   ASSERT_EQ(groom.strand_rest5.size(), rest5);
   ASSERT_EQ(groom.shell_skin.size(), shell_skin);
   ASSERT_EQ(groom.fin_edges.size(), fin_edges);
+  ASSERT_EQ(groom.rest_down.size(), rest_down);
 }
 
 }  // namespace pelt::test

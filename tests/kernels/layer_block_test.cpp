@@ -74,8 +74,8 @@ TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   EXPECT_FLOAT_EQ(wet.angular_end, 0.2f * params.angular_hardness_end) << "and of the hardness";
   EXPECT_FLOAT_EQ(wet.angular_middle, 0.2f * params.angular_hardness_middle);
   EXPECT_FLOAT_EQ(wet.stiffness, 0.2f * params.stiffness);
-  const double dry_hz = LayerRod(params, {}).frequency_hz;
-  EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}).frequency_hz, dry_hz * std::sqrt(0.2), 1e-6);
+  const double dry_hz = LayerRod(params, {}, false).frequency_hz;
+  EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}, false).frequency_hz, dry_hz * std::sqrt(0.2), 1e-6);
 }
 
 TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
