@@ -25,6 +25,9 @@ struct LodSettings {
   float hysteresis = 0.1f;
   float fade_share = 0.1f;
   uint32_t strand_budget = 0;  // 0: no budget
+  // Modal layers of default quality are simulated in `fast` while its error is at most this on the
+  // screen (modal/quality_on_screen.hpp); whether skip.lod is on or not. 0: never.
+  float fast_quality_px = 0.5f;
 };
 
 // What may be left out. LOD changes the picture. Culling changes it for a layer that comes back

@@ -155,6 +155,8 @@ const char* FindBrushFault(const FrameInput& in, std::string& text) {
 const char* FindLodFault(const LodSettings& lod) {
   if (!std::isfinite(lod.full_detail_px) || lod.full_detail_px < 0.0f)
     return "full_detail_px is not a number from 0 on";
+  if (!std::isfinite(lod.fast_quality_px) || lod.fast_quality_px < 0.0f)
+    return "fast_quality_px is not a number from 0 on";
   const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share};
   for (float share : shares)
     if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";

@@ -195,6 +195,8 @@ typedef struct PeltFrame {
   const float (*weather)[2];
   float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */
   uint32_t strand_budget;                                     /* 0: no budget */
+  /* Error on the screen up to which modal layers of default quality are simulated in `fast`; 0: never. */
+  float fast_quality_px;
   uint32_t skip;                                              /* PeltSkip */
   /* What the places above are relative to, world, m; not 0 only in a scene that has origins. */
   double origin[3];

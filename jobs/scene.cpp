@@ -12,6 +12,7 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
+#include "core/modal/quality_on_screen.hpp"
 #include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
 #include "jobs/float_environment.hpp"
@@ -288,11 +289,20 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     if (block.flags & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
       if (modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                            layer_params_[l].quality, dt_s, rates, {modal_.data(), l}, tables,
-                            tables + l))
+                            LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
+                            {modal_.data(), l}, tables, tables + l))
         block.changed = 1;
     }
   }
+}
+
+// By what the last frame showed of it: the box of this one comes with its poses, in the frame.
+ModalQuality FurScene::LayerQuality(uint32_t layer, float allowed_px) const {
+  const ModalQuality asked = layer_params_[layer].quality;
+  if (first_frame_) return asked;
+  return QualityOnScreen(asked, modal_[layer].quality(), params_[SetOf(layer)].select_lod.view,
+                         *memory_.Of<&Streams::bounds>(layer), layer_length_max_[layer],
+                         allowed_px);
 }
 
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.

@@ -217,6 +217,7 @@ class FurScene {
   void FillParams(uint32_t s, const FrameInput& input, bool wind_blows);
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, bool wind_blows);
+  ModalQuality LayerQuality(uint32_t layer, float allowed_px) const;
   // Calls fill(s, input) for each set, with the input as it is told there.
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;

@@ -34,9 +34,9 @@
 
 namespace pelt {
 
-// 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities; all still read.
-// Recordings without velocities are written as version 4, which older programs read.
-inline constexpr uint32_t kInputLogVersion = 5, kInputLogVersionWithoutVelocities = 4;
+// 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without a
+// modal quality by size on the screen; all still read.
+inline constexpr uint32_t kInputLogVersion = 6;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {

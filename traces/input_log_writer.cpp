@@ -87,7 +87,7 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   velocities_ = about.velocities;
   frame_count_ = 0;
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
-  PutNumber(bytes_, velocities_ ? kInputLogVersion : kInputLogVersionWithoutVelocities);
+  PutNumber(bytes_, kInputLogVersion);
   PutNumber(bytes_, kStrandsPerChunk);
   PutNumber(bytes_, (about.index_buffer ? kWithIndexBuffer : 0u) |
                         (about.velocities ? kWithVelocities : 0u));

@@ -33,6 +33,9 @@ std::vector<SceneWay> AllSceneWays() {
   }
   ways.push_back(
       {.name = "default-sleep", .label = "modal default, sleeping when still", .sleep = true});
+  ways.push_back({.name = "default-on-screen",
+                  .label = "modal default, fast where it is not seen",
+                  .on_screen = true});
   for (const int divisor : {2, 4})
     ways.push_back({.name = fmt::format("default-lod-{}", divisor),
                     .label = fmt::format("modal default, LOD to 1/{} of the strands", divisor),
@@ -82,6 +85,7 @@ SceneRun::SceneRun(const SceneWay& way, Scenario& scenario, Isa isa)
   skip_.cull = false;
   skip_.sleep = way.sleep;
   skip_.lod = way.strand_share < 1.0;
+  if (!way.on_screen) lod_.fast_quality_px = 0.0f;
   // The budget alone decides.
   lod_.full_detail_px = 0.0f;
   lod_.strand_budget = uint32_t(way.strand_share * double(scenario.StrandCount()));

@@ -22,6 +22,7 @@ struct SceneWay {
   bool halved = false;        // every second frame is simulated; the others are carried
   bool sleep = false;         // chunks that came to rest are skipped
   double strand_share = 1.0;  // LOD's budget
+  bool on_screen = false;     // default quality, `fast` where that is not seen, as frames have it
 
   // Else its error is a difference of materials: PBD and Verlet have parameters of their own, which
   // no exact motion belongs to.

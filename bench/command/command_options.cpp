@@ -169,6 +169,11 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
                  "With --lod: most strands in all; 0: no budget")
       ->needs(with_lod)
       ->capture_default_str();
+  app.add_option("--fast-quality-px", lod.fast_quality_px,
+                 "Modal layers of default quality are simulated in 'fast' while its error on the "
+                 "screen is at most this, px; 0: never")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {

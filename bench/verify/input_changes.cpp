@@ -30,7 +30,7 @@ namespace {
   [[maybe_unused]] const auto& [sample_at, falloff, sky, below, above] = sample[0];
   [[maybe_unused]] const auto& [position, target, up, fov, width, height, near_m, far_m] = camera;
   [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
-  [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget] = lod;
+  [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget, fast] = lod;
   [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, light_too, lod_too] = skip;
   [[maybe_unused]] const auto& [wetness, dirt] = Weather{};
 }

@@ -23,6 +23,7 @@
 
 #include <span>
 
+#include "core/box_distance.hpp"
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/select_shells.hpp"

@@ -13,6 +13,7 @@
 
 #include <string_view>
 
+#include "core/box_distance.hpp"
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/streams.hpp"
@@ -20,17 +21,6 @@
 namespace pelt {
 
 inline constexpr float kShellReach_m = 40.0f;  // the farthest that there is a shell
-
-// Square of the distance from a place to a box, m^2; 0 inside.
-PELT_INLINE float SquaredDistance(const float (&place)[3], const BoundsBlock& box) {
-  float sum = 0.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float below = box.low[axis] - place[axis], above = place[axis] - box.high[axis];
-    const float gap = below > 0.0f ? below : above > 0.0f ? above : 0.0f;
-    sum = sum + gap * gap;
-  }
-  return sum;
-}
 
 // The most n, up to `most`, for which n d <= kShellReach_m.
 PELT_INLINE uint32_t CountShells(float squared_distance, uint32_t most) {

@@ -34,6 +34,9 @@ class ModalCourse {
                std::span<const ModalCourse> others, const ModalTableBlock* tables,
                ModalTableBlock* table);
 
+  // Of the last frame.
+  ModalQuality quality() const { return quality_; }
+
  private:
   bool HasTableOf(const ModalCourse& other) const;
 

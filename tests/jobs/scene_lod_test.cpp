@@ -2,8 +2,10 @@
 // scene has for those strands.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
 
+#include "core/modal/quality_on_screen.hpp"
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
@@ -15,7 +17,13 @@ using namespace testing;
 // ---- LOD ----------------------------------------------------------------------------------------
 
 // A layer far too small on the screen for its strands, held at `fraction`.
-LodSettings HeldAt(float fraction) { return {1e9f, fraction, 0.0f, 0.0f, 0}; }
+LodSettings HeldAt(float fraction) {
+  LodSettings lod;
+  lod.full_detail_px = 1e9f;
+  lod.min_fraction = fraction;
+  lod.hysteresis = lod.fade_share = 0.0f;
+  return lod;
+}
 
 TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
   Scenario scenario = TinyScenario();
@@ -114,6 +122,77 @@ TEST(FurSceneLod, GrowingBackDisturbsNoStrandThatWasThere) {
     for (uint32_t i = 0; i < (strands + 1) / 2; ++i)
       EXPECT_EQ(std::memcmp(&p->position[2][0][i], &q->position[2][0][i], 4), 0) << c << ' ' << i;
   }
+}
+
+// ---- the modal solver's quality by size on the screen -------------------------------------------
+
+// `tiny` with all layers modal, of one quality, seen from `distance_m`.
+uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m) {
+  Scenario scenario = TinyScenario();
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) {
+      layer.params.solver = Solver::kModal;
+      layer.params.quality = quality;
+    }
+  scenario.camera.radius_m = distance_m;
+  LodSettings lod;
+  lod.fast_quality_px = allowed_px;
+  SkipSettings no_cull;
+  no_cull.cull = false;
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 12; ++f) {
+    running.Begin(f, no_cull, lod);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  Digest digest;  // of what is simulated: the order of drawing is the camera's
+  const FurScene& scene = running.scene();
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    if (const auto* p = scene.memory().Of<&Streams::strand_points4>(c))
+      for (const auto& point : p->position)
+        for (const auto& row : point)
+          for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
+    if (const auto* p = scene.memory().Of<&Streams::strand_points5>(c))
+      for (const auto& point : p->position)
+        for (const auto& row : point)
+          for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
+  }
+  return digest.Value();
+}
+
+// The first frame knows no box and is fur on its groom in either quality: so all are the same.
+TEST(QualityByScreen, FarLayersAreFastAndNearOnesAreNot) {
+  const double near = 1.0, far = 40.0;
+  const uint64_t fast = DigestOfModal(ModalQuality::kFast, 0.0f, near);
+  const uint64_t exact = DigestOfModal(ModalQuality::kDefault, 0.0f, near);
+  const uint64_t best = DigestOfModal(ModalQuality::kBest, 0.0f, near);
+  ASSERT_NE(fast, exact);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.0f, far), exact);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.5f, far), fast);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.05f, near), exact);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 100.0f, near), fast);
+  // Who asked for it has it.
+  EXPECT_EQ(DigestOfModal(ModalQuality::kBest, 0.5f, far), best);
+}
+
+TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
+  View view{};
+  view.pixels_per_unit_at_1m = 1000.0f;
+  view.near_m = 0.05f;
+  BoundsBlock box{};  // a point; the eye is 2 m before it
+  view.eye[2] = 2.0f;
+  const auto quality = [&](float length, float px, ModalQuality last = ModalQuality::kDefault) {
+    return QualityOnScreen(ModalQuality::kDefault, last, view, box, length, px);
+  };
+  const float length = 0.1f, error_px = kFastError * length * 1000.0f / 2.0f;
+  EXPECT_EQ(quality(length, 1.001f * error_px), ModalQuality::kFast);
+  EXPECT_EQ(quality(length, 0.999f * error_px), ModalQuality::kDefault);
+  EXPECT_EQ(quality(length, 0.95f * error_px, ModalQuality::kFast), ModalQuality::kFast);
+  EXPECT_EQ(quality(length, 0.90f * error_px, ModalQuality::kFast), ModalQuality::kDefault);
+  EXPECT_EQ(quality(length, 0.0f), ModalQuality::kDefault);
+  // Nothing is nearer than the near plane.
+  view.eye[2] = 0.0f;
+  EXPECT_EQ(quality(length, 1.001f * kFastError * length * 1000.0f / 0.05f), ModalQuality::kFast);
 }
 
 }  // namespace

@@ -105,8 +105,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 4.
-TEST(InputLog, BytesAreThoseOfVersionFour) {
+// reads version 6.
+TEST(InputLog, BytesAreThoseOfVersionSix) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -116,7 +116,7 @@ TEST(InputLog, BytesAreThoseOfVersionFour) {
                           'N',
                           'P',
                           '\n',
-                          4,
+                          6,
                           0,
                           0,
                           0,
@@ -164,8 +164,7 @@ TEST(InputLog, VersionOneIsStillRead) {
   }
 }
 
-// Velocities of some characters in some frames come back as they were; a recording without them is
-// one of version 4, byte for byte.
+// Velocities of some characters in some frames come back as they were.
 TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   const RecordedFrames recorded = MakeRecordedFrames();
   const auto rates_of = [](uint32_t frame, uint32_t character) {
@@ -197,7 +196,7 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   }
   const std::vector<std::byte> bytes = writer.Finish();
   const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-  EXPECT_EQ(log.version, 5u);
+  EXPECT_EQ(log.version, 6u);
   EXPECT_TRUE(log.about.velocities);
   EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
   PoseRateBlock found;
@@ -211,7 +210,6 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
     ASSERT_FALSE(ErrorOf(Reseal({bytes.begin(), bytes.begin() + ptrdiff_t(size)})).empty()) << size;
 
   const InputLog without = ReadInputLog(recorded.Write(), "x").OrThrow();
-  EXPECT_EQ(without.version, 4u);
   without.FillPoseRates(0, 0, &found);
   EXPECT_EQ(found.given, 0u);
   ASSERT_EQ(writer.Begin(recorded.about, each), nullptr);
@@ -257,8 +255,32 @@ TEST(InputLog, VersionThreeIsStillRead) {
     EXPECT_EQ(input.lighting.light[0].range, 5.0f);
     EXPECT_EQ(input.lighting.sample[0].falloff, 4.0f);
     EXPECT_EQ(input.brush_count, 0u);
+    EXPECT_EQ(input.lod.fast_quality_px, 0.0f);
     EXPECT_EQ(input.weather[0].dirt, 0.25f);
   }
+}
+
+// From before the quality went by the size on the screen: it did not.
+TEST(InputLog, VersionFiveIsStillRead) {
+  const RecordedFrames recorded = MakeRecordedFrames();
+  InputLogWriter writer;
+  const std::span<const std::byte> groom = recorded.grooms[0];
+  ASSERT_EQ(writer.Begin(recorded.about, {&groom, 1}), nullptr);
+  FrameInput input;
+  input.skip.light = false;
+  ASSERT_EQ(writer.AddFrame(input, std::span(recorded.poses[0]).first(1), 0), nullptr);
+  std::vector<std::byte> bytes = writer.Finish();
+  const InputLog now = ReadInputLog(bytes, "x").OrThrow();
+  EXPECT_EQ(now.Input(0).lod.fast_quality_px, 0.5f);
+  // Before the pose: five counts, the weather's, and what pose it is.
+  const auto field = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4 - 4);
+  bytes.erase(field, field + 4);
+  input_log::PutNumberAt(bytes, 8, 5u);
+  const InputLog then = ReadInputLog(Reseal(bytes), "x").OrThrow();
+  EXPECT_EQ(then.version, 5u);
+  EXPECT_EQ(then.Input(0).lod.fast_quality_px, 0.0f);
+  EXPECT_FALSE(then.Input(0).skip.light);
+  EXPECT_EQ(then.poses.size(), 1u);
 }
 
 TEST(InputLog, RecordingGoesOnAfterFinish) {
@@ -359,7 +381,7 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 6, "byte 8: version 6, this program reads 1 to 5"},
+      {"version", 8, 7, "byte 8: version 7, this program reads 1 to 6"},
       {"no version", 8, 0, "byte 8: version 0"},
       {"velocities before there were any", 16, 2, "byte 16: options are 2, version 4 has none"},
       {"no groom", 20, 0, "byte 20"},
