@@ -25,15 +25,21 @@ struct Golden {
   std::string_view name;  // of the file, before ".digests"
   std::string_view scene;
   uint32_t frames;
-  uint32_t strand_budget;  // 0: without LOD
+  uint32_t strand_budget = 0;           // 0: without LOD
+  std::optional<Solver> original = {};  // the original's, instead of the setup's
 };
-constexpr Golden kGoldens[] = {{"tiny", "tiny", 20, 0},       {"tiny.lod", "tiny", 20, 400},
-                               {"monster", "monster", 10, 0}, {"eyepet", "eyepet", 10, 0},
-                               {"cast", "cast", 3, 0},        {"scorpion", "scorpion", 10, 0}};
+constexpr Golden kGoldens[] = {
+    {"tiny", "tiny", 20},         {"tiny.lod", "tiny", 20, 400},
+    {"monster", "monster", 10},   {"monster.pbd", "monster", 10, 0, Solver::kPbd},
+    {"eyepet", "eyepet", 10},     {"eyepet.verlet", "eyepet", 10, 0, Solver::kVerlet},
+    {"cast", "cast", 3},          {"cast.pbd", "cast", 3, 0, Solver::kPbd},
+    {"scorpion", "scorpion", 10},
+};
 
 DigestLog RunGolden(const Golden& golden) {
   RunArgs args;
   args.request.scene = golden.scene;
+  args.request.solver = golden.original;
   args.options.executor = "serial";
   args.options.frames = golden.frames;
   args.options.digest = false;

@@ -98,6 +98,12 @@ ReportTree MakeReplayTree(const ReplayResult& result) {
 std::string DescribeSettings(const RunArgs& args) {
   std::vector<std::string> all;
   if (args.request.seed) all.push_back(fmt::format("seed {}", args.request.seed));
+  const auto say = [&](auto LayerParams::*param, const auto& value) {
+    const auto& row = LayerParamRowOf(param);
+    if (value) all.push_back(fmt::format("{} {}", row.key, row.words[size_t(*value)]));
+  };
+  say(&LayerParams::solver, args.request.solver);
+  say(&LayerParams::quality, args.request.quality);
   // Not by its folder, which is another on another machine.
   if (!args.request.lights.empty())
     all.push_back("lights " + std::filesystem::path(args.request.lights).filename().string());
@@ -116,6 +122,8 @@ std::string DescribeSettings(const RunArgs& args) {
   if (args.options.skip.lod) all.push_back("lod");
   if (args.options.skip.lod && args.options.lod.strand_budget)
     all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));
+  if (args.options.lod.fast_quality_px != LodSettings{}.fast_quality_px)
+    all.push_back(fmt::format("fast quality up to {} px", args.options.lod.fast_quality_px));
   if (!args.options.skip.cull) all.push_back("no culling");
   if (args.options.scene.velocities) all.push_back("velocities");
   return fmt::format("{}", fmt::join(all, ", "));

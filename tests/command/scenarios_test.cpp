@@ -63,15 +63,35 @@ TEST(Scenarios, CastIsWhatTheOriginalShipped) {
   EXPECT_EQ(heights.size(), kCastCharacters);
 }
 
-TEST(Scenarios, EyePetHasFivePointVerletChainsInRibbons) {
+TEST(Scenarios, EyePetHasFivePointChainsInRibbons) {
   const Scenario eyepet = LoadScenario("eyepet");
   EXPECT_EQ(eyepet.StrandCount(), 8'000u);
   EXPECT_TRUE(eyepet.base.use_ground);
   for (const GroomLayer& layer : eyepet.grooms[0].layers) {
     EXPECT_EQ(layer.params.points, 5u);
-    EXPECT_EQ(layer.params.solver, Solver::kVerlet);
     EXPECT_EQ(layer.params.output, Output::kRibbons);
     EXPECT_GT(layer.params.clump, 0.0f);
+  }
+}
+
+// What a user gets, and what the originals did.
+TEST(Scenarios, AreModalUnlessToldOtherwise) {
+  const auto solvers = [](const ScenarioRequest& request) {
+    std::set<Solver> found;
+    for (const Groom& groom : LoadScenario(request).grooms)
+      for (const GroomLayer& layer : groom.layers) found.insert(layer.params.solver);
+    return found;
+  };
+  const std::pair<const char*, Solver> originals[] = {
+      {"monster", Solver::kPbd}, {"cast", Solver::kPbd}, {"eyepet", Solver::kVerlet}};
+  for (const auto& [scene, original] : originals) {
+    EXPECT_EQ(solvers({.scene = scene}), std::set{Solver::kModal}) << scene;
+    EXPECT_EQ(solvers({.scene = scene, .solver = original}), std::set{original}) << scene;
+  }
+  for (const std::string_view setup : NamesOf(EmbeddedSetups())) {
+    if (setup == "tiny") continue;
+    for (const LayerSetup& layer : LoadSetup(std::string(setup)).layers)
+      EXPECT_EQ(layer.params.solver, Solver::kModal) << setup << ' ' << layer.name;
   }
 }
 
