@@ -27,6 +27,15 @@ float InFrameOf(float value, InFrame how, float softer) {
   return how == InFrame::kClamped ? Saturate(value) : Saturate(value) * softer;
 }
 
+// A soft surface is a spring, so stiff that a point at rest in it loses the share `hardness` of its
+// depth within 1/120 s. The share in this frame's substeps, by which strands sink as deep at every
+// frame rate.
+float ShareOfDepth(float hardness, double push_ratio) {
+  if (!(push_ratio > 0.0 && hardness > 0.0f && hardness < 1.0f)) return hardness;
+  const double pull = push_ratio * double(hardness);
+  return float(pull / (1.0 - double(hardness) + pull));
+}
+
 // `changed` itself is not compared, nor what only says that lights changed, that brushes came, or
 // what is known of the roots.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
@@ -56,7 +65,8 @@ uint32_t LayerKind(const LayerParams& p) {
 
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
-                          float length_max, bool any_strength, const LayerBlock* last) {
+                          float length_max, bool any_strength, const LayerBlock* last,
+                          double push_ratio) {
   const float wet = Saturate(weather.wetness);
   const float softer = StiffnessLeft(params, weather);
   const float dry_clump = Saturate(params.clump);
@@ -65,6 +75,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   ForEachLayerParam([&](const auto& row) {
     if (row.frame) b.*row.frame = InFrameOf(params.*row.member, row.how, softer);
   });
+  b.surface_hardness = ShareOfDepth(b.surface_hardness, push_ratio);
   const float weight = params.weight * Mix(1.0f, params.wet_weight, wet);
   for (int k = 0; k < 3; ++k) b.gravity[k] = weight * gravity[k];
   if (LayerKind(params) & kLayerSagFree) {

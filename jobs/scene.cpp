@@ -270,28 +270,31 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     auto& block = *memory_.Of<&Streams::layers>(l);
     const Weather weather =
         input.weather.empty() ? Weather{} : input.weather[shape().layer_character[l]];
+    const uint32_t character = shape().layer_character[l], kind = shape().layer_kind[l];
+    const bool rates = (kind & kLayerRates) && !pose_gate_.holds_pose()[character] &&
+                       memory_.Of<&Streams::pose_rates>(character)->given != 0;
+    bool table_changed = false;
+    double push_ratio = 0.0;
+    if (kind & kLayerModal) {
+      auto* tables = memory_.Of<&Streams::modal_tables>(0);
+      table_changed =
+          modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
+                            LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
+                            {modal_.data(), l}, tables, tables + l);
+      push_ratio = modal_[l].push_ratio();
+    }
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
-                           first_frame_ ? nullptr : &block);
+                           first_frame_ ? nullptr : &block, push_ratio);
+    if (table_changed) block.changed = 1;
     const uint32_t set = SetOf(l);
     if (relights_[set] && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
     if (params_[set].paint_strands.count > 0 && (block.flags & kLayerPainted))
       block.flags |= kLayerBrushed;
-    const uint32_t character = shape().layer_character[l];
-    const bool rates = (shape().layer_kind[l] & kLayerRates) &&
-                       !pose_gate_.holds_pose()[character] &&
-                       memory_.Of<&Streams::pose_rates>(character)->given != 0;
     if (rates) {
       block.flags |= kLayerRatesGiven;
       block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
-    }
-    if (block.flags & kLayerModal) {
-      auto* tables = memory_.Of<&Streams::modal_tables>(0);
-      if (modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                            LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
-                            {modal_.data(), l}, tables, tables + l))
-        block.changed = 1;
     }
   }
 }

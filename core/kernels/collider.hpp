@@ -7,7 +7,11 @@
 //   IsInside(p)    Distance(p) < 0, as cheap as the shape has it
 //   PushOut(p)     p, or the nearest point that is not inside
 //   In(scale, o)   the shape in other units, from another origin: scale * x - o
-//   Lean(...)      how far a link must lean for its end to be outside
+//   Before(s, f)   the shape at the share f of a frame before its end, s its way in that frame
+//   Velocity(...)  what moves at the point of its core nearest to p, for such a way
+//   Less(depth)    smaller by that much on every side, but never less than nothing
+//   Lean(...)      how far a link must lean for its end to be outside; of a sphere: all of it
+//   kLooks         how often to look for a link's nearest point (collider_link.hpp); round ones alone
 //   kIsRound       stood for, near a point, by the ball of `radius` about Core(p); else by a plane
 //   kBounces       gives speed back
 //
@@ -34,6 +38,11 @@ struct LeanLimit {
   W least;
 };
 
+template <class W>
+PELT_INLINE Vec3<W> Way(const float (&step)[3], float scale) {
+  return {W(step[0] * scale), W(step[1] * scale), W(step[2] * scale)};
+}
+
 // A half-space: free where normal . p + height >= 0.
 template <class W>
 struct Plane {
@@ -48,6 +57,14 @@ struct Plane {
   PELT_INLINE Plane In(W scale, Vec3<W> origin) const {
     return {normal, height * scale + Dot(normal, origin)};
   }
+  PELT_INLINE Plane Before(const ColliderStep& step, float share) const {
+    const Vec3<W> way = Way<W>(step.from, share);
+    return {normal, height + Dot(normal, way)};
+  }
+  PELT_INLINE Vec3<W> Velocity(const ColliderStep& step, Vec3<W>, float scale) const {
+    return Way<W>(step.from, scale);
+  }
+  PELT_INLINE Plane Less(W depth) const { return {normal, height + depth}; }
   PELT_INLINE LeanLimit<W> Lean(Vec3<W> from, Vec3<W>, W per_length) const {
     return {normal, W(0.0f) - Distance(from) * per_length};
   }
@@ -85,6 +102,7 @@ struct Round {
 
 template <class W>
 struct Sphere : Round<W, Sphere<W>> {
+  static constexpr int kLooks = 1;
   using Round<W, Sphere>::radius;
   Vec3<W> centre;
 
@@ -92,19 +110,33 @@ struct Sphere : Round<W, Sphere<W>> {
   PELT_INLINE Sphere In(W scale, Vec3<W> origin) const {
     return {{radius * scale}, centre * scale - origin};
   }
-  // With the link's upper end at distance q: (radius^2 - q^2 - 1) / (2 q).
+  PELT_INLINE Sphere Before(const ColliderStep& step, float share) const {
+    const Vec3<W> way = Way<W>(step.from, share);
+    return {{radius}, centre - way};
+  }
+  PELT_INLINE Vec3<W> Velocity(const ColliderStep& step, Vec3<W>, float scale) const {
+    return Way<W>(step.from, scale);
+  }
+  PELT_INLINE Sphere Less(W depth) const { return {{Max(radius - depth, W(0.0f))}, centre}; }
+  // With the link's upper end at distance q: (radius^2 - q^2 - 1) / (2 q); where the link is long
+  // enough to reach the sphere's tangent, -t / q, t its length.
   PELT_INLINE LeanLimit<W> Lean(Vec3<W> from, Vec3<W>, W per_length) const {
     const Vec3<W> out = (from - centre) * per_length;
     const W square = Dot(out, out), reach = radius * per_length;
     const W inverse = Rsqrt(Max(square, W(1.0e-12f)));
-    const W near = (reach * reach - square - W(1.0f)) * (W(0.5f) * inverse);
-    return {out * inverse, Select(reach > W(0.0f), near, W(-2.0f))};
+    const W beyond = square - reach * reach;
+    const W near = (W(-1.0f) - beyond) * (W(0.5f) * inverse);
+    const W tangent = W(0.0f) - Sqrt(Max(beyond, W(0.0f))) * inverse;
+    const auto touches = (beyond > W(0.0f)) & (beyond < W(1.0f));
+    const W least = Select(touches, tangent, near);
+    return {out * inverse, Select(reach > W(0.0f), least, W(-2.0f))};
   }
 };
 
 // What a sphere covers on its way from one point along an axis.
 template <class W>
 struct Capsule : Round<W, Capsule<W>> {
+  static constexpr int kLooks = 3;
   using Round<W, Capsule>::radius;
   Vec3<W> from, axis;  // axis: unit; 0: a sphere
   W length;
@@ -115,6 +147,22 @@ struct Capsule : Round<W, Capsule<W>> {
   }
   PELT_INLINE Capsule In(W scale, Vec3<W> origin) const {
     return {{radius * scale}, from * scale - origin, axis, length * scale};
+  }
+  PELT_INLINE Capsule Before(const ColliderStep& step, float share) const {
+    const Vec3<W> way = Way<W>(step.from, share), other = Way<W>(step.to, share);
+    const Vec3<W> start = from - way, parting = way - other;
+    const Vec3<W> span = axis * length + parting;
+    const W long2 = Dot(span, span);
+    return {{radius}, start, span * Rsqrt(Max(long2, W(1.0e-12f))), Sqrt(long2)};
+  }
+  PELT_INLINE Vec3<W> Velocity(const ColliderStep& step, Vec3<W> p, float scale) const {
+    const W along = Clamp(Dot(p - from, axis), W(0.0f), length);
+    const W share = along / Max(length, W(1.0e-6f));
+    const Vec3<W> first = Way<W>(step.from, scale), second = Way<W>(step.to, scale);
+    return first + (second - first) * share;
+  }
+  PELT_INLINE Capsule Less(W depth) const {
+    return {{Max(radius - depth, W(0.0f))}, from, axis, length};
   }
   // Of an end that is nearest to a cap, as a sphere's. Nearest to what lies between the caps, it
   // must keep its distance from the axis: with the upper end at distance q from that, `bent` the
@@ -156,6 +204,10 @@ struct Colliders {
   Capsule<W> capsule[kCapsulesPerScene];
   uint32_t sphere_count, capsule_count;
   bool use_ground;
+  const ColliderStep* ground_step;
+  const ColliderStep* sphere_step[kSpheresPerScene];
+  const ColliderStep* capsule_step[kCapsulesPerScene];
+  bool moves;  // one of them
 
   static PELT_INLINE bool HasAny(const SimulateParams& params) {
     return params.sphere_count > 0 || params.capsule_count > 0 || params.use_ground;
@@ -164,6 +216,8 @@ struct Colliders {
   // `reach`: how far from its root a point may be.
   PELT_INLINE void Load(const SimulateParams& params, Vec3<W> root, W reach) {
     use_ground = params.use_ground != 0;
+    ground_step = &params.ground_step;
+    moves = use_ground && ground_step->moves != 0;
     ground = {{W(0.0f), W(0.0f), W(0.0f)}, W(0.0f)};
     if (use_ground) {
       ground.normal = {W(params.ground[0]), W(params.ground[1]), W(params.ground[2])};
@@ -176,7 +230,8 @@ struct Colliders {
       const float* from = params.sphere[s];
       Sphere<W>& to = sphere[sphere_count];
       to.centre = Vec3<W>{W(from[0]), W(from[1]), W(from[2])} - root;
-      sphere_count += KeepNear(W(from[3]), reach, to);
+      sphere_step[sphere_count] = &params.sphere_step[s];
+      sphere_count += KeepNear(W(from[3]), reach, params.sphere_step[s], to);
     }
     capsule_count = 0;
     const uint32_t capsules =
@@ -187,7 +242,8 @@ struct Colliders {
       to.from = Vec3<W>{W(from.from[0]), W(from.from[1]), W(from.from[2])} - root;
       to.axis = {W(from.axis[0]), W(from.axis[1]), W(from.axis[2])};
       to.length = W(from.length);
-      capsule_count += KeepNear(W(from.radius), reach, to);
+      capsule_step[capsule_count] = &params.capsule_step[c];
+      capsule_count += KeepNear(W(from.radius), reach, params.capsule_step[c], to);
     }
   }
 
@@ -197,6 +253,14 @@ struct Colliders {
     for (uint32_t s = 0; s < sphere_count; ++s) visit(sphere[s]);
     for (uint32_t c = 0; c < capsule_count; ++c) visit(capsule[c]);
     if (use_ground) visit(ground);
+  }
+
+  // The same with their ways.
+  template <class Visit>
+  PELT_INLINE void ForEachStep(const Visit& visit) const {
+    for (uint32_t s = 0; s < sphere_count; ++s) visit(sphere[s], *sphere_step[s]);
+    for (uint32_t c = 0; c < capsule_count; ++c) visit(capsule[c], *capsule_step[c]);
+    if (use_ground) visit(ground, *ground_step);
   }
 
   template <uint32_t kPoints>
@@ -209,13 +273,24 @@ struct Colliders {
  private:
   // Sets the shape's radius; false where it counts for no lane.
   template <class Shape>
-  static PELT_INLINE bool KeepNear(W radius, W reach, Shape& shape) {
-    const W none = W(0.0f), range = reach + radius;
+  PELT_INLINE bool KeepNear(W radius, W reach, const ColliderStep& step, Shape& shape) {
+    const W none = W(0.0f);
+    W range = reach + radius;
+    if (step.moves != 0) range = range + W(FarthestWay(step));
     const Vec3<W> core = shape.Core({none, none, none});
     const auto near = Dot(core, core) < range * range;
     if (!Any(near)) return false;
     shape.radius = Select(near, radius, none);
+    moves |= step.moves != 0;
     return true;
+  }
+  // At least as far as any point of it moved.
+  static PELT_INLINE float FarthestWay(const ColliderStep& step) {
+    const auto sum = [](const float(&v)[3]) {
+      return (v[0] < 0 ? -v[0] : v[0]) + (v[1] < 0 ? -v[1] : v[1]) + (v[2] < 0 ? -v[2] : v[2]);
+    };
+    const float from = sum(step.from), to = sum(step.to);
+    return from > to ? from : to;
   }
 };
 

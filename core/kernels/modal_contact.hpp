@@ -64,8 +64,9 @@ template <class W>
 struct Contact {
   typename W::Mask any = W(1.0f) < W(0.0f);
   Vec3<W> normal = {W(0.0f), W(0.0f), W(0.0f)};
-  W carried = W(0.0f);  // 1: moves with the root
-  W bounce = W(0.0f);   // share of the speed that comes back
+  W carried = W(0.0f);                          // 1: moves with the root
+  W bounce = W(0.0f);                           // share of the speed that comes back
+  Vec3<W> drift = {W(0.0f), W(0.0f), W(0.0f)};  // its own speed, links/s
 };
 
 // What links are turned out of.
@@ -75,6 +76,8 @@ struct Walls {
   float bounce;        // of planes; round shapes give nothing back (as in the other solvers)
   float max_distance;  // from the groom; 0: no limit
   float allowed;       // what may be left inside, in links
+  float per_s;         // frames
+  W left[N];           // how deep a point may stay inside a collider, m: it leaves that slowly
   Colliders<W> colliders;
 
   PELT_INLINE Walls(const LayerBlock& layer, const SimulateParams& params,
@@ -82,7 +85,9 @@ struct Walls {
       : hardness(layer.surface_hardness),
         bounce(layer.bounce),
         max_distance(layer.max_distance),
-        allowed(0.0f) {
+        allowed(0.0f),
+        per_s(1.0f / params.dt) {
+    for (W& depth : left) depth = W(0.0f);
     chain::LoadColliders(params, g, colliders);
   }
 };
@@ -90,7 +95,7 @@ struct Walls {
 // d turned towards the unit vector u until u . d is `least`, `most` at most, where it is less.
 template <class W>
 PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, float allowed, float carried,
-                           float bounce, Vec3<W>& d, Contact<W>& contact) {
+                           float bounce, Vec3<W> drift, Vec3<W>& d, Contact<W>& contact) {
   const W wanted = Clamp(least, W(-1.0f), W(most));
   const typename W::Mask inside = Dot(u, d) < Min(least, W(most)) - W(allowed);
   if (!Any(inside)) return;
@@ -102,6 +107,7 @@ PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, float allowed, float 
   contact.normal = Select<W>(inside, u, contact.normal);
   contact.carried = Select(inside, W(carried), contact.carried);
   contact.bounce = Select(inside, W(bounce), contact.bounce);
+  contact.drift = Select<W>(inside, drift, contact.drift);
 }
 
 // Turns link `i`, which starts at `from`, so that its end is beyond none of the walls. The limit
@@ -110,6 +116,7 @@ template <class W, uint32_t N>
 PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, uint32_t i,
                          Vec3<W> from, W per_length, Vec3<W>& d, Contact<W>& contact) {
   const W none = W(0.0f);
+  const Vec3<W> still = {none, none, none};
   if (walls.max_distance > 0.0f) {
     const Vec3<W> in = (g.rest[i] - from) * per_length;
     const float radius = walls.max_distance * float(i + 1);
@@ -118,18 +125,25 @@ PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, 
     // The substeps have taken the speed it had out of there, and know how the groom turns.
     Contact<W> place_only;
     // d(distance) = d(u . d) / radius, near enough.
-    LeanAlong(in * inverse, least, 1.0f, walls.allowed * radius, 1.0f, 0.0f, d, place_only);
+    LeanAlong(in * inverse, least, 1.0f, walls.allowed * radius, 1.0f, 0.0f, still, d, place_only);
   }
   if (walls.hardness > 0.0f) {
     // A share of the depth stays where the surface is soft.
     const W height = Dot(from, g.normal) * per_length, end = height + Dot(d, g.normal);
     LeanAlong(g.normal, Min(end, none) * W(1.0f - walls.hardness) - height, kReach, walls.allowed,
-              1.0f, walls.bounce, d, contact);
+              1.0f, walls.bounce, still, d, contact);
   }
-  walls.colliders.ForEach([&]<class Shape>(const Shape& shape) __attribute__((always_inline)) {
+  walls.colliders.ForEachStep([&]<class Shape>(
+      const Shape& whole, const ColliderStep& step) __attribute__((always_inline)) {
+    const auto shape = whole.Less(walls.left[i]);
     const LeanLimit<W> out = shape.Lean(from, d, per_length);
+    Vec3<W> drift = {none, none, none};
+    if (step.moves != 0) {
+      drift = shape.Velocity(step, from, walls.per_s);
+      drift = drift * per_length;
+    }
     LeanAlong(out.u, out.least, kReach, walls.allowed, 0.0f, Shape::kBounces ? walls.bounce : 0.0f,
-              d, contact);
+              drift, d, contact);
   });
 }
 
@@ -137,6 +151,7 @@ PELT_INLINE void LeanOut(const Walls<W, N>& walls, const chain::Group<W, N>& g, 
 template <class W, uint32_t N>
 PELT_INLINE typename W::Mask IsInside(const Walls<W, N>& walls, const chain::Group<W, N>& g) {
   typename W::Mask inside = W(1.0f) < W(0.0f);
+  const W per_square = W(1.0f) / (g.length * g.length);
   for (uint32_t i = 0; i < N; ++i) {
     if (walls.hardness > 0.0f) inside = inside | (Dot(g.point[i], g.normal) < W(0.0f));
     if (walls.max_distance > 0.0f) {
@@ -145,7 +160,8 @@ PELT_INLINE typename W::Mask IsInside(const Walls<W, N>& walls, const chain::Gro
       inside = inside | (Dot(off, off) > limit * limit);
     }
     walls.colliders.ForEach([&](const auto& shape) __attribute__((always_inline)) {
-      inside = inside | shape.IsInside(g.point[i]);
+      const Vec3<W> from = i == 0 ? Vec3<W>{W(0.0f), W(0.0f), W(0.0f)} : g.point[i - 1];
+      inside = inside | IsLinkInside(shape, from, g.point[i], per_square);
     });
   }
   return inside;
@@ -196,7 +212,7 @@ PELT_INLINE void TakeContact(const ModalTableBlock& t, const Vec3<W> (&d)[N],
   for (uint32_t i = 0; i < N; ++i) {
     const Vec3<W> n = contact[i].normal;
     const Vec3<W> tangent = v[i] - d[i] * Dot(v[i], d[i]);
-    const Vec3<W> point = end + tangent + root * (W(1.0f) - contact[i].carried);
+    const Vec3<W> point = end + tangent + root * (W(1.0f) - contact[i].carried) - contact[i].drift;
     const W into = Max(W(0.0f) - Dot(point, n), W(0.0f));
     const Vec3<W> lever = n - d[i] * Dot(n, d[i]);
     const W back = W(1.0f) + Select(into > slow, contact[i].bounce, W(0.0f));
@@ -227,12 +243,13 @@ PELT_INLINE Walls<W, N> EndWalls(const LayerBlock& layer, const SimulateParams& 
   return walls;
 }
 
-// Needs g.point placed; leaves them placed.
+// Needs g.point placed; leaves them placed. `left`: Walls'.
 template <class W, uint32_t N>
 PELT_INLINE void PushOut(const ModalTableBlock& t, const LayerBlock& layer,
-                         const SimulateParams& params, chain::Group<W, N>& g,
+                         const SimulateParams& params, const W (&left)[N], chain::Group<W, N>& g,
                          Motion<W, N>& motion) {
-  const Walls<W, N> walls = EndWalls(layer, params, g);
+  Walls<W, N> walls = EndWalls(layer, params, g);
+  for (uint32_t i = 0; i < N; ++i) walls.left[i] = left[i];
   const auto touching = IsInside(walls, g);
   if (!Any(touching)) return;
   Vec3<W> d[N];
@@ -266,8 +283,10 @@ PELT_INLINE void Gather(float clump, const Vec3<W> (&control)[N], chain::Group<W
 // Points of shaped lanes keep out of what is solid; where clumping may take them is not limited.
 template <class W, uint32_t N>
 PELT_INLINE void KeepOut(const LayerBlock& layer, const SimulateParams& params,
-                         typename W::Mask shaped, chain::Group<W, N>& g, Vec3<W> (&d)[N]) {
+                         typename W::Mask shaped, const W (&left)[N], chain::Group<W, N>& g,
+                         Vec3<W> (&d)[N]) {
   Walls<W, N> walls(layer, params, g);
+  for (uint32_t i = 0; i < N; ++i) walls.left[i] = left[i];
   walls.max_distance = 0.0f;
   const typename W::Mask inside = IsInside(walls, g) & shaped;
   if (!Any(inside)) return;

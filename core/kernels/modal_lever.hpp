@@ -1,4 +1,4 @@
-// How the points of a chain give way to pushes along given normals while its links keep their
+// How points of a chain, each somewhere on a link of its own, give way to pushes along given normals while its links keep their
 // length: the contacts' Schur complement of the lengths (modal_touch.hpp has the formulas). For
 // forces over a substep and for impulses.
 #pragma once
@@ -15,32 +15,37 @@ inline constexpr float kLeastGive = 0.02f;
 // What unit forces (impulses) along normals at the points do, the lengths kept.
 template <class W, uint32_t N>
 struct Levers {
-  float give[N][N];  // [point][link]: without the lengths
-  W hold[N][N];      // [point][link]: multipliers that keep the lengths
-  W matrix[N][N];    // [point][point], symmetric
+  W give[N][N];    // [point][link]: without the lengths
+  W hold[N][N];    // [point][link]: multipliers that keep the lengths
+  W matrix[N][N];  // [point][point], symmetric
 
-  // `share` of b . kappa: 1/2 where the lengths' directions are d + p, 1 where they are d.
+  // `on`: where on its link a point is; 1: at its end. `share` of b . kappa: 1/2 where the lengths'
+  // directions are d + p, 1 where they are d.
   PELT_INLINE void Make(const float (&response)[N][N], const Vec3<W> (&along)[N],
                         const NewtonMatrix<W, N>& lengths, const Vec3<W> (&normal)[N],
-                        float share) {
+                        const W (&on)[N], float share) {
     W b[N][N];
     for (uint32_t q = 0; q < N; ++q) {
       for (uint32_t i = 0; i < N; ++i) {
-        give[q][i] = response[i][0];
-        for (uint32_t j = 1; j <= q; ++j) give[q][i] += response[i][j];
-        b[q][i] = Dot(normal[q], along[i]) * W(give[q][i]);
+        float above = 0.0f;
+        for (uint32_t j = 0; j < q; ++j) above = j == 0 ? response[i][0] : above + response[i][j];
+        const W own = W(response[i][q]) * on[q];
+        give[q][i] = q == 0 ? own : W(above) + own;
+        b[q][i] = Dot(normal[q], along[i]) * give[q][i];
         hold[q][i] = W(0.0f) - b[q][i];
       }
       SolveFactored<W, N>(lengths.lower, lengths.inverse, hold[q]);
     }
     for (uint32_t r = 0; r < N; ++r)
       for (uint32_t q = 0; q <= r; ++q) {
-        float bare = give[q][0];
-        for (uint32_t i = 1; i <= r; ++i) bare += give[q][i];
+        W bare = give[q][0];
+        for (uint32_t i = 1; i < r; ++i) bare = bare + give[q][i];
+        const W own = give[q][r] * on[r];
+        bare = r == 0 ? own : bare + own;
         W sum = b[r][0] * hold[q][0];
         for (uint32_t j = 1; j < N; ++j) sum = sum + b[r][j] * hold[q][j];
-        matrix[r][q] = Dot(normal[r], normal[q]) * W(bare) + sum * W(share);
-        if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive * bare));
+        matrix[r][q] = Dot(normal[r], normal[q]) * bare + sum * W(share);
+        if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive) * bare);
         matrix[q][r] = matrix[r][q];
       }
   }

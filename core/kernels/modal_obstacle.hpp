@@ -4,13 +4,19 @@
 //
 // The idea: near a point each is a plane, or a ball that the point stays out of or within. Whatever
 // it is, a point that is beyond it has a normal that leads back, and a depth. Of several, the
-// deepest counts.
+// deepest counts. The point is a link's end; of round colliders, the link's point that is nearest.
 //
 // All in links, from the root's place at the substep's end. The plane turns with the skin and the
-// balls with the groom while the frame lasts; colliders stand still.
+// balls with the groom while the frame lasts; colliders go evenly to where they are at its end.
+//
+// What overlaps from before (a collider was put there, or a strand was laid into one) leaves at a
+// bounded speed, or the push of a single substep would throw it: the more, the shorter the frame.
+// What enters in this substep is stopped in it. A collider that is somewhere else than in the last
+// frame, without a velocity, pushes at once: where it overlaps may be its way here.
 #pragma once
 
 #include "core/kernels/chain.hpp"
+#include "core/kernels/collider_link.hpp"
 #include "core/kernels/modal_curl.hpp"
 #include "core/kernels/modal_step.hpp"
 
@@ -20,30 +26,41 @@ namespace pelt::modal {
 // a point may not be able to get out, and a force that tries grows without bounds.
 inline constexpr float kReach = 0.98f;
 
+// m/s at which what overlaps a collider leaves it.
+inline constexpr float kLeaving = 0.2f;
+
+// How far a moving collider takes a point along in a substep, at most, over its distance from the
+// root: what is faster is gone by the substep's end, and links turned further could not be solved.
+inline constexpr float kFarthestHit = 0.15f;
+
 PELT_INLINE bool HasLimit(const LayerBlock& layer) { return layer.max_distance > 0.0f; }
 
 // One of them, as it stands to one point.
 template <class W>
 struct Obstacle {
-  typename W::Mask any, round;
-  Vec3<W> centre, normal;  // the sphere's; the plane's
-  W reach;                 // radius; offset of the plane along its normal
-  W side;                  // -1: a sphere to stay within; else 1
-  W carried, spins;        // 1: moves with the root; turns with the skin
-  Vec3<W> drift;           // speed besides, links/s
-  W bounce;                // share of the speed that comes back
+  typename W::Mask any, round, goes;  // goes: it moves
+  Vec3<W> centre, normal;             // the sphere's; the plane's
+  W reach;                            // radius; offset of the plane along its normal
+  W side;                             // -1: a sphere to stay within; else 1
+  W carried, spins;                   // 1: moves with the root; turns with the skin
+  Vec3<W> drift;                      // speed besides, links/s
+  W bounce;                           // share of the speed that comes back
+  W eases;                            // 1: overlaps from before leave it slowly
+  W left;                             // how deep a point may stay for now
+  W share;                            // where on the link the point is: 1: its end
 
   PELT_INLINE void Clear() {
     const W none = W(0.0f);
-    any = round = W(1.0f) < none;
+    any = round = goes = W(1.0f) < none;
     centre = normal = drift = {none, none, none};
-    reach = carried = spins = bounce = none;
-    side = W(1.0f);
+    reach = carried = spins = bounce = eases = left = none;
+    side = share = W(1.0f);
   }
   // A collider, as it stands to a point near `at`. Only planes return speed (as in the other
-  // solvers).
+  // solvers). `per_step`: links/s for each metre of its way.
   template <class Shape>
-  static PELT_INLINE Obstacle Of(const Shape& shape, Vec3<W> at, W plane_bounce) {
+  static PELT_INLINE Obstacle Of(const Shape& shape, const ColliderStep& step, Vec3<W> at,
+                                 W plane_bounce, W per_step) {
     Obstacle o;
     o.Clear();
     if constexpr (Shape::kIsRound) {
@@ -55,10 +72,17 @@ struct Obstacle {
       o.reach = W(0.0f) - shape.height;
     }
     if constexpr (Shape::kBounces) o.bounce = plane_bounce;
+    if (step.moves != 0) {
+      const Vec3<W> way = shape.Velocity(step, at, 1.0f);
+      o.drift = way * per_step;
+      o.goes = !o.any;
+    }
+    if (step.at_once == 0) o.eases = W(1.0f);
     return o;
   }
   PELT_INLINE void Take(typename W::Mask lanes, const Obstacle& from) {
     round = (from.round & lanes) | (round & !lanes);
+    goes = (from.goes & lanes) | (goes & !lanes);
     centre = Select<W>(lanes, from.centre, centre);
     normal = Select<W>(lanes, from.normal, normal);
     reach = Select(lanes, from.reach, reach);
@@ -67,12 +91,41 @@ struct Obstacle {
     spins = Select(lanes, from.spins, spins);
     drift = Select<W>(lanes, from.drift, drift);
     bounce = Select(lanes, from.bounce, bounce);
+    eases = Select(lanes, from.eases, eases);
+    left = Select(lanes, from.left, left);
+    share = Select(lanes, from.share, share);
     any = any | lanes;
   }
-  // Puts it back to where a point at most `length` from the root can still get out of it.
+  // Its point of a link.
+  PELT_INLINE Vec3<W> PointOf(Vec3<W> from, Vec3<W> to) const {
+    const Vec3<W> link = to - from, inner = from + link * share;
+    return Select<W>(share < W(1.0f), inner, to);
+  }
+  // Puts it back to where a point at most `length` from the root can still get out of it. What
+  // moved beyond that has let go of the strand.
   PELT_INLINE void KeepWithinReach(W length) {
-    const W far = Select(round, Sqrt(Dot(centre, centre)), W(0.0f));
-    reach = Min(reach, far + length);
+    const W none = W(0.0f), far = Select(round, Sqrt(Dot(centre, centre)), none);
+    const W most = far + length;
+    drift = Select<W>((reach > most) & goes, {none, none, none}, drift);
+    reach = Min(reach, most);
+  }
+  // What is faster than the strand can turn takes it along no faster.
+  PELT_INLINE void SlowDown(Vec3<W> at, W time, W farthest) {
+    const W none = W(0.0f), speed2 = Dot(drift, drift), flat = Dot(normal, at);
+    const W slower = Min(farthest * Rsqrt(Max(speed2 * time * time, W(1.0e-12f))), W(1.0f));
+    drift = Select<W>(goes, drift * slower, drift);
+    const Vec3<W> out = at - centre;
+    const W distance = Select(round, Sqrt(Dot(out, out)), flat);
+    reach = Select(goes, reach - Max(reach - distance - farthest, none), reach);
+  }
+  // Gives way to a point that was inside already when the substep began, `before`, by all but what
+  // may leave in a substep; `time` is its length, s.
+  PELT_INLINE void Ease(Vec3<W> before, W time, W most) {
+    const Vec3<W> was = before + drift * time, out = was - centre;
+    const W flat = Dot(normal, was);
+    const W distance = Select(round, Sqrt(Dot(out, out)), flat);
+    left = Max(reach - distance - most, W(0.0f)) * eases;
+    reach = reach - left;
   }
   // Normal and depth of a point; 0 where there is nothing.
   PELT_INLINE void Look(Vec3<W> at, Vec3<W>& n, W& depth) const {
@@ -93,13 +146,18 @@ struct Surroundings {
   float hardness, plane_bounce, max_distance;
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
+  W per_step;    // links/s for each metre in this frame
+  float before;  // the present substep's end, as a share of the frame from its end
   Colliders<W> colliders;
   // At the end of the present substep.
   Vec3<W> root;                      // from where it is at the frame's end
   Vec3<W> surface;                   // normal of the plane through it
   Vec3<W> groom[N], groom_speed[N];  // the groom's points from the root; links/s from it
+  Vec3<W> start[N], start_root;      // points at its start, where there are colliders that move
+  float time;                        // its length, s
 
-  PELT_INLINE void Load(const LayerBlock& layer, const SimulateParams& params, Vec3<W> last_surface,
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+                        const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     hardness = layer.surface_hardness;
     plane_bounce = layer.bounce;
@@ -107,6 +165,7 @@ struct Surroundings {
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;
+    per_step = per_length * W(t.euler_speed);
     chain::LoadColliders(params, g, colliders);
   }
 
@@ -115,11 +174,17 @@ struct Surroundings {
     root = {WeighRoot(s.root_place, motion.axis[0].root),
             WeighRoot(s.root_place, motion.axis[1].root),
             WeighRoot(s.root_place, motion.axis[2].root)};
-    if (hardness > 0.0f) {
-      const float left = 1.0f - float(substep + 1) / float(t.substeps);
-      surface = left > 0.0f ? NormalizeOr(end_surface - turn * W(left), end_surface) : end_surface;
-    }
+    before = 1.0f - float(substep + 1) / float(t.substeps);
+    if (hardness > 0.0f)
+      surface =
+          before > 0.0f ? NormalizeOr(end_surface - turn * W(before), end_surface) : end_surface;
+    time = t.frame_s / float(t.substeps);
     if (max_distance > 0.0f) PlaceGroom(t, s, motion);
+    if (colliders.moves) PlaceStart(t, substep, motion);
+  }
+
+  PELT_INLINE bool HasColliders() const {
+    return colliders.sphere_count > 0 || colliders.capsule_count > 0 || colliders.use_ground;
   }
 
   // Lanes of which some point is beyond something.
@@ -132,15 +197,44 @@ struct Surroundings {
         const Vec3<W> off = at[i] - groom[i];
         inside = inside | (Dot(off, off) > W(Limit(i) * Limit(i)));
       }
-    colliders.ForEach([&](const auto& collider) __attribute__((always_inline)) {
-      const auto shape = collider.In(per_length, root);
-      for (uint32_t i = 0; i < N; ++i) inside = inside | shape.IsInside(at[i]);
+    const Vec3<W> zero = {W(0.0f), W(0.0f), W(0.0f)};
+    ForEachNow([&](const auto& shape, const ColliderStep& step) __attribute__((always_inline)) {
+      for (uint32_t i = 0; i < N; ++i) {
+        const Vec3<W> from = i == 0 ? zero : at[i - 1];
+        inside = inside | IsLinkInside(shape, from, at[i], W(1.0f));
+        if (step.moves != 0)
+          ForEachPast(
+              shape, step, i, from, at[i],
+              [&](const Crossing<W>&, Mask past, const Obstacle<W>&)
+                  __attribute__((always_inline)) { inside = inside | past; });
+      }
     });
     return inside;
   }
 
-  // What point i at `at` is deepest beyond.
-  PELT_INLINE void Find(uint32_t i, Vec3<W> at, Obstacle<W>& found) const {
+  // Points at the substep's start, seen from where the root is at its end.
+  PELT_INLINE void PlaceStart(const ModalTableBlock& t, uint32_t substep,
+                              const Motion<W, N>& motion) {
+    Vec3<W> was;
+    if (substep == 0) {
+      was = {motion.axis[0].root[0], motion.axis[1].root[0], motion.axis[2].root[0]};
+      was = was * W(-1.0f);
+    } else {
+      const auto& place = t.substep[substep - 1].root_place;
+      was = {WeighRoot(place, motion.axis[0].root), WeighRoot(place, motion.axis[1].root),
+             WeighRoot(place, motion.axis[2].root)};
+    }
+    Vec3<W> at = start_root = was - root;
+    for (uint32_t i = 0; i < N; ++i) start[i] = at = at + Row(motion, &Axis<W, N>::d, i);
+  }
+
+  // Where that point of link i was at the substep's start.
+  PELT_INLINE Vec3<W> StartOf(uint32_t i, const Obstacle<W>& o) const {
+    return o.PointOf(i == 0 ? start_root : start[i - 1], start[i]);
+  }
+
+  // What link i, with its ends at `from` and `at`, is deepest beyond.
+  PELT_INLINE void Find(uint32_t i, Vec3<W> from, Vec3<W> at, Obstacle<W>& found) const {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none, always = !never;
     const Vec3<W> zero = {none, none, none};
@@ -154,22 +248,70 @@ struct Surroundings {
       const W height = Dot(at, surface);
       // A share of the depth stays where the surface is soft.
       const W reach = height * W(1.0f - hardness);
-      take(height, {never, never, zero, surface, reach, one, one, one, zero, W(plane_bounce)});
+      take(height, {never, never, never, zero, surface, reach, one, one, one, zero, W(plane_bounce),
+                    none, none, one});
     }
-    colliders.ForEach([&](const auto& collider) __attribute__((always_inline)) {
-      const auto shape = collider.In(per_length, root);
-      const W distance = shape.Distance(at);
-      take(distance, Obstacle<W>::Of(shape, at, W(plane_bounce)));
+    ForEachNow([&](const auto& shape, const ColliderStep& step) __attribute__((always_inline)) {
+      W share = one;
+      if constexpr (std::decay_t<decltype(shape)>::kIsRound)
+        share = NearestShare(shape, from, at - from, one);
+      Obstacle<W> o;
+      o.share = share;
+      const Vec3<W> point = o.PointOf(from, at);
+      o = Obstacle<W>::Of(shape, step, point, W(plane_bounce), per_step);
+      o.share = share;
+      take(shape.Distance(point), o);
+      if (step.moves != 0)
+        ForEachPast(
+            shape, step, i, from, at,
+            [&](const Crossing<W>& crossing, Mask past, Obstacle<W> wall)
+                __attribute__((always_inline)) {
+                  wall.round = never;
+                  wall.normal = crossing.normal;
+                  wall.reach = Dot(crossing.normal, wall.centre) + crossing.radius;
+                  const W depth = crossing.ahead - crossing.radius;
+                  take(Select(past, depth, one), wall);
+                });
     });
     if (max_distance > 0.0f) {
       const W limit = W(Limit(i));
       const Vec3<W> off = at - groom[i];
-      take(limit - Sqrt(Dot(off, off)),
-           {never, always, groom[i], zero, limit, W(-1.0f), one, none, groom_speed[i], none});
+      take(limit - Sqrt(Dot(off, off)), {never, always, never, groom[i], zero, limit, W(-1.0f), one,
+                                         none, groom_speed[i], none, none, none, one});
     }
   }
 
  private:
+  // Colliders as they are at the substep's end.
+  template <class Visit>
+  PELT_INLINE void ForEachNow(const Visit& visit) const {
+    colliders.ForEachStep([&](const auto& collider, const ColliderStep& step)
+                              __attribute__((always_inline)) {
+                                auto now = collider;
+                                if (step.moves != 0 && before > 0.0f)
+                                  now = collider.Before(step, before);
+                                visit(now.In(per_length, root), step);
+                              });
+  }
+  // A ball may cross a strand within a substep: its link's end and middle. Calls
+  // visit(crossing, past, o) for both; o is the ball as it stands to that point.
+  template <class Shape, class Visit>
+  PELT_INLINE void ForEachPast(const Shape& shape, const ColliderStep& step, uint32_t i,
+                               Vec3<W> from, Vec3<W> at, const Visit& visit) const {
+    if constexpr (Shape::kIsRound)
+      for (const float share : {1.0f, 0.5f}) {
+        Obstacle<W> o;
+        o.share = W(share);
+        const Vec3<W> last = o.PointOf(from, at), first = StartOf(i, o);
+        o = Obstacle<W>::Of(shape, step, last, W(0.0f), per_step);
+        o.share = W(share);
+        const Vec3<W> way = o.drift * W(time);
+        const Vec3<W> seen_first = first - o.centre + way;
+        const Vec3<W> seen_last = last - o.centre;
+        const Crossing<W> crossing(seen_first, seen_last, shape.radius);
+        visit(crossing, crossing.Past(), o);
+      }
+  }
   PELT_INLINE float Limit(uint32_t i) const { return max_distance * float(i + 1); }
 
   __attribute__((noinline)) void PlaceGroom(const ModalTableBlock& t, const ModalSubstep& s,

@@ -46,11 +46,11 @@ struct TouchNotes {
   bool use = false;  // false: nothing below is set
   Surroundings<W, N> around;
 
-  PELT_INLINE void Load(const ModalTableBlock&, const LayerBlock& layer,
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     use = true;
-    around.Load(layer, params, last_surface, g);
+    around.Load(t, layer, params, last_surface, g);
   }
   template <bool kBest>
   PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
@@ -83,7 +83,7 @@ struct Touches {
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     use = true;
-    around.Load(layer, params, last_surface, g);
+    around.Load(t, layer, params, last_surface, g);
     slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
   }
 
@@ -105,6 +105,11 @@ struct Touches {
   // After the substep: speeds of the points that were pushed.
   PELT_INLINE void Settle(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) const {
     if (any) SettleTouched(t, substep, motion);
+  }
+
+  // How deep the last substep left each point inside what it leaves slowly, links.
+  PELT_INLINE void Left(W (&depth)[N]) const {
+    for (uint32_t q = 0; q < N; ++q) depth[q] = any ? obstacle[q].left : W(0.0f);
   }
 
   // Lanes that something pushed in the last substep.
@@ -132,18 +137,20 @@ struct Touches {
   // One push of every point that is, or was, inside something.
   template <bool kBest>
   static PELT_INLINE void Press(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
-                                const Vec3<W> (&n)[N], const W (&depth)[N], W (&total)[N],
+                                const Vec3<W> (&n)[N], const W (&depth)[N],
+                                const Obstacle<W> (&obstacle)[N], W (&total)[N],
                                 Vec3<W> (&force)[N], Motion<W, N>& m) {
     float response[N][N];
     Vec3<W> w[N];
-    W least[N], push[N], change[N];
+    W least[N], push[N], change[N], share[N];
     for (uint32_t i = 0; i < N; ++i) {
+      share[i] = obstacle[i].share;
       for (uint32_t j = 0; j < N; ++j) response[i][j] = 2.0f * t.response[i][j];
       w[i] = Row(m, &Axis<W, N>::w, i);
       least[i] = W(0.0f) - total[i];
     }
     Levers<W, N> levers;
-    levers.Make(response, w, matrix, n, 0.5f);
+    levers.Make(response, w, matrix, n, share, 0.5f);
     levers.Solve(depth, least, push);
     levers.Hold(push, change);
     for (uint32_t q = 0; q < N; ++q) {
@@ -161,7 +168,7 @@ struct Touches {
       for (uint32_t i = 0; i < N; ++i) {
         W moved = W(0.0f);
         for (uint32_t q = 0; q < N; ++q)
-          moved = moved + Component(n[q], k) * (push[q] * W(levers.give[q][i]));
+          moved = moved + Component(n[q], k) * (push[q] * levers.give[q][i]);
         a.p[i] = a.p[i] + moved;
         a.y[i] = a.y[i] + moved + Weigh<W, N>(t.response[i], pull);
         if constexpr (kBest) a.y[i] = a.y[i] + Weigh<W, N>(t.slope[i], twist);
@@ -169,13 +176,14 @@ struct Touches {
     }
   }
 
-  // Speeds of the points into their obstacles, had nothing pushed them. Only planes give any back,
-  // and planes do not drift.
+  // Speeds of the points into their obstacles, had nothing pushed them. Only planes give any back.
   PELT_INLINE void FindArrival(const ModalTableBlock& t, uint32_t substep,
                                const Motion<W, N>& motion, const Vec3<W> (&at)[N],
                                const Vec3<W> (&n)[N]) {
     for (uint32_t q = 0; q < N; ++q)
       arrival[q] = W(0.0f) - Dot(around.turn, at[q]) * W(t.euler_speed) * obstacle[q].spins;
+    if (around.colliders.moves)
+      for (uint32_t q = 0; q < N; ++q) arrival[q] = arrival[q] + Dot(n[q], obstacle[q].drift);
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& a = motion.axis[k];
       W pull[N], z[N];
@@ -199,6 +207,9 @@ struct Touches {
     NewtonMatrix<W, N> matrix;
     W square[N], total[N], depth[N];
     Vec3<W> force[N], n[N];
+    const bool eases = around.HasColliders();
+    const W most = around.per_length * W(kLeaving * around.time);
+    if (eases && !around.colliders.moves) around.PlaceStart(t, substep, motion);
     Linearise<kBest>(t, m, square, matrix);
     for (uint32_t q = 0; q < N; ++q) {
       total[q] = none;
@@ -221,15 +232,20 @@ struct Touches {
       Vec3<W> at[N];
       PlaceEnds(m, at);
       for (uint32_t q = 0; q < N; ++q) {
+        const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : at[q - 1];
         Obstacle<W> found;
-        around.Find(q, at[q], found);
+        around.Find(q, from, at[q], found);
         const Mask fresh = found.any & lanes & !obstacle[q].any;
-        found.KeepWithinReach(W(kReach * float(q + 1)));
+        if (eases) found.Ease(around.StartOf(q, found), W(around.time), most);
+        const W along = W(float(q)) + found.share;
+        if (around.colliders.moves)
+          found.SlowDown(found.PointOf(from, at[q]), W(around.time), W(kFarthestHit) * along);
+        found.KeepWithinReach(W(kReach * float(q)) + found.share * W(kReach));
         obstacle[q].Take(fresh, found);
-        obstacle[q].Look(at[q], n[q], depth[q]);
+        obstacle[q].Look(obstacle[q].PointOf(from, at[q]), n[q], depth[q]);
       }
       if (round == 0 && around.plane_bounce > 0.0f) FindArrival(t, substep, motion, at, n);
-      Press<kBest>(t, matrix, n, depth, total, force, m);
+      Press<kBest>(t, matrix, n, depth, obstacle, total, force, m);
     }
     for (uint32_t i = 0; i < N; ++i) square[i] = none;
     for (const Axis<W, N>& a : m.axis)
@@ -248,8 +264,9 @@ struct Touches {
       W sum = none;
       for (uint32_t i = 0; i < N; ++i) {
         const uint32_t j = N - 1 - i;
+        const W on_link = sum + Component(force[j], k) * obstacle[j].share;
         sum = sum + Component(force[j], k);
-        pull[j] = sum + sum;
+        pull[j] = on_link + on_link;
         to.p[i] = Select(lanes, from.p[i], to.p[i]);
         to.w[i] = Select(lanes, from.w[i], to.w[i]);
         to.y[i] = Select(lanes, from.y[i], to.y[i]);
@@ -262,13 +279,23 @@ struct Touches {
     }
   }
 
+  // A soft surface is a spring, critically damped: the share of a speed that is gone after a
+  // substep in which the spring takes the share `s` of a depth, w^2 h^2 = 2 s / (1 - s). Near
+  // enough 1 - exp(-2 w h).
+  static PELT_INLINE W SettledBySoft(float s) {
+    const float stretch = s / (1.0f - s);
+    const W square = W(8.0f * stretch), half = W(4.0f * stretch);
+    const W exponent = Sqrt(square) + half;
+    return exponent / (exponent + W(1.0f));
+  }
+
   __attribute__((noinline)) void SettleTouched(const ModalTableBlock& t, uint32_t substep,
                                                Motion<W, N>& motion) const {
     const W none = W(0.0f);
     float response[N][N];
     Vec3<W> d[N], v[N];
     NewtonMatrix<W, N> matrix;
-    W wanted[N], least[N], push[N], hold[N];
+    W wanted[N], least[N], push[N], hold[N], share[N];
     const auto& speed = t.substep[substep].root_speed;
     const Vec3<W> root = {WeighRoot(speed, motion.axis[0].root),
                           WeighRoot(speed, motion.axis[1].root),
@@ -288,16 +315,23 @@ struct Touches {
     }
     Factor<W, N>(matrix.lower, matrix.inverse);
     const Vec3<W> spin = around.turn * W(t.euler_speed);
+    const bool soft = around.hardness < 1.0f;
+    const W settles = soft ? SettledBySoft(around.hardness) : W(1.0f);
     Vec3<W> at = {none, none, none}, point = at;
     for (uint32_t q = 0; q < N; ++q) {
+      const Mask pushed = Dot(normal[q], normal[q]) > none;
+      // The first link's speed has the root's in it.
+      const Vec3<W> upper = q == 0 ? root : point;
       at = at + d[q];
       point = point + v[q];
-      const Mask pushed = Dot(normal[q], normal[q]) > none;
+      share[q] = obstacle[q].share;
+      const Vec3<W> met = obstacle[q].PointOf(upper, point);
       const W carried = Select(pushed, obstacle[q].carried, none);
       const W spins = Select(pushed, obstacle[q].spins, none);
       const Vec3<W> along =
           root * carried + Select<W>(pushed, obstacle[q].drift, {none, none, none});
-      wanted[q] = none - Dot(normal[q], point - along) - Dot(spin, at) * spins;
+      wanted[q] = none - Dot(normal[q], met - along) - Dot(spin, at) * spins;
+      if (soft) wanted[q] = Select(spins > none, wanted[q] * settles, wanted[q]);
       if (around.plane_bounce > 0.0f) {
         const Mask bounces = (arrival[q] > slow) & pushed;
         wanted[q] = wanted[q] + Select(bounces, arrival[q] * obstacle[q].bounce, none);
@@ -306,7 +340,7 @@ struct Touches {
       least[q] = W(-1.0e30f);
     }
     Levers<W, N> levers;
-    levers.Make(response, d, matrix, normal, 1.0f);
+    levers.Make(response, d, matrix, normal, share, 1.0f);
     levers.Solve(wanted, least, push);
     levers.Hold(push, hold);
     for (uint32_t k = 0; k < 3; ++k) {
@@ -315,8 +349,9 @@ struct Touches {
       W sum = none;
       for (uint32_t i = 0; i < N; ++i) {
         const uint32_t j = N - 1 - i;
-        sum = sum + Component(normal[j], k) * push[j];
-        pull[j] = sum + a.d[j] * hold[j];
+        const W impulse = Component(normal[j], k) * push[j], on_link = sum + impulse * share[j];
+        sum = sum + impulse;
+        pull[j] = on_link + a.d[j] * hold[j];
       }
       for (uint32_t m = 0; m < N; ++m)
         a.z[m] = Select(touched, a.z[m] + WeighColumn<W, N>(t.shape, m, pull), a.z[m]);

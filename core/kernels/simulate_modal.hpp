@@ -156,11 +156,13 @@ struct SimulateModal {
       TakeLanes(!good, safe, motion);
     }
 
-    // A frame of lanes that may touch things. Returns whom something pushed at its end.
+    // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
+    // deep points stay inside what they leave slowly, m.
     template <bool kBest, class At>
     static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
                                          Mask fresh, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
-                                         W per_length, const Group& g, Motion& motion) {
+                                         W per_length, const Group& g, W (&left)[N],
+                                         Motion& motion) {
       const ModalTableBlock& t = *ports.table;
       Touches touches;
       if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
@@ -170,6 +172,8 @@ struct SimulateModal {
         good = good |
                (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
       const Mask touched = touches.Touched() & good;
+      touches.Left(left);
+      for (W& depth : left) depth = depth * g.length;
       if (!AllSet(good))
         FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
       return touched;
@@ -231,6 +235,8 @@ struct SimulateModal {
 
       const Mask none = W(1.0f) < W(0.0f);
       Mask touched = none, picked = none;
+      W left[N];
+      for (W& depth : left) depth = W(0.0f);
       const bool carried = !restart && ports.table->substeps == 0;
       if (carried) {
         Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
@@ -239,7 +245,7 @@ struct SimulateModal {
           picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
         else
           touched =
-              StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, motion);
+              StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
       }
       modal::Directions(motion, d);
       modal::PlacePoints(d, g);
@@ -251,11 +257,11 @@ struct SimulateModal {
           if (Any(picked)) picks->template Add<W>(picked, at);
           if (AllSet(picked)) return false;
         } else if (HasObstacles(params, ports)) {
-          PushOut(params, ports, g, motion);
+          PushOut(params, ports, left, g, motion);
         }
         const Mask full = strength >= W(1.0f);
         if (controls || !AllSet(full))
-          Shape(params, ports, at, controls, full, picked, strength, rest, motion, g);
+          Shape(params, ports, at, controls, full, picked, strength, rest, motion, left, g);
       }
       if (Any(fresh)) {
         const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
@@ -282,8 +288,8 @@ struct SimulateModal {
     }
 
     static __attribute__((noinline)) void PushOut(const Params& params, const Ports& ports,
-                                                  Group& g, Motion& motion) {
-      modal::PushOut(*ports.table, *ports.layer, params, g, motion);
+                                                  const W (&left)[N], Group& g, Motion& motion) {
+      modal::PushOut(*ports.table, *ports.layer, params, left, g, motion);
     }
 
     // What is seen of the chain: the points, not the state. Lanes at full strength that follow
@@ -292,7 +298,8 @@ struct SimulateModal {
     static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
                                                 const At& at, const Controls* controls, Mask full,
                                                 Mask picked, W strength, const Vec3<W> (&rest)[N],
-                                                const Motion& motion, Group& g) {
+                                                const Motion& motion, const W (&left)[N],
+                                                Group& g) {
       const LayerBlock& layer = *ports.layer;
       Vec3<W> d[N];
       modal::Directions(motion, d);
@@ -307,7 +314,7 @@ struct SimulateModal {
             control[i] = controls->template Gather<W>(ports.strands->control, at, i) - g.root;
           modal::Gather(layer.clump, control, g, d);
         }
-      if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, g, d);
+      if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g, d);
     }
   };
 };

@@ -15,6 +15,14 @@ struct CapsuleParams {
   float length;
 };
 
+// How a collider came to its place in this frame.
+struct ColliderStep {
+  float from[3];     // its way in the world, m; of a capsule, that of its first end
+  float to[3];       // of a capsule's other end; else the same
+  uint32_t moves;    // 0: none of it; it stands still
+  uint32_t at_once;  // not 0: it moved, nobody knows how: what it overlaps gets out in one substep
+};
+
 struct SimulateParams {
   float dt;              // s, > 0
   float rest_threshold;  // a chain none of whose points moved more than this share of a segment
@@ -25,6 +33,8 @@ struct SimulateParams {
   float sphere[kSpheresPerScene][4];  // world: centre, radius, m
   uint32_t capsule_count;
   CapsuleParams capsule[kCapsulesPerScene];
+  // Modal layers alone see these.
+  ColliderStep ground_step, sphere_step[kSpheresPerScene], capsule_step[kCapsulesPerScene];
 };
 
 inline constexpr float kRestThreshold =

@@ -22,6 +22,7 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
   if (same != others.end()) {
     *table = tables[same - others.begin()];
     next.layer_ = same->layer_;
+    next.push_ratio_ = same->push_ratio_;
   } else {
     if (!begun_ || !(rod == rod_)) {
       ModalMaterial material =
@@ -30,6 +31,7 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
       next.layer_ = MakeModalLayer(material);
     }
     FillModalTable(next.layer_, quality, next.times_, table);
+    next.push_ratio_ = PushRatio(next.layer_, quality, next.times_);
   }
   *this = next;
   return true;

@@ -36,6 +36,8 @@ class ModalCourse {
 
   // Of the last frame.
   ModalQuality quality() const { return quality_; }
+  // Of the table's frame (modal_table.hpp).
+  double push_ratio() const { return push_ratio_; }
 
  private:
   bool HasTableOf(const ModalCourse& other) const;
@@ -45,6 +47,7 @@ class ModalCourse {
   ModalQuality quality_{};
   FrameTimes times_{};
   ModalLayer layer_{};
+  double push_ratio_ = 0.0;
 };
 
 }  // namespace pelt

@@ -249,6 +249,24 @@ FrameTimes NextTimes(const FrameTimes& last, double dt_s) {
 
 ModalLayer MakeModalLayer(const ModalMaterial& material) { return {material, FindModes(material)}; }
 
+double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times) {
+  const uint32_t substeps = SubstepsOf(quality, times);
+  if (substeps == 0) return 0.0;
+  double moved = 0.0, usually = 0.0;
+  for (uint32_t m = 0; m < layer.modes.links; ++m) {
+    const double omega2 = layer.modes.omega2[m];
+    const double damping = layer.material.drag_per_s + layer.material.bend_damping_s * omega2;
+    double tip = 0.0;
+    for (uint32_t i = 0; i < layer.modes.links; ++i) tip += layer.modes.shape[i][m];
+    const auto response = [&](double h) {
+      return tip * tip * StepOscillator(damping, omega2, h).y_of_force[0];
+    };
+    moved += response(times.dt_s[0] / substeps);
+    usually += response(1.0 / 120.0);
+  }
+  return moved / usually;
+}
+
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
                     ModalTableBlock* table) {
   ModalTableBlock& t = *table;

@@ -57,6 +57,10 @@ struct ModalLayer {
 };
 ModalLayer MakeModalLayer(const ModalMaterial& material);
 
+// How far a steady force at the tip moves it in a substep of such a frame, lengths left aside, over
+// how far in one of 1/120 s (of the default quality at 60 frames per second). 0 without substeps.
+double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times);
+
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
                     ModalTableBlock* table);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/groom/layer_params.hpp"
+#include "core/layer_block.hpp"
 #include "tests/kernels/modal_scene.hpp"
 
 namespace pelt::test {
@@ -51,7 +52,14 @@ TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
     s->layer.surface_hardness = 0.5f;
     s->params.use_ground = 1;
     s->params.ground[1] = 1.0f;
+    s->params.sphere_count = 1;
+    s->params.sphere[0][3] = 0.02f;
+    s->params.capsule_count = 1;
+    s->params.capsule[0] = {{0.03f, 0.0f, 0.05f}, 0.01f, {1.0f, 0.0f, 0.0f}, 0.05f};
+    for (ColliderStep* step : {&s->params.sphere_step[0], &s->params.capsule_step[0]})
+      *step = {{0.03f, 0.0f, 0.0f}, {0.01f, 0.02f, 0.0f}, 1, 0};
     for (int frame = 0; frame < 20; ++frame) {
+      s->params.sphere[0][0] = 0.03f * float(frame) - 0.3f;
       s->Step(kDt);
       s->HoldRoots();
     }
@@ -83,6 +91,81 @@ TEST(SimulateModalContact, ASoftSurfaceHoldsPartOfTheWeight) {
   EXPECT_LT(soft, 0.5 * none);
   EXPECT_GT(soft, 0.0);
   EXPECT_LT(hard, 1e-5);
+}
+
+// What a layer's soft surface is in a frame of dt seconds.
+float HardnessIn(const ModalLayer& layer, double dt, float hardness, ModalQuality quality) {
+  LayerParams params;
+  params.surface_hardness = hardness;
+  const float none[3] = {};
+  return FillLayerBlock(params, {}, float(dt), none, false, 1, 1.0f, true, nullptr,
+                        PushRatio(layer, quality, {{dt, dt, dt}}))
+      .surface_hardness;
+}
+
+// Strands that lean on a soft surface, their weight pressing them into it.
+std::unique_ptr<ModalScene<4>> OnSoftSurface() {
+  auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+  std::mt19937 random(9);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    Point3 d = RandomUnit(random);
+    d.z = 0.2 + 0.3 * std::fabs(d.z);
+    s->SetRest(lane, 0.01, std::vector<Point3>(3, d * (1.0 / Norm(d))));
+  }
+  s->layer.gravity[1] = 0.0f;
+  s->layer.gravity[2] = -9.81f;
+  return s;
+}
+
+void StepSoft(ModalScene<4>& s, double dt, float hardness) {
+  s.layer.surface_hardness = HardnessIn(s.material, dt, hardness, s.quality);
+  s.Step(dt);
+}
+
+double FarthestTips(const ModalScene<4>& a, const ModalScene<4>& b) {
+  double worst = 0.0;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    worst = std::max(worst, Norm(a.Tip(lane) - b.Tip(lane)));
+  return worst;
+}
+
+TEST(SimulateModalContact, ASoftSurfaceIsAsDeepAtEveryFrameRate) {
+  const ModalLayer layer = MakeModalLayer(CalibratedMaterial(3, 1.0, 0.1, 3.0));
+  EXPECT_EQ(HardnessIn(layer, kDt, 0.7f, ModalQuality::kDefault), 0.7f);
+  EXPECT_EQ(HardnessIn(layer, kDt / 4, 1.0f, ModalQuality::kDefault), 1.0f);
+  EXPECT_EQ(HardnessIn(layer, kDt / 4, 0.0f, ModalQuality::kDefault), 0.0f);
+  for (const float hardness : {0.4f, 0.7f, 0.95f}) {
+    const auto at_rest = [&](double dt) {
+      auto s = OnSoftSurface();
+      for (int frame = 0; frame < int(8.0 / dt); ++frame) StepSoft(*s, dt, hardness);
+      return s;
+    };
+    const auto at60 = at_rest(kDt);
+    double deepest = 0.0;
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      deepest = std::max(deepest, -at60->Tip(lane).z);
+    for (const double rate : {30.0, 120.0, 240.0}) {
+      const double apart = FarthestTips(*at60, *at_rest(1.0 / rate));
+      std::printf("hardness %.1f: %.3f mm deep, at %g Hz %.4f mm elsewhere\n", hardness,
+                  1e3 * deepest, rate, 1e3 * apart);
+      EXPECT_LT(apart, 1e-4) << hardness << " at " << rate;
+    }
+  }
+}
+
+TEST(SimulateModalContact, ALongFrameLeavesStrandsOnASoftSurfaceWhereTheyWere) {
+  for (const float hardness : {0.4f, 0.7f, 0.95f}) {
+    auto s = OnSoftSurface();
+    for (int frame = 0; frame < 480; ++frame) StepSoft(*s, kDt, hardness);
+    const ModalScene<4> before = *s;
+    StepSoft(*s, 0.07, hardness);
+    const double moved = FarthestTips(before, *s);
+    for (int frame = 0; frame < 240; ++frame) StepSoft(*s, kDt, hardness);
+    std::printf("hardness %.1f: %.4f mm in the long frame, %.4f mm for good\n", hardness,
+                1e3 * moved, 1e3 * FarthestTips(before, *s));
+    EXPECT_LT(moved, 1e-4);
+    EXPECT_LT(FarthestTips(before, *s), 1e-4);
+  }
 }
 
 // Strands droop onto it from above: along it, across it, and a short one, beyond its caps too.
