@@ -48,6 +48,9 @@ struct CapsuleCollider {
   float radius = 0.0f;     // m
   uint32_t character = 0;  // whose joint it is; nothing to a free one
   uint32_t joint = kFree;  // as in Groom::joint_names
+  // Of a free one's ends, m/s in the world, in the frame that ends where they are. A bound one's are
+  // those of its joint, by the last two poses.
+  float from_velocity[3] = {}, to_velocity[3] = {};
 };
 
 // By PaintChannel.
@@ -74,8 +77,12 @@ struct FrameInput {
   float gravity[3] = {0.0f, -9.81f, 0.0f};
   bool use_ground = false;
   float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};  // n.x + d >= 0 is above
+  float ground_velocity[3] = {};               // m/s, as a sphere's
   uint32_t sphere_count = 0;
   float sphere[kSpheresPerScene][4] = {};  // centre, radius
+  // m/s, in the frame that ends where the sphere is: there it moves along, meets what is in its way
+  // and takes it with it. 0: it stands where it is, for layers with the modal solver as for others.
+  float sphere_velocity[kSpheresPerScene][3] = {};
   uint32_t capsule_count = 0;
   CapsuleCollider capsule[kCapsulesPerScene];
   std::span<const Weather> weather;  // one a character; empty: dry and clean

@@ -208,6 +208,10 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
   if (from.sphere_count != 0 && !from.spheres) return "the spheres are null";
   to.sphere_count = from.sphere_count;
   for (uint32_t s = 0; s < from.sphere_count; ++s) Copy(from.spheres[s], to.sphere[s]);
+  if (from.sphere_velocities)
+    for (uint32_t s = 0; s < from.sphere_count; ++s)
+      Copy(from.sphere_velocities[s], to.sphere_velocity[s]);
+  Copy(from.ground_velocity, to.ground_velocity);
   if (from.capsule_count > std::size(to.capsule)) return "more capsules than a scene holds";
   if (from.capsule_count != 0 && !from.capsules) return "the capsules are null";
   to.capsule_count = from.capsule_count;
@@ -215,6 +219,8 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
     const PeltCapsule& capsule = from.capsules[c];
     Copy(capsule.from, to.capsule[c].from);
     Copy(capsule.to, to.capsule[c].to);
+    Copy(capsule.from_velocity, to.capsule[c].from_velocity);
+    Copy(capsule.to_velocity, to.capsule[c].to_velocity);
     to.capsule[c].radius = capsule.radius;
     to.capsule[c].character = capsule.character;
     to.capsule[c].joint = capsule.joint;

@@ -64,11 +64,16 @@ const char* FindObstacleFault(const FrameInput& in) {
   if (in.use_ground) {
     if (!AreUsable(in.ground, 4)) return "the ground plane is not finite, or beyond 1e6";
     if (!IsUnit(in.ground)) return "the ground plane's normal is not unit";
+    if (!AreUsable(in.ground_velocity, 3))
+      return "the ground's velocity is not finite, or beyond 1e6";
   }
   if (in.sphere_count > kSpheresPerScene) return "more spheres than a scene holds";
-  for (uint32_t s = 0; s < in.sphere_count; ++s)
+  for (uint32_t s = 0; s < in.sphere_count; ++s) {
     if (!AreUsable(in.sphere[s], 4) || in.sphere[s][3] < 0.0f)
       return "a sphere is not finite, beyond 1e6, or has a negative radius";
+    if (!AreUsable(in.sphere_velocity[s], 3))
+      return "a sphere's velocity is not finite, or beyond 1e6";
+  }
   return nullptr;
 }
 
@@ -83,6 +88,8 @@ const char* FindCapsuleFault(const FrameInput& in, const SceneShape& shape, cons
       return Say(text, "capsule {}: an end {}", c, kNotUsable);
     if (!AreUsable(&capsule.radius, 1) || capsule.radius < 0.0f)
       return Say(text, "capsule {}: its radius is {}, not in [0, 1e6] m", c, capsule.radius);
+    if (!AreUsable(capsule.from_velocity, 3) || !AreUsable(capsule.to_velocity, 3))
+      return Say(text, "capsule {}: the velocity of an end {}", c, kNotUsable);
     if (capsule.joint == CapsuleCollider::kFree) continue;
     if (capsule.character >= shape.character_count)
       return Say(text, "capsule {}: bound to character {}, the scene has {}", c, capsule.character,

@@ -138,6 +138,8 @@ typedef struct PeltCapsule {
   float radius;       /* m */
   uint32_t character; /* whose joint it is */
   uint32_t joint;     /* or PELT_FREE */
+  /* Of a free one's ends, m/s, in the frame that ends where they are; a bound one's are known. */
+  float from_velocity[3], to_velocity[3];
 } PeltCapsule;
 
 /* A ball that shines; of radius 0 a point. Colours are linear. */
@@ -181,6 +183,10 @@ typedef struct PeltFrame {
   float ground[4];           /* n.x + d >= 0 is above; n is unit */
   uint32_t sphere_count;     /* at most 8 */
   const float (*spheres)[4]; /* centre, radius */
+  /* Of each sphere and of the ground, m/s, in the frame that ends where they are: they move along in
+   * it and take strands with them. NULL: they stand still. */
+  const float (*sphere_velocities)[3];
+  float ground_velocity[3];
   uint32_t capsule_count;    /* at most 8 */
   const PeltCapsule* capsules;
   uint32_t light_count; /* at most 8 */

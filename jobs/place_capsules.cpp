@@ -43,9 +43,10 @@ CapsuleParams Span(const float (&from)[3], const float (&to)[3], float radius) {
 
 }  // namespace
 
-void PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGate& gate,
-                   SimulateParams& params, std::span<const CharacterOrigin> origins,
-                   uint32_t character) {
+CapsuleSources PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGate& gate,
+                             SimulateParams& params, std::span<const CharacterOrigin> origins,
+                             uint32_t character) {
+  CapsuleSources sources{};
   params.capsule_count = 0;
   const PaletteBlock* palette = nullptr;
   uint32_t palette_of = 0;
@@ -67,8 +68,10 @@ void PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGa
           !PlaceEnd(capsule.to, skeleton, matrix, capsule.joint, offset, to))
         continue;
     }
+    sources[params.capsule_count] = c;
     params.capsule[params.capsule_count++] = Span(from, to, capsule.radius);
   }
+  return sources;
 }
 
 }  // namespace pelt

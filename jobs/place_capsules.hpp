@@ -10,6 +10,8 @@
 // left out.
 #pragma once
 
+#include <array>
+
 #include "core/frame_input.hpp"
 #include "core/kernels/simulate_params.hpp"
 #include "jobs/frame.hpp"
@@ -18,11 +20,14 @@
 
 namespace pelt {
 
+// Which of the input's each placed capsule is.
+using CapsuleSources = std::array<uint32_t, kCapsulesPerScene>;
+
 // For an input without fault, after the gate has judged the frame's poses. Does nothing, and costs
 // nothing, where there are no capsules.
 // `origins`: of the characters, where they have some; places are then told from `character`'s.
-void PlaceCapsules(const FrameInput& input, const FrameMemory& memory, const PoseGate& gate,
-                   SimulateParams& params, std::span<const CharacterOrigin> origins = {},
-                   uint32_t character = 0);
+CapsuleSources PlaceCapsules(const FrameInput& input, const FrameMemory& memory,
+                             const PoseGate& gate, SimulateParams& params,
+                             std::span<const CharacterOrigin> origins = {}, uint32_t character = 0);
 
 }  // namespace pelt

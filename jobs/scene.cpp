@@ -88,6 +88,7 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       layout_(std::move(layout)),
       params_(options.origins ? layout_.shape.character_count : 1),
       relights_(params_.size(), 0),
+      colliders_(params_.size()),
       given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
       origins_(options.origins ? layout_.shape.character_count : 0) {
   draws_.reserve(layout_.shape.layer_count);
@@ -277,10 +278,9 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     double push_ratio = 0.0;
     if (kind & kLayerModal) {
       auto* tables = memory_.Of<&Streams::modal_tables>(0);
-      table_changed =
-          modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                            LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
-                            {modal_.data(), l}, tables, tables + l);
+      table_changed = modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
+                                        LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
+                                        {modal_.data(), l}, tables, tables + l);
       push_ratio = modal_[l].push_ratio();
     }
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
@@ -349,7 +349,9 @@ void FurScene::FillParams(uint32_t s, const FrameInput& in, bool wind_blows) {
   if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
-  PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
+  const CapsuleSources sources = PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
+  colliders_[s].Advance(in, memory_, sources, first_frame_ ? nullptr : &to.simulate,
+                        origins_.empty() ? nullptr : &origins_[s], simulate);
   const bool simulate_changed = Replace(to.simulate, simulate);
 
   const bool apart = !origins_.empty();
@@ -382,6 +384,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   layer_simulates_ = other.layer_simulates_;
   layer_curled_ = other.layer_curled_;
   pose_gate_.CopyStateFrom(other.pose_gate_);
+  colliders_ = other.colliders_;
   memory_.paused = other.memory_.paused;
   first_frame_ = other.first_frame_;
   last_dt_s_ = other.last_dt_s_;
@@ -391,13 +394,13 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(given_origins_) +
-                 bytes(origins_) + bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
-                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
-                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
-                 bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
-                 bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
-                 bytes(layer_curled_) +
+  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
+                 bytes(given_origins_) + bytes(origins_) + bytes(shape.layer_character) +
+                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
+                 bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
+                 bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
+                 bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
+                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(layer_curled_) +
                  bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);

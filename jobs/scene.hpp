@@ -26,6 +26,7 @@
 #include "core/groom/groom.hpp"
 #include "core/isa.hpp"
 #include "core/streams.hpp"
+#include "jobs/collider_course.hpp"
 #include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/origins.hpp"
@@ -234,8 +235,9 @@ class FurScene {
   std::vector<FrameParams>
       params_;                     // one for all characters, or, where they have origins, for each
   std::vector<uint8_t> relights_;  // of each, in this frame: every lit layer is lit again
-  std::vector<double> given_origins_;     // of characters, three each; empty: they have none
-  std::vector<CharacterOrigin> origins_;  // likewise
+  std::vector<ColliderCourse> colliders_;  // of each
+  std::vector<double> given_origins_;      // of characters, three each; empty: they have none
+  std::vector<CharacterOrigin> origins_;   // likewise
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

@@ -102,11 +102,11 @@ struct Flatten {
 std::vector<Field> FieldsOf(const FrameInput& input) {
   Flatten flatten;
   ListInputFields(flatten, input);
-  ListCountedFields(
-      [&](const char* what, uint32_t i, const char* field, const auto& value) {
-        flatten(Format("{}[{}]{}{}", what, i, *field ? "." : "", field), value);
-      },
-      input);
+  const auto counted = [&](const char* what, uint32_t i, const char* field, const auto& value) {
+    flatten(Format("{}[{}]{}{}", what, i, *field ? "." : "", field), value);
+  };
+  ListCountedFields(counted, input);
+  ListColliderVelocities(counted, input);
   flatten("weather.count", uint32_t(input.weather.size()));
   for (size_t w = 0; w < input.weather.size(); ++w) {
     flatten(Format("weather[{}].wetness", w), input.weather[w].wetness);

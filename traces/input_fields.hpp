@@ -4,7 +4,8 @@
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
 // array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples,
-// brushes and weather follow; each user lists them after checking the count.
+// brushes and weather follow; each user lists them after checking the count. Colliders' velocities
+// stand apart, at a recording's end.
 #pragma once
 
 #include "core/frame_input.hpp"
@@ -106,6 +107,18 @@ void ListCountedFields(auto&& archive, auto& in) {
   for (uint32_t s = 0; s < lighting.sample_count; ++s)
     ListIrradianceFields(each("irradiance sample", s), lighting.sample[s]);
   for (uint32_t b = 0; b < in.brush_count; ++b) ListBrushFields(each("brush", b), in.brush[b]);
+}
+
+// Velocities of the colliders, `archive` called as above. A recording has them only for frames in
+// which something moves.
+void ListColliderVelocities(auto&& archive, auto& in) {
+  archive("ground", 0u, "velocity", in.ground_velocity);
+  for (uint32_t s = 0; s < in.sphere_count; ++s)
+    archive("sphere", s, "velocity", in.sphere_velocity[s]);
+  for (uint32_t c = 0; c < in.capsule_count; ++c) {
+    archive("capsule", c, "from_velocity", in.capsule[c].from_velocity);
+    archive("capsule", c, "to_velocity", in.capsule[c].to_velocity);
+  }
 }
 
 }  // namespace pelt

@@ -251,6 +251,27 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   log.frames.push_back(frame);
 }
 
+// Frames in which colliders have velocities, in their order.
+void ReadColliderVelocities(Reader& reader, InputLog& log) {
+  reader.Section("colliders' velocities");
+  const size_t count_at = reader.At();
+  const auto count = reader.Get<uint32_t>();
+  constexpr uint64_t kLeastBytes = 4 + sizeof FrameInput::ground_velocity;
+  reader.CheckCount(count_at, count, kLeastBytes, "frames");
+  uint32_t next = 0;
+  for (uint32_t i = 0; i < count && !reader.failed(); ++i) {
+    const size_t at = reader.At();
+    const auto frame = reader.Get<uint32_t>();
+    if (frame < next || frame >= log.FrameCount())
+      reader.Fail(at, Format("frame {}, not one from {} on of {}", frame, next, log.FrameCount()));
+    if (reader.failed()) return;
+    ListColliderVelocities(
+        [&reader](const char*, uint32_t, const char* field, auto& value) { reader(field, value); },
+        log.frames[frame].input);
+    next = frame + 1;
+  }
+}
+
 // Of a frame without spheres, capsules, lights, brushes, weather and poses.
 uint64_t LeastFrameBytes(uint32_t characters, const InputLog& log) {
   std::vector<std::byte> input;
@@ -317,6 +338,7 @@ Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::strin
     reader.Section(Format("frame {}", f));
     ReadFrame(reader, f, log);
   }
+  if (log.version >= 6 && !reader.failed()) ReadColliderVelocities(reader, log);
   if (reader.Left() != 0)
     reader.Fail(reader.At(), Format("{} bytes behind the last frame", reader.Left()));
   if (reader.failed()) return Failure{std::move(error)};

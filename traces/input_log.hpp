@@ -7,6 +7,8 @@
 //      grooms      each as the bytes of a groom file, opaque here
 //      frames      FrameInput, weather, poses (with velocities: each followed by its own), digest:
 //                  one after the other
+//      colliders   from version 6 on: the number of frames in which some collider has a velocity;
+//                  of each, its number and the velocities
 //
 // An engine records by itself, without a scenario: Begin once, AddFrame after every frame, Finish.
 // What it sends can be replayed on any machine, and the recorded digests say whether that machine
@@ -35,7 +37,7 @@
 namespace pelt {
 
 // 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without a
-// modal quality by size on the screen; all still read.
+// modal quality by size on the screen and velocities of colliders; all still read.
 inline constexpr uint32_t kInputLogVersion = 6;
 
 // The joints in use of a PoseBlock.
@@ -122,7 +124,8 @@ class InputLogWriter {
   std::vector<std::byte> Finish() const;
 
  private:
-  std::vector<std::byte> bytes_;
+  std::vector<std::byte> bytes_, collider_bytes_;  // the latter: of frames that have velocities
+  uint32_t collider_frames_ = 0;                   // how many these are
   std::vector<std::vector<std::byte>> last_pose_, last_rates_;  // of each character, as written
   bool velocities_ = false;
   uint32_t frame_count_ = 0;

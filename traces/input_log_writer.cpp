@@ -65,6 +65,17 @@ void PutRates(const PoseRateBlock& rates, uint32_t joint_count, std::vector<std:
   PutPart(kRatesUnchanged, kRatesFollow, std::move(packed), last, to);
 }
 
+// Whether some bit of a collider's velocity is set.
+bool HaveColliderVelocities(const FrameInput& input) {
+  bool any = false;
+  ListColliderVelocities(
+      [&any](const char*, uint32_t, const char*, const float(&velocity)[3]) {
+        for (const float v : velocity) any |= std::bit_cast<uint32_t>(v) != 0;
+      },
+      input);
+  return any;
+}
+
 }  // namespace
 
 const char* InputLogWriter::Begin(const InputLogScene& about,
@@ -85,7 +96,8 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   last_pose_.assign(character_grooms.size(), {});
   last_rates_.assign(character_grooms.size(), {});
   velocities_ = about.velocities;
-  frame_count_ = 0;
+  frame_count_ = collider_frames_ = 0;
+  collider_bytes_.clear();
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
   PutNumber(bytes_, kInputLogVersion);
   PutNumber(bytes_, kStrandsPerChunk);
@@ -137,6 +149,14 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
     if (velocities_) PutRates(rates[c], poses[c].joint_count, last_rates_[c], bytes_);
   }
   PutNumber(bytes_, digest);
+  if (HaveColliderVelocities(input)) {
+    Writer collider_writer{collider_bytes_};
+    PutNumber(collider_bytes_, frame_count_);
+    ListColliderVelocities([&](const char*, uint32_t, const char* field,
+                               const auto& value) { collider_writer(field, value); },
+                           input);
+    ++collider_frames_;
+  }
   ++frame_count_;
   return nullptr;
 }
@@ -144,6 +164,8 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
 std::vector<std::byte> InputLogWriter::Finish() const {
   std::vector<std::byte> file = bytes_;
   if (file.empty()) return file;
+  PutNumber(file, collider_frames_);
+  file.insert(file.end(), collider_bytes_.begin(), collider_bytes_.end());
   PutNumberAt(file, kFrameCountAt, frame_count_);
   PutNumberAt(file, kFileBytesAt, uint64_t(file.size()));
   PutNumberAt(file, kHashAt, HashOf(file));

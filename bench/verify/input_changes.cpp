@@ -20,10 +20,11 @@ namespace {
 // compile.
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,
-                                spheres, sphere, capsules, capsule, weather, lighting, brushes,
-                                brush, lod, skip] = in;
+                                ground_speed, spheres, sphere, sphere_speed, capsules, capsule,
+                                weather, lighting, brushes, brush, lod, skip] = in;
   [[maybe_unused]] const auto& [centre, brush_radius, hardness, channel, amount] = brush[0];
-  [[maybe_unused]] const auto& [from, to, radius, character, joint] = capsule[0];
+  [[maybe_unused]] const auto& [from, to, radius, character, joint, from_speed, to_speed] =
+      capsule[0];
   [[maybe_unused]] const auto& [lights, samples, light, sample, sun, sun_rgb, rim, rim_rgb,
                                 exponent] = lighting;
   [[maybe_unused]] const auto& [light_at, light_radius, rgb, range] = light[0];
@@ -88,11 +89,11 @@ class Numbers {
 
 void Visit(Numbers& numbers, FrameInput& in, std::vector<Weather>& weather) {
   // First: one of the counts, which are among the fields, may be the number that changes.
-  ListCountedFields(
-      [&](const char* what, uint32_t i, const char* field, auto& value) {
-        numbers(fmt::format("{} {}{}{}", what, i, *field ? " " : "", field), value);
-      },
-      in);
+  const auto counted = [&](const char* what, uint32_t i, const char* field, auto& value) {
+    numbers(fmt::format("{} {}{}{}", what, i, *field ? " " : "", field), value);
+  };
+  ListCountedFields(counted, in);
+  ListColliderVelocities(counted, in);
   ListInputFields(numbers, in);
   for (size_t c = 0; c < weather.size(); ++c) {
     numbers(fmt::format("wetness of character {}", c), weather[c].wetness);

@@ -180,6 +180,9 @@ void WritePoses(const std::filesystem::path& folder) {
     for (const auto& sample : input.lighting.sample)
       ListIrradianceFields(input_log::Writer{walk}, sample);
     for (const auto& brush : input.brush) ListBrushFields(input_log::Writer{walk}, brush);
+    PutNumber(walk, uint8_t{4});
+    for (size_t v = 0; v < 3 * (1 + kSpheresPerScene + 2 * kCapsulesPerScene); ++v)
+      PutNumber(walk, std::bit_cast<uint32_t>(0.5f * float(frame)));
     run(walk);
   }
   Write(folder / "walk.pose", walk);

@@ -6,6 +6,7 @@
 //   1         all of the frame's input, as a recording has it
 //   2         run a frame
 //   3         the pose as it was bound
+//   4         velocities of all colliders
 #include <cstdlib>
 #include <cstring>
 
@@ -51,6 +52,18 @@ struct Reader {
   }
 };
 
+// Of all that there may be, whatever the counts say.
+void ReadVelocities(Reader& reader, FrameInput& input) {
+  const uint32_t spheres = input.sphere_count, capsules = input.capsule_count;
+  input.sphere_count = kSpheresPerScene;
+  input.capsule_count = kCapsulesPerScene;
+  ListColliderVelocities(
+      [&reader](const char*, uint32_t, const char* field, auto& value) { reader(field, value); },
+      input);
+  input.sphere_count = spheres;
+  input.capsule_count = capsules;
+}
+
 void RunFrame(FurScene& scene, const FrameInput& input) {
   if (scene.BeginFrame(input)) return;
   SerialExecutor().Run(scene.CurrentFrame());
@@ -70,7 +83,7 @@ void ReadHostile(std::span<const std::byte> bytes) {
   FrameInput input;
   Reader reader{bytes};
   for (uint32_t frames = 0; !reader.left.empty() && frames < kMostFrames;) {
-    switch (reader.Number<uint8_t>() % 4) {
+    switch (reader.Number<uint8_t>() % 5) {
       case 0: {
         const size_t word = reader.Number<uint16_t>() % (sizeof(PoseBlock) / 4);
         const auto bits = reader.Number<uint32_t>();
@@ -89,6 +102,9 @@ void ReadHostile(std::span<const std::byte> bytes) {
       case 2:
         RunFrame(scene, input);
         ++frames;
+        break;
+      case 4:
+        ReadVelocities(reader, input);
         break;
       default:
         FillBindPose(kGroom, scene.Pose(0));

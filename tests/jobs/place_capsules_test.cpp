@@ -107,7 +107,20 @@ TEST(PlaceCapsules, ABoundOneFollowsItsJoint) {
   EXPECT_GT(walked, 1e-3) << "the joint moves";
 }
 
-TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlace) {
+// The ends as the frame has them.
+struct Ends {
+  float from[3], to[3];
+};
+Ends EndsOf(const CapsuleParams& capsule) {
+  Ends ends;
+  for (int k = 0; k < 3; ++k) {
+    ends.from[k] = capsule.from[k];
+    ends.to[k] = capsule.from[k] + capsule.axis[k] * capsule.length;
+  }
+  return ends;
+}
+
+TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlaceWithItsVelocity) {
   Scenario scenario = PairScenario();
   RunningScenario bound(scenario, {}), free(scenario, {}), without(scenario, {});
   PoseGate gate = GateOf(scenario);
@@ -115,15 +128,27 @@ TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlace) {
   LocalStoreExecutor local(options.plan.local_store_data_bytes);
   SerialExecutor serial;
   const CapsuleCollider capsule = BoundTo(0, AnyJoint(bound.scene()));
+  Ends last{};
+  float fastest = 0.0f;
   for (uint32_t f = 0; f < 12; ++f) {
     RunWith(scenario, f, without.scene(), serial, {});
     RunWith(scenario, f, bound.scene(), local, {capsule});
-    RunWith(scenario, f, free.scene(), serial, {FreeAt(without.scene(), capsule)});
+    CapsuleCollider same = FreeAt(without.scene(), capsule);
+    const Ends ends = EndsOf(Placed(without.scene(), gate, same).capsule[0]);
+    const float dt = float(scenario.PrepareFrame(f, free.scene()).dt_s);
+    for (int k = 0; k < 3 && f > 0; ++k) {
+      same.from_velocity[k] = (ends.from[k] - last.from[k]) / dt;
+      same.to_velocity[k] = (ends.to[k] - last.to[k]) / dt;
+      fastest = std::max(fastest, std::abs(same.to_velocity[k]));
+    }
+    last = ends;
+    RunWith(scenario, f, free.scene(), serial, {same});
     EXPECT_EQ(bound.scene().DigestFrame(), free.scene().DigestFrame()) << f;
     if (f > 0) {
       EXPECT_NE(bound.scene().DigestFrame(), without.scene().DigestFrame()) << f;
     }
   }
+  EXPECT_GT(fastest, 1e-3f) << "it moves";
   for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
 }
 

@@ -143,6 +143,16 @@ const std::vector<BadInput> kBadInputs = {
        in.use_ground = true;
        in.ground[1] = 2.0f;
      }},
+    {"a sphere's velocity",
+     [](FrameInput& in, FurScene&) {
+       in.sphere_count = 1;
+       in.sphere_velocity[0][2] = kInf;
+     }},
+    {"the ground's velocity",
+     [](FrameInput& in, FurScene&) {
+       in.use_ground = true;
+       in.ground_velocity[0] = 2e6f;
+     }},
     {"more spheres", [](FrameInput& in, FurScene&) { in.sphere_count = kSpheresPerScene + 1; }},
     {"sphere",
      [](FrameInput& in, FurScene&) {

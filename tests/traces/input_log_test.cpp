@@ -90,6 +90,50 @@ TEST(InputLog, GroomsAndPosesAreNotWrittenTwice) {
   EXPECT_EQ(log.poses.size(), 4u + 1u + 4u);  // the second character stands still
 }
 
+// They stand behind the frames, of those alone that have some.
+TEST(InputLog, CollidersVelocitiesComeBack) {
+  RecordedFrames recorded = MakeRecordedFrames();
+  const std::vector<std::byte> without = recorded.Write();
+  recorded.inputs[2].sphere_velocity[1][2] = 4.0f;
+  recorded.inputs[2].sphere_velocity[7][2] = 1.0f;  // there are two
+  recorded.inputs[3].capsule[2].from_velocity[0] = -0.0f;
+  recorded.inputs[3].capsule[0].to_velocity[1] = 3.0f;
+  recorded.inputs[3].ground_velocity[1] = 2.0f;
+  const std::vector<std::byte> bytes = recorded.Write();
+  // Two frames with their numbers, the ground's, two and three spheres and capsules.
+  EXPECT_EQ(bytes.size(), without.size() + 2 * (4 + 12) + 12 * (2 + 3) + 24 * (2 + 3));
+  const InputLog log = ReadInputLog(bytes, "x").OrThrow();
+  for (uint32_t f = 0; f < 4; ++f) {
+    FrameInput expected = recorded.inputs[f];
+    expected.sphere_velocity[7][2] = 0.0f;
+    const FrameInput input = log.Input(f);
+    EXPECT_EQ(
+        std::memcmp(input.sphere_velocity, expected.sphere_velocity, sizeof input.sphere_velocity),
+        0);
+    EXPECT_EQ(std::memcmp(input.capsule, expected.capsule, sizeof input.capsule), 0) << f;
+    EXPECT_EQ(std::memcmp(input.ground_velocity, expected.ground_velocity, 12), 0) << f;
+  }
+}
+
+TEST(InputLog, CollidersVelocitiesOfOtherFramesAreRefused) {
+  RecordedFrames recorded = MakeRecordedFrames();
+  const size_t behind_frames = recorded.Write().size() - 4;  // their number
+  recorded.inputs[1].ground_velocity[1] = 2.0f;
+  recorded.inputs[3].ground_velocity[1] = 2.0f;
+  const std::vector<std::byte> bytes = recorded.Write();
+  const auto forged = [&](size_t at, uint32_t value) {
+    std::vector<std::byte> file = bytes;
+    input_log::PutNumberAt(file, behind_frames + at, value);
+    return ErrorOf(Reseal(file));
+  };
+  EXPECT_EQ(forged(4, 1u), "");
+  EXPECT_NE(forged(4, 3u), "") << "the next is 3 as well";
+  EXPECT_NE(forged(4, 4u), "") << "there are 4";
+  EXPECT_NE(forged(0, 1u), "") << "bytes are left";
+  EXPECT_NE(forged(0, 3u), "") << "cut";
+  EXPECT_NE(forged(0, 0x20000000u), "");
+}
+
 // Floats travel as bits: no value is lost, and -0 is not 0.
 TEST(InputLog, OddFloatsKeepTheirBits) {
   RecordedFrames recorded = MakeRecordedFrames();
@@ -275,6 +319,7 @@ TEST(InputLog, VersionFiveIsStillRead) {
   // Before the pose: five counts, the weather's, and what pose it is.
   const auto field = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4 - 4);
   bytes.erase(field, field + 4);
+  bytes.resize(bytes.size() - 4);  // how many frames have velocities of colliders
   input_log::PutNumberAt(bytes, 8, 5u);
   const InputLog then = ReadInputLog(Reseal(bytes), "x").OrThrow();
   EXPECT_EQ(then.version, 5u);

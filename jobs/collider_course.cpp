@@ -1,0 +1,107 @@
+#include "jobs/collider_course.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/float_rules.hpp"
+
+namespace pelt {
+namespace {
+
+// m/s. A joint that goes further was put where it is, and met nothing on its way.
+constexpr float kFastestJoint = 100.0f;
+
+bool IsZero(const float (&v)[3]) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
+
+ColliderStep StepOf(const float (&from)[3], const float (&to)[3], float dt) {
+  ColliderStep step{};
+  for (int k = 0; k < 3; ++k) {
+    step.from[k] = from[k] * dt;
+    step.to[k] = to[k] * dt;
+  }
+  step.moves = IsZero(step.from) && IsZero(step.to) ? 0 : 1;
+  return step;
+}
+
+template <size_t kCount>
+bool Differ(const float (&a)[kCount], const float (&b)[kCount]) {
+  return !std::equal(a, a + kCount, b);
+}
+bool Differ(const CapsuleParams& a, const CapsuleParams& b) {
+  return Differ(a.from, b.from) || Differ(a.axis, b.axis) || a.radius != b.radius ||
+         a.length != b.length;
+}
+
+// By velocity, or as something that is where it was not.
+ColliderStep Told(const float (&from)[3], const float (&to)[3], float dt, bool elsewhere) {
+  ColliderStep step = StepOf(from, to, dt);
+  step.at_once = step.moves == 0 && elsewhere ? 1 : 0;
+  return step;
+}
+
+void FindEnd(const CapsuleParams& capsule, float (&end)[3]) {
+  for (int k = 0; k < 3; ++k) end[k] = capsule.from[k] + capsule.axis[k] * capsule.length;
+}
+
+// Of a capsule bound to a joint.
+ColliderStep Carried(const CapsuleParams& now, const CapsuleParams& last, float dt) {
+  float end[3], last_end[3], from[3], to[3];
+  FindEnd(now, end);
+  FindEnd(last, last_end);
+  float fastest = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    from[k] = (now.from[k] - last.from[k]) / dt;
+    to[k] = (end[k] - last_end[k]) / dt;
+    fastest = std::max({fastest, std::abs(from[k]), std::abs(to[k])});
+  }
+  return fastest <= kFastestJoint ? StepOf(from, to, dt) : ColliderStep{};
+}
+
+// Told from where an origin moved to.
+CapsuleParams Shifted(CapsuleParams capsule, const float (&shift)[3]) {
+  for (int k = 0; k < 3; ++k) capsule.from[k] -= shift[k];
+  return capsule;
+}
+
+bool IsSame(const CapsuleCollider& a, const CapsuleCollider& b) {
+  return a.joint == b.joint && !Differ(a.from, b.from) && !Differ(a.to, b.to) &&
+         (a.joint == CapsuleCollider::kFree || a.character == b.character);
+}
+
+}  // namespace
+
+const CapsuleParams* ColliderCourse::LastOf(uint32_t source, const SimulateParams& last) const {
+  for (uint32_t c = 0; c < last.capsule_count; ++c)
+    if (sources_[c] == source) return &last.capsule[c];
+  return nullptr;
+}
+
+void ColliderCourse::Advance(const FrameInput& in, const FrameMemory& memory,
+                             const CapsuleSources& sources, const SimulateParams* last,
+                             const CharacterOrigin* origin, SimulateParams& params) {
+  const float dt = params.dt;
+  const bool shifted = origin && origin->shifted;
+  if (params.use_ground)
+    params.ground_step =
+        Told(in.ground_velocity, in.ground_velocity, dt,
+             last && !shifted && last->use_ground && Differ(last->ground, params.ground));
+  for (uint32_t s = 0; s < params.sphere_count; ++s)
+    params.sphere_step[s] = Told(
+        in.sphere_velocity[s], in.sphere_velocity[s], dt,
+        last && !shifted && s < last->sphere_count && Differ(last->sphere[s], params.sphere[s]));
+  for (uint32_t c = 0; c < params.capsule_count; ++c) {
+    const CapsuleCollider& now = in.capsule[sources[c]];
+    const CapsuleParams* before = last ? LastOf(sources[c], *last) : nullptr;
+    if (now.joint == CapsuleCollider::kFree)
+      params.capsule_step[c] = Told(now.from_velocity, now.to_velocity, dt,
+                                    before && !shifted && Differ(*before, params.capsule[c]));
+    else if (before && IsSame(now, capsule_[sources[c]]) &&
+             memory.Of<&Streams::pose>(now.character)->teleported == 0)
+      params.capsule_step[c] =
+          Carried(params.capsule[c], shifted ? Shifted(*before, origin->shift) : *before, dt);
+  }
+  std::copy_n(in.capsule, kCapsulesPerScene, capsule_);
+  sources_ = sources;
+}
+
+}  // namespace pelt
