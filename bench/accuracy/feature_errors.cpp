@@ -55,15 +55,17 @@ Track RunAt(const FeatureProblem& p, const SolverFactory& factory, int scale, do
   return track;
 }
 
-// Calls f(index in the track, pose, strand, link) for every point.
+// Calls f(index in the track, time, pose, strand, link) for every point.
 template <class F>
 void ForEachPoint(const FeatureProblem& p, size_t points, F f) {
   const BodyMotion motion = MotionOf(p.motion);
   const size_t links = size_t(p.material.links), row = p.strands.size() * links;
   for (size_t frame = 0; frame < points / row; ++frame) {
-    const BodyPose pose = motion(double(frame + 1) / kRate);
+    const double time = double(frame + 1) / kRate;
+    const BodyPose pose = motion(time);
     for (size_t s = 0; s < p.strands.size(); ++s)
-      for (size_t i = 0; i < links; ++i) f(frame * row + s * links + i, pose, p.strands[s], i);
+      for (size_t i = 0; i < links; ++i)
+        f(frame * row + s * links + i, time, pose, p.strands[s], i);
   }
 }
 
@@ -73,18 +75,25 @@ double ErrorOf(const FeatureProblem& p, const Track& track, const Track& referen
   for (const Strand& strand : p.strands) start.push_back(FindEquilibrium(p.material, strand));
   double off = 0.0, moved = 0.0;
   Double3 rigid = kZero3;
-  ForEachPoint(
-      p, track.size(), [&](size_t at, const BodyPose& pose, const Strand& strand, size_t link) {
-        const LinkDirections& d = start[size_t(&strand - p.strands.data())];
-        rigid = (link == 0 ? kZero3 : rigid) + pose.Turn(d[link]) * p.material.length[link];
-        const Double3 a = track[at] - reference[at], b = reference[at] - rigid;
-        off += Dot(a, a);
-        moved += Dot(b, b);
-      });
+  ForEachPoint(p, track.size(),
+               [&](size_t at, double, const BodyPose& pose, const Strand& strand, size_t link) {
+                 const LinkDirections& d = start[size_t(&strand - p.strands.data())];
+                 rigid =
+                     (link == 0 ? kZero3 : rigid) + pose.Turn(d[link]) * p.material.length[link];
+                 const Double3 a = track[at] - reference[at], b = reference[at] - rigid;
+                 off += Dot(a, a);
+                 moved += Dot(b, b);
+               });
   return std::sqrt(off / moved);
 }
 
-// Deepest point, over the length. The first frames are left out: strands may start inside.
+double DistanceToLink(Double3 point, Double3 from, Double3 to) {
+  const Double3 link = to - from;
+  const double share = std::clamp(Dot(point - from, link) / Dot(link, link), 0.0, 1.0);
+  return Length(from + link * share - point);
+}
+
+// Deepest point, of links for the sphere, over the length. The first frames are left out: strands may start inside.
 double PenetrationOf(const FeatureProblem& p, const Track& track) {
   constexpr size_t kSettleFrames = 6;
   const ModalFeatures& f = p.features;
@@ -93,7 +102,8 @@ double PenetrationOf(const FeatureProblem& p, const Track& track) {
   Double3 groom = kZero3;
   double along = 0.0;
   ForEachPoint(
-      p, track.size(), [&](size_t at, const BodyPose& pose, const Strand& strand, size_t link) {
+      p, track.size(),
+      [&](size_t at, double time, const BodyPose& pose, const Strand& strand, size_t link) {
         groom =
             (link == 0 ? kZero3 : groom) + pose.Turn(strand.rest[link]) * p.material.length[link];
         along = (link == 0 ? 0.0 : along) + p.material.length[link];
@@ -106,7 +116,12 @@ double PenetrationOf(const FeatureProblem& p, const Track& track) {
         if (f.use_ground)
           deepest = std::max(deepest, -Dot(world, f.ground_normal) - f.ground_offset);
         if (f.sphere_radius > 0.0)
-          deepest = std::max(deepest, f.sphere_radius - Length(world - f.sphere_centre));
+          deepest = std::max(
+              deepest,
+              f.sphere_radius - DistanceToLink(SphereAt(f, time),
+                                               link == 0 ? pose.Place(strand.root)
+                                                         : pose.Place(strand.root) + track[at - 1],
+                                               world));
       });
   return deepest / p.material.TotalLength();
 }
@@ -152,6 +167,14 @@ std::vector<FeatureProblem> FeatureProblems(int links) {
                         f.sphere_radius = 0.1;
                         f.sphere_centre = {0.16, 0.0, 0.16};
                       })});
+  // To and fro through their tips at up to 0.25 m/s.
+  problems.push_back(
+      {"moving sphere", medium, straight, Motion::kHeadshake, with([](ModalFeatures& f) {
+         f.sphere_radius = 0.05;
+         f.sphere_centre = {0.16, 0.0, 0.09};
+         f.sphere_swing = {0.0, 0.0, 0.02};
+         f.sphere_period = 0.5;
+       })});
   problems.push_back({"ground", medium, leaning, Motion::kWalk, with(on_ground)});
   problems.push_back({"bounce", medium, leaning, Motion::kWalk, with([=](ModalFeatures& f) {
                         on_ground(f);

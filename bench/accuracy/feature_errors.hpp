@@ -1,5 +1,5 @@
 // What the modal solver's features cost and how wrong they are: contact with the surface plane, a
-// sphere and the ground, bounce, a limit to the motion, clumps, strength, wind.
+// sphere that stands or moves, and the ground, bounce, a limit to the motion, clumps, strength, wind.
 //
 // No exact motion is known once a strand touches something, so the measure is the kernel itself,
 // best quality, with sixteen times the frames and the exact pose at each; the same again with half
@@ -26,7 +26,7 @@ struct FeatureProblem {
   Motion motion;
   ModalFeatures features;
 };
-// Bare (no feature), surface, sphere, ground, bounce, limit, clump, strength, wind. links: 3 or 4.
+// Bare (no feature), surface, sphere, moving sphere, ground, bounce, limit, clump, strength, wind. links: 3 or 4.
 std::vector<FeatureProblem> FeatureProblems(int links);
 
 struct FeatureError {

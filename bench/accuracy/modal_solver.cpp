@@ -6,6 +6,7 @@
 
 #include "bench/accuracy/comparison/chunk_rows.hpp"
 #include "core/error.hpp"
+#include "core/exact_math.hpp"
 #include "core/modal/modal_block.hpp"
 
 namespace pelt::accuracy {
@@ -43,6 +44,7 @@ class ModalSolver final : public StrandSolver {
     layer_->gravity[1] = float(material_.gravity.y);
     layer_->gravity[2] = float(material_.gravity.z);
     layer_->width = 1.0f;
+    features_ = features;
     params_ = {};
     params_.dt = float(setup.frame_seconds);
     SetFeatures(features);
@@ -71,6 +73,7 @@ class ModalSolver final : public StrandSolver {
 
   // A layer's table is made once per frame, on the caller's thread: not the kernel's time.
   void Prepare(const FrameRows& frame) override {
+    MoveSphere();
     if (next_dt_ > 0.0) {
       times_ = NextTimes(times_, next_dt_);
       params_.dt = float(next_dt_);
@@ -147,6 +150,20 @@ class ModalSolver final : public StrandSolver {
       params_.sphere[0][k] = float(sphere[k]);
     }
   }
+  // Frames of this run are as long as the first.
+  void MoveSphere() {
+    if (Length(features_.sphere_swing) == 0.0) return;
+    const double dt = double(params_.dt);
+    const Double3 before = SphereAt(features_, frames_ * dt);
+    const Double3 now = SphereAt(features_, ++frames_ * dt), way = now - before;
+    const double at[] = {now.x, now.y, now.z}, step[] = {way.x, way.y, way.z};
+    ColliderStep& moved = params_.sphere_step[0];
+    for (int k = 0; k < 3; ++k) {
+      params_.sphere[0][k] = float(at[k]);
+      moved.from[k] = moved.to[k] = float(step[k]);
+    }
+    moved.moves = 1;
+  }
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
@@ -165,11 +182,22 @@ class ModalSolver final : public StrandSolver {
   uint32_t lanes_;
   FrameTimes times_;
   double next_dt_ = 0.0;  // 0: as they were
+  ModalFeatures features_;
+  int64_t frames_ = 0;
   SimulateParams params_;
   Owned<LayerBlock> layer_;
   Owned<ModalTableBlock> table_;
   std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
 };
+
+}  // namespace
+
+Double3 SphereAt(const ModalFeatures& f, double seconds) {
+  return f.sphere_centre +
+         f.sphere_swing * exact::Sin(2.0 * exact::kPi * seconds / f.sphere_period);
+}
+
+namespace {
 
 bool IsUniform(const ChainMaterial& material) {
   for (int i = 1; i < material.links; ++i)

@@ -25,12 +25,16 @@ struct ModalFeatures {
   double ground_offset = 0.0;  // free space is n . x + offset >= 0
   double sphere_radius = 0.0;  // 0: no sphere
   Double3 sphere_centre = kZero3;
+  Double3 sphere_swing = kZero3;  // it goes this far to either side, as a sine, its velocity told
+  double sphere_period = 1.0;     // s
   float bounce = 0.0f;
   float max_distance = 0.0f;  // of a point from the groom, share of its distance along the strand
   float clump = 0.0f;         // towards the first strands of a chunk
   float strength = 1.0f;      // of every strand
   bool velocities = false;    // of the root are given with its poses
 };
+// Where the sphere is, the runs beginning at 0 s.
+Double3 SphereAt(const ModalFeatures& features, double seconds);
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features = {});
 
