@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "bench/accuracy/quantile.hpp"
 #include "bench/accuracy/solver_run.hpp"
 
 namespace pelt::accuracy {
@@ -321,13 +322,7 @@ double InputSquares(const std::vector<const SuiteCase*>& batch, const Suite& sui
 
 }  // namespace
 
-double Score::Median() const {
-  if (errors.empty()) return 0.0;
-  std::vector<double> sorted = errors;
-  std::sort(sorted.begin(), sorted.end());
-  const size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
-}
+double Score::Median() const { return Quantile(errors, 0.5); }
 
 double Score::WorstCase() const {
   return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());

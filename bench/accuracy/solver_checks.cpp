@@ -114,10 +114,10 @@ std::vector<PendulumRow> MeasurePendulum(Isa isa, bool quick) {
   }
   const TimedProblem timed = {problem.material, {problem.strand}, {problem.start}, problem.motion};
   const std::vector<SolverTime> times =
-      TimeInTurn(factories, timed, {quick ? 1024u : 4096u, 60, quick ? 2 : 5, 60});
+      TimeInTurn(factories, timed, {quick ? 1024u : 4096u, 60, quick ? 3 : 5, 60});
   for (size_t s = 0; s < rows.size(); ++s) {
     rows[s].ns = times[s].ns;
-    rows[s].ratio = times[s].ns / times[0].ns;
+    rows[s].ratio = TimeRatio(times[s], times[0]);
   }
   return rows;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <limits>
 
+#include "bench/accuracy/quantile.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
@@ -55,19 +55,21 @@ class TimedBatch {
   }
 
   size_t lanes() const { return directions_->lanes(); }
-  // Runs a fresh solver over all frames; keeps the least time of each.
-  void RunTurn(const SolverFactory& factory, std::vector<double>& fastest, uint64_t* digest) const {
+  // Runs a fresh solver over all frames; adds the slice that it took.
+  void RunTurn(const SolverFactory& factory, SolverTime& time) const {
     const auto solver = factory({problem_.material, dt_, uint32_t(lanes())});
     if (!solver) return;
     solver->Start(frames_[0]->rows(), directions_->rows().rest);
+    double seconds = 0.0;
     for (size_t f = 1; f < frames_.size(); ++f) {
       const FrameRows& rows = frames_[f]->rows();
       solver->Prepare(rows);
       const double begin = now_();
       solver->Step(rows);
-      fastest[f - 1] = std::min(fastest[f - 1], now_() - begin);
+      seconds += now_() - begin;
     }
-    if (digest) *digest = PointsDigest(*solver, problem_.material.links, lanes());
+    time.slices.push_back(1e9 * seconds / double(frames_.size() - 1) / double(lanes()));
+    time.digest = PointsDigest(*solver, problem_.material.links, lanes());
   }
 
  private:
@@ -94,20 +96,22 @@ TimedProblem HeadshakeProblem(const ChainMaterial& material) {
 std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
                                    const TimedProblem& problem, const TimingOptions& options) {
   const TimedBatch batch(problem, options);
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  std::vector<std::vector<double>> fastest(factories.size(),
-                                           std::vector<double>(size_t(options.frames), kNone));
   std::vector<SolverTime> times(factories.size());
   for (int round = 0; round < options.repeats; ++round)
-    for (size_t s = 0; s < factories.size(); ++s)
-      batch.RunTurn(factories[s], fastest[s],
-                    round + 1 == options.repeats ? &times[s].digest : nullptr);
-  for (size_t s = 0; s < factories.size(); ++s) {
-    double sum = 0.0;
-    for (const double seconds : fastest[s]) sum += seconds;
-    if (sum < kNone) times[s].ns = 1e9 * sum / options.frames / double(batch.lanes());
+    for (size_t s = 0; s < factories.size(); ++s) batch.RunTurn(factories[s], times[s]);
+  for (SolverTime& time : times) {
+    time.ns = Quantile(time.slices, 0.5);
+    time.low_ns = Quantile(time.slices, 0.25);
+    time.high_ns = Quantile(time.slices, 0.75);
   }
   return times;
+}
+
+double TimeRatio(const SolverTime& a, const SolverTime& b) {
+  std::vector<double> ratios;
+  for (size_t round = 0; round < std::min(a.slices.size(), b.slices.size()); ++round)
+    if (b.slices[round] > 0.0) ratios.push_back(a.slices[round] / b.slices[round]);
+  return Quantile(ratios, 0.5);
 }
 
 double NanosecondsPerStrand(const SolverFactory& factory, const ChainMaterial& material,

@@ -1,9 +1,11 @@
 // What a solver costs: nanoseconds per strand and frame on one core, for batches as large as a
 // character's.
 //
-// Solvers that are compared are timed in turn: a round runs each of them over the same frames, and
-// of each frame the fastest round counts, so that what a busy machine does to one solver it does to
-// all. Only StrandSolver::Step is timed, which reads the frame's rows and the solver's own state;
+// Solvers that are compared are timed in turn: a round runs each of them over the same frames, one
+// slice of time after the other, so that what a busy machine does to one solver it does to all.
+// The median of a solver's slices counts, and how far their quartiles lie apart says what it is
+// worth. (The fastest slice would favour those that run shortly: they find a quiet moment sooner.)
+// Only StrandSolver::Step is timed, which reads the frame's rows and the solver's own state;
 // in a turn that state comes from the second or third level of cache, as it does in a frame.
 #pragma once
 
@@ -35,9 +37,13 @@ struct TimedProblem {
 TimedProblem HeadshakeProblem(const ChainMaterial& material);
 
 struct SolverTime {
-  double ns = 0.0;      // per strand and frame; 0 where the solver cannot run the material
-  uint64_t digest = 0;  // of the points after the last frame
+  // Per strand and frame; 0 where the solver cannot run the material.
+  double ns = 0.0, low_ns = 0.0, high_ns = 0.0;  // median and quartiles of the slices
+  std::vector<double> slices;                    // ns, round after round
+  uint64_t digest = 0;                           // of the points after the last frame
 };
+// The median over the rounds of a's time over b's; 0 where one of them did not run.
+double TimeRatio(const SolverTime& a, const SolverTime& b);
 std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
                                    const TimedProblem& problem, const TimingOptions& options);
 

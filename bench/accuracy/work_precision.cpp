@@ -34,8 +34,8 @@ SuiteOptions SuiteFor(const WorkPrecisionOptions& options, int links) {
 
 TimingOptions TimingFor(bool quick) {
   return {.strands = quick ? 1024u : 4096u,
-          .frames = quick ? 8 : 24,
-          .repeats = quick ? 3 : 7,
+          .frames = quick ? 8 : 12,
+          .repeats = quick ? 5 : 15,
           .frames_per_second = kTimedRate};
 }
 
@@ -76,12 +76,15 @@ void TimePanel(const std::vector<NamedSolver>& solvers, const ChainMaterial& mat
   for (const NamedSolver& solver : solvers) factories.push_back(FactoryOf(solver, options.isa));
   const std::vector<SolverTime> times =
       TimeInTurn(factories, HeadshakeProblem(material), TimingFor(options.quick));
-  double yardstick = 0.0;
+  SolverTime yardstick;
   for (size_t s = 0; s < solvers.size(); ++s)
-    if (solvers[s].name == kYardstick) yardstick = times[s].ns;
+    if (solvers[s].name == kYardstick) yardstick = times[s];
   for (size_t s = 0; s < solvers.size(); ++s) {
-    panel.rows[s].ns = times[s].ns;
-    panel.rows[s].ratio = yardstick > 0.0 ? times[s].ns / yardstick : 0.0;
+    WorkPrecisionRow& row = panel.rows[s];
+    row.ns = times[s].ns;
+    row.low_ns = times[s].low_ns;
+    row.high_ns = times[s].high_ns;
+    row.ratio = TimeRatio(times[s], yardstick);
   }
 }
 
@@ -155,7 +158,7 @@ WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
       const PanelScores scores(options, suite, preset);
       std::vector<NamedSolver> timed;
       for (const NamedSolver& solver : solvers) {
-        panel.rows.push_back({solver, 0.0, 0.0, {}, {}});
+        panel.rows.emplace_back().solver = solver;
         timed.push_back(scores.Fill(panel.rows.back()));
         show(1);
       }

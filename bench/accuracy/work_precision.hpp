@@ -2,8 +2,8 @@
 // it gets wrong, on every preset, frame rate and kind of chain.
 //
 // Errors depend on nothing but the arithmetic, which is the same on every instruction set: their
-// digest is compared between machines. Times are this machine's; they are taken in turn
-// (solver_timing.hpp) at 60 frames per second on the preset's own material, and stated over the time
+// digest is compared between machines. Times are this machine's; they are medians of
+// slices taken in turn (solver_timing.hpp) at 60 frames per second on the preset's own material, and stated over the time
 // of our own PBD with 4 iterations in the same rounds.
 //
 // Solvers whose stiffness is not the material's (position-based ones, follow-the-leader) are tuned
@@ -38,10 +38,11 @@ struct WorkPrecisionOptions {
 // One solver on one preset and kind of chain.
 struct WorkPrecisionRow {
   NamedSolver solver;
-  double ns = 0.0;             // per strand and frame; 0: not timed
-  double ratio = 0.0;          // of our own PBD's with 4 iterations
-  std::vector<Score> scores;   // [rate]
-  std::vector<double> scales;  // [rate], of the stiffness; 0: none came out finite
+  double ns = 0.0;                     // per strand and frame, the median of slices; 0: not timed
+  double low_ns = 0.0, high_ns = 0.0;  // their quartiles
+  double ratio = 0.0;                  // of our own PBD's with 4 iterations
+  std::vector<Score> scores;           // [rate]
+  std::vector<double> scales;          // [rate], of the stiffness; 0: none came out finite
 
   bool Finite(size_t rate) const { return scores[rate].finite && scales[rate] > 0.0; }
 };

@@ -120,8 +120,8 @@ TEST(NamedSolver, NamesLeadBack) {
     EXPECT_FALSE(FindSolver(wrong)) << wrong;
 }
 
-// A clock that only the solvers move: Step takes as long as it was told, and twice as long in the
-// first round, everything else an hour.
+// A clock that only the solvers move: Step takes as long as it was told, half as long in the first
+// round and nine times in the last, everything else an hour.
 double clock_s = 0.0;
 
 class Slow final : public StrandSolver {
@@ -138,11 +138,12 @@ class Slow final : public StrandSolver {
   double seconds_;
 };
 
-TEST(SolverTiming, TimesAreOfStepAloneAndOfTheFastestRound) {
+TEST(SolverTiming, TimesAreOfStepAloneAndOfTheMiddleRound) {
   int made = 0;
   const auto slow = [&](double seconds) {
     return [&made, seconds](const SolverSetup&) {
-      return std::make_unique<Slow>(made++ < 2 ? 2.0 * seconds : seconds);
+      const int round = made++ / 2;
+      return std::make_unique<Slow>(seconds * (round == 0 ? 0.5 : round == 2 ? 9.0 : 1.0));
     };
   };
   const SolverFactory factories[] = {
@@ -154,7 +155,11 @@ TEST(SolverTiming, TimesAreOfStepAloneAndOfTheFastestRound) {
   EXPECT_EQ(made, 6);
   EXPECT_NEAR(times[0].ns, 1e6 / 64, 1.0);
   EXPECT_NEAR(times[1].ns, 2e6 / 64, 1.0);
+  EXPECT_NEAR(times[0].low_ns, 0.75e6 / 64, 1.0);
+  EXPECT_NEAR(times[0].high_ns, 5e6 / 64, 1.0);
+  EXPECT_NEAR(TimeRatio(times[1], times[0]), 2.0, 1e-6);
   EXPECT_EQ(times[2].ns, 0.0);
+  EXPECT_EQ(TimeRatio(times[0], times[2]), 0.0);
 }
 
 TEST(SolverChecks, FiguresAreWithinTheirTargets) {

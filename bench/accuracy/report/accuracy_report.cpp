@@ -51,21 +51,28 @@ void AddPanel(const WorkPrecision& table, const WorkPrecisionPanel& panel, Repor
   tree.Add(InJson("input_errors"), panel.input_errors);
   std::vector<Quantity> columns = {InText(" ")};
   AddSolverColumns(columns);
-  columns.insert(columns.end(), {{"ns", "", 1}, {"of_pbd", "", 2, "of PBD"}, InJson("scores")});
+  columns.insert(columns.end(), {{"ns", "", 1},
+                                 InJson("ns_quartiles"),
+                                 InText("+-", "%", 0),
+                                 {"of_pbd", "", 2, "of PBD"},
+                                 InJson("scores")});
   for (const int rate : rates) columns.push_back(InText(fmt::format("{} Hz", rate), "%", -3));
   columns.push_back(InText("stretch", "", -2));
   ReportTable& rows = tree.AddTable("rows", columns);
   for (const WorkPrecisionRow& row : panel.rows) {
     std::vector<Value> values = {panel.IsParetoOptimal(row, middle) ? Value("*") : Value{}};
     AddSolver(row.solver, values);
-    for (Value value : {Value(row.ns), Value(row.ratio), Value(ScoreTable(table, panel, row))})
+    const double half = 0.5 * (row.high_ns - row.low_ns);
+    for (Value value : {Value(row.ns), Value(std::vector<double>{row.low_ns, row.high_ns}),
+                        Value(row.ns > 0.0 ? 100.0 * half / row.ns : 0.0), Value(row.ratio),
+                        Value(ScoreTable(table, panel, row))})
       values.push_back(std::move(value));
     for (size_t r = 0; r < rates.size(); ++r)
       values.push_back(row.Finite(r) ? 100.0 * row.scores[r].error : std::nan(""));
     values.push_back(row.scores[middle].stretch);
     rows.Add(std::move(values));
   }
-  std::vector<Value> exact = {{}, {}, {}, "exact, root as samples", {}, {}, {}};
+  std::vector<Value> exact = {{}, {}, {}, "exact, root as samples", {}, {}, {}, {}, {}};
   for (const double error : panel.input_errors) exact.push_back(100.0 * error);
   rows.Add(std::move(exact), Show::kText);
 }
@@ -219,7 +226,8 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
   tree.Say(ProblemsText(table));
   tree.Say(
       "Part of the secondary motion that is wrong (100 %: no better than a rigid strand), and "
-      "ns per strand and frame. *: nothing as cheap is more exact at the rate nearest 60 Hz; "
+      "ns per strand and frame (+-: half of what their quartiles lie apart). *: nothing as cheap "
+      "is more exact at the rate nearest 60 Hz; "
       "stretch is of that rate. Position-based solvers and follow-the-leader are tuned on "
       "these very cases.");
   tree.Add(InJson("quick"), table.options.quick).Add(InJson("calibrated"), calibrated);
@@ -234,7 +242,7 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
   tree.EndLine();
   tree.Add({"isa", "", -1, "one core, kernels"}, IsaName(table.options.isa));
   tree.Add({"timed_strands"}, table.timed_strands);
-  tree.Add({"rounds", "", -1, "fastest of rounds taken in turn"}, table.rounds);
+  tree.Add({"rounds", "", -1, "median of slices taken in turn"}, table.rounds);
   tree.Add({"timed_frames", "", -1, "of frames"}, table.timed_frames).EndLine();
   tree.Add({"error_digest", "", -1, "digest of the errors"}, DigestText(table.error_digest));
   tree.Add({"seconds", "s", 1, "took"}, report.seconds);
