@@ -34,6 +34,12 @@ std::string_view NameStem(Family family) {
       return "verlet";
     case Family::kXpbd:
       return "xpbd";
+    case Family::kXpbdIterated:
+      return "xpbd4";
+    case Family::kXpbdSwept:
+      return "xpbd16";
+    case Family::kXpbdCubic:
+      return "xpbd-cubic";
     case Family::kImplicitEuler:
       return "euler";
     case Family::kTrapezoid:
@@ -52,6 +58,12 @@ MethodSettings MethodOf(Family family, int spent) {
       return {Method::kPbd, 1, spent};
     case Family::kXpbd:
       return {Method::kXpbd, spent, 1};
+    case Family::kXpbdIterated:
+      return {Method::kXpbd, spent, 4};
+    case Family::kXpbdSwept:
+      return {Method::kXpbd, spent, 16};
+    case Family::kXpbdCubic:
+      return {Method::kXpbdCubic, spent, 1};
     case Family::kImplicitEuler:
       return {Method::kImplicitEuler, spent, kNewtonSteps};
     default:
@@ -90,13 +102,17 @@ struct Members {
   std::vector<int> all, quick;
 };
 const std::vector<Members>& AllMembers() {
-  static const std::vector<Members> members = {{Family::kFollowTheLeader, {1, 2, 4, 8}, {1}},
-                                               {Family::kPbd, {1, 2, 4, 8, 16}, {4}},
-                                               {Family::kPeltPbd, {1, 2, 4, 8, 16}, {1, 4}},
-                                               {Family::kVerlet, {1, 4, 16}, {4}},
-                                               {Family::kXpbd, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
-                                               {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
-                                               {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};
+  static const std::vector<Members> members = {
+      {Family::kFollowTheLeader, {1, 2, 4, 8}, {1}},
+      {Family::kPbd, {1, 2, 4, 8, 16}, {4}},
+      {Family::kPeltPbd, {1, 2, 4, 8, 16}, {1, 4}},
+      {Family::kVerlet, {1, 4, 16}, {4}},
+      {Family::kXpbd, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
+      {Family::kXpbdIterated, {1, 2, 4, 8, 16}, {4}},
+      {Family::kXpbdSwept, {1, 2, 4}, {}},
+      {Family::kXpbdCubic, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
+      {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
+      {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};
   return members;
 }
 
@@ -109,9 +125,17 @@ SolverFactory ScaledFactory(const NamedSolver& solver, Isa isa, double scale) {
 }  // namespace
 
 std::string_view FamilyName(Family family) {
-  static constexpr std::string_view kNames[kFamilies] = {
-      "follow-the-leader", "PBD, textbook", "PBD, Pelt's",  "Verlet, Pelt's", "XPBD",
-      "implicit Euler",    "trapezoid",     "modal, Pelt's"};
+  static constexpr std::string_view kNames[kFamilies] = {"follow-the-leader",
+                                                         "PBD, textbook",
+                                                         "PBD, Pelt's",
+                                                         "Verlet, Pelt's",
+                                                         "XPBD",
+                                                         "XPBD, 4 iterations",
+                                                         "XPBD, 16 iterations",
+                                                         "XPBD, cubic root",
+                                                         "implicit Euler",
+                                                         "trapezoid",
+                                                         "modal, Pelt's"};
   return kNames[size_t(family)];
 }
 

@@ -17,15 +17,18 @@ namespace pelt::accuracy {
 
 enum class Family : uint8_t {
   kFollowTheLeader,
-  kPbd,      // the textbook's, bench/accuracy/comparison
-  kPeltPbd,  // ours, as it runs in a frame
-  kVerlet,   // ours
-  kXpbd,
+  kPbd,           // the textbook's, bench/accuracy/comparison
+  kPeltPbd,       // ours, as it runs in a frame
+  kVerlet,        // ours
+  kXpbd,          // one iteration a substep
+  kXpbdIterated,  // four
+  kXpbdSwept,     // sixteen
+  kXpbdCubic,     // one, the root on a cubic
   kImplicitEuler,
   kTrapezoid,
   kModal,  // ours
 };
-inline constexpr size_t kFamilies = 8;
+inline constexpr size_t kFamilies = 11;
 std::string_view FamilyName(Family family);  // "implicit Euler"
 
 struct NamedSolver {

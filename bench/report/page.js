@@ -471,7 +471,9 @@ function fillConsoles() {
 const kMarks = [
   'M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z', 'M-4-4L4 4M4-4L-4 4', 'M-1.5-4H1.5V4H-1.5Z', 'M-4-1.5H4V1.5H-4Z',
   'M0-5L5 0L0 5L-5 0Z', 'M0 5L5-4H-5Z', 'M0-5L5 4H-5Z', 'M-4-4H4V4H-4Z',
+  'M-5 0L4-5V5Z', 'M5 0L-4-5V5Z', 'M-5-2H5V2H-5Z',
 ];
+const kColours = 8;  // families beyond them share one, with another mark
 const percent = (share) => (100 * share).toPrecision(100 * share < 9.995 ? 2 : 3) + ' %';
 
 // [1, 3]: 1, 3, 10, 30 and so on.
@@ -520,7 +522,7 @@ function fillFamilies(parent, families, marks) {
   families.forEach((family, f) => {
     const item = add(parent, 'li');
     const swatch = add(item, 'svg', {class: 'swatch', viewBox: '-6 -6 12 12', 'aria-hidden': 'true'});
-    add(swatch, 'path', {class: 'mark s' + f, d: marks[f % marks.length]});
+    add(swatch, 'path', {class: 'mark s' + f % kColours, d: marks[f % marks.length]});
     item.append(family);
   });
 }
@@ -548,8 +550,8 @@ function drawPanel(parent, accuracy, panel, rate, families) {
   families.forEach((family, f) => {
     const rows = panel.rows.filter((r) => r.family === family && shownScore(r, rate));
     const at = rows.map((r) => [plot.x(r.ns).toFixed(1), plot.y(r.scores[rate].error).toFixed(1)]);
-    if (at.length) add(plot.svg, 'path', {class: 'curve s' + f, d: 'M' + at.map((p) => p.join(' ')).join('L')});
-    rows.forEach((row, i) => addPoint(plot.svg, at[i], 's' + f, kMarks[f % kMarks.length], row.scores[rate].pareto_optimal,
+    if (at.length) add(plot.svg, 'path', {class: 'curve s' + f % kColours, d: 'M' + at.map((p) => p.join(' ')).join('L')});
+    rows.forEach((row, i) => addPoint(plot.svg, at[i], 's' + f % kColours, kMarks[f % kMarks.length], row.scores[rate].pareto_optimal,
         `${row.label}\n${percent(row.scores[rate].error)} wrong\n${row.ns.toFixed(1)} ns, ${row.of_pbd.toFixed(2)} of PBD's`));
   });
 }

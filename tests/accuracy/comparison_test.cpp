@@ -101,6 +101,21 @@ TEST(Comparison, ErrorsFallWithTheStep) {
   EXPECT_GT(error(Method::kXpbd, 8, 1) / error(Method::kXpbd, 32, 1), 4.0);
 }
 
+// The line that users draw between two poses of the root is the smaller part of XPBD's error.
+TEST(Comparison, ACubicRootTakesSomeOfTheErrorOfXpbd) {
+  const Suite& suite = SharedSuite();
+  const auto error = [&](Method method, int substeps, size_t preset) {
+    return ScoreSolver(suite, preset, Fixed({method, substeps, 1}), 60).error;
+  };
+  for (size_t preset = 0; preset < 4; ++preset) {
+    const double line = error(Method::kXpbd, 64, preset),
+                 cubic = error(Method::kXpbdCubic, 64, preset);
+    std::printf("XPBD, 64 substeps, %s: %.2f %%, root on a cubic %.2f %%\n",
+                kPresets[preset].name.data(), 100.0 * line, 100.0 * cubic);
+    EXPECT_LT(cubic, line);
+  }
+}
+
 TEST(Comparison, PendulumChallenge) {
   const FixedProblem pendulum = PendulumChallenge();
   const auto miss = [&](const MethodSettings& settings) {
@@ -119,6 +134,7 @@ const MethodSettings kAll[] = {kLeader,
                                kPbd4,
                                {.method = Method::kPbd, .iterations = 2, .one_sided = true},
                                {Method::kXpbd, 8, 2},
+                               {Method::kXpbdCubic, 8, 1},
                                kEuler,
                                kTrapezoid2};
 

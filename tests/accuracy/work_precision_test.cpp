@@ -113,6 +113,8 @@ TEST(NamedSolver, NamesLeadBack) {
   for (const NamedSolver& solver : AllSolvers(true))
     EXPECT_TRUE(names.contains(solver.name)) << solver.name;
   EXPECT_EQ(FindSolver("xpbd-50")->method.substeps, 50);
+  EXPECT_EQ(FindSolver("xpbd16-2")->method.iterations, 16);
+  EXPECT_EQ(FindSolver("xpbd-cubic-8")->method.method, Method::kXpbdCubic);
   EXPECT_EQ(FindSolver("pbd")->core.iterations, 4u);
   EXPECT_EQ(FindSolver("verlet")->core.method, CoreMethod::kVerlet);
   for (const char* wrong : {"", "xpbd", "xpbd-", "xpbd-0", "xpbd-65", "xpbd-8x", "xpbd--8", "pbdx",

@@ -89,6 +89,9 @@ std::string MethodLabel(const MethodSettings& settings) {
     case Method::kXpbd:
       return fmt::format("XPBD, {}, {}", count(settings.substeps, "substep"),
                          count(settings.iterations, "iteration"));
+    case Method::kXpbdCubic:
+      return fmt::format("XPBD, cubic root, {}, {}", count(settings.substeps, "substep"),
+                         count(settings.iterations, "iteration"));
     case Method::kImplicitEuler:
       return fmt::format("implicit Euler, {}, {}", count(settings.substeps, "substep"),
                          count(settings.iterations, "Newton step"));

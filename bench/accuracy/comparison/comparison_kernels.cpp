@@ -50,6 +50,8 @@ StrandSolver* PELT_COMPARISON(const ComparisonTables& tables, const ChainMateria
       return Make<Pbd, Pair, Pair>(tables, material, make, lanes);
     case Method::kXpbd:
       return Make<Xpbd, Pair, Pair>(tables, material, make, lanes);
+    case Method::kXpbdCubic:
+      return Make<XpbdCubic, Pair, Pair>(tables, material, make, lanes);
     case Method::kImplicitEuler:
       return Make<ImplicitEuler, Direct3, V>(tables, material, make, lanes);
     case Method::kTrapezoid:

@@ -150,7 +150,7 @@ struct Xpbd {
     return state.rate[i];
   }
 
- private:
+ protected:
   // The bending constraint of joint j: the change of the links' vectors over their lengths, less
   // that of rest.
   PELT_INLINE static Vec3<V> Bend(const Table& t, const Input& now, const Vec3<V> (&point)[n],
@@ -201,6 +201,52 @@ struct Xpbd {
     const Vec3<V> excess = link * (V(1.0f) - V(t.step.length[j]) * Rsqrt(Dot(link, link)));
     point[j] = point[j] - excess * V(t.lower_share[j]);
     if (j > 0) point[j - 1] = point[j - 1] + excess * V(1.0f - t.lower_share[j]);
+  }
+};
+
+template <class V, int n>
+struct CubicPointState : PointState<V, n> {
+  LaneInput<V, n> sample[4];  // newest first; motion: of the frame that ended there
+
+  PELT_INLINE void Start(const StepTable& t, const LaneInput<V, n>& input,
+                         const Vec3<V> (&direction)[n]) {
+    PointState<V, n>::Start(t, input, direction);
+    for (auto& s : sample) s = input;
+  }
+};
+
+template <class V, int n>
+struct XpbdCubic : Xpbd<V, n> {
+  using Table = XpbdTable;
+  using State = CubicPointState<V, n>;
+  using Input = LaneInput<V, n>;
+
+  PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
+    for (int j = 3; j > 0; --j) state.sample[j] = state.sample[j - 1];
+    state.sample[0] = next;
+    // Of the samples before the newest, relative to it.
+    Vec3<V> root[4];
+    root[1] = next.motion * V(-1.0f);
+    root[2] = root[1] - state.sample[1].motion;
+    root[3] = root[2] - state.sample[2].motion;
+    Input before = state.last;
+    for (int s = 0; s < t.step.substeps; ++s) {
+      const float(&end)[4] = t.end[s], (&change)[4] = t.change[s];
+      const V share = V(float(s + 1) / float(t.step.substeps));
+      Input now;
+      now.motion = root[1] * V(change[1]) + root[2] * V(change[2]) + root[3] * V(change[3]);
+      now.wind = state.sample[1].wind + (next.wind - state.sample[1].wind) * share;
+      for (int i = 0; i < n; ++i)
+        now.rest[i] = next.rest[i] * V(end[0]) + state.sample[1].rest[i] * V(end[1]) +
+                      state.sample[2].rest[i] * V(end[2]) + state.sample[3].rest[i] * V(end[3]);
+      Xpbd<V, n>::Substep(t, before, now, state);
+      before = now;
+    }
+    state.last = before;
+  }
+
+  PELT_INLINE static Vec3<V> Velocity(const Table&, const State& state, int i) {
+    return state.rate[i];
   }
 };
 

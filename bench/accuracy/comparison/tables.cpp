@@ -71,6 +71,15 @@ void FillXpbd(const ChainMaterial& m, const MethodSettings& settings, double fra
     t.above[i] = float(above);
     t.lower_share[i] = float(w / (w + w_up));
   }
+  for (int s = 0; s < settings.substeps; ++s) {
+    double begin[4], value[4], rate[4], bend[4];
+    CubicWeights(double(s) / settings.substeps, begin, rate, bend);
+    CubicWeights(double(s + 1) / settings.substeps, value, rate, bend);
+    for (int j = 0; j < 4; ++j) {
+      t.end[s][j] = float(value[j]);
+      t.change[s][j] = float(value[j] - begin[j]);
+    }
+  }
 }
 
 void Store(int n, const ChainMatrix& a, float (&out)[kMaxTableLinks][kMaxTableLinks]) {
@@ -157,6 +166,7 @@ void MakeTables(const ChainMaterial& material, const MethodSettings& settings, d
     case Method::kPbd:
       return FillPoint(material, settings, frame_seconds, tables.point);
     case Method::kXpbd:
+    case Method::kXpbdCubic:
       return FillXpbd(material, settings, frame_seconds, tables.xpbd);
     case Method::kImplicitEuler:
     case Method::kTrapezoid:

@@ -20,6 +20,7 @@ enum class Method : uint8_t {
                      // 2012
   kPbd,              // Mueller, Heidelberger, Hennix, Ratcliff, "Position Based Dynamics", 2007
   kXpbd,             // Macklin, Mueller, Chentanez 2016, with the substeps of Macklin et al. 2019
+  kXpbdCubic,        // the same, the root on a cubic through its last four samples
   kImplicitEuler,    // what XPBD converges to with a direct solver
   kTrapezoid,        // second order, direct, velocities projected
 };
@@ -58,6 +59,9 @@ struct XpbdTable {
   float denominator[kMaxTableLinks];       // one over the constraint's response
   float below[kMaxTableLinks], at[kMaxTableLinks], above[kMaxTableLinks];  // its gradients
   float lower_share[kMaxTableLinks];                                       // of a length correction
+  // kXpbdCubic: weights of the last four samples at the end of a substep, and less those at its
+  // begin.
+  float end[kMaxSubsteps][4], change[kMaxSubsteps][4];
 };
 
 // d+ = to_direction d + to_rate d' + to_rest z + pull (g + c u - ...) + response Lambda d
