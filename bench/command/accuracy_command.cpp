@@ -48,6 +48,19 @@ WorkPrecisionOptions OptionsOf(const AccuracyArgs& args) {
   return options;
 }
 
+ModelErrorOptions ModelOptionsOf(const WorkPrecisionOptions& options) {
+  ModelErrorOptions model;
+  model.presets = options.presets;
+  model.drawn.seed = options.seed;
+  if (options.quick) {
+    model.links = {3, 4};
+    model.drawn.motions = 1;
+    model.strands = 1;
+    model.seconds = 1.5;
+  }
+  return model;
+}
+
 std::function<void(size_t, size_t)> ShowOn(std::optional<Progress>& shown) {
   return [&shown](size_t done, size_t total) {
     if (!shown) shown.emplace("accuracy", total);
@@ -110,6 +123,8 @@ int MeasureAll(const AccuracyArgs& args) {
     report.table.options.progress = {};
   }
   report.cantilever = MeasureCantilever(args.isa);
+  report.model_options = ModelOptionsOf(options);
+  report.model_error = MeasureModelError(report.model_options);
   report.pendulum = MeasurePendulum(args.isa, args.quick);
   report.stability = MeasureStability(args.isa, args.quick);
   report.machine = DescribeMachine();

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "bench/accuracy/quantile.hpp"
+
 namespace pelt {
 
 using namespace accuracy;
@@ -158,6 +160,26 @@ void AddCantilever(const std::vector<CantileverRow>& rows, ReportTree& tree) {
                std::vector<double>(std::begin(row.solver_miss), std::end(row.solver_miss))});
 }
 
+void AddModelError(const AccuracyReport& report, ReportTree& tree) {
+  const ModelErrorOptions& options = report.model_options;
+  tree.BlankLine();
+  tree.Say(
+      fmt::format("What no solver can see: chains of few links against a rod of {}, both moved "
+                  "exactly on drawn "
+                  "motions: part of the rod's secondary motion that differs, median over {} cases "
+                  "(least, most)",
+                  kRodLinks, options.drawn.motions * options.strands));
+  ReportTable& table = tree.AddTable("model_error", {{"links"},
+                                                     {"preset"},
+                                                     {"median", "%", 1, "off", 100},
+                                                     {"least", "%", 1, "", 100},
+                                                     {"most", "%", 1, "", 100},
+                                                     {"cases"}});
+  for (const ModelErrorRow& row : report.model_error)
+    table.Add({row.links, options.presets[row.preset].name, Quantile(row.errors, 0.5),
+               Quantile(row.errors, 0.0), Quantile(row.errors, 1.0), row.errors.size()});
+}
+
 void AddPendulum(const std::vector<PendulumRow>& rows, ReportTree& tree) {
   tree.BlankLine();
   tree.Say("Pendulum challenge, third point at 1 s");
@@ -235,6 +257,7 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
   for (const WorkPrecisionPanel& panel : table.panels)
     AddPanel(table, panel, tree.AddEntry("panels"));
   AddCantilever(report.cantilever, tree);
+  AddModelError(report, tree);
   AddPendulum(report.pendulum, tree);
   AddStability(report.stability, tree);
   tree.BlankLine();

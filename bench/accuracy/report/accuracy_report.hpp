@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/accuracy/model_error.hpp"
 #include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/work_precision.hpp"
 #include "bench/report/machine.hpp"
@@ -17,6 +18,8 @@ inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 2";
 
 struct AccuracyReport {
   accuracy::WorkPrecision table;
+  accuracy::ModelErrorOptions model_options;
+  std::vector<accuracy::ModelErrorRow> model_error;
   std::vector<accuracy::CantileverRow> cantilever;
   std::vector<accuracy::PendulumRow> pendulum;
   std::vector<accuracy::StabilityRow> stability;
