@@ -125,7 +125,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
   AddSceneAndFeatures(*app, args);
   AddRecorded(*app, args);
   app->footer(
-      "All of it takes about a minute and a half, --scene monster as long. With --roots: columns "
+      "All of it takes some minutes, --scene monster about one and a half. With --roots: columns "
       "time,x,y,z,qx,qy,qz,qw "
       "and\n"
       "wind_x,wind_y,wind_z or no wind, and velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z\n"
