@@ -202,11 +202,40 @@ std::optional<Difference> CompareHeads(const InputLog& a, const InputLog& b) {
     const auto name = [](bool velocities) { return velocities ? "with" : "without"; };
     return HeadDifference("velocities", name(a.about.velocities), name(b.about.velocities));
   }
+  if (a.about.origins != b.about.origins) {
+    const auto name = [](bool origins) { return origins ? "with" : "without"; };
+    return HeadDifference("origins", name(a.about.origins), name(b.about.origins));
+  }
   return CompareGrooms(a, b);
+}
+
+// Of the frame and its characters.
+std::optional<Difference> CompareOrigins(const InputLog& a, const InputLog& b, uint32_t frame) {
+  const auto differ = [&](const double* left, const double* right, Difference out) {
+    for (int k = 0; k < 3; ++k) {
+      const auto l = std::bit_cast<uint64_t>(left[k]), r = std::bit_cast<uint64_t>(right[k]);
+      if (l == r) continue;
+      out.place.emplace_back("origin", std::to_string(k));
+      out.left = ShowDouble(l), out.right = ShowDouble(r);
+      return std::optional(out);
+    }
+    return std::optional<Difference>();
+  };
+  if (auto found = differ(a.frames[frame].input.origin, b.frames[frame].input.origin,
+                          Difference{{{"frame", std::to_string(frame)}}, {}, {}, {}}))
+    return found;
+  for (uint32_t c = 0; c < a.CharacterCount(); ++c) {
+    double left[3], right[3];
+    a.FillOrigin(frame, c, left);
+    b.FillOrigin(frame, c, right);
+    if (auto found = differ(left, right, PlaceOf(frame, c))) return found;
+  }
+  return std::nullopt;
 }
 
 std::optional<Difference> CompareFrame(const InputLog& a, const InputLog& b, uint32_t frame) {
   if (auto found = CompareInputs(a.Input(frame), b.Input(frame), frame)) return found;
+  if (auto found = CompareOrigins(a, b, frame)) return found;
   PoseBlock left, right;
   PoseRateBlock left_rates, right_rates;
   for (uint32_t c = 0; c < a.CharacterCount(); ++c) {

@@ -114,12 +114,14 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
                        log.file_bytes, file.size()));
   if (!reader.failed() && hash != HashOf(file))
     reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
-  const uint32_t known = kWithIndexBuffer | (log.version >= 5 ? kWithVelocities : 0u);
+  const uint32_t known = kWithIndexBuffer | (log.version >= 5 ? kWithVelocities : 0u) |
+                         (log.version >= 6 ? kWithOrigins : 0u);
   if (options & ~known)
     reader.Fail(
         16, Format("options are {}, version {} has none above {}", options, log.version, known));
   log.about.index_buffer = (options & kWithIndexBuffer) != 0;
   log.about.velocities = (options & kWithVelocities) != 0;
+  log.about.origins = (options & kWithOrigins) != 0;
   if (counts.characters == 0 || counts.characters > kCharactersLimit)
     reader.Fail(24, Format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
   if (counts.grooms == 0 || counts.grooms > counts.characters)
@@ -247,6 +249,11 @@ void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
     if (log.about.velocities && !reader.failed())
       ReadRates(reader, index, log.poses[log.frame_pose.back()].joint_count, log);
   }
+  if (log.about.origins) {
+    reader("origin", frame.input.origin);
+    for (uint32_t place = 0; place < 3 * characters; ++place)
+      reader("origin of a character", log.origins.emplace_back());
+  }
   frame.digest = reader.Get<uint64_t>();
   log.frames.push_back(frame);
 }
@@ -278,7 +285,8 @@ uint64_t LeastFrameBytes(uint32_t characters, const InputLog& log) {
   Writer writer{input};
   const FrameInput nothing;
   ListInputFields(writer, nothing, log.version);
-  return input.size() + 4 + characters * (log.about.velocities ? 2 : 1) + 8;
+  const uint64_t origins = log.about.origins ? 24 * (1 + uint64_t(characters)) : 0;
+  return input.size() + 4 + characters * (log.about.velocities ? 2 : 1) + origins + 8;
 }
 
 template <auto kRow>
@@ -306,6 +314,11 @@ void InputLog::FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) con
   pose->joint_count = packed.joint_count;
   pose->teleported = packed.teleported;
   FillRows<&Streams::pose>(pose_words.data() + packed.first_word, packed.joint_count, pose);
+}
+
+void InputLog::FillOrigin(uint32_t frame, uint32_t character, double* origin) const {
+  const size_t first = 3 * (size_t(frame) * CharacterCount() + character);
+  for (size_t k = 0; k < 3; ++k) origin[k] = origins.empty() ? 0.0 : origins[first + k];
 }
 
 void InputLog::FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* block) const {

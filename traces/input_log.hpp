@@ -1,12 +1,12 @@
 // The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
 //
 //      header      magic "PELTINP\n", version, strands per chunk, options (bit 0: index buffer,
-//                  bit 1: velocities), number of grooms, characters and frames, file size, hash
+//                  bit 1: velocities, bit 2: origins), number of grooms, characters and frames, file size, hash
 //      texts       scene, note
 //      characters  the number of each one's groom
 //      grooms      each as the bytes of a groom file, opaque here
-//      frames      FrameInput, weather, poses (with velocities: each followed by its own), digest:
-//                  one after the other
+//      frames      FrameInput, weather, poses (with velocities: each followed by its own), with
+//                  origins the frame's and each character's, digest: one after the other
 //      colliders   from version 6 on: the number of frames in which some collider has a velocity;
 //                  of each, its number and the velocities
 //
@@ -36,8 +36,8 @@
 
 namespace pelt {
 
-// 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without a
-// modal quality by size on the screen and velocities of colliders; all still read.
+// 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without
+// origins, a modal quality by size on the screen and velocities of colliders; all still read.
 inline constexpr uint32_t kInputLogVersion = 6;
 
 // The joints in use of a PoseBlock.
@@ -66,6 +66,7 @@ struct InputLogScene {
   std::string note;           // free text: settings, build, machine
   bool index_buffer = false;  // SceneOptions::vertex_order is VertexOrder::kIndexBuffer
   bool velocities = false;    // SceneOptions::velocities
+  bool origins = false;       // SceneOptions::origins
 };
 
 struct InputLog {
@@ -81,6 +82,7 @@ struct InputLog {
   // With about.velocities: [frame][character], into `rates`, or kNoRates where none were given.
   std::vector<uint32_t> frame_rates;
   std::vector<PackedRates> rates;  // those that differ from the frame before
+  std::vector<double> origins;     // with about.origins: [frame][character][axis], m
   std::vector<uint32_t> pose_words;
   std::vector<Weather> weather;
   uint64_t file_bytes = 0;
@@ -91,7 +93,9 @@ struct InputLog {
   FrameInput Input(uint32_t frame) const;
   // Writes every byte of `pose`; joints not in use are 0.
   void FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const;
-  // The same of its velocities; with `given` 0 where there were none.
+  // Of a log with about.origins; else 0.
+  void FillOrigin(uint32_t frame, uint32_t character, double* origin) const;
+  // The same as FillPose of its velocities; with `given` 0 where there were none.
   void FillPoseRates(uint32_t frame, uint32_t character, PoseRateBlock* block) const;
 };
 
@@ -115,9 +119,11 @@ class InputLogWriter {
 
   // One frame that ran: what BeginFrame was given, the scene's poses ({&scene.Pose(0),
   // characters}), and DigestFrame() after it. With InputLogScene::velocities, also their velocities
-  // ({scene.PoseRates(0), characters}); else none.
+  // ({scene.PoseRates(0), characters}); else none. With InputLogScene::origins likewise
+  // {scene.Origin(0), 3 * characters}.
   const char* AddFrame(const FrameInput& input, std::span<const PoseBlock> poses, uint64_t digest,
-                       std::span<const PoseRateBlock> rates = {});
+                       std::span<const PoseRateBlock> rates = {},
+                       std::span<const double> origins = {});
 
   uint32_t FrameCount() const { return frame_count_; }
   // The bytes of the file so far; recording may go on after it. Empty before Begin.
@@ -127,7 +133,7 @@ class InputLogWriter {
   std::vector<std::byte> bytes_, collider_bytes_;  // the latter: of frames that have velocities
   uint32_t collider_frames_ = 0;                   // how many these are
   std::vector<std::vector<std::byte>> last_pose_, last_rates_;  // of each character, as written
-  bool velocities_ = false;
+  bool velocities_ = false, origins_ = false;
   uint32_t frame_count_ = 0;
 };
 

@@ -96,13 +96,15 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   last_pose_.assign(character_grooms.size(), {});
   last_rates_.assign(character_grooms.size(), {});
   velocities_ = about.velocities;
+  origins_ = about.origins;
   frame_count_ = collider_frames_ = 0;
   collider_bytes_.clear();
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
   PutNumber(bytes_, kInputLogVersion);
   PutNumber(bytes_, kStrandsPerChunk);
   PutNumber(bytes_, (about.index_buffer ? kWithIndexBuffer : 0u) |
-                        (about.velocities ? kWithVelocities : 0u));
+                        (about.velocities ? kWithVelocities : 0u) |
+                        (about.origins ? kWithOrigins : 0u));
   PutNumber(bytes_, uint32_t(grooms.size()));
   PutNumber(bytes_, uint32_t(character_grooms.size()));
   bytes_.resize(kHeaderBytes);  // frames, file size and hash, once they are known
@@ -117,7 +119,8 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
 }
 
 const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const PoseBlock> poses,
-                                     uint64_t digest, std::span<const PoseRateBlock> rates) {
+                                     uint64_t digest, std::span<const PoseRateBlock> rates,
+                                     std::span<const double> origins) {
   const size_t characters = last_pose_.size();
   if (characters == 0) return "frames come after Begin";
   if (poses.size() != characters || (!input.weather.empty() && input.weather.size() != characters))
@@ -125,6 +128,9 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
   if (rates.size() != (velocities_ ? characters : 0))
     return velocities_ ? "not as many velocities as characters"
                        : "velocities in a recording that was begun without";
+  if (origins.size() != (origins_ ? 3 * characters : 0))
+    return origins_ ? "not three numbers of an origin for each character"
+                    : "origins in a recording that was begun without";
   if (input.sphere_count > kSpheresPerScene) return "more spheres than a scene can have";
   if (input.capsule_count > kCapsulesPerScene) return "more capsules than a scene can have";
   if (input.lighting.light_count > kLightsPerScene ||
@@ -147,6 +153,10 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
   for (size_t c = 0; c < characters; ++c) {
     PutPart(kPoseUnchanged, kPoseFollows, PackPose(poses[c]), last_pose_[c], bytes_);
     if (velocities_) PutRates(rates[c], poses[c].joint_count, last_rates_[c], bytes_);
+  }
+  if (origins_) {
+    writer("origin", input.origin);
+    for (const double place : origins) writer("origin of a character", place);
   }
   PutNumber(bytes_, digest);
   if (HaveColliderVelocities(input)) {

@@ -144,12 +144,20 @@ void AddVelocities(CLI::App& app, bool& velocities) {
                "layers with the modal solver");
 }
 
+void AddOrigins(CLI::App& app, bool& origins) {
+  app.add_flag(
+      "--origins", origins,
+      "Each character told from an origin of its own, which moves about: for worlds of many "
+      "kilometres");
+}
+
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {
   app.add_flag("!--unfused", options.plan.fuse, "One stage a pass");
   app.add_flag_function(
       "--index-buffer", [&options](int64_t) { options.vertex_order = VertexOrder::kIndexBuffer; },
       "Vertices in strand order with a sorted index buffer, not in draw order");
   AddVelocities(app, options.velocities);
+  AddOrigins(app, options.origins);
   app.add_option("--sort-pieces", options.piecewise_sort_chunks,
                  "Layers of more chunks than this sort in pieces; 0: those that do not fit a local "
                  "store")

@@ -53,6 +53,7 @@ void AddIsa(CLI::App& app, const std::string& help, const std::function<void(Isa
 // takes no other option but --json.
 void AddShards(CLI::App& app, Shard& shard, std::vector<std::string>& merge);
 void AddVelocities(CLI::App& app, bool& velocities);
+void AddOrigins(CLI::App& app, bool& origins);
 void AddPlanOptions(CLI::App& app, SceneOptions& options);
 void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod);
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed);

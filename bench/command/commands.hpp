@@ -162,6 +162,7 @@ struct VerifyArgs {
   bool skips = true, checks = true, every_executor = false, json = false;
   bool stop_at_failure = false;
   bool velocities = false;  // poses come with them
+  bool origins = false;     // characters have some
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };

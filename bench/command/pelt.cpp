@@ -163,6 +163,7 @@ Subcommand SetUpVerify(CLI::App& root) {
   AddIsa(*app, "Only this instruction set, against the reference",
          [&args](Isa isa) { args.isa = isa; });
   AddVelocities(*app, args.velocities);
+  AddOrigins(*app, args.origins);
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
   app->add_flag("--stop-at-failure", args.stop_at_failure,
                 "Run nothing after the first case that fails");

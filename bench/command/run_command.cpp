@@ -62,6 +62,7 @@ Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
   if (args.weather) scenario.weather_course = *args.weather;
   if (IsPainted(args)) PaintAll(scenario, args.paint);
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
+  scenario.origins = args.options.scene.origins;
   PlaceCamera(args.camera, scenario,
               args.options.frames ? args.options.frames : scenario.default_frames);
   return scenario;

@@ -28,8 +28,8 @@ void BeginRecording(const Scenario& scenario, const RunArgs& args, bool velociti
   std::vector<std::span<const std::byte>> each;
   for (const Actor& actor : scenario.actors) each.emplace_back(grooms[actor.groom]);
   const bool index_buffer = args.options.scene.vertex_order == VertexOrder::kIndexBuffer;
-  CheckRecorded(
-      writer.Begin({scenario.name, DescribeSettings(args), index_buffer, velocities}, each));
+  CheckRecorded(writer.Begin(
+      {scenario.name, DescribeSettings(args), index_buffer, velocities, scenario.origins}, each));
 }
 
 // Poses that are the same as in the frame before.
@@ -126,6 +126,7 @@ std::string DescribeSettings(const RunArgs& args) {
     all.push_back(fmt::format("fast quality up to {} px", args.options.lod.fast_quality_px));
   if (!args.options.skip.cull) all.push_back("no culling");
   if (args.options.scene.velocities) all.push_back("velocities");
+  if (args.options.scene.origins) all.push_back("origins");
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
@@ -137,6 +138,7 @@ int Record(const RecordArgs& args) {
   RunningScenario running(scenario, options.scene);
   InputLogWriter writer;
   const PoseRateBlock* const rates = running.scene().PoseRates(0);
+  const double* const origins = running.scene().Origin(0);
   BeginRecording(scenario, args.run, rates != nullptr, writer);
   options.after_frame = [&](uint32_t frame, const FurScene& scene) {
     // The frame's input again: it depends on the frame's number alone.
@@ -145,7 +147,8 @@ int Record(const RecordArgs& args) {
     input.lod = options.lod;
     const uint32_t characters = scene.shape().character_count;
     CheckRecorded(writer.AddFrame(input, {&running.scene().Pose(0), characters},
-                                  scene.DigestFrame(), {rates, rates ? characters : 0}));
+                                  scene.DigestFrame(), {rates, rates ? characters : 0},
+                                  {origins, origins ? 3 * characters : 0}));
   };
   {
     Progress progress("record", options.frames ? options.frames : scenario.default_frames);

@@ -39,6 +39,7 @@ int VerifyScene(const VerifyArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("verify", args.merge, args.json);
   Scenario scenario = LoadScenario(args.request);
   scenario.velocities = args.velocities;
+  scenario.origins = args.origins;
   VerifyOptions options;
   options.frames = args.frames;
   options.skips = args.skips;

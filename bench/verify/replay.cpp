@@ -24,6 +24,7 @@ std::vector<const Groom*> GroomOfEach(const InputLog& log, const std::vector<Gro
 // What of a scene's options changes bits.
 SceneOptions WithOptionsOf(const InputLog& log, SceneOptions options) {
   options.velocities = log.about.velocities;
+  options.origins = log.about.origins;
   options.vertex_order = log.about.index_buffer ? VertexOrder::kIndexBuffer : VertexOrder::kSorted;
   return options;
 }
@@ -41,6 +42,7 @@ const char* ReplayScene::Begin(uint32_t frame) {
   for (uint32_t c = 0; c < log_.CharacterCount(); ++c) {
     log_.FillPose(frame, c, &scene_->Pose(c));
     if (PoseRateBlock* rates = scene_->PoseRates(c)) log_.FillPoseRates(frame, c, rates);
+    if (double* origin = scene_->Origin(c)) log_.FillOrigin(frame, c, origin);
   }
   return scene_->BeginFrame(log_.Input(frame));
 }

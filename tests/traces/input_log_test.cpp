@@ -261,6 +261,53 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   EXPECT_NE(writer.AddFrame({}, recorded.poses[0], 0, rates), nullptr);
 }
 
+// Origins of the frame and of each character; with velocities and without.
+TEST(InputLog, OriginsComeBack) {
+  const RecordedFrames recorded = MakeRecordedFrames();
+  const std::vector<std::span<const std::byte>> each(recorded.grooms.begin(),
+                                                     recorded.grooms.end());
+  for (const bool velocities : {false, true}) {
+    InputLogWriter writer;
+    InputLogScene about = recorded.about;
+    about.origins = true;
+    about.velocities = velocities;
+    ASSERT_EQ(writer.Begin(about, each), nullptr);
+    const std::vector<PoseRateBlock> rates(velocities ? 3 : 0);
+    const auto origin_of = [](uint32_t frame, size_t i) { return 1.0e6 / 3.0 * double(i) + frame; };
+    for (uint32_t f = 0; f < 4; ++f) {
+      FrameInput input = recorded.inputs[f];
+      input.weather = recorded.weather[f];
+      input.origin[1] = -7.125 * f;
+      std::vector<double> origins(9);
+      for (size_t i = 0; i < 9; ++i) origins[i] = origin_of(f, i);
+      EXPECT_NE(writer.AddFrame(input, recorded.poses[f], 0, rates), nullptr);
+      ASSERT_EQ(writer.AddFrame(input, recorded.poses[f], recorded.digests[f], rates, origins),
+                nullptr);
+    }
+    const std::vector<std::byte> bytes = writer.Finish();
+    const InputLog log = ReadInputLog(bytes, "x").OrThrow();
+    EXPECT_EQ(log.version, 6u);
+    EXPECT_TRUE(log.about.origins);
+    EXPECT_EQ(log.about.velocities, velocities);
+    for (uint32_t f = 0; f < 4; ++f) {
+      EXPECT_EQ(log.Input(f).origin[1], -7.125 * f);
+      for (uint32_t c = 0; c < 3; ++c) {
+        double origin[3];
+        log.FillOrigin(f, c, origin);
+        for (size_t k = 0; k < 3; ++k) EXPECT_EQ(origin[k], origin_of(f, 3 * c + k));
+      }
+      EXPECT_EQ(log.frames[f].digest, recorded.digests[f]);
+    }
+    for (size_t size = input_log::kHeaderBytes; size < bytes.size(); size += 101)
+      ASSERT_FALSE(ErrorOf(Reseal({bytes.begin(), bytes.begin() + ptrdiff_t(size)})).empty())
+          << size;
+  }
+  InputLogWriter without;
+  ASSERT_EQ(without.Begin(recorded.about, each), nullptr);
+  const std::vector<double> origins(9);
+  EXPECT_NE(without.AddFrame({}, recorded.poses[0], 0, {}, origins), nullptr);
+}
+
 // From before there were lights: the same recording, with the count of capsules behind each frame's
 // count of spheres.
 TEST(InputLog, VersionTwoIsStillRead) {
@@ -428,7 +475,7 @@ TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const Forgery forgeries[] = {
       {"version", 8, 7, "byte 8: version 7, this program reads 1 to 6"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"velocities before there were any", 16, 2, "byte 16: options are 2, version 4 has none"},
+      {"unknown options", 16, 8, "byte 16: options are 8, version 6 has none above 7"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},
