@@ -156,31 +156,41 @@ inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 // dt.
 PELT_BLOCK LayerBlock {
   uint32_t flags;
-  uint32_t changed;     // not 0: some value differs from last frame's
-  float gravity[3];     // weight * gravity, m/s^2
-  float bounce;         // share of the normal velocity returned by a contact
-  float velocity_keep;  // exp(-velocity_damping * dt): share of a point's velocity kept this frame
-  float motion_follow;  // share of the root's motion given to the points directly (motion damping)
+  uint32_t changed;  // not 0: some value differs from last frame's
+  float gravity[3];  // weight * gravity, m/s^2
+  float bounce;      // share of the normal velocity returned by a contact
+  union {
+    float velocity_keep;  // exp(-velocity_damping * dt): share of a velocity kept this frame
+    float shrink;         // modal: last frame's scale over this one's
+  };
+  float motion_follow;  // share of the root's motion given to the points directly (motion damping;
+                        // modal: what is not inertia)
   union {
     float segment_hardness;  // share of a segment's length error removed per iteration
-    float rest_gravity;  // kLayerSagFree: dry weight * gravity that the groom rests under, m/s^2
+    float fastest_felt;      // modal: a root's motion beyond it, m in this frame, is not felt
   };
-  float angular_middle;    // share of the angle to the rest direction removed per iteration: inner
+  union {
+    float angular_middle;  // share of the angle to the rest direction removed per iteration: inner
                            // joints
+    float rest_gravity;    // kLayerSagFree: dry weight * gravity that the groom rests under, m/s^2
+  };
   float angular_end;       // the same at the last joint
   float surface_hardness;  // share of the depth below the root's tangent plane removed per
                            // iteration (modal: substep)
-  float stiffness;         // verlet: share of the way to the rest point per iteration
-  float clump;             // share of the way to the control strand at the tip (0 at the root)
-  float wind_response;     // acceleration per wind speed, 1/s
+  union {
+    float stiffness;    // verlet: share of the way to the rest point per iteration
+    float turn_follow;  // modal: share of the root's turns that turns the strand as it is
+  };
+  float clump;               // share of the way to the control strand at the tip (0 at the root)
+  float wind_response;       // acceleration per wind speed, 1/s
   float backface_tolerance;  // a strand is culled when normal . to_eye < -tolerance
-  float width;               // scale on every strand's width
-  float tip_width;           // width at the tip over width at the root
-  float sort_bias;           // layers are drawn in ascending bias
-  float length_max;          // longest strand, m: widens the bounds
-  float darken;              // multiplies the colours (wet, dirty)
-  float dirt_colour[3];      // mixed into the colours, sRGB-encoded 0..1
-  float dirt;                // how much
+  float scale;       // of the character over that of its groom: of every strand's length and width
+  float tip_width;   // width at the tip over width at the root
+  float sort_bias;   // layers are drawn in ascending bias
+  float length_max;  // longest strand, m: widens the bounds
+  float darken;      // multiplies the colours (wet, dirty)
+  float dirt_colour[3];  // mixed into the colours, sRGB-encoded 0..1
+  float dirt;            // how much
   uint32_t iterations;
   uint32_t strand_count;
   float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
@@ -189,7 +199,7 @@ PELT_BLOCK LayerBlock {
   // Painted layers, whose colours are left dry and clean: weather is in the strands' looks.
   float mud;          // dirt of the weather
   float wet_darken;   // share of the brightness that is left of a soaked strand
-  float frame_ratio;  // kLayerRatesGiven: this frame's length over the last one's
+  float frame_ratio;  // modal: this frame's length over the last one's
 };
 
 // Where a layer is whose character has an origin of its own: all of the layer's places are relative

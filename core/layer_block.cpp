@@ -47,6 +47,14 @@ bool Differ(const LayerBlock& a, const LayerBlock& b) {
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
 
+// What moves a strand along with its root without its feeling it.
+void SetInertia(const LayerParams& params, float dt, const LayerBlock* last, LayerBlock& b) {
+  b.motion_follow = 1.0f - Saturate(params.inertia);
+  b.turn_follow = 1.0f - Saturate(params.inertia_turn);
+  b.fastest_felt = params.inertia_speed > 0.0f ? params.inertia_speed * dt : 0.0f;
+  b.shrink = last && last->scale > 0.0f ? last->scale / b.scale : 1.0f;
+}
+
 }  // namespace
 
 uint32_t LayerKind(const LayerParams& p) {
@@ -65,7 +73,7 @@ uint32_t LayerKind(const LayerParams& p) {
 
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
-                          float length_max, bool any_strength, const LayerBlock* last,
+                          float length_max, bool any_strength, const LayerBlock* last, float scale,
                           double push_ratio) {
   const float wet = Saturate(weather.wetness);
   const float softer = StiffnessLeft(params, weather);
@@ -87,8 +95,8 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
       -double(params.velocity_damping > 0 ? params.velocity_damping : 0.0f) * double(dt)));
   // Water closes a share of what is left to a full clump.
   b.clump = dry_clump + (1.0f - dry_clump) * Saturate(params.wet_clump) * wet;
-  b.width = 1.0f;
-  b.length_max = length_max;
+  b.scale = scale;
+  b.length_max = scale == 1.0f ? length_max : scale * length_max;
   b.darken = Mix(1.0f, Saturate(params.wet_darken), wet);
   for (int k = 0; k < 3; ++k) b.dirt_colour[k] = Saturate(params.dirt_colour[k]);
   b.dirt = Saturate(weather.dirt);
@@ -101,6 +109,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   }
   b.strand_count = strand_count;
   b.flags = LayerKind(params);
+  if (b.flags & kLayerModal) SetInertia(params, dt, last, b);
   const auto set = [&](bool condition, uint32_t flag) { b.flags |= condition ? flag : 0u; };
   set(params.enabled, kLayerEnabled);
   set(b.clump > 0.0f, kLayerClump);

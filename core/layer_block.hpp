@@ -26,11 +26,12 @@ uint32_t LayerKind(const LayerParams& params);
 //  any_strength  some strand of the layer has simulation strength
 //  last          last frame's block of this layer, or null; decides `changed`. May be the block
 //                that the result is assigned to
+//  scale         of the character over that of its groom
 //  push_ratio    of the modal solver in this frame (modal_table.hpp); 0: another solver, or none
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], bool wind_blows, uint32_t strand_count,
                           float length_max, bool any_strength, const LayerBlock* last,
-                          double push_ratio = 0.0);
+                          float scale = 1.0f, double push_ratio = 0.0);
 
 // Of a layer with output = "shells".
 ShellLayerBlock FillShellLayer(const LayerParams& params);

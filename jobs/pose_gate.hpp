@@ -72,6 +72,7 @@ class PoseGate {
   // next call.
   const PaletteBlock& PaletteOf(const FrameMemory& memory, uint32_t character) const;
   uint32_t JointCount(uint32_t character) const { return characters_[character].joint_count; }
+  float UnitScale(uint32_t character) const { return characters_[character].unit_scale; }
 
   // For FrameMemory::held, of characters.
   const uint8_t* holds_pose() const { return holds_pose_.data(); }

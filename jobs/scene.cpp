@@ -46,6 +46,20 @@ uint32_t SwitchesOf(const SkipSettings& skip) {
 // the step's length needs one all the same.
 double StepOf(const FrameInput& input) { return input.dt_s > 0.0 ? input.dt_s : 1.0 / 60.0; }
 
+// Of a placement, over `unit_scale`: the mean of its three axes'. Roundings of a turn are no reason
+// for strands to change their length: what is as good as 1, or as the last frame's, is that.
+float ScaleOf(const float (&root)[12], float unit_scale, float last) {
+  constexpr double kSame = 1.0e-4, kLeast = 1.0e-3, kMost = 1.0e3;
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double x = root[axis], y = root[4 + axis], z = root[8 + axis];
+    sum += std::sqrt(x * x + y * y + z * z);
+  }
+  const double scale = std::clamp(sum / (3.0 * double(unit_scale)), kLeast, kMost);
+  if (std::abs(scale - 1.0) <= kSame) return 1.0f;
+  return std::abs(scale - double(last)) <= kSame * double(last) ? last : float(scale);
+}
+
 }  // namespace
 
 SceneBlock::SceneBlock(uint64_t bytes)
@@ -90,7 +104,8 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       relights_(params_.size(), 0),
       colliders_(params_.size()),
       given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
-      origins_(options.origins ? layout_.shape.character_count : 0) {
+      origins_(options.origins ? layout_.shape.character_count : 0),
+      scales_(layout_.shape.character_count, 1.0f) {
   draws_.reserve(layout_.shape.layer_count);
   fault_.reserve(256);
 }
@@ -196,6 +211,7 @@ void FurScene::FillFrame(const FrameInput& input) {
   if (memory_.paused) return FillPausedFrame(input);
   pose_gate_.Judge(memory_, given_origins_);
   FillOrigins();
+  FillScales();
   const WindSetup& w = input.wind;
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
@@ -236,6 +252,14 @@ void FurScene::FillOrigins() {
     std::copy_n(from.shift, 3, block.shift);
     block.shifted = from.shifted;
   }
+}
+
+// How much larger a character is than its groom.
+void FurScene::FillScales() {
+  for (uint32_t c = 0; c < scales_.size(); ++c)
+    if (!pose_gate_.holds_pose()[c])
+      scales_[c] =
+          ScaleOf(memory_.Of<&Streams::pose>(c)->root, pose_gate_.UnitScale(c), scales_[c]);
 }
 
 // Time stands still: state, layers, poses and level of detail stay what they are, and so does what
@@ -286,7 +310,7 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
-                           first_frame_ ? nullptr : &block, push_ratio);
+                           first_frame_ ? nullptr : &block, scales_[character], push_ratio);
     if (table_changed) block.changed = 1;
     const uint32_t set = SetOf(l);
     if (relights_[set] && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
@@ -294,6 +318,8 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
       block.flags |= kLayerBrushed;
     if (rates) {
       block.flags |= kLayerRatesGiven;
+    }
+    if (block.flags & kLayerModal) {
       block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
     }
   }
@@ -304,7 +330,8 @@ ModalQuality FurScene::LayerQuality(uint32_t layer, float allowed_px) const {
   const ModalQuality asked = layer_params_[layer].quality;
   if (first_frame_) return asked;
   return QualityOnScreen(asked, modal_[layer].quality(), params_[SetOf(layer)].select_lod.view,
-                         *memory_.Of<&Streams::bounds>(layer), layer_length_max_[layer],
+                         *memory_.Of<&Streams::bounds>(layer),
+                         scales_[shape().layer_character[layer]] * layer_length_max_[layer],
                          allowed_px);
 }
 
@@ -377,6 +404,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   params_ = other.params_;
   given_origins_ = other.given_origins_;
   origins_ = other.origins_;
+  scales_ = other.scales_;
   layer_params_ = other.layer_params_;
   modal_ = other.modal_;
   layer_length_max_ = other.layer_length_max_;
@@ -395,13 +423,13 @@ uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
   uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-                 bytes(given_origins_) + bytes(origins_) + bytes(shape.layer_character) +
-                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
-                 bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
-                 bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) +
-                 bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) +
-                 bytes(layer_strands_) + bytes(layer_simulates_) + bytes(layer_curled_) +
-                 bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
+                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) +
+                 bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
+                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
+                 bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
+                 bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
+                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);

@@ -223,6 +223,7 @@ class FurScene {
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;
   void FillOrigins();
+  void FillScales();
   // Which of them a layer's items take.
   uint32_t SetOf(uint32_t layer) const {
     return origins_.empty() ? 0 : layout_.shape.layer_character[layer];
@@ -238,6 +239,7 @@ class FurScene {
   std::vector<ColliderCourse> colliders_;  // of each
   std::vector<double> given_origins_;      // of characters, three each; empty: they have none
   std::vector<CharacterOrigin> origins_;   // likewise
+  std::vector<float> scales_;              // of each character, over its groom's
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

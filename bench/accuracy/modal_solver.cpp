@@ -43,7 +43,7 @@ class ModalSolver final : public StrandSolver {
     layer_->gravity[0] = float(material_.gravity.x);
     layer_->gravity[1] = float(material_.gravity.y);
     layer_->gravity[2] = float(material_.gravity.z);
-    layer_->width = 1.0f;
+    layer_->scale = layer_->shrink = 1.0f;
     features_ = features;
     params_ = {};
     params_.dt = float(setup.frame_seconds);

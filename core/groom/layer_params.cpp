@@ -40,6 +40,16 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.sag_free && params.output == Output::kShells) {
     return BadKey{"sag_free", "shells have no chains to hold up"};
   }
+  if (params.sag_free && params.inertia_turn != 1.0f) {
+    return BadKey{"sag_free", "what holds the groom up is felt whole: inertia_turn is not 1"};
+  }
+  const bool damps_inertia = params.inertia != 1.0f || params.inertia_turn != 1.0f;
+  if ((damps_inertia || params.inertia_speed > 0.0f) && params.solver != Solver::kModal) {
+    const auto key = params.inertia != 1.0f        ? "inertia"
+                     : params.inertia_turn != 1.0f ? "inertia_turn"
+                                                   : "inertia_speed";
+    return BadKey{key, "only solver = \"modal\" has it; motion_damping is that of the others"};
+  }
   if (params.output == Output::kShells && params.chain != ChainKind::kVertex) {
     return BadKey{"output", "shells stand on mesh vertices: chain = \"vertex\""};
   }

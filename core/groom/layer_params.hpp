@@ -50,6 +50,10 @@ struct LayerParams {
   float max_distance = 0.0f;
   CurlFollows curl_follows = CurlFollows::kParent;
   bool sag_free = false;  // modal: the groomed shape is where strands rest under gravity, dry
+  // Modal: the shares of the root's motion and turns that a strand feels, and the fastest motion of a
+  // root that it feels, m/s; 0: any.
+  float inertia = 1.0f, inertia_turn = 1.0f;
+  float inertia_speed = 0.0f;
   uint32_t iterations = 4;
   float weight = 1.0f;            // scale on gravity
   float bounce = 0.0f;            // share of the normal velocity a contact returns
@@ -160,6 +164,12 @@ inline constexpr auto kRows = std::tuple{
             "modal: what a joint's rest bend turns with, the link above it or the root (cheaper)"),
     SwitchRow(&P::sag_free, kMotion, "sag_free",
               "modal: the groomed shape is where strands rest under gravity, not before it"),
+    Row(&P::inertia, kMotion, "inertia", "", 0, 1,
+        "modal: share of the root's motion that a strand feels; 0: it is carried along"),
+    Row(&P::inertia_turn, kMotion, "inertia_turn", "", 0, 1,
+        "modal: share of the root's turns that a strand feels; 0: it turns with them"),
+    Row(&P::inertia_speed, kMotion, "inertia_speed", "m/s", 0, 1000,
+        "modal: fastest motion of its root that a strand feels; 0: any"),
     Row(&P::iterations, kMotion, "iterations", "", 1, 32, "pbd, verlet: of the solver, a frame",
         &B::iterations),
     Row(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),

@@ -80,7 +80,7 @@ PELT_INLINE Vec3<W> Turn(Vec3<W> tangent, Vec3<W> bitangent, Vec3<W> normal, Vec
 
 template <class W, uint32_t kPoints, class At>
 PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& roots, float follow,
-                           const At& at, Group<W, kPoints - 1>& g) {
+                           float scale, const At& at, Group<W, kPoints - 1>& g) {
   g.root = Load3<W>(roots.position, at);
   g.normal = Load3<W>(roots.normal, at);
   const Vec3<W> tangent = Load3<W>(roots.tangent, at);
@@ -91,6 +91,9 @@ PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& root
   g.length = Max(LoadLanes<W>(rest.segment_length, at), W(kSegmentMin));
   for (uint32_t i = 0; i < kPoints - 1; ++i)
     g.rest[i] = Turn(tangent, bitangent, g.normal, Load3<W>(rest.offset[i], at));
+  if (scale == 1.0f) return;
+  g.length = g.length * W(scale);
+  for (uint32_t i = 0; i < kPoints - 1; ++i) g.rest[i] = g.rest[i] * W(scale);
 }
 
 // Where the points go if nothing holds them: the old place, carried along with the root by the

@@ -113,7 +113,7 @@ struct Step {
     const auto lanes = W::Int::Iota(int32_t(lane));
     const auto alive = lanes < typename W::Int(int32_t(live));
     Group<W, kFree> g;
-    LoadGroom<W, kPoints>(*ports.rest, *ports.roots, layer.motion_follow, lane, g);
+    LoadGroom<W, kPoints>(*ports.rest, *ports.roots, layer.motion_follow, layer.scale, lane, g);
     if ((state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate))
       return Any(PlaceOnGroom<W, kPoints>(lane, g, *ports.position, *ports.previous) & alive);
 

@@ -64,16 +64,17 @@ struct Interpolate {
     alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain
   };
 
-  PELT_INLINE static void LoadOnGroom(const RestBlock<4>& rest, const RootBlock& roots,
-                                      uint32_t lane, chain::Group<V, kFree>& g) {
-    chain::LoadGroom<V, 4>(rest, roots, 0.0f, lane, g);
+  PELT_INLINE static void LoadOnGroom(const Ports& ports, const RestBlock<4>& rest,
+                                      const RootBlock& roots, uint32_t lane,
+                                      chain::Group<V, kFree>& g) {
+    chain::LoadGroom<V, 4>(rest, roots, 0.0f, ports.layer->scale, lane, g);
   }
 
   PELT_INLINE static void FillDisplacements(const Ports& ports, Displacements& out) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
       chain::Group<V, kFree> g;
-      LoadOnGroom(*ports.chain_rest, *ports.anchors, lane, g);
+      LoadOnGroom(ports, *ports.chain_rest, *ports.anchors, lane, g);
       const V scale = V(1.0f) / g.length;
       for (uint32_t i = 0; i < kFree; ++i) {
         const Vec3<V> at = Load3<V>(ports.chains->position[i], lane) - g.root;
@@ -113,7 +114,7 @@ struct Interpolate {
                                      uint32_t lane) {
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, kFree> g;
-    LoadOnGroom(*ports.strand_rest, *ports.roots, lane, g);
+    LoadOnGroom(ports, *ports.strand_rest, *ports.roots, lane, g);
     V bary[3];
     for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * g.length;
     for (uint32_t i = 0; i < kFree; ++i) {
@@ -130,7 +131,8 @@ struct Interpolate {
   // point.
   PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, const Controls* controls) {
     const Vec3<V> root = Load3<V>(ports.roots->position, lane);
-    const V length = Max(V::Load(ports.strand_rest->segment_length + lane), V(chain::kSegmentMin));
+    V length = Max(V::Load(ports.strand_rest->segment_length + lane), V(chain::kSegmentMin));
+    if (ports.layer->scale != 1.0f) length = length * V(ports.layer->scale);
     Vec3<V> upper{V(0.0f), V(0.0f), V(0.0f)}, at = upper;
     for (uint32_t i = 0; i < kFree; ++i) {
       Vec3<V> point = Load3<V>(ports.points->position[i], lane);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/kernels/modal_carry.hpp"
+#include "core/kernels/modal_history.hpp"
 #include "core/kernels/modal_obstacle.hpp"
 #include "core/kernels/modal_ports.hpp"
 
@@ -30,11 +31,25 @@ struct FrameStart {
     return HasWind(ports) ? LoadLanes<W>(ports.wind->acceleration[axis], at) : W(0.0f);
   }
 
+  // What a strand feels of its root's motion, told in `unit` a metre.
+  static PELT_INLINE Vec3<W> Felt(const LayerBlock& layer, Vec3<W> motion, W unit) {
+    if (layer.motion_follow > 0.0f) motion = motion * W(1.0f - layer.motion_follow);
+    if (layer.fastest_felt > 0.0f) {
+      const W most = unit * W(layer.fastest_felt);
+      const W most2 = most * most;
+      const W far2 = Max(Dot(motion, motion), most2);
+      motion = motion * Min(most * Rsqrt(far2), W(1.0f));
+    }
+    return motion;
+  }
+
   // Rest directions and root of this frame.
   template <class At>
   static PELT_INLINE void LoadRest(const Ports& ports, const At& at, Group& g, Vec3<W> (&rest)[N],
                                    W& per_length) {
-    chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, at, g);
+    const LayerBlock& layer = *ports.layer;
+    chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, layer.scale, at, g);
+    g.free_motion = Felt(layer, g.free_motion, W(1.0f));
     per_length = W(1.0f) / g.length;
     rest[0] = g.rest[0] * per_length;
     for (uint32_t i = 1; i < N; ++i) rest[i] = (g.rest[i] - g.rest[i - 1]) * per_length;
@@ -115,10 +130,14 @@ struct FrameStart {
                                                   Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
-    const W frame = W(t.frame_s), ratio = W(ports.layer->frame_ratio);
+    const LayerBlock& layer = *ports.layer;
+    const W frame = W(t.frame_s), ratio = W(layer.frame_ratio);
     const W scale = frame * per_length;
-    const Vec3<W> move = Load3<W>(rates.velocity, at) * scale;
-    const Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
+    Vec3<W> move = Load3<W>(rates.velocity, at) * scale;
+    move = Felt(layer, move, per_length);
+    Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
+    if (layer.turn_follow > 0.0f) turn = turn * W(1.0f - layer.turn_follow);
+    const bool other = HasOtherHistory(layer);
     Vec3<W> rest_step[N], hold_step[N];
     for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
     if (hold)
@@ -131,16 +150,24 @@ struct FrameStart {
       for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest_step[i], k);
       if (hold)
         for (uint32_t i = 0; i < N; ++i) h[i] = Part(hold_step[i], k);
-      const W root_step = LoadLanes<W>(old.root_step[k], at);
-      const W root_turn = LoadLanes<W>(old.root_turn[k], at);
+      W root_step = LoadLanes<W>(old.root_step[k], at);
+      W root_turn = LoadLanes<W>(old.root_turn[k], at);
+      if (other) {
+        root_step = a.root[0] - a.root[1];
+        root_turn = a.root[1] - a.root[2];
+      }
       TakeRate(a.root[0], root, root_step, root_turn, ratio, a.root[1], a.root[2]);
       PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m) {
         W turned = Weigh<W, N>(t.bend[m], r);
         if (hold) turned = turned + WeighColumn<W, N>(t.shape, m, h);
         const W bend = turned + root * W(t.bend[m][0]);
-        const W step = LoadLanes<W>(old.bend_step[m][k], at);
-        const W curve = LoadLanes<W>(old.bend_turn[m][k], at);
+        W step = LoadLanes<W>(old.bend_step[m][k], at);
+        W curve = LoadLanes<W>(old.bend_turn[m][k], at);
+        if (other) {
+          step = a.bend[1][m] - a.bend[2][m];
+          curve = a.bend[2][m] - a.bend[3][m];
+        }
         TakeRate(a.bend[1][m], bend, step, curve, ratio, a.bend[2][m], a.bend[3][m]);
       }
     }

@@ -123,7 +123,8 @@ struct ShellForce {
     const Vec3<V> normal = Load3<V>(ports.anchors->normal, lane);
     const Vec3<V> tangent = Load3<V>(ports.anchors->tangent, lane);
     const Vec3<V> bitangent = Cross(normal, tangent);
-    const Vec3<V> tip = Load3<V>(ports.rest->offset[2], lane);
+    Vec3<V> tip = Load3<V>(ports.rest->offset[2], lane);
+    if (ports.layer->scale != 1.0f) tip = tip * V(ports.layer->scale);
     const Vec3<V> groom = Combine(tangent, tip.x, bitangent, tip.y, normal, tip.z);
     const I base = look::Tinted(tint, I::Load(ports.skin->base_colour + lane));
     const I tip_colour = look::Tinted(tint, I::Load(ports.skin->tip_colour + lane));
@@ -136,7 +137,8 @@ struct ShellForce {
     const Vec3<V> normal = Load3<V>(ports.anchors->normal, lane);
     Vec3<V> force = {zero, zero, zero};
     if (pull.acts) {
-      const V length = V::Load(ports.rest->segment_length + lane) * V(3.0f);
+      V length = V::Load(ports.rest->segment_length + lane) * V(3.0f);
+      if (ports.layer->scale != 1.0f) length = length * V(ports.layer->scale);
       const V yields = length * V::Load(ports.rest->strength + lane);
       force = ForceOn(pull, *ports.wind, lane, normal) * yields;
     }

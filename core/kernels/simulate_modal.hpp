@@ -143,6 +143,8 @@ struct SimulateModal {
           safe.axis[k].z[i] = LoadLanes<W>(old.velocity[i][k], at);
         }
       }
+      if (modal::HasOtherHistory(*ports.layer))
+        modal::OtherHistory<W, kPoints, Ports, At>::TakeStart(ports, at, rest[0], safe);
       if (Any(follows & !good)) {
         Motion again = safe;
         const Mask better =
@@ -224,6 +226,8 @@ struct SimulateModal {
       PELT_NO_UNROLL
       for (uint32_t k = 0; k < 3; ++k)
         Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
+      if (modal::HasOtherHistory(layer))
+        modal::OtherHistory<W, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
       if (extras.rates && ports.table->substeps > 0)
         Start::TakeRates(ports, *extras.rates, at, rest, hold, per_length, motion);
       for (uint32_t i = 0; i < N; ++i)
@@ -244,8 +248,8 @@ struct SimulateModal {
         if constexpr (kPicks)
           picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
         else
-          touched =
-              StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
+          touched = StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left,
+                                        motion);
       }
       modal::Directions(motion, d);
       modal::PlacePoints(d, g);

@@ -76,7 +76,7 @@ PELT_INLINE StrandLook<V> Look(const LayerBlock& layer, const ChunkStateBlock& s
     look.base_colour = ScaleAlpha<V>(look.base_colour, share);
     look.tip_colour = ScaleAlpha<V>(look.tip_colour, share);
   }
-  look.width = V::Load(strands.width + lane) * V(layer.width);
+  look.width = V::Load(strands.width + lane) * V(layer.scale);
   look.tag = ((I(int32_t(strands.first_strand)) + lanes) & I(0x00ffffff)) |
              (I::LoadBytes(strands.film_strip + lane) << 24);
   return look;

@@ -62,6 +62,7 @@ void MakeOrderly(ChainScene<kPoints>& s, uint32_t seed, uint32_t live = kStrands
   s.layer.flags = kLayerEnabled | kLayerSimulate;
   s.layer.gravity[1] = -9.81f;
   s.layer.velocity_keep = 0.951229f;  // 3 1/s at 60 Hz
+  s.layer.scale = 1.0f;
   s.layer.segment_hardness = 1.0f;
   s.layer.angular_middle = 0.2f;
   s.layer.angular_end = 0.1f;

@@ -32,7 +32,7 @@ std::unique_ptr<FitScene<kPoints>> MakeScene(uint32_t seed, bool weather) {
   s->roots = chains->roots;
   s->points = chains->position;
   std::mt19937 random(seed);
-  s->layer.width = 1.5f;
+  s->layer.scale = 1.5f;
   s->layer.darken = weather ? 0.6f : 1.0f;
   s->layer.dirt = weather ? 0.7f : 0.0f;
   for (float& c : s->layer.dirt_colour) c = Uniform(random, 0.0f, 1.0f);

@@ -20,7 +20,13 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
   EXPECT_EQ(b.flags, uint32_t(kLayerEnabled | kLayerVertexChains | kLayerBackFaceCull | kLayerWind |
                               kLayerSimulate | kLayerModal));
   EXPECT_EQ(b.gravity[1], -9.81f);
-  EXPECT_FLOAT_EQ(b.velocity_keep, std::exp(-3.0f / 60.0f));
+  EXPECT_EQ(b.scale, 1.0f);
+  EXPECT_EQ(b.shrink, 1.0f);
+  EXPECT_EQ(b.motion_follow, 0.0f);
+  EXPECT_EQ(b.turn_follow, 0.0f);
+  EXPECT_EQ(b.fastest_felt, 0.0f);
+  params.solver = Solver::kPbd;
+  EXPECT_FLOAT_EQ(Fill(params, {}).velocity_keep, std::exp(-3.0f / 60.0f));
   EXPECT_EQ(b.angular_middle, params.angular_hardness_middle);
   EXPECT_EQ(b.darken, 1.0f);
   EXPECT_EQ(b.dirt, 0.0f);
@@ -45,6 +51,7 @@ TEST(LayerBlock, EveryKindHasItsFlag) {
 
 TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
   LayerParams params;
+  params.solver = Solver::kPbd;
   const LayerBlock dry = Fill(params, {}), damp = Fill(params, {0.5f, 0.0f}),
                    wet = Fill(params, {1.0f, 0.0f});
   EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * params.wet_weight);
@@ -61,6 +68,7 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
 // Far from one half, where what is lost and what is left look alike.
 TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   LayerParams params;
+  params.solver = Solver::kPbd;
   params.weight = 2.0f;
   params.clump = 0.5f;
   params.wet_weight = params.wet_clump = params.wet_hardness = params.wet_darken = 0.2f;
@@ -90,6 +98,7 @@ TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
 
 TEST(LayerBlock, ChangedComparesWithLastFrame) {
   LayerParams params;
+  params.solver = Solver::kPbd;  // what of a modal layer depends on dt is in its table
   const LayerBlock first = Fill(params, {});
   EXPECT_EQ(first.changed, 1u);
   const LayerBlock second = Fill(params, {}, &first);

@@ -55,6 +55,7 @@ struct ModalScene {
     Poison(position);
     layer.flags = kLayerEnabled | kLayerSimulate;
     layer.gravity[1] = -9.81f;
+    layer.scale = layer.shrink = layer.frame_ratio = 1.0f;
     state.flags = kChunkRestart;
     state.live_strands = state.first_new_strand = lanes;
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {

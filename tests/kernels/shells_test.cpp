@@ -118,6 +118,8 @@ struct Scene {
   WindBlock wind{};
   ChunkStateBlock state{};
 
+  Scene() { layer.scale = 1.0f; }
+
   template <class V>
   ShellVertexBlock Run() {
     ShellVertexBlock out;

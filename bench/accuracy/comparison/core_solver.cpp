@@ -42,7 +42,7 @@ class ChunkSolver final : public StrandSolver {
     layer.angular_end = Hardness(kLinks - 1, seconds);
     layer.stiffness = Hardness(kLinks - 1, seconds);
     layer.iterations = settings_.iterations;
-    layer.width = 1.0f;
+    layer.scale = 1.0f;
     params_.dt = float(seconds);
     // Towards the wind: v <- u + (v - u) keep, as an acceleration.
     wind_response_ = float((1.0 - exact::Exp(-material_.drag * seconds)) / seconds);

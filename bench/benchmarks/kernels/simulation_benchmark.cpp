@@ -225,7 +225,7 @@ LayerBlock MakeLayer(bool clump, uint32_t iterations) {
   layer.surface_hardness = 0.5f;
   layer.stiffness = 0.1f;
   layer.clump = 0.5f;
-  layer.width = 1.0f;
+  layer.scale = 1.0f;
   layer.darken = 1.0f;
   layer.iterations = iterations;
   return layer;
