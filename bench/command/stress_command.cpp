@@ -9,8 +9,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "bench/accuracy/named_solver.hpp"
+#include "bench/accuracy/scene_stress.hpp"
 #include "bench/accuracy/stress.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
@@ -144,8 +146,67 @@ void AddRows(const std::vector<StressRow>& rows, ReportTree& tree) {
   tree.AddTexts({}, broken, "BROKEN");
 }
 
-ReportTree MakeTree(const std::vector<StressRow>& rows, const std::vector<Isa>& isas,
-                    size_t broken) {
+struct SceneRow {
+  SceneStressResult result;     // on the first instruction set
+  std::vector<Isa> other_bits;  // sets that gave another result
+
+  std::string Broken() const {
+    std::vector<std::string> broken = BrokenPromises(result);
+    for (const Isa isa : other_bits) broken.push_back(fmt::format("other on {}", IsaName(isa)));
+    return fmt::format("{}", fmt::join(broken, ", "));
+  }
+};
+
+// Not of solvers that were asked for by name: the scene's is our modal one.
+std::vector<SceneRow> RunScenes(const StressArgs& args, const std::vector<Isa>& isas) {
+  std::vector<SceneRow> rows;
+  if (!args.solvers.empty()) return rows;
+  for (SceneStressResult& result : RunSceneStress(isas[0])) rows.push_back({std::move(result), {}});
+  for (size_t i = 1; i < isas.size(); ++i) {
+    const std::vector<SceneStressResult> other = RunSceneStress(isas[i]);
+    for (size_t r = 0; r < rows.size(); ++r)
+      if (!(other[r] == rows[r].result)) rows[r].other_bits.push_back(isas[i]);
+  }
+  return rows;
+}
+
+// Shares of the strands' lengths; not a number where there is nothing to compare with.
+double ShareOf(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+void AddScenes(const std::vector<SceneRow>& rows, ReportTree& tree) {
+  if (rows.empty()) return;
+  tree.BlankLine();
+  tree.Say(
+      "Scene tiny, modal. Apart: from the same scene as it should have been (the hitch stepped "
+      "through, at home, of its size from the start), over the half second from the disturbance "
+      "on, RMS, in lengths; rigid: of strands that are not simulated; rests: what 99 % of the "
+      "points "
+      "are within when all is at rest.");
+  ReportTable& table = tree.AddTable("scenes", {{"problem"},
+                                                {"strands"},
+                                                {"stretch", "", -2},
+                                                {"not_finite", "finite", -1, "not"},
+                                                {"unsettled", "settled", -1, "not"},
+                                                {"apart", "", -2},
+                                                {"rigid_apart", "rigid", -2},
+                                                {"rests_apart", "rests", -2},
+                                                InJson("promised"),
+                                                InJson("broken")});
+  std::vector<std::string> broken;
+  for (const SceneRow& row : rows) {
+    const SceneStressResult& r = row.result;
+    table.Add({r.name, r.strands, r.worst_stretch, r.non_finite, r.unsettled, ShareOf(r.apart),
+               ShareOf(r.rigid_apart), ShareOf(r.apart_at_end), r.promised, row.Broken()});
+    if (!row.Broken().empty()) broken.push_back(fmt::format("{}: {}", r.name, row.Broken()));
+  }
+  tree.BlankLine();
+  tree.AddTexts({}, broken, "BROKEN");
+}
+
+ReportTree MakeTree(const std::vector<StressRow>& rows, const std::vector<SceneRow>& scenes,
+                    const std::vector<Isa>& isas, size_t broken) {
   ReportTree tree;
   tree.Say(
       "Stretch: the worst of any link, over its length. Unsettled: strands that still move "
@@ -153,15 +214,17 @@ ReportTree MakeTree(const std::vector<StressRow>& rows, const std::vector<Isa>& 
       "(position-based solvers by design). Recovery: until all strands stay within 1 % of "
       "their length of where they end.");
   AddRows(rows, tree);
+  AddScenes(scenes, tree);
   std::vector<std::string_view> names;
   for (const Isa isa : isas) names.push_back(IsaName(isa));
   tree.Add({"isas", "", -1, "instruction sets"}, names);
   tree.Say("figures are the first's, the others' were compared with them");
   AddMachine(DescribeMachine(), tree);
   tree.Add(InJson("broken"), broken);
-  tree.Say(broken == 0 ? std::string("KEPT: finite, within 1e-5 of its length, settled, the same "
-                                     "on every instruction set")
-                       : fmt::format("BROKEN in {} of {} rows", broken, rows.size()));
+  tree.Say(broken == 0
+               ? std::string("KEPT: finite, within 1e-5 of its length, settled, the same "
+                             "on every instruction set")
+               : fmt::format("BROKEN in {} of {} rows", broken, rows.size() + scenes.size()));
   return tree;
 }
 
@@ -171,9 +234,11 @@ int StressSolvers(const StressArgs& args) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<Isa> isas = IsasOf(args);
   const std::vector<StressRow> rows = RunAll(args, isas);
-  const size_t broken = size_t(std::count_if(
-      rows.begin(), rows.end(), [](const StressRow& row) { return !row.Broken().empty(); }));
-  const ReportTree tree = MakeTree(rows, isas, broken);
+  const std::vector<SceneRow> scenes = RunScenes(args, isas);
+  const auto is_broken = [](const auto& row) { return !row.Broken().empty(); };
+  const auto broken = size_t(std::count_if(rows.begin(), rows.end(), is_broken) +
+                             std::count_if(scenes.begin(), scenes.end(), is_broken));
+  const ReportTree tree = MakeTree(rows, scenes, isas, broken);
   fmt::print("{}", tree.Text());
   if (!args.json.empty()) {
     WriteOutput("stress", args.json, tree.Json());

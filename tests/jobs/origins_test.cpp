@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "bench/accuracy/double3.hpp"
+#include "core/groom/groom_file.hpp"
+#include "jobs/pelt.h"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/pair_scene.hpp"
@@ -208,6 +210,38 @@ TEST(Origins, AnyLeapIsFinite) {
     SerialExecutor().Run(run.scene().CurrentFrame());
     EXPECT_EQ(FindNonFinite(run.scene()), "") << f;
   }
+}
+
+TEST(Origins, ComeInByTheCInterface) {
+  const Scenario scenario = TinyScenario();
+  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
+  const PeltBytes groom = {file.data(), file.size()};
+  PeltSceneOptions options{};
+  options.origins = 1;
+  char why[200] = "";
+  PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
+  PeltScene* plain = pelt_create(&groom, 1, nullptr, why, sizeof why);
+  ASSERT_TRUE(scene && plain) << why;
+  const double origin[3] = {5.0e6, 0.25, -3.0};
+  EXPECT_STREQ(pelt_set_origin(plain, 0, origin), "the scene was made without origins");
+  EXPECT_NE(pelt_set_origin(scene, 1, origin), nullptr);
+  EXPECT_NE(pelt_set_origin(scene, 0, nullptr), nullptr);
+  EXPECT_NE(pelt_set_origin(nullptr, 0, origin), nullptr);
+  EXPECT_EQ(pelt_set_origin(scene, 0, origin), nullptr);
+  PeltFrame frame;
+  pelt_default_frame(&frame);
+  frame.skip &= ~uint32_t(PELT_CULL);
+  std::copy_n(origin, 3, frame.origin);
+  EXPECT_NE(pelt_begin(plain, &frame), nullptr);
+  ASSERT_EQ(pelt_begin(scene, &frame), nullptr);
+  ASSERT_EQ(pelt_run(scene, nullptr), nullptr);
+  PeltDraw draws[64];
+  const uint32_t count = pelt_draws(scene, draws, 64);
+  ASSERT_GT(count, 0u);
+  for (uint32_t d = 0; d < count; ++d)
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(draws[d].origin[k], origin[k]);
+  pelt_destroy(scene);
+  pelt_destroy(plain);
 }
 
 // Going back in time takes the origins along.
