@@ -124,13 +124,16 @@ std::set<std::string_view> KernelsThatRun(Scenario tiny) {
       options.vertex_order = order;
       options.piecewise_sort_chunks = other;
       options.velocities = other != 0;
+      tiny.origins = other != 0;
       RunningScenario running(tiny, options);
       SerialExecutor serial;
-      running.Begin(0);
-      serial.Run(running.scene().CurrentFrame());
-      for (const Stage& stage : running.scene().plan().stages)
-        for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
-          if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
+      for (const uint32_t frame : {0u, 1u}) {  // an origin moves from the second frame on
+        running.Begin(frame);
+        serial.Run(running.scene().CurrentFrame());
+        for (const Stage& stage : running.scene().plan().stages)
+          for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
+            if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
+      }
     }
   return ran;
 }
