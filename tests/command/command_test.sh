@@ -165,6 +165,7 @@ check_ignored() {
   expect 2 --flow-layer -- bake --setup tiny --flow-layer head
   expect 2 --renderer -- run --scene tiny --renderer gl
   expect 2 --lighting-buffer -- run --scene tiny --picture x.png --lighting-buffer
+  expect 2 --origins -- run --scene tiny --frames 1 --origins --picture x.png
   expect 2 --trace-frames -- run --scene tiny --trace-frames 3
   expect 2 --wet-at -- run --scene tiny --wet-at 3
   expect 2 --seed -- run --groom tiny.groom --seed 3
