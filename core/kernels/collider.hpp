@@ -127,7 +127,8 @@ struct Sphere : Round<W, Sphere<W>> {
     const W beyond = square - reach * reach;
     const W near = (W(-1.0f) - beyond) * (W(0.5f) * inverse);
     const W tangent = W(0.0f) - Sqrt(Max(beyond, W(0.0f))) * inverse;
-    const auto touches = (beyond > W(0.0f)) & (beyond < W(1.0f));
+    // From on the sphere too, whatever was rounded.
+    const auto touches = (beyond > W(-1.0e-3f)) & (beyond < W(1.0f));
     const W least = Select(touches, tangent, near);
     return {out * inverse, Select(reach > W(0.0f), least, W(-2.0f))};
   }

@@ -208,7 +208,7 @@ TEST(SimulateModalContact, KeepsOutOfACapsule) {
     }
     RecordProperty("worst_penetration_um", int(worst * 1e6));
     EXPECT_LT(worst, 0.01 * 0.04) << half.x << " " << half.y;
-    EXPECT_LT(nearest, 1e-5) << "nothing lies on it";
+    EXPECT_LT(nearest, 1e-4) << "nothing lies on it";  // links do, their ends hardly above
   }
 }
 
