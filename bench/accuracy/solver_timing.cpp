@@ -55,20 +55,18 @@ class TimedBatch {
   }
 
   size_t lanes() const { return directions_->lanes(); }
-  // Runs a fresh solver over all frames; adds the slice that it took.
+  // Runs a fresh solver over all frames; adds the slice that each took.
   void RunTurn(const SolverFactory& factory, SolverTime& time) const {
     const auto solver = factory({problem_.material, dt_, uint32_t(lanes())});
     if (!solver) return;
     solver->Start(frames_[0]->rows(), directions_->rows().rest);
-    double seconds = 0.0;
     for (size_t f = 1; f < frames_.size(); ++f) {
       const FrameRows& rows = frames_[f]->rows();
       solver->Prepare(rows);
       const double begin = now_();
       solver->Step(rows);
-      seconds += now_() - begin;
+      time.slices.push_back(1e9 * (now_() - begin) / double(lanes()));
     }
-    time.slices.push_back(1e9 * seconds / double(frames_.size() - 1) / double(lanes()));
     time.digest = PointsDigest(*solver, problem_.material.links, lanes());
   }
 
@@ -109,8 +107,8 @@ std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
 
 double TimeRatio(const SolverTime& a, const SolverTime& b) {
   std::vector<double> ratios;
-  for (size_t round = 0; round < std::min(a.slices.size(), b.slices.size()); ++round)
-    if (b.slices[round] > 0.0) ratios.push_back(a.slices[round] / b.slices[round]);
+  for (size_t slice = 0; slice < std::min(a.slices.size(), b.slices.size()); ++slice)
+    if (b.slices[slice] > 0.0) ratios.push_back(a.slices[slice] / b.slices[slice]);
   return Quantile(ratios, 0.5);
 }
 

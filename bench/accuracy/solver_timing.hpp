@@ -1,8 +1,8 @@
 // What a solver costs: nanoseconds per strand and frame on one core, for batches as large as a
 // character's.
 //
-// Solvers that are compared are timed in turn: a round runs each of them over the same frames, one
-// slice of time after the other, so that what a busy machine does to one solver it does to all.
+// Solvers that are compared are timed in turn: a round runs each of them over the same frames, each
+// frame one slice of time, so that what a busy machine does to one solver it does to all.
 // The median of a solver's slices counts, and how far their quartiles lie apart says what it is
 // worth. (The fastest slice would favour those that run shortly: they find a quiet moment sooner.)
 // Only StrandSolver::Step is timed, which reads the frame's rows and the solver's own state;
@@ -39,10 +39,10 @@ TimedProblem HeadshakeProblem(const ChainMaterial& material);
 struct SolverTime {
   // Per strand and frame; 0 where the solver cannot run the material.
   double ns = 0.0, low_ns = 0.0, high_ns = 0.0;  // median and quartiles of the slices
-  std::vector<double> slices;                    // ns, round after round
+  std::vector<double> slices;                    // ns, round after round, frame after frame
   uint64_t digest = 0;                           // of the points after the last frame
 };
-// The median over the rounds of a's time over b's; 0 where one of them did not run.
+// The median over the slices of a's time over b's; 0 where one of them did not run.
 double TimeRatio(const SolverTime& a, const SolverTime& b);
 std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
                                    const TimedProblem& problem, const TimingOptions& options);

@@ -598,7 +598,7 @@ function fillAccuracy() {
   if (!accuracy) return () => {};
   const families = familiesOf(accuracy), links = [...new Set(accuracy.panels.map((p) => p.links))];
   byId('accuracy-note').textContent =
-      `${accuracy.processor}, one core, ${accuracy.isa} kernels, ${accuracy.timed_strands} strands, median of ${accuracy.rounds} slices taken in turn; ` +
+      `${accuracy.processor}, one core, ${accuracy.isa} kernels, ${accuracy.timed_strands} strands, median frame of ${accuracy.rounds} rounds taken in turn; ` +
       `${accuracy.compiler}, ${accuracy.build_type}, commit ${accuracy.commit}; digest of the errors ${accuracy.error_digest}.` +
       (accuracy.problems === 'tuned' ? ' The suite that chose the constants of the modal solver.' : ` Motions and strands drawn from seed ${accuracy.seed}.`) +
       (accuracy.calibrated ? ' Strands with calibrated coefficients.' : '') +

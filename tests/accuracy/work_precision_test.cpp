@@ -157,8 +157,8 @@ TEST(SolverTiming, TimesAreOfStepAloneAndOfTheMiddleRound) {
   EXPECT_EQ(made, 6);
   EXPECT_NEAR(times[0].ns, 1e6 / 64, 1.0);
   EXPECT_NEAR(times[1].ns, 2e6 / 64, 1.0);
-  EXPECT_NEAR(times[0].low_ns, 0.75e6 / 64, 1.0);
-  EXPECT_NEAR(times[0].high_ns, 5e6 / 64, 1.0);
+  EXPECT_NEAR(times[0].low_ns, 0.5e6 / 64, 1.0);
+  EXPECT_NEAR(times[0].high_ns, 9e6 / 64, 1.0);
   EXPECT_NEAR(TimeRatio(times[1], times[0]), 2.0, 1e-6);
   EXPECT_EQ(times[2].ns, 0.0);
   EXPECT_EQ(TimeRatio(times[0], times[2]), 0.0);

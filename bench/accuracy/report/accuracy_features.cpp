@@ -69,7 +69,7 @@ ReportTree MakeFeatureTree(const FeatureReport& report) {
   tree.Add({"isa", "", -1, "one core, kernels"}, IsaName(report.isa));
   tree.Add(InJson("quick"), report.quick).Add(InJson("reference_rate"), o.reference_scale);
   tree.Add({"timed_strands"}, o.timing.strands);
-  tree.Add({"rounds", "", -1, "median of slices with and without in turn"}, o.timing.repeats);
+  tree.Add({"rounds", "", -1, "median frame of rounds with and without in turn"}, o.timing.repeats);
   tree.Add({"timed_frames", "", -1, "of frames"}, o.timing.frames).EndLine();
   tree.Add({"motion_s", "s, medium preset", -1, "motion"}, o.seconds);
   tree.Add({"seconds", "s", 1, "took"}, report.seconds);

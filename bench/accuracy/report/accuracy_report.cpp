@@ -265,7 +265,7 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
   tree.EndLine();
   tree.Add({"isa", "", -1, "one core, kernels"}, IsaName(table.options.isa));
   tree.Add({"timed_strands"}, table.timed_strands);
-  tree.Add({"rounds", "", -1, "median of slices taken in turn"}, table.rounds);
+  tree.Add({"rounds", "", -1, "median frame of rounds taken in turn"}, table.rounds);
   tree.Add({"timed_frames", "", -1, "of frames"}, table.timed_frames).EndLine();
   tree.Add({"error_digest", "", -1, "digest of the errors"}, DigestText(table.error_digest));
   tree.Add({"seconds", "s", 1, "took"}, report.seconds);
