@@ -12,6 +12,9 @@
 // A strand that hangs still is where F balances, whatever the step: the two ends are then one.
 // (A force k (1 - d_j . T), equal at unit length, is not: it blows up.)
 //
+// Explicit, it is unstable where a joint rests bent far and a substep is long: of one that bends further
+// than the table allows only a share follows its parent, none from 1.4 times as far.
+//
 // Invariant: finite in, finite out; a link turned right round against its rest direction, where T
 // is not defined, feels a bounded force.
 #pragma once
@@ -51,7 +54,10 @@ PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Vec3<W> (&d)[N], con
   force[0] = {W(0.0f), W(0.0f), W(0.0f)};
   for (uint32_t j = 1; j < N; ++j) {
     const uint32_t p = j - 1;
-    const W k = W(t.joint[j]);
+    const Vec3<W> bend = r[j] - r[p];
+    const W over = Dot(bend, bend) * W(t.joint[0]);
+    const W share = Clamp(W(2.0f) - over, W(0.0f), W(1.0f));
+    const W k = W(t.joint[j]) * share;
     const Carried<W> c = Carry<W>(r[p], d[p], r[j], d[j]);
     const Vec3<W> off = d[p] - r[p];
     force[p] = force[p] + (c.gradient - (d[j] - r[j] - off)) * k;

@@ -44,8 +44,8 @@ struct alignas(kBlockAlignment) ModalTableBlock {
   // Not 0: three Newton steps, and the constraint force turns with its link within the step.
   uint32_t use_slope;
   uint32_t parent_curl;    // not 0: the curl follows its parent link (modal_curl.hpp)
-  float joint[kMaxLinks];  // stiffness of the joint above each link, 1/s^2; the two are read only
-                           // then
+  float joint[kMaxLinks];  // read only then: the stiffness of the joint above each link, 1/s^2; in
+                           // place of the root's: 1 / |r_j - r_p|^2 of the most that is followed
   float rest_of_bend[kMaxLinks][kMaxLinks];  // r of T: K^-1 M Phi; 0 where a joint is loose
   float y_of_y[kMaxLinks], y_of_v[kMaxLinks], v_of_y[kMaxLinks], v_of_v[kMaxLinks];
   float y_of_force[kMaxLinks], v_of_force[kMaxLinks];  // of a force constant over the substep

@@ -45,7 +45,7 @@ Scenario StillScenario(const std::function<void(LayerSetup&)>& change) {
 
 void RunFrames(RunningScenario& run, uint32_t first, uint32_t count) {
   SkipSettings skip;
-  skip.cull = false;
+  skip.cull = skip.lod = false;
   for (uint32_t f = first; f < first + count; ++f) {
     run.Begin(f, skip, {});
     ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
