@@ -393,7 +393,7 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
        "key 'output': shells stand on mesh vertices: chain = \"vertex\""},
       {"max_distance = 0.04",
        "key 'max_distance': 0 (no limit) or at least 0.05; strength = 0 holds a strand"},
-      {"solver = 'pbd'\nsag_free = true",
+      {"sag_free = true\nsolver = 'pbd'",
        "key 'sag_free': only solver = \"modal\" holds a groom up"},
       {"painted = true", "key 'painted': paint is in what lit layers are shaded with: lit = true"},
       {"seed = -1", "key 'seed': -1 is out of bounds; allowed are 0 to 9223372036854775807"},

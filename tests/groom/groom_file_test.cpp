@@ -266,10 +266,10 @@ TEST(GroomFile, BytesAreLittleEndian) {
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTGRM\n", 8), 0);
   EXPECT_EQ(LoadU32(bytes, 8), kGroomVersion);
   EXPECT_EQ(LoadU32(bytes, 12), kStrandsPerChunk);
-  EXPECT_EQ(LoadU32(bytes, 28), 13u);
+  EXPECT_EQ(LoadU32(bytes, 28), 14u);
   EXPECT_EQ(LoadU32(bytes, 32), bytes.size());
   EXPECT_EQ(std::memcmp(bytes.data() + 48, "general\0\0\0\0\0\0\0\0\0", 16), 0);
-  const size_t general = 48 + 13 * 40;
+  const size_t general = 48 + 14 * 40;
   EXPECT_EQ(LoadU32(bytes, 48 + 16), general);
   EXPECT_EQ(bytes[general + 0], std::byte{0x00});
   EXPECT_EQ(bytes[general + 2], std::byte{0x20});
