@@ -44,7 +44,7 @@ struct FrameTimes {
 };
 
 struct Errors {
-  ErrorSum sum;
+  ErrorSum sum, own;  // against the reference; against a chain for each strand
   double live = 0.0;  // sum over the counted frames of the share that lives
   uint64_t digest = 0;
 };
@@ -65,7 +65,11 @@ class Lockstep {
     half_ = AtRate(base_, 1, 2);
     rigid_scenario_ = base_;
     for (Groom& groom : rigid_scenario_.grooms) RemoveStrength(groom);
+    own_base_ = base_;
+    for (Groom& groom : own_base_.grooms) result.has_vertex_chains |= GiveOwnChains(groom);
+    own_ = own_base_;
     for (const SceneWay& way : AllSceneWays()) {
+      if (way.own_chains && !result.has_vertex_chains) continue;
       if (SetWay(way, base_, full_)) {
         ways_.push_back(way);
       } else {
@@ -112,12 +116,14 @@ class Lockstep {
       row.frame_ns /= strand_frames;
       row.simulate_runs /= end - result_.warm_up;
       row.error = errors_[w].sum.Share();
+      row.own_error = result_.has_vertex_chains ? errors_[w].own.Share() : row.error;
       row.off_m = errors_[w].sum.OffRms();
       row.live_share = errors_[w].live / moving;
       row.points_digest = errors_[w].digest;
       result_.rows.push_back(row);
     }
     result_.self_error = self_.Share();
+    if (result_.has_vertex_chains) result_.chain_error = chains_.Share();
     result_.secondary_m = self_.MovedRms();
   }
 
@@ -146,6 +152,11 @@ class Lockstep {
       SetWay(best, all.base_, coarse_scenario_);
       fine_ = std::make_unique<SceneRun>(best, fine_scenario_, all.options_.isa);
       coarse_ = std::make_unique<SceneRun>(best, coarse_scenario_, all.options_.isa);
+      if (all.result_.has_vertex_chains) {
+        own_scenario_ = AtRate(all.own_base_, rate, 1);
+        SetWay(best, all.own_base_, own_scenario_);
+        own_ = std::make_unique<SceneRun>(best, own_scenario_, all.options_.isa);
+      }
       rigid_ = all.MakeRun(RigidWay());
       carried_.resize(all.ways_.size());
     }
@@ -155,12 +166,16 @@ class Lockstep {
       rigid_->RunFrame(f);
       RunTo(*fine_, f, all_.options_.reference_rate);
       RunTo(*coarse_, f, all_.options_.reference_rate / 2);
+      if (own_) RunTo(*own_, f, all_.options_.reference_rate);
       if (!layout_) layout_ = std::make_unique<ScenePointsLayout>(rigid_->scene());
       all_.result_.strands = layout_->strands();
       layout_->Read(rigid_->scene(), rigid_points_);
       layout_->Read(fine_->scene(), points_of_reference_);
       layout_->Read(coarse_->scene(), points_);
       if (Counts(f)) all_.self_.Add(points_, points_of_reference_, rigid_points_);
+      if (!own_) return;
+      layout_->Read(own_->scene(), own_points_);
+      if (Counts(f)) all_.chains_.Add(points_of_reference_, own_points_, rigid_points_);
     }
 
     void Compare(size_t w, uint32_t f, const SceneRun& run, bool carried) {
@@ -178,7 +193,10 @@ class Lockstep {
       }
       Fold(errors.digest);
       if (!Counts(f)) return;
-      errors.sum.Add(points_, points_of_reference_, rigid_points_);
+      const ScenePoints& same_chains =
+          all_.ways_[w].own_chains ? own_points_ : points_of_reference_;
+      errors.sum.Add(points_, same_chains, rigid_points_);
+      if (own_) errors.own.Add(points_, own_points_, rigid_points_);
       errors.live += double(run.scene().LiveStrands()) / double(layout_->strands());
     }
 
@@ -199,17 +217,20 @@ class Lockstep {
     }
 
     Lockstep& all_;
-    Scenario fine_scenario_, coarse_scenario_;
-    std::unique_ptr<SceneRun> fine_, coarse_, rigid_;
+    Scenario fine_scenario_, coarse_scenario_, own_scenario_;
+    std::unique_ptr<SceneRun> fine_, coarse_, own_, rigid_;
     std::unique_ptr<ScenePointsLayout> layout_;
-    ScenePoints rigid_points_, points_of_reference_, points_;
+    ScenePoints rigid_points_, points_of_reference_, own_points_, points_;
     std::vector<ScenePoints> carried_;  // [way], secondary motion of the last frame simulated
   };
 
   // A run keeps nothing of the layers of its scenario, so that all of a rate share one.
   std::unique_ptr<SceneRun> MakeRun(const SceneWay& way) {
-    Scenario& scenario = !way.simulate ? rigid_scenario_ : way.halved ? half_ : full_;
-    SetWay(way, base_, scenario);
+    Scenario& scenario = !way.simulate    ? rigid_scenario_
+                         : way.halved     ? half_
+                         : way.own_chains ? own_
+                                          : full_;
+    SetWay(way, way.own_chains ? own_base_ : base_, scenario);
     return std::make_unique<SceneRun>(way, scenario, options_.isa);
   }
 
@@ -220,11 +241,11 @@ class Lockstep {
 
   const ScenePrecisionOptions& options_;
   ScenePrecision& result_;
-  Scenario base_, full_, half_, rigid_scenario_;
+  Scenario base_, full_, half_, rigid_scenario_, own_base_, own_;
   std::vector<SceneWay> ways_;
   std::vector<FrameTimes> times_;
   std::vector<Errors> errors_;
-  ErrorSum self_;
+  ErrorSum self_, chains_;
 };
 
 uint32_t Even(double frames) { return 2 * uint32_t(frames / 2.0); }
@@ -234,7 +255,9 @@ uint64_t DigestOf(const ScenePrecision& result) {
   // In an order that times have no part in.
   for (const SceneWay& way : AllSceneWays())
     if (const ScenePrecisionRow* row = result.Find(way.name))
-      digest = MixSeed(MixSeed(digest, std::bit_cast<uint64_t>(row->error)), row->points_digest);
+      digest = MixSeed(MixSeed(MixSeed(digest, std::bit_cast<uint64_t>(row->error)),
+                               std::bit_cast<uint64_t>(row->own_error)),
+                       row->points_digest);
   return digest;
 }
 

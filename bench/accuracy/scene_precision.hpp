@@ -9,6 +9,9 @@
 // therefore 1. The reference knows where roots are between the frames and the ways do not: their
 // error holds the input error (work_precision.hpp) as a game has it.
 //
+// Strands that follow chains at mesh vertices are wrong by more than their chains are: a second
+// reference, the same with a chain for each strand, says by how much (own_error).
+//
 // All ways, the rigid run and the references go through the frames in lockstep, in one thread, so
 // that what a busy machine does to one it does to all, and no run has to be stored. Of each frame
 // the fastest round counts.
@@ -49,9 +52,11 @@ struct ScenePrecisionRow {
   double of_pbd = 0.0, frame_of_pbd = 0.0;  // over the same of PBD in every frame
   double error = 0.0;                       // share of the secondary motion
   double off_m = 0.0;                       // RMS distance to the reference
-  double live_share = 1.0;                  // of the strands
-  double simulate_runs = 0.0;               // of those stages on a chunk, a frame
-  uint64_t points_digest = 0;               // of all points of all frames
+  // As `error`, against a chain for each strand; the same where the scene has no others.
+  double own_error = 0.0;
+  double live_share = 1.0;     // of the strands
+  double simulate_runs = 0.0;  // of those stages on a chunk, a frame
+  uint64_t points_digest = 0;  // of all points of all frames
 };
 
 // ScenePrecisionRow::simulate_ns or ::frame_ns.
@@ -62,8 +67,10 @@ struct ScenePrecision {
   uint64_t strands = 0;
   uint32_t layers = 0, warm_up = 0;
   double frames_per_second = 0.0;
-  double self_error = 0.0;              // of the reference: its distance to one of half its rate
-  double secondary_m = 0.0;             // RMS of reference - rigid
+  double self_error = 0.0;   // of the reference: its distance to one of half its rate
+  double secondary_m = 0.0;  // RMS of reference - rigid
+  bool has_vertex_chains = false;
+  double chain_error = 0.0;             // of the reference itself, against a chain for each strand
   std::vector<ScenePrecisionRow> rows;  // cheapest first
   std::vector<std::string> notes;       // ways that the scene has no layer for
   uint64_t error_digest = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace pelt::accuracy {
 
@@ -40,6 +41,9 @@ std::vector<SceneWay> AllSceneWays() {
     ways.push_back({.name = fmt::format("default-lod-{}", divisor),
                     .label = fmt::format("modal default, LOD to 1/{} of the strands", divisor),
                     .strand_share = 1.0 / divisor});
+  ways.push_back({.name = "default-own-chains",
+                  .label = "modal default, a chain for each strand",
+                  .own_chains = true});
   return ways;
 }
 
@@ -77,6 +81,52 @@ void RemoveStrength(Groom& groom) {
   clear(groom.vertex_rest);
   clear(groom.strand_rest4);
   clear(groom.strand_rest5);
+}
+
+namespace {
+
+// Of the strands, from that of their triangles' vertices: their root frames are the same blend.
+DownBlock DownOfStrands(const StrandBlock& strands, const DownBlock& vertices) {
+  DownBlock down{};
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    double sum[3] = {}, square = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < 3; ++k)
+        sum[axis] +=
+            double(strands.bary[k][lane]) * double(vertices.down[axis][strands.vertex[k][lane]]);
+      square += sum[axis] * sum[axis];
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      down.down[axis][lane] = float(sum[axis] / std::sqrt(std::max(square, 1e-12)));
+  }
+  return down;
+}
+
+}  // namespace
+
+bool GiveOwnChains(Groom& groom) {
+  std::vector<RestBlock<4>> kept;  // shells stand on the vertices
+  size_t chunk = 0, held = 0;
+  bool any = false;
+  for (GroomLayer& layer : groom.layers) {
+    const size_t first_held = held;
+    if (layer.params.sag_free) held += layer.chunk_count;
+    if (layer.params.chain != ChainKind::kVertex) continue;
+    const auto first = groom.vertex_rest.begin() + ptrdiff_t(chunk);
+    chunk += layer.chunk_count;
+    if (layer.params.output == Output::kShells) {
+      kept.insert(kept.end(), first, first + layer.chunk_count);
+      continue;
+    }
+    layer.params.chain = ChainKind::kStrand;
+    for (size_t c = 0; layer.params.sag_free && c < layer.chunk_count; ++c) {
+      DownBlock& down = groom.rest_down[first_held + c];
+      down = DownOfStrands(groom.strands[layer.first_chunk + c], down);
+    }
+    any = true;
+  }
+  groom.vertex_rest = std::move(kept);
+  return any;
 }
 
 SceneRun::SceneRun(const SceneWay& way, Scenario& scenario, Isa isa)

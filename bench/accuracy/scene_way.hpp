@@ -23,12 +23,14 @@ struct SceneWay {
   bool sleep = false;         // chunks that came to rest are skipped
   double strand_share = 1.0;  // LOD's budget
   bool on_screen = false;     // default quality, `fast` where that is not seen, as frames have it
+  bool own_chains = false;    // a chain for each strand, where the setup has them at vertices
 
   // Else its error is a difference of materials: PBD and Verlet have parameters of their own, which
   // no exact motion belongs to.
   bool OnReferenceMaterial() const { return !simulate || solver == Solver::kModal; }
   // Sleeping is none: it changes no bit, goes with every way, and saves what the scene lets it.
-  bool IsChoice() const { return OnReferenceMaterial() && !sleep; }
+  // Nor are other chains, whose error is against a reference of their own.
+  bool IsChoice() const { return OnReferenceMaterial() && !sleep && !own_chains; }
 };
 std::vector<SceneWay> AllSceneWays();
 // Every strand follows the skin, with the solver that has least to do then.
@@ -40,6 +42,9 @@ Scenario AtRate(const Scenario& base, uint32_t multiply, uint32_t divide);
 // `base`. Says whether any has it.
 bool SetWay(const SceneWay& way, const Scenario& base, Scenario& scenario);
 void RemoveStrength(Groom& groom);
+// Gives every strand a chain of its own in place of those at mesh vertices. Says whether any lacked
+// one.
+bool GiveOwnChains(Groom& groom);
 
 // One way through the frames, with its clock.
 class SceneRun {

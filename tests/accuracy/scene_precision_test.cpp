@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench/accuracy/scene_points.hpp"
+#include "core/groom/groom_file.hpp"
 
 namespace pelt::accuracy {
 namespace {
@@ -110,6 +111,28 @@ TEST(ScenePrecision, ErrorsAreTheSameOnEveryInstructionSet) {
   const ScenePrecision reference = MeasureScenePrecision(options);
   EXPECT_EQ(wide.error_digest, reference.error_digest);
   EXPECT_NE(wide.error_digest, Tiny().error_digest);
+}
+
+// Strands that follow chains at vertices are off by that, however exact their chains are.
+TEST(ScenePrecision, ChainsAtVerticesAreHeldAgainstOnesOfTheirOwn) {
+  EXPECT_TRUE(Tiny().has_vertex_chains);
+  EXPECT_GT(Tiny().chain_error, 0.01);
+  EXPECT_LT(Tiny().chain_error, 0.1);
+  const ScenePrecisionRow &best = Row(Tiny(), "best"), &own = Row(Tiny(), "default-own-chains");
+  EXPECT_GT(best.own_error, best.error);
+  EXPECT_NEAR(best.own_error, Tiny().chain_error, best.error);
+  EXPECT_EQ(own.own_error, own.error);
+  EXPECT_LT(own.own_error, best.own_error);
+}
+
+TEST(ScenePrecision, OwnChainsMakeAGroomWithoutVertices) {
+  Scenario scenario = LoadScenario("tiny");
+  Groom& groom = scenario.grooms[0];
+  ASSERT_FALSE(groom.vertex_rest.empty());
+  EXPECT_TRUE(GiveOwnChains(groom));
+  EXPECT_TRUE(groom.vertex_rest.empty());
+  EXPECT_FALSE(GiveOwnChains(groom));
+  EXPECT_EQ(FindGroomFault(groom, "tiny"), "");
 }
 
 ScenePrecisionRow Made(double simulate_ns, double frame_ns, double error, SceneWay way = {}) {

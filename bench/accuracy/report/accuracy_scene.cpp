@@ -25,7 +25,8 @@ void AddHead(const ScenePrecision& t, ReportTree& tree) {
       "exact, f: as the whole frame, s: as the simulation (wind and solver). ~: another material, "
       "the artist's PBD or Verlet parameters as they stand: the figure says how different the "
       "motion is, not how wrong, and is never Pareto-optimal; nor does sleeping, which goes "
-      "with every way.",
+      "with every way. own: the same against a chain for each strand, for scenes that have "
+      "chains at mesh vertices which strands follow.",
       o.reference_rate, 1e3 * t.secondary_m));
 }
 
@@ -55,6 +56,7 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
                                              {"simulate_ns", "ns", 1, "simul."},
                                              {"simulate_of_pbd", "PBD", 2, "of"},
                                              {"error", "%", -3, "", 100},
+                                             {"own_error", "%", -3, "own", 100},
                                              {"off_m", "mm", 3, "off", 1000},
                                              {"live_share", "%", 0, "live", 100},
                                              InJson("simulate_runs"),
@@ -64,9 +66,10 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
                                              InJson("points_digest")});
   for (const ScenePrecisionRow& row : t.rows)
     rows.Add({row.way.name, FamilyOf(row.way), row.way.label, Mark(t, row), row.frame_ns,
-              row.frame_of_pbd, row.simulate_ns, row.of_pbd, row.error, row.off_m, row.live_share,
-              row.simulate_runs, row.way.OnReferenceMaterial(), t.IsParetoOptimal(row, kSimulate),
-              t.IsParetoOptimal(row, kFrame), DigestText(row.points_digest)});
+              row.frame_of_pbd, row.simulate_ns, row.of_pbd, row.error, row.own_error, row.off_m,
+              row.live_share, row.simulate_runs, row.way.OnReferenceMaterial(),
+              t.IsParetoOptimal(row, kSimulate), t.IsParetoOptimal(row, kFrame),
+              DigestText(row.points_digest)});
   rows.Add({{},
             {},
             fmt::format("the reference at {} times the rate", t.options.reference_rate / 2),
@@ -77,6 +80,9 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
             {},
             t.self_error},
            Show::kText);
+  if (t.has_vertex_chains)
+    rows.Add({{}, {}, "the reference's chains at vertices", {}, {}, {}, {}, {}, {}, t.chain_error},
+             Show::kText);
   tree.AddTexts("notes", t.notes);
 }
 
@@ -129,6 +135,7 @@ ReportTree MakeSceneTree(const SceneReport& report) {
   tree.Add(InJson("quick"), t.options.quick);
   tree.Add(InJson("reference_rate"), t.options.reference_rate);
   tree.Add(InJson("reference_self_error"), t.self_error);
+  tree.Add(InJson("vertex_chain_error"), t.chain_error);
   tree.Add(InJson("secondary_motion_m"), t.secondary_m);
   tree.Add({"error_digest", "", -1, "digest of the errors"}, DigestText(t.error_digest));
   tree.Add({"seconds", "s", 1, "took"}, report.seconds);
