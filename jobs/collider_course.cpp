@@ -27,10 +27,6 @@ template <size_t kCount>
 bool Differ(const float (&a)[kCount], const float (&b)[kCount]) {
   return !std::equal(a, a + kCount, b);
 }
-bool Differ(const CapsuleParams& a, const CapsuleParams& b) {
-  return Differ(a.from, b.from) || Differ(a.axis, b.axis) || a.radius != b.radius ||
-         a.length != b.length;
-}
 
 // By velocity, or as something that is where it was not.
 ColliderStep Told(const float (&from)[3], const float (&to)[3], float dt, bool elsewhere) {
@@ -58,13 +54,14 @@ ColliderStep Carried(const CapsuleParams& now, const CapsuleParams& last, float 
 }
 
 // Told from where an origin moved to.
-CapsuleParams Shifted(CapsuleParams capsule, const float (&shift)[3]) {
+CapsuleParams Shifted(CapsuleParams capsule, const float* shift) {
   for (int k = 0; k < 3; ++k) capsule.from[k] -= shift[k];
   return capsule;
 }
 
 bool IsSame(const CapsuleCollider& a, const CapsuleCollider& b) {
-  return a.joint == b.joint && !Differ(a.from, b.from) && !Differ(a.to, b.to) &&
+  return a.joint == b.joint && a.radius == b.radius && !Differ(a.from, b.from) &&
+         !Differ(a.to, b.to) &&
          (a.joint == CapsuleCollider::kFree || a.character == b.character);
 }
 
@@ -78,28 +75,32 @@ const CapsuleParams* ColliderCourse::LastOf(uint32_t source, const SimulateParam
 
 void ColliderCourse::Advance(const FrameInput& in, const FrameMemory& memory,
                              const CapsuleSources& sources, const SimulateParams* last,
-                             const CharacterOrigin* origin, SimulateParams& params) {
+                             const float* shift, SimulateParams& params) {
   const float dt = params.dt;
-  const bool shifted = origin && origin->shifted;
+  const bool compares = last && std::equal(in.origin, in.origin + 3, origin_);
   if (params.use_ground)
-    params.ground_step =
-        Told(in.ground_velocity, in.ground_velocity, dt,
-             last && !shifted && last->use_ground && Differ(last->ground, params.ground));
+    params.ground_step = Told(in.ground_velocity, in.ground_velocity, dt,
+                              compares && use_ground_ && Differ(ground_, in.ground));
   for (uint32_t s = 0; s < params.sphere_count; ++s)
-    params.sphere_step[s] = Told(
-        in.sphere_velocity[s], in.sphere_velocity[s], dt,
-        last && !shifted && s < last->sphere_count && Differ(last->sphere[s], params.sphere[s]));
+    params.sphere_step[s] =
+        Told(in.sphere_velocity[s], in.sphere_velocity[s], dt,
+             compares && s < sphere_count_ && Differ(sphere_[s], in.sphere[s]));
   for (uint32_t c = 0; c < params.capsule_count; ++c) {
-    const CapsuleCollider& now = in.capsule[sources[c]];
+    const CapsuleCollider &now = in.capsule[sources[c]], &was = capsule_[sources[c]];
     const CapsuleParams* before = last ? LastOf(sources[c], *last) : nullptr;
     if (now.joint == CapsuleCollider::kFree)
       params.capsule_step[c] = Told(now.from_velocity, now.to_velocity, dt,
-                                    before && !shifted && Differ(*before, params.capsule[c]));
-    else if (before && IsSame(now, capsule_[sources[c]]) &&
+                                    compares && before && !IsSame(now, was));
+    else if (before && IsSame(now, was) &&
              memory.Of<&Streams::pose>(now.character)->teleported == 0)
       params.capsule_step[c] =
-          Carried(params.capsule[c], shifted ? Shifted(*before, origin->shift) : *before, dt);
+          Carried(params.capsule[c], shift ? Shifted(*before, shift) : *before, dt);
   }
+  std::copy_n(in.origin, 3, origin_);
+  use_ground_ = in.use_ground;
+  std::copy_n(in.ground, 4, ground_);
+  sphere_count_ = in.sphere_count;
+  std::copy_n(in.sphere[0], 4 * kSpheresPerScene, sphere_[0]);
   std::copy_n(in.capsule, kCapsulesPerScene, capsule_);
   sources_ = sources;
 }

@@ -14,17 +14,23 @@ namespace pelt {
 
 class ColliderCourse {
  public:
-  // Fills the steps of `params`, where the colliders are placed already. `last`: those of the last
-  // frame, or null. `origin`: what places are told from, where that is not the world's; in a frame
-  // that moves it, what has no velocity stands.
+  // Fills the steps of `params`, where the colliders are placed already. `input`: as the caller told
+  // it. `last`: the parameters of the last frame, or null. `shift`: of what they are told from, since
+  // then; or null. In a frame whose own origin moves, what has no velocity stands.
   void Advance(const FrameInput& input, const FrameMemory& memory, const CapsuleSources& sources,
-               const SimulateParams* last, const CharacterOrigin* origin, SimulateParams& params);
+               const SimulateParams* last, const float* shift, SimulateParams& params);
 
  private:
   const CapsuleParams* LastOf(uint32_t source, const SimulateParams& last) const;
 
-  CapsuleCollider capsule_[kCapsulesPerScene];  // the last input's
-  CapsuleSources sources_{};                    // of the last frame's capsules
+  // The last input's.
+  double origin_[3] = {};
+  bool use_ground_ = false;
+  float ground_[4] = {};
+  uint32_t sphere_count_ = 0;
+  float sphere_[kSpheresPerScene][4] = {};
+  CapsuleCollider capsule_[kCapsulesPerScene];
+  CapsuleSources sources_{};  // of the last frame's capsules
 };
 
 }  // namespace pelt

@@ -221,7 +221,7 @@ void FurScene::FillFrame(const FrameInput& input) {
     relights_[s] = FillLights(s, in);
   });
   FillLayers(input, wind_blows);
-  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, in, wind_blows); });
+  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
 }
@@ -353,7 +353,8 @@ bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams&
   return changed;
 }
 
-void FurScene::FillParams(uint32_t s, const FrameInput& in, bool wind_blows) {
+void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& in,
+                          bool wind_blows) {
   FrameParams& to = params_[s];
   SelectLodParams lod{};
   lod.view = ViewFrom(s, in);
@@ -377,8 +378,8 @@ void FurScene::FillParams(uint32_t s, const FrameInput& in, bool wind_blows) {
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
   const CapsuleSources sources = PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
-  colliders_[s].Advance(in, memory_, sources, first_frame_ ? nullptr : &to.simulate,
-                        origins_.empty() ? nullptr : &origins_[s], simulate);
+  colliders_[s].Advance(told, memory_, sources, first_frame_ ? nullptr : &to.simulate,
+                        origins_.empty() ? nullptr : origins_[s].shift, simulate);
   const bool simulate_changed = Replace(to.simulate, simulate);
 
   const bool apart = !origins_.empty();

@@ -215,7 +215,7 @@ class FurScene {
   void FillPausedFrame(const FrameInput& input);
   // Of set `s` of parameters, for an input that is told from its characters' origin.
   bool FillLights(uint32_t s, const FrameInput& input);
-  void FillParams(uint32_t s, const FrameInput& input, bool wind_blows);
+  void FillParams(uint32_t s, const FrameInput& told, const FrameInput& input, bool wind_blows);
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, bool wind_blows);
   ModalQuality LayerQuality(uint32_t layer, float allowed_px) const;

@@ -2,10 +2,14 @@
 // of waves and of smooth steps.
 #pragma once
 
+#include <numbers>
+
 #include "bench/accuracy/body_motion.hpp"
 #include "bench/accuracy/jet.hpp"
 
 namespace pelt::accuracy {
+
+inline constexpr double kTurn = 2.0 * std::numbers::pi;  // rad
 
 using Jet3 = Vec3<Jet>;
 

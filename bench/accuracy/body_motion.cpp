@@ -5,8 +5,6 @@
 namespace pelt::accuracy {
 namespace {
 
-constexpr double kTurn = 6.283185307179586476925;
-
 BodyAngles Walk(Jet t) {
   const Jet on = Rise(t, 0.5, 0.1);
   const Jet phase = Jet(kTurn * 1.8) * t;

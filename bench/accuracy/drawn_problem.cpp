@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 #include "bench/accuracy/body_angles.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // What is drawn for what: a new purpose does not move the numbers of the others.
 enum Purpose : uint64_t { kGait = 1, kShake, kDash, kTurnBy, kHop, kStrand, kLength };
@@ -75,16 +72,16 @@ Waves DrawShake(Random random) {
 }
 
 // Speed from `begin` to `end`.
-struct Dash {
+struct DrawnDash {
   double speed_x = 0.0, speed_z = 0.0;
   double begin = 1.0, end = 2.0, width_in = 0.1, width_out = 0.1;
 
   Jet At(Jet t) const { return Ramp(t, begin, width_in) - Ramp(t, end, width_out); }
 };
 
-Dash DrawDash(Random random) {
+DrawnDash DrawDash(Random random) {
   const bool on = random.Uniform() < 0.5;
-  Dash d;
+  DrawnDash d;
   const double speed = on ? random.Uniform(0.4, 1.6) : 0.0, way = random.Uniform(0.0, kTurn);
   d.speed_x = speed * exact::Cos(way);
   d.speed_z = speed * exact::Sin(way);
@@ -126,7 +123,7 @@ Hop DrawHop(Random random) {
 
 struct Course {
   Waves gait, shake;
-  Dash dash;
+  DrawnDash dash;
   Turn turn;
   Hop hop;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMost = 16;  // links
 constexpr int kKeptPerSecond = 60;
-using Directions = std::array<Double3, kMost>;
+using RodDirections = std::array<Double3, kMost>;
 
 // n equal links of a rod of length 1, mass 1 and bending stiffness 1.
 struct Rod {
@@ -40,7 +40,7 @@ struct Rod {
 struct Band {
   double diagonal[kMost] = {}, off[kMost] = {};  // off[i]: of i and i + 1
 
-  Double3 Row(const Directions& x, int i, int n) const {
+  Double3 Row(const RodDirections& x, int i, int n) const {
     Double3 sum = x[size_t(i)] * diagonal[i];
     if (i > 0) sum = sum + x[size_t(i) - 1] * off[i - 1];
     if (i + 1 < n) sum = sum + x[size_t(i) + 1] * off[i];
@@ -49,7 +49,7 @@ struct Band {
 };
 
 struct State {
-  Directions d, v;
+  RodDirections d, v;
 };
 
 // The equations of chain_problem.hpp for any number of links.
@@ -78,8 +78,8 @@ class Chain {
   double link() const { return link_; }
 
   // Where the chain hangs still: each link in turn where its energy is least.
-  Directions Equilibrium(const Directions& rest) const {
-    Directions d = rest;
+  RodDirections Equilibrium(const RodDirections& rest) const {
+    RodDirections d = rest;
     for (int sweep = 0; sweep < 4000; ++sweep)
       for (int i = 0; i < n_; ++i) {
         const Double3 push = bending_.Row(rest, i, n_) - bending_.Row(d, i, n_) +
@@ -107,9 +107,9 @@ class Chain {
     return kKeptPerSecond * (1 + int(rate / kKeptPerSecond));
   }
 
-  void Accelerate(const BodyPose& pose, Double3 root, const Directions& rest, const State& s,
-                  Directions& a) const {
-    Directions strain, force;
+  void Accelerate(const BodyPose& pose, Double3 root, const RodDirections& rest, const State& s,
+                  RodDirections& a) const {
+    RodDirections strain, force;
     for (size_t i = 0; i < size_t(n_); ++i)
       strain[i] = s.d[i] - pose.Turn(rest[i]) + (s.v[i] - pose.TurnRate(rest[i])) * damping_;
     for (int i = 0; i < n_; ++i) force[size_t(i)] = bending_.Row(strain, i, n_);
@@ -123,7 +123,7 @@ class Chain {
   static constexpr Double3 kGravity = {0.0, -9.81, 0.0};
 
   // Multipliers along the links that keep their lengths: tridiagonal.
-  void KeepLengths(const State& s, Directions& a) const {
+  void KeepLengths(const State& s, RodDirections& a) const {
     double diagonal[kMost], off[kMost] = {}, lambda[kMost];
     for (int i = 0; i < n_; ++i) {
       const size_t k = size_t(i);
@@ -139,7 +139,7 @@ class Chain {
     lambda[n_ - 1] /= diagonal[n_ - 1];
     for (int i = n_ - 2; i >= 0; --i)
       lambda[i] = (lambda[i] - off[i] * lambda[i + 1]) / diagonal[i];
-    Directions push;
+    RodDirections push;
     for (int i = 0; i < n_; ++i) push[size_t(i)] = s.d[size_t(i)] * lambda[i];
     for (int i = 0; i < n_; ++i) a[size_t(i)] = a[size_t(i)] + inverse_.Row(push, i, n_);
   }
@@ -187,8 +187,8 @@ struct Helix {
   Double3 root, tangent, axis;
   double turn;  // from root to tip, rad
 
-  Directions LinksOf(int n) const {
-    Directions d;
+  RodDirections LinksOf(int n) const {
+    RodDirections d;
     for (int i = 0; i < n; ++i) d[size_t(i)] = Unit(TurnAbout(tangent, axis, turn * (i + 0.5) / n));
     return d;
   }
@@ -211,9 +211,9 @@ class Track {
  public:
   Track(const Chain& chain, const Helix& helix, const BodyMotion& motion, double seconds)
       : n_(chain.links()) {
-    const Directions rest = helix.LinksOf(n_);
+    const RodDirections rest = helix.LinksOf(n_);
     State s{chain.Equilibrium(rest), {}};
-    const Directions start = s.d;
+    const RodDirections start = s.d;
     for (Double3& v : s.v) v = kZero3;
     const int rate = chain.StepRate(), frames = int(seconds * kKeptPerSecond);
     const double h = 1.0 / rate;
@@ -238,13 +238,13 @@ class Track {
   }
 
  private:
-  static void RungeKutta(const Chain& chain, const Helix& helix, const Directions& rest,
+  static void RungeKutta(const Chain& chain, const Helix& helix, const RodDirections& rest,
                          const BodyMotion& motion, double t, double h, State& s) {
     static constexpr double kAt[4] = {0.0, 0.5, 0.5, 1.0}, kShare[4] = {1, 2, 2, 1};
     const BodyPose poses[3] = {motion(t), motion(t + 0.5 * h), motion(t + h)};
     const size_t n = size_t(chain.links());
     State sum = s, at = s;
-    Directions a;
+    RodDirections a;
     for (int stage = 0; stage < 4; ++stage) {
       chain.Accelerate(poses[(stage + 1) / 2], helix.root, rest, at, a);
       const double next = stage < 3 ? kAt[stage + 1] * h : 0.0, share = kShare[stage] * h / 6.0;

@@ -177,17 +177,30 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   return scenario;
 }
 
+// What held a sag-free layer up.
+void DropRestDown(Groom& groom, size_t layer) {
+  size_t first = 0;
+  for (size_t l = 0; l < layer; ++l)
+    if (groom.layers[l].params.sag_free) first += groom.layers[l].chunk_count;
+  const auto begin = groom.rest_down.begin() + ptrdiff_t(first);
+  groom.rest_down.erase(begin, begin + groom.layers[layer].chunk_count);
+}
+
 void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
   for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
+    for (size_t l = 0; l < groom.layers.size(); ++l) {
+      GroomLayer& layer = groom.layers[l];
       LayerParams params = layer.params;
       params.solver = request.solver.value_or(params.solver);
       params.quality = request.quality.value_or(params.quality);
+      params.sag_free = params.sag_free && params.solver == Solver::kModal;
       if (const auto bad = FindBadCombination(params)) {
         scenario.notes.push_back(
             fmt::format("layer '{}' keeps its {}: {}", layer.name, bad->key, bad->reason));
         params.solver = layer.params.solver;
+        params.sag_free = layer.params.sag_free;
       }
+      if (layer.params.sag_free && !params.sag_free) DropRestDown(groom, l);
       layer.params = params;
     }
 }

@@ -248,6 +248,14 @@ struct Colliders {
     }
   }
 
+  // Shrinks each round shape that a root lies in, the more the deeper, to nothing. A strand that starts
+  // inside may not be able to get out, and one that is pushed and falls back swings over the shape
+  // for ever; so does one whose first link leans on what is next to its root.
+  PELT_INLINE void KeepRootsOut() {
+    for (uint32_t s = 0; s < sphere_count; ++s) LeaveRoot(sphere[s]);
+    for (uint32_t c = 0; c < capsule_count; ++c) LeaveRoot(capsule[c]);
+  }
+
   // In the order in which points are pushed out: the last one wins.
   template <class Visit>
   PELT_INLINE void ForEach(const Visit& visit) const {
@@ -284,6 +292,13 @@ struct Colliders {
     shape.radius = Select(near, radius, none);
     moves |= step.moves != 0;
     return true;
+  }
+  template <class Shape>
+  static PELT_INLINE void LeaveRoot(Shape& shape) {
+    constexpr float kShrink = 6.0f;  // of the radius, for the root's depth
+    const Vec3<W> core = shape.Core({W(0.0f), W(0.0f), W(0.0f)});
+    const W depth = Max(shape.radius - Sqrt(Dot(core, core)), W(0.0f));
+    shape.radius = Max(shape.radius - depth * W(kShrink), W(0.0f));
   }
   // At least as far as any point of it moved.
   static PELT_INLINE float FarthestWay(const ColliderStep& step) {

@@ -89,6 +89,7 @@ struct Walls {
         per_s(1.0f / params.dt) {
     for (W& depth : left) depth = W(0.0f);
     chain::LoadColliders(params, g, colliders);
+    colliders.KeepRootsOut();
   }
 };
 

@@ -167,6 +167,7 @@ struct Surroundings {
     per_length = W(1.0f) / g.length;
     per_step = per_length * W(t.euler_speed);
     chain::LoadColliders(params, g, colliders);
+    colliders.KeepRootsOut();
   }
 
   PELT_INLINE void Advance(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {

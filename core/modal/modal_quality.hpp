@@ -9,7 +9,7 @@ namespace pelt {
 enum class ModalQuality : uint8_t {
   kFast,     // one substep
   kDefault,  // three
-  kBest,     // two, three Newton steps, and the constraint force turns within the step
+  kBest,     // three, three Newton steps in each, and the constraint force turns within the step
 };
 
 }  // namespace pelt

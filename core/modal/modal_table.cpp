@@ -102,10 +102,10 @@ void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const Differen
   }
 }
 
-// The longest substeps, s: one and two at 60 frames per second. The length, not their number, is
+// The longest substeps, s: one and three at 60 frames per second. The length, not their number, is
 // what an error and a steady state depend on: at 15 frames per second substeps of a fixed number
 // leave a static shape 3e-4 off and single strands that do not converge to rest.
-constexpr double kLongestFast = 1.0 / 48.0, kLongestBest = 1.0 / 80.0;
+constexpr double kLongestFast = 1.0 / 48.0;
 // The force that keeps the lengths has one direction over a substep of the default tier, while
 // tension swings the light points of calibrated chains: three substeps at 60 frames per second
 // leave two fifths of the error that two do (README.md).
@@ -241,9 +241,7 @@ double QuietTime(const ModalLayer& layer) {
 uint32_t SubstepsOf(ModalQuality quality, const FrameTimes& times) {
   const double frame = times.dt_s[0];
   if (frame > kLongestModalFrame_s) return 0;
-  const double longest = quality == ModalQuality::kFast   ? kLongestFast
-                         : quality == ModalQuality::kBest ? kLongestBest
-                                                          : kLongest;
+  const double longest = quality == ModalQuality::kFast ? kLongestFast : kLongest;
   uint32_t count = 1;
   while (count < kModalSubsteps && frame > count * longest) ++count;
   return count;

@@ -29,9 +29,9 @@
 
 namespace pelt {
 
-// ModalQuality at 60 frames per second: kFast takes one substep, kDefault three, kBest two with
-// three Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s for
-// kFast, 1/150 s for kDefault, 1/80 s for kBest), so a frame of 1/30 s takes two, five or three.
+// ModalQuality at 60 frames per second: kFast takes one substep, kDefault three, kBest three with
+// three Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s
+// for kFast, 1/150 s for the others), so a frame of 1/30 s takes two or five.
 // What each gets wrong, and costs: README.md, `pelt accuracy`.
 
 // The last frames' lengths, s: this one's first. All > 0.
@@ -58,7 +58,7 @@ struct ModalLayer {
 ModalLayer MakeModalLayer(const ModalMaterial& material);
 
 // How far a steady force at the tip moves it in a substep of such a frame, lengths left aside, over
-// how far in one of 1/120 s (of the default quality at 60 frames per second). 0 without substeps.
+// how far in one of 1/120 s. 0 without substeps.
 double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times);
 
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,

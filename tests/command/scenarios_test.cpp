@@ -138,8 +138,21 @@ std::set<std::string_view> KernelsThatRun(Scenario tiny) {
   return ran;
 }
 
+// `tiny` with what holds a groom up.
+Scenario SagFreeTiny() {
+  Scenario tiny = LoadScenario("tiny");
+  FurSetup setup = LoadSetup("tiny");
+  for (LayerSetup& layer : setup.layers)
+    layer.params.sag_free = layer.params.solver == Solver::kModal;
+  const float unit_scale = tiny.actors[0].unit_scale;
+  tiny.grooms[0] = BakeGroom(
+      tiny.characters[0], ComputeRestGeometry(tiny.characters[0], unit_scale), setup, unit_scale);
+  return tiny;
+}
+
 TEST(Scenarios, TinyRunsEveryKernelThereIs) {
   std::set<std::string_view> ran = KernelsThatRun(LoadScenario("tiny"));
+  ran.merge(KernelsThatRun(SagFreeTiny()));
   ran.merge(KernelsThatRun(testing::EveryOutputScenario()));
   for (const FrameRow& row : FindKernels(Isa::kReference)->rows)
     EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;

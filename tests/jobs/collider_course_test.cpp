@@ -22,7 +22,7 @@ class Course {
       std::copy_n(in.capsule[c].from, 3, params.capsule[c].from);
       params.capsule[c].radius = in.capsule[c].radius;
     }
-    course_.Advance(in, {}, sources, begun_ ? &last_ : nullptr, params);
+    course_.Advance(in, {}, sources, begun_ ? &last_ : nullptr, nullptr, params);
     begun_ = true;
     return last_ = params;
   }
