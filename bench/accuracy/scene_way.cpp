@@ -35,11 +35,11 @@ std::vector<SceneWay> AllSceneWays() {
   ways.push_back(
       {.name = "default-sleep", .label = "modal default, sleeping when still", .sleep = true});
   ways.push_back({.name = "default-on-screen",
-                  .label = "modal default, fast where it is not seen",
+                  .label = "modal default, fast where unseen",
                   .on_screen = true});
   for (const int divisor : {2, 4})
     ways.push_back({.name = fmt::format("default-lod-{}", divisor),
-                    .label = fmt::format("modal default, LOD to 1/{} of the strands", divisor),
+                    .label = fmt::format("modal default, LOD to 1/{}", divisor),
                     .strand_share = 1.0 / divisor});
   ways.push_back({.name = "default-own-chains",
                   .label = "modal default, a chain for each strand",

@@ -40,10 +40,14 @@ PELT_INLINE Carried<W> Carry(Vec3<W> a, Vec3<W> d, Vec3<W> v, Vec3<W> to) {
   const Vec3<W> sum = a + d;
   const W twice = Dot(a, v) * W(2.0f), share = Dot(sum, v) * inverse;
   Carried<W> c;
-  c.image = v - sum * share + d * twice;
+  // Operands are named: which of two a compiler computes first is open, and a price must not be.
+  const Vec3<W> back = sum * share, forth = d * twice;
+  c.image = v - back + forth;
   const Vec3<W> w = to - c.image;
   const W across = Dot(sum, w) * inverse;
-  c.gradient = w * (twice - share) - v * across + a * (across * share);
+  const W turned = twice - share, both = across * share;
+  const Vec3<W> along = w * turned, aside = v * across, over = a * both;
+  c.gradient = along - aside + over;
   return c;
 }
 
@@ -71,11 +75,15 @@ PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSam
                         const Motion& motion, W (&rest)[3][N]) {
   for (uint32_t k = 0; k < 3; ++k) {
     const auto& a = motion.axis[k];
-    const W root = a.root[0] * W(place[0]) + a.root[1] * W(place[1]) + a.root[2] * W(place[2]);
+    const W root0 = a.root[0] * W(place[0]), root1 = a.root[1] * W(place[1]);
+    const W root2 = a.root[2] * W(place[2]);
+    const W root = root0 + root1 + root2;
     W bend[N];  // by how much T differs from the newest, the root's place set aside
-    for (uint32_t m = 0; m < N; ++m)
-      bend[m] = a.bend[1][m] * W(place[0]) + a.bend[2][m] * W(place[1]) +
-                a.bend[3][m] * W(place[2]) - root * W(t.bend[m][0]);
+    for (uint32_t m = 0; m < N; ++m) {
+      const W bend1 = a.bend[1][m] * W(place[0]), bend2 = a.bend[2][m] * W(place[1]);
+      const W bend3 = a.bend[3][m] * W(place[2]), own = root * W(t.bend[m][0]);
+      bend[m] = bend1 + bend2 + bend3 - own;
+    }
     for (uint32_t i = 0; i < N; ++i) {
       W r = a.rest[i];
       for (uint32_t m = 0; m < N; ++m) r = r + bend[m] * W(t.rest_of_bend[i][m]);
@@ -128,14 +136,17 @@ PELT_INLINE void AddForce(const ModalTableBlock& t, const Vec3<W> (&first)[N],
     }
     for (uint32_t i = 0; i < N; ++i) {
       W p = a.p[i], push = sum[0] * W(t.shape[0][i]), twist = turn[0] * W(t.shape[0][i]);
-      for (uint32_t j = 0; j < N; ++j)
-        p = p + sum[j] * W(t.response[i][j]) + turn[j] * W(t.slope[i][j]);
+      for (uint32_t j = 0; j < N; ++j) {
+        const W moved = sum[j] * W(t.response[i][j]), bent = turn[j] * W(t.slope[i][j]);
+        p = p + moved + bent;
+      }
       for (uint32_t j = 1; j < N; ++j) {
         push = push + sum[j] * W(t.shape[j][i]);
         twist = twist + turn[j] * W(t.shape[j][i]);
       }
       a.p[i] = p;
-      a.z[i] = a.z[i] + push * W(t.impulse[i]) + twist * W(t.impulse_slope[i]);
+      const W pushed = push * W(t.impulse[i]), twisted = twist * W(t.impulse_slope[i]);
+      a.z[i] = a.z[i] + pushed + twisted;
     }
   }
 }
