@@ -232,8 +232,8 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
       weather[c] = {from.weather[c][0], from.weather[c][1]};
     to.weather = weather;
   }
-  to.lod = {from.full_detail_px, from.min_fraction, from.hysteresis, from.fade_share,
-            from.strand_budget, from.fast_quality_px};
+  to.lod = {from.full_detail_px, from.min_fraction,  from.hysteresis,
+            from.fade_share,     from.strand_budget, from.fast_quality_px};
   for (const SkipBit& skip : kSkips) to.skip.*skip.member = (from.skip & skip.bit) != 0;
   return nullptr;
 }

@@ -61,8 +61,7 @@ CapsuleParams Shifted(CapsuleParams capsule, const float* shift) {
 
 bool IsSame(const CapsuleCollider& a, const CapsuleCollider& b) {
   return a.joint == b.joint && a.radius == b.radius && !Differ(a.from, b.from) &&
-         !Differ(a.to, b.to) &&
-         (a.joint == CapsuleCollider::kFree || a.character == b.character);
+         !Differ(a.to, b.to) && (a.joint == CapsuleCollider::kFree || a.character == b.character);
 }
 
 }  // namespace
@@ -82,15 +81,14 @@ void ColliderCourse::Advance(const FrameInput& in, const FrameMemory& memory,
     params.ground_step = Told(in.ground_velocity, in.ground_velocity, dt,
                               compares && use_ground_ && Differ(ground_, in.ground));
   for (uint32_t s = 0; s < params.sphere_count; ++s)
-    params.sphere_step[s] =
-        Told(in.sphere_velocity[s], in.sphere_velocity[s], dt,
-             compares && s < sphere_count_ && Differ(sphere_[s], in.sphere[s]));
+    params.sphere_step[s] = Told(in.sphere_velocity[s], in.sphere_velocity[s], dt,
+                                 compares && s < sphere_count_ && Differ(sphere_[s], in.sphere[s]));
   for (uint32_t c = 0; c < params.capsule_count; ++c) {
     const CapsuleCollider &now = in.capsule[sources[c]], &was = capsule_[sources[c]];
     const CapsuleParams* before = last ? LastOf(sources[c], *last) : nullptr;
     if (now.joint == CapsuleCollider::kFree)
-      params.capsule_step[c] = Told(now.from_velocity, now.to_velocity, dt,
-                                    compares && before && !IsSame(now, was));
+      params.capsule_step[c] =
+          Told(now.from_velocity, now.to_velocity, dt, compares && before && !IsSame(now, was));
     else if (before && IsSame(now, was) &&
              memory.Of<&Streams::pose>(now.character)->teleported == 0)
       params.capsule_step[c] =

@@ -187,7 +187,7 @@ typedef struct PeltFrame {
    * it and take strands with them. NULL: they stand still. */
   const float (*sphere_velocities)[3];
   float ground_velocity[3];
-  uint32_t capsule_count;    /* at most 8 */
+  uint32_t capsule_count; /* at most 8 */
   const PeltCapsule* capsules;
   uint32_t light_count; /* at most 8 */
   const PeltLight* lights;
@@ -203,7 +203,7 @@ typedef struct PeltFrame {
   uint32_t strand_budget;                                     /* 0: no budget */
   /* Error on the screen up to which modal layers of default quality are simulated in `fast`; 0: never. */
   float fast_quality_px;
-  uint32_t skip;                                              /* PeltSkip */
+  uint32_t skip; /* PeltSkip */
   /* What the places above are relative to, world, m; not 0 only in a scene that has origins. */
   double origin[3];
 } PeltFrame;

@@ -221,7 +221,8 @@ void FurScene::FillFrame(const FrameInput& input) {
     relights_[s] = FillLights(s, in);
   });
   FillLayers(input, wind_blows);
-  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
+  ForEachSet(input,
+             [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
 }

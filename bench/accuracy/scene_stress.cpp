@@ -283,7 +283,9 @@ SceneStressResult Far(double far_m, bool origins, Isa isa) {
       fmt::format("{} km away, {}", 1e-3 * far_m, origins ? "with origins" : "in the world"),
       std::move(course), &home, isa);
   result.promised = origins;
-  result.most_apart = result.most_at_end = 1e-3;
+  // What touches something goes another way for the last bit of a float, and rests where it should.
+  result.most_apart = 5e-3;
+  result.most_at_end = 1e-3;
   return result;
 }
 
