@@ -16,8 +16,10 @@
 
 namespace pelt {
 
-// RMS distance of `fast` from the converged motion at 60 frames per second, over the layer's longest
-// strand: the largest of the built-in scenes' layers (`pelt accuracy --scene`, README.md).
+// RMS distance of `fast` from the converged motion at 60 frames per second, over a strand's length: that of
+// `monster` (0.31 mm; `pelt accuracy --scene monster`), here taken of the layer's longest strand. Other coats were not
+// measured one by one, and what contact gets wrong comes besides, in every quality alike (`eyepet`: 2.83 mm in fast, 2.80
+// in the default).
 inline constexpr float kFastError = 0.006f;
 // A layer keeps `fast` until its error is this many times what is allowed: a camera that sways at
 // the bound does not change tables, which wake sleepers, every frame.
