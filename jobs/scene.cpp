@@ -1,7 +1,6 @@
 #include "jobs/scene.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <new>
@@ -12,12 +11,10 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
-#include "core/modal/quality_on_screen.hpp"
 #include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/input_check.hpp"
-#include "jobs/place_capsules.hpp"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -27,38 +24,6 @@ namespace pelt {
 namespace {
 
 constexpr size_t kPageBytes = size_t(2) << 20;  // a huge page
-
-// Copies `value` over `target` and says whether a bit of it changed. Both are zero-initialised
-// plain data without padding.
-template <class T>
-bool Replace(T& target, const T& value) {
-  if (std::memcmp(&target, &value, sizeof(T)) == 0) return false;
-  target = value;
-  return true;
-}
-
-uint32_t SwitchesOf(const SkipSettings& skip) {
-  return (skip.sleep ? kSwitchSleep : 0u) | (skip.unmoved ? kSwitchSkipUnmoved : 0u) |
-         (skip.sort ? kSwitchSkipSort : 0u);
-}
-
-// A first frame of no time lays the fur on its groom (no layer simulates in it): what is divided by
-// the step's length needs one all the same.
-double StepOf(const FrameInput& input) { return input.dt_s > 0.0 ? input.dt_s : 1.0 / 60.0; }
-
-// Of a placement, over `unit_scale`: the mean of its three axes'. Roundings of a turn are no reason
-// for strands to change their length: what is as good as 1, or as the last frame's, is that.
-float ScaleOf(const float (&root)[12], float unit_scale, float last) {
-  constexpr double kSame = 1.0e-4, kLeast = 1.0e-3, kMost = 1.0e3;
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double x = root[axis], y = root[4 + axis], z = root[8 + axis];
-    sum += std::sqrt(x * x + y * y + z * z);
-  }
-  const double scale = std::clamp(sum / (3.0 * double(unit_scale)), kLeast, kMost);
-  if (std::abs(scale - 1.0) <= kSame) return 1.0f;
-  return std::abs(scale - double(last)) <= kSame * double(last) ? last : float(scale);
-}
 
 }  // namespace
 
@@ -204,194 +169,6 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
   if (!fault) FillFrame(input);
   phase_.EndFilling(!fault);
   return fault;
-}
-
-void FurScene::FillFrame(const FrameInput& input) {
-  memory_.paused = input.dt_s == 0.0 && !first_frame_;
-  if (memory_.paused) return FillPausedFrame(input);
-  pose_gate_.Judge(memory_, given_origins_);
-  FillOrigins();
-  FillScales();
-  const WindSetup& w = input.wind;
-  const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
-                     w.turbulence == 0.0f;
-  const bool wind_blows = !(still && input.skip.wind);
-  ForEachSet(input, [this](uint32_t s, const FrameInput& in) {
-    params_[s].paint_strands = MakePaintStrandsParams({in.brush, in.brush_count});
-    relights_[s] = FillLights(s, in);
-  });
-  FillLayers(input, wind_blows);
-  ForEachSet(input,
-             [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
-  first_frame_ = false;
-  last_dt_s_ = StepOf(input);
-}
-
-void FurScene::ForEachSet(const FrameInput& input, auto&& fill) {
-  if (origins_.empty()) return fill(0u, input);
-  for (uint32_t s = 0; s < params_.size(); ++s) {
-    FrameInput moved = input;
-    MovePlaces(OffsetBetween(input.origin, origins_[s].used), moved);
-    fill(s, moved);
-  }
-}
-
-View FurScene::ViewFrom(uint32_t s, const FrameInput& input) const {
-  View view = MakeView(input.camera);
-  if (!origins_.empty()) MoveView(OffsetBetween(input.origin, origins_[s].used), view);
-  return view;
-}
-
-// Where the characters' poses are told from in this frame.
-void FurScene::FillOrigins() {
-  if (origins_.empty()) return;
-  for (uint32_t c = 0; c < origins_.size(); ++c)
-    origins_[c].Advance(pose_gate_.holds_pose()[c] ? nullptr : Origin(c));
-  for (uint32_t l = 0; l < shape().layer_count; ++l) {
-    const CharacterOrigin& from = origins_[shape().layer_character[l]];
-    auto& block = *memory_.Of<&Streams::layer_origins>(l);
-    std::copy_n(from.shift, 3, block.shift);
-    block.shifted = from.shifted;
-  }
-}
-
-// How much larger a character is than its groom.
-void FurScene::FillScales() {
-  for (uint32_t c = 0; c < scales_.size(); ++c)
-    if (!pose_gate_.holds_pose()[c])
-      scales_[c] =
-          ScaleOf(memory_.Of<&Streams::pose>(c)->root, pose_gate_.UnitScale(c), scales_[c]);
-}
-
-// Time stands still: state, layers, poses and level of detail stay what they are, and so does what
-// the next frame is compared with. What is left is to draw the same strands from another eye.
-void FurScene::FillPausedFrame(const FrameInput& in) {
-  for (uint32_t s = 0; s < params_.size(); ++s) {
-    SelectLodParams lod = params_[s].select_lod;
-    lod.view = ViewFrom(s, in);
-    FillView(s, in, lod);
-  }
-  for (uint32_t c = 0; c < shape().chunk_count; ++c) {
-    auto& state = *memory_.Of<&Streams::chunk_state>(c);
-    const uint32_t visible = state.flags & kChunkVisible;
-    const CollectChangesParams& view = params_[SetOf(shape().chunk_layer[c])].collect_changes;
-    const bool keys = view.view_changed != 0 || !in.skip.sort;
-    state.flags = visible | (visible && keys ? kChunkKeys : 0u);
-    state.keys_changed = state.records_changed = 0;
-  }
-}
-
-// Says whether every lit layer has to be lit again.
-bool FurScene::FillLights(uint32_t s, const FrameInput& input) {
-  LightLayerParams lights{input.lighting};
-  Lighting& all = lights.lighting;
-  std::fill(all.light + all.light_count, std::end(all.light), SphereLight{});
-  std::fill(all.sample + all.sample_count, std::end(all.sample), IrradianceSample{});
-  return Replace(params_[s].light_layer, lights) || first_frame_ || !input.skip.light;
-}
-
-void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
-  const double dt_s = StepOf(input);
-  for (uint32_t l = 0; l < shape().layer_count; ++l) {
-    auto& block = *memory_.Of<&Streams::layers>(l);
-    const Weather weather =
-        input.weather.empty() ? Weather{} : input.weather[shape().layer_character[l]];
-    const uint32_t character = shape().layer_character[l], kind = shape().layer_kind[l];
-    const bool rates = (kind & kLayerRates) && !pose_gate_.holds_pose()[character] &&
-                       memory_.Of<&Streams::pose_rates>(character)->given != 0;
-    bool table_changed = false;
-    double push_ratio = 0.0;
-    if (kind & kLayerModal) {
-      auto* tables = memory_.Of<&Streams::modal_tables>(0);
-      table_changed = modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                                        LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
-                                        {modal_.data(), l}, tables, tables + l);
-      push_ratio = modal_[l].push_ratio();
-    }
-    block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
-                           layer_strands_[l], layer_length_max_[l],
-                           layer_simulates_[l] != 0 && input.dt_s > 0.0,
-                           first_frame_ ? nullptr : &block, scales_[character], push_ratio);
-    if (table_changed) block.changed = 1;
-    const uint32_t set = SetOf(l);
-    if (relights_[set] && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
-    if (params_[set].paint_strands.count > 0 && (block.flags & kLayerPainted))
-      block.flags |= kLayerBrushed;
-    if (rates) {
-      block.flags |= kLayerRatesGiven;
-    }
-    if (block.flags & kLayerModal) {
-      block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
-    }
-  }
-}
-
-// By what the last frame showed of it: the box of this one comes with its poses, in the frame.
-ModalQuality FurScene::LayerQuality(uint32_t layer, float allowed_px) const {
-  const ModalQuality asked = layer_params_[layer].quality;
-  if (first_frame_) return asked;
-  return QualityOnScreen(asked, modal_[layer].quality(), params_[SetOf(layer)].select_lod.view,
-                         *memory_.Of<&Streams::bounds>(layer),
-                         scales_[shape().layer_character[layer]] * layer_length_max_[layer],
-                         allowed_px);
-}
-
-// The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
-bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams& lod) {
-  FrameParams& to = params_[s];
-  const bool changed = Replace(to.select_lod, lod) || first_frame_;
-  const View& view = to.select_lod.view;
-  std::copy_n(view.eye, 3, to.sort_key.eye);
-  std::copy_n(view.forward, 3, to.sort_key.forward);
-  std::copy_n(view.eye, 3, to.order_layers.eye);
-  std::copy_n(view.forward, 3, to.order_layers.forward);
-  std::copy_n(view.eye, 3, to.write_ribbons.eye);
-  std::copy_n(view.eye, 3, to.select_fins.eye);
-  to.collect_changes = {SwitchesOf(in.skip), changed};
-  if (!origins_.empty())
-    for (uint32_t l = 0; l < shape().layer_count; ++l)
-      if (SetOf(l) == s) std::copy_n(view.eye, 3, memory_.Of<&Streams::layer_origins>(l)->eye);
-  return changed;
-}
-
-void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& in,
-                          bool wind_blows) {
-  FrameParams& to = params_[s];
-  SelectLodParams lod{};
-  lod.view = ViewFrom(s, in);
-  lod.full_detail_pixels = in.lod.full_detail_px;
-  lod.min_fraction = in.lod.min_fraction;
-  lod.hysteresis = in.lod.hysteresis;
-  lod.fade_share = in.lod.fade_share;
-  lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
-  lod.budget_scale =
-      BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
-                  {memory_.Of<&Streams::layers>(0), shape().layer_count}, in.lod.strand_budget);
-  const bool view_changed = FillView(s, in, lod);
-  std::copy_n(lod.view.eye, 3, to.select_shells.eye);
-  to.select_shells.all = in.skip.lod ? 0 : 1;
-
-  SimulateParams simulate{};
-  simulate.dt = float(StepOf(in));
-  simulate.rest_threshold = kRestThreshold;
-  simulate.use_ground = in.use_ground;
-  if (in.use_ground) std::copy_n(in.ground, 4, simulate.ground);
-  simulate.sphere_count = in.sphere_count;
-  std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
-  const CapsuleSources sources = PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
-  colliders_[s].Advance(told, memory_, sources, first_frame_ ? nullptr : &to.simulate,
-                        origins_.empty() ? nullptr : origins_[s].shift, simulate);
-  const bool simulate_changed = Replace(to.simulate, simulate);
-
-  const bool apart = !origins_.empty();
-  if (wind_blows)
-    to.wind = apart ? MakeWindParams(in.wind, in.time_s, origins_[s].used)
-                    : MakeWindParams(in.wind, in.time_s);
-  // A character may stand still where its origin moves, and what is left out of a frame is told from
-  // last frame's.
-  const bool shifts = apart && (origins_[s].shifted || origins_[s].was_shifted);
-  const uint32_t kept = shifts ? ~uint32_t(kSwitchSleep | kSwitchSkipUnmoved) : ~0u;
-  to.activate = {SwitchesOf(in.skip) & kept, simulate_changed, view_changed, first_frame_};
 }
 
 bool FurScene::CopyStateFrom(const FurScene& other) {
