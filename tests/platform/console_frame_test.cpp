@@ -350,13 +350,15 @@ TEST(ConsoleFrame, NoticesAFaultyKernel) {
 }
 
 // Costs that a stage has the wrong way round move the frame: nothing of it is lost in transfers.
+// The cheaper, the more of a frame is moving data and the modal kernels' code, whatever they cost: a
+// PS3's takes 0.15 ms at least.
 TEST(ConsoleFrame, ADearerStageMakesALongerFrame) {
   Scenario scenario = TinyScenario();
   for (const ConsoleMachine& machine : {Ps3(), Xbox()}) {
     Cycles before = 0;
-    for (const float cycles : {1600.0f, 3200.0f, 6400.0f}) {
+    for (const float cycles : {100.0f, 400.0f, 800.0f, 1600.0f, 3200.0f, 6400.0f}) {
       const Cycles now = RunOn(scenario, machine, 2, cycles).frames.back().cycles;
-      EXPECT_GT(double(now), double(before) * 1.2);
+      EXPECT_GT(double(now), double(before) * (cycles < 1600.0f ? 1.05 : 1.5)) << cycles;
       before = now;
     }
   }
