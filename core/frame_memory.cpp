@@ -8,7 +8,7 @@ uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape) {
   const auto admits = [&](uint32_t kind) { return stream.kinds.Admits(kind); };
   if (stream.domain != Domain::kChunk) {
     const bool every = (stream.kinds.required | stream.kinds.forbidden) == 0;
-    const bool any = every || std::ranges::any_of(shape.layer_kind, admits);
+    const bool any = every || std::any_of(shape.layer_kind.begin(), shape.layer_kind.end(), admits);
     return any ? shape.ItemCount(stream.domain) : 0;
   }
   uint32_t count = 0;

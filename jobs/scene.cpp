@@ -91,7 +91,7 @@ std::string FurScene::TakeMemory(const SceneMemory& memory, std::span<std::byte>
   if (memory.allocate) {
     std::byte* const given = memory.allocate(needed, memory.user);
     if (!given) return Format("the scene needs {} bytes, and its allocator gave none", needed);
-    block = {given, needed};
+    block = {given, size_t(needed)};
   } else if (block.empty()) {
     block = own_block_.emplace(needed).bytes();
   }

@@ -93,7 +93,7 @@ std::string DescribeMemory(const SceneLayout& layout);
 class SceneBlock {
  public:
   explicit SceneBlock(uint64_t bytes);
-  std::span<std::byte> bytes() { return {memory_.get(), bytes_}; }
+  std::span<std::byte> bytes() { return {memory_.get(), size_t(bytes_)}; }
 
  private:
   struct Delete {

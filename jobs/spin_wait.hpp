@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#if !defined(__wasi__)  // WebAssembly without threads: nothing else could do it
 #include <thread>
+#endif
 
 namespace pelt {
 
@@ -23,7 +25,9 @@ class SpinWait {
       ++spins_;
       PauseCore();
     } else {
+#if !defined(__wasi__)
       std::this_thread::yield();
+#endif
     }
   }
   void Reset() { spins_ = 0; }

@@ -18,7 +18,8 @@ extra=()
 # Without these the tests that need them say that they are skipped.
 if [ "$what" != one ]; then
   extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin python3
-    g++-mingw-w64-x86-64-posix wine64 libegl1 libgl1-mesa-dri)
+    g++-mingw-w64-x86-64-posix wine64 libegl1 libgl1-mesa-dri
+    lld-14 wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
 fi
 bash .ci/setup.sh ${extra[@]+"${extra[@]}"}

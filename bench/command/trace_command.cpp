@@ -164,7 +164,7 @@ int Record(const RecordArgs& args) {
 
 int ReplayRecording(const ReplayArgs& args) {
   const InputLog log = ReadInputLogFile(args.path).OrThrow();
-  ReplayScene replay(log, args.path, SceneOptionsOf(args.as));
+  ReplayScene replay = ReplayScene::Open(log, args.path, SceneOptionsOf(args.as)).OrThrow();
   const std::unique_ptr<WatchedExecutor> executor = MakeExecutor(args.as);
   const StageDigests stage_digests(replay.scene());
   DigestLog digests =

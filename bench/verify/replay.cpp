@@ -8,10 +8,13 @@
 namespace pelt {
 namespace {
 
-std::vector<Groom> ReadGrooms(const InputLog& log, const std::string& name) {
+Result<std::vector<Groom>> ReadGrooms(const InputLog& log, const std::string& name) {
   std::vector<Groom> grooms;
-  for (size_t g = 0; g < log.grooms.size(); ++g)
-    grooms.push_back(ReadGroom(log.grooms[g], fmt::format("{}, groom {}", name, g)).OrThrow());
+  for (size_t g = 0; g < log.grooms.size(); ++g) {
+    Result<Groom> groom = ReadGroom(log.grooms[g], fmt::format("{}, groom {}", name, g));
+    if (!groom) return Failure{groom.error()};
+    grooms.push_back(*std::move(groom));
+  }
   return grooms;
 }
 
@@ -31,12 +34,18 @@ SceneOptions WithOptionsOf(const InputLog& log, SceneOptions options) {
 
 }  // namespace
 
-ReplayScene::ReplayScene(const InputLog& log, const std::string& name, SceneOptions options)
-    : log_(log),
-      options_(WithOptionsOf(log, options)),
-      grooms_(ReadGrooms(log, name)),
-      character_groom_(GroomOfEach(log, grooms_)),
-      scene_(FurScene::Create(character_groom_, options_).OrThrow()) {}
+Result<ReplayScene> ReplayScene::Open(const InputLog& log, const std::string& name,
+                                      SceneOptions options) {
+  Result<std::vector<Groom>> grooms = ReadGrooms(log, name);
+  if (!grooms) return Failure{grooms.error()};
+  ReplayScene replay(log, WithOptionsOf(log, options));
+  replay.grooms_ = *std::move(grooms);
+  Result<std::unique_ptr<FurScene>> scene =
+      FurScene::Create(GroomOfEach(log, replay.grooms_), replay.options_);
+  if (!scene) return Failure{scene.error()};
+  replay.scene_ = *std::move(scene);
+  return replay;
+}
 
 const char* ReplayScene::Begin(uint32_t frame) {
   for (uint32_t c = 0; c < log_.CharacterCount(); ++c) {

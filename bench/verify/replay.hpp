@@ -22,8 +22,9 @@ namespace pelt {
 class ReplayScene {
  public:
   // Of `options` the vertex order is the log's; all others are free to choose. `name` is for
-  // messages. Throws Error when a groom cannot be read or the scene cannot be made.
-  ReplayScene(const InputLog& log, const std::string& name, SceneOptions options);
+  // messages. Fails when a groom cannot be read or the scene cannot be made.
+  static Result<ReplayScene> Open(const InputLog& log, const std::string& name,
+                                  SceneOptions options);
 
   FurScene& scene() { return *scene_; }
   const SceneOptions& options() const { return options_; }
@@ -31,10 +32,11 @@ class ReplayScene {
   const char* Begin(uint32_t frame);
 
  private:
+  ReplayScene(const InputLog& log, SceneOptions options) : log_(log), options_(options) {}
+
   const InputLog& log_;
   SceneOptions options_;
   std::vector<Groom> grooms_;
-  std::vector<const Groom*> character_groom_;
   std::unique_ptr<FurScene> scene_;
 };
 

@@ -48,7 +48,8 @@ bool IsRelit(const FrameMemory& memory, const ItemPlace& place) {
   const auto& layer = *memory.Of<&Streams::layers>(place.first[size_t(Domain::kLayer)]);
   const auto& palette = *memory.Of<&Streams::palette>(place.first[size_t(Domain::kCharacter)]);
   return (layer.flags & kLayerRelight) != 0 ||
-         std::ranges::any_of(palette.moved, [](uint32_t joints) { return joints != 0; });
+         std::any_of(std::begin(palette.moved), std::end(palette.moved),
+                     [](uint32_t joints) { return joints != 0; });
 }
 
 bool IsShifted(const FrameMemory& memory, const ItemPlace& place) {

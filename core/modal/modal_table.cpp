@@ -302,7 +302,8 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
   if (layer.material.parent_curl) FillCurl(layer, h, &t);
   if (t.substeps == 0) FillRestOfBend(layer, &t);
   if (t.substeps > 0)
-    std::ranges::copy(t.substep[t.substeps - 1].root_speed, t.root_end_speed);
+    std::copy_n(t.substep[t.substeps - 1].root_speed, std::size(t.root_end_speed),
+                t.root_end_speed);
   else
     t.root_end_speed[0] = float(1.0 / kCarriedFrame_s);
   for (uint32_t i = 0; i < modes.links; ++i) {

@@ -46,7 +46,7 @@ class TraceCommand : public testing::Test {
 };
 
 ReplayResult ReplayAs(const InputLog& log, const VerifyCase& what) {
-  ReplayScene replay(log, "x", SceneOptionsOf(what));
+  ReplayScene replay = ReplayScene::Open(log, "x", SceneOptionsOf(what)).OrThrow();
   const std::unique_ptr<Executor> executor = MakeExecutor(what);
   return Replay(log, replay, *executor);
 }
@@ -150,13 +150,9 @@ TEST_F(TraceCommand, AFrameThatCannotRunIsRefusedByName) {
 TEST_F(TraceCommand, ADamagedGroomIsAnErrorThatNamesIt) {
   InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 2)).OrThrow();
   log.grooms[0][1000] ^= std::byte{1};
-  try {
-    ReplayScene replay(log, "log.peltinput", SceneOptions{});
-    FAIL() << "a damaged groom was accepted";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("log.peltinput, groom 0"), std::string::npos)
-        << error.what();
-  }
+  const Result<ReplayScene> replay = ReplayScene::Open(log, "log.peltinput", SceneOptions{});
+  ASSERT_FALSE(replay) << "a damaged groom was accepted";
+  EXPECT_NE(replay.error().find("log.peltinput, groom 0"), std::string::npos) << replay.error();
 }
 
 TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {

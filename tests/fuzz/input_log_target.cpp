@@ -22,10 +22,11 @@ void ReadOnce(std::span<const std::byte> bytes) {
     FindDifference(log, log);
     SceneOptions options;
     options.memory_budget_bytes = 16 << 20;  // a log may name its groom many times over
-    ReplayScene replay(log, "fuzz", options);
+    Result<ReplayScene> replay = ReplayScene::Open(log, "fuzz", options);
+    if (!replay) return;
     SerialExecutor serial;
-    Replay(log, replay, serial, [&](uint32_t) {
-      if (!testing::FindNonFinite(replay.scene()).empty()) std::abort();
+    Replay(log, *replay, serial, [&](uint32_t) {
+      if (!testing::FindNonFinite(replay->scene()).empty()) std::abort();
     });
   } catch (const Error&) {
   }

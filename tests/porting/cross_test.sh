@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The same bits on other machines: big-endian PowerPC with AltiVec (the consoles' family) and AArch64 under qemu, and
-# Windows (another ABI, C library and thread library) under wine.
+# Windows (another ABI, C library and thread library) under wine, WebAssembly in Node.
 # Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's, and holds what it
 # computes from a recording of tiny against the golden digests. A machine whose compiler or emulator is missing is
 # left out, and said to be; exit code 77 when that is all of them. PELT_CROSS_ISAS=all: Windows has every instruction
@@ -30,6 +30,13 @@ has() {  # machine, its Debian packages, tools...
 has powerpc "g++-powerpc-linux-gnu qemu-user" powerpc-linux-gnu-g++ qemu-ppc
 has aarch64 "g++-aarch64-linux-gnu qemu-user" aarch64-linux-gnu-g++ qemu-aarch64
 has windows "g++-mingw-w64-x86-64-posix wine64" "$mingw" "$wine"
+wasm_packages="clang-14 lld-14 wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 nodejs"
+if printf '#include <string>\nint main() { std::string().c_str(); }\n' |
+  clang++ --target=wasm32-wasi -std=c++20 -fno-exceptions -xc++ - -o "$kept/probe.wasm" 2>/dev/null; then
+  has wasm "$wasm_packages" node
+else
+  skipped+=("wasm (Debian: $wasm_packages)")
+fi
 if [ "${#skipped[@]}" -gt 0 ]; then printf 'SKIPPED, compiler or emulator missing: %s\n' "${skipped[@]}"; fi
 if [ "${#left[@]}" -eq 0 ]; then exit 77; fi
 tried() { [[ " ${left[*]} " == *" $1 "* ]]; }
@@ -88,6 +95,14 @@ narrow=(-DPELT_ISAS=avx2)
 if [ "${PELT_CROSS_ISAS:-}" = all ]; then narrow=(-DPELT_ISAS=); fi
 try windows "$wine" "${narrow[@]}" -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER="$mingw" \
   -DCMAKE_EXE_LINKER_FLAGS=-static
+try wasm "node --no-warnings $source_dir/tests/porting/wasi.mjs" -DCMAKE_TOOLCHAIN_FILE="$source_dir/bench/view/wasm/toolchain.cmake"
+if tried wasm; then  # what a page shows
+  "$pelt" trace record --scene monster --frames 10 --out "$kept/monster.peltinput" >/dev/null || exit 1
+  node --no-warnings "$source_dir/tests/porting/wasi.mjs" "$kept/wasm/cross_golden" "$kept/monster.peltinput" \
+    "$kept/monster.digests" || fail "wasm: another digest of monster than recorded"
+  grep -q '32-bit' "$kept/wasm.out" || fail "wasm has no 32-bit pointers"
+  [ "$(grep -c '^here .*the same digest' "$kept/wasm.out")" -eq 6 ] || fail "wasm ran without its vectors"
+fi
 if tried windows; then
   # As many sets of kernels as here, or the reference and one, each with three executors.
   here=$(grep -c '^here .*the same digest' "$kept/host.out") there=$(grep -c '^here .*the same digest' "$kept/windows.out")

@@ -4,12 +4,7 @@
 //
 //   cross_frames GROOM FRAMES
 #include <bit>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string>
-#include <vector>
 
 #include "core/bind_pose.hpp"
 #include "core/groom/groom_file.hpp"
@@ -17,16 +12,10 @@
 #include "jobs/float_environment.hpp"
 #include "jobs/scene.hpp"
 #include "platform_sim/local_store.hpp"
+#include "tests/porting/cross/program.hpp"
 #include "traces/digest.hpp"
 
 namespace {
-
-std::vector<std::byte> ReadBytes(const char* path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
-}
 
 // Binary fractions only, so that no compiler can read them differently.
 pelt::FrameInput InputOf(uint32_t frame) {
@@ -70,7 +59,7 @@ struct Course {
 Course RunCourse(const pelt::Groom& groom, const pelt::SceneOptions& options, uint32_t frames,
                  pelt::Executor& executor) {
   const pelt::Groom* grooms[] = {&groom};
-  const auto made = pelt::FurScene::Create(grooms, options).OrThrow();
+  const auto made = OrExit(pelt::FurScene::Create(grooms, options));
   pelt::FurScene& scene = *made;
   pelt::Digest fold;
   for (uint32_t f = 0; f < frames; ++f) {
@@ -91,8 +80,8 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const uint32_t frames = uint32_t(std::atoi(argv[2]));
   const std::vector<std::byte> bytes = ReadBytes(argv[1]);
-  const pelt::Groom groom = pelt::ReadGroom(bytes, argv[1]).OrThrow();
-  const bool round_trip = pelt::WriteGroom(groom).OrThrow() == bytes;
+  const pelt::Groom groom = OrExit(pelt::ReadGroom(bytes, argv[1]));
+  const bool round_trip = OrExit(pelt::WriteGroom(groom)) == bytes;
   std::printf("here %s-endian, %zu-bit\n",
               std::endian::native == std::endian::big ? "big" : "little", 8 * sizeof(void*));
   std::printf("same groom %016llx, read and written again: %s\n",
