@@ -72,6 +72,8 @@ if [ "$what" != one ]; then
   figures+=":SimulatePbd.ComingToRest*:SimulatePbd.MotionDoesNotGrow*:Comparison.ErrorsAre*:Comparison.OurOwn*"
   figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:Modal.CurlThat*:Collider.ALinkThatLeans*"
   figures+=":SimulateModalContact.ASoftSurfaceIsAsDeep*:SimulateModalContact.KeepsWithinMaxDistance*"
+  figures+=":KernelCost.ScheduledWindows*:SharedTransfers.TakesAsLong*:DmaProperties.NoStage*:ConsoleMachines.AreTimed*"
+  figures+=":MeasuredRows.EachIs*"
   UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize -LE slow \
     ${unsanitized[@]+"${unsanitized[@]}"}
   if [ "$what" = release ]; then

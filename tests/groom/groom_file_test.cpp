@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <random>
+#include <span>
 
 #include "core/error.hpp"
 #include "core/groom/groom_fields.hpp"
@@ -173,8 +174,7 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
   EXPECT_EQ(back.joint_names, groom.joint_names);
   EXPECT_EQ(std::memcmp(&back.skeleton, &groom.skeleton, sizeof(groom.skeleton)), 0);
   const auto expect_same = [](const auto& a, const auto& b) {
-    ASSERT_EQ(a.size(), b.size());
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])), 0);
+    EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b))));
   };
   expect_same(back.layer_joints, groom.layer_joints);
   expect_same(back.mesh, groom.mesh);
