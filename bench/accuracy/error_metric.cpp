@@ -369,9 +369,10 @@ Score ScoreSolver(const Suite& suite, size_t preset, Motion motion, const Solver
 }
 
 TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
-                         const std::function<SolverFactory(double scale)>& make) {
+                         const std::function<SolverFactory(double scale)>& make,
+                         std::span<const double> scales) {
   TunedScore best;
-  for (const double scale : kStiffnessScales) {
+  for (const double scale : scales) {
     const Score score = ScoreSolver(suite, preset, make(scale), frames_per_second);
     if (!score.finite || score.cases == 0) continue;
     if (best.scale == 0.0 || score.error < best.score.error) best = {score, scale};

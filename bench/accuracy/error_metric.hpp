@@ -91,7 +91,8 @@ struct TunedScore {
 inline constexpr double kStiffnessScales[] = {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7,
                                               1.0,  1.4,  2.0, 3.0, 5.0,  8.0};
 TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
-                         const std::function<SolverFactory(double scale)>& make);
+                         const std::function<SolverFactory(double scale)>& make,
+                         std::span<const double> scales = kStiffnessScales);
 
 // What is known of the root, and so of its way through a frame.
 enum class RootCourse : uint8_t {

@@ -40,6 +40,18 @@ std::string_view NameStem(Family family) {
       return "xpbd16";
     case Family::kXpbdCubic:
       return "xpbd-cubic";
+    case Family::kRod:
+      return "rod";
+    case Family::kRodIterated:
+      return "rod4";
+    case Family::kRodSwept:
+      return "rod16";
+    case Family::kDescent:
+      return "descent";
+    case Family::kDescentIterated:
+      return "descent4";
+    case Family::kDescentSwept:
+      return "descent16";
     case Family::kImplicitEuler:
       return "euler";
     case Family::kTrapezoid:
@@ -64,6 +76,18 @@ MethodSettings MethodOf(Family family, int spent) {
       return {Method::kXpbd, spent, 16};
     case Family::kXpbdCubic:
       return {Method::kXpbdCubic, spent, 1};
+    case Family::kRod:
+      return {Method::kCosseratRod, spent, 1};
+    case Family::kRodIterated:
+      return {Method::kCosseratRod, spent, 4};
+    case Family::kRodSwept:
+      return {Method::kCosseratRod, spent, 16};
+    case Family::kDescent:
+      return {Method::kChainDescent, spent, 1};
+    case Family::kDescentIterated:
+      return {Method::kChainDescent, spent, 4};
+    case Family::kDescentSwept:
+      return {Method::kChainDescent, spent, 16};
     case Family::kImplicitEuler:
       return {Method::kImplicitEuler, spent, kNewtonSteps};
     default:
@@ -111,6 +135,12 @@ const std::vector<Members>& AllMembers() {
       {Family::kXpbdIterated, {1, 2, 4, 8, 16}, {4}},
       {Family::kXpbdSwept, {1, 2, 4}, {}},
       {Family::kXpbdCubic, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
+      {Family::kRod, {4, 16, 64}, {}},
+      {Family::kRodIterated, {1, 2, 4, 8, 16, 32}, {4}},
+      {Family::kRodSwept, {1, 4}, {}},
+      {Family::kDescent, {4, 16, 64}, {}},
+      {Family::kDescentIterated, {1, 2, 4, 8, 16, 32}, {4}},
+      {Family::kDescentSwept, {1, 4}, {}},
       {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
       {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};
   return members;
@@ -133,6 +163,12 @@ std::string_view FamilyName(Family family) {
                                                          "XPBD, 4 iterations",
                                                          "XPBD, 16 iterations",
                                                          "XPBD, cubic root",
+                                                         "Cosserat rod",
+                                                         "Cosserat rod, 4 iterations",
+                                                         "Cosserat rod, 16 iterations",
+                                                         "block descent",
+                                                         "block descent, 4 iterations",
+                                                         "block descent, 16 iterations",
                                                          "implicit Euler",
                                                          "trapezoid",
                                                          "modal, Pelt's"};
@@ -140,7 +176,8 @@ std::string_view FamilyName(Family family) {
 }
 
 bool NamedSolver::Tuned() const {
-  return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader;
+  return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader ||
+         (family >= Family::kRod && family <= Family::kDescentSwept);
 }
 
 std::vector<NamedSolver> AllSolvers(bool quick) {

@@ -24,11 +24,17 @@ enum class Family : uint8_t {
   kXpbdIterated,  // four
   kXpbdSwept,     // sixteen
   kXpbdCubic,     // one, the root on a cubic
+  kRod,           // Cosserat, one iteration a substep
+  kRodIterated,   // four
+  kRodSwept,      // sixteen
+  kDescent,       // of the chain's own energy, one
+  kDescentIterated,
+  kDescentSwept,
   kImplicitEuler,
   kTrapezoid,
   kModal,  // ours
 };
-inline constexpr size_t kFamilies = 11;
+inline constexpr size_t kFamilies = 17;
 std::string_view FamilyName(Family family);  // "implicit Euler"
 
 struct NamedSolver {
@@ -42,7 +48,8 @@ struct NamedSolver {
   ModalQuality quality = ModalQuality::kDefault;
   bool velocities = false;  // modal: takes the root's, where a motion has them
 
-  // Its stiffness is not the material's but found by trying (TuneStiffness).
+  // Its stiffness, or that of its lengths, is not the material's but found by trying
+  // (TuneStiffness).
   bool Tuned() const;
 };
 

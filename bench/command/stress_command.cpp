@@ -25,8 +25,9 @@ using namespace accuracy;
 
 namespace {
 
-constexpr std::string_view kUsualSolvers[] = {"modal-fast", "modal",  "modal-best", "pbd",
-                                              "verlet",     "xpbd-8", "euler-1"};
+constexpr std::string_view kUsualSolvers[] = {"modal-fast",  "modal",      "modal-best", "pbd",
+                                              "verlet",      "xpbd-8",     "rod4-4",     "euler-1",
+                                              "trapezoid-2", "trapezoid-4"};
 
 struct StressRow {
   int links;

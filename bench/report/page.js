@@ -472,6 +472,8 @@ const kMarks = [
   'M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z', 'M-4-4L4 4M4-4L-4 4', 'M-1.5-4H1.5V4H-1.5Z', 'M-4-1.5H4V1.5H-4Z',
   'M0-5L5 0L0 5L-5 0Z', 'M0 5L5-4H-5Z', 'M0-5L5 4H-5Z', 'M-4-4H4V4H-4Z',
   'M-5 0L4-5V5Z', 'M5 0L-4-5V5Z', 'M-5-2H5V2H-5Z',
+  'M-4-4H4L-4 4H4Z', 'M-4-4V4L4-4V4Z', 'M-4-4H4V-1.5H-4ZM-4 1.5H4V4H-4Z', 'M-4-4H-1.5V4H-4ZM1.5-4H4V4H1.5Z',
+  'M-4-4L4-4L4 4Z', 'M-4-4L-4 4L4 4Z',
 ];
 const kColours = 8;  // families beyond them share one, with another mark
 const percent = (share) => (100 * share).toPrecision(100 * share < 9.995 ? 2 : 3) + ' %';

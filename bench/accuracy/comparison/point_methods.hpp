@@ -215,6 +215,33 @@ struct CubicPointState : PointState<V, n> {
   }
 };
 
+// As OverSubsteps, the root and the rest directions on the cubic through the last four samples.
+template <class V, int n, class Substep>
+PELT_INLINE void OverCubic(const CubicRootTable& t, int substeps, const LaneInput<V, n>& next,
+                           CubicPointState<V, n>& state, Substep&& substep) {
+  for (int j = 3; j > 0; --j) state.sample[j] = state.sample[j - 1];
+  state.sample[0] = next;
+  // Of the samples before the newest, relative to it.
+  Vec3<V> root[4];
+  root[1] = next.motion * V(-1.0f);
+  root[2] = root[1] - state.sample[1].motion;
+  root[3] = root[2] - state.sample[2].motion;
+  LaneInput<V, n> before = state.last;
+  for (int s = 0; s < substeps; ++s) {
+    const float(&end)[4] = t.end[s], (&change)[4] = t.change[s];
+    const V share = V(float(s + 1) / float(substeps));
+    LaneInput<V, n> now;
+    now.motion = root[1] * V(change[1]) + root[2] * V(change[2]) + root[3] * V(change[3]);
+    now.wind = state.sample[1].wind + (next.wind - state.sample[1].wind) * share;
+    for (int i = 0; i < n; ++i)
+      now.rest[i] = next.rest[i] * V(end[0]) + state.sample[1].rest[i] * V(end[1]) +
+                    state.sample[2].rest[i] * V(end[2]) + state.sample[3].rest[i] * V(end[3]);
+    substep(before, now);
+    before = now;
+  }
+  state.last = before;
+}
+
 template <class V, int n>
 struct XpbdCubic : Xpbd<V, n> {
   using Table = XpbdTable;
@@ -222,27 +249,9 @@ struct XpbdCubic : Xpbd<V, n> {
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    for (int j = 3; j > 0; --j) state.sample[j] = state.sample[j - 1];
-    state.sample[0] = next;
-    // Of the samples before the newest, relative to it.
-    Vec3<V> root[4];
-    root[1] = next.motion * V(-1.0f);
-    root[2] = root[1] - state.sample[1].motion;
-    root[3] = root[2] - state.sample[2].motion;
-    Input before = state.last;
-    for (int s = 0; s < t.step.substeps; ++s) {
-      const float(&end)[4] = t.end[s], (&change)[4] = t.change[s];
-      const V share = V(float(s + 1) / float(t.step.substeps));
-      Input now;
-      now.motion = root[1] * V(change[1]) + root[2] * V(change[2]) + root[3] * V(change[3]);
-      now.wind = state.sample[1].wind + (next.wind - state.sample[1].wind) * share;
-      for (int i = 0; i < n; ++i)
-        now.rest[i] = next.rest[i] * V(end[0]) + state.sample[1].rest[i] * V(end[1]) +
-                      state.sample[2].rest[i] * V(end[2]) + state.sample[3].rest[i] * V(end[3]);
+    OverCubic(t.root, t.step.substeps, next, state, [&](const Input& before, const Input& now) {
       Xpbd<V, n>::Substep(t, before, now, state);
-      before = now;
-    }
-    state.last = before;
+    });
   }
 
   PELT_INLINE static Vec3<V> Velocity(const Table&, const State& state, int i) {

@@ -4,7 +4,9 @@
 // All methods use the same physics (mass, gravity, drag towards the wind, bending energy and
 // damping of chain_problem.hpp, curl model L); they differ in how they step it. Two of them cannot
 // take the stiffness as it is: PBD and follow-the-leader move towards the rest shape by a share,
-// and `stiffness_scale` tunes that share as their users do, by trying.
+// and `stiffness_scale` tunes that share as their users do, by trying. Rods keep lengths by springs
+// whose hardness it tunes instead; the Cosserat rod has a bending energy of its own
+// (rod_methods.hpp).
 #pragma once
 
 #include <cstdint>
@@ -21,6 +23,8 @@ enum class Method : uint8_t {
   kPbd,              // Mueller, Heidelberger, Hennix, Ratcliff, "Position Based Dynamics", 2007
   kXpbd,             // Macklin, Mueller, Chentanez 2016, with the substeps of Macklin et al. 2019
   kXpbdCubic,        // the same, the root on a cubic through its last four samples
+  kCosseratRod,      // Hsu, Wang, Wu, Yuksel, "Stable Cosserat Rods", 2025
+  kChainDescent,     // the same descent on the chain's own bending energy
   kImplicitEuler,    // what XPBD converges to with a direct solver
   kTrapezoid,        // second order, direct, velocities projected
 };
@@ -29,7 +33,7 @@ struct MethodSettings {
   Method method = Method::kPbd;
   int substeps = 1;
   int iterations = 1;            // Gauss-Seidel sweeps or Newton steps
-  double stiffness_scale = 1.0;  // follow-the-leader and PBD only
+  double stiffness_scale = 1.0;  // follow-the-leader, PBD; of rods' lengths
   double correction = 0.9;       // follow-the-leader: share of the correction given to velocities
   bool one_sided = false;        // PBD: bending moves the lower point only
 };
@@ -50,6 +54,12 @@ struct PointTable {  // follow-the-leader and PBD
   bool one_sided;
 };
 
+// Weights of the last four samples (newest first) at the end of a substep, and less those at its
+// begin.
+struct CubicRootTable {
+  float end[kMaxSubsteps][4], change[kMaxSubsteps][4];
+};
+
 struct XpbdTable {
   StepTable step;
   bool bends, damped;
@@ -59,9 +69,18 @@ struct XpbdTable {
   float denominator[kMaxTableLinks];       // one over the constraint's response
   float below[kMaxTableLinks], at[kMaxTableLinks], above[kMaxTableLinks];  // its gradients
   float lower_share[kMaxTableLinks];                                       // of a length correction
-  // kXpbdCubic: weights of the last four samples at the end of a substep, and less those at its
-  // begin.
-  float end[kMaxSubsteps][4], change[kMaxSubsteps][4];
+  CubicRootTable root;                                                     // kXpbdCubic
+};
+
+struct RodTable {
+  StepTable step;
+  float gravity_inverse_square;    // 0: no gravity
+  float inertia[kMaxTableLinks];   // m / h^2
+  float stretch[kMaxTableLinks];   // K, N/m
+  float response[kMaxTableLinks];  // one over the point's Hessian
+  float bend[kMaxTableLinks];      // k (1 + beta / h)
+  float keep_strain;               // beta / h over 1 + beta / h
+  CubicRootTable root;
 };
 
 // d+ = to_direction d + to_rate d' + to_rest z + pull (g + c u - ...) + response Lambda d
@@ -86,6 +105,7 @@ struct ComparisonTables {
   MethodSettings settings;
   PointTable point;
   XpbdTable xpbd;
+  RodTable rod;
   DirectTable direct;
 };
 
