@@ -136,10 +136,10 @@ const std::vector<Members>& AllMembers() {
       {Family::kXpbdSwept, {1, 2, 4}, {}},
       {Family::kXpbdCubic, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
       {Family::kRod, {4, 16, 64}, {}},
-      {Family::kRodIterated, {1, 2, 4, 8, 16, 32}, {4}},
+      {Family::kRodIterated, {1, 2, 4, 8, 16, 32}, {2}},
       {Family::kRodSwept, {1, 4}, {}},
       {Family::kDescent, {4, 16, 64}, {}},
-      {Family::kDescentIterated, {1, 2, 4, 8, 16, 32}, {4}},
+      {Family::kDescentIterated, {1, 2, 4, 8, 16, 32}, {2}},
       {Family::kDescentSwept, {1, 4}, {}},
       {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
       {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};

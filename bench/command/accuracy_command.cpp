@@ -125,6 +125,10 @@ int MeasureAll(const AccuracyArgs& args) {
   report.cantilever = MeasureCantilever(args.isa);
   report.model_options = ModelOptionsOf(options);
   report.model_error = MeasureModelError(report.model_options);
+  report.quantisation_options.presets = options.presets;
+  report.quantisation_options.drawn.seed = options.seed;
+  if (options.quick) report.quantisation_options.drawn.motions = 2;
+  report.quantisation = MeasureQuantisation(report.quantisation_options, args.isa);
   report.pendulum = MeasurePendulum(args.isa, args.quick);
   report.stability = MeasureStability(args.isa, args.quick);
   report.machine = DescribeMachine();
