@@ -174,7 +174,10 @@ PELT_BLOCK LayerBlock {
                            // joints
     float rest_gravity;    // kLayerSagFree: dry weight * gravity that the groom rests under, m/s^2
   };
-  float angular_end;       // the same at the last joint
+  union {
+    float angular_end;  // the same at the last joint
+    float friction;     // modal: coefficient, of contacts with colliders
+  };
   float surface_hardness;  // share of the depth below the root's tangent plane removed per
                            // iteration (modal: substep)
   union {

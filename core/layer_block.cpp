@@ -47,8 +47,10 @@ bool Differ(const LayerBlock& a, const LayerBlock& b) {
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
 
-// What moves a strand along with its root without its feeling it.
-void SetInertia(const LayerParams& params, float dt, const LayerBlock* last, LayerBlock& b) {
+// What stands in the place of another solver's values: friction, and what moves a strand along with its
+// root without its feeling it.
+void SetModal(const LayerParams& params, float dt, const LayerBlock* last, LayerBlock& b) {
+  b.friction = params.friction;
   b.motion_follow = 1.0f - Saturate(params.inertia);
   b.turn_follow = 1.0f - Saturate(params.inertia_turn);
   b.fastest_felt = params.inertia_speed > 0.0f ? params.inertia_speed * dt : 0.0f;
@@ -109,7 +111,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   }
   b.strand_count = strand_count;
   b.flags = LayerKind(params);
-  if (b.flags & kLayerModal) SetInertia(params, dt, last, b);
+  if (b.flags & kLayerModal) SetModal(params, dt, last, b);
   const auto set = [&](bool condition, uint32_t flag) { b.flags |= condition ? flag : 0u; };
   set(params.enabled, kLayerEnabled);
   set(b.clump > 0.0f, kLayerClump);

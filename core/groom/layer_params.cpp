@@ -43,6 +43,9 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.sag_free && params.inertia_turn != 1.0f) {
     return BadKey{"sag_free", "what holds the groom up is felt whole: inertia_turn is not 1"};
   }
+  if (params.friction > 0.0f && params.solver != Solver::kModal) {
+    return BadKey{"friction", "only solver = \"modal\" has it"};
+  }
   const bool damps_inertia = params.inertia != 1.0f || params.inertia_turn != 1.0f;
   if ((damps_inertia || params.inertia_speed > 0.0f) && params.solver != Solver::kModal) {
     const auto key = params.inertia != 1.0f        ? "inertia"

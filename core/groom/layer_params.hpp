@@ -57,6 +57,7 @@ struct LayerParams {
   uint32_t iterations = 4;
   float weight = 1.0f;            // scale on gravity
   float bounce = 0.0f;            // share of the normal velocity a contact returns
+  float friction = 0.0f;  // modal: share of a contact's normal force that holds strands back (mu)
   float velocity_damping = 3.0f;  // 1/s
   float motion_damping = 0.0f;    // 0 free inertia .. 1 follows the root's motion
   float segment_hardness = 1.0f;
@@ -174,6 +175,8 @@ inline constexpr auto kRows = std::tuple{
         &B::iterations),
     Row(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),
     Row(&P::bounce, kMotion, "bounce", "", 0, 1, "speed kept by a contact", &B::bounce, kClamped),
+    Row(&P::friction, kMotion, "friction", "", 0, 2,
+        "modal: coefficient of friction on spheres, capsules and the ground"),
     Row(&P::velocity_damping, kMotion, "velocity_damping", "1/s", 0, 1000,
         "drag: how fast speed dies away"),
     Row(&P::motion_damping, kMotion, "motion_damping", "", 0, 1,

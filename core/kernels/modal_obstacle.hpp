@@ -143,7 +143,7 @@ template <class W, uint32_t N>
 struct Surroundings {
   using Mask = typename W::Mask;
 
-  float hardness, plane_bounce, max_distance;
+  float hardness, plane_bounce, max_distance, friction;
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
   W per_step;    // links/s for each metre in this frame
@@ -162,6 +162,7 @@ struct Surroundings {
     hardness = layer.surface_hardness;
     plane_bounce = layer.bounce;
     max_distance = layer.max_distance;
+    friction = layer.friction;
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;

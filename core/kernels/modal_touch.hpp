@@ -22,6 +22,7 @@
 // Invariants: a lane that is inside nothing keeps its bits; lanes are independent.
 #pragma once
 
+#include "core/kernels/modal_friction.hpp"
 #include "core/kernels/modal_lever.hpp"
 #include "core/kernels/modal_obstacle.hpp"
 
@@ -77,6 +78,7 @@ struct Touches {
   Vec3<W> normal[N];  // of points that were pushed; else 0
   W arrival[N];       // speed into the obstacle before, links/s; only where a bounce is wanted
   Obstacle<W> obstacle[N];
+  Friction<W, N> friction;  // only where the layer has it
 
   // `slow`: links/s, below which nothing bounces, or a resting strand would never rest.
   PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
@@ -216,7 +218,10 @@ struct Touches {
       force[q] = {none, none, none};
       obstacle[q].Clear();
     }
-    for (int round = 0; round < kTouchRounds; ++round) {
+    const bool rubs = eases && around.friction > 0.0f;
+    if (rubs) friction.Clear();
+    const int rounds = rubs ? kRubRounds : kTouchRounds;
+    for (int round = 0; round < rounds; ++round) {
       if (round > 0) {
         const W share = LookShare<W, N>(t, m.lambda);
         for (Axis<W, N>& a : m.axis) {
@@ -245,7 +250,10 @@ struct Touches {
         obstacle[q].Look(obstacle[q].PointOf(from, at[q]), n[q], depth[q]);
       }
       if (round == 0 && around.plane_bounce > 0.0f) FindArrival(t, substep, motion, at, n);
-      Press<kBest>(t, matrix, n, depth, obstacle, total, force, m);
+      if (rubs)
+        friction.template Press<kBest>(t, matrix, around, obstacle, n, depth, at, total, force, m);
+      else
+        Press<kBest>(t, matrix, n, depth, obstacle, total, force, m);
     }
     for (uint32_t i = 0; i < N; ++i) square[i] = none;
     for (const Axis<W, N>& a : m.axis)
@@ -296,6 +304,7 @@ struct Touches {
     Vec3<W> d[N], v[N];
     NewtonMatrix<W, N> matrix;
     W wanted[N], least[N], push[N], hold[N], share[N];
+    Vec3<W> slip[N], impulse[N];
     const auto& speed = t.substep[substep].root_speed;
     const Vec3<W> root = {WeighRoot(speed, motion.axis[0].root),
                           WeighRoot(speed, motion.axis[1].root),
@@ -330,7 +339,8 @@ struct Touches {
       const W spins = Select(pushed, obstacle[q].spins, none);
       const Vec3<W> along =
           root * carried + Select<W>(pushed, obstacle[q].drift, {none, none, none});
-      wanted[q] = none - Dot(normal[q], met - along) - Dot(spin, at) * spins;
+      slip[q] = met - along;
+      wanted[q] = none - Dot(normal[q], slip[q]) - Dot(spin, at) * spins;
       if (soft) wanted[q] = Select(spins > none, wanted[q] * settles, wanted[q]);
       if (around.plane_bounce > 0.0f) {
         const Mask bounces = (arrival[q] > slow) & pushed;
@@ -339,18 +349,23 @@ struct Touches {
       // May pull: pushed points that could leave one by one would never all lie still.
       least[q] = W(-1.0e30f);
     }
-    Levers<W, N> levers;
-    levers.Make(response, d, matrix, normal, share, 1.0f);
-    levers.Solve(wanted, least, push);
-    levers.Hold(push, hold);
+    if (around.friction > 0.0f && around.HasColliders()) {
+      friction.Settle(response, matrix, around, obstacle, d, normal, wanted, slip, hold, impulse);
+    } else {
+      Levers<W, N> levers;
+      levers.Make(response, d, matrix, normal, share, 1.0f);
+      levers.Solve(wanted, least, push);
+      levers.Hold(push, hold);
+      for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
+    }
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = motion.axis[k];
       W pull[N];
       W sum = none;
       for (uint32_t i = 0; i < N; ++i) {
         const uint32_t j = N - 1 - i;
-        const W impulse = Component(normal[j], k) * push[j], on_link = sum + impulse * share[j];
-        sum = sum + impulse;
+        const W own = Component(impulse[j], k), on_link = sum + own * share[j];
+        sum = sum + own;
         pull[j] = on_link + a.d[j] * hold[j];
       }
       for (uint32_t m = 0; m < N; ++m)

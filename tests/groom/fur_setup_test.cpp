@@ -133,6 +133,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"inertia_speed", "2.5", [](L l) { return l.params.inertia_speed == 2.5f; }},
       {"iterations", "9", [](L l) { return l.params.iterations == 9; }},
       {"weight", "1.25", [](L l) { return l.params.weight == 1.25f; }},
+      {"friction", "0.75", [](L l) { return l.params.friction == 0.75f; }},
       {"bounce", "0.125", [](L l) { return l.params.bounce == 0.125f; }},
       {"velocity_damping", "5.5", [](L l) { return l.params.velocity_damping == 5.5f; }},
       {"motion_damping", "0.625", [](L l) { return l.params.motion_damping == 0.625f; }},

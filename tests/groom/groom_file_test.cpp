@@ -208,7 +208,7 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
         ++fields;
         if (name == "points" || name == "max_distance" || name == "fins" || name == "sag_free")
           return;
-        if (name.starts_with("inertia")) return;
+        if (name.starts_with("inertia") || name == "friction") return;
         if constexpr (std::is_same_v<T, float>) field = float(fields) / 64.0f;
         if constexpr (std::is_same_v<T, bool>) field = !field;
         if constexpr (std::is_same_v<T, uint32_t>) field = 7;
@@ -227,10 +227,12 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
   // Goes with one solver only.
   p.solver = Solver::kModal;
   p.max_distance = 0.25f;
+  p.friction = 0.625f;
   p.inertia = 0.5f, p.inertia_turn = 0.375f, p.inertia_speed = 3.0f;
   const LayerParams modal =
       ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow().layers[1].params;
   EXPECT_EQ(modal.max_distance, 0.25f);
+  EXPECT_EQ(modal.friction, 0.625f);
   EXPECT_EQ(modal.inertia, 0.5f);
   EXPECT_EQ(modal.inertia_turn, 0.375f);
   EXPECT_EQ(modal.inertia_speed, 3.0f);

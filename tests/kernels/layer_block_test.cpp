@@ -25,6 +25,9 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
   EXPECT_EQ(b.motion_follow, 0.0f);
   EXPECT_EQ(b.turn_follow, 0.0f);
   EXPECT_EQ(b.fastest_felt, 0.0f);
+  EXPECT_EQ(b.friction, 0.0f);
+  params.friction = 0.5f;
+  EXPECT_EQ(Fill(params, {}).friction, 0.5f);
   params.solver = Solver::kPbd;
   EXPECT_FLOAT_EQ(Fill(params, {}).velocity_keep, std::exp(-3.0f / 60.0f));
   EXPECT_EQ(b.angular_middle, params.angular_hardness_middle);

@@ -12,10 +12,12 @@ namespace {
 // What a layer asks of all its lanes: each lets a lane's neighbours take other ways than its own.
 struct BusyLayer {
   bool clump;
-  float surface_hardness, max_distance;
+  float surface_hardness, max_distance, friction;
 };
-constexpr BusyLayer kBusyLayers[] = {
-    {true, 1.0f, 0.6f}, {false, 0.5f, 0.0f}, {false, 1.0f, 0.6f}, {true, 0.0f, 0.0f}};
+constexpr BusyLayer kBusyLayers[] = {{true, 1.0f, 0.6f, 0.0f},
+                                     {false, 0.5f, 0.0f, 0.3f},
+                                     {false, 1.0f, 0.6f, 1.0f},
+                                     {true, 0.0f, 0.0f, 0.0f}};
 
 // Everything at once: curl, strength, new lanes, wind, clump, surface, sphere, ground, violence.
 template <uint32_t kPoints>
@@ -41,6 +43,7 @@ std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
   s->layer.clump = 0.3f;
   s->layer.surface_hardness = what.surface_hardness;
   s->layer.max_distance = what.max_distance;
+  s->layer.friction = what.friction;
   s->params.rest_threshold = kRestThreshold;
   s->params.use_ground = 1;
   s->params.ground[1] = 1.0f;
