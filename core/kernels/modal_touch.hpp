@@ -79,6 +79,7 @@ struct Touches {
   W arrival[N];       // speed into the obstacle before, links/s; only where a bounce is wanted
   Obstacle<W> obstacle[N];
   Friction<W, N> friction;  // only where the layer has it
+  W overlap[N];             // what the first substep left inside, links
 
   // `slow`: links/s, below which nothing bounces, or a resting strand would never rest.
   PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
@@ -95,6 +96,8 @@ struct Touches {
   PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) {
     any = false;
     if (!use) return false;
+    if (substep == 0)
+      for (W& depth : overlap) depth = W(0.0f);
     around.Advance(t, substep, motion);
     Vec3<W> at[N];
     PlaceEnds(motion, at);
@@ -109,9 +112,10 @@ struct Touches {
     if (any) SettleTouched(t, substep, motion);
   }
 
-  // How deep the last substep left each point inside what it leaves slowly, links.
+  // How deep the last substep left each point inside what it leaves slowly, links: of what it was in
+  // when the frame began. What a substep could not solve is no overlap from before.
   PELT_INLINE void Left(W (&depth)[N]) const {
-    for (uint32_t q = 0; q < N; ++q) depth[q] = any ? obstacle[q].left : W(0.0f);
+    for (uint32_t q = 0; q < N; ++q) depth[q] = any ? Min(obstacle[q].left, overlap[q]) : W(0.0f);
   }
 
   // Lanes that something pushed in the last substep.
@@ -265,6 +269,8 @@ struct Touches {
       motion.lambda[q] = Select(lanes, m.lambda[q], motion.lambda[q]);
     }
     any = true;
+    if (substep == 0)
+      for (uint32_t q = 0; q < N; ++q) overlap[q] = obstacle[q].left;
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& from = m.axis[k];
       Axis<W, N>& to = motion.axis[k];
