@@ -396,6 +396,8 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
        "key 'max_distance': 0 (no limit) or at least 0.05; strength = 0 holds a strand"},
       {"sag_free = true\nsolver = 'pbd'",
        "key 'sag_free': only solver = \"modal\" holds a groom up"},
+      {"friction = 0.5\nsolver = 'pbd'", "key 'friction': only solver = \"modal\" has it"},
+      {"friction = 2.5", "key 'friction': 2.5 is out of bounds; allowed are 0 to 2"},
       {"painted = true", "key 'painted': paint is in what lit layers are shaded with: lit = true"},
       {"seed = -1", "key 'seed': -1 is out of bounds; allowed are 0 to 9223372036854775807"},
       {"max_strands = 9000000",
