@@ -4,35 +4,14 @@
 #include <bit>
 #include <cmath>
 
+#include "bench/accuracy/contact_reference.hpp"
 #include "bench/accuracy/solver_run.hpp"
-#include "core/exact_math.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
 namespace {
 
 constexpr int kRate = 60;
-constexpr double kRootDistance = 0.1;  // m from the body's centre
-constexpr uint32_t kStrands = 2 * kLaneGroup;
-
-// Strands around `axis`, leaning up to `spread` from it; link i rests turned by i * `curl` from the
-// first, about an axis across it.
-std::vector<Strand> Tuft(int links, Double3 axis, double spread, double curl) {
-  std::vector<Strand> strands;
-  Random random(7);
-  for (uint32_t s = 0; s < kStrands; ++s) {
-    const auto part = [&] { return random.Uniform(-spread, spread); };
-    const double x = part(), y = part(), z = part();
-    Strand strand;
-    const Double3 up = Unit(axis + Double3{x, y, z});
-    const Double3 across = Unit(Cross(up, Double3{0.3, 0.2, 1.0}));
-    strand.root = up * kRootDistance;
-    for (int i = 0; i < links; ++i)
-      strand.rest[size_t(i)] = up * exact::Cos(i * curl) + across * exact::Sin(i * curl);
-    strands.push_back(strand);
-  }
-  return strands;
-}
 
 // ---- Runs ------------------------------------------------------------------------------------
 
@@ -87,13 +66,27 @@ double ErrorOf(const FeatureProblem& p, const Track& track, const Track& referen
   return std::sqrt(off / moved);
 }
 
-double DistanceToLink(Double3 point, Double3 from, Double3 to) {
-  const Double3 link = to - from;
-  const double share = std::clamp(Dot(point - from, link) / Dot(link, link), 0.0, 1.0);
-  return Length(from + link * share - point);
+// Distance of the nearest points of two segments, by thirds: one of them may be a point.
+double DistanceOf(Double3 from, Double3 to, Double3 other_from, Double3 other_to) {
+  const auto nearest = [](Double3 point, Double3 a, Double3 b) {
+    const Double3 way = b - a;
+    const double square = Dot(way, way);
+    return square > 0.0 ? a + way * std::clamp(Dot(point - a, way) / square, 0.0, 1.0) : a;
+  };
+  const auto at = [&](double share) {
+    const Double3 point = from + (to - from) * share;
+    return Length(nearest(point, other_from, other_to) - point);
+  };
+  // Convex in the share.
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+    (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
+  }
+  return at(low);
 }
 
-// Deepest point, of links for the sphere, over the length. The first frames are left out: strands may start inside.
+// Deepest point, of links for round shapes, over the length. The first frames are left out: strands may start inside.
 double PenetrationOf(const FeatureProblem& p, const Track& track) {
   constexpr size_t kSettleFrames = 6;
   const ModalFeatures& f = p.features;
@@ -115,15 +108,67 @@ double PenetrationOf(const FeatureProblem& p, const Track& track) {
           deepest = std::max(deepest, -Dot(track[at], pose.Turn(strand.rest[0])));
         if (f.use_ground)
           deepest = std::max(deepest, -Dot(world, f.ground_normal) - f.ground_offset);
-        if (f.sphere_radius > 0.0)
-          deepest = std::max(
-              deepest,
-              f.sphere_radius - DistanceToLink(SphereAt(f, time),
-                                               link == 0 ? pose.Place(strand.root)
-                                                         : pose.Place(strand.root) + track[at - 1],
-                                               world));
+        const Double3 root = pose.Place(strand.root),
+                      from = link == 0 ? root : root + track[at - 1];
+        const Double3 way = ColliderWay(f, time), centre = f.sphere_centre + way;
+        const auto meet = [&](double radius, Double3 first, Double3 last) {
+          if (radius > 0.0)
+            deepest = std::max(deepest, radius - DistanceOf(from, world, first, last));
+        };
+        meet(f.sphere_radius, centre, centre);
+        meet(f.capsule_radius, f.capsule_from + way, f.capsule_to + way);
       });
   return deepest / p.material.TotalLength();
+}
+
+// ---- The reference of contact ----------------------------------------------------------------
+
+std::vector<ContactShape> ShapesOf(const ModalFeatures& f) {
+  std::vector<ContactShape> shapes;
+  if (f.use_ground) {
+    ContactShape ground;
+    ground.normal = f.ground_normal;
+    ground.offset = f.ground_offset;
+    shapes.push_back(ground);
+  }
+  const auto add = [&](double radius, Double3 from, Double3 to) {
+    if (radius <= 0.0) return;
+    ContactShape shape;
+    shape.from = from, shape.to = to, shape.radius = radius;
+    shape.way = [f](double t) { return ColliderWay(f, t); };
+    shape.speed = [f](double t) { return ColliderSpeed(f, t); };
+    shapes.push_back(shape);
+  };
+  add(f.sphere_radius, f.sphere_centre, f.sphere_centre);
+  add(f.capsule_radius, f.capsule_from, f.capsule_to);
+  return shapes;
+}
+
+Track ContactTrack(const FeatureProblem& p, int steps_per_second, double seconds) {
+  std::vector<LinkDirections> start;
+  for (const Strand& strand : p.strands) start.push_back(FindEquilibrium(p.material, strand));
+  ContactReference run(p.material, p.strands, start, MotionOf(p.motion), ShapesOf(p.features),
+                       double(p.features.friction), steps_per_second);
+  Track track;
+  for (int f = 0; f < int(std::lround(seconds * kRate)); ++f) {
+    for (int step = 0; step < steps_per_second / kRate; ++step) run.Step();
+    for (size_t s = 0; s < p.strands.size(); ++s)
+      for (int i = 0; i < p.material.links; ++i) track.push_back(run.Point(s, i));
+  }
+  return track;
+}
+
+// Fastest point of the frames from `first` on, m/s.
+double FastestOf(const FeatureProblem& p, const Track& track, size_t first) {
+  const size_t row = p.strands.size() * size_t(p.material.links);
+  double fastest = 0.0;
+  for (size_t at = std::max<size_t>(first, 1) * row; at < track.size(); ++at)
+    fastest = std::max(fastest, Length(track[at] - track[at - row]) * kRate);
+  return fastest;
+}
+
+double SecondsOf(const FeatureProblem& p, double seconds) {
+  return p.seconds > 0.0 ? std::min(p.seconds, seconds) : seconds;
 }
 
 double Nanoseconds(const FeatureProblem& p, const ModalKernels& kernels, ModalQuality quality,
@@ -141,69 +186,53 @@ double Nanoseconds(const FeatureProblem& p, const ModalKernels& kernels, ModalQu
 
 }  // namespace
 
-std::vector<FeatureProblem> FeatureProblems(int links) {
-  const ChainMaterial medium = MakeMaterial(kPresets[2], links);
-  const Double3 side = {1.0, 0.0, 0.0}, down = {1.0, -0.6, 0.0};
-  ModalFeatures bare;
-  bare.wind = false;
-  const auto with = [&](auto change) {
-    ModalFeatures features = bare;
-    change(features);
-    return features;
-  };
-  // Curled so far that tips brush the surface. Pressed harder (1.6) the folded strands have more
-  // than one place to go, and the reference itself does not converge.
-  const auto curled = Tuft(links, side, 0.3, links == 3 ? 1.56 : 1.04);
-  const auto straight = Tuft(links, side, 0.3, 0.1), leaning = Tuft(links, down, 0.2, 0.1);
-  const double ground = 0.085;  // below the lowest root of the walk, m
-  const auto surface = [](ModalFeatures& f) { f.surface_hardness = 1.0f; };
-  const auto on_ground = [=](ModalFeatures& f) { f.use_ground = true, f.ground_offset = ground; };
-  std::vector<FeatureProblem> problems;
-  problems.push_back({"bare", medium, straight, Motion::kHeadshake, bare});
-  problems.push_back({"surface", medium, curled, Motion::kHeadshake, with(surface)});
-  // In the way of the tips, from the side. (Head on, a strand may pass a sphere on either side, and
-  // no solver can tell which.)
-  problems.push_back({"sphere", medium, straight, Motion::kHeadshake, with([](ModalFeatures& f) {
-                        f.sphere_radius = 0.1;
-                        f.sphere_centre = {0.16, 0.0, 0.16};
-                      })});
-  // To and fro through their tips at up to 0.25 m/s.
-  problems.push_back(
-      {"moving sphere", medium, straight, Motion::kHeadshake, with([](ModalFeatures& f) {
-         f.sphere_radius = 0.05;
-         f.sphere_centre = {0.16, 0.0, 0.09};
-         f.sphere_swing = {0.0, 0.0, 0.02};
-         f.sphere_period = 0.5;
-       })});
-  problems.push_back({"ground", medium, leaning, Motion::kWalk, with(on_ground)});
-  problems.push_back({"bounce", medium, leaning, Motion::kWalk, with([=](ModalFeatures& f) {
-                        on_ground(f);
-                        f.bounce = 0.5f;
-                      })});
-  problems.push_back({"limit", medium, straight, Motion::kHeadshake,
-                      with([](ModalFeatures& f) { f.max_distance = 0.2f; })});
-  problems.push_back({"clump", medium, straight, Motion::kHeadshake,
-                      with([](ModalFeatures& f) { f.clump = 0.3f; })});
-  problems.push_back({"strength 0.5", medium, straight, Motion::kHeadshake,
-                      with([](ModalFeatures& f) { f.strength = 0.5f; })});
-  problems.push_back(
-      {"wind", medium, straight, Motion::kWind, with([](ModalFeatures& f) { f.wind = true; })});
-  return problems;
+bool HasContactReference(const FeatureProblem& p) {
+  const ModalFeatures& f = p.features;
+  const bool touches = f.use_ground || f.sphere_radius > 0.0 || f.capsule_radius > 0.0;
+  return touches && f.bounce == 0.0f && p.promise == Promise::kNone;
+}
+
+double ContactError(const ModalKernels& kernels, const FeatureProblem& p, int scale,
+                    int steps_per_second, double seconds) {
+  const double lasts = SecondsOf(p, seconds);
+  const SolverFactory best = ModalFactory(kernels, ModalQuality::kBest, p.features);
+  return ErrorOf(p, RunAt(p, best, scale, lasts), ContactTrack(p, steps_per_second, lasts));
+}
+
+double ContactSelfError(const FeatureProblem& p, int steps_per_second, double seconds) {
+  const double lasts = SecondsOf(p, seconds);
+  return ErrorOf(p, ContactTrack(p, steps_per_second, lasts),
+                 ContactTrack(p, 2 * steps_per_second, lasts));
 }
 
 std::vector<FeatureError> MeasureFeatures(const ModalKernels& kernels,
                                           const FeatureOptions& options) {
   std::vector<FeatureError> rows;
   for (const FeatureProblem& p : FeatureProblems(options.links)) {
+    const double seconds = SecondsOf(p, options.seconds);
     const SolverFactory best = ModalFactory(kernels, ModalQuality::kBest, p.features);
-    const Track reference = RunAt(p, best, options.reference_scale, options.seconds);
-    const Track coarser = RunAt(p, best, options.reference_scale / 2, options.seconds);
-    const double self = ErrorOf(p, coarser, reference);
+    const Track reference = RunAt(p, best, options.reference_scale, seconds);
+    const double self = ErrorOf(p, RunAt(p, best, options.reference_scale / 2, seconds), reference);
+    Track exact;
+    FeatureError row{};
+    row.name = p.name, row.self_error = self;
+    if (HasContactReference(p)) {
+      exact = ContactTrack(p, options.contact_rate, seconds);
+      row.contact_self_error =
+          ErrorOf(p, ContactTrack(p, options.contact_rate / 2, seconds), exact);
+    }
     for (const ModalQuality quality :
          {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest}) {
-      const Track track = RunAt(p, ModalFactory(kernels, quality, p.features), 1, options.seconds);
-      rows.push_back({p.name, quality, ErrorOf(p, track, reference), PenetrationOf(p, track),
-                      Nanoseconds(p, kernels, quality, options.timing), self});
+      const Track track = RunAt(p, ModalFactory(kernels, quality, p.features), 1, seconds);
+      row.quality = quality;
+      row.error = ErrorOf(p, track, reference);
+      if (!exact.empty()) row.contact_error = ErrorOf(p, track, exact);
+      row.penetration = PenetrationOf(p, track);
+      row.nanoseconds = Nanoseconds(p, kernels, quality, options.timing);
+      const size_t last = size_t(std::lround((seconds - 0.5) * kRate));
+      if (p.promise == Promise::kLeavesSlowly) row.fastest = FastestOf(p, track, 0);
+      if (p.promise == Promise::kComesToRest) row.fastest = FastestOf(p, track, last);
+      rows.push_back(row);
     }
   }
   return rows;

@@ -102,7 +102,7 @@ class ModalSolver final : public StrandSolver {
 
   // A layer's table is made once per frame, on the caller's thread: not the kernel's time.
   void Prepare(const FrameRows& frame) override {
-    MoveSphere();
+    MoveColliders();
     for (auto& c : chunks_) PackState(features_.state, *table_.block, *c->chain.block);
     if (next_dt_ > 0.0) {
       times_ = NextTimes(times_, next_dt_);
@@ -159,6 +159,7 @@ class ModalSolver final : public StrandSolver {
     if (f.wind) layer_->flags |= kLayerWind;
     layer_->surface_hardness = f.surface_hardness;
     layer_->bounce = f.bounce;
+    layer_->friction = f.friction;
     layer_->max_distance = f.max_distance;
     layer_->clump = f.clump;
     if (f.clump > 0.0f) {
@@ -172,27 +173,38 @@ class ModalSolver final : public StrandSolver {
     params_.use_ground = f.use_ground ? 1 : 0;
     const double ground[4] = {f.ground_normal.x, f.ground_normal.y, f.ground_normal.z,
                               f.ground_offset};
-    const double sphere[4] = {f.sphere_centre.x, f.sphere_centre.y, f.sphere_centre.z,
-                              f.sphere_radius};
+    for (int k = 0; k < 4; ++k) params_.ground[k] = float(ground[k]);
     params_.sphere_count = f.sphere_radius > 0.0 ? 1 : 0;
-    for (int k = 0; k < 4; ++k) {
-      params_.ground[k] = float(ground[k]);
-      params_.sphere[0][k] = float(sphere[k]);
-    }
+    params_.sphere[0][3] = float(f.sphere_radius);
+    params_.capsule_count = f.capsule_radius > 0.0 ? 1 : 0;
+    CapsuleParams& capsule = params_.capsule[0];
+    const Double3 axis = f.capsule_to - f.capsule_from;
+    const double length = Length(axis);
+    capsule.radius = float(f.capsule_radius);
+    capsule.length = float(length);
+    if (length > 0.0) Put(axis * (1.0 / length), capsule.axis);
+    PlaceColliders(kZero3);
+  }
+  static void Put(Double3 v, float (&to)[3]) {
+    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+  }
+  void PlaceColliders(Double3 way) {
+    const Double3 centre = features_.sphere_centre + way;
+    const double at[3] = {centre.x, centre.y, centre.z};
+    for (int k = 0; k < 3; ++k) params_.sphere[0][k] = float(at[k]);
+    Put(features_.capsule_from + way, params_.capsule[0].from);
   }
   // Frames of this run are as long as the first.
-  void MoveSphere() {
-    if (Length(features_.sphere_swing) == 0.0) return;
+  void MoveColliders() {
+    if (Length(features_.swing) + Length(features_.going) == 0.0) return;
     const double dt = double(params_.dt);
-    const Double3 before = SphereAt(features_, frames_ * dt);
-    const Double3 now = SphereAt(features_, ++frames_ * dt), way = now - before;
-    const double at[] = {now.x, now.y, now.z}, step[] = {way.x, way.y, way.z};
-    ColliderStep& moved = params_.sphere_step[0];
-    for (int k = 0; k < 3; ++k) {
-      params_.sphere[0][k] = float(at[k]);
-      moved.from[k] = moved.to[k] = float(step[k]);
+    const Double3 before = ColliderWay(features_, frames_ * dt);
+    const Double3 now = ColliderWay(features_, ++frames_ * dt), way = now - before;
+    PlaceColliders(now);
+    for (ColliderStep* moved : {&params_.sphere_step[0], &params_.capsule_step[0]}) {
+      Put(way, moved->from), Put(way, moved->to);
+      moved->moves = 1;
     }
-    moved.moves = 1;
   }
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
@@ -222,9 +234,12 @@ class ModalSolver final : public StrandSolver {
 
 }  // namespace
 
-Double3 SphereAt(const ModalFeatures& f, double seconds) {
-  return f.sphere_centre +
-         f.sphere_swing * exact::Sin(2.0 * exact::kPi * seconds / f.sphere_period);
+Double3 ColliderWay(const ModalFeatures& f, double seconds) {
+  return f.going * seconds + f.swing * exact::Sin(2.0 * exact::kPi * seconds / f.swing_period);
+}
+Double3 ColliderSpeed(const ModalFeatures& f, double seconds) {
+  const double rate = 2.0 * exact::kPi / f.swing_period;
+  return f.going + f.swing * (rate * exact::Cos(rate * seconds));
 }
 
 namespace {

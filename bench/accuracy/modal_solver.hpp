@@ -33,17 +33,23 @@ struct ModalFeatures {
   double ground_offset = 0.0;  // free space is n . x + offset >= 0
   double sphere_radius = 0.0;  // 0: no sphere
   Double3 sphere_centre = kZero3;
-  Double3 sphere_swing = kZero3;  // it goes this far to either side, as a sine, its velocity told
-  double sphere_period = 1.0;     // s
+  double capsule_radius = 0.0;  // 0: no capsule
+  Double3 capsule_from = kZero3, capsule_to = kZero3;
+  // Sphere and capsule go this far to either side, as a sine, and on at this speed, m/s; their velocity is
+  // told.
+  Double3 swing = kZero3, going = kZero3;
+  double swing_period = 1.0;  // s
   float bounce = 0.0f;
+  float friction = 0.0f;
   float max_distance = 0.0f;  // of a point from the groom, share of its distance along the strand
   float clump = 0.0f;         // towards the first strands of a chunk
   float strength = 1.0f;      // of every strand
   bool velocities = false;    // of the root are given with its poses
   StateFormat state = StateFormat::kFloat;
 };
-// Where the sphere is, the runs beginning at 0 s.
-Double3 SphereAt(const ModalFeatures& features, double seconds);
+// How far sphere and capsule have gone, the runs beginning at 0 s, and how fast they go.
+Double3 ColliderWay(const ModalFeatures& features, double seconds);
+Double3 ColliderSpeed(const ModalFeatures& features, double seconds);
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features = {});
 

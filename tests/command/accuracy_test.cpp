@@ -292,6 +292,16 @@ TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
   EXPECT_EQ(json["rows"][4]["quality"], "default");
   EXPECT_EQ(json["rows"][4]["error"], rows[4].error);
   EXPECT_EQ(json["rows"][4]["more_ns"], rows[4].nanoseconds);
+  // Contact with a sphere has its own reference, that with the surface none.
+  for (const Json& row : json["rows"]) {
+    const std::string name = row["feature"];
+    EXPECT_EQ(row.contains("contact_error"), name.find("sphere") != name.npos ||
+                                                 name.find("capsule") != name.npos ||
+                                                 name.find("ground") != name.npos)
+        << name;
+    EXPECT_EQ(row.contains("fastest"), name == "overlap" || name == "root inside") << name;
+  }
+  for (accuracy::FeatureError& row : report.chains[0].rows) row.penetration = 0.0;
   const std::string text = MakeFeatureTree(report).Text();
   EXPECT_EQ(Count(text, "\n       4  "), rows.size()) << text;
   EXPECT_EQ(Count(text, "\n!"), 0u) << text;
