@@ -171,7 +171,7 @@ Subcommand SetUpStress(CLI::App& root) {
   app->add_flag("--quick", args.quick, "Few random starts and frame rates");
   AddOutputFile(*app, "--json", args.json, "JSON file to write");
   app->footer(
-      "All of it takes about a minute and a quarter of one core with three instruction sets.\n"
+      "All of it takes about half a minute of one core on one vector instruction set.\n"
       "Examples:\n"
       "  pelt stress --quick --solvers modal-best,pbd --links 3\n"
       "  pelt stress --quick --solvers modal-best,xpbd-8 --links 4 --rates 15,240 --json "
