@@ -55,8 +55,8 @@ struct LayerParams {
   float inertia = 1.0f, inertia_turn = 1.0f;
   float inertia_speed = 0.0f;
   uint32_t iterations = 4;
-  float weight = 1.0f;            // scale on gravity
-  float bounce = 0.0f;            // share of the normal velocity a contact returns
+  float weight = 1.0f;    // scale on gravity
+  float bounce = 0.0f;    // share of the normal velocity a contact returns
   float friction = 0.0f;  // modal: share of a contact's normal force that holds strands back (mu)
   float velocity_damping = 3.0f;  // 1/s
   float motion_damping = 0.0f;    // 0 free inertia .. 1 follows the root's motion

@@ -335,7 +335,8 @@ int main(int argc, char** argv) {
   TryNulls();
   TryBadScenes(groom);
   uint64_t first[3], last[3];
-  const PeltCapsule in_the_fur = {{0, 0, 0}, {0, 1, 0.4f}, 0.2f, 0, PELT_FREE, {0, 0, 0}, {0, 0, 0}};
+  const PeltCapsule in_the_fur = {{0, 0, 0}, {0, 1, 0.4f}, 0.2f,     0,
+                                  PELT_FREE, {0, 0, 0},    {0, 0, 0}};
   for (int how = 0; how < 3; ++how)
     last[how] = RunFrames(groom, how, &in_the_fur, &first[how], how == 1);
   Expect(first[0] == first[1] && first[0] == first[2], "first digests", "differ");
