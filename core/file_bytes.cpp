@@ -213,6 +213,25 @@ Result<> WriteFileBytes(std::string_view what, const std::string& path,
   return NamedUnlessEmpty(what, path, reason);
 }
 
+bool IsThere(const std::string& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+std::string WhyNoFile(const std::string& path) {
+  std::error_code error;
+  const fs::file_type type = fs::status(path, error).type();
+  if (type == fs::file_type::regular) return {};
+  const std::string_view found = DescribeFileType(type);
+  return (found.empty() ? "nothing there" : std::string(found)) + ", not a file";
+}
+
+std::string FolderOf(const std::string& path) { return fs::path(path).parent_path().string(); }
+std::string InFolder(const std::string& folder, const std::string& name) {
+  return (fs::path(folder) / name).string();
+}
+std::string StemOf(const std::string& path) { return fs::path(path).stem().string(); }
+
 Result<> TryOutput(std::string_view what, const std::string& path) {
   std::string reason;
   const auto place = FindOutputPlace(path, reason);

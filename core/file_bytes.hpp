@@ -41,6 +41,16 @@ Result<> WriteFileBytes(std::string_view what, const std::string& path,
 // permissions.
 Result<> TryOutput(std::string_view what, const std::string& path);
 
+// Whether there is something at the path that ReadWhole may find to be a file.
+bool IsThere(const std::string& path);
+// Why the path is none of a regular file, "a folder, not a file"; empty: it is.
+std::string WhyNoFile(const std::string& path);
+// The folder that holds the path, empty where it names none; and a name told from a folder, unless it is absolute.
+std::string FolderOf(const std::string& path);
+std::string InFolder(const std::string& folder, const std::string& name);
+// The name without folder and ending.
+std::string StemOf(const std::string& path);
+
 inline std::string_view AsText(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

@@ -8,14 +8,12 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 
 #include "core/character/gltf_json_guard.hpp"
 #include "core/character/gltf_look.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "core/output_place.hpp"
 #include "core/printable.hpp"
 
 // The distribution's library holds the implementation (define PELT_TINYGLTF_HEADER_ONLY where
@@ -42,20 +40,15 @@ struct BufferFolder {
 bool BufferFileExists(const std::string& path, void* user) {
   const BufferFolder& from = *static_cast<const BufferFolder*>(user);
   if (from.folder.empty() || path.compare(0, from.folder.size(), from.folder) != 0) return false;
-  std::error_code error;
-  return std::filesystem::exists(path, error);
+  return IsThere(path);
 }
 
 bool ReadBufferFile(std::vector<unsigned char>* out, std::string* reason, const std::string& path,
                     void* user) {
   BufferFolder& from = *static_cast<BufferFolder*>(user);
-  std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
   // Whoever made the file must not make us wait for a FIFO.
-  if (type != std::filesystem::file_type::regular) {
-    *reason = std::string(DescribeFileType(type)) + ", not a file";
-    return false;
-  }
+  *reason = WhyNoFile(path);
+  if (!reason->empty()) return false;
   const auto bytes = ReadWhole(path, from.bytes_left);
   if (!bytes) {
     *reason = bytes.error();

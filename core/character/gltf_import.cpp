@@ -2,7 +2,6 @@
 #include "core/character/gltf_import.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <vector>
 
 #include "core/character/gltf_accessor.hpp"
@@ -46,9 +45,9 @@ Character ImportGltf(std::span<const std::byte> bytes, const std::string& name) 
 Character ImportGltfFile(const std::string& path) {
   const auto bytes = ReadWhole(path, 0xffffffffull);
   if (!bytes) throw Error(path + ": " + bytes.error());
-  const std::filesystem::path file(path);
-  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-  return ImportDocument(gltf::ParseDocument(*bytes, path, folder), file.stem().string());
+  const std::string folder = FolderOf(path);
+  return ImportDocument(gltf::ParseDocument(*bytes, path, folder.empty() ? "." : folder),
+                        StemOf(path));
 }
 
 }  // namespace pelt

@@ -4,7 +4,6 @@
 #include "core/groom/fur_setup.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 
 #include "core/chunk.hpp"
@@ -209,9 +208,12 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
   return setup;
 }
 
+std::string ReadSetupText(const std::string& path) {
+  return std::string(AsText(ReadSetupBytes(path)));
+}
+
 FurSetup ReadFurSetupFile(const std::string& path) {
-  return ReadFurSetup(AsText(ReadSetupBytes(path)), path,
-                      std::filesystem::path(path).parent_path().string());
+  return ReadFurSetup(ReadSetupText(path), path, FolderOf(path));
 }
 
 LightsSetup ReadLights(std::string_view text, const std::string& path) {

@@ -179,6 +179,8 @@ struct FurSetup {
 FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                       const std::string& map_directory);
 FurSetup ReadFurSetupFile(const std::string& path);
+// What the file holds, for ReadFurSetup. Throws Error.
+std::string ReadSetupText(const std::string& path);
 
 // Reads [lights] alone, of a setup or of a file that has nothing else; [defaults], layers and their maps are not looked
 // at. Throws as ReadFurSetup does, and where there is no [lights].

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
@@ -232,7 +232,7 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node,
                        std::shared_ptr<const ControlMap>& value) {
   std::string name;
   Read(info, node, name);
-  const std::string path = (std::filesystem::path(map_directory_) / name).string();
+  const std::string path = InFolder(map_directory_, name);
   auto& kept = maps_[path];
   if (!kept) {
     try {

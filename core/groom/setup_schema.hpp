@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
@@ -24,7 +25,7 @@
 // release build run on into undefined behaviour. Its assertions are turned into an exception in
 // both; the library's compiled form, which packages prefer, would keep its own.
 namespace pelt {
-struct TomlAssertion {};
+struct TomlAssertion : std::exception {};
 inline void ThrowTomlAssertion() { throw TomlAssertion(); }
 }  // namespace pelt
 #pragma push_macro("NDEBUG")
