@@ -34,6 +34,8 @@ Source SourceOf(GLenum format) {
       return {GL_DEPTH_COMPONENT, GL_FLOAT};
     case GL_R32F:
       return {GL_RED, GL_FLOAT};
+    case GL_R8:
+      return {GL_RED, GL_UNSIGNED_BYTE};
     case GL_RGBA8:
       return {GL_RGBA, GL_UNSIGNED_BYTE};
     default:

@@ -100,8 +100,11 @@ struct GlRenderer::State {
                  const Uploaded& uploaded) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options,
                  const Uploaded& uploaded) const;
-  std::vector<uint8_t> Resolve(const PictureScene& scene, const PictureOptions& options,
-                               GLuint drawn, uint32_t samples) const;
+  // Draws all of it, and calls take() while a framebuffer of the picture's pixels is bound, its rows from the top.
+  template <class Take>
+  void DrawPixels(const PictureScene& scene, const PictureOptions& options, const Take& take);
+  void Resolve(const PictureScene& scene, const PictureOptions& options, GLuint drawn,
+               GLuint pixels, uint32_t samples) const;
   void CheckErrors() const;
 };
 
@@ -229,13 +232,10 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
   gl().Disable(GL_DEPTH_TEST);
 }
 
-std::vector<uint8_t> GlRenderer::State::Resolve(const PictureScene& scene,
-                                                const PictureOptions& options, GLuint drawn,
-                                                uint32_t samples) const {
+void GlRenderer::State::Resolve(const PictureScene& scene, const PictureOptions& options,
+                                GLuint drawn, GLuint pixels, uint32_t samples) const {
   const Lens lens = LensOf(scene.camera, options);
   const GLsizei width = GLsizei(options.width_px), height = GLsizei(options.height_px);
-  gl().ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  const GlTexture pixels = MakeTexture(gl(), GL_RGBA8, width, height);
   gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
   gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pixels, 0);
   gl().Viewport(0, 0, width, height);
@@ -249,10 +249,6 @@ std::vector<uint8_t> GlRenderer::State::Resolve(const PictureScene& scene,
   program.Set("character_count", int(scene.bodies.size()));
   program.Set("room_light", scene.look.room);
   gl().DrawArrays(GL_TRIANGLES, 0, 3);
-  std::vector<uint8_t> rgb(size_t(width) * size_t(height) * 3);
-  gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl().ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
-  return rgb;
 }
 
 void GlRenderer::State::CheckErrors() const {
@@ -260,8 +256,10 @@ void GlRenderer::State::CheckErrors() const {
     throw Error(fmt::format("picture: {} reports OpenGL's error {:#x}", context.Renderer(), error));
 }
 
-std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& options) {
-  const GlApi& gl = state_->gl();
+template <class Take>
+void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptions& options,
+                                   const Take& take) {
+  const GlApi& gl = this->gl();
   const uint32_t samples = options.samples ? options.samples : kSamples;
   const GLsizei width = GLsizei(options.width_px * samples),
                 height = GLsizei(options.height_px * samples);
@@ -269,19 +267,20 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
   gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_maps);
   if (scene.bodies.size() > size_t(most_maps))
-    throw Error(fmt::format("picture: {} draws at most {} characters, and there are {}", Device(),
-                            most_maps, scene.bodies.size()));
+    throw Error(fmt::format("picture: {} draws at most {} characters, and there are {}",
+                            context.Renderer(), most_maps, scene.bodies.size()));
   if (std::max(width, height) > most)
-    throw Error(fmt::format(
-        "picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
-        "samples are {} x {}",
-        Device(), most, options.width_px, options.height_px, samples, samples, width, height));
-  state_->MakeCards(scene);
-  state_->SetScene(scene, options, samples);
-  const Uploaded uploaded(gl, state_->programs, scene);
+    throw Error(
+        fmt::format("picture: {} draws at most {} samples a side, and {} x {} pixels of {} x {} "
+                    "samples are {} x {}",
+                    context.Renderer(), most, options.width_px, options.height_px, samples, samples,
+                    width, height));
+  MakeCards(scene);
+  SetScene(scene, options, samples);
+  const Uploaded uploaded(gl, programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
-    lighting.emplace(gl, state_->programs, scene, uploaded.bodies, uploaded.shadows, options);
+    lighting.emplace(gl, programs, scene, uploaded.bodies, uploaded.shadows, options);
   gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
   const GlTexture drawn = MakeTexture(gl, GL_RGBA16F, width, height);
   const GlTexture depth = MakeTexture(gl, GL_DEPTH_COMPONENT32F, width, height);
@@ -290,12 +289,35 @@ std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOp
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error(fmt::format("picture: {} does not draw into half floats", Device()));
+    throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
   gl.Viewport(0, 0, width, height);
-  state_->DrawScene(scene, options, uploaded);
-  std::vector<uint8_t> rgb = state_->Resolve(scene, options, drawn, samples);
-  state_->CheckErrors();
+  DrawScene(scene, options, uploaded);
+  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  const GlTexture pixels =
+      MakeTexture(gl, GL_RGBA8, GLsizei(options.width_px), GLsizei(options.height_px));
+  Resolve(scene, options, drawn, pixels, samples);
+  take();
+  CheckErrors();
+}
+
+std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& options) {
+  std::vector<uint8_t> rgb(size_t(options.width_px) * options.height_px * 3);
+  state_->DrawPixels(scene, options, [&] {
+    state_->gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+    state_->gl().ReadPixels(0, 0, GLsizei(options.width_px), GLsizei(options.height_px), GL_RGB,
+                            GL_UNSIGNED_BYTE, rgb.data());
+  });
   return rgb;
+}
+
+void GlRenderer::Show(const PictureScene& scene, const PictureOptions& options) {
+  const GLint width = GLint(options.width_px), height = GLint(options.height_px);
+  state_->DrawPixels(scene, options, [&] {
+    // What is bound for reading stays the picture.
+    state_->gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    state_->gl().BlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
+                                 GL_NEAREST);
+  });
 }
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {

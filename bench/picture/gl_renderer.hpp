@@ -28,6 +28,8 @@ class GlRenderer final : public PictureRenderer {
 
   std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) override;
   std::string Device() const override;
+  // The same into the framebuffer that a window or a page shows, instead of back to the caller.
+  void Show(const PictureScene& scene, const PictureOptions& options);
 
   // The sun's map of a character, texel by texel: the nearest distance thrice, m, and coverage, of 255.
   std::vector<glm::vec4> DrawShadowMap(const PictureScene& scene, uint32_t actor);

@@ -80,7 +80,8 @@ glm::mat4 PlaceMember(uint32_t member, double size) {
 
 }  // namespace
 
-Scenario MakeCast(uint64_t seed, const LoadProgress& progress) {
+Scenario MakeCast(const ScenarioRequest& request, const LoadProgress& progress) {
+  const uint64_t seed = request.seed;
   Scenario scenario;
   const FurSetup monster = LoadSetup("monster");
   for (uint32_t m = 0; m < kCastCharacters; ++m) {

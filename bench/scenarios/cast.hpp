@@ -10,6 +10,6 @@ namespace pelt {
 inline constexpr uint32_t kCastCharacters = 17;
 inline constexpr uint32_t kCastLayers = 166;
 
-Scenario MakeCast(uint64_t seed, const LoadProgress& progress);
+Scenario MakeCast(const ScenarioRequest& request, const LoadProgress& progress);
 
 }  // namespace pelt

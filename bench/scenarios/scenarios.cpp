@@ -16,6 +16,7 @@
 #include "core/character/pose_rates.hpp"
 #include "core/error.hpp"
 #include "core/exact_math.hpp"
+#include "core/file_bytes.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/groom/setup_names.hpp"
@@ -97,17 +98,21 @@ CameraOrbit MonsterCamera() {
   return camera;
 }
 
-Scenario MakeMonster(uint64_t seed, const LoadProgress&) {
+FurSetup BuiltInSetup(const std::string& name, const ScenarioRequest& request) {
+  return LoadSetup(name, request.seed, request.setup_text);
+}
+
+Scenario MakeMonster(const ScenarioRequest& request, const LoadProgress&) {
   Scenario scenario;
-  AddActor(scenario, LoadCharacter("builtin"), LoadSetup("monster", seed), "walk");
+  AddActor(scenario, LoadCharacter("builtin"), BuiltInSetup("monster", request), "walk");
   scenario.base.wind = Breeze();
   scenario.camera = MonsterCamera();
   return scenario;
 }
 
-Scenario MakeEyePet(uint64_t seed, const LoadProgress&) {
+Scenario MakeEyePet(const ScenarioRequest& request, const LoadProgress&) {
   Scenario scenario;
-  AddActor(scenario, LoadCharacter("builtin"), LoadSetup("eyepet", seed), "walk");
+  AddActor(scenario, LoadCharacter("builtin"), BuiltInSetup("eyepet", request), "walk");
   scenario.base.wind = Breeze();
   scenario.base.use_ground = true;
   scenario.camera = MonsterCamera();
@@ -115,9 +120,9 @@ Scenario MakeEyePet(uint64_t seed, const LoadProgress&) {
   return scenario;
 }
 
-Scenario MakeScorpion(uint64_t seed, const LoadProgress&) {
+Scenario MakeScorpion(const ScenarioRequest& request, const LoadProgress&) {
   Scenario scenario;
-  AddActor(scenario, LoadCharacter("scorpion"), LoadSetup("scorpion", seed), "walk");
+  AddActor(scenario, LoadCharacter("scorpion"), BuiltInSetup("scorpion", request), "walk");
   scenario.base.wind = Breeze();
   scenario.base.use_ground = true;
   scenario.camera.target = {0.0f, 0.34f, 0.0f};
@@ -128,9 +133,9 @@ Scenario MakeScorpion(uint64_t seed, const LoadProgress&) {
   return scenario;
 }
 
-Scenario MakeTiny(uint64_t seed, const LoadProgress&) {
+Scenario MakeTiny(const ScenarioRequest& request, const LoadProgress&) {
   Scenario scenario;
-  AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), LoadSetup("tiny", seed), "walk");
+  AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), BuiltInSetup("tiny", request), "walk");
   scenario.default_frames = 60;
   scenario.base.wind = Breeze();
   scenario.base.use_ground = true;
@@ -161,7 +166,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   scenario.base.wind = Breeze();
   Character character = LoadCharacter(request.character);
   FurSetup setup;
-  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed);
+  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed, request.setup_text);
   if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
   if (request.groom.empty()) {
     AddActor(scenario, std::move(character), setup, "");
@@ -206,14 +211,14 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
 }
 
 struct BuiltInScene {
-  std::string_view name;
-  Scenario (*make)(uint64_t seed, const LoadProgress& progress);
+  std::string_view name, setup;
+  Scenario (*make)(const ScenarioRequest& request, const LoadProgress& progress);
 };
-constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster},
-                                    {"cast", MakeCast},
-                                    {"eyepet", MakeEyePet},
-                                    {"scorpion", MakeScorpion},
-                                    {"tiny", MakeTiny}};
+constexpr BuiltInScene kScenes[] = {{"monster", "monster", MakeMonster},
+                                    {"cast", "", MakeCast},
+                                    {"eyepet", "eyepet", MakeEyePet},
+                                    {"scorpion", "scorpion", MakeScorpion},
+                                    {"tiny", "tiny", MakeTiny}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
@@ -245,10 +250,22 @@ std::vector<std::string> FilesReadFor(const Character& character, const FurSetup
   return files;
 }
 
-FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed) {
-  const EmbeddedFile* found = NamedOrPath(EmbeddedSetups(), "setup", name_or_path);
-  FurSetup setup = found ? ReadFurSetup(found->text, name_or_path + ".toml", "")
-                         : ReadFurSetupFile(name_or_path);
+std::string_view SetupOfScenario(std::string_view scene) {
+  const auto found = std::ranges::find(kScenes, scene, &BuiltInScene::name);
+  return found == std::end(kScenes) ? std::string_view() : found->setup;
+}
+
+std::string SetupText(const std::string& name_or_path) {
+  if (const EmbeddedFile* found = NamedOrPath(EmbeddedSetups(), "setup", name_or_path))
+    return std::string(found->text);
+  return ReadSetupText(name_or_path);
+}
+
+FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed, std::string_view text) {
+  const bool built_in = NamedOrPath(EmbeddedSetups(), "setup", name_or_path);
+  const std::string own = text.empty() ? SetupText(name_or_path) : std::string(text);
+  FurSetup setup = built_in ? ReadFurSetup(own, name_or_path + ".toml", "")
+                            : ReadFurSetup(own, name_or_path, FolderOf(name_or_path));
   if (seed != 0)
     for (LayerSetup& layer : setup.layers) layer.seed = MixSeed(layer.seed, seed);
   return setup;
@@ -290,7 +307,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   if (request.scene.empty())
     scenario = MakeFromFiles(request);
   else if (scene != std::end(kScenes))
-    scenario = scene->make(request.seed, progress);
+    scenario = scene->make(request, progress);
   else
     throw Error(fmt::format("no scene '{}'; there are: {}", request.scene,
                             fmt::join(ScenarioNames(), ", ")));
@@ -345,6 +362,7 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   for (uint32_t a = 0; a < actors.size(); ++a) {
     const Actor& actor = actors[a];
     const Character& character = characters[actor.character];
+    const double clip_s = time_s * clip_rate + actor.phase_s;
     const Clip* clip = actor.clip < 0 ? nullptr : &character.clips[size_t(actor.clip)];
     glm::mat4 placement = actor.placement;
     if (actor.teleport_frame >= 0 && int32_t(frame) >= actor.teleport_frame)
@@ -358,12 +376,12 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
       if (place[c] != from[c])
         placement[3][c] = float(double(placement[3][c]) + (place[c] - from[c]));
     PoseBlock& pose = scene.Pose(a);
-    FillPose(character.skeleton, clip, time_s + actor.phase_s, true,
-             PlaceCharacter(placement, actor.unit_scale), &pose);
+    FillPose(character.skeleton, clip, clip_s, true, PlaceCharacter(placement, actor.unit_scale),
+             &pose);
     pose.teleported = int32_t(frame) == actor.teleport_frame;
     if (PoseRateBlock* rates = scene.PoseRates(a))
-      FillPoseRates(clip, time_s + actor.phase_s, true, frame < rest_from_frame ? 1.0 : 0.0,
-                    glm::mat4(0.0f), rates);
+      FillPoseRates(clip, clip_s, true, frame < rest_from_frame ? clip_rate : 0.0, glm::mat4(0.0f),
+                    rates);
   }
   input_ = base;
   input_.dt_s = dt_s;

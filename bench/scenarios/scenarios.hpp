@@ -44,7 +44,10 @@ void CheckGroomFits(const Groom& groom, const std::string& path, const Character
 
 // The name of a built-in setup, or the path of a TOML file. `seed` other than 0 gives every layer
 // another seed of its own. Throws Error.
-FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed = 0);
+// `text` other than empty: what is read in place of its own.
+FurSetup LoadSetup(const std::string& name_or_path, uint64_t seed = 0, std::string_view text = {});
+// What LoadSetup reads. Throws Error.
+std::string SetupText(const std::string& name_or_path);
 
 // The setup's unit scale, or the guess for this character; what was assumed goes into `notes`.
 float ChooseUnitScale(const FurSetup& setup, const Character& character,
@@ -89,6 +92,7 @@ struct Scenario {
   std::string name;
   uint32_t default_frames = 300;
   double dt_s = 1.0 / 60.0;
+  double clip_rate = 1.0;  // how fast clips are played
   std::vector<Character> characters;
   std::vector<Groom> grooms;
   std::vector<FurSetup> setups;  // that the grooms were baked from; of one that is a file no layers
@@ -134,6 +138,8 @@ struct ScenarioRequest {
   std::string setup = {};  // name or path; or, with this empty:
   std::string groom = {};  // path of a groom file, baked for this character
   uint64_t seed = 0;       // other than 0: another groom from the same setups
+  // In place of the setup's own text, whether a scene's or a file's; `cast` makes its setups itself.
+  std::string setup_text = {};
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
@@ -147,6 +153,8 @@ using PaintAmounts = std::array<float, kPaintChannels>;  // 0 to 1, by PaintChan
 void PaintAll(Scenario& scenario, const PaintAmounts& amounts);
 
 std::span<const std::string_view> ScenarioNames();
+// The built-in setup of a scenario that is one character with one; else empty.
+std::string_view SetupOfScenario(std::string_view scene);
 
 // Called with the number of grooms made and wanted.
 using LoadProgress = std::function<void(uint32_t done, uint32_t total)>;

@@ -112,6 +112,8 @@ Result<GlContext> GlContext::Open() {
   return GlContext(std::move(state));
 }
 
+std::string_view GlContext::ShaderVersion() { return "#version 330 core\n"; }
+
 const GlApi& GlContext::gl() const { return state_->gl; }
 
 std::string GlContext::Renderer() const {

@@ -1,6 +1,8 @@
 // OpenGL 3.3 core without a window, a display or a GPU: EGL's surfaceless platform. The library is looked for when a
 // context is asked for, so that nothing needs it to build Pelt, or to run what does not draw with it.
 //
+// In WebAssembly the same functions are WebGL2's, which the page hands over (bench/page).
+//
 //   Result<GlContext> context = GlContext::Open();
 //   if (!context) return Skip(context.error());   // names what is missing
 //   const GlApi& gl = context->gl();
@@ -13,6 +15,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/error.hpp"
 
@@ -27,6 +30,7 @@
   F(BindVertexArray, BINDVERTEXARRAY)                 \
   F(BlendEquationSeparate, BLENDEQUATIONSEPARATE)     \
   F(BlendFunc, BLENDFUNC)                             \
+  F(BlitFramebuffer, BLITFRAMEBUFFER)                 \
   F(BufferData, BUFFERDATA)                           \
   F(CheckFramebufferStatus, CHECKFRAMEBUFFERSTATUS)   \
   F(Clear, CLEAR)                                     \
@@ -103,6 +107,8 @@ class GlContext {
   ~GlContext();
 
   const GlApi& gl() const;
+  // The first line of each shader.
+  static std::string_view ShaderVersion();
   // Of the driver, as "llvmpipe (LLVM 15.0.6, 256 bits)".
   std::string Renderer() const;
 

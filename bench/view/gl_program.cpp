@@ -9,11 +9,12 @@
 namespace pelt {
 namespace {
 
-constexpr std::string_view kVersion = "#version 330 core\n", kAfter = "// After: ";
+constexpr std::string_view kAfter = "// After: ";
 
 Result<GLuint> Compile(const GlApi& gl, GLenum kind, const std::string& text) {
-  const GLchar* parts[] = {kVersion.data(), text.c_str()};
-  const GLint lengths[] = {GLint(kVersion.size()), GLint(text.size())};
+  const std::string_view version = GlContext::ShaderVersion();
+  const GLchar* parts[] = {version.data(), text.c_str()};
+  const GLint lengths[] = {GLint(version.size()), GLint(text.size())};
   const GLuint shader = gl.CreateShader(kind);
   gl.ShaderSource(shader, 2, parts, lengths);
   gl.CompileShader(shader);

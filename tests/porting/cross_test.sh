@@ -30,7 +30,7 @@ has() {  # machine, its Debian packages, tools...
 has powerpc "g++-powerpc-linux-gnu qemu-user" powerpc-linux-gnu-g++ qemu-ppc
 has aarch64 "g++-aarch64-linux-gnu qemu-user" aarch64-linux-gnu-g++ qemu-aarch64
 has windows "g++-mingw-w64-x86-64-posix wine64" "$mingw" "$wine"
-wasm_packages="clang-14 lld-14 wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 nodejs"
+wasm_packages="clang-14 lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32 nodejs"
 if printf '#include <string>\nint main() { std::string().c_str(); }\n' |
   clang++ --target=wasm32-wasi -std=c++20 -fno-exceptions -xc++ - -o "$kept/probe.wasm" 2>/dev/null; then
   has wasm "$wasm_packages" node
@@ -95,7 +95,7 @@ narrow=(-DPELT_ISAS=avx2)
 if [ "${PELT_CROSS_ISAS:-}" = all ]; then narrow=(-DPELT_ISAS=); fi
 try windows "$wine" "${narrow[@]}" -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_SYSTEM_PROCESSOR=x86_64 -DCMAKE_CXX_COMPILER="$mingw" \
   -DCMAKE_EXE_LINKER_FLAGS=-static
-try wasm "node --no-warnings $source_dir/tests/porting/wasi.mjs" -DCMAKE_TOOLCHAIN_FILE="$source_dir/bench/view/wasm/toolchain.cmake"
+try wasm "node --no-warnings $source_dir/tests/porting/wasi.mjs" -DCMAKE_TOOLCHAIN_FILE="$source_dir/bench/page/wasm/toolchain.cmake"
 if tried wasm; then  # what a page shows
   "$pelt" trace record --scene monster --frames 10 --out "$kept/monster.peltinput" >/dev/null || exit 1
   node --no-warnings "$source_dir/tests/porting/wasi.mjs" "$kept/wasm/cross_golden" "$kept/monster.peltinput" \
