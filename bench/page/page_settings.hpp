@@ -1,0 +1,43 @@
+// What can be set on the page while it runs, besides the keys of layers: one row for each, and the page makes its
+// controls from the rows.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "bench/picture/picture_scene.hpp"
+#include "bench/scenarios/scenarios.hpp"
+
+namespace pelt {
+
+// How the picture is lit, as shares of what the scene and its setup say.
+struct PageLight {
+  double sun = 1.0, sky = 1.0, rim = 1.0;
+  double highlight = 1.0, second_highlight = 1.0, noise = 1.0, scatter = 1.0, backlight = 1.0;
+  double shadow = 1.0, shadow_reach = 1.0, depth = 1.0;
+};
+
+struct PageSettings {
+  Scenario& scenario;
+  PageLight light = {};
+  bool render_fur = true;
+  double slow_motion = 1.0;  // of the page's clock: no frame's bits see it
+  double sphere_radius = 0.0;
+  double brush_radius = 0.06, brush_amount = 0.2;
+};
+
+struct PageRow {
+  std::string_view key, group, unit;
+  double low, high;
+  std::string_view text;
+  double (*get)(const PageSettings&);
+  void (*set)(PageSettings&, double);
+  bool is_switch = false;
+};
+
+std::span<const PageRow> PageRows();
+
+// Changes what a picture is lit by.
+void ApplyLight(const PageLight& light, PictureScene& shown);
+
+}  // namespace pelt

@@ -1,0 +1,286 @@
+#include "bench/page/viewer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/exact_math.hpp"
+#include "core/groom/setup_edit.hpp"
+#include "core/groom/setup_schema.hpp"
+#include "jobs/pass_loop.hpp"
+
+namespace pelt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint32_t kFramesAProfile = 16;
+
+glm::vec3 VecOfPlace(const float* p) { return {p[0], p[1], p[2]}; }
+
+Json DescribeKey(const KeyRow<LayerSetup>& row, const LayerSetup& layer) {
+  const KeyInfo& info = row.info;
+  Json json = {{"key", info.key}, {"type", info.type}, {"unit", info.unit},
+               {"low", info.low}, {"high", info.high}, {"text", info.doc}};
+  if (!info.words.empty()) json["words"] = info.words;
+  json["value"] = row.show(info, layer);
+  return json;
+}
+
+Json DescribeLayers(const FurSetup& setup) {
+  Json layers = Json::array();
+  for (const LayerSetup& layer : setup.layers) {
+    Json keys = Json::array();
+    for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>())
+      if (row.show) keys.push_back(DescribeKey(row, layer));
+    layers.push_back({{"name", layer.name}, {"keys", keys}});
+  }
+  return layers;
+}
+
+Json DescribeSettings(const PageSettings& settings) {
+  Json rows = Json::array();
+  for (const PageRow& row : PageRows())
+    rows.push_back({{"key", row.key},
+                    {"group", row.group},
+                    {"unit", row.unit},
+                    {"low", row.low},
+                    {"high", row.high},
+                    {"text", row.text},
+                    {"switch", row.is_switch},
+                    {"value", row.get(settings)}});
+  return rows;
+}
+
+// Where the ray meets the triangle: how far on, or less than 0.
+float Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ray.along, ac);
+  const float volume = glm::dot(ab, across);
+  if (std::abs(volume) < 1e-12f) return -1.0f;
+  const glm::vec3 from = ray.from - a, over = glm::cross(from, ab);
+  const float u = glm::dot(from, across) / volume, v = glm::dot(ray.along, over) / volume;
+  return u < 0.0f || v < 0.0f || u + v > 1.0f ? -1.0f : glm::dot(ac, over) / volume;
+}
+
+}  // namespace
+
+Viewer::Viewer(ScenarioRequest request) : request_(std::move(request)) {
+  if (request_.setup_text.empty()) {
+    const std::string setup =
+        request_.scene.empty() ? request_.setup : std::string(SetupOfScenario(request_.scene));
+    if (!setup.empty()) request_.setup_text = SetupText(setup);
+  }
+  Load();
+}
+
+void Viewer::Load() {
+  auto scenario = std::make_unique<Scenario>(LoadScenario(request_));
+  if (painted_) PaintAll(*scenario, {});
+  auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
+  for (const auto& [row, value] : set_) row->set(*settings, value);
+  auto running = std::make_unique<RunningScenario>(*scenario, SceneOptions{});
+  auto maps = std::make_unique<PictureMaps>(*scenario);
+  run_digest_ = {};
+  times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
+  running_ = std::move(running);
+  maps_ = std::move(maps);
+  settings_ = std::move(settings);
+  scenario_ = std::move(scenario);
+}
+
+void Viewer::Restart() {
+  running_ = std::make_unique<RunningScenario>(*scenario_, SceneOptions{});
+  times_ = std::make_unique<FrameRecording>(scene().plan(), scene().shape());
+  next_frame_ = 0;
+  run_digest_ = {};
+}
+
+void Viewer::ChangeKey(std::string_view layer, std::string_view key, std::string_view value) {
+  if (setup_text().empty()) throw Error("this scene makes its setups itself: none to change");
+  ReplaceSetup(ChangeLayerKey(setup_text(), "setup", layer, key, value));
+}
+
+void Viewer::ReplaceSetup(std::string text) {
+  std::string kept = std::exchange(request_.setup_text, std::move(text));
+  try {
+    Load();
+  } catch (const Error&) {
+    request_.setup_text = std::move(kept);
+    throw;
+  }
+}
+
+void Viewer::Set(std::string_view key, double value) {
+  const auto row = std::ranges::find(PageRows(), key, &PageRow::key);
+  if (row == PageRows().end()) throw Error(fmt::format("no setting '{}'", key));
+  if (!(value >= row->low && value <= row->high))
+    throw Error(fmt::format("'{}' {} is not within {} and {}", key, value, row->low, row->high));
+  const double dt_s = scenario_->dt_s;
+  row->set(*settings_, value);
+  set_[&*row] = value;
+  // Time goes on where it is, to the next of the new frames.
+  if (scenario_->dt_s != dt_s)
+    next_frame_ = uint32_t(std::lround(next_frame_ * dt_s / scenario_->dt_s));
+}
+
+void Viewer::SetViewport(uint32_t width_px, uint32_t height_px) {
+  width_px_ = width_px;
+  height_px_ = height_px;
+}
+
+void Viewer::Paint(uint32_t channel, const glm::vec3& centre) {
+  if (!painted_) {
+    painted_ = true;
+    Load();
+  }
+  PaintBrush brush;
+  for (int c = 0; c < 3; ++c) brush.centre[c] = centre[c];
+  brush.radius = float(settings_->brush_radius);
+  brush.hardness = 0.5f;
+  brush.channel = channel;
+  brush.amount = float(settings_->brush_amount);
+  brush_ = brush;
+}
+
+Camera Viewer::FrameCamera(const Camera& own) const {
+  if (!camera_) return own;
+  Camera camera = own;
+  const double level = camera_->distance_m * exact::Cos(camera_->elevation_rad);
+  const glm::vec3 from(float(level * exact::Sin(camera_->yaw_rad)),
+                       float(camera_->distance_m * exact::Sin(camera_->elevation_rad)),
+                       float(level * exact::Cos(camera_->yaw_rad)));
+  for (int c = 0; c < 3; ++c) {
+    camera.target[c] = camera_->target[c];
+    camera.position[c] = camera_->target[c] + from[c];
+  }
+  return camera;
+}
+
+// What the page adds to the scenario's own input.
+void Viewer::Record(FrameInput& input) {
+  if (settings_->sphere_radius > 0.0 && sphere_centre_ && input.sphere_count < kSpheresPerScene) {
+    const uint32_t s = input.sphere_count++;
+    for (int c = 0; c < 3; ++c) {
+      input.sphere[s][c] = (*sphere_centre_)[c];
+      if (last_sphere_)
+        input.sphere_velocity[s][c] =
+            float(((*sphere_centre_)[c] - (*last_sphere_)[c]) / input.dt_s);
+    }
+    input.sphere[s][3] = float(settings_->sphere_radius);
+    last_sphere_ = sphere_centre_;
+  } else {
+    last_sphere_.reset();
+  }
+  if (brush_ && input.brush_count < kBrushesPerScene) input.brush[input.brush_count++] = *brush_;
+  brush_.reset();
+}
+
+const char* Viewer::Step() {
+  const TimePoint start = Now();
+  FrameInput input = running_->Prepare(next_frame_, scenario_->base.skip, scenario_->base.lod);
+  input.camera = last_camera_ = FrameCamera(input.camera);
+  Record(input);
+  if (const char* fault = scene().BeginFrame(input)) return fault;
+  caller_ms_ = double(ElapsedNs(start)) * 1e-6;
+  Frame frame = scene().CurrentFrame();
+  // The page's clock is far away: a profile doubles what a small scene's frame costs.
+  if (next_frame_ % kFramesAProfile == 0) frame.profile = times_->profile();
+  SerialExecutor executor;
+  executor.Run(frame);
+  frame_ms_ = double(ElapsedNs(start)) * 1e-6;
+  if (next_frame_ < digest_frames_) run_digest_.Add64(scene().DigestFrame());
+  ++next_frame_;
+  return nullptr;
+}
+
+PageRay Viewer::RayAt(double x, double y) const {
+  const glm::vec3 eye = VecOfPlace(last_camera_.position);
+  const glm::vec3 ahead = glm::normalize(VecOfPlace(last_camera_.target) - eye);
+  const glm::vec3 right = glm::normalize(glm::cross(ahead, VecOfPlace(last_camera_.up)));
+  const glm::vec3 up = glm::cross(right, ahead);
+  const double height = std::tan(0.5 * double(last_camera_.vertical_fov_rad));
+  const double width = height * width_px_ / height_px_;
+  return {eye, glm::normalize(ahead + right * float((2.0 * x - 1.0) * width) +
+                              up * float((1.0 - 2.0 * y) * height))};
+}
+
+std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
+  float nearest = 1e30f;
+  for (uint32_t a = 0; a < scenario_->actors.size(); ++a) {
+    const Body body = PoseBody(*scenario_, running_->scene(), a,
+                               maps_->SurfaceOf(scenario_->actors[a].character));
+    for (const auto& triangle : body.character->mesh.triangles) {
+      const float at = Meet(ray, body.position[triangle[0]], body.position[triangle[1]],
+                            body.position[triangle[2]]);
+      if (at > 0.0f && at < nearest) nearest = at;
+    }
+  }
+  if (nearest == 1e30f) return std::nullopt;
+  return ray.from + nearest * ray.along;
+}
+
+PictureScene Viewer::Gather() const {
+  PictureScene shown =
+      GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted);
+  ApplyLight(settings_->light, shown);
+  if (!settings_->render_fur) {
+    for (std::vector<Hair>& hairs : shown.layers) hairs.clear();
+    for (LayerDraw& draw : shown.draws) draw.strand_count = 0;
+  }
+  return shown;
+}
+
+std::string Viewer::Describe() const {
+  Json json;
+  json["name"] = scenario_->name;
+  json["strands"] = scenario_->StrandCount();
+  json["characters"] = scenario_->actors.size();
+  json["frames"] = scenario_->default_frames;
+  json["dt_s"] = scenario_->dt_s;
+  const CameraOrbit& orbit = scenario_->camera;
+  json["camera"] = {{"target", {orbit.target.x, orbit.target.y, orbit.target.z}},
+                    {"yaw", orbit.start_rad},
+                    {"elevation", std::atan2(orbit.height_m, orbit.radius_m)},
+                    {"distance", std::hypot(orbit.height_m, orbit.radius_m)}};
+  json["layers"] = setup_text().empty() ? Json::array() : DescribeLayers(scenario_->setups.front());
+  json["settings"] = DescribeSettings(*settings_);
+  json["channels"] = kPaintChannelNames;
+  json["notes"] = scenario_->notes;
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string Viewer::LastFrame() const {
+  const FurScene& scene = running_->scene();
+  const Plan& plan = scene.plan();
+  const double ms_per_tick = times_->NsPerTick() * 1e-6;
+  Json stages = Json::array();
+  for (uint32_t s = 0; s < plan.stages.size(); ++s) {
+    uint64_t ticks = 0;
+    uint32_t ran = 0;
+    const uint32_t items = scene.shape().ItemCount(plan.stages[s].domain);
+    for (uint32_t i = 0; i < items; ++i) {
+      const Slice slice = times_->Stage(s, i);
+      if (!slice.Ran()) continue;
+      ++ran;
+      ticks += slice.Ticks();
+    }
+    stages.push_back({{"name", plan.stages[s].kernel.name},
+                      {"ms", double(ticks) * ms_per_tick},
+                      {"ran", ran},
+                      {"of", items}});
+  }
+  const Json json = {
+      {"frame", next_frame_ == 0 ? 0 : next_frame_ - 1},
+      {"run_digest",
+       next_frame_ <= digest_frames_ ? fmt::format("{:016x}", run_digest_.Value()) : std::string()},
+      {"ms", frame_ms_},
+      {"caller_ms", caller_ms_},
+      {"drawn", scene.DrawnStrands()},
+      {"live", scene.LiveStrands()},
+      {"stages", stages}};
+  return json.dump();
+}
+
+}  // namespace pelt

@@ -1,0 +1,104 @@
+// What the page shows and changes: a scenario that runs frame by frame, the same bits as `pelt run` as long as nothing
+// but the picture is changed, and what is said of it in JSON. Without a page around it, so that tests run it natively.
+//
+//   Viewer viewer({.scene = "monster"});
+//   viewer.Step();
+//   viewer.LastFrame();                    // digests, times, what ran
+//   viewer.ChangeKey("head", "frequency", "8");
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "bench/page/page_settings.hpp"
+#include "bench/picture/picture.hpp"
+#include "bench/picture/picture_maps.hpp"
+#include "jobs/frame_recording.hpp"
+
+namespace pelt {
+
+// Where the user stands. Unset, the scene's own camera is the frame's and the picture's.
+struct PageCamera {
+  glm::vec3 target{0.0f};  // m
+  double yaw_rad = 0.0, elevation_rad = 0.0, distance_m = 1.0;
+};
+
+// A ray of the picture: where it starts, and its direction, unit.
+struct PageRay {
+  glm::vec3 from, along;
+};
+
+class Viewer {
+ public:
+  // Throws Error as LoadScenario does.
+  explicit Viewer(ScenarioRequest request);
+
+  // Runs the next frame. Returns null, or why it was refused.
+  const char* Step();
+  // Frame 0 again, as it was.
+  void Restart();
+  uint32_t next_frame() const { return next_frame_; }
+  // Digests are taken of frames below this one; at first of all. They are a good part of a frame's time.
+  void TakeDigests(uint32_t frames) { digest_frames_ = frames; }
+
+  // The setup in which a layer's key has another value, and the scene that it makes: it begins on its groom, at the
+  // frame that is next. Throws Error and changes nothing where the setup or the value is not taken, or the scene has no
+  // setup of one text.
+  void ChangeKey(std::string_view layer, std::string_view key, std::string_view value);
+  void ReplaceSetup(std::string text);
+  // Empty for a scene without one.
+  const std::string& setup_text() const { return request_.setup_text; }
+
+  // Of PageRows(), by key. Throws Error for one that is not there, or is out of bounds.
+  void Set(std::string_view key, double value);
+  void SetCamera(std::optional<PageCamera> camera) { camera_ = camera; }
+  void SetViewport(uint32_t width_px, uint32_t height_px);
+  // The user's ball: where it is, in frames from the next one on; `radius` is a setting.
+  void MoveSphere(const glm::vec3& centre) { sphere_centre_ = centre; }
+  // Paints at a place in the next frame. The first one has all layers of strands lit and painted, which is another
+  // scene, and as one of another setup begins on its groom.
+  void Paint(uint32_t channel, const glm::vec3& centre);
+
+  // Of the pixel as it was drawn last, 0 to 1 from the left and from the top.
+  PageRay RayAt(double x, double y) const;
+  // Where the ray meets the characters first.
+  std::optional<glm::vec3> Pick(const PageRay& ray) const;
+
+  // What there is to draw of the last frame.
+  PictureScene Gather() const;
+
+  // JSON. All that the page builds its controls from; and what the last frame was.
+  std::string Describe() const;
+  std::string LastFrame() const;
+
+  FurScene& scene() { return running_->scene(); }
+  uint64_t run_digest() const { return run_digest_.Value(); }
+
+ private:
+  Camera FrameCamera(const Camera& own) const;
+  void Load();
+  void Record(FrameInput& input);
+
+  ScenarioRequest request_;
+  std::unique_ptr<Scenario> scenario_;
+  std::unique_ptr<PageSettings> settings_;
+  std::map<const PageRow*, double> set_;  // by the user, for the scenario that comes next
+  std::unique_ptr<PictureMaps> maps_;
+  std::unique_ptr<RunningScenario> running_;
+  std::unique_ptr<FrameRecording> times_;
+  std::optional<PageCamera> camera_;
+  Camera last_camera_;
+  std::optional<glm::vec3> sphere_centre_, last_sphere_;
+  std::optional<PaintBrush> brush_;
+  bool painted_ = false;
+  uint32_t width_px_ = 1280, height_px_ = 720;
+  uint32_t next_frame_ = 0;
+  double caller_ms_ = 0.0, frame_ms_ = 0.0;
+  uint32_t digest_frames_ = ~0u;
+  Digest run_digest_;
+};
+
+}  // namespace pelt
