@@ -1,0 +1,421 @@
+'use strict';
+const $ = (id) => document.getElementById(id);
+const given = JSON.parse($('given').textContent);
+const canvas = $('picture');
+let described, setup = '', orbit = null, firstOrbit = null, playing = false, stroke = null;
+// What differs from the page as it was opened; a link holds it.
+let changes = {settings: {}, keys: [], camera: null};
+
+// ---- The worker -----------------------------------------------------------------------------------------------------
+
+const worker = new Worker(URL.createObjectURL(new Blob([$('worker').textContent], {type: 'text/javascript'})));
+const tell = (message, moved = []) => worker.postMessage(message, moved);
+
+async function moduleBytes() {
+  const packed = Uint8Array.from(atob($('module').textContent.trim()), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// How finely the canvas is drawn: `samples` a side of each pixel; a link or a test may ask for its own size.
+const wanted = new URLSearchParams(location.search);
+function pictureSize() {
+  const samples = Number(wanted.get('samples') ?? 1);
+  if (wanted.has('width')) return [Number(wanted.get('width')), Number(wanted.get('height')), samples];
+  const scale = Math.min(devicePixelRatio, 2);
+  return [Math.max(16, Math.round(canvas.clientWidth * scale)), Math.max(16, Math.round(canvas.clientHeight * scale)), samples];
+}
+
+async function open() {
+  // {} has the bytes of one vector instruction: a browser that takes none cannot run the module.
+  const vectors = WebAssembly.validate(new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11]));
+  if (!vectors) return showFault('This browser has no WebAssembly vectors (SIMD), which the module is made of: take one of 2022 or later.');
+  if (!canvas.transferControlToOffscreen) return showFault('This browser cannot draw from a worker (OffscreenCanvas): take one of 2023 or later.');
+  const files = Object.fromEntries(Object.entries(given.files ?? {}).map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]));
+  const offscreen = canvas.transferControlToOffscreen();
+  const module = await moduleBytes();
+  tell({open: {module, canvas: offscreen, request: {text: given.request, files, compared: given.native.digests.length}, size: pictureSize()}}, [offscreen, module.buffer]);
+}
+
+worker.onmessage = ({data}) => {
+  if (data.described) show(data);
+  if (data.setup !== undefined) setup = data.setup;
+  if (data.frame) showFrame(data);
+  if (data.fault) showFault(data.dead ? `${data.fault}\nReload the page.` : data.fault);
+  if (data.opened) {
+    document.body.dataset.opened = Math.round(performance.now());
+    takeLink();
+    if (!matchMedia('(prefers-reduced-motion: reduce)').matches && !wanted.has('still')) play(true);
+  }
+};
+worker.onerror = (event) => showFault(event.message);
+
+function showFault(text) {
+  $('fault').textContent = text;
+  $('fault').hidden = !text;
+}
+
+// ---- What is known of the scene -------------------------------------------------------------------------------------
+
+function show(data) {
+  described = data.described;
+  if (data.renderer) showFault(data.renderer);
+  $('name').textContent = described.name;
+  $('about').textContent = `${described.strands.toLocaleString('en')} strands on ${described.characters} character${described.characters > 1 ? 's' : ''}`;
+  firstOrbit ??= described.camera;
+  makeControls();
+}
+
+// What the original demonstration had on its panel, by our names.
+const kScorpion = [['key', 'fur_texture_repeat', 'fur texture multiplier', 1, 80], ['key', 'fur_shadow', 'shadow factor'], ['key', 'stiffness', 'stiffness'],
+  ['key', 'fur_density', 'density'], ['key', 'fur_min_length', 'min length'], ['key', 'length', 'max length'], ['key', 'shells', 'shells'], ['setting', 'animation_speed', 'animation speed'],
+  ['setting', 'wind_speed', 'wind strength'], ['setting', 'render_fur', 'render fur'], ['key', 'cone', 'cone of shame']];
+
+function makeControls() {
+  const shown = new Set([...$('controls').querySelectorAll('details[open]')].map((group) => group.dataset.group));
+  const first = !$('controls').firstChild;
+  $('controls').replaceChildren();
+  const shells = described.layers.find((layer) => layer.keys.some((k) => k.key === 'output' && k.value === '"shells"'));
+  if (shells) {
+    const group = addGroup('Furry Scorpion', first || shown.has('Furry Scorpion'));
+    for (const [kind, key, label, low, high] of kScorpion) {
+      const row = kind === 'setting' ? described.settings.find((r) => r.key === key) : shells.keys.find((r) => r.key === key);
+      if (kind === 'setting') addSetting(group, {...row, label});
+      else addKey(group, shells.name, {...row, label, low: low ?? row.low, high: high ?? row.high}, high !== undefined);
+    }
+  }
+  for (const row of described.settings) addSetting(addGroup(row.group, first ? ['time', 'wind'].includes(row.group) : shown.has(row.group)), row);
+  for (const layer of described.layers) {
+    const group = addGroup(`layer ${layer.name}`, shown.has(`layer ${layer.name}`));
+    for (const row of layer.keys) addKey(group, layer.name, row, false);
+  }
+  find();
+}
+
+function addGroup(name, isOpen) {
+  let group = [...$('controls').children].find((child) => child.dataset.group === name);
+  if (group) return group;
+  group = document.createElement('details');
+  group.dataset.group = name;
+  group.open = isOpen;
+  group.innerHTML = '<summary></summary>';
+  group.firstChild.textContent = name;
+  $('controls').append(group);
+  return group;
+}
+
+let rowCount = 0;
+// A control of a row: {label, unit, text, low, high}, its value, and what a change does. `input` makes the element.
+function addRow(group, row, id, inputs) {
+  const box = document.createElement('div');
+  box.className = 'row';
+  box.dataset.key = id;
+  const label = document.createElement('label');
+  label.htmlFor = `row${rowCount}`;
+  label.textContent = `${row.label ?? row.key.replaceAll('_', ' ')}${row.unit ? `, ${row.unit}` : ''} `;
+  const note = document.createElement('small');
+  note.textContent = row.text;
+  label.append(note);
+  inputs[0].id = `row${rowCount++}`;
+  for (const other of inputs.slice(1)) other.setAttribute('aria-label', `${label.textContent}, as a number`);
+  box.append(label, ...inputs);
+  group.append(box);
+  return box;
+}
+
+function element(type, properties) {
+  const made = document.createElement(type);
+  Object.assign(made, properties);
+  return made;
+}
+
+// A slider and a number that follow each other.
+function numberInputs(row, value, low, high, change) {
+  const step = row.type === 'whole number' ? 1 : 'any';
+  const slider = element('input', {type: 'range', min: low, max: high, step: step === 1 ? 1 : (high - low) / 400, value});
+  const number = element('input', {type: 'number', min: row.low, max: row.high, step, value: Number(Number(value).toPrecision(6))});
+  slider.oninput = () => {
+    number.value = Number(Number(slider.value).toPrecision(4));
+    change(Number(number.value));
+  };
+  number.onchange = () => {
+    if (!number.reportValidity() || number.value === '') return;
+    slider.value = number.value;
+    change(Number(number.value));
+  };
+  return [slider, number];
+}
+
+function addSetting(group, row) {
+  const change = (value) => {
+    changes.settings[row.key] = value;
+    box.classList.add('changed');
+    tell({set: [row.key, value]});
+    remember();
+  };
+  let inputs;
+  if (row.switch) {
+    const check = element('input', {type: 'checkbox', checked: row.value !== 0});
+    check.onchange = () => change(check.checked ? 1 : 0);
+    inputs = [check];
+  } else {
+    inputs = numberInputs(row, row.value, row.low, row.high, change);
+  }
+  const box = addRow(group, row, row.key, inputs);
+  box.classList.toggle('changed', row.key in changes.settings);
+}
+
+// A slider that reaches from 0 to the bound would have most values in its first pixel.
+function sliderBounds(row, value) {
+  if (row.high - row.low <= 20 && row.high <= 10 && row.key !== 'length') return [row.low, row.high];
+  const far = value === 0 ? Math.min(1, row.high) : 4 * Math.abs(value);
+  return [Math.max(row.low, row.low < 0 ? -far : 0), Math.min(row.high, far)];
+}
+
+function addKey(group, layer, row, exactBounds) {
+  const change = (value) => {
+    changes.keys = changes.keys.filter(([l, k]) => l !== layer || k !== row.key);
+    changes.keys.push([layer, row.key, value]);
+    row.value = value;
+    box.classList.add('changed');
+    tell({key: [layer, row.key, value]});
+    remember();
+  };
+  let inputs;
+  if (row.words) {
+    const select = element('select', {});
+    for (const word of row.words) select.append(element('option', {textContent: word, selected: row.value === `"${word}"`}));
+    select.onchange = () => change(`"${select.value}"`);
+    inputs = [select];
+  } else if (row.type === 'true or false') {
+    const check = element('input', {type: 'checkbox', checked: row.value === 'true'});
+    check.onchange = () => change(String(check.checked));
+    inputs = [check];
+  } else if (row.type === 'colour' && row.value.startsWith('"#')) {
+    const colour = element('input', {type: 'color', value: row.value.slice(1, -1)});
+    colour.onchange = () => change(`"${colour.value}"`);
+    inputs = [colour];
+  } else if (row.value !== 'none' && Number.isFinite(Number(row.value))) {
+    const [low, high] = exactBounds ? [row.low, row.high] : sliderBounds(row, Number(row.value));
+    let waiting = 0;
+    inputs = numberInputs(row, Number(row.value), low, high, (value) => {
+      clearTimeout(waiting);
+      const whole = ['whole number'].includes(row.type) || ['points', 'iterations', 'shells', 'fur_seed', 'fur_texture_size'].includes(row.key);
+      waiting = setTimeout(() => change(whole ? String(Math.round(value)) : Number.isInteger(value) ? value.toFixed(1) : String(value)), 120);
+    });
+  } else {
+    return;  // maps and tables are the setup's own
+  }
+  const box = addRow(group, row, `${layer}.${row.key}`, inputs);
+  box.classList.toggle('changed', changes.keys.some(([l, k]) => l === layer && k === row.key));
+}
+
+function find() {
+  const text = $('find').value.trim().toLowerCase();
+  for (const group of $('controls').children) {
+    let any = false;
+    for (const row of group.querySelectorAll('.row')) {
+      row.hidden = text !== '' && !row.textContent.toLowerCase().includes(text);
+      any ||= !row.hidden;
+    }
+    group.hidden = !any;
+    if (text !== '') group.open = any;
+  }
+}
+$('find').oninput = find;
+
+// ---- A frame --------------------------------------------------------------------------------------------------------
+
+// Digests of runs of the program that wrote this page: of the first frames, as it prints them.
+function digestText(frame) {
+  const last = document.body.dataset.verdict ?? '';
+  const native = given.native;
+  const at = frame.frame, known = native.digests[at];
+  if (!frame.run_digest || !known) return [`frame ${at}; the first ${native.digests.length} were compared${last ? ` and were ${last === 'same' ? 'the same' : 'others'}` : ''}`, last];
+  const ours = `frame ${at}: digest ${frame.run_digest}`;
+  if (known === frame.run_digest) return [`${ours}: the same as ${native.command.replace('FRAMES', at + 1)}`, 'same'];
+  const changed = changes.camera || changes.keys.length || Object.keys(changes.settings).length || stroke;
+  return [`${ours}: other than ${known} of the native run${changed ? ', as something was changed here ("Reset all" takes it back)' : ''}`, 'other'];
+}
+
+function showFrame({frame, draw_ms, pages}) {
+  const [text, kind] = digestText(frame);
+  $('digest').textContent = text;
+  $('digest').className = kind;
+  document.body.dataset.frame = frame.frame;
+  document.body.dataset.digest = frame.run_digest;
+  document.body.dataset.verdict = kind;
+  document.body.dataset.memory = pages;
+  $('budget').firstElementChild.style.width = `${Math.min(frame.ms * 10, 100)}%`;
+  $('times').textContent = `${frame.ms.toFixed(1)} ms for a frame (lines: 5 and 8 ms), ${draw_ms.toFixed(0)} ms to draw; ${frame.drawn.toLocaleString('en')} of ${frame.live.toLocaleString('en')} strands drawn`;
+  if (!$('stages').closest('details').open) return;
+  $('stages').tBodies[0].replaceChildren(...frame.stages.map((stage) => {
+    const row = document.createElement('tr');
+    for (const cell of [stage.name, stage.ms.toFixed(2), stage.ran, stage.of]) row.append(element('td', {textContent: cell}));
+    return row;
+  }));
+}
+
+// ---- Buttons, mouse and keys ----------------------------------------------------------------------------------------
+
+function play(on) {
+  playing = on;
+  $('play').textContent = on ? 'Pause' : 'Play';
+  $('play').setAttribute('aria-pressed', String(on));
+  tell({play: on});
+}
+$('play').onclick = () => play(!playing);
+$('step').onclick = () => {
+  play(false);
+  tell({step: 1});
+};
+$('restart').onclick = () => tell({restart: true});
+$('reset').onclick = () => {
+  changes = {settings: {}, keys: [], camera: null};
+  orbit = null;
+  stroke = null;
+  showFault('');
+  $('controls').replaceChildren();
+  remember();
+  tell({reset: true});
+};
+$('own-camera').onclick = () => {
+  orbit = changes.camera = null;
+  tell({camera: null});
+  remember();
+};
+
+function moveCamera(change) {
+  orbit ??= {...firstOrbit, target: [...firstOrbit.target]};
+  change(orbit);
+  orbit.elevation = Math.max(-1.45, Math.min(1.45, orbit.elevation));
+  orbit.distance = Math.max(0.1, Math.min(100, orbit.distance));
+  changes.camera = [...orbit.target, orbit.yaw, orbit.elevation, orbit.distance];
+  tell({camera: changes.camera});
+  remember();
+}
+const zoom = (factor) => moveCamera((o) => { o.distance *= factor; });
+const turn = (yaw, elevation) => moveCamera((o) => {
+  o.yaw += yaw;
+  o.elevation += elevation;
+});
+function pan(dx, dy) {
+  moveCamera((o) => {
+    const far = o.distance * 0.8;
+    o.target[0] -= far * dx * Math.cos(o.yaw);
+    o.target[2] += far * dx * Math.sin(o.yaw);
+    o.target[1] += far * dy;
+  });
+}
+
+const kTools = [['turn', 'turn the camera'], ['pan', 'move the camera'], ['sphere', 'drag a ball through the fur']];
+function fillTools() {
+  for (const [value, textContent] of kTools) $('tool').append(element('option', {value, textContent}));
+  for (const [i, name] of ['mud', 'snow', 'wet', 'dust'].entries()) $('tool').append(element('option', {value: `paint ${i}`, textContent: `paint ${name}`}));
+}
+fillTools();
+
+const pointers = new Map();
+const shareOf = (event) => [event.offsetX / canvas.clientWidth, event.offsetY / canvas.clientHeight];
+canvas.onpointerdown = (event) => {
+  canvas.setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, shareOf(event));
+  act(event, 0, 0);
+};
+canvas.onpointermove = (event) => {
+  const last = pointers.get(event.pointerId);
+  if (!last) return;
+  const now = shareOf(event);
+  pointers.set(event.pointerId, now);
+  if (pointers.size === 2) {  // pinch
+    const [a, b] = [...pointers.values()];
+    const before = pointers.get(event.pointerId) === a ? Math.hypot(last[0] - b[0], last[1] - b[1]) : Math.hypot(a[0] - last[0], a[1] - last[1]);
+    const after = Math.hypot(a[0] - b[0], a[1] - b[1]);
+    if (before > 0 && after > 0) zoom(before / after);
+    return;
+  }
+  act(event, now[0] - last[0], now[1] - last[1]);
+};
+canvas.onpointerup = canvas.onpointercancel = (event) => {
+  pointers.delete(event.pointerId);
+  if ($('tool').value.startsWith('paint')) tell({paint: null});
+};
+function act(event, dx, dy) {
+  const tool = event.shiftKey ? 'pan' : $('tool').value;
+  const [x, y] = shareOf(event);
+  if (tool === 'turn' && (dx || dy)) turn(-4 * dx, 2 * dy);
+  if (tool === 'pan' && (dx || dy)) pan(dx, dy);
+  if (tool === 'sphere') {
+    if (!changes.settings.sphere_radius) {
+      changes.settings.sphere_radius = 0.08;
+      tell({set: ['sphere_radius', 0.08]});
+    }
+    tell({sphere: [x, y]});
+  }
+  if (tool.startsWith('paint')) {
+    stroke = true;
+    tell({paint: [Number(tool.slice(6)), x, y]});
+  }
+}
+canvas.addEventListener('wheel', (event) => {
+  event.preventDefault();
+  zoom(Math.exp(event.deltaY * 0.001));
+}, {passive: false});
+canvas.onkeydown = (event) => {
+  const keys = {ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, 0.1), ArrowDown: () => turn(0, -0.1),
+    '+': () => zoom(0.9), '-': () => zoom(1.1), ' ': () => play(!playing), '.': () => $('step').click()};
+  if (!keys[event.key]) return;
+  event.preventDefault();
+  keys[event.key]();
+};
+new ResizeObserver(() => described && tell({size: pictureSize()})).observe(canvas);
+
+// ---- Links and setups -----------------------------------------------------------------------------------------------
+
+const remember = () => {
+  const any = changes.camera || changes.keys.length || Object.keys(changes.settings).length;
+  history.replaceState(null, '', any ? `#${encodeURIComponent(JSON.stringify(changes))}` : location.pathname + location.search);
+};
+
+function takeLink() {
+  if (location.hash.length < 2) return;
+  let link;
+  try {
+    link = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    for (const [layer, key, value] of link.keys) if (![layer, key, value].every((v) => typeof v === 'string')) throw new Error('keys');
+  } catch (error) {
+    return showFault(`The link's settings cannot be read: ${error.message}`);
+  }
+  changes = {settings: link.settings ?? {}, keys: link.keys ?? [], camera: link.camera ?? null};
+  for (const [key, value] of Object.entries(changes.settings)) tell({set: [key, Number(value)]});
+  for (const change of changes.keys) tell({key: change});
+  if (changes.camera) tell({camera: changes.camera.map(Number)});
+  tell({describe: true});
+}
+
+async function copy(text, what) {
+  $('setup').hidden = true;
+  try {
+    await navigator.clipboard.writeText(text);
+    $('copied').textContent = `${what} copied`;
+  } catch {  // a page that was opened as a file may not
+    $('setup').value = text;
+    $('setup').hidden = false;
+    $('setup').select();
+    $('copied').textContent = `${what} is below, to be copied`;
+  }
+}
+$('share').onclick = () => copy(location.href, 'link');
+$('toml').onclick = () => (setup ? copy(setup, 'setup') : showFault('This scene makes its setups itself: there is none to copy.'));
+
+document.addEventListener('dragover', (event) => event.preventDefault());
+document.addEventListener('drop', async (event) => {
+  event.preventDefault();
+  const file = event.dataTransfer.files[0];
+  if (!file) return;
+  if (!file.name.endsWith('.toml')) return showFault(`${file.name}: a setup (.toml) can be dropped here`);
+  showFault('');
+  tell({setup: await file.text()});
+});
+
+open().catch((error) => showFault(String(error)));

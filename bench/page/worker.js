@@ -1,0 +1,225 @@
+'use strict';
+// Runs the module: simulates, draws, and tells the page. Of messages, each is {name: arguments}.
+let exported, renderer = '', canvas, compiled, request, playing = false, due_s = 0, last_ms = 0, dirty = true;
+let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
+// What was set since the page opened, for a module that has to begin again.
+let kept = {settings: {}, camera: null};
+
+const decoder = new TextDecoder(), encoder = new TextEncoder();
+const memory = () => exported.memory;
+const bytes = (at, count) => new Uint8Array(memory().buffer, at, count);
+const result = (at) => (at ? decoder.decode(bytes(at, exported.TextSize())) : null);
+
+// Calls an export; texts among the arguments become a pointer and a size.
+function call(name, ...values) {
+  const given = [], blocks = [];
+  for (const value of values) {
+    if (typeof value === 'number') {
+      given.push(value);
+      continue;
+    }
+    const data = typeof value === 'string' ? encoder.encode(value) : value;
+    const at = exported.Allocate(data.length + 1);
+    bytes(at, data.length).set(data);
+    blocks.push(at);
+    given.push(at, data.length);
+  }
+  const found = exported[name](...given);
+  for (const at of blocks) exported.Free(at);
+  return found;
+}
+
+// What WASI programs are given here: a clock, standard error, and the end.
+const kBad = 8, kNotHere = 52;
+const wasi = {
+  clock_time_get: (clock, precision, at) => {
+    new DataView(memory().buffer).setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
+    return 0;
+  },
+  environ_get: () => 0,
+  environ_sizes_get: (count, total) => {
+    const view = new DataView(memory().buffer);
+    view.setUint32(count, 0, true);
+    view.setUint32(total, 0, true);
+    return 0;
+  },
+  fd_prestat_get: () => kBad,
+  fd_write: (fd, list, count, done) => {
+    const view = new DataView(memory().buffer);
+    let all = 0;
+    for (let i = 0; i < count; ++i) {
+      const at = view.getUint32(list + 8 * i, true), length = view.getUint32(list + 8 * i + 4, true);
+      stdout += decoder.decode(bytes(at, length));
+      all += length;
+    }
+    view.setUint32(done, all, true);
+    return 0;
+  },
+  proc_exit: (code) => {
+    throw new Error(`the module ended with ${code}`);
+  },
+};
+
+async function start() {
+  const env = {};
+  const gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
+  const api = gl && WebGl(gl, memory);
+  for (const {module: from, name} of WebAssembly.Module.imports(compiled))
+    (env[from] ??= {})[name] = from === 'gl' ? (...numbers) => api[name](...numbers) : wasi[name] ?? (() => kNotHere);
+  exported = (await WebAssembly.instantiate(compiled, env)).exports;
+  exported._initialize?.();
+  for (const [path, content] of Object.entries(request.files ?? {})) call('GiveFile', path, content);
+  call('Open', request.text + (kept.setup ? `\nsetup_text = ${JSON.stringify(kept.setup)}` : ''));
+  exported.TakeDigests(request.compared);
+  renderer = gl ? result(exported.OpenRenderer()) : 'this browser has no WebGL2: frames run, and nothing is drawn';
+  for (const [key, value] of Object.entries(kept.settings)) call('Set', key, value);
+  if (kept.camera) call('SetCamera', ...kept.camera);
+  describe();
+}
+
+function describe() {
+  const described = JSON.parse(result(exported.Describe()));
+  dt_s = described.dt_s;
+  postMessage({described, setup: result(exported.SetupText()), renderer});
+}
+
+function step() {
+  if (paint) call('Paint', ...paint);
+  const refused = result(exported.Step());
+  if (refused) throw new Error(refused);
+  dirty = true;
+}
+
+function draw() {
+  if (!dirty || renderer) return;
+  const start_ms = performance.now();
+  if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+  exported.Draw(...size);
+  drawn_ms = performance.now() - start_ms;
+  dirty = false;
+}
+
+const report = () => postMessage({frame: JSON.parse(result(exported.LastFrame())), draw_ms: drawn_ms, pages: memory().buffer.byteLength});
+
+// A module that stopped begins again, with what was set before.
+async function guarded(run) {
+  try {
+    await run();
+  } catch (error) {
+    const reason = stdout.trim().split('\n').at(-1) || String(error);
+    stdout = '';
+    postMessage({fault: reason});
+    if (compiled && !(error instanceof WebAssembly.CompileError)) await start().catch((again) => postMessage({fault: String(again), dead: true}));
+  }
+}
+
+const next = self.requestAnimationFrame ? (run) => self.requestAnimationFrame(run) : (run) => setTimeout(() => run(performance.now()), 16);
+function loop(now_ms) {
+  next((now) => guarded(() => loop(now)));
+  const passed_s = Math.min((now_ms - last_ms) / 1000, 0.1);
+  last_ms = now_ms;
+  if (playing) {
+    due_s += passed_s * slow_motion;
+    let stepped = false;
+    // No more than the time allows: what is slower than real time becomes slow motion.
+    for (let i = 0; due_s >= dt_s && i < 4; ++i, stepped = true) {
+      step();
+      due_s -= dt_s;
+    }
+    due_s = Math.min(due_s, dt_s);
+    if (!stepped && !dirty) return;
+  }
+  if (dirty) {
+    draw();
+    report();
+  }
+}
+
+const place = (x, y) => {
+  const at = exported.Pick(x, y);
+  return at ? Array.from(new Float32Array(memory().buffer, at, 3)) : null;
+};
+
+const handlers = {
+  open: async ({module, canvas: given, request: wanted, size: first}) => {
+    canvas = given;
+    request = wanted;
+    size = first;
+    kept = {settings: {}, camera: null, setup: wanted.setup ?? ''};
+    compiled = await WebAssembly.compile(module);
+    await start();
+    step();
+    draw();
+    report();
+    postMessage({opened: true});
+    last_ms = performance.now();
+    next((now) => guarded(() => loop(now)));
+  },
+  play: (on) => {
+    playing = on;
+  },
+  // As many frames as asked for, drawn once.
+  step: (count) => {
+    playing = false;
+    for (let i = 0; i < count; ++i) step();
+    draw();
+    report();
+  },
+  restart: () => {
+    exported.Restart();
+    step();
+    draw();
+    report();
+  },
+  // Everything as it was when the page was opened.
+  reset: async () => {
+    kept = {settings: {}, camera: null, setup: request.setup ?? ''};
+    await start();
+    handlers.restart();
+  },
+  set: ([key, value]) => {
+    call('Set', key, value);
+    kept.settings[key] = value;
+    if (key === 'slow_motion') slow_motion = value;
+    if (key === 'frame_rate') dt_s = 1 / value;
+    dirty = true;
+  },
+  key: ([layer, key, value]) => {
+    call('ChangeKey', layer, key, value);
+    kept.setup = result(exported.SetupText());
+    postMessage({setup: kept.setup});
+    handlers.step(1);
+  },
+  setup: (text) => {
+    call('ReplaceSetup', text);
+    kept.setup = text;
+    describe();
+    handlers.step(1);
+  },
+  camera: (camera) => {
+    kept.camera = camera;
+    if (camera) call('SetCamera', ...camera);
+    else exported.TakeScenesCamera();
+    if (!playing) handlers.step(1);
+  },
+  describe,
+  size: (wanted) => {
+    size = wanted;
+    dirty = true;
+  },
+  sphere: ([x, y]) => {
+    const at = place(x, y);
+    if (at) exported.MoveSphere(...at);
+  },
+  // Null: the brush is lifted.
+  paint: (stroke) => {
+    const at = stroke && place(stroke[1], stroke[2]);
+    paint = at ? [stroke[0], ...at] : null;
+    if (paint && !playing) handlers.step(1);
+  },
+};
+
+let queue = Promise.resolve();
+self.onmessage = ({data}) => {
+  for (const [name, value] of Object.entries(data)) queue = queue.then(() => guarded(() => handlers[name](value)));
+};
