@@ -4,11 +4,17 @@
 # on all cores; runs short benchmarks.
 #   bash bench/run.sh          all of it
 #   bash bench/run.sh frame    without the benchmarks
+#   bash bench/run.sh view     instead: a page that runs the monster in a browser
 set -euo pipefail
 cd "$(dirname "$0")/.."
 what=${1:-all}
-[[ "$what" == all || "$what" == frame ]] || { echo "usage: bash bench/run.sh [all|frame]" >&2; exit 2; }
-bash .ci/setup.sh
+[[ "$what" =~ ^(all|frame|view)$ ]] || { echo "usage: bash bench/run.sh [all|frame|view]" >&2; exit 2; }
+extra=() options=(-DPELT_WASM=OFF)
+if [ "$what" = view ]; then
+  extra=(clang lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32 libegl-dev libgl-dev)
+  options=(-DPELT_WASM=ON)
+fi
+bash .ci/setup.sh ${extra[@]+"${extra[@]}"}
 
 build=build/bench
 mkdir -p "$build"
@@ -30,11 +36,16 @@ progress() {
   if [ -t 1 ]; then echo; fi
 }
 echo "building in $build"
-{ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPELT_TESTS=OFF -DPELT_WHOLE=ON &&
+{ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPELT_TESTS=OFF -DPELT_WHOLE=ON "${options[@]}" &&
   cmake --build "$build" --target "${targets[@]}"; } 2>&1 | progress 3>"$build/build.log" ||
   { tail -n 60 "$build/build.log" >&2; exit 1; }
 
 pelt=$build/bench/pelt
+if [ "$what" = view ]; then
+  "$pelt" view --scene monster --out "$build/monster.html"
+  echo "open it in a browser: $(realpath "$build/monster.html")"
+  exit 0
+fi
 # A scene that does not fit is a verdict, not a failure of this script. The verdict is the report's last part.
 echo "measuring: 60 frames of the scene cast here and on both consoles"
 "$pelt" budget --scene cast --frames 60 --target-ms 8 >"$build/budget.txt" || [ $? -eq 1 ]

@@ -103,6 +103,14 @@ struct ReportArgs {
 };
 int Report(const ReportArgs& args);
 
+struct ViewArgs {
+  ScenarioRequest request;
+  OutputPath out = OutputPath::Of("view.html");
+  uint32_t frames = 120;  // whose digests the page compares
+};
+// A page that runs the scene in a browser.
+int View(const ViewArgs& args);
+
 struct PlanArgs {
   ScenarioRequest request;
   SceneOptions options;

@@ -10,7 +10,14 @@ run_examples() {
   local count=0
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
-  for subcommand in bake run plan verify report trace diff golden timing budget conformance accuracy stress; do
+  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress)
+  # A program without the page's module says so, in the one line of an error.
+  if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
+    subcommands+=(view)
+  else
+    expect 1 PELT_WASM -- view --scene tiny --frames 1 --out tiny.html
+  fi
+  for subcommand in "${subcommands[@]}"; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
     while read -r -a words; do
       count=$((count + 1))

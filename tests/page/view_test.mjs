@@ -1,0 +1,177 @@
+// The page of `pelt view` in headless Chromium: node view_test.mjs PELT CHROMIUM WORK_DIR
+//
+// Its digests are the program's, its picture is that of the headless OpenGL renderer, its controls do what they say and
+// can be taken back, and what is wrong is told. Exit code 77: this program has no module.
+import {execFileSync, spawnSync} from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import {Browser} from './devtools.mjs';
+
+const [pelt, chromium, work] = process.argv.slice(2);
+const failures = [];
+const check = (is, what) => {
+  if (!is) failures.push(what);
+  console.log(`${is ? 'ok    ' : 'FAILED'} ${what}`);
+};
+const run = (...args) => execFileSync(pelt, args, {cwd: work, encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe']});
+
+const tried = spawnSync(pelt, ['view', '--scene', 'tiny', '--frames', '24', '--out', path.join(work, 'tiny.html')], {encoding: 'utf8'});
+if (tried.status !== 0 && tried.stderr.includes('without the page')) {
+  console.error(`SKIPPED: ${tried.stderr.trim()}`);
+  process.exit(77);
+}
+check(tried.status === 0, `a page is written ${tried.stderr}`);
+
+const browser = new Browser(chromium);
+process.on('exit', () => browser.close());
+
+// kPixels(): what the canvas shows, as bytes of RGBA at its own size.
+const kPixels = `(() => {
+  const copy = document.createElement('canvas');
+  [copy.width, copy.height] = [320, 240];
+  const context = copy.getContext('2d', {willReadFrequently: true});
+  context.drawImage(document.getElementById('picture'), 0, 0, 320, 240);
+  return Array.from(context.getImageData(0, 0, 320, 240).data);
+})()`;
+// Of two such, in dB; rows of RGBA.
+function psnr(a, b) {
+  let sum = 0, count = 0;
+  for (let i = 0; i < a.length; ++i)
+    if (i % 4 !== 3) {
+      sum += (a[i] - b[i]) ** 2;
+      ++count;
+    }
+  return sum === 0 ? Infinity : 10 * Math.log10(255 * 255 * count / sum);
+}
+const spread = (pixels) => {
+  const light = pixels.filter((_, i) => i % 4 === 1), mean = light.reduce((s, v) => s + v, 0) / light.length;
+  return Math.sqrt(light.reduce((s, v) => s + (v - mean) ** 2, 0) / light.length);
+};
+// The page, still, drawn at the size of the pictures it is compared with.
+async function open(file, width = 1000) {
+  const page = await browser.open(`file://${file}?still&width=320&height=240&samples=2`, width, 800);
+  await page.until('document.body.dataset.opened', 'opening');
+  return page;
+}
+const frame = (page, number) => page.until(`document.body.dataset.frame === '${number}'`, `frame ${number}`);
+const verdict = (page) => page.evaluate('document.body.dataset.verdict');
+// Waits until the worker has answered all that was said to it.
+async function settled(page) {
+  await page.evaluate('new Promise((done) => { const before = worker.onmessage; worker.onmessage = (event) => { before(event); if (event.data.described) { worker.onmessage = before; setTimeout(done, 100); } }; tell({describe: true}); })');
+}
+const step = async (page, count) => {
+  await page.evaluate(`tell({step: ${count}})`);
+  await settled(page);
+};
+// What a user does to a control, by its row.
+const set = async (page, key, value) => {
+  await page.evaluate(`(() => {
+    const input = document.querySelector('[data-key="${key}"] input[type=number], [data-key="${key}"] input[type=checkbox], [data-key="${key}"] select');
+    if (input.type === 'checkbox') input.checked = ${JSON.stringify(value)}; else input.value = ${JSON.stringify(value)};
+    input.onchange();
+  })()`);
+  await new Promise((done) => setTimeout(done, 250));  // sliders wait for more
+  await settled(page);
+};
+
+async function tiny() {
+  const page = await open(path.join(work, 'tiny.html'));
+  check(await verdict(page) === 'same', 'tiny: the first frame is the same as the native one');
+  await step(page, 19);
+  await frame(page, 19);
+  check(await verdict(page) === 'same', 'tiny: 20 frames are the same as the native ones');
+  const ours = await page.evaluate('document.body.dataset.digest');
+  check(run('run', '--scene', 'tiny', '--frames', '20').includes(ours), `pelt run prints ${ours}, too`);
+
+  const shown = await page.evaluate(kPixels);
+  check(spread(shown) > 10, `the picture is not flat (${spread(shown).toFixed(1)})`);
+  const picture = path.join(work, 'tiny.png');
+  const drawn = spawnSync(pelt, ['run', '--scene', 'tiny', '--frames', '20', '--picture', picture, '--picture-width', '320',
+    '--picture-height', '240', '--renderer', 'gl'], {encoding: 'utf8'});
+  if (drawn.status === 0) {
+    const url = `data:image/png;base64,${fs.readFileSync(picture).toString('base64')}`;
+    const native = await page.evaluate(`new Promise((done) => { const image = new Image(); image.onload = () => {
+      const copy = document.createElement('canvas'); [copy.width, copy.height] = [320, 240];
+      const context = copy.getContext('2d'); context.drawImage(image, 0, 0);
+      done(Array.from(context.getImageData(0, 0, 320, 240).data)); }; image.src = '${url}'; })`);
+    const db = psnr(shown, native);
+    check(db >= 40, `the picture is that of the OpenGL renderer: ${db.toFixed(1)} dB`);
+  } else {
+    console.log(`skipped: ${drawn.stderr.trim()}`);
+  }
+
+  // The picture's own settings change no bit.
+  await set(page, 'sun', 0);
+  const darker = await page.evaluate(kPixels);
+  check(psnr(shown, darker) < 40, 'the sun changes the picture');
+  await step(page, 1);
+  check(await verdict(page) === 'same', 'and no bit');
+
+  const names = await page.evaluate(`[...document.querySelectorAll('button, input, select, canvas, textarea')].filter((e) =>
+    !e.labels?.length && !e.getAttribute('aria-label') && !e.textContent.trim()).length`);
+  check(names === 0, 'every control has a name');
+
+  const layer = await page.evaluate('described.layers[0].name');
+  await set(page, `${layer}.weight`, 4);
+  check(await verdict(page) === 'other', 'a key of a layer changes bits');
+  check((await page.evaluate('setup')).includes('weight = 4.0'), 'and stands in the setup');
+  check(await page.evaluate('location.hash.length') > 10, 'and in the link');
+  await page.evaluate(`tell({key: ['${layer}', 'weight', '"heavy"']})`);
+  await settled(page);
+  check((await page.evaluate("document.getElementById('fault').textContent")).includes('weight'), 'a value of the wrong kind is told');
+  check(await page.evaluate('described.strands') > 0, 'and the page goes on');
+  await page.evaluate("document.getElementById('reset').click()");
+  await frame(page, 0);
+  await step(page, 5);
+  check(await verdict(page) === 'same', 'reset takes everything back');
+
+  await set(page, 'brush_radius', 0.3);
+  await set(page, 'brush_amount', 1);
+  await page.evaluate('tell({paint: [1, 0.5, 0.5]}); tell({paint: null})');
+  await settled(page);
+  await page.evaluate('tell({restart: true})');
+  await page.evaluate('tell({paint: [1, 0.5, 0.5]}); tell({paint: null})');
+  await step(page, 4);
+  const white = (pixels) => pixels.filter((v, i) => i % 4 === 2 && v > 200 && pixels[i - 2] > 180).length;
+  const painted = white(await page.evaluate(kPixels));
+  check(painted > white(shown) + 50, `snow is painted and stays (${white(shown)} white pixels, then ${painted})`);
+
+  for (const width of [360, 1400]) {
+    await page.resize(width, 800);
+    check(await page.evaluate('document.documentElement.scrollWidth <= innerWidth'), `${width} px wide: nothing sticks out`);
+  }
+  await page.screenshot(path.join(work, 'page.png'));
+  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+}
+
+async function monster() {
+  const file = path.join(work, 'monster.html');
+  run('view', '--scene', 'monster', '--frames', '10', '--out', file);
+  const size = fs.statSync(file).size;
+  check(size <= 8e6, `monster's page has ${(size * 1e-6).toFixed(1)} MB, at most 8`);
+  const page = await open(file);
+  const opened_ms = Number(await page.evaluate('document.body.dataset.opened'));
+  console.log(`       first picture after ${opened_ms} ms`);
+  await step(page, 9);
+  check(await verdict(page) === 'same', 'monster: 10 frames are the same as the native ones');
+  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+}
+
+async function broken() {
+  const page = fs.readFileSync(path.join(work, 'tiny.html'), 'utf8');
+  const file = path.join(work, 'broken.html');
+  const at = page.indexOf('id="module">') + 12;
+  fs.writeFileSync(file, page.slice(0, at + 4000) + page.slice(page.indexOf('</script>', at)));
+  const shown = await browser.open(`file://${file}?still`, 800, 600);
+  await shown.until("!document.getElementById('fault').hidden", 'a truncated module is told');
+  check(true, 'a truncated module is told');
+}
+
+for (const part of [tiny, monster, broken]) {
+  try {
+    await part();
+  } catch (error) {
+    check(false, `${part.name}: ${error.message}`);
+  }
+}
+process.exit(failures.length ? 1 : 0);
