@@ -31,6 +31,8 @@ Subcommand SetUpBake(CLI::App& root);
 // Of a listing or a scene on a console's core (console_options.cpp).
 Subcommand SetUpTiming(CLI::App& root);
 Subcommand SetUpBudget(CLI::App& root);
+// Two runs held against each other (compare_options.cpp).
+Subcommand SetUpCompare(CLI::App& root);
 // Of strand solvers (accuracy_options.cpp).
 Subcommand SetUpAccuracy(CLI::App& root);
 Subcommand SetUpStress(CLI::App& root);

@@ -85,6 +85,14 @@ struct DiffArgs {
 };
 int Diff(const DiffArgs& args);
 
+struct CompareArgs {
+  std::string left, right;            // files of `pelt run --json`; or
+  std::vector<std::string> commands;  // two that print such, run in turns
+  uint32_t rounds = 9;
+  bool json = false;
+};
+int Compare(const CompareArgs& args);
+
 struct GoldenArgs {
   std::string check;  // a folder; or
   OutputPath renew;   // a folder

@@ -351,7 +351,7 @@ int Main(int argc, char** argv) {
                                     SetUpVerify(app),      SetUpTiming(app), SetUpBudget(app),
                                     SetUpConformance(app), SetUpTrace(app),  SetUpDiff(app),
                                     SetUpGolden(app),      SetUpReport(app), SetUpView(app),
-                                    SetUpAccuracy(app),    SetUpStress(app)};
+                                    SetUpAccuracy(app),    SetUpStress(app), SetUpCompare(app)};
   try {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),

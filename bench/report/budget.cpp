@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pelt {
 namespace {
@@ -27,6 +28,14 @@ uint32_t LayerOfItem(const SceneShape& shape, Domain domain, uint32_t item) {
   if (domain == Domain::kChunk) return shape.chunk_layer[item];
   return domain == Domain::kLayer ? item : 0;
 }
+
+// A nanosecond is less than what a clock can tell, and digits take room.
+std::vector<double> Rounded(std::vector<double> ms) {
+  for (double& value : ms) value = std::round(value * 1e6) * 1e-6;
+  return ms;
+}
+
+bool IsInScene(const StageBudget& stage) { return stage.ran + stage.skipped != 0.0; }
 
 bool Admits(const Stage& stage, const SceneShape& shape, uint32_t item) {
   return stage.domain < Domain::kLayer ||
@@ -130,6 +139,7 @@ Budget BudgetRecorder::Summarise() const {
     row.name = plan.stages[s].kernel.name;
     row.domain = plan.stages[s].domain;
     row.core_ms = spread(stage_ms_[s]);
+    row.samples_ms = stage_ms_[s];
     row.ns_per_strand = row.core_ms.median * 1e6 / strands;
     row.bytes = double(bytes_[s]) / profiled;
     row.ran = double(ran_[s]) / profiled;
@@ -145,6 +155,7 @@ Budget BudgetRecorder::Summarise() const {
   }
   budget.caller_ms = spread(caller_ms_);
   budget.wall_ms = spread(wall_ms_);
+  budget.samples_ms = wall_ms_;
   budget.ns_per_strand = budget.wall_ms.median * 1e6 / strands;
   return budget;
 }
@@ -172,7 +183,7 @@ void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree) {
   for (const StageBudget& s : budget.stages) {
     bytes += s.bytes;
     core_ms += s.core_ms.median;
-    if (s.ran + s.skipped == 0.0) continue;  // no layer of the scene has it
+    if (!IsInScene(s)) continue;
     stages.Add({s.name, s.core_ms.median, s.core_ms.p95, s.core_ms.worst, s.ns_per_strand, s.bytes,
                 s.ran, s.skipped, share(s.core_ms.median, 0), share(s.core_ms.median, 1)});
   }
@@ -203,6 +214,14 @@ void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree) {
               .scale = 100,
               .show = Show::kText},
              budget.wall_ms.median / line);
+}
+
+void AddSamples(const Budget& budget, ReportTree& tree) {
+  tree.Add(InJson("samples.frame_ms"), Rounded(budget.samples_ms));
+  ReportTable stages{.key = {}, .columns = {{"stage"}, {"core_ms"}}, .is_map = true};
+  for (const StageBudget& s : budget.stages)
+    if (IsInScene(s)) stages.Add({s.name, Rounded(s.samples_ms)});
+  tree.Add(InJson("samples.stages"), std::move(stages));
 }
 
 }  // namespace pelt

@@ -37,6 +37,7 @@ struct StageBudget {
   double ns_per_strand = 0.0;
   double bytes = 0.0;               // moved, a frame
   double ran = 0.0, skipped = 0.0;  // items per frame; those of other kinds are in neither
+  std::vector<double> samples_ms;   // core_ms of each frame that stages were timed in
 };
 struct PassBudget {
   std::string stages;
@@ -46,9 +47,10 @@ struct Budget {
   uint32_t frames = 0;
   std::vector<StageBudget> stages;
   std::vector<PassBudget> passes;
-  Spread caller_ms;            // poses and parameters, on the caller's thread
-  Spread wall_ms;              // the whole frame: caller's part and all passes
-  double ns_per_strand = 0.0;  // of the whole frame's median
+  Spread caller_ms;                // poses and parameters, on the caller's thread
+  Spread wall_ms;                  // the whole frame: caller's part and all passes
+  double ns_per_strand = 0.0;      // of the whole frame's median
+  std::vector<double> samples_ms;  // wall_ms of each frame that stages were not timed in
 };
 
 // What a frame is recorded for. Reading the clock round every stage of every chunk costs about 3 %
@@ -87,5 +89,7 @@ class BudgetRecorder {
 
 // "stages", "passes", "caller_ms", "frame_ms" and "ns_per_strand".
 void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree);
+// "samples": what the medians are of, for `pelt compare`; in JSON only.
+void AddSamples(const Budget& budget, ReportTree& tree);
 
 }  // namespace pelt

@@ -98,6 +98,7 @@ ReportTree MakeRunTree(const RunReport& r) {
     tree.Add({"digest"}, DigestText(r.digest));
   else
     tree.Say("digest not taken");
+  AddSamples(r.budget, tree);
   return tree;
 }
 

@@ -10,7 +10,11 @@ run_examples() {
   local count=0
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
-  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress)
+  # What `pelt compare --help` compares, and runs by the name of the command.
+  "$pelt" run --scene tiny --frames 20 --json >a.json 2>/dev/null && cp a.json b.json
+  PATH=$(dirname "$pelt"):$PATH
+  local subcommand line words
+  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare)
   # A program without the page's module says so, in the one line of an error.
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)
@@ -19,7 +23,8 @@ run_examples() {
   fi
   for subcommand in "${subcommands[@]}"; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
-    while read -r -a words; do
+    while read -r line; do
+      eval "words=($line)"  # as a shell reads it: words in quotes are one
       count=$((count + 1))
       "$pelt" "${words[@]:1}" >out.txt 2>err.txt || fail "${words[*]}: exit $?: $(cat err.txt)"
       [ -s out.txt ] || fail "${words[*]}: printed nothing"
@@ -99,6 +104,7 @@ check_errors() {
   check_timing_errors
   check_second_thread
   check_budget_errors
+  check_compare_errors
   check_what_if
   check_accuracy_errors
 }
@@ -244,6 +250,36 @@ check_accuracy_errors() {
   expect 1 'not JSON' -- report --scene tiny --frames 1 --accuracy roots.csv --out x.html
   printf '{"format": "pelt scene accuracy 0"}' >other.json
   expect 1 'other.json: is not of the format' -- report --scene tiny --frames 1 --accuracy other.json --out x.html
+}
+
+# Files and commands that are no runs: told by name, place and what the command itself said.
+check_compare_errors() {
+  "$pelt" run --scene tiny --frames 12 --json >a.json 2>/dev/null || fail "run --json"
+  head -c 3000 a.json >half.json
+  sed 's/"samples"/"others"/' a.json >old.json
+  expect 2 'two files of pelt run --json, or --commands' -- compare
+  expect 2 'two files' -- compare a.json
+  expect 2 --commands -- compare a.json a.json --commands true true
+  expect 2 --commands -- compare --commands true
+  expect 2 --rounds -- compare a.json a.json --rounds 6
+  expect 2 --rounds -- compare --commands true true --rounds 5
+  expect 1 missing.json -- compare a.json missing.json
+  expect 1 "'half.json': not one whole JSON value: line" -- compare half.json a.json
+  expect 1 "'old.json': 'samples' is missing" -- compare a.json old.json
+  expect 1 "'echo no >&2; exit 3', round 1: exit code 3: no" -- \
+    compare --commands 'cat a.json' 'echo no >&2; exit 3'
+  expect 1 "'true', round 1: not one whole JSON value" -- compare --commands true 'cat a.json'
+  expect 1 "'kill -9 \$\$', round 1: exit code 137" -- compare --commands 'kill -9 $$' 'cat a.json'
+  sed -e 's/"isa": "[a-z0-9]*"/"isa": "\\u001b[2J"/' -e 's/"skin"/"\\u001b[2Jskin"/' a.json >escape.json
+  "$pelt" compare a.json escape.json >out.txt || fail "compare escape.json"
+  grep -q $'\033' out.txt && fail "an escape character of a run on the terminal"
+  grep -qF '\x1b[2Jskin' out.txt || fail "no escaped name of a stage: $(cat out.txt)"
+  # They take turns, and the one that begins changes.
+  : >turns
+  "$pelt" compare --rounds 6 --commands 'echo a >>turns; cat a.json' 'echo b >>turns; cat a.json' >out.txt ||
+    fail "compare --commands: $(cat out.txt)"
+  [ "$(tr -d '\n' <turns)" = abbaabbaabba ] || fail "turns: $(tr -d '\n' <turns)"
+  grep -q '6 rounds that took turns' out.txt || fail "rounds are not told: $(cat out.txt)"
 }
 
 check_timing_errors() {

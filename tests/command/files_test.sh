@@ -207,6 +207,9 @@ check_inputs() {
   check_input 'trace show' file tiny.peltinput trace show in
   check_input diff left tiny.groom diff in tiny.groom
   check_input diff right tiny.groom diff tiny.groom in
+  "$pelt" run --scene tiny --frames 2 --json >run.json 2>/dev/null || fail "run --json"
+  check_input compare left run.json compare in run.json
+  check_input compare right run.json compare run.json in
   check_input accuracy --roots roots.csv accuracy --roots in --strand strand.toml --out points.csv
   check_input accuracy --strand strand.toml accuracy --roots roots.csv --strand in --out points.csv
   printf 'nop\n' >nop.s
@@ -221,6 +224,7 @@ check_inputs() {
 $((16 << 20)) report --scene tiny --frames 1 --accuracy huge --out page.html
 $((1 << 20)) accuracy --roots roots.csv --strand huge --out points.csv
 $((64 << 20)) timing huge
+$((64 << 20)) compare huge huge
 $((4 << 20)) bake --setup ./huge
 $((4 << 20)) run --scene tiny --frames 1 --lights ./huge"
   rm huge

@@ -34,6 +34,11 @@ hold bake bake --setup tiny --flow-map flow.png --height-field hairs.png --flow-
 hold run run --scene tiny --frames 2
 hold run run --scene tiny --frames 1 --executor local-store
 hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48
+"$pelt" run --scene tiny --frames 20 --json >one.json 2>/dev/null
+"$pelt" run --scene tiny --frames 20 --isa reference --no-digest --json >two.json 2>/dev/null
+hold compare compare one.json one.json
+hold compare compare one.json two.json
+hold compare compare --rounds 6 --commands 'cat one.json' 'cat two.json'
 hold plan plan --scene tiny
 hold plan plan --scene tiny --local-store --unfused
 hold verify verify --scene tiny --frames 1 --isa reference

@@ -1,0 +1,302 @@
+#include "bench/report/run_comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/report/budget.hpp"
+#include "core/error.hpp"
+#include "core/printable.hpp"
+
+namespace pelt {
+namespace {
+
+using RunJson = nlohmann::ordered_json;
+using Pairs = std::vector<std::pair<double, double>>;
+
+constexpr size_t kBlocks =
+    12;  // of 20, those of 150 frames are still alike: see the test of what intervals hold
+constexpr double kLeastConfidence = 0.95;
+// Of the whole run, but not what it was of.
+constexpr std::string_view kMeasured[] = {"digest", "ns_per_strand", "workers_observed"};
+
+class RunReader {
+ public:
+  explicit RunReader(std::string_view from) : from_(from) {}
+
+  MeasuredRun Read(std::string_view text) const {
+    const RunJson json = Parse(text);
+    MeasuredRun run;
+    const RunJson& samples = Member(json, "samples", {});
+    run.frame_ms = Times(Member(samples, "frame_ms", "samples."), "samples.frame_ms");
+    const RunJson& stages = Member(samples, "stages", "samples.");
+    if (!stages.is_object()) Fail("'samples.stages' is not an object");
+    for (const auto& [stage, times] : stages.items())
+      run.stages_ms.emplace_back(Printable(stage), Times(times, "samples.stages." + stage));
+    for (const auto& [key, value] : json.items()) {
+      const bool is_measured = std::count(std::begin(kMeasured), std::end(kMeasured), key) != 0;
+      if (is_measured || value.is_structured()) continue;
+      run.settings.emplace_back(
+          Printable(key), Printable(value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+    if (const auto digest = json.find("digest"); digest != json.end()) {
+      if (!digest->is_string()) Fail("'digest' is not a text");
+      run.digest = Printable(digest->get<std::string>());
+    }
+    return run;
+  }
+
+ private:
+  [[noreturn]] void Fail(std::string_view reason) const {
+    throw Error(fmt::format("{}: {}; expected what pelt run --json prints", from_, reason));
+  }
+
+  RunJson Parse(std::string_view text) const {
+    try {
+      return RunJson::parse(text);
+    } catch (const RunJson::parse_error& error) {
+      const size_t at = std::min(error.byte, text.size());
+      const auto line = std::count(text.begin(), text.begin() + ptrdiff_t(at), '\n') + 1;
+      Fail(fmt::format("not one whole JSON value: line {}, byte {} of {}", line, at, text.size()));
+    }
+  }
+  const RunJson& Member(const RunJson& object, const char* key, std::string_view place) const {
+    if (!object.is_object() || !object.contains(key))
+      Fail(fmt::format("'{}{}' is missing", place, key));
+    return object[key];
+  }
+  std::vector<double> Times(const RunJson& list, const std::string& place) const {
+    if (!list.is_array() || list.empty()) Fail(fmt::format("'{}' is no list of times", place));
+    std::vector<double> times;
+    for (const RunJson& value : list) {
+      if (!value.is_number() || !(value.get<double>() >= 0.0))
+        Fail(fmt::format("'{}[{}]' is no time: {}", place, times.size(), value.dump()));
+      times.push_back(value.get<double>());
+    }
+    return times;
+  }
+
+  std::string_view from_;
+};
+
+double MedianOf(std::span<const double> values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  return SpreadOf(sorted).median;
+}
+
+// How many of the lowest and of the highest ratios lie outside; the share of all samples of so many
+// pairs in which the median does, too. By the sign test: each pair is above the median or below it.
+struct OutsideRanks {
+  size_t count = 0;
+  double share = 1.0;
+};
+OutsideRanks FindOutside(size_t pairs) {
+  OutsideRanks outside;
+  // The binomial's terms as shares of 2^pairs, from k = 0; of over 1,022 pairs the first would be 0.
+  double term = std::exp2(-double(pairs)), sum = 0.0;
+  for (size_t k = 0; 2 * (k + 1) <= pairs; ++k) {
+    sum += term;
+    if (2.0 * sum > 1.0 - kLeastConfidence) break;
+    outside = {k + 1, 2.0 * sum};
+    term *= double(pairs - k) / double(k + 1);
+  }
+  return outside;
+}
+
+const std::vector<double>* FindStage(const MeasuredRun& run, std::string_view stage) {
+  for (const auto& [name, times] : run.stages_ms)
+    if (name == stage) return &times;
+  return nullptr;
+}
+const std::string* FindSetting(const MeasuredRun& run, std::string_view key) {
+  for (const auto& [name, value] : run.settings)
+    if (name == key) return &value;
+  return nullptr;
+}
+
+// Rounds of a side repeat one run.
+void CheckRounds(const ComparedSide& side) {
+  const MeasuredRun& first = side.rounds.front();
+  for (size_t r = 1; r < side.rounds.size(); ++r)
+    for (const auto& [key, value] : first.settings) {
+      const std::string* other = FindSetting(side.rounds[r], key);
+      if (!other || *other != value)
+        throw Error(fmt::format(
+            "'{}' does not run the same in every round: '{}' is {} in round 1 and {} in round {}",
+            side.name, key, value, other ? *other : "missing", r + 1));
+    }
+}
+
+// All times of one thing, a list for each round; empty where a round has none.
+using Series = std::vector<std::vector<double>>;
+template <class Find>
+Series SeriesOf(const ComparedSide& side, const Find& find) {
+  Series series;
+  for (const MeasuredRun& run : side.rounds) {
+    const std::vector<double>* times = find(run);
+    if (!times) return {};
+    series.push_back(*times);
+  }
+  return series;
+}
+
+double MedianOfAll(const Series& series) {
+  std::vector<double> all;
+  for (const std::vector<double>& times : series) all.insert(all.end(), times.begin(), times.end());
+  return MedianOf(all);
+}
+
+Pairs PairSeries(const Series& a, const Series& b) {
+  if (a.size() == 1) return PairBlocks(a.front(), b.front());
+  Pairs pairs;
+  for (size_t r = 0; r < a.size(); ++r) pairs.emplace_back(MedianOf(a[r]), MedianOf(b[r]));
+  return pairs;
+}
+
+std::string_view VerdictOf(const RatioInterval& interval) {
+  return interval.low > 1.0 ? "slower" : interval.high < 1.0 ? "faster" : "";
+}
+
+void AddCost(ReportTable& table, std::string_view name, const Series& a, const Series& b) {
+  if (a.empty() || b.empty()) {
+    const Value of_a = a.empty() ? Value() : Value(MedianOfAll(a));
+    const Value of_b = b.empty() ? Value() : Value(MedianOfAll(b));
+    table.Add({name, of_a, of_b, {}, {}, {}, b.empty() ? "only in A" : "only in B"});
+    return;
+  }
+  const std::optional<RatioInterval> found = RatioOf(PairSeries(a, b));
+  if (!found)
+    table.Add({name, MedianOfAll(a), MedianOfAll(b)});
+  else
+    table.Add({name, MedianOfAll(a), MedianOfAll(b), found->ratio, found->low, found->high,
+               VerdictOf(*found)});
+}
+
+void AddCosts(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) {
+  ReportTable& table = tree.AddTable("costs", {{"of", "", -1, "median ms"},
+                                               {"a_ms", "", 4, "A"},
+                                               {"b_ms", "", 4, "B"},
+                                               {"ratio", "", 3, "B/A"},
+                                               {"low", "", 3, "from"},
+                                               {"high", "", 3, "to"},
+                                               {"verdict", "", -1, "B is"}});
+  const auto frame = [](const MeasuredRun& run) { return &run.frame_ms; };
+  AddCost(table, "whole frame", SeriesOf(a, frame), SeriesOf(b, frame));
+  const auto add_stage = [&](const std::string& stage) {
+    const auto find = [&](const MeasuredRun& run) { return FindStage(run, stage); };
+    AddCost(table, stage, SeriesOf(a, find), SeriesOf(b, find));
+  };
+  for (const auto& [stage, times] : a.rounds.front().stages_ms) add_stage(stage);
+  for (const auto& [stage, times] : b.rounds.front().stages_ms)
+    if (!FindStage(a.rounds.front(), stage)) add_stage(stage);
+}
+
+void AddSettings(const MeasuredRun& a, const MeasuredRun& b, ReportTree& tree) {
+  ReportTable table{.key = "settings",
+                    .columns = {{"differs"}, {"a", "", -1, "A"}, {"b", "", -1, "B"}}};
+  for (const auto& [key, value] : a.settings) {
+    const std::string* other = FindSetting(b, key);
+    if (!other || *other != value) table.Add({key, value, other ? Value(*other) : Value()});
+  }
+  for (const auto& [key, value] : b.settings)
+    if (!FindSetting(a, key)) table.Add({key, {}, value});
+  if (table.rows.empty())
+    tree.Add(InJson("settings"), std::move(table))
+        .Say("What the runs say of themselves does not differ.");
+  else
+    tree.AddTable(table.key, table.columns).rows = std::move(table.rows);
+}
+
+// Empty: the rounds have several.
+std::string DigestOf(const ComparedSide& side) {
+  for (const MeasuredRun& run : side.rounds)
+    if (run.digest != side.rounds.front().digest) return {};
+  return side.rounds.front().digest;
+}
+
+void AddDigests(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) {
+  for (const ComparedSide* side : {&a, &b})
+    if (side->rounds.front().digest.empty()) {
+      tree.Say(fmt::format("digest not taken by {}: not compared", side == &a ? "A" : "B"));
+      return;
+    }
+  const std::string of_a = DigestOf(a), of_b = DigestOf(b);
+  const bool same = !of_a.empty() && of_a == of_b;
+  tree.Add(InJson("digest.same"), same);
+  tree.Add(InJson("digest.a"), of_a).Add(InJson("digest.b"), of_b);
+  if (of_a.empty() || of_b.empty())
+    tree.Say(fmt::format("DIGEST OF {} CHANGES FROM ROUND TO ROUND", of_a.empty() ? "A" : "B"));
+  else if (same)
+    tree.Say("digest same: " + of_a);
+  else
+    tree.Say(fmt::format("digest differs: A {}, B {}", of_a, of_b));
+}
+
+}  // namespace
+
+MeasuredRun ReadMeasuredRun(std::string_view from, std::string_view json) {
+  return RunReader(from).Read(json);
+}
+
+double ConfidenceOf(size_t pairs) { return 1.0 - FindOutside(pairs).share; }
+
+std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> pairs) {
+  const OutsideRanks outside = FindOutside(pairs.size());
+  if (outside.count == 0) return std::nullopt;
+  std::vector<double> ratios;
+  for (const auto& [a, b] : pairs) {
+    if (!(a > 0.0) || !(b > 0.0)) return std::nullopt;
+    ratios.push_back(b / a);
+  }
+  std::sort(ratios.begin(), ratios.end());
+  const size_t middle = ratios.size() / 2;
+  const double median =
+      ratios.size() % 2 ? ratios[middle] : 0.5 * (ratios[middle - 1] + ratios[middle]);
+  return RatioInterval{median, ratios[outside.count - 1], ratios[ratios.size() - outside.count]};
+}
+
+Pairs PairBlocks(std::span<const double> a, std::span<const double> b) {
+  const size_t count = std::min({kBlocks, a.size(), b.size()});
+  const auto block = [count](std::span<const double> of, size_t i) {
+    const size_t first = of.size() * i / count;
+    return of.subspan(first, of.size() * (i + 1) / count - first);
+  };
+  Pairs pairs;
+  for (size_t i = 0; i < count; ++i)
+    pairs.emplace_back(MedianOf(block(a, i)), MedianOf(block(b, i)));
+  return pairs;
+}
+
+ReportTree CompareRuns(const ComparedSide& a, const ComparedSide& b) {
+  CheckRounds(a);
+  CheckRounds(b);
+  const size_t rounds = a.rounds.size();
+  const size_t pairs =
+      rounds > 1 ? rounds : PairBlocks(a.rounds[0].frame_ms, b.rounds[0].frame_ms).size();
+  const double confidence = ConfidenceOf(pairs);
+  ReportTree tree;
+  tree.Add({"a", "", -1, "A"}, Printable(a.name)).EndLine();
+  tree.Add({"b", "", -1, "B"}, Printable(b.name)).EndLine();
+  tree.Add(InJson("rounds"), rounds).Add(InJson("pairs"), pairs);
+  tree.Add(InJson("confidence"), confidence).BlankLine();
+  AddSettings(a.rounds.front(), b.rounds.front(), tree);
+  AddCosts(a, b, tree);
+  if (confidence == 0.0)
+    tree.Say(fmt::format("No intervals: of {} pairs, and {} are needed.", pairs, kLeastPairs));
+  else if (rounds > 1)
+    tree.Say(
+        fmt::format("Intervals: {:.1f} %, by ranks of {} rounds that took turns. Of twenty equal "
+                    "stages, one may well be told as slower or faster.",
+                    100.0 * confidence, rounds));
+  else
+    tree.Say(
+        fmt::format("Intervals: {:.1f} %, by ranks of {} parts of the runs. What changed on the "
+                    "machine between the two runs is not in them: --commands takes turns.",
+                    100.0 * confidence, pairs));
+  AddDigests(a, b, tree);
+  return tree;
+}
+
+}  // namespace pelt

@@ -1,0 +1,202 @@
+// Two runs held against each other: the intervals hold what they promise, and what cannot be
+// compared is refused by its place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "bench/report/run_comparison.hpp"
+#include "bench/report/run_report.hpp"
+#include "core/error.hpp"
+
+namespace pelt {
+namespace {
+
+using TimePairs = std::vector<std::pair<double, double>>;
+
+TimePairs PairsOf(std::initializer_list<double> ratios) {
+  TimePairs pairs;
+  for (const double ratio : ratios) pairs.emplace_back(2.0, 2.0 * ratio);
+  return pairs;
+}
+
+TEST(Compare, IntervalsAreTheRanksOfTheSignTest) {
+  EXPECT_EQ(ConfidenceOf(kLeastPairs - 1), 0.0);
+  EXPECT_DOUBLE_EQ(ConfidenceOf(kLeastPairs), 1.0 - 2.0 / 64);
+  EXPECT_DOUBLE_EQ(ConfidenceOf(9), 1.0 - 2.0 * (1 + 9) / 512);
+  EXPECT_NEAR(ConfidenceOf(20), 0.958611, 1e-6);
+  for (size_t pairs = kLeastPairs; pairs <= 1000; ++pairs) {
+    EXPECT_GE(ConfidenceOf(pairs), 0.95) << pairs;
+    EXPECT_LT(ConfidenceOf(pairs), 1.0) << pairs;
+  }
+  const auto six = RatioOf(PairsOf({1.5, 1.1, 1.2, 1.4, 1.3, 1.6}));
+  ASSERT_TRUE(six);
+  EXPECT_DOUBLE_EQ(six->ratio, 1.35);
+  EXPECT_DOUBLE_EQ(six->low, 1.1);
+  EXPECT_DOUBLE_EQ(six->high, 1.6);
+  // Of nine the outermost on both sides lie outside: one round that went wrong moves nothing.
+  const auto nine = RatioOf(PairsOf({1, 1, 1, 1, 1, 1, 1, 1, 30}));
+  ASSERT_TRUE(nine);
+  EXPECT_EQ(nine->high, 1.0);
+  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1})));
+  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1, 0}))) << "a stage that slept has no ratio";
+}
+
+// A run's frames: dear at its end, spread by a fifth, and each as far off as half of the one before.
+std::vector<double> DrawFrames(std::mt19937& random, double ms, size_t count) {
+  std::vector<double> frames;
+  double off = 0.0;
+  for (size_t f = 0; f < count; ++f) {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += double(random()) / 4294967296.0;
+    off = 0.5 * off + 0.2 * sum;
+    frames.push_back(ms * (1.0 + double(f) / double(count)) * std::exp(off));
+  }
+  return frames;
+}
+
+TEST(Compare, IntervalsHoldTheRatioAsOftenAsTheySay) {
+  std::mt19937 random(1);
+  constexpr int kTrials = 1000;
+  int held = 0, seen = 0;
+  double width = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto a = DrawFrames(random, 4.0, 150), b = DrawFrames(random, 5.6, 150);
+    const auto found = RatioOf(PairBlocks(a, b));
+    ASSERT_TRUE(found);
+    held += found->low <= 1.4 && 1.4 <= found->high;
+    seen += found->low > 1.0;
+    width += found->high - found->low;
+  }
+  EXPECT_GE(held, 0.93 * kTrials);
+  EXPECT_GE(seen, 0.95 * kTrials) << "two fifths more are seen";
+  EXPECT_LT(width / kTrials, 0.5);
+}
+
+TEST(Compare, BlocksPairTheSamePartsOfBothRuns) {
+  std::vector<double> a(150), b(40);
+  for (size_t i = 0; i < a.size(); ++i) a[i] = 1.0 + double(i) / 150;
+  for (size_t i = 0; i < b.size(); ++i) b[i] = 1.0 + double(i) / 40;
+  const TimePairs pairs = PairBlocks(a, b);
+  ASSERT_EQ(pairs.size(), 12u);
+  for (const auto& [of_a, of_b] : pairs) EXPECT_NEAR(of_a, of_b, 0.05);
+  EXPECT_EQ(PairBlocks(std::vector{1.0, 2.0}, b).size(), 2u);
+}
+
+std::string RunTiny(Isa isa, uint32_t frames, bool digest = true) {
+  Scenario tiny = LoadScenario("tiny");
+  RunOptions options;
+  options.executor = "serial";
+  options.frames = frames;
+  options.digest = digest;
+  options.scene.isa = isa;
+  RunningScenario running(tiny, options.scene);
+  return MakeRunTree(RunFrames(tiny, running, options)).Json();
+}
+
+nlohmann::json CompareTexts(const std::string& a, const std::string& b) {
+  const ReportTree tree =
+      CompareRuns({"a", {ReadMeasuredRun("a", a)}}, {"b", {ReadMeasuredRun("b", b)}});
+  return nlohmann::json::parse(tree.Json());
+}
+
+TEST(Compare, ARunIsReadAsItWasPrinted) {
+  const std::string a = RunTiny(BestIsa(), 30), b = RunTiny(Isa::kReference, 30);
+  const nlohmann::json run = nlohmann::json::parse(a), found = CompareTexts(a, b);
+  EXPECT_TRUE(found["digest"]["same"]);
+  EXPECT_EQ(found["digest"]["a"], run["digest"]);
+  EXPECT_EQ(found["pairs"], 12);
+  ASSERT_EQ(found["settings"].size(), 1u) << found["settings"];
+  EXPECT_EQ(found["settings"][0]["differs"], "isa");
+  EXPECT_EQ(found["settings"][0]["b"], "reference");
+  ASSERT_EQ(found["costs"].size(), run["stages"].size() + 1);
+  EXPECT_NEAR(double(found["costs"][0]["a_ms"]), double(run["frame_ms"]["median"]), 1e-6);
+  for (size_t s = 0; s < run["stages"].size(); ++s) {
+    const nlohmann::json& cost = found["costs"][s + 1];
+    EXPECT_EQ(cost["of"], run["stages"][s]["stage"]);
+    EXPECT_NEAR(double(cost["a_ms"]), double(run["stages"][s]["core_ms"]["median"]), 1e-6);
+    // What an interval is of can be any ratio; that it is one is not chance.
+    if (cost.contains("ratio")) {
+      EXPECT_LE(cost["low"], cost["ratio"]);
+      EXPECT_LE(cost["ratio"], cost["high"]);
+    }
+  }
+  EXPECT_FALSE(CompareTexts(a, RunTiny(BestIsa(), 29))["digest"]["same"]);
+  EXPECT_FALSE(CompareTexts(a, RunTiny(BestIsa(), 30, false)).contains("digest"));
+}
+
+TEST(Compare, StagesThatOnlyOneHasAndSlowerOnesAreTold) {
+  nlohmann::json a = nlohmann::json::parse(RunTiny(BestIsa(), 40)), b = a;
+  for (auto& ms : b["samples"]["stages"]["skin"]) ms = 1.5 * double(ms);
+  for (auto& ms : b["samples"]["frame_ms"]) ms = 0.5 * double(ms);
+  a["samples"]["stages"]["old"] = {1.0, 2.0};
+  b["samples"]["stages"]["new"] = {1.0, 2.0};
+  const nlohmann::json found = CompareTexts(a.dump(), b.dump());
+  const auto cost = [&](const std::string& of) {
+    for (const auto& row : found["costs"])
+      if (row["of"] == of) return row;
+    return nlohmann::json();
+  };
+  EXPECT_EQ(cost("whole frame")["verdict"], "faster");
+  EXPECT_EQ(cost("skin")["verdict"], "slower");
+  EXPECT_NEAR(double(cost("skin")["low"]), 1.5, 1e-3);
+  EXPECT_EQ(cost("roots")["verdict"], "");
+  EXPECT_EQ(cost("old")["verdict"], "only in A");
+  EXPECT_EQ(cost("new")["verdict"], "only in B");
+  EXPECT_FALSE(cost("new").contains("a_ms"));
+}
+
+void ExpectRefused(const std::string& text, const std::string& place) {
+  try {
+    ReadMeasuredRun("run 'a.json'", text);
+    ADD_FAILURE() << "read: " << text.substr(0, 60);
+  } catch (const Error& error) {
+    const std::string said = error.what();
+    EXPECT_EQ(said.find("run 'a.json'"), 0u) << said;
+    EXPECT_NE(said.find(place), said.npos) << said;
+  }
+}
+
+TEST(Compare, WhatIsNoRunIsRefusedByItsPlace) {
+  const std::string whole = RunTiny(BestIsa(), 4);
+  ExpectRefused(whole.substr(0, whole.size() / 2), "not one whole JSON value: line ");
+  ExpectRefused("", "not one whole JSON value: line 1");
+  ExpectRefused("[1]", "'samples' is missing");
+  nlohmann::json run = nlohmann::json::parse(whole);
+  const auto with = [&](const char* pointer, nlohmann::json value) {
+    nlohmann::json other = run;
+    other[nlohmann::json::json_pointer(pointer)] = std::move(value);
+    return other.dump();
+  };
+  ExpectRefused(with("/samples", nlohmann::json::object()), "'samples.frame_ms' is missing");
+  ExpectRefused(with("/samples/frame_ms/1", "x"), "'samples.frame_ms[1]' is no time: \"x\"");
+  ExpectRefused(with("/samples/frame_ms/1", -1), "'samples.frame_ms[1]' is no time: -1");
+  ExpectRefused(with("/samples/stages/skin", nlohmann::json::array()), "'samples.stages.skin'");
+  ExpectRefused(with("/digest", 4), "'digest'");
+}
+
+TEST(Compare, RoundsOfACommandAreOneRun) {
+  const auto read = [](uint32_t frames) {
+    return ReadMeasuredRun("x", RunTiny(BestIsa(), frames));
+  };
+  const ComparedSide same{"same", {read(8), read(8)}}, other{"other", {read(8), read(9)}};
+  EXPECT_NO_THROW(CompareRuns(same, same));
+  try {
+    CompareRuns(same, other);
+    ADD_FAILURE() << "8 and 9 frames are compared";
+  } catch (const Error& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("'other'"), said.npos) << said;
+    EXPECT_NE(said.find("'frames' is 8 in round 1 and 9 in round 2"), said.npos) << said;
+  }
+  // A digest that changes is a finding, not an error.
+  ComparedSide changed = same;
+  changed.rounds[1].digest = "0";
+  const nlohmann::json found = nlohmann::json::parse(CompareRuns(same, changed).Json());
+  EXPECT_FALSE(found["digest"]["same"]);
+  EXPECT_EQ(found["digest"]["b"], "");
+}
+
+}  // namespace
+}  // namespace pelt
