@@ -64,6 +64,7 @@ function fillFacts() {
     ['executor', data.executor === 'tbb' ? `tbb, ${data.workers} workers (${data.workers_observed} observed)` : data.executor],
     ['kernels, plan', `${data.isa}, ${data.fused ? 'fused' : 'unfused'}`],
     ['machine', `${data.processor} (${data.cores} cores)`],
+    ...(data.disturbances.length ? [['not its own machine', data.disturbances.join('; ')]] : []),
     ['built with', `${data.compiler}, ${data.build_type}`],
     ['commit', data.commit],
     ['digest', data.digest],

@@ -89,6 +89,7 @@ class PageData {
     json_.Add("drawn_strands", r.drawn_strands);
     json_.Add("workers", r.workers);
     json_.Add("workers_observed", r.workers_observed);
+    json_.Add("disturbances", FindDisturbances(r.use, r.workers));
     json_.Add("executor", r.options.executor->name);
     json_.Add("isa", IsaName(r.options.scene.isa));
     json_.Add("fused", r.options.scene.plan.fuse);

@@ -46,6 +46,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     running.Begin(f, options.skip, options.lod);
     executor->Run(scene.CurrentFrame());
   }
+  const MachineUseWatch use;
   for (uint32_t f = 0; f < report.frames; ++f) {
     if (options.progress) options.progress(f, report.frames);
     const bool observed = options.observe && f >= options.observe_from_frame;
@@ -66,6 +67,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     if (options.after_frame) options.after_frame(f, scene);
     if (options.digest) fold.Add64(scene.DigestFrame());
   }
+  report.use = use.Finish();
   report.budget = recorder.Summarise();
   if (options.digest) report.digest = fold.Value();
   report.live_strands = scene.LiveStrands();
@@ -89,6 +91,8 @@ ReportTree MakeRunTree(const RunReport& r) {
            r.workers_observed);
   tree.Add({"isa", "", -1, "kernels"}, IsaName(r.options.scene.isa));
   tree.Add({"fused"}, r.options.scene.plan.fuse);
+  tree.EndLine();
+  AddMachineUse(r.use, r.workers, tree);
   AddBudget(r.budget, r.workers, tree);
   AddMemory(r.layout, tree);
   tree.BlankLine();

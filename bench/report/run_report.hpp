@@ -8,6 +8,7 @@
 
 #include "bench/report/budget.hpp"
 #include "bench/report/machine.hpp"
+#include "bench/report/machine_use.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/report/timeline.hpp"
 #include "bench/verify/verify.hpp"
@@ -45,6 +46,7 @@ struct RunOptions {
 struct RunReport {
   std::string scene;
   Machine machine;
+  MachineUse use;  // while frames ran
   RunOptions options;
   uint32_t workers = 1, workers_observed = 1;
   uint32_t frames = 0;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The `pelt` command as a user meets it: the examples of every help text work, errors are one line
 # with the right exit code, pipes get no progress bar, and the README shows the real plan.
-#   command_test.sh PELT SOURCE_DIR [examples|errors|output|readme]...   (all, if none is named)
+#   command_test.sh PELT SOURCE_DIR [examples|errors|output|disturbed|readme]...   (all, if none is named)
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 
@@ -446,6 +446,22 @@ check_output() {
   fi
 }
 
+# Two workers on a core that another process has half of: all of it is told.
+check_disturbed() {
+  command -v taskset >/dev/null && [ -r /proc/self/schedstat ] || { echo "SKIPPED: no taskset, or no schedstat"; return; }
+  local core
+  core=$(taskset -cp $$ | sed 's/.*: *\([0-9]*\).*/\1/')
+  taskset -c "$core" sh -c 'while :; do :; done' &
+  local other=$!
+  taskset -c "$core" "$pelt" run --scene monster --frames 30 --workers 2 >out.txt 2>&1 || fail "run on one core: $(cat out.txt)"
+  kill "$other"
+  wait "$other" 2>/dev/null
+  tr '\n' ' ' <out.txt >line.txt
+  grep -q "NOT THE RUN'S OWN MACHINE: 2 workers had 1 core" line.txt || fail "no word of one core: $(head -n 12 out.txt)"
+  grep -q "threads were ready for [0-9]* ms without a core" line.txt || fail "no word of waiting: $(head -n 12 out.txt)"
+  [ "$(sed -n 's/.*preemptions \([0-9]*\),.*/\1/p' out.txt)" -gt 0 ] || fail "no preemptions: $(head -n 12 out.txt)"
+}
+
 check_readme() {
   sed -n '/^    \$ pelt plan --scene monster$/,/^$/p' "$source_dir/README.md" |
     sed -e '1d' -e '/^$/d' -e 's/^    //' >shown.txt
@@ -470,4 +486,4 @@ check_readme() {
   diff -u shown.txt real.txt || fail "the consoles' README does not show the measured kernels that pelt prints"
 }
 
-run_parts examples=run_examples errors=check_errors output=check_output readme=check_readme
+run_parts examples=run_examples errors=check_errors output=check_output disturbed=check_disturbed readme=check_readme

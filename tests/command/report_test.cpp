@@ -103,6 +103,40 @@ TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
   EXPECT_EQ(digests[0], digests[1]);
 }
 
+TEST(Report, WhatDisturbsARunIsTold) {
+  const MachineUse own{.cores_allowed = 4,
+                       .load_average = 0.3,
+                       .preemptions = 3,
+                       .waited_ms = 2.0,
+                       .wall_ms = 1000.0};
+  EXPECT_TRUE(FindDisturbances(own, 4).empty());
+  const auto expect_told = [](const MachineUse& use, uint32_t workers, const std::string& word) {
+    const std::vector<std::string> told = FindDisturbances(use, workers);
+    ASSERT_EQ(told.size(), 1u) << word;
+    EXPECT_NE(told[0].find(word), std::string::npos) << told[0];
+  };
+  MachineUse use = own;
+  use.waited_ms = 81.0;  // of 4 s of cores
+  expect_told(use, 4, "ready for 81 ms without a core");
+  use.cores_allowed = 2;  // whatever waits, the same share of half the cores is more
+  use.waited_ms = 41.0;
+  use.load_average = 0.0;
+  expect_told(use, 2, "on 2 cores");
+  use = own;
+  use.load_average = 2.6;
+  expect_told(use, 2, "load average 2.60");
+  EXPECT_TRUE(FindDisturbances(use, 1).empty()) << "a core was free";
+  use = own;
+  use.waited_ms = {};
+  EXPECT_TRUE(FindDisturbances(use, 4).empty());
+  use.preemptions = 21;
+  expect_told(use, 4, "21 preemptions");
+  use = own;
+  use.cores_allowed = 1;
+  use.load_average = {};
+  expect_told(use, 2, "2 workers had 1 core:");
+}
+
 TEST(Report, ARunsTreeHasItsFigures) {
   Scenario tiny = LoadScenario("tiny");
   RunOptions options;
