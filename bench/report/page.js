@@ -136,21 +136,37 @@ const bands = [
   {name: 'waiting and hand-out', kind: 'waiting', of: (c) => c.waiting},
 ];
 
-// The top of the picture: both lines, unless frames are far below them; not a few slow frames.
+// The top of the picture: both lines, unless frames are far below them, and the median frame in its lower half; slow
+// frames are cut off there, however many they are, and say what they took.
 function framesTop() {
   const worst = data.frame_ms.worst;
   if (worst < 2) return worst * 1.2;
-  return Math.max(kLinesMs[1] * 1.1, Math.min(worst * 1.08, 2.5 * data.frame_ms.p95));
+  return Math.max(kLinesMs[1] * 1.1, Math.min(worst * 1.08, 2 * Math.max(kLinesMs[1], data.frame_ms.median)));
+}
+
+// An arrow for each column that is cut off, and what it took, the slowest first, where there is room.
+function markCut(svg, x, top, [least, most]) {
+  const cut = data.columns.map((column, i) => ({ms: column.ms, at: x(i + 0.5)})).filter((c) => c.ms > top);
+  for (const {at} of cut) add(svg, 'path', {class: 'cut', d: `M${(at - 3).toFixed(1)} 20L${at.toFixed(1)} 14L${(at + 3).toFixed(1)} 20Z`});
+  const taken = [];
+  for (const {ms, at} of cut.sort((a, b) => b.ms - a.ms)) {
+    const text = add(svg, 'text', {class: 'cut', y: 11}, `${ms.toFixed(0)} ms`);
+    const width = text.getBBox().width, from = Math.max(least, Math.min(at - width / 2, most - width));
+    if (taken.some((other) => from < other.to + 4 && other.from < from + width + 4)) text.remove();
+    else taken.push({from, to: from + width});
+    text.setAttribute('x', from);
+  }
+  return cut.length;
 }
 
 function drawFrames() {
   const box = byId('frames'), columns = data.columns, top = framesTop();
   box.replaceChildren();
-  const width = box.clientWidth, height = 280, left = 36, right = 6, up = 8, down = 26;
+  const width = box.clientWidth, height = 280, left = 36, right = 6, up = 22, down = 26;
   const x = (i) => left + (width - left - right) * i / columns.length;
   const y = (value) => up + (height - up - down) * (1 - Math.min(value, top) / top);
   const svg = add(box, 'svg', {
-    width, height, role: 'img', 'data-picture': 'frames',
+    width, height, role: 'img', 'data-picture': 'frames', 'data-top': top,
     'aria-label': `Stage times over ${data.frames} frames, stacked, against 5 and 8 ms. Median ${ms(data.frame_ms.median)} ms, ` +
         `worst ${ms(data.frame_ms.worst)} ms. The table below has the same figures.`,
   });
@@ -170,10 +186,12 @@ function drawFrames() {
     });
     add(svg, 'path', {class: 'band ' + band.kind, d: 'M' + over.slice(1) + under + 'Z'});
   }
+  const close = y(kLinesMs[0]) - y(kLinesMs[1]) < 16;  // names beside each other, not on each other
   for (const line of kLinesMs.filter((l) => l <= top)) {
     add(svg, 'line', {class: 'limit-halo', x1: left, x2: width - right, y1: y(line), y2: y(line)});
     add(svg, 'line', {class: 'limit', x1: left, x2: width - right, y1: y(line), y2: y(line)});
-    add(svg, 'text', {class: 'limit-text', x: width - right - 4, y: y(line) - 5, 'text-anchor': 'end'}, line + ' ms');
+    const end = width - right - (close && line === kLinesMs[0] ? 44 : 4);
+    add(svg, 'text', {class: 'limit-text', x: end, y: y(line) - 5, 'text-anchor': 'end'}, line + ' ms');
   }
   const step = Math.max(1, tickStep(columns.length, width / 90));
   for (let i = 0; i < columns.length; i += step)
@@ -192,8 +210,8 @@ function drawFrames() {
   });
   const notes = ['In ms. A stage stands for its core time divided by the workers; what is left of the frame is waiting at barriers and handing out work.'];
   if (data.frames_a_column > 1) notes.push(`Each column is the slowest of ${data.frames_a_column} frames.`);
-  const cut = columns.filter((c) => c.ms > top).length;
-  if (cut) notes.push(`${cut} of the columns are cut off at the top.`);
+  const cut = markCut(svg, x, top, [left, width - right]);
+  if (cut) notes.push(`${cut} of the columns are cut off at ${+top.toFixed(1)} ms, with what the slowest took above them.`);
   for (const line of kLinesMs.filter((l) => l > top)) notes.push(`The ${line} ms line is ${(line / data.frame_ms.worst).toFixed(0)} times the worst frame, above the picture.`);
   byId('frames-note').textContent = notes.join(' ');
 }

@@ -93,6 +93,27 @@ function waysFaults() {
   });
   return faults;
 }
+// What is wrong with the picture of the frames: lines that cannot be told apart, slow frames without a mark.
+function framesFaults() {
+  const data = JSON.parse(document.getElementById("data").textContent), faults = [];
+  const svg = document.querySelector("svg[data-picture=frames]"), top = Number(svg?.dataset.top);
+  if (!svg) return ["no picture"];
+  const all = (of) => [...svg.querySelectorAll(of)], cut = data.columns.filter((c) => c.ms > top);
+  const expect = (what, is, wanted) => is === wanted || faults.push(`${what}: ${is}, not ${wanted}`);
+  expect("marks of slow frames", all("path.cut").length, cut.length);
+  const said = all("text.cut").map((t) => t.textContent);
+  if (cut.length) expect("the slowest", said.includes(`${data.frame_ms.worst.toFixed(0)} ms`), true);
+  const boxes = [...all("text.cut"), ...all("text.limit-text")].map((t) => t.getBBox());
+  boxes.forEach((a, i) => boxes.slice(0, i).forEach((b) => {
+    if (a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height) faults.push("texts lie on each other");
+  }));
+  if (boxes.some((a) => a.x < 0 || a.x + a.width > svg.width.baseVal.value)) faults.push("a text is cut off");
+  // With a median frame of up to 8 ms, the lines stand in the upper three quarters, well apart.
+  const lines = all("line.limit").map((l) => Number(l.getAttribute("y1")));
+  expect("lines", lines.length, [5, 8].filter((line) => line <= top).length);
+  if (lines.length === 2 && data.frame_ms.median <= 8 && !(lines[0] - lines[1] > 30 && lines[0] < 190)) faults.push(`5 and 8 ms at ${lines}`);
+  return faults;
+}
 addEventListener("load", () => setTimeout(() => {
   const pictures = [...document.querySelectorAll("svg[role=img]")];
   const section = document.getElementById("consoles-section");
@@ -113,6 +134,7 @@ addEventListener("load", () => setTimeout(() => {
     section: Number(section.getBoundingClientRect().height > 0), tip: document.getElementById("tip").textContent.split("\n").join(", "),
     clipped: names.flatMap((svg) => [...svg.querySelectorAll("text")].filter((t) => t.getBBox().width > svg.width.baseVal.value)).length,
     uncoloured: [...document.querySelectorAll("path.band")].filter(uncoloured).length,
+    frames: framesFaults().slice(0, 3).join("; "),
     ways: waysFaults().slice(0, 3).join("; "),
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
   }, "*");
@@ -154,6 +176,7 @@ PYTHON
   local tables=$((7 + 2 * consoles + (diagrams > 0)))
   if [ "$diagrams" -gt 0 ] && [ "$kind" = accuracy ]; then tables=$((tables + 1)); fi
   [ "$(attribute "$out.html" tables)" = "$tables" ] || echo "$(attribute "$out.html" tables) tables, not $tables"
+  [ -z "$(attribute "$out.html" frames)" ] || echo "frames: $(attribute "$out.html" frames)"
   [ -z "$(attribute "$out.html" ways)" ] || echo "ways: $(attribute "$out.html" ways)"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
@@ -206,6 +229,44 @@ test_ways() {
   faulty 's/, fillWays()\];/];/' 'ways: panels: 0'
 }
 
+# spiked PAGE OUT MEDIAN MS...: the page with a median frame of so many ms, and first frames that took others.
+spiked() {
+  python3 - "$@" <<'PYTHON'
+import json, sys
+page, out, median, slow = sys.argv[1], sys.argv[2], float(sys.argv[3]), [float(ms) for ms in sys.argv[4:]]
+begin, end = '<script type="application/json" id="data">', '</script>'
+head, rest = open(page, encoding='utf-8').read().split(begin, 1)
+text, tail = rest.split(end, 1)
+data = json.loads(text)
+times = slow + [median] * (len(data['columns']) - len(slow))
+for column, ms in zip(data['columns'], times):
+    column['waiting'] += ms - column['ms']
+    column['ms'] = ms
+data['frame_ms'] = dict(median=median, p95=max(times), p99=max(times), worst=max(times))
+open(out, 'w', encoding='utf-8').write(head + begin + json.dumps(data).replace('<', '\\u003c') + end + tail)
+PYTHON
+}
+
+# However slow some frames are, 5 and 8 ms can be read, and the slow ones say what they took.
+test_slow_frames() {
+  local page=$work/plain.html width said times
+  for times in '4 300' '0.4 300 41 8.5 300' '30 300' '120 900 900' '7.5 16.5'; do
+    # shellcheck disable=SC2086
+    spiked "$page" "$work/spiked.html" $times
+    for width in 1280 390; do
+      said=$(check_page "$work/spiked.html" "$width" 0)
+      [ -z "$said" ] || fail "frames of $times ms at $width px: $said"
+    done
+  done
+  spiked "$page" "$work/spiked.html" 4 300 41
+  sed 's/2 \* Math.max(kLinesMs\[1\], data.frame_ms.median)/2.5 * data.frame_ms.p95/' "$work/spiked.html" >"$work/pressed.html"
+  must_fail "$work/pressed.html" 'frames: 5 and 8 ms at'
+  sed 's/filter((c) => c.ms > top);/filter((c) => c.ms > 299);/' "$work/spiked.html" >"$work/unmarked.html"
+  must_fail "$work/unmarked.html" 'frames: marks of slow frames: 1, not 2'
+  sed 's/if (taken.some((other)/if (false \&\& taken.some((other)/' "$work/spiked.html" >"$work/heaped.html"
+  must_fail "$work/heaped.html" 'frames: texts lie on each other'
+}
+
 test_report() {
   command -v python3 >/dev/null || skip "no python3"
   cat >"$work/hostile.toml" <<'TOML'
@@ -230,6 +291,7 @@ TOML
   said=$(check_page "$work/plain.html" 390 0)
   [ -z "$said" ] || fail "without consoles: $said"
   must_fail "$work/plain.html" "consoles: "
+  test_slow_frames
   (cd "$work" && "$pelt" accuracy --quick --presets soft,stiff --json accuracy.json >/dev/null &&
     "$pelt" report --scene tiny --frames 5 --no-consoles --accuracy accuracy.json --out accuracy.html) \
     >"$work/accuracy.log" 2>&1 || fail "pelt report --accuracy: $(cat "$work/accuracy.log")"
