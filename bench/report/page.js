@@ -64,7 +64,6 @@ function fillFacts() {
     ['executor', data.executor === 'tbb' ? `tbb, ${data.workers} workers (${data.workers_observed} observed)` : data.executor],
     ['kernels, plan', `${data.isa}, ${data.fused ? 'fused' : 'unfused'}`],
     ['machine', `${data.processor} (${data.cores} cores)`],
-    ...(data.disturbances.length ? [['not its own machine', data.disturbances.join('; ')]] : []),
     ['built with', `${data.compiler}, ${data.build_type}`],
     ['commit', data.commit],
     ['digest', data.digest],
@@ -77,7 +76,8 @@ function fillFacts() {
   const over = kLinesMs.map((line) => `${data.columns.filter((c) => c.ms > line).length} over ${line} ms`);
   byId('verdict').textContent =
       `The median frame takes ${ms(data.frame_ms.median)} ms, the worst ${ms(data.frame_ms.worst)} ms. Of ${data.columns.length} ` +
-      `${data.frames_a_column > 1 ? 'columns' : 'frames'}, ${over.join(' and ')}.`;
+      `${data.frames_a_column > 1 ? 'columns' : 'frames'}, ${over.join(' and ')}.` +
+      (data.disturbances.length ? ` The machine was not the run's own: ${data.disturbances.join('; ')}.` : '');
 }
 
 function fillTables() {
@@ -109,6 +109,25 @@ function fillTables() {
         data.passes.map((p, i) => [
           i, {text: p.domain, class: 'text'}, number(p.items), number(p.resident), number(p.get), number(p.put),
           {text: data.stages.slice(p.first_stage, p.first_stage + p.stage_count).map((s) => s.name).join(', '), class: 'text'}]));
+}
+
+// The dearest first, with all of them at the end.
+function fillCosts() {
+  const all = data.cost.core_ms.median, times = (cost) => [cost.core_ms.median, cost.core_ms.p95, cost.core_ms.worst].map(ms);
+  const perStrand = (cost) => cost.strands ? (1e6 * cost.core_ms.median / cost.strands).toFixed(1) : '';
+  const share = (cost, most) => ({class: 'bar', bar: [[cost.core_ms.median / most.core_ms.median || 0, '']]});
+  const part = (cost) => percent(cost.core_ms.median / all || 0);
+  const sorted = (costs) => costs.map((cost, i) => ({...cost, i})).sort((a, b) => b.core_ms.median - a.core_ms.median);
+  const layers = sorted(data.layer_costs), characters = sorted(data.character_costs);
+  table(byId('layers'), 'Cost by layer', ['layer', 'character', 'strands', 'median ms', 'p95', 'worst', 'ns/strand', 'of all', 'its dearest stage', ''], [
+    ...layers.map((l) => [`${l.i} ${l.name}`, l.character, number(l.strands), ...times(l), perStrand(l), part(l),
+      {text: `${data.stages[l.most_stage].name} ${percent(l.most_share)}`, class: 'text'}, share(l, layers[0])]),
+    ['all stages', '', number(data.strands), ...times(data.cost), perStrand({...data.cost, strands: data.strands}), part(data.cost), {text: '', class: 'text'}, ''],
+  ], {wide: true, tall: true});
+  table(byId('characters'), 'Cost by character', ['character', 'layers', 'strands', 'median ms', 'p95', 'worst', 'ns/strand', 'of all', 'pose and joints, ms', ''], [
+    ...characters.map((c) => [`character ${c.i}`, c.layers, number(c.strands), ...times(c), perStrand(c), part(c), ms(c.own_ms), share(c, characters[0])]),
+    ['the scene itself', '', '', ...times(data.scene_cost), '', part(data.scene_cost), '', ''],
+  ], {wide: true, tall: true});
 }
 
 // ---- pictures --------------------------------------------------------------------------------------
@@ -724,6 +743,7 @@ function fillWays() {
 
 fillFacts();
 fillTables();
+fillCosts();
 fillFramesTable();
 const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillAccuracy(), fillWays()];
 const drawAll = () => draws.forEach((draw) => draw());

@@ -40,6 +40,7 @@ class PageData {
     AddHead();
     AddStages();
     AddPasses();
+    recorder_.costs_.AddTo(json_, ms_per_tick_, report_.layer_strands);
     AddColumns();
     AddItems();
     json_.BeginArray("timelines");
@@ -283,7 +284,7 @@ class PageData {
   JsonText json_;
 };
 
-ReportRecorder::ReportRecorder(const FurScene& scene) : scene_(scene) {}
+ReportRecorder::ReportRecorder(const FurScene& scene) : scene_(scene), costs_(scene) {}
 
 void ReportRecorder::Add(const FinishedFrame& frame) {
   const Plan& plan = scene_.plan();
@@ -299,6 +300,7 @@ void ReportRecorder::Add(const FinishedFrame& frame) {
   }
   for (const Slice& pass : record.passes) row.pass_ticks.push_back(pass.Ticks());
   rows_.push_back(std::move(row));
+  costs_.Add(record);
   if (!worst_ || FrameTicksOf(record.ticks) > FrameTicksOf(worst_->ticks)) worst_ = record;
   if (frame.frame % stride_ != 0) return;
   kept_.push_back(std::move(record));

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "bench/report/json_text.hpp"
+#include "bench/report/layer_costs.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/report/timeline.hpp"
 
@@ -52,6 +53,7 @@ class ReportRecorder {
 
   const FurScene& scene_;
   std::vector<Row> rows_;
+  LayerCosts costs_;
   std::vector<FrameRecord> kept_;  // every stride_-th frame
   uint32_t stride_ = 1;
   std::optional<FrameRecord> worst_;

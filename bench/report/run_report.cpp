@@ -39,6 +39,8 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.layers = scene.shape().layer_count;
   report.chunks = scene.shape().chunk_count;
   report.layout = scene.layout();
+  for (const Groom* groom : scenario.ActorGrooms())
+    for (const auto& layer : groom->layers) report.layer_strands.push_back(layer.strand_count);
 
   BudgetRecorder recorder(scene, report.frames);
   Digest fold;

@@ -52,6 +52,7 @@ struct RunReport {
   uint32_t frames = 0;
   uint64_t strands = 0;
   uint32_t characters = 0, layers = 0, chunks = 0;
+  std::vector<uint32_t> layer_strands;           // of the whole scene
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   Budget budget;
   SceneLayout layout;

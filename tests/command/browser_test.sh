@@ -114,6 +114,22 @@ function framesFaults() {
   if (lines.length === 2 && data.frame_ms.median <= 8 && !(lines[0] - lines[1] > 30 && lines[0] < 190)) faults.push(`5 and 8 ms at ${lines}`);
   return faults;
 }
+// Layers and characters stand in their tables by what they cost, the dearest first.
+function costFaults() {
+  const data = JSON.parse(document.getElementById("data").textContent), faults = [];
+  for (const [id, costs] of [["layers", data.layer_costs], ["characters", data.character_costs]]) {
+    const rows = [...document.querySelectorAll(`#${id} tbody tr`)].slice(0, -1);
+    if (rows.length !== costs.length) faults.push(`${rows.length} ${id}, not ${costs.length}`);
+    const shown = rows.map((row) => Number(row.cells[3].textContent));
+    if (shown.some((ms, i) => i && ms > shown[i - 1])) faults.push(`${id} are not by cost`);
+    const sum = costs.reduce((a, c) => a + c.strands, 0);
+    if (sum !== data.strands) faults.push(`${id} have ${sum} strands of ${data.strands}`);
+  }
+  const dearest = [...data.layer_costs].sort((a, b) => b.core_ms.median - a.core_ms.median)[0];
+  const first = document.querySelector("#layers tbody tr").textContent;
+  if (!first.includes(dearest.name) || !first.includes(data.stages[dearest.most_stage].name)) faults.push(`first is ${first}`);
+  return faults;
+}
 addEventListener("load", () => setTimeout(() => {
   const pictures = [...document.querySelectorAll("svg[role=img]")];
   const section = document.getElementById("consoles-section");
@@ -134,6 +150,7 @@ addEventListener("load", () => setTimeout(() => {
     section: Number(section.getBoundingClientRect().height > 0), tip: document.getElementById("tip").textContent.split("\n").join(", "),
     clipped: names.flatMap((svg) => [...svg.querySelectorAll("text")].filter((t) => t.getBBox().width > svg.width.baseVal.value)).length,
     uncoloured: [...document.querySelectorAll("path.band")].filter(uncoloured).length,
+    costs: costFaults().slice(0, 3).join("; "),
     frames: framesFaults().slice(0, 3).join("; "),
     ways: waysFaults().slice(0, 3).join("; "),
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
@@ -172,11 +189,12 @@ PYTHON
     [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
   done
   [ "$(attribute "$out.html" named)" = $((3 + consoles + diagrams)) ] || echo "a picture has no name"
-  # Of each console: its units, and its stages; of the diagrams: one, and what layers get as they come.
-  local tables=$((7 + 2 * consoles + (diagrams > 0)))
+  # Two of the costs; of each console: its units, and its stages; of the diagrams: one, and what layers get as they come.
+  local tables=$((9 + 2 * consoles + (diagrams > 0)))
   if [ "$diagrams" -gt 0 ] && [ "$kind" = accuracy ]; then tables=$((tables + 1)); fi
   [ "$(attribute "$out.html" tables)" = "$tables" ] || echo "$(attribute "$out.html" tables) tables, not $tables"
   [ -z "$(attribute "$out.html" frames)" ] || echo "frames: $(attribute "$out.html" frames)"
+  [ -z "$(attribute "$out.html" costs)" ] || echo "costs: $(attribute "$out.html" costs)"
   [ -z "$(attribute "$out.html" ways)" ] || echo "ways: $(attribute "$out.html" ways)"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
@@ -291,6 +309,8 @@ TOML
   said=$(check_page "$work/plain.html" 390 0)
   [ -z "$said" ] || fail "without consoles: $said"
   must_fail "$work/plain.html" "consoles: "
+  sed 's/b.core_ms.median - a.core_ms.median)/a.i - b.i)/' "$work/plain.html" >"$work/unsorted.html"
+  must_fail "$work/unsorted.html" 'costs: layers are not by cost'
   test_slow_frames
   (cd "$work" && "$pelt" accuracy --quick --presets soft,stiff --json accuracy.json >/dev/null &&
     "$pelt" report --scene tiny --frames 5 --no-consoles --accuracy accuracy.json --out accuracy.html) \

@@ -9,6 +9,7 @@
 
 #include "bench/consoles/console_budget.hpp"
 #include "bench/consoles/console_report.hpp"
+#include "bench/verify/verified_scene.hpp"
 #include "core/error.hpp"
 #include "jobs/tick_clock.hpp"
 
@@ -29,6 +30,7 @@ Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, ui
   options.frames = frames;
   RunningScenario running(scenario, options.scene);
   ReportRecorder recorder(running.scene());
+  options.observed_as = Recording::kAll;
   options.observe = [&](const FinishedFrame& frame) { recorder.Add(frame); };
   const TickScale scale;
   Report report;
@@ -93,6 +95,42 @@ TEST(ReportPage, FiguresAgreeWithEachOther) {
   uint32_t stages = 0;
   for (const auto& pass : data["passes"]) stages += uint32_t(pass["stage_count"]);
   EXPECT_EQ(stages, data["stages"].size());
+}
+
+// Of one frame the medians add up: all that a stage took, some layer, character or the scene has.
+TEST(ReportPage, CostsOfLayersAndCharactersAreThoseOfStages) {
+  Scenario two = MakeVerifiedScene(LoadScenario("tiny"));
+  const Report report = MakeReport(two, 1, "tbb", 2);
+  const nlohmann::json& data = report.data;
+  const auto median = [](const nlohmann::json& of) { return double(of["core_ms"]["median"]); };
+  double stages = 0.0, layers = 0.0, characters = 0.0, own = 0.0;
+  uint64_t strands = 0;
+  for (const auto& stage : data["stages"]) stages += median(stage);
+  ASSERT_EQ(data["layer_costs"].size(), report.run.layers);
+  std::vector<double> of_character(report.run.characters);
+  for (const auto& layer : data["layer_costs"]) {
+    layers += median(layer);
+    of_character.at(size_t(layer["character"])) += median(layer);
+    strands += uint64_t(layer["strands"]);
+    EXPECT_GT(median(layer), 0.0) << layer["name"];
+    EXPECT_GT(double(layer["most_share"]), 0.0);
+    EXPECT_LE(double(layer["most_share"]), 1.0);
+    EXPECT_EQ(data["stages"].at(size_t(layer["most_stage"]))["domain"] == "character", false);
+  }
+  EXPECT_EQ(strands, report.run.strands);
+  ASSERT_EQ(data["character_costs"].size(), 2u);
+  for (size_t c = 0; c < 2; ++c) {
+    const auto& character = data["character_costs"][c];
+    EXPECT_NEAR(median(character), of_character[c] + double(character["own_ms"]), 1e-9);
+    EXPECT_GT(double(character["own_ms"]), 0.0);
+    characters += median(character);
+    own += double(character["own_ms"]);
+  }
+  const double scene = median(data["scene_cost"]);
+  EXPECT_GT(scene, 0.0);
+  EXPECT_NEAR(layers + own + scene, stages, 1e-9);
+  EXPECT_NEAR(characters + scene, stages, 1e-9);
+  EXPECT_NEAR(median(data["cost"]), stages, 1e-9);
 }
 
 TEST(ReportPage, TimelinesAreOfTheMedianAndTheWorstFrame) {
