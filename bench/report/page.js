@@ -266,7 +266,9 @@ function findRun(worker, ns, slack) {
 
 const kLane = {first: 22, height: 26, step: 32, axis: 20};
 
-function drawTimeline(timeline, scroll, zoom) {
+const runText = (run) => data.stages[run.stage].name + ' ' + data.items[data.stages[run.stage].domain][run.item];
+
+function drawTimeline(timeline, scroll, zoom, query) {
   scroll.replaceChildren();
   const width = Math.floor(scroll.clientWidth * zoom);
   const height = kLane.first + kLane.step * timeline.workers.length + kLane.axis;
@@ -280,20 +282,17 @@ function drawTimeline(timeline, scroll, zoom) {
     add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
     if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
   });
+  const bars = new Bars(x, query, (run) => run.stage === undefined ? 'poses and parameters' : runText(run));
   timeline.workers.forEach((worker, w) => {
     const y = kLane.first + kLane.step * w;
     add(svg, 'rect', {class: 'lane', x: 0, y, width, height: kLane.height});
-    const paths = new Map();
-    const bar = (kind, begin, end) => {
-      const from = x(begin).toFixed(2), to = x(end).toFixed(2);
-      if (from !== to) paths.set(kind, (paths.get(kind) || '') + `M${from} ${y}H${to}v${kLane.height}H${from}Z`);
-    };
-    if (w === 0) bar('caller', 0, timeline.caller_ns);
+    bars.startLane();
+    if (w === 0) bars.add('caller', y, kLane.height, {begin: 0, end: timeline.caller_ns});
     for (let i = 0; i < runCount(worker); ++i) {
       const run = runAt(worker, i);
-      bar(stageClass(data.stages[run.stage]), run.begin, run.end);
+      bars.add(stageClass(data.stages[run.stage]), y, kLane.height, run);
     }
-    for (const [kind, d] of paths) add(svg, 'path', {class: 'band ' + kind, d});
+    bars.endLane(svg);
   });
   const step = tickStep(timeline.ns, Math.max(2, width / 110));
   for (let ns = 0; ns < timeline.ns; ns += step)
@@ -305,6 +304,7 @@ function drawTimeline(timeline, scroll, zoom) {
     showTip(event, lane < 0 ? passText(timeline, data.passes, ns) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
   });
   svg.addEventListener('pointerleave', () => showTip());
+  return bars.found;
 }
 
 function passText(timeline, passes, ns) {
@@ -340,34 +340,6 @@ function fillTimelineTable(timeline, parent) {
   ]);
 }
 
-// A picture with a name beside each lane, three zooms and a table below. Returns what draws it.
-function fillLanes(parent, {heading, label, names, height, draw, details}) {
-  const box = add(parent, 'div', {class: 'timeline'});
-  const head = add(box, 'div', {class: 'timeline-head'});
-  add(head, 'h3', {}, heading);
-  const buttons = add(head, 'div', {role: 'group', 'aria-label': `Zoom of the ${label}`});
-  const body = add(box, 'div', {class: 'timeline-body'});
-  const column = add(body, 'svg', {width: 64, height, 'aria-hidden': 'true'});
-  for (const name of names) add(column, 'text', {x: 0, y: name.y}, name.text);
-  const scroll = add(body, 'div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label[0].toUpperCase() + label.slice(1) + ', picture'});
-  const more = add(box, 'details');
-  add(more, 'summary', {}, 'Table of the picture');
-  details(more);
-  let zoom = 1;
-  const drawZoomed = () => draw(scroll, zoom);
-  for (const factor of [1, 4, 16]) {
-    const button = add(buttons, 'button', {type: 'button', 'aria-pressed': factor === 1}, factor + '×');
-    button.addEventListener('click', () => {
-      const middle = (scroll.scrollLeft + scroll.clientWidth / 2) / zoom;
-      zoom = factor;
-      for (const other of buttons.children) other.setAttribute('aria-pressed', other === button);
-      drawZoomed();
-      scroll.scrollLeft = middle * zoom - scroll.clientWidth / 2;
-    });
-  }
-  return drawZoomed;
-}
-
 function fillTimeline(timeline) {
   const title = timeline.title[0].toUpperCase() + timeline.title.slice(1);
   return fillLanes(byId('timelines'), {
@@ -375,7 +347,8 @@ function fillTimeline(timeline) {
     label: timeline.title,
     names: [{y: 12, text: 'pass'}, ...timeline.workers.map((worker, w) => ({y: kLane.first + kLane.step * w + 17, text: 'worker ' + w}))],
     height: kLane.first + kLane.step * timeline.workers.length,
-    draw: (scroll, zoom) => drawTimeline(timeline, scroll, zoom),
+    ns: timeline.ns,
+    draw: (scroll, zoom, query) => drawTimeline(timeline, scroll, zoom, query),
     details: (parent) => fillTimelineTable(timeline, parent),
   });
 }
@@ -402,7 +375,7 @@ function slicesOf(runs) {
   return Array.from({length: runs.length / kSlice}, (_, i) => sliceAt(runs, i));
 }
 
-function drawConsole(frame, scroll, zoom) {
+function drawConsole(frame, scroll, zoom, query) {
   scroll.replaceChildren();
   const width = Math.floor(scroll.clientWidth * zoom);
   const height = unitTop(frame.units.length) + kUnit.axis;
@@ -416,20 +389,17 @@ function drawConsole(frame, scroll, zoom) {
     add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
     if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
   });
+  const bars = new Bars(x, query, (slice) => sliceText(frame, slice, slice.work));
   frame.units.forEach((unit, u) => {
     const y = unitTop(u);
     add(svg, 'rect', {class: 'lane', x: 0, y, width, height: kUnit.height + 2 * kUnit.strip});
-    const paths = new Map();
-    const bar = (kind, top, tall, begin, end) => {
-      const from = x(begin).toFixed(2), to = x(end).toFixed(2);
-      if (from !== to) paths.set(kind, (paths.get(kind) || '') + `M${from} ${top}H${to}v${tall}H${from}Z`);
-    };
-    for (const slice of slicesOf(unit.slices)) bar(workClass[frame.works[slice.kind]], y + kUnit.strip, kUnit.height, slice.begin, slice.end);
+    bars.startLane();
+    for (const slice of slicesOf(unit.slices)) bars.add(workClass[frame.works[slice.kind]], y + kUnit.strip, kUnit.height, {...slice, work: frame.works[slice.kind]});
     for (const transfer of slicesOf(unit.transfers)) {
-      if (transfer.kind) bar('put', y + kUnit.strip + kUnit.height, kUnit.strip, transfer.begin, transfer.end);
-      else bar('get', y, kUnit.strip, transfer.begin, transfer.end);
+      const top = transfer.kind ? y + kUnit.strip + kUnit.height : y;
+      bars.add(transfer.kind ? 'put' : 'get', top, kUnit.strip, {...transfer, work: transferName(transfer.kind)});
     }
-    for (const [kind, d] of paths) add(svg, 'path', {class: 'band ' + kind, d});
+    bars.endLane(svg);
   });
   const step = tickStep(frame.ns, Math.max(2, width / 110));
   for (let ns = 0; ns < frame.ns; ns += step)
@@ -439,6 +409,15 @@ function drawConsole(frame, scroll, zoom) {
     showTip(event, consoleText(frame, (event.clientX - box.left) / width * frame.ns, event.clientY - box.top));
   });
   svg.addEventListener('pointerleave', () => showTip());
+  return bars.found;
+}
+
+const transferName = (kind) => kind ? 'transfer out' : 'transfer in';
+function sliceText(frame, slice, work) {
+  const pass = frame.plan[slice.pass], lines = [work];
+  if (pass) lines.push(pass.name);
+  if (pass && slice.item >= 0) lines.push(data.items[pass.domain][slice.item]);
+  return lines.join('\n');
 }
 
 function consoleText(frame, ns, down) {
@@ -450,12 +429,8 @@ function consoleText(frame, ns, down) {
   const runs = slicesOf(strip < 0 ? unit.slices : unit.transfers);
   const found = runs.find((run) => (strip < 0 || run.kind === strip) && run.begin <= ns && ns <= run.end);
   if (!found) return strip < 0 ? unit.name : '';
-  const pass = frame.plan[found.pass];
-  const lines = [strip < 0 ? frame.works[found.kind] : strip ? 'transfer out' : 'transfer in'];
-  if (pass) lines.push(pass.name);
-  if (pass && found.item >= 0) lines.push(data.items[pass.domain][found.item]);
-  lines.push(`${((found.end - found.begin) / 1e3).toFixed(2)} µs, from ${(found.begin / 1e6).toFixed(3)} ms`);
-  return lines.join('\n');
+  return `${sliceText(frame, found, strip < 0 ? frame.works[found.kind] : transferName(strip))}\n` +
+      `${((found.end - found.begin) / 1e3).toFixed(2)} µs, from ${(found.begin / 1e6).toFixed(3)} ms`;
 }
 
 function fillConsoleTables(frame, parent) {
@@ -484,7 +459,8 @@ function fillConsole(frame) {
     label: 'frame on the ' + frame.name,
     names: [{y: 12, text: 'pass'}, ...frame.units.flatMap((unit, u) => unitNames(unit.name, unitTop(u) + kUnit.strip))],
     height: unitTop(frame.units.length),
-    draw: (scroll, zoom) => drawConsole(frame, scroll, zoom),
+    ns: frame.ns,
+    draw: (scroll, zoom, query) => drawConsole(frame, scroll, zoom, query),
     details: (parent) => fillConsoleTables(frame, parent),
   });
   table(part, `Stages on the ${frame.name}, ms of all units`, ['stage', 'items', 'core ms', 'of the compute', ''],

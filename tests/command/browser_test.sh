@@ -130,6 +130,56 @@ function costFaults() {
   if (!first.includes(dearest.name) || !first.includes(data.stages[dearest.most_stage].name)) faults.push(`first is ${first}`);
   return faults;
 }
+// Dragging over a part of the first timeline shows that part; a search finds what the data has, and Enter goes there.
+function lanesFaults() {
+  const data = JSON.parse(document.getElementById("data").textContent), faults = [];
+  const timeline = data.timelines[0], box = document.querySelector(".timeline"), scroll = box.querySelector(".lanes");
+  const svg = () => scroll.querySelector("svg"), width = () => svg().width.baseVal.value;
+  const near = (what, is, wanted, by) => Math.abs(is - wanted) <= by || faults.push(`${what}: ${is}, not ${wanted}`);
+  const at = (type, share, target) => {
+    const place = svg().getBoundingClientRect();
+    target.dispatchEvent(new PointerEvent(type, {bubbles: true, button: 0, pointerType: "mouse", clientX: place.left + share * place.width, clientY: place.top + 30}));
+  };
+  const drag = (from, to) => (at("pointerdown", from, svg()), at("pointermove", to, window), at("pointerup", to, window));
+  const once = width();
+  drag(0.75, 0.5);  // backwards, too
+  near("width after dragging over a quarter", width(), 4 * once, 4);
+  near("left edge", scroll.scrollLeft, 2 * once, 6);
+  drag(0.6, 0.6 + 1 / width());
+  near("width after a click", width(), 4 * once, 4);
+  if (svg().querySelector(".selection")) faults.push("a selection stays");
+  scroll.dispatchEvent(new KeyboardEvent("keydown", {key: "+"}));
+  near("width after +", width(), 8 * once, 8);
+  scroll.dispatchEvent(new MouseEvent("dblclick", {bubbles: true}));
+  near("width after two clicks", width(), once, 0);
+  // The stage that most bars are of, on its last item.
+  const search = box.querySelector("input[type=search]"), said = box.querySelector("output");
+  const look = (text) => {
+    search.value = text;
+    search.dispatchEvent(new Event("input"));
+  };
+  const runs = timeline.workers.flatMap((w) => Array.from({length: w.runs.length / 4}, (_, i) => w.runs.slice(4 * i, 4 * i + 4)));
+  const of = runs.filter((run) => run[0] === runs[runs.length - 1][0]), name = data.stages[of[0][0]].name;
+  look(` ${name.toUpperCase()} `);
+  if (!said.textContent.startsWith(`${of.length} found`)) faults.push(`${name}: ${said.textContent}, not ${of.length}`);
+  const lit = [...svg().querySelectorAll("path.band:not(.dim)")], dim = [...svg().querySelectorAll("path.band.dim")];
+  near("bars lit", lit.reduce((sum, p) => sum + (p.getAttribute("d") || "").split("M").length - 1, 0), of.length, 0);
+  if (!dim.length || getComputedStyle(dim[0]).opacity > 0.5) faults.push("the others are not dimmed");
+  search.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", shiftKey: true}));
+  search.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", shiftKey: true}));
+  search.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter"}));
+  const found = svg().querySelectorAll("rect.found");
+  near("marks of what is shown", found.length, 1, 0);
+  if (found.length) {
+    const mark = found[0].getBoundingClientRect(), view = scroll.getBoundingClientRect();
+    if (mark.left < view.left - 3 || mark.right > view.right + 3 || (mark.width < 20 && width() < 255 * once)) faults.push(`the mark is at ${mark.left} to ${mark.right}`);
+  }
+  look("no such stage");
+  if (!said.textContent.startsWith("0 found")) faults.push(`nothing: ${said.textContent}`);
+  look("");
+  if (said.textContent || svg().querySelector(".dim, .found")) faults.push("an empty search leaves marks");
+  return faults;
+}
 addEventListener("load", () => setTimeout(() => {
   const pictures = [...document.querySelectorAll("svg[role=img]")];
   const section = document.getElementById("consoles-section");
@@ -153,6 +203,7 @@ addEventListener("load", () => setTimeout(() => {
     costs: costFaults().slice(0, 3).join("; "),
     frames: framesFaults().slice(0, 3).join("; "),
     ways: waysFaults().slice(0, 3).join("; "),
+    lanes: lanesFaults().slice(0, 3).join("; "),
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
   }, "*");
 }, 100));
@@ -195,6 +246,7 @@ PYTHON
   [ "$(attribute "$out.html" tables)" = "$tables" ] || echo "$(attribute "$out.html" tables) tables, not $tables"
   [ -z "$(attribute "$out.html" frames)" ] || echo "frames: $(attribute "$out.html" frames)"
   [ -z "$(attribute "$out.html" costs)" ] || echo "costs: $(attribute "$out.html" costs)"
+  [ -z "$(attribute "$out.html" lanes)" ] || echo "lanes: $(attribute "$out.html" lanes)"
   [ -z "$(attribute "$out.html" ways)" ] || echo "ways: $(attribute "$out.html" ways)"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
@@ -304,11 +356,17 @@ TOML
     said=$(check_page "$page" "$width")
     [ -z "$said" ] || fail "at $width px: $said"
   done
-  (cd "$work" && "$pelt" report --scene tiny --frames 5 --no-consoles --out plain.html) >"$work/plain.log" 2>&1 ||
+  (cd "$work" && "$pelt" report --scene tiny --frames 20 --no-consoles --out plain.html) >"$work/plain.log" 2>&1 ||
     fail "pelt report --no-consoles"
   said=$(check_page "$work/plain.html" 390 0)
   [ -z "$said" ] || fail "without consoles: $said"
   must_fail "$work/plain.html" "consoles: "
+  sed 's|zoomTo(1 / (to - from), |zoomTo(4, 0 * |' "$work/plain.html" >"$work/undragged.html"
+  must_fail "$work/undragged.html" 'lanes: left edge'
+  sed 's/.toLowerCase().includes(this.query)/.includes(this.query)/; s/query.trim().toLowerCase()/query.trim()/' "$work/plain.html" >"$work/blind.html"
+  must_fail "$work/blind.html" ' 0 found'
+  sed "s/: kind + ' dim'/: kind/" "$work/plain.html" >"$work/bright.html"
+  must_fail "$work/bright.html" 'the others are not dimmed'
   sed 's/b.core_ms.median - a.core_ms.median)/a.i - b.i)/' "$work/plain.html" >"$work/unsorted.html"
   must_fail "$work/unsorted.html" 'costs: layers are not by cost'
   test_slow_frames
