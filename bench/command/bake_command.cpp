@@ -28,6 +28,7 @@ struct BakeReport {
   Groom groom;
   ScatterStats stats;
   std::vector<LayerDensity> densities = {};
+  std::vector<uint32_t> max_strands = {};  // of each layer; 0: no limit
   OutputPath out, height_field;
   struct Flow {
     OutputPath out;
@@ -81,6 +82,30 @@ ReportTable PrefixTable(const LayerScatterStats& layer) {
   return table;
 }
 
+// Which of the two said how many strands there are.
+bool IsByMaxStrands(const BakeReport& report, size_t layer) {
+  const uint32_t most = report.max_strands[layer];
+  const LayerDensity& density = report.densities[layer];
+  return most > 0 && (density.scatter.grown == most || density.IsCut());
+}
+
+// A cut is seen at once, and a max_strands that decides nothing, too.
+void SayWhatDecided(const BakeReport& report, ReportTree& tree) {
+  size_t by_most = 0, idle = 0;
+  for (size_t l = 0; l < report.max_strands.size(); ++l) {
+    by_most += IsByMaxStrands(report, l);
+    idle += report.max_strands[l] > 0 && !IsByMaxStrands(report, l);
+  }
+  if (by_most)
+    tree.Say(
+        fmt::format("max_strands cuts {} of {} layers: their density says where fur is denser, "
+                    "no longer how dense it is.",
+                    by_most, report.max_strands.size()));
+  if (idle)
+    tree.Say(fmt::format("max_strands of {} of {} layers is not reached: density decides.", idle,
+                         report.max_strands.size()));
+}
+
 void AddLayers(const BakeReport& report, ReportTree& tree) {
   ReportTable& layers = tree.AddTable("layers", {{"layer"},
                                                  {"strands"},
@@ -89,7 +114,9 @@ void AddLayers(const BakeReport& report, ReportTree& tree) {
                                                  InText("longest", "mm", 1),
                                                  {"spacing_mm", "mm", 2, "spacing"},
                                                  {"density_strands", "strands", 0, "density's"},
-                                                 InText("max_strands leaves", "%", -2),
+                                                 {"max_strands", "strands"},
+                                                 {"decided_by"},
+                                                 InText("left", "%", -2),
                                                  InJson("prefixes")});
   for (size_t l = 0; l < report.groom.layers.size(); ++l) {
     const GroomLayer& layer = report.groom.layers[l];
@@ -98,12 +125,14 @@ void AddLayers(const BakeReport& report, ReportTree& tree) {
     layers.Add({layer.name, layer.strand_count, layer.chunk_count,
                 100.0 * Fill(layer.strand_count, layer.chunk_count),
                 1000.0 * double(layer.length_max), 1000.0 * double(scatter.spacing_m),
-                scatter.asked,
+                scatter.asked, report.max_strands[l] ? Value(report.max_strands[l]) : Value{},
+                IsByMaxStrands(report, l) ? "max_strands" : "density",
                 density.IsCut() ? Value(100.0 * double(scatter.grown) / scatter.asked) : Value{},
                 report.stats.layers.empty() ? Value{} : PrefixTable(report.stats.layers[l])});
   }
   const uint64_t strands = Strands(report.groom), chunks = report.groom.strands.size();
   layers.Add({"all", strands, chunks, 100.0 * Fill(strands, chunks)}, Show::kText);
+  SayWhatDecided(report, tree);
   tree.Add(InJson("strands"), strands).Add(InJson("chunks"), chunks);
   tree.Add(InJson("fill"), Fill(strands, chunks));
 }
@@ -223,6 +252,7 @@ int Bake(const BakeArgs& args) {
                              args.stats ? &report.stats : nullptr, &report.densities);
   }
   report.bake_ms = MsSince(start);
+  for (const LayerSetup& layer : setup.layers) report.max_strands.push_back(layer.max_strands);
   for (std::string& warning : WarnOfBaldness(report.densities))
     report.notes.push_back(std::move(warning));
   const std::vector<std::byte> bytes = WriteGroom(report.groom).OrThrow();

@@ -419,6 +419,17 @@ check_output() {
   cmp a.groom b.groom || fail "two bakes differ"
   "$pelt" bake --setup tiny | grep -q 'unit_scale' || fail "bake does not say the unit scale"
   [ "$("$pelt" bake --setup tiny --stats | grep -c '^ *12.5  0')" -eq 8 ] || fail "bake --stats: not each layer's spacing"
+  # Three layers: cut, not reached, without a limit.
+  local limit
+  for limit in 400 90000 0; do
+    printf '[[layer]]\nname = "l%s"\ndensity = 2000\nmax_strands = %s\n' "$limit" "$limit"
+  done >limits.toml
+  "$pelt" bake --setup ./limits.toml >limits.txt || fail "bake limits.toml"
+  grep -Eq '^l400 .* 400  max_strands ' limits.txt || fail "a cut layer: $(cat limits.txt)"
+  grep -Eq '^l90000 .* 90000  density *$' limits.txt || fail "a limit that is not reached: $(cat limits.txt)"
+  grep -Eq '^l0 .*[0-9] +density *$' limits.txt || fail "a layer without a limit: $(cat limits.txt)"
+  grep -q 'max_strands cuts 1 of 3 layers' limits.txt || fail "no word of the cut: $(cat limits.txt)"
+  grep -q 'max_strands of 1 of 3 layers is not reached' limits.txt || fail "no word of the idle limit: $(cat limits.txt)"
   "$pelt" bake --setup tiny --seed 9 --out c.groom >/dev/null
   cmp -s a.groom c.groom && fail "another seed gave the same groom"
   for switch in sleep unmoved sort wind cull digest; do
