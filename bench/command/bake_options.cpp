@@ -44,4 +44,27 @@ Subcommand SetUpBake(CLI::App& root) {
   return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
 }
 
+Subcommand SetUpShow(CLI::App& root) {
+  const auto kept = std::make_shared<ShowCharacterArgs>();
+  ShowCharacterArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "show",
+      "What a character has: materials, joints, clips, colours, UVs; and a setup to start from");
+  AddInputFileOrName(*app, "character", args.character,
+                     "A .glb or .gltf file, or 'builtin', 'scorpion'")
+      ->required();
+  AddOutputFile(*app, "--out", args.out, "Setup file to write, instead of printing it", ".toml");
+  args.check_files_read = [app](const std::vector<std::string>& files) {
+    CheckFilesRead(*app, files);
+  };
+  app->add_flag("--json", args.json, "Machine-readable output");
+  app->footer(
+      "Examples:\n"
+      "  pelt show builtin\n"
+      "  pelt show scorpion --out my_fur.toml\n"
+      "  pelt show scorpion --json\n"
+      "And then: pelt run --character scorpion --setup ./my_fur.toml --picture my_fur.png");
+  return {app, [] {}, [kept] { return ShowCharacter(*kept); }};
+}
+
 }  // namespace pelt

@@ -28,6 +28,7 @@ struct Subcommand {
 
 // What makes a groom (bake_options.cpp).
 Subcommand SetUpBake(CLI::App& root);
+Subcommand SetUpShow(CLI::App& root);
 // Of a listing or a scene on a console's core (console_options.cpp).
 Subcommand SetUpTiming(CLI::App& root);
 Subcommand SetUpBudget(CLI::App& root);

@@ -29,6 +29,14 @@ struct BakeArgs {
 };
 int Bake(const BakeArgs& args);
 
+struct ShowCharacterArgs {
+  std::string character = "builtin";
+  OutputPath out;  // of the setup to start from
+  bool json = false;
+  CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
+};
+int ShowCharacter(const ShowCharacterArgs& args);
+
 // Where the camera stands instead of where the scene has it.
 struct CameraChoice {
   // Yaw and elevation about the target in degrees, and the share of the scene's own distance; then it stands still.

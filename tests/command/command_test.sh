@@ -14,7 +14,7 @@ run_examples() {
   "$pelt" run --scene tiny --frames 20 --json >a.json 2>/dev/null && cp a.json b.json
   PATH=$(dirname "$pelt"):$PATH
   local subcommand line words
-  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare)
+  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show)
   # A program without the page's module says so, in the one line of an error.
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)
@@ -65,6 +65,10 @@ check_errors() {
   printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
   expect 1 typo.toml:3 -- bake --setup ./typo.toml
   grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
+  expect 2 character -- show
+  expect 1 missing.glb -- show missing.glb
+  expect 1 noise.glb -- show noise.glb
+  expect 2 .toml -- show builtin --out fur.txt
   check_lights
   expect 1 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
   expect 1 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
@@ -141,7 +145,7 @@ check_lights() {
 
 # A mistyped word is answered with the one that was meant, in every subcommand.
 check_suggestions() {
-  for subcommand in bake run plan verify timing budget conformance diff golden accuracy stress 'trace show' \
+  for subcommand in bake run plan verify timing budget conformance diff golden accuracy stress compare show 'trace show' \
     'trace replay'; do
     # shellcheck disable=SC2086
     expect 2 "no option '--jsno'; did you mean '--json'? (see pelt $subcommand --help)" -- $subcommand --jsno
@@ -419,6 +423,12 @@ check_output() {
   cmp a.groom b.groom || fail "two bakes differ"
   "$pelt" bake --setup tiny | grep -q 'unit_scale' || fail "bake does not say the unit scale"
   [ "$("$pelt" bake --setup tiny --stats | grep -c '^ *12.5  0')" -eq 8 ] || fail "bake --stats: not each layer's spacing"
+  # What is printed is what is written, and it bakes.
+  "$pelt" show scorpion | sed '1,/^A setup to start from/d' | sed 1d >printed.toml
+  "$pelt" show scorpion --out start.toml | grep -q '^tail .* m\?\|^material' || fail "show --out prints no tables"
+  cmp printed.toml start.toml || fail "the setup that is printed is not the one that is written"
+  "$pelt" bake --character scorpion --setup ./start.toml | grep -q 'WARNING' && fail "a layer of the setup to start from is bald"
+  "$pelt" bake --character scorpion --setup ./start.toml | grep -q '^leg .* density *$' || fail "the setup to start from"
   # Three layers: cut, not reached, without a limit.
   local limit
   for limit in 400 90000 0; do

@@ -25,6 +25,7 @@ options_of() {
 base_of() {
   case "$1 $2" in
     'bake '*) echo --setup tiny ;;
+    'show '*) echo builtin ;;
     'run '*) echo --scene tiny --frames 2 ;;
     'report '*) echo --scene tiny --frames 2 --no-consoles ;;
     'trace record '*) echo --scene tiny --frames 2 ;;
@@ -38,6 +39,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
+    --out) [ "$2" = show ] && echo .toml || echo .out ;;
     --picture | --animation | --steps | --flow-map | --height-field) echo .png ;;
     *) echo .out ;;
   esac
@@ -62,7 +64,7 @@ check_output() {
   base=$(base_of "$1" "$2") || { fail "no test for the output $2 of pelt $1: tell base_of"; return; }
   # shellcheck disable=SC2206
   run=($1 $base)
-  ending=$(extension_of "$2")
+  ending=$(extension_of "$2" "$1")
   # Of budget, 1 is the verdict that a frame does not fit.
   [ "$1" = budget ] && refused=2
   expect "$refused" "$2" "/nowhere" -- "${run[@]}" "$2" "/nowhere/x$ending"
@@ -203,6 +205,8 @@ check_inputs() {
   check_input run --groom tiny.groom run --frames 1 --groom in
   printf '[lights.sun]\ncolour = [1, 1, 1]\n' >lights.toml
   check_input run --lights lights.toml run --scene tiny --frames 1 --lights ./in
+  cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" some.glb
+  check_input show character some.glb show in
   check_input 'trace replay' file tiny.peltinput trace replay in
   check_input 'trace show' file tiny.peltinput trace show in
   check_input diff left tiny.groom diff in tiny.groom

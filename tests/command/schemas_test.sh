@@ -31,6 +31,7 @@ printf 'loop: fadd 1,1,2; bdnz loop\n' >sum.s
 hold bake bake --setup tiny
 hold bake bake --setup tiny --stats --out c.groom
 hold bake bake --setup tiny --flow-map flow.png --height-field hairs.png --flow-side 64
+hold show show scorpion
 hold run run --scene tiny --frames 2
 hold run run --scene tiny --frames 1 --executor local-store
 hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48
