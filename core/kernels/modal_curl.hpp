@@ -19,6 +19,7 @@
 // is not defined, feels a bounded force.
 #pragma once
 
+#include "core/kernels/modal_matrix.hpp"
 #include "core/modal/modal_block.hpp"
 #include "core/simd.hpp"
 
@@ -51,95 +52,135 @@ PELT_INLINE Carried<W> Carry(Vec3<W> a, Vec3<W> d, Vec3<W> v, Vec3<W> to) {
   return c;
 }
 
+// Directions of links by axis, as the motion has them.
+template <class W, uint32_t N>
+using Rows = W[3][N];
+
+template <class W, uint32_t N>
+PELT_INLINE Vec3<W> LinkOf(const Rows<W, N>& rows, uint32_t i) {
+  return {rows[0][i], rows[1][i], rows[2][i]};
+}
+template <class W, uint32_t N>
+PELT_INLINE void SetLink(Rows<W, N>& rows, uint32_t i, Vec3<W> link) {
+  rows[0][i] = link.x;
+  rows[1][i] = link.y;
+  rows[2][i] = link.z;
+}
+
 // What F pulls beyond L on links that point along `d` (unit), rest directions `r`, 1/s^2.
 template <class W, uint32_t N>
-PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Vec3<W> (&d)[N], const Vec3<W> (&r)[N],
-                            Vec3<W> (&force)[N]) {
-  force[0] = {W(0.0f), W(0.0f), W(0.0f)};
+PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Rows<W, N>& d, const Rows<W, N>& r,
+                            Rows<W, N>& force) {
+  Vec3<W> above = {W(0.0f), W(0.0f), W(0.0f)};  // the force on link p
+  PELT_UNROLL
   for (uint32_t j = 1; j < N; ++j) {
     const uint32_t p = j - 1;
-    const Vec3<W> bend = r[j] - r[p];
+    const Vec3<W> d_p = LinkOf<W, N>(d, p), d_j = LinkOf<W, N>(d, j);
+    const Vec3<W> r_p = LinkOf<W, N>(r, p), r_j = LinkOf<W, N>(r, j);
+    const Vec3<W> bend = r_j - r_p;
     const W over = Dot(bend, bend) * W(t.joint[0]);
     const W share = Clamp(W(2.0f) - over, W(0.0f), W(1.0f));
     const W k = W(t.joint[j]) * share;
-    const Carried<W> c = Carry<W>(r[p], d[p], r[j], d[j]);
-    const Vec3<W> off = d[p] - r[p];
-    force[p] = force[p] + (c.gradient - (d[j] - r[j] - off)) * k;
-    force[j] = (c.image - r[j] - off) * k;
+    const Carried<W> c = Carry<W>(r_p, d_p, r_j, d_j);
+    const Vec3<W> off = d_p - r_p;
+    SetLink<W, N>(force, p, above + (c.gradient - (d_j - r_j - off)) * k);
+    above = (c.image - r_j - off) * k;
   }
+  SetLink<W, N>(force, N - 1, above);
 }
 
 // The rest directions at a time that `place` weighs the backward differences for.
 template <class W, uint32_t N, class Motion>
 PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSamples - 1],
-                        const Motion& motion, W (&rest)[3][N]) {
+                        const Motion& motion, Rows<W, N>& rest) {
+  PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
     const auto& a = motion.axis[k];
     const W root0 = a.root[0] * W(place[0]), root1 = a.root[1] * W(place[1]);
     const W root2 = a.root[2] * W(place[2]);
     const W root = root0 + root1 + root2;
     W bend[N];  // by how much T differs from the newest, the root's place set aside
+    PELT_UNROLL
     for (uint32_t m = 0; m < N; ++m) {
       const W bend1 = a.bend[1][m] * W(place[0]), bend2 = a.bend[2][m] * W(place[1]);
       const W bend3 = a.bend[3][m] * W(place[2]), own = root * W(t.bend[m][0]);
       bend[m] = bend1 + bend2 + bend3 - own;
     }
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       W r = a.rest[i];
+      PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m) r = r + bend[m] * W(t.rest_of_bend[i][m]);
       rest[k][i] = r;
     }
   }
 }
 
-template <class W, uint32_t N>
-PELT_INLINE void ToLinks(const W (&rows)[3][N], Vec3<W> (&links)[N]) {
-  for (uint32_t i = 0; i < N; ++i) links[i] = {rows[0][i], rows[1][i], rows[2][i]};
-}
-
-template <class W>
-PELT_INLINE W PartOf(const Vec3<W>& v, uint32_t axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+// Those at the substep's end. Where that is the frame's they are known.
+template <class W, uint32_t N, class Motion>
+PELT_INLINE void RestAtEnd(const ModalTableBlock& t, const ModalSubstep& s, const Motion& motion,
+                           Rows<W, N>& rest) {
+  if (s.root_place[0] != 0.0f) {
+    RestAt<W, N>(t, s.root_place, motion, rest);
+    return;
+  }
+  for (uint32_t k = 0; k < 3; ++k) {
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) rest[k][i] = motion.axis[k].rest[i];
+  }
 }
 
 // Where the links would end under the force of the substep's start and the last multipliers.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void PredictEnd(const ModalTableBlock& t, const Motion& motion,
-                            const Vec3<W> (&force)[N], W (&end)[3][N]) {
+PELT_INLINE void PredictEnd(const ModalTableBlock& t, const Motion& motion, const Rows<W, N>& force,
+                            Rows<W, N>& end) {
+  PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
     const auto& a = motion.axis[k];
-    W twice[N], free[N];
-    for (uint32_t i = 0; i < N; ++i) twice[i] = PartOf(force[i], k) + PartOf(force[i], k);
+    W twice[N], free[N], pull[N];
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) twice[i] = force[k][i] + force[k][i];
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       free[i] = a.p[i];
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) free[i] = free[i] + twice[j] * W(t.response[i][j]);
     }
+    PELT_UNROLL
+    for (uint32_t j = 0; j < N; ++j) pull[j] = (a.d[j] + free[j]) * motion.lambda[j];
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
-      end[k][i] = free[i];
-      for (uint32_t j = 0; j < N; ++j)
-        end[k][i] = end[k][i] + (a.d[j] + free[j]) * motion.lambda[j] * W(t.response[i][j]);
+      W to = free[i];
+      PELT_UNROLL
+      for (uint32_t j = 0; j < N; ++j) to = to + pull[j] * W(t.response[i][j]);
+      end[k][i] = to;
     }
   }
 }
 
 // Adds the answer to a force that goes from `first` to `last` over the substep to p and z.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void AddForce(const ModalTableBlock& t, const Vec3<W> (&first)[N],
-                          const Vec3<W> (&last)[N], Motion& motion) {
+PELT_INLINE void AddForce(const ModalTableBlock& t, const Rows<W, N>& first, const Rows<W, N>& last,
+                          Motion& motion) {
+  PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
     auto& a = motion.axis[k];
     // The table's answers are those to half a constant force and to a change.
     W sum[N], turn[N];
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
-      sum[i] = PartOf(last[i], k) + PartOf(first[i], k);
-      turn[i] = PartOf(last[i], k) - PartOf(first[i], k);
+      sum[i] = last[k][i] + first[k][i];
+      turn[i] = last[k][i] - first[k][i];
     }
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       W p = a.p[i], push = sum[0] * W(t.shape[0][i]), twist = turn[0] * W(t.shape[0][i]);
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) {
         const W moved = sum[j] * W(t.response[i][j]), bent = turn[j] * W(t.slope[i][j]);
         p = p + moved + bent;
       }
+      PELT_UNROLL
       for (uint32_t j = 1; j < N; ++j) {
         push = push + sum[j] * W(t.shape[j][i]);
         twist = twist + turn[j] * W(t.shape[j][i]);
@@ -155,18 +196,18 @@ PELT_INLINE void AddForce(const ModalTableBlock& t, const Vec3<W> (&first)[N],
 template <class W, uint32_t N, class Motion>
 __attribute__((noinline)) void AddCurl(const ModalTableBlock& t, const ModalSubstep& s,
                                        Motion& motion) {
-  W rows[3][N];
-  Vec3<W> d[N], r[N], first[N], last[N];
-  RestAt<W, N>(t, s.start_place, motion, rows);
-  ToLinks(rows, r);
-  for (uint32_t i = 0; i < N; ++i)
-    d[i] = {motion.axis[0].d[i], motion.axis[1].d[i], motion.axis[2].d[i]};
+  Rows<W, N> d, r, first, last;
+  RestAt<W, N>(t, s.start_place, motion, r);
+  for (uint32_t k = 0; k < 3; ++k) {
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) d[k][i] = motion.axis[k].d[i];
+  }
   PullOfCurl<W, N>(t, d, r, first);
-  PredictEnd<W, N>(t, motion, first, rows);
+  PredictEnd<W, N>(t, motion, first, last);
+  PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i)
-    d[i] = NormalizeOr<W>({rows[0][i], rows[1][i], rows[2][i]}, d[i]);
-  RestAt<W, N>(t, s.root_place, motion, rows);
-  ToLinks(rows, r);
+    SetLink<W, N>(d, i, NormalizeOr<W>(LinkOf<W, N>(last, i), LinkOf<W, N>(d, i)));
+  RestAtEnd<W, N>(t, s, motion, r);
   PullOfCurl<W, N>(t, d, r, last);
   AddForce<W, N>(t, first, last, motion);
 }

@@ -40,6 +40,13 @@ struct SimulateModal {
   using Ports = modal::Ports<kPoints, kVertexChains>;
   using Controls = chain::ControlRecords<V, N>;
   using Extras = modal::Extras;
+  using Group = chain::Group<V, N>;
+  using Motion = modal::Motion<V, N>;
+  using Touches = modal::Touches<V, N>;
+  using TouchNotes = modal::TouchNotes<V, N>;
+  using Start = modal::FrameStart<V, kPoints, Ports>;
+  using End = modal::FrameEnd<V, kPoints, Ports>;
+  using Mask = typename V::Mask;
 
   static void Run(const Params& params, const Ports& ports) {
     RunWith(params, ports, {nullptr, nullptr});
@@ -68,15 +75,14 @@ struct SimulateModal {
   // functions go through memory for: what a console's price is must not depend on where a compiler
   // puts temporaries.
   struct Picks {
-    alignas(64) float is_picked[2 * V::kLanes];
+    alignas(64) float is_picked[V::kLanes];
     PickedLanes<V> group;
     uint32_t count;
     int32_t lane[kStrandsPerChunk];
 
-    template <class W>
-    PELT_INLINE void Add(typename W::Mask picked, uint32_t first) {
-      Select(picked, W(1.0f), W(0.0f)).Store(is_picked);
-      for (uint32_t l = 0; l < uint32_t(W::kLanes); ++l)
+    PELT_INLINE void Add(Mask picked, uint32_t first) {
+      Select(picked, V(1.0f), V(0.0f)).Store(is_picked);
+      for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
         if (is_picked[l] != 0.0f) lane[count++] = int32_t(first + l);
     }
     // A group of them; the last one fills it up.
@@ -87,240 +93,223 @@ struct SimulateModal {
     }
   };
 
+  // One group after the other: two at once, as the other solvers have them (chain_step.hpp), do not
+  // fit the registers.
   template <bool kBest>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live,
                                    const Controls* controls, Picks& picks) {
     picks.count = 0;
-    bool changed =
-        chain::RunRange<V>(begin, end, live, controls,
-                           [&]<class W>(uint32_t first, uint32_t alive, const Controls* followed) {
-                             return Lanes<W>::template RunGroup<kBest>(params, ports, extras, first,
-                                                                       alive, followed, &picks);
-                           });
+    bool changed = false;
+    for (uint32_t first = begin; first < end; first += uint32_t(V::kLanes))
+      changed |= RunGroup<kBest>(params, ports, extras, first, live, controls, &picks);
     for (uint32_t i = 0; i < picks.count; i += uint32_t(V::kLanes))
-      changed |= Lanes<V>::template RunGroup<kBest>(params, ports, extras, picks.Group(i), live,
-                                                    controls, static_cast<Picks*>(nullptr));
+      changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i), live, controls,
+                                 static_cast<Picks*>(nullptr));
     return changed;
   }
 
-  // A group's frame on W: V or Unrolled<V>.
-  template <class W>
-  struct Lanes {
-    using Group = chain::Group<W, N>;
-    using Motion = modal::Motion<W, N>;
-    using Touches = modal::Touches<W, N>;
-    using TouchNotes = modal::TouchNotes<W, N>;
-    using Start = modal::FrameStart<W, kPoints, Ports>;
-    using End = modal::FrameEnd<W, kPoints, Ports>;
-    using Mask = typename W::Mask;
-
-    static PELT_INLINE void TakeLanes(Mask lanes, const Motion& from, Motion& to) {
-      for (uint32_t i = 0; i < N; ++i) {
-        for (uint32_t k = 0; k < 3; ++k) {
-          to.axis[k].d[i] = Select(lanes, from.axis[k].d[i], to.axis[k].d[i]);
-          to.axis[k].z[i] = Select(lanes, from.axis[k].z[i], to.axis[k].z[i]);
-        }
-        to.lambda[i] = Select(lanes, from.lambda[i], to.lambda[i]);
-      }
-    }
-
-    // Lanes that failed: once more with a second Newton step, if they follow, then without one that
-    // could fail. Kept out of line and of the way: such lanes are rare.
-    template <class At>
-    static __attribute__((noinline)) void FallBack(const Ports& ports, const At& at, Mask good,
-                                                   Mask follows, const Vec3<W> (&rest)[N],
-                                                   const Vec3<W>* hold, W per_length,
-                                                   Touches& touches, Motion& motion) {
-      const ModalStateBlock<kPoints>& old = *ports.chain;
-      Motion safe = motion;
-      W force[3];
-      for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = LoadLanes<W>(old.multiplier[i], at);
+  static PELT_INLINE void TakeLanes(Mask lanes, const Motion& from, Motion& to) {
+    for (uint32_t i = 0; i < N; ++i) {
       for (uint32_t k = 0; k < 3; ++k) {
-        force[k] = (W(ports.layer->gravity[k]) + Start::LoadWind(ports, k, at)) * per_length;
-        for (uint32_t i = 0; i < N; ++i) {
-          safe.axis[k].d[i] = LoadLanes<W>(old.direction[i][k], at);
-          safe.axis[k].z[i] = LoadLanes<W>(old.velocity[i][k], at);
-        }
+        to.axis[k].d[i] = Select(lanes, from.axis[k].d[i], to.axis[k].d[i]);
+        to.axis[k].z[i] = Select(lanes, from.axis[k].z[i], to.axis[k].z[i]);
       }
-      if (modal::HasOtherHistory(*ports.layer))
-        modal::OtherHistory<W, kPoints, Ports, At>::TakeStart(ports, at, rest[0], safe);
-      if (Any(follows & !good)) {
-        Motion again = safe;
-        const Mask better =
-            modal::StepFrame<true>(*ports.table, Start::WindChanges(ports), touches, again) &
-            follows;
-        TakeLanes(better & !good, again, motion);
-        good = good | better;
-        if (AllSet(good)) return;
+      to.lambda[i] = Select(lanes, from.lambda[i], to.lambda[i]);
+    }
+  }
+
+  // Lanes that failed: once more with a second Newton step, if they follow, then without one that
+  // could fail. Kept out of line and of the way: such lanes are rare.
+  template <class At>
+  static __attribute__((noinline)) void FallBack(const Ports& ports, const At& at, Mask good,
+                                                 Mask follows, const Vec3<V> (&rest)[N],
+                                                 const Vec3<V>* hold, V per_length,
+                                                 Touches& touches, Motion& motion) {
+    const ModalStateBlock<kPoints>& old = *ports.chain;
+    Motion safe = motion;
+    V force[3];
+    for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = LoadLanes<V>(old.multiplier[i], at);
+    for (uint32_t k = 0; k < 3; ++k) {
+      force[k] = (V(ports.layer->gravity[k]) + Start::LoadWind(ports, k, at)) * per_length;
+      for (uint32_t i = 0; i < N; ++i) {
+        safe.axis[k].d[i] = LoadLanes<V>(old.direction[i][k], at);
+        safe.axis[k].z[i] = LoadLanes<V>(old.velocity[i][k], at);
       }
-      modal::EulerFrame<W, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
-      TakeLanes(!good, safe, motion);
     }
-
-    // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
-    // deep points stay inside what they leave slowly, m.
-    template <bool kBest, class At>
-    static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
-                                         Mask fresh, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
-                                         W per_length, const Group& g, W (&left)[N],
-                                         Motion& motion) {
-      const ModalTableBlock& t = *ports.table;
-      Touches touches;
-      if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
-      const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
-      Mask good = fresh;
-      if (Any(follows))
-        good = good |
-               (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
-      const Mask touched = touches.Touched() & good;
-      touches.Left(left);
-      for (W& depth : left) depth = depth * g.length;
-      if (!AllSet(good))
-        FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
-      return touched;
+    if (modal::HasOtherHistory(*ports.layer))
+      modal::OtherHistory<V, kPoints, Ports, At>::TakeStart(ports, at, rest[0], safe);
+    if (Any(follows & !good)) {
+      Motion again = safe;
+      const Mask better =
+          modal::StepFrame<true>(*ports.table, Start::WindChanges(ports), touches, again) & follows;
+      TakeLanes(better & !good, again, motion);
+      good = good | better;
+      if (AllSet(good)) return;
     }
+    modal::EulerFrame<V, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
+    TakeLanes(!good, safe, motion);
+  }
 
-    // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
-    // that it fails.
-    template <bool kBest>
-    static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
-                                     W per_length, const Group& g, Motion& motion) {
-      const ModalTableBlock& t = *ports.table;
-      TouchNotes notes;
-      if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
-      const Mask follows = modal::FollowsWeight<kBest, W, N>(t, ports.layer->gravity, per_length);
-      if (!Any(follows)) return !follows;
-      const Mask good =
-          modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
-      return notes.inside | !good;
+  // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
+  // deep points stay inside what they leave slowly, m.
+  template <bool kBest, class At>
+  static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
+                                       Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
+                                       V per_length, const Group& g, V (&left)[N], Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
+    Touches touches;
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
+    const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
+    Mask good = fresh;
+    if (Any(follows))
+      good =
+          good | (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
+    const Mask touched = touches.Touched() & good;
+    touches.Left(left);
+    for (V& depth : left) depth = depth * g.length;
+    if (!AllSet(good)) FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
+    return touched;
+  }
+
+  // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
+  // that it fails.
+  template <bool kBest>
+  static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
+                                   V per_length, const Group& g, Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
+    TouchNotes notes;
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
+    const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
+    if (!Any(follows)) return !follows;
+    const Mask good =
+        modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
+    return notes.inside | !good;
+  }
+
+  // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
+  // Without, lanes that were picked. Says whether a bit of a live one changed.
+  template <bool kBest, class At>
+  static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
+                                   const At& at, uint32_t live, const Controls* controls,
+                                   Picks* picks) {
+    constexpr bool kPicks = std::is_same_v<At, uint32_t>;
+    const LayerBlock& layer = *ports.layer;
+    const ChunkStateBlock& state = *ports.state;
+    const auto lanes = NumberLanes<V>(at);
+    const Mask alive = lanes < typename V::Int(int32_t(live));
+    const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
+    const bool restart = (state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate);
+    const V strength = LoadLanes<V>(ports.rest->strength, at);
+    const Mask fresh =
+        (!(lanes < typename V::Int(restart ? 0 : int32_t(first_new)))) | (strength <= V(0.0f));
+
+    Group g;
+    Motion motion;
+    Vec3<V> rest[N], d[N], held[N];
+    V per_length;
+    Start::LoadRest(ports, at, g, rest, per_length);
+    const Vec3<V>* hold = nullptr;
+    if (extras.down) {
+      Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
+      hold = held;
     }
+    PELT_NO_UNROLL
+    for (uint32_t k = 0; k < 3; ++k)
+      Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
+    if (modal::HasOtherHistory(layer))
+      modal::OtherHistory<V, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
+    if (extras.rates && ports.table->substeps > 0)
+      Start::TakeRates(ports, *extras.rates, at, rest, hold, per_length, motion);
+    for (uint32_t i = 0; i < N; ++i)
+      motion.lambda[i] = LoadLanes<V>(ports.chain->multiplier[i], at);
+    // In a statement of its own: it branches, and what a console's price is must not depend on
+    // which operand a compiler takes first.
+    const Mask calm = Start::IsCalm(motion);
+    const Mask quiet = calm & !fresh;
 
-    // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
-    // Without, lanes that were picked. Says whether a bit of a live one changed.
-    template <bool kBest, class At>
-    static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
-                                     const At& at, uint32_t live, const Controls* controls,
-                                     Picks* picks) {
-      constexpr bool kPicks = std::is_same_v<At, uint32_t>;
-      const LayerBlock& layer = *ports.layer;
-      const ChunkStateBlock& state = *ports.state;
-      const auto lanes = NumberLanes<W>(at);
-      const Mask alive = lanes < typename W::Int(int32_t(live));
-      const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
-      const bool restart = (state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate);
-      const W strength = LoadLanes<W>(ports.rest->strength, at);
-      const Mask fresh =
-          (!(lanes < typename W::Int(restart ? 0 : int32_t(first_new)))) | (strength <= W(0.0f));
-
-      Group g;
-      Motion motion;
-      Vec3<W> rest[N], d[N], held[N];
-      W per_length;
-      Start::LoadRest(ports, at, g, rest, per_length);
-      const Vec3<W>* hold = nullptr;
-      if (extras.down) {
-        Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
-        hold = held;
+    const Mask none = V(1.0f) < V(0.0f);
+    Mask touched = none, picked = none;
+    V left[N];
+    for (V& depth : left) depth = V(0.0f);
+    const bool carried = !restart && ports.table->substeps == 0;
+    if (carried) {
+      Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
+    } else if (!restart) {
+      if constexpr (kPicks)
+        picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
+      else
+        touched =
+            StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
+    }
+    modal::Directions(motion, d);
+    modal::PlacePoints(d, g);
+    if (!restart) {
+      if constexpr (kPicks) {
+        if (HasObstacles(params, ports))
+          picked = picked | modal::IsInside(modal::EndWalls(layer, params, g), g);
+        picked = picked & !fresh;
+        if (Any(picked)) picks->Add(picked, at);
+        if (AllSet(picked)) return false;
+      } else if (HasObstacles(params, ports)) {
+        PushOut(params, ports, left, g, motion);
       }
-      PELT_NO_UNROLL
-      for (uint32_t k = 0; k < 3; ++k)
-        Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
-      if (modal::HasOtherHistory(layer))
-        modal::OtherHistory<W, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
-      if (extras.rates && ports.table->substeps > 0)
-        Start::TakeRates(ports, *extras.rates, at, rest, hold, per_length, motion);
-      for (uint32_t i = 0; i < N; ++i)
-        motion.lambda[i] = LoadLanes<W>(ports.chain->multiplier[i], at);
-      // In a statement of its own: it branches, and what a console's price is must not depend on
-      // which operand a compiler takes first.
-      const Mask calm = Start::IsCalm(motion);
-      const Mask quiet = calm & !fresh;
+      const Mask full = strength >= V(1.0f);
+      if (controls || !AllSet(full))
+        Shape(params, ports, at, controls, full, picked, strength, rest, motion, left, g);
+    }
+    if (Any(fresh)) {
+      const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
+      Start::StartAfresh(*ports.table, rest, per_step, fresh, motion);
+      for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
+    }
+    const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
+    return Any(
+        End::Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr, motion) &
+        alive);
+  }
 
-      const Mask none = W(1.0f) < W(0.0f);
-      Mask touched = none, picked = none;
-      W left[N];
-      for (W& depth : left) depth = W(0.0f);
-      const bool carried = !restart && ports.table->substeps == 0;
-      if (carried) {
-        Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
-      } else if (!restart) {
-        if constexpr (kPicks)
-          picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
-        else
-          touched = StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left,
-                                        motion);
+  static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
+    return chain::HasSurface(*ports.layer) || modal::HasLimit(*ports.layer) ||
+           Colliders<V>::HasAny(params);
+  }
+
+  template <class At, class AnyTouches>
+  static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, const At& at,
+                                      const Group& g, AnyTouches& touches) {
+    const Vec3<V> last =
+        chain::HasSurface(*ports.layer) ? Load3<V>(ports.chain->normal, at) : g.normal;
+    touches.Load(*ports.table, *ports.layer, params, last, g);
+  }
+
+  static __attribute__((noinline)) void PushOut(const Params& params, const Ports& ports,
+                                                const V (&left)[N], Group& g, Motion& motion) {
+    modal::PushOut(*ports.table, *ports.layer, params, left, g, motion);
+  }
+
+  // What is seen of the chain: the points, not the state. Lanes at full strength that follow
+  // nobody keep theirs; what those get that were picked is of no use.
+  template <class At>
+  static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
+                                              const At& at, const Controls* controls, Mask full,
+                                              Mask picked, V strength, const Vec3<V> (&rest)[N],
+                                              const Motion& motion, const V (&left)[N], Group& g) {
+    const LayerBlock& layer = *ports.layer;
+    Vec3<V> d[N];
+    modal::Directions(motion, d);
+    modal::Weaken(full, strength, rest, d);
+    modal::PlacePoints(d, g);
+    Mask shaped = !full;
+    if constexpr (!kVertexChains)
+      if (controls) {
+        shaped = shaped | full;
+        Vec3<V> control[N];
+        for (uint32_t i = 0; i < N; ++i)
+          control[i] = controls->template Gather<V>(ports.strands->control, at, i) - g.root;
+        modal::Gather(layer.clump, control, g, d);
       }
-      modal::Directions(motion, d);
-      modal::PlacePoints(d, g);
-      if (!restart) {
-        if constexpr (kPicks) {
-          if (HasObstacles(params, ports))
-            picked = picked | modal::IsInside(modal::EndWalls(layer, params, g), g);
-          picked = picked & !fresh;
-          if (Any(picked)) picks->template Add<W>(picked, at);
-          if (AllSet(picked)) return false;
-        } else if (HasObstacles(params, ports)) {
-          PushOut(params, ports, left, g, motion);
-        }
-        const Mask full = strength >= W(1.0f);
-        if (controls || !AllSet(full))
-          Shape(params, ports, at, controls, full, picked, strength, rest, motion, left, g);
-      }
-      if (Any(fresh)) {
-        const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
-        Start::StartAfresh(*ports.table, rest, per_step, fresh, motion);
-        for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<W>(fresh, g.rest[i], g.point[i]);
-      }
-      const W still = Select(touched, W(modal::kStillTouching), W(modal::kStillTurn));
-      return Any(End::Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr,
-                            motion) &
-                 alive);
-    }
-
-    static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
-      return chain::HasSurface(*ports.layer) || modal::HasLimit(*ports.layer) ||
-             Colliders<W>::HasAny(params);
-    }
-
-    template <class At, class AnyTouches>
-    static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, const At& at,
-                                        const Group& g, AnyTouches& touches) {
-      const Vec3<W> last =
-          chain::HasSurface(*ports.layer) ? Load3<W>(ports.chain->normal, at) : g.normal;
-      touches.Load(*ports.table, *ports.layer, params, last, g);
-    }
-
-    static __attribute__((noinline)) void PushOut(const Params& params, const Ports& ports,
-                                                  const W (&left)[N], Group& g, Motion& motion) {
-      modal::PushOut(*ports.table, *ports.layer, params, left, g, motion);
-    }
-
-    // What is seen of the chain: the points, not the state. Lanes at full strength that follow
-    // nobody keep theirs; what those get that were picked is of no use.
-    template <class At>
-    static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
-                                                const At& at, const Controls* controls, Mask full,
-                                                Mask picked, W strength, const Vec3<W> (&rest)[N],
-                                                const Motion& motion, const W (&left)[N],
-                                                Group& g) {
-      const LayerBlock& layer = *ports.layer;
-      Vec3<W> d[N];
-      modal::Directions(motion, d);
-      modal::Weaken(full, strength, rest, d);
-      modal::PlacePoints(d, g);
-      Mask shaped = !full;
-      if constexpr (!kVertexChains)
-        if (controls) {
-          shaped = shaped | full;
-          Vec3<W> control[N];
-          for (uint32_t i = 0; i < N; ++i)
-            control[i] = controls->template Gather<W>(ports.strands->control, at, i) - g.root;
-          modal::Gather(layer.clump, control, g, d);
-        }
-      if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g, d);
-    }
-  };
+    if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g, d);
+  }
 };
 
 // The same with the roots' velocities, in frames that have them.
