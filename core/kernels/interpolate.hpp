@@ -94,19 +94,23 @@ struct Interpolate {
     }
   }
 
-  // Blend of the three vertices' records of point i, for lanes kFirst, kFirst + 4, ...
+  // Blends of the three vertices' records of each point, for lanes kFirst, kFirst + 4, ... A vertex's
+  // records lie side by side: where they are is worked out once.
   template <int kFirst>
-  PELT_INLINE static V Blend(const Displacements& displacements, const StrandBlock& strands,
-                             const V (&bary)[3], uint32_t lane, uint32_t i) {
-    V sum;
+  PELT_INLINE static void Blend(const Displacements& displacements, const StrandBlock& strands,
+                                const V (&bary)[3], uint32_t lane, V (&sum)[kFree]) {
+    PELT_UNROLL
     for (int k = 0; k < 3; ++k) {
       const uint8_t* vertex = strands.vertex[k] + lane;
-      const V record = LoadRecords<V, kFirst>(
-          [&](int l) { return displacements.record[vertex[l] % kVerticesPerChunk][i]; });
-      const V term = record * SplatInFours<kFirst>(bary[k]);
-      sum = k == 0 ? term : sum + term;
+      const V share = SplatInFours<kFirst>(bary[k]);
+      PELT_UNROLL
+      for (uint32_t i = 0; i < kFree; ++i) {
+        const V record = LoadRecords<V, kFirst>(
+            [&](int l) { return displacements.record[vertex[l] % kVerticesPerChunk][i]; });
+        const V term = record * share;
+        sum[i] = k == 0 ? term : sum[i] + term;
+      }
     }
-    return sum;
   }
 
   // Two loops: making unit segments waits for square roots, and only short bodies let the machine
@@ -127,13 +131,16 @@ struct Interpolate {
     V bary[3];
     const V length = IsModal(ports) ? V(1.0f) : g.length;
     for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * length;
+    V x[kFree], y[kFree], z[kFree], w[kFree];
+    Blend<0>(displacements, strands, bary, lane, x);
+    Blend<1>(displacements, strands, bary, lane, y);
+    Blend<2>(displacements, strands, bary, lane, z);
+    Blend<3>(displacements, strands, bary, lane, w);
+    PELT_UNROLL
     for (uint32_t i = 0; i < kFree; ++i) {
-      V x = Blend<0>(displacements, strands, bary, lane, i);
-      V y = Blend<1>(displacements, strands, bary, lane, i);
-      V z = Blend<2>(displacements, strands, bary, lane, i);
-      V w = Blend<3>(displacements, strands, bary, lane, i);
-      TransposeFours(x, y, z, w);
-      Store3(ports.points->position[i], lane, g.rest[i] + Vec3<V>{x, y, z});
+      TransposeFours(x[i], y[i], z[i], w[i]);
+      const Vec3<V> off = {x[i], y[i], z[i]};
+      Store3(ports.points->position[i], lane, g.rest[i] + off);
     }
   }
 

@@ -187,6 +187,7 @@ PELT_INLINE void LeanChainOut(const Walls<W, N>& walls, typename W::Mask lanes,
 
 template <class W, uint32_t N>
 PELT_INLINE void Directions(const Motion<W, N>& motion, Vec3<W> (&d)[N]) {
+  PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i)
     d[i] = {motion.axis[0].d[i], motion.axis[1].d[i], motion.axis[2].d[i]};
 }

@@ -19,7 +19,6 @@
 // is not defined, feels a bounded force.
 #pragma once
 
-#include "core/kernels/modal_matrix.hpp"
 #include "core/modal/modal_block.hpp"
 #include "core/simd.hpp"
 

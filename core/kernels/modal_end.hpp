@@ -66,12 +66,22 @@ struct FrameEnd {
     ModalStateBlock<kPoints>& to = *ports.chain;
     const bool may_rest = params.rest_threshold > 0.0f;
     const Mask moved = !(quiet | fresh | picked);
+    // Nobody may be at rest: whether bits changed need not be looked at.
     if (may_rest && AllSet(moved)) {
       StoreLanes(W(0.0f), to.quiet_s, at);
       ForEachRow(
           ports, at, g, motion, [&](float* row, W value) __attribute__((always_inline)) {
             StoreLanes(value, row, at);
           });
+      return moved;
+    }
+    if (may_rest && AllSet(moved | picked)) {
+      const auto put = [&](float* row, W value) __attribute__((always_inline)) {
+        const W old = LoadLanes<W>(row, at);
+        StoreLanes(Select(picked, old, value), row, at);
+      };
+      put(to.quiet_s, W(0.0f));
+      ForEachRow(ports, at, g, motion, put);
       return moved;
     }
     W turn2 = W(0.0f);

@@ -25,9 +25,12 @@ struct Levers {
                         const NewtonMatrix<W, N>& lengths, const Vec3<W> (&normal)[N],
                         const W (&on)[N], float share) {
     W b[N][N];
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
+      PELT_UNROLL
       for (uint32_t i = 0; i < N; ++i) {
         float above = 0.0f;
+        PELT_UNROLL
         for (uint32_t j = 0; j < q; ++j) above = j == 0 ? response[i][0] : above + response[i][j];
         const W own = W(response[i][q]) * on[q];
         give[q][i] = q == 0 ? own : W(above) + own;
@@ -36,39 +39,47 @@ struct Levers {
       }
       SolveFactored<W, N>(lengths.lower, lengths.inverse, hold[q]);
     }
-    for (uint32_t r = 0; r < N; ++r)
-      for (uint32_t q = 0; q <= r; ++q) {
-        W bare = give[q][0];
-        for (uint32_t i = 1; i < r; ++i) bare = bare + give[q][i];
-        const W own = give[q][r] * on[r];
-        bare = r == 0 ? own : bare + own;
-        W sum = b[r][0] * hold[q][0];
-        for (uint32_t j = 1; j < N; ++j) sum = sum + b[r][j] * hold[q][j];
-        matrix[r][q] = Dot(normal[r], normal[q]) * bare + sum * W(share);
-        if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive) * bare);
-        matrix[q][r] = matrix[r][q];
-      }
+    PELT_UNROLL
+    for (uint32_t r = 0; r < N; ++r) PELT_UNROLL
+    for (uint32_t q = 0; q <= r; ++q) {
+      W bare = give[q][0];
+      PELT_UNROLL
+      for (uint32_t i = 1; i < r; ++i) bare = bare + give[q][i];
+      const W own = give[q][r] * on[r];
+      bare = r == 0 ? own : bare + own;
+      W sum = b[r][0] * hold[q][0];
+      PELT_UNROLL
+      for (uint32_t j = 1; j < N; ++j) sum = sum + b[r][j] * hold[q][j];
+      matrix[r][q] = Dot(normal[r], normal[q]) * bare + sum * W(share);
+      if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive) * bare);
+      matrix[q][r] = matrix[r][q];
+    }
   }
 
   // Pushes that bring about `wanted`, each at least `least`.
   PELT_INLINE void Solve(const W (&wanted)[N], const W (&least)[N], W (&push)[N]) const {
     W inverse[N];
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
       push[q] = W(0.0f);
       inverse[q] = W(1.0f) / matrix[q][q];
     }
-    for (int sweep = 0; sweep < kTouchSweeps; ++sweep)
-      for (uint32_t q = 0; q < N; ++q) {
-        W left = wanted[q];
-        for (uint32_t r = 0; r < N; ++r) left = left - matrix[q][r] * push[r];
-        push[q] = Max(push[q] + left * inverse[q], least[q]);
-      }
+    PELT_NO_UNROLL
+    for (int sweep = 0; sweep < kTouchSweeps; ++sweep) PELT_UNROLL
+    for (uint32_t q = 0; q < N; ++q) {
+      W left = wanted[q];
+      PELT_UNROLL
+      for (uint32_t r = 0; r < N; ++r) left = left - matrix[q][r] * push[r];
+      push[q] = Max(push[q] + left * inverse[q], least[q]);
+    }
   }
 
   // Multipliers of the lengths that go with the pushes.
   PELT_INLINE void Hold(const W (&push)[N], W (&multiplier)[N]) const {
+    PELT_UNROLL
     for (uint32_t j = 0; j < N; ++j) {
       multiplier[j] = hold[0][j] * push[0];
+      PELT_UNROLL
       for (uint32_t q = 1; q < N; ++q) multiplier[j] = multiplier[j] + hold[q][j] * push[q];
     }
   }

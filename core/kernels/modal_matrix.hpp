@@ -8,14 +8,6 @@
 
 namespace pelt::modal {
 
-#if defined(__clang__)
-#define PELT_UNROLL _Pragma("unroll")
-#define PELT_NO_UNROLL _Pragma("nounroll")
-#else
-#define PELT_UNROLL _Pragma("GCC unroll 4")
-#define PELT_NO_UNROLL _Pragma("GCC unroll 1")
-#endif
-
 // L D L^T of a symmetric matrix: L D in its lower half, 1 / D in `inverse`. No pivots: the matrix
 // is near positive definite wherever the result is accepted.
 template <class W, uint32_t N>

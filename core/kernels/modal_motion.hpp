@@ -38,6 +38,31 @@ PELT_INLINE W Component(const Vec3<W>& v, uint32_t axis) {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
+// Ends of the links y, from the root.
+template <class W, uint32_t N>
+PELT_INLINE void PlaceEnds(const Motion<W, N>& m, Vec3<W> (&at)[N]) {
+  at[0] = Row(m, &Axis<W, N>::y, 0);
+  PELT_UNROLL
+  for (uint32_t i = 1; i < N; ++i) at[i] = at[i - 1] + Row(m, &Axis<W, N>::y, i);
+}
+
+// Copies of a substep what a contact reads or changes; y follows from it.
+template <bool kBest, class W, uint32_t N>
+PELT_INLINE void CopyStep(const Motion<W, N>& from, Motion<W, N>& to) {
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    to.lambda[i] = from.lambda[i];
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Axis<W, N>& a = from.axis[k];
+      Axis<W, N>& b = to.axis[k];
+      b.d[i] = a.d[i];
+      b.p[i] = a.p[i];
+      b.w[i] = a.w[i];
+      if constexpr (kBest) b.turn[i] = a.turn[i];
+    }
+  }
+}
+
 // Row `weights` of a matrix times a column.
 template <class W, uint32_t N>
 PELT_INLINE W Weigh(const float (&weights)[kMaxLinks], const W (&v)[N]) {

@@ -260,9 +260,12 @@ struct Surroundings {
       Obstacle<W> o;
       o.share = share;
       const Vec3<W> point = o.PointOf(from, at);
-      o = Obstacle<W>::Of(shape, step, point, W(plane_bounce), per_step);
-      o.share = share;
-      take(shape.Distance(point), o);
+      const W distance = shape.Distance(point);
+      if (Any(distance < deepest)) {
+        o = Obstacle<W>::Of(shape, step, point, W(plane_bounce), per_step);
+        o.share = share;
+        take(distance, o);
+      }
       if (step.moves != 0)
         ForEachPast(
             shape, step, i, from, at,

@@ -24,46 +24,13 @@
 
 #include "core/kernels/modal_friction.hpp"
 #include "core/kernels/modal_lever.hpp"
-#include "core/kernels/modal_obstacle.hpp"
+#include "core/kernels/modal_notes.hpp"
 
 namespace pelt::modal {
 
 // Times the lengths and the contacts are solved in turn. The first goes by a direction of the
 // lengths' force that knows nothing of the contact.
 inline constexpr int kTouchRounds = 2;
-
-// Ends of the links y, from the root.
-template <class W, uint32_t N>
-PELT_INLINE void PlaceEnds(const Motion<W, N>& m, Vec3<W> (&at)[N]) {
-  at[0] = Row(m, &Axis<W, N>::y, 0);
-  for (uint32_t i = 1; i < N; ++i) at[i] = at[i - 1] + Row(m, &Axis<W, N>::y, i);
-}
-
-// In the place of Touches, below: which lanes end a substep inside something. What such a lane does
-// from there on is of no use.
-template <class W, uint32_t N>
-struct TouchNotes {
-  typename W::Mask inside = W(1.0f) < W(0.0f);
-  bool use = false;  // false: nothing below is set
-  Surroundings<W, N> around;
-
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
-                        const SimulateParams& params, Vec3<W> last_surface,
-                        const chain::Group<W, N>& g) {
-    use = true;
-    around.Load(t, layer, params, last_surface, g);
-  }
-  template <bool kBest>
-  PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
-    if (!use) return false;
-    around.Advance(t, substep, motion);
-    Vec3<W> at[N];
-    PlaceEnds(motion, at);
-    inside = inside | around.IsInside(at);
-    return false;
-  }
-  PELT_INLINE void Settle(const ModalTableBlock&, uint32_t, const Motion<W, N>&) const {}
-};
 
 // What a group's chains can touch this frame, and what they touched in the present substep.
 template <class W, uint32_t N>
@@ -115,6 +82,7 @@ struct Touches {
   // How deep the last substep left each point inside what it leaves slowly, links: of what it was in
   // when the frame began. What a substep could not solve is no overlap from before.
   PELT_INLINE void Left(W (&depth)[N]) const {
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) depth[q] = any ? Min(obstacle[q].left, overlap[q]) : W(0.0f);
   }
 
@@ -132,8 +100,10 @@ struct Touches {
   static PELT_INLINE void Linearise(const ModalTableBlock& t, Motion<W, N>& m, W (&square)[N],
                                     NewtonMatrix<W, N>& matrix) {
     W gram[N][N];
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       square[i] = W(0.0f);
+      PELT_UNROLL
       for (uint32_t j = 0; j <= i; ++j) gram[i][j] = W(0.0f);
     }
     for (Axis<W, N>& a : m.axis) Respond<kBest>(t, m.lambda, a, square, gram);
@@ -149,8 +119,10 @@ struct Touches {
     float response[N][N];
     Vec3<W> w[N];
     W least[N], push[N], change[N], share[N];
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       share[i] = obstacle[i].share;
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) response[i][j] = 2.0f * t.response[i][j];
       w[i] = Row(m, &Axis<W, N>::w, i);
       least[i] = W(0.0f) - total[i];
@@ -159,6 +131,7 @@ struct Touches {
     levers.Make(response, w, matrix, n, share, 0.5f);
     levers.Solve(depth, least, push);
     levers.Hold(push, change);
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
       total[q] = total[q] + push[q];
       force[q] = force[q] + n[q] * push[q];
@@ -167,12 +140,15 @@ struct Touches {
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = m.axis[k];
       W pull[N], twist[N];
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) {
         pull[j] = a.w[j] * change[j];
         if constexpr (kBest) twist[j] = a.turn[j] * change[j];
       }
+      PELT_UNROLL
       for (uint32_t i = 0; i < N; ++i) {
         W moved = W(0.0f);
+        PELT_UNROLL
         for (uint32_t q = 0; q < N; ++q)
           moved = moved + Component(n[q], k) * (push[q] * levers.give[q][i]);
         a.p[i] = a.p[i] + moved;
@@ -186,18 +162,22 @@ struct Touches {
   PELT_INLINE void FindArrival(const ModalTableBlock& t, uint32_t substep,
                                const Motion<W, N>& motion, const Vec3<W> (&at)[N],
                                const Vec3<W> (&n)[N]) {
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q)
       arrival[q] = W(0.0f) - Dot(around.turn, at[q]) * W(t.euler_speed) * obstacle[q].spins;
-    if (around.colliders.moves)
-      for (uint32_t q = 0; q < N; ++q) arrival[q] = arrival[q] + Dot(n[q], obstacle[q].drift);
+    if (around.colliders.moves) PELT_UNROLL
+    for (uint32_t q = 0; q < N; ++q) arrival[q] = arrival[q] + Dot(n[q], obstacle[q].drift);
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& a = motion.axis[k];
       W pull[N], z[N];
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) pull[j] = a.w[j] * motion.lambda[j];
+      PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m)
         z[m] = a.z[m] + WeighColumn<W, N>(t.shape, m, pull) * W(t.impulse[m]);
       const W root = WeighRoot(t.substep[substep].root_speed, a.root);
       W v = W(0.0f);
+      PELT_UNROLL
       for (uint32_t q = 0; q < N; ++q) {
         v = v + Weigh<W, N>(t.shape[q], z);
         arrival[q] = arrival[q] - Component(n[q], k) * (v - root * obstacle[q].carried);
@@ -209,7 +189,8 @@ struct Touches {
   __attribute__((noinline)) void ResolveInside(const ModalTableBlock& t, uint32_t substep,
                                                Mask lanes, Motion<W, N>& motion) {
     const W none = W(0.0f);
-    Motion<W, N> m = motion;
+    Motion<W, N> m;
+    CopyStep<kBest>(motion, m);
     NewtonMatrix<W, N> matrix;
     W square[N], total[N], depth[N];
     Vec3<W> force[N], n[N];
@@ -217,6 +198,7 @@ struct Touches {
     const W most = around.per_length * W(kLeaving * around.time);
     if (eases && !around.colliders.moves) around.PlaceStart(t, substep, motion);
     Linearise<kBest>(t, m, square, matrix);
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
       total[q] = none;
       force[q] = {none, none, none};
@@ -240,17 +222,20 @@ struct Touches {
       }
       Vec3<W> at[N];
       PlaceEnds(m, at);
+      PELT_NO_UNROLL
       for (uint32_t q = 0; q < N; ++q) {
         const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : at[q - 1];
         Obstacle<W> found;
         around.Find(q, from, at[q], found);
         const Mask fresh = found.any & lanes & !obstacle[q].any;
-        if (eases) found.Ease(around.StartOf(q, found), W(around.time), most);
-        const W along = W(float(q)) + found.share;
-        if (around.colliders.moves)
-          found.SlowDown(found.PointOf(from, at[q]), W(around.time), W(kFarthestHit) * along);
-        found.KeepWithinReach(W(kReach * float(q)) + found.share * W(kReach));
-        obstacle[q].Take(fresh, found);
+        if (Any(fresh)) {
+          if (eases) found.Ease(around.StartOf(q, found), W(around.time), most);
+          const W along = W(float(q)) + found.share;
+          if (around.colliders.moves)
+            found.SlowDown(found.PointOf(from, at[q]), W(around.time), W(kFarthestHit) * along);
+          found.KeepWithinReach(W(kReach * float(q)) + found.share * W(kReach));
+          obstacle[q].Take(fresh, found);
+        }
         obstacle[q].Look(obstacle[q].PointOf(from, at[q]), n[q], depth[q]);
       }
       if (round == 0 && around.plane_bounce > 0.0f) FindArrival(t, substep, motion, at, n);
@@ -259,23 +244,26 @@ struct Touches {
       else
         Press<kBest>(t, matrix, n, depth, obstacle, total, force, m);
     }
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) square[i] = none;
-    for (const Axis<W, N>& a : m.axis)
-      for (uint32_t i = 0; i < N; ++i) square[i] = square[i] + a.y[i] * a.y[i];
+    for (const Axis<W, N>& a : m.axis) PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) square[i] = square[i] + a.y[i] * a.y[i];
     NewtonStep<kBest>(t, matrix, m, square);
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
       const Mask pushed = total[q] > none;
       normal[q] = Select<W>(pushed, n[q], {none, none, none});
       motion.lambda[q] = Select(lanes, m.lambda[q], motion.lambda[q]);
     }
     any = true;
-    if (substep == 0)
-      for (uint32_t q = 0; q < N; ++q) overlap[q] = obstacle[q].left;
+    if (substep == 0) PELT_UNROLL
+    for (uint32_t q = 0; q < N; ++q) overlap[q] = obstacle[q].left;
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& from = m.axis[k];
       Axis<W, N>& to = motion.axis[k];
       W pull[N];
       W sum = none;
+      PELT_UNROLL
       for (uint32_t i = 0; i < N; ++i) {
         const uint32_t j = N - 1 - i;
         const W on_link = sum + Component(force[j], k) * obstacle[j].share;
@@ -286,6 +274,7 @@ struct Touches {
         to.y[i] = Select(lanes, from.y[i], to.y[i]);
         if constexpr (kBest) to.turn[i] = Select(lanes, from.turn[i], to.turn[i]);
       }
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j) {
         const W push = WeighColumn<W, N>(t.shape, j, pull) * W(t.impulse[j]);
         to.z[j] = Select(lanes, to.z[j] + push, to.z[j]);
@@ -316,15 +305,18 @@ struct Touches {
                           WeighRoot(speed, motion.axis[1].root),
                           WeighRoot(speed, motion.axis[2].root)};
     Mask touched = W(1.0f) < none;
+    PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       d[i] = Row(motion, &Axis<W, N>::d, i);
       v[i] = {Weigh<W, N>(t.shape[i], motion.axis[0].z), Weigh<W, N>(t.shape[i], motion.axis[1].z),
               Weigh<W, N>(t.shape[i], motion.axis[2].z)};
+      PELT_UNROLL
       for (uint32_t j = 0; j < N; ++j)
         response[i][j] = i == j       ? t.inverse_mass[i]
                          : i == j + 1 ? t.inverse_mass_off[j]
                          : j == i + 1 ? t.inverse_mass_off[i]
                                       : 0.0f;
+      PELT_UNROLL
       for (uint32_t j = 0; j <= i; ++j) matrix.lower[i][j] = Dot(d[i], d[j]) * W(response[i][j]);
       touched = touched | (Dot(normal[i], normal[i]) > none);
     }
@@ -333,6 +325,7 @@ struct Touches {
     const bool soft = around.hardness < 1.0f;
     const W settles = soft ? SettledBySoft(around.hardness) : W(1.0f);
     Vec3<W> at = {none, none, none}, point = at;
+    PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
       const Mask pushed = Dot(normal[q], normal[q]) > none;
       // The first link's speed has the root's in it.
@@ -362,18 +355,21 @@ struct Touches {
       levers.Make(response, d, matrix, normal, share, 1.0f);
       levers.Solve(wanted, least, push);
       levers.Hold(push, hold);
+      PELT_UNROLL
       for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
     }
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = motion.axis[k];
       W pull[N];
       W sum = none;
+      PELT_UNROLL
       for (uint32_t i = 0; i < N; ++i) {
         const uint32_t j = N - 1 - i;
         const W own = Component(impulse[j], k), on_link = sum + own * share[j];
         sum = sum + own;
         pull[j] = on_link + a.d[j] * hold[j];
       }
+      PELT_UNROLL
       for (uint32_t m = 0; m < N; ++m)
         a.z[m] = Select(touched, a.z[m] + WeighColumn<W, N>(t.shape, m, pull), a.z[m]);
     }

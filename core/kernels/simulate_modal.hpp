@@ -214,7 +214,7 @@ struct SimulateModal {
       Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
       hold = held;
     }
-    PELT_NO_UNROLL
+    PELT_UNROLL
     for (uint32_t k = 0; k < 3; ++k)
       Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
     if (modal::HasOtherHistory(layer))

@@ -56,6 +56,7 @@ PELT_INLINE void StoreLanes(V a, float* row, const PickedLanes<V>& at) {
     return V::StorePicked(a, row, at.lane);
   alignas(64) float lanes[V::kLanes];
   a.Store(lanes);
+  PELT_UNROLL
   for (int l = 0; l < V::kLanes; ++l) row[at.lane[l]] = lanes[l];
 }
 

@@ -26,6 +26,16 @@
 #define PELT_INLINE inline __attribute__((always_inline))
 #endif
 
+// Short loops over a kernel's own arrays: as loops they go through memory. The other for bodies too
+// long to have them several times.
+#if defined(__clang__)
+#define PELT_UNROLL _Pragma("unroll")
+#define PELT_NO_UNROLL _Pragma("nounroll")
+#else
+#define PELT_UNROLL _Pragma("GCC unroll 16")
+#define PELT_NO_UNROLL _Pragma("GCC unroll 1")
+#endif
+
 namespace pelt {
 
 // Instruction-set tags. The tag is part of every kernel's symbol name.
