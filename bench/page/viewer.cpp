@@ -159,7 +159,7 @@ Camera Viewer::FrameCamera(const Camera& own) const {
 }
 
 // What the page adds to the scenario's own input.
-void Viewer::Record(FrameInput& input) {
+void Viewer::AddOwn(FrameInput& input) {
   if (settings_->sphere_radius > 0.0 && sphere_centre_ && input.sphere_count < kSpheresPerScene) {
     const uint32_t s = input.sphere_count++;
     for (int c = 0; c < 3; ++c) {
@@ -181,7 +181,7 @@ const char* Viewer::Step() {
   const TimePoint start = Now();
   FrameInput input = running_->Prepare(next_frame_, scenario_->base.skip, scenario_->base.lod);
   input.camera = last_camera_ = FrameCamera(input.camera);
-  Record(input);
+  AddOwn(input);
   if (const char* fault = scene().BeginFrame(input)) return fault;
   caller_ms_ = double(ElapsedNs(start)) * 1e-6;
   Frame frame = scene().CurrentFrame();

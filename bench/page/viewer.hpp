@@ -80,7 +80,7 @@ class Viewer {
  private:
   Camera FrameCamera(const Camera& own) const;
   void Load();
-  void Record(FrameInput& input);
+  void AddOwn(FrameInput& input);
 
   ScenarioRequest request_;
   std::unique_ptr<Scenario> scenario_;
