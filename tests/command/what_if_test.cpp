@@ -65,7 +65,12 @@ TEST_P(ConsoleOf, AdviceOnAChangeIsWhatARunWithItTakes) {
     }
     EXPECT_EQ(changed.budget.why_no_change, "");
     EXPECT_FALSE(Holds(text, "CHANGES NOTHING"));
-    EXPECT_LT(SumOf(is.stream_get_bytes), SumOf(was.stream_get_bytes));
+    // Of layers with fewer points less is written; how much is fetched again hangs on what a core does next, too.
+    if (what_if == WhatIf::kFewerPoints) {
+      EXPECT_LT(SumOf(is.stream_put_bytes), SumOf(was.stream_put_bytes));
+    } else {
+      EXPECT_LT(SumOf(is.stream_get_bytes), SumOf(was.stream_get_bytes));
+    }
     if (ms <= 0.99 * now_ms) {
       EXPECT_TRUE(Holds(advice, LineOn(what_if, ms, now_ms))) << advice;
     } else {
