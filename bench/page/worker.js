@@ -77,10 +77,11 @@ async function start() {
   describe();
 }
 
-function describe() {
+// `token` comes back with the answer.
+function describe(token) {
   const described = JSON.parse(result(exported.Describe()));
   dt_s = described.dt_s;
-  postMessage({described, setup: result(exported.SetupText()), renderer});
+  postMessage({described, setup: result(exported.SetupText()), renderer, token});
 }
 
 function step() {
@@ -109,13 +110,26 @@ async function guarded(run) {
     const reason = stdout.trim().split('\n').at(-1) || String(error);
     stdout = '';
     postMessage({fault: reason});
-    if (compiled && !(error instanceof WebAssembly.CompileError)) await start().catch((again) => postMessage({fault: String(again), dead: true}));
+    if (!compiled) return;
+    try {
+      await start();
+      step();
+      draw();
+      report();
+    } catch (again) {
+      postMessage({fault: String(again), dead: true});
+    }
   }
 }
 
 const next = self.requestAnimationFrame ? (run) => self.requestAnimationFrame(run) : (run) => setTimeout(() => run(performance.now()), 16);
+// What the page says and the frames that pass take turns: a module that begins again is left alone until it has.
+let queue = Promise.resolve();
+const enqueue = (run) => {
+  queue = queue.then(() => guarded(run));
+};
 function loop(now_ms) {
-  next((now) => guarded(() => loop(now)));
+  next((now) => enqueue(() => loop(now)));
   const passed_s = Math.min((now_ms - last_ms) / 1000, 0.1);
   last_ms = now_ms;
   if (playing) {
@@ -153,7 +167,7 @@ const handlers = {
     report();
     postMessage({opened: true});
     last_ms = performance.now();
-    next((now) => guarded(() => loop(now)));
+    next((now) => enqueue(() => loop(now)));
   },
   play: (on) => {
     playing = on;
@@ -219,7 +233,6 @@ const handlers = {
   },
 };
 
-let queue = Promise.resolve();
 self.onmessage = ({data}) => {
-  for (const [name, value] of Object.entries(data)) queue = queue.then(() => guarded(() => handlers[name](value)));
+  for (const [name, value] of Object.entries(data)) enqueue(() => handlers[name](value));
 };

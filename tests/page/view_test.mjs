@@ -56,8 +56,10 @@ async function open(file, width = 1000) {
 const frame = (page, number) => page.until(`document.body.dataset.frame === '${number}'`, `frame ${number}`);
 const verdict = (page) => page.evaluate('document.body.dataset.verdict');
 // Waits until the worker has answered all that was said to it.
+let tokens = 0;
 async function settled(page) {
-  await page.evaluate('new Promise((done) => { const before = worker.onmessage; worker.onmessage = (event) => { before(event); if (event.data.described) { worker.onmessage = before; setTimeout(done, 100); } }; tell({describe: true}); })');
+  const token = ++tokens;
+  await page.evaluate('new Promise((done) => { const before = worker.onmessage; worker.onmessage = (event) => { before(event); if (event.data.token === TOKEN) { worker.onmessage = before; setTimeout(done, 100); } }; tell({describe: TOKEN}); })'.replaceAll('TOKEN', token));
 }
 const step = async (page, count) => {
   await page.evaluate(`tell({step: ${count}})`);
@@ -70,7 +72,9 @@ const set = async (page, key, value) => {
     if (input.type === 'checkbox') input.checked = ${JSON.stringify(value)}; else input.value = ${JSON.stringify(value)};
     input.onchange();
   })()`);
-  await new Promise((done) => setTimeout(done, 250));  // sliders wait for more
+  // Sliders of layers wait for more to come.
+  const [layer, name] = key.split('.');
+  if (name) await page.until(`changes.keys.some(([l, k]) => l === '${layer}' && k === '${name}')`, key);
   await settled(page);
 };
 
@@ -123,7 +127,7 @@ async function tiny() {
   await page.evaluate("document.getElementById('reset').click()");
   await frame(page, 0);
   await step(page, 5);
-  check(await verdict(page) === 'same', 'reset takes everything back');
+  check(await verdict(page) === 'same', `reset takes everything back (${await page.evaluate("document.getElementById('digest').textContent")})`);
 
   await set(page, 'brush_radius', 0.3);
   await set(page, 'brush_amount', 1);
