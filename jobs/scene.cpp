@@ -111,6 +111,13 @@ void FurScene::Place(std::span<std::byte> memory) {
 
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   uint32_t layer_index = 0, chunk = 0;
+  layer_names_.clear();
+  layer_params_.clear();
+  layer_length_max_.clear();
+  layer_strands_.clear();
+  modal_.resize(shape().layer_count);
+  layer_simulates_.assign(shape().layer_count, 0);
+  layer_curled_.assign(shape().layer_count, 0);
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
     *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
@@ -120,11 +127,8 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
       layer_names_.push_back(layer.name);
       layer_params_.push_back(layer.params);
-      modal_.emplace_back();
       layer_length_max_.push_back(layer.length_max);
       layer_strands_.push_back(layer.strand_count);
-      layer_simulates_.push_back(0);
-      layer_curled_.push_back(0);
       const bool shells = layer.params.output == Output::kShells;
       if (shells) *memory_.Of<&Streams::shell_layers>(layer_index) = FillShellLayer(layer.params);
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
@@ -195,6 +199,46 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   memory_.paused = other.memory_.paused;
   first_frame_ = other.first_frame_;
   last_dt_s_ = other.last_dt_s_;
+  return true;
+}
+
+namespace {
+
+bool SameBytes(const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+// What follows from where strands stand on the skin.
+bool SameRoots(const StrandBlock& a, const StrandBlock& b) {
+  return SameBytes(a.bary, b.bary) && SameBytes(a.vertex, b.vertex) &&
+         SameBytes(a.joint_mask, b.joint_mask) && a.strand_count == b.strand_count &&
+         a.vertex_count == b.vertex_count;
+}
+
+}  // namespace
+
+bool FurScene::HasRootsOf(std::span<const Groom* const> grooms) const {
+  uint32_t chunk = 0;
+  for (uint32_t c = 0; c < grooms.size(); ++c) {
+    if (!SameBytes(*memory_.Of<&Streams::skeleton>(c), grooms[c]->skeleton)) return false;
+    for (const GroomLayer& layer : grooms[c]->layers)
+      for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk)
+        if (!SameBytes(*memory_.Of<&Streams::mesh>(chunk),
+                       grooms[c]->mesh[layer.first_chunk + i]) ||
+            !SameRoots(*memory_.Of<&Streams::strands>(chunk),
+                       grooms[c]->strands[layer.first_chunk + i]))
+          return false;
+  }
+  return true;
+}
+
+bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms) {
+  const Result<SceneLayout> layout = MeasureScene(grooms, options_);
+  if (!layout || *layout != layout_ || !HasRootsOf(grooms)) return false;
+  CopyGrooms(grooms);
+  // Nobody sleeps through it, and what is skinned is taken to have moved.
+  for (uint32_t c = 0; c < shape().chunk_count; ++c) {
+    ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(c);
+    state.state_changed = state.moved = 1;
+  }
   return true;
 }
 

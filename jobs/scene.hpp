@@ -172,6 +172,12 @@ class FurScene {
   // nothing done, when the other is not of the same grooms and options that shape its memory.
   bool CopyStateFrom(const FurScene& other);
 
+  // Goes on with other grooms from the state that there is: for a setup that is tuned, or a groom that
+  // is loaded again, while fur moves. Between two frames. False, and nothing done, unless they are of the same
+  // skeletons, layers, kinds and chunks, with every strand at its place on the skin: a scene of
+  // other strands is to be made anew.
+  bool ReplaceGrooms(std::span<const Groom* const> grooms);
+
   // For any executor, once for each BeginFrame.
   Frame CurrentFrame() const { return {&plan_, &memory_, nullptr, &phase_}; }
 
@@ -211,6 +217,7 @@ class FurScene {
   std::string MakePlan(const FrameTable& kernels);
   void Place(std::span<std::byte> memory);
   void CopyGrooms(std::span<const Groom* const> grooms);
+  bool HasRootsOf(std::span<const Groom* const> grooms) const;
   void FillFrame(const FrameInput& input);
   void FillPausedFrame(const FrameInput& input);
   // Of set `s` of parameters, for an input that is told from its characters' origin.

@@ -420,15 +420,21 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   return input_;
 }
 
-RunningScenario::RunningScenario(Scenario& scenario, SceneOptions options) : scenario_(scenario) {
+RunningScenario::RunningScenario(Scenario& scenario, SceneOptions options) : scenario_(&scenario) {
   options.velocities |= scenario.velocities;
   options.origins |= scenario.origins;
   scene_ = FurScene::Create(scenario.ActorGrooms(), options).OrThrow();
 }
 
+bool RunningScenario::GoOnWith(Scenario& scenario) {
+  if (!scene_->ReplaceGrooms(scenario.ActorGrooms())) return false;
+  scenario_ = &scenario;
+  return true;
+}
+
 FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
                                     const LodSettings& lod) {
-  FrameInput input = scenario_.PrepareFrame(frame, *scene_);
+  FrameInput input = scenario_->PrepareFrame(frame, *scene_);
   input.skip = skip;
   input.lod = lod;
   return input;
@@ -441,12 +447,12 @@ bool RunningScenario::TryBegin(const FrameInput& input) {
   }
   // The frame is begun all the same, with that character as it was: not what was asked for.
   for (const RefusedPose& refused : scene_->RefusedPoses())
-    throw Error(fmt::format("{}: {}", scenario_.name, DescribeRefusedPose(refused)));
+    throw Error(fmt::format("{}: {}", scenario_->name, DescribeRefusedPose(refused)));
   return true;
 }
 
 std::string RunningScenario::RefusalText(uint32_t frame) const {
-  return fmt::format("{}: frame {}: {}", scenario_.name, frame, refusal_);
+  return fmt::format("{}: frame {}: {}", scenario_->name, frame, refusal_);
 }
 
 void RunningScenario::Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod) {

@@ -173,6 +173,9 @@ class RunningScenario {
 
   FurScene& scene() { return *scene_; }
   const FurScene& scene() const { return *scene_; }
+  // Goes on with another scenario from the state that there is; false, and nothing done, where that cannot be
+  // (FurScene::ReplaceGrooms).
+  bool GoOnWith(Scenario& scenario);
   // Fills the poses of a frame and returns its input, valid until the next call.
   FrameInput Prepare(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
   // False when the frame refuses the input; RefusalText() says why.
@@ -180,10 +183,10 @@ class RunningScenario {
   std::string RefusalText(uint32_t frame) const;
   // Prepares and begins a frame. Throws Error when the frame refuses its input.
   void Begin(uint32_t frame, const SkipSettings& skip, const LodSettings& lod);
-  void Begin(uint32_t frame) { Begin(frame, scenario_.base.skip, scenario_.base.lod); }
+  void Begin(uint32_t frame) { Begin(frame, scenario_->base.skip, scenario_->base.lod); }
 
  private:
-  Scenario& scenario_;
+  Scenario* scenario_;
   std::unique_ptr<FurScene> scene_;
   std::string refusal_;
 };

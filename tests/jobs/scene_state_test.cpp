@@ -52,5 +52,72 @@ TEST(FurSceneState, OfAnotherShapeIsRefusedAndNothingIsDone) {
   EXPECT_FALSE(one.scene().CopyStateFrom(sorted_in_pieces.scene()));
 }
 
+TEST(FurSceneState, GoesOnWithTheSameGroomsAsIfNothingHadBeen) {
+  Scenario scenario = TinyScenario();
+  RunningScenario straight(scenario, {}), replaced(scenario, {});
+  for (uint32_t f = 0; f < 12; ++f) ASSERT_EQ(RunOne(straight, f), RunOne(replaced, f));
+  for (uint32_t f = 12; f < 24; ++f) {
+    ASSERT_TRUE(replaced.GoOnWith(scenario));
+    ASSERT_EQ(RunOne(straight, f), RunOne(replaced, f)) << "frame " << f;
+  }
+}
+
+// `change` of every layer in the middle of a run: how far tips are then from where they were a frame before, and from
+// where they are without it.
+void GoOnChanged(auto change, float& moved, float& apart) {
+  Scenario scenario = TinyScenario(), changed = TinyScenario();
+  for (Groom& groom : changed.grooms)
+    for (GroomLayer& layer : groom.layers) change(layer.params);
+  RunningScenario straight(scenario, {}), replaced(scenario, {});
+  const auto curves = [](RunningScenario& running, uint32_t layer) {
+    std::vector<StrandCurve> out(size_t(running.scene().shape().LayerChunks(layer)) *
+                                 kStrandsPerChunk);
+    out.resize(running.scene().CopyCurves(layer, out));
+    return out;
+  };
+  const auto far = [&](RunningScenario& a, const auto& b, uint32_t layer) {
+    float most = 0.0f;
+    const std::vector<StrandCurve> curve = curves(a, layer);
+    for (size_t s = 0; s < std::min(curve.size(), b.size()); ++s)
+      for (int c = 0; c < 3; ++c)
+        most = std::max(most, std::abs(curve[s].point[4][c] - b[s].point[4][c]));
+    return most;
+  };
+  for (uint32_t f = 0; f < 12; ++f) {
+    RunOne(straight, f);
+    RunOne(replaced, f);
+  }
+  ASSERT_TRUE(replaced.GoOnWith(changed));
+  std::vector<std::vector<StrandCurve>> before;
+  for (uint32_t l = 0; l < straight.scene().shape().layer_count; ++l)
+    before.push_back(curves(replaced, l));
+  RunOne(straight, 12);
+  RunOne(replaced, 12);
+  moved = apart = 0.0f;
+  for (uint32_t l = 0; l < before.size(); ++l) {
+    moved = std::max(moved, far(replaced, before[l], l));
+    apart = std::max(apart, far(replaced, curves(straight, l), l));
+  }
+}
+
+TEST(FurSceneState, AChangedWeightIsFeltWithoutAJump) {
+  float moved = 0.0f, apart = 0.0f;
+  GoOnChanged([](LayerParams& p) { p.weight *= 3.0f; }, moved, apart);
+  EXPECT_GT(apart, 1e-4f);
+  EXPECT_LT(moved, 0.03f) << moved;
+}
+
+TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
+  Scenario scenario = TinyScenario(), fewer = TinyScenario(), other_kind = TinyScenario();
+  fewer.grooms[0].strands[0].strand_count -= 1;
+  Solver& solver = other_kind.grooms[0].layers[0].params.solver;
+  solver = solver == Solver::kModal ? Solver::kPbd : Solver::kModal;
+  RunningScenario straight(scenario, {}), running(scenario, {});
+  for (uint32_t f = 0; f < 3; ++f) ASSERT_EQ(RunOne(straight, f), RunOne(running, f));
+  EXPECT_FALSE(running.GoOnWith(fewer));
+  EXPECT_FALSE(running.GoOnWith(other_kind));
+  EXPECT_EQ(RunOne(straight, 3), RunOne(running, 3));
+}
+
 }  // namespace
 }  // namespace pelt
