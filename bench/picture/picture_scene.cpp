@@ -37,7 +37,7 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
                            const Camera& camera, VertexOrder order) {
   const std::vector<SharedGrowth> growth = FindGrowth(maps, scene);
   const FrameLight light(scene);
-  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}, {}};
+  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   for (uint32_t a = 0; a < scenario.actors.size(); ++a) {
     shown.bodies.push_back(PoseBody(scenario, scene, a,
                                     maps.SurfaceOf(scenario.actors[a].character), maps.ReliefOf(a),
@@ -56,6 +56,15 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
     shown.layer_looks.push_back(light.OnLayer(draw.layer));
   }
   return shown;
+}
+
+std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene) {
+  for (size_t i = scene.own_vertices.size(); i < scene.draws.size(); ++i) {
+    std::span<const std::byte>& vertices = scene.draws[i].vertices;
+    scene.own_vertices.emplace_back(vertices.begin(), vertices.end());
+    vertices = scene.own_vertices.back();
+  }
+  return scene.own_vertices;
 }
 
 std::vector<Ball> BoundActors(const PictureScene& scene) {

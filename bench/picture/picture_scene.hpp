@@ -43,6 +43,9 @@ struct PictureScene {
   std::vector<uint32_t> actors;          // whose layer it is
   std::vector<PictureLook> layer_looks;  // and what it is lit by
   std::vector<PictureLook> body_looks;   // of each character's skin
+  // Of each draw, where its vertices are the picture's own (OwnVertices); else none.
+  std::vector<std::vector<std::byte>> own_vertices;
+  std::vector<std::vector<uint32_t>> own_orders;  // likewise, of LayerDraw::order
 
   // change(look) for each of them.
   template <class Change>
@@ -56,6 +59,8 @@ struct PictureScene {
 // Of the scene's last frame as `camera` saw it, with the scenario's own maps.
 PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
                            const Camera& camera, VertexOrder order);
+// Has the draws' vertices in the picture's own memory, where they can be changed; returns them, one for each draw.
+std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene);
 // With maps for this picture alone: `relief` is theirs, and what they have to say goes into `notes`.
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
                            VertexOrder order, std::vector<std::string>& notes,
