@@ -65,13 +65,15 @@ PELT_EXPORT(Step)()->const char* {
   const char* refused = ThePage().viewer->Step();
   return refused ? Tell(refused) : nullptr;
 }
+PELT_EXPORT(HasInBetween)()->int { return ThePage().viewer->HasInBetween(); }
 PELT_EXPORT(TakeDigests)(uint32_t frames)->void { ThePage().viewer->TakeDigests(frames); }
 PELT_EXPORT(Restart)()->void { ThePage().viewer->Restart(); }
 
-PELT_EXPORT(Draw)(uint32_t width_px, uint32_t height_px, uint32_t samples)->void {
+// As it is at `share` of the way from the frame before, where there is something in between.
+PELT_EXPORT(Draw)(uint32_t width_px, uint32_t height_px, uint32_t samples, float share)->void {
   Page& page = ThePage();
   page.viewer->SetViewport(width_px, height_px);
-  page.renderer->Show(page.viewer->Gather(),
+  page.renderer->Show(page.viewer->Gather(share),
                       {.width_px = width_px, .height_px = height_px, .samples = samples});
 }
 

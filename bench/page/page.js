@@ -64,6 +64,8 @@ function show(data) {
   $('about').textContent = `${described.strands.toLocaleString('en')} strands on ${described.characters} character${described.characters > 1 ? 's' : ''}`;
   firstOrbit ??= described.camera;
   makeControls();
+  fillPlan();
+  showView(described.settings.find((row) => row.key === 'show').value);
 }
 
 // What the original demonstration had on its panel, by our names.
@@ -151,6 +153,7 @@ function addSetting(group, row) {
     changes.settings[row.key] = value;
     box.classList.add('changed');
     tell({set: [row.key, value]});
+    if (row.key === 'show') showView(value);
     remember();
   };
   let inputs;
@@ -158,6 +161,11 @@ function addSetting(group, row) {
     const check = element('input', {type: 'checkbox', checked: row.value !== 0});
     check.onchange = () => change(check.checked ? 1 : 0);
     inputs = [check];
+  } else if (row.words?.length) {
+    const select = element('select', {});
+    for (const [i, word] of row.words.entries()) select.append(element('option', {value: row.low + i, textContent: word, selected: row.value === row.low + i}));
+    select.onchange = () => change(Number(select.value));
+    inputs = [select];
   } else {
     inputs = numberInputs(row, row.value, row.low, row.high, change);
   }
@@ -236,6 +244,35 @@ function digestText(frame) {
   if (known === frame.run_digest) return [`${ours}: the same as ${native.command.replace('FRAMES', at + 1)}`, 'same'];
   const changed = changes.camera || changes.keys.length || Object.keys(changes.settings).length || stroke;
   return [`${ours}: other than ${known} of the native run${changed ? ', as something was changed here ("Reset all" takes it back)' : ''}`, 'other'];
+}
+
+// ---- What stages computed, one after the other ----------------------------------------------------------------------
+
+function showView(number) {
+  const view = described.views[number];
+  $('caption').hidden = number === 0;
+  $('view').textContent = `${number} of ${described.views.length - 1}: ${view.name}. ${view.text}`;
+}
+function turnPage(by) {
+  const select = $('controls').querySelector('[data-key=show] select');
+  select.value = (Number(select.value) + by + described.views.length) % described.views.length;
+  select.onchange();
+}
+$('tour').onclick = $('forth').onclick = () => turnPage(1);
+$('back').onclick = () => turnPage(-1);
+$('leave').onclick = () => {
+  const select = $('controls').querySelector('[data-key=show] select');
+  select.value = 0;
+  select.onchange();
+};
+
+function fillPlan() {
+  const kb = (bytes) => (bytes / 1024).toFixed(1);
+  $('plan').tBodies[0].replaceChildren(...described.passes.map((pass) => {
+    const row = document.createElement('tr');
+    for (const cell of [pass.domain, pass.items, kb(pass.resident_bytes), kb(pass.get_bytes), kb(pass.put_bytes), pass.stages.join(', ')]) row.append(element('td', {textContent: cell}));
+    return row;
+  }));
 }
 
 function showFrame({frame, draw_ms, pages}) {

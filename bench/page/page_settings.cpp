@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/page/data_views.hpp"
 #include "core/exact_math.hpp"
 
 namespace pelt {
@@ -60,6 +61,13 @@ PageRow Skip(std::string_view key, std::string_view text) {
       key, "what is left out", text);
 }
 
+PageRow DataViewRow() {
+  PageRow row = Row<[](PageSettings& s) { return &s.show; }>(
+      "show", "stages", "", 0, double(DataViews().size() - 1), "what stages of the frame computed");
+  row.words = DataViewNames();
+  return row;
+}
+
 const PageRow kRows[] = {
     {"frame_rate", "time", "1/s", 15, 240, "simulated frames a second",
      [](const PageSettings& s) { return std::round(1.0 / s.scenario.dt_s); },
@@ -68,6 +76,9 @@ const PageRow kRows[] = {
                                                         "of real time"),
     Row<[](PageSettings& s) { return &s.scenario.clip_rate; }>(
         "animation_speed", "time", "", 0, 3, "of the animation; the strands keep their own time"),
+    Switch<[](PageSettings& s) { return &s.in_between; }>(
+        "in_between", "time",
+        "draw what lies between two frames, one frame late, where the display is faster"),
     {"wind_speed", "wind", "m/s", 0, 20, "mean", WindSpeed,
      [](PageSettings& s, double value) { SetWind(s, value, WindTowards(s)); }},
     {"wind_direction", "wind", "degrees", 0, 360, "towards: 0 is +z, 90 is +x", WindTowards,
@@ -110,6 +121,10 @@ const PageRow kRows[] = {
      [](PageSettings& s, double value) { s.light.shadow = value; }},
     Light<&PageLight::shadow_reach>("shadow_falloff", "how fast light dies away inside a coat"),
     Light<&PageLight::depth>("depth", "light left at the skin"),
+    DataViewRow(),
+    Switch<[](PageSettings& s) { return &s.hold_view; }>(
+        "hold_view", "stages",
+        "cull, sort and choose detail for where the camera was: turn it and look"),
     Skip<&SkipSettings::sleep>("sleep", "chunks at rest"),
     Skip<&SkipSettings::unmoved>("unmoved", "skinning what did not move"),
     Skip<&SkipSettings::sort>("sort", "sorting what is in order"),

@@ -21,6 +21,9 @@ struct PageSettings {
   Scenario& scenario;
   PageLight light = {};
   bool render_fur = true;
+  uint32_t show = 0;         // of DataViews()
+  bool hold_view = false;    // cull, sort and LOD for where the camera was
+  bool in_between = true;    // pictures between two frames
   double slow_motion = 1.0;  // of the page's clock: no frame's bits see it
   double sphere_radius = 0.0;
   double brush_radius = 0.06, brush_amount = 0.2;
@@ -33,6 +36,8 @@ struct PageRow {
   double (*get)(const PageSettings&);
   void (*set)(PageSettings&, double);
   bool is_switch = false;
+  std::span<const std::string_view> words =
+      {};  // what the numbers from `low` on are called; none: numbers
 };
 
 std::span<const PageRow> PageRows();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/page/data_views.hpp"
 #include "core/exact_math.hpp"
 #include "core/groom/setup_edit.hpp"
 #include "core/groom/setup_schema.hpp"
@@ -50,8 +51,32 @@ Json DescribeSettings(const PageSettings& settings) {
                     {"high", row.high},
                     {"text", row.text},
                     {"switch", row.is_switch},
+                    {"words", row.words},
                     {"value", row.get(settings)}});
   return rows;
+}
+
+Json DescribeViews() {
+  Json views = Json::array();
+  for (const DataView& view : DataViews())
+    views.push_back({{"name", view.name}, {"text", view.text}});
+  return views;
+}
+
+Json DescribePasses(const FurScene& scene) {
+  Json passes = Json::array();
+  for (const Pass& pass : scene.plan().passes) {
+    Json stages = Json::array();
+    for (uint32_t s = 0; s < pass.stage_count; ++s)
+      stages.push_back(scene.plan().stages[pass.first_stage + s].kernel.name);
+    passes.push_back({{"domain", DomainName(pass.domain)},
+                      {"items", scene.shape().ItemCount(pass.domain)},
+                      {"stages", stages},
+                      {"resident_bytes", pass.resident_bytes},
+                      {"get_bytes", pass.get_bytes},
+                      {"put_bytes", pass.put_bytes}});
+  }
+  return passes;
 }
 
 // Where the ray meets the triangle: how far on, or less than 0.
@@ -80,21 +105,26 @@ void Viewer::Load() {
   if (painted_) PaintAll(*scenario, {});
   auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
   for (const auto& [row, value] : set_) row->set(*settings, value);
-  auto running = std::make_unique<RunningScenario>(*scenario, SceneOptions{});
   auto maps = std::make_unique<PictureMaps>(*scenario);
-  run_digest_ = {};
-  times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
-  running_ = std::move(running);
+  if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario);
   maps_ = std::move(maps);
   settings_ = std::move(settings);
   scenario_ = std::move(scenario);
 }
 
-void Viewer::Restart() {
-  running_ = std::make_unique<RunningScenario>(*scenario_, SceneOptions{});
-  times_ = std::make_unique<FrameRecording>(scene().plan(), scene().shape());
-  next_frame_ = 0;
+// On its groom, at the frame that is next.
+void Viewer::Begin(Scenario& scenario) {
+  auto running = std::make_unique<RunningScenario>(scenario, SceneOptions{});
+  times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
+  running_ = std::move(running);
   run_digest_ = {};
+  is_begun_ = false;
+  before_.Forget();
+}
+
+void Viewer::Restart() {
+  Begin(*scenario_);
+  next_frame_ = 0;
 }
 
 void Viewer::ChangeKey(std::string_view layer, std::string_view key, std::string_view value) {
@@ -177,10 +207,21 @@ void Viewer::AddOwn(FrameInput& input) {
   brush_.reset();
 }
 
+// The last frame, before the next one takes its memory. Only where a display shows more frames than there are.
+void Viewer::KeepForBlend() {
+  constexpr double kDisplayed_s = 1.0 / 55.0;
+  before_.Forget();
+  if (settings_->in_between && is_begun_ && scenario_->dt_s > kDisplayed_s * settings_->slow_motion)
+    before_.Keep(GatherFrame());
+}
+
 const char* Viewer::Step() {
+  KeepForBlend();
   const TimePoint start = Now();
   FrameInput input = running_->Prepare(next_frame_, scenario_->base.skip, scenario_->base.lod);
-  input.camera = last_camera_ = FrameCamera(input.camera);
+  last_camera_ = FrameCamera(input.camera);
+  if (!settings_->hold_view || !held_camera_) held_camera_ = last_camera_;
+  input.camera = *held_camera_;
   AddOwn(input);
   if (const char* fault = scene().BeginFrame(input)) return fault;
   caller_ms_ = double(ElapsedNs(start)) * 1e-6;
@@ -190,6 +231,7 @@ const char* Viewer::Step() {
   SerialExecutor executor;
   executor.Run(frame);
   frame_ms_ = double(ElapsedNs(start)) * 1e-6;
+  is_begun_ = true;
   if (next_frame_ < digest_frames_) run_digest_.Add64(scene().DigestFrame());
   ++next_frame_;
   return nullptr;
@@ -221,9 +263,16 @@ std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
   return ray.from + nearest * ray.along;
 }
 
-PictureScene Viewer::Gather() const {
-  PictureScene shown =
-      GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted);
+PictureScene Viewer::GatherFrame() const {
+  return GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted);
+}
+
+PictureScene Viewer::Gather(float share) const {
+  PictureScene shown = GatherFrame();
+  if (const auto show = DataViews()[settings_->show].show)
+    show(running_->scene(), shown);
+  else if (share < 1.0f)
+    before_.Blend(share, shown);
   ApplyLight(settings_->light, shown);
   if (!settings_->render_fur) {
     for (std::vector<Hair>& hairs : shown.layers) hairs.clear();
@@ -247,6 +296,8 @@ std::string Viewer::Describe() const {
   json["layers"] = setup_text().empty() ? Json::array() : DescribeLayers(scenario_->setups.front());
   json["settings"] = DescribeSettings(*settings_);
   json["channels"] = kPaintChannelNames;
+  json["views"] = DescribeViews();
+  json["passes"] = DescribePasses(running_->scene());
   json["notes"] = scenario_->notes;
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "bench/page/page_settings.hpp"
+#include "bench/picture/frame_blend.hpp"
 #include "bench/picture/picture.hpp"
 #include "bench/picture/picture_maps.hpp"
 #include "jobs/frame_recording.hpp"
@@ -44,8 +45,8 @@ class Viewer {
   // Digests are taken of frames below this one; at first of all. They are a good part of a frame's time.
   void TakeDigests(uint32_t frames) { digest_frames_ = frames; }
 
-  // The setup in which a layer's key has another value, and the scene that it makes: it begins on its groom, at the
-  // frame that is next. Throws Error and changes nothing where the setup or the value is not taken, or the scene has no
+  // The setup in which a layer's key has another value, and the scene that it makes. It goes on from the state that there
+  // is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms). Throws Error and changes nothing where the setup or the value is not taken, or the scene has no
   // setup of one text.
   void ChangeKey(std::string_view layer, std::string_view key, std::string_view value);
   void ReplaceSetup(std::string text);
@@ -67,8 +68,9 @@ class Viewer {
   // Where the ray meets the characters first.
   std::optional<glm::vec3> Pick(const PageRay& ray) const;
 
-  // What there is to draw of the last frame.
-  PictureScene Gather() const;
+  // What there is to draw of the last frame; or at `share` of the way to it from the one before.
+  PictureScene Gather(float share = 1.0f) const;
+  bool HasInBetween() const { return before_.HasFrame(); }
 
   // JSON. All that the page builds its controls from; and what the last frame was.
   std::string Describe() const;
@@ -79,7 +81,10 @@ class Viewer {
 
  private:
   Camera FrameCamera(const Camera& own) const;
+  PictureScene GatherFrame() const;
+  void KeepForBlend();
   void Load();
+  void Begin(Scenario& scenario);
   void AddOwn(FrameInput& input);
 
   ScenarioRequest request_;
@@ -89,11 +94,13 @@ class Viewer {
   std::unique_ptr<PictureMaps> maps_;
   std::unique_ptr<RunningScenario> running_;
   std::unique_ptr<FrameRecording> times_;
+  FrameBlend before_;  // of pictures in between
   std::optional<PageCamera> camera_;
-  Camera last_camera_;
+  Camera last_camera_;                 // of the picture
+  std::optional<Camera> held_camera_;  // of the frame, where it is another
   std::optional<glm::vec3> sphere_centre_, last_sphere_;
   std::optional<PaintBrush> brush_;
-  bool painted_ = false;
+  bool painted_ = false, is_begun_ = false;  // a frame has run since the strands lay on their groom
   uint32_t width_px_ = 1280, height_px_ = 720;
   uint32_t next_frame_ = 0;
   double caller_ms_ = 0.0, frame_ms_ = 0.0;

@@ -91,11 +91,14 @@ function step() {
   dirty = true;
 }
 
+// How far the display is on its way from the frame before the last one to it.
+const share = () => (playing && exported.HasInBetween() ? Math.min(due_s / dt_s, 1) : 1);
+
 function draw() {
   if (!dirty || renderer) return;
   const start_ms = performance.now();
   if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
-  exported.Draw(...size);
+  exported.Draw(...size, share());
   drawn_ms = performance.now() - start_ms;
   dirty = false;
 }
@@ -141,12 +144,12 @@ function loop(now_ms) {
       due_s -= dt_s;
     }
     due_s = Math.min(due_s, dt_s);
-    if (!stepped && !dirty) return;
+    if (stepped) return void (draw(), report());
+    dirty ||= exported.HasInBetween() !== 0;
   }
-  if (dirty) {
-    draw();
-    report();
-  }
+  if (!dirty) return;
+  draw();
+  if (!playing) report();
 }
 
 const place = (x, y) => {
@@ -202,13 +205,13 @@ const handlers = {
     call('ChangeKey', layer, key, value);
     kept.setup = result(exported.SetupText());
     postMessage({setup: kept.setup});
-    handlers.step(1);
+    if (!playing) handlers.step(1);
   },
   setup: (text) => {
     call('ReplaceSetup', text);
     kept.setup = text;
     describe();
-    handlers.step(1);
+    if (!playing) handlers.step(1);
   },
   camera: (camera) => {
     kept.camera = camera;
@@ -216,7 +219,11 @@ const handlers = {
     else exported.TakeScenesCamera();
     if (!playing) handlers.step(1);
   },
-  describe,
+  // What was said before is drawn.
+  describe: (token) => {
+    draw();
+    describe(token);
+  },
   size: (wanted) => {
     size = wanted;
     dirty = true;

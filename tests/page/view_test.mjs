@@ -43,6 +43,8 @@ function psnr(a, b) {
     }
   return sum === 0 ? Infinity : 10 * Math.log10(255 * 255 * count / sum);
 }
+// How many of them are off by more than 2 of 255.
+const differing = (a, b) => a.filter((v, i) => Math.abs(v - b[i]) > 2).length;
 const spread = (pixels) => {
   const light = pixels.filter((_, i) => i % 4 === 1), mean = light.reduce((s, v) => s + v, 0) / light.length;
   return Math.sqrt(light.reduce((s, v) => s + (v - mean) ** 2, 0) / light.length);
@@ -111,6 +113,25 @@ async function tiny() {
   await step(page, 1);
   check(await verdict(page) === 'same', 'and no bit');
 
+  // What stages computed, one after the other.
+  await set(page, 'sun', 1);
+  const views = await page.evaluate('described.views.length');
+  const alike = [];
+  let last = await page.evaluate(kPixels);
+  for (let i = 1; i < views; ++i) {
+    await page.evaluate(`document.getElementById('${i === 1 ? 'tour' : 'forth'}').click()`);
+    await settled(page);
+    const now = await page.evaluate(kPixels);
+    if (differing(last, now) < 500) alike.push(`${i} (${differing(last, now)})`);
+    last = now;
+  }
+  check(views > 8 && alike.length === 0, `${views - 1} views of stages are different pictures ${alike.join(', ')}`);
+  check((await page.evaluate("document.getElementById('view').textContent")).includes('order error'), 'and say what they are');
+  await page.evaluate("document.getElementById('leave').click()");
+  await step(page, 1);
+  check(await verdict(page) === 'same', 'and change no bit');
+  check(await page.evaluate("document.querySelectorAll('#plan tbody tr').length") > 3, 'the plan has its passes');
+
   const names = await page.evaluate(`[...document.querySelectorAll('button, input, select, canvas, textarea')].filter((e) =>
     !e.labels?.length && !e.getAttribute('aria-label') && !e.textContent.trim()).length`);
   check(names === 0, 'every control has a name');
@@ -151,6 +172,38 @@ async function tiny() {
   check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
 }
 
+// What changes no still picture of this scene: the time between frames, what is exact, tools, and light inside dense fur
+// (`monster` has that).
+const kUnseen = new Set(['frame_rate', 'slow_motion', 'in_between', 'hold_view', 'sleep', 'unmoved', 'sort', 'cull', 'wind', 'light', 'lod',
+  'full_detail', 'min_fraction', 'strand_budget', 'fast_quality', 'brush_radius', 'brush_amount', 'sphere_radius', 'depth']);
+// Another value than the row has, far from it.
+const farValue = (row) => (row.switch ? 1 - row.value : row.words?.length ? row.low + 2 : row.value < (row.low + row.high) / 2 ? row.high : row.low);
+
+async function sliders() {
+  const page = await open(path.join(work, 'tiny.html'));
+  const picture = async () => {
+    await page.evaluate('tell({restart: true})');
+    await step(page, 19);  // before the scene's teleport, in the middle of its weather
+    return page.evaluate(kPixels);
+  };
+  // Gusts and eddies are seen where a wind blows, the ground where strands reach it.
+  await set(page, 'wind_speed', 4);
+  await set(page, 'turbulence', 3);
+  const base = await picture();
+  const unseen = [];
+  for (const row of await page.evaluate('described.settings')) {
+    if (kUnseen.has(row.key)) continue;
+    await set(page, row.key, farValue(row));
+    const seen = differing(base, await picture());
+    if (seen < 20) unseen.push(`${row.key} (${seen})`);
+    await set(page, row.key, row.value);
+  }
+  check(unseen.length === 0, `every setting changes the picture ${unseen.join(', ')}`);
+  const back = await picture();
+  check(psnr(base, back) > 60, `and can be set back (${psnr(base, back).toFixed(0)} dB)`);
+  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+}
+
 async function monster() {
   const file = path.join(work, 'monster.html');
   run('view', '--scene', 'monster', '--frames', '10', '--out', file);
@@ -161,6 +214,9 @@ async function monster() {
   console.log(`       first picture after ${opened_ms} ms`);
   await step(page, 9);
   check(await verdict(page) === 'same', 'monster: 10 frames are the same as the native ones');
+  const shown = await page.evaluate(kPixels);
+  await set(page, 'depth', 0);
+  check(differing(shown, await page.evaluate(kPixels)) > 500, 'light inside its fur can be changed');
   check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
 }
 
@@ -174,7 +230,7 @@ async function broken() {
   check(true, 'a truncated module is told');
 }
 
-for (const part of [tiny, monster, broken]) {
+for (const part of [tiny, sliders, monster, broken]) {
   try {
     await part();
   } catch (error) {

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "bench/page/data_views.hpp"
 #include "bench/page/page_text.hpp"
 #include "core/error.hpp"
 
@@ -141,6 +144,123 @@ TEST(Viewer, FurCanBeLeftOutOfThePicture) {
   RunFor(viewer, 1);
   viewer.Set("render_fur", 0.0);
   for (const std::vector<Hair>& hairs : viewer.Gather().layers) EXPECT_TRUE(hairs.empty());
+}
+
+// Of every strand that is drawn, by number.
+std::map<uint32_t, Hair> HairsOf(const PictureScene& shown) {
+  std::map<uint32_t, Hair> hairs;
+  for (const std::vector<Hair>& layer : shown.layers)
+    for (const Hair& hair : layer) hairs[hair.number] = hair;
+  return hairs;
+}
+
+TEST(Viewer, AKeyGoesOnFromTheStateThatThereIs) {
+  Viewer changed({.scene = "tiny"}), left({.scene = "tiny"});
+  for (Viewer* viewer : {&changed, &left}) RunFor(*viewer, kFrames);
+  const auto before = HairsOf(changed.Gather());
+  const Json described = Json::parse(changed.Describe());
+  for (const Json& layer : described["layers"])
+    changed.ChangeKey(layer["name"].get<std::string>(), "weight", "3.0");
+  for (Viewer* viewer : {&changed, &left}) RunFor(*viewer, 1);
+  const auto after = HairsOf(changed.Gather()), without = HairsOf(left.Gather());
+  float moved = 0.0f, apart = 0.0f;
+  for (const auto& [number, hair] : after) {
+    const glm::vec3 tip = hair.knot[hair.knots - 1].at;
+    if (const auto at = before.find(number); at != before.end())
+      moved = std::max(moved, glm::length(tip - at->second.knot[hair.knots - 1].at));
+    if (const auto at = without.find(number); at != without.end())
+      apart = std::max(apart, glm::length(tip - at->second.knot[hair.knots - 1].at));
+  }
+  EXPECT_GT(apart, 1e-4f);  // it is felt
+  EXPECT_LT(moved, 0.05f);  // and nothing jumps
+}
+
+TEST(Viewer, InBetweenIsOnTheWayFromOneFrameToTheNext) {
+  Viewer viewer({.scene = "tiny"});
+  viewer.Set("frame_rate", 15);
+  RunFor(viewer, 4);
+  ASSERT_TRUE(viewer.HasInBetween());
+  const PictureScene from = viewer.Gather(0.0f), half = viewer.Gather(0.5f), to = viewer.Gather();
+  const auto first = HairsOf(from), middle = HairsOf(half), last = HairsOf(to);
+  ASSERT_EQ(middle.size(), last.size());
+  float moved = 0.0f;
+  for (const auto& [number, hair] : middle)
+    for (uint32_t k = 0; k < hair.knots; ++k) {
+      const glm::vec3 a = first.at(number).knot[k].at, b = last.at(number).knot[k].at;
+      EXPECT_LT(glm::length(hair.knot[k].at - (a + b) * 0.5f), 1e-5f);
+      moved = std::max(moved, glm::length(b - a));
+    }
+  EXPECT_GT(moved, 0.005f);
+  for (size_t v = 0; v < half.bodies[0].position.size(); ++v)
+    EXPECT_LT(glm::length(half.bodies[0].position[v] -
+                          (from.bodies[0].position[v] + to.bodies[0].position[v]) * 0.5f),
+              1e-5f);
+  // What is uploaded is what hairs say.
+  for (size_t i = 0; i < half.draws.size(); ++i) {
+    const auto curves = half.draws[i].As<CurveRecord>();
+    if (half.layers[i].empty() || curves.empty()) continue;
+    const float* root = curves[0].curve[0];
+    EXPECT_LT(glm::length(half.layers[i][0].knot[0].at - glm::vec3(root[0], root[1], root[2])),
+              1e-5f);
+  }
+  viewer.Set("in_between", 0);
+  RunFor(viewer, 1);
+  EXPECT_FALSE(viewer.HasInBetween());
+}
+
+TEST(Viewer, TheFrameBeforeIsWhereItWas) {
+  Viewer viewer({.scene = "tiny"});
+  viewer.Set("frame_rate", 15);
+  RunFor(viewer, 4);
+  const auto before = HairsOf(viewer.Gather());
+  RunFor(viewer, 1);
+  size_t held = 0;
+  for (const auto& [number, hair] : HairsOf(viewer.Gather(0.0f)))
+    if (const auto at = before.find(number); at != before.end()) {
+      EXPECT_LT(glm::length(hair.knot[hair.knots - 1].at - at->second.knot[hair.knots - 1].at),
+                1e-5f);
+      ++held;
+    }
+  EXPECT_GT(held, before.size() / 2);
+}
+
+TEST(Viewer, EveryViewShowsSomethingElseAndChangesNoBit) {
+  Viewer viewer({.scene = "tiny"});
+  std::set<std::string> seen;
+  for (size_t view = 0; view < DataViews().size(); ++view) {
+    viewer.Set("show", double(view));
+    if (view == 0) RunFor(viewer, kFrames);
+    std::string bytes;
+    size_t hairs = 0;
+    const PictureScene shown = viewer.Gather();
+    for (size_t i = 0; i < shown.draws.size(); ++i) {
+      hairs += shown.layers[i].size();
+      if (!shown.draws[i].format().OfStrands()) continue;
+      EXPECT_EQ(shown.layers[i].size(), shown.draws[i].strand_count);
+      const auto vertices = shown.draws[i].vertices.first(
+          shown.draws[i].strand_count * size_t(shown.draws[i].format().StrandBytes()));
+      bytes.append(reinterpret_cast<const char*>(vertices.data()), vertices.size());
+    }
+    EXPECT_GT(hairs, 100u) << DataViews()[view].name;
+    EXPECT_TRUE(seen.insert(bytes).second) << DataViews()[view].name;
+  }
+  viewer.Restart();
+  EXPECT_EQ(RunFor(viewer, kFrames), NativeDigest(kFrames));
+}
+
+TEST(Viewer, AHeldViewKeepsWhatIsDrawn) {
+  Viewer viewer({.scene = "tiny"});
+  RunFor(viewer, 2);
+  viewer.Set("hold_view", 1);
+  const uint32_t drawn = viewer.scene().DrawnStrands();
+  // From behind, where without it others are drawn.
+  viewer.SetCamera(PageCamera{{0.0f, 0.5f, 0.0f}, 3.14, 0.0, 2.0});
+  RunFor(viewer, 1);
+  const uint32_t held = viewer.scene().DrawnStrands();
+  viewer.Set("hold_view", 0);
+  RunFor(viewer, 1);
+  EXPECT_NEAR(double(held), double(drawn), 0.1 * double(drawn));
+  EXPECT_GT(std::abs(double(viewer.scene().DrawnStrands()) - double(held)), 0.02 * double(drawn));
 }
 
 TEST(PageText, HasNoModuleOrIsWhole) {
