@@ -239,6 +239,7 @@ function digestText(frame) {
   const last = document.body.dataset.verdict ?? '';
   const native = given.native;
   const at = frame.frame, known = native.digests[at];
+  if (!last && !frame.run_digest) return [`frame ${at}${native.digests.length ? `; "Restart" compares the first ${native.digests.length}` : ''}`, ''];
   if (!frame.run_digest || !known) return [`frame ${at}; the first ${native.digests.length} were compared${last ? ` and were ${last === 'same' ? 'the same' : 'others'}` : ''}`, last];
   const ours = `frame ${at}: digest ${frame.run_digest}`;
   if (known === frame.run_digest) return [`${ours}: the same as ${native.command.replace('FRAMES', at + 1)}`, 'same'];

@@ -6,12 +6,8 @@
 
 #include "bench/page/page_request.hpp"
 #include "core/error.hpp"
-#include "traces/digest.hpp"
 
 namespace pelt {
-namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string Base64(std::span<const std::byte> bytes) {
   constexpr std::string_view kDigits =
@@ -27,6 +23,16 @@ std::string Base64(std::span<const std::byte> bytes) {
   return text;
 }
 
+std::vector<std::string> DigestTexts(std::span<const uint64_t> digests) {
+  std::vector<std::string> texts;
+  for (const uint64_t digest : digests) texts.push_back(fmt::format("{:016x}", digest));
+  return texts;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
 std::string_view FileText(std::string_view name) {
   for (const PageFile& file : EmbeddedPageFiles())
     if (file.name == name) return file.text;
@@ -40,12 +46,13 @@ std::string InScript(std::string json) {
 }
 
 std::string GivenText(const PageContent& content) {
-  Json files = Json::object(), digests = Json::array();
+  Json files = Json::object();
   for (const auto& [path, bytes] : content.files) files[path] = Base64(bytes);
-  for (const uint64_t digest : content.digests) digests.push_back(fmt::format("{:016x}", digest));
-  const Json json = {{"request", WriteRequest(content.request)},
-                     {"files", files},
-                     {"native", {{"command", content.command}, {"digests", digests}}}};
+  Json json = {
+      {"request", WriteRequest(content.request)},
+      {"files", files},
+      {"native", {{"command", content.command}, {"digests", DigestTexts(content.digests)}}}};
+  if (content.watched_from) json["watched_from"] = *content.watched_from;
   return InScript(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
@@ -66,25 +73,27 @@ std::string MakePage(const PageContent& content) {
       {"@module@", Base64(EmbeddedModule())},
       {"@given@", GivenText(content)},
       {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js"))},
-      {"@script@", std::string(FileText("page.js"))}};
+      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_watch.js"))}};
   std::string page(FileText("page.html"));
   for (const auto& [mark, text] : parts) page.replace(page.find(mark), mark.size(), text);
   return page;
 }
 
-std::vector<uint64_t> RunDigests(const ScenarioRequest& request, uint32_t frames) {
-  Scenario scenario = LoadScenario(request);
-  RunningScenario running(scenario, SceneOptions{});
+DigestRun::DigestRun(Scenario scenario)
+    : scenario_(std::move(scenario)), running_(scenario_, SceneOptions{}) {}
+
+void DigestRun::Step() {
   SerialExecutor executor;
-  Digest run;
-  std::vector<uint64_t> digests;
-  for (uint32_t f = 0; f < frames; ++f) {
-    running.Begin(f);
-    executor.Run(running.scene().CurrentFrame());
-    run.Add64(running.scene().DigestFrame());
-    digests.push_back(run.Value());
-  }
-  return digests;
+  running_.Begin(uint32_t(digests_.size()));
+  executor.Run(running_.scene().CurrentFrame());
+  run_.Add64(running_.scene().DigestFrame());
+  digests_.push_back(run_.Value());
+}
+
+std::vector<uint64_t> RunDigests(const ScenarioRequest& request, uint32_t frames) {
+  DigestRun run(LoadScenario(request));
+  for (uint32_t f = 0; f < frames; ++f) run.Step();
+  return run.digests();
 }
 
 }  // namespace pelt

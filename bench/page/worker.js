@@ -183,6 +183,7 @@ const handlers = {
     report();
   },
   restart: () => {
+    exported.TakeDigests(request.compared);
     exported.Restart();
     step();
     draw();
@@ -212,6 +213,22 @@ const handlers = {
     kept.setup = text;
     describe();
     if (!playing) handlers.step(1);
+  },
+  // Files that are other now, and `setup`, where its own is among them; of none only how many digests are known.
+  files: ({files, setup, compared}) => {
+    request.compared = compared;
+    if (Object.keys(files).length === 0) return;
+    const own = setup === undefined ? kept.setup : '';
+    Object.assign(request.files, files);
+    kept.setup = '';  // a module that has to begin again begins with what the files have
+    for (const [path, content] of Object.entries(files)) call('GiveFile', path, content);
+    call('ReplaceSetup', setup ?? (own || result(exported.SetupText()) || ''));
+    kept.setup = own;
+    exported.TakeDigests(0);  // a run that began with other files has none to compare
+    describe();
+    step();
+    draw();
+    report();
   },
   camera: (camera) => {
     kept.camera = camera;
