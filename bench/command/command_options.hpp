@@ -34,6 +34,8 @@ Subcommand SetUpTiming(CLI::App& root);
 Subcommand SetUpBudget(CLI::App& root);
 // Two runs held against each other (compare_options.cpp).
 Subcommand SetUpCompare(CLI::App& root);
+// A page of a scene (view_options.cpp).
+Subcommand SetUpView(CLI::App& root);
 // Of strand solvers (accuracy_options.cpp).
 Subcommand SetUpAccuracy(CLI::App& root);
 Subcommand SetUpStress(CLI::App& root);

@@ -123,6 +123,9 @@ struct ViewArgs {
   ScenarioRequest request;
   OutputPath out = OutputPath::Of("view.html");
   uint32_t frames = 120;  // whose digests the page compares
+  bool open = false;      // served to a browser of this machine, until a signal ends it
+  bool watch = false;     // and the page follows what changes in the files
+  uint16_t port = 0;      // 0: a free one
 };
 // A page that runs the scene in a browser.
 int View(const ViewArgs& args);

@@ -120,25 +120,6 @@ Subcommand SetUpReport(CLI::App& root) {
           [kept] { return Report(*kept); }};
 }
 
-Subcommand SetUpView(CLI::App& root) {
-  const auto kept = std::make_shared<ViewArgs>();
-  ViewArgs& args = *kept;
-  auto* app = root.add_subcommand(
-      "view", "Write one HTML file that runs the scene in a browser: the same code, the same bits");
-  AddSource(*app, args.request);
-  AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be shown");
-  app->add_option("--frames", args.frames,
-                  "Frames whose digests go along, for the page to hold its own against")
-      ->check(CLI::Range(1, 100'000))
-      ->capture_default_str();
-  app->footer(
-      "Examples:\n"
-      "  pelt view --scene monster --out monster.html\n"
-      "  pelt view --character builtin --setup eyepet --out eyepet.html");
-  return {app, [app, kept] { CompleteSource(*app, kept->request); },
-          [kept] { return View(*kept); }};
-}
-
 Subcommand SetUpPlan(CLI::App& root) {
   const auto kept = std::make_shared<PlanArgs>();
   PlanArgs& args = *kept;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The `pelt` command as a user meets it: the examples of every help text work, errors are one line
 # with the right exit code, pipes get no progress bar, and the README shows the real plan.
-#   command_test.sh PELT SOURCE_DIR [examples|errors|output|disturbed|readme]...   (all, if none is named)
+#   command_test.sh PELT SOURCE_DIR [examples|errors|serving|output|disturbed|readme]...   (all, if none is named)
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 
@@ -40,6 +40,49 @@ run_examples() {
   [ "$(head -c 8 eyepet.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] ||
     fail "the picture example wrote no PNG"
   echo "$count examples"
+}
+
+# `pelt view --open` and --watch: what goes together, and that a signal ends them. The page has its own tests.
+check_serving() {
+  expect 2 '--port has an effect only with --open or --watch' -- view --scene tiny --port 8000
+  expect 2 --port -- view --scene tiny --open --port 70000
+  expect 2 file --scene -- view --watch my_fur.toml --scene tiny
+  expect 2 file --setup -- view --watch my_fur.toml --setup tiny
+  "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1 || return  # no module
+  timeout 300 "$pelt" view --scene tiny --frames 1 --watch >out.txt 2>err.txt
+  if grep -q 'libcpp-httplib-dev' err.txt; then return; fi  # no server
+  expect 1 'nothing to watch' -- view --scene tiny --frames 1 --watch
+  printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
+  expect 1 typo.toml:3 -- view --watch typo.toml
+  local signal server wait_s
+  rm -f view.html
+  for signal in INT TERM; do
+    # In the background a shell has it ignore the first, which the program undoes.
+    env -u DISPLAY -u WAYLAND_DISPLAY -u BROWSER "$pelt" view --scene tiny --frames 1 --open >served.txt 2>err.txt &
+    server=$!
+    for ((wait_s = 0; wait_s < 60; ++wait_s)); do
+      if grep -qs 'no browser' served.txt; then break; fi
+      sleep 1
+    done
+    grep -q 'http://127.0.0.1:[0-9]*/ ' served.txt || fail "view --open: no address: $(cat served.txt err.txt)"
+    [ "$signal" = INT ] && expect 1 taken --port -- view --scene tiny --frames 1 --open \
+      --port "$(grep -o '[0-9]*/ ' served.txt | tr -d '/ ')"
+    kill "-$signal" "$server"
+    wait "$server" || fail "view --open: SIG$signal: exit $?"
+  done
+  [ ! -e view.html ] || fail "view --open wrote a page that nobody asked for"
+  # A browser is told the address.
+  printf '#!/bin/sh\necho "$1" >%s/browsed.txt\n' "$work" >browser.sh
+  chmod +x browser.sh
+  env -u DISPLAY -u WAYLAND_DISPLAY BROWSER="$work/browser.sh" "$pelt" view --scene tiny --frames 1 --open >served.txt &
+  server=$!
+  for ((wait_s = 0; wait_s < 60; ++wait_s)); do
+    if [ -s browsed.txt ]; then break; fi
+    sleep 1
+  done
+  kill "$server"
+  wait "$server" || fail "view --open with a browser: exit $?"
+  grep -qF "$(cat browsed.txt)" served.txt || fail "the browser got: $(cat browsed.txt), not: $(cat served.txt)"
 }
 
 check_errors() {
@@ -507,4 +550,4 @@ check_readme() {
   diff -u shown.txt real.txt || fail "the consoles' README does not show the measured kernels that pelt prints"
 }
 
-run_parts examples=run_examples errors=check_errors output=check_output disturbed=check_disturbed readme=check_readme
+run_parts examples=run_examples errors=check_errors serving=check_serving output=check_output disturbed=check_disturbed readme=check_readme

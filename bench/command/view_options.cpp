@@ -1,0 +1,55 @@
+// The options of `pelt view`.
+#include <memory>
+
+#include "bench/command/command_options.hpp"
+#include "bench/command/file_options.hpp"
+
+namespace pelt {
+namespace {
+
+// The setup by itself: `pelt view --watch my_fur.toml`.
+void AddSetupFile(CLI::App& app, std::string& setup) {
+  CLI::Option* file = AddInputFileOrName(app, "file", setup, "The fur setup, as by --setup");
+  for (const char* other : {"--scene", "--setup", "--groom"}) file->excludes(app.get_option(other));
+}
+
+void CompleteView(CLI::App& app, ViewArgs& args) {
+  CompleteSource(app, args.request);
+  const bool serves = args.open || args.watch;
+  RefuseUnless(app, serves, {"--port"}, "--open or --watch");
+  if (!serves || app.count("--out")) return;
+  args.out = {};
+  app.get_option("--out")->default_str("");
+}
+
+}  // namespace
+
+Subcommand SetUpView(CLI::App& root) {
+  const auto kept = std::make_shared<ViewArgs>();
+  ViewArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "view", "Write one HTML file that runs the scene in a browser: the same code, the same bits");
+  AddSource(*app, args.request);
+  AddSetupFile(*app, args.request.setup);
+  AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be shown");
+  app->add_flag("--open", args.open,
+                "Show it in the browser of this machine; Ctrl-C ends it. Writes no file but --out");
+  app->add_flag("--watch", args.watch,
+                "As --open; and when the setup, a map or the model is saved, the page takes it and "
+                "goes on where it is");
+  app->add_option("--port", args.port, "On this machine alone; a free one if not given")
+      ->check(CLI::Range(1, 65535));
+  app->add_option("--frames", args.frames,
+                  "Frames whose digests go along, for the page to hold its own against")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app->footer(
+      "Examples:\n"
+      "  pelt view --scene monster --out monster.html\n"
+      "  pelt view --character builtin --setup eyepet --out eyepet.html\n"
+      "To see it: pelt view --scene monster --open\n"
+      "To work on a setup: pelt view --watch my_fur.toml --character my_animal.glb");
+  return {app, [app, kept] { CompleteView(*app, *kept); }, [kept] { return View(*kept); }};
+}
+
+}  // namespace pelt
