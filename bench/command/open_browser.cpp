@@ -3,6 +3,7 @@
 #include <cstdlib>
 #if !defined(_WIN32)
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 
 extern char** environ;
@@ -21,7 +22,12 @@ bool StartAlone(const char* program, const std::string& argument) {
   posix_spawnattr_init(&how);
   for (const int stream : {0, 1, 2})
     posix_spawn_file_actions_addopen(&files, stream, "/dev/null", stream ? O_WRONLY : O_RDONLY, 0);
-  posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP);
+  // The server has this one ignored, which a program that is started keeps.
+  sigset_t broken_pipe;
+  sigemptyset(&broken_pipe);
+  sigaddset(&broken_pipe, SIGPIPE);
+  posix_spawnattr_setsigdefault(&how, &broken_pipe);
+  posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
   std::string name = program, given = argument;
   char* words[] = {name.data(), given.data(), nullptr};
   pid_t process = 0;

@@ -57,6 +57,7 @@ check_serving() {
   local signal server wait_s
   rm -f view.html
   for signal in INT TERM; do
+    rm -f served.txt
     # In the background a shell has it ignore the first, which the program undoes.
     env -u DISPLAY -u WAYLAND_DISPLAY -u BROWSER "$pelt" view --scene tiny --frames 1 --open >served.txt 2>err.txt &
     server=$!
@@ -71,8 +72,8 @@ check_serving() {
     wait "$server" || fail "view --open: SIG$signal: exit $?"
   done
   [ ! -e view.html ] || fail "view --open wrote a page that nobody asked for"
-  # A browser is told the address.
-  printf '#!/bin/sh\necho "$1" >%s/browsed.txt\n' "$work" >browser.sh
+  # A browser is told the address, and begins with no signal ignored.
+  printf '#!/bin/sh\necho "$1" >%s/browsed.txt\nkill -PIPE $$\necho >%s/ignored.txt\n' "$work" "$work" >browser.sh
   chmod +x browser.sh
   env -u DISPLAY -u WAYLAND_DISPLAY BROWSER="$work/browser.sh" "$pelt" view --scene tiny --frames 1 --open >served.txt &
   server=$!
@@ -82,6 +83,7 @@ check_serving() {
   done
   kill "$server"
   wait "$server" || fail "view --open with a browser: exit $?"
+  [ ! -e ignored.txt ] || fail "a browser begins with SIGPIPE ignored"
   grep -qF "$(cat browsed.txt)" served.txt || fail "the browser got: $(cat browsed.txt), not: $(cat served.txt)"
 }
 
