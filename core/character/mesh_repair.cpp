@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -200,6 +201,33 @@ size_t GenerateNormals(Mesh* mesh) {
     ++filled;
   }
   return filled;
+}
+
+size_t SmoothCreases(double degrees, Mesh* mesh) {
+  const size_t count = mesh->position.size();
+  const std::vector<uint32_t> first = FindSamePositions(mesh->position);
+  std::vector<std::vector<uint32_t>> at(count);  // the vertices at each first one's position
+  for (uint32_t v = 0; v < count; ++v) at[first[v]].push_back(v);
+  std::vector<glm::dvec3> pull(count);  // normal by area
+  for (const auto& t : mesh->triangles) {
+    const glm::dvec3 cross = CrossOf(*mesh, t);
+    const double area = std::sqrt(glm::dot(cross, cross));
+    for (const uint32_t corner : t) pull[corner] += glm::dvec3(mesh->normal[corner]) * area;
+  }
+  const double least = exact::Cos(degrees * exact::kRadiansPerDegree) - 1e-6;
+  size_t changed = 0;
+  std::vector<glm::vec3> smooth = mesh->normal;
+  for (uint32_t v = 0; v < count; ++v) {
+    const glm::dvec3 own(mesh->normal[v]);
+    glm::dvec3 sum(0.0);
+    for (const uint32_t other : at[first[v]])
+      if (glm::dot(own, glm::dvec3(mesh->normal[other])) >= least) sum += pull[other];
+    smooth[v] = glm::vec3(NormalizeOr(sum, own));
+    changed += smooth[v] != mesh->normal[v];
+  }
+  mesh->normal = std::move(smooth);
+  GenerateTangents(mesh);
+  return changed;
 }
 
 size_t BorrowWeights(Mesh* mesh, std::vector<uint8_t> lost) {

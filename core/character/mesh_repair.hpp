@@ -28,6 +28,11 @@ size_t GenerateNormals(Mesh* mesh);
 // the normal. Returns how many were filled.
 size_t GenerateTangents(Mesh* mesh);
 
+// Gives every vertex the mean, by area, of the normals at its position that are within `degrees` of its own, 0 to 180:
+// where a mesh has hard edges, what grows on both sides of one then grows the same way. Returns how
+// many changed.
+size_t SmoothCreases(double degrees, Mesh* mesh);
+
 // Gives every vertex that is marked in `lost` the joints and weights of the nearest vertex that it
 // shares a triangle or its position with and that has some; those that then have some serve the
 // next ones. Returns how many got some.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/character/mesh_repair.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/float_rules.hpp"
@@ -76,6 +77,19 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
 
 }  // namespace
 
+namespace {
+
+Groom BakeRounded(Character character, FurSetup setup, float unit_scale,
+                  const BakeProgress* progress, ScatterStats* stats,
+                  std::vector<LayerDensity>* densities) {
+  SmoothCreases(setup.crease_angle, &character.mesh);
+  setup.crease_angle = 0.0f;
+  return BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup, unit_scale,
+                   progress, stats, densities);
+}
+
+}  // namespace
+
 bool LayerDensity::IsCutBald() const {
   const double cover = 0.5 * double(longest_m), spacing = double(scatter.spacing_m);
   const double asked_spacing = spacing * std::sqrt(double(scatter.grown) / scatter.asked);
@@ -108,6 +122,8 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
     throw Error(Format("{}: {} layers, at most {} fit a scene", setup.path, setup.layers.size(),
                        kLayersPerScene));
   }
+  if (setup.crease_angle > 0.0f)
+    return BakeRounded(character, setup, unit_scale, progress, stats, densities);
   Groom groom;
   groom.unit_scale = unit_scale;
   groom.joint_count = uint32_t(character.skeleton.parent.size());

@@ -167,6 +167,7 @@ constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
 struct FurSetup {
   std::string path;                   // for messages
   std::optional<float> unit_scale;    // metres a file unit; default from the bounding box
+  float crease_angle = 0.0f;          // degrees up to which edges of the mesh are round
   std::string clip;                   // to play; empty: the first
   std::optional<LightsSetup> lights;  // of the scene that the setup is seen in
   std::vector<LayerSetup> layers;

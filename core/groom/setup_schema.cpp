@@ -93,6 +93,9 @@ std::span<const KeyRow<FurSetup>> Schema() {
   static const KeyRow<FurSetup> kRows[] = {
       Number<&FurSetup::unit_scale>("unit_scale", "m", 1e-6, 1e6,
                                     "metres a unit of the character file; else from its size"),
+      Number<&FurSetup::crease_angle>(
+          "crease_angle", "degrees", 0, 180,
+          "edges of the mesh up to this sharp are round to the fur, which else parts at facets"),
       Plain<&FurSetup::clip>("clip", "text", "the animation to play; else the file's first"),
       Plain<&FurSetup::lights>("lights", "table", "what light there is, for lit layers"),
       {{"defaults", "table", "", 0, 0, "layer keys that hold for every layer that lacks them"},

@@ -85,6 +85,32 @@ TEST(MeshRepair, GivenNormalsStay) {
   EXPECT_EQ(m.normal[0], glm::vec3(0, 0, 1));
 }
 
+// Two walls of a roof, each with its own normals: `degrees` between those. Areas 1 and 3.
+Mesh Roof(double degrees) {
+  const float c = float(std::cos(degrees * 3.14159265358979 / 180.0)),
+              s = float(std::sin(degrees * 3.14159265358979 / 180.0));
+  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {-3 * c, 0, -3 * s}},
+                {{0, 1, 2}, {3, 4, 5}});
+  const glm::vec3 left(-s, 0.0f, c);
+  m.normal = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, left, left, left};
+  GenerateTangents(&m);
+  return m;
+}
+
+TEST(MeshRepair, CreasesUpToAnAngleAreRound) {
+  Mesh m = Roof(40.0);
+  EXPECT_EQ(SmoothCreases(39.0, &m), 0u);
+  EXPECT_EQ(SmoothCreases(41.0, &m), 4u);
+  EXPECT_EQ(m.normal[0], m.normal[3]);
+  EXPECT_EQ(m.normal[2], m.normal[4]);
+  EXPECT_EQ(m.normal[1], glm::vec3(0, 0, 1));
+  // By area, so three quarters of the way to the larger wall.
+  const glm::vec3 left = Roof(40.0).normal[5];
+  EXPECT_LT(glm::length(m.normal[0] - glm::normalize(glm::vec3(0, 0, 1) + 3.0f * left)), 1e-5f);
+  for (size_t v = 0; v < m.normal.size(); ++v)
+    EXPECT_NEAR(glm::dot(m.normal[v], glm::vec3(m.tangent[v])), 0.0f, 1e-6f);
+}
+
 TEST(MeshRepair, TinyAndHugeTrianglesHaveNormals) {
   for (float size : {1e-18f, 1e-10f, 1e10f, 1e15f}) {
     Mesh m = Bare({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});

@@ -111,6 +111,69 @@ TEST(Bake, AnotherSeedGivesAnotherGroom) {
   EXPECT_NE(HashGroom(BakeGroom(character, rest, setup, 1.0f)), HashGroom(BakeTiny()));
 }
 
+// Each triangle with vertices and the normal of its own.
+Character MakeFaceted() {
+  Character character = test::MakeTorus({.around = 24, .across = 8});
+  const Mesh round = character.mesh;
+  Mesh& mesh = character.mesh;
+  for (auto* rows : {&mesh.position, &mesh.normal}) rows->clear();
+  mesh.tangent.clear();
+  mesh.uv.clear();
+  mesh.joints.clear();
+  mesh.weights.clear();
+  for (auto& triangle : mesh.triangles)
+    for (uint32_t& corner : triangle) {
+      mesh.position.push_back(round.position[corner]);
+      mesh.tangent.push_back(round.tangent[corner]);
+      if (!round.uv.empty()) mesh.uv.push_back(round.uv[corner]);
+      mesh.joints.push_back(round.joints[corner]);
+      mesh.weights.push_back(round.weights[corner]);
+      mesh.normal.emplace_back();
+    }
+  uint32_t next = 0;
+  for (auto& triangle : mesh.triangles) {
+    for (uint32_t& corner : triangle) corner = next++;
+    const glm::vec3 a = mesh.position[triangle[0]], b = mesh.position[triangle[1]],
+                    c = mesh.position[triangle[2]];
+    for (const uint32_t corner : triangle)
+      mesh.normal[corner] = glm::normalize(glm::cross(b - a, c - a));
+  }
+  return character;
+}
+
+// The cosine of the widest angle between normals of a chunk at one place.
+float LeastAlike(const Character& character, float crease_angle) {
+  FurSetup setup = MakeTinySetup();
+  setup.crease_angle = crease_angle;
+  const Groom groom = BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
+  float least = 1.0f;
+  for (const MeshBlock& mesh : groom.mesh)
+    for (uint32_t a = 0; a < kVerticesPerChunk; ++a)
+      for (uint32_t b = 0; b < a; ++b) {
+        float apart = 0.0f, alike = 0.0f;
+        for (int c = 0; c < 3; ++c) {
+          apart += std::abs(mesh.position[c][a] - mesh.position[c][b]);
+          alike += mesh.normal[c][a] * mesh.normal[c][b];
+        }
+        if (apart == 0.0f) least = std::min(least, alike);
+      }
+  return least;
+}
+
+TEST(Bake, ACoatDoesNotPartWhereTheMeshHasHardEdges) {
+  const Character faceted = MakeFaceted();
+  EXPECT_LT(LeastAlike(faceted, 0.0f), 0.8f);  // facets some 45 degrees apart
+  EXPECT_GT(LeastAlike(faceted, 120.0f), 0.999f);
+}
+
+TEST(Bake, WhereNoEdgeIsHardACreaseAngleChangesNothing) {
+  FurSetup setup = MakeTinySetup();
+  setup.crease_angle = 120.0f;
+  const Character character = test::MakeTorus({.around = 24, .across = 8});
+  const Groom groom = BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
+  EXPECT_EQ(groom.strands.size(), BakeTiny().strands.size());
+}
+
 TEST(Bake, LayersDoNotInfluenceEachOther) {
   const Character character = test::MakeTorus({.around = 24, .across = 8});
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
