@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "bench/page/data_views.hpp"
 #include "core/exact_math.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 namespace {
@@ -68,6 +71,36 @@ PageRow DataViewRow() {
   return row;
 }
 
+// Those that can run here.
+const std::vector<Isa>& Isas() {
+  static const std::vector<Isa> isas = [] {
+    std::vector<Isa> found;
+    std::ranges::copy_if(kAllIsas, std::back_inserter(found), FindKernels);
+    return found;
+  }();
+  return isas;
+}
+
+PageRow KernelsRow() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> found;
+    std::ranges::transform(Isas(), std::back_inserter(found), IsaName);
+    return found;
+  }();
+  return {"kernels",
+          "stages",
+          "",
+          0,
+          double(Isas().size() - 1),
+          "instruction set: the bits are the same",
+          [](const PageSettings& s) {
+            return double(std::ranges::find(Isas(), s.isa) - Isas().begin());
+          },
+          [](PageSettings& s, double value) { s.isa = Isas()[size_t(value)]; },
+          false,
+          names};
+}
+
 const PageRow kRows[] = {
     {"frame_rate", "time", "1/s", 15, 240, "simulated frames a second",
      [](const PageSettings& s) { return std::round(1.0 / s.scenario.dt_s); },
@@ -122,6 +155,7 @@ const PageRow kRows[] = {
     Light<&PageLight::shadow_reach>("shadow_falloff", "how fast light dies away inside a coat"),
     Light<&PageLight::depth>("depth", "light left at the skin"),
     DataViewRow(),
+    KernelsRow(),
     Switch<[](PageSettings& s) { return &s.hold_view; }>(
         "hold_view", "stages",
         "cull, sort and choose detail for where the camera was: turn it and look"),

@@ -7,6 +7,7 @@
 
 #include "bench/picture/picture_scene.hpp"
 #include "bench/scenarios/scenarios.hpp"
+#include "core/isa.hpp"
 
 namespace pelt {
 
@@ -24,6 +25,7 @@ struct PageSettings {
   uint32_t show = 0;         // of DataViews()
   bool hold_view = false;    // cull, sort and LOD for where the camera was
   bool in_between = true;    // pictures between two frames
+  Isa isa = BestIsa();       // whose kernels run
   double slow_motion = 1.0;  // of the page's clock: no frame's bits see it
   double sphere_radius = 0.0;
   double brush_radius = 0.06, brush_amount = 0.2;

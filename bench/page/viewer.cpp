@@ -106,15 +106,15 @@ void Viewer::Load() {
   auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
   for (const auto& [row, value] : set_) row->set(*settings, value);
   auto maps = std::make_unique<PictureMaps>(*scenario);
-  if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario);
+  if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario, settings->isa);
   maps_ = std::move(maps);
   settings_ = std::move(settings);
   scenario_ = std::move(scenario);
 }
 
 // On its groom, at the frame that is next.
-void Viewer::Begin(Scenario& scenario) {
-  auto running = std::make_unique<RunningScenario>(scenario, SceneOptions{});
+void Viewer::Begin(Scenario& scenario, Isa isa) {
+  auto running = std::make_unique<RunningScenario>(scenario, SceneOptions{.isa = isa});
   times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
   running_ = std::move(running);
   run_digest_ = {};
@@ -122,8 +122,19 @@ void Viewer::Begin(Scenario& scenario) {
   before_.Forget();
 }
 
+// In the middle of the run: not a bit of it is another.
+void Viewer::ChangeKernels() {
+  const std::unique_ptr<RunningScenario> before = std::move(running_);
+  const Digest digest = run_digest_;
+  const bool is_begun = is_begun_;
+  Begin(*scenario_, settings_->isa);
+  running_->scene().CopyStateFrom(before->scene());
+  run_digest_ = digest;
+  is_begun_ = is_begun;
+}
+
 void Viewer::Restart() {
-  Begin(*scenario_);
+  Begin(*scenario_, settings_->isa);
   next_frame_ = 0;
 }
 
@@ -148,8 +159,10 @@ void Viewer::Set(std::string_view key, double value) {
   if (!(value >= row->low && value <= row->high))
     throw Error(fmt::format("'{}' {} is not within {} and {}", key, value, row->low, row->high));
   const double dt_s = scenario_->dt_s;
+  const Isa isa = settings_->isa;
   row->set(*settings_, value);
   set_[&*row] = value;
+  if (settings_->isa != isa) ChangeKernels();
   // Time goes on where it is, to the next of the new frames.
   if (scenario_->dt_s != dt_s)
     next_frame_ = uint32_t(std::lround(next_frame_ * dt_s / scenario_->dt_s));

@@ -84,7 +84,8 @@ class Viewer {
   PictureScene GatherFrame() const;
   void KeepForBlend();
   void Load();
-  void Begin(Scenario& scenario);
+  void Begin(Scenario& scenario, Isa isa);
+  void ChangeKernels();
   void AddOwn(FrameInput& input);
 
   ScenarioRequest request_;

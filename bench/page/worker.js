@@ -200,6 +200,8 @@ const handlers = {
     kept.settings[key] = value;
     if (key === 'slow_motion') slow_motion = value;
     if (key === 'frame_rate') dt_s = 1 / value;
+    // Another scene, which shows nothing before its first frame.
+    if (key === 'kernels' && !playing) handlers.step(1);
     dirty = true;
   },
   key: ([layer, key, value]) => {

@@ -175,7 +175,7 @@ async function tiny() {
 // What changes no still picture of this scene: the time between frames, what is exact, tools, and light inside dense fur
 // (`monster` has that).
 const kUnseen = new Set(['frame_rate', 'slow_motion', 'in_between', 'hold_view', 'sleep', 'unmoved', 'sort', 'cull', 'wind', 'light', 'lod',
-  'full_detail', 'min_fraction', 'strand_budget', 'fast_quality', 'brush_radius', 'brush_amount', 'sphere_radius', 'depth']);
+  'full_detail', 'min_fraction', 'strand_budget', 'fast_quality', 'brush_radius', 'brush_amount', 'sphere_radius', 'depth', 'kernels']);
 // Another value than the row has, far from it.
 const farValue = (row) => (row.switch ? 1 - row.value : row.words?.length ? row.low + 2 : row.value < (row.low + row.high) / 2 ? row.high : row.low);
 
@@ -214,6 +214,12 @@ async function monster() {
   console.log(`       first picture after ${opened_ms} ms`);
   await step(page, 9);
   check(await verdict(page) === 'same', 'monster: 10 frames are the same as the native ones');
+  const kernels = await page.evaluate("described.settings.find((row) => row.key === 'kernels').words");
+  check(kernels.join() === 'reference,simd128', `the module has the kernels ${kernels.join(' and ')}`);
+  await set(page, 'kernels', 0);
+  await page.evaluate('tell({restart: true})');
+  await step(page, 9);
+  check(await verdict(page) === 'same', 'and with the reference kernels');
   const shown = await page.evaluate(kPixels);
   await set(page, 'depth', 0);
   check(differing(shown, await page.evaluate(kPixels)) > 500, 'light inside its fur can be changed');

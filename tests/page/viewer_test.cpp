@@ -10,6 +10,7 @@
 #include "bench/page/data_views.hpp"
 #include "bench/page/page_text.hpp"
 #include "core/error.hpp"
+#include "core/kernels/frame_table.hpp"
 
 namespace pelt {
 namespace {
@@ -246,6 +247,15 @@ TEST(Viewer, EveryViewShowsSomethingElseAndChangesNoBit) {
   }
   viewer.Restart();
   EXPECT_EQ(RunFor(viewer, kFrames), NativeDigest(kFrames));
+}
+
+TEST(Viewer, OtherKernelsInTheMiddleOfARunChangeNoBit) {
+  Viewer viewer({.scene = "tiny"});
+  RunFor(viewer, kFrames / 2);
+  viewer.Set("kernels", 0);
+  const KernelDesc& kernel = viewer.scene().plan().stages.back().kernel;
+  EXPECT_EQ(kernel.run, FindKernels(Isa::kReference)->Find(kernel.name)->run);
+  EXPECT_EQ(RunFor(viewer, kFrames / 2), NativeDigest(kFrames));
 }
 
 TEST(Viewer, AHeldViewKeepsWhatIsDrawn) {
