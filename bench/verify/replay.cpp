@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "core/groom/groom_file.hpp"
-#include "traces/digest.hpp"
 
 namespace pelt {
 namespace {
@@ -36,6 +35,12 @@ SceneOptions WithOptionsOf(const InputLog& log, SceneOptions options) {
 
 Result<ReplayScene> ReplayScene::Open(const InputLog& log, const std::string& name,
                                       SceneOptions options) {
+  if (log.chunk_strands != kStrandsPerChunk)
+    return Failure{
+        fmt::format("input log '{}': recorded with {} strands per chunk, this program has {}: "
+                    "other sums, other "
+                    "bits. A build with PELT_CHUNK_STRANDS={} replays it",
+                    name, log.chunk_strands, kStrandsPerChunk, log.chunk_strands)};
   Result<std::vector<Groom>> grooms = ReadGrooms(log, name);
   if (!grooms) return Failure{grooms.error()};
   ReplayScene replay(log, WithOptionsOf(log, options));
@@ -56,32 +61,35 @@ const char* ReplayScene::Begin(uint32_t frame) {
   return scene_->BeginFrame(log_.Input(frame));
 }
 
+bool ReplayCourse::RunNext(Executor& executor) {
+  const uint32_t f = result_.frames;
+  const uint64_t recorded = log_.frames[f].digest;
+  if (const char* fault = replay_.Begin(f)) {
+    refused_ = true;
+    ++result_.mismatches;
+    if (!result_.first) result_.first = {f, recorded, 0, fault};
+    return false;
+  }
+  for (const RefusedPose& refused : replay_.scene().RefusedPoses())
+    if (result_.refused_pose.empty())
+      result_.refused_pose = fmt::format("frame {}: {}", f, DescribeRefusedPose(refused));
+  executor.Run(replay_.scene().CurrentFrame());
+  ++result_.frames;
+  found_ = replay_.scene().DigestFrame();
+  fold_.Add64(found_);
+  result_.digest = fold_.Value();
+  if (found_ == recorded) return true;
+  ++result_.mismatches;
+  if (!result_.first) result_.first = {f, recorded, found_, {}};
+  return true;
+}
+
 ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor,
                     const std::function<void(uint32_t frame)>& after_frame) {
-  ReplayResult result;
-  Digest fold;
-  for (uint32_t f = 0; f < log.FrameCount(); ++f) {
-    const uint64_t recorded = log.frames[f].digest;
-    if (const char* fault = replay.Begin(f)) {
-      ++result.mismatches;
-      if (!result.first) result.first = {f, recorded, 0, fault};
-      break;
-    }
-    for (const RefusedPose& refused : replay.scene().RefusedPoses())
-      if (result.refused_pose.empty())
-        result.refused_pose = fmt::format("frame {}: {}", f, DescribeRefusedPose(refused));
-    executor.Run(replay.scene().CurrentFrame());
-    ++result.frames;
-    const uint64_t found = replay.scene().DigestFrame();
-    fold.Add64(found);
-    if (found != recorded) {
-      ++result.mismatches;
-      if (!result.first) result.first = {f, recorded, found, {}};
-    }
-    if (after_frame) after_frame(f);
-  }
-  result.digest = fold.Value();
-  return result;
+  ReplayCourse course(log, replay);
+  while (course.HasNext() && course.RunNext(executor))
+    if (after_frame) after_frame(course.result().frames - 1);
+  return course.result();
 }
 
 std::string DescribeReplay(const ReplayResult& result) {

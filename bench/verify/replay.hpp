@@ -13,6 +13,7 @@
 
 #include "core/groom/groom.hpp"
 #include "jobs/scene.hpp"
+#include "traces/digest.hpp"
 #include "traces/digest_log.hpp"
 #include "traces/input_log.hpp"
 
@@ -22,11 +23,13 @@ namespace pelt {
 class ReplayScene {
  public:
   // Of `options` the vertex order is the log's; all others are free to choose. `name` is for
-  // messages. Fails when a groom cannot be read or the scene cannot be made.
+  // messages. Fails when the log was recorded with another chunk capacity, a groom cannot be read or
+  // the scene cannot be made.
   static Result<ReplayScene> Open(const InputLog& log, const std::string& name,
                                   SceneOptions options);
 
   FurScene& scene() { return *scene_; }
+  const FurScene& scene() const { return *scene_; }
   const SceneOptions& options() const { return options_; }
   // Fills the poses and begins a frame. Null, or the reason the frame must not run.
   const char* Begin(uint32_t frame);
@@ -53,6 +56,27 @@ struct ReplayResult {
   std::string refused_pose;  // the first pose that was not used, and in which frame
   uint64_t digest = 0;       // of all frames, folded as `pelt run` does
   bool Same() const { return !first; }
+};
+
+// A replay frame by frame: what came of those that ran. Log and scene must outlive it.
+class ReplayCourse {
+ public:
+  ReplayCourse(const InputLog& log, ReplayScene& replay) : log_(log), replay_(replay) {}
+
+  // Whether frames are left, none of which was refused.
+  bool HasNext() const { return !refused_ && result_.frames < log_.FrameCount(); }
+  // False when the frame was refused, of which there must be one left.
+  bool RunNext(Executor& executor);
+  const ReplayResult& result() const { return result_; }
+  uint64_t found() const { return found_; }  // digest of the last frame that ran
+
+ private:
+  const InputLog& log_;
+  ReplayScene& replay_;
+  ReplayResult result_;
+  Digest fold_;
+  uint64_t found_ = 0;
+  bool refused_ = false;
 };
 
 // Runs every frame of the log; stops at one that is refused. `after_frame` may be empty.

@@ -11,6 +11,7 @@
 #include "bench/verify/stage_digests.hpp"
 #include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"
+#include "tests/traces/recordings.hpp"
 #include "traces/diff.hpp"
 
 namespace pelt {
@@ -49,23 +50,6 @@ ReplayResult ReplayAs(const InputLog& log, const VerifyCase& what) {
   ReplayScene replay = ReplayScene::Open(log, "x", SceneOptionsOf(what)).OrThrow();
   const std::unique_ptr<Executor> executor = MakeExecutor(what);
   return Replay(log, replay, *executor);
-}
-
-// The log again, with `change` made to one frame's poses and input.
-template <class Change>
-std::vector<std::byte> Rewrite(const InputLog& log, uint32_t frame, Change change) {
-  std::vector<std::span<const std::byte>> grooms;
-  for (const uint32_t groom : log.character_groom) grooms.emplace_back(log.grooms[groom]);
-  InputLogWriter writer;
-  EXPECT_EQ(writer.Begin(log.about, grooms), nullptr);
-  std::vector<PoseBlock> poses(log.CharacterCount());
-  for (uint32_t f = 0; f < log.FrameCount(); ++f) {
-    for (uint32_t c = 0; c < log.CharacterCount(); ++c) log.FillPose(f, c, &poses[c]);
-    FrameInput input = log.Input(f);
-    if (f == frame) change(input, poses);
-    EXPECT_EQ(writer.AddFrame(input, poses, log.frames[f].digest), nullptr);
-  }
-  return writer.Finish();
 }
 
 TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
@@ -111,7 +95,7 @@ TEST_F(TraceCommand, ARecordingHasTheDigestsOfTheRun) {
 
 TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
   const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 8)).OrThrow();
-  const auto tampered = Rewrite(log, 5, [](FrameInput&, std::vector<PoseBlock>& poses) {
+  const auto tampered = RewriteLog(log, 5, [](FrameInput&, std::vector<PoseBlock>& poses) {
     float& value = poses[0].rotation_key[0][0][2];
     value = std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ 1u << 16);
   });
@@ -132,13 +116,13 @@ TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
 
 TEST_F(TraceCommand, UnchangedRewritingIsTheSameFile) {
   const std::string path = RecordTiny("a.peltinput", 4);
-  const auto again = Rewrite(ReadInputLogFile(path).OrThrow(), 0, [](FrameInput&, auto&) {});
+  const auto again = RewriteLog(ReadInputLogFile(path).OrThrow(), 0, [](FrameInput&, auto&) {});
   EXPECT_EQ(again, ReadFileBytes("input log", path).OrThrow());
 }
 
 TEST_F(TraceCommand, AFrameThatCannotRunIsRefusedByName) {
   const InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 5)).OrThrow();
-  const auto bad = Rewrite(log, 3, [](FrameInput& input, auto&) { input.dt_s = -1.0; });
+  const auto bad = RewriteLog(log, 3, [](FrameInput& input, auto&) { input.dt_s = -1.0; });
   const ReplayResult result = ReplayAs(ReadInputLog(bad, "x").OrThrow(), {});
   ASSERT_FALSE(result.Same());
   EXPECT_EQ(result.first->frame, 3u);
@@ -153,6 +137,15 @@ TEST_F(TraceCommand, ADamagedGroomIsAnErrorThatNamesIt) {
   const Result<ReplayScene> replay = ReplayScene::Open(log, "log.peltinput", SceneOptions{});
   ASSERT_FALSE(replay) << "a damaged groom was accepted";
   EXPECT_NE(replay.error().find("log.peltinput, groom 0"), std::string::npos) << replay.error();
+}
+
+TEST_F(TraceCommand, ARecordingOfAnotherChunkCapacityIsToldFirst) {
+  InputLog log = ReadInputLogFile(RecordTiny("a.peltinput", 2)).OrThrow();
+  log.chunk_strands = kStrandsPerChunk / 2;
+  const Result<ReplayScene> replay = ReplayScene::Open(log, "log.peltinput", SceneOptions{});
+  ASSERT_FALSE(replay) << "another chunk capacity was accepted";
+  EXPECT_NE(replay.error().find("input log 'log.peltinput': recorded with"), std::string::npos);
+  EXPECT_NE(replay.error().find("strands per chunk"), std::string::npos) << replay.error();
 }
 
 TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
