@@ -1,11 +1,14 @@
 #include "bench/page/page_settings.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <vector>
 
 #include "bench/page/data_views.hpp"
+#include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/kernels/frame_table.hpp"
 
@@ -182,7 +185,20 @@ const PageRow kRows[] = {
 
 std::span<const PageRow> PageRows() { return kRows; }
 
-void ApplyLight(const PageLight& light, PictureScene& shown) {
+const PageRow& PageRowFor(std::string_view key, double value) {
+  const auto row = std::ranges::find(PageRows(), key, &PageRow::key);
+  if (row == PageRows().end()) throw Error(fmt::format("no setting '{}'", key));
+  if (!(value >= row->low && value <= row->high))
+    throw Error(fmt::format("'{}' {} is not within {} and {}", key, value, row->low, row->high));
+  return *row;
+}
+
+bool IsOfShowing(const PageRow& row) {
+  return row.group == "light" || row.key == "slow_motion" || row.key == "show";
+}
+
+void ApplyToPicture(const PageSettings& settings, PictureScene& shown) {
+  const PageLight& light = settings.light;
   shown.ForEachLook([&](PictureLook& look) {
     look.light.sun *= float(light.sun);
     look.light.rim *= float(light.rim);
@@ -196,6 +212,9 @@ void ApplyLight(const PageLight& light, PictureScene& shown) {
     look.shadow.falloff *= float(light.shadow_reach);
     look.depth_floor = std::min(look.depth_floor * float(light.depth), 1.0f);
   });
+  if (settings.render_fur) return;
+  for (std::vector<Hair>& hairs : shown.layers) hairs.clear();
+  for (LayerDraw& draw : shown.draws) draw.strand_count = 0;
 }
 
 }  // namespace pelt

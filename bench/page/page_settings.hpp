@@ -43,8 +43,12 @@ struct PageRow {
 };
 
 std::span<const PageRow> PageRows();
+// The row of a key. Throws Error where there is none, or the value is out of its bounds.
+const PageRow& PageRowFor(std::string_view key, double value);
+// Whether it changes how frames are shown alone, and nothing of what they are told.
+bool IsOfShowing(const PageRow& row);
 
-// Changes what a picture is lit by.
-void ApplyLight(const PageLight& light, PictureScene& shown);
+// Changes what a picture is lit by, and whether it has fur.
+void ApplyToPicture(const PageSettings& settings, PictureScene& shown);
 
 }  // namespace pelt

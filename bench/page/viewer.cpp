@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/page/data_views.hpp"
-#include "core/exact_math.hpp"
+#include "bench/page/page_json.hpp"
 #include "core/groom/setup_edit.hpp"
 #include "core/groom/setup_schema.hpp"
 #include "jobs/pass_loop.hpp"
@@ -15,9 +15,7 @@
 namespace pelt {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr uint32_t kFramesAProfile = 16;
+using Json = PageJson;
 
 glm::vec3 VecOfPlace(const float* p) { return {p[0], p[1], p[2]}; }
 
@@ -43,40 +41,8 @@ Json DescribeLayers(const FurSetup& setup) {
 
 Json DescribeSettings(const PageSettings& settings) {
   Json rows = Json::array();
-  for (const PageRow& row : PageRows())
-    rows.push_back({{"key", row.key},
-                    {"group", row.group},
-                    {"unit", row.unit},
-                    {"low", row.low},
-                    {"high", row.high},
-                    {"text", row.text},
-                    {"switch", row.is_switch},
-                    {"words", row.words},
-                    {"value", row.get(settings)}});
+  for (const PageRow& row : PageRows()) rows.push_back(DescribeRow(row, settings));
   return rows;
-}
-
-Json DescribeViews() {
-  Json views = Json::array();
-  for (const DataView& view : DataViews())
-    views.push_back({{"name", view.name}, {"text", view.text}});
-  return views;
-}
-
-Json DescribePasses(const FurScene& scene) {
-  Json passes = Json::array();
-  for (const Pass& pass : scene.plan().passes) {
-    Json stages = Json::array();
-    for (uint32_t s = 0; s < pass.stage_count; ++s)
-      stages.push_back(scene.plan().stages[pass.first_stage + s].kernel.name);
-    passes.push_back({{"domain", DomainName(pass.domain)},
-                      {"items", scene.shape().ItemCount(pass.domain)},
-                      {"stages", stages},
-                      {"resident_bytes", pass.resident_bytes},
-                      {"get_bytes", pass.get_bytes},
-                      {"put_bytes", pass.put_bytes}});
-  }
-  return passes;
 }
 
 // Where the ray meets the triangle: how far on, or less than 0.
@@ -154,14 +120,11 @@ void Viewer::ReplaceSetup(std::string text) {
 }
 
 void Viewer::Set(std::string_view key, double value) {
-  const auto row = std::ranges::find(PageRows(), key, &PageRow::key);
-  if (row == PageRows().end()) throw Error(fmt::format("no setting '{}'", key));
-  if (!(value >= row->low && value <= row->high))
-    throw Error(fmt::format("'{}' {} is not within {} and {}", key, value, row->low, row->high));
+  const PageRow& row = PageRowFor(key, value);
   const double dt_s = scenario_->dt_s;
   const Isa isa = settings_->isa;
-  row->set(*settings_, value);
-  set_[&*row] = value;
+  row.set(*settings_, value);
+  set_[&row] = value;
   if (settings_->isa != isa) ChangeKernels();
   // Time goes on where it is, to the next of the new frames.
   if (scenario_->dt_s != dt_s)
@@ -188,17 +151,7 @@ void Viewer::Paint(uint32_t channel, const glm::vec3& centre) {
 }
 
 Camera Viewer::FrameCamera(const Camera& own) const {
-  if (!camera_) return own;
-  Camera camera = own;
-  const double level = camera_->distance_m * exact::Cos(camera_->elevation_rad);
-  const glm::vec3 from(float(level * exact::Sin(camera_->yaw_rad)),
-                       float(camera_->distance_m * exact::Sin(camera_->elevation_rad)),
-                       float(level * exact::Cos(camera_->yaw_rad)));
-  for (int c = 0; c < 3; ++c) {
-    camera.target[c] = camera_->target[c];
-    camera.position[c] = camera_->target[c] + from[c];
-  }
-  return camera;
+  return camera_ ? StandAt(*camera_, own) : own;
 }
 
 // What the page adds to the scenario's own input.
@@ -239,7 +192,6 @@ const char* Viewer::Step() {
   if (const char* fault = scene().BeginFrame(input)) return fault;
   caller_ms_ = double(ElapsedNs(start)) * 1e-6;
   Frame frame = scene().CurrentFrame();
-  // The page's clock is far away: a profile doubles what a small scene's frame costs.
   if (next_frame_ % kFramesAProfile == 0) frame.profile = times_->profile();
   SerialExecutor executor;
   executor.Run(frame);
@@ -286,11 +238,7 @@ PictureScene Viewer::Gather(float share) const {
     show(running_->scene(), shown);
   else if (share < 1.0f)
     before_.Blend(share, shown);
-  ApplyLight(settings_->light, shown);
-  if (!settings_->render_fur) {
-    for (std::vector<Hair>& hairs : shown.layers) hairs.clear();
-    for (LayerDraw& draw : shown.draws) draw.strand_count = 0;
-  }
+  ApplyToPicture(*settings_, shown);
   return shown;
 }
 
@@ -302,10 +250,9 @@ std::string Viewer::Describe() const {
   json["frames"] = scenario_->default_frames;
   json["dt_s"] = scenario_->dt_s;
   const CameraOrbit& orbit = scenario_->camera;
-  json["camera"] = {{"target", {orbit.target.x, orbit.target.y, orbit.target.z}},
-                    {"yaw", orbit.start_rad},
-                    {"elevation", std::atan2(orbit.height_m, orbit.radius_m)},
-                    {"distance", std::hypot(orbit.height_m, orbit.radius_m)}};
+  json["camera"] =
+      DescribeOrbit({orbit.target, orbit.start_rad, std::atan2(orbit.height_m, orbit.radius_m),
+                     std::hypot(orbit.height_m, orbit.radius_m)});
   json["layers"] = setup_text().empty() ? Json::array() : DescribeLayers(scenario_->setups.front());
   json["settings"] = DescribeSettings(*settings_);
   json["channels"] = kPaintChannelNames;
@@ -317,24 +264,6 @@ std::string Viewer::Describe() const {
 
 std::string Viewer::LastFrame() const {
   const FurScene& scene = running_->scene();
-  const Plan& plan = scene.plan();
-  const double ms_per_tick = times_->NsPerTick() * 1e-6;
-  Json stages = Json::array();
-  for (uint32_t s = 0; s < plan.stages.size(); ++s) {
-    uint64_t ticks = 0;
-    uint32_t ran = 0;
-    const uint32_t items = scene.shape().ItemCount(plan.stages[s].domain);
-    for (uint32_t i = 0; i < items; ++i) {
-      const Slice slice = times_->Stage(s, i);
-      if (!slice.Ran()) continue;
-      ++ran;
-      ticks += slice.Ticks();
-    }
-    stages.push_back({{"name", plan.stages[s].kernel.name},
-                      {"ms", double(ticks) * ms_per_tick},
-                      {"ran", ran},
-                      {"of", items}});
-  }
   const Json json = {
       {"frame", next_frame_ == 0 ? 0 : next_frame_ - 1},
       {"run_digest",
@@ -343,7 +272,7 @@ std::string Viewer::LastFrame() const {
       {"caller_ms", caller_ms_},
       {"drawn", scene.DrawnStrands()},
       {"live", scene.LiveStrands()},
-      {"stages", stages}};
+      {"stages", DescribeStages(scene, *times_)}};
   return json.dump();
 }
 

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "bench/page/page_settings.hpp"
+#include "bench/page/page_view.hpp"
 #include "bench/picture/frame_blend.hpp"
 #include "bench/picture/picture.hpp"
 #include "bench/picture/picture_maps.hpp"
@@ -21,42 +22,33 @@
 
 namespace pelt {
 
-// Where the user stands. Unset, the scene's own camera is the frame's and the picture's.
-struct PageCamera {
-  glm::vec3 target{0.0f};  // m
-  double yaw_rad = 0.0, elevation_rad = 0.0, distance_m = 1.0;
-};
-
 // A ray of the picture: where it starts, and its direction, unit.
 struct PageRay {
   glm::vec3 from, along;
 };
 
-class Viewer {
+class Viewer final : public PageView {
  public:
   // Throws Error as LoadScenario does.
   explicit Viewer(ScenarioRequest request);
 
-  // Runs the next frame. Returns null, or why it was refused.
-  const char* Step();
-  // Frame 0 again, as it was.
-  void Restart();
+  const char* Step() override;
+  void Restart() override;
   uint32_t next_frame() const { return next_frame_; }
   // Digests are taken of frames below this one; at first of all. They are a good part of a frame's time.
   void TakeDigests(uint32_t frames) { digest_frames_ = frames; }
 
-  // The setup in which a layer's key has another value, and the scene that it makes. It goes on from the state that there
-  // is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms). Throws Error and changes nothing where the setup or the value is not taken, or the scene has no
-  // setup of one text.
+  // The setup in which a layer's key has another value, and the scene that it makes. It goes on from the state that
+  // there is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms). Throws Error
+  // and changes nothing where the setup or the value is not taken, or the scene has no setup of one text.
   void ChangeKey(std::string_view layer, std::string_view key, std::string_view value);
   void ReplaceSetup(std::string text);
   // Empty for a scene without one.
   const std::string& setup_text() const { return request_.setup_text; }
 
-  // Of PageRows(), by key. Throws Error for one that is not there, or is out of bounds.
-  void Set(std::string_view key, double value);
-  void SetCamera(std::optional<PageCamera> camera) { camera_ = camera; }
-  void SetViewport(uint32_t width_px, uint32_t height_px);
+  void Set(std::string_view key, double value) override;
+  void SetCamera(std::optional<PageCamera> camera) override { camera_ = camera; }
+  void SetViewport(uint32_t width_px, uint32_t height_px) override;
   // The user's ball: where it is, in frames from the next one on; `radius` is a setting.
   void MoveSphere(const glm::vec3& centre) { sphere_centre_ = centre; }
   // Paints at a place in the next frame. The first one has all layers of strands lit and painted, which is another
@@ -68,13 +60,10 @@ class Viewer {
   // Where the ray meets the characters first.
   std::optional<glm::vec3> Pick(const PageRay& ray) const;
 
-  // What there is to draw of the last frame; or at `share` of the way to it from the one before.
-  PictureScene Gather(float share = 1.0f) const;
-  bool HasInBetween() const { return before_.HasFrame(); }
-
-  // JSON. All that the page builds its controls from; and what the last frame was.
-  std::string Describe() const;
-  std::string LastFrame() const;
+  PictureScene Gather(float share = 1.0f) const override;
+  bool HasInBetween() const override { return before_.HasFrame(); }
+  std::string Describe() const override;
+  std::string LastFrame() const override;
 
   FurScene& scene() { return running_->scene(); }
   uint64_t run_digest() const { return run_digest_.Value(); }
