@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "bench/command/view_serving.hpp"
 #include "bench/page/page_request.hpp"
 #include "bench/page/page_server.hpp"
+#include "bench/page/replay_viewer.hpp"
 #include "core/error.hpp"
 
 namespace pelt {
@@ -17,10 +20,26 @@ std::string CommandOf(const ScenarioRequest& request) {
   return command + " --frames FRAMES";
 }
 
+// The page of a recording. What would not open there is told here.
+int ViewRecording(const ViewArgs& args) {
+  const std::vector<std::byte> bytes = ReadFileBytes("input log", args.replay).OrThrow();
+  ReplayViewer::Open(bytes, args.replay).OrThrow();
+  // By its name alone: the page may go to another machine.
+  PageContent content;
+  content.recording = std::filesystem::path(args.replay).filename().string();
+  content.files[content.recording] = bytes;
+  const std::string page = MakePage(content);
+  WriteOutput("page", args.out, page);
+  fmt::print("page {}: {:.1f} MB; its frames are held against the digests recorded in {}\n",
+             args.out.path(), double(page.size()) * 1e-6, args.replay);
+  return 0;
+}
+
 }  // namespace
 
 int View(const ViewArgs& args) {
   const bool serves = args.open || args.watch;
+  if (!args.replay.empty()) return ViewRecording(args);
   if (EmbeddedModule().empty()) throw Error(WhyNoModule());
   if (serves && !WhyNoServer().empty()) throw Error(WhyNoServer());
   SceneWatch scene(args.request, args.frames);

@@ -13,7 +13,19 @@ void AddSetupFile(CLI::App& app, std::string& setup) {
   for (const char* other : {"--scene", "--setup", "--groom"}) file->excludes(app.get_option(other));
 }
 
+// In place of all that says what a scene is, which a recording says itself.
+void AddReplay(CLI::App& app, std::string& replay) {
+  auto* option =
+      AddInputFile(app, "--replay", replay,
+                   "A recording (.peltinput) instead of a scene: its frames as they were told, "
+                   "each digest held against the recorded one");
+  for (CLI::Option* other : app.get_options())
+    if (other != option && other->get_name() != "--out" && other != app.get_help_ptr())
+      option->excludes(other);
+}
+
 void CompleteView(CLI::App& app, ViewArgs& args) {
+  if (!args.replay.empty()) return;
   CompleteSource(app, args.request);
   const bool serves = args.open || args.watch;
   RefuseUnless(app, serves, {"--port"}, "--open or --watch");
@@ -43,10 +55,13 @@ Subcommand SetUpView(CLI::App& root) {
                   "Frames whose digests go along, for the page to hold its own against")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  AddReplay(*app, args.replay);
   app->footer(
       "Examples:\n"
       "  pelt view --scene monster --out monster.html\n"
       "  pelt view --character builtin --setup eyepet --out eyepet.html\n"
+      "  pelt trace record --scene tiny --frames 20 --out bug.peltinput\n"
+      "  pelt view --replay bug.peltinput --out bug.html\n"
       "To see it: pelt view --scene monster --open\n"
       "To work on a setup: pelt view --watch my_fur.toml --character my_animal.glb");
   return {app, [app, kept] { CompleteView(*app, *kept); }, [kept] { return View(*kept); }};

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "bench/page/page_request.hpp"
+#include "bench/page/replay_viewer.hpp"
 #include "bench/page/viewer.hpp"
 #include "bench/picture/gl_renderer.hpp"
 #include "core/given_files.hpp"
@@ -16,7 +17,9 @@ namespace pelt {
 namespace {
 
 struct Page {
+  // One of them.
   std::unique_ptr<Viewer> viewer;
+  std::unique_ptr<ReplayViewer> replay;
   std::optional<GlRenderer> renderer;
   std::string text;
   float place[3] = {};
@@ -24,6 +27,17 @@ struct Page {
 Page& ThePage() {
   static Page page;
   return page;
+}
+
+PageView& Shown() {
+  Page& page = ThePage();
+  if (page.replay) return *page.replay;
+  return *page.viewer;
+}
+// Of a scenario, which can be changed.
+Viewer& ShownScene() {
+  if (ThePage().replay) throw Error("a recording can be looked at, not changed");
+  return *ThePage().viewer;
 }
 
 std::string_view Text(const char* bytes, size_t size) { return {bytes, size}; }
@@ -48,6 +62,16 @@ PELT_EXPORT(Open)(const char* request, size_t size)->void {
   ThePage().viewer = std::make_unique<Viewer>(ReadRequest(Text(request, size)));
 }
 
+// In place of what was shown. Null; or why it cannot be replayed, and then what was shown is shown on.
+PELT_EXPORT(OpenRecording)
+(const char* name, size_t name_size, const std::byte* bytes, size_t size)->const char* {
+  auto opened = ReplayViewer::Open({bytes, size}, std::string(Text(name, name_size)));
+  if (!opened) return Tell(opened.error());
+  ThePage().replay = *std::move(opened);
+  ThePage().viewer.reset();
+  return nullptr;
+}
+
 // Null, or why there is no picture.
 PELT_EXPORT(OpenRenderer)()->const char* {
   Result<GlRenderer> opened = GlRenderer::Open();
@@ -56,61 +80,61 @@ PELT_EXPORT(OpenRenderer)()->const char* {
   return nullptr;
 }
 
-PELT_EXPORT(Describe)()->const char* { return Tell(ThePage().viewer->Describe()); }
-PELT_EXPORT(LastFrame)()->const char* { return Tell(ThePage().viewer->LastFrame()); }
-PELT_EXPORT(SetupText)()->const char* { return Tell(ThePage().viewer->setup_text()); }
+PELT_EXPORT(Describe)()->const char* { return Tell(Shown().Describe()); }
+PELT_EXPORT(LastFrame)()->const char* { return Tell(Shown().LastFrame()); }
+PELT_EXPORT(SetupText)()->const char* {
+  return Tell(ThePage().replay ? std::string() : ShownScene().setup_text());
+}
 
 // Null, or why the frame was refused.
 PELT_EXPORT(Step)()->const char* {
-  const char* refused = ThePage().viewer->Step();
+  const char* refused = Shown().Step();
   return refused ? Tell(refused) : nullptr;
 }
-PELT_EXPORT(HasInBetween)()->int { return ThePage().viewer->HasInBetween(); }
-PELT_EXPORT(TakeDigests)(uint32_t frames)->void { ThePage().viewer->TakeDigests(frames); }
-PELT_EXPORT(Restart)()->void { ThePage().viewer->Restart(); }
+PELT_EXPORT(HasInBetween)()->int { return Shown().HasInBetween(); }
+PELT_EXPORT(TakeDigests)(uint32_t frames)->void { ShownScene().TakeDigests(frames); }
+PELT_EXPORT(Restart)()->void { Shown().Restart(); }
+PELT_EXPORT(AtEnd)()->int { return Shown().AtEnd(); }
 
 // As it is at `share` of the way from the frame before, where there is something in between.
 PELT_EXPORT(Draw)(uint32_t width_px, uint32_t height_px, uint32_t samples, float share)->void {
   Page& page = ThePage();
-  page.viewer->SetViewport(width_px, height_px);
-  page.renderer->Show(page.viewer->Gather(share),
+  Shown().SetViewport(width_px, height_px);
+  Shown().Look();
+  page.renderer->Show(Shown().Gather(share),
                       {.width_px = width_px, .height_px = height_px, .samples = samples});
 }
 
 PELT_EXPORT(Set)(const char* key, size_t size, double value)->void {
-  ThePage().viewer->Set(Text(key, size), value);
+  Shown().Set(Text(key, size), value);
 }
 PELT_EXPORT(ChangeKey)
 (const char* layer, size_t layer_size, const char* key, size_t key_size, const char* value,
  size_t value_size)
     ->void {
-  ThePage().viewer->ChangeKey(Text(layer, layer_size), Text(key, key_size),
-                              Text(value, value_size));
+  ShownScene().ChangeKey(Text(layer, layer_size), Text(key, key_size), Text(value, value_size));
 }
 PELT_EXPORT(ReplaceSetup)(const char* text, size_t size)->void {
-  ThePage().viewer->ReplaceSetup(std::string(Text(text, size)));
+  ShownScene().ReplaceSetup(std::string(Text(text, size)));
 }
 
 PELT_EXPORT(SetCamera)
 (double x, double y, double z, double yaw_rad, double elevation_rad, double distance_m)->void {
-  ThePage().viewer->SetCamera(
-      PageCamera{{float(x), float(y), float(z)}, yaw_rad, elevation_rad, distance_m});
+  Shown().SetCamera(PageCamera{{float(x), float(y), float(z)}, yaw_rad, elevation_rad, distance_m});
 }
-PELT_EXPORT(TakeScenesCamera)()->void { ThePage().viewer->SetCamera(std::nullopt); }
+PELT_EXPORT(TakeScenesCamera)()->void { Shown().SetCamera(std::nullopt); }
 
 // Three floats: where the characters are under this place of the picture; null: nowhere.
 PELT_EXPORT(Pick)(double x, double y)->const float* {
   Page& page = ThePage();
-  const auto place = page.viewer->Pick(page.viewer->RayAt(x, y));
+  const auto place = ShownScene().Pick(ShownScene().RayAt(x, y));
   if (!place) return nullptr;
   std::memcpy(page.place, &(*place)[0], sizeof(page.place));
   return page.place;
 }
 PELT_EXPORT(Paint)(uint32_t channel, float x, float y, float z)->void {
-  ThePage().viewer->Paint(channel, {x, y, z});
+  ShownScene().Paint(channel, {x, y, z});
 }
-PELT_EXPORT(MoveSphere)(float x, float y, float z)->void {
-  ThePage().viewer->MoveSphere({x, y, z});
-}
+PELT_EXPORT(MoveSphere)(float x, float y, float z)->void { ShownScene().MoveSphere({x, y, z}); }
 
 }  // namespace pelt

@@ -34,10 +34,13 @@ async function open() {
   const files = Object.fromEntries(Object.entries(given.files ?? {}).map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]));
   const offscreen = canvas.transferControlToOffscreen();
   const module = await moduleBytes();
-  tell({open: {module, canvas: offscreen, request: {text: given.request, files, compared: given.native.digests.length}, size: pictureSize()}}, [offscreen, module.buffer]);
+  const recording = given.recording ? {name: given.recording, bytes: files[given.recording]} : null;
+  tell({open: {module, canvas: offscreen, request: {text: given.request, files: recording ? {} : files, recording, compared: given.native.digests.length}, size: pictureSize()}}, [offscreen, module.buffer]);
 }
 
 worker.onmessage = ({data}) => {
+  if (data.replaced) forget();
+  if (data.paused) showPlaying(false);
   if (data.described) show(data);
   if (data.setup !== undefined) setup = data.setup;
   if (data.frame) showFrame(data);
@@ -62,10 +65,21 @@ function show(data) {
   if (data.renderer) showFault(data.renderer);
   $('name').textContent = described.name;
   $('about').textContent = `${described.strands.toLocaleString('en')} strands on ${described.characters} character${described.characters > 1 ? 's' : ''}`;
+  showRecording(described.recording);
   firstOrbit ??= described.camera;
   makeControls();
   fillPlan();
   showView(described.settings.find((row) => row.key === 'show').value);
+}
+
+// Of a recording there is nothing to change: what would is not shown.
+function showRecording(recording) {
+  if (recording) $('about').textContent += `, ${described.frames} frames recorded in ${recording.file}${recording.note ? ` (${recording.note})` : ''}; ${described.notes.join('; ')}`;
+  document.body.dataset.recording = recording?.file ?? '';
+  $('own-camera').textContent = recording ? "Recording's camera" : "Scene's camera";
+  $('toml').hidden = Boolean(recording);
+  for (const option of $('tool').options) option.hidden = option.disabled = Boolean(recording) && !['turn', 'pan'].includes(option.value);
+  if ($('tool').selectedOptions[0]?.disabled) $('tool').value = 'turn';
 }
 
 // What the original demonstration had on its panel, by our names.
@@ -236,6 +250,7 @@ $('find').oninput = find;
 
 // Digests of runs of the program that wrote this page: of the first frames, as it prints them.
 function digestText(frame) {
+  if (frame.recorded) return recordedText(frame);
   const last = document.body.dataset.verdict ?? '';
   const native = given.native;
   const at = frame.frame, known = native.digests[at];
@@ -245,6 +260,15 @@ function digestText(frame) {
   if (known === frame.run_digest) return [`${ours}: the same as ${native.command.replace('FRAMES', at + 1)}`, 'same'];
   const changed = changes.camera || changes.keys.length || Object.keys(changes.settings).length || stroke;
   return [`${ours}: other than ${known} of the native run${changed ? ', as something was changed here ("Reset all" takes it back)' : ''}`, 'other'];
+}
+
+// Of a recording: each frame's own beside what was recorded with it.
+function recordedText(frame) {
+  const ours = `frame ${frame.frame} of ${described.frames}: digest ${frame.digest}`;
+  const unused = frame.refused_pose ? `; not used, ${frame.refused_pose}` : '';
+  if (!frame.others) return [`${ours}: the same as recorded, and so was every frame before${unused}`, 'same'];
+  const here = frame.digest === frame.recorded ? 'the same as recorded' : `other than ${frame.recorded}, which was recorded`;
+  return [`${ours}: ${here}; the first frame of other bits is ${frame.first_other}${unused}`, 'other'];
 }
 
 // ---- What stages computed, one after the other ----------------------------------------------------------------------
@@ -277,6 +301,7 @@ function fillPlan() {
 }
 
 function showFrame({frame, draw_ms, pages}) {
+  if (frame.camera) firstOrbit = frame.camera;
   const [text, kind] = digestText(frame);
   $('digest').textContent = text;
   $('digest').className = kind;
@@ -296,10 +321,13 @@ function showFrame({frame, draw_ms, pages}) {
 
 // ---- Buttons, mouse and keys ----------------------------------------------------------------------------------------
 
-function play(on) {
+function showPlaying(on) {
   playing = on;
   $('play').textContent = on ? 'Pause' : 'Play';
   $('play').setAttribute('aria-pressed', String(on));
+}
+function play(on) {
+  showPlaying(on);
   tell({play: on});
 }
 $('play').onclick = () => play(!playing);
@@ -308,13 +336,17 @@ $('step').onclick = () => {
   tell({step: 1});
 };
 $('restart').onclick = () => tell({restart: true});
-$('reset').onclick = () => {
+function forget() {
   changes = {settings: {}, keys: [], camera: null};
-  orbit = null;
+  orbit = firstOrbit = null;
   stroke = null;
+  delete document.body.dataset.verdict;
   showFault('');
   $('controls').replaceChildren();
   remember();
+}
+$('reset').onclick = () => {
+  forget();
   tell({reset: true});
 };
 $('own-camera').onclick = () => {
@@ -451,7 +483,12 @@ document.addEventListener('drop', async (event) => {
   event.preventDefault();
   const file = event.dataTransfer.files[0];
   if (!file) return;
-  if (!file.name.endsWith('.toml')) return showFault(`${file.name}: a setup (.toml) can be dropped here`);
+  if (file.name.endsWith('.peltinput')) {
+    showFault('');
+    return tell({recording: {name: file.name, bytes: new Uint8Array(await file.arrayBuffer())}});
+  }
+  if (!file.name.endsWith('.toml')) return showFault(`${file.name}: a setup (.toml) or a recording (.peltinput) can be dropped here`);
+  if (described?.recording) return showFault(`${file.name}: a recording has no setup that could be another`);
   showFault('');
   tell({setup: await file.text()});
 });

@@ -53,6 +53,7 @@ std::string GivenText(const PageContent& content) {
       {"files", files},
       {"native", {{"command", content.command}, {"digests", DigestTexts(content.digests)}}}};
   if (content.watched_from) json["watched_from"] = *content.watched_from;
+  if (!content.recording.empty()) json["recording"] = content.recording;
   return InScript(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 

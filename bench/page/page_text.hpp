@@ -36,6 +36,7 @@ struct PageContent {
   std::vector<uint64_t> digests;  // of a run of the first frames, after each
   // Where the page asks for what changed, and from which version on: SceneWatch::ChangesSince.
   std::optional<uint32_t> watched_from = {};
+  std::string recording = {};  // a recording among the files that is shown instead
 };
 
 // Throws Error where there is no module, and says what builds it.

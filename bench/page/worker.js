@@ -2,8 +2,9 @@
 // Runs the module: simulates, draws, and tells the page. Of messages, each is {name: arguments}.
 let exported, renderer = '', canvas, compiled, request, playing = false, due_s = 0, last_ms = 0, dirty = true;
 let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
-// What was set since the page opened, for a module that has to begin again.
+// What was set since the page opened, for a module that has to begin again; and the recording that is shown, {name, bytes}.
 let kept = {settings: {}, camera: null};
+const asOpened = () => ({settings: {}, camera: null, setup: request.setup ?? '', recording: request.recording ?? null});
 
 const decoder = new TextDecoder(), encoder = new TextEncoder();
 const memory = () => exported.memory;
@@ -60,6 +61,9 @@ const wasi = {
   },
 };
 
+// Null, or what is wrong with it.
+const openRecording = ({name, bytes: file}) => result(call('OpenRecording', name, file));
+
 async function start() {
   const env = {};
   const gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
@@ -69,8 +73,13 @@ async function start() {
   exported = (await WebAssembly.instantiate(compiled, env)).exports;
   exported._initialize?.();
   for (const [path, content] of Object.entries(request.files ?? {})) call('GiveFile', path, content);
-  call('Open', request.text + (kept.setup ? `\nsetup_text = ${JSON.stringify(kept.setup)}` : ''));
-  exported.TakeDigests(request.compared);
+  if (kept.recording) {
+    const refused = openRecording(kept.recording);
+    if (refused) throw new Error(refused);
+  } else {
+    call('Open', request.text + (kept.setup ? `\nsetup_text = ${JSON.stringify(kept.setup)}` : ''));
+    exported.TakeDigests(request.compared);
+  }
   renderer = gl ? result(exported.OpenRenderer()) : 'this browser has no WebGL2: frames run, and nothing is drawn';
   for (const [key, value] of Object.entries(kept.settings)) call('Set', key, value);
   if (kept.camera) call('SetCamera', ...kept.camera);
@@ -87,8 +96,17 @@ function describe(token) {
 function step() {
   if (paint) call('Paint', ...paint);
   const refused = result(exported.Step());
-  if (refused) throw new Error(refused);
   dirty = true;
+  if (!refused) return;
+  if (!kept.recording) throw new Error(refused);
+  // What a recording says cannot be taken back: it ends there.
+  pause();
+  postMessage({fault: refused});
+}
+
+function pause() {
+  playing = false;
+  postMessage({paused: true});
 }
 
 // How far the display is on its way from the frame before the last one to it.
@@ -103,7 +121,12 @@ function draw() {
   dirty = false;
 }
 
-const report = () => postMessage({frame: JSON.parse(result(exported.LastFrame())), draw_ms: drawn_ms, pages: memory().buffer.byteLength});
+function report() {
+  const frame = JSON.parse(result(exported.LastFrame()));
+  // A recording's frames have their own.
+  dt_s = frame.dt_s || dt_s;
+  postMessage({frame, draw_ms: drawn_ms, pages: memory().buffer.byteLength});
+}
 
 // A module that stopped begins again, with what was set before.
 async function guarded(run) {
@@ -114,6 +137,8 @@ async function guarded(run) {
     stdout = '';
     postMessage({fault: reason});
     if (!compiled) return;
+    // One that was dropped here may be what ended it.
+    if (kept.recording !== (request.recording ?? null)) kept = asOpened();
     try {
       await start();
       step();
@@ -139,9 +164,10 @@ function loop(now_ms) {
     due_s += passed_s * slow_motion;
     let stepped = false;
     // No more than the time allows: what is slower than real time becomes slow motion.
-    for (let i = 0; due_s >= dt_s && i < 4; ++i, stepped = true) {
+    for (let i = 0; playing && due_s >= dt_s && i < 4; ++i, stepped = true) {
       step();
       due_s -= dt_s;
+      if (playing && exported.AtEnd()) pause();
     }
     due_s = Math.min(due_s, dt_s);
     if (stepped) return void (draw(), report());
@@ -162,7 +188,7 @@ const handlers = {
     canvas = given;
     request = wanted;
     size = first;
-    kept = {settings: {}, camera: null, setup: wanted.setup ?? ''};
+    kept = asOpened();
     compiled = await WebAssembly.compile(module);
     await start();
     step();
@@ -183,7 +209,7 @@ const handlers = {
     report();
   },
   restart: () => {
-    exported.TakeDigests(request.compared);
+    if (!kept.recording) exported.TakeDigests(request.compared);
     exported.Restart();
     step();
     draw();
@@ -191,7 +217,7 @@ const handlers = {
   },
   // Everything as it was when the page was opened.
   reset: async () => {
-    kept = {settings: {}, camera: null, setup: request.setup ?? ''};
+    kept = asOpened();
     await start();
     handlers.restart();
   },
@@ -219,6 +245,7 @@ const handlers = {
   // Files that are other now, and `setup`, where its own is among them; of none only how many digests are known.
   files: ({files, setup, compared}) => {
     request.compared = compared;
+    if (kept.recording) return void Object.assign(request.files, files);  // for when it is left
     if (Object.keys(files).length === 0) return;
     const own = setup === undefined ? kept.setup : '';
     Object.assign(request.files, files);
@@ -236,7 +263,21 @@ const handlers = {
     kept.camera = camera;
     if (camera) call('SetCamera', ...camera);
     else exported.TakeScenesCamera();
-    if (!playing) handlers.step(1);
+    if (kept.recording) dirty = true;
+    else if (!playing) handlers.step(1);
+  },
+  // A recording in place of what is shown, which goes on where that cannot be.
+  recording: (recording) => {
+    const refused = openRecording(recording);
+    if (refused) return postMessage({fault: refused});
+    kept = {settings: {}, camera: null, setup: '', recording};
+    slow_motion = 1;
+    paint = null;
+    postMessage({replaced: true});
+    describe();
+    step();
+    draw();
+    report();
   },
   // What was said before is drawn.
   describe: (token) => {

@@ -129,6 +129,13 @@ check_errors() {
   expect 1 local-store -- report --scene tiny --frames 1 --executor local-store
   expect 1 noise -- trace replay noise
   expect 1 noise -- trace show noise
+  expect 1 noise 'not an input log' -- view --replay noise
+  expect 1 missing.peltinput -- view --replay missing.peltinput
+  "$pelt" trace record --scene tiny --frames 2 --out whole.peltinput >/dev/null || fail "record tiny"
+  head -c 5000 whole.peltinput >cut.peltinput
+  expect 1 cut.peltinput 'it was cut' -- view --replay cut.peltinput
+  expect 2 --replay -- view --replay whole.peltinput --scene tiny
+  expect 2 --replay -- view --replay whole.peltinput --frames 3
   expect 1 noise -- diff noise tiny.groom
   expect 1 'of kind groom' -- diff tiny.groom "$source_dir/traces/golden/tiny.digests"
   expect 2 --out -- trace record --scene tiny

@@ -226,6 +226,82 @@ async function monster() {
   check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
 }
 
+// What a user drops onto the page.
+const drop = (page, name, bytes) => page.evaluate(`(() => {
+  const bytes = Uint8Array.from(atob('${bytes.toString('base64')}'), (c) => c.charCodeAt(0));
+  const transfer = new DataTransfer();
+  transfer.items.add(new File([bytes], '${name}'));
+  document.dispatchEvent(new DragEvent('drop', {dataTransfer: transfer, cancelable: true}));
+})()`);
+const digest = (page) => page.evaluate("document.getElementById('digest').textContent");
+const fault = (page) => page.evaluate("document.getElementById('fault').hidden ? '' : document.getElementById('fault').textContent");
+
+// How many values of the picture, which is drawn in a turn of its own, have changed, as soon as `is(count)`; or at last.
+async function changed(page, before, is) {
+  for (const end = Date.now() + 10_000; ; await settled(page)) {
+    const count = (await page.evaluate(kPixels)).filter((v, i) => Math.abs(v - before[i]) > 4).length;
+    if (is(count) || Date.now() > end) return count;
+  }
+}
+
+async function recording() {
+  const log = path.join(work, 'bug.peltinput'), file = path.join(work, 'bug.html');
+  run('trace', 'record', '--scene', 'tiny', '--frames', '10', '--out', log);
+  run('view', '--replay', log, '--out', file);
+  const page = await open(file);
+  check(await verdict(page) === 'same', `the first frame of a recording is as recorded (${await digest(page)})`);
+  check((await page.evaluate("document.getElementById('about').textContent")).includes('fur alone is drawn'), 'without a body, and the page says so');
+  const groups = await page.evaluate("[...document.querySelectorAll('#controls details')].map((group) => group.dataset.group).join()");
+  check(groups === 'time,light,stages', `there are controls of the picture alone (${groups})`);
+  const before = await page.evaluate(kPixels);
+  await page.evaluate('turn(1, 0.2)');
+  const many = (count) => count > 1000, none = (count) => count === 0;
+  let count = await changed(page, before, many);
+  check(many(count), `the camera turns (${count} values change)`);
+  await page.evaluate("document.getElementById('own-camera').click()");
+  count = await changed(page, before, none);
+  check(none(count), `and back to the recording's (${count})`);
+  await set(page, 'render_fur', false);
+  count = await changed(page, before, many);
+  check(many(count), `its fur is drawn (${count})`);
+  await set(page, 'render_fur', true);
+  await page.evaluate('turn(1, 0.2)');
+  await page.evaluate("document.getElementById('play').click()");
+  await frame(page, 9);
+  await page.until('!playing', 'the last frame is the end');
+  check(await verdict(page) === 'same', `and changes no bit of the frames after it (${await digest(page)})`);
+  const replayed = run('trace', 'replay', log);
+  check(replayed.includes(await page.evaluate('document.body.dataset.digest')), 'their digest is that of pelt trace replay');
+  await step(page, 1);
+  await frame(page, 0);
+  check(await verdict(page) === 'same', 'behind the last frame it begins again');
+
+  // Onto the page of a scene.
+  const scene = await open(path.join(work, 'tiny.html'));
+  await step(scene, 3);
+  const bytes = fs.readFileSync(log);
+  await drop(scene, 'cut.peltinput', bytes.subarray(0, bytes.length >> 1));
+  await scene.until("!document.getElementById('fault').hidden", 'a truncated recording');
+  check(/input log 'cut.peltinput': header, byte \d+: .* it was cut/.test(await fault(scene)), `a truncated recording is told: ${await fault(scene)}`);
+  await step(scene, 1);
+  check(await scene.evaluate('document.body.dataset.frame') === '4' && await verdict(scene) === 'same', 'and the scene goes on where it was');
+  await drop(scene, 'bug.peltinput', bytes);
+  await scene.until("document.body.dataset.recording === 'bug.peltinput' && document.body.dataset.frame === '0'", 'a dropped recording');
+  await step(scene, 4);
+  await frame(scene, 4);
+  check(await verdict(scene) === 'same' && (await digest(scene)).includes('as recorded'), `a recording that is dropped is shown (${await digest(scene)})`);
+  await drop(scene, 'fur.toml', Buffer.from('[[layer]]'));
+  await scene.until("!document.getElementById('fault').hidden", 'a setup on a recording');
+  check((await fault(scene)).includes('no setup'), 'it takes no setup');
+  await scene.evaluate("document.getElementById('reset').click()");
+  await scene.until("document.body.dataset.recording === '' && document.body.dataset.frame === '0'", 'the scene again');
+  await step(scene, 5);
+  check(await verdict(scene) === 'same' && (await digest(scene)).includes('pelt run'), `reset shows the scene again (${await digest(scene)})`);
+
+  check(!fs.readFileSync(file, 'utf8').includes(work), 'no path of this machine is in the page');
+  for (const shown of [page, scene]) check(shown.errors.length === 0, `no script error ${shown.errors.join('; ')}`);
+}
+
 async function broken() {
   const page = fs.readFileSync(path.join(work, 'tiny.html'), 'utf8');
   const file = path.join(work, 'broken.html');
@@ -236,7 +312,7 @@ async function broken() {
   check(true, 'a truncated module is told');
 }
 
-for (const part of [tiny, sliders, monster, broken]) {
+for (const part of [tiny, sliders, recording, monster, broken]) {
   try {
     await part();
   } catch (error) {
