@@ -69,6 +69,21 @@ CLI::Validator InRange(double least, double most) {
   return CLI::Validator(check, fmt::format("FLOAT in [{} - {}]", least, most));
 }
 
+std::vector<std::pair<std::string, std::string>> ListGiven(
+    const std::vector<const CLI::Option*>& options) {
+  std::vector<std::pair<std::string, std::string>> given;
+  for (const CLI::Option* option : options) {
+    if (!option->count()) continue;
+    // A flag says nothing but that it is there.
+    const bool is_flag = option->get_expected_max() == 0;
+    const std::string value =
+        is_flag ? "given" : fmt::format("{}", fmt::join(option->results(), ","));
+    if (is_flag || value != option->get_default_str())
+      given.emplace_back(option->get_name(), value);
+  }
+  return given;
+}
+
 void AddSource(CLI::App& app, ScenarioRequest& request) {
   auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
   AddInputFileOrName(app, "--character", request.character,

@@ -47,6 +47,10 @@ CLI::Validator IsIsa();
 // As CLI::Range, but for "nan", which it lets through.
 CLI::Validator InRange(double least, double most);
 
+// Those of `options` that were given, and not what they are anyway: names, and values as text.
+std::vector<std::pair<std::string, std::string>> ListGiven(
+    const std::vector<const CLI::Option*>& options);
+
 // What to run, for the subcommands that take a scene or files.
 void AddSource(CLI::App& app, ScenarioRequest& request);
 // The scene is the monster unless something else is named.

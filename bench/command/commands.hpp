@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/accuracy/drawn_problem.hpp"
@@ -57,6 +58,8 @@ struct RunArgs {
   uint32_t trace_frames = 10;  // the last ones; 0: all
   OutputPath digest_log;       // to write
   bool json = false;
+  // Options that change what is run or on what, as they were given: "--fps", "30".
+  std::vector<std::pair<std::string, std::string>> given = {};
 };
 int Run(const RunArgs& args);
 

@@ -61,6 +61,8 @@ Subcommand SetUpRun(CLI::App& root) {
   RunArgs& args = *kept;
   auto* app = root.add_subcommand("run", "Run frames and print the frame budget");
   AddRun(*app, args, *weather);
+  // All there are so far; the others say what is written.
+  const std::vector<const CLI::Option*> of_run = std::as_const(*app).get_options();
   AddPictures(*app, args.picture);
   auto* trace = AddOutputFile(
       *app, "--trace", args.trace,
@@ -90,8 +92,9 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene tiny --frames 5 --mud 0.6 --wet 1 --picture muddy.png\n"
       "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
   return {app,
-          [app, kept, weather] {
+          [app, kept, weather, of_run] {
             CompleteRun(*app, *weather, *kept);
+            kept->given = ListGiven(of_run);
             CompletePictures(*app, kept->picture);
             CheckExecutor(*app, kept->options.executor);
           },

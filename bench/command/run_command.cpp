@@ -105,6 +105,8 @@ int Run(const RunArgs& args) {
     report = RunFrames(scenario, running, options);
   }
   ReportTree tree = MakeRunTree(report);
+  ReportTree& given = tree.AddSection("options");
+  for (const auto& [option, value] : args.given) given.Add(InJson(option), value);
   pictures.AddTo(tree);
   fmt::print("{}", args.json ? tree.Json() : tree.Text() + '\n');
   for (const std::string& note : pictures.notes())

@@ -41,6 +41,7 @@ class RunReader {
       run.settings.emplace_back(
           Printable(key), Printable(value.is_string() ? value.get<std::string>() : value.dump()));
     }
+    AddOptions(json, run);
     if (const auto digest = json.find("digest"); digest != json.end()) {
       if (!digest->is_string()) Fail("'digest' is not a text");
       run.digest = Printable(digest->get<std::string>());
@@ -49,6 +50,18 @@ class RunReader {
   }
 
  private:
+  // Those that have no key of their own.
+  void AddOptions(const RunJson& json, MeasuredRun& run) const {
+    const auto options = json.find("options");
+    if (options == json.end()) return;  // of a program that did not say
+    if (!options->is_object()) Fail("'options' is not an object");
+    for (const auto& [option, value] : options->items()) {
+      if (!value.is_string()) Fail(fmt::format("'options.{}' is not a text", Printable(option)));
+      if (option.starts_with("--") && json.contains(option.substr(2))) continue;
+      run.settings.emplace_back(Printable(option), Printable(value.get<std::string>()));
+    }
+  }
+
   [[noreturn]] void Fail(std::string_view reason) const {
     throw Error(fmt::format("{}: {}; expected what pelt run --json prints", from_, reason));
   }

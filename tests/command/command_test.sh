@@ -311,6 +311,20 @@ check_accuracy_errors() {
 # Files and commands that are no runs: told by name, place and what the command itself said.
 check_compare_errors() {
   "$pelt" run --scene tiny --frames 12 --json >a.json 2>/dev/null || fail "run --json"
+  # What was asked for differs, and is said; what is as if not asked for, or only written somewhere, does not.
+  "$pelt" run --scene tiny --frames 12 --no-sleep --fps 30 --lod --strand-budget 300 --fast-quality-px 0.5 \
+    --digest-log b.digests --json >b.json 2>/dev/null || fail "run --no-sleep --json"
+  "$pelt" compare a.json b.json --json >out.txt || fail "compare of other options"
+  local option
+  for option in --no-sleep:given --fps:30 --lod:given --strand-budget:300; do
+    tr -d '\n' <out.txt | grep -qE "\"differs\": \"${option%%:*}\", *\"b\": \"${option##*:}\"" ||
+      fail "compare does not say ${option}: $(cat out.txt)"
+  done
+  for option in --fast-quality-px --digest-log --json --scene --frames; do
+    grep -q -- "\"$option\"" out.txt && fail "compare says $option: $(cat out.txt)"
+  done
+  sed 's/"--fps": "30"/"--fps": 30/' b.json >number.json
+  expect 1 "'number.json': 'options.--fps' is not a text" -- compare a.json number.json
   head -c 3000 a.json >half.json
   sed 's/"samples"/"others"/' a.json >old.json
   expect 2 'two files of pelt run --json, or --commands' -- compare
