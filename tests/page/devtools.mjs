@@ -89,6 +89,10 @@ class Page {
   resize(width, height) {
     return this.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: false});
   }
+  // What the reader's system prefers: 'light' or 'dark'.
+  scheme(value) {
+    return this.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value}]});
+  }
   async screenshot(file) {
     fs.writeFileSync(file, Buffer.from((await this.send('Page.captureScreenshot')).data, 'base64'));
   }

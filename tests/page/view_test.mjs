@@ -164,10 +164,20 @@ async function tiny() {
   const whiter = snowy.filter((v, i) => i % 4 !== 3 && v > bare[i] + 40).length;
   check(whiter > 1500, `snow is painted and stays (${whiter} values are brighter)`);
 
+  await step(page, 200);
+  const memory = await page.evaluate('document.body.dataset.memory');
+  await step(page, 3000);
+  check(memory === await page.evaluate('document.body.dataset.memory'), `memory stays ${memory} bytes over 3,000 frames`);
+
   for (const width of [360, 1400]) {
     await page.resize(width, 800);
     check(await page.evaluate('document.documentElement.scrollWidth <= innerWidth'), `${width} px wide: nothing sticks out`);
   }
+  // Dark where the reader's system is.
+  const paper = () => page.evaluate('getComputedStyle(document.body).backgroundColor');
+  const by_day = await paper();
+  await page.scheme('dark');
+  check(by_day !== await paper(), `light and dark are ${by_day} and ${await paper()}`);
   await page.screenshot(path.join(work, 'page.png'));
   check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
 }
