@@ -129,6 +129,7 @@ struct ViewArgs {
   bool open = false;      // served to a browser of this machine, until a signal ends it
   bool watch = false;     // and the page follows what changes in the files
   uint16_t port = 0;      // 0: a free one
+  bool consoles = false;  // with a frame of the scene as both would run it
   std::string replay;     // a recording to show instead of a scene
 };
 // A page that runs the scene in a browser.

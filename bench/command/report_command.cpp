@@ -1,44 +1,15 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "bench/accuracy/report/accuracy_section.hpp"
 #include "bench/command/commands.hpp"
+#include "bench/command/modelled_consoles.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/consoles/console_report.hpp"
 #include "bench/report/report_page.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "jobs/tick_clock.hpp"
 
 namespace pelt {
-namespace {
-
-// A console's picture shows one frame; more frames than this only look for a slower one.
-constexpr uint32_t kConsoleFrames = 60;
-
-void AddModelledConsole(Console console, const ReportArgs& args, Scenario& scenario,
-                        JsonText& json) {
-  const RunOptions& options = args.run.options;
-  const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
-  ConsoleRequest request{.console = console,
-                         .frames = std::min(frames, kConsoleFrames),
-                         .warm_up = BudgetArgs{}.warm_up,
-                         .skip = options.skip,
-                         .lod = options.lod};
-  Progress progress(ConsoleName(console), request.frames);
-  request.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
-  try {
-    ConsoleRun run(scenario, request);
-    const ConsoleBudget budget = run.Run();
-    AddConsoleFrame(json, budget, run.scene());
-  } catch (const Error& error) {  // a page without that console is better than none
-    AddRefusedConsole(json, MakeConsole(request).name, error.what());
-  }
-}
-
-}  // namespace
-
 int Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
   // Read first: a mistake in it should not be told after a long run.
@@ -63,7 +34,8 @@ int Report(const ReportArgs& args) {
   }
   const auto add_consoles = [&](JsonText& json) {
     if (!args.consoles) return;
-    for (const Console console : kAllConsoles) AddModelledConsole(console, args, scenario, json);
+    AddModelledConsoles(scenario, options.frames ? options.frames : scenario.default_frames,
+                        options.skip, options.lod, json);
   };
   const auto add_accuracy = [&](JsonText& json) {
     if (!accuracy.empty()) AddAccuracySection(json, AsText(accuracy), args.accuracy);

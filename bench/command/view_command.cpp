@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "bench/command/commands.hpp"
+#include "bench/command/modelled_consoles.hpp"
 #include "bench/command/progress.hpp"
 #include "bench/command/view_serving.hpp"
 #include "bench/page/page_request.hpp"
@@ -18,6 +19,16 @@ std::string CommandOf(const ScenarioRequest& request) {
   for (const auto& [option, value] : RequestOptions(request))
     command += fmt::format(" --{} {}", option, value);
   return command + " --frames FRAMES";
+}
+
+std::string ModelConsoles(const ScenarioRequest& request) {
+  Scenario scenario = LoadScenario(request);
+  JsonText json;
+  json.BeginArray();
+  AddModelledConsoles(scenario, scenario.default_frames, scenario.base.skip, scenario.base.lod,
+                      json);
+  json.EndArray();
+  return json.Compact();
 }
 
 // The page of a recording. What would not open there is told here.
@@ -51,6 +62,7 @@ int View(const ViewArgs& args) {
     while (scene.StepDigest()) progress.Show(scene.digests().size());
   }
   const std::string command = CommandOf(args.request);
+  if (args.consoles) scene.TakeConsoles(ModelConsoles(args.request));
   if (!args.out.empty()) {
     const std::string page = MakePage(scene.Content(command));
     WriteOutput("page", args.out, page);

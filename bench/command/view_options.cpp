@@ -55,10 +55,13 @@ Subcommand SetUpView(CLI::App& root) {
                   "Frames whose digests go along, for the page to hold its own against")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  app->add_flag("--consoles", args.consoles,
+                "With a frame as both consoles would run it: what each unit does");
   AddReplay(*app, args.replay);
   app->footer(
       "Examples:\n"
       "  pelt view --scene monster --out monster.html\n"
+      "  pelt view --scene tiny --consoles --out tiny.html\n"
       "  pelt view --character builtin --setup eyepet --out eyepet.html\n"
       "  pelt trace record --scene tiny --frames 20 --out bug.peltinput\n"
       "  pelt view --replay bug.peltinput --out bug.html\n"

@@ -306,6 +306,7 @@ function showFrame({frame, draw_ms, pages}) {
   $('digest').textContent = text;
   $('digest').className = kind;
   document.body.dataset.frame = frame.frame;
+  document.body.dataset.ms = frame.ms;
   document.body.dataset.digest = frame.run_digest;
   document.body.dataset.verdict = kind;
   document.body.dataset.memory = pages;

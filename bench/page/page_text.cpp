@@ -53,6 +53,7 @@ std::string GivenText(const PageContent& content) {
       {"files", files},
       {"native", {{"command", content.command}, {"digests", DigestTexts(content.digests)}}}};
   if (content.watched_from) json["watched_from"] = *content.watched_from;
+  if (!content.consoles.empty()) json["consoles"] = Json::parse(content.consoles);
   if (!content.recording.empty()) json["recording"] = content.recording;
   return InScript(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
@@ -74,7 +75,8 @@ std::string MakePage(const PageContent& content) {
       {"@module@", Base64(EmbeddedModule())},
       {"@given@", GivenText(content)},
       {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js"))},
-      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_watch.js"))}};
+      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_watch.js")) +
+                       std::string(FileText("page_consoles.js"))}};
   std::string page(FileText("page.html"));
   for (const auto& [mark, text] : parts) page.replace(page.find(mark), mark.size(), text);
   return page;

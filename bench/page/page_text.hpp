@@ -37,6 +37,7 @@ struct PageContent {
   // Where the page asks for what changed, and from which version on: SceneWatch::ChangesSince.
   std::optional<uint32_t> watched_from = {};
   std::string recording = {};  // a recording among the files that is shown instead
+  std::string consoles = {};   // JSON: frames as consoles would run them, an array; empty: none
 };
 
 // Throws Error where there is no module, and says what builds it.

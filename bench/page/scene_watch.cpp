@@ -137,7 +137,7 @@ bool SceneWatch::StepDigest() {
 }
 
 PageContent SceneWatch::Content(std::string command) const {
-  return {request_, files_, std::move(command), digests(), std::nullopt};
+  return {request_, files_, std::move(command), digests(), std::nullopt, {}, consoles_};
 }
 
 std::string SceneWatch::ChangesSince(uint32_t version) const {

@@ -38,6 +38,8 @@ class SceneWatch {
   // What the last change was, for a line of text: paths.
   const std::vector<std::string>& changed() const { return changed_; }
 
+  // PageContent::consoles of the pages from here on: of the files as they were.
+  void TakeConsoles(std::string json) { consoles_ = std::move(json); }
   PageContent Content(std::string command) const;
   // JSON: what is other than at that version. page_watch.js reads it.
   std::string ChangesSince(uint32_t version) const;
@@ -58,6 +60,7 @@ class SceneWatch {
 
   ScenarioRequest request_;
   uint32_t frames_;
+  std::string consoles_;
   std::string run_;  // no other program's: versions of different ones cannot be compared
   FileBytes files_;
   std::map<std::string, uint32_t> changed_at_;  // version

@@ -312,6 +312,19 @@ async function recording() {
   for (const shown of [page, scene]) check(shown.errors.length === 0, `no script error ${shown.errors.join('; ')}`);
 }
 
+async function consoles() {
+  const file = path.join(work, 'consoles.html');
+  run('view', '--scene', 'tiny', '--frames', '2', '--consoles', '--out', file);
+  const page = await open(file);
+  await page.evaluate("document.getElementById('consoles').open = true");
+  await page.until("document.querySelectorAll('#consoles svg').length", 'consoles');
+  const lanes = await page.evaluate("[...document.querySelectorAll('#consoles svg')].map((svg) => new Set([...svg.querySelectorAll('path[data-work=compute] title')].map((t) => t.textContent.split(':')[0])).size)");
+  check(lanes.length === 2 && lanes.every((n) => n >= 5), `units of both consoles compute (${lanes})`);
+  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+  const without = await open(path.join(work, 'tiny.html'));
+  check(await without.evaluate("document.getElementById('consoles').hidden"), 'a page that was not asked for them has none');
+}
+
 async function broken() {
   const page = fs.readFileSync(path.join(work, 'tiny.html'), 'utf8');
   const file = path.join(work, 'broken.html');
@@ -322,7 +335,7 @@ async function broken() {
   check(true, 'a truncated module is told');
 }
 
-for (const part of [tiny, sliders, recording, monster, broken]) {
+for (const part of [tiny, sliders, recording, monster, consoles, broken]) {
   try {
     await part();
   } catch (error) {
