@@ -11,8 +11,9 @@ let changes = {settings: {}, keys: [], camera: null};
 const worker = new Worker(URL.createObjectURL(new Blob([$('worker').textContent], {type: 'text/javascript'})));
 const tell = (message, moved = []) => worker.postMessage(message, moved);
 
-async function moduleBytes() {
-  const packed = Uint8Array.from(atob($('module').textContent.trim()), (c) => c.charCodeAt(0));
+// `part`: 'module', or 'plain', which has no vectors.
+async function moduleBytes(part) {
+  const packed = Uint8Array.from(atob($(part).textContent.trim()), (c) => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
@@ -27,13 +28,14 @@ function pictureSize() {
 }
 
 async function open() {
-  // {} has the bytes of one vector instruction: a browser that takes none cannot run the module.
+  // {} has the bytes of one vector instruction: a browser that takes none runs the module without.
   const vectors = WebAssembly.validate(new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11]));
-  if (!vectors) return showFault('This browser has no WebAssembly vectors (SIMD), which the module is made of: take one of 2022 or later.');
+  const plain = !vectors || wanted.has('plain');
+  if (plain) showFault('This browser has no WebAssembly vectors (SIMD): frames run on the reference kernels, and take longer.');
   if (!canvas.transferControlToOffscreen) return showFault('This browser cannot draw from a worker (OffscreenCanvas): take one of 2023 or later.');
   const files = Object.fromEntries(Object.entries(given.files ?? {}).map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]));
   const offscreen = canvas.transferControlToOffscreen();
-  const module = await moduleBytes();
+  const module = await moduleBytes(plain ? 'plain' : 'module');
   const recording = given.recording ? {name: given.recording, bytes: files[given.recording]} : null;
   tell({open: {module, canvas: offscreen, request: {text: given.request, files: recording ? {} : files, recording, compared: given.native.digests.length}, size: pictureSize()}}, [offscreen, module.buffer]);
 }

@@ -73,6 +73,7 @@ std::string MakePage(const PageContent& content) {
   const std::pair<std::string_view, std::string> parts[] = {
       {"@style@", std::string(FileText("page.css"))},
       {"@module@", Base64(EmbeddedModule())},
+      {"@plain@", Base64(EmbeddedPlainModule())},
       {"@given@", GivenText(content)},
       {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js"))},
       {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_watch.js")) +

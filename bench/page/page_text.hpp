@@ -21,6 +21,8 @@ struct PageFile {
 std::span<const PageFile> EmbeddedPageFiles();  // bench/page
 // WebAssembly, gzip; empty where the program was built without PELT_WASM.
 std::span<const std::byte> EmbeddedModule();
+// The same without vectors, for browsers that have none.
+std::span<const std::byte> EmbeddedPlainModule();
 
 // What to do for a module where there is none; one sentence and its reason.
 std::string WhyNoModule();

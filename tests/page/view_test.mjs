@@ -312,6 +312,16 @@ async function recording() {
   for (const shown of [page, scene]) check(shown.errors.length === 0, `no script error ${shown.errors.join('; ')}`);
 }
 
+async function plain() {
+  const page = await browser.open(`file://${path.join(work, 'tiny.html')}?still&plain&width=320&height=240`, 1000, 800);
+  await page.until('document.body.dataset.opened', 'opening');
+  check((await page.evaluate("described.settings.find((row) => row.key === 'kernels').words")).join() === 'reference', 'without vectors there are the reference kernels');
+  check((await page.evaluate("document.getElementById('fault').textContent")).includes('reference kernels'), 'and the page says so');
+  await step(page, 19);
+  check(await verdict(page) === 'same', 'and 20 frames are the same as the native ones');
+  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+}
+
 async function consoles() {
   const file = path.join(work, 'consoles.html');
   run('view', '--scene', 'tiny', '--frames', '2', '--consoles', '--out', file);
@@ -335,7 +345,7 @@ async function broken() {
   check(true, 'a truncated module is told');
 }
 
-for (const part of [tiny, sliders, recording, monster, consoles, broken]) {
+for (const part of [tiny, sliders, recording, monster, plain, consoles, broken]) {
   try {
     await part();
   } catch (error) {
