@@ -24,7 +24,9 @@ void AddSize(const Character& character, const RestGeometry& rest, float unit_sc
       .EndLine();
   const Mesh& mesh = character.mesh;
   tree.Add({"vertices"}, mesh.position.size()).Add({"triangles"}, mesh.triangles.size());
-  tree.Add({"has_uv", "", -1, "texture coordinates"}, !mesh.uv.empty());
+  // A built-in character's are in no file.
+  tree.Add({"uv_sets", "", -1, "sets of texture coordinates"},
+           std::max(mesh.uv_sets, mesh.uv.empty() ? 0u : 1u));
   tree.Add({"has_vertex_colours", "", -1, "vertex colours"}, !mesh.corner_colour.empty());
   tree.Add({"images"}, character.images.size());
 }

@@ -33,7 +33,8 @@ struct Mesh {
   std::vector<glm::vec3> normal;  // unit
   std::vector<glm::vec4>
       tangent;  // unit, w = handedness (+1, -1); any direction across the normal without UVs
-  std::vector<glm::vec2> uv;                   // empty when the file has none
+  std::vector<glm::vec2> uv;  // empty when the file has none
+  uint32_t uv_sets = 0;       // that some primitive of the file has; `uv` is the first
   std::vector<std::array<uint8_t, 4>> joints;  // skeleton nodes; weight 0 where unused
   std::vector<glm::vec4> weights;              // sum to 1, descending
   std::vector<std::array<uint32_t, 3>> triangles;

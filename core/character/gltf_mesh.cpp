@@ -159,6 +159,10 @@ class MeshReader {
   void ReadUvs(const Primitive& primitive, size_t count, const std::string& place) {
     const std::vector<float> uv = ReadAttribute(primitive, "TEXCOORD_0", kUvsWanted, count, place);
     has_uv_ |= !uv.empty();
+    const auto sets = std::ranges::count_if(primitive.attributes, [](const auto& attribute) {
+      return attribute.first.starts_with("TEXCOORD_");
+    });
+    out_.uv_sets = std::max(out_.uv_sets, uint32_t(sets));
     if (uv.empty()) repairs_.no_uv += count;
     for (size_t v = 0; v < count; ++v)
       out_.uv.push_back(IsFinite(uv, v, 2, repairs_.odd_uvs) ? glm::vec2(uv[2 * v], uv[2 * v + 1])

@@ -48,6 +48,14 @@ TEST(GltfLook, FactorIsTheColour) {
   ExpectNear(SurfaceColour(c).At({0, {1.0f, 0.0f, 0.0f}}), {0.5f, 0.25f, 1.0f});
 }
 
+TEST(GltfLook, UvSetsAreCounted) {
+  EXPECT_EQ(Import(test::MakeQuad()).mesh.uv_sets, 0u);
+  GltfBuilder b = MakeLook(Material(""));
+  EXPECT_EQ(Import(b).mesh.uv_sets, 1u);
+  b.Attribute("TEXCOORD_1", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
+  EXPECT_EQ(Import(b).mesh.uv_sets, 2u);
+}
+
 TEST(GltfLook, WhatSaysNothingIsNotKnown) {
   for (const std::string& material : {std::string(R"({"name":"coat"})"), Material("")}) {
     const Character c = Import(MakeLook(material));
