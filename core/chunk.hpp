@@ -120,7 +120,7 @@ enum LayerFlag : uint32_t {
   kLayerEnabled = 1u << 0,
   kLayerVertexChains =
       1u << 1,  // chains at mesh vertices (4 points), strands interpolate; else a chain per strand
-  kLayerFivePoints = 1u << 2,  // 5 points per chain; else 4. Never with kLayerVertexChains
+  kLayerFivePoints = 1u << 2,  // 5 points per chain; else 4 or 9. Never with kLayerVertexChains
   kLayerVerlet = 1u << 3,      // else PBD
   kLayerRibbons = 1u << 4,
   kLayerClump = 1u << 5,
@@ -139,17 +139,33 @@ enum LayerFlag : uint32_t {
   kLayerRates = 1u << 18,       // modal, and has a RootRateBlock
   kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
   kLayerSagFree = 1u << 20,     // modal, and has a DownBlock
+  kLayerNinePoints = 1u << 21,  // 9 points per chain; only with kLayerModal, a chain per strand
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
-inline constexpr uint32_t kLayerKindFlags =
-    kLayerVertexChains | kLayerFivePoints | kLayerVerlet | kLayerModal | kLayerOutputFlags |
-    kLayerLit | kLayerPainted | kLayerFins | kLayerRates | kLayerSagFree | kLayerApart;
+inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints |
+                                            kLayerNinePoints | kLayerVerlet | kLayerModal |
+                                            kLayerOutputFlags | kLayerLit | kLayerPainted |
+                                            kLayerFins | kLayerRates | kLayerSagFree | kLayerApart;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
+
+// Strands have 4, 5 or 9 points, the root too.
+inline constexpr uint32_t kMostStrandPoints = 9;
+// Of a layer of such a kind.
+constexpr uint32_t StrandPointsOf(uint32_t kind) {
+  return kind & kLayerNinePoints ? 9 : kind & kLayerFivePoints ? 5 : 4;
+}
+// Calls visit<points>().
+template <class Visit>
+constexpr decltype(auto) WithPoints(uint32_t points, Visit&& visit) {
+  if (points == 9) return visit.template operator()<9>();
+  if (points == 5) return visit.template operator()<5>();
+  return visit.template operator()<4>();
+}
 
 // Parameters of a layer for this frame, filled on the caller's thread from the setup, wetness and
 // dirt. All hardness and factor values are in [0, 1]; `keep` factors are already for this frame's

@@ -1,5 +1,6 @@
 #include "core/layer_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -63,6 +64,7 @@ uint32_t LayerKind(const LayerParams& p) {
   uint32_t kind = kOutputs[size_t(p.output)].flag;
   if (p.chain == ChainKind::kVertex) kind |= kLayerVertexChains;
   if (p.points == 5) kind |= kLayerFivePoints;
+  if (p.points == 9) kind |= kLayerNinePoints;
   const bool solved = p.output != Output::kShells;  // shells are bent, without a state
   if (solved && p.solver == Solver::kVerlet) kind |= kLayerVerlet;
   if (solved && p.solver == Solver::kModal) kind |= kLayerModal;
@@ -139,7 +141,8 @@ RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool cur
   const double dry =
       params.frequency_hz > 0.0f
           ? double(params.frequency_hz)
-          : FrequencyOfHardness(links, Saturate(params.angular_hardness_middle),
+          // Those keys are of the originals' chains, which have 4 links at most.
+          : FrequencyOfHardness(std::min(links, 4u), Saturate(params.angular_hardness_middle),
                                 Saturate(params.angular_hardness_end), params.iterations);
   const double drag = params.velocity_damping > 0.0f ? double(params.velocity_damping) : 0.0;
   return {links, dry * std::sqrt(double(StiffnessLeft(params, weather))),

@@ -27,9 +27,10 @@ inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
     kKeyed{&CountStrands, 1, true}, kPainted{&CountStrands, kLaneGroup, true},
     kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
 
-inline constexpr uint32_t kFive = kLayerFivePoints, kModal = kLayerModal, kShells = kLayerShells;
-inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kShells},
-    kOf5{kFive, 0}, kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
+inline constexpr uint32_t kFive = kLayerFivePoints, kNine = kLayerNinePoints, kModal = kLayerModal,
+                          kShells = kLayerShells;
+inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kNine | kShells},
+    kOf5{kFive, 0}, kOf9{kNine, 0}, kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
@@ -95,11 +96,12 @@ struct Streams {
                                                kInEitherOrder,    kRibboned, kOutput};
 
   // Layers with the modal solver: response tables, and the state of their chains.
-  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer, kInput, kAll, {kModal, 0}};
+  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer, kInput, kAll, {kModal, kNine}};
   StreamRow<ModalStateBlock<4>> vertex_modal{
       "vertex_modal", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
   StreamRow<ModalStateBlock<4>> strand_modal4{
-      "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kLayerVertexChains}, kState};
+      "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kNine | kLayerVertexChains},
+      kState};
   StreamRow<ModalStateBlock<5>> strand_modal5{"strand_modal5",     kChunk, kValue, kLiveStrands,
                                               {kModal | kFive, 0}, kState};
 
@@ -132,6 +134,12 @@ struct Streams {
   StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart};
   // Of sag-free layers.
   StreamRow<DownBlock> rest_down{"rest_down", kChunk, kInput, kAll, kHeld};
+  // Of chains of 9 points, which the modal solver alone moves.
+  StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kAll, kOf9};
+  StreamRow<PointBlock<9>> strand_points9{"strand_points9", kChunk, kValue, kLiveStrands, kOf9};
+  StreamRow<LongModalTableBlock> long_modal_tables{"long_modal_tables", kLayer, kInput, kAll, kOf9};
+  StreamRow<ModalStateBlock<9>> strand_modal9{"strand_modal9", kChunk, kValue,
+                                              kLiveStrands,    kOf9,   kState};
 };
 
 }  // namespace streams_detail
@@ -149,6 +157,7 @@ struct ChainStreams<4, true> {
   static constexpr auto kPosition = &Streams::vertex_points;
   static constexpr auto kPrevious = &Streams::vertex_previous;
   static constexpr auto kModal = &Streams::vertex_modal;
+  static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
 struct ChainStreams<4, false> {
@@ -157,6 +166,7 @@ struct ChainStreams<4, false> {
   static constexpr auto kPosition = &Streams::strand_points4;
   static constexpr auto kPrevious = &Streams::strand_previous4;
   static constexpr auto kModal = &Streams::strand_modal4;
+  static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
 struct ChainStreams<5, false> {
@@ -165,7 +175,24 @@ struct ChainStreams<5, false> {
   static constexpr auto kPosition = &Streams::strand_points5;
   static constexpr auto kPrevious = &Streams::strand_previous5;
   static constexpr auto kModal = &Streams::strand_modal5;
+  static constexpr auto kTable = &Streams::modal_tables;
 };
+template <>
+struct ChainStreams<9, false> {
+  static constexpr auto kRest = &Streams::strand_rest9;
+  static constexpr auto kRoots = &Streams::roots;
+  static constexpr auto kPosition = &Streams::strand_points9;
+  static constexpr auto kModal = &Streams::strand_modal9;
+  static constexpr auto kTable = &Streams::long_modal_tables;
+};
+
+// What a kernel for strands of so many points is called.
+template <uint32_t kPoints>
+constexpr std::string_view ByPoints(std::string_view of_4, std::string_view of_5,
+                                    std::string_view of_9) {
+  static_assert(kPoints == 4 || kPoints == 5 || kPoints == 9);
+  return kPoints == 4 ? of_4 : kPoints == 5 ? of_5 : of_9;
+}
 
 // Made in streams.cpp, which alone knows the blocks' members (core/block_rows.hpp).
 template <>

@@ -145,10 +145,13 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
     bool table_changed = false;
     double push_ratio = 0.0;
     if (kind & kLayerModal) {
-      auto* tables = memory_.Of<&Streams::modal_tables>(0);
-      table_changed = modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                                        LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
-                                        {modal_.data(), l}, tables, tables + l);
+      WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
+        auto* tables = memory_.Of<ChainStreams<kPoints, false>::kTable>(0);
+        table_changed =
+            modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
+                              LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
+                              {modal_.data(), l}, tables, tables + l);
+      });
       push_ratio = modal_[l].push_ratio();
     }
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,

@@ -30,7 +30,8 @@ void RoundRows(Row& rows, float (*round)(float), float unit = 1.0f) {
 // As if it had been written in that format and read back. Forces, up to 10^6 1/s^2, are stored as
 // shares of the layer's hardest spring: binary16 ends at 65504.
 template <uint32_t kPoints>
-void PackState(StateFormat format, const ModalTableBlock& table, ModalStateBlock<kPoints>& chain) {
+void PackState(StateFormat format, const ModalTable<kPoints - 1>& table,
+               ModalStateBlock<kPoints>& chain) {
   if (format == StateFormat::kFloat) return;
   float hardest = 1.0f;
   for (const auto& row : table.bend)
@@ -209,7 +210,7 @@ class ModalSolver final : public StrandSolver {
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
-    if (stream == StreamOf<&Streams::modal_tables>) return table_.block;
+    if (stream == StreamOf<ChainStreams<kPoints, false>::kTable>) return table_.block;
     if (stream == StreamOf<&Streams::root_rates>) return c.rates.block;
     void* shared = c.Find(stream);
     return shared ? shared : c.chain.block;
@@ -228,7 +229,7 @@ class ModalSolver final : public StrandSolver {
   int64_t frames_ = 0;
   SimulateParams params_;
   Owned<LayerBlock> layer_;
-  Owned<ModalTableBlock> table_;
+  Owned<ModalTable<kPoints - 1>> table_;
   std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
 };
 
@@ -270,23 +271,22 @@ ModalMaterial ToModal(const ChainMaterial& material) {
 ModalKernels ModalKernelsOf(Isa isa) {
   const FrameTable* table = FindKernels(isa);
   if (!table) throw Error("no " + std::string(IsaName(isa)) + " kernels here");
-  return {*table->Find("simulate_modal_4"), *table->Find("simulate_modal_5"),
-          *table->Find("simulate_modal_rated_4"), *table->Find("simulate_modal_rated_5")};
+  return {{*table->Find("simulate_modal_4"), *table->Find("simulate_modal_rated_4")},
+          {*table->Find("simulate_modal_5"), *table->Find("simulate_modal_rated_5")},
+          {*table->Find("simulate_modal_9"), *table->Find("simulate_modal_rated_9")}};
 }
 
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features) {
   return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
-    if (!IsUniform(setup.material)) return nullptr;
-    if (setup.material.links == 3)
-      return std::make_unique<ModalSolver<4>>(
-          features.velocities ? kernels.rated_three_links : kernels.three_links, quality, features,
-          setup);
-    if (setup.material.links == 4)
-      return std::make_unique<ModalSolver<5>>(
-          features.velocities ? kernels.rated_four_links : kernels.four_links, quality, features,
-          setup);
-    return nullptr;
+    const ModalKernels::OfLinks* of = kernels.Of(setup.material.links);
+    if (!of || !IsUniform(setup.material)) return nullptr;
+    const KernelDesc& kernel = features.velocities ? of->rated : of->plain;
+    return WithPoints(uint32_t(setup.material.links) + 1,
+                      [&]<uint32_t kPoints>() -> std::unique_ptr<StrandSolver> {
+                        return std::make_unique<ModalSolver<kPoints>>(kernel, quality, features,
+                                                                      setup);
+                      });
   };
 }
 

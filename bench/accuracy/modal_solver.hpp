@@ -7,11 +7,20 @@
 
 namespace pelt::accuracy {
 
-// SimulateModal<V, 4, false> and <V, 5, false> of one V; kept by the factory. Materials with links
-// of equal length.
+// SimulateModal<V, points, false> of one V; kept by the factory. Materials with links of equal
+// length.
 struct ModalKernels {
-  KernelDesc three_links, four_links;
-  KernelDesc rated_three_links, rated_four_links;  // SimulateModalRated of the same
+  struct OfLinks {
+    KernelDesc plain, rated;  // SimulateModal, SimulateModalRated
+  };
+  OfLinks three_links, four_links, eight_links;
+  // Null where there are none.
+  const OfLinks* Of(int links) const {
+    return links == 3   ? &three_links
+           : links == 4 ? &four_links
+           : links == 8 ? &eight_links
+                        : nullptr;
+  }
 };
 // As built for an instruction set. Throws Error when this program or processor lacks it.
 ModalKernels ModalKernelsOf(Isa isa);

@@ -1,10 +1,10 @@
 // Fit cubic: one polynomial P(t) = c0 + t (c1 + t (c2 + t c3)) a strand, from its chain.
 //
 // The curve leaves the root exactly (c0 is the root) and meets point i of n free points at t = i /
-// n in the least-squares sense; with three free points that is interpolation, with four the points
-// are missed by little. Both are one constant matrix, the pseudo-inverse of A with A_ij = t_i^j,
-// worked out at compile time; it acts on offsets from the root, so precision does not depend on
-// where in the world the strand is.
+// n in the least-squares sense: three are interpolated, four missed by little, eight by the bends
+// that no cubic has. Each is one constant matrix, the pseudo-inverse of A with A_ij = t_i^j, worked
+// out at compile time; it acts on offsets from the root, so precision does not depend on where in
+// the world the strand is.
 //
 // Invariant: a strand's record is 64 bytes at its own lane; the second half of the frame gathers
 // records and needs nothing else of the strand.
@@ -61,8 +61,8 @@ static_assert(MakeMatrix<3>().m[0][0] == 9.0f && MakeMatrix<3>().m[1][1] == 18.0
 
 template <class V, uint32_t kPoints>
 struct FitCubic {
-  static_assert(kPoints == 4 || kPoints == 5);
-  static constexpr std::string_view kName = kPoints == 4 ? "fit_cubic_4" : "fit_cubic_5";
+  static constexpr std::string_view kName =
+      ByPoints<kPoints>("fit_cubic_4", "fit_cubic_5", "fit_cubic_9");
   static constexpr uint32_t kFree = kPoints - 1;
   struct Ports {
     Shared<&Streams::layers> layer;

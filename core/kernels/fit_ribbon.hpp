@@ -2,9 +2,9 @@
 //
 // The chain's points, root first, are the control points of a cubic B-spline with uniform knots,
 // clamped at both ends (end knots fourfold), so the ribbon starts at the root and ends at the tip
-// exactly and is curvature-continuous between. With four points that is one Bezier cubic; with five
-// there is one inner knot at 1/2. The basis at the five parameters is a constant matrix, worked out
-// at compile time by de Boor's recursion; it acts on offsets from the root.
+// exactly and is curvature-continuous between. With four points that is one Bezier cubic; five
+// have one inner knot at 1/2, nine five. The basis at the five parameters is a constant matrix, from
+// de Boor's recursion at compile time; it acts on offsets from the root.
 //
 // Source: de Boor, A Practical Guide to Splines, chapter IX.
 #pragma once
@@ -60,8 +60,8 @@ static_assert(MakeBasis<5>().b[2][2] == 0.5f && MakeBasis<5>().b[4][4] == 1.0f &
 
 template <class V, uint32_t kPoints>
 struct FitRibbon {
-  static_assert(kPoints == 4 || kPoints == 5);
-  static constexpr std::string_view kName = kPoints == 4 ? "fit_ribbon_4" : "fit_ribbon_5";
+  static constexpr std::string_view kName =
+      ByPoints<kPoints>("fit_ribbon_4", "fit_ribbon_5", "fit_ribbon_9");
   static constexpr uint32_t kFree = kPoints - 1;
   struct Ports {
     Shared<&Streams::layers> layer;

@@ -30,7 +30,7 @@ PELT_INLINE Vec3<W> TurnLeast(Vec3<W> from, Vec3<W> to, Vec3<W> v) {
 
 // The rest direction of the first link one frame ago; shorter than a half where it is not known.
 template <class W, uint32_t N>
-PELT_INLINE Vec3<W> LastRest(const ModalTableBlock& t, const Motion<W, N>& motion) {
+PELT_INLINE Vec3<W> LastRest(const ModalTable<N>& t, const Motion<W, N>& motion) {
   W rest[3];
   for (uint32_t k = 0; k < 3; ++k) {
     const Axis<W, N>& a = motion.axis[k];
@@ -45,7 +45,7 @@ PELT_INLINE Vec3<W> LastRest(const ModalTableBlock& t, const Motion<W, N>& motio
 
 // The same of this frame, with what holds it up.
 template <class W, uint32_t N>
-PELT_INLINE Vec3<W> NowRest(const ModalTableBlock& t, const Motion<W, N>& motion) {
+PELT_INLINE Vec3<W> NowRest(const ModalTable<N>& t, const Motion<W, N>& motion) {
   return {Weigh<W, N>(t.rest_of_bend[0], motion.axis[0].bend[0]),
           Weigh<W, N>(t.rest_of_bend[0], motion.axis[1].bend[0]),
           Weigh<W, N>(t.rest_of_bend[0], motion.axis[2].bend[0])};
@@ -53,7 +53,7 @@ PELT_INLINE Vec3<W> NowRest(const ModalTableBlock& t, const Motion<W, N>& motion
 
 // Directions `d` at the end of the frame, from motion's at its start.
 template <class W, uint32_t N>
-PELT_INLINE void CarryFrame(const ModalTableBlock& t, Vec3<W> rest, const Motion<W, N>& motion,
+PELT_INLINE void CarryFrame(const ModalTable<N>& t, Vec3<W> rest, const Motion<W, N>& motion,
                             Vec3<W> (&d)[N]) {
   const Vec3<W> last = LastRest(t, motion);
   const typename W::Mask known = Dot(last, last) > W(0.25f);

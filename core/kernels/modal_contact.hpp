@@ -199,7 +199,7 @@ inline constexpr float kLeastLever = 0.05f;
 // end has into it. `slow`: links/s, below which nothing bounces, or a resting strand would never
 // rest.
 template <class W, uint32_t N>
-PELT_INLINE void TakeContact(const ModalTableBlock& t, const Vec3<W> (&d)[N],
+PELT_INLINE void TakeContact(const ModalTable<N>& t, const Vec3<W> (&d)[N],
                              const Contact<W> (&contact)[N], W slow, typename W::Mask lanes,
                              Motion<W, N>& motion) {
   Vec3<W> v[N];
@@ -247,7 +247,7 @@ PELT_INLINE Walls<W, N> EndWalls(const LayerBlock& layer, const SimulateParams& 
 
 // Needs g.point placed; leaves them placed. `left`: Walls'.
 template <class W, uint32_t N>
-PELT_INLINE void PushOut(const ModalTableBlock& t, const LayerBlock& layer,
+PELT_INLINE void PushOut(const ModalTable<N>& t, const LayerBlock& layer,
                          const SimulateParams& params, const W (&left)[N], chain::Group<W, N>& g,
                          Motion<W, N>& motion) {
   Walls<W, N> walls = EndWalls(layer, params, g);

@@ -68,7 +68,7 @@ PELT_INLINE void SetLink(Rows<W, N>& rows, uint32_t i, Vec3<W> link) {
 
 // What F pulls beyond L on links that point along `d` (unit), rest directions `r`, 1/s^2.
 template <class W, uint32_t N>
-PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Rows<W, N>& d, const Rows<W, N>& r,
+PELT_INLINE void PullOfCurl(const ModalTable<N>& t, const Rows<W, N>& d, const Rows<W, N>& r,
                             Rows<W, N>& force) {
   Vec3<W> above = {W(0.0f), W(0.0f), W(0.0f)};  // the force on link p
   PELT_UNROLL
@@ -90,7 +90,7 @@ PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Rows<W, N>& d, const
 
 // The rest directions at a time that `place` weighs the backward differences for.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSamples - 1],
+PELT_INLINE void RestAt(const ModalTable<N>& t, const float (&place)[kModalSamples - 1],
                         const Motion& motion, Rows<W, N>& rest) {
   PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
@@ -117,7 +117,7 @@ PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSam
 
 // Those at the substep's end. Where that is the frame's they are known.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void RestAtEnd(const ModalTableBlock& t, const ModalSubstep& s, const Motion& motion,
+PELT_INLINE void RestAtEnd(const ModalTable<N>& t, const ModalSubstep<N>& s, const Motion& motion,
                            Rows<W, N>& rest) {
   if (s.root_place[0] != 0.0f) {
     RestAt<W, N>(t, s.root_place, motion, rest);
@@ -131,7 +131,7 @@ PELT_INLINE void RestAtEnd(const ModalTableBlock& t, const ModalSubstep& s, cons
 
 // Where the links would end under the force of the substep's start and the last multipliers.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void PredictEnd(const ModalTableBlock& t, const Motion& motion, const Rows<W, N>& force,
+PELT_INLINE void PredictEnd(const ModalTable<N>& t, const Motion& motion, const Rows<W, N>& force,
                             Rows<W, N>& end) {
   PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
@@ -159,7 +159,7 @@ PELT_INLINE void PredictEnd(const ModalTableBlock& t, const Motion& motion, cons
 
 // Adds the answer to a force that goes from `first` to `last` over the substep to p and z.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void AddForce(const ModalTableBlock& t, const Rows<W, N>& first, const Rows<W, N>& last,
+PELT_INLINE void AddForce(const ModalTable<N>& t, const Rows<W, N>& first, const Rows<W, N>& last,
                           Motion& motion) {
   PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
@@ -193,7 +193,7 @@ PELT_INLINE void AddForce(const ModalTableBlock& t, const Rows<W, N>& first, con
 
 // Adds what the force changes to the free motion (p, z).
 template <class W, uint32_t N, class Motion>
-__attribute__((noinline)) void AddCurl(const ModalTableBlock& t, const ModalSubstep& s,
+__attribute__((noinline)) void AddCurl(const ModalTable<N>& t, const ModalSubstep<N>& s,
                                        Motion& motion) {
   Rows<W, N> d, r, first, last;
   RestAt<W, N>(t, s.start_place, motion, r);

@@ -25,7 +25,7 @@ inline constexpr float kFallbackReach = 1.0e6f;
 
 // What is known of each link along one axis: g above. d, z are those before the frame.
 template <class W, uint32_t N>
-PELT_INLINE void GatherKnown(const ModalTableBlock& t, const W (&rest)[N], W step, Axis<W, N>& a,
+PELT_INLINE void GatherKnown(const ModalTable<N>& t, const W (&rest)[N], W step, Axis<W, N>& a,
                              W (&known)[N]) {
   W old_bend[N], place[N], pull[N];
   PELT_UNROLL
@@ -46,7 +46,7 @@ PELT_INLINE void GatherKnown(const ModalTableBlock& t, const W (&rest)[N], W ste
 }
 
 template <class W, uint32_t N>
-PELT_INLINE void SweepLinks(const ModalTableBlock& t, const Vec3<W> (&known)[N], Vec3<W> (&d)[N]) {
+PELT_INLINE void SweepLinks(const ModalTable<N>& t, const Vec3<W> (&known)[N], Vec3<W> (&d)[N]) {
   for (uint32_t i = 0; i < N; ++i) {
     Vec3<W> free = known[0] * W(t.euler_inverse[i][0]);
     for (uint32_t j = 1; j < N; ++j) free = free + known[j] * W(t.euler_inverse[i][j]);
@@ -66,7 +66,7 @@ PELT_INLINE void SweepLinks(const ModalTableBlock& t, const Vec3<W> (&known)[N],
 // From the state before the frame (motion's d and z) to the one after it. `force`: gravity and
 // wind, links/s^2. `hold`: of sag-free strands (modal_start.hpp), or null.
 template <class W, uint32_t N>
-PELT_INLINE void EulerFrame(const ModalTableBlock& t, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
+PELT_INLINE void EulerFrame(const ModalTable<N>& t, const Vec3<W> (&rest)[N], const Vec3<W>* hold,
                             Vec3<W> force, Motion<W, N>& motion) {
   const W speed = W(t.euler_speed), reach = W(kFallbackReach);
   W known[3][N], step[3];

@@ -189,7 +189,7 @@ struct Friction {
   // One push of every point that is, or was, inside something, out and back along it, as
   // Touches::Press.
   template <bool kBest>
-  __attribute__((noinline)) void Press(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
+  __attribute__((noinline)) void Press(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
                                        const Surroundings<W, N>& around,
                                        const Obstacle<W> (&obstacle)[N], const Vec3<W> (&n)[N],
                                        const W (&depth)[N], const Vec3<W> (&at)[N], W (&total)[N],

@@ -104,7 +104,7 @@ struct OtherHistory {
 
   static PELT_INLINE void FindPast(const Ports& ports, const At& at, Vec3<W> rest,
                                    const Motion& motion, Past& past) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     const LayerBlock& layer = *ports.layer;
     const Vec3<W> normal = Load3<W>(ports.roots->normal, at);
@@ -143,7 +143,7 @@ struct OtherHistory {
 
   static PELT_INLINE void TakeStart(const Ports& ports, const At& at, const Past& past,
                                     Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     for (uint32_t m = 0; m < N; ++m) {
       const Vec3<W> z = TurnRow(past, Load3<W>(old.velocity[m], at), past.speed, W(t.image[m][0]));
@@ -158,7 +158,7 @@ struct OtherHistory {
 
   static PELT_INLINE void TakeDifferences(const Ports& ports, const At& at, const Past& past,
                                           Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     for (uint32_t m = 0; m < N; ++m) {
       const W place = W(t.bend[m][0]);

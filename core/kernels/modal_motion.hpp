@@ -64,8 +64,8 @@ PELT_INLINE void CopyStep(const Motion<W, N>& from, Motion<W, N>& to) {
 }
 
 // Row `weights` of a matrix times a column.
-template <class W, uint32_t N>
-PELT_INLINE W Weigh(const float (&weights)[kMaxLinks], const W (&v)[N]) {
+template <class W, uint32_t N, uint32_t kColumns>
+PELT_INLINE W Weigh(const float (&weights)[kColumns], const W (&v)[N]) {
   W sum = v[0] * W(weights[0]);
   PELT_UNROLL
   for (uint32_t j = 1; j < N; ++j) sum = sum + v[j] * W(weights[j]);
@@ -73,8 +73,8 @@ PELT_INLINE W Weigh(const float (&weights)[kMaxLinks], const W (&v)[N]) {
 }
 
 // Column `column` of a matrix times a column.
-template <class W, uint32_t N>
-PELT_INLINE W WeighColumn(const float (&matrix)[kMaxLinks][kMaxLinks], uint32_t column,
+template <class W, uint32_t N, uint32_t kColumns>
+PELT_INLINE W WeighColumn(const float (&matrix)[kColumns][kColumns], uint32_t column,
                           const W (&v)[N]) {
   W sum = v[0] * W(matrix[0][column]);
   PELT_UNROLL

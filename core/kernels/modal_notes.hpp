@@ -13,14 +13,14 @@ struct TouchNotes {
   bool use = false;  // false: nothing below is set
   Surroundings<W, N> around;
 
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     use = true;
     around.Load(t, layer, params, last_surface, g);
   }
   template <bool kBest>
-  PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
+  PELT_INLINE bool Resolve(const ModalTable<N>& t, uint32_t substep, const Motion<W, N>& motion) {
     if (!use) return false;
     around.Advance(t, substep, motion);
     Vec3<W> at[N];
@@ -28,7 +28,7 @@ struct TouchNotes {
     inside = inside | around.IsInside(at);
     return false;
   }
-  PELT_INLINE void Settle(const ModalTableBlock&, uint32_t, const Motion<W, N>&) const {}
+  PELT_INLINE void Settle(const ModalTable<N>&, uint32_t, const Motion<W, N>&) const {}
 };
 
 }  // namespace pelt::modal

@@ -156,7 +156,7 @@ struct Surroundings {
   Vec3<W> start[N], start_root;      // points at its start, where there are colliders that move
   float time;                        // its length, s
 
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     hardness = layer.surface_hardness;
@@ -171,8 +171,8 @@ struct Surroundings {
     colliders.KeepRootsOut();
   }
 
-  PELT_INLINE void Advance(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
-    const ModalSubstep& s = t.substep[substep];
+  PELT_INLINE void Advance(const ModalTable<N>& t, uint32_t substep, const Motion<W, N>& motion) {
+    const ModalSubstep<N>& s = t.substep[substep];
     root = {WeighRoot(s.root_place, motion.axis[0].root),
             WeighRoot(s.root_place, motion.axis[1].root),
             WeighRoot(s.root_place, motion.axis[2].root)};
@@ -215,7 +215,7 @@ struct Surroundings {
   }
 
   // Points at the substep's start, seen from where the root is at its end.
-  PELT_INLINE void PlaceStart(const ModalTableBlock& t, uint32_t substep,
+  PELT_INLINE void PlaceStart(const ModalTable<N>& t, uint32_t substep,
                               const Motion<W, N>& motion) {
     Vec3<W> was;
     if (substep == 0) {
@@ -319,7 +319,7 @@ struct Surroundings {
   }
   PELT_INLINE float Limit(uint32_t i) const { return max_distance * float(i + 1); }
 
-  __attribute__((noinline)) void PlaceGroom(const ModalTableBlock& t, const ModalSubstep& s,
+  __attribute__((noinline)) void PlaceGroom(const ModalTable<N>& t, const ModalSubstep<N>& s,
                                             const Motion<W, N>& motion) {
     W rest[3][N], moving[3][N];
     RestAt<W, N>(t, s.root_place, motion, rest);

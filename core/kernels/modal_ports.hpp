@@ -12,7 +12,7 @@ template <uint32_t kPoints, bool kVertexChains>
 struct Ports {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
-  Shared<&Streams::modal_tables> table;
+  Shared<Of::kTable> table;
   InOut<&Streams::chunk_state> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
@@ -27,7 +27,7 @@ template <uint32_t kPoints, bool kVertexChains>
 struct RatedPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
-  Shared<&Streams::modal_tables> table;
+  Shared<Of::kTable> table;
   InOut<&Streams::chunk_state> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
@@ -47,7 +47,7 @@ template <uint32_t kPoints, bool kVertexChains>
 struct HeldPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
-  Shared<&Streams::modal_tables> table;
+  Shared<Of::kTable> table;
   InOut<&Streams::chunk_state> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
@@ -66,7 +66,7 @@ template <uint32_t kPoints, bool kVertexChains>
 struct RatedHeldPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
-  Shared<&Streams::modal_tables> table;
+  Shared<Of::kTable> table;
   InOut<&Streams::chunk_state> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;

@@ -83,7 +83,7 @@ struct FrameStart {
   static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
                                    const Vec3<W> (&rest)[N], const Vec3<W>* hold, W per_length,
                                    Axis<W, N>& a) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     W r[N];
     for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest[i], k);
@@ -128,7 +128,7 @@ struct FrameStart {
                                                   const At& at, const Vec3<W> (&rest)[N],
                                                   const Vec3<W>* hold, W per_length,
                                                   Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const ModalStateBlock<kPoints>& old = *ports.chain;
     const LayerBlock& layer = *ports.layer;
     const W frame = W(t.frame_s), ratio = W(layer.frame_ratio);
@@ -175,7 +175,7 @@ struct FrameStart {
 
   // Start of a lane, or of a chunk, with directions `from`, moving with the root, no history but
   // its step, which took `per_step` of a second, 1/s.
-  static PELT_INLINE void StartAfresh(const ModalTableBlock& t, const Vec3<W> (&from)[N],
+  static PELT_INLINE void StartAfresh(const ModalTable<N>& t, const Vec3<W> (&from)[N],
                                       float per_step, Mask fresh, Motion& motion) {
     const W none = W(0.0f);
     for (uint32_t k = 0; k < 3; ++k) {
@@ -193,7 +193,7 @@ struct FrameStart {
 
   // A frame too long to be stepped. Where nothing moved, nothing turns. `held`: what the strand was
   // last frame is known of rest and hold together, so that is what turns.
-  static __attribute__((noinline)) void Carry(const ModalTableBlock& t, Vec3<W> rest, bool held,
+  static __attribute__((noinline)) void Carry(const ModalTable<N>& t, Vec3<W> rest, bool held,
                                               Mask calm, Motion& motion) {
     Vec3<W> d[N];
     const Vec3<W> to = held ? NormalizeOr(NowRest(t, motion), rest) : rest;

@@ -43,7 +43,7 @@ namespace pelt::modal {
 
 // The modes' free motion over one substep that starts with the root at `place`: p and z.
 template <class W, uint32_t N>
-PELT_INLINE void RunModes(const ModalTableBlock& t, const ModalSubstep& s, bool wind, W place,
+PELT_INLINE void RunModes(const ModalTable<N>& t, const ModalSubstep<N>& s, bool wind, W place,
                           Axis<W, N>& a) {
   W start[N], q[N];
   start[0] = a.d[0] + place;
@@ -85,7 +85,7 @@ inline constexpr float kMostWeight = 1.25f, kMostWeightBest = 0.75f;
 // Lanes whose swings on their own links the substeps follow. The others are too short for them, and
 // take the step that settles (modal_fallback.hpp). `per_length`: links a metre.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE typename W::Mask FollowsWeight(const ModalTableBlock& t, const float (&gravity)[3],
+PELT_INLINE typename W::Mask FollowsWeight(const ModalTable<N>& t, const float (&gravity)[3],
                                            W per_length) {
   float pull = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < N; ++i) pull += t.mass[i][0] * t.response[i][i];
@@ -97,7 +97,7 @@ PELT_INLINE typename W::Mask FollowsWeight(const ModalTableBlock& t, const float
 
 // The share of the last multipliers that LookAhead takes.
 template <class W, uint32_t N>
-PELT_INLINE W LookShare(const ModalTableBlock& t, const W (&lambda)[N]) {
+PELT_INLINE W LookShare(const ModalTable<N>& t, const W (&lambda)[N]) {
   W pull = Abs(lambda[0]) * W(t.response[0][0]);
   PELT_UNROLL
   for (uint32_t i = 1; i < N; ++i) pull = pull + Abs(lambda[i]) * W(t.response[i][i]);
@@ -108,7 +108,7 @@ PELT_INLINE W LookShare(const ModalTableBlock& t, const W (&lambda)[N]) {
 // is then 2 d, y - d is nothing, and the force keeps exactly the balance. Each look is a step of
 // w = d + p + response(w): its miss is a substep's pull smaller than the last one's.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void LookAhead(const ModalTableBlock& t, W share, const W (&lambda)[N], Axis<W, N>& a) {
+PELT_INLINE void LookAhead(const ModalTable<N>& t, W share, const W (&lambda)[N], Axis<W, N>& a) {
   W free[N];
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) a.w[i] = free[i] = a.d[i] + a.p[i];
@@ -138,7 +138,7 @@ PELT_INLINE void LookAgain(Axis<W, N>& a) {
 
 // y = p + response of the multipliers; adds up |y|^2 and w_i . w_j.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void Respond(const ModalTableBlock& t, const W (&lambda)[N], Axis<W, N>& a,
+PELT_INLINE void Respond(const ModalTable<N>& t, const W (&lambda)[N], Axis<W, N>& a,
                          W (&square)[N], W (&gram)[N][N]) {
   W pull[N], twist[N];
   PELT_UNROLL
@@ -168,7 +168,7 @@ PELT_INLINE W RsqrtNearOne(W a) {
 // One Newton step on the multipliers: from y and |y|^2 to y and |y|^2. d|y|^2/dlambda is
 // 2 y . dy/dlambda, and w / 2 stands here for y.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void NewtonStep(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
+PELT_INLINE void NewtonStep(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
                             Motion<W, N>& motion, W (&square)[N]) {
   W change[N];
   PELT_UNROLL
@@ -198,7 +198,7 @@ PELT_INLINE void NewtonStep(const ModalTableBlock& t, const NewtonMatrix<W, N>& 
 }
 
 template <class W, uint32_t N>
-PELT_INLINE void MakeMatrix(const ModalTableBlock& t, const W (&gram)[N][N],
+PELT_INLINE void MakeMatrix(const ModalTable<N>& t, const W (&gram)[N][N],
                             NewtonMatrix<W, N>& matrix) {
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) {
@@ -232,9 +232,9 @@ PELT_INLINE typename W::Mask IsUpright(const Motion<W, N>& motion) {
 // The free motion of a substep, and the lengths brought back. Returns the lanes whose result can
 // be trusted. `touches`: what the chain may not enter (modal_touch.hpp).
 template <bool kBest, class W, uint32_t N, class Touches>
-PELT_INLINE typename W::Mask RunSubstep(const ModalTableBlock& t, uint32_t substep, bool wind,
+PELT_INLINE typename W::Mask RunSubstep(const ModalTable<N>& t, uint32_t substep, bool wind,
                                         Touches& touches, Motion<W, N>& motion) {
-  const ModalSubstep& s = t.substep[substep];
+  const ModalSubstep<N>& s = t.substep[substep];
   const bool curl = t.parent_curl != 0;
   W square[N], gram[N][N];
   const auto clear = [&]() __attribute__((always_inline)) {
@@ -311,7 +311,7 @@ PELT_INLINE typename W::Mask RunSubstep(const ModalTableBlock& t, uint32_t subst
 // Takes away what of the links' velocities would stretch them, in the metric of the masses:
 // (M^-1 o d d^T) mu = -d . v, tridiagonal.
 template <class W, uint32_t N>
-PELT_INLINE void MakeTangent(const ModalTableBlock& t, const float (&root_speed)[kModalSamples - 1],
+PELT_INLINE void MakeTangent(const ModalTable<N>& t, const float (&root_speed)[kModalSamples - 1],
                              Motion<W, N>& motion) {
   W inverse[N], off[N], mu[N];
   PELT_UNROLL
@@ -356,7 +356,7 @@ PELT_INLINE void MakeTangent(const ModalTableBlock& t, const float (&root_speed)
 // The whole frame. Lanes that are not in the result keep nothing useful. Out of line: chains at
 // vertices, chains of strands and the fallback share it, and compiling it takes half a minute.
 template <bool kBest, class W, uint32_t N, class Touches>
-__attribute__((noinline)) typename W::Mask StepFrame(const ModalTableBlock& t, bool wind,
+__attribute__((noinline)) typename W::Mask StepFrame(const ModalTable<N>& t, bool wind,
                                                      Touches& touches, Motion<W, N>& motion) {
   typename W::Mask good = W(0.0f) < W(1.0f);
   for (uint32_t k = 0; k < t.substeps; ++k) {

@@ -49,7 +49,7 @@ struct Touches {
   W overlap[N];             // what the first substep left inside, links
 
   // `slow`: links/s, below which nothing bounces, or a resting strand would never rest.
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     use = true;
@@ -60,7 +60,7 @@ struct Touches {
   // Pushes what is inside out, from motion's y; true where some lane's y, p, w, z or lambda
   // changed.
   template <bool kBest>
-  PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) {
+  PELT_INLINE bool Resolve(const ModalTable<N>& t, uint32_t substep, Motion<W, N>& motion) {
     any = false;
     if (!use) return false;
     if (substep == 0)
@@ -75,7 +75,7 @@ struct Touches {
   }
 
   // After the substep: speeds of the points that were pushed.
-  PELT_INLINE void Settle(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) const {
+  PELT_INLINE void Settle(const ModalTable<N>& t, uint32_t substep, Motion<W, N>& motion) const {
     if (any) SettleTouched(t, substep, motion);
   }
 
@@ -97,7 +97,7 @@ struct Touches {
  private:
   // The lengths' matrix and |y|^2 of motion's w and y.
   template <bool kBest>
-  static PELT_INLINE void Linearise(const ModalTableBlock& t, Motion<W, N>& m, W (&square)[N],
+  static PELT_INLINE void Linearise(const ModalTable<N>& t, Motion<W, N>& m, W (&square)[N],
                                     NewtonMatrix<W, N>& matrix) {
     W gram[N][N];
     PELT_UNROLL
@@ -112,7 +112,7 @@ struct Touches {
 
   // One push of every point that is, or was, inside something.
   template <bool kBest>
-  static PELT_INLINE void Press(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
+  static PELT_INLINE void Press(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
                                 const Vec3<W> (&n)[N], const W (&depth)[N],
                                 const Obstacle<W> (&obstacle)[N], W (&total)[N],
                                 Vec3<W> (&force)[N], Motion<W, N>& m) {
@@ -159,9 +159,8 @@ struct Touches {
   }
 
   // Speeds of the points into their obstacles, had nothing pushed them. Only planes give any back.
-  PELT_INLINE void FindArrival(const ModalTableBlock& t, uint32_t substep,
-                               const Motion<W, N>& motion, const Vec3<W> (&at)[N],
-                               const Vec3<W> (&n)[N]) {
+  PELT_INLINE void FindArrival(const ModalTable<N>& t, uint32_t substep, const Motion<W, N>& motion,
+                               const Vec3<W> (&at)[N], const Vec3<W> (&n)[N]) {
     PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q)
       arrival[q] = W(0.0f) - Dot(around.turn, at[q]) * W(t.euler_speed) * obstacle[q].spins;
@@ -186,8 +185,8 @@ struct Touches {
   }
 
   template <bool kBest>
-  __attribute__((noinline)) void ResolveInside(const ModalTableBlock& t, uint32_t substep,
-                                               Mask lanes, Motion<W, N>& motion) {
+  __attribute__((noinline)) void ResolveInside(const ModalTable<N>& t, uint32_t substep, Mask lanes,
+                                               Motion<W, N>& motion) {
     const W none = W(0.0f);
     Motion<W, N> m;
     CopyStep<kBest>(motion, m);
@@ -292,7 +291,7 @@ struct Touches {
     return exponent / (exponent + W(1.0f));
   }
 
-  __attribute__((noinline)) void SettleTouched(const ModalTableBlock& t, uint32_t substep,
+  __attribute__((noinline)) void SettleTouched(const ModalTable<N>& t, uint32_t substep,
                                                Motion<W, N>& motion) const {
     const W none = W(0.0f);
     float response[N][N];

@@ -80,9 +80,9 @@ struct ShiftChains {
 // Of modal ones, whose state has no places.
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct ShiftModal {
-  static constexpr std::string_view kName = kVertexChains  ? "shift_modal_vertex"
-                                            : kPoints == 4 ? "shift_modal_4"
-                                                           : "shift_modal_5";
+  static constexpr std::string_view kName =
+      kVertexChains ? "shift_modal_vertex"
+                    : ByPoints<kPoints>("shift_modal_4", "shift_modal_5", "shift_modal_9");
   using Of = ChainStreams<kPoints, kVertexChains>;
   struct Ports {
     Shared<&Streams::layer_origins> origin;

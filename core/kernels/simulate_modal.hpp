@@ -32,9 +32,9 @@ namespace pelt {
 
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModal {
-  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_vertex"
-                                            : kPoints == 4 ? "simulate_modal_4"
-                                                           : "simulate_modal_5";
+  static constexpr std::string_view kName =
+      kVertexChains ? "simulate_modal_vertex"
+                    : ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5", "simulate_modal_9");
   static constexpr uint32_t N = kPoints - 1;
   using Params = SimulateParams;
   using Ports = modal::Ports<kPoints, kVertexChains>;
@@ -157,7 +157,7 @@ struct SimulateModal {
   static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
                                        Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
                                        V per_length, const Group& g, V (&left)[N], Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     Touches touches;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
@@ -177,7 +177,7 @@ struct SimulateModal {
   template <bool kBest>
   static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
                                    V per_length, const Group& g, Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     TouchNotes notes;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
@@ -315,9 +315,10 @@ struct SimulateModal {
 // The same with the roots' velocities, in frames that have them.
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModalRated {
-  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_rated_vertex"
-                                            : kPoints == 4 ? "simulate_modal_rated_4"
-                                                           : "simulate_modal_rated_5";
+  static constexpr std::string_view kName =
+      kVertexChains ? "simulate_modal_rated_vertex"
+                    : ByPoints<kPoints>("simulate_modal_rated_4", "simulate_modal_rated_5",
+                                        "simulate_modal_rated_9");
   using Params = SimulateParams;
   using Ports = modal::RatedPorts<kPoints, kVertexChains>;
 
@@ -331,9 +332,10 @@ struct SimulateModalRated {
 // The same of sag-free layers.
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModalHeld {
-  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_held_vertex"
-                                            : kPoints == 4 ? "simulate_modal_held_4"
-                                                           : "simulate_modal_held_5";
+  static constexpr std::string_view kName =
+      kVertexChains ? "simulate_modal_held_vertex"
+                    : ByPoints<kPoints>("simulate_modal_held_4", "simulate_modal_held_5",
+                                        "simulate_modal_held_9");
   using Params = SimulateParams;
   using Ports = modal::HeldPorts<kPoints, kVertexChains>;
 
@@ -345,9 +347,11 @@ struct SimulateModalHeld {
 
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModalRatedHeld {
-  static constexpr std::string_view kName = kVertexChains  ? "simulate_modal_rated_held_vertex"
-                                            : kPoints == 4 ? "simulate_modal_rated_held_4"
-                                                           : "simulate_modal_rated_held_5";
+  static constexpr std::string_view kName =
+      kVertexChains
+          ? "simulate_modal_rated_held_vertex"
+          : ByPoints<kPoints>("simulate_modal_rated_held_4", "simulate_modal_rated_held_5",
+                              "simulate_modal_rated_held_9");
   using Params = SimulateParams;
   using Ports = modal::RatedHeldPorts<kPoints, kVertexChains>;
 

@@ -37,8 +37,8 @@ PELT_INLINE typename V::Int FarToNearKey(V depth) {
 
 template <class V, uint32_t kPoints>
 struct SortKey {
-  static_assert(kPoints == 4 || kPoints == 5);
-  static constexpr std::string_view kName = kPoints == 4 ? "sort_key4" : "sort_key5";
+  static constexpr std::string_view kName =
+      ByPoints<kPoints>("sort_key4", "sort_key5", "sort_key9");
   using Params = SortKeyParams;
   struct Ports {
     Shared<&Streams::layers> layer;
@@ -48,10 +48,10 @@ struct SortKey {
     InOut<&Streams::sort_keys> keys;
   };
 
-  // Point at t = 0.75 on the polyline: 2.25 segments of 3, or 3 of 4.
+  // Point at t = 0.75 on the polyline: 2.25 segments of 3, 3 of 4, 6 of 8.
   static PELT_INLINE Vec3<V> ThreeQuarterPoint(const PointBlock<kPoints>& points, uint32_t lane) {
-    if constexpr (kPoints == 5) {
-      return Load3<V>(points.position[2], lane);
+    if constexpr (kPoints % 4 == 1) {
+      return Load3<V>(points.position[(kPoints - 1) / 4 * 3 - 1], lane);
     } else {
       return Load3<V>(points.position[1], lane) * V(0.75f) +
              Load3<V>(points.position[2], lane) * V(0.25f);

@@ -5,11 +5,12 @@
 // root's place too: Q = Phi^T M (d + e1 X), X the root's place in links, measured from where it is
 // at the end of the frame (floats stay small however far the character is from the origin).
 //
-// Bytes a strand: 244 with 3 links, 308 with 4 (state; 275 and 347 with the rows' padding), besides
-// the 36 or 48 of its points.
+// Bytes a strand: 244 with 3 links, 308 with 4, 564 with 8 (state; 275, 347 and 635 with the rows'
+// padding), besides the 36, 48 or 96 of its points.
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "core/chunk.hpp"
 #include "core/modal/modal_material.hpp"
@@ -28,42 +29,56 @@ inline constexpr uint32_t kModalRow = kStrandsPerChunk + 16;
 // One substep's weights. Root poses enter as the pull of the newest one, T = omega^2 Phi^T M r, and
 // T's backward differences (with the root's place). Where velocities are known, what stands for the
 // second and third difference is made from those (modal_table.hpp).
-struct ModalSubstep {
-  float bend_q[kModalSamples - 1][kMaxLinks];  // of T's differences in Q at the end: [dT ..][mode]
-  float bend_z[kModalSamples - 1][kMaxLinks];
-  float wind_q[kMaxLinks], wind_z[kMaxLinks];  // of its change since last frame
+template <uint32_t kMost>
+struct ModalSubstepOf {
+  float bend_q[kModalSamples - 1][kMost];  // of T's differences in Q at the end: [dT ..][mode]
+  float bend_z[kModalSamples - 1][kMost];
+  float wind_q[kMost], wind_z[kMost];    // of its change since last frame
   float root_place[kModalSamples - 1];   // X at the end, of the root's differences; 0 at the last
   float root_speed[kModalSamples - 1];   // dX/dt at the end, 1/s
   float start_place[kModalSamples - 1];  // as root_place, at the start
 };
 
-// Constant over the frame; lanes differ only in their length. Matrices are [row][column].
-struct alignas(kBlockAlignment) ModalTableBlock {
+// To a whole block alignment.
+template <uint32_t kMost>
+struct ModalTablePad {};
+template <>
+struct ModalTablePad<8> {
+  uint32_t zero[4];
+};
+
+// Constant over the frame; lanes differ only in their length. Matrices are [row][column]. For at
+// most kMost links: chains of 3 and 4 share a table, and those of 8 have one of their own, as it is
+// more than twice as large.
+template <uint32_t kMost>
+struct alignas(kBlockAlignment) ModalTableOf {
+  using Substep = ModalSubstepOf<kMost>;
+
   uint32_t links;
   uint32_t substeps;  // 1 to kModalSubsteps; 0: the frame is too long, strands are carried
   // Not 0: three Newton steps, and the constraint force turns with its link within the step.
   uint32_t use_slope;
-  uint32_t parent_curl;    // not 0: the curl follows its parent link (modal_curl.hpp)
-  float joint[kMaxLinks];  // read only then: the stiffness of the joint above each link, 1/s^2; in
-                           // place of the root's: 1 / |r_j - r_p|^2 of the most that is followed
-  float rest_of_bend[kMaxLinks][kMaxLinks];  // r of T: K^-1 M Phi; 0 where a joint is loose
-  float y_of_y[kMaxLinks], y_of_v[kMaxLinks], v_of_y[kMaxLinks], v_of_v[kMaxLinks];
-  float y_of_force[kMaxLinks], v_of_force[kMaxLinks];  // of a force constant over the substep
-  ModalSubstep substep[kModalSubsteps];
-  float shape[kMaxLinks][kMaxLinks];     // Phi: [link][mode]
-  float image[kMaxLinks][kMaxLinks];     // Phi^T M: [mode][link]
-  float bend[kMaxLinks][kMaxLinks];      // omega^2 Phi^T M: [mode][link]
-  float response[kMaxLinks][kMaxLinks];  // B / 2
-  float slope[kMaxLinks][kMaxLinks];     // B1 / h: of a force's change over the substep
-  float impulse[kMaxLinks];              // q0 / 2
-  float impulse_slope[kMaxLinks];        // q1 / h
-  float inverse_mass[kMaxLinks], inverse_mass_off[kMaxLinks];
+  uint32_t parent_curl;  // not 0: the curl follows its parent link (modal_curl.hpp)
+  float joint[kMost];    // read only then: the stiffness of the joint above each link, 1/s^2; in
+                         // place of the root's: 1 / |r_j - r_p|^2 of the most that is followed
+  float rest_of_bend[kMost][kMost];  // r of T: K^-1 M Phi; 0 where a joint is loose
+  float y_of_y[kMost], y_of_v[kMost], v_of_y[kMost], v_of_v[kMost];
+  float y_of_force[kMost], v_of_force[kMost];  // of a force constant over the substep
+  Substep substep[kModalSubsteps];
+  float shape[kMost][kMost];     // Phi: [link][mode]
+  float image[kMost][kMost];     // Phi^T M: [mode][link]
+  float bend[kMost][kMost];      // omega^2 Phi^T M: [mode][link]
+  float response[kMost][kMost];  // B / 2
+  float slope[kMost][kMost];     // B1 / h: of a force's change over the substep
+  float impulse[kMost];          // q0 / 2
+  float impulse_slope[kMost];    // q1 / h
+  float inverse_mass[kMost], inverse_mass_off[kMost];
   // The fallback: implicit Euler over the whole frame.
-  float euler[kMaxLinks][kMaxLinks];  // M (1/H^2 + c/H) + K (1 + beta/H)
-  float euler_inverse[kMaxLinks][kMaxLinks];
-  float mass[kMaxLinks][kMaxLinks];
-  float mass_shape[kMaxLinks][kMaxLinks];  // M Phi: [link][mode]
-  float stiffness[kMaxLinks][kMaxLinks];
+  float euler[kMost][kMost];  // M (1/H^2 + c/H) + K (1 + beta/H)
+  float euler_inverse[kMost][kMost];
+  float mass[kMost][kMost];
+  float mass_shape[kMost][kMost];  // M Phi: [link][mode]
+  float stiffness[kMost][kMost];
   float euler_place;                        // 1/H^2 + c/H
   float euler_speed;                        // 1/H
   float euler_bend;                         // beta/H
@@ -72,8 +87,18 @@ struct alignas(kBlockAlignment) ModalTableBlock {
   float root_end_speed[kModalSamples - 1];  // dX/dt at the frame's end
   uint32_t looks;                           // ahead, before the first Newton step, and the share
   float look_share;                         // of the last pull they see (modal_step.hpp)
+  [[no_unique_address]] ModalTablePad<kMost> pad;
 };
+using ModalTableBlock = ModalTableOf<4>;
+using LongModalTableBlock = ModalTableOf<8>;
 static_assert(sizeof(ModalTableBlock) == 480 * 4);  // no hidden bytes
+static_assert(sizeof(LongModalTableBlock) == 1248 * 4);
+
+// Of chains of so many links.
+template <uint32_t kLinks>
+using ModalTable = std::conditional_t<(kLinks > 4), LongModalTableBlock, ModalTableBlock>;
+template <uint32_t kLinks>
+using ModalSubstep = typename ModalTable<kLinks>::Substep;
 
 template <uint32_t kPoints>
 struct alignas(kBlockAlignment) ModalStateBlock {
@@ -93,5 +118,6 @@ struct alignas(kBlockAlignment) ModalStateBlock {
 };
 static_assert(sizeof(ModalStateBlock<4>) == 61 * 4 * kModalRow + 64);
 static_assert(sizeof(ModalStateBlock<5>) == 77 * 4 * kModalRow + 64);
+static_assert(sizeof(ModalStateBlock<9>) == 141 * 4 * kModalRow + 64);
 
 }  // namespace pelt

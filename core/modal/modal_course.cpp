@@ -6,9 +6,10 @@
 
 namespace pelt {
 
+template <uint32_t kMost>
 bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
                           bool velocities, std::span<const ModalCourse> others,
-                          const ModalTableBlock* tables, ModalTableBlock* table) {
+                          const ModalTableOf<kMost>* tables, ModalTableOf<kMost>* table) {
   ModalCourse next = *this;
   next.begun_ = true;
   next.rod_ = rod;
@@ -36,6 +37,12 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
   *this = next;
   return true;
 }
+template bool ModalCourse::Advance(const RodMaterial&, ModalQuality, double, bool,
+                                   std::span<const ModalCourse>, const ModalTableBlock*,
+                                   ModalTableBlock*);
+template bool ModalCourse::Advance(const RodMaterial&, ModalQuality, double, bool,
+                                   std::span<const ModalCourse>, const LongModalTableBlock*,
+                                   LongModalTableBlock*);
 
 bool ModalCourse::HasTableOf(const ModalCourse& other) const {
   return begun_ && other.begun_ && rod_ == other.rod_ && quality_ == other.quality_ &&

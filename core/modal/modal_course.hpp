@@ -17,7 +17,7 @@ namespace pelt {
 
 // What CalibratedMaterial takes, and how its curl turns.
 struct RodMaterial {
-  uint32_t links;        // 3 or 4
+  uint32_t links;        // 3, 4 or 8
   double frequency_hz;   // of the first bending mode, without gravity
   double damping_ratio;  // that bending gives it
   double drag_per_s;
@@ -30,9 +30,10 @@ class ModalCourse {
   // Fills the table for a frame of dt_s seconds; the first call assumes that the frames before were
   // as long. `velocities`: the root's are known in this frame. Says whether the table changed. `others` and `tables` are courses that have advanced
   // to this frame, with their tables.
+  template <uint32_t kMost>
   bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s, bool velocities,
-               std::span<const ModalCourse> others, const ModalTableBlock* tables,
-               ModalTableBlock* table);
+               std::span<const ModalCourse> others, const ModalTableOf<kMost>* tables,
+               ModalTableOf<kMost>* table);
 
   // Of the last frame.
   ModalQuality quality() const { return quality_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/float_rules.hpp"
 
@@ -108,7 +109,8 @@ ModalModes FindModes(const ModalMaterial& material) {
     }
   Diagonalise(a, n, vectors);
 
-  uint32_t order[kMaxLinks] = {0, 1, 2, 3};
+  uint32_t order[kMaxLinks];
+  std::iota(order, order + n, 0u);
   std::sort(order, order + n,
             [&](uint32_t x, uint32_t y) { return a[x][x] != a[y][y] ? a[x][x] < a[y][y] : x < y; });
   for (uint32_t mode = 0; mode < n; ++mode) {

@@ -70,8 +70,9 @@ struct ModeSteps {
   OscillatorStep mode[kMaxLinks];
 };
 
+template <uint32_t kMost>
 void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const DifferenceBasis& basis,
-                 double start, double h, double frame, bool last, ModalSubstep* s) {
+                 double start, double h, double frame, bool last, ModalSubstepOf<kMost>* s) {
   const double bend = layer.material.bend_damping_s;
   // Difference 0 is the newest sample itself: constant, and so part of the frame's constant force.
   for (uint32_t k = 1; k < kSamples; ++k) {
@@ -111,7 +112,9 @@ constexpr double kLongestFast = 1.0 / 48.0;
 // leave two fifths of the error that two do (README.md).
 constexpr double kLongest = 1.0 / 150.0;
 
-void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
+template <uint32_t kMost>
+void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h,
+                    ModalTableOf<kMost>* t) {
   const uint32_t n = layer.modes.links;
   // A change of force over the substep, 0 in its middle.
   const auto slope_of = [&](double constant, double linear) { return linear / h - 0.5 * constant; };
@@ -159,7 +162,8 @@ void Invert(double (&a)[kMaxLinks][kMaxLinks], uint32_t n,
   }
 }
 
-void FillEuler(const ModalLayer& layer, double frame, ModalTableBlock* t) {
+template <uint32_t kMost>
+void FillEuler(const ModalLayer& layer, double frame, ModalTableOf<kMost>* t) {
   const double place = 1.0 / (frame * frame) + layer.material.drag_per_s / frame;
   const double bend = layer.material.bend_damping_s / frame;
   double euler[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
@@ -194,7 +198,8 @@ bool IsEven(const double (&value)[kMaxLinks], uint32_t links) {
 }
 
 // False where a joint is loose: rest directions are not in the pull then.
-bool FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
+template <uint32_t kMost>
+bool FillRestOfBend(const ModalLayer& layer, ModalTableOf<kMost>* t) {
   const uint32_t n = layer.modes.links;
   double stiffness[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
   for (uint32_t i = 0; i < n; ++i) {
@@ -213,15 +218,18 @@ bool FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
 
 // The rest bend up to which a curl follows its parent link whole, radians. The explicit correction of
 // more is unstable where a substep is long beside the first mode's period; chains of 3 and 4 links
-// stay still up to 30 degrees whatever the frequency, and up to 50 where there are ten substeps to it.
+// stay still up to 30 degrees whatever the frequency, and up to 50 where there are ten substeps to it,
+// those of 8 up to half of that.
 double MostCurl(const ModalLayer& layer, double h) {
   const double share = std::sqrt(layer.modes.omega2[0]) * h / (2.0 * exact::kPi);
   constexpr double kFine = 0.1, kCoarse = 0.25, kMost = 50.0, kLeast = 30.0;
   const double way = std::clamp((share - kFine) / (kCoarse - kFine), 0.0, 1.0);
-  return (kMost + (kLeast - kMost) * way) * exact::kRadiansPerDegree;
+  const double share_of_4 = layer.modes.links > 4 ? 4.0 / layer.modes.links : 1.0;
+  return share_of_4 * (kMost + (kLeast - kMost) * way) * exact::kRadiansPerDegree;
 }
 
-void FillCurl(const ModalLayer& layer, double h, ModalTableBlock* t) {
+template <uint32_t kMost>
+void FillCurl(const ModalLayer& layer, double h, ModalTableOf<kMost>* t) {
   const uint32_t n = layer.modes.links;
   // An explicit force cannot hold joints a million times stiffer than their neighbours still.
   if (!IsEven(layer.material.stiffness, n) || !FillRestOfBend(layer, t)) return;
@@ -276,9 +284,10 @@ double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes
   return moved / usually;
 }
 
+template <uint32_t kMost>
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
-                    ModalTableBlock* table) {
-  ModalTableBlock& t = *table;
+                    ModalTableOf<kMost>* table) {
+  ModalTableOf<kMost>& t = *table;
   t = {};
   const ModalModes& modes = layer.modes;
   t.links = modes.links;
@@ -318,5 +327,8 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
   }
   t.quiet_s = float(QuietTime(layer));
 }
+template void FillModalTable(const ModalLayer&, ModalQuality, const FrameTimes&, ModalTableBlock*);
+template void FillModalTable(const ModalLayer&, ModalQuality, const FrameTimes&,
+                             LongModalTableBlock*);
 
 }  // namespace pelt

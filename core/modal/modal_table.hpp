@@ -1,4 +1,4 @@
-// Fills a layer's ModalTableBlock for one frame: everything about a modal step that does not depend
+// Fills a layer's ModalTable for one frame: everything about a modal step that does not depend
 // on the strand.
 //
 // The root's motion is the polynomial through its last four poses, at the times they had: frames
@@ -61,7 +61,8 @@ ModalLayer MakeModalLayer(const ModalMaterial& material);
 // how far in one of 1/120 s. 0 without substeps.
 double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times);
 
+template <uint32_t kMost>
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
-                    ModalTableBlock* table);
+                    ModalTableOf<kMost>* table);
 
 }  // namespace pelt

@@ -4,10 +4,9 @@
 #include "core/float_rules.hpp"
 
 namespace pelt {
-namespace {
 
 template <uint32_t kPoints>
-bool HasBentLane(const RestBlock<kPoints>& rest) {
+bool HasCurl(const RestBlock<kPoints>& rest) {
   const float straight = float(exact::Cos(double(kLeastCurl_degrees) * exact::kRadiansPerDegree));
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     if (!(rest.strength[lane] > 0.0f)) continue;
@@ -27,9 +26,8 @@ bool HasBentLane(const RestBlock<kPoints>& rest) {
   return false;
 }
 
-}  // namespace
-
-bool HasCurl(const RestBlock<4>& rest) { return HasBentLane(rest); }
-bool HasCurl(const RestBlock<5>& rest) { return HasBentLane(rest); }
+template bool HasCurl(const RestBlock<4>&);
+template bool HasCurl(const RestBlock<5>&);
+template bool HasCurl(const RestBlock<9>&);
 
 }  // namespace pelt

@@ -13,7 +13,7 @@ namespace pelt {
 inline constexpr float kLeastCurl_degrees = 2.0f;
 
 // Some chain with simulation strength has a joint that rests bent by more.
-bool HasCurl(const RestBlock<4>& rest);
-bool HasCurl(const RestBlock<5>& rest);
+template <uint32_t kPoints>
+bool HasCurl(const RestBlock<kPoints>& rest);
 
 }  // namespace pelt

@@ -135,19 +135,20 @@ TEST(FitCubic, FourPointsAreMet) {
 
 // The reference: the minimum of a quadratic has no downhill direction; probed along every
 // coefficient.
-TEST(FitCubic, FivePointsAreTheLeastSquaresFit) {
+template <uint32_t kPoints>
+void ExpectTheLeastSquaresFit() {
   auto curves = std::make_unique<CurveBlock>();
   for (uint32_t seed = 1; seed <= 10; ++seed) {
-    auto s = MakeScene<5>(seed, false);
-    Fit<FitCubic<V, 5>>(*s, *curves);
+    auto s = MakeScene<kPoints>(seed, false);
+    Fit<FitCubic<V, kPoints>>(*s, *curves);
     for (uint32_t lane = 0; lane < s->state.live_strands; ++lane) {
       const CurveRecord& r = curves->record[lane];
       for (int k = 0; k < 3; ++k) EXPECT_EQ(r.curve[0][k], s->roots.position[k][lane]);
       for (int j = 1; j < 4; ++j)
         for (int k = 0; k < 3; ++k) {
           double gradient = 0.0;
-          for (uint32_t i = 0; i < 4; ++i) {
-            const double t = (i + 1) / 4.0;
+          for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+            const double t = (i + 1) / double(kPoints - 1);
             const D3 miss = Evaluate(r, t) - At(s->points.position[i], lane);
             gradient += std::pow(t, j) * (k == 0 ? miss.x : k == 1 ? miss.y : miss.z);
           }
@@ -157,6 +158,9 @@ TEST(FitCubic, FivePointsAreTheLeastSquaresFit) {
     }
   }
 }
+
+TEST(FitCubic, FivePointsAreTheLeastSquaresFit) { ExpectTheLeastSquaresFit<5>(); }
+TEST(FitCubic, NinePointsAreTheLeastSquaresFit) { ExpectTheLeastSquaresFit<9>(); }
 
 // De Boor's algorithm in double, on the clamped knots.
 D3 EvaluateSpline(const std::vector<D3>& control, double t) {
@@ -200,6 +204,7 @@ void ExpectRibbonsOnTheSpline() {
 
 TEST(FitRibbon, FourPointsLieOnTheirBezierCurve) { ExpectRibbonsOnTheSpline<4>(); }
 TEST(FitRibbon, FivePointsLieOnTheirSpline) { ExpectRibbonsOnTheSpline<5>(); }
+TEST(FitRibbon, NinePointsLieOnTheirSpline) { ExpectRibbonsOnTheSpline<9>(); }
 
 template <template <class> class Kernel, class Block, uint32_t kPoints>
 void ExpectSameBitsEverywhere() {
@@ -218,17 +223,23 @@ using Cubic4 = FitCubic<W, 4>;
 template <class W>
 using Cubic5 = FitCubic<W, 5>;
 template <class W>
+using Cubic9 = FitCubic<W, 9>;
+template <class W>
 using Ribbon4 = FitRibbon<W, 4>;
 template <class W>
 using Ribbon5 = FitRibbon<W, 5>;
+template <class W>
+using Ribbon9 = FitRibbon<W, 9>;
 
 TEST(FitCubic, SameBitsOnEveryVector) {
   ExpectSameBitsEverywhere<Cubic4, CurveBlock, 4>();
   ExpectSameBitsEverywhere<Cubic5, CurveBlock, 5>();
+  ExpectSameBitsEverywhere<Cubic9, CurveBlock, 9>();
 }
 TEST(FitRibbon, SameBitsOnEveryVector) {
   ExpectSameBitsEverywhere<Ribbon4, RibbonBlock, 4>();
   ExpectSameBitsEverywhere<Ribbon5, RibbonBlock, 5>();
+  ExpectSameBitsEverywhere<Ribbon9, RibbonBlock, 9>();
 }
 
 TEST(FitCubic, FadeGoesFromNothingAtTheEndOfThePrefixToAll) {

@@ -14,6 +14,19 @@ LayerBlock Fill(const LayerParams& params, Weather weather, const LayerBlock* la
   return FillLayerBlock(params, weather, dt, kGravity, true, 100, 0.05f, true, last);
 }
 
+TEST(LayerBlock, ChainsOfNinePointsSwingAsThoseOfFive) {
+  LayerParams five, nine;
+  five.chain = nine.chain = ChainKind::kStrand;
+  five.points = 5;
+  nine.points = 9;
+  EXPECT_EQ(LayerKind(nine), uint32_t(kLayerModal | kLayerNinePoints));
+  EXPECT_EQ(StrandPointsOf(LayerKind(nine)), 9u);
+  EXPECT_EQ(StrandPointsOf(LayerKind(five)), 5u);
+  const RodMaterial rod = LayerRod(nine, {}, false);
+  EXPECT_EQ(rod.links, 8u);
+  EXPECT_EQ(rod.frequency_hz, LayerRod(five, {}, false).frequency_hz);
+}
+
 TEST(LayerBlock, DryAndCleanIsTheSetup) {
   LayerParams params;
   const LayerBlock b = Fill(params, {});

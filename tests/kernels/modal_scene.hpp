@@ -36,7 +36,7 @@ template <uint32_t kPoints>
 struct ModalScene {
   static constexpr uint32_t kLinks = kPoints - 1;
   LayerBlock layer{};
-  ModalTableBlock table;
+  ModalTable<kLinks> table;
   ModalLayer material;
   ModalQuality quality = ModalQuality::kDefault;
   SimulateParams params{};
@@ -61,7 +61,7 @@ struct ModalScene {
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       roots.normal[2][lane] = roots.tangent[0][lane] = 1.0f;
       rest.strength[lane] = 1.0f;
-      SetRest(lane, 0.01, {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}});
+      SetRest(lane, 0.01, std::vector<Point3>(kLinks, {1, 0, 0}));
     }
   }
   void SetRest(uint32_t lane, double link, const std::vector<Point3>& d) {
@@ -104,8 +104,8 @@ struct ModalScene {
     const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
     const Binding bindings[] = {one(layer), one(table),   one(state), one(rest),    one(roots),
                                 one(wind),  one(strands), one(chain), one(position)};
-    const KernelDesc& kernel =
-        *FindKernels(isa)->Find(kPoints == 4 ? "simulate_modal_4" : "simulate_modal_5");
+    const KernelDesc& kernel = *FindKernels(isa)->Find(
+        ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5", "simulate_modal_9"));
     ASSERT_EQ(kernel.ports.size(), std::size(bindings));
     kernel.run(&params, bindings);
   }

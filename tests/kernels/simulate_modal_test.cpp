@@ -102,6 +102,7 @@ void ExpectSameOnEverySet() {
 
 TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
 TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
+TEST(SimulateModal, SameBitsOnEverySet9Points) { ExpectSameOnEverySet<9>(); }
 
 std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0) {
   auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 5.0, 0.05, 6.0));

@@ -50,8 +50,9 @@ struct World {
     double depth = 0.0;
     for (int a = 0; a < 3; ++a) {
       const double p =
-          kPoints == 5 ? double(points[0].position[2][a][s])
-                       : 0.75 * points[0].position[1][a][s] + 0.25 * points[0].position[2][a][s];
+          kPoints == 5   ? double(points[0].position[2][a][s])
+          : kPoints == 9 ? double(points[0].position[5][a][s])
+                         : 0.75 * points[0].position[1][a][s] + 0.25 * points[0].position[2][a][s];
       depth += (p - params.eye[a]) * params.forward[a];
     }
     return depth;
@@ -92,6 +93,7 @@ void CheckAgainstReference() {
 
 TEST(SortKey, AgreesWithDoubleReferenceOnFourPoints) { CheckAgainstReference<4>(); }
 TEST(SortKey, AgreesWithDoubleReferenceOnFivePoints) { CheckAgainstReference<5>(); }
+TEST(SortKey, AgreesWithDoubleReferenceOnNinePoints) { CheckAgainstReference<9>(); }
 
 TEST(SortKey, KeysAreMonotoneOverAllFloats) {
   using V = ArrayVec<4>;
@@ -188,18 +190,15 @@ TEST(SortKey, AStrandAtTheEyeIsDrawn) {
 
 TEST(SortKey, SameBitsOnEveryVector) {
   test::ForEveryVector([]<class V>(const char* name) {
-    for (uint32_t live : {1u, 37u, 60u, kStrandsPerChunk}) {
-      World<4> four(live, live), four_reference(live, live);
-      World<5> five(live, live), five_reference(live, live);
-      four.Run<V>();
-      four_reference.Run<ArrayVec<4>>();
-      five.Run<V>();
-      five_reference.Run<ArrayVec<4>>();
-      EXPECT_TRUE(four.keys.SameBits(four_reference.keys)) << name;
-      EXPECT_TRUE(four.state.SameBits(four_reference.state)) << name;
-      EXPECT_TRUE(five.keys.SameBits(five_reference.keys)) << name;
-      EXPECT_TRUE(five.state.SameBits(five_reference.state)) << name;
-    }
+    for (uint32_t live : {1u, 37u, 60u, kStrandsPerChunk})
+      for (const uint32_t points : {4u, 5u, 9u})
+        WithPoints(points, [&]<uint32_t kPoints> {
+          World<kPoints> world(live, live), reference(live, live);
+          world.template Run<V>();
+          reference.template Run<ArrayVec<4>>();
+          EXPECT_TRUE(world.keys.SameBits(reference.keys)) << name << ' ' << points;
+          EXPECT_TRUE(world.state.SameBits(reference.state)) << name << ' ' << points;
+        });
   });
 }
 
