@@ -121,7 +121,8 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   for (uint32_t c = 0; c < grooms.size(); ++c) {
     const Groom& groom = *grooms[c];
     *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
-    uint32_t vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0, rest_down = 0;
+    uint32_t vertex_rest = 0, shell_skin = 0, fin_edges = 0, rest_down = 0;
+    uint32_t strand_rest[kMostStrandPoints + 1] = {};  // by points
     for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
       const GroomLayer& layer = groom.layers[l];
       *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
@@ -150,11 +151,11 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
           *memory_.Of<&Streams::shell_skin>(chunk) = groom.shell_skin[shell_skin++];
           if (layer.params.fins)
             *memory_.Of<&Streams::fin_edges>(chunk) = groom.fin_edges[fin_edges++];
-        } else if (layer.params.points == 5) {
-          take(*memory_.Of<&Streams::strand_rest5>(chunk), groom.strand_rest5[rest5++], true);
         } else {
-          take(*memory_.Of<&Streams::strand_rest4>(chunk), groom.strand_rest4[rest4++],
-               !on_vertices);
+          WithPoints(layer.params.points, [&]<uint32_t kPoints> {
+            take(*memory_.Of<ChainStreams<kPoints, false>::kRest>(chunk),
+                 StrandRestOf<kPoints>(groom)[strand_rest[kPoints]++], !on_vertices);
+          });
         }
         layer_curled_[layer_index] |= curled;
         if (layer.params.sag_free)

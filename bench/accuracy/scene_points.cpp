@@ -7,15 +7,14 @@
 namespace pelt::accuracy {
 namespace {
 
-bool HasFivePoints(const FurScene& scene, uint32_t chunk) {
-  return (scene.shape().layer_kind[scene.shape().chunk_layer[chunk]] & kLayerFivePoints) != 0;
+uint32_t CountPoints(const FurScene& scene, uint32_t chunk) {
+  return StrandPointsOf(scene.shape().layer_kind[scene.shape().chunk_layer[chunk]]);
 }
 
 float LengthOf(const FurScene& scene, uint32_t chunk, uint32_t lane) {
-  const FrameMemory& memory = scene.memory();
-  return HasFivePoints(scene, chunk)
-             ? memory.Of<&Streams::strand_rest5>(chunk)->segment_length[lane]
-             : memory.Of<&Streams::strand_rest4>(chunk)->segment_length[lane];
+  return WithPoints(CountPoints(scene, chunk), [&]<uint32_t kPoints> {
+    return scene.memory().Of<ChainStreams<kPoints, false>::kRest>(chunk)->segment_length[lane];
+  });
 }
 
 uint32_t FindNearest(const RootBlock& roots, uint32_t lane, uint32_t live) {
@@ -42,7 +41,7 @@ ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
     const uint32_t live = scene.memory().Of<&Streams::chunk_state>(c)->live_strands;
     const bool shells = scene.shape().layer_kind[scene.shape().chunk_layer[c]] & kLayerShells;
     if (live == 0 || shells) continue;  // nothing is simulated of shells
-    const uint32_t free_points = HasFivePoints(scene, c) ? 4 : 3;
+    const uint32_t free_points = CountPoints(scene, c) - 1;
     pieces_.push_back({c, live, free_points, size_});
     size_ += size_t(live) * free_points * 3;
     strands_ += live;
@@ -50,9 +49,9 @@ ScenePointsLayout::ScenePointsLayout(const FurScene& scene) {
 }
 
 const float* ScenePointsLayout::PointsOf(const FurScene& scene, const Piece& piece) {
-  const FrameMemory& memory = scene.memory();
-  return piece.free_points == 4 ? memory.Of<&Streams::strand_points5>(piece.chunk)->position[0][0]
-                                : memory.Of<&Streams::strand_points4>(piece.chunk)->position[0][0];
+  return WithPoints(piece.free_points + 1, [&]<uint32_t kPoints>() -> const float* {
+    return scene.memory().Of<ChainStreams<kPoints, false>::kPosition>(piece.chunk)->position[0][0];
+  });
 }
 
 void ScenePointsLayout::Read(const FurScene& scene, ScenePoints& points) const {

@@ -53,11 +53,10 @@ std::vector<Strand> ReadStrands(const FurScene& scene) {
     const RootBlock& roots = *memory.Of<&Streams::roots>(c);
     for (uint32_t s = 0; s < memory.Of<&Streams::chunk_state>(c)->live_strands; ++s) {
       Strand& strand = all.emplace_back();
-      if (const auto* five = memory.Of<&Streams::strand_points5>(c))
-        ReadStrand(roots, *memory.Of<&Streams::strand_rest5>(c), *five, scale, s, strand);
-      else
-        ReadStrand(roots, *memory.Of<&Streams::strand_rest4>(c),
-                   *memory.Of<&Streams::strand_points4>(c), scale, s, strand);
+      WithPoints(StrandPointsOf(scene.shape().layer_kind[layer]), [&]<uint32_t kPoints> {
+        using Of = ChainStreams<kPoints, false>;
+        ReadStrand(roots, *memory.Of<Of::kRest>(c), *memory.Of<Of::kPosition>(c), scale, s, strand);
+      });
     }
   }
   return all;

@@ -81,6 +81,7 @@ void RemoveStrength(Groom& groom) {
   clear(groom.vertex_rest);
   clear(groom.strand_rest4);
   clear(groom.strand_rest5);
+  clear(groom.strand_rest9);
 }
 
 namespace {

@@ -94,8 +94,12 @@ void ShowRest(const FurScene& scene, PictureScene& shown) {
 void ShowSubsteps(const FurScene& scene, PictureScene& shown) {
   ColourStrands(shown, [&](size_t i, uint32_t) {
     const uint32_t layer = shown.draws[i].layer;
-    if (!(scene.shape().layer_kind[layer] & kLayerModal)) return Rgb(0.5f, 0.5f, 0.5f);
-    return Ramp(float(scene.memory().Of<&Streams::modal_tables>(layer)->substeps) / 8.0f);
+    const uint32_t kind = scene.shape().layer_kind[layer];
+    if (!(kind & kLayerModal)) return Rgb(0.5f, 0.5f, 0.5f);
+    const uint32_t substeps = WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
+      return scene.memory().Of<ChainStreams<kPoints, false>::kTable>(layer)->substeps;
+    });
+    return Ramp(float(substeps) / 8.0f);
   });
 }
 
@@ -225,9 +229,10 @@ void AddChains(const RootBlock& roots, const PointBlock<kPoints>& points, uint32
     for (int c = 0; c < 3; ++c) {
       line.normal[c] = roots.normal[c][lane];
       line.point[0][c] = roots.position[c][lane];
-      // A chain of fewer points has its tip twice.
+      // Of 9 points every second one; a chain of fewer than 5 has its tip twice.
+      constexpr uint32_t kStep = kPoints > kRibbonPoints ? (kPoints - 1) / (kRibbonPoints - 1) : 1;
       for (uint32_t k = 1; k < kRibbonPoints; ++k)
-        line.point[k][c] = points.position[std::min(k, kPoints - 1) - 1][c][lane];
+        line.point[k][c] = points.position[std::min(kStep * k, kPoints - 1) - 1][c][lane];
     }
     lines.push_back(line);
   }
@@ -245,12 +250,12 @@ void ShowChains(const FurScene& scene, PictureScene& shown) {
       if (kind & kLayerVertexChains)
         AddChains(*memory.Of<&Streams::anchors>(c), *memory.Of<&Streams::vertex_points>(c),
                   state.live_vertices, colour, lines);
-      else if (kind & kLayerFivePoints)
-        AddChains(*memory.Of<&Streams::roots>(c), *memory.Of<&Streams::strand_points5>(c),
-                  state.live_strands, colour, lines);
       else
-        AddChains(*memory.Of<&Streams::roots>(c), *memory.Of<&Streams::strand_points4>(c),
-                  state.live_strands, colour, lines);
+        WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
+          AddChains(*memory.Of<&Streams::roots>(c),
+                    *memory.Of<ChainStreams<kPoints, false>::kPosition>(c), state.live_strands,
+                    colour, lines);
+        });
     }
     return lines;
   });

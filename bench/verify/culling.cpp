@@ -196,21 +196,26 @@ class CullingCheck {
     const float reach = scene.memory().Of<&Streams::layers>(layer)->length_max;
     const std::array<double, 3> from = scene.OriginOfLayer(layer);
     if (shape.layer_kind[layer] & kLayerShells) return ForEachShellPoint(layer, visit);
-    const bool five = shape.layer_kind[layer] & kLayerFivePoints;
+    WithPoints(StrandPointsOf(shape.layer_kind[layer]),
+               [&]<uint32_t kPoints> { ForEachStrandPoint<kPoints>(layer, reach, from, visit); });
+  }
+
+  template <uint32_t kPoints, class Visit>
+  void ForEachStrandPoint(uint32_t layer, float reach, const std::array<double, 3>& from,
+                          Visit visit) {
+    const FurScene& scene = seen_.scene();
+    const SceneShape& shape = scene.shape();
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& roots = *scene.memory().Of<&Streams::roots>(c);
-      const auto* four_points = scene.memory().Of<&Streams::strand_points4>(c);
-      const auto* five_points = scene.memory().Of<&Streams::strand_points5>(c);
+      const auto& points = *scene.memory().Of<ChainStreams<kPoints, false>::kPosition>(c);
       const uint32_t strands = scene.memory().Of<&Streams::strands>(c)->strand_count;
       for (uint32_t s = 0; s < strands; ++s)
-        for (uint32_t p = 0; p < (five ? 5u : 4u); ++p) {
+        for (uint32_t p = 0; p < kPoints; ++p) {
           Point point{c, s, p, {}};
           double away2 = 0.0;
           for (int axis = 0; axis < 3; ++axis) {
             const float root = roots.position[axis][s];
-            point.at[axis] = p == kRoot ? root
-                             : five     ? five_points->position[p - 1][axis][s]
-                                        : four_points->position[p - 1][axis][s];
+            point.at[axis] = p == kRoot ? root : points.position[p - 1][axis][s];
             away2 += (double(point.at[axis]) - root) * (double(point.at[axis]) - root);
             point.at[axis] = float(point.at[axis] + from[size_t(axis)]);
           }

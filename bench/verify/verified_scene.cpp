@@ -11,7 +11,7 @@ constexpr float kDenormal = 1.0e-40f;
 
 // Where a layer's rest blocks begin in the groom's arrays.
 struct RestPlace {
-  size_t vertex = 0, strand4 = 0, strand5 = 0, shells = 0, fins = 0, downs = 0;
+  size_t vertex = 0, strand4 = 0, strand5 = 0, shells = 0, fins = 0, downs = 0, strand9 = 0;
 };
 
 // What one chunk of the layer has in each.
@@ -19,6 +19,7 @@ RestPlace RestOf(const LayerParams& params) {
   if (params.output == Output::kShells) return {1, 0, 0, 1, params.fins ? size_t(1) : 0};
   RestPlace one{0, 1, 0};
   if (params.points == 5) one = {0, 0, 1};
+  if (params.points == 9) one = {.strand9 = 1};
   if (params.chain == ChainKind::kVertex) one.vertex = 1;
   one.downs = params.sag_free ? 1 : 0;
   return one;
@@ -36,6 +37,7 @@ std::vector<RestPlace> FindRest(const Groom& groom) {
     at.shells += layer.chunk_count * one.shells;
     at.fins += layer.chunk_count * one.fins;
     at.downs += layer.chunk_count * one.downs;
+    at.strand9 += layer.chunk_count * one.strand9;
   }
   return places;
 }
@@ -66,6 +68,7 @@ Groom TakeLayers(const Groom& from, const std::vector<size_t>& layers) {
     Append(groom.shell_skin, from.shell_skin, rest[l].shells, chunks * one.shells);
     Append(groom.fin_edges, from.fin_edges, rest[l].fins, chunks * one.fins);
     Append(groom.rest_down, from.rest_down, rest[l].downs, chunks * one.downs);
+    Append(groom.strand_rest9, from.strand_rest9, rest[l].strand9, chunks * one.strand9);
     layer.first_chunk = uint32_t(groom.mesh.size()) - chunks;
     groom.layers.push_back(layer);
     groom.layer_joints.push_back(from.layer_joints[l]);

@@ -294,12 +294,12 @@ void AddTouchingColliders(Scenario& scenario, uint32_t rest_frames) {
       if ((shape.layer_kind[l] & kSolver) != solver || !(layer.flags & kLayerSimulate)) continue;
       const uint32_t chunk = shape.layer_first_chunk[l];
       const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
-      const auto* five = scene.memory().Of<&Streams::strand_points5>(chunk);
-      const auto* four = scene.memory().Of<&Streams::strand_points4>(chunk);
       const std::array<double, 3> from = scene.OriginOfLayer(l);
       const auto tip_of = [&](int axis) {
-        const float tip = five ? five->position[3][axis][0] : four->position[2][axis][0];
-        return float(tip + from[size_t(axis)]);
+        return WithPoints(StrandPointsOf(shape.layer_kind[l]), [&]<uint32_t kPoints> {
+          const auto& points = *scene.memory().Of<ChainStreams<kPoints, false>::kPosition>(chunk);
+          return float(points.position[kPoints - 2][axis][0] + from[size_t(axis)]);
+        });
       };
       MovingSphere sphere;
       sphere.radius = 0.5f * layer.length_max;

@@ -17,8 +17,6 @@
 
 namespace pelt {
 
-inline constexpr uint32_t kMaxPoints = 5;
-
 // Strands shorter than this (a length map gone black) would have no direction; m.
 inline constexpr float kShortestStrand = 1e-4f;
 
@@ -26,7 +24,7 @@ inline constexpr float kShortestStrand = 1e-4f;
 inline const glm::dvec3 kRestDown{0.0, -1.0, 0.0};
 
 struct RestShape {
-  glm::dvec3 offset[kMaxPoints - 1];  // of points 1.. from the root, in its root frame, m
+  glm::dvec3 offset[kMostStrandPoints - 1];  // of points 1.. from the root, in its root frame, m
 };
 
 struct GroomedStrand {

@@ -279,10 +279,10 @@ void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& g
     if (bake.shells) {
       FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
       if (layer.params.fins) FillFinEdges(bake, patch, groom.fin_edges.emplace_back());
-    } else if (layer.params.points == 5) {
-      FillStrandRest(bake, patch, groom.strand_rest5.emplace_back());
     } else {
-      FillStrandRest(bake, patch, groom.strand_rest4.emplace_back());
+      WithPoints(layer.params.points, [&]<uint32_t kPoints> {
+        FillStrandRest(bake, patch, StrandRestOf<kPoints>(groom).emplace_back());
+      });
     }
     if (layer.params.sag_free) FillRestDown(bake, patch, groom.rest_down.emplace_back());
     for (const uint32_t v : patch.vertices) boxes.Add(bake, v);

@@ -8,8 +8,7 @@
 namespace pelt {
 namespace {
 
-// Strands are resampled between these two: the blocks there are.
-constexpr uint32_t kFrom = 5, kTo = 4;
+constexpr uint32_t kTo = 4;
 
 template <uint32_t kPoints>
 glm::dvec3 PointOf(const RestBlock<kPoints>& block, uint32_t point, uint32_t lane) {
@@ -27,7 +26,9 @@ glm::dvec3 PlaceAt(const RestBlock<kPoints>& block, double share, uint32_t lane)
                   at - double(segment));
 }
 
+template <uint32_t kFrom>
 RestBlock<kTo> Resample(const RestBlock<kFrom>& from) {
+  if constexpr (kFrom == kTo) return from;
   RestBlock<kTo> to{};
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     RestShape places{};
@@ -55,16 +56,17 @@ bool HasMorePoints(const Groom& groom) {
 }
 
 Groom ResampleToFewestPoints(const Groom& groom) {
-  static_assert(kTo + 1 == kFrom);
   Groom out = groom;
   out.strand_rest4.clear();
   out.strand_rest5.clear();
-  size_t four = 0, five = 0;
+  out.strand_rest9.clear();
+  size_t taken[kMostStrandPoints + 1] = {};  // by points
   for (GroomLayer& layer : out.layers) {
     if (layer.params.output == Output::kShells) continue;  // has no strands' chains
-    for (uint32_t c = 0; c < layer.chunk_count; ++c)
-      out.strand_rest4.push_back(layer.params.points == kFrom ? Resample(groom.strand_rest5[five++])
-                                                              : groom.strand_rest4[four++]);
+    WithPoints(layer.params.points, [&]<uint32_t kFrom> {
+      for (uint32_t c = 0; c < layer.chunk_count; ++c)
+        out.strand_rest4.push_back(Resample(StrandRestOf<kFrom>(groom)[taken[kFrom]++]));
+    });
     layer.params.points = kTo;
   }
   return out;

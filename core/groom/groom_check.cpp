@@ -145,8 +145,10 @@ bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex;
 bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
 bool HasFins(const LayerParams& p) { return p.fins; }
 bool HasRestDown(const LayerParams& p) { return p.sag_free; }
-bool HasStrandRest4(const LayerParams& p) { return p.points == 4 && !HasShells(p); }
-bool HasStrandRest5(const LayerParams& p) { return p.points == 5; }
+template <uint32_t kPoints>
+bool HasStrandRest(const LayerParams& p) {
+  return p.points == kPoints && !HasShells(p);
+}
 
 bool Checker::CheckSkeleton() {
   const uint64_t general_at = kHeaderBytes + kSectionCount * kSectionEntryBytes;
@@ -193,8 +195,8 @@ bool Checker::CheckLayout() {
     return FailSection(layers,
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
-  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, shell_skin = 0, fin_edges = 0;
-  uint64_t rest_down = 0;
+  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, rest9 = 0, shell_skin = 0;
+  uint64_t fin_edges = 0, rest_down = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -211,8 +213,9 @@ bool Checker::CheckLayout() {
     }
     chunks += layer.chunk_count;
     if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
-    if (HasStrandRest4(layer.params)) rest4 += layer.chunk_count;
-    if (HasStrandRest5(layer.params)) rest5 += layer.chunk_count;
+    if (HasStrandRest<4>(layer.params)) rest4 += layer.chunk_count;
+    if (HasStrandRest<5>(layer.params)) rest5 += layer.chunk_count;
+    if (HasStrandRest<9>(layer.params)) rest9 += layer.chunk_count;
     if (HasShells(layer.params)) shell_skin += layer.chunk_count;
     if (HasFins(layer.params)) fin_edges += layer.chunk_count;
     if (HasRestDown(layer.params)) rest_down += layer.chunk_count;
@@ -225,7 +228,8 @@ bool Checker::CheckLayout() {
          expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
          expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
          expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin) &&
-         expect(groom_.fin_edges, fin_edges) && expect(groom_.rest_down, rest_down);
+         expect(groom_.fin_edges, fin_edges) && expect(groom_.rest_down, rest_down) &&
+         expect(groom_.strand_rest9, rest9);
 }
 
 // Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
@@ -245,8 +249,10 @@ bool Checker::CheckLayer(size_t index) {
   uint64_t strands = 0;
   float longest = 0.0f;
   size_t vertex_rest = CountBefore(layer.first_chunk, HasVertexRest);
-  size_t rest4 = CountBefore(layer.first_chunk, HasStrandRest4);
-  size_t rest5 = CountBefore(layer.first_chunk, HasStrandRest5);
+  // Among blocks of as many points.
+  size_t strand_rest = WithPoints(layer.params.points, [&]<uint32_t kPoints> {
+    return CountBefore(layer.first_chunk, HasStrandRest<kPoints>);
+  });
   size_t shell_skin = CountBefore(layer.first_chunk, HasShells);
   size_t fin_edges = CountBefore(layer.first_chunk, HasFins);
   size_t rest_down = CountBefore(layer.first_chunk, HasRestDown);
@@ -267,11 +273,9 @@ bool Checker::CheckLayer(size_t index) {
     if (HasVertexRest(layer.params) &&
         !CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count))
       return false;
-    if (HasStrandRest4(layer.params) &&
-        !CheckRest(groom_.strand_rest4, rest4++, block.strand_count))
-      return false;
-    if (HasStrandRest5(layer.params) &&
-        !CheckRest(groom_.strand_rest5, rest5++, block.strand_count))
+    if (!HasShells(layer.params) && !WithPoints(layer.params.points, [&]<uint32_t kPoints> {
+          return CheckRest(StrandRestOf<kPoints>(groom_), strand_rest++, block.strand_count);
+        }))
       return false;
     if (HasShells(layer.params) && !CheckBounds(groom_.shell_skin, shell_skin++)) return false;
     if (HasFins(layer.params) && !CheckFinEdges(fin_edges++, block.strand_count)) return false;

@@ -160,8 +160,8 @@ uint64_t MeasureItem(const T& item) {
 inline constexpr std::string_view kSectionNames[] = {
     "general",   "skeleton",   "joint_names", "layers",       "layer_joints",
     "mesh",      "strands",    "vertex_rest", "strand_rest4", "strand_rest5",
-    "strand_uv", "shell_skin", "fin_edges",   "rest_down"};
-inline constexpr uint32_t kSectionCount = 14;
+    "strand_uv", "shell_skin", "fin_edges",   "rest_down",    "strand_rest9"};
+inline constexpr uint32_t kSectionCount = 15;
 inline constexpr uint64_t kSectionNameBytes = 16;
 inline constexpr uint64_t kHeaderBytes = 48;
 inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
@@ -181,6 +181,7 @@ void ListSections(auto&& visit, Like<Groom> auto& groom) {
   visit(kSectionNames[11], groom.shell_skin);
   visit(kSectionNames[12], groom.fin_edges);
   visit(kSectionNames[13], groom.rest_down);
+  visit(kSectionNames[14], groom.strand_rest9);
 }
 
 }  // namespace pelt::groom_file

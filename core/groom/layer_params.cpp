@@ -22,8 +22,15 @@ bool IsInside(const T& value, double low, double high) {
 }  // namespace
 
 std::optional<BadKey> FindBadCombination(const LayerParams& params) {
+  if (params.points > 5 && params.points != 9) {
+    return BadKey{"points", "4, 5 or 9"};
+  }
   if (params.chain == ChainKind::kVertex && params.points != 4) {
-    return BadKey{"points", "chains at mesh vertices have 4 points; chain = \"strand\" has 4 or 5"};
+    return BadKey{"points",
+                  "chains at mesh vertices have 4 points; chain = \"strand\" has 4, 5 or 9"};
+  }
+  if (params.points == 9 && params.solver != Solver::kModal) {
+    return BadKey{"points", "only solver = \"modal\" has chains of 9; the others have 4 or 5"};
   }
   if (params.chain == ChainKind::kVertex && params.solver == Solver::kVerlet) {
     return BadKey{"solver", "verlet needs a chain for each strand: chain = \"strand\""};

@@ -39,7 +39,7 @@ struct LayerParams {
   float sort_bias = 0.0f;
   Solver solver = Solver::kModal;
   ChainKind chain = ChainKind::kVertex;
-  uint32_t points = 4;  // 4 or 5; vertex chains have 4
+  uint32_t points = 4;  // 4, 5 or 9; vertex chains have 4
   Output output = Output::kInstances;
   // Modal: the material, the same at every frame rate. The layer's drag is velocity_damping.
   float frequency_hz = 0.0f;  // first bending mode of a strand; 0: what the hardness keys amount to
@@ -150,8 +150,8 @@ inline constexpr auto kRows = std::tuple{
     WordRow(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
     WordRow(&P::chain, kLayer, "chain", kChainWords,
             "chains at mesh vertices, or one for each strand"),
-    Row(&P::points, kLayer, "points", "", 4, 5,
-        "points per chain, the fixed one too; vertex: 4, strand: 5 if unset"),
+    Row(&P::points, kLayer, "points", "", 4, 9,
+        "points per chain, the fixed one too: 4, 5 or 9; vertex: 4, strand: 5 if unset"),
     WordRow(&P::output, kLayer, "output", kOutputNames, "what vertex generation writes"),
     Row(&P::frequency_hz, kMotion, "frequency", "Hz", 0, 2000,
         "modal: first bending mode; 0: worked out from the hardness"),

@@ -73,6 +73,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"chain", "'strand'",
        [](L l) { return l.params.chain == ChainKind::kStrand && l.params.points == 5; }},
       {"points", "5\nchain = 'strand'", [](L l) { return l.params.points == 5; }},
+      {"points", "9\nchain = 'strand'", [](L l) { return l.params.points == 9; }},
       {"output", "'ribbons'", [](L l) { return l.params.output == Output::kRibbons; }},
       {"output", "'lines'", [](L l) { return l.params.output == Output::kLines; }},
       {"output", "'shells'", [](L l) { return l.params.output == Output::kShells; }},
@@ -387,7 +388,10 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
       {"enabled = 1", "key 'enabled': expected true or false, found a whole number"},
       {"points = 4.5", "key 'points': expected a whole number, found a number"},
       {"points = 5",
-       "key 'points': chains at mesh vertices have 4 points; chain = \"strand\" has 4 or 5"},
+       "key 'points': chains at mesh vertices have 4 points; chain = \"strand\" has 4, 5 or 9"},
+      {"points = 7\nchain = 'strand'", "key 'points': 4, 5 or 9"},
+      {"points = 9\nchain = 'strand'\nsolver = 'pbd'",
+       "key 'points': only solver = \"modal\" has chains of 9; the others have 4 or 5"},
       {"solver = 'verlet'",
        "key 'solver': verlet needs a chain for each strand: chain = \"strand\""},
       {"output = 'shells'\nchain = 'strand'",
@@ -452,7 +456,7 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
   // A rule between keys is told at the key, wherever it stands.
   EXPECT_EQ(ErrorOf("[defaults]\n\npoints = 5\n[[layer]]\nname = 'x'"),
             "fur.toml:3: layer 'x': key 'points': chains at mesh vertices have 4 points; chain = "
-            "\"strand\" has 4 or 5");
+            "\"strand\" has 4, 5 or 9");
 }
 
 TEST_F(FurSetupTest, WrongFilesAreTold) {

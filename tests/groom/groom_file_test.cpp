@@ -106,13 +106,13 @@ Groom MakeGroom() {
     groom.joint_names.push_back("joint " + std::to_string(j));
     for (float& value : groom.skeleton.inverse_bind[j]) value = Random(random, -1.0f, 1.0f);
   }
-  const uint32_t chunks[] = {2, 1, 2};
-  for (uint32_t l = 0; l < 3; ++l) {
+  const uint32_t chunks[] = {2, 1, 2, 2};
+  for (uint32_t l = 0; l < 4; ++l) {
     GroomLayer layer;
     layer.name = "layer " + std::to_string(l);
     layer.params.chain = l == 0 ? ChainKind::kVertex : ChainKind::kStrand;
-    layer.params.points = l == 2 ? 5 : 4;
-    layer.params.solver = l == 2 ? Solver::kVerlet : Solver::kPbd;
+    layer.params.points = l == 3 ? 9 : l == 2 ? 5 : 4;
+    layer.params.solver = l == 3 ? Solver::kModal : l == 2 ? Solver::kVerlet : Solver::kPbd;
     layer.params.output = l == 0 ? Output::kInstances : Output::kRibbons;
     layer.params.sort_bias = float(l) - 1.0f;
     layer.first_chunk = uint32_t(groom.mesh.size());
@@ -134,7 +134,9 @@ Groom MakeGroom() {
       FillStrands(groom.strands.emplace_back(), strands, groom.mesh.back(), c, random);
       for (uint32_t& uv : groom.strand_uv.emplace_back().uv) uv = uint32_t(random());
       if (l == 0) FillRest(groom.vertex_rest.emplace_back(), random);
-      if (l == 2) {
+      if (l == 3) {
+        FillRest(groom.strand_rest9.emplace_back(), random);
+      } else if (l == 2) {
         FillRest(groom.strand_rest5.emplace_back(), random);
       } else {
         FillRest(groom.strand_rest4.emplace_back(), random);
@@ -184,8 +186,9 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
   expect_same(back.vertex_rest, groom.vertex_rest);
   expect_same(back.strand_rest4, groom.strand_rest4);
   expect_same(back.strand_rest5, groom.strand_rest5);
-  ASSERT_EQ(back.layers.size(), 3u);
-  for (size_t i = 0; i < 3; ++i) {
+  expect_same(back.strand_rest9, groom.strand_rest9);
+  ASSERT_EQ(back.layers.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
     const GroomLayer &a = back.layers[i], &b = groom.layers[i];
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.first_chunk, b.first_chunk);
@@ -268,10 +271,10 @@ TEST(GroomFile, BytesAreLittleEndian) {
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTGRM\n", 8), 0);
   EXPECT_EQ(LoadU32(bytes, 8), kGroomVersion);
   EXPECT_EQ(LoadU32(bytes, 12), kStrandsPerChunk);
-  EXPECT_EQ(LoadU32(bytes, 28), 14u);
+  EXPECT_EQ(LoadU32(bytes, 28), 15u);
   EXPECT_EQ(LoadU32(bytes, 32), bytes.size());
   EXPECT_EQ(std::memcmp(bytes.data() + 48, "general\0\0\0\0\0\0\0\0\0", 16), 0);
-  const size_t general = 48 + 14 * 40;
+  const size_t general = 48 + 15 * 40;
   EXPECT_EQ(LoadU32(bytes, 48 + 16), general);
   EXPECT_EQ(bytes[general + 0], std::byte{0x00});
   EXPECT_EQ(bytes[general + 2], std::byte{0x20});
@@ -322,7 +325,7 @@ TEST(GroomFile, WrongFilesAreTold) {
   bad = good;
   bad[8] = std::byte{9};
   EXPECT_EQ(ErrorOf(bad),
-            "groom 'g.groom': section 'header', byte 8: version 9, this program reads 6; bake the "
+            "groom 'g.groom': section 'header', byte 8: version 9, this program reads 7; bake the "
             "character again with `pelt bake`");
   bad = good;
   bad[12] = std::byte{0};
@@ -377,7 +380,10 @@ TEST(GroomFile, EveryRuleHolds) {
       {"layers", "solver", [](Groom& g) { g.layers[1].params.solver = Solver(3); }},
       {"layers", "bounce", [](Groom& g) { g.layers[1].params.bounce = NAN; }},
       {"layers", "points", [](Groom& g) { g.layers[0].params.points = 5; }},
-      {"layers", "points", [](Groom& g) { g.layers[2].params.points = 6; }},
+      {"layers", "points: 4, 5 or 9", [](Groom& g) { g.layers[3].params.points = 6; }},
+      {"layers", "points is not between", [](Groom& g) { g.layers[3].params.points = 10; }},
+      {"layers", "only solver = \"modal\" has chains of 9",
+       [](Groom& g) { g.layers[3].params.solver = Solver::kPbd; }},
       {"layers", "chunks begin at", [](Groom& g) { g.layers[1].first_chunk = 1; }},
       {"layers", "chunks", [](Groom& g) { g.layers[2].chunk_count = 0xffffffffu; }},
       {"layers", "strands", [](Groom& g) { g.layers[2].strand_count++; }},
@@ -389,6 +395,7 @@ TEST(GroomFile, EveryRuleHolds) {
       {"vertex_rest", "where the layers need", [](Groom& g) { g.vertex_rest.pop_back(); }},
       {"strand_rest4", "where the layers need", [](Groom& g) { g.strand_rest4.pop_back(); }},
       {"strand_rest5", "where the layers need", [](Groom& g) { g.strand_rest5.pop_back(); }},
+      {"strand_rest9", "where the layers need", [](Groom& g) { g.strand_rest9.pop_back(); }},
       {"strand_uv", "where the layers need", [](Groom& g) { g.strand_uv.pop_back(); }},
       {"layer_joints", "joints", [](Groom& g) { g.layer_joints[1].count = 257; }},
       {"layer_joints", "unknown or named twice", [](Groom& g) { g.layer_joints[1].joint[2] = 7; }},
@@ -443,6 +450,7 @@ TEST(GroomFile, EveryRuleHolds) {
       {"vertex_rest", "not above 0", [](Groom& g) { g.vertex_rest[1].segment_length[3] = 0.0f; }},
       {"strand_rest4", "not a number", [](Groom& g) { g.strand_rest4[2].strength[3] = 1.5f; }},
       {"strand_rest5", "not a number", [](Groom& g) { g.strand_rest5[1].offset[3][2][1] = NAN; }},
+      {"strand_rest9", "not a number", [](Groom& g) { g.strand_rest9[1].offset[7][2][1] = NAN; }},
   };
   const Groom good = MakeGroom();
   ASSERT_EQ(CheckErrorOf(good), "");
@@ -472,6 +480,7 @@ TEST(GroomFile, MessagesNameTheByte) {
       [](Groom& g) -> float& { return g.vertex_rest[1].offset[2][1][4]; },
       [](Groom& g) -> float& { return g.strand_rest4[0].segment_length[0]; },
       [](Groom& g) -> float& { return g.strand_rest5[1].strength[1]; },
+      [](Groom& g) -> float& { return g.strand_rest9[1].offset[7][0][2]; },
   };
   for (const auto& field : fields) {
     Groom bad = good;
@@ -494,7 +503,7 @@ TEST(GroomFile, MessagesNameTheByte) {
 TEST(GroomFile, DamagedFilesNeverCrash) {
   const auto good = WriteGroom(MakeGroom()).OrThrow();
   std::mt19937 random(99);
-  const size_t table_end = 48 + 10 * 40;
+  const size_t table_end = 48 + 15 * 40;
   int refused = 0, accepted = 0;
   for (int i = 0; i < 4000; ++i) {
     auto bad = good;

@@ -226,8 +226,8 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
-  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, chunk = 0, shell_skin = 0, fin_edges = 0;
-  size_t rest_down = 0;
+  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, rest9 = 0, chunk = 0, shell_skin = 0;
+  size_t fin_edges = 0, rest_down = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
@@ -251,6 +251,8 @@ inline void ExpectValidGroom(const Groom& groom) {
         fin_edges += layer.params.fins;
       } else if (layer.params.points == 5) {
         ExpectRest(groom.strand_rest5.at(rest5++), block.strand_count);
+      } else if (layer.params.points == 9) {
+        ExpectRest(groom.strand_rest9.at(rest9++), block.strand_count);
       } else {
         ExpectRest(groom.strand_rest4.at(rest4++), block.strand_count);
       }
@@ -271,6 +273,7 @@ inline void ExpectValidGroom(const Groom& groom) {
   ASSERT_EQ(groom.vertex_rest.size(), vertex_rest);
   ASSERT_EQ(groom.strand_rest4.size(), rest4);
   ASSERT_EQ(groom.strand_rest5.size(), rest5);
+  ASSERT_EQ(groom.strand_rest9.size(), rest9);
   ASSERT_EQ(groom.shell_skin.size(), shell_skin);
   ASSERT_EQ(groom.fin_edges.size(), fin_edges);
   ASSERT_EQ(groom.rest_down.size(), rest_down);

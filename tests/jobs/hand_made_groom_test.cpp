@@ -27,7 +27,8 @@ const Spoilt kSpoilt[] = {
     {"4294967295 chunks", [](Groom& g) { g.layers.back().chunk_count = ~0u; }},
     {"strand_rest5", [](Groom& g) { g.strand_rest5.clear(); }},
     {"not a number", [](Groom& g) { g.vertex_rest[0].offset[0][0][0] = std::nanf(""); }},
-    {"points is not between", [](Groom& g) { g.layers[0].params.points = 7; }},
+    {"points is not between", [](Groom& g) { g.layers[0].params.points = 10; }},
+    {"points: 4, 5 or 9", [](Groom& g) { g.layers[0].params.points = 7; }},
 };
 
 TEST(HandMadeGroom, IsRefusedAsAFileWouldBe) {
