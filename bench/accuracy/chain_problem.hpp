@@ -27,7 +27,7 @@
 
 namespace pelt::accuracy {
 
-inline constexpr int kMaxLinks = 4;
+inline constexpr int kMaxLinks = 8;
 
 enum class CurlModel { kRoot, kParent };
 
@@ -91,7 +91,7 @@ ChainMaterial MakeMaterial(const Preset& preset, int links,
 // Sets the scale of material.stiffness so that the first mode has `frequency`, Hz.
 void ScaleToFrequency(double frequency, ChainMaterial& material);
 
-// An elastic rod as 3 or 4 equal links with calibrated coefficients: bending stiffness B = EI, N
+// An elastic rod as 3, 4 or 8 equal links with calibrated coefficients: bending stiffness B = EI, N
 // m^2, and mass per length rho, kg/m.
 ChainMaterial CalibratedRod(int links, double length, double bending_stiffness, double density);
 // The same with k_j = B / l and equal masses: what the calibration is measured against.

@@ -166,7 +166,9 @@ Strand DrawStrand(Random random, int links) {
   Double3 direction =
       Unit(TurnAbout(out, DrawAcross(random, out), random.Uniform(0.0, 70.0) * kDegree));
   Double3 axis = DrawAcross(random, direction);
-  const double curl = random.Uniform(7.0, 22.0) * kDegree, wind = random.Uniform(-1.0, 1.0) * curl;
+  const double share = links > 4 ? 4.0 / links : 1.0;
+  const double curl = share * random.Uniform(7.0, 22.0) * kDegree,
+               wind = random.Uniform(-1.0, 1.0) * curl;
   for (int i = 0; i < links; ++i) {
     strand.rest[size_t(i)] = direction;
     direction = Unit(TurnAbout(direction, axis, curl));

@@ -7,8 +7,8 @@
 // in 0.1 to 0.3 s, turns of up to 120 degrees, hops of up to 20 cm.
 //
 // A strand stands anywhere 5 to 15 cm from the middle of the body, leaning up to 70 degrees from
-// straight out, with 7 to 22 degrees of curl a joint. Strands of one motion share a length, 0.7 to
-// 1.4 of the preset's.
+// straight out, with 7 to 22 degrees of curl a joint, or as much in all as 4 links where there are
+// more. Strands of one motion share a length, 0.7 to 1.4 of the preset's.
 //
 // Invariant: what is drawn depends on the seed and the place in the list alone, so that a longer
 // list begins with the shorter one. The seed is renewed with a release, and no constant of a solver

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/accuracy/modal_solver.hpp"
+#include "bench/accuracy/solver_run.hpp"
 #include "core/modal/modal_material.hpp"
 #include "core/random.hpp"
 
@@ -14,6 +16,9 @@ namespace {
 constexpr int kMost = 16;  // links
 constexpr int kKeptPerSecond = 60;
 using RodDirections = std::array<Double3, kMost>;
+
+// Whether layers have chains of so many.
+bool IsOfLayers(int links) { return links == 3 || links == 4 || links == 8; }
 
 // n equal links of a rod of length 1, mass 1 and bending stiffness 1.
 struct Rod {
@@ -27,7 +32,7 @@ struct Rod {
       stiffness[i] = (i == 0 ? 2.0 : 1.0) / link;
       mass[i] = (i + 1 == n ? 0.5 : 1.0) * link;
     }
-    if (n > 4) return;
+    if (!IsOfLayers(n)) return;
     const RodCoefficients& c = CalibratedCoefficients(uint32_t(n));
     for (int i = 0; i < n; ++i) {
       stiffness[i] = c.stiffness[i] / link;
@@ -229,6 +234,29 @@ class Track {
     }
   }
 
+  // The same of the solver.
+  Track(const SolverFactory& solver, const Chain& chain, const Preset& preset, const Helix& helix,
+        const BodyMotion& motion, double seconds)
+      : n_(chain.links()) {
+    const RodDirections rest = helix.LinksOf(n_), start = chain.Equilibrium(rest);
+    Strand strand{helix.root, {}};
+    LinkDirections hung{};
+    std::copy_n(rest.begin(), n_, strand.rest.begin());
+    std::copy_n(start.begin(), n_, hung.begin());
+    SolverRun run(solver, MakeMaterial(preset, n_, Coefficients::kCalibrated), 1.0 / kKeptPerSecond,
+                  {strand}, std::span(&hung, 1), motion(0.0));
+    for (int frame = 1; frame <= int(seconds * kKeptPerSecond); ++frame) {
+      const BodyPose pose = motion(double(frame) / kKeptPerSecond);
+      run.Step(pose);
+      Double3 rigid = kZero3;
+      moved_.push_back(rigid);
+      for (int i = 0; i < n_; ++i) {
+        rigid = rigid + pose.Turn(start[size_t(i)]) * chain.link();
+        moved_.push_back(run.Point(0, i) - rigid);
+      }
+    }
+  }
+
   size_t frames() const { return moved_.size() / size_t(n_ + 1); }
   Double3 At(size_t frame, double share) const {
     const double place = share * n_;
@@ -283,8 +311,13 @@ double Distance(const Track& chain, const Track& rod, int links) {
 std::vector<ModelErrorRow> MeasureModelError(const ModelErrorOptions& options) {
   std::vector<ModelErrorRow> rows;
   for (const int links : options.links)
-    for (size_t preset = 0; preset < options.presets.size(); ++preset)
-      rows.push_back({links, preset, {}});
+    for (size_t preset = 0; preset < options.presets.size(); ++preset) {
+      rows.push_back({links, preset, {}, {}});
+      if (options.isa && IsOfLayers(links))
+        for (const ModalQuality quality :
+             {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest})
+          rows.push_back({links, preset, quality, {}});
+    }
   for (int m = 0; m < options.drawn.motions; ++m)
     for (size_t p = 0; p < options.presets.size(); ++p) {
       Preset preset = options.presets[p];
@@ -295,7 +328,11 @@ std::vector<ModelErrorRow> MeasureModelError(const ModelErrorOptions& options) {
         const Track rod(Chain(Rod(kRodLinks), preset), helix, motion, options.seconds);
         for (ModelErrorRow& row : rows) {
           if (row.preset != p) continue;
-          const Track chain(Chain(Rod(row.links), preset), helix, motion, options.seconds);
+          const Chain links(Rod(row.links), preset);
+          const Track chain = row.quality
+                                  ? Track(ModalFactory(ModalKernelsOf(*options.isa), *row.quality),
+                                          links, preset, helix, motion, options.seconds)
+                                  : Track(links, helix, motion, options.seconds);
           row.errors.push_back(Distance(chain, rod, row.links));
         }
       }

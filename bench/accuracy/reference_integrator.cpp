@@ -134,6 +134,7 @@ void ForLinks(int links, F f) {
   if (links == 2) f.template operator()<2>();
   if (links == 3) f.template operator()<3>();
   if (links == 4) f.template operator()<4>();
+  if (links == 8) f.template operator()<8>();
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // The figures beside the work-precision table: problems with one right answer each, for the solvers
 // that are worth comparing on them.
 //
-//  - cantilever: how far 3 or 4 calibrated links are from the continuous rod (no solver involved),
+//  - cantilever: how far 3, 4 or 8 calibrated links are from the continuous rod (without a solver),
 //    and how far a solver comes to rest from its own chain's equilibrium;
 //  - the pendulum challenge: distance from the exact third point at 1 s, and the time for it;
 //  - energy kept by an undamped strand; static shape over frame rates; frequency and decay of small

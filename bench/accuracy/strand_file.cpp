@@ -35,9 +35,10 @@ class StrandParser {
     CheckKeys();
     StrandFile file;
     ChainMaterial& m = file.material;
-    m.links = int(Number("links", 3.0, {3.0, 4.0, ""}));
+    m.links = int(Number("links", 3.0, {3.0, 8.0, ""}));
     if (const toml::node* links = table_.get("links"))
-      if (!links->is_integer()) Fail(*links, "links", "expected 3 or 4");
+      if (!links->is_integer() || (m.links > 4 && m.links != 8))
+        Fail(*links, "links", "expected 3, 4 or 8");
     if (!table_.contains("length")) Fail(table_, "length", "is needed and missing");
     const double length = Number("length", 0.0, {1e-4, 10.0, "m"});
     m.drag = Number("drag", 0.0, {0.0, 1000.0, "1/s"});

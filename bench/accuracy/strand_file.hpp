@@ -12,9 +12,9 @@
 //     start = "rest"         # or "equilibrium", or link directions in the world
 //     mass = [..]            # kg a point, with stiffness; in equal shares of 1 kg otherwise
 //
-// Invariant: a StrandFile is a chain every solver can be asked to run: 3 or 4 links of equal
-// length, everything finite and within bounds, directions of length 1. Whatever is not is an Error
-// with file, line, key and reason.
+// Invariant: a StrandFile is a chain every solver can be asked to run (of 8 links the modal one
+// alone): 3, 4 or 8 links of equal length, everything finite and within bounds, directions of length
+// 1. Whatever is not is an Error with file, line, key and reason.
 #pragma once
 
 #include <string>

@@ -52,6 +52,7 @@ ModelErrorOptions ModelOptionsOf(const WorkPrecisionOptions& options) {
   ModelErrorOptions model;
   model.presets = options.presets;
   model.drawn.seed = options.seed;
+  model.isa = options.isa;
   if (options.quick) {
     model.links = {3, 4};
     model.drawn.motions = 1;

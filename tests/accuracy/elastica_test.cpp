@@ -169,6 +169,17 @@ double TensionFrequency(ChainMaterial rod) {
   return std::sqrt(value);
 }
 
+TEST(CalibratedRod, OfEightLinksIsTheRodAndAsEasyToSolveAsEvenMasses) {
+  const ChainMaterial rod = CalibratedRod(8, 1.0, 1.0, 1.0);
+  const ModelError off = MeasureModel(rod);
+  EXPECT_LT(off.worst, 0.001);
+  for (const double frequency : off.frequency) EXPECT_NEAR(frequency, 1.0, 0.001);
+  EXPECT_LT(TensionFrequency(rod), 1.06 * TensionFrequency(NaiveRod(8, 1.0, 1.0, 1.0)));
+  double mass = 0.0;
+  for (int i = 0; i < 8; ++i) mass += rod.mass[size_t(i)];
+  EXPECT_NEAR(mass, 7.5 / 8, 1e-3);
+}
+
 TEST(CalibratedRod, IsCloserToTheRodThanThePublishedOneAndAsEasyToSolveAsEvenMasses) {
   for (const int links : {3, 4}) {
     const ChainMaterial rod = CalibratedRod(links, 1.0, 1.0, 1.0);

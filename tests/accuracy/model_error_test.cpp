@@ -36,6 +36,29 @@ TEST(ModelError, FallsWithTheLinksAndIsNothingForTheRodItself) {
   }
 }
 
+// By the solver a chain is as far off the rod as exactly, and what the solver itself gets wrong.
+TEST(ModelError, OfTheSolverIsThatOfItsLinks) {
+  ModelErrorOptions options;
+  options.links = {3, 8};
+  options.presets = {kPresets[2]};
+  options.drawn.motions = 2;
+  options.strands = 1;
+  options.seconds = 2.0;
+  options.isa = BestIsa();
+  const std::vector<ModelErrorRow> rows = MeasureModelError(options);
+  ASSERT_EQ(rows.size(), 8u);
+  for (size_t l = 0; l < 2; ++l) {
+    const double exactly = Quantile(rows[4 * l].errors, 0.5);
+    EXPECT_FALSE(rows[4 * l].quality);
+    for (size_t q = 1; q < 4; ++q) {
+      const double moved = Quantile(rows[4 * l + q].errors, 0.5);
+      std::printf("%d links, quality %zu: %.2f %% off the rod, exactly %.2f\n", rows[4 * l].links,
+                  q - 1, 100.0 * moved, 100.0 * exactly);
+      EXPECT_NEAR(moved, exactly, q == 1 ? 0.06 : 0.02);
+    }
+  }
+}
+
 TEST(ModelError, IsOfItsSeed) {
   ModelErrorOptions options;
   options.links = {3};

@@ -163,17 +163,15 @@ std::vector<Off> Sag(Scenario& scenario, float wetness) {
     for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
       const uint32_t layer = scene.shape().chunk_layer[c];
       if (!(scene.shape().layer_kind[layer] & kLayerModal)) continue;
-      const auto add = [&](const auto& points, const auto& rest, uint32_t tip) {
+      WithPoints(StrandPointsOf(scene.shape().layer_kind[layer]), [&]<uint32_t kPoints> {
+        const auto& points = *scene.memory().Of<ChainStreams<kPoints, false>::kPosition>(c);
+        const auto& rest = *scene.memory().Of<ChainStreams<kPoints, false>::kRest>(c);
+        constexpr uint32_t tip = kPoints - 2;
         const RootBlock& roots = *scene.memory().Of<&Streams::roots>(c);
         for (uint32_t s = 0; s < scene.memory().Of<&Streams::chunk_state>(c)->live_strands; ++s)
           tips[layer].push_back((At(points.position[tip], s) - At(roots.position, s)) *
                                 (1.0 / (double(rest.segment_length[s]) * (tip + 1))));
-      };
-      if (const auto* five = scene.memory().Of<&Streams::strand_points5>(c))
-        add(*five, *scene.memory().Of<&Streams::strand_rest5>(c), 3);
-      else
-        add(*scene.memory().Of<&Streams::strand_points4>(c),
-            *scene.memory().Of<&Streams::strand_rest4>(c), 2);
+      });
     }
     return tips;
   };

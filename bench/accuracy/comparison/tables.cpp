@@ -9,7 +9,7 @@
 namespace pelt::accuracy {
 namespace {
 
-static_assert(kMaxTableLinks == kMaxLinks);
+static_assert(kMaxTableLinks <= kMaxLinks);
 
 StepTable MakeStep(const ChainMaterial& m, const MethodSettings& settings, double frame_seconds) {
   const double h = frame_seconds / settings.substeps;
