@@ -158,6 +158,7 @@ void RunHostileCourse(uint64_t seed, std::optional<Solver> solver) {
     expect_near(StreamOf<&Streams::vertex_points>, 4);
     expect_near(StreamOf<&Streams::strand_points4>, 4);
     expect_near(StreamOf<&Streams::strand_points5>, 5);
+    expect_near(StreamOf<&Streams::strand_points9>, 9);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -72,10 +73,10 @@ Sizes SizesOf(FurScene& scene) {
     const RootBlock& roots = *memory.Of<&Streams::roots>(c);
     for (uint32_t s = 0; s < memory.Of<&Streams::chunk_state>(c)->live_strands; ++s) {
       ++sizes.strands;
-      if (const auto* five = memory.Of<&Streams::strand_points5>(c))
-        sizes.length += LengthOf(roots, *five, s);
-      else
-        sizes.length += LengthOf(roots, *memory.Of<&Streams::strand_points4>(c), s);
+      const uint32_t kind = scene.shape().layer_kind[scene.shape().chunk_layer[c]];
+      sizes.length += WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
+        return LengthOf(roots, *memory.Of<ChainStreams<kPoints, false>::kPosition>(c), s);
+      });
     }
   }
   return sizes;
@@ -85,9 +86,10 @@ Sizes SizesOf(FurScene& scene) {
 Scenario With(Solver solver) {
   Scenario scenario = CalmScenario();
   for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
-      if (solver != Solver::kVerlet || layer.params.chain == ChainKind::kStrand)
-        layer.params.solver = solver;
+    for (GroomLayer& layer : groom.layers) {
+      const Solver own = std::exchange(layer.params.solver, solver);
+      if (FindBadCombination(layer.params)) layer.params.solver = own;
+    }
   return scenario;
 }
 

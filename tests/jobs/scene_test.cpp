@@ -340,6 +340,7 @@ TEST(FurSceneInput, AbsurdButFiniteInputDoesNoLastingHarm) {
     finite(StreamOf<&Streams::vertex_points>, 4);
     finite(StreamOf<&Streams::strand_points4>, 4);
     finite(StreamOf<&Streams::strand_points5>, 5);
+    finite(StreamOf<&Streams::strand_points9>, 9);
   }
 }
 

@@ -34,34 +34,70 @@ inline Lighting TinyLighting() {
   return lighting;
 }
 
-// A layer of shells on the character's head, behind the layers that there are.
-inline void AddShells(Scenario& scenario) {
-  const FurSetup setup = ReadFurSetup(
-      "[[layer]]\n"
-      "name = 'shells'\n"
-      "output = 'shells'\n"
-      "length = { value = 0.03, randomise = 0.3 }\n"
-      "shells = 12\n"
-      "fur_texture_size = 32\n"
-      "fins = true\n"
-      "mask.range = { low = [0.0, 0.5, 0.0], high = [1.0, 1.0, 1.0] }\n",
-      "shells", ".");
+// Puts the layers of such a setup behind those of the first character.
+inline void AddLayers(Scenario& scenario, const char* setup_text) {
+  const FurSetup setup = ReadFurSetup(setup_text, "added", ".");
   Groom& groom = scenario.grooms[scenario.actors[0].groom];
   const Character& character = scenario.characters[scenario.actors[0].character];
-  const Groom shells = BakeGroom(character, ComputeRestGeometry(character, groom.unit_scale), setup,
-                                 groom.unit_scale);
+  const Groom added = BakeGroom(character, ComputeRestGeometry(character, groom.unit_scale), setup,
+                                groom.unit_scale);
   const auto append = [](auto& to, const auto& from) {
     to.insert(to.end(), from.begin(), from.end());
   };
-  groom.layers.push_back(shells.layers[0]);
-  groom.layers.back().first_chunk = uint32_t(groom.mesh.size());
-  append(groom.layer_joints, shells.layer_joints);
-  append(groom.mesh, shells.mesh);
-  append(groom.strands, shells.strands);
-  append(groom.strand_uv, shells.strand_uv);
-  append(groom.vertex_rest, shells.vertex_rest);
-  append(groom.shell_skin, shells.shell_skin);
-  append(groom.fin_edges, shells.fin_edges);
+  for (GroomLayer layer : added.layers) {
+    layer.first_chunk += uint32_t(groom.mesh.size());
+    groom.layers.push_back(layer);
+  }
+  append(groom.layer_joints, added.layer_joints);
+  append(groom.mesh, added.mesh);
+  append(groom.strands, added.strands);
+  append(groom.strand_uv, added.strand_uv);
+  append(groom.vertex_rest, added.vertex_rest);
+  append(groom.strand_rest4, added.strand_rest4);
+  append(groom.strand_rest5, added.strand_rest5);
+  append(groom.shell_skin, added.shell_skin);
+  append(groom.fin_edges, added.fin_edges);
+  append(groom.rest_down, added.rest_down);
+  append(groom.strand_rest9, added.strand_rest9);
+}
+
+// A layer of shells on the character's head, behind the layers that there are.
+inline void AddShells(Scenario& scenario) {
+  AddLayers(scenario,
+            "[[layer]]\n"
+            "name = 'shells'\n"
+            "output = 'shells'\n"
+            "length = { value = 0.03, randomise = 0.3 }\n"
+            "shells = 12\n"
+            "fur_texture_size = 32\n"
+            "fins = true\n"
+            "mask.range = { low = [0.0, 0.5, 0.0], high = [1.0, 1.0, 1.0] }\n");
+}
+
+// Long hair of 8 links: as instances, and as ribbons that keep their groom.
+inline void AddLongHair(Scenario& scenario) {
+  AddLayers(scenario,
+            "[[layer]]\n"
+            "name = 'mane'\n"
+            "chain = 'strand'\n"
+            "points = 9\n"
+            "density = 60_000\n"
+            "max_strands = 150\n"
+            "mask = { materials = ['head'] }\n"
+            "length = { value = 0.12, randomise = 0.3 }\n"
+            "curl = 300\n"
+            "clump = 0.3\n"
+            "clump_controls = 16\n"
+            "[[layer]]\n"
+            "name = 'tail'\n"
+            "chain = 'strand'\n"
+            "points = 9\n"
+            "density = 60_000\n"
+            "max_strands = 100\n"
+            "mask = { materials = ['tail', 'arm'] }\n"
+            "output = 'ribbons'\n"
+            "length = 0.15\n"
+            "sag_free = true\n");
 }
 
 // A sponge on the head, mud that reaches further, and what wipes some of it off.
@@ -89,7 +125,8 @@ inline Scenario LitScenario() {
   return scenario;
 }
 
-// Besides, every other layer of ribbons as lines, and a lit layer of shells: layers of every output.
+// Besides, every other layer of ribbons as lines, long hair, and a lit layer of shells: layers of
+// every output, and chains of every number of points.
 inline Scenario EveryOutputScenario() {
   Scenario scenario = LitScenario();
   uint32_t ribbons = 0;
@@ -97,6 +134,7 @@ inline Scenario EveryOutputScenario() {
     for (GroomLayer& layer : groom.layers)
       if (layer.params.output == Output::kRibbons && ribbons++ % 2 == 0)
         layer.params.output = Output::kLines;
+  AddLongHair(scenario);
   AddShells(scenario);
   scenario.grooms[0].layers.back().params.lit = true;
   return scenario;
