@@ -48,14 +48,17 @@ PELT_INLINE void PlacePoints(const Vec3<W> (&d)[N], chain::Group<W, N>& g) {
   for (uint32_t i = 0; i < N; ++i) PlacePoint(i, d, g);
 }
 
-// Directions from points, the points put back at the links' length.
+// Directions from points, the points put back at the links' length: each link towards its point. By
+// how much links are longer than the way through the points adds up towards the tip; of 8 links the
+// last one would fold, so of more than 4 each goes as its two points lie.
 template <class W, uint32_t N>
 PELT_INLINE void LayLinks(chain::Group<W, N>& g, Vec3<W> (&d)[N]) {
   Vec3<W> at = {W(0.0f), W(0.0f), W(0.0f)};
   for (uint32_t i = 0; i < N; ++i) {
-    d[i] = NormalizeOr(g.point[i] - at, d[i]);
+    const Vec3<W> point = g.point[i];
+    d[i] = NormalizeOr(point - at, d[i]);
     PlacePoint(i, d, g);
-    at = g.point[i];
+    at = N > 4 ? point : g.point[i];
   }
 }
 
