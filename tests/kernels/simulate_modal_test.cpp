@@ -279,6 +279,27 @@ TEST(SimulateModal, RestartNewLanesAndNoStrengthLieOnTheGroom) {
   for (uint32_t lane = 50; lane < 60; ++lane) EXPECT_TRUE(on_groom(lane)) << lane;
 }
 
+// Towards a control strand that stands behind it by more than a link is long.
+TEST(SimulateModal, AClumpedStrandOfEightLinksDoesNotFold) {
+  constexpr double kLink = 0.01;
+  auto s = std::make_unique<ModalScene<9>>(CalibratedMaterial(8, 3.0, 0.1, 6.0));
+  s->layer.flags |= kLayerClump;
+  s->layer.clump = 0.8f;
+  s->layer.gravity[1] = 0.0f;
+  s->strands.control_count = 16;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    s->strands.control[lane] = uint8_t(lane % 16);
+    s->MoveRoot(lane, {lane < 16 ? -1.5 * kLink : 0.0, 0.0, 0.0});
+  }
+  s->Step(kDt);
+  s->Step(kDt);
+  for (uint32_t lane = 16; lane < kStrandsPerChunk; ++lane)
+    for (uint32_t i = 1; i < 8; ++i)
+      EXPECT_NEAR(s->position.position[i][0][lane] - s->position.position[i - 1][0][lane], kLink,
+                  1e-6)
+          << lane << ", link " << i;
+}
+
 // Starts and motions that make bare Newton solvers stick in wrong states.
 struct Trial {
   const char* name;
