@@ -78,6 +78,26 @@ TEST(FewerPoints, IsTheGroomOfABakeWithFewerPoints) {
   }
 }
 
+TEST(FewerPoints, OfNineAreFour) {
+  const Character character = MakeBuiltinCharacter({.tiny = true});
+  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
+  FurSetup setup = ReadFurSetup(
+      "[[layer]]\nname = 'mane'\nchain = 'strand'\npoints = 9\nmax_strands = 200\ncurl = 200\n",
+      "mane", ".");
+  const Groom from = BakeGroom(character, rest, setup, 1.0f);
+  ASSERT_GT(from.strand_rest9.size(), 0u);
+  EXPECT_TRUE(from.strand_rest4.empty());
+  EXPECT_EQ(FindGroomFault(from, "nine"), "");
+  EXPECT_TRUE(HasMorePoints(from));
+  const Groom to = ResampleToFewestPoints(from);
+  EXPECT_EQ(FindGroomFault(to, "four"), "");
+  EXPECT_TRUE(to.strand_rest9.empty());
+  setup.layers[0].params.points = 4;
+  const Groom baked = BakeGroom(character, rest, setup, 1.0f);
+  ASSERT_EQ(to.strand_rest4.size(), baked.strand_rest4.size());
+  EXPECT_LT(FarthestApart(to, baked), 0.05);
+}
+
 // Layers that have four already keep every bit, wherever they stand among the others.
 TEST(FewerPoints, LeavesStrandsOfFourAsTheyAre) {
   const Resampled r("tiny");
