@@ -57,8 +57,8 @@ struct FrameEnd {
     return far2 < limit * limit;
   }
 
-  // Writes the lanes back but those that were picked, which keep their bits; returns those of
-  // which some bit changed, or the root or the wind did.
+  // Writes the lanes back but those `picked`, which keep their bits; returns those of which some bit
+  // changed, or the root or the wind did.
   template <class At>
   static PELT_INLINE Mask Store(const SimulateParams& params, const Ports& ports, const At& at,
                                 const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,

@@ -265,9 +265,10 @@ struct SimulateModal {
       for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
     }
     const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
-    return Any(
-        End::Store(params, ports, at, g, fresh, quiet, picked, still, controls != nullptr, motion) &
-        alive);
+    // Lanes that do not live keep their bits too: how many of them a group has is the machine's.
+    return Any(End::Store(params, ports, at, g, fresh, quiet, picked | !alive, still,
+                          controls != nullptr, motion) &
+               alive);
   }
 
   static PELT_INLINE bool HasObstacles(const Params& params, const Ports& ports) {
