@@ -2,12 +2,13 @@
 # Installs what is missing, builds and runs the tests.
 #   bash tests/run.sh          one build (g++, RelWithDebInfo) with the kernels of this machine's AVX2, if it has that,
 #                              without the tests that build Pelt again or look through all of it
-#   bash tests/run.sh all      what CI runs: all tests, with every instruction set, and what needs a browser, cross
-#                              compilers or an emulator; besides it clang Release, chunks of another size in g++ Debug,
-#                              address and undefined-behaviour sanitizers, and a thread sanitizer on what runs without
-#                              oneTBB (whose own synchronisation the sanitizer does not understand)
-#   bash tests/run.sh release  before a release: the same, with every instruction set in every build, more of the tests
-#                              in chunks of 64, under clang Release and under sanitizers, and g++ Debug
+#   bash tests/run.sh all      what CI runs: every instruction set by g++ and as WebAssembly, what needs a browser, Pelt
+#                              as a package, big-endian PowerPC under an emulator, clang-tidy; by clang address and
+#                              undefined-behaviour sanitizers on what handles memory, and a thread sanitizer on what
+#                              runs without oneTBB (whose own synchronisation the sanitizer does not understand)
+#   bash tests/run.sh release  before a release: besides that clang Release, g++ Debug, chunks of another size, AArch64,
+#                              Windows, the kernel tests compiled for AVX-512, sanitizers on all but the slow tests,
+#                              each file compiled by itself, and every instruction set in every build
 # Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -17,13 +18,14 @@ what=${1:-one}
 extra=()
 # Without these the tests that need them say that they are skipped.
 if [ "$what" != one ]; then
-  extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu g++-aarch64-linux-gnu qemu-user openmpi-bin python3
-    g++-mingw-w64-x86-64-posix wine64 libegl1 libgl1-mesa-dri
-    lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32)
+  extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu qemu-user openmpi-bin python3
+    libegl1 libgl1-mesa-dri lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
+  if [ "$what" = release ]; then extra+=(g++-aarch64-linux-gnu g++-mingw-w64-x86-64-posix wine64); fi
 fi
 bash .ci/setup.sh ${extra[@]+"${extra[@]}"}
 jobs=$(nproc)
+export CMAKE_BUILD_PARALLEL_LEVEL=$jobs  # of builds within builds and tests
 
 # build NAME COMPILER BUILD_TYPE "TARGETS" [cmake arguments]: into build/NAME, its output into build/NAME.log.
 build() {
@@ -47,57 +49,70 @@ check() {
 launcher=(env)
 
 mkdir -p build
-# What the compiler makes of every kernel is seen in the gate's last build; the others need one instruction set.
+# What the compiler makes of every kernel is seen in the build of everything; the others need one instruction set.
 narrow=()
 if [ "$what" != release ] && grep -qsw avx2 /proc/cpuinfo; then narrow=(-DPELT_ISAS=avx2); fi
-if [ "$what" != one ]; then
-  chunk64=(jobs determinism) clang_release=(determinism) unsanitized=(-E accuracy_test)
-  if [ "$what" = release ]; then
-    export PELT_CROSS_ISAS=all
-    chunk64+=(kernels) clang_release+=(kernels platform accuracy) unsanitized=()
-  fi
-  programs() { printf 'pelt_%s_test ' "$@"; }
-  pattern() { (IFS='|'; echo "golden_[a-z]+\$|pelt_($*)_test\$"); }
-  # Each file by itself, as a parent's build compiles it: what a file forgets to include is seen here.
-  build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread -DPELT_WHOLE=OFF \
-    ${narrow[@]+"${narrow[@]}"}
-  # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
-  if setarch "$(uname -m)" -R true 2>/dev/null; then launcher=(setarch "$(uname -m)" -R); fi
-  check clang-thread -L thread
-  launcher=(env)
-  build clang-sanitize clang++ Debug pelt_tests -DPELT_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1" \
+
+sanitized() {
+  # Before a release every program but the slow ones, and each file by itself, as a parent's build compiles it: what a
+  # file forgets to include is seen.
+  local programs=pelt_memory_tests tests=(-L memory) threads=(-DPELT_ISAS=reference)
+  if [ "$what" = release ]; then programs=pelt_tests tests=(-LE slow) threads=(-DPELT_WHOLE=OFF); fi
+  build clang-sanitize clang++ Debug "$programs" -DPELT_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1" \
     -DPELT_TEST_WIDE_KERNELS=OFF ${narrow[@]+"${narrow[@]}"}
   # Not the longest of what is about figures, which the other builds hold: other tests walk the same paths.
-  figures="PlantedErrors.*:MeasuredRows.HoldAt*:Perlin.HasZero*:Perlin.Neighbouring*:SimulateVerlet.AStillScene*Bias"
+  local figures="PlantedErrors.*:MeasuredRows.HoldAt*:Perlin.HasZero*:Perlin.Neighbouring*:SimulateVerlet.AStillScene*Bias"
   figures+=":SimulatePbd.ComingToRest*:SimulatePbd.MotionDoesNotGrow*:Comparison.ErrorsAre*:Comparison.OurOwn*"
   figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:Modal.CurlThat*:Collider.ALinkThatLeans*"
   figures+=":SimulateModalContact.ASoftSurfaceIsAsDeep*:SimulateModalContact.KeepsWithinMaxDistance*"
   figures+=":KernelCost.ScheduledWindows*:SharedTransfers.TakesAsLong*:DmaProperties.NoStage*:ConsoleMachines.AreTimed*"
   figures+=":MeasuredRows.EachIs*"
-  UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize -LE slow \
-    ${unsanitized[@]+"${unsanitized[@]}"}
-  if [ "$what" = release ]; then
-    # What g++ makes of the frame without optimisation; asserts everywhere else are the sanitizer build's.
-    build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF
-    check gcc-debug -R 'golden_[a-z]+$|determinism_test'
-  fi
+  UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize "${tests[@]}"
+  build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread "${threads[@]}"
+  # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
+  if setarch "$(uname -m)" -R true 2>/dev/null; then launcher=(setarch "$(uname -m)" -R); fi
+  check clang-thread -L thread
+}
+before_a_release() {
+  programs() { printf 'pelt_%s_test ' "$@"; }
+  pattern() { (IFS='|'; echo "golden_[a-z]+\$|pelt_($*)_test\$"); }
+  # What g++ makes of the frame without optimisation; asserts everywhere else are the sanitizer build's.
+  build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF
+  check gcc-debug -R 'golden_[a-z]+$|determinism_test'
   # The other capacity: its bits are its own, and the same whatever runs it.
+  local chunk64=(jobs determinism kernels) clang_release=(determinism kernels platform accuracy)
   build gcc-chunk64 g++ Debug "$(programs "${chunk64[@]}")" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" \
-    -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF ${narrow[@]+"${narrow[@]}"}
+    -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF
   check gcc-chunk64 -R "$(pattern "${chunk64[@]}")" -E golden
-  # The other compiler, optimised: the bits that are kept. The sanitizer build is clang's too, and has the tests of
-  # everything else.
-  build clang-release clang++ Release "pelt $(programs "${clang_release[@]}")" -DPELT_TEST_WIDE_KERNELS=OFF \
-    ${narrow[@]+"${narrow[@]}"}
+  # The other compiler, optimised: the bits that are kept.
+  build clang-release clang++ Release "pelt $(programs "${clang_release[@]}")" -DPELT_TEST_WIDE_KERNELS=OFF
   check clang-release -R "$(pattern "${clang_release[@]}")|^pelt_verify_tiny\$"
-fi
-# Last, because it has most tests: its summary is the closing line.
-every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=ON) left_out=()
-if [ "$what" = one ]; then
-  every=("${narrow[@]:--DPELT_ISAS=}" -DPELT_TEST_WIDE_KERNELS=OFF) left_out=(-LE gate)
-  echo "== left to 'bash tests/run.sh all': other compilers, instruction sets and machines, sanitizers, packages, clang-tidy"
-fi
+}
+
 # The page's module is another compiler's work, and its test wants a browser.
-if [ "$what" != one ]; then every+=(-DPELT_WASM=ON); fi
+every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_WASM=ON) left_out=(-LE release)
+case $what in
+one)
+  every=("${narrow[@]:--DPELT_ISAS=}" -DPELT_TEST_WIDE_KERNELS=OFF) left_out=(-LE 'gate|release')
+  echo "== left to 'bash tests/run.sh all': other instruction sets, sanitizers, packages, other machines, WebAssembly" ;;
+all) echo "== left to 'bash tests/run.sh release': clang Release, g++ Debug, chunks of 64, AArch64, Windows, more under sanitizers" ;;
+release) every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=ON -DPELT_WASM=ON) left_out=() ;;
+esac
+if [ "$what" != one ]; then
+  # Beside the build of everything, whose configuration, links and last kernels leave cores idle, as their tests do. In
+  # a process group of its own, so that nothing of it outlives this script.
+  set -m
+  sanitized >build/sanitized.log 2>&1 &
+  set +m
+  lane=$!
+  trap 'kill -- "-$lane" 2>/dev/null || true' EXIT
+fi
 build gcc g++ RelWithDebInfo all "${every[@]}"
+if [ "$what" != one ]; then
+  wait "$lane" || { cat build/sanitized.log; exit 1; }
+  trap - EXIT
+  cat build/sanitized.log
+fi
+if [ "$what" = release ]; then before_a_release; fi
+# Last, because it has most tests: its summary is the closing line.
 check gcc ${left_out[@]+"${left_out[@]}"}
