@@ -107,12 +107,13 @@ float DepthFloor(float covered, float floor) { return glm::mix(1.0f, floor, cove
 
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface,
-              std::shared_ptr<const ReliefCoat> relief, std::span<const SharedGrowth> growth) {
+              std::shared_ptr<const ReliefCoat> relief, std::span<const SharedGrowth> growth,
+              const SkinFurFinder* skin) {
   Body body;
   body.surface = std::move(surface);
   body.character = &scenario.characters[scenario.actors[actor].character];
   PoseVertices(*scene.memory().Of<&Streams::palette>(actor), body);
-  const SkinFur fur = FindSkinFur(scene, actor, body.character->mesh);
+  const SkinFur fur = skin ? skin->Find(scene) : FindSkinFur(scene, actor, body.character->mesh);
   body.fur = fur.colour;
   body.fur_tip = fur.tip;
   body.paint = fur.paint;

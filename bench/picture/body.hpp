@@ -24,6 +24,7 @@ struct Eye {
 };
 
 class ReliefCoat;
+class SkinFurFinder;
 
 // A layer whose density is known per texel: hair seen from the side for each area of skin, where that is 1. A bald
 // spot is as sharp as its map.
@@ -64,11 +65,12 @@ bool IsMapped(const Body& body, uint32_t triangle);
 // How much of the skin fur covers, at any place: with mapped layers as their maps say, else between the vertices.
 float CoveredAt(const Body& body, const SurfacePoint& point);
 
-// `growth`: of the scene's layers by number, null where there is none; or empty.
+// `growth`: of the scene's layers by number, null where there is none; or empty. `skin`: the actor's; null: found for
+// this body alone.
 Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const SurfaceColour> surface,
               std::shared_ptr<const ReliefCoat> relief = nullptr,
-              std::span<const SharedGrowth> growth = {});
+              std::span<const SharedGrowth> growth = {}, const SkinFurFinder* skin = nullptr);
 
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;

@@ -99,15 +99,17 @@ void FrameBlend::Blend(float share, PictureScene& shown) const {
     const LayerDraw& draw = shown.draws[i];
     const auto from = std::ranges::find(kept_->draws, draw.layer, &Draw::layer);
     if (from == kept_->draws.end()) continue;
-    const auto place_before = [&](size_t place) {
-      const uint32_t strand = draw.order[place];
+    const auto place_before = [&](size_t strand) {
       return strand < from->place_of_strand.size() ? from->place_of_strand[strand] : kNowhere;
     };
     const size_t per_strand = draw.format().vertices_per_strand;
     const auto index_before = [&](size_t index) -> size_t {
       if (!draw.format().OfStrands()) return index;
-      if (index / per_strand >= draw.strand_count) return kNowhere;
-      const size_t place = place_before(index / per_strand);
+      const size_t at = index / per_strand;
+      if (shown.order == VertexOrder::kIndexBuffer)
+        return place_before(at) == kNowhere ? kNowhere : index;
+      if (at >= draw.strand_count) return kNowhere;
+      const size_t place = place_before(draw.order[at]);
       return place == kNowhere ? kNowhere : place * per_strand + index % per_strand;
     };
     MixVertices<CurveRecord>(from->vertices, draw, vertices[i], share, index_before);
@@ -115,7 +117,7 @@ void FrameBlend::Blend(float share, PictureScene& shown) const {
     MixVertices<LineVertex>(from->vertices, draw, vertices[i], share, index_before);
     MixVertices<ShellVertex>(from->vertices, draw, vertices[i], share, index_before);
     for (size_t place = 0; place < shown.layers[i].size(); ++place)
-      if (const uint32_t before = place_before(place); before < from->hairs.size())
+      if (const uint32_t before = place_before(draw.order[place]); before < from->hairs.size())
         MixHair(from->hairs[before], share, shown.layers[i][place]);
   }
 }

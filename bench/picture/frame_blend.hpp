@@ -10,7 +10,7 @@ namespace pelt {
 
 class FrameBlend {
  public:
-  // The frame to come from, while its scene still holds it. Of VertexOrder::kSorted.
+  // The frame to come from, while its scene still holds it.
   void Keep(PictureScene shown);
   void Forget() { kept_.reset(); }
   bool HasFrame() const { return kept_.has_value(); }

@@ -37,20 +37,49 @@ LookBlock140 Look140(const PictureLook& look) {
   return block;
 }
 
-// What is drawn, as the graphics card has it.
+// What is drawn, as the graphics card has it: kept from picture to picture.
 struct Uploaded {
   GlBodies bodies;
-  GlRelief relief;
+  std::optional<GlRelief> relief;
   GlStrands strands;
   GlShells shells;
   GlShadows shadows;
+  uint64_t content = 0;  // PictureScene's, that is here
+  glm::vec3 to_sun{0.0f};
 
-  Uploaded(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene)
-      : bodies(gl, scene),
-        relief(gl, scene),
-        strands(gl, scene),
-        shells(gl, scene),
-        shadows(gl, programs, scene, bodies, strands, shells) {}
+  explicit Uploaded(const GlApi& gl) : bodies(gl), strands(gl), shells(gl), shadows(gl) {}
+
+  // Sends what is other than before. The sun's maps are drawn where that, or the sun, is.
+  void Take(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene) {
+    bool changed = to_sun != scene.look.light.to_sun;
+    if (content == 0 || content != scene.content) {
+      if (bodies.Take(scene)) {
+        relief.emplace(gl, scene);
+        changed = true;
+      }
+      changed |= strands.Take(scene);
+      changed |= shells.Take(scene);
+    }
+    content = scene.content;
+    to_sun = scene.look.light.to_sun;
+    if (changed)
+      shadows.Draw(programs, scene, bodies, strands, shells);
+    else
+      shadows.Bind();
+  }
+};
+
+// What is drawn into, of a size.
+struct Targets {
+  glm::ivec2 samples, pixels;
+  GlTexture drawn, depth, resolved;
+
+  Targets(const GlApi& gl, const glm::ivec2& size, const glm::ivec2& size_px)
+      : samples(size),
+        pixels(size_px),
+        drawn(MakeTexture(gl, GL_RGBA16F, size.x, size.y)),
+        depth(MakeTexture(gl, GL_DEPTH_COMPONENT32F, size.x, size.y)),
+        resolved(MakeTexture(gl, GL_RGBA8, size_px.x, size_px.y)) {}
 };
 
 // How the picture looks into the world.
@@ -77,13 +106,16 @@ struct GlRenderer::State {
   GlVertexArray no_array;
   GlBuffer look;
   GlStrips strips;
+  Uploaded uploaded;
+  std::optional<Targets> targets;
 
   State(GlContext opened, GlPrograms made)
       : context(std::move(opened)),
         programs(std::move(made)),
         no_array(context.gl()),
         look(context.gl()),
-        strips(context.gl()) {}
+        strips(context.gl()),
+        uploaded(context.gl()) {}
 
   const GlApi& gl() const { return context.gl(); }
   // What cards of hairs need, if there are any.
@@ -95,11 +127,9 @@ struct GlRenderer::State {
   }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
-  void DrawActor(const PictureScene& scene, uint32_t actor, const Uploaded& uploaded) const;
-  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer,
-                 const Uploaded& uploaded) const;
-  void DrawScene(const PictureScene& scene, const PictureOptions& options,
-                 const Uploaded& uploaded) const;
+  void DrawActor(const PictureScene& scene, uint32_t actor) const;
+  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer) const;
+  void DrawScene(const PictureScene& scene, const PictureOptions& options) const;
   // Draws all of it, and calls take() while a framebuffer of the picture's pixels is bound, its rows from the top.
   template <class Take>
   void DrawPixels(const PictureScene& scene, const PictureOptions& options, const Take& take);
@@ -151,8 +181,7 @@ void GlRenderer::State::SetLook(const PictureLook& lit_by) const {
 }
 
 // Skin, the relief on it, eyes.
-void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
-                                  const Uploaded& uploaded) const {
+void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor) const {
   SetLook(scene.body_looks[actor]);
   const auto use = [&](GlPrograms::Other name) -> const GlProgram& {
     const GlProgram& program = programs[name];
@@ -165,13 +194,13 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
   SetPaint(body, scene.bodies[actor].paint_look);
   body.Set("depth_floor", scene.body_looks[actor].depth_floor);
   uploaded.bodies.DrawSkin(actor);
-  if (uploaded.relief.Has(actor)) {
+  if (uploaded.relief->Has(actor)) {
     gl().DepthFunc(GL_LEQUAL);
     gl().Enable(GL_BLEND);
     gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     const GlProgram& relief = use(GlPrograms::kRelief);
     relief.Set("depth_floor", scene.body_looks[actor].depth_floor);
-    uploaded.relief.Draw(relief, actor);
+    uploaded.relief->Draw(relief, actor);
     gl().Disable(GL_BLEND);
     gl().DepthFunc(GL_LESS);
   }
@@ -180,7 +209,7 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
 }
 
 void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit,
-                                  size_t layer, const Uploaded& uploaded) const {
+                                  size_t layer) const {
   const uint32_t actor = scene.actors[layer];
   SetLook(scene.layer_looks[layer]);
   gl().Enable(GL_BLEND);
@@ -211,19 +240,18 @@ void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<G
 }
 
 // Into the framebuffer that is bound.
-void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options,
-                                  const Uploaded& uploaded) const {
+void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options) const {
   constexpr float kNothing[4] = {}, kFar = 1.0f;
   gl().DepthMask(GL_TRUE);
   gl().ClearBufferfv(GL_COLOR, 0, kNothing);
   gl().ClearBufferfv(GL_DEPTH, 0, &kFar);
   gl().Enable(GL_DEPTH_TEST);
   gl().DepthFunc(GL_LESS);
-  for (uint32_t a = 0; a < scene.bodies.size(); ++a) DrawActor(scene, a, uploaded);
+  for (uint32_t a = 0; a < scene.bodies.size(); ++a) DrawActor(scene, a);
   const std::vector<GlProgram>& lit =
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
   for (size_t layer = 0; layer < uploaded.strands.layers(); ++layer) {
-    DrawLayer(scene, lit, layer, uploaded);
+    DrawLayer(scene, lit, layer);
     if (layer + 1 == uploaded.strands.layers()) break;
     gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     uploaded.strands.DrawStrips(programs.strand_depth, layer);
@@ -277,25 +305,23 @@ void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptio
                     width, height));
   MakeCards(scene);
   SetScene(scene, options, samples);
-  const Uploaded uploaded(gl, programs, scene);
+  uploaded.Take(gl, programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
     lighting.emplace(gl, programs, scene, uploaded.bodies, uploaded.shadows, options);
   gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  const GlTexture drawn = MakeTexture(gl, GL_RGBA16F, width, height);
-  const GlTexture depth = MakeTexture(gl, GL_DEPTH_COMPONENT32F, width, height);
+  const glm::ivec2 size(width, height), size_px(options.width_px, options.height_px);
+  if (!targets || targets->samples != size || targets->pixels != size_px)
+    targets.emplace(gl, size, size_px);
   const GlFramebuffer target(gl);
   gl.BindFramebuffer(GL_FRAMEBUFFER, target);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, targets->drawn, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, targets->depth, 0);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
   gl.Viewport(0, 0, width, height);
-  DrawScene(scene, options, uploaded);
-  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  const GlTexture pixels =
-      MakeTexture(gl, GL_RGBA8, GLsizei(options.width_px), GLsizei(options.height_px));
-  Resolve(scene, options, drawn, pixels, samples);
+  DrawScene(scene, options);
+  Resolve(scene, options, targets->drawn, targets->resolved, samples);
   take();
   CheckErrors();
 }
@@ -323,8 +349,8 @@ void GlRenderer::Show(const PictureScene& scene, const PictureOptions& options) 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
   state_->MakeCards(scene);
   state_->SetScene(scene, {}, kSamples);
-  const Uploaded uploaded(state_->gl(), state_->programs, scene);
-  std::vector<glm::vec4> texels = uploaded.shadows.Read(actor);
+  state_->uploaded.Take(state_->gl(), state_->programs, scene);
+  std::vector<glm::vec4> texels = state_->uploaded.shadows.Read(actor);
   state_->CheckErrors();
   return texels;
 }

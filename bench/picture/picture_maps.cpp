@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bench/picture/relief_coat.hpp"
+#include "bench/picture/skin_fur.hpp"
 #include "core/character/pose.hpp"
 
 namespace pelt {
@@ -41,6 +42,15 @@ std::vector<PictureMaps::LayerGrowth> PictureMaps::MakeGrowth(const Scenario& sc
     if (SharedGrowth growth = MakeGrowthSheets(character, rest, setup, layer, notes_))
       made.push_back({layer.name, std::move(growth)});
   return made;
+}
+
+const SkinFurFinder& PictureMaps::SkinOf(const Scenario& scenario, const FurScene& scene,
+                                         uint32_t actor) const {
+  skins_.resize(scenario.actors.size());
+  if (!skins_[actor])
+    skins_[actor] = std::make_shared<SkinFurFinder>(
+        scene, actor, scenario.characters[scenario.actors[actor].character].mesh);
+  return *skins_[actor];
 }
 
 SharedGrowth PictureMaps::GrowthOf(uint32_t actor, std::string_view layer) const {

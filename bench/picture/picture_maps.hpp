@@ -14,6 +14,7 @@
 namespace pelt {
 
 class ReliefCoat;
+class SkinFurFinder;
 
 class PictureMaps {
  public:
@@ -25,6 +26,9 @@ class PictureMaps {
     return surfaces_[character];
   }
   const std::shared_ptr<const ReliefCoat>& ReliefOf(uint32_t actor) const { return coats_[actor]; }
+  // `scene` runs the scenario's grooms; found when it is asked for first.
+  const SkinFurFinder& SkinOf(const Scenario& scenario, const FurScene& scene,
+                              uint32_t actor) const;
   // Null where the layer has none.
   SharedGrowth GrowthOf(uint32_t actor, std::string_view layer) const;
   const std::vector<std::string>& relief() const { return relief_; }
@@ -42,6 +46,7 @@ class PictureMaps {
   std::vector<std::shared_ptr<const SurfaceColour>> surfaces_;  // of the characters
   std::vector<std::shared_ptr<const ReliefCoat>> coats_;        // of the actors
   std::vector<std::vector<LayerGrowth>> growth_;                // of the actors
+  mutable std::vector<std::shared_ptr<const SkinFurFinder>> skins_;  // likewise
   std::vector<std::string> notes_;
 };
 

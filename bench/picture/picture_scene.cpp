@@ -34,16 +34,16 @@ PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, cons
 }
 
 PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
-                           const Camera& camera, VertexOrder order) {
+                           const Camera& camera, VertexOrder order, std::span<const Body> posed) {
   const std::vector<SharedGrowth> growth = FindGrowth(maps, scene);
-  const FrameLight light(scene);
-  PictureScene shown{camera, order, light.OnActor(0), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
-  for (uint32_t a = 0; a < scenario.actors.size(); ++a) {
+  PictureScene shown{};
+  shown.camera = camera;
+  shown.order = order;
+  shown.bodies.assign(posed.begin(), posed.end());
+  for (uint32_t a = 0; posed.empty() && a < scenario.actors.size(); ++a)
     shown.bodies.push_back(PoseBody(scenario, scene, a,
                                     maps.SurfaceOf(scenario.actors[a].character), maps.ReliefOf(a),
-                                    growth));
-    shown.body_looks.push_back(light.OnActor(a));
-  }
+                                    growth, &maps.SkinOf(scenario, scene, a)));
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
@@ -53,9 +53,19 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);
     shown.actors.push_back(scene.shape().layer_character[draw.layer]);
-    shown.layer_looks.push_back(light.OnLayer(draw.layer));
   }
+  LightPicture(scene, shown);
   return shown;
+}
+
+void LightPicture(const FurScene& scene, PictureScene& shown) {
+  const FrameLight light(scene);
+  shown.look = light.OnActor(0);
+  shown.body_looks.clear();
+  for (uint32_t a = 0; a < shown.bodies.size(); ++a)
+    shown.body_looks.push_back(light.OnActor(a));
+  shown.layer_looks.clear();
+  for (const LayerDraw& draw : shown.draws) shown.layer_looks.push_back(light.OnLayer(draw.layer));
 }
 
 std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene) {

@@ -46,6 +46,8 @@ struct PictureScene {
   // Of each draw, where its vertices are the picture's own (OwnVertices); else none.
   std::vector<std::vector<std::byte>> own_vertices;
   std::vector<std::vector<uint32_t>> own_orders;  // likewise, of LayerDraw::order
+  // A number of all that is here but the camera and what it is lit by: another picture that has it shows the same. 0: any.
+  uint64_t content = 0;
 
   // change(look) for each of them.
   template <class Change>
@@ -56,9 +58,13 @@ struct PictureScene {
   }
 };
 
-// Of the scene's last frame as `camera` saw it, with the scenario's own maps.
+// Of the scene's last frame as `camera` saw it, with the scenario's own maps. `posed`: bodies of another picture, where
+// nothing has moved or changed its looks since; empty: posed for this one.
 PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
-                           const Camera& camera, VertexOrder order);
+                           const Camera& camera, VertexOrder order,
+                           std::span<const Body> posed = {});
+// All of its looks, by the lights of the scene's last frame.
+void LightPicture(const FurScene& scene, PictureScene& shown);
 // Has the draws' vertices in the picture's own memory, where they can be changed; returns them, one for each draw.
 std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene);
 // With maps for this picture alone: `relief` is theirs, and what they have to say goes into `notes`.

@@ -5,14 +5,15 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/hairs.hpp"
-#include "bench/picture/mesh_finder.hpp"
 
 namespace pelt {
 namespace {
 
-struct FurSum {
+struct ColourSum {
   glm::vec3 colour{0.0f}, tip{0.0f};
-  float strands = 0.0f, area = 0.0f;
+  float strands = 0.0f;
+};
+struct PaintSum {
   glm::vec4 paint{0.0f};
   float living = 0.0f;  // strands whose paint is known
 };
@@ -52,40 +53,51 @@ glm::vec4 SkinPaint(const FurScene& scene, uint32_t chunk, uint32_t strand) {
 }
 
 void AddPaint(const FurScene& scene, uint32_t chunk, const std::vector<uint32_t>& chunk_places,
-              std::vector<FurSum>& sums) {
+              std::vector<PaintSum>& sums) {
   const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(chunk);
   const uint32_t live = scene.memory().Of<&Streams::chunk_state>(chunk)->live_strands;
   for (uint32_t s = 0; s < live; ++s) {
     const glm::vec4 paint = SkinPaint(scene, chunk, s);
     for (size_t k = 0; k < 3; ++k) {
-      FurSum& sum = sums[chunk_places[strands.vertex[k][s]]];
+      PaintSum& sum = sums[chunk_places[strands.vertex[k][s]]];
       sum.paint += paint * strands.bary[k][s];
       sum.living += strands.bary[k][s];
     }
   }
 }
 
-// hair_area(strand) is how much it covers, m^2.
-template <class HairArea>
-void AddChunk(const StrandBlock& strands, const HairArea& hair_area,
-              const std::vector<uint32_t>& chunk_places, const MeshFinder& finder, const Mesh& mesh,
-              std::vector<FurSum>& sums, std::vector<float>& layer_area, SkinFur& fur) {
-  MeshFinder::Triangle last{};
+void AddColours(const StrandBlock& strands, const std::vector<uint32_t>& chunk_places,
+                std::vector<ColourSum>& sums) {
   for (uint32_t s = 0; s < strands.strand_count; ++s) {
     const glm::vec3 colour = LinearColour(strands.base_colour[s]);
     const glm::vec3 tip = LinearColour(strands.tip_colour[s]);
-    const float area = hair_area(s);
-    MeshFinder::Triangle places;
     for (size_t k = 0; k < 3; ++k) {
-      places[k] = chunk_places[strands.vertex[k][s]];
       const float share = strands.bary[k][s];
-      FurSum& sum = sums[places[k]];
+      ColourSum& sum = sums[chunk_places[strands.vertex[k][s]]];
       sum.colour += colour * share;
       sum.tip += tip * share;
       sum.strands += share;
-      sum.area += area * share;
-      layer_area[places[k]] += area * share;
     }
+  }
+}
+
+// hair_area(strand) is how much it covers, m^2.
+template <class HairArea>
+void AddAreas(const StrandBlock& strands, const HairArea& hair_area,
+              const std::vector<uint32_t>& chunk_places, std::vector<float>& layer_area) {
+  for (uint32_t s = 0; s < strands.strand_count; ++s) {
+    const float area = hair_area(s);
+    for (size_t k = 0; k < 3; ++k)
+      layer_area[chunk_places[strands.vertex[k][s]]] += area * strands.bary[k][s];
+  }
+}
+
+void MarkMaterials(const StrandBlock& strands, const std::vector<uint32_t>& chunk_places,
+                   const MeshFinder& finder, const Mesh& mesh, SkinFur& fur) {
+  MeshFinder::Triangle last{};
+  for (uint32_t s = 0; s < strands.strand_count; ++s) {
+    MeshFinder::Triangle places;
+    for (size_t k = 0; k < 3; ++k) places[k] = chunk_places[strands.vertex[k][s]];
     if (places == last) continue;
     last = places;
     if (const uint32_t* triangle = finder.FindTriangle(places))
@@ -95,47 +107,74 @@ void AddChunk(const StrandBlock& strands, const HairArea& hair_area,
 
 }  // namespace
 
-SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
-  const MeshFinder finder(mesh);
-  SkinFur fur;
-  fur.on_material.resize(mesh.materials.size());
-  std::vector<FurSum> sums(finder.size() + 1);
+SkinFurFinder::SkinFurFinder(const FurScene& scene, uint32_t actor, const Mesh& mesh)
+    : finder_(mesh), area_(finder_.size() + 1, 0.0f) {
+  fur_.on_material.resize(mesh.materials.size());
+  fur_.place = finder_.places();
+  std::vector<ColourSum> sums(finder_.size() + 1);
   const SceneShape& shape = scene.shape();
   for (uint32_t l = 0; l < shape.layer_count; ++l) {
     if (shape.layer_character[l] != actor) continue;
     const bool shells = shape.layer_kind[l] & kLayerShells;
-    const float density = shells ? ShellDensity(scene, l) : 0.0f;
-    const auto& layer = *scene.memory().Of<&Streams::layers>(l);
-    for (int k = 0; k < 3; ++k) fur.mud_colour[k] = layer.dirt_colour[k];
-    std::vector<float> layer_area(finder.size() + 1, 0.0f);
+    Layer& layer = layers_.emplace_back(Layer{l, shells ? ShellDensity(scene, l) : 0.0f, {}, {}});
+    layer.area.resize(finder_.size() + 1, 0.0f);
     for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
       const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
-      const auto* vertices = scene.memory().Of<&Streams::shell_vertices>(c);
-      const auto hair_area = [&](uint32_t s) {
-        return shells ? density * AreaOf(*vertices, strands, s)
-                      : strands.length[s] * strands.width[s];
-      };
-      const std::vector<uint32_t> places = finder.Places(*scene.memory().Of<&Streams::mesh>(c));
-      AddChunk(strands, hair_area, places, finder, mesh, sums, layer_area, fur);
-      AddPaint(scene, c, places, sums);
+      const std::vector<uint32_t>& places =
+          layer.places.emplace_back(finder_.Places(*scene.memory().Of<&Streams::mesh>(c)));
+      AddColours(strands, places, sums);
+      MarkMaterials(strands, places, finder_, mesh, fur_);
+      if (shells) continue;
+      AddAreas(strands, [&](uint32_t s) { return strands.length[s] * strands.width[s]; }, places,
+               layer.area);
     }
-    SkinFur::OfLayer& of_layer = fur.layers.emplace_back(SkinFur::OfLayer{l, {}});
-    for (const uint32_t place : finder.places()) of_layer.area.push_back(layer_area[place]);
+    for (size_t place = 0; place < area_.size(); ++place) area_[place] += layer.area[place];
   }
-  fur.place = finder.places();
-  FurSum all;
-  for (const FurSum& sum : sums) {
+  ColourSum all;
+  for (const ColourSum& sum : sums) {
     all.colour += sum.colour;
     all.tip += sum.tip;
     all.strands += sum.strands;
   }
-  for (const uint32_t place : finder.places()) {
-    const FurSum& sum = sums[place];
-    const FurSum& known = sum.strands > 0.0f ? sum : all;
-    fur.colour.push_back(known.colour / std::max(known.strands, 1e-6f));
-    fur.tip.push_back(known.tip / std::max(known.strands, 1e-6f));
-    fur.area.push_back(sum.area);
-    fur.paint.push_back(sum.paint / std::max(sum.living, 1e-6f));
+  for (const uint32_t place : finder_.places()) {
+    const ColourSum& known = sums[place].strands > 0.0f ? sums[place] : all;
+    fur_.colour.push_back(known.colour / std::max(known.strands, 1e-6f));
+    fur_.tip.push_back(known.tip / std::max(known.strands, 1e-6f));
+  }
+}
+
+void SkinFurFinder::AddShells(const FurScene& scene, const Layer& layer,
+                              std::vector<float>& area) const {
+  const uint32_t first = scene.shape().layer_first_chunk[layer.number];
+  for (uint32_t c = 0; c < layer.places.size(); ++c) {
+    const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(first + c);
+    const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(first + c);
+    AddAreas(strands,
+             [&](uint32_t s) { return layer.shell_density * AreaOf(vertices, strands, s); },
+             layer.places[c], area);
+  }
+}
+
+SkinFur SkinFurFinder::Find(const FurScene& scene) const {
+  SkinFur fur = fur_;
+  std::vector<float> all = area_;
+  std::vector<PaintSum> paint(all.size());
+  for (const Layer& layer : layers_) {
+    const auto& block = *scene.memory().Of<&Streams::layers>(layer.number);
+    for (int k = 0; k < 3; ++k) fur.mud_colour[k] = block.dirt_colour[k];
+    std::vector<float> area = layer.area;
+    if (layer.shell_density > 0.0f) {
+      AddShells(scene, layer, area);
+      for (size_t place = 0; place < all.size(); ++place) all[place] += area[place];
+    }
+    for (uint32_t c = 0; c < layer.places.size(); ++c)
+      AddPaint(scene, scene.shape().layer_first_chunk[layer.number] + c, layer.places[c], paint);
+    SkinFur::OfLayer& of_layer = fur.layers.emplace_back(SkinFur::OfLayer{layer.number, {}});
+    for (const uint32_t place : finder_.places()) of_layer.area.push_back(area[place]);
+  }
+  for (const uint32_t place : finder_.places()) {
+    fur.area.push_back(all[place]);
+    fur.paint.push_back(paint[place].paint / std::max(paint[place].living, 1e-6f));
   }
   return fur;
 }

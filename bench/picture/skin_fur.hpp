@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "bench/picture/mesh_finder.hpp"
 #include "core/character/character.hpp"
 #include "jobs/scene.hpp"
 
@@ -26,6 +27,30 @@ struct SkinFur {
   glm::vec3 mud_colour{0.0f};  // sRGB
 };
 
-SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh);
+// What frames leave as it is, which is most of it, is found once.
+class SkinFurFinder {
+ public:
+  SkinFurFinder(const FurScene& scene, uint32_t actor, const Mesh& mesh);
+  // In the last frame of that scene.
+  SkinFur Find(const FurScene& scene) const;
+
+ private:
+  struct Layer {
+    uint32_t number;
+    float shell_density;                        // area of hair for each of skin; 0: of strands
+    std::vector<std::vector<uint32_t>> places;  // of the vertices of each chunk
+    std::vector<float> area;                    // of strands, at each place
+  };
+  void AddShells(const FurScene& scene, const Layer& layer, std::vector<float>& area) const;
+
+  MeshFinder finder_;
+  std::vector<Layer> layers_;
+  std::vector<float> area_;  // of all strands, at each place
+  SkinFur fur_;              // but what Find adds
+};
+
+inline SkinFur FindSkinFur(const FurScene& scene, uint32_t actor, const Mesh& mesh) {
+  return SkinFurFinder(scene, actor, mesh).Find(scene);
+}
 
 }  // namespace pelt
