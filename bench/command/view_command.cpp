@@ -31,19 +31,26 @@ std::string ModelConsoles(const ScenarioRequest& request) {
   return json.Compact();
 }
 
+// `held_against`: the digests that its frames are compared with.
+void WritePage(const ViewArgs& args, const PageContent& content, const std::string& held_against) {
+  if (args.out.empty()) return;
+  const std::string page = MakePage(content);
+  WriteOutput("page", args.out, page);
+  fmt::print("page {}: {:.1f} MB; {}\n", args.out.path(), double(page.size()) * 1e-6, held_against);
+}
+
 // The page of a recording. What would not open there is told here.
 int ViewRecording(const ViewArgs& args) {
   const std::vector<std::byte> bytes = ReadFileBytes("input log", args.replay).OrThrow();
   ReplayViewer::Open(bytes, args.replay).OrThrow();
+  if (args.open && !WhyNoServer().empty()) throw Error(WhyNoServer());
   // By its name alone: the page may go to another machine.
   PageContent content;
   content.recording = std::filesystem::path(args.replay).filename().string();
   content.files[content.recording] = bytes;
-  const std::string page = MakePage(content);
-  WriteOutput("page", args.out, page);
-  fmt::print("page {}: {:.1f} MB; its frames are held against the digests recorded in {}\n",
-             args.out.path(), double(page.size()) * 1e-6, args.replay);
-  return 0;
+  WritePage(args, content,
+            fmt::format("its frames are held against the digests recorded in {}", args.replay));
+  return args.open ? ServePage(args.port, [&] { return content; }, nullptr) : 0;
 }
 
 }  // namespace
@@ -63,13 +70,11 @@ int View(const ViewArgs& args) {
   }
   const std::string command = CommandOf(args.request);
   if (args.consoles) scene.TakeConsoles(ModelConsoles(args.request));
-  if (!args.out.empty()) {
-    const std::string page = MakePage(scene.Content(command));
-    WriteOutput("page", args.out, page);
-    fmt::print("page {}: {:.1f} MB; its first {} frames are held against this machine's digests\n",
-               args.out.path(), double(page.size()) * 1e-6, args.frames);
-  }
-  return serves ? ServePage(args, command, scene) : 0;
+  WritePage(args, scene.Content(command),
+            fmt::format("its first {} frames are held against this machine's digests", args.frames));
+  if (!serves) return 0;
+  return ServePage(
+      args.port, [&] { return scene.Content(command); }, args.watch ? &scene : nullptr);
 }
 
 }  // namespace pelt

@@ -1,5 +1,6 @@
 // The options of `pelt view`.
 #include <memory>
+#include <set>
 
 #include "bench/command/command_options.hpp"
 #include "bench/command/file_options.hpp"
@@ -15,18 +16,18 @@ void AddSetupFile(CLI::App& app, std::string& setup) {
 
 // In place of all that says what a scene is, which a recording says itself.
 void AddReplay(CLI::App& app, std::string& replay) {
+  const std::set<const CLI::Option*> shared = {app.get_option("--out"), app.get_option("--open"),
+                                               app.get_option("--port"), app.get_help_ptr()};
   auto* option =
       AddInputFile(app, "--replay", replay,
                    "A recording (.peltinput) instead of a scene: its frames as they were told, "
                    "each digest held against the recorded one");
   for (CLI::Option* other : app.get_options())
-    if (other != option && other->get_name() != "--out" && other != app.get_help_ptr())
-      option->excludes(other);
+    if (other != option && !shared.contains(other)) option->excludes(other);
 }
 
 void CompleteView(CLI::App& app, ViewArgs& args) {
-  if (!args.replay.empty()) return;
-  CompleteSource(app, args.request);
+  if (args.replay.empty()) CompleteSource(app, args.request);
   const bool serves = args.open || args.watch;
   RefuseUnless(app, serves, {"--port"}, "--open or --watch");
   if (!serves || app.count("--out")) return;
@@ -65,7 +66,7 @@ Subcommand SetUpView(CLI::App& root) {
       "  pelt view --character builtin --setup eyepet --out eyepet.html\n"
       "  pelt trace record --scene tiny --frames 20 --out bug.peltinput\n"
       "  pelt view --replay bug.peltinput --out bug.html\n"
-      "To see it: pelt view --scene monster --open\n"
+      "To see it: pelt view --scene monster --open, or --replay bug.peltinput --open\n"
       "To work on a setup: pelt view --watch my_fur.toml --character my_animal.glb");
   return {app, [app, kept] { CompleteView(*app, *kept); }, [kept] { return View(*kept); }};
 }

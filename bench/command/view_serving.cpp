@@ -64,28 +64,28 @@ void WatchUntilEnd(SceneWatch& scene, std::mutex& guard) {
 
 }  // namespace
 
-int ServePage(const ViewArgs& args, const std::string& command, SceneWatch& scene) {
+int ServePage(uint16_t port, const std::function<PageContent()>& content, SceneWatch* watched) {
   std::mutex guard;  // the server's threads read what this one changes
   const auto page = [&](const std::string&) {
     const std::lock_guard lock(guard);
-    PageContent content = scene.Content(command);
-    if (args.watch) content.watched_from = scene.version();
-    return MakePage(content);
+    PageContent shown = content();
+    if (watched) shown.watched_from = watched->version();
+    return MakePage(shown);
   };
   const auto changes = [&](const std::string& since) {
     const std::lock_guard lock(guard);
-    return scene.ChangesSince(VersionOf(since));
+    return watched->ChangesSince(VersionOf(since));
   };
   std::vector<ServedPath> paths = {{"/", "text/html; charset=utf-8", page}};
-  if (args.watch) paths.push_back({"/changes", "application/json", changes});
+  if (watched) paths.push_back({"/changes", "application/json", changes});
   end_asked = 0;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, AskForEnd);
-  const PageServer server(args.port, std::move(paths));
+  const PageServer server(port, std::move(paths));
   PrintLine(fmt::format("page at {} (Ctrl-C ends it)", server.address()));
   if (!OpenBrowser(server.address()))
     PrintLine("no browser to open here: open that address in one");
-  if (args.watch)
-    WatchUntilEnd(scene, guard);
+  if (watched)
+    WatchUntilEnd(*watched, guard);
   else
     while (!end_asked) std::this_thread::sleep_for(kLookEvery);
   return 0;

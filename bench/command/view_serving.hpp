@@ -1,14 +1,14 @@
 // `pelt view --open` and `--watch`: the page at an address of this machine, until a signal ends it.
 #pragma once
 
-#include <string>
+#include <functional>
 
 #include "bench/command/commands.hpp"
 #include "bench/page/scene_watch.hpp"
 
 namespace pelt {
 
-// Returns the exit code. `command`: as PageContent's.
-int ServePage(const ViewArgs& args, const std::string& command, SceneWatch& scene);
+// Returns the exit code. `content`: of the page that is asked for next. `watched`: with what changes in it; or null.
+int ServePage(uint16_t port, const std::function<PageContent()>& content, SceneWatch* watched);
 
 }  // namespace pelt
