@@ -82,9 +82,11 @@ PELT_EXPORT(OpenRenderer)()->const char* {
 
 PELT_EXPORT(Describe)()->const char* { return Tell(Shown().Describe()); }
 PELT_EXPORT(LastFrame)()->const char* { return Tell(Shown().LastFrame()); }
-PELT_EXPORT(SetupText)()->const char* {
-  return Tell(ThePage().replay ? std::string() : ShownScene().setup_text());
+// How many there are; and each, of which one that is a groom's file has none.
+PELT_EXPORT(SetupCount)()->size_t {
+  return ThePage().replay ? 0 : ShownScene().setup_count();
 }
+PELT_EXPORT(SetupText)(size_t setup)->const char* { return Tell(ShownScene().setup_text(setup)); }
 
 // Null, or why the frame was refused.
 PELT_EXPORT(Step)()->const char* {
@@ -101,7 +103,7 @@ PELT_EXPORT(Draw)(uint32_t width_px, uint32_t height_px, uint32_t samples, float
   Page& page = ThePage();
   Shown().SetViewport(width_px, height_px);
   Shown().Look();
-  page.renderer->Show(Shown().Gather(share),
+  page.renderer->Show(Shown().Picture(share),
                       {.width_px = width_px, .height_px = height_px, .samples = samples});
 }
 
@@ -109,13 +111,14 @@ PELT_EXPORT(Set)(const char* key, size_t size, double value)->void {
   Shown().Set(Text(key, size), value);
 }
 PELT_EXPORT(ChangeKey)
-(const char* layer, size_t layer_size, const char* key, size_t key_size, const char* value,
- size_t value_size)
+(size_t setup, const char* layer, size_t layer_size, const char* key, size_t key_size,
+ const char* value, size_t value_size)
     ->void {
-  ShownScene().ChangeKey(Text(layer, layer_size), Text(key, key_size), Text(value, value_size));
+  ShownScene().ChangeKey(setup, Text(layer, layer_size), Text(key, key_size),
+                         Text(value, value_size));
 }
-PELT_EXPORT(ReplaceSetup)(const char* text, size_t size)->void {
-  ShownScene().ReplaceSetup(std::string(Text(text, size)));
+PELT_EXPORT(ReplaceSetup)(size_t setup, const char* text, size_t size)->void {
+  ShownScene().ReplaceSetup(setup, std::string(Text(text, size)));
 }
 
 PELT_EXPORT(SetCamera)

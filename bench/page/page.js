@@ -2,7 +2,7 @@
 const $ = (id) => document.getElementById(id);
 const given = JSON.parse($('given').textContent);
 const canvas = $('picture');
-let described, setup = '', orbit = null, firstOrbit = null, playing = false, stroke = null;
+let described, setups = [], orbit = null, firstOrbit = null, playing = false, stroke = null;
 // What differs from the page as it was opened; a link holds it.
 let changes = {settings: {}, keys: [], camera: null};
 
@@ -44,7 +44,7 @@ worker.onmessage = ({data}) => {
   if (data.replaced) forget();
   if (data.paused) showPlaying(false);
   if (data.described) show(data);
-  if (data.setup !== undefined) setup = data.setup;
+  if (data.setups) Object.assign(setups, data.setups);
   if (data.frame) showFrame(data);
   if (data.fault) showFault(data.dead ? `${data.fault}\nReload the page.` : data.fault);
   if (data.opened) {
@@ -83,170 +83,6 @@ function showRecording(recording) {
   for (const option of $('tool').options) option.hidden = option.disabled = Boolean(recording) && !['turn', 'pan'].includes(option.value);
   if ($('tool').selectedOptions[0]?.disabled) $('tool').value = 'turn';
 }
-
-// What the original demonstration had on its panel, by our names.
-const kScorpion = [['key', 'fur_texture_repeat', 'fur texture multiplier', 1, 80], ['key', 'fur_shadow', 'shadow factor'], ['key', 'stiffness', 'stiffness'],
-  ['key', 'fur_density', 'density'], ['key', 'fur_min_length', 'min length'], ['key', 'length', 'max length'], ['key', 'shells', 'shells'], ['setting', 'animation_speed', 'animation speed'],
-  ['setting', 'wind_speed', 'wind strength'], ['setting', 'render_fur', 'render fur'], ['key', 'cone', 'cone of shame']];
-
-function makeControls() {
-  const shown = new Set([...$('controls').querySelectorAll('details[open]')].map((group) => group.dataset.group));
-  const first = !$('controls').firstChild;
-  $('controls').replaceChildren();
-  const shells = described.layers.find((layer) => layer.keys.some((k) => k.key === 'output' && k.value === '"shells"'));
-  if (shells) {
-    const group = addGroup('Furry Scorpion', first || shown.has('Furry Scorpion'));
-    for (const [kind, key, label, low, high] of kScorpion) {
-      const row = kind === 'setting' ? described.settings.find((r) => r.key === key) : shells.keys.find((r) => r.key === key);
-      if (kind === 'setting') addSetting(group, {...row, label});
-      else addKey(group, shells.name, {...row, label, low: low ?? row.low, high: high ?? row.high}, high !== undefined);
-    }
-  }
-  for (const row of described.settings) addSetting(addGroup(row.group, first ? ['time', 'wind'].includes(row.group) : shown.has(row.group)), row);
-  for (const layer of described.layers) {
-    const group = addGroup(`layer ${layer.name}`, shown.has(`layer ${layer.name}`));
-    for (const row of layer.keys) addKey(group, layer.name, row, false);
-  }
-  find();
-}
-
-function addGroup(name, isOpen) {
-  let group = [...$('controls').children].find((child) => child.dataset.group === name);
-  if (group) return group;
-  group = document.createElement('details');
-  group.dataset.group = name;
-  group.open = isOpen;
-  group.innerHTML = '<summary></summary>';
-  group.firstChild.textContent = name;
-  $('controls').append(group);
-  return group;
-}
-
-let rowCount = 0;
-// A control of a row: {label, unit, text, low, high}, its value, and what a change does. `input` makes the element.
-function addRow(group, row, id, inputs) {
-  const box = document.createElement('div');
-  box.className = 'row';
-  box.dataset.key = id;
-  const label = document.createElement('label');
-  label.htmlFor = `row${rowCount}`;
-  label.textContent = `${row.label ?? row.key.replaceAll('_', ' ')}${row.unit ? `, ${row.unit}` : ''} `;
-  const note = document.createElement('small');
-  note.textContent = row.text;
-  label.append(note);
-  inputs[0].id = `row${rowCount++}`;
-  for (const other of inputs.slice(1)) other.setAttribute('aria-label', `${label.textContent}, as a number`);
-  box.append(label, ...inputs);
-  group.append(box);
-  return box;
-}
-
-function element(type, properties) {
-  const made = document.createElement(type);
-  Object.assign(made, properties);
-  return made;
-}
-
-// A slider and a number that follow each other.
-function numberInputs(row, value, low, high, change) {
-  const step = row.type === 'whole number' ? 1 : 'any';
-  const slider = element('input', {type: 'range', min: low, max: high, step: step === 1 ? 1 : (high - low) / 400, value});
-  const number = element('input', {type: 'number', min: row.low, max: row.high, step, value: Number(Number(value).toPrecision(6))});
-  slider.oninput = () => {
-    number.value = Number(Number(slider.value).toPrecision(4));
-    change(Number(number.value));
-  };
-  number.onchange = () => {
-    if (!number.reportValidity() || number.value === '') return;
-    slider.value = number.value;
-    change(Number(number.value));
-  };
-  return [slider, number];
-}
-
-function addSetting(group, row) {
-  const change = (value) => {
-    changes.settings[row.key] = value;
-    box.classList.add('changed');
-    tell({set: [row.key, value]});
-    if (row.key === 'show') showView(value);
-    remember();
-  };
-  let inputs;
-  if (row.switch) {
-    const check = element('input', {type: 'checkbox', checked: row.value !== 0});
-    check.onchange = () => change(check.checked ? 1 : 0);
-    inputs = [check];
-  } else if (row.words?.length) {
-    const select = element('select', {});
-    for (const [i, word] of row.words.entries()) select.append(element('option', {value: row.low + i, textContent: word, selected: row.value === row.low + i}));
-    select.onchange = () => change(Number(select.value));
-    inputs = [select];
-  } else {
-    inputs = numberInputs(row, row.value, row.low, row.high, change);
-  }
-  const box = addRow(group, row, row.key, inputs);
-  box.classList.toggle('changed', row.key in changes.settings);
-}
-
-// A slider that reaches from 0 to the bound would have most values in its first pixel.
-function sliderBounds(row, value) {
-  if (row.high - row.low <= 20 && row.high <= 10 && row.key !== 'length') return [row.low, row.high];
-  const far = value === 0 ? Math.min(1, row.high) : 4 * Math.abs(value);
-  return [Math.max(row.low, row.low < 0 ? -far : 0), Math.min(row.high, far)];
-}
-
-function addKey(group, layer, row, exactBounds) {
-  const change = (value) => {
-    changes.keys = changes.keys.filter(([l, k]) => l !== layer || k !== row.key);
-    changes.keys.push([layer, row.key, value]);
-    row.value = value;
-    box.classList.add('changed');
-    tell({key: [layer, row.key, value]});
-    remember();
-  };
-  let inputs;
-  if (row.words) {
-    const select = element('select', {});
-    for (const word of row.words) select.append(element('option', {textContent: word, selected: row.value === `"${word}"`}));
-    select.onchange = () => change(`"${select.value}"`);
-    inputs = [select];
-  } else if (row.type === 'true or false') {
-    const check = element('input', {type: 'checkbox', checked: row.value === 'true'});
-    check.onchange = () => change(String(check.checked));
-    inputs = [check];
-  } else if (row.type === 'colour' && row.value.startsWith('"#')) {
-    const colour = element('input', {type: 'color', value: row.value.slice(1, -1)});
-    colour.onchange = () => change(`"${colour.value}"`);
-    inputs = [colour];
-  } else if (row.value !== 'none' && Number.isFinite(Number(row.value))) {
-    const [low, high] = exactBounds ? [row.low, row.high] : sliderBounds(row, Number(row.value));
-    let waiting = 0;
-    inputs = numberInputs(row, Number(row.value), low, high, (value) => {
-      clearTimeout(waiting);
-      const whole = ['whole number'].includes(row.type) || ['points', 'iterations', 'shells', 'fur_seed', 'fur_texture_size'].includes(row.key);
-      waiting = setTimeout(() => change(whole ? String(Math.round(value)) : Number.isInteger(value) ? value.toFixed(1) : String(value)), 120);
-    });
-  } else {
-    return;  // maps and tables are the setup's own
-  }
-  const box = addRow(group, row, `${layer}.${row.key}`, inputs);
-  box.classList.toggle('changed', changes.keys.some(([l, k]) => l === layer && k === row.key));
-}
-
-function find() {
-  const text = $('find').value.trim().toLowerCase();
-  for (const group of $('controls').children) {
-    let any = false;
-    for (const row of group.querySelectorAll('.row')) {
-      row.hidden = text !== '' && !row.textContent.toLowerCase().includes(text);
-      any ||= !row.hidden;
-    }
-    group.hidden = !any;
-    if (text !== '') group.open = any;
-  }
-}
-$('find').oninput = find;
 
 // ---- A frame --------------------------------------------------------------------------------------------------------
 
@@ -338,7 +174,7 @@ $('step').onclick = () => {
   play(false);
   tell({step: 1});
 };
-$('restart').onclick = () => tell({restart: true});
+$('restart').onclick = () => tell({restart: 1});
 function forget() {
   changes = {settings: {}, keys: [], camera: null};
   orbit = firstOrbit = null;
@@ -390,28 +226,32 @@ fillTools();
 
 const pointers = new Map();
 const shareOf = (event) => [event.offsetX / canvas.clientWidth, event.offsetY / canvas.clientHeight];
+const lift = () => {
+  if ($('tool').value.startsWith('paint')) tell({paint: null});
+};
 canvas.onpointerdown = (event) => {
   canvas.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, shareOf(event));
-  act(event, 0, 0);
+  if (pointers.size === 1) act(event, 0, 0);
+  else lift();
 };
 canvas.onpointermove = (event) => {
   const last = pointers.get(event.pointerId);
   if (!last) return;
   const now = shareOf(event);
   pointers.set(event.pointerId, now);
-  if (pointers.size === 2) {  // pinch
-    const [a, b] = [...pointers.values()];
-    const before = pointers.get(event.pointerId) === a ? Math.hypot(last[0] - b[0], last[1] - b[1]) : Math.hypot(a[0] - last[0], a[1] - last[1]);
-    const after = Math.hypot(a[0] - b[0], a[1] - b[1]);
-    if (before > 0 && after > 0) zoom(before / after);
-    return;
-  }
-  act(event, now[0] - last[0], now[1] - last[1]);
+  const by = [now[0] - last[0], now[1] - last[1]];
+  if (pointers.size === 1) return act(event, ...by);
+  if (pointers.size > 2) return;
+  // Two fingers: what is below them stays there.
+  const [other] = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+  const apart = (at) => Math.hypot((at[0] - other[0]) * canvas.clientWidth, (at[1] - other[1]) * canvas.clientHeight);
+  if (apart(last) > 0 && apart(now) > 0) zoom(apart(last) / apart(now));
+  pan(by[0] / 2, by[1] / 2);
 };
 canvas.onpointerup = canvas.onpointercancel = (event) => {
   pointers.delete(event.pointerId);
-  if ($('tool').value.startsWith('paint')) tell({paint: null});
+  lift();
 };
 function act(event, dx, dy) {
   const tool = event.shiftKey ? 'pan' : $('tool').value;
@@ -455,7 +295,11 @@ function takeLink() {
   let link;
   try {
     link = JSON.parse(decodeURIComponent(location.hash.slice(1)));
-    for (const [layer, key, value] of link.keys) if (![layer, key, value].every((v) => typeof v === 'string')) throw new Error('keys');
+    // Links of before there was more than one setup have no number.
+    for (const change of link.keys ?? []) {
+      change[3] ??= 0;
+      if (change.length !== 4 || !change.slice(0, 3).every((v) => typeof v === 'string') || !Number.isInteger(change[3])) throw new Error('keys');
+    }
   } catch (error) {
     return showFault(`The link's settings cannot be read: ${error.message}`);
   }
@@ -479,7 +323,7 @@ async function copy(text, what) {
   }
 }
 $('share').onclick = () => copy(location.href, 'link');
-$('toml').onclick = () => (setup ? copy(setup, 'setup') : showFault('This scene makes its setups itself: there is none to copy.'));
+$('toml').onclick = () => (setups[shownSetup] ? copy(setups[shownSetup], 'setup') : showFault('This fur was read as a groom: there is no setup to copy.'));
 
 document.addEventListener('dragover', (event) => event.preventDefault());
 document.addEventListener('drop', async (event) => {
@@ -493,7 +337,7 @@ document.addEventListener('drop', async (event) => {
   if (!file.name.endsWith('.toml')) return showFault(`${file.name}: a setup (.toml) or a recording (.peltinput) can be dropped here`);
   if (described?.recording) return showFault(`${file.name}: a recording has no setup that could be another`);
   showFault('');
-  tell({setup: await file.text()});
+  tell({setup: [await file.text(), shownSetup]});
 });
 
 open().catch((error) => showFault(String(error)));

@@ -60,8 +60,10 @@ ScenarioRequest ReadRequest(std::string_view text) {
   for (const auto& entry : table) {
     const std::string_view key = entry.first.str();
     const std::string value = entry.second.value_or(std::string());
-    bool known = key == "setup_text" || key == "seed";
-    if (key == "setup_text") request.setup_text = value;
+    const toml::array* texts = key == "setup_texts" ? entry.second.as_array() : nullptr;
+    bool known = texts || key == "seed";
+    for (size_t i = 0; texts && i < texts->size(); ++i)
+      request.setup_texts.push_back((*texts)[i].value_or(std::string()));
     if (key == "seed") std::from_chars(value.data(), value.data() + value.size(), request.seed);
     for (const TextRow& row : kTexts)
       if (row.key == key) {

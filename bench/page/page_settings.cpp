@@ -194,10 +194,18 @@ const PageRow& PageRowFor(std::string_view key, double value) {
 }
 
 bool IsOfShowing(const PageRow& row) {
-  return row.group == "light" || row.key == "slow_motion" || row.key == "show";
+  return IsOfLight(row) || row.key == "render_fur" || row.key == "slow_motion" || row.key == "in_between" ||
+         row.key == "show";
 }
 
-void ApplyToPicture(const PageSettings& settings, PictureScene& shown) {
+bool IsShownBetween(double dt_s, const PageSettings& settings) {
+  constexpr double kDisplayed_s = 1.0 / 55.0;
+  return settings.in_between && dt_s > kDisplayed_s * settings.slow_motion;
+}
+
+bool IsOfLight(const PageRow& row) { return row.group == "light" && row.key != "render_fur"; }
+
+void ApplyLight(const PageSettings& settings, PictureScene& shown) {
   const PageLight& light = settings.light;
   shown.ForEachLook([&](PictureLook& look) {
     look.light.sun *= float(light.sun);
@@ -212,6 +220,9 @@ void ApplyToPicture(const PageSettings& settings, PictureScene& shown) {
     look.shadow.falloff *= float(light.shadow_reach);
     look.depth_floor = std::min(look.depth_floor * float(light.depth), 1.0f);
   });
+}
+
+void ApplyRenderFur(const PageSettings& settings, PictureScene& shown) {
   if (settings.render_fur) return;
   for (std::vector<Hair>& hairs : shown.layers) hairs.clear();
   for (LayerDraw& draw : shown.draws) draw.strand_count = 0;

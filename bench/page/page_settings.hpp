@@ -48,7 +48,15 @@ const PageRow& PageRowFor(std::string_view key, double value);
 // Whether it changes how frames are shown alone, and nothing of what they are told.
 bool IsOfShowing(const PageRow& row);
 
-// Changes what a picture is lit by, and whether it has fur.
-void ApplyToPicture(const PageSettings& settings, PictureScene& shown);
+// Whether a display shows more pictures than there are frames of this length, and those in between are wanted.
+bool IsShownBetween(double dt_s, const PageSettings& settings);
+
+// Whether it changes nothing but what ApplyLight does.
+bool IsOfLight(const PageRow& row);
+
+// Changes what a picture is lit by.
+void ApplyLight(const PageSettings& settings, PictureScene& shown);
+// Leaves its fur out, where that is wanted.
+void ApplyRenderFur(const PageSettings& settings, PictureScene& shown);
 
 }  // namespace pelt

@@ -76,7 +76,8 @@ std::string MakePage(const PageContent& content) {
       {"@plain@", Base64(EmbeddedPlainModule())},
       {"@given@", GivenText(content)},
       {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js"))},
-      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_watch.js")) +
+      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_controls.js")) +
+                       std::string(FileText("page_watch.js")) +
                        std::string(FileText("page_consoles.js"))}};
   std::string page(FileText("page.html"));
   for (const auto& [mark, text] : parts) page.replace(page.find(mark), mark.size(), text);

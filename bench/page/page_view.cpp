@@ -19,6 +19,21 @@ Camera StandAt(const PageCamera& user, const Camera& own) {
   return camera;
 }
 
+const PictureScene& PageView::Picture(float share) {
+  // Of all views, as one renderer may show several.
+  static uint64_t gathered = 0;
+  if (is_kept_ && share == 1.0f) {
+    Light(kept_);
+    return kept_;
+  }
+  kept_ = Gather(share);
+  kept_.content = ++gathered;
+  // In between, nothing is where the frame has it.
+  is_kept_ = share == 1.0f;
+  if (is_kept_ && posed_.empty()) posed_ = kept_.bodies;
+  return kept_;
+}
+
 PageJson DescribeRow(const PageRow& row, const PageSettings& settings) {
   return {{"key", row.key},          {"group", row.group}, {"unit", row.unit},
           {"low", row.low},          {"high", row.high},   {"text", row.text},

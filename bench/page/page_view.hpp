@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bench/picture/picture_scene.hpp"
 
@@ -40,12 +42,31 @@ class PageView {
   // Before Gather.
   virtual void Look() {}
   // What there is to draw of the last frame; or, where there is something in between, at `share` of the way to it from
-  // the one before.
+  // the one before. Kept, and gathered again where more than camera and light has changed; good until the next call.
+  const PictureScene& Picture(float share);
+  // The same, gathered.
   virtual PictureScene Gather(float share) const = 0;
   virtual bool HasInBetween() const { return false; }
   // JSON. All that the page builds its controls from; and what the last frame was.
   virtual std::string Describe() const = 0;
   virtual std::string LastFrame() const = 0;
+
+ protected:
+  // Where more than camera and light is other than it was; and where characters, or what is on them, are, too.
+  void ForgetPicture() { is_kept_ = false; }
+  void ForgetPoses() {
+    posed_.clear();
+    ForgetPicture();
+  }
+  // For GatherPicture.
+  std::span<const Body> posed() const { return posed_; }
+  // Camera and light of a picture that has all else.
+  virtual void Light(PictureScene& shown) const = 0;
+
+ private:
+  PictureScene kept_;
+  bool is_kept_ = false;
+  std::vector<Body> posed_;  // the last frame's
 };
 
 }  // namespace pelt

@@ -90,6 +90,8 @@ std::string ReplayViewer::MakeStage() {
 }
 
 std::string ReplayViewer::Begin() {
+  before_.Forget();
+  ForgetPoses();
   course_.reset();
   times_.reset();
   replay_.reset();
@@ -109,6 +111,10 @@ uint32_t ReplayViewer::LastRun() const { return std::max(result().frames, 1u) - 
 
 const char* ReplayViewer::Step() {
   if (AtEnd()) Restart();
+  before_.Forget();
+  if (result().frames > 0 && IsShownBetween(log_.frames[result().frames].input.dt_s, settings_))
+    before_.Keep(GatherFrame());
+  ForgetPoses();
   const bool profiled = result().frames % kFramesAProfile == 0;
   FrameTimer executor(profiled ? times_->profile() : nullptr);
   if (!course_->RunNext(executor)) {
@@ -126,6 +132,7 @@ void ReplayViewer::Set(std::string_view key, double value) {
   const PageRow& row = PageRowFor(key, value);
   if (!IsOfShowing(row)) throw Error(fmt::format("'{}': a recording has its own", key));
   row.set(settings_, value);
+  if (!IsOfLight(row)) ForgetPicture();
 }
 
 void ReplayViewer::SetCamera(std::optional<PageCamera> camera) {
@@ -140,6 +147,7 @@ void ReplayViewer::Look() {
   if (user_ || IsNobodys(input.camera))
     input.camera = StandAt(user_ ? *user_ : OrbitFrom(input.camera), input.camera);
   camera_ = input.camera;
+  ForgetPicture();
   input.dt_s = 0.0;
   input.brush_count = 0;
   if (const char* fault = replay_->scene().BeginFrame(input)) throw Error(fault);
@@ -161,11 +169,25 @@ PageCamera ReplayViewer::OrbitFrom(const Camera& own) const {
           std::asin(std::clamp(double(-ahead.y), -1.0, 1.0)), double(along)};
 }
 
-PictureScene ReplayViewer::Gather(float) const {
-  PictureScene shown =
-      GatherPicture(stage_, *maps_, replay_->scene(), camera_, replay_->options().vertex_order);
-  if (const auto show = DataViews()[settings_.show].show) show(replay_->scene(), shown);
-  ApplyToPicture(settings_, shown);
+PictureScene ReplayViewer::GatherFrame() const {
+  return GatherPicture(stage_, *maps_, replay_->scene(), camera_, replay_->options().vertex_order,
+                       posed());
+}
+
+void ReplayViewer::Light(PictureScene& shown) const {
+  shown.camera = camera_;
+  LightPicture(replay_->scene(), shown);
+  ApplyLight(settings_, shown);
+}
+
+PictureScene ReplayViewer::Gather(float share) const {
+  PictureScene shown = GatherFrame();
+  if (const auto show = DataViews()[settings_.show].show)
+    show(replay_->scene(), shown);
+  else if (share < 1.0f)
+    before_.Blend(share, shown);
+  ApplyLight(settings_, shown);
+  ApplyRenderFur(settings_, shown);
   return shown;
 }
 
@@ -181,7 +203,7 @@ std::string ReplayViewer::Describe() const {
   json["frames"] = log_.FrameCount();
   json["dt_s"] = log_.frames.front().input.dt_s > 0.0 ? log_.frames.front().input.dt_s : 1.0 / 60.0;
   json["camera"] = DescribeOrbit(OrbitFrom(log_.frames.front().input.camera));
-  json["layers"] = PageJson::array();
+  json["keys"] = json["setups"] = PageJson::array();
   json["settings"] = PageJson::array();
   for (const PageRow& row : PageRows())
     if (IsOfShowing(row)) json["settings"].push_back(DescribeRow(row, settings_));

@@ -14,6 +14,7 @@
 
 #include "bench/page/page_settings.hpp"
 #include "bench/page/page_view.hpp"
+#include "bench/picture/frame_blend.hpp"
 #include "bench/picture/picture_maps.hpp"
 #include "bench/verify/replay.hpp"
 #include "jobs/frame_recording.hpp"
@@ -34,6 +35,7 @@ class ReplayViewer final : public PageView {
   void SetCamera(std::optional<PageCamera> camera) override;
   void Look() override;
   PictureScene Gather(float share = 1.0f) const override;
+  bool HasInBetween() const override { return before_.HasFrame(); }
   std::string Describe() const override;
   std::string LastFrame() const override;
 
@@ -51,6 +53,8 @@ class ReplayViewer final : public PageView {
   std::string MakeStage();
   std::string Begin();
   uint32_t LastRun() const;
+  PictureScene GatherFrame() const;
+  void Light(PictureScene& shown) const override;
   PageCamera OrbitFrom(const Camera& own) const;
 
   InputLog log_;
@@ -61,7 +65,8 @@ class ReplayViewer final : public PageView {
   Scenario stage_;  // characters without bodies, for what draws
   PageSettings settings_{stage_};
   std::unique_ptr<PictureMaps> maps_;
-  Box box_;  // round the fur of the first frame
+  FrameBlend before_;  // of pictures in between
+  Box box_;            // round the fur of the first frame
   std::optional<PageCamera> user_;
   Camera camera_;
   bool is_stale_ = false;  // what was drawn last is not what `camera_` sees

@@ -19,24 +19,35 @@ using Json = PageJson;
 
 glm::vec3 VecOfPlace(const float* p) { return {p[0], p[1], p[2]}; }
 
-Json DescribeKey(const KeyRow<LayerSetup>& row, const LayerSetup& layer) {
-  const KeyInfo& info = row.info;
-  Json json = {{"key", info.key}, {"type", info.type}, {"unit", info.unit},
-               {"low", info.low}, {"high", info.high}, {"text", info.doc}};
-  if (!info.words.empty()) json["words"] = info.words;
-  json["value"] = row.show(info, layer);
-  return json;
+// Once for all layers, which have the values alone.
+Json DescribeKeys() {
+  Json keys = Json::array();
+  for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>()) {
+    const KeyInfo& info = row.info;
+    Json& key = keys.emplace_back(Json{{"key", info.key},
+                                       {"type", info.type},
+                                       {"unit", info.unit},
+                                       {"low", info.low},
+                                       {"high", info.high},
+                                       {"text", info.doc}});
+    if (!info.words.empty()) key["words"] = info.words;
+  }
+  return keys;
 }
 
-Json DescribeLayers(const FurSetup& setup) {
-  Json layers = Json::array();
-  for (const LayerSetup& layer : setup.layers) {
-    Json keys = Json::array();
-    for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>())
-      if (row.show) keys.push_back(DescribeKey(row, layer));
-    layers.push_back({{"name", layer.name}, {"keys", keys}});
+Json DescribeSetups(const Scenario& scenario) {
+  Json setups = Json::array();
+  for (size_t s = 0; s < scenario.setups.size(); ++s) {
+    Json layers = Json::array();
+    for (const LayerSetup& layer : scenario.setups[s].layers) {
+      Json values = Json::array();
+      for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>())
+        values.push_back(row.show(row.info, layer));
+      layers.push_back({{"name", layer.name}, {"values", values}});
+    }
+    setups.push_back({{"name", scenario.characters[s].name}, {"layers", layers}});
   }
-  return layers;
+  return setups;
 }
 
 Json DescribeSettings(const PageSettings& settings) {
@@ -57,14 +68,7 @@ float Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm
 
 }  // namespace
 
-Viewer::Viewer(ScenarioRequest request) : request_(std::move(request)) {
-  if (request_.setup_text.empty()) {
-    const std::string setup =
-        request_.scene.empty() ? request_.setup : std::string(SetupOfScenario(request_.scene));
-    if (!setup.empty()) request_.setup_text = SetupText(setup);
-  }
-  Load();
-}
+Viewer::Viewer(ScenarioRequest request) : request_(std::move(request)) { Load(); }
 
 void Viewer::Load() {
   auto scenario = std::make_unique<Scenario>(LoadScenario(request_));
@@ -76,6 +80,8 @@ void Viewer::Load() {
   maps_ = std::move(maps);
   settings_ = std::move(settings);
   scenario_ = std::move(scenario);
+  last_input_.reset();
+  ForgetPoses();
 }
 
 // On its groom, at the frame that is next.
@@ -84,7 +90,9 @@ void Viewer::Begin(Scenario& scenario, Isa isa) {
   times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
   running_ = std::move(running);
   run_digest_ = {};
-  is_begun_ = false;
+  is_begun_ = is_stale_ = false;
+  last_input_.reset();
+  ForgetPoses();
   before_.Forget();
 }
 
@@ -104,17 +112,19 @@ void Viewer::Restart() {
   next_frame_ = 0;
 }
 
-void Viewer::ChangeKey(std::string_view layer, std::string_view key, std::string_view value) {
-  if (setup_text().empty()) throw Error("this scene makes its setups itself: none to change");
-  ReplaceSetup(ChangeLayerKey(setup_text(), "setup", layer, key, value));
+void Viewer::ChangeKey(size_t setup, std::string_view layer, std::string_view key,
+                       std::string_view value) {
+  ReplaceSetup(setup, ChangeLayerKey(setup_text(setup), "setup", layer, key, value));
 }
 
-void Viewer::ReplaceSetup(std::string text) {
-  std::string kept = std::exchange(request_.setup_text, std::move(text));
+void Viewer::ReplaceSetup(size_t setup, std::string text) {
+  std::vector<std::string> kept = request_.setup_texts;
+  request_.setup_texts.resize(std::max(kept.size(), setup + 1));
+  request_.setup_texts[setup] = std::move(text);
   try {
     Load();
   } catch (const Error&) {
-    request_.setup_text = std::move(kept);
+    request_.setup_texts = std::move(kept);
     throw;
   }
 }
@@ -124,6 +134,8 @@ void Viewer::Set(std::string_view key, double value) {
   const double dt_s = scenario_->dt_s;
   const Isa isa = settings_->isa;
   row.set(*settings_, value);
+  is_stale_ |= !IsOfShowing(row);
+  if (!IsOfLight(row)) ForgetPicture();
   set_[&row] = value;
   if (settings_->isa != isa) ChangeKernels();
   // Time goes on where it is, to the next of the new frames.
@@ -150,8 +162,33 @@ void Viewer::Paint(uint32_t channel, const glm::vec3& centre) {
   brush_ = brush;
 }
 
-Camera Viewer::FrameCamera(const Camera& own) const {
-  return camera_ ? StandAt(*camera_, own) : own;
+void Viewer::SetCamera(std::optional<PageCamera> camera) {
+  camera_ = camera;
+  if (settings_->hold_view && last_input_)
+    StandFor(last_input_->camera);
+  else
+    is_stale_ = true;
+}
+
+// Where the user stands; returns where the frame is seen from, which may be held.
+const Camera& Viewer::StandFor(const Camera& own) {
+  last_camera_ = camera_ ? StandAt(*camera_, own) : own;
+  if (!settings_->hold_view || !held_camera_) held_camera_ = last_camera_;
+  return *held_camera_;
+}
+
+void Viewer::Look() {
+  if (!is_stale_ || !last_input_) return;
+  is_stale_ = false;
+  FrameInput input = *last_input_;
+  input.camera = StandFor(input.camera);
+  ForgetPicture();
+  input.skip = scenario_->base.skip;
+  input.lod = scenario_->base.lod;
+  input.dt_s = 0.0;
+  input.brush_count = 0;
+  if (const char* fault = scene().BeginFrame(input)) throw Error(fault);
+  SerialExecutor().Run(scene().CurrentFrame());
 }
 
 // What the page adds to the scenario's own input.
@@ -173,22 +210,21 @@ void Viewer::AddOwn(FrameInput& input) {
   brush_.reset();
 }
 
-// The last frame, before the next one takes its memory. Only where a display shows more frames than there are.
+// The last frame, before the next one takes its memory.
 void Viewer::KeepForBlend() {
-  constexpr double kDisplayed_s = 1.0 / 55.0;
   before_.Forget();
-  if (settings_->in_between && is_begun_ && scenario_->dt_s > kDisplayed_s * settings_->slow_motion)
-    before_.Keep(GatherFrame());
+  if (is_begun_ && IsShownBetween(scenario_->dt_s, *settings_)) before_.Keep(GatherFrame());
 }
 
 const char* Viewer::Step() {
   KeepForBlend();
   const TimePoint start = Now();
   FrameInput input = running_->Prepare(next_frame_, scenario_->base.skip, scenario_->base.lod);
-  last_camera_ = FrameCamera(input.camera);
-  if (!settings_->hold_view || !held_camera_) held_camera_ = last_camera_;
-  input.camera = *held_camera_;
   AddOwn(input);
+  last_input_ = input;
+  input.camera = StandFor(input.camera);
+  is_stale_ = false;
+  ForgetPoses();
   if (const char* fault = scene().BeginFrame(input)) return fault;
   caller_ms_ = double(ElapsedNs(start)) * 1e-6;
   Frame frame = scene().CurrentFrame();
@@ -217,7 +253,8 @@ std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
   float nearest = 1e30f;
   for (uint32_t a = 0; a < scenario_->actors.size(); ++a) {
     const Body body = PoseBody(*scenario_, running_->scene(), a,
-                               maps_->SurfaceOf(scenario_->actors[a].character));
+                               maps_->SurfaceOf(scenario_->actors[a].character), nullptr, {},
+                               &maps_->SkinOf(*scenario_, running_->scene(), a));
     for (const auto& triangle : body.character->mesh.triangles) {
       const float at = Meet(ray, body.position[triangle[0]], body.position[triangle[1]],
                             body.position[triangle[2]]);
@@ -229,7 +266,14 @@ std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
 }
 
 PictureScene Viewer::GatherFrame() const {
-  return GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted);
+  return GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted,
+                       posed());
+}
+
+void Viewer::Light(PictureScene& shown) const {
+  shown.camera = last_camera_;
+  LightPicture(running_->scene(), shown);
+  ApplyLight(*settings_, shown);
 }
 
 PictureScene Viewer::Gather(float share) const {
@@ -238,7 +282,8 @@ PictureScene Viewer::Gather(float share) const {
     show(running_->scene(), shown);
   else if (share < 1.0f)
     before_.Blend(share, shown);
-  ApplyToPicture(*settings_, shown);
+  ApplyLight(*settings_, shown);
+  ApplyRenderFur(*settings_, shown);
   return shown;
 }
 
@@ -253,7 +298,8 @@ std::string Viewer::Describe() const {
   json["camera"] =
       DescribeOrbit({orbit.target, orbit.start_rad, std::atan2(orbit.height_m, orbit.radius_m),
                      std::hypot(orbit.height_m, orbit.radius_m)});
-  json["layers"] = setup_text().empty() ? Json::array() : DescribeLayers(scenario_->setups.front());
+  json["keys"] = DescribeKeys();
+  json["setups"] = DescribeSetups(*scenario_);
   json["settings"] = DescribeSettings(*settings_);
   json["channels"] = kPaintChannelNames;
   json["views"] = DescribeViews();

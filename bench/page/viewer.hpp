@@ -4,7 +4,7 @@
 //   Viewer viewer({.scene = "monster"});
 //   viewer.Step();
 //   viewer.LastFrame();                    // digests, times, what ran
-//   viewer.ChangeKey("head", "frequency", "8");
+//   viewer.ChangeKey(0, "head", "frequency", "8");
 #pragma once
 
 #include <map>
@@ -38,16 +38,21 @@ class Viewer final : public PageView {
   // Digests are taken of frames below this one; at first of all. They are a good part of a frame's time.
   void TakeDigests(uint32_t frames) { digest_frames_ = frames; }
 
-  // The setup in which a layer's key has another value, and the scene that it makes. It goes on from the state that
-  // there is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms). Throws Error
-  // and changes nothing where the setup or the value is not taken, or the scene has no setup of one text.
-  void ChangeKey(std::string_view layer, std::string_view key, std::string_view value);
-  void ReplaceSetup(std::string text);
-  // Empty for a scene without one.
-  const std::string& setup_text() const { return request_.setup_text; }
+  // One of the scene's setups in which a layer's key has another value, and the scene that it makes. It goes on from the
+  // state that there is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms).
+  // Throws Error and changes nothing where the setup or the value is not taken.
+  void ChangeKey(size_t setup, std::string_view layer, std::string_view key,
+                 std::string_view value);
+  void ReplaceSetup(size_t setup, std::string text);
+  size_t setup_count() const { return scenario_->setups.size(); }
+  // Empty of one that is a groom's file.
+  const std::string& setup_text(size_t setup) const { return scenario_->setups.at(setup).text; }
 
   void Set(std::string_view key, double value) override;
-  void SetCamera(std::optional<PageCamera> camera) override { camera_ = camera; }
+  void SetCamera(std::optional<PageCamera> camera) override;
+  // Another camera, or other skips and detail: the frame that ran is drawn once more by one of no time, which changes no
+  // bit of the next.
+  void Look() override;
   void SetViewport(uint32_t width_px, uint32_t height_px) override;
   // The user's ball: where it is, in frames from the next one on; `radius` is a setting.
   void MoveSphere(const glm::vec3& centre) { sphere_centre_ = centre; }
@@ -69,8 +74,9 @@ class Viewer final : public PageView {
   uint64_t run_digest() const { return run_digest_.Value(); }
 
  private:
-  Camera FrameCamera(const Camera& own) const;
+  const Camera& StandFor(const Camera& own);
   PictureScene GatherFrame() const;
+  void Light(PictureScene& shown) const override;
   void KeepForBlend();
   void Load();
   void Begin(Scenario& scenario, Isa isa);
@@ -88,6 +94,8 @@ class Viewer final : public PageView {
   std::optional<PageCamera> camera_;
   Camera last_camera_;                 // of the picture
   std::optional<Camera> held_camera_;  // of the frame, where it is another
+  std::optional<FrameInput> last_input_;  // with the scenario's own camera
+  bool is_stale_ = false;                 // what was drawn last is not what is asked for
   std::optional<glm::vec3> sphere_centre_, last_sphere_;
   std::optional<PaintBrush> brush_;
   bool painted_ = false, is_begun_ = false;  // a frame has run since the strands lay on their groom

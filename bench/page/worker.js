@@ -4,7 +4,7 @@ let exported, renderer = '', canvas, compiled, request, playing = false, due_s =
 let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
 // What was set since the page opened, for a module that has to begin again; and the recording that is shown, {name, bytes}.
 let kept = {settings: {}, camera: null};
-const asOpened = () => ({settings: {}, camera: null, setup: request.setup ?? '', recording: request.recording ?? null});
+const asOpened = () => ({settings: {}, camera: null, setups: [], recording: request.recording ?? null});
 
 const decoder = new TextDecoder(), encoder = new TextEncoder();
 const memory = () => exported.memory;
@@ -77,7 +77,7 @@ async function start() {
     const refused = openRecording(kept.recording);
     if (refused) throw new Error(refused);
   } else {
-    call('Open', request.text + (kept.setup ? `\nsetup_text = ${JSON.stringify(kept.setup)}` : ''));
+    call('Open', `${request.text}\nsetup_texts = ${JSON.stringify(Array.from(kept.setups, (text) => text ?? ''))}`);
     exported.TakeDigests(request.compared);
   }
   renderer = gl ? result(exported.OpenRenderer()) : 'this browser has no WebGL2: frames run, and nothing is drawn';
@@ -86,11 +86,13 @@ async function start() {
   describe();
 }
 
+const setupTexts = () => Array.from({length: exported.SetupCount()}, (_, i) => result(exported.SetupText(i)));
+
 // `token` comes back with the answer.
 function describe(token) {
   const described = JSON.parse(result(exported.Describe()));
   dt_s = described.dt_s;
-  postMessage({described, setup: result(exported.SetupText()), renderer, token});
+  postMessage({described, setups: setupTexts(), renderer, token});
 }
 
 function step() {
@@ -208,10 +210,11 @@ const handlers = {
     draw();
     report();
   },
-  restart: () => {
+  // And so many frames, drawn once.
+  restart: (count) => {
     if (!kept.recording) exported.TakeDigests(request.compared);
     exported.Restart();
-    step();
+    for (let i = 0; i < count; ++i) step();
     draw();
     report();
   },
@@ -219,7 +222,7 @@ const handlers = {
   reset: async () => {
     kept = asOpened();
     await start();
-    handlers.restart();
+    handlers.restart(1);
   },
   set: ([key, value]) => {
     call('Set', key, value);
@@ -230,15 +233,15 @@ const handlers = {
     if (key === 'kernels' && !playing) handlers.step(1);
     dirty = true;
   },
-  key: ([layer, key, value]) => {
-    call('ChangeKey', layer, key, value);
-    kept.setup = result(exported.SetupText());
-    postMessage({setup: kept.setup});
+  key: ([layer, key, value, setup]) => {
+    call('ChangeKey', setup, layer, key, value);
+    kept.setups[setup] = result(exported.SetupText(setup));
+    postMessage({setups: {[setup]: kept.setups[setup]}});
     if (!playing) handlers.step(1);
   },
-  setup: (text) => {
-    call('ReplaceSetup', text);
-    kept.setup = text;
+  setup: ([text, setup]) => {
+    call('ReplaceSetup', setup, text);
+    kept.setups[setup] = text;
     describe();
     if (!playing) handlers.step(1);
   },
@@ -247,12 +250,12 @@ const handlers = {
     request.compared = compared;
     if (kept.recording) return void Object.assign(request.files, files);  // for when it is left
     if (Object.keys(files).length === 0) return;
-    const own = setup === undefined ? kept.setup : '';
+    const own = setup === undefined ? kept.setups : [];
     Object.assign(request.files, files);
-    kept.setup = '';  // a module that has to begin again begins with what the files have
+    kept.setups = [];  // a module that has to begin again begins with what the files have
     for (const [path, content] of Object.entries(files)) call('GiveFile', path, content);
-    call('ReplaceSetup', setup ?? (own || result(exported.SetupText()) || ''));
-    kept.setup = own;
+    call('ReplaceSetup', 0, setup ?? (own[0] || result(exported.SetupText(0)) || ''));
+    kept.setups = own;
     exported.TakeDigests(0);  // a run that began with other files has none to compare
     describe();
     step();
@@ -263,14 +266,13 @@ const handlers = {
     kept.camera = camera;
     if (camera) call('SetCamera', ...camera);
     else exported.TakeScenesCamera();
-    if (kept.recording) dirty = true;
-    else if (!playing) handlers.step(1);
+    dirty = true;
   },
   // A recording in place of what is shown, which goes on where that cannot be.
   recording: (recording) => {
     const refused = openRecording(recording);
     if (refused) return postMessage({fault: refused});
-    kept = {settings: {}, camera: null, setup: '', recording};
+    kept = {settings: {}, camera: null, setups: [], recording};
     slow_motion = 1;
     paint = null;
     postMessage({replaced: true});

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
+#include <sstream>
 
 #include "core/character/builtin_character.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
+#include "core/groom/setup_schema.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -34,41 +37,70 @@ uint32_t TurnHue(uint32_t colour, double turn) {
   return out;
 }
 
-void Scale(Attribute& attribute, double by) {
-  attribute.value = float(attribute.value * by);
-  if (attribute.range) *attribute.range *= float(by);
+// As an artist would have written it: the fewest digits that are read as this value.
+double Written(double value) { return std::strtod(fmt::format("{}", float(value)).c_str(), nullptr); }
+std::string Written(uint32_t colour) {
+  return fmt::format("#{:02x}{:02x}{:02x}", colour & 255, colour >> 8 & 255, colour >> 16 & 255);
 }
 
-// A layer's two coats: a short, dense undercoat and the longer hair above it.
-LayerSetup MakeCoat(const LayerSetup& from, bool under, uint32_t member, double strand_share,
-                    Random& random) {
-  LayerSetup coat = from;
-  coat.name = fmt::format("{} {}", from.name, under ? "under" : "over");
-  coat.seed = random.U64() >> 1;
-  coat.max_strands = std::max(32u, uint32_t(from.max_strands * strand_share * (under ? 0.6 : 0.4)));
-  Scale(coat.length, (under ? 0.6 : 1.1) * random.Uniform(0.75, 1.2));
-  coat.elevation.value = float(coat.elevation.value * random.Uniform(0.8, 1.2));
-  coat.curl.value = float(coat.curl.value * random.Uniform(0.5, 1.5));
-  coat.params.sort_bias += under ? 0.0f : 0.25f;
-  coat.params.weight = float(coat.params.weight * random.Uniform(0.8, 1.2));
+// In place of the value alone, where more is said of the key.
+template <class T>
+void Put(toml::table& layer, std::string_view key, const T& value) {
+  toml::table* more = layer[key].as_table();
+  if (more) key = "value";
+  (more ? *more : layer).insert_or_assign(key, value);
+}
+
+void PutLength(toml::table& layer, const Attribute& length, double by) {
+  Put(layer, "length", Written(length.value * by));
+  if (!length.range) return;
+  const glm::vec2 range = *length.range * float(by);
+  layer["length"].as_table()->insert_or_assign("range",
+                                               toml::array{Written(range.x), Written(range.y)});
+}
+
+// A layer's two coats: a short, dense undercoat and the longer hair above it. `layer`: as it was written.
+toml::table MakeCoat(const LayerSetup& from, toml::table layer, bool under, uint32_t member,
+                     double strand_share, Random& random) {
+  layer.insert_or_assign("name", fmt::format("{} {}", from.name, under ? "under" : "over"));
+  layer.insert_or_assign("seed", int64_t(random.U64() >> 1));
+  layer.insert_or_assign("max_strands",
+                         int64_t(std::max(32u, uint32_t(from.max_strands * strand_share *
+                                                        (under ? 0.6 : 0.4)))));
+  PutLength(layer, from.length, (under ? 0.6 : 1.1) * random.Uniform(0.75, 1.2));
+  Put(layer, "elevation", Written(from.elevation.value * random.Uniform(0.8, 1.2)));
+  Put(layer, "curl", Written(from.curl.value * random.Uniform(0.5, 1.5)));
+  layer.insert_or_assign("sort_bias", Written(from.params.sort_bias + (under ? 0.0f : 0.25f)));
+  layer.insert_or_assign("weight", Written(from.params.weight * random.Uniform(0.8, 1.2)));
   const double turn = 3.0 * member / kCastCharacters;
-  coat.base_colour = TurnHue(from.base_colour, turn);
-  coat.tip_colour = TurnHue(from.tip_colour, turn);
-  return coat;
+  layer.insert_or_assign("base_colour", Written(TurnHue(from.base_colour, turn)));
+  layer.insert_or_assign("tip_colour", Written(TurnHue(from.tip_colour, turn)));
+  return layer;
 }
 
-FurSetup MakeMemberSetup(const FurSetup& monster, uint32_t member, uint64_t seed) {
+// The monster's setup, as it is read and as it is written.
+struct Monster {
   FurSetup setup;
-  setup.path = fmt::format("cast member {}", member);
+  toml::table written;
+};
+
+std::string MakeMemberText(const Monster& monster, uint32_t member, uint64_t seed) {
+  const std::vector<LayerSetup>& layers = monster.setup.layers;
   double strands = 0.0;
-  for (const LayerSetup& layer : monster.layers) strands += layer.max_strands;
+  for (const LayerSetup& layer : layers) strands += layer.max_strands;
   Random random(MixSeed(seed, member));
   const double share = kStrandsPerMember / strands * random.Uniform(0.9, 1.1);
+  toml::array coats;
   for (uint32_t l = 0; l < kLayersOf(member); ++l) {
-    const LayerSetup& from = monster.layers[l / 2 % monster.layers.size()];
-    setup.layers.push_back(MakeCoat(from, l % 2 == 0, member, share, random));
+    const size_t from = l / 2 % layers.size();
+    coats.push_back(MakeCoat(layers[from], *monster.written["layer"][from].as_table(), l % 2 == 0,
+                             member, share, random));
   }
-  return setup;
+  std::ostringstream text;
+  text << toml::table{{"defaults", *monster.written["defaults"].as_table()},
+                      {"layer", std::move(coats)}}
+       << '\n';
+  return text.str();
 }
 
 glm::mat4 PlaceMember(uint32_t member, double size) {
@@ -83,14 +115,18 @@ glm::mat4 PlaceMember(uint32_t member, double size) {
 Scenario MakeCast(const ScenarioRequest& request, const LoadProgress& progress) {
   const uint64_t seed = request.seed;
   Scenario scenario;
-  const FurSetup monster = LoadSetup("monster");
+  const FurSetup of_monster = LoadSetup("monster");
+  const Monster monster{of_monster, ParseToml(of_monster.text, "monster")};
   for (uint32_t m = 0; m < kCastCharacters; ++m) {
     if (progress) progress(m, kCastCharacters);
     Random random(MixSeed(seed ^ 0xca57, m));
     const double size = random.Uniform(0.7, 1.15);
     Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
     character.name = fmt::format("member {}", m);
-    const FurSetup setup = MakeMemberSetup(monster, m, seed);
+    const std::string_view told = request.SetupText(m);
+    const FurSetup setup =
+        ReadFurSetup(told.empty() ? MakeMemberText(monster, m, seed) : told,
+                     fmt::format("cast member {}", m), "");
     std::vector<std::string> notes;
     Actor actor{};
     actor.character = actor.groom = m;

@@ -99,7 +99,7 @@ CameraOrbit MonsterCamera() {
 }
 
 FurSetup BuiltInSetup(const std::string& name, const ScenarioRequest& request) {
-  return LoadSetup(name, request.seed, request.setup_text);
+  return LoadSetup(name, request.seed, request.SetupText(0));
 }
 
 Scenario MakeMonster(const ScenarioRequest& request, const LoadProgress&) {
@@ -166,7 +166,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   scenario.base.wind = Breeze();
   Character character = LoadCharacter(request.character);
   FurSetup setup;
-  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed, request.setup_text);
+  if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed, request.SetupText(0));
   if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
   if (request.groom.empty()) {
     AddActor(scenario, std::move(character), setup, "");
@@ -211,14 +211,14 @@ void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
 }
 
 struct BuiltInScene {
-  std::string_view name, setup;
+  std::string_view name;
   Scenario (*make)(const ScenarioRequest& request, const LoadProgress& progress);
 };
-constexpr BuiltInScene kScenes[] = {{"monster", "monster", MakeMonster},
-                                    {"cast", "", MakeCast},
-                                    {"eyepet", "eyepet", MakeEyePet},
-                                    {"scorpion", "scorpion", MakeScorpion},
-                                    {"tiny", "tiny", MakeTiny}};
+constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster},
+                                    {"cast", MakeCast},
+                                    {"eyepet", MakeEyePet},
+                                    {"scorpion", MakeScorpion},
+                                    {"tiny", MakeTiny}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
@@ -248,11 +248,6 @@ std::vector<std::string> FilesReadFor(const Character& character, const FurSetup
   std::vector<std::string> files = character.files_read;
   files.insert(files.end(), setup.files_read.begin(), setup.files_read.end());
   return files;
-}
-
-std::string_view SetupOfScenario(std::string_view scene) {
-  const auto found = std::ranges::find(kScenes, scene, &BuiltInScene::name);
-  return found == std::end(kScenes) ? std::string_view() : found->setup;
 }
 
 std::string SetupText(const std::string& name_or_path) {

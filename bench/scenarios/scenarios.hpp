@@ -95,7 +95,7 @@ struct Scenario {
   double clip_rate = 1.0;  // how fast clips are played
   std::vector<Character> characters;
   std::vector<Groom> grooms;
-  std::vector<FurSetup> setups;  // that the grooms were baked from; of one that is a file no layers
+  std::vector<FurSetup> setups;  // that the grooms were baked from; of one that is a file no layers and no text
   std::vector<Actor> actors;
   CameraOrbit camera;
   std::vector<MovingSphere> spheres;      // at most kSpheresPerScene
@@ -138,14 +138,18 @@ struct ScenarioRequest {
   std::string setup = {};  // name or path; or, with this empty:
   std::string groom = {};  // path of a groom file, baked for this character
   uint64_t seed = 0;       // other than 0: another groom from the same setups
-  // In place of the setup's own text, whether a scene's or a file's; `cast` makes its setups itself.
-  std::string setup_text = {};
+  // In place of the texts of Scenario::setups, by number; what is empty or not there: their own.
+  std::vector<std::string> setup_texts = {};
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
   // Name or path of lights (scene_lights.hpp): every layer is lit by them, instead of what scene and setup say.
   std::string lights = {};
   CheckFilesReadHook check_files_read = {};
+
+  std::string_view SetupText(size_t setup) const {
+    return setup < setup_texts.size() ? std::string_view(setup_texts[setup]) : std::string_view();
+  }
 };
 
 using PaintAmounts = std::array<float, kPaintChannels>;  // 0 to 1, by PaintChannel
@@ -153,8 +157,6 @@ using PaintAmounts = std::array<float, kPaintChannels>;  // 0 to 1, by PaintChan
 void PaintAll(Scenario& scenario, const PaintAmounts& amounts);
 
 std::span<const std::string_view> ScenarioNames();
-// The built-in setup of a scenario that is one character with one; else empty.
-std::string_view SetupOfScenario(std::string_view scene);
 
 // Called with the number of grooms made and wanted.
 using LoadProgress = std::function<void(uint32_t done, uint32_t total)>;

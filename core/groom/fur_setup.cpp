@@ -175,6 +175,7 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
   SetupReader reader(path, map_directory);
   FurSetup setup = ReadTop(reader, root);
   setup.path = path;
+  setup.text = text;
 
   LayerSetup base;
   const toml::table* defaults = nullptr;

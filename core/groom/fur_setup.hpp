@@ -166,6 +166,7 @@ constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
 
 struct FurSetup {
   std::string path;                   // for messages
+  std::string text;                   // that it was read from
   std::optional<float> unit_scale;    // metres a file unit; default from the bounding box
   float crease_angle = 0.0f;          // degrees up to which edges of the mesh are round
   std::string clip;                   // to play; empty: the first

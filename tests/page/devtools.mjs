@@ -17,8 +17,9 @@ export class Browser {
   #last = 0;
   #pages = new Map();
 
-  constructor(program) {
-    this.#child = spawn(program, ['--headless', '--no-sandbox', '--remote-debugging-pipe', '--enable-unsafe-swiftshader', '--use-angle=swiftshader',
+  // `options`: the browser's own, besides.
+  constructor(program, options = []) {
+    this.#child = spawn(program, [...options, '--headless', '--no-sandbox', '--remote-debugging-pipe', '--enable-unsafe-swiftshader', '--use-angle=swiftshader',
       '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
       '--disable-dev-shm-usage', '--hide-scrollbars', `--user-data-dir=${this.#profile}`],
     {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});

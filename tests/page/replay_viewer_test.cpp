@@ -128,6 +128,32 @@ TEST(ReplayViewer, WithoutACameraAllOfTheFurIsInSight) {
   EXPECT_TRUE(viewer->result().Same());
 }
 
+// Of a recording of 15 frames a second.
+TEST(ReplayViewer, InBetweenIsOnTheWayFromOneFrameToTheNext) {
+  const auto viewer = OpenViewer(
+      RecordScene("tiny", 6, [](uint32_t, FrameInput& input) { input.dt_s = 1.0 / 15.0; }));
+  ASSERT_EQ(viewer->Step(), nullptr);
+  EXPECT_FALSE(viewer->HasInBetween());
+  for (int f = 0; f < 3; ++f) ASSERT_EQ(viewer->Step(), nullptr);
+  ASSERT_TRUE(viewer->HasInBetween());
+  const PictureScene from = viewer->Gather(0.0f), half = viewer->Gather(0.5f),
+                     to = viewer->Gather();
+  float moved = 0.0f;
+  ASSERT_EQ(half.layers[0].size(), to.layers[0].size());
+  for (size_t i = 0; i < to.layers[0].size(); ++i) {
+    const glm::vec3 a = from.layers[0][i].knot[2].at, b = to.layers[0][i].knot[2].at;
+    EXPECT_LT(glm::length(half.layers[0][i].knot[2].at - 0.5f * (a + b)), 1e-5f);
+    moved = std::max(moved, glm::length(b - a));
+  }
+  EXPECT_GT(moved, 0.005f);
+  RunToEnd(*viewer);
+  EXPECT_TRUE(viewer->result().Same());
+  viewer->Set("in_between", 0);
+  ASSERT_EQ(viewer->Step(), nullptr);
+  ASSERT_EQ(viewer->Step(), nullptr);
+  EXPECT_FALSE(viewer->HasInBetween());
+}
+
 TEST(ReplayViewer, WhatIsPlantedInAFrameIsFoundThere) {
   const auto planted = RewriteLog(ReadInputLog(Tiny(), "x").OrThrow(), 5,
                                   [](FrameInput& input, auto&) { input.gravity[1] = -3.0f; });
@@ -183,7 +209,7 @@ TEST(ReplayViewer, HasTheSettingsOfPicturesAlone) {
   const Json described = Json::parse(viewer->Describe());
   EXPECT_EQ(described["frames"], kFrames);
   EXPECT_EQ(described["recording"]["file"], "x.peltinput");
-  EXPECT_TRUE(described["layers"].empty());
+  EXPECT_TRUE(described["setups"].empty());
   EXPECT_EQ(described["strands"], LoadScenario("tiny").StrandCount());
   ASSERT_GT(described["settings"].size(), 5u);
   for (const Json& row : described["settings"])

@@ -2,105 +2,35 @@
 //
 // Its digests are the program's, its picture is that of the headless OpenGL renderer, its controls do what they say and
 // can be taken back, and what is wrong is told. Exit code 77: this program has no module.
-import {execFileSync, spawnSync} from 'node:child_process';
+import {spawnSync} from 'node:child_process';
 import fs from 'node:fs';
-import path from 'node:path';
-import {Browser} from './devtools.mjs';
+import {PageTests, click, differing, frame, pixels, pixelsOfPng, psnr, set, settled, step, textOf, verdict} from './shown_page.mjs';
 
-const [pelt, chromium, work] = process.argv.slice(2);
-const failures = [];
-const check = (is, what) => {
-  if (!is) failures.push(what);
-  console.log(`${is ? 'ok    ' : 'FAILED'} ${what}`);
-};
-const run = (...args) => execFileSync(pelt, args, {cwd: work, encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe']});
+const tests = new PageTests();
+const check = tests.check.bind(tests);
+const kTiny = tests.write('tiny');
 
-const tried = spawnSync(pelt, ['view', '--scene', 'tiny', '--frames', '24', '--out', path.join(work, 'tiny.html')], {encoding: 'utf8'});
-if (tried.status !== 0 && tried.stderr.includes('without the page')) {
-  console.error(`SKIPPED: ${tried.stderr.trim()}`);
-  process.exit(77);
-}
-check(tried.status === 0, `a page is written ${tried.stderr}`);
-
-const browser = new Browser(chromium);
-process.on('exit', () => browser.close());
-
-// kPixels(): what the canvas shows, as bytes of RGBA at its own size.
-const kPixels = `(() => {
-  const copy = document.createElement('canvas');
-  [copy.width, copy.height] = [320, 240];
-  const context = copy.getContext('2d', {willReadFrequently: true});
-  context.drawImage(document.getElementById('picture'), 0, 0, 320, 240);
-  return Array.from(context.getImageData(0, 0, 320, 240).data);
-})()`;
-// Of two such, in dB; rows of RGBA.
-function psnr(a, b) {
-  let sum = 0, count = 0;
-  for (let i = 0; i < a.length; ++i)
-    if (i % 4 !== 3) {
-      sum += (a[i] - b[i]) ** 2;
-      ++count;
-    }
-  return sum === 0 ? Infinity : 10 * Math.log10(255 * 255 * count / sum);
-}
-// How many of them are off by more than 2 of 255.
-const differing = (a, b) => a.filter((v, i) => Math.abs(v - b[i]) > 2).length;
-const spread = (pixels) => {
-  const light = pixels.filter((_, i) => i % 4 === 1), mean = light.reduce((s, v) => s + v, 0) / light.length;
+const spread = (shown) => {
+  const light = shown.filter((_, i) => i % 4 === 1), mean = light.reduce((s, v) => s + v, 0) / light.length;
   return Math.sqrt(light.reduce((s, v) => s + (v - mean) ** 2, 0) / light.length);
-};
-// The page, still, drawn at the size of the pictures it is compared with.
-async function open(file, width = 1000) {
-  const page = await browser.open(`file://${file}?still&width=320&height=240&samples=2`, width, 800);
-  await page.until('document.body.dataset.opened', 'opening');
-  return page;
-}
-const frame = (page, number) => page.until(`document.body.dataset.frame === '${number}'`, `frame ${number}`);
-const verdict = (page) => page.evaluate('document.body.dataset.verdict');
-// Waits until the worker has answered all that was said to it.
-let tokens = 0;
-async function settled(page) {
-  const token = ++tokens;
-  await page.evaluate('new Promise((done) => { const before = worker.onmessage; worker.onmessage = (event) => { before(event); if (event.data.token === TOKEN) { worker.onmessage = before; setTimeout(done, 100); } }; tell({describe: TOKEN}); })'.replaceAll('TOKEN', token));
-}
-const step = async (page, count) => {
-  await page.evaluate(`tell({step: ${count}})`);
-  await settled(page);
-};
-// What a user does to a control, by its row.
-const set = async (page, key, value) => {
-  await page.evaluate(`(() => {
-    const input = document.querySelector('[data-key="${key}"] input[type=number], [data-key="${key}"] input[type=checkbox], [data-key="${key}"] select');
-    if (input.type === 'checkbox') input.checked = ${JSON.stringify(value)}; else input.value = ${JSON.stringify(value)};
-    input.onchange();
-  })()`);
-  // Sliders of layers wait for more to come.
-  const [layer, name] = key.split('.');
-  if (name) await page.until(`changes.keys.some(([l, k]) => l === '${layer}' && k === '${name}')`, key);
-  await settled(page);
 };
 
 async function tiny() {
-  const page = await open(path.join(work, 'tiny.html'));
+  const page = await tests.open(kTiny);
   check(await verdict(page) === 'same', 'tiny: the first frame is the same as the native one');
   await step(page, 19);
   await frame(page, 19);
   check(await verdict(page) === 'same', 'tiny: 20 frames are the same as the native ones');
   const ours = await page.evaluate('document.body.dataset.digest');
-  check(run('run', '--scene', 'tiny', '--frames', '20').includes(ours), `pelt run prints ${ours}, too`);
+  check(tests.run('run', '--scene', 'tiny', '--frames', '20').includes(ours), `pelt run prints ${ours}, too`);
 
-  const shown = await page.evaluate(kPixels);
+  const shown = await pixels(page);
   check(spread(shown) > 10, `the picture is not flat (${spread(shown).toFixed(1)})`);
-  const picture = path.join(work, 'tiny.png');
-  const drawn = spawnSync(pelt, ['run', '--scene', 'tiny', '--frames', '20', '--picture', picture, '--picture-width', '320',
+  const picture = tests.file('tiny.png');
+  const drawn = spawnSync(tests.pelt, ['run', '--scene', 'tiny', '--frames', '20', '--picture', picture, '--picture-width', '320',
     '--picture-height', '240', '--renderer', 'gl'], {encoding: 'utf8'});
   if (drawn.status === 0) {
-    const url = `data:image/png;base64,${fs.readFileSync(picture).toString('base64')}`;
-    const native = await page.evaluate(`new Promise((done) => { const image = new Image(); image.onload = () => {
-      const copy = document.createElement('canvas'); [copy.width, copy.height] = [320, 240];
-      const context = copy.getContext('2d'); context.drawImage(image, 0, 0);
-      done(Array.from(context.getImageData(0, 0, 320, 240).data)); }; image.src = '${url}'; })`);
-    const db = psnr(shown, native);
+    const db = psnr(shown, await pixelsOfPng(page, fs.readFileSync(picture)));
     check(db >= 40, `the picture is that of the OpenGL renderer: ${db.toFixed(1)} dB`);
   } else {
     console.log(`skipped: ${drawn.stderr.trim()}`);
@@ -108,7 +38,7 @@ async function tiny() {
 
   // The picture's own settings change no bit.
   await set(page, 'sun', 0);
-  const darker = await page.evaluate(kPixels);
+  const darker = await pixels(page);
   check(psnr(shown, darker) < 40, 'the sun changes the picture');
   await step(page, 1);
   check(await verdict(page) === 'same', 'and no bit');
@@ -117,17 +47,17 @@ async function tiny() {
   await set(page, 'sun', 1);
   const views = await page.evaluate('described.views.length');
   const alike = [];
-  let last = await page.evaluate(kPixels);
+  let last = await pixels(page);
   for (let i = 1; i < views; ++i) {
-    await page.evaluate(`document.getElementById('${i === 1 ? 'tour' : 'forth'}').click()`);
+    await click(page, i === 1 ? 'tour' : 'forth');
     await settled(page);
-    const now = await page.evaluate(kPixels);
+    const now = await pixels(page);
     if (differing(last, now) < 500) alike.push(`${i} (${differing(last, now)})`);
     last = now;
   }
   check(views > 8 && alike.length === 0, `${views - 1} views of stages are different pictures ${alike.join(', ')}`);
-  check((await page.evaluate("document.getElementById('view').textContent")).includes('order error'), 'and say what they are');
-  await page.evaluate("document.getElementById('leave').click()");
+  check((await textOf(page, 'view')).includes('order error'), 'and say what they are');
+  await click(page, 'leave');
   await step(page, 1);
   check(await verdict(page) === 'same', 'and change no bit');
   check(await page.evaluate("document.querySelectorAll('#plan tbody tr').length") > 3, 'the plan has its passes');
@@ -136,27 +66,25 @@ async function tiny() {
     !e.labels?.length && !e.getAttribute('aria-label') && !e.textContent.trim()).length`);
   check(names === 0, 'every control has a name');
 
-  const layer = await page.evaluate('described.layers[0].name');
+  const layer = await page.evaluate('described.setups[0].layers[0].name');
   await set(page, `${layer}.weight`, 4);
   check(await verdict(page) === 'other', 'a key of a layer changes bits');
-  check((await page.evaluate('setup')).includes('weight = 4.0'), 'and stands in the setup');
+  check((await page.evaluate('setups[0]')).includes('weight = 4.0'), 'and stands in the setup');
   check(await page.evaluate('location.hash.length') > 10, 'and in the link');
-  await page.evaluate(`tell({key: ['${layer}', 'weight', '"heavy"']})`);
-  await settled(page);
-  check((await page.evaluate("document.getElementById('fault').textContent")).includes('weight'), 'a value of the wrong kind is told');
+  await settled(page, {key: [layer, 'weight', '"heavy"', 0]});
+  check((await textOf(page, 'fault')).includes('weight'), 'a value of the wrong kind is told');
   check(await page.evaluate('described.strands') > 0, 'and the page goes on');
-  await page.evaluate("document.getElementById('reset').click()");
+  await click(page, 'reset');
   await frame(page, 0);
   await step(page, 5);
-  check(await verdict(page) === 'same', `reset takes everything back (${await page.evaluate("document.getElementById('digest').textContent")})`);
+  check(await verdict(page) === 'same', `reset takes everything back (${await textOf(page, 'digest')})`);
 
   // The first stroke makes another scene, of lit layers: one without paint is what the next is held against.
   await set(page, 'brush_radius', 0.3);
   const paintedWith = async (amount) => {
     await set(page, 'brush_amount', amount);
-    await page.evaluate('tell({restart: true}); tell({paint: [1, 0.5, 0.5]}); tell({paint: null})');
-    await step(page, 4);
-    return page.evaluate(kPixels);
+    await settled(page, {restart: 1}, {paint: [1, 0.5, 0.5]}, {paint: null}, {step: 4});
+    return pixels(page);
   };
   await paintedWith(0);
   const bare = await paintedWith(0), snowy = await paintedWith(1);
@@ -178,8 +106,8 @@ async function tiny() {
   const by_day = await paper();
   await page.scheme('dark');
   check(by_day !== await paper(), `light and dark are ${by_day} and ${await paper()}`);
-  await page.screenshot(path.join(work, 'page.png'));
-  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+  await page.screenshot(tests.file('page.png'));
+  tests.noErrors(page);
 }
 
 // What changes no still picture of this scene: the time between frames, what is exact, tools, and light inside dense fur
@@ -190,11 +118,10 @@ const kUnseen = new Set(['frame_rate', 'slow_motion', 'in_between', 'hold_view',
 const farValue = (row) => (row.switch ? 1 - row.value : row.words?.length ? row.low + 2 : row.value < (row.low + row.high) / 2 ? row.high : row.low);
 
 async function sliders() {
-  const page = await open(path.join(work, 'tiny.html'));
+  const page = await tests.open(kTiny);
   const picture = async () => {
-    await page.evaluate('tell({restart: true})');
-    await step(page, 19);  // before the scene's teleport, in the middle of its weather
-    return page.evaluate(kPixels);
+    await settled(page, {restart: 20});  // before the scene's teleport, in the middle of its weather
+    return pixels(page);
   };
   // Gusts and eddies are seen where a wind blows, the ground where strands reach it.
   await set(page, 'wind_speed', 4);
@@ -211,15 +138,15 @@ async function sliders() {
   check(unseen.length === 0, `every setting changes the picture ${unseen.join(', ')}`);
   const back = await picture();
   check(psnr(base, back) > 60, `and can be set back (${psnr(base, back).toFixed(0)} dB)`);
-  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+  tests.noErrors(page);
 }
 
 async function monster() {
-  const file = path.join(work, 'monster.html');
-  run('view', '--scene', 'monster', '--frames', '10', '--out', file);
+  const file = tests.file('monster.html');
+  tests.run('view', '--scene', 'monster', '--frames', '10', '--out', file);
   const size = fs.statSync(file).size;
   check(size <= 8e6, `monster's page has ${(size * 1e-6).toFixed(1)} MB, at most 8`);
-  const page = await open(file);
+  const page = await tests.open(file);
   const opened_ms = Number(await page.evaluate('document.body.dataset.opened'));
   console.log(`       first picture after ${opened_ms} ms`);
   await step(page, 9);
@@ -227,13 +154,12 @@ async function monster() {
   const kernels = await page.evaluate("described.settings.find((row) => row.key === 'kernels').words");
   check(kernels.join() === 'reference,simd128', `the module has the kernels ${kernels.join(' and ')}`);
   await set(page, 'kernels', 0);
-  await page.evaluate('tell({restart: true})');
-  await step(page, 9);
+  await settled(page, {restart: 10});
   check(await verdict(page) === 'same', 'and with the reference kernels');
-  const shown = await page.evaluate(kPixels);
+  const shown = await pixels(page);
   await set(page, 'depth', 0);
-  check(differing(shown, await page.evaluate(kPixels)) > 500, 'light inside its fur can be changed');
-  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+  check(differing(shown, await pixels(page)) > 500, 'light inside its fur can be changed');
+  tests.noErrors(page);
 }
 
 // What a user drops onto the page.
@@ -243,32 +169,32 @@ const drop = (page, name, bytes) => page.evaluate(`(() => {
   transfer.items.add(new File([bytes], '${name}'));
   document.dispatchEvent(new DragEvent('drop', {dataTransfer: transfer, cancelable: true}));
 })()`);
-const digest = (page) => page.evaluate("document.getElementById('digest').textContent");
-const fault = (page) => page.evaluate("document.getElementById('fault').hidden ? '' : document.getElementById('fault').textContent");
+const digest = (page) => textOf(page, 'digest');
+const fault = (page) => textOf(page, 'fault');
 
 // How many values of the picture, which is drawn in a turn of its own, have changed, as soon as `is(count)`; or at last.
 async function changed(page, before, is) {
   for (const end = Date.now() + 10_000; ; await settled(page)) {
-    const count = (await page.evaluate(kPixels)).filter((v, i) => Math.abs(v - before[i]) > 4).length;
+    const count = differing(before, await pixels(page), 4);
     if (is(count) || Date.now() > end) return count;
   }
 }
 
 async function recording() {
-  const log = path.join(work, 'bug.peltinput'), file = path.join(work, 'bug.html');
-  run('trace', 'record', '--scene', 'tiny', '--frames', '10', '--out', log);
-  run('view', '--replay', log, '--out', file);
-  const page = await open(file);
+  const log = tests.file('bug.peltinput'), file = tests.file('bug.html');
+  tests.run('trace', 'record', '--scene', 'tiny', '--frames', '10', '--out', log);
+  tests.run('view', '--replay', log, '--out', file);
+  const page = await tests.open(file);
   check(await verdict(page) === 'same', `the first frame of a recording is as recorded (${await digest(page)})`);
-  check((await page.evaluate("document.getElementById('about').textContent")).includes('fur alone is drawn'), 'without a body, and the page says so');
+  check((await textOf(page, 'about')).includes('fur alone is drawn'), 'without a body, and the page says so');
   const groups = await page.evaluate("[...document.querySelectorAll('#controls details')].map((group) => group.dataset.group).join()");
   check(groups === 'time,light,stages', `there are controls of the picture alone (${groups})`);
-  const before = await page.evaluate(kPixels);
+  const before = await pixels(page);
   await page.evaluate('turn(1, 0.2)');
   const many = (count) => count > 1000, none = (count) => count === 0;
   let count = await changed(page, before, many);
   check(many(count), `the camera turns (${count} values change)`);
-  await page.evaluate("document.getElementById('own-camera').click()");
+  await click(page, 'own-camera');
   count = await changed(page, before, none);
   check(none(count), `and back to the recording's (${count})`);
   await set(page, 'render_fur', false);
@@ -276,18 +202,18 @@ async function recording() {
   check(many(count), `its fur is drawn (${count})`);
   await set(page, 'render_fur', true);
   await page.evaluate('turn(1, 0.2)');
-  await page.evaluate("document.getElementById('play').click()");
+  await click(page, 'play');
   await frame(page, 9);
   await page.until('!playing', 'the last frame is the end');
   check(await verdict(page) === 'same', `and changes no bit of the frames after it (${await digest(page)})`);
-  const replayed = run('trace', 'replay', log);
+  const replayed = tests.run('trace', 'replay', log);
   check(replayed.includes(await page.evaluate('document.body.dataset.digest')), 'their digest is that of pelt trace replay');
   await step(page, 1);
   await frame(page, 0);
   check(await verdict(page) === 'same', 'behind the last frame it begins again');
 
   // Onto the page of a scene.
-  const scene = await open(path.join(work, 'tiny.html'));
+  const scene = await tests.open(kTiny);
   await step(scene, 3);
   const bytes = fs.readFileSync(log);
   await drop(scene, 'cut.peltinput', bytes.subarray(0, bytes.length >> 1));
@@ -303,53 +229,45 @@ async function recording() {
   await drop(scene, 'fur.toml', Buffer.from('[[layer]]'));
   await scene.until("!document.getElementById('fault').hidden", 'a setup on a recording');
   check((await fault(scene)).includes('no setup'), 'it takes no setup');
-  await scene.evaluate("document.getElementById('reset').click()");
+  await click(scene, 'reset');
   await scene.until("document.body.dataset.recording === '' && document.body.dataset.frame === '0'", 'the scene again');
   await step(scene, 5);
   check(await verdict(scene) === 'same' && (await digest(scene)).includes('pelt run'), `reset shows the scene again (${await digest(scene)})`);
 
-  check(!fs.readFileSync(file, 'utf8').includes(work), 'no path of this machine is in the page');
-  for (const shown of [page, scene]) check(shown.errors.length === 0, `no script error ${shown.errors.join('; ')}`);
+  check(!fs.readFileSync(file, 'utf8').includes(tests.work), 'no path of this machine is in the page');
+  tests.noErrors(page, scene);
 }
 
 async function plain() {
-  const page = await browser.open(`file://${path.join(work, 'tiny.html')}?still&plain&width=320&height=240`, 1000, 800);
-  await page.until('document.body.dataset.opened', 'opening');
+  const page = await tests.openAt(`file://${kTiny}`, 'still&plain&width=320&height=240');
   check((await page.evaluate("described.settings.find((row) => row.key === 'kernels').words")).join() === 'reference', 'without vectors there are the reference kernels');
-  check((await page.evaluate("document.getElementById('fault').textContent")).includes('reference kernels'), 'and the page says so');
+  check((await textOf(page, 'fault')).includes('reference kernels'), 'and the page says so');
   await step(page, 19);
   check(await verdict(page) === 'same', 'and 20 frames are the same as the native ones');
-  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
+  tests.noErrors(page);
 }
 
 async function consoles() {
-  const file = path.join(work, 'consoles.html');
-  run('view', '--scene', 'tiny', '--frames', '2', '--consoles', '--out', file);
-  const page = await open(file);
+  const file = tests.file('consoles.html');
+  tests.run('view', '--scene', 'tiny', '--frames', '2', '--consoles', '--out', file);
+  const page = await tests.open(file);
   await page.evaluate("document.getElementById('consoles').open = true");
   await page.until("document.querySelectorAll('#consoles svg').length", 'consoles');
   const lanes = await page.evaluate("[...document.querySelectorAll('#consoles svg')].map((svg) => new Set([...svg.querySelectorAll('path[data-work=compute] title')].map((t) => t.textContent.split(':')[0])).size)");
   check(lanes.length === 2 && lanes.every((n) => n >= 5), `units of both consoles compute (${lanes})`);
-  check(page.errors.length === 0, `no script error ${page.errors.join('; ')}`);
-  const without = await open(path.join(work, 'tiny.html'));
+  tests.noErrors(page);
+  const without = await tests.open(kTiny);
   check(await without.evaluate("document.getElementById('consoles').hidden"), 'a page that was not asked for them has none');
 }
 
 async function broken() {
-  const page = fs.readFileSync(path.join(work, 'tiny.html'), 'utf8');
-  const file = path.join(work, 'broken.html');
+  const page = fs.readFileSync(kTiny, 'utf8');
+  const file = tests.file('broken.html');
   const at = page.indexOf('id="module">') + 12;
   fs.writeFileSync(file, page.slice(0, at + 4000) + page.slice(page.indexOf('</script>', at)));
-  const shown = await browser.open(`file://${file}?still`, 800, 600);
+  const shown = await tests.browser.open(`file://${file}?still`, 800, 600);
   await shown.until("!document.getElementById('fault').hidden", 'a truncated module is told');
   check(true, 'a truncated module is told');
 }
 
-for (const part of [tiny, sliders, recording, monster, plain, consoles, broken]) {
-  try {
-    await part();
-  } catch (error) {
-    check(false, `${part.name}: ${error.message}`);
-  }
-}
-process.exit(failures.length ? 1 : 0);
+await tests.end([tiny, sliders, recording, monster, plain, consoles, broken]);
