@@ -50,7 +50,9 @@ int ViewRecording(const ViewArgs& args) {
   content.files[content.recording] = bytes;
   WritePage(args, content,
             fmt::format("its frames are held against the digests recorded in {}", args.replay));
-  return args.open ? ServePage(args.port, [&] { return content; }, nullptr) : 0;
+  return args.open ? ServePage(
+                         args.port, [&] { return content; }, nullptr)
+                   : 0;
 }
 
 }  // namespace
@@ -70,8 +72,9 @@ int View(const ViewArgs& args) {
   }
   const std::string command = CommandOf(args.request);
   if (args.consoles) scene.TakeConsoles(ModelConsoles(args.request));
-  WritePage(args, scene.Content(command),
-            fmt::format("its first {} frames are held against this machine's digests", args.frames));
+  WritePage(
+      args, scene.Content(command),
+      fmt::format("its first {} frames are held against this machine's digests", args.frames));
   if (!serves) return 0;
   return ServePage(
       args.port, [&] { return scene.Content(command); }, args.watch ? &scene : nullptr);

@@ -83,9 +83,7 @@ PELT_EXPORT(OpenRenderer)()->const char* {
 PELT_EXPORT(Describe)()->const char* { return Tell(Shown().Describe()); }
 PELT_EXPORT(LastFrame)()->const char* { return Tell(Shown().LastFrame()); }
 // How many there are; and each, of which one that is a groom's file has none.
-PELT_EXPORT(SetupCount)()->size_t {
-  return ThePage().replay ? 0 : ShownScene().setup_count();
-}
+PELT_EXPORT(SetupCount)()->size_t { return ThePage().replay ? 0 : ShownScene().setup_count(); }
 PELT_EXPORT(SetupText)(size_t setup)->const char* { return Tell(ShownScene().setup_text(setup)); }
 
 // Null, or why the frame was refused.

@@ -64,7 +64,7 @@ function showFault(text) {
 
 function show(data) {
   described = data.described;
-  if (data.renderer) showFault(data.renderer);
+  if (data.renderer && $('fault').hidden) showFault(data.renderer);
   $('name').textContent = described.name;
   $('about').textContent = `${described.strands.toLocaleString('en')} strands on ${described.characters} character${described.characters > 1 ? 's' : ''}`;
   showRecording(described.recording);
@@ -217,7 +217,7 @@ function pan(dx, dy) {
   });
 }
 
-const kTools = [['turn', 'turn the camera'], ['pan', 'move the camera'], ['sphere', 'drag a ball through the fur']];
+const kTools = [['turn', 'turn the camera'], ['pan', 'move the camera'], ['sphere', 'move a ball through the fur']];
 function fillTools() {
   for (const [value, textContent] of kTools) $('tool').append(element('option', {value, textContent}));
   for (const [i, name] of ['mud', 'snow', 'wet', 'dust'].entries()) $('tool').append(element('option', {value: `paint ${i}`, textContent: `paint ${name}`}));

@@ -194,8 +194,8 @@ const PageRow& PageRowFor(std::string_view key, double value) {
 }
 
 bool IsOfShowing(const PageRow& row) {
-  return IsOfLight(row) || row.key == "render_fur" || row.key == "slow_motion" || row.key == "in_between" ||
-         row.key == "show";
+  return IsOfLight(row) || row.key == "render_fur" || row.key == "slow_motion" ||
+         row.key == "in_between" || row.key == "show";
 }
 
 bool IsShownBetween(double dt_s, const PageSettings& settings) {

@@ -252,9 +252,9 @@ PageRay Viewer::RayAt(double x, double y) const {
 std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
   float nearest = 1e30f;
   for (uint32_t a = 0; a < scenario_->actors.size(); ++a) {
-    const Body body = PoseBody(*scenario_, running_->scene(), a,
-                               maps_->SurfaceOf(scenario_->actors[a].character), nullptr, {},
-                               &maps_->SkinOf(*scenario_, running_->scene(), a));
+    const Body body =
+        PoseBody(*scenario_, running_->scene(), a, maps_->SurfaceOf(scenario_->actors[a].character),
+                 nullptr, {}, &maps_->SkinOf(*scenario_, running_->scene(), a));
     for (const auto& triangle : body.character->mesh.triangles) {
       const float at = Meet(ray, body.position[triangle[0]], body.position[triangle[1]],
                             body.position[triangle[2]]);

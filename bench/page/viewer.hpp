@@ -92,8 +92,8 @@ class Viewer final : public PageView {
   std::unique_ptr<FrameRecording> times_;
   FrameBlend before_;  // of pictures in between
   std::optional<PageCamera> camera_;
-  Camera last_camera_;                 // of the picture
-  std::optional<Camera> held_camera_;  // of the frame, where it is another
+  Camera last_camera_;                    // of the picture
+  std::optional<Camera> held_camera_;     // of the frame, where it is another
   std::optional<FrameInput> last_input_;  // with the scenario's own camera
   bool is_stale_ = false;                 // what was drawn last is not what is asked for
   std::optional<glm::vec3> sphere_centre_, last_sphere_;

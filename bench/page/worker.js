@@ -88,11 +88,10 @@ async function start() {
 
 const setupTexts = () => Array.from({length: exported.SetupCount()}, (_, i) => result(exported.SetupText(i)));
 
-// `token` comes back with the answer.
-function describe(token) {
+function describe() {
   const described = JSON.parse(result(exported.Describe()));
   dt_s = described.dt_s;
-  postMessage({described, setups: setupTexts(), renderer, token});
+  postMessage({described, setups: setupTexts(), renderer});
 }
 
 function step() {
@@ -115,12 +114,13 @@ function pause() {
 const share = () => (playing && exported.HasInBetween() ? Math.min(due_s / dt_s, 1) : 1);
 
 function draw() {
-  if (!dirty || renderer) return;
+  if (!dirty) return;
+  dirty = false;
+  if (renderer) return;
   const start_ms = performance.now();
   if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
   exported.Draw(...size, share());
   drawn_ms = performance.now() - start_ms;
-  dirty = false;
 }
 
 function report() {
@@ -281,14 +281,15 @@ const handlers = {
     draw();
     report();
   },
-  // What was said before is drawn.
-  describe: (token) => {
+  describe: () => describe(),
+  // Comes back when all that was said before is done and drawn.
+  token: (token) => {
     draw();
-    describe(token);
+    postMessage({token});
   },
   size: (wanted) => {
+    dirty ||= String(size) !== String(wanted);
     size = wanted;
-    dirty = true;
   },
   sphere: ([x, y]) => {
     const at = place(x, y);

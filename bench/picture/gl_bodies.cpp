@@ -29,8 +29,7 @@ bool AreOfOne(const Body& a, const Body& b) {
   const auto same_growth = [](const MappedFur& x, const MappedFur& y) {
     return x.growth == y.growth;
   };
-  return a.surface == b.surface && a.relief == b.relief &&
-         a.furry_material == b.furry_material &&
+  return a.surface == b.surface && a.relief == b.relief && a.furry_material == b.furry_material &&
          std::ranges::equal(a.mapped, b.mapped, same_growth);
 }
 
@@ -106,8 +105,8 @@ GlBodies::Skin GlBodies::Make(const Body& body) const {
   for (uint32_t t = 0; t < triangles; ++t)
     if (std::ranges::find(images, body.surface->ImageOf(t)) == images.end())
       images.push_back(body.surface->ImageOf(t));
-  Skin skin{body, UploadMesh(gl_, {}, kSkinFloats), {}, UploadSheets(gl_, GrowthImages(body)),
-            {},   {}};
+  Skin skin{body, UploadMesh(gl_, {}, kSkinFloats), {}, UploadSheets(gl_, GrowthImages(body)), {},
+            {}};
   for (const ControlMap* image : images) {
     const size_t first = skin.vertices.size();
     for (uint32_t t = 0; t < triangles; ++t) {

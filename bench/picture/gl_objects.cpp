@@ -77,8 +77,8 @@ bool GlKeptTexels::Take(std::span<const std::byte> bytes) {
     return true;
   }
   const auto row_of = [](std::span<const std::byte> all, size_t row) {
-    return all.subspan(std::min(row * kRowBytes, all.size())).first(
-        std::min(kRowBytes, all.size() - std::min(row * kRowBytes, all.size())));
+    return all.subspan(std::min(row * kRowBytes, all.size()))
+        .first(std::min(kRowBytes, all.size() - std::min(row * kRowBytes, all.size())));
   };
   const auto is_sent = [&](size_t row) {
     return std::ranges::equal(row_of(bytes_, row), row_of(before, row));

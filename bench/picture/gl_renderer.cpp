@@ -69,17 +69,26 @@ struct Uploaded {
   }
 };
 
-// What is drawn into, of a size.
+// What is drawn into, of a size: samples, and the pixels that they become.
 struct Targets {
-  glm::ivec2 samples, pixels;
+  glm::ivec2 sample_size, pixel_size;
   GlTexture drawn, depth, resolved;
+  GlFramebuffer samples, pixels;
 
   Targets(const GlApi& gl, const glm::ivec2& size, const glm::ivec2& size_px)
-      : samples(size),
-        pixels(size_px),
+      : sample_size(size),
+        pixel_size(size_px),
         drawn(MakeTexture(gl, GL_RGBA16F, size.x, size.y)),
         depth(MakeTexture(gl, GL_DEPTH_COMPONENT32F, size.x, size.y)),
-        resolved(MakeTexture(gl, GL_RGBA8, size_px.x, size_px.y)) {}
+        resolved(MakeTexture(gl, GL_RGBA8, size_px.x, size_px.y)),
+        samples(gl),
+        pixels(gl) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, pixels);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, resolved, 0);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, samples);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  }
 };
 
 // How the picture looks into the world.
@@ -130,11 +139,11 @@ struct GlRenderer::State {
   void DrawActor(const PictureScene& scene, uint32_t actor) const;
   void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options) const;
-  // Draws all of it, and calls take() while a framebuffer of the picture's pixels is bound, its rows from the top.
-  template <class Take>
-  void DrawPixels(const PictureScene& scene, const PictureOptions& options, const Take& take);
-  void Resolve(const PictureScene& scene, const PictureOptions& options, GLuint drawn,
-               GLuint pixels, uint32_t samples) const;
+  // Draws all of it, and leaves a framebuffer of the picture's pixels bound, its rows from the top. Whether its targets
+  // are new.
+  bool DrawPixels(const PictureScene& scene, const PictureOptions& options);
+  bool MakeTargets(const glm::ivec2& size, const glm::ivec2& size_px);
+  void Resolve(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void CheckErrors() const;
 };
 
@@ -261,15 +270,13 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
 }
 
 void GlRenderer::State::Resolve(const PictureScene& scene, const PictureOptions& options,
-                                GLuint drawn, GLuint pixels, uint32_t samples) const {
+                                uint32_t samples) const {
   const Lens lens = LensOf(scene.camera, options);
-  const GLsizei width = GLsizei(options.width_px), height = GLsizei(options.height_px);
-  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
-  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pixels, 0);
-  gl().Viewport(0, 0, width, height);
+  gl().BindFramebuffer(GL_FRAMEBUFFER, targets->pixels);
+  gl().Viewport(0, 0, GLsizei(options.width_px), GLsizei(options.height_px));
   const GlProgram& program = programs[GlPrograms::kResolve];
   program.Use();
-  BindTexture(gl(), kSourceUnit, GL_TEXTURE_2D, drawn);
+  BindTexture(gl(), kSourceUnit, GL_TEXTURE_2D, targets->drawn);
   program.Set("samples", samples);
   program.Set("ray_ahead", lens.ahead);
   program.Set("ray_right", lens.right);
@@ -284,9 +291,16 @@ void GlRenderer::State::CheckErrors() const {
     throw Error(fmt::format("picture: {} reports OpenGL's error {:#x}", context.Renderer(), error));
 }
 
-template <class Take>
-void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptions& options,
-                                   const Take& take) {
+bool GlRenderer::State::MakeTargets(const glm::ivec2& size, const glm::ivec2& size_px) {
+  if (targets && targets->sample_size == size && targets->pixel_size == size_px) return false;
+  gl().ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  targets.emplace(gl(), size, size_px);
+  if (gl().CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
+  return true;
+}
+
+bool GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptions& options) {
   const GlApi& gl = this->gl();
   const uint32_t samples = options.samples ? options.samples : kSamples;
   const GLsizei width = GLsizei(options.width_px * samples),
@@ -309,41 +323,34 @@ void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptio
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
     lighting.emplace(gl, programs, scene, uploaded.bodies, uploaded.shadows, options);
-  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  const glm::ivec2 size(width, height), size_px(options.width_px, options.height_px);
-  if (!targets || targets->samples != size || targets->pixels != size_px)
-    targets.emplace(gl, size, size_px);
-  const GlFramebuffer target(gl);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, targets->drawn, 0);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, targets->depth, 0);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
+  const bool are_new =
+      MakeTargets({width, height}, {int(options.width_px), int(options.height_px)});
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets->samples);
   gl.Viewport(0, 0, width, height);
   DrawScene(scene, options);
-  Resolve(scene, options, targets->drawn, targets->resolved, samples);
-  take();
-  CheckErrors();
+  Resolve(scene, options, samples);
+  return are_new;
 }
 
 std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& options) {
   std::vector<uint8_t> rgb(size_t(options.width_px) * options.height_px * 3);
-  state_->DrawPixels(scene, options, [&] {
-    state_->gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
-    state_->gl().ReadPixels(0, 0, GLsizei(options.width_px), GLsizei(options.height_px), GL_RGB,
-                            GL_UNSIGNED_BYTE, rgb.data());
-  });
+  state_->DrawPixels(scene, options);
+  state_->gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+  state_->gl().ReadPixels(0, 0, GLsizei(options.width_px), GLsizei(options.height_px), GL_RGB,
+                          GL_UNSIGNED_BYTE, rgb.data());
+  state_->CheckErrors();
   return rgb;
 }
 
 void GlRenderer::Show(const PictureScene& scene, const PictureOptions& options) {
   const GLint width = GLint(options.width_px), height = GLint(options.height_px);
-  state_->DrawPixels(scene, options, [&] {
-    // What is bound for reading stays the picture.
-    state_->gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    state_->gl().BlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
-                                 GL_NEAREST);
-  });
+  const bool are_new = state_->DrawPixels(scene, options);
+  // What is bound for reading stays the picture.
+  state_->gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  state_->gl().BlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
+                               GL_NEAREST);
+  // To ask is to wait for all that was drawn.
+  if (are_new) state_->CheckErrors();
 }
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {

@@ -37,7 +37,7 @@ class GlShells {
     GlTexture covers;             // ShadowShell::covers, a row each
     std::vector<float> heights;   // and what they are of
     GlTexture growth;
-    SharedGrowth sheets;       // its
+    SharedGrowth sheets;        // its
     float growth_scale = 0.0f;  // passes/stencil.glsl has it
   };
   Layer Make() const;

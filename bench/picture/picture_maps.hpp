@@ -43,9 +43,9 @@ class PictureMaps {
   std::vector<LayerGrowth> MakeGrowth(const Scenario& scenario, const Actor& actor);
 
   std::vector<std::string> relief_;
-  std::vector<std::shared_ptr<const SurfaceColour>> surfaces_;  // of the characters
-  std::vector<std::shared_ptr<const ReliefCoat>> coats_;        // of the actors
-  std::vector<std::vector<LayerGrowth>> growth_;                // of the actors
+  std::vector<std::shared_ptr<const SurfaceColour>> surfaces_;       // of the characters
+  std::vector<std::shared_ptr<const ReliefCoat>> coats_;             // of the actors
+  std::vector<std::vector<LayerGrowth>> growth_;                     // of the actors
   mutable std::vector<std::shared_ptr<const SkinFurFinder>> skins_;  // likewise
   std::vector<std::string> notes_;
 };

@@ -62,8 +62,7 @@ void LightPicture(const FurScene& scene, PictureScene& shown) {
   const FrameLight light(scene);
   shown.look = light.OnActor(0);
   shown.body_looks.clear();
-  for (uint32_t a = 0; a < shown.bodies.size(); ++a)
-    shown.body_looks.push_back(light.OnActor(a));
+  for (uint32_t a = 0; a < shown.bodies.size(); ++a) shown.body_looks.push_back(light.OnActor(a));
   shown.layer_looks.clear();
   for (const LayerDraw& draw : shown.draws) shown.layer_looks.push_back(light.OnLayer(draw.layer));
 }

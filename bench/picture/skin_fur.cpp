@@ -125,8 +125,9 @@ SkinFurFinder::SkinFurFinder(const FurScene& scene, uint32_t actor, const Mesh& 
       AddColours(strands, places, sums);
       MarkMaterials(strands, places, finder_, mesh, fur_);
       if (shells) continue;
-      AddAreas(strands, [&](uint32_t s) { return strands.length[s] * strands.width[s]; }, places,
-               layer.area);
+      AddAreas(
+          strands, [&](uint32_t s) { return strands.length[s] * strands.width[s]; }, places,
+          layer.area);
     }
     for (size_t place = 0; place < area_.size(); ++place) area_[place] += layer.area[place];
   }
@@ -149,9 +150,9 @@ void SkinFurFinder::AddShells(const FurScene& scene, const Layer& layer,
   for (uint32_t c = 0; c < layer.places.size(); ++c) {
     const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(first + c);
     const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(first + c);
-    AddAreas(strands,
-             [&](uint32_t s) { return layer.shell_density * AreaOf(vertices, strands, s); },
-             layer.places[c], area);
+    AddAreas(
+        strands, [&](uint32_t s) { return layer.shell_density * AreaOf(vertices, strands, s); },
+        layer.places[c], area);
   }
 }
 

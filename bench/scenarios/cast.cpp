@@ -38,7 +38,9 @@ uint32_t TurnHue(uint32_t colour, double turn) {
 }
 
 // As an artist would have written it: the fewest digits that are read as this value.
-double Written(double value) { return std::strtod(fmt::format("{}", float(value)).c_str(), nullptr); }
+double Written(double value) {
+  return std::strtod(fmt::format("{}", float(value)).c_str(), nullptr);
+}
 std::string Written(uint32_t colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour & 255, colour >> 8 & 255, colour >> 16 & 255);
 }
@@ -64,9 +66,9 @@ toml::table MakeCoat(const LayerSetup& from, toml::table layer, bool under, uint
                      double strand_share, Random& random) {
   layer.insert_or_assign("name", fmt::format("{} {}", from.name, under ? "under" : "over"));
   layer.insert_or_assign("seed", int64_t(random.U64() >> 1));
-  layer.insert_or_assign("max_strands",
-                         int64_t(std::max(32u, uint32_t(from.max_strands * strand_share *
-                                                        (under ? 0.6 : 0.4)))));
+  layer.insert_or_assign(
+      "max_strands",
+      int64_t(std::max(32u, uint32_t(from.max_strands * strand_share * (under ? 0.6 : 0.4)))));
   PutLength(layer, from.length, (under ? 0.6 : 1.1) * random.Uniform(0.75, 1.2));
   Put(layer, "elevation", Written(from.elevation.value * random.Uniform(0.8, 1.2)));
   Put(layer, "curl", Written(from.curl.value * random.Uniform(0.5, 1.5)));
@@ -124,9 +126,8 @@ Scenario MakeCast(const ScenarioRequest& request, const LoadProgress& progress) 
     Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
     character.name = fmt::format("member {}", m);
     const std::string_view told = request.SetupText(m);
-    const FurSetup setup =
-        ReadFurSetup(told.empty() ? MakeMemberText(monster, m, seed) : told,
-                     fmt::format("cast member {}", m), "");
+    const FurSetup setup = ReadFurSetup(told.empty() ? MakeMemberText(monster, m, seed) : told,
+                                        fmt::format("cast member {}", m), "");
     std::vector<std::string> notes;
     Actor actor{};
     actor.character = actor.groom = m;

@@ -95,7 +95,8 @@ struct Scenario {
   double clip_rate = 1.0;  // how fast clips are played
   std::vector<Character> characters;
   std::vector<Groom> grooms;
-  std::vector<FurSetup> setups;  // that the grooms were baked from; of one that is a file no layers and no text
+  std::vector<FurSetup>
+      setups;  // that the grooms were baked from; of one that is a file no layers and no text
   std::vector<Actor> actors;
   CameraOrbit camera;
   std::vector<MovingSphere> spheres;      // at most kSpheresPerScene

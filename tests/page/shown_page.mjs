@@ -119,7 +119,7 @@ export const textOf = (page, id) => page.evaluate(`document.getElementById('${id
 export const click = (page, id) => page.evaluate(`document.getElementById('${id}').click()`);
 
 let tokens = 0;
-// Says it to the worker and waits until that, and all that was said before, is answered and drawn.
+// Says it to the worker and waits until that, and all that was said before, is done and drawn.
 export async function settled(page, ...messages) {
   const token = `test ${++tokens}`;
   await page.evaluate(`new Promise((done) => {
@@ -130,7 +130,7 @@ export async function settled(page, ...messages) {
       worker.onmessage = before;
       setTimeout(done, 100);
     };
-    for (const message of ${JSON.stringify([...messages, {describe: token}])}) tell(message);
+    for (const message of ${JSON.stringify([...messages, {token}])}) tell(message);
   })`);
 }
 export const step = (page, count) => settled(page, {step: count});

@@ -160,7 +160,7 @@ TEST(Viewer, AKeyGoesOnFromTheStateThatThereIs) {
   for (Viewer* viewer : {&changed, &left}) RunFor(*viewer, kFrames);
   const auto before = HairsOf(changed.Gather());
   const Json described = Json::parse(changed.Describe());
-  for (const Json& layer : described["layers"])
+  for (const Json& layer : described["setups"][0]["layers"])
     changed.ChangeKey(0, layer["name"].get<std::string>(), "weight", "3.0");
   for (Viewer* viewer : {&changed, &left}) RunFor(*viewer, 1);
   const auto after = HairsOf(changed.Gather()), without = HairsOf(left.Gather());
@@ -280,7 +280,7 @@ TEST(Viewer, TurningBetweenFramesChangesNoBit) {
   for (uint32_t f = 0; f < kTurned; ++f) {
     RunFor(viewer, 1);
     const glm::vec3 root = viewer.Gather().layers.front().front().root;
-    viewer.SetCamera(PageCamera{{0.0f, 0.5f, 0.0f}, 3.14, 0.1 * f, 2.0});
+    viewer.SetCamera(PageCamera{{0.0f, 0.5f, 0.0f}, 3.14, 0.01 * f, 2.0});
     viewer.Look();
     // From behind, other hairs are the farthest.
     EXPECT_NE(viewer.Gather().layers.front().front().root, root) << f;
@@ -337,13 +337,15 @@ TEST(Viewer, CastHasASetupForEachCharacter) {
   Viewer viewer(cast);
   ASSERT_EQ(viewer.setup_count(), 17u);
   ScenarioRequest told = cast;
-  for (size_t s = 0; s < viewer.setup_count(); ++s) told.setup_texts.push_back(viewer.setup_text(s));
+  for (size_t s = 0; s < viewer.setup_count(); ++s)
+    told.setup_texts.push_back(viewer.setup_text(s));
   EXPECT_EQ(RunDigests(told, 2), native);
   const Json described = Json::parse(viewer.Describe());
   ASSERT_EQ(described["setups"].size(), 17u);
   EXPECT_EQ(described["setups"][16]["layers"].size(), 9u);
   const std::string before = viewer.setup_text(3), other = viewer.setup_text(4);
-  viewer.ChangeKey(3, described["setups"][3]["layers"][2]["name"].get<std::string>(), "weight", "3.5");
+  viewer.ChangeKey(3, described["setups"][3]["layers"][2]["name"].get<std::string>(), "weight",
+                   "3.5");
   EXPECT_NE(viewer.setup_text(3), before);
   EXPECT_EQ(viewer.setup_text(4), other);
   EXPECT_NE(RunFor(viewer, 2), native.back());
