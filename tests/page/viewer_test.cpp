@@ -332,14 +332,13 @@ TEST(Viewer, APictureIsGatheredAgainWhereMoreThanCameraAndLightChanged) {
 }
 
 TEST(Viewer, CastHasASetupForEachCharacter) {
-  const ScenarioRequest cast{.scene = "cast"};
-  const std::vector<uint64_t> native = RunDigests(cast, 2);
-  Viewer viewer(cast);
+  ScenarioRequest told{.scene = "cast"};
+  Viewer viewer(told);
   ASSERT_EQ(viewer.setup_count(), 17u);
-  ScenarioRequest told = cast;
+  const uint64_t native = RunFor(viewer, 2);
   for (size_t s = 0; s < viewer.setup_count(); ++s)
     told.setup_texts.push_back(viewer.setup_text(s));
-  EXPECT_EQ(RunDigests(told, 2), native);
+  EXPECT_EQ(RunDigests(told, 2).back(), native);
   const Json described = Json::parse(viewer.Describe());
   ASSERT_EQ(described["setups"].size(), 17u);
   EXPECT_EQ(described["setups"][16]["layers"].size(), 9u);
@@ -348,10 +347,8 @@ TEST(Viewer, CastHasASetupForEachCharacter) {
                    "3.5");
   EXPECT_NE(viewer.setup_text(3), before);
   EXPECT_EQ(viewer.setup_text(4), other);
-  EXPECT_NE(RunFor(viewer, 2), native.back());
-  viewer.ReplaceSetup(3, before);
   viewer.Restart();
-  EXPECT_EQ(RunFor(viewer, 2), native.back());
+  EXPECT_NE(RunFor(viewer, 2), native);
   // What is copied is a setup for the character that it was read for.
   const Scenario alone = LoadScenario({.setup = "monster", .setup_texts = {before}});
   EXPECT_EQ(alone.grooms[0].layers.size(), 10u);
