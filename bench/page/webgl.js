@@ -114,6 +114,11 @@ function WebGl(gl, memory) {
     VertexAttribPointer: (index, size, type, normalised, stride, offset) =>
       gl.vertexAttribPointer(index, size, type, Boolean(normalised), stride, offset),
   };
+  const kinds = {Texture: WebGLTexture, Buffer: WebGLBuffer, Framebuffer: WebGLFramebuffer, VertexArray: WebGLVertexArrayObject, Program: WebGLProgram};
+  api.DeleteAll = () => {
+    for (const [kind, type] of Object.entries(kinds))
+      for (const object of objects) if (object instanceof type) gl[`delete${kind}`](object);
+  };
   const location = (name) => (name < 0 ? null : objects[name]);
   for (const name of ['1f', '1i', '2i']) api[`Uniform${name}`] = (at, ...values) => gl[`uniform${name}`](location(at), ...values);
   for (const size of [2, 3, 4])

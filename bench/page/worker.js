@@ -1,6 +1,6 @@
 'use strict';
 // Runs the module: simulates, draws, and tells the page. Of messages, each is {name: arguments}.
-let exported, renderer = '', canvas, compiled, request, playing = false, due_s = 0, last_ms = 0, dirty = true;
+let exported, renderer = '', canvas, gl, api, compiled, request, playing = false, due_s = 0, last_ms = 0, dirty = true;
 let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
 // What was set since the page opened, for a module that has to begin again; and the recording that is shown, {name, bytes}.
 let kept = {settings: {}, camera: null};
@@ -66,8 +66,10 @@ const openRecording = ({name, bytes: file}) => result(call('OpenRecording', name
 
 async function start() {
   const env = {};
-  const gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
-  const api = gl && WebGl(gl, memory);
+  gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
+  // What a module before had is nobody's.
+  api?.DeleteAll();
+  api = gl && WebGl(gl, memory);
   for (const {module: from, name} of WebAssembly.Module.imports(compiled))
     (env[from] ??= {})[name] = from === 'gl' ? (...numbers) => api[name](...numbers) : wasi[name] ?? (() => kNotHere);
   exported = (await WebAssembly.instantiate(compiled, env)).exports;
@@ -282,9 +284,10 @@ const handlers = {
     report();
   },
   describe: () => describe(),
-  // Comes back when all that was said before is done and drawn.
+  // Comes back when all that was said before is done, and drawn: to ask for errors is to wait for that.
   token: (token) => {
     draw();
+    if (gl?.getError()) throw new Error('WebGL reports an error');
     postMessage({token});
   },
   size: (wanted) => {
