@@ -6,8 +6,35 @@
 namespace pelt {
 namespace {
 
+// The attributes of body.vert, one behind the other.
+struct SkinVertex {
+  glm::vec3 position, normal, fur;
+  glm::vec4 tint;
+  glm::vec3 share;
+  glm::vec2 uv;
+  glm::vec4 paint;  // of the fur above
+  glm::vec2 growth_uv;
+  glm::vec4 rate, sheet;
+};
 constexpr std::array<GLint, 10> kSkinFloats = {3, 3, 3, 4, 3, 2, 4, 2, 4, 4};
+static_assert(sizeof(SkinVertex) == 32 * sizeof(float));
 static_assert(kMappedLayers == 4);  // that a vec4 holds
+
+// Layers of fur that grow by maps on the triangle: how much, and which of GrowthImages shows where.
+void AddMapped(const Body& body, uint32_t triangle, uint32_t v, SkinVertex& vertex) {
+  uint32_t first = 0;
+  for (size_t i = 0; i < body.mapped.size(); ++i) {
+    const MappedFur& mapped = body.mapped[i];
+    const uint16_t sheet = mapped.growth->SheetOf(triangle);
+    if (sheet != FlowMap::kNoSheet) {
+      vertex.rate[int(i)] = mapped.rate[v];
+      vertex.sheet[int(i)] = float(first + sheet);
+      vertex.share.z = body.unmapped[v];
+      vertex.growth_uv = body.character->mesh.uv[v];
+    }
+    first += uint32_t(mapped.growth->texels().size());
+  }
+}
 
 std::vector<const ControlMap*> GrowthImages(const Body& body) {
   std::vector<const ControlMap*> images;
@@ -16,21 +43,28 @@ std::vector<const ControlMap*> GrowthImages(const Body& body) {
   return images;
 }
 
-// What a vertex is made from, but for what is the character's alone.
-bool LooksAlike(const Body& a, const Body& b) {
-  const auto same_rates = [](const MappedFur& x, const MappedFur& y) { return x.rate == y.rate; };
-  return a.position == b.position && a.normal == b.normal && a.fur == b.fur &&
-         a.fur_tip == b.fur_tip && a.paint == b.paint && a.covered == b.covered &&
-         a.unmapped == b.unmapped && std::ranges::equal(a.mapped, b.mapped, same_rates);
-}
-
-// The same character, with the same fur on it.
-bool AreOfOne(const Body& a, const Body& b) {
-  const auto same_growth = [](const MappedFur& x, const MappedFur& y) {
-    return x.growth == y.growth;
-  };
-  return a.surface == b.surface && a.relief == b.relief && a.furry_material == b.furry_material &&
-         std::ranges::equal(a.mapped, b.mapped, same_growth);
+// Corners have their own vertices: materials meet there.
+SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner) {
+  const Mesh& mesh = body.character->mesh;
+  const uint32_t v = mesh.triangles[triangle][size_t(corner)];
+  SurfacePoint point{triangle, glm::vec3(0.0f)};
+  point.bary[corner] = 1.0f;
+  const bool furry = body.furry_material[mesh.triangle_material[triangle]];
+  const bool unlit = body.surface->IsUnlit(triangle);
+  const bool known = unlit || body.surface->Knows(triangle);
+  SkinVertex vertex{
+      .position = body.position[v],
+      .normal = body.normal[v],
+      .fur = body.fur[v],
+      .tint = glm::vec4(known ? body.surface->TintAt(point) : glm::vec3(0.0f), float(unlit)),
+      .share = {furry ? body.covered[v] : 0.0f, float(known), 0.0f},
+      .uv = body.surface->HasImage(triangle) ? body.surface->ImageUvAt(point) : glm::vec2(0.0f),
+      .paint = furry ? body.paint[v] : glm::vec4(0.0f),
+      .growth_uv = glm::vec2(0.0f),
+      .rate = glm::vec4(0.0f),
+      .sheet = glm::vec4(-1.0f)};
+  if (furry) AddMapped(body, triangle, v, vertex);
+  return vertex;
 }
 
 GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
@@ -41,92 +75,28 @@ GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
 
 }  // namespace
 
-// Corners have their own vertices: materials meet there.
-GlBodies::Vertex GlBodies::CornerOf(const Body& body, uint32_t triangle, int corner) {
-  SurfacePoint point{triangle, glm::vec3(0.0f)};
-  point.bary[corner] = 1.0f;
-  const bool unlit = body.surface->IsUnlit(triangle);
-  const bool known = unlit || body.surface->Knows(triangle);
-  Vertex vertex{};
-  vertex.tint = glm::vec4(known ? body.surface->TintAt(point) : glm::vec3(0.0f), float(unlit));
-  vertex.share.y = float(known);
-  if (body.surface->HasImage(triangle)) vertex.uv = body.surface->ImageUvAt(point);
-  vertex.sheet = glm::vec4(-1.0f);
-  return vertex;
-}
-
-void GlBodies::PoseCorner(const Body& body, uint32_t triangle, uint32_t v, Vertex& vertex) {
-  const Mesh& mesh = body.character->mesh;
-  vertex.position = body.position[v];
-  vertex.normal = body.normal[v];
-  vertex.fur = body.fur[v];
-  if (!body.furry_material[mesh.triangle_material[triangle]]) return;
-  vertex.share.x = body.covered[v];
-  vertex.paint = body.paint[v];
-  // Layers of fur that grow by maps on the triangle: how much, and which of GrowthImages shows where.
-  uint32_t first = 0;
-  for (size_t i = 0; i < body.mapped.size(); ++i) {
-    const MappedFur& mapped = body.mapped[i];
-    const uint16_t sheet = mapped.growth->SheetOf(triangle);
-    if (sheet != FlowMap::kNoSheet) {
-      vertex.rate[int(i)] = mapped.rate[v];
-      vertex.sheet[int(i)] = float(first + sheet);
-      vertex.share.z = body.unmapped[v];
-      vertex.growth_uv = mesh.uv[v];
-    }
-    first += uint32_t(mapped.growth->texels().size());
-  }
-}
-
-bool GlBodies::Take(const PictureScene& scene) {
+GlBodies::GlBodies(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  bool changed = skins_.size() != scene.bodies.size();
-  while (skins_.size() > scene.bodies.size()) skins_.pop_back();
-  for (size_t a = 0; a < scene.bodies.size(); ++a) {
-    const Body& body = scene.bodies[a];
-    if (a < skins_.size() && AreOfOne(skins_[a].body, body)) {
-      if (LooksAlike(skins_[a].body, body)) continue;
-      skins_[a].body = body;
-    } else if (a < skins_.size()) {
-      skins_[a] = Make(body);
-    } else {
-      skins_.push_back(Make(body));
-    }
-    Pose(skins_[a]);
-    changed = true;
-  }
-  return changed;
+  for (const Body& body : scene.bodies) skins_.push_back(Upload(body));
 }
 
-GlBodies::Skin GlBodies::Make(const Body& body) const {
-  static_assert(sizeof(Vertex) == 32 * sizeof(float));
+GlBodies::Skin GlBodies::Upload(const Body& body) const {
   const uint32_t triangles = uint32_t(body.character->mesh.triangles.size());
   std::vector<const ControlMap*> images;
   for (uint32_t t = 0; t < triangles; ++t)
     if (std::ranges::find(images, body.surface->ImageOf(t)) == images.end())
       images.push_back(body.surface->ImageOf(t));
-  Skin skin{body, UploadMesh(gl_, {}, kSkinFloats), {}, UploadSheets(gl_, GrowthImages(body)), {},
-            {}};
+  std::vector<Part> parts;
+  std::vector<SkinVertex> vertices;
   for (const ControlMap* image : images) {
-    const size_t first = skin.vertices.size();
-    for (uint32_t t = 0; t < triangles; ++t) {
-      if (body.surface->ImageOf(t) != image) continue;
-      skin.triangles.push_back(t);
-      for (int corner = 0; corner < 3; ++corner) skin.vertices.push_back(CornerOf(body, t, corner));
-    }
-    skin.parts.push_back(
-        {UploadSurface(gl_, image), GLint(first), GLsizei(skin.vertices.size() - first)});
+    const size_t first = vertices.size();
+    for (uint32_t t = 0; t < triangles; ++t)
+      if (body.surface->ImageOf(t) == image)
+        for (int corner = 0; corner < 3; ++corner) vertices.push_back(CornerOf(body, t, corner));
+    parts.push_back({UploadSurface(gl_, image), GLint(first), GLsizei(vertices.size() - first)});
   }
-  return skin;
-}
-
-void GlBodies::Pose(Skin& skin) const {
-  for (size_t i = 0; i < skin.vertices.size(); ++i) {
-    const uint32_t triangle = skin.triangles[i / 3];
-    PoseCorner(skin.body, triangle, skin.body.character->mesh.triangles[triangle][i % 3],
-               skin.vertices[i]);
-  }
-  ReplaceVertices(gl_, skin.mesh, std::as_bytes(std::span(skin.vertices)));
+  return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kSkinFloats), std::move(parts),
+          UploadSheets(gl_, GrowthImages(body))};
 }
 
 void GlBodies::DrawSkin(uint32_t actor) const {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "bench/view/gl_program.hpp"
 
@@ -12,7 +11,6 @@ namespace pelt {
 namespace {
 
 constexpr GLsizei kTexelsWide = 2048;  // strand.glsl knows it
-constexpr size_t kTexelBytes = 16, kRowBytes = kTexelsWide * kTexelBytes;
 
 GlTexture Plain(const GlApi& gl, GLenum target) {
   GlTexture texture(gl);
@@ -63,45 +61,18 @@ GlTexture MakeTextureArray(const GlApi& gl, GLenum format, const glm::ivec2& siz
   return texture;
 }
 
-bool GlKeptTexels::Take(std::span<const std::byte> bytes) {
-  bytes = bytes.first(bytes.size() / kTexelBytes * kTexelBytes);
-  if (rows_ > 0 && std::ranges::equal(bytes, bytes_)) return false;
-  const std::vector<std::byte> before =
-      std::exchange(bytes_, std::vector<std::byte>(bytes.begin(), bytes.end()));
-  const size_t rows = std::max<size_t>((bytes.size() + kRowBytes - 1) / kRowBytes, 1);
-  gl_->BindTexture(GL_TEXTURE_2D, texture_);
-  if (rows > rows_) {
-    texture_ = MakeTexture(*gl_, GL_RGBA32UI, kTexelsWide, GLsizei(rows));
-    rows_ = rows;
-    Send(0, rows);
-    return true;
-  }
-  const auto row_of = [](std::span<const std::byte> all, size_t row) {
-    return all.subspan(std::min(row * kRowBytes, all.size()))
-        .first(std::min(kRowBytes, all.size() - std::min(row * kRowBytes, all.size())));
-  };
-  const auto is_sent = [&](size_t row) {
-    return std::ranges::equal(row_of(bytes_, row), row_of(before, row));
-  };
-  for (size_t row = 0, first = 0; row < rows; first = row) {
-    while (row < rows && !is_sent(row)) ++row;
-    Send(first, row);
-    while (row < rows && is_sent(row)) ++row;
-  }
-  return true;
-}
-
-// Of the texture that is bound.
-void GlKeptTexels::Send(size_t first_row, size_t end_row) const {
-  if (first_row == end_row) return;
-  const size_t whole = std::min(end_row, bytes_.size() / kRowBytes);
-  const auto send = [&](size_t row, size_t width, size_t height) {
+GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes) {
+  const GLsizei texels = GLsizei(bytes.size() / 16), rows = texels / kTexelsWide;
+  const GLsizei rest = texels % kTexelsWide;
+  GlTexture texture = MakeTexture(gl, GL_RGBA32UI, kTexelsWide, std::max(rows + (rest > 0), 1));
+  const auto fill = [&](GLsizei row, GLsizei width, GLsizei height) {
     if (width > 0 && height > 0)
-      gl_->TexSubImage2D(GL_TEXTURE_2D, 0, 0, GLint(row), GLsizei(width), GLsizei(height),
-                         GL_RGBA_INTEGER, GL_UNSIGNED_INT, bytes_.data() + row * kRowBytes);
+      gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, height, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                       bytes.data() + size_t(row) * kTexelsWide * 16);
   };
-  if (whole > first_row) send(first_row, kTexelsWide, whole - first_row);
-  if (end_row > whole) send(whole, bytes_.size() % kRowBytes / kTexelBytes, 1);
+  fill(0, kTexelsWide, rows);
+  fill(rows, rest, 1);
+  return texture;
 }
 
 GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, const void* texels) {
@@ -159,11 +130,6 @@ GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
   }
   gl.BindVertexArray(0);
   return mesh;
-}
-
-void ReplaceVertices(const GlApi& gl, const GlMesh& mesh, std::span<const std::byte> vertices) {
-  gl.BindBuffer(GL_ARRAY_BUFFER, mesh.vertices);
-  gl.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size()), vertices.data(), GL_STREAM_DRAW);
 }
 
 Result<GlProgram> GlProgram::Make(const GlApi& gl, const char* name, const std::string& vertex,

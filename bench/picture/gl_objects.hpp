@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "bench/view/gl_context.hpp"
 #include "core/groom/fur_setup.hpp"
@@ -40,29 +39,13 @@ using GlVertexArray = GlName<&GlApi::GenVertexArrays, &GlApi::DeleteVertexArrays
 // Of textures that texelFetch reads: neither filtered nor repeated.
 GlTexture MakeTexture(const GlApi& gl, GLenum format, GLsizei width, GLsizei height);
 GlTexture MakeTextureArray(const GlApi& gl, GLenum format, const glm::ivec2& size, GLsizei layers);
+// What strand.glsl reads by Texel(): 16 bytes a texel; a rest that is none is left out.
+GlTexture UploadTexels(const GlApi& gl, std::span<const std::byte> bytes);
 // 8-bit texels with four channels, or one (GL_R8), mixed and repeated.
 GlTexture UploadImage(const GlApi& gl, GLenum format, const glm::ivec2& size, const void* texels);
 // One channel of images of one size as the layers of a texture, mixed and repeated; a white texel where there are none.
 GlTexture UploadSheets(const GlApi& gl, std::span<const ControlMap* const> sheets);
 void BindTexture(const GlApi& gl, GLint unit, GLenum target, GLuint texture);
-
-// What strand.glsl reads by Texel(), in a texture that stays: 16 bytes a texel; a rest that is none is left out.
-class GlKeptTexels {
- public:
-  explicit GlKeptTexels(const GlApi& gl) : gl_(&gl), texture_(gl) {}
-
-  // Sends the rows that are others than before, and returns whether any are.
-  bool Take(std::span<const std::byte> bytes);
-  operator GLuint() const { return texture_; }
-
- private:
-  void Send(size_t first_row, size_t end_row) const;
-
-  const GlApi* gl_;
-  GlTexture texture_;
-  size_t rows_ = 0;               // that there is room for
-  std::vector<std::byte> bytes_;  // that were sent
-};
 
 // Vertices of floats, attribute behind attribute.
 struct GlMesh {
@@ -73,8 +56,6 @@ struct GlMesh {
 // are those of a mesh. No vertex array is bound afterwards.
 GlMesh UploadMesh(const GlApi& gl, std::span<const std::byte> vertices,
                   std::span<const GLint> floats, GLuint divisor = 0);
-// In place of those that it has.
-void ReplaceVertices(const GlApi& gl, const GlMesh& mesh, std::span<const std::byte> vertices);
 
 class GlProgram {
  public:

@@ -37,58 +37,20 @@ LookBlock140 Look140(const PictureLook& look) {
   return block;
 }
 
-// What is drawn, as the graphics card has it: kept from picture to picture.
+// What is drawn, as the graphics card has it.
 struct Uploaded {
   GlBodies bodies;
-  std::optional<GlRelief> relief;
+  GlRelief relief;
   GlStrands strands;
   GlShells shells;
   GlShadows shadows;
-  uint64_t content = 0;  // PictureScene's, that is here
-  glm::vec3 to_sun{0.0f};
 
-  explicit Uploaded(const GlApi& gl) : bodies(gl), strands(gl), shells(gl), shadows(gl) {}
-
-  // Sends what is other than before. The sun's maps are drawn where that, or the sun, is.
-  void Take(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene) {
-    bool changed = to_sun != scene.look.light.to_sun;
-    if (content == 0 || content != scene.content) {
-      if (bodies.Take(scene)) {
-        relief.emplace(gl, scene);
-        changed = true;
-      }
-      changed |= strands.Take(scene);
-      changed |= shells.Take(scene);
-    }
-    content = scene.content;
-    to_sun = scene.look.light.to_sun;
-    if (changed)
-      shadows.Draw(programs, scene, bodies, strands, shells);
-    else
-      shadows.Bind();
-  }
-};
-
-// What is drawn into, of a size: samples, and the pixels that they become.
-struct Targets {
-  glm::ivec2 sample_size, pixel_size;
-  GlTexture drawn, depth, resolved;
-  GlFramebuffer samples, pixels;
-
-  Targets(const GlApi& gl, const glm::ivec2& size, const glm::ivec2& size_px)
-      : sample_size(size),
-        pixel_size(size_px),
-        drawn(MakeTexture(gl, GL_RGBA16F, size.x, size.y)),
-        depth(MakeTexture(gl, GL_DEPTH_COMPONENT32F, size.x, size.y)),
-        resolved(MakeTexture(gl, GL_RGBA8, size_px.x, size_px.y)),
-        samples(gl),
-        pixels(gl) {
-    gl.BindFramebuffer(GL_FRAMEBUFFER, pixels);
-    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, resolved, 0);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, samples);
-    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
-    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
-  }
+  Uploaded(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene)
+      : bodies(gl, scene),
+        relief(gl, scene),
+        strands(gl, scene),
+        shells(gl, scene),
+        shadows(gl, programs, scene, bodies, strands, shells) {}
 };
 
 // How the picture looks into the world.
@@ -115,16 +77,13 @@ struct GlRenderer::State {
   GlVertexArray no_array;
   GlBuffer look;
   GlStrips strips;
-  Uploaded uploaded;
-  std::optional<Targets> targets;
 
   State(GlContext opened, GlPrograms made)
       : context(std::move(opened)),
         programs(std::move(made)),
         no_array(context.gl()),
         look(context.gl()),
-        strips(context.gl()),
-        uploaded(context.gl()) {}
+        strips(context.gl()) {}
 
   const GlApi& gl() const { return context.gl(); }
   // What cards of hairs need, if there are any.
@@ -136,14 +95,16 @@ struct GlRenderer::State {
   }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
-  void DrawActor(const PictureScene& scene, uint32_t actor) const;
-  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer) const;
-  void DrawScene(const PictureScene& scene, const PictureOptions& options) const;
-  // Draws all of it, and leaves a framebuffer of the picture's pixels bound, its rows from the top. Whether its targets
-  // are new.
-  bool DrawPixels(const PictureScene& scene, const PictureOptions& options);
-  bool MakeTargets(const glm::ivec2& size, const glm::ivec2& size_px);
-  void Resolve(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
+  void DrawActor(const PictureScene& scene, uint32_t actor, const Uploaded& uploaded) const;
+  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer,
+                 const Uploaded& uploaded) const;
+  void DrawScene(const PictureScene& scene, const PictureOptions& options,
+                 const Uploaded& uploaded) const;
+  // Draws all of it, and calls take() while a framebuffer of the picture's pixels is bound, its rows from the top.
+  template <class Take>
+  void DrawPixels(const PictureScene& scene, const PictureOptions& options, const Take& take);
+  void Resolve(const PictureScene& scene, const PictureOptions& options, GLuint drawn,
+               GLuint pixels, uint32_t samples) const;
   void CheckErrors() const;
 };
 
@@ -190,7 +151,8 @@ void GlRenderer::State::SetLook(const PictureLook& lit_by) const {
 }
 
 // Skin, the relief on it, eyes.
-void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor) const {
+void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
+                                  const Uploaded& uploaded) const {
   SetLook(scene.body_looks[actor]);
   const auto use = [&](GlPrograms::Other name) -> const GlProgram& {
     const GlProgram& program = programs[name];
@@ -203,13 +165,13 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor) con
   SetPaint(body, scene.bodies[actor].paint_look);
   body.Set("depth_floor", scene.body_looks[actor].depth_floor);
   uploaded.bodies.DrawSkin(actor);
-  if (uploaded.relief->Has(actor)) {
+  if (uploaded.relief.Has(actor)) {
     gl().DepthFunc(GL_LEQUAL);
     gl().Enable(GL_BLEND);
     gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     const GlProgram& relief = use(GlPrograms::kRelief);
     relief.Set("depth_floor", scene.body_looks[actor].depth_floor);
-    uploaded.relief->Draw(relief, actor);
+    uploaded.relief.Draw(relief, actor);
     gl().Disable(GL_BLEND);
     gl().DepthFunc(GL_LESS);
   }
@@ -218,7 +180,7 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor) con
 }
 
 void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit,
-                                  size_t layer) const {
+                                  size_t layer, const Uploaded& uploaded) const {
   const uint32_t actor = scene.actors[layer];
   SetLook(scene.layer_looks[layer]);
   gl().Enable(GL_BLEND);
@@ -249,18 +211,19 @@ void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<G
 }
 
 // Into the framebuffer that is bound.
-void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options) const {
+void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOptions& options,
+                                  const Uploaded& uploaded) const {
   constexpr float kNothing[4] = {}, kFar = 1.0f;
   gl().DepthMask(GL_TRUE);
   gl().ClearBufferfv(GL_COLOR, 0, kNothing);
   gl().ClearBufferfv(GL_DEPTH, 0, &kFar);
   gl().Enable(GL_DEPTH_TEST);
   gl().DepthFunc(GL_LESS);
-  for (uint32_t a = 0; a < scene.bodies.size(); ++a) DrawActor(scene, a);
+  for (uint32_t a = 0; a < scene.bodies.size(); ++a) DrawActor(scene, a, uploaded);
   const std::vector<GlProgram>& lit =
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
   for (size_t layer = 0; layer < uploaded.strands.layers(); ++layer) {
-    DrawLayer(scene, lit, layer);
+    DrawLayer(scene, lit, layer, uploaded);
     if (layer + 1 == uploaded.strands.layers()) break;
     gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     uploaded.strands.DrawStrips(programs.strand_depth, layer);
@@ -270,13 +233,15 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
 }
 
 void GlRenderer::State::Resolve(const PictureScene& scene, const PictureOptions& options,
-                                uint32_t samples) const {
+                                GLuint drawn, GLuint pixels, uint32_t samples) const {
   const Lens lens = LensOf(scene.camera, options);
-  gl().BindFramebuffer(GL_FRAMEBUFFER, targets->pixels);
-  gl().Viewport(0, 0, GLsizei(options.width_px), GLsizei(options.height_px));
+  const GLsizei width = GLsizei(options.width_px), height = GLsizei(options.height_px);
+  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
+  gl().FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pixels, 0);
+  gl().Viewport(0, 0, width, height);
   const GlProgram& program = programs[GlPrograms::kResolve];
   program.Use();
-  BindTexture(gl(), kSourceUnit, GL_TEXTURE_2D, targets->drawn);
+  BindTexture(gl(), kSourceUnit, GL_TEXTURE_2D, drawn);
   program.Set("samples", samples);
   program.Set("ray_ahead", lens.ahead);
   program.Set("ray_right", lens.right);
@@ -291,16 +256,9 @@ void GlRenderer::State::CheckErrors() const {
     throw Error(fmt::format("picture: {} reports OpenGL's error {:#x}", context.Renderer(), error));
 }
 
-bool GlRenderer::State::MakeTargets(const glm::ivec2& size, const glm::ivec2& size_px) {
-  if (targets && targets->sample_size == size && targets->pixel_size == size_px) return false;
-  gl().ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  targets.emplace(gl(), size, size_px);
-  if (gl().CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
-  return true;
-}
-
-bool GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptions& options) {
+template <class Take>
+void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptions& options,
+                                   const Take& take) {
   const GlApi& gl = this->gl();
   const uint32_t samples = options.samples ? options.samples : kSamples;
   const GLsizei width = GLsizei(options.width_px * samples),
@@ -319,45 +277,54 @@ bool GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptio
                     width, height));
   MakeCards(scene);
   SetScene(scene, options, samples);
-  uploaded.Take(gl, programs, scene);
+  const Uploaded uploaded(gl, programs, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
     lighting.emplace(gl, programs, scene, uploaded.bodies, uploaded.shadows, options);
-  const bool are_new =
-      MakeTargets({width, height}, {int(options.width_px), int(options.height_px)});
-  gl.BindFramebuffer(GL_FRAMEBUFFER, targets->samples);
+  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  const GlTexture drawn = MakeTexture(gl, GL_RGBA16F, width, height);
+  const GlTexture depth = MakeTexture(gl, GL_DEPTH_COMPONENT32F, width, height);
+  const GlFramebuffer target(gl);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, drawn, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(fmt::format("picture: {} does not draw into half floats", context.Renderer()));
   gl.Viewport(0, 0, width, height);
-  DrawScene(scene, options);
-  Resolve(scene, options, samples);
-  return are_new;
+  DrawScene(scene, options, uploaded);
+  gl.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
+  const GlTexture pixels =
+      MakeTexture(gl, GL_RGBA8, GLsizei(options.width_px), GLsizei(options.height_px));
+  Resolve(scene, options, drawn, pixels, samples);
+  take();
+  CheckErrors();
 }
 
 std::vector<uint8_t> GlRenderer::Draw(const PictureScene& scene, const PictureOptions& options) {
   std::vector<uint8_t> rgb(size_t(options.width_px) * options.height_px * 3);
-  state_->DrawPixels(scene, options);
-  state_->gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  state_->gl().ReadPixels(0, 0, GLsizei(options.width_px), GLsizei(options.height_px), GL_RGB,
-                          GL_UNSIGNED_BYTE, rgb.data());
-  state_->CheckErrors();
+  state_->DrawPixels(scene, options, [&] {
+    state_->gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+    state_->gl().ReadPixels(0, 0, GLsizei(options.width_px), GLsizei(options.height_px), GL_RGB,
+                            GL_UNSIGNED_BYTE, rgb.data());
+  });
   return rgb;
 }
 
 void GlRenderer::Show(const PictureScene& scene, const PictureOptions& options) {
   const GLint width = GLint(options.width_px), height = GLint(options.height_px);
-  const bool are_new = state_->DrawPixels(scene, options);
-  // What is bound for reading stays the picture.
-  state_->gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  state_->gl().BlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
-                               GL_NEAREST);
-  // To ask is to wait for all that was drawn.
-  if (are_new) state_->CheckErrors();
+  state_->DrawPixels(scene, options, [&] {
+    // What is bound for reading stays the picture.
+    state_->gl().BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    state_->gl().BlitFramebuffer(0, 0, width, height, 0, height, width, 0, GL_COLOR_BUFFER_BIT,
+                                 GL_NEAREST);
+  });
 }
 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
   state_->MakeCards(scene);
   state_->SetScene(scene, {}, kSamples);
-  state_->uploaded.Take(state_->gl(), state_->programs, scene);
-  std::vector<glm::vec4> texels = state_->uploaded.shadows.Read(actor);
+  const Uploaded uploaded(state_->gl(), state_->programs, scene);
+  std::vector<glm::vec4> texels = uploaded.shadows.Read(actor);
   state_->CheckErrors();
   return texels;
 }

@@ -18,16 +18,14 @@ glm::mat3 SunAxes(const glm::vec3& to_sun) {
   return {x, glm::cross(to_sun, x), to_sun};
 }
 
-void GlShadows::Draw(const GlPrograms& programs, const PictureScene& scene, const GlBodies& bodies,
-                     const GlStrands& strands, const GlShells& shells) {
-  balls_ = BoundActors(scene);
-  if (balls_.size() != map_count_) {
-    map_count_ = balls_.size();
-    gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-    maps_ = MakeTextureArray(gl_, GL_RGBA32F, glm::ivec2(kMapSide), GLsizei(map_count_));
-    soft_ = MakeTextureArray(gl_, GL_RGBA16F, glm::ivec2(kMapSide), GLsizei(map_count_));
-  }
-  characters_ = UploadCharacters(scene.look.light.to_sun);
+GlShadows::GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene,
+                     const GlBodies& bodies, const GlStrands& strands, const GlShells& shells)
+    : gl_(gl),
+      balls_(BoundActors(scene)),
+      maps_(MakeTextureArray(gl, GL_RGBA32F, glm::ivec2(kMapSide), GLsizei(balls_.size()))),
+      soft_(MakeTextureArray(gl, GL_RGBA16F, glm::ivec2(kMapSide), GLsizei(balls_.size()))),
+      characters_(UploadCharacters(scene.look.light.to_sun)),
+      target_(gl) {
   BindTexture(gl_, kCharactersUnit, GL_TEXTURE_2D, characters_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_);
   gl_.Viewport(0, 0, kMapSide, kMapSide);
@@ -41,11 +39,6 @@ void GlShadows::Draw(const GlPrograms& programs, const PictureScene& scene, cons
   for (GLint a = 0; a < GLint(balls_.size()); ++a)
     Soften(gl_, programs[GlPrograms::kSoften], {maps_, a}, {soft_, a}, glm::ivec2(kMapSide),
            kSoftTexels, 2, 1.0f / 255.0f);
-  Bind();
-}
-
-void GlShadows::Bind() const {
-  BindTexture(gl_, kCharactersUnit, GL_TEXTURE_2D, characters_);
   BindTexture(gl_, kShadowMapsUnit, GL_TEXTURE_2D_ARRAY, maps_);
   BindTexture(gl_, kSoftMapsUnit, GL_TEXTURE_2D_ARRAY, soft_);
 }

@@ -14,14 +14,9 @@ namespace pelt {
 
 class GlShadows {
  public:
-  explicit GlShadows(const GlApi& gl)
-      : gl_(gl), maps_(gl), soft_(gl), characters_(gl), target_(gl) {}
-
   // Draws them, and leaves them bound where passes look for them.
-  void Draw(const GlPrograms& programs, const PictureScene& scene, const GlBodies& bodies,
-            const GlStrands& strands, const GlShells& shells);
-  // As they were drawn last.
-  void Bind() const;
+  GlShadows(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene,
+            const GlBodies& bodies, const GlStrands& strands, const GlShells& shells);
 
   // A normal's length by which skin is lifted out of its own shadow, m.
   float Lift(uint32_t actor) const;
@@ -37,7 +32,6 @@ class GlShadows {
   const GlApi& gl_;
   std::vector<Ball> balls_;
   GlTexture maps_, soft_, characters_;
-  size_t map_count_ = 0;
   GlFramebuffer target_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/shell_shadow.hpp"
@@ -93,67 +92,33 @@ GlTexture UploadCovers(const GlApi& gl, const std::vector<ShadowShell>& shells) 
 
 }  // namespace
 
-bool GlShells::Take(const PictureScene& scene) {
+GlShells::GlShells(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothing_(gl) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  bool changed = layers_.size() != scene.draws.size();
-  while (layers_.size() > scene.draws.size()) layers_.pop_back();
-  while (layers_.size() < scene.draws.size()) layers_.push_back(Make());
-  for (size_t i = 0; i < layers_.size(); ++i)
-    changed |= Take(layers_[i], scene.draws[i], scene.textures[i], scene.growth[i]);
-  return changed;
+  for (size_t i = 0; i < scene.draws.size(); ++i)
+    layers_.push_back(Upload(scene.draws[i], scene.textures[i], scene.growth[i]));
 }
 
-GlShells::Layer GlShells::Make() const {
-  return {.mesh = UploadMesh(gl_, {}, kCornerFloats),
-          .vertices = {},
-          .fins = UploadMesh(gl_, {}, kFinFloats, 1),
-          .texture = UploadFur(gl_, {}),
-          .texels = {},
-          .covers = UploadCovers(gl_, {}),
-          .heights = {},
-          .growth = UploadSheets(gl_, {}),
-          .sheets = {}};
-}
-
-bool GlShells::TakeTextures(Layer& layer, const LayerDraw& draw, const FurTexture& texture,
-                            const ShellGrowth& growth) const {
+GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& texture,
+                                 const ShellGrowth& growth) const {
+  std::vector<ShellCorner> corners;
+  std::vector<FinEnds> fins;
+  if (!draw.shells.shell.empty()) {
+    corners = CornersOf(draw, growth);
+    fins = FinsOf(draw, growth);
+  }
   const std::vector<ShadowShell> shadows = FindShadowShells(draw.shells.shell, texture);
   std::vector<float> heights;
   heights.reserve(shadows.size());
   for (const ShadowShell& shell : shadows) heights.push_back(shell.height);
-  const bool is_cut_alike = layer.texels == texture.texels;
-  if (!is_cut_alike) {
-    layer.texture = UploadFur(gl_, texture);
-    layer.texels = texture.texels;
-  }
-  const bool is_grown_alike = layer.sheets == growth.sheets;
-  if (!is_grown_alike) {
-    layer.growth = UploadSheets(gl_, SheetsOf(growth));
-    layer.sheets = growth.sheets;
-  }
-  layer.growth_scale = growth.sheets ? 1.0f / draw.shells.texture_repeat : 0.0f;
-  if (is_cut_alike && layer.heights == heights) return !is_grown_alike;
-  layer.covers = UploadCovers(gl_, shadows);
-  layer.heights = std::move(heights);
-  return true;
-}
-
-bool GlShells::Take(Layer& layer, const LayerDraw& draw, const FurTexture& texture,
-                    const ShellGrowth& growth) const {
-  if (draw.shells.shell.empty()) return std::exchange(layer.corners, 0) != 0;
-  bool changed = TakeTextures(layer, draw, texture, growth);
-  if (changed || !std::ranges::equal(layer.vertices, draw.vertices)) {
-    const std::vector<ShellCorner> corners = CornersOf(draw, growth);
-    ReplaceVertices(gl_, layer.mesh, std::as_bytes(std::span(corners)));
-    layer.corners = GLsizei(corners.size());
-    layer.vertices.assign(draw.vertices.begin(), draw.vertices.end());
-    changed = true;
-  }
-  // Which are seen depends on the eye.
-  const std::vector<FinEnds> fins = FinsOf(draw, growth);
-  if (!fins.empty()) ReplaceVertices(gl_, layer.fins, std::as_bytes(std::span(fins)));
-  layer.fin_count = GLsizei(fins.size());
-  return changed;
+  return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
+          UploadFur(gl_, texture),
+          GLsizei(corners.size()),
+          UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1),
+          GLsizei(fins.size()),
+          UploadCovers(gl_, shadows),
+          std::move(heights),
+          UploadSheets(gl_, SheetsOf(growth)),
+          growth.sheets ? 1.0f / draw.shells.texture_repeat : 0.0f};
 }
 
 void GlShells::BindTextures(const GlProgram& program, const Layer& layer) const {

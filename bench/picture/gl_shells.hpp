@@ -1,5 +1,4 @@
-// Layers of shells on the graphics card: the skin's triangles, drawn once for each shell. What is as it was in the picture
-// before is not sent again.
+// Layers of shells on the graphics card: the skin's triangles, drawn once for each shell.
 #pragma once
 
 #include <vector>
@@ -11,10 +10,8 @@ namespace pelt {
 
 class GlShells {
  public:
-  explicit GlShells(const GlApi& gl) : gl_(gl), nothing_(gl) {}
+  GlShells(const GlApi& gl, const PictureScene& scene);
 
-  // Whether anything is other than before.
-  bool Take(const PictureScene& scene);
   bool Has(size_t layer) const { return layers_[layer].corners > 0; }
   // By GlPrograms' shell, in use: from the skin up, over what is there.
   void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const;
@@ -28,23 +25,16 @@ class GlShells {
  private:
   struct Layer {
     GlMesh mesh;
-    GLsizei corners = 0;
-    std::vector<std::byte> vertices;  // that it was made from
-    GlMesh fins;                      // an instance each
-    GLsizei fin_count = 0;
     GlTexture texture;
-    std::vector<uint8_t> texels;  // its
-    GlTexture covers;             // ShadowShell::covers, a row each
-    std::vector<float> heights;   // and what they are of
+    GLsizei corners;
+    GlMesh fins;  // an instance each
+    GLsizei fin_count;
+    GlTexture covers;            // ShadowShell::covers, a row each
+    std::vector<float> heights;  // and what they are of
     GlTexture growth;
-    SharedGrowth sheets;        // its
-    float growth_scale = 0.0f;  // passes/stencil.glsl has it
+    float growth_scale;  // passes/stencil.glsl has it
   };
-  Layer Make() const;
-  bool TakeTextures(Layer& layer, const LayerDraw& draw, const FurTexture& texture,
-                    const ShellGrowth& growth) const;
-  bool Take(Layer& layer, const LayerDraw& draw, const FurTexture& texture,
-            const ShellGrowth& growth) const;
+  Layer Upload(const LayerDraw& draw, const FurTexture& texture, const ShellGrowth& growth) const;
   void BindTextures(const GlProgram& program, const Layer& layer) const;
 
   const GlApi& gl_;

@@ -1,7 +1,6 @@
 #include "bench/picture/gl_strands.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace pelt {
 namespace {
@@ -37,35 +36,28 @@ size_t ProgramOf(Output output, const std::vector<Hair>& hairs) {
 
 }  // namespace
 
-bool GlStrands::Take(const PictureScene& scene) {
+GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
+    : gl_(gl), in_strand_order_(scene.order == VertexOrder::kIndexBuffer) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
-  in_strand_order_ = scene.order == VertexOrder::kIndexBuffer;
-  bool changed = layers_.size() != scene.draws.size();
-  while (layers_.size() > scene.draws.size()) layers_.pop_back();
-  while (layers_.size() < scene.draws.size())
-    layers_.push_back(
-        {.vertices = GlKeptTexels(gl_), .roots = GlKeptTexels(gl_), .looks = GlKeptTexels(gl_)});
-  for (size_t i = 0; i < layers_.size(); ++i)
-    changed |= layers_[i].Take(scene.draws[i], scene.layers[i]);
-  return changed;
+  for (size_t i = 0; i < scene.draws.size(); ++i)
+    layers_.push_back(Upload(scene.draws[i], scene.layers[i]));
 }
 
-bool GlStrands::Layer::Take(const LayerDraw& draw, const std::vector<Hair>& hairs) {
-  const GLsizei before = std::exchange(strands, hairs.empty() ? 0 : GLsizei(draw.strand_count));
-  if (hairs.empty()) return before != 0;
-  const std::vector<RootTexels> root_texels = RootsOf(draw, hairs);
-  bool changed = before != strands;
-  changed |= vertices.Take(draw.vertices);
-  changed |= roots.Take(std::as_bytes(std::span(root_texels)));
-  changed |= looks.Take(std::as_bytes(draw.looks));
-  output = ProgramOf(draw.output, hairs);
-  knots = GLsizei(hairs.front().knots);
-  actor = hairs.front().actor;
-  first_strand = hairs.front().number - draw.order.front();
-  tip_width = draw.tip_width;
-  is_lit = !draw.looks.empty();
-  paint = PaintLookOf(draw);
-  return changed;
+GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const {
+  if (hairs.empty())
+    return {.vertices = GlTexture(gl_), .roots = GlTexture(gl_), .looks = GlTexture(gl_)};
+  const std::vector<RootTexels> roots = RootsOf(draw, hairs);
+  return {.vertices = UploadTexels(gl_, draw.vertices),
+          .roots = UploadTexels(gl_, std::as_bytes(std::span(roots))),
+          .looks = UploadTexels(gl_, std::as_bytes(draw.looks)),
+          .output = ProgramOf(draw.output, hairs),
+          .strands = GLsizei(draw.strand_count),
+          .knots = GLsizei(hairs.front().knots),
+          .actor = hairs.front().actor,
+          .first_strand = hairs.front().number - draw.order.front(),
+          .tip_width = draw.tip_width,
+          .is_lit = !draw.looks.empty(),
+          .paint = PaintLookOf(draw)};
 }
 
 void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer) const {

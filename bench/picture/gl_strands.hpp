@@ -1,5 +1,4 @@
-// A frame's draw list on the graphics card: vertices as they are, and the roots that they do not know of. What is as it
-// was in the picture before is not sent again.
+// A frame's draw list on the graphics card: vertices as they are, and the roots that they do not know of.
 #pragma once
 
 #include <vector>
@@ -11,10 +10,8 @@ namespace pelt {
 
 class GlStrands {
  public:
-  explicit GlStrands(const GlApi& gl) : gl_(gl) {}
+  GlStrands(const GlApi& gl, const PictureScene& scene);
 
-  // Whether anything is other than before.
-  bool Take(const PictureScene& scene);
   size_t layers() const { return layers_.size(); }
   // By a program of the layer's output, in use from here on: strips of two corners at each knot, or lines.
   void DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const;
@@ -22,20 +19,19 @@ class GlStrands {
 
  private:
   struct Layer {
-    GlKeptTexels vertices, roots, looks;
+    GlTexture vertices, roots, looks;
     size_t output = 0;  // its place in GlPrograms' lists
     GLsizei strands = 0, knots = 0;
     uint32_t actor = 0, first_strand = 0;
     float tip_width = 1.0f;
     bool is_lit = false;
     PaintLook paint = kDefaultPaint;
-
-    bool Take(const LayerDraw& draw, const std::vector<Hair>& hairs);
   };
+  Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const;
   void Bind(const std::vector<GlProgram>& programs, const Layer& layer) const;
 
   const GlApi& gl_;
-  bool in_strand_order_ = false;
+  bool in_strand_order_;
   std::vector<Layer> layers_;
 };
 

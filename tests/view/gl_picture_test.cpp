@@ -7,7 +7,6 @@
 #include <ctime>
 #include <random>
 #include <set>
-#include <utility>
 
 #include "bench/picture/png.hpp"
 #include "tests/view/gl_pictures.hpp"
@@ -127,34 +126,6 @@ TEST_F(GlPicture, IsTheSameAgain) {
   renderer_.reset();
   renderer_ = std::make_unique<GlRenderer>(GlRenderer::Open().OrThrow());
   EXPECT_GE(PsnrDb(renderer_->Draw(Monster(), kSmall), picture), kSameDb);
-}
-
-// The renderer keeps what it was given.
-TEST_F(GlPicture, WhatWasDrawnBeforeLeavesNoTrace) {
-  const Shown outputs(EveryOutputScenario(), VertexOrder::kSorted);
-  const PictureScene& scene = outputs.scene();
-  renderer_.reset();
-  renderer_ = std::make_unique<GlRenderer>(GlRenderer::Open().OrThrow());
-  const std::vector<uint8_t> alone = renderer_->Draw(scene, kSmall);
-  PictureScene fewer = scene, bare = scene, moved = scene, others = scene;
-  for (auto* of_layers : {&fewer.layers, &bare.layers}) of_layers->back().clear();
-  for (std::vector<Hair>& hairs : bare.layers) hairs.clear();
-  for (glm::vec3& p : moved.bodies[0].position) p.y += 0.1f;
-  for (LayerDraw& draw : others.draws) draw.strand_count /= 2;
-  for (std::vector<Hair>& hairs : others.layers) hairs.resize(hairs.size() / 2);
-  for (const PictureScene* before : {&Monster(), &std::as_const(fewer), &std::as_const(bare),
-                                     &std::as_const(moved), &std::as_const(others)}) {
-    EXPECT_NE(renderer_->Draw(*before, kSmall), alone);
-    EXPECT_EQ(renderer_->Draw(scene, kSmall), alone);
-  }
-  EXPECT_NE(renderer_->Draw(scene, {160, 120, 1}), alone);
-  EXPECT_EQ(renderer_->Draw(scene, kSmall), alone);
-  // One that is told to be the same needs nothing sent to be seen from elsewhere.
-  const std::vector<uint8_t> nearer = renderer_->Draw(Nearer(scene, 0.7f), kSmall);
-  PictureScene numbered = scene;
-  numbered.content = 7;
-  EXPECT_EQ(renderer_->Draw(numbered, kSmall), alone);
-  EXPECT_EQ(renderer_->Draw(Nearer(numbered, 0.7f), kSmall), nearer);
 }
 
 TEST_F(GlPicture, EachPlantedFaultIsSeen) {
