@@ -23,7 +23,7 @@
 #pragma once
 
 #include "core/kernels/modal_friction.hpp"
-#include "core/kernels/modal_lever.hpp"
+#include "core/kernels/modal_impulse.hpp"
 #include "core/kernels/modal_notes.hpp"
 
 namespace pelt::modal {
@@ -294,9 +294,7 @@ struct Touches {
   __attribute__((noinline)) void SettleTouched(const ModalTable<N>& t, uint32_t substep,
                                                Motion<W, N>& motion) const {
     const W none = W(0.0f);
-    float response[N][N];
     Vec3<W> d[N], v[N];
-    NewtonMatrix<W, N> matrix;
     W wanted[N], least[N], push[N], hold[N], share[N];
     Vec3<W> slip[N], impulse[N];
     const auto& speed = t.substep[substep].root_speed;
@@ -309,17 +307,9 @@ struct Touches {
       d[i] = Row(motion, &Axis<W, N>::d, i);
       v[i] = {Weigh<W, N>(t.shape[i], motion.axis[0].z), Weigh<W, N>(t.shape[i], motion.axis[1].z),
               Weigh<W, N>(t.shape[i], motion.axis[2].z)};
-      PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j)
-        response[i][j] = i == j       ? t.inverse_mass[i]
-                         : i == j + 1 ? t.inverse_mass_off[j]
-                         : j == i + 1 ? t.inverse_mass_off[i]
-                                      : 0.0f;
-      PELT_UNROLL
-      for (uint32_t j = 0; j <= i; ++j) matrix.lower[i][j] = Dot(d[i], d[j]) * W(response[i][j]);
       touched = touched | (Dot(normal[i], normal[i]) > none);
     }
-    Factor<W, N>(matrix.lower, matrix.inverse);
+    const ImpulseMetric<W, N> metric(t, d);
     const Vec3<W> spin = around.turn * W(t.euler_speed);
     const bool soft = around.hardness < 1.0f;
     const W settles = soft ? SettledBySoft(around.hardness) : W(1.0f);
@@ -348,30 +338,17 @@ struct Touches {
       least[q] = W(-1.0e30f);
     }
     if (around.friction > 0.0f && around.HasColliders()) {
-      friction.Settle(response, matrix, around, obstacle, d, normal, wanted, slip, hold, impulse);
+      friction.Settle(metric.response, metric.lengths, around, obstacle, d, normal, wanted, slip,
+                      hold, impulse);
     } else {
       Levers<W, N> levers;
-      levers.Make(response, d, matrix, normal, share, 1.0f);
+      levers.Make(metric.response, d, metric.lengths, normal, share, 1.0f);
       levers.Solve(wanted, least, push);
       levers.Hold(push, hold);
       PELT_UNROLL
       for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
     }
-    for (uint32_t k = 0; k < 3; ++k) {
-      Axis<W, N>& a = motion.axis[k];
-      W pull[N];
-      W sum = none;
-      PELT_UNROLL
-      for (uint32_t i = 0; i < N; ++i) {
-        const uint32_t j = N - 1 - i;
-        const W own = Component(impulse[j], k), on_link = sum + own * share[j];
-        sum = sum + own;
-        pull[j] = on_link + a.d[j] * hold[j];
-      }
-      PELT_UNROLL
-      for (uint32_t m = 0; m < N; ++m)
-        a.z[m] = Select(touched, a.z[m] + WeighColumn<W, N>(t.shape, m, pull), a.z[m]);
-    }
+    AddImpulses(t, impulse, share, d, hold, touched, motion);
   }
 };
 
