@@ -214,6 +214,13 @@ struct Colliders {
     return params.sphere_count > 0 || params.capsule_count > 0 || params.use_ground;
   }
 
+  static PELT_INLINE bool HasMoving(const SimulateParams& params) {
+    bool moves = params.use_ground && params.ground_step.moves;
+    for (uint32_t s = 0; s < params.sphere_count; ++s) moves |= params.sphere_step[s].moves != 0;
+    for (uint32_t c = 0; c < params.capsule_count; ++c) moves |= params.capsule_step[c].moves != 0;
+    return moves;
+  }
+
   // `reach`: how far from its root a point may be.
   PELT_INLINE void Load(const SimulateParams& params, Vec3<W> root, W reach) {
     use_ground = params.use_ground != 0;
@@ -279,20 +286,7 @@ struct Colliders {
     });
   }
 
- private:
-  // Sets the shape's radius; false where it counts for no lane.
-  template <class Shape>
-  PELT_INLINE bool KeepNear(W radius, W reach, const ColliderStep& step, Shape& shape) {
-    const W none = W(0.0f);
-    W range = reach + radius;
-    if (step.moves != 0) range = range + W(FarthestWay(step));
-    const Vec3<W> core = shape.Core({none, none, none});
-    const auto near = Dot(core, core) < range * range;
-    if (!Any(near)) return false;
-    shape.radius = Select(near, radius, none);
-    moves |= step.moves != 0;
-    return true;
-  }
+  // The same of one shape in any units, as seen from the root.
   template <class Shape>
   static PELT_INLINE void LeaveRoot(Shape& shape) {
     constexpr float kShrink = 6.0f;  // of the radius, for the root's depth
@@ -307,6 +301,21 @@ struct Colliders {
     };
     const float from = sum(step.from), to = sum(step.to);
     return from > to ? from : to;
+  }
+
+ private:
+  // Sets the shape's radius; false where it counts for no lane.
+  template <class Shape>
+  PELT_INLINE bool KeepNear(W radius, W reach, const ColliderStep& step, Shape& shape) {
+    const W none = W(0.0f);
+    W range = reach + radius;
+    if (step.moves != 0) range = range + W(FarthestWay(step));
+    const Vec3<W> core = shape.Core({none, none, none});
+    const auto near = Dot(core, core) < range * range;
+    if (!Any(near)) return false;
+    shape.radius = Select(near, radius, none);
+    moves |= step.moves != 0;
+    return true;
   }
 };
 

@@ -40,7 +40,8 @@ PELT_INLINE typename W::Mask IsLinkInside(const Shape& shape, Vec3<W> from, Vec3
 template <class W>
 struct Crossing {
   typename W::Mask any;  // came from outside and got in
-  Vec3<W> normal;        // where it did
+  W when;                // the share of its way at which it did
+  Vec3<W> normal;        // and where
   W ahead;               // how far it is from the centre along that, at last
   W radius;
 
@@ -52,7 +53,8 @@ struct Crossing {
     const W outside = radius * radius * W(-0.36f);
     const W enters = none - b - Sqrt(Max(inner, none));
     any = (radius > none) & (c > outside) & (b < none) & (inner > none) & (enters < a);
-    const Vec3<W> hit = first + way * (enters / Max(a, W(1.0e-12f)));
+    when = enters / Max(a, W(1.0e-12f));
+    const Vec3<W> hit = first + way * when;
     normal = hit * (W(1.0f) / Max(radius, W(1.0e-6f)));
     ahead = Dot(normal, last);
   }

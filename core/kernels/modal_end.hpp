@@ -58,17 +58,17 @@ struct FrameEnd {
   }
 
   // Writes the lanes back but those `picked`, which keep their bits; returns those of which some bit
-  // changed, or the root or the wind did.
+  // changed, or the root or the wind did. `clock`: quiet_s of those that are not quiet.
   template <class At>
   static PELT_INLINE Mask Store(const SimulateParams& params, const Ports& ports, const At& at,
                                 const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,
-                                bool follows, const Motion& motion) {
+                                W clock, bool follows, const Motion& motion) {
     ModalStateBlock<kPoints>& to = *ports.chain;
     const bool may_rest = params.rest_threshold > 0.0f;
     const Mask moved = !(quiet | fresh | picked);
     // Nobody may be at rest: whether bits changed need not be looked at.
     if (may_rest && AllSet(moved)) {
-      StoreLanes(W(0.0f), to.quiet_s, at);
+      StoreLanes(clock, to.quiet_s, at);
       ForEachRow(
           ports, at, g, motion, [&](float* row, W value) __attribute__((always_inline)) {
             StoreLanes(value, row, at);
@@ -80,7 +80,7 @@ struct FrameEnd {
         const W old = LoadLanes<W>(row, at);
         StoreLanes(Select(picked, old, value), row, at);
       };
-      put(to.quiet_s, W(0.0f));
+      put(to.quiet_s, clock);
       ForEachRow(ports, at, g, motion, put);
       return moved;
     }
@@ -99,7 +99,7 @@ struct FrameEnd {
     const W before = LoadLanes<W>(to.quiet_s, at);
     const Mask still = quiet & (before >= W(ports.table->quiet_s));
     const Mask kept = still | picked;
-    const W now = Select(quiet, before + W(ports.table->frame_s), W(0.0f));
+    const W now = Select(quiet, before + W(ports.table->frame_s), clock);
     typename W::Int change = 0;
     const auto put = [&](float* row, W value) __attribute__((always_inline)) {
       const W old = LoadLanes<W>(row, at);

@@ -8,8 +8,9 @@
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside
 // something, and those that the free step fails (modal_fallback.hpp), keep their state, are picked
-// from all groups and take the frame once more, with contact, as full groups. A lane's bits depend
-// neither on its neighbours nor on where in a group it stood.
+// from all groups and take the frame once more, with contact, as full groups; those that something
+// fast strikes in short steps (modal_strike.hpp). A lane's bits depend neither on its neighbours nor
+// on where in a group it stood.
 //
 // Invariants, as chain.hpp's:
 //  - From finite input comes finite output; links keep their length.
@@ -27,6 +28,7 @@
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_end.hpp"
 #include "core/kernels/modal_fallback.hpp"
+#include "core/kernels/modal_strike.hpp"
 
 namespace pelt {
 
@@ -44,6 +46,7 @@ struct SimulateModal {
   using Motion = modal::Motion<V, N>;
   using Touches = modal::Touches<V, N>;
   using TouchNotes = modal::TouchNotes<V, N>;
+  using Strikes = modal::Strikes<V, N>;
   using Start = modal::FrameStart<V, kPoints, Ports>;
   using End = modal::FrameEnd<V, kPoints, Ports>;
   using Mask = typename V::Mask;
@@ -185,7 +188,31 @@ struct SimulateModal {
     if (!Any(follows)) return !follows;
     const Mask good =
         modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
-    return notes.inside | !good;
+    const Mask held = notes.inside | !good;
+    if (!Colliders<V>::HasMoving(params)) return held;
+    return held | modal::IsInFastWay(params, g, per_length, t.substeps, motion);
+  }
+
+  // The frame of lanes that something fast strikes, or has struck: returns those, for which `motion`
+  // and `clock`, their quiet_s, are set.
+  template <class At>
+  static __attribute__((noinline)) Mask StepStruck(const Params& params, const Ports& ports,
+                                                   const At& at, Mask fresh, V per_length,
+                                                   const Group& g, const Motion& start, V& clock,
+                                                   Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
+    const V none = V(0.0f), before = LoadLanes<V>(ports.chain->quiet_s, at);
+    Strikes strikes;
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, strikes);
+    const Mask was = (before < none) & !fresh;
+    const Mask may = modal::IsInFastWay(params, g, per_length, t.substeps, start) & !fresh;
+    if (!Any(may | was)) return may;
+    motion = start;
+    V fastest;
+    const Mask now = strikes.Step(t, Start::WindChanges(ports), motion, fastest) & may;
+    const Mask taken = now | was;
+    clock = Select(taken, modal::ClockOfStruck(t, before, now, fastest), none);
+    return taken;
   }
 
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
@@ -231,17 +258,30 @@ struct SimulateModal {
 
     const Mask none = V(1.0f) < V(0.0f);
     Mask touched = none, picked = none;
-    V left[N];
+    V left[N], clock = V(0.0f);
     for (V& depth : left) depth = V(0.0f);
     const bool carried = !restart && ports.table->substeps == 0;
     if (carried) {
       Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
     } else if (!restart) {
-      if constexpr (kPicks)
+      if constexpr (kPicks) {
         picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
-      else
-        touched =
-            StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
+        picked = picked | (LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f));
+      } else {
+        Motion after;
+        Mask struck = none;
+        const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
+        if (Any(was) || Colliders<V>::HasMoving(params))
+          struck = StepStruck(params, ports, at, fresh, per_length, g, motion, clock, after);
+        if (!AllSet(struck))
+          touched = StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left,
+                                        motion);
+        if (Any(struck)) {
+          TakeLanes(struck, after, motion);
+          touched = touched & !struck;
+          for (V& depth : left) depth = Select(struck, V(0.0f), depth);
+        }
+      }
     }
     modal::Directions(motion, d);
     modal::PlacePoints(d, g);
@@ -266,7 +306,7 @@ struct SimulateModal {
     }
     const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
     // Lanes that do not live keep their bits too: how many of them a group has is the machine's.
-    return Any(End::Store(params, ports, at, g, fresh, quiet, picked | !alive, still,
+    return Any(End::Store(params, ports, at, g, fresh, quiet, picked | !alive, still, clock,
                           controls != nullptr, motion) &
                alive);
   }

@@ -62,6 +62,10 @@ void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
                       s.roots.position[2][lane]});
     s.wind.acceleration[2][lane] = float(10.0 * std::sin(0.2 * frame + lane));
   }
+  // Then the ball goes through all of them, at 10 m/s.
+  const float way = frame < 24 ? 0.0f : 1.0f / 6.0f;
+  s.params.sphere[0][0] = way * (float(frame) - 26.5f);
+  s.params.sphere_step[0] = {{way, 0, 0}, {way, 0, 0}, way > 0.0f ? 1u : 0u, 0};
   s.Step(frame % 7 == 3 ? 1.0 / 30.0 : kDt, isa);
 }
 
