@@ -148,10 +148,10 @@ Track ContactTrack(const FeatureProblem& p, int steps_per_second, double seconds
   std::vector<LinkDirections> start;
   for (const Strand& strand : p.strands) start.push_back(FindEquilibrium(p.material, strand));
   ContactReference run(p.material, p.strands, start, MotionOf(p.motion), ShapesOf(p.features),
-                       double(p.features.friction), steps_per_second);
+                       double(p.features.friction), steps_per_second * p.contact_scale);
   Track track;
   for (int f = 0; f < int(std::lround(seconds * kRate)); ++f) {
-    for (int step = 0; step < steps_per_second / kRate; ++step) run.Step();
+    for (int step = 0; step < steps_per_second * p.contact_scale / kRate; ++step) run.Step();
     for (size_t s = 0; s < p.strands.size(); ++s)
       for (int i = 0; i < p.material.links; ++i) track.push_back(run.Point(s, i));
   }

@@ -34,6 +34,8 @@ struct FeatureProblem {
   ModalFeatures features;
   double seconds = 0.0;  // that it lasts at most; 0: any
   Promise promise = Promise::kNone;
+  // Steps of the reference of contact for each of the others': what is fast moves that much further in one.
+  int contact_scale = 1;
 };
 // Bare (no feature) and one for each feature. links: 3 or 4.
 std::vector<FeatureProblem> FeatureProblems(int links);

@@ -108,7 +108,16 @@ std::vector<FeatureProblem> FeatureProblems(int links) {
                         f.sphere_centre = tip + Double3{-0.006, -0.0125, -5.0};
                         f.going = {0.0, 0.0, 10.0};
                       }),
-                      1.0});
+                      1.0, Promise::kNone, 16});
+  // A bar as thick and as fast over the tops of them.
+  problems.push_back({"fast capsule", medium, Tuft(links, side, 0.02, 0.1), Motion::kStill,
+                      with([=](ModalFeatures& f) {
+                        f.capsule_radius = 0.015;
+                        f.capsule_from = tip + Double3{0.008, -0.05, -5.0};
+                        f.capsule_to = tip + Double3{0.008, 0.05, -5.0};
+                        f.going = {0.0, 0.0, 10.0};
+                      }),
+                      1.0, Promise::kNone, 16});
   problems.push_back({"overlap", medium, upright, Motion::kStill, with([=](ModalFeatures& f) {
                         f.sphere_radius = 0.02;
                         f.sphere_centre = tip + Double3{0.0, 0.0, 0.016};

@@ -289,7 +289,8 @@ SceneStressResult Far(double far_m, bool origins, Isa isa) {
 }
 
 // A bar that goes through the whole character and away; the other scene has none.
-SceneStressResult Bar(double metres_per_s, Isa isa) {
+// `told`: with its velocity.
+SceneStressResult Bar(double metres_per_s, bool told, Isa isa) {
   Course course = Plain(), without = Plain();
   course.change = [=](FrameInput& input, FurScene&, int frame) {
     CapsuleCollider& bar = input.capsule[0];
@@ -301,10 +302,11 @@ SceneStressResult Bar(double metres_per_s, Isa isa) {
     const float from[3] = {x, -0.5f, 0.05f}, to[3] = {x, 2.0f, 0.05f};
     std::copy_n(from, 3, bar.from);
     std::copy_n(to, 3, bar.to);
+    if (told && frame > 0) bar.from_velocity[0] = bar.to_velocity[0] = float(metres_per_s);
   };
-  SceneStressResult result =
-      RunBeside(fmt::format("a bar that goes through at {} m/s", metres_per_s), std::move(course),
-                &without, isa);
+  SceneStressResult result = RunBeside(fmt::format("a bar that goes through at {} m/s{}",
+                                                   metres_per_s, told ? ", its velocity told" : ""),
+                                       std::move(course), &without, isa);
   result.most_at_end = 0.01;
   return result;
 }
@@ -333,7 +335,8 @@ std::vector<SceneStressResult> RunSceneStress(Isa isa) {
   all.push_back(Growing(isa));
   for (const double far_m : {1.0e3, 1.0e4})
     for (const bool origins : {false, true}) all.push_back(Far(far_m, origins, isa));
-  for (const double speed : {1.0, 5.0, 10.0}) all.push_back(Bar(speed, isa));
+  for (const double speed : {1.0, 5.0, 10.0})
+    for (const bool told : {false, true}) all.push_back(Bar(speed, told, isa));
   return all;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 TEST(SceneStress, PromisesAreKept) {
   const std::vector<SceneStressResult> rows = RunSceneStress(BestIsa());
-  EXPECT_EQ(rows.size(), 14u);
+  EXPECT_EQ(rows.size(), 17u);
   for (const SceneStressResult& row : rows) {
     std::printf("%-44s stretch %.1e, unsettled %llu, apart %.1e of %.1e, rests %.1e\n",
                 row.name.c_str(), row.worst_stretch, (unsigned long long)row.unsettled,
