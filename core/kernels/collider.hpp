@@ -215,9 +215,9 @@ struct Colliders {
   }
 
   static PELT_INLINE bool HasMoving(const SimulateParams& params) {
-    bool moves = params.use_ground && params.ground_step.moves;
-    for (uint32_t s = 0; s < params.sphere_count; ++s) moves |= params.sphere_step[s].moves != 0;
-    for (uint32_t c = 0; c < params.capsule_count; ++c) moves |= params.capsule_step[c].moves != 0;
+    bool moves = params.use_ground != 0 && params.ground_step.moves != 0;
+    for (uint32_t s = 0; s < Spheres(params); ++s) moves |= params.sphere_step[s].moves != 0;
+    for (uint32_t c = 0; c < Capsules(params); ++c) moves |= params.capsule_step[c].moves != 0;
     return moves;
   }
 
@@ -232,9 +232,7 @@ struct Colliders {
       ground.height = Dot(ground.normal, root) + W(params.ground[3]);
     }
     sphere_count = 0;
-    const uint32_t spheres =
-        params.sphere_count < kSpheresPerScene ? params.sphere_count : kSpheresPerScene;
-    for (uint32_t s = 0; s < spheres; ++s) {
+    for (uint32_t s = 0; s < Spheres(params); ++s) {
       const float* from = params.sphere[s];
       Sphere<W>& to = sphere[sphere_count];
       to.centre = Vec3<W>{W(from[0]), W(from[1]), W(from[2])} - root;
@@ -242,9 +240,7 @@ struct Colliders {
       sphere_count += KeepNear(W(from[3]), reach, params.sphere_step[s], to);
     }
     capsule_count = 0;
-    const uint32_t capsules =
-        params.capsule_count < kCapsulesPerScene ? params.capsule_count : kCapsulesPerScene;
-    for (uint32_t c = 0; c < capsules; ++c) {
+    for (uint32_t c = 0; c < Capsules(params); ++c) {
       const CapsuleParams& from = params.capsule[c];
       Capsule<W>& to = capsule[capsule_count];
       to.from = Vec3<W>{W(from.from[0]), W(from.from[1]), W(from.from[2])} - root;
@@ -304,6 +300,12 @@ struct Colliders {
   }
 
  private:
+  static PELT_INLINE uint32_t Spheres(const SimulateParams& params) {
+    return params.sphere_count < kSpheresPerScene ? params.sphere_count : kSpheresPerScene;
+  }
+  static PELT_INLINE uint32_t Capsules(const SimulateParams& params) {
+    return params.capsule_count < kCapsulesPerScene ? params.capsule_count : kCapsulesPerScene;
+  }
   // Sets the shape's radius; false where it counts for no lane.
   template <class Shape>
   PELT_INLINE bool KeepNear(W radius, W reach, const ColliderStep& step, Shape& shape) {

@@ -42,10 +42,8 @@ struct Crossing {
   typename W::Mask any;  // came from outside and got in
   W when;                // the share of its way at which it did
   Vec3<W> normal;        // and where
-  W ahead;               // how far it is from the centre along that, at last
-  W radius;
 
-  PELT_INLINE Crossing(Vec3<W> first, Vec3<W> last, W ball) : radius(ball) {
+  PELT_INLINE Crossing(Vec3<W> first, Vec3<W> last, W radius) {
     const Vec3<W> way = last - first;
     const W a = Dot(way, way), b = Dot(first, way), c = Dot(first, first) - radius * radius;
     const W inner = b * b - a * c, none = W(0.0f);
@@ -56,10 +54,7 @@ struct Crossing {
     when = enters / Max(a, W(1.0e-12f));
     const Vec3<W> hit = first + way * when;
     normal = hit * (W(1.0f) / Max(radius, W(1.0e-6f)));
-    ahead = Dot(normal, last);
   }
-  // Those whose point is not pushed back to where it came from by what is nearest at last.
-  PELT_INLINE typename W::Mask Past() const { return any & (ahead < radius * W(0.5f)); }
 };
 
 }  // namespace pelt

@@ -153,7 +153,7 @@ struct Surroundings {
   Vec3<W> root;                      // from where it is at the frame's end
   Vec3<W> surface;                   // normal of the plane through it
   Vec3<W> groom[N], groom_speed[N];  // the groom's points from the root; links/s from it
-  Vec3<W> start[N], start_root;      // points at its start, where there are colliders that move
+  Vec3<W> start[N], start_root;      // points at its start, where PlaceStart was asked for them
   float time;                        // its length, s
 
   PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
@@ -182,7 +182,6 @@ struct Surroundings {
           before > 0.0f ? NormalizeOr(end_surface - turn * W(before), end_surface) : end_surface;
     time = t.frame_s / float(t.substeps);
     if (max_distance > 0.0f) PlaceGroom(t, s, motion);
-    if (colliders.moves) PlaceStart(t, substep, motion);
   }
 
   PELT_INLINE bool HasColliders() const {
@@ -200,15 +199,10 @@ struct Surroundings {
         inside = inside | (Dot(off, off) > W(Limit(i) * Limit(i)));
       }
     const Vec3<W> zero = {W(0.0f), W(0.0f), W(0.0f)};
-    ForEachNow([&](const auto& shape, const ColliderStep& step) __attribute__((always_inline)) {
+    ForEachNow([&](const auto& shape, const ColliderStep&) __attribute__((always_inline)) {
       for (uint32_t i = 0; i < N; ++i) {
         const Vec3<W> from = i == 0 ? zero : at[i - 1];
         inside = inside | IsLinkInside(shape, from, at[i], W(1.0f));
-        if (step.moves != 0)
-          ForEachPast(
-              shape, step, i, from, at[i],
-              [&](const Crossing<W>&, Mask past, const Obstacle<W>&)
-                  __attribute__((always_inline)) { inside = inside | past; });
       }
     });
     return inside;
@@ -266,17 +260,6 @@ struct Surroundings {
         o.share = share;
         take(distance, o);
       }
-      if (step.moves != 0)
-        ForEachPast(
-            shape, step, i, from, at,
-            [&](const Crossing<W>& crossing, Mask past, Obstacle<W> wall)
-                __attribute__((always_inline)) {
-                  wall.round = never;
-                  wall.normal = crossing.normal;
-                  wall.reach = Dot(crossing.normal, wall.centre) + crossing.radius;
-                  const W depth = crossing.ahead - crossing.radius;
-                  take(Select(past, depth, one), wall);
-                });
     });
     if (max_distance > 0.0f) {
       const W limit = W(Limit(i));
@@ -297,25 +280,6 @@ struct Surroundings {
                                   now = collider.Before(step, before);
                                 visit(now.In(per_length, root), step);
                               });
-  }
-  // A ball may cross a strand within a substep: its link's end and middle. Calls
-  // visit(crossing, past, o) for both; o is the ball as it stands to that point.
-  template <class Shape, class Visit>
-  PELT_INLINE void ForEachPast(const Shape& shape, const ColliderStep& step, uint32_t i,
-                               Vec3<W> from, Vec3<W> at, const Visit& visit) const {
-    if constexpr (Shape::kIsRound)
-      for (const float share : {1.0f, 0.5f}) {
-        Obstacle<W> o;
-        o.share = W(share);
-        const Vec3<W> last = o.PointOf(from, at), first = StartOf(i, o);
-        o = Obstacle<W>::Of(shape, step, last, W(0.0f), per_step);
-        o.share = W(share);
-        const Vec3<W> way = o.drift * W(time);
-        const Vec3<W> seen_first = first - o.centre + way;
-        const Vec3<W> seen_last = last - o.centre;
-        const Crossing<W> crossing(seen_first, seen_last, shape.radius);
-        visit(crossing, crossing.Past(), o);
-      }
   }
   PELT_INLINE float Limit(uint32_t i) const { return max_distance * float(i + 1); }
 

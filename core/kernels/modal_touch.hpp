@@ -195,7 +195,7 @@ struct Touches {
     Vec3<W> force[N], n[N];
     const bool eases = around.HasColliders();
     const W most = around.per_length * W(kLeaving * around.time);
-    if (eases && !around.colliders.moves) around.PlaceStart(t, substep, motion);
+    if (eases) around.PlaceStart(t, substep, motion);
     Linearise<kBest>(t, m, square, matrix);
     PELT_UNROLL
     for (uint32_t q = 0; q < N; ++q) {
