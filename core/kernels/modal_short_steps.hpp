@@ -12,7 +12,7 @@
 namespace pelt::modal {
 
 // The longest short step, s.
-inline constexpr float kShortStep = 1.0f / 4000.0f;
+inline constexpr float kShortStep = 1.0f / 8000.0f;
 
 // A frame's table for short steps.
 class ShortSteps {

@@ -45,7 +45,8 @@ PELT_INLINE typename W::Mask IsFast(W radius, const ColliderStep& step, uint32_t
   return (radius > W(0.0f)) & (radius * W(kFastShare) < way);
 }
 
-// Lanes that such a one may strike in the frame: looked for at its ends and in its middle.
+// Lanes that such a one may strike in the frame: looked for at so many places of its way.
+inline constexpr int kLooksForWay = 9;
 template <class W, uint32_t N>
 __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& params,
                                                        const chain::Group<W, N>& g, W per_length,
@@ -64,8 +65,10 @@ __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& par
       const auto fast = IsFast(shape.radius, step, substeps);
       if (!Any(fast)) return;
       const W way = W(Colliders<W>::FarthestWay(step)) * per_length + root_way;
-      const W range = W(float(N)) + shape.radius * per_length + way * W(0.25f);
-      for (const float share : {0.0f, 0.5f, 1.0f}) {
+      const W range =
+          W(float(N)) + shape.radius * per_length + way * W(0.5f / float(kLooksForWay - 1));
+      for (int look = 0; look < kLooksForWay; ++look) {
+        const float share = float(look) / float(kLooksForWay - 1);
         const auto then = shape.Before(step, share).In(per_length, start * W(share));
         const Vec3<W> core = then.Core(zero);
         near = near | (fast & (Dot(core, core) < range * range));
