@@ -123,7 +123,8 @@ struct Strikes {
     NoTouches none;
     for (uint32_t step = 0; step < steps.count(); ++step) {
       const ModalTableBlock& t = steps.At(step);
-      if (use) struck = struck | Meet(t, frame.substeps, steps.Time(step), motion);
+      if (use && (around.HasColliders() || around.hardness > 0.0f))
+        struck = struck | Meet(t, frame.substeps, steps.Time(step), motion);
       Vec3<W> before[N];
       for (uint32_t i = 0; i < N; ++i) before[i] = Row(motion, &Axis<W, N>::d, i);
       const Mask good = RunSubstep<false>(t, 1, wind, none, motion);
@@ -293,7 +294,9 @@ struct Strikes {
         skin.bounce = W(around.plane_bounce);
         Take((end < none) & (end < height), skin, when, up, never, blow[q]);
       }
-    return Answer(t, way, blow, motion);
+    Mask met = never;
+    for (const Blow& b : blow) met = met | b.what.any;
+    return Any(met) ? Answer(t, way, blow, motion) : never;
   }
 
   PELT_INLINE Mask Answer(const ModalTableBlock& t, Way& way, const Blow (&blow)[N],
