@@ -282,7 +282,7 @@ struct Colliders {
     });
   }
 
-  // The same of one shape in any units, as seen from the root.
+  // As KeepRootsOut, one shape in any units as seen from the root.
   template <class Shape>
   static PELT_INLINE void LeaveRoot(Shape& shape) {
     constexpr float kShrink = 6.0f;  // of the radius, for the root's depth
