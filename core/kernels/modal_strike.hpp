@@ -117,7 +117,8 @@ struct Strikes {
   // turns at its end, rad/s.
   __attribute__((noinline)) Mask Step(const ModalTableBlock& frame, bool wind, Motion<W, N>& motion,
                                       W& fastest) {
-    Mask struck = W(1.0f) < W(0.0f);
+    const Mask all = W(0.0f) < W(1.0f);
+    Mask struck = !all;
     ShortSteps steps(frame);
     around.time = steps.step_s();
     NoTouches none;
@@ -130,7 +131,7 @@ struct Strikes {
       const Mask good = RunSubstep<false>(t, 1, wind, none, motion);
       if (!AllSet(good)) Hold(t, good, before, motion);
       MakeTangent(t, t.substep[1].root_speed, motion);
-      fastest = SlowDown(t, WeighRoots(t.substep[1].root_speed, motion), motion);
+      fastest = SlowDown(t, WeighRoots(t.substep[1].root_speed, motion), all, motion);
       steps.GoOn();
     }
     return struck;
@@ -337,7 +338,7 @@ struct Strikes {
       for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
     }
     AddImpulses(t, impulse, share, way.d, hold, any, motion);
-    SlowDown(t, way.root_v, motion);
+    SlowDown(t, way.root_v, any, motion);
     // Until then it went on as it was.
     const W late = W(way.from_s) + when * W(way.to_s - way.from_s);
     for (uint32_t i = 0; i < N; ++i) {
@@ -367,8 +368,9 @@ struct Strikes {
     }
   }
 
-  // Keeps links to what a step can turn them; returns how fast the fastest goes.
-  PELT_INLINE W SlowDown(const ModalTableBlock& t, Vec3<W> root, Motion<W, N>& motion) const {
+  // Keeps lanes' links to what a step can turn them; returns how fast the fastest goes.
+  PELT_INLINE W SlowDown(const ModalTableBlock& t, Vec3<W> root, Mask lanes,
+                         Motion<W, N>& motion) const {
     W fastest2 = W(0.0f);
     for (uint32_t i = 0; i < N; ++i) {
       Vec3<W> v = Speed(t, i, motion);
@@ -376,7 +378,7 @@ struct Strikes {
       fastest2 = Max(fastest2, Dot(v, v));
     }
     const float most = kMostShortTurn / around.time;
-    const Mask over = fastest2 > W(most * most);
+    const Mask over = lanes & (fastest2 > W(most * most));
     if (Any(over)) {
       const W less = W(most) * Rsqrt(Max(fastest2, W(1.0e-12f)));
       for (uint32_t k = 0; k < 3; ++k)
