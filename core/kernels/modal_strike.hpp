@@ -200,7 +200,7 @@ struct Strikes {
     auto last = step.moves ? shape.Before(step, way.end) : shape;
     first = first.In(around.per_length, way.root_first);
     last = last.In(around.per_length, way.root_last);
-    Mask fast = W(1.0f) < none;
+    Mask fast = W(1.0f) < none, near = !fast;
     if constexpr (Shape::kIsRound) {
       Colliders<W>::LeaveRoot(first);
       last.radius = first.radius;
@@ -208,7 +208,8 @@ struct Strikes {
       const Vec3<W> near_first = first.Core(zero), near_last = last.Core(zero);
       const Vec3<W> moved = near_last - near_first;
       const W range = W(float(N)) + first.radius + Sqrt(Dot(moved, moved));
-      if (!Any((Dot(near_first, near_first) < range * range) & (first.radius > none))) return;
+      near = (Dot(near_first, near_first) < range * range) & (first.radius > none);
+      if (!Any(near)) return;
       fast = IsFast(shape.radius, step, substeps);
     }
     for (uint32_t q = 0; q < N; ++q) {
@@ -243,7 +244,7 @@ struct Strikes {
       Obstacle<W> o = Obstacle<W>::Of(first, step, at, W(around.plane_bounce), around.per_step);
       o.drift = o.drift - way.root_v;
       o.share = share;
-      Take(met, o, when, normal, fast, blow[q]);
+      Take(met & near, o, when, normal, fast, blow[q]);
     }
   }
   // Of several the first.
