@@ -144,6 +144,8 @@ template <uint32_t N>
 inline constexpr auto kBlockMembers<PointBlock<N>> = std::tuple{
     PELT_MEMBER(PointBlock<N>, position)};
 template <>
+inline constexpr auto kBlockMembers<LoadBlock> = std::tuple{PELT_MEMBER(LoadBlock, link).ByLane()};
+template <>
 inline constexpr auto kBlockMembers<CurveBlock> = std::tuple{PELT_MEMBER(CurveBlock, record)};
 template <>
 inline constexpr auto kBlockMembers<RibbonBlock> = std::tuple{PELT_MEMBER(RibbonBlock, record)};

@@ -391,6 +391,10 @@ PELT_BLOCK PointBlock {
   float position[kPoints - 1][3][kStrandsPerChunk];
 };
 
+// What bends the chain at a mesh vertex, as records: of each link the load on it and the multiplier
+// of its length, times the link's length; m/s^2 (kernels/modal_load.hpp).
+PELT_BLOCK LoadBlock { float link[kVerticesPerChunk][3][4]; };
+
 // One strand, ready to draw, in one 64-byte DMA element: P(t) = c0 + t (c1 + t (c2 + t c3)), t in
 // [0, 1].
 struct alignas(16) CurveRecord {

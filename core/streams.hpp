@@ -140,6 +140,9 @@ struct Streams {
   StreamRow<LongModalTableBlock> long_modal_tables{"long_modal_tables", kLayer, kInput, kAll, kOf9};
   StreamRow<ModalStateBlock<9>> strand_modal9{"strand_modal9", kChunk, kValue,
                                               kLiveStrands,    kOf9,   kState};
+  // Of strands that follow modal chains: what bends those.
+  StreamRow<LoadBlock> vertex_loads{
+      "vertex_loads", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, kShells}};
 };
 
 }  // namespace streams_detail

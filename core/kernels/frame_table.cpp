@@ -6,12 +6,14 @@
 #include "core/kernels/activate.hpp"
 #include "core/kernels/anchors.hpp"
 #include "core/kernels/bound_layer.hpp"
+#include "core/kernels/chain_loads.hpp"
 #include "core/kernels/collect_changes.hpp"
 #include "core/kernels/fit_cubic.hpp"
 #include "core/kernels/fit_ribbon.hpp"
 #include "core/kernels/frame_gates.hpp"
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/interpolate.hpp"
+#include "core/kernels/interpolate_modal.hpp"
 #include "core/kernels/joint_palette.hpp"
 #include "core/kernels/joint_rates.hpp"
 #include "core/kernels/light_layer.hpp"
@@ -55,6 +57,7 @@ constexpr KindMask kBare{0, kLayerRates | kLayerSagFree}, kUnrated{0, kLayerRate
 constexpr KindMask kTogether{0, kLayerApart}, kModalChains{kLayerModal, 0},
     kModalStrands{kLayerModal, kLayerVertexChains};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
+constexpr KindMask kUnloaded{0, kLayerModal};  // displacements are blended
 constexpr KindMask kUnpainted{0, kLayerPainted};
 constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
 
@@ -123,7 +126,9 @@ constexpr FrameRow kRows[] = {
     Row<SimulateModalRatedHeld<V, 4, false>>(kChunk, kSimulated),
     Row<SimulateModalRatedHeld<V, 5, false>>(kChunk, kSimulated),
     Row<SimulateModalRatedHeld<V, 9, false>>(kChunk, kSimulated),
-    Row<Interpolate<V>>(kChunk, kFitted),
+    Row<ChainLoads<V>>(kChunk, kSimulated),
+    Row<Interpolate<V>>(kChunk, kFitted, kUnloaded),
+    Row<InterpolateModal<V>>(kChunk, kFitted),
     Row<FitCubic<V, 4>>(kChunk, kFitted),
     Row<FitCubic<V, 5>>(kChunk, kFitted),
     Row<FitCubic<V, 9>>(kChunk, kFitted),

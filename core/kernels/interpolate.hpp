@@ -7,16 +7,14 @@
 //
 //   strand point i = root + R_s rest_i + L_s * sum over k of bary_k * (c_ki - r_ki) / L_k
 //
-// With the modal solver L_k and L_s are left out: all strands of a coat have the same frequencies, so
-// what pushes them moves them equally far, whatever their length. (`monster`, no contact, against a
-// chain for each strand: 26 instead of 30 % of the secondary motion wrong; head 24 for 31, brows 13
-// for 17.) Turning each link as the chains' links are turned, to their angle, was 27 %.
+// Strands of modal layers bend under their chains' loads instead (interpolate_modal.hpp), which is
+// half as wrong.
 //
 // Then clumping pulls it towards its control strand of this frame, and last each segment is set to
 // its length, root to tip: blending directions shortens, and the groom promised a length.
 //
-// The displacements are kept as 16-byte records, one for each vertex and point, on the stack: each
-// vertex is used by several strands, and records gather well (core/simd/records.hpp).
+// The displacements are kept as 16-byte records, one for each vertex and point, on the stack
+// (vertex_records.hpp).
 //
 // Invariant: control strands are the first lanes; they are written first and never clump, so a
 // follower reads points of this frame whatever the lane count. Where chains lie on their groom and
@@ -27,6 +25,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
+#include "core/kernels/vertex_records.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -66,7 +65,7 @@ struct Interpolate {
  private:
   using Controls = chain::ControlRecords<V, kFree>;
   struct Displacements {
-    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain; modal: m
+    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain
   };
 
   PELT_INLINE static void LoadOnGroom(const Ports& ports, const RestBlock<4>& rest,
@@ -75,40 +74,17 @@ struct Interpolate {
     chain::LoadGroom<V, 4>(rest, roots, 0.0f, ports.layer->scale, lane, g);
   }
 
-  PELT_INLINE static bool IsModal(const Ports& ports) {
-    return (ports.layer->flags & kLayerModal) != 0;
-  }
-
   PELT_INLINE static void FillDisplacements(const Ports& ports, Displacements& out) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
       chain::Group<V, kFree> g;
       LoadOnGroom(ports, *ports.chain_rest, *ports.anchors, lane, g);
-      const V scale = IsModal(ports) ? V(1.0f) : V(1.0f) / g.length;
+      const V scale = V(1.0f) / g.length;
       for (uint32_t i = 0; i < kFree; ++i) {
         const Vec3<V> at = Load3<V>(ports.chains->position[i], lane) - g.root;
         const Vec3<V> d = (at - g.rest[i]) * scale;
         ScatterRecords<V>([&](int l) { return out.record[lane + uint32_t(l)][i]; }, d.x, d.y, d.z,
                           V(0.0f));
-      }
-    }
-  }
-
-  // Blends of the three vertices' records of each point, for lanes kFirst, kFirst + 4, ... A vertex's
-  // records lie side by side: where they are is worked out once.
-  template <int kFirst>
-  PELT_INLINE static void Blend(const Displacements& displacements, const StrandBlock& strands,
-                                const V (&bary)[3], uint32_t lane, V (&sum)[kFree]) {
-    PELT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-      const uint8_t* vertex = strands.vertex[k] + lane;
-      const V share = SplatInFours<kFirst>(bary[k]);
-      PELT_UNROLL
-      for (uint32_t i = 0; i < kFree; ++i) {
-        const V record = LoadRecords<V, kFirst>(
-            [&](int l) { return displacements.record[vertex[l] % kVerticesPerChunk][i]; });
-        const V term = record * share;
-        sum[i] = k == 0 ? term : sum[i] + term;
       }
     }
   }
@@ -129,17 +105,11 @@ struct Interpolate {
     chain::Group<V, kFree> g;
     LoadOnGroom(ports, *ports.strand_rest, *ports.roots, lane, g);
     V bary[3];
-    const V length = IsModal(ports) ? V(1.0f) : g.length;
-    for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * length;
-    V x[kFree], y[kFree], z[kFree], w[kFree];
-    Blend<0>(displacements, strands, bary, lane, x);
-    Blend<1>(displacements, strands, bary, lane, y);
-    Blend<2>(displacements, strands, bary, lane, z);
-    Blend<3>(displacements, strands, bary, lane, w);
+    for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * g.length;
+    const BlendedRecords<V, kFree> blend(displacements.record, strands, bary, lane);
     PELT_UNROLL
     for (uint32_t i = 0; i < kFree; ++i) {
-      TransposeFours(x[i], y[i], z[i], w[i]);
-      const Vec3<V> off = {x[i], y[i], z[i]};
+      const Vec3<V> off = blend.Row(i);
       Store3(ports.points->position[i], lane, g.rest[i] + off);
     }
   }

@@ -70,8 +70,7 @@ std::vector<D3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* co
   for (int k = 0; k < 3; ++k) {
     const uint32_t vertex = strands.vertex[k][lane];
     const auto groom = GroomOf(s.chains.rest, s.chains.roots, vertex);
-    const bool modal = s.chains.layer.flags & kLayerModal;
-    const double scale = modal ? 1.0 : length / s.chains.rest.segment_length[vertex];
+    const double scale = length / s.chains.rest.segment_length[vertex];
     for (int i = 0; i < 3; ++i)
       p[i] = p[i] + (At(s.chains.position.position[i], vertex) - groom[i]) *
                         (strands.bary[k][lane] * scale);
@@ -94,7 +93,6 @@ TEST(Interpolate, MatchesDoubleReference) {
     auto s = MakeScene(seed, 0.4f);
     const bool clump = seed % 2;
     if (clump) s->chains.layer.flags |= kLayerClump;
-    if (seed % 3 == 0) s->chains.layer.flags |= kLayerModal;
     RunInterpolate<Interpolate<V>>(*s, *out);
     for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
       const auto reference = Reference(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
@@ -145,7 +143,6 @@ TEST(Interpolate, SameBitsOnEveryVector) {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     auto s = MakeScene(seed, 0.5f);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
-    if (seed % 3 == 0) s->chains.layer.flags |= kLayerModal;
     RunInterpolate<Interpolate<V>>(*s, *wanted);
     ForEveryVector([&]<class W>(const char* name) {
       RunInterpolate<Interpolate<W>>(*s, *got);

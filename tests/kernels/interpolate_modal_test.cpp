@@ -1,0 +1,318 @@
+#include "core/kernels/interpolate_modal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "core/kernels/chain_loads.hpp"
+#include "core/modal/modal_table.hpp"
+#include "tests/kernels/chain_scene.hpp"
+
+namespace pelt::test {
+namespace {
+
+using V = Vec<IsaSse4>;
+
+constexpr uint32_t kVertices = kVerticesPerChunk * 3 / 4;
+constexpr int N = 3;
+
+struct Scene {
+  ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
+  ModalTableBlock table;
+  ModalStateBlock<4> modal;
+  LoadBlock loads;
+};
+
+// Vectors of a chain's links.
+struct Links {
+  D3 v[N];
+};
+
+Links RestOf(const ChainScene<4>& s, uint32_t lane) {
+  const auto groom = GroomOf(s.rest, s.roots, lane);
+  const double per_length = 1.0 / s.rest.segment_length[lane];
+  Links rest;
+  for (int i = 0; i < N; ++i)
+    rest.v[i] = (groom[size_t(i)] - (i == 0 ? At(s.roots.position, lane) : groom[size_t(i - 1)])) *
+                per_length;
+  return rest;
+}
+
+void SetChain(Scene& s, uint32_t lane, const Links& d, const double (&lambda)[N]) {
+  for (int i = 0; i < N; ++i) {
+    s.modal.direction[i][0][lane] = float(d.v[i].x);
+    s.modal.direction[i][1][lane] = float(d.v[i].y);
+    s.modal.direction[i][2][lane] = float(d.v[i].z);
+    s.modal.multiplier[i][lane] = float(lambda[i]);
+  }
+}
+
+void SetFrequency(Scene& s, double hz) {
+  constexpr double kFrame_s = 1.0 / 60.0;
+  FillModalTable(MakeModalLayer(CalibratedMaterial(N, hz, 0.05, 1.0)), ModalQuality::kDefault,
+                 {{kFrame_s, kFrame_s, kFrame_s}}, &s.table);
+}
+
+// Chains whose links lie up to `swing` off the groom, with multipliers up to `tension`.
+std::unique_ptr<Scene> MakeScene(uint32_t seed, double swing, double tension) {
+  auto s = std::make_unique<Scene>();
+  std::memset(static_cast<void*>(&s->modal), 0xff, sizeof s->modal);
+  MakeOrderly(s->chains, seed);
+  std::mt19937 random(seed);
+  MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
+  s->chains.layer.flags |= kLayerModal;
+  s->chains.layer.surface_hardness = 0.0f;
+  s->chains.layer.clump = 0.7f;
+  s->chains.state = s->strands.state;
+  s->chains.state.live_vertices = kVertices;
+  SetFrequency(*s, double(Uniform(random, 1.0f, 5.0f)));
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    Links d = RestOf(s->chains, lane);
+    double lambda[N];
+    for (int i = 0; i < N; ++i) {
+      const auto off = [&] { return Uniform(random, float(-swing), float(swing)); };
+      d.v[i] = d.v[i] + D3{off(), off(), off()};
+      d.v[i] = d.v[i] * (1.0 / Length(d.v[i]));
+      lambda[i] = Uniform(random, float(-tension), float(tension));
+    }
+    SetChain(*s, lane, d, lambda);
+  }
+  StrandBlock& strands = s->strands.strands;
+  strands.vertex_count = kVertices;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    s->strands.rest.strength[lane] = lane % 5 == 0 ? Uniform(random, 0.0f, 1.0f) : 1.0f;
+    float a = Uniform(random, 0.0f, 1.0f), b = Uniform(random, 0.0f, 1.0f);
+    if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
+    const float bary[3] = {a, b, 1.0f - a - b};
+    for (int k = 0; k < 3; ++k) {
+      strands.bary[k][lane] = bary[k];
+      strands.vertex[k][lane] = uint8_t(random() % kVertices);
+    }
+  }
+  return s;
+}
+
+template <class W>
+void RunKernels(Scene& s, PointBlock<4>& out) {
+  std::memset(static_cast<void*>(&out), 0xff, sizeof out);
+  std::memset(static_cast<void*>(&s.loads), 0xff, sizeof s.loads);
+  RunKernel<ChainLoads<W>>({{&s.chains.layer, nullptr, 1},
+                            {&s.table, nullptr, 1},
+                            {&s.chains.state, nullptr, 1},
+                            {&s.chains.rest, nullptr, 1},
+                            {&s.chains.roots, nullptr, 1},
+                            {&s.modal, nullptr, 1},
+                            {&s.loads, nullptr, 1}});
+  RunKernel<InterpolateModal<W>>(s.strands.params, {{&s.chains.layer, nullptr, 1},
+                                                    {&s.table, nullptr, 1},
+                                                    {&s.chains.state, nullptr, 1},
+                                                    {&s.strands.strands, nullptr, 1},
+                                                    {&s.strands.rest, nullptr, 1},
+                                                    {&s.strands.roots, nullptr, 1},
+                                                    {&s.loads, nullptr, 1},
+                                                    {&out, nullptr, 1}});
+}
+
+// ---- A reference: whole matrices, and elimination without an order to think about --------------
+
+Links Times(const ModalTableBlock& t, const Links& u) {
+  Links out{};
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) out.v[i] = out.v[i] + u.v[j] * double(t.stiffness[i][j]);
+  return out;
+}
+
+Links Solve(double (&a)[N][N], Links b) {
+  for (int i = 0; i < N; ++i)
+    for (int r = 0; r < N; ++r) {
+      if (r == i) continue;
+      const double factor = a[r][i] / a[i][i];
+      for (int c = 0; c < N; ++c) a[r][c] -= factor * a[i][c];
+      b.v[r] = b.v[r] - b.v[i] * factor;
+    }
+  for (int i = 0; i < N; ++i) b.v[i] = b.v[i] * (1.0 / a[i][i]);
+  return b;
+}
+
+double StretchOf(const Scene& s, int link, D3 rest, double length) {
+  if ((s.chains.layer.flags & kLayerSagFree) == 0) return 0.0;
+  const float* g = s.chains.layer.gravity;
+  const double along = rest.x * double(g[0]) + rest.y * double(g[1]) + rest.z * double(g[2]);
+  return std::max(along, 0.0) / length * double(s.table.mass[link][0]);
+}
+
+// Directions under the blended loads of the chains' vertices.
+Links Bent(const Scene& s, uint32_t lane) {
+  const StrandBlock& strands = s.strands.strands;
+  const double length = s.strands.rest.segment_length[lane];
+  const Links rest = RestOf(s.strands, lane);
+  Links push{};
+  double a[N][N];
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) a[i][j] = double(s.table.stiffness[i][j]);
+    a[i][i] += StretchOf(s, i, rest.v[i], length);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t vertex = strands.vertex[k][lane];
+    const double chain_length = s.chains.rest.segment_length[vertex];
+    const double share = double(strands.bary[k][lane]) * chain_length / length;
+    const Links chain_rest = RestOf(s.chains, vertex);
+    Links d, u;
+    for (int i = 0; i < N; ++i) {
+      d.v[i] = At(s.modal.direction[i], vertex);
+      u.v[i] = d.v[i] - chain_rest.v[i];
+    }
+    const Links force = Times(s.table, u);
+    for (int i = 0; i < N; ++i) {
+      const double stretch = StretchOf(s, i, chain_rest.v[i], chain_length);
+      const double l = double(s.modal.multiplier[i][vertex]) + stretch;
+      const D3 load = force.v[i] + u.v[i] * stretch - d.v[i] * l;
+      push.v[i] = push.v[i] + (load + rest.v[i] * l) * share;
+      a[i][i] -= l * share;
+    }
+  }
+  Links d = Solve(a, push);
+  const double strength = double(s.strands.rest.strength[lane]);
+  for (int i = 0; i < N; ++i) {
+    const D3 to = d.v[i] + rest.v[i];
+    d.v[i] = rest.v[i] + (to * (1.0 / Length(to)) - rest.v[i]) * strength;
+    d.v[i] = d.v[i] * (1.0 / Length(d.v[i]));
+  }
+  return d;
+}
+
+std::vector<D3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
+  const D3 root = At(s.strands.roots.position, lane);
+  const double length = s.strands.rest.segment_length[lane];
+  const Links d = Bent(s, lane);
+  D3 free = root, at = root;
+  std::vector<D3> out;
+  for (int i = 0; i < N; ++i) {
+    free = free + d.v[i] * length;
+    D3 to = free;
+    if (controls) {
+      const double share = double(s.chains.layer.clump) * (i + 1) / N;
+      to = to + (At(controls->position[i], s.strands.strands.control[lane]) - to) * share;
+    }
+    at = at + (to - at) * (length / Length(to - at));
+    out.push_back(at);
+  }
+  return out;
+}
+
+TEST(InterpolateModal, MatchesDoubleReference) {
+  auto out = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    auto s = MakeScene(seed, 0.4, 1.0);
+    const bool clump = seed % 2;
+    if (clump) s->chains.layer.flags |= kLayerClump;
+    if (seed % 3 == 0) s->chains.layer.flags |= kLayerSagFree;
+    RunKernels<V>(*s, *out);
+    for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
+      const auto reference = Reference(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
+      for (int i = 0; i < N; ++i)
+        EXPECT_LT(Length(At(out->position[i], lane) - reference[size_t(i)]),
+                  2e-4 * double(s->strands.rest.segment_length[lane]) + 5e-7)
+            << "seed " << seed << " lane " << lane << " point " << i + 1;
+    }
+  }
+}
+
+void ExpectOnGroom(const Scene& s, const PointBlock<4>& out) {
+  for (uint32_t lane = 0; lane < s.strands.state.live_strands; ++lane) {
+    const auto groom = GroomOf(s.strands.rest, s.strands.roots, lane);
+    for (int i = 0; i < N; ++i)
+      EXPECT_LT(Length(At(out.position[i], lane) - groom[size_t(i)]), 2e-6) << lane;
+  }
+}
+
+// Sag-free chains too, that start or have come to rest.
+TEST(InterpolateModal, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
+  auto out = std::make_unique<PointBlock<4>>();
+  auto s = MakeScene(5, 0.0, 0.0);
+  RunKernels<V>(*s, *out);
+  ExpectOnGroom(*s, *out);
+  s->chains.layer.flags |= kLayerSagFree;
+  RunKernels<V>(*s, *out);
+  ExpectOnGroom(*s, *out);
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const Links rest = RestOf(s->chains, lane);
+    double lambda[N];
+    for (int i = 0; i < N; ++i)
+      lambda[i] = -StretchOf(*s, i, rest.v[i], s->chains.rest.segment_length[lane]);
+    SetChain(*s, lane, rest, lambda);
+  }
+  RunKernels<V>(*s, *out);
+  ExpectOnGroom(*s, *out);
+}
+
+// Pressed down hard, chains that are out of the skin leave no strand in it.
+TEST(InterpolateModal, StrandsStayOutOfTheSkin) {
+  auto out = std::make_unique<PointBlock<4>>();
+  const auto deepest = [&](Scene& s) {
+    RunKernels<V>(s, *out);
+    double depth = 0.0;
+    for (uint32_t lane = 0; lane < s.strands.state.live_strands; ++lane) {
+      const D3 root = At(s.strands.roots.position, lane), n = At(s.strands.roots.normal, lane);
+      for (int i = 0; i < N; ++i) {
+        const D3 off = At(out->position[i], lane) - root;
+        depth = std::max(depth, -(off.x * n.x + off.y * n.y + off.z * n.z));
+      }
+    }
+    return depth;
+  };
+  auto s = MakeScene(3, 1.5, 0.0);
+  s->chains.state.flags = 0;
+  const double length = 0.01;  // of a link, about
+  EXPECT_GT(deepest(*s), 0.5 * length);
+  s->chains.layer.surface_hardness = 1.0f;
+  EXPECT_LT(deepest(*s), 1e-4 * length);
+  s->chains.layer.flags |= kLayerClump;
+  EXPECT_LT(deepest(*s), 1e-4 * length);
+}
+
+TEST(InterpolateModal, LinksKeepTheirLengthUnderAnyMultiplier) {
+  auto out = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    auto s = MakeScene(seed, 1.5, std::pow(10.0, double(seed)));
+    if (seed % 2) s->chains.layer.flags |= kLayerClump;
+    if (seed % 4 == 0) std::memset(s->table.stiffness, 0, sizeof s->table.stiffness);
+    RunKernels<V>(*s, *out);
+    s->strands.position = *out;
+    EXPECT_LT(StretchOf(s->strands).first, 1e-4) << seed;
+  }
+}
+
+TEST(InterpolateModal, DegenerateStrandsStayFinite) {
+  auto s = MakeScene(9, 0.5, 100.0);
+  std::memset(static_cast<void*>(&s->strands.rest), 0, sizeof s->strands.rest);
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    s->chains.rest.segment_length[lane] = 0.0f;
+  auto out = std::make_unique<PointBlock<4>>();
+  RunKernels<V>(*s, *out);
+  for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
+    for (int i = 0; i < N; ++i)
+      EXPECT_TRUE(std::isfinite(Length(At(out->position[i], lane)))) << lane;
+}
+
+TEST(InterpolateModal, SameBitsOnEveryVector) {
+  auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
+  auto loads = std::make_unique<LoadBlock>();
+  for (uint32_t seed = 1; seed <= 6; ++seed) {
+    auto s = MakeScene(seed, 0.5, 100.0);
+    if (seed % 2) s->chains.layer.flags |= kLayerClump;
+    if (seed % 3 == 0) s->chains.layer.flags |= kLayerSagFree;
+    s->chains.layer.surface_hardness = seed % 2 ? 0.5f : 0.0f;
+    RunKernels<V>(*s, *wanted);
+    *loads = s->loads;
+    ForEveryVector([&]<class W>(const char* name) {
+      RunKernels<W>(*s, *got);
+      EXPECT_EQ(std::memcmp(loads.get(), &s->loads, sizeof *loads), 0) << name << " " << seed;
+      EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
+    });
+  }
+}
+
+}  // namespace
+}  // namespace pelt::test
