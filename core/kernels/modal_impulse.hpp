@@ -12,7 +12,7 @@ struct ImpulseMetric {
   float response[N][N];
   NewtonMatrix<W, N> lengths;
 
-  PELT_INLINE ImpulseMetric(const ModalTableBlock& t, const Vec3<W> (&d)[N]) {
+  PELT_INLINE ImpulseMetric(const ModalTable<N>& t, const Vec3<W> (&d)[N]) {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       PELT_UNROLL
@@ -31,7 +31,7 @@ struct ImpulseMetric {
 // Gives lanes the impulses; `share`: where on its link a point is, `hold`: multipliers that keep the
 // lengths of links that point along `d`.
 template <class W, uint32_t N>
-PELT_INLINE void AddImpulses(const ModalTableBlock& t, const Vec3<W> (&impulse)[N],
+PELT_INLINE void AddImpulses(const ModalTable<N>& t, const Vec3<W> (&impulse)[N],
                              const W (&share)[N], const Vec3<W> (&d)[N], const W (&hold)[N],
                              typename W::Mask lanes, Motion<W, N>& motion) {
   for (uint32_t k = 0; k < 3; ++k) {

@@ -14,10 +14,11 @@ namespace pelt::modal {
 // The longest short step, s.
 inline constexpr float kShortStep = 1.0f / 8000.0f;
 
-// A frame's table for short steps.
+// The table of a frame, of chains of N links, for short steps.
+template <uint32_t N>
 class ShortSteps {
  public:
-  explicit ShortSteps(const ModalTableBlock& frame) : table_(frame) {
+  explicit ShortSteps(const ModalTable<N>& frame) : table_(frame) {
     count_ = uint32_t(frame.frame_s * (1.0f / kShortStep)) + 1;
     table_.substeps = 2;  // the one before and the present one
     table_.looks = 2;
@@ -37,11 +38,11 @@ class ShortSteps {
     Place(0, -1.0f);
   }
   // For the step with that number.
-  PELT_INLINE const ModalTableBlock& At(uint32_t step) {
+  PELT_INLINE const ModalTable<N>& At(uint32_t step) {
     const float last = step + 1 < count_ ? Time(step + 1) : 0.0f;
     Place(1, last);
     const float middle = 0.5f * (Time(step) + last);
-    ModalSubstep& s = table_.substep[1];
+    ModalSubstep<N>& s = table_.substep[1];
     for (uint32_t k = 0; k + 1 < kModalSamples; ++k) {
       // T and what damping makes of its change.
       const float pull = WeightAt(k, middle) + lag_ * ChangeAt(k, middle);
@@ -65,7 +66,7 @@ class ShortSteps {
 
  private:
   void FillMode(uint32_t m, float drag) {
-    ModalTableBlock& t = table_;
+    ModalTable<N>& t = table_;
     float square = 0.0f;  // omega^2
     for (uint32_t i = 0; i < t.links; ++i) square += t.bend[m][i] * t.shape[i][m];
     const float step = step_s(), half = 0.5f * step;
@@ -93,7 +94,7 @@ class ShortSteps {
     return (end + 2.0f * curve * time) * table_.euler_speed;
   }
   void Place(uint32_t substep, float time) {
-    ModalSubstep& s = table_.substep[substep];
+    ModalSubstep<N>& s = table_.substep[substep];
     for (uint32_t k = 0; k + 1 < kModalSamples; ++k) {
       if (substep == 1) s.start_place[k] = table_.substep[0].root_place[k];
       s.root_place[k] = WeightAt(k, time);
@@ -101,7 +102,7 @@ class ShortSteps {
     }
   }
 
-  ModalTableBlock table_;
+  ModalTable<N> table_;
   uint32_t count_;
   float lag_;
 };

@@ -80,8 +80,8 @@ __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& par
 
 // quiet_s of lanes that took short steps, after `before`; `now`: that something fast struck in this
 // frame, `fastest`: how fast a link turns at its end, rad/s.
-template <class W>
-PELT_INLINE W ClockOfStruck(const ModalTableBlock& t, W before, typename W::Mask now, W fastest) {
+template <class W, class Table>
+PELT_INLINE W ClockOfStruck(const Table& t, W before, typename W::Mask now, W fastest) {
   const auto whips = fastest * W(t.frame_s / float(t.substeps)) > W(kFollowedTurn);
   const W later = Min(before + W(t.frame_s), W(0.0f));
   return Select(now | whips, W(-kFollowedFor), later);
@@ -89,8 +89,8 @@ PELT_INLINE W ClockOfStruck(const ModalTableBlock& t, W before, typename W::Mask
 
 // Touches of steps whose contacts are blows.
 struct NoTouches {
-  template <bool kBest, class Motion>
-  PELT_INLINE bool Resolve(const ModalTableBlock&, uint32_t, Motion&) {
+  template <bool kBest, class Table, class Motion>
+  PELT_INLINE bool Resolve(const Table&, uint32_t, Motion&) {
     return false;
   }
 };
@@ -103,7 +103,7 @@ struct Strikes {
   Surroundings<W, N> around;
   W slow;  // links/s, below which nothing bounces
 
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const chain::Group<W, N>& g) {
     use = true;
@@ -115,15 +115,15 @@ struct Strikes {
 
   // Steps the frame. Returns the lanes that something fast strikes; `fastest`: how fast a link
   // turns at its end, rad/s.
-  __attribute__((noinline)) Mask Step(const ModalTableBlock& frame, bool wind, Motion<W, N>& motion,
+  __attribute__((noinline)) Mask Step(const ModalTable<N>& frame, bool wind, Motion<W, N>& motion,
                                       W& fastest) {
     const Mask all = W(0.0f) < W(1.0f);
     Mask struck = !all;
-    ShortSteps steps(frame);
+    ShortSteps<N> steps(frame);
     around.time = steps.step_s();
     NoTouches none;
     for (uint32_t step = 0; step < steps.count(); ++step) {
-      const ModalTableBlock& t = steps.At(step);
+      const ModalTable<N>& t = steps.At(step);
       if (use && (around.HasColliders() || around.hardness > 0.0f))
         struck = struck | Meet(t, frame.substeps, steps.Time(step), motion);
       Vec3<W> before[N];
@@ -170,8 +170,7 @@ struct Strikes {
     }
   };
 
-  static PELT_INLINE Vec3<W> Speed(const ModalTableBlock& t, uint32_t i,
-                                   const Motion<W, N>& motion) {
+  static PELT_INLINE Vec3<W> Speed(const ModalTable<N>& t, uint32_t i, const Motion<W, N>& motion) {
     return {Weigh<W, N>(t.shape[i], motion.axis[0].z), Weigh<W, N>(t.shape[i], motion.axis[1].z),
             Weigh<W, N>(t.shape[i], motion.axis[2].z)};
   }
@@ -181,7 +180,7 @@ struct Strikes {
             WeighRoot(weights, motion.axis[2].root)};
   }
 
-  PELT_INLINE void FindWay(const ModalTableBlock& t, const Motion<W, N>& motion, Way& way) const {
+  PELT_INLINE void FindWay(const ModalTable<N>& t, const Motion<W, N>& motion, Way& way) const {
     way.root_start = WeighRoots(t.substep[0].root_place, motion);
     const Vec3<W> root_end = WeighRoots(t.substep[1].root_place, motion);
     way.root_v = (root_end - way.root_start) * W(1.0f / around.time);
@@ -258,7 +257,7 @@ struct Strikes {
   }
 
   // Blows of a step. Returns the lanes that something fast struck.
-  __attribute__((noinline)) Mask Meet(const ModalTableBlock& t, uint32_t substeps, float time,
+  __attribute__((noinline)) Mask Meet(const ModalTable<N>& t, uint32_t substeps, float time,
                                       Motion<W, N>& motion) const {
     Mask struck = W(1.0f) < W(0.0f);
     Way way;
@@ -271,7 +270,7 @@ struct Strikes {
     return struck;
   }
 
-  PELT_INLINE Mask MeetInPart(const ModalTableBlock& t, uint32_t substeps, Way& way,
+  PELT_INLINE Mask MeetInPart(const ModalTable<N>& t, uint32_t substeps, Way& way,
                               Motion<W, N>& motion) const {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none;
@@ -301,7 +300,7 @@ struct Strikes {
     return Any(met) ? Answer(t, way, blow, motion) : never;
   }
 
-  PELT_INLINE Mask Answer(const ModalTableBlock& t, Way& way, const Blow (&blow)[N],
+  PELT_INLINE Mask Answer(const ModalTable<N>& t, Way& way, const Blow (&blow)[N],
                           Motion<W, N>& motion) const {
     const W none = W(0.0f), one = W(1.0f);
     W wanted[N], share[N], least[N], push[N], hold[N], when = one;
@@ -354,7 +353,7 @@ struct Strikes {
   }
 
   // Lanes whose step failed stand still for it.
-  static PELT_INLINE void Hold(const ModalTableBlock& t, Mask good, const Vec3<W> (&before)[N],
+  static PELT_INLINE void Hold(const ModalTable<N>& t, Mask good, const Vec3<W> (&before)[N],
                                Motion<W, N>& motion) {
     const Vec3<W> root = WeighRoots(t.substep[1].root_speed, motion);
     for (uint32_t i = 0; i < N; ++i) {
@@ -370,7 +369,7 @@ struct Strikes {
   }
 
   // Keeps lanes' links to what a step can turn them; returns how fast the fastest goes.
-  PELT_INLINE W SlowDown(const ModalTableBlock& t, Vec3<W> root, Mask lanes,
+  PELT_INLINE W SlowDown(const ModalTable<N>& t, Vec3<W> root, Mask lanes,
                          Motion<W, N>& motion) const {
     W fastest2 = W(0.0f);
     for (uint32_t i = 0; i < N; ++i) {

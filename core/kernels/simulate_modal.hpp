@@ -200,7 +200,7 @@ struct SimulateModal {
                                                    const At& at, Mask fresh, V per_length,
                                                    const Group& g, const Motion& start, V& clock,
                                                    Motion& motion) {
-    const ModalTableBlock& t = *ports.table;
+    const ModalTable<N>& t = *ports.table;
     const V none = V(0.0f), before = LoadLanes<V>(ports.chain->quiet_s, at);
     Strikes strikes;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, strikes);
