@@ -8,7 +8,7 @@
 //   strand point i = root + R_s rest_i + L_s * sum over k of bary_k * (c_ki - r_ki) / L_k
 //
 // Strands of modal layers bend under their chains' loads instead (interpolate_modal.hpp), which is
-// half as wrong.
+// a third less wrong in `monster`, two thirds in `tiny`.
 //
 // Then clumping pulls it towards its control strand of this frame, and last each segment is set to
 // its length, root to tip: blending directions shortens, and the groom promised a length.

@@ -11,15 +11,17 @@
 
 namespace pelt::modal {
 
-// The longest short step, s.
-inline constexpr float kShortStep = 1.0f / 8000.0f;
+// The longest short step, s, and that of the best quality: what slides along a whipping link is
+// followed by the second alone, at four times the price.
+inline constexpr float kShortStep = 1.0f / 2000.0f, kShortStepOfBest = 1.0f / 8000.0f;
 
 // The table of a frame, of chains of N links, for short steps.
 template <uint32_t N>
 class ShortSteps {
  public:
   explicit ShortSteps(const ModalTable<N>& frame) : table_(frame) {
-    count_ = uint32_t(frame.frame_s * (1.0f / kShortStep)) + 1;
+    const float longest = frame.use_slope != 0 ? kShortStepOfBest : kShortStep;
+    count_ = uint32_t(frame.frame_s * (1.0f / longest)) + 1;
     table_.substeps = 2;  // the one before and the present one
     table_.looks = 2;
     table_.look_share = 1.0f;

@@ -113,7 +113,7 @@ struct alignas(kBlockAlignment) ModalStateBlock {
   float root_turn[3][kModalRow];
   float wind[3][kModalRow];    // last frame's acceleration, m/s^2
   float normal[3][kModalRow];  // last frame's, of the skin at the root
-  float quiet_s[kModalRow];    // since it last moved
+  float quiet_s[kModalRow];    // since it last moved; below 0: struck (modal_strike.hpp)
   float pad[16];               // to a whole block alignment
 };
 static_assert(sizeof(ModalStateBlock<4>) == 61 * 4 * kModalRow + 64);
