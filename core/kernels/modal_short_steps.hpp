@@ -15,8 +15,9 @@ namespace pelt::modal {
 // followed by the second alone, at four times the price.
 inline constexpr float kShortStep = 1.0f / 2000.0f, kShortStepOfBest = 1.0f / 8000.0f;
 
-// The table of a frame, of chains of N links, for short steps.
-template <uint32_t N>
+// The table of a frame, of chains of N links, for short steps. By the vector type, as the machine code of no
+// instruction set may stand for another's (tests/porting/isa_leak_test.sh).
+template <class W, uint32_t N>
 class ShortSteps {
  public:
   explicit ShortSteps(const ModalTable<N>& frame) : table_(frame) {

@@ -119,7 +119,7 @@ struct Strikes {
                                       W& fastest) {
     const Mask all = W(0.0f) < W(1.0f);
     Mask struck = !all;
-    ShortSteps<N> steps(frame);
+    ShortSteps<W, N> steps(frame);
     around.time = steps.step_s();
     NoTouches none;
     for (uint32_t step = 0; step < steps.count(); ++step) {

@@ -170,7 +170,7 @@ TEST(SolverTiming, TimesAreOfStepAloneAndOfTheMiddleRound) {
 TEST(SolverChecks, FiguresAreWithinTheirTargets) {
   for (const CantileverRow& row : MeasureCantilever(BestIsa())) {
     EXPECT_LT(row.sag_error, row.links == 3 ? 0.02 : 0.01);
-    EXPECT_GT(row.naive_sag_error, 1.0);
+    EXPECT_GT(row.naive_sag_error, row.links == 8 ? 0.5 : 1.0);  // falls with the links
     EXPECT_NEAR(row.frequency[0], 1.0, 1e-3);
     EXPECT_NEAR(row.frequency[1], 1.0, 1e-2);
     std::printf("%d links: modal at rest is %.0e %.0e %.0e L off its equilibrium\n", row.links,

@@ -72,8 +72,7 @@ TEST(Picture, ReliefTakesThePlaceOfHairs) {
   EXPECT_NE(one, hairs);
   EXPECT_NE(one, all);
   std::vector<std::string> each;
-  for (const GroomLayer& layer : drawn.scenario.grooms[0].layers)
-    if (layer.params.output != Output::kShells) each.push_back(layer.name);
+  for (const LayerSetup& layer : drawn.scenario.setups[0].layers) each.push_back(layer.name);
   EXPECT_EQ(drawn.Picture(each), all);
 }
 
