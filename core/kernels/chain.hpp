@@ -78,6 +78,13 @@ PELT_INLINE Vec3<W> Turn(Vec3<W> tangent, Vec3<W> bitangent, Vec3<W> normal, Vec
   return Combine(tangent, offset.x, bitangent, offset.y, normal, offset.z);
 }
 
+// Of a link, m.
+template <class W, uint32_t kPoints, class At>
+PELT_INLINE W LinkLength(const RestBlock<kPoints>& rest, float scale, const At& at) {
+  const W length = Max(LoadLanes<W>(rest.segment_length, at), W(kSegmentMin));
+  return scale == 1.0f ? length : length * W(scale);
+}
+
 template <class W, uint32_t kPoints, class At>
 PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& roots, float follow,
                            float scale, const At& at, Group<W, kPoints - 1>& g) {
@@ -88,11 +95,10 @@ PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& root
   const Vec3<W> motion = Load3<W>(roots.motion, at);
   g.carried_motion = motion * W(follow);
   g.free_motion = motion - g.carried_motion;
-  g.length = Max(LoadLanes<W>(rest.segment_length, at), W(kSegmentMin));
+  g.length = LinkLength<W>(rest, scale, at);
   for (uint32_t i = 0; i < kPoints - 1; ++i)
     g.rest[i] = Turn(tangent, bitangent, g.normal, Load3<W>(rest.offset[i], at));
   if (scale == 1.0f) return;
-  g.length = g.length * W(scale);
   for (uint32_t i = 0; i < kPoints - 1; ++i) g.rest[i] = g.rest[i] * W(scale);
 }
 

@@ -14,6 +14,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/strand_look.hpp"
 #include "core/streams.hpp"
 
@@ -75,7 +76,12 @@ struct FitCubic {
 
   static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t lane = 0; lane < end; lane += V::kLanes) FitGroup(ports, lane);
+    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
+      look::FetchAhead<V::kLanes>(*ports.strands, lane, end);
+      FetchRecordsAhead<CurveBlock, V::kLanes, sizeof(CurveRecord)>(ports.curves->record, lane,
+                                                                    end);
+      FitGroup(ports, lane);
+    }
   }
 
  private:

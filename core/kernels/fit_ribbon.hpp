@@ -13,6 +13,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/strand_look.hpp"
 #include "core/streams.hpp"
 
@@ -74,7 +75,12 @@ struct FitRibbon {
 
   static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t lane = 0; lane < end; lane += V::kLanes) FitGroup(ports, lane);
+    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
+      look::FetchAhead<V::kLanes>(*ports.strands, lane, end);
+      FetchRecordsAhead<RibbonBlock, V::kLanes, sizeof(RibbonRecord)>(ports.ribbons->record, lane,
+                                                                      end);
+      FitGroup(ports, lane);
+    }
   }
 
  private:

@@ -25,6 +25,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/vertex_records.hpp"
 #include "core/streams.hpp"
 
@@ -93,9 +94,17 @@ struct Interpolate {
   // overlap the waits of several groups with the gathers of others.
   PELT_INLINE static void WriteRange(const Ports& ports, const Displacements& displacements,
                                      uint32_t begin, uint32_t end, const Controls* controls) {
-    for (uint32_t lane = begin; lane < end; lane += V::kLanes)
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes) {
+      FetchAhead(ports, lane, end);
       BlendGroup(ports, displacements, lane);
+    }
     for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, controls);
+  }
+
+  PELT_INLINE static void FetchAhead(const Ports& ports, uint32_t lane, uint32_t end) {
+    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
+    RowsAhead<RestBlock<4>, V::kLanes, 11, kRow>(ports.strand_rest->offset, lane, end).Fetch();
+    RowsAhead<PointBlock<4>, V::kLanes, 9, kRow>(ports.points->position, lane, end).Fetch();
   }
 
   // Offsets from the root, lengths as they come.
@@ -118,8 +127,7 @@ struct Interpolate {
   // point.
   PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, const Controls* controls) {
     const Vec3<V> root = Load3<V>(ports.roots->position, lane);
-    V length = Max(V::Load(ports.strand_rest->segment_length + lane), V(chain::kSegmentMin));
-    if (ports.layer->scale != 1.0f) length = length * V(ports.layer->scale);
+    const V length = chain::LinkLength<V>(*ports.strand_rest, ports.layer->scale, lane);
     Vec3<V> upper{V(0.0f), V(0.0f), V(0.0f)}, at = upper;
     for (uint32_t i = 0; i < kFree; ++i) {
       Vec3<V> point = Load3<V>(ports.points->position[i], lane);

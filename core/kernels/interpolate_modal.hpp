@@ -23,6 +23,7 @@
 #include <string_view>
 
 #include "core/kernel.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_load.hpp"
 #include "core/kernels/vertex_records.hpp"
@@ -54,23 +55,30 @@ struct InterpolateModal {
       if (count > 0 && count < end) controls = count;
     }
     for (uint32_t lane = 0; lane < controls; lane += V::kLanes)
-      WriteGroup(params, ports, lane, nullptr);
+      WriteGroup(params, ports, lane, end, nullptr);
     if (controls == end) return;
     Controls records;
     records.Fill(*ports.points, controls);
     for (uint32_t lane = controls; lane < end; lane += V::kLanes)
-      WriteGroup(params, ports, lane, &records);
+      WriteGroup(params, ports, lane, end, &records);
   }
 
  private:
   using Controls = chain::ControlRecords<V, N>;
 
   PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports, uint32_t lane,
-                                     const Controls* controls) {
+                                     uint32_t end, const Controls* controls) {
+    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
+    const RowsAhead<RestBlock<N + 1>, V::kLanes, 3 * N + 2, kRow> rest_ahead(ports.rest->offset,
+                                                                             lane, end);
+    const RowsAhead<PointBlock<N + 1>, V::kLanes, 3 * N, kRow> points_ahead(ports.points->position,
+                                                                            lane, end);
     const LayerBlock& layer = *ports.layer;
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, N> g;
+    rest_ahead.template Fetch<0, 2>();
     chain::LoadGroom<V, N + 1>(*ports.rest, *ports.roots, 0.0f, layer.scale, lane, g);
+    rest_ahead.template Fetch<1, 2>();
     const V per_length = V(1.0f) / g.length;
     Vec3<V> rest[N], load[N], d[N];
     V bary[3], stretch[N];
@@ -81,10 +89,12 @@ struct InterpolateModal {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) load[i] = blend.Row(i);
     modal::BendUnderLoad(modal::Joints(*ports.table), rest, load, blend.w, stretch, d);
+    points_ahead.template Fetch<0, 2>();
     const V strength = V::Load(ports.rest->strength + lane);
     const typename V::Mask full = strength >= V(1.0f);
     if (!AllSet(full)) modal::Weaken(full, strength, rest, d);
     modal::PlacePoints(d, g);
+    points_ahead.template Fetch<1, 2>();
     if (controls) {
       Vec3<V> control[N];
       for (uint32_t i = 0; i < N; ++i)

@@ -13,6 +13,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -29,14 +30,22 @@ struct Roots {
 
   static void Run(const Ports& ports) {
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t s = 0; s < lanes; s += V::kLanes)
+    for (uint32_t s = 0; s < lanes; s += V::kLanes) {
+      FetchAhead(ports, s, lanes);
       BlendStrands(*ports.strands, ports.skinned->vertex, s, *ports.roots);
+    }
     // A loop of its own: making a frame unit is a chain of some 200 cycles, and only short loop
     // bodies let the machine overlap the chains of several groups.
     for (uint32_t s = 0; s < lanes; s += V::kLanes) FinishFrames(s, *ports.roots);
   }
 
  private:
+  static PELT_INLINE void FetchAhead(const Ports& ports, uint32_t s, uint32_t end) {
+    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
+    RowsAhead<StrandBlock, V::kLanes, 3, kRow, 2>(ports.strands->bary, s, end).Fetch();
+    RowsAhead<RootBlock, V::kLanes, 12, kRow, 2>(ports.roots->position, s, end).Fetch();
+  }
+
   // The four records of a vertex, for the strands of lanes k, k + 4, ...
   struct VertexRecords {
     V position, normal, tangent, motion;

@@ -25,6 +25,7 @@
 #include <type_traits>
 
 #include "core/kernels/chain_step.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_end.hpp"
 #include "core/kernels/modal_fallback.hpp"
@@ -215,6 +216,30 @@ struct SimulateModal {
     return taken;
   }
 
+  // Of the groups to come, in eighths: the state, the groom, the points. What lanes need that were
+  // picked is in the cache already.
+  template <bool kFetches>
+  struct Ahead {
+    static constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
+    static constexpr uint32_t kStateRow = kModalRow * sizeof(float);
+    using State = ModalStateBlock<kPoints>;
+    RowsAhead<State, V::kLanes, sizeof(State) / kStateRow, kStateRow> state;
+    RowsAhead<RestBlock<kPoints>, V::kLanes, 3 * N + 2, kRow> rest;
+    RowsAhead<PointBlock<kPoints>, V::kLanes, 3 * N, kRow> points;
+
+    PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
+        : state(ports.chain->direction, lane, live),
+          rest(ports.rest->offset, lane, live),
+          points(ports.position->position, lane, live) {}
+    template <uint32_t kEighth>
+    PELT_INLINE void Fetch() const {
+      if constexpr (!kFetches) return;
+      state.template Fetch<kEighth, 8>();
+      rest.template Fetch<kEighth, 8>();
+      points.template Fetch<kEighth, 8>();
+    }
+  };
+
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
   template <bool kBest, class At>
@@ -236,15 +261,23 @@ struct SimulateModal {
     Motion motion;
     Vec3<V> rest[N], d[N], held[N];
     V per_length;
+    uint32_t first = 0;
+    if constexpr (kPicks) first = at;
+    const Ahead<kPicks> ahead(ports, first, live);
+    ahead.template Fetch<0>();
     Start::LoadRest(ports, at, g, rest, per_length);
+    ahead.template Fetch<1>();
     const Vec3<V>* hold = nullptr;
     if (extras.down) {
       Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
       hold = held;
     }
-    PELT_UNROLL
-    for (uint32_t k = 0; k < 3; ++k)
-      Start::LoadAxis(ports, at, k, g, rest, hold, per_length, motion.axis[k]);
+    Start::LoadAxis(ports, at, 0, g, rest, hold, per_length, motion.axis[0]);
+    ahead.template Fetch<2>();
+    Start::LoadAxis(ports, at, 1, g, rest, hold, per_length, motion.axis[1]);
+    ahead.template Fetch<3>();
+    Start::LoadAxis(ports, at, 2, g, rest, hold, per_length, motion.axis[2]);
+    ahead.template Fetch<4>();
     if (modal::HasOtherHistory(layer))
       modal::OtherHistory<V, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
     if (extras.rates && ports.table->substeps > 0)
@@ -264,6 +297,7 @@ struct SimulateModal {
     if (carried) {
       Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
     } else if (!restart) {
+      ahead.template Fetch<5>();
       if constexpr (kPicks) {
         picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
         picked = picked | (LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f));
@@ -283,8 +317,10 @@ struct SimulateModal {
         }
       }
     }
+    ahead.template Fetch<6>();
     modal::Directions(motion, d);
     modal::PlacePoints(d, g);
+    ahead.template Fetch<7>();
     if (!restart) {
       if constexpr (kPicks) {
         if (HasObstacles(params, ports))

@@ -21,6 +21,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -109,6 +110,15 @@ PELT_INLINE void FinishFrames(const RawFrames& raw, uint32_t first, SkinnedVerte
   }
 }
 
+// Chunks have few vertices, and skin is the first to touch them: what the next one starts with. Of
+// weights as many rows as most groups have.
+template <class V>
+PELT_INLINE void FetchNextChunk(const MeshBlock& mesh, uint32_t v, const SkinnedBlock& skinned) {
+  constexpr uint32_t kWeightBytes = 5 * sizeof mesh.weight[0] / kLaneGroup;
+  FetchRecordsAhead<SkinnedBlock, V::kLanes, sizeof(SkinnedVertex), 0>(skinned.vertex, v, 0);
+  FetchRecordsAhead<MeshBlock, V::kLanes, kWeightBytes, 0>(mesh.weight, v, 0);
+}
+
 // Two loops over the chunk: making a frame unit is a chain of some 200 cycles, and only short loop
 // bodies let the machine overlap the chains of several groups (measured: a third faster than one
 // loop). With kFrames false only position and normal are written: what other skinning libraries are
@@ -117,9 +127,14 @@ template <class V, bool kFrames>
 PELT_INLINE void SkinChunk(const PaletteBlock& palette, const MeshBlock& mesh, uint32_t lanes,
                            uint32_t first_new, SkinnedBlock& skinned) {
   RawFrames raw;
-  for (uint32_t v = 0; v < lanes; v += V::kLanes)
+  for (uint32_t v = 0; v < lanes; v += V::kLanes) {
+    RowsAhead<MeshBlock, V::kLanes, 9, sizeof mesh.position[0]>(mesh.position, v, lanes).Fetch();
     BlendVertices<V, kFrames>(palette, mesh, v, first_new, skinned.vertex, raw);
-  for (uint32_t v = 0; v < lanes; v += V::kLanes) FinishFrames<V, kFrames>(raw, v, skinned.vertex);
+  }
+  for (uint32_t v = 0; v < lanes; v += V::kLanes) {
+    FetchNextChunk<V>(mesh, v, skinned);
+    FinishFrames<V, kFrames>(raw, v, skinned.vertex);
+  }
 }
 
 }  // namespace skin_detail

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "core/chunk.hpp"
+#include "core/kernels/fetch_ahead.hpp"
 #include "core/simd.hpp"
 
 namespace pelt::look {
@@ -57,6 +58,14 @@ PELT_INLINE LayerTint<V> MakeTint(const LayerBlock& layer) {
 template <class V>
 PELT_INLINE typename V::Int Tinted(const LayerTint<V>& tint, typename V::Int colour) {
   return tint.changes ? Tint<V>(colour, tint.scale, tint.add) : colour;
+}
+
+// Of the rows that Look reads.
+template <int kLanes>
+PELT_INLINE void FetchAhead(const StrandBlock& strands, uint32_t lane, uint32_t end) {
+  constexpr uint32_t kRow = sizeof strands.width;
+  static_assert(offsetof(StrandBlock, tip_colour) == offsetof(StrandBlock, width) + 2 * kRow);
+  RowsAhead<StrandBlock, kLanes, 3, kRow, 2>(strands.width, lane, end).Fetch();
 }
 
 // Lanes [lane, lane + kLanes) of the chunk.

@@ -19,8 +19,7 @@ PELT_INLINE void BlendFours(const float (*record)[kFree][4], const StrandBlock& 
     const V share = SplatInFours<kFirst>(bary[k]);
     PELT_UNROLL
     for (uint32_t i = 0; i < kFree; ++i) {
-      const V one =
-          LoadRecords<V, kFirst>([&](int l) { return record[vertex[l] % kVerticesPerChunk][i]; });
+      const V one = LoadRecords<V, kFirst>([&](int l) { return record[vertex[l]][i]; });
       const V term = one * share;
       sum[i] = k == 0 ? term : sum[i] + term;
     }
