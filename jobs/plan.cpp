@@ -245,6 +245,7 @@ Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
   std::erase_if(plan.stages, [&](const Stage& s) { return !IsAdmitted(s, shape); });
   const auto uses = FindUses(plan.stages, plan.table->streams.size());
   const uint32_t limit = options.local_store_data_bytes;
+  const uint32_t room = options.must_fit ? limit : std::max(limit, options.cache_bytes);
   uint32_t first = 0;
   while (first < plan.stages.size()) {
     uint32_t count = 1;
@@ -259,7 +260,7 @@ Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
     while (options.fuse && first + count < plan.stages.size() &&
            CanJoin(plan.stages, first, first + count)) {
       Pass longer = MeasurePass(plan, first, count + 1, shape, true, uses);
-      if (longer.resident_bytes > limit) break;
+      if (longer.resident_bytes > room) break;
       pass = std::move(longer);
       ++count;
     }

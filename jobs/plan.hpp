@@ -48,6 +48,9 @@ struct PlanOptions {
   // What a local store has for data, after code and stack. Passes fuse only while they fit it twice
   // over.
   uint32_t local_store_data_bytes = 176 * 1024;
+  // Without must_fit they fuse while they fit this twice over: half of what a core has to itself of
+  // cache. What one stage leaves there the next one need not fetch again.
+  uint32_t cache_bytes = 512 * 1024;
   // A stage that does not fit is refused. Without this (main memory) it becomes a pass of its own:
   // only sorting a large layer whole is that big.
   bool must_fit = true;

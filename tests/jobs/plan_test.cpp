@@ -196,6 +196,20 @@ TEST(Plan, FusesOnlyWhatFitsTwiceOver) {
   EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
 }
 
+TEST(Plan, InMainMemoryStagesFuseWhileTheyFitACacheTwiceOver) {
+  const uint32_t fused = 2 * sizeof(KeyBlock) + sizeof(PairBlock) + 2 * sizeof(PlaceBlock);
+  const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
+  PlanOptions options{.local_store_data_bytes = fused - 1, .cache_bytes = fused, .must_fit = false};
+  const Plan whole = CompilePlan(stages, kShape, options).OrThrow();
+  EXPECT_EQ(PassNames(whole), Names({"make_pairs use_pairs"}));
+  options.cache_bytes = fused - 1;
+  const Plan cut = CompilePlan(stages, kShape, options).OrThrow();
+  EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
+  options = {.local_store_data_bytes = fused - 1, .cache_bytes = fused};
+  const Plan local = CompilePlan(stages, kShape, options).OrThrow();
+  EXPECT_EQ(PassNames(local), Names({"make_pairs", "use_pairs"})) << "a local store has no cache";
+}
+
 TEST(Plan, KnowsTransientsAndCountsTheirBytesNowhere) {
   const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
   const Plan fused = CompilePlan(stages, kShape, {}).OrThrow();
@@ -256,7 +270,8 @@ TEST(Plan, InMainMemoryAStageThatDoesNotFitIsAPassOfItsOwn) {
   const Plan roomy = CompilePlan({sum, sum}, kShape, {.must_fit = false}).OrThrow();
   EXPECT_EQ(PassNames(roomy), Names({"sum_layer sum_layer"}));
   const Plan tight =
-      CompilePlan({sum, sum}, kShape, {.local_store_data_bytes = once - 1, .must_fit = false})
+      CompilePlan({sum, sum}, kShape,
+                  {.local_store_data_bytes = once - 1, .cache_bytes = once - 1, .must_fit = false})
           .OrThrow();
   EXPECT_EQ(PassNames(tight), Names({"sum_layer", "sum_layer"}));
   EXPECT_EQ(tight.passes[0].resident_bytes, once);
