@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "core/float_rules.hpp"
 
@@ -19,7 +21,7 @@ class Path {
   Path(std::span<const PatchStrand> strands, uint32_t chunk_strands)
       : strands_(strands), chunk_strands_(chunk_strands) {
     order_.resize(strands.size());
-    for (uint32_t i = 0; i < order_.size(); ++i) order_[i] = {0.0f, i};
+    FindTriangles();
     Lay(0, uint32_t(order_.size()));
   }
 
@@ -32,21 +34,47 @@ class Path {
  private:
   struct Item {
     float key;
-    uint32_t strand;
+    uint32_t triangle, strand;
+  };
+  // Where the strands of a triangle stand, and which way they face, on the average.
+  struct Triangle {
+    glm::vec3 position, normal;
   };
 
   static bool IsBefore(const Item& a, const Item& b) {
-    return a.key != b.key ? a.key < b.key : a.strand < b.strand;
+    return std::tie(a.key, a.triangle, a.strand) < std::tie(b.key, b.triangle, b.strand);
   }
 
-  Point6 PlaceOf(uint32_t strand, float facing_scale) const {
-    const PatchStrand& s = strands_[strand];
-    return {s.position.x,
-            s.position.y,
-            s.position.z,
-            s.normal.x * facing_scale,
-            s.normal.y * facing_scale,
-            s.normal.z * facing_scale};
+  // Triangles in the order of their vertices' numbers; strands in their own in each.
+  void FindTriangles() {
+    std::vector<uint32_t> by_triangle(strands_.size());
+    std::iota(by_triangle.begin(), by_triangle.end(), 0u);
+    std::ranges::stable_sort(by_triangle, {}, [&](uint32_t s) { return strands_[s].vertices; });
+    for (size_t first = 0; first < by_triangle.size();) {
+      const auto& vertices = strands_[by_triangle[first]].vertices;
+      Triangle sum{};
+      size_t last = first;
+      for (; last < by_triangle.size() && strands_[by_triangle[last]].vertices == vertices;
+           ++last) {
+        const uint32_t s = by_triangle[last];
+        order_[s] = {0.0f, uint32_t(triangles_.size()), s};
+        sum.position += strands_[s].position;
+        sum.normal += strands_[s].normal;
+      }
+      const float share = 1.0f / float(last - first);
+      triangles_.push_back({sum.position * share, sum.normal * share});
+      first = last;
+    }
+  }
+
+  Point6 PlaceOf(const Item& item, float facing_scale) const {
+    const Triangle& t = triangles_[item.triangle];
+    return {t.position.x,
+            t.position.y,
+            t.position.z,
+            t.normal.x * facing_scale,
+            t.normal.y * facing_scale,
+            t.normal.z * facing_scale};
   }
 
   void Lay(uint32_t first, uint32_t last) {
@@ -61,7 +89,7 @@ class Path {
     float facing_scale;
     ChooseAxis(first, last, axis, facing_scale);
     for (uint32_t i = first; i < last; ++i) {
-      order_[i].key = PlaceOf(order_[i].strand, facing_scale)[size_t(axis)];
+      order_[i].key = PlaceOf(order_[i], facing_scale)[size_t(axis)];
     }
     // The end that is nearer to where the path stands comes first; whole chunks are counted from
     // it.
@@ -77,10 +105,10 @@ class Path {
   // Opposite sides count as far apart as two chunks are wide: sides of a thin thing part when the
   // part has become that small, and not before.
   void ChooseAxis(uint32_t first, uint32_t last, int& axis, float& facing_scale) const {
-    Point6 low = PlaceOf(order_[first].strand, 1.0f), high = low;
+    Point6 low = PlaceOf(order_[first], 1.0f), high = low;
     float radius = strands_[order_[first].strand].radius;
     for (uint32_t i = first + 1; i < last; ++i) {
-      const Point6 p = PlaceOf(order_[i].strand, 1.0f);
+      const Point6 p = PlaceOf(order_[i], 1.0f);
       for (size_t k = 0; k < 6; ++k) {
         low[k] = std::min(low[k], p[k]);
         high[k] = std::max(high[k], p[k]);
@@ -104,7 +132,7 @@ class Path {
   // library's partition left.
   bool StartsHigh(uint32_t first, uint32_t last, int axis, float facing_scale) const {
     if (first == 0) return false;
-    const float here = PlaceOf(order_[first - 1].strand, facing_scale)[size_t(axis)];
+    const float here = PlaceOf(order_[first - 1], facing_scale)[size_t(axis)];
     float low = order_[first].key, high = low;
     for (uint32_t i = first; i < last; ++i) {
       low = std::min(low, order_[i].key);
@@ -122,6 +150,7 @@ class Path {
   std::span<const PatchStrand> strands_;
   uint32_t chunk_strands_;
   std::vector<Item> order_;
+  std::vector<Triangle> triangles_;
 };
 
 // Sets of joints of one patch, as bits of its own numbering.

@@ -3,7 +3,8 @@
 // Strands are laid along a path by halving the layer again and again across its widest direction
 // (place, or facing once a part is about a chunk wide, so that the two sides of an ear part) and
 // always going on with the half that is nearer to where the path stands. Halves are cut at whole
-// chunks. Then chunks are cut from the path greedily, as long as strands, vertices or weight rows
+// chunks, and the strands of a triangle stay together but where a cut goes through it: chunks that
+// share a triangle each skin and simulate its vertices. Then chunks are cut from the path greedily, as long as strands, vertices or weight rows
 // last: full chunks whatever runs out first, and where strands run out first the chunks are the
 // leaves of the halving.
 //

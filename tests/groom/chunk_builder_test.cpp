@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/groom/bake.hpp"
@@ -132,6 +133,23 @@ TEST(CutPatches, PatchesAreCompact) {
   }
   // 64 square patches of a 32 x 32 sheet would have a side of 4.
   EXPECT_LT(extent / double(patches.size()), 5.0);
+}
+
+TEST(CutPatches, TrianglesStayWhole) {
+  const Mesh mesh = MakeSheet(33, OneSet);
+  const auto strands = SpreadOver(mesh, 64 * kStrandsPerChunk, 10);
+  const auto patches = CutPatches(mesh, strands);
+  std::map<std::array<uint32_t, 3>, std::set<const Patch*>> patches_of;
+  size_t copies = 0;
+  for (const Patch& patch : patches) {
+    copies += patch.vertices.size();
+    for (const uint32_t s : patch.strands) patches_of[strands[s].vertices].insert(&patch);
+  }
+  size_t cut = 0;
+  for (const auto& [triangle, of] : patches_of) cut += of.size() - 1;
+  // A halving cuts one triangle at most; 64 squares of 4 have 25 vertices each.
+  EXPECT_LE(cut, patches.size() - 1);
+  EXPECT_LT(double(copies) / double(patches.size()), 30.0);
 }
 
 TEST(CutPatches, TwoSidesOfAThinSheetPart) {
