@@ -37,11 +37,16 @@ void AddPasses(const FurScene& scene, ReportTree& report) {
 std::string DescribePlace(const PlanOptions& options) {
   if (options.must_fit)
     return fmt::format(
-        "For local stores with {} bytes for data. In main memory large layers sort whole: without "
-        "--local-store.",
+        "For local stores with {} bytes for data. In main memory passes are longer, and large "
+        "layers "
+        "sort whole: without --local-store.",
         options.local_store_data_bytes);
-  return "For main memory, as pelt run runs it. In local stores large layers sort in pieces: "
-         "--local-store.";
+  return fmt::format(
+      "For main memory, as pelt run runs it: stages share a pass while it takes no more than {} "
+      "bytes of "
+      "a core's cache. In local stores passes are shorter, and large layers sort in pieces: "
+      "--local-store.",
+      options.cache_bytes);
 }
 
 void AddChunks(ReportTree& report) {
@@ -62,9 +67,8 @@ ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const Pla
   report.Add({"stages"}, scene.plan().stages.size());
   report.Add({"barriers"}, scene.plan().passes.size());
   report.Say(
-      "Bytes are for one item of the layer kind that needs most; resident: in the local store, "
-      "with "
-      "room for two items where that fits (twice).");
+      "Bytes are for one item of the layer kind that needs most; resident: with room for two items "
+      "where they fit (twice).");
   report.Say(DescribePlace(options));
   if (args.chunk) AddChunks(report);
   if (args.memory || args.json) AddMemory(scene.layout(), report);

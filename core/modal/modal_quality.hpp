@@ -8,7 +8,7 @@ namespace pelt {
 
 enum class ModalQuality : uint8_t {
   kFast,     // one substep
-  kDefault,  // three
+  kDefault,  // three, four where the root's velocities are known
   kBest,     // three, three Newton steps in each, and the constraint force turns within the step
 };
 

@@ -31,7 +31,8 @@ namespace pelt {
 
 // ModalQuality at 60 frames per second: kFast takes one substep, kDefault three, kBest three with
 // three Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s
-// for kFast, 1/150 s for the others), so a frame of 1/30 s takes two or five.
+// for kFast, 1/150 s for the others), so a frame of 1/30 s takes two or five; kDefault's to 1/200 s where
+// the root's velocities are known.
 // What each gets wrong, and costs: README.md, `pelt accuracy`.
 
 // The last frames' lengths, s: this one's first. All > 0.
