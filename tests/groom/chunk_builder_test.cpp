@@ -156,7 +156,10 @@ TEST(CutPatches, TwoSidesOfAThinSheetPart) {
   const Mesh mesh = MakeSheet(33, OneSet);
   auto strands = SpreadOver(mesh, 64 * kStrandsPerChunk, 6);
   for (size_t i = 0; i < strands.size(); ++i) {
-    if (i % 2 == 0) strands[i].normal.y = -1.0f;
+    if (i % 2 == 0) {
+      strands[i].normal.y = -1.0f;
+      std::swap(strands[i].vertices[1], strands[i].vertices[2]);  // the triangle's other side
+    }
     strands[i].radius *= 1.41421356f;  // half as many on each side
   }
   uint32_t mixed = 0;

@@ -78,7 +78,6 @@ const kIdle = {
   backface_tolerance: (v) => !v.backface_cull,
   angular_hardness_middle: (v) => v.solver === 'verlet' || hasItsFrequency(v),
   angular_hardness_end: (v) => v.solver === 'verlet' || hasItsFrequency(v),
-  bounce: (v) => v.solver === 'verlet' && v.output === 'instances',  // nothing touches that layer
 };
 function acts({key, text}, values) {
   // Where no frequency is said, it is worked out from these too.
