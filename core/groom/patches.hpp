@@ -4,9 +4,9 @@
 // (place, or facing once a part is about a chunk wide, so that the two sides of an ear part) and
 // always going on with the half that is nearer to where the path stands. Halves are cut at whole
 // chunks, and the strands of a triangle stay together but where a cut goes through it: chunks that
-// share a triangle each skin and simulate its vertices. Then chunks are cut from the path greedily, as long as strands, vertices or weight rows
-// last: full chunks whatever runs out first, and where strands run out first the chunks are the
-// leaves of the halving.
+// share a triangle each skin and simulate its vertices. Then chunks are cut from the path greedily,
+// as long as strands, vertices or weight rows last: full chunks whatever runs out first, and where
+// strands run out first the chunks are the leaves of the halving.
 //
 // Inside a chunk strands keep the layer's progressive order; vertices are ordered by their first
 // use at 1/8, 1/4, 1/2 and all of the strands, so that a prefix of strands needs a prefix of

@@ -1,4 +1,5 @@
-// What a kernel's later groups of lanes will use, fetched into the cache while this group is worked on.
+// What a kernel's later groups of lanes will use, fetched into the cache while this group is worked
+// on.
 //
 // A frame goes through tens of megabytes once, a line of each of a chunk's rows at a time, and no
 // machine's own prefetching follows that: half of a frame was waiting. Lines asked for all at once
@@ -22,15 +23,13 @@ namespace fetch_detail {
 
 inline constexpr uint32_t kLineBytes = 64;
 
-PELT_INLINE void FetchLine(uintptr_t address) {
-  __builtin_prefetch(reinterpret_cast<const void*>(address));
-}
+PELT_INLINE void FetchLine(const std::byte* line) { __builtin_prefetch(line); }
 
 }  // namespace fetch_detail
 
-// kRows rows of 4-byte lanes, kPitch bytes from one to the next, in a loop over groups of kLanes lanes
-// of a `Block`: as they will be kLines lines on. A line holds the lanes of several groups, each of
-// which fetches its share of the rows.
+// kRows rows of 4-byte lanes, kPitch bytes from one to the next, in a loop over groups of kLanes
+// lanes of a `Block`: what they have kLines lines on. A line holds the lanes of several groups, each
+// of which fetches its share of the rows.
 template <class Block, int kLanes, uint32_t kRows, uint32_t kPitch, uint32_t kLines = 1>
 class RowsAhead {
  public:
@@ -40,7 +39,7 @@ class RowsAhead {
     const uint32_t line = lane / kLineLanes + kLines, lines = (end + kLineLanes - 1) / kLineLanes;
     const uint32_t far =
         line < lines ? line * kStep : uint32_t(sizeof(Block)) + (line - lines) * kStep;
-    share_ = reinterpret_cast<uintptr_t>(rows) + far + group * (kShare * kPitch);
+    share_ = static_cast<const std::byte*>(rows) + far + group * (kShare * kPitch);
     // A chunk's last group also takes what those would have that its line has room for.
     shares_ = lane + uint32_t(kLanes) < end ? 1 : kLineLanes / uint32_t(kLanes) - group;
   }
@@ -48,8 +47,9 @@ class RowsAhead {
   // Piece kPiece of kPieces of the group's share.
   template <uint32_t kPiece = 0, uint32_t kPieces = 1>
   PELT_INLINE void Fetch() const {
-    ForEachLine<kPiece, kPieces>(
-        [](uintptr_t address) __attribute__((always_inline)) { fetch_detail::FetchLine(address); });
+    ForEachLine<kPiece, kPieces>([](const std::byte* line) __attribute__((always_inline)) {
+      fetch_detail::FetchLine(line);
+    });
   }
 
   template <uint32_t kPiece, uint32_t kPieces, class Each>
@@ -67,12 +67,12 @@ class RowsAhead {
   static constexpr uint32_t kShare = (kRows * uint32_t(kLanes) + kLineLanes - 1) / kLineLanes;
 
   template <class Each, uint32_t... kRow>
-  PELT_INLINE static void EachRow(const Each& each, uintptr_t first,
+  PELT_INLINE static void EachRow(const Each& each, const std::byte* first,
                                   std::integer_sequence<uint32_t, kRow...>) {
     (each(first + kRow * kPitch), ...);
   }
 
-  uintptr_t share_;
+  const std::byte* share_;
   uint32_t shares_;
 };
 
@@ -82,8 +82,8 @@ template <class Block, int kLanes, uint32_t kBytes, uint32_t kGroups = 2>
 PELT_INLINE void FetchRecordsAhead(const void* records, uint32_t lane, uint32_t end) {
   constexpr uint32_t kStep = kBytes * uint32_t(kLanes);
   const uint32_t next = lane + kGroups * uint32_t(kLanes);
-  const uintptr_t first =
-      reinterpret_cast<uintptr_t>(records) +
+  const std::byte* first =
+      static_cast<const std::byte*>(records) +
       (next < end ? next * kBytes : uint32_t(sizeof(Block)) + (next - end) * kBytes);
   for (uint32_t at = 0; at < kStep; at += fetch_detail::kLineBytes)
     fetch_detail::FetchLine(first + at);

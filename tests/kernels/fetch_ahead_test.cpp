@@ -19,10 +19,9 @@ template <int kLanes, uint32_t kRows, uint32_t kLines>
 std::map<int64_t, int> CountFetches(uint32_t end) {
   std::map<int64_t, int> count;
   static const Block block{};
-  const uintptr_t rows = reinterpret_cast<uintptr_t>(&block);
   for (uint32_t lane = 0; lane < end; lane += kLanes) {
     const RowsAhead<Block, kLanes, kRows, kPitch, kLines> ahead(&block, lane, end);
-    const auto note = [&](uintptr_t address) { ++count[int64_t(address) - int64_t(rows)]; };
+    const auto note = [&](const std::byte* line) { ++count[line - block.bytes]; };
     ahead.template ForEachLine<0, 3>(note);
     ahead.template ForEachLine<1, 3>(note);
     ahead.template ForEachLine<2, 3>(note);
