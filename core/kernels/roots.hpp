@@ -44,6 +44,10 @@ struct Roots {
     constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
     RowsAhead<StrandBlock, V::kLanes, 3, kRow, 2>(ports.strands->bary, s, end).Fetch();
     RowsAhead<RootBlock, V::kLanes, 12, kRow, 2>(ports.roots->position, s, end).Fetch();
+    // The rows of bytes, and what the block has behind them.
+    constexpr uint32_t kBytes =
+        (sizeof(StrandBlock) - offsetof(StrandBlock, vertex)) / kStrandsPerChunk;
+    FetchRecordsAhead<StrandBlock, V::kLanes, kBytes, 0>(ports.strands->vertex, s, 0);
   }
 
   // The four records of a vertex, for the strands of lanes k, k + 4, ...

@@ -117,6 +117,7 @@ PELT_INLINE void FetchNextChunk(const MeshBlock& mesh, uint32_t v, const Skinned
   constexpr uint32_t kWeightBytes = 5 * sizeof mesh.weight[0] / kLaneGroup;
   FetchRecordsAhead<SkinnedBlock, V::kLanes, sizeof(SkinnedVertex), 0>(skinned.vertex, v, 0);
   FetchRecordsAhead<MeshBlock, V::kLanes, kWeightBytes, 0>(mesh.weight, v, 0);
+  FetchRecordsAhead<MeshBlock, V::kLanes, 8, 0>(mesh.row_joint, v, 0);  // and first rows
 }
 
 // Two loops over the chunk: making a frame unit is a chain of some 200 cycles, and only short loop
