@@ -109,9 +109,8 @@ struct Step {
   // Of the groups to come, in quarters.
   template <class W>
   struct Ahead {
-    static constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
-    RowsAhead<PointBlock<kPoints>, W::kLanes, 3 * kFree, kRow> position, previous;
-    RowsAhead<RestBlock<kPoints>, W::kLanes, 3 * kFree + 2, kRow> rest;
+    BlockAhead<PointBlock<kPoints>, W::kLanes> position, previous;
+    BlockAhead<RestBlock<kPoints>, W::kLanes> rest;
 
     PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
         : position(ports.position->position, lane, live),

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/chunk.hpp"
 #include "core/simd.hpp"
 
 namespace pelt {
@@ -75,6 +76,11 @@ class RowsAhead {
   const std::byte* share_;
   uint32_t shares_;
 };
+
+// All rows of a block that has nothing else, from its first one on.
+template <class Block, int kLanes, uint32_t kLines = 1,
+          uint32_t kPitch = kStrandsPerChunk * sizeof(float)>
+using BlockAhead = RowsAhead<Block, kLanes, sizeof(Block) / kPitch, kPitch, kLines>;
 
 // The records, kBytes of each lane, of the group of kLanes that is kGroups on; arguments as above.
 // With `end` 0 they are the next chunk's.

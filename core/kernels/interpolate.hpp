@@ -102,9 +102,8 @@ struct Interpolate {
   }
 
   PELT_INLINE static void FetchAhead(const Ports& ports, uint32_t lane, uint32_t end) {
-    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
-    RowsAhead<RestBlock<4>, V::kLanes, 11, kRow>(ports.strand_rest->offset, lane, end).Fetch();
-    RowsAhead<PointBlock<4>, V::kLanes, 9, kRow>(ports.points->position, lane, end).Fetch();
+    BlockAhead<RestBlock<4>, V::kLanes>(ports.strand_rest->offset, lane, end).Fetch();
+    BlockAhead<PointBlock<4>, V::kLanes>(ports.points->position, lane, end).Fetch();
   }
 
   // Offsets from the root, lengths as they come.

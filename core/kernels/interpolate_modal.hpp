@@ -68,11 +68,8 @@ struct InterpolateModal {
 
   PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports, uint32_t lane,
                                      uint32_t end, const Controls* controls) {
-    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
-    const RowsAhead<RestBlock<N + 1>, V::kLanes, 3 * N + 2, kRow> rest_ahead(ports.rest->offset,
-                                                                             lane, end);
-    const RowsAhead<PointBlock<N + 1>, V::kLanes, 3 * N, kRow> points_ahead(ports.points->position,
-                                                                            lane, end);
+    const BlockAhead<RestBlock<N + 1>, V::kLanes> rest_ahead(ports.rest->offset, lane, end);
+    const BlockAhead<PointBlock<N + 1>, V::kLanes> points_ahead(ports.points->position, lane, end);
     const LayerBlock& layer = *ports.layer;
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, N> g;

@@ -43,7 +43,7 @@ struct Roots {
   static PELT_INLINE void FetchAhead(const Ports& ports, uint32_t s, uint32_t end) {
     constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
     RowsAhead<StrandBlock, V::kLanes, 3, kRow, 2>(ports.strands->bary, s, end).Fetch();
-    RowsAhead<RootBlock, V::kLanes, 12, kRow, 2>(ports.roots->position, s, end).Fetch();
+    BlockAhead<RootBlock, V::kLanes, 2>(ports.roots->position, s, end).Fetch();
     // The rows of bytes, and what the block has behind them.
     constexpr uint32_t kBytes =
         (sizeof(StrandBlock) - offsetof(StrandBlock, vertex)) / kStrandsPerChunk;

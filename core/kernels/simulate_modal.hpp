@@ -220,12 +220,9 @@ struct SimulateModal {
   // picked is in the cache already.
   template <bool kFetches>
   struct Ahead {
-    static constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
-    static constexpr uint32_t kStateRow = kModalRow * sizeof(float);
-    using State = ModalStateBlock<kPoints>;
-    RowsAhead<State, V::kLanes, sizeof(State) / kStateRow, kStateRow> state;
-    RowsAhead<RestBlock<kPoints>, V::kLanes, 3 * N + 2, kRow> rest;
-    RowsAhead<PointBlock<kPoints>, V::kLanes, 3 * N, kRow> points;
+    BlockAhead<ModalStateBlock<kPoints>, V::kLanes, 1, kModalRow * sizeof(float)> state;
+    BlockAhead<RestBlock<kPoints>, V::kLanes> rest;
+    BlockAhead<PointBlock<kPoints>, V::kLanes> points;
 
     PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
         : state(ports.chain->direction, lane, live),
