@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""The mutation suite: which of `pelt verify`, `pelt golden` and the unit tests catch which small fault.
+"""The mutation suite: each small fault is noticed by whom of `pelt verify`, `pelt golden` and the unit tests must.
 
     run.py check                     every site of mutations.toml still stands in the sources, once
     run.py build  [--build DIR]      a copy of the tree with every mutant in it, built once
     run.py run    [--build DIR] [--shard I/N] [--only NAME]... [--detector verify|golden|tests]... [--results FILE]
-    run.py table  FILE...            the Markdown table of ../README.md, from one results file or of all shards
+    run.py table  FILE...            the counts of ../README.md, from one results file or of all shards
 
 A variable chooses the mutant (mutation.hpp), so one build serves them all. `run` begins with the copy as it is, on
-which every detector must pass; a results file that is there already is gone on with. Not part of the gate, which only
-runs `check`.
+which every detector must pass, and asks of each mutant the detectors that its entry names as `seen`, or those given; a
+results file that is there already is gone on with. Exit code 1 when one of them did not notice. Not part of the gate,
+which only runs `check`.
 """
 
 import argparse
@@ -28,8 +29,6 @@ import sites  # noqa: E402
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 SUITE = HERE / "mutations.toml"
-DETECTORS = ("verify", "golden", "tests")
-
 # What is run on each mutant, cheapest first; a detector stops at its first failure.
 VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "5", "--stop-at-failure"]
 # What is wrong everywhere alike is the goldens' to see: a short look tells whether it is not.
@@ -46,6 +45,7 @@ TESTS = {
     "jobs/": ["jobs", "porting", "determinism"],
     "platform_sim/": ["determinism"],
     "traces/": ["traces", "jobs", "determinism"],
+    "bench/": ["command"],
 }
 PROGRAMS = sorted({p for programs in TESTS.values() for p in programs})
 # A mutant may hang: it is given what the unmutated copy took, many times over.
@@ -149,8 +149,11 @@ class Bench:
         if detector == "golden":
             return [(f"golden {g[-1]}", [str(self.binary / g[0]), *(w.format(root=ROOT) for w in g[1:])])
                     for g in GOLDEN]
-        return [(p, [str(self.binary / f"tests/pelt_{p}_test"), "--gtest_fail_fast", "--gtest_brief=1"])
-                for p in programs]
+        if detector != "tests":
+            programs = [detector]
+        return [(p, [str(self.binary / f"tests/pelt_{name}_test"), "--gtest_fail_fast", "--gtest_brief=1",
+                     *([f"--gtest_filter={tests}"] if tests else [])])
+                for p in programs for name, _, tests in [p.partition(":")]]
 
     def detect(self, detector, programs, number, area=""):
         total = 0.0
@@ -195,12 +198,12 @@ def run(args, suite):
         fail(f"--shard {args.shard}: not I/N with I from 0 to N - 1")
     wanted = [m for m in suite.mutations if not args.only or m.name in args.only]
     wanted = [m for m in wanted if m.number % shard[1] == shard[0]]
-    detectors = args.detector or DETECTORS
     results = read_results(args.results)
     bench = Bench(args)
     try:
         # Each way a detector is called: one that cannot even start would "catch" everything.
-        for detector, area in [(d, a) for d in detectors for a in (("other", "") if d == "verify" else ("",))]:
+        asked = sorted({d for m in wanted for d in args.detector or m.seen})
+        for detector, area in [(d, a) for d in asked for a in (("other", "") if d == "verify" else ("",))]:
             result = bench.detect(detector, PROGRAMS, 0, area)
             print(f"unmutated: {detector} {'FAILS: ' + result['how'] if result['caught'] else 'passes'}"
                   f" in {result['seconds']} s", flush=True)
@@ -208,7 +211,7 @@ def run(args, suite):
                 fail("the copy does not pass as it is; nothing is told apart from that")
         bench.reached()
         for mutation in wanted:
-            for detector in detectors:
+            for detector in args.detector or mutation.seen:
                 if (mutation.name, detector) in results:
                     continue
                 result = bench.detect(detector, programs_of(mutation), mutation.number, mutation.area)
@@ -221,6 +224,13 @@ def run(args, suite):
                       f"in {result['seconds']} s: {result['how']}", flush=True)
     finally:
         bench.close()
+    if print_missed(wanted, args.detector, read_results(args.results)):
+        sys.exit(1)
+
+
+def must_see(mutation, detector):
+    """Whether the mutation's entry names the detector; the unit tests, also one by name."""
+    return any(s == detector or (detector == "tests" and ":" in s) for s in mutation.seen)
 
 
 def table(args, suite):
@@ -230,39 +240,25 @@ def table(args, suite):
             if key in results:
                 fail(f"{key[0]} is in more than one results file")
             results[key] = entry
-    def hit(mutation, detector):
-        return results.get((mutation.name, detector), {}).get("caught", False)
-
-    def mark(mutation, detector):
-        entry = results.get((mutation.name, detector))
-        if not entry:
-            return "not run"
-        return "**caught**" if entry["caught"] else "passes" if entry["reached"] else "never runs"
-
-    known = [m for m in suite.mutations if any((m.name, d) in results for d in DETECTORS)]
-    print("| mutation | in | area | verify | golden | unit tests |\n|---|---|---|---|---|---|")
-    for m in known:
-        file = pathlib.PurePath(m.sites[0].file).name
-        print(f"| {m.name} | `{file}` | {m.area} | {' | '.join(mark(m, d) for d in DETECTORS)} |")
-    real = [m for m in known if not m.equivalent]
-    anything = [m for m in real if any(hit(m, d) for d in DETECTORS)]
-    print(f"\n{len(known)} mutations, {len(known) - len(real)} of them equivalent. Of the other "
-          f"{len(real)} the three together catch {len(anything)}.\n")
-    print("| area | mutations | verify | golden | unit tests | any |\n|---|---|---|---|---|---|")
+    print("| area | mutations | " + " | ".join(sites.DETECTORS) + " |\n|---|---|---|---|---|")
     for area in sites.AREAS:
-        of = [m for m in real if m.area == area]
-        counts = [sum(hit(m, d) for m in of) for d in DETECTORS] + [sum(m in anything for m in of)]
+        of = [m for m in suite.mutations if m.area == area and m.seen]
+        counts = [sum(must_see(m, d) for m in of) for d in sites.DETECTORS]
         print(f"| {area} | {len(of)} | {' | '.join(map(str, counts))} |")
-    proof = [m for m in real if m.area != "other" and (m.name, "verify") in results]
-    seen = sum(hit(m, "verify") for m in proof)
-    print(f"\n`pelt verify` alone: {seen} of the {len(proof)} of determinism, skips and declared access, "
-          f"{100 * seen / len(proof):.0f} %.")
-    for m in suite.mutations:
-        if m.equivalent:
-            print(f"\n- *{m.name}*: {m.equivalent}")
-    for m in real:
-        if m not in anything:
-            print(f"\nNOT CAUGHT: {m.name}")
+    print_missed(suite.mutations, (), results)
+
+
+def print_missed(mutations, detectors, results):
+    """What was not noticed by whom must, or was not run; True where there is such a thing."""
+    missed = False
+    for m in mutations:
+        for detector in [d for d in m.seen if not detectors or d in detectors]:
+            entry = results.get((m.name, detector))
+            if entry and entry["caught"]:
+                continue
+            missed = True
+            print(f"{m.name}: {detector} {'was not run' if not entry else 'passes' if entry['reached'] else 'never runs it'}")
+    return missed
 
 
 def main():
@@ -277,7 +273,7 @@ def main():
         else:
             sub.add_argument("--shard", default="")
             sub.add_argument("--only", action="append", default=[])
-            sub.add_argument("--detector", action="append", choices=DETECTORS, default=[])
+            sub.add_argument("--detector", action="append", choices=sites.DETECTORS, default=[])
             sub.add_argument("--results", type=pathlib.Path)
     commands.add_parser("table").add_argument("files", type=pathlib.Path, nargs="+")
     args = parser.parse_args()

@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 
 FORMS = ("expression", "statement")
 AREAS = ("determinism", "skips", "access", "other")
+# Besides these a mutation may name the test that must notice it, as "jobs:CallOrder.*".
+DETECTORS = ("verify", "golden", "tests")
 
 
 class SiteError(Exception):
@@ -37,7 +39,8 @@ class Mutation:
     name: str
     area: str
     sites: list[Site]
-    equivalent: str = ""  # why no run can tell; empty: it must be caught
+    seen: tuple[str, ...]  # the detectors that must notice it
+    equivalent: str = ""  # why no run can tell: then nobody must
 
 
 @dataclass
@@ -74,7 +77,10 @@ def read_suite(path: pathlib.Path) -> Suite:
                 raise SiteError(f"{name}: form '{site.form}' is none of {', '.join(FORMS)}")
             if site.at == site.be:
                 raise SiteError(f"{name}: nothing is changed")
-        suite.mutations.append(Mutation(number, name, entry["area"], sites, entry.get("equivalent", "")))
+        seen, equivalent = tuple(entry.get("seen", ())), entry.get("equivalent", "")
+        if bool(seen) == bool(equivalent) or any(s not in DETECTORS and ":" not in s for s in seen):
+            raise SiteError(f"{name}: `seen` names {', '.join(DETECTORS)} or a test, or it is equivalent")
+        suite.mutations.append(Mutation(number, name, entry["area"], sites, seen, equivalent))
     suite.helpers = [Helper(h["file"], h["after"], h["code"]) for h in data.get("helper", [])]
     return suite
 

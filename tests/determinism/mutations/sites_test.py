@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 import sites  # noqa: E402
 
 TEXT = "float f() {\n  return a + b;\n}\nfloat g() {\n  x = y;\n  return a + c;\n}\n"
-HEAD = '[[mutation]]\nname = "{name}"\narea = "other"\nfile = "f.cpp"\n'
+HEAD = '[[mutation]]\nname = "{name}"\narea = "other"\nseen = ["tests"]\nfile = "f.cpp"\n'
 
 
 class Sites(unittest.TestCase):
