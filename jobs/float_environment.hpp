@@ -60,7 +60,7 @@ class FloatEnvironment {
 #else
   FloatEnvironment() {
     std::fegetenv(&saved_);
-    std::fesetround(FE_TONEAREST);
+    std::fesetenv(FE_DFL_ENV);  // rounding, and on 32-bit ARM denormals
   }
   ~FloatEnvironment() { std::fesetenv(&saved_); }
 

@@ -6,8 +6,8 @@
 #                              as a package, big-endian PowerPC under an emulator, clang-tidy; by clang address and
 #                              undefined-behaviour sanitizers on what handles memory, and a thread sanitizer on what
 #                              runs without oneTBB (whose own synchronisation the sanitizer does not understand)
-#   bash tests/run.sh release  before a release: besides that clang Release, g++ Debug, chunks of another size, AArch64,
-#                              Windows, the kernel tests compiled for AVX-512, sanitizers on all but the slow tests,
+#   bash tests/run.sh release  before a release: besides that clang Release, g++ Debug, chunks of another size, other
+#                              processors, Windows, the kernel tests compiled for AVX-512, sanitizers on all but the slow tests,
 #                              each file compiled by itself, and every instruction set in every build
 # Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
 set -euo pipefail
@@ -21,7 +21,8 @@ if [ "$what" != one ]; then
   extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu qemu-user openmpi-bin python3
     libegl1 libgl1-mesa-dri lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
-  if [ "$what" = release ]; then extra+=(g++-aarch64-linux-gnu g++-mingw-w64-x86-64-posix wine64); fi
+  if [ "$what" = release ]; then extra+=(g++-{aarch64,powerpc64le,s390x,riscv64,i686}-linux-gnu g++-arm-linux-gnueabihf
+    g++-mingw-w64-x86-64-posix wine64); fi
 fi
 bash .ci/setup.sh ${extra[@]+"${extra[@]}"}
 jobs=$(nproc)
@@ -96,7 +97,7 @@ case $what in
 one)
   every=("${narrow[@]:--DPELT_ISAS=}" -DPELT_TEST_WIDE_KERNELS=OFF) left_out=(-LE 'gate|release')
   echo "== left to 'bash tests/run.sh all': other instruction sets, sanitizers, packages, other machines, WebAssembly" ;;
-all) echo "== left to 'bash tests/run.sh release': clang Release, g++ Debug, chunks of 64, AArch64, Windows, more under sanitizers" ;;
+all) echo "== left to 'bash tests/run.sh release': clang Release, g++ Debug, chunks of 64, other machines, more under sanitizers" ;;
 release) every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=ON -DPELT_WASM=ON) left_out=() ;;
 esac
 if [ "$what" != one ]; then

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# The same bits on another machine: big-endian PowerPC with AltiVec (the consoles' family) or AArch64 under qemu,
-# Windows (another ABI, C library and thread library) under wine, WebAssembly in Node; and by clang for this one.
-# Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's, and holds what it
-# computes from a recording of tiny against the golden digests. Exit code 77 if the machine's compiler or emulator is
-# missing.
-#   cross_test.sh powerpc|aarch64|windows|wasm|clang BUILD_DIR SOURCE_DIR COMPILER PELT HOST_DIR [FRAMES]
+# The same bits on another machine: a Linux under qemu (the case below says which: two byte orders, 32 and 64 bits, with
+# vectors and without), Windows (another ABI, C library and thread library) under wine, WebAssembly in Node; and by
+# clang for this one. Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's,
+# and holds what it computes from recordings of SCENES against their golden digests, and the recordings that are kept
+# beside those against their own. Exit code 77 if the machine's compiler or emulator is missing.
+#   cross_test.sh MACHINE BUILD_DIR SOURCE_DIR COMPILER PELT HOST_DIR SCENES...
 # COMPILER is the host's; PELT bakes the groom; HOST_DIR has the host's cross_frames and cross_golden. WebAssembly's are
 # built where BUILD_DIR has the module of the page (PELT_WASM), clang's where clang-sanitize stands beside BUILD_DIR: all
 # but themselves is compiled there.
 set -uo pipefail
 export CCACHE_NOHASHDIR=1
-machine=$1 build=$(realpath "$2") source_dir=$(realpath "$3") compiler=$4 pelt=$(realpath "$5") host_dir=$(realpath "$6") frames=${7:-8}
+machine=$1 build=$(realpath "$2") source_dir=$(realpath "$3") compiler=$4 pelt=$(realpath "$5") host_dir=$(realpath "$6") frames=8
+scenes=("${@:7}")
 kept=$build/cross_test/$machine
 mkdir -p "$kept"
 
@@ -43,9 +44,14 @@ run() {
   shift 3
   "$@" "$dir/cross_frames$end" "$kept/tiny.groom" "$frames" | tr -d '\r' >"$kept/$name.out" || fail "$name: exit $?"
   cat "$kept/$name.out"
-  rm -f "$kept/$name.digests"
-  "$@" "$dir/cross_golden$end" "$kept/tiny.peltinput" "$kept/$name.digests" || fail "$name: another digest than recorded"
-  "$pelt" diff "$source_dir/traces/golden/tiny.digests" "$kept/$name.digests" || fail "$name: not the golden digests"
+  local recording scene
+  for recording in "${recordings[@]}"; do
+    scene=$(basename "$recording" .peltinput)
+    rm -f "$kept/$name.digests"
+    "$@" "$dir/cross_golden$end" "$recording" "$kept/$name.digests" || fail "$name, $scene: another digest than recorded"
+    [ "$recording" = "$kept/$scene.peltinput" ] || continue
+    "$pelt" diff "$golden/$scene.digests" "$kept/$name.digests" || fail "$name, $scene: not the golden digests"
+  done
   grep '^same' "$kept/$name.out" >"$kept/$name.same"
   [ "$(wc -l <"$kept/$name.same")" -eq 3 ] || fail "$name: printed no digest"
   echo "== $name: ran in $((SECONDS - start)) s"
@@ -53,17 +59,22 @@ run() {
 combinations() { grep -c '^here .*the same digest' "$kept/$1.out"; }  # of kernels and executor
 
 end="" prefix=(env) arguments=() folder=$kept/build programs=$kept/build
+linux() {  # COMPILER'S TRIPLET PROCESSOR FLAGS EMULATOR [its arguments]
+  local triplet=$1 processor=$2 flags=$3
+  shift 3
+  has "g++-$triplet qemu-user" "$triplet-g++" "$1"
+  prefix=("$@")
+  arguments=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR="$processor" -DCMAKE_CXX_COMPILER="$triplet-g++"
+    "-DCMAKE_CXX_FLAGS=$flags" -DCMAKE_EXE_LINKER_FLAGS=-static)
+}
 case $machine in
-powerpc)
-  has "g++-powerpc-linux-gnu qemu-user" powerpc-linux-gnu-g++ qemu-ppc
-  prefix=(qemu-ppc -cpu 7447a)
-  arguments=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=ppc -DCMAKE_CXX_COMPILER=powerpc-linux-gnu-g++
-    "-DCMAKE_CXX_FLAGS=-mcpu=cell -maltivec -mno-powerpc-gpopt -mno-mfcrf" -DCMAKE_EXE_LINKER_FLAGS=-static) ;;
-aarch64)
-  has "g++-aarch64-linux-gnu qemu-user" aarch64-linux-gnu-g++ qemu-aarch64
-  prefix=(qemu-aarch64)
-  arguments=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++
-    -DCMAKE_EXE_LINKER_FLAGS=-static) ;;
+powerpc) linux powerpc-linux-gnu ppc "-mcpu=cell -maltivec -mno-powerpc-gpopt -mno-mfcrf" qemu-ppc -cpu 7447a ;;
+ppc64le) linux powerpc64le-linux-gnu ppc64le "" qemu-ppc64le ;;
+s390x) linux s390x-linux-gnu s390x "" qemu-s390x ;;
+aarch64) linux aarch64-linux-gnu aarch64 "" qemu-aarch64 ;;
+armhf) linux arm-linux-gnueabihf arm "-mfpu=vfpv3-d16" qemu-arm ;;  # NEON's vectors have no denormals there
+riscv64) linux riscv64-linux-gnu riscv64 "" qemu-riscv64 ;;
+i686) linux i686-linux-gnu i686 "-msse2 -mfpmath=sse" qemu-i386 ;;
 windows)
   # Debian's wine64 is not on the path; the package `wine` puts a wrapper there.
   wine=$(command -v wine64 || command -v wine || { [ -x /usr/lib/wine/wine64 ] && echo /usr/lib/wine/wine64; }) || wine=""
@@ -94,18 +105,22 @@ command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 built "$folder" "${arguments[@]}"
 
 "$pelt" bake --setup tiny --out "$kept/tiny.groom" >/dev/null || exit 1
-# As many frames as the golden digests have.
-"$pelt" trace record --scene tiny --frames 20 --out "$kept/tiny.peltinput" >/dev/null || exit 1
+golden=$source_dir/traces/golden
+shopt -s nullglob
+recordings=("$golden"/*.peltinput)
+for scene in "${scenes[@]}"; do  # as many frames as the golden digests have
+  "$pelt" trace record --scene "$scene" --frames "$(sed -n 's/^frames //p' "$golden/$scene.digests")" \
+    --out "$kept/$scene.peltinput" >/dev/null || exit 1
+  recordings+=("$kept/$scene.peltinput")
+done
 run host "$host_dir" "" env
 run "$machine" "$programs" "$end" "${prefix[@]}"
 diff "$kept/host.same" "$kept/$machine.same" >&2 || fail "other bits than the host"
 case $machine in
-powerpc) grep -q 'big-endian' "$kept/powerpc.out" || fail "powerpc is not big-endian" ;;
+powerpc | s390x) grep -q 'big-endian' "$kept/$machine.out" || fail "$machine is not big-endian" ;;
 windows)
   [ "$(combinations windows)" -ge "$(combinations host)" ] || fail "$(combinations windows) combinations of kernels and executor, the host has $(combinations host)" ;;
-wasm)  # what a page shows
-  "$pelt" trace record --scene monster --frames 10 --out "$kept/monster.peltinput" >/dev/null || exit 1
-  "${prefix[@]}" "$programs/cross_golden" "$kept/monster.peltinput" "$kept/monster.digests" || fail "another digest of monster than recorded"
+wasm)
   grep -q '32-bit' "$kept/wasm.out" || fail "wasm has no 32-bit pointers"
   [ "$(combinations wasm)" -eq 6 ] || fail "wasm ran without its vectors" ;;
 esac
