@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "core/bind_pose.hpp"
+#include "core/groom/groom_file.hpp"
+#include "jobs/pelt.h"
+#include "tests/jobs/tiny_scene.hpp"
+
 namespace pelt {
 namespace {
 
@@ -82,6 +87,61 @@ TEST(ColliderCourse, WhatMovesWithoutAVelocityPushesAtOnce) {
   in.sphere_count = 2;
   pushes(0, 0, 0, "with a velocity, and one that was not there");
   EXPECT_EQ(course.Next(in).sphere_step[1].at_once, 0u);
+}
+
+// Three frames of a bar that sweeps through the fur, its far end at a speed of its own.
+template <class NextDigest>
+std::vector<uint64_t> Swept(float end_speed, const NextDigest& next) {
+  std::vector<uint64_t> digests;
+  for (int f = 0; f < 3; ++f)
+    digests.push_back(next(f / 60.0, CapsuleCollider{.from = {-0.6f, 0.6f, 0.2f + 0.02f * float(f)},
+                                                     .to = {0.6f, 0.6f, 0.2f + 0.02f * float(f)},
+                                                     .radius = 0.2f,
+                                                     .from_velocity = {0.0f, 0.0f, 1.2f},
+                                                     .to_velocity = {0.0f, 0.5f, end_speed}}));
+  return digests;
+}
+
+TEST(ColliderCourse, BarsComeInByTheCInterface) {
+  const Scenario scenario = testing::TinyScenario();
+  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
+  const auto ours = [&](float end_speed) {
+    RunningScenario own(const_cast<Scenario&>(scenario), {});
+    FillBindPose(scenario.grooms[0], own.scene().Pose(0));
+    return Swept(end_speed, [&](double time_s, const CapsuleCollider& bar) {
+      FrameInput input;
+      input.time_s = time_s;
+      input.capsule_count = 1;
+      input.capsule[0] = bar;
+      EXPECT_EQ(own.scene().BeginFrame(input), nullptr);
+      EXPECT_EQ(SerialExecutor().Run(own.scene().CurrentFrame()), nullptr);
+      return own.scene().DigestFrame();
+    });
+  };
+  const PeltBytes groom = {file.data(), file.size()};
+  char why[200] = "";
+  PeltScene* scene = pelt_create(&groom, 1, nullptr, why, sizeof why);
+  ASSERT_TRUE(scene) << why;
+  const auto theirs = Swept(1.2f, [&](double time_s, const CapsuleCollider& bar) {
+    PeltCapsule capsule{};
+    std::copy_n(bar.from, 3, capsule.from);
+    std::copy_n(bar.to, 3, capsule.to);
+    std::copy_n(bar.from_velocity, 3, capsule.from_velocity);
+    std::copy_n(bar.to_velocity, 3, capsule.to_velocity);
+    capsule.radius = bar.radius;
+    capsule.joint = PELT_FREE;
+    PeltFrame frame;
+    pelt_default_frame(&frame);
+    frame.time_s = time_s;
+    frame.capsules = &capsule;
+    frame.capsule_count = 1;
+    EXPECT_EQ(pelt_begin(scene, &frame), nullptr);
+    EXPECT_EQ(pelt_run(scene, nullptr), nullptr);
+    return pelt_digest(scene);
+  });
+  pelt_destroy(scene);
+  EXPECT_EQ(theirs, ours(1.2f));
+  EXPECT_NE(theirs, ours(0.0f));
 }
 
 }  // namespace

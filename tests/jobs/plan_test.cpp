@@ -305,5 +305,11 @@ TEST(Plan, MeasuresTheKindThatNeedsMost) {
   EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(KeyBlock) + 2 * sizeof(RowBlock));
 }
 
+TEST(Plan, MeasuresTheLargestLayerOfAKind) {
+  const SceneShape shape = MakeShape({{0, 0, 3}, {0, 0, 9}, {0, 0, 2}});
+  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, shape, {}).OrThrow();
+  EXPECT_EQ(FindStream(plan.passes[0], StreamOf<&Toys::keys>).bytes, 9 * sizeof(KeyBlock));
+}
+
 }  // namespace
 }  // namespace pelt

@@ -109,6 +109,10 @@ TEST(FurSceneState, AChangedWeightIsFeltWithoutAJump) {
 
 TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
   Scenario scenario = TinyScenario(), fewer = TinyScenario(), other_kind = TinyScenario();
+  Scenario other_mesh = TinyScenario(), other_root = TinyScenario();
+  reinterpret_cast<unsigned char&>(other_mesh.grooms[0].mesh[1]) ^= 1;
+  std::swap(other_root.grooms[0].strands[0].vertex[0][0],
+            other_root.grooms[0].strands[0].vertex[1][0]);
   fewer.grooms[0].strands[0].strand_count -= 1;
   Solver& solver = other_kind.grooms[0].layers[0].params.solver;
   solver = solver == Solver::kModal ? Solver::kPbd : Solver::kModal;
@@ -116,6 +120,8 @@ TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
   for (uint32_t f = 0; f < 3; ++f) ASSERT_EQ(RunOne(straight, f), RunOne(running, f));
   EXPECT_FALSE(running.GoOnWith(fewer));
   EXPECT_FALSE(running.GoOnWith(other_kind));
+  EXPECT_FALSE(running.GoOnWith(other_mesh));
+  EXPECT_FALSE(running.GoOnWith(other_root));
   EXPECT_EQ(RunOne(straight, 3), RunOne(running, 3));
 }
 
