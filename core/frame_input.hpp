@@ -19,12 +19,14 @@ struct Weather {
   float dirt = 0.0f;
 };
 
+// Level of detail: a layer's share of strands follows the size of its box on the screen, where
+// skip.lod is on (core/kernels/select_lod.hpp).
 struct LodSettings {
-  float full_detail_px = 400.0f;  // on-screen size from which a layer has all its strands
-  float min_fraction = 0.05f;
-  float hysteresis = 0.1f;
-  float fade_share = 0.1f;
-  uint32_t strand_budget = 0;  // 0: no budget
+  float full_detail_px = 400.0f;  // box diagonal on the screen from which all strands live, px
+  float min_fraction = 0.05f;     // least share of a layer in view before the budget, 0 to 1
+  float hysteresis = 0.1f;        // change of the share, over the share, that it follows, 0 to 1
+  float fade_share = 0.1f;        // of the living strands, the last, that fade out, 0 to 1
+  uint32_t strand_budget = 0;     // living strands over all layers in view; 0: no budget
   // Modal layers of default quality are simulated in `fast` while its error is at most this on the
   // screen (modal/quality_on_screen.hpp); whether skip.lod is on or not. 0: never.
   float fast_quality_px = 0.5f;
@@ -34,8 +36,13 @@ struct LodSettings {
 // into view: it starts from its groom. All others, and culling while every layer is seen, change no
 // bit.
 struct SkipSettings {
-  bool sleep = true, unmoved = true, sort = true, cull = true, wind = true, light = true,
-       lod = false;
+  bool sleep = true;    // chunks at rest are not simulated
+  bool unmoved = true;  // what no joint moved is not skinned
+  bool sort = true;     // layers are not sorted and written again where nothing changed
+  bool cull = true;     // layers outside the view are not computed
+  bool wind = true;     // still air is not computed
+  bool light = true;    // layers are not lit again where nothing changed
+  bool lod = false;     // strands, and shells, that are too far to be told apart (LodSettings)
 };
 
 // An arm, a collar, a hand: what a ball covers on its way from one point to another. Free, or bound
@@ -45,7 +52,7 @@ struct CapsuleCollider {
   // Ends of the axis. Free: in the world, m. Bound: where the joint's own space has them, in the
   // units of the character file.
   float from[3] = {}, to[3] = {};
-  float radius = 0.0f;     // m
+  float radius = 0.0f;     // m, bound or free
   uint32_t character = 0;  // whose joint it is; nothing to a free one
   uint32_t joint = kFree;  // as in Groom::joint_names
   // Of a free one's ends, m/s in the world, in the frame that ends where they are. A bound one's are
@@ -66,28 +73,32 @@ struct PaintBrush {
   float amount = 0.0f;    // -1 to 1, of the most that a strand can have; below 0: takes away
 };
 
+// Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value is
+// beyond 1e6; BeginFrame says which one is. jobs/README.md has a table of all, with their names in C.
 struct FrameInput {
-  double dt_s = 1.0 / 60.0;  // 1e-6 to 1; or 0: a pause
-  double time_s = 0.0;
+  // The time that passes in the frame, which ends in what it is told: 1e-6 to 1 s; or 0: a pause.
+  double dt_s = 1.0 / 60.0;
+  double time_s = 0.0;  // at its end, 0 to 1e9 s: where the wind is in its course
   // What the places below are relative to, world, m. Not 0 only in scenes whose characters have
   // origins (SceneOptions::origins).
   double origin[3] = {};
   Camera camera;
   WindSetup wind;
-  float gravity[3] = {0.0f, -9.81f, 0.0f};
+  float gravity[3] = {0.0f, -9.81f, 0.0f};  // m/s^2
   bool use_ground = false;
-  float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};  // n.x + d >= 0 is above
-  float ground_velocity[3] = {};               // m/s, as a sphere's
-  uint32_t sphere_count = 0;
-  float sphere[kSpheresPerScene][4] = {};  // centre, radius
+  // A plane that strands stay above: a unit normal n and d, m; n . x + d >= 0 is above.
+  float ground[4] = {0.0f, 1.0f, 0.0f, 0.0f};
+  float ground_velocity[3] = {};  // m/s, as a sphere's
+  uint32_t sphere_count = 0;      // of `sphere` and its velocities; the rest is not looked at
+  float sphere[kSpheresPerScene][4] = {};  // centre, radius; m
   // m/s, in the frame that ends where the sphere is: there it moves along, meets what is in its way
   // and takes it with it. 0: it stands where it is, for layers with the modal solver as for others.
   float sphere_velocity[kSpheresPerScene][3] = {};
-  uint32_t capsule_count = 0;
+  uint32_t capsule_count = 0;  // of `capsule`
   CapsuleCollider capsule[kCapsulesPerScene];
   std::span<const Weather> weather;  // one a character; empty: dry and clean
   Lighting lighting;
-  uint32_t brush_count = 0;
+  uint32_t brush_count = 0;            // of `brush`
   PaintBrush brush[kBrushesPerScene];  // one after the other: the last has the last word
   LodSettings lod;
   SkipSettings skip;

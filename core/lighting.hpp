@@ -24,16 +24,16 @@ struct SphereLight {
 
 // What was measured, or painted, of the surroundings at one place: a sky above a ground.
 struct IrradianceSample {
-  float position[3] = {};  // m, world
-  float falloff = 1.0f;    // m: its weight falls to 0 there
-  float sky[3] = {};       // radiance, linear
-  float ground[3] = {};
+  float position[3] = {};            // m, world
+  float falloff = 1.0f;              // m: its weight falls to 0 there
+  float sky[3] = {};                 // radiance, linear
+  float ground[3] = {};              // likewise
   float up[3] = {0.0f, 1.0f, 0.0f};  // unit, world
 };
 
 struct Lighting {
-  uint32_t light_count = 0;
-  uint32_t sample_count = 0;
+  uint32_t light_count = 0;   // of `light`; the rest is not looked at
+  uint32_t sample_count = 0;  // of `sample`
   SphereLight light[kLightsPerScene];
   IrradianceSample sample[kIrradianceSamplesPerScene];
   float sun_direction[3] = {0.0f, 1.0f, 0.0f};  // unit, towards it

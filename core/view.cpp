@@ -61,9 +61,9 @@ void Store(float (&out)[3], Double3 a) {
 constexpr double kSmallestFov = 1e-3, kLargestFov = 3.1;
 
 bool AllFinite(const Camera& c) {
-  const float values[] = {c.position[0],
-                          c.position[1],
-                          c.position[2],
+  const float values[] = {c.eye[0],
+                          c.eye[1],
+                          c.eye[2],
                           c.target[0],
                           c.target[1],
                           c.target[2],
@@ -84,8 +84,8 @@ bool AllFinite(const Camera& c) {
 
 const char* FindCameraFault(const Camera& c) {
   if (!AllFinite(c)) return "a camera value is not finite";
-  if (!(Length(ToDouble(c.target) - ToDouble(c.position)) > 1e-12))
-    return "the camera's target is its position";
+  if (!(Length(ToDouble(c.target) - ToDouble(c.eye)) > 1e-12))
+    return "the camera's target is its eye";
   if (!(c.vertical_fov_rad >= kSmallestFov && c.vertical_fov_rad <= kLargestFov))
     return "the camera's field of view must be between 0.001 and 3.1 radians";
   if (!(c.viewport_width_px >= 1.0f && c.viewport_height_px >= 1.0f))
@@ -96,7 +96,7 @@ const char* FindCameraFault(const Camera& c) {
 }
 
 View MakeView(const Camera& camera) {
-  const Double3 eye = ToDouble(camera.position);
+  const Double3 eye = ToDouble(camera.eye);
   const Double3 forward = NormalizeOr(ToDouble(camera.target) - eye, {0.0, 0.0, -1.0});
   const Double3 wanted_up = NormalizeOr(ToDouble(camera.up), FarthestAxis(forward));
   Double3 right = Cross(forward, wanted_up);

@@ -11,16 +11,19 @@
 
 namespace pelt {
 
-// World space, right-handed, metres.
+// World space, right-handed, metres: what is seen, drawn far to near for, and how large it is there.
 struct Camera {
-  float position[3] = {0.0f, 1.0f, 3.0f};
-  float target[3] = {0.0f, 1.0f, 0.0f};
-  float up[3] = {0.0f, 1.0f, 0.0f};
-  float vertical_fov_rad = 0.9f;  // whole angle, in (0, pi)
-  float viewport_width_px = 1280.0f;
-  float viewport_height_px = 720.0f;
-  float near_m = 0.05f;
-  float far_m = 1000.0f;
+  union {
+    float eye[3] = {0.0f, 1.0f, 3.0f};  // where it is
+    float position[3];                  // the same, by its name of before
+  };
+  float target[3] = {0.0f, 1.0f, 0.0f};  // a place that it looks at, at any distance but 0
+  float up[3] = {0.0f, 1.0f, 0.0f};      // upwards in the picture; of any length, need not be exact
+  float vertical_fov_rad = 0.9f;         // whole angle, in (0, pi)
+  float viewport_width_px = 1280.0f;     // from 1 on; with the height the aspect ratio
+  float viewport_height_px = 720.0f;     // from 1 on; by it level of detail knows sizes in pixels
+  float near_m = 0.05f;                  // in front of the eye, from 1e-4 on
+  float far_m = 1000.0f;                 // beyond near_m
 };
 
 struct View {
@@ -32,7 +35,7 @@ struct View {
 };
 
 // Null when the camera can make a view, otherwise the reason it cannot: a value is not finite,
-// target and position coincide, or fov, viewport, near or far is out of range.
+// target and eye coincide, or fov, viewport, near or far is out of range.
 const char* FindCameraFault(const Camera& camera);
 
 // The view of a camera. A faulty camera (above) gives a finite view all the same: the fault is

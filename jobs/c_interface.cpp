@@ -101,6 +101,7 @@ Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count
   options.memory_budget_bytes = wanted.memory_budget_bytes;
   options.velocities = wanted.velocities != 0;
   options.origins = wanted.origins != 0;
+  options.any_scale = wanted.any_scale != 0;
 
   auto made = std::make_unique<PeltScene>();
   if (const auto read = ReadGrooms(files, count, *made); !read) return Failure{read.error()};
@@ -187,7 +188,7 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
                       pelt::FrameInput& to) {
   to.dt_s = from.dt_s;
   to.time_s = from.time_s;
-  Copy(from.eye, to.camera.position);
+  Copy(from.eye, to.camera.eye);
   Copy(from.target, to.camera.target);
   Copy(from.up, to.camera.up);
   to.camera.vertical_fov_rad = from.vertical_fov_rad;
@@ -197,7 +198,7 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
   to.camera.far_m = from.far_m;
   std::copy_n(from.origin, 3, to.origin);
   Copy(from.gravity, to.gravity);
-  Copy(from.wind, to.wind.velocity);
+  Copy(from.wind_velocity, to.wind.velocity);
   to.wind.gust_strength = from.gust_strength;
   to.wind.gust_period_s = from.gust_period_s;
   to.wind.turbulence = from.turbulence;
@@ -286,6 +287,15 @@ const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t
   return scene->GroomOf(character)->joint_names[joint].c_str();
 }
 
+uint32_t pelt_strand_count(const PeltScene* scene, uint32_t layer) {
+  return layer < pelt_layer_count(scene) ? scene->scene->StrandCount(layer) : 0;
+}
+
+float pelt_unit_scale(const PeltScene* scene, uint32_t character) {
+  const pelt::Groom* groom = scene ? scene->GroomOf(character) : nullptr;
+  return groom ? groom->unit_scale : 0.0f;
+}
+
 const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
                            const PeltJoint* local) {
   if (!scene) return kNoScene;
@@ -349,7 +359,7 @@ void pelt_default_frame(PeltFrame* frame) {
   *frame = {};
   const pelt::FrameInput in;
   frame->dt_s = in.dt_s;
-  Copy(in.camera.position, frame->eye);
+  Copy(in.camera.eye, frame->eye);
   Copy(in.camera.target, frame->target);
   Copy(in.camera.up, frame->up);
   frame->vertical_fov_rad = in.camera.vertical_fov_rad;
@@ -393,6 +403,8 @@ const char* pelt_refused_pose(PeltScene* scene, uint32_t character) {
       return (scene->text = pelt::DescribeRefusedPose(refused)).c_str();
   return nullptr;
 }
+
+const char* pelt_note(PeltScene* scene) { return scene ? scene->scene->NextNote() : kNoScene; }
 
 const char* pelt_run(PeltScene* scene, const PeltDoor* door) {
   if (!scene) return kNoScene;

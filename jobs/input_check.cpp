@@ -39,7 +39,7 @@ bool IsUnit(const float* n) {
 
 const char* FindCameraRangeFault(const Camera& c) {
   if (const char* fault = FindCameraFault(c)) return fault;
-  if (!AreUsable(c.position, 3)) return "the camera's position is beyond 1e6";
+  if (!AreUsable(c.eye, 3)) return "the camera's eye is beyond 1e6";
   if (!AreUsable(c.target, 3)) return "the camera's target is beyond 1e6";
   return AreUsable(c.up, 3) ? nullptr : "the camera's up vector is beyond 1e6";
 }

@@ -70,6 +70,8 @@ typedef struct PeltSceneOptions {
   /* Not 0: each character has an origin (pelt_set_origin), which its placement and all that is drawn
    * of it are relative to: as fine far from the world's origin as at it. */
   int origins;
+  /* Not 0: characters are meant to be of any size beside their groom's, no note of it (pelt_note). */
+  int any_scale;
 } PeltSceneOptions;
 
 /* A scene of `count` characters, one groom file (`pelt bake`) in memory for each; the bytes are
@@ -84,6 +86,11 @@ uint32_t pelt_layer_count(const PeltScene* scene);
 const char* pelt_layer_name(const PeltScene* scene, uint32_t layer);
 uint32_t pelt_joint_count(const PeltScene* scene, uint32_t character);
 const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t joint);
+/* The most strands that a draw of the layer can have, as long as the scene lives. */
+uint32_t pelt_strand_count(const PeltScene* scene, uint32_t layer);
+/* Metres that a unit of the character's file is long, as its groom was baked: 0.01 of a file in
+ * centimetres. */
+float pelt_unit_scale(const PeltScene* scene, uint32_t character);
 
 /* ---- A frame ---- */
 
@@ -96,7 +103,11 @@ typedef struct PeltJoint {
 /* The transform of a joint relative to its parent, as the character file has it. */
 const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
                            const PeltJoint* local);
-/* Where the character stands: row-major 3x4. `teleported`: its fur starts from its groom. */
+/* Where the character stands: row-major 3x4, from the character file's units to metres, so that its
+ * scale is pelt_unit_scale where the character has the size that it was baked for (a placement of
+ * scale 1 makes one of a file in centimetres 100 times too large). Lengths and widths of its fur are
+ * the groom's times what the scale is beside pelt_unit_scale. `teleported`: its fur starts from its
+ * groom. */
 const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12], int teleported);
 
 /* What pelt_place's root is relative to, world, m; 0 until it is set. To be moved with the character,
@@ -170,19 +181,30 @@ typedef struct PeltBrush {
   float amount;     /* -1 to 1, of the most that a strand can have; below 0: takes away */
 } PeltBrush;
 
+/* Places and directions are the world's: right-handed, metres. jobs/README.md has a table of all that
+ * a frame is told. */
 typedef struct PeltFrame {
-  double dt_s;   /* 1e-6 to 1; or 0: a pause */
-  double time_s; /* 0 or later */
+  double dt_s;   /* the time that passes in the frame: 1e-6 to 1; or 0: a pause */
+  double time_s; /* at its end, 0 or later: where the wind is in its course */
   /* The camera: world space, right-handed, metres. */
-  float eye[3], target[3], up[3];
-  float vertical_fov_rad, viewport_width_px, viewport_height_px, near_m, far_m;
-  float gravity[3]; /* m/s^2 */
-  float wind[3];    /* mean, m/s */
-  float gust_strength, gust_period_s, turbulence, turbulence_scale_m;
+  float eye[3], target[3],
+      up[3];              /* where it is, a place that it looks at, upwards; up of any length */
+  float vertical_fov_rad; /* whole angle, in (0, pi) */
+  float viewport_width_px, viewport_height_px; /* from 1 on */
+  float near_m, far_m; /* in front of the eye, from 1e-4 on; beyond near_m */
+  float gravity[3];    /* m/s^2 */
+  union {
+    float wind_velocity[3]; /* mean of the air over time, m/s */
+    float wind[3];          /* the same, by its name of before */
+  };
+  float gust_strength;      /* 0.5: gusts swing the velocity by up to half of it */
+  float gust_period_s;      /* of the slowest sine; from 1e-3 on */
+  float turbulence;         /* most that an eddy adds along an axis, m/s */
+  float turbulence_scale_m; /* size of an eddy; from 1e-3 on */
   int use_ground;
   float ground[4];           /* n.x + d >= 0 is above; n is unit */
   uint32_t sphere_count;     /* at most 8 */
-  const float (*spheres)[4]; /* centre, radius */
+  const float (*spheres)[4]; /* centre, radius; m */
   /* Of each sphere and of the ground, m/s, in the frame that ends where they are: they move along in
    * it and take strands with them. NULL: they stand still. */
   const float (*sphere_velocities)[3];
@@ -199,9 +221,13 @@ typedef struct PeltFrame {
   const PeltBrush* brushes;
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
-  float full_detail_px, min_fraction, hysteresis, fade_share; /* level of detail */
-  uint32_t strand_budget;                                     /* 0: no budget */
-  /* Error on the screen up to which modal layers of default quality are simulated in `fast`; 0: never. */
+  /* Level of detail, with PELT_LOD. The box diagonal on the screen from which a layer has all its
+   * strands, px; the least share of them, the change of the share over the share that it follows, and
+   * the share of the living strands that fade out, each 0 to 1. */
+  float full_detail_px, min_fraction, hysteresis, fade_share;
+  uint32_t strand_budget; /* living strands over all layers in view; 0: no budget */
+  /* Error on the screen, px, up to which modal layers of default quality are simulated in `fast`; 0:
+   * never. */
   float fast_quality_px;
   uint32_t skip; /* PeltSkip */
   /* What the places above are relative to, world, m; not 0 only in a scene that has origins. */
@@ -216,6 +242,10 @@ const char* pelt_begin(PeltScene* scene, const PeltFrame* frame);
 /* Why a character's pose was not used by the last pelt_begin (it keeps its last one); NULL when it
  * was. */
 const char* pelt_refused_pose(PeltScene* scene, uint32_t character);
+/* What looks like a mistake in frames that were begun and is computed all the same: that a character
+ * is placed over 10 times larger or smaller than its groom was baked for. Told once for each
+ * character; NULL: nothing more. */
+const char* pelt_note(PeltScene* scene);
 
 /* Runs the frame and returns when it is done. `door` NULL: on the calling thread alone. The door
  * may change from frame to frame; what is kept for it is made when it does. */

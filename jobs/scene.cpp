@@ -70,7 +70,8 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       colliders_(params_.size()),
       given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
       origins_(options.origins ? layout_.shape.character_count : 0),
-      scales_(layout_.shape.character_count, 1.0f) {
+      scales_(layout_.shape.character_count, 1.0f),
+      scale_notes_(layout_.shape.character_count, Note::kNone) {
   draws_.reserve(layout_.shape.layer_count);
   fault_.reserve(256);
 }
@@ -176,6 +177,22 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
   return fault;
 }
 
+const char* FurScene::NextNote() {
+  const auto next = std::find(scale_notes_.begin(), scale_notes_.end(), Note::kToTell);
+  if (next == scale_notes_.end()) return nullptr;
+  *next = Note::kTold;
+  const auto character = uint32_t(next - scale_notes_.begin());
+  const float scale = scales_[character];
+  fault_.clear();
+  FormatTo(
+      fault_,
+      "character {} is placed {:.3g} times {} than its groom was baked for: a placement of its "
+      "own size has the groom's unit_scale, {:.6g}, as scale. If it is meant: any_scale",
+      character, scale > 1.0f ? scale : 1.0f / scale, scale > 1.0f ? "larger" : "smaller",
+      pose_gate_.UnitScale(character));
+  return fault_.c_str();
+}
+
 bool FurScene::CopyStateFrom(const FurScene& other) {
   const SceneShape &mine = layout_.shape, &its = other.layout_.shape;
   if (layout_.total_bytes != other.layout_.total_bytes ||
@@ -247,7 +264,7 @@ uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
   uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) +
+                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
                  bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
                  bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
                  bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +

@@ -55,6 +55,8 @@ struct SceneOptions {
   // What the scene's block may have. A scene that needs more is refused when it is measured, with
   // the largest ranges and what would help. 0: no budget.
   uint64_t memory_budget_bytes = 0;
+  // Characters are meant to be of any size beside their groom's: no note of it (NextNote).
+  bool any_scale = false;
 };
 
 // One named piece of a scene's memory.
@@ -167,6 +169,12 @@ class FurScene {
     return memory_.paused ? std::span<const RefusedPose>() : pose_gate_.refused();
   }
 
+  // What looks like a mistake in frames that were begun and is computed all the same: that a character
+  // is placed over 10 times larger or smaller than its groom was baked for, as one is whose placement
+  // forgets the groom's unit_scale. Told once for each character; null: nothing more. The text lives
+  // until the next call.
+  const char* NextNote();
+
   // Takes over the other scene's state, as it is between two frames: from here on both give the
   // same bits for the same input. For going back to an earlier frame, or trying one out. False, and
   // nothing done, when the other is not of the same grooms and options that shape its memory.
@@ -189,6 +197,10 @@ class FurScene {
   // unchanged by frames.
   uint64_t HeapBytes() const;
   std::string_view LayerName(uint32_t layer) const { return layer_names_[layer]; }
+  // The most that a draw of the layer can have, as long as the scene lives; 0 of shells.
+  uint32_t StrandCount(uint32_t layer) const {
+    return layer_params_[layer].output == Output::kShells ? 0 : layer_strands_[layer];
+  }
 
   // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
   // frame is begun or runs. The list is the scene's, and good until the next call.
@@ -247,6 +259,8 @@ class FurScene {
   std::vector<double> given_origins_;      // of characters, three each; empty: they have none
   std::vector<CharacterOrigin> origins_;   // likewise
   std::vector<float> scales_;              // of each character, over its groom's
+  enum class Note : uint8_t { kNone, kToTell, kTold };
+  std::vector<Note> scale_notes_;  // of each character
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

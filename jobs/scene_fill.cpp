@@ -47,6 +47,9 @@ float ScaleOf(const float (&root)[12], float unit_scale, float last) {
   return std::abs(scale - double(last)) <= kSame * double(last) ? last : float(scale);
 }
 
+// Over 10 times larger or smaller than baked, and not by a rounding.
+bool LooksMistaken(float scale) { return scale > 10.001f || scale < 0.09999f; }
+
 }  // namespace
 
 void FurScene::FillFrame(const FrameInput& input) {
@@ -100,10 +103,13 @@ void FurScene::FillOrigins() {
 
 // How much larger a character is than its groom.
 void FurScene::FillScales() {
-  for (uint32_t c = 0; c < scales_.size(); ++c)
+  for (uint32_t c = 0; c < scales_.size(); ++c) {
     if (!pose_gate_.holds_pose()[c])
       scales_[c] =
           ScaleOf(memory_.Of<&Streams::pose>(c)->root, pose_gate_.UnitScale(c), scales_[c]);
+    if (!options_.any_scale && scale_notes_[c] == Note::kNone && LooksMistaken(scales_[c]))
+      scale_notes_[c] = Note::kToTell;
+  }
 }
 
 // Time stands still: state, layers, poses and level of detail stay what they are, and so does what

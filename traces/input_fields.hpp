@@ -16,7 +16,7 @@ namespace pelt {
 void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersion) {
   archive("dt_s", in.dt_s);
   archive("time_s", in.time_s);
-  archive("camera.position", in.camera.position);
+  archive("camera.eye", in.camera.eye);
   archive("camera.target", in.camera.target);
   archive("camera.up", in.camera.up);
   archive("camera.vertical_fov_rad", in.camera.vertical_fov_rad);

@@ -69,11 +69,13 @@ struct Course {
   std::function<void(Scenario&, int frame)> before = [](Scenario&, int) {};
   std::function<void(FrameInput&, FurScene&, int frame)> change = [](FrameInput&, FurScene&, int) {
   };
+  bool any_scale = false;  // SceneOptions::any_scale: else a note of it is an error
 };
 
 class CourseRun {
  public:
-  CourseRun(Course& course, Isa isa) : course_(course), run_(course.scenario, Options(isa)) {}
+  CourseRun(Course& course, Isa isa)
+      : course_(course), run_(course.scenario, Options(course, isa)) {}
 
   // A frame; `steps` times with the clip's time in between.
   std::vector<Strand> Step() {
@@ -83,15 +85,17 @@ class CourseRun {
         run_.Prepare(frame_++, course_.scenario.base.skip, course_.scenario.base.lod);
     course_.change(input, run_.scene(), from);
     if (!run_.TryBegin(input)) throw Error(run_.RefusalText(frame_ - 1));
+    if (const char* note = run_.scene().NextNote()) throw Error(note);
     SerialExecutor().Run(run_.scene().CurrentFrame());
     return ReadStrands(run_.scene());
   }
   const FurScene& scene() const { return run_.scene(); }
 
  private:
-  static SceneOptions Options(Isa isa) {
+  static SceneOptions Options(const Course& course, Isa isa) {
     SceneOptions options;
     options.isa = isa;
+    options.any_scale = course.any_scale;
     return options;
   }
   Course& course_;
@@ -254,6 +258,7 @@ std::vector<glm::mat4> PlacementsOf(const Scenario& scenario) {
 SceneStressResult Scaled(float scale, Isa isa) {
   Course course = Plain();
   ScalePlacement(course.scenario, PlacementsOf(course.scenario), scale);
+  course.any_scale = true;
   course.scenario.base.skip.cull = false;
   return RunBeside(fmt::format("a character {} times as large", scale), std::move(course), nullptr,
                    isa);

@@ -29,7 +29,7 @@ namespace {
                                 exponent] = lighting;
   [[maybe_unused]] const auto& [light_at, light_radius, rgb, range] = light[0];
   [[maybe_unused]] const auto& [sample_at, falloff, sky, below, above] = sample[0];
-  [[maybe_unused]] const auto& [position, target, up, fov, width, height, near_m, far_m] = camera;
+  static_assert(sizeof(camera) == 14 * sizeof(float));  // its eye has two names, and so no binding
   [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
   [[maybe_unused]] const auto& [detail, least, hysteresis, fade, budget, fast] = lod;
   [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, light_too, lod_too] = skip;

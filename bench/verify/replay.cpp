@@ -70,6 +70,8 @@ bool ReplayCourse::RunNext(Executor& executor) {
     if (!result_.first) result_.first = {f, recorded, 0, fault};
     return false;
   }
+  if (const char* note = replay_.scene().NextNote(); note && result_.note.empty())
+    result_.note = note;
   for (const RefusedPose& refused : replay_.scene().RefusedPoses())
     if (result_.refused_pose.empty())
       result_.refused_pose = fmt::format("frame {}: {}", f, DescribeRefusedPose(refused));
@@ -93,8 +95,9 @@ ReplayResult Replay(const InputLog& log, ReplayScene& replay, Executor& executor
 }
 
 std::string DescribeReplay(const ReplayResult& result) {
-  const std::string held =
+  std::string held =
       result.refused_pose.empty() ? std::string() : "; not used, " + result.refused_pose;
+  if (!result.note.empty()) held += "; note: " + result.note;
   if (result.Same())
     return fmt::format("SAME BITS in all {} frames, digest {:016x}{}", result.frames, result.digest,
                        held);

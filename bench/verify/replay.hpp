@@ -54,6 +54,7 @@ struct ReplayResult {
   std::optional<ReplayMismatch> first;
   uint32_t mismatches = 0;
   std::string refused_pose;  // the first pose that was not used, and in which frame
+  std::string note;          // the first of FurScene::NextNote
   uint64_t digest = 0;       // of all frames, folded as `pelt run` does
   bool Same() const { return !first; }
 };

@@ -111,6 +111,33 @@ static void TryBadScenes(PeltBytes good) {
   ExpectRefused(why, "vertex order");
 }
 
+/* A character is placed in its file's units; one that forgets them is told of, once. */
+static void TryScales(PeltBytes groom) {
+  char why[200] = "";
+  const float factors[] = {1.0f, 9.9f, 0.11f, 100.0f, 0.01f};
+  for (int any = 0; any < 2; ++any)
+    for (int i = 0; i < 5; ++i) {
+      const PeltSceneOptions options = {.any_scale = any};
+      PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
+      PeltFrame frame;
+      pelt_default_frame(&frame);
+      const float s = pelt_unit_scale(scene, 0) * factors[i];
+      const float root[12] = {s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0};
+      Expect(s > 0.0f && pelt_unit_scale(scene, 1) == 0.0f, "a unit", "");
+      ExpectDone(pelt_note(scene), "no note before the first frame");
+      ExpectDone(pelt_place(scene, 0, root, 0), "places");
+      ExpectDone(pelt_begin(scene, &frame), "begins");
+      if (i >= 3 && !any)
+        ExpectRefused(pelt_note(scene), i == 3 ? "100 times larger" : "100 times smaller");
+      ExpectDone(pelt_note(scene), "no second note");
+      ExpectDone(pelt_run(scene, NULL), "runs");
+      ExpectDone(pelt_begin(scene, &frame), "begins again");
+      ExpectDone(pelt_note(scene), "no note in a second frame");
+      ExpectDone(pelt_run(scene, NULL), "runs");
+      pelt_destroy(scene);
+    }
+}
+
 static void TryNulls(void) {
   PeltFrame frame;
   pelt_default_frame(&frame);
@@ -123,9 +150,11 @@ static void TryNulls(void) {
   ExpectRefused(pelt_place(NULL, 0, NULL, 0), "null");
   ExpectRefused(pelt_refused_pose(NULL, 0), "null");
   ExpectRefused(pelt_door_faults(NULL), "null");
+  ExpectRefused(pelt_note(NULL), "null");
   Expect(pelt_pull(NULL) == PELT_IDLE, "pull", "null");
   Expect(pelt_draws(NULL, NULL, 0) == 0 && pelt_copy_curves(NULL, 0, NULL, 0) == 0 &&
              pelt_digest(NULL) == 0 && pelt_layer_count(NULL) == 0 && !pelt_layer_name(NULL, 0) &&
+             pelt_strand_count(NULL, 0) == 0 && pelt_unit_scale(NULL, 0) == 0.0f &&
              pelt_joint_count(NULL, 0) == 0 && !pelt_joint_name(NULL, 0, 0) &&
              pelt_ribbon_indices(NULL, 1, NULL, 24) == 0 &&
              pelt_shell_indices(NULL, 0, NULL, 0) == 0 && pelt_shell_uvs(NULL, 0, NULL, 0) == 0 &&
@@ -281,6 +310,9 @@ static uint32_t DrawFrame(PeltScene* scene) {
     PeltStrandCurve* curves = malloc(draw->live_strands * sizeof *curves);
     Expect(pelt_copy_curves(scene, draw->layer, curves, draw->live_strands) == draw->live_strands,
            "curves", draw->output_name);
+    Expect(draw->strand_count <= draw->live_strands &&
+               draw->live_strands <= pelt_strand_count(scene, draw->layer),
+           "no more strands than the layer has", draw->output_name);
     Expect(curves[0].point[0][3] > 0.0f && pelt_layer_name(scene, draw->layer) != NULL, "a width",
            draw->output_name);
     free(curves);
@@ -334,6 +366,7 @@ int main(int argc, char** argv) {
   const PeltBytes groom = {file, bytes};
   TryNulls();
   TryBadScenes(groom);
+  TryScales(groom);
   uint64_t first[3], last[3];
   const PeltCapsule in_the_fur = {{0, 0, 0}, {0, 1, 0.4f}, 0.2f,     0,
                                   PELT_FREE, {0, 0, 0},    {0, 0, 0}};
