@@ -56,6 +56,15 @@ expect_draws() {  # how it was built, the README's example
   echo "$1: $(wc -l <<<"$found") layers to draw"
 }
 
+# The porting guide describes every member of the frame.
+members=$("$compiler" -x c -fpreprocessed -E -P "$source_dir/jobs/pelt.h" |
+  sed -n '/^typedef struct PeltFrame {/,/^} PeltFrame;/p' | sed 's/^} PeltFrame.*//' |
+  grep -oE '[a-z_]+(\)?\[[0-9]+\])?[,;]' | grep -oE '^[a-z_]+' | sort -u)
+[ "$(wc -w <<<"$members")" -ge 40 ] || fail "found $(wc -w <<<"$members") members of PeltFrame only"
+for member in $members; do
+  [ "$member" = wind ] || grep -q "^|.*|.*\`$member\`.*|.*|.*|" "$source_dir/jobs/README.md" || fail "jobs/README.md does not describe $member"
+done
+
 # 1. Installed, and then moved: nothing may remember where it was built or first installed.
 quietly cmake --install "$build" --prefix "$work/first"
 mv "$work/first" "$work/moved"
@@ -69,6 +78,15 @@ outside_build "$work/found" "${launcher[@]}" -DCMAKE_PREFIX_PATH="$work/moved" -
   expect_digest "find_package, in a shared library" "$work/found/plugin_host"
   "$work/found/own_names" || fail "own_names"
 }
+# The pages for engines and the shaders lie there too, and every link of theirs leads to something.
+pages=$work/moved/share/pelt/jobs
+for page in README.md DRAWING.md; do
+  [ -s "$pages/$page" ] || fail "$page is not installed"
+  links=$(grep -oE '\]\([^)#:]+' "$pages/$page" | sed 's/^](//')
+  [ "$(wc -l <<<"$links")" -ge 5 ] || fail "$page has lost its links"
+  for link in $links; do [ -e "$pages/$link" ] || fail "$page links $link, which is not installed"; done
+done
+diff -r "$source_dir/jobs/shaders" "$pages/shaders" || fail "other shaders are installed"
 # What was not asked for is not needed; what is asked for and was never built is refused by name.
 if cmake -S "$outside" -B "$work/none" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/nowhere" \
   >"$work/log" 2>&1; then
@@ -115,6 +133,19 @@ if command -v pkg-config >/dev/null; then
     expect_draws "pkg-config" "$work/by_pkg_config"
   quietly "$compiler" -std=c++20 "${flags[@]}" "$outside/no_exceptions.cpp" "${libs[@]}" -o "$work/all_libs" &&
     expect_digest "pkg-config, second program" "$work/all_libs"
+  # The two command lines of the porting guide, as they stand there; c_program and draw_frame.h need the maths library.
+  lines=$(grep -E '^    c(c|\+\+) .*pkg-config' "$source_dir/jobs/README.md")
+  [ "$(wc -l <<<"$lines")" -eq 2 ] || fail "jobs/README.md has no two command lines"
+  mkdir "$work/engine"
+  cp "$outside"/draw_frame.h "$work/engine"
+  cp "$outside/c_program.c" "$work/engine/engine.c"
+  cp "$outside/cpp_program.cpp" "$work/engine/engine.cpp"
+  while read -r line; do
+    line=${line/#cc /gcc } line=${line/#c++ /"$compiler" }
+    rm -f "$work/engine/engine"
+    (cd "$work/engine" && quietly bash -c "$line") || fail "$line"
+    expect_digest "${line%% *}, as jobs/README.md has it" "$work/engine/engine"
+  done <<<"$lines"
   # Each header of the list compiles alone, those whose library is here; nothing else lies there but what they include.
   list=$source_dir/core/package/public_headers.txt
   alone() {  # header
