@@ -76,7 +76,7 @@ void PrintTree(const AccuracyArgs& args, const ReportTree& tree) {
   fmt::print("json {}\n", args.json.path());
 }
 
-int MeasureScene(const AccuracyArgs& args) {
+ExitCode MeasureScene(const AccuracyArgs& args) {
   const auto begin = std::chrono::steady_clock::now();
   ScenePrecisionOptions options;
   options.scene = args.scene;
@@ -93,27 +93,27 @@ int MeasureScene(const AccuracyArgs& args) {
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   PrintTree(args, MakeSceneTree(report));
-  return 0;
+  return kDone;
 }
 
-int MeasureOrder(const AccuracyArgs& args) {
+ExitCode MeasureOrder(const AccuracyArgs& args) {
   OrderOptions options{.scene = args.scene, .isa = args.isa, .quick = args.quick};
   std::optional<Progress> shown;
   options.progress = ShowOn(shown);
   const OrderPrecision precision = MeasureOrderPrecision(options);
   shown.reset();
   PrintTree(args, MakeOrderTree(precision, DescribeMachine()));
-  return 0;
+  return kDone;
 }
 
-int MeasureAllFeatures(const AccuracyArgs& args) {
+ExitCode MeasureAllFeatures(const AccuracyArgs& args) {
   FeatureReport report = MeasureFeatureReport(args.isa, args.links, args.quick);
   report.machine = DescribeMachine();
   PrintTree(args, MakeFeatureTree(report));
-  return 0;
+  return kDone;
 }
 
-int MeasureAll(const AccuracyArgs& args) {
+ExitCode MeasureAll(const AccuracyArgs& args) {
   AccuracyReport report;
   const auto begin = std::chrono::steady_clock::now();
   WorkPrecisionOptions options = OptionsOf(args);
@@ -135,7 +135,7 @@ int MeasureAll(const AccuracyArgs& args) {
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   PrintTree(args, MakeAccuracyTree(report));
-  return 0;
+  return kDone;
 }
 
 NamedSolver SolverOf(const AccuracyArgs& args) {
@@ -147,7 +147,7 @@ NamedSolver SolverOf(const AccuracyArgs& args) {
   return *std::move(solver);
 }
 
-int RunRecorded(const AccuracyArgs& args) {
+ExitCode RunRecorded(const AccuracyArgs& args) {
   const std::vector<RootSample> samples = ReadRootsFile(args.roots);
   const StrandFile strand = ReadStrandFile(args.strand);
   NamedSolver solver = SolverOf(args);
@@ -164,7 +164,7 @@ int RunRecorded(const AccuracyArgs& args) {
   if (args.exact) {
     fmt::print("the exact motion, the root between samples by {}\n",
                samples[0].rated ? "their velocities" : "cubic splines");
-    return 0;
+    return kDone;
   }
   const TrackError error = CompareTracks(strand, samples, track, exact);
   fmt::print("{}{} ({} kernels): ", solver.label, solver.velocities ? ", with velocities" : "",
@@ -175,10 +175,10 @@ int RunRecorded(const AccuracyArgs& args) {
     fmt::print(
         "{:.2f} % of the secondary motion differs from the exact one, by {:.3g} mm at most\n",
         100.0 * error.share, 1e3 * error.worst);
-  return 0;
+  return kDone;
 }
 
-int WriteExample(const OutputPath& folder) {
+ExitCode WriteExample(const OutputPath& folder) {
   MakeFolder(folder);
   const std::pair<OutputPath, std::string> files[] = {
       {folder.Inside("roots.csv"), RootsText(ExampleRoots())},
@@ -188,12 +188,12 @@ int WriteExample(const OutputPath& folder) {
     WriteOutput("example", path, text);
     fmt::print("{}\n", path.path());
   }
-  return 0;
+  return kDone;
 }
 
 }  // namespace
 
-int MeasureAccuracy(const AccuracyArgs& args) {
+ExitCode MeasureAccuracy(const AccuracyArgs& args) {
   if (!FindKernels(args.isa))
     throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
   if (!args.write_example.empty()) return WriteExample(args.write_example);

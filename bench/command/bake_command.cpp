@@ -227,10 +227,10 @@ void WriteHeightField(const BakeArgs& args, BakeReport& report) {
 
 }  // namespace
 
-int Bake(const BakeArgs& args) {
+ExitCode Bake(const BakeArgs& args) {
   if (args.keys) {
     fmt::print("{}", DescribeSetupKeys());
-    return 0;
+    return kDone;
   }
   BakeReport report;
   report.out = args.out;
@@ -262,7 +262,7 @@ int Bake(const BakeArgs& args) {
   WriteFlowMap(args, character, rest, setup, report);
   WriteHeightField(args, report);
   MakeTree(report).Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -31,7 +31,7 @@ PlatformParameters NumbersOf(const BudgetArgs& args) {
 
 namespace {
 
-int PrintNumbers(const BudgetArgs& args) {
+ExitCode PrintNumbers(const BudgetArgs& args) {
   const PlatformParameters p = NumbersOf(args);
   ReportTree tree;
   tree.Say(
@@ -46,7 +46,7 @@ int PrintNumbers(const BudgetArgs& args) {
   add("ps3", DescribeCell(p.cell));
   add("xbox360", DescribeXenon(p.xenon));
   fmt::print("{}", tree.Text());
-  return 0;
+  return kDone;
 }
 
 // What every platform comes down to.
@@ -68,7 +68,7 @@ class BudgetPrinter {
     frames_ = args.frames ? args.frames : scenario_.default_frames;
   }
 
-  int Print() {
+  ExitCode Print() {
     tree_.Add(InJson("scene"), scenario_.name).Add(InJson("strands"), scenario_.StrandCount());
     tree_.Add(InJson("frames"), frames_).Add(InJson("warm_up_frames"), args_.warm_up);
     tree_.Add(InJson("target_ms"), args_.target_ms);
@@ -88,7 +88,7 @@ class BudgetPrinter {
     if (!args_.trace.empty()) WriteTrace();
     tree_.Print(args_.json);
     if (!fault_.empty()) throw Error(fault_);
-    return fits ? 0 : 1;
+    return AnswerOf(fits);
   }
 
  private:
@@ -223,7 +223,7 @@ class BudgetPrinter {
 
 }  // namespace
 
-int PrintBudget(const BudgetArgs& args) {
+ExitCode PrintBudget(const BudgetArgs& args) {
   if (args.validate) return PrintValidation({args.json});
   if (args.numbers) return PrintNumbers(args);
   return BudgetPrinter(args).Print();

@@ -21,9 +21,7 @@ struct Subcommand {
   CLI::App* app;
   // Called once the arguments are parsed; throws CLI::ParseError for those that do not go together.
   std::function<void()> complete;
-  std::function<int()> run;  // returns the exit code
-  // The exit code when an Error keeps it from running to its end: where 1 is an answer, another.
-  int no_answer = 1;
+  std::function<ExitCode()> run;
 };
 
 // What makes a groom (bake_options.cpp).

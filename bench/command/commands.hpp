@@ -1,5 +1,5 @@
 // What the `pelt` command can do. Each function does one subcommand, writes its result to standard
-// output and returns the exit code; bad input is thrown as Error.
+// output and returns the exit code; whatever keeps it from an answer is thrown as Error.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,16 @@
 
 namespace pelt {
 
+// What `pelt` came to, of every subcommand. An Error is kNoAnswer, wherever it is thrown: pelt.cpp alone
+// says so.
+enum ExitCode : int {
+  kDone = 0,        // done; of a check: yes
+  kNo = 1,          // of a check: no. Nothing else
+  kNoAnswer = 2,    // wrong use, a file that cannot be read, written or understood, no memory
+  kIncomplete = 3,  // of a check: yes as far as it could look, and it could not look everywhere
+};
+constexpr ExitCode AnswerOf(bool yes) { return yes ? kDone : kNo; }
+
 struct BakeArgs {
   std::string character = "builtin";
   std::string setup = "monster";
@@ -28,7 +38,7 @@ struct BakeArgs {
   bool stats = false, keys = false, json = false;
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
 };
-int Bake(const BakeArgs& args);
+ExitCode Bake(const BakeArgs& args);
 
 struct ShowCharacterArgs {
   std::string character = "builtin";
@@ -36,7 +46,7 @@ struct ShowCharacterArgs {
   bool json = false;
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
 };
-int ShowCharacter(const ShowCharacterArgs& args);
+ExitCode ShowCharacter(const ShowCharacterArgs& args);
 
 // Where the camera stands instead of where the scene has it.
 struct CameraChoice {
@@ -61,7 +71,7 @@ struct RunArgs {
   // Options that change what is run or on what, as they were given: "--fps", "30".
   std::vector<std::pair<std::string, std::string>> given = {};
 };
-int Run(const RunArgs& args);
+ExitCode Run(const RunArgs& args);
 
 inline bool IsPainted(const RunArgs& args) { return args.paint != PaintAmounts{}; }
 // The scenario as the arguments change it; what was assumed goes to `notes`, unless that is null.
@@ -73,7 +83,7 @@ struct RecordArgs {
   RunArgs run;
   OutputPath out;
 };
-int Record(const RecordArgs& args);
+ExitCode Record(const RecordArgs& args);
 
 struct ReplayArgs {
   std::string path;
@@ -82,19 +92,19 @@ struct ReplayArgs {
   OutputPath digest_log;
   bool json = false;
 };
-int ReplayRecording(const ReplayArgs& args);
+ExitCode ReplayRecording(const ReplayArgs& args);
 
 struct ShowArgs {
   std::string path;
   bool json = false;
 };
-int ShowRecording(const ShowArgs& args);
+ExitCode ShowRecording(const ShowArgs& args);
 
 struct DiffArgs {
   std::string left, right;
   bool json = false;
 };
-int Diff(const DiffArgs& args);
+ExitCode Diff(const DiffArgs& args);
 
 struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
@@ -102,7 +112,7 @@ struct CompareArgs {
   uint32_t rounds = 9;
   bool json = false;
 };
-int Compare(const CompareArgs& args);
+ExitCode Compare(const CompareArgs& args);
 
 struct GoldenArgs {
   std::string check;  // a folder; or
@@ -112,7 +122,7 @@ struct GoldenArgs {
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };
-int CheckOrRenewGolden(const GoldenArgs& args);
+ExitCode CheckOrRenewGolden(const GoldenArgs& args);
 
 struct ReportArgs {
   RunArgs run;
@@ -120,7 +130,7 @@ struct ReportArgs {
   bool consoles = true;  // model the scene on both, too
   std::string accuracy;  // JSON file of `pelt accuracy` to show as well
 };
-int Report(const ReportArgs& args);
+ExitCode Report(const ReportArgs& args);
 
 struct ViewArgs {
   ScenarioRequest request;
@@ -133,7 +143,7 @@ struct ViewArgs {
   std::string replay;     // a recording to show instead of a scene
 };
 // A page that runs the scene in a browser.
-int View(const ViewArgs& args);
+ExitCode View(const ViewArgs& args);
 
 struct PlanArgs {
   ScenarioRequest request;
@@ -143,7 +153,7 @@ struct PlanArgs {
   bool local_store = false;
   bool chunk = false, memory = false, json = false;
 };
-int PrintPlan(const PlanArgs& args);
+ExitCode PrintPlan(const PlanArgs& args);
 
 struct TimingArgs {
   std::string path;    // of a listing; "-": standard input; or, with this empty:
@@ -156,14 +166,14 @@ struct TimingArgs {
   std::string second_thread;       // a listing that the PPE's other thread runs
   bool pair_by_order = false, hinted = false, smt = false, json = false;
 };
-int PrintTiming(const TimingArgs& args);
-int PrintKernelTiming(const TimingArgs& args);
+ExitCode PrintTiming(const TimingArgs& args);
+ExitCode PrintKernelTiming(const TimingArgs& args);
 
 struct ValidateArgs {
   bool json = false;
 };
 // The measured rows beside the consoles' models; 1 if one is missed that is not known to be.
-int PrintValidation(const ValidateArgs& args);
+ExitCode PrintValidation(const ValidateArgs& args);
 
 struct BudgetArgs {
   ScenarioRequest request;
@@ -185,7 +195,7 @@ struct BudgetArgs {
 // The consoles' numbers as the arguments change them.
 PlatformParameters NumbersOf(const BudgetArgs& args);
 // 0: the scene fits every platform asked for; 1: it does not, and nothing else; 2: no answer.
-int PrintBudget(const BudgetArgs& args);
+ExitCode PrintBudget(const BudgetArgs& args);
 
 struct VerifyArgs {
   ScenarioRequest request;
@@ -198,7 +208,11 @@ struct VerifyArgs {
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };
-int VerifyScene(const VerifyArgs& args);
+ExitCode VerifyScene(const VerifyArgs& args);
+
+// `--merge`: reads what shards of a subcommand printed, and prints the one verdict.
+ExitCode PrintMergedShards(std::string_view command, const std::vector<std::string>& paths,
+                           bool json);
 
 struct ConformanceArgs {
   std::string door;      // empty: all
@@ -206,7 +220,7 @@ struct ConformanceArgs {
   bool json = false;
 };
 std::vector<std::string> ConformanceDoorNames();
-int CheckConformance(const ConformanceArgs& args);
+ExitCode CheckConformance(const ConformanceArgs& args);
 
 // Error against run time of every strand solver; or, with `scene`, of every way to run its frames;
 // or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
@@ -232,7 +246,7 @@ struct AccuracyArgs {
   bool features = false;
   bool order = false;  // of drawing, in the scene
 };
-int MeasureAccuracy(const AccuracyArgs& args);
+ExitCode MeasureAccuracy(const AccuracyArgs& args);
 
 struct StressArgs {
   std::vector<std::string> solvers;  // empty: ours, XPBD and implicit Euler
@@ -242,6 +256,6 @@ struct StressArgs {
   OutputPath json;  // file to write
 };
 // 1 when a modal solver broke its promise.
-int StressSolvers(const StressArgs& args);
+ExitCode StressSolvers(const StressArgs& args);
 
 }  // namespace pelt

@@ -91,7 +91,7 @@ ComparedSide ReadSide(const std::string& path) {
 
 }  // namespace
 
-int Compare(const CompareArgs& args) {
+ExitCode Compare(const CompareArgs& args) {
   std::array<ComparedSide, 2> sides;
   if (args.commands.empty()) {
     sides = {ReadSide(args.left), ReadSide(args.right)};
@@ -100,7 +100,7 @@ int Compare(const CompareArgs& args) {
     RunInTurns(args.rounds, sides);
   }
   CompareRuns(sides[0], sides[1]).Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -66,7 +66,7 @@ std::vector<std::string> ConformanceDoorNames() {
   return names;
 }
 
-int CheckConformance(const ConformanceArgs& args) {
+ExitCode CheckConformance(const ConformanceArgs& args) {
   const uint32_t workers =
       args.workers ? args.workers : std::max(2u, std::thread::hardware_concurrency());
   bool passed = true;
@@ -79,7 +79,7 @@ int CheckConformance(const ConformanceArgs& args) {
     AddReport(door.name, workers, report, tree);
   }
   tree.Print(args.json);
-  return passed ? 0 : 1;
+  return AnswerOf(passed);
 }
 
 }  // namespace pelt

@@ -152,7 +152,7 @@ Subcommand SetUpBudget(CLI::App& root) {
             CheckBudget(*app, *kept);
             CheckConsoles(*kept);
           },
-          [kept] { return PrintBudget(*kept); }, 2};
+          [kept] { return PrintBudget(*kept); }};
 }
 
 }  // namespace pelt

@@ -90,7 +90,7 @@ ReportTree MakeTree(const std::string& kind, const std::optional<Difference>& fo
 
 }  // namespace
 
-int Diff(const DiffArgs& args) {
+ExitCode Diff(const DiffArgs& args) {
   const std::vector<std::byte> left = ReadFileBytes("file", args.left).OrThrow();
   const std::vector<std::byte> right = ReadFileBytes("file", args.right).OrThrow();
   const FileKind kind = KindOf(left, args.left), other = KindOf(right, args.right);
@@ -99,7 +99,7 @@ int Diff(const DiffArgs& args) {
                             kKindNames[size_t(kind)], args.right, kKindNames[size_t(other)]));
   const std::optional<Difference> found = Compare(kind, left, right, args);
   MakeTree(std::string(kKindNames[size_t(kind)]), found).Print(args.json);
-  return found ? 1 : 0;
+  return AnswerOf(!found);
 }
 
 }  // namespace pelt

@@ -164,7 +164,7 @@ void Renew(const Golden& golden, const OutputPath& path) {
 
 }  // namespace
 
-int CheckOrRenewGolden(const GoldenArgs& args) {
+ExitCode CheckOrRenewGolden(const GoldenArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("golden", args.merge, args.json);
   if (!args.renew.empty() && kStrandsPerChunk != kGoldenChunkStrands)
     throw Error(fmt::format("golden digests are kept for {} strands per chunk; this build has {}",
@@ -189,7 +189,7 @@ int CheckOrRenewGolden(const GoldenArgs& args) {
     passed &= results.back().passed;
   }
   if (args.renew.empty()) MakeTree(args, results, places, passed).Print(args.json);
-  return passed ? 0 : 1;
+  return AnswerOf(passed);
 }
 
 }  // namespace pelt

@@ -188,7 +188,7 @@ void AddWindow(const TimedStage& timed, const ScheduledWindow& window, uint32_t 
 
 }  // namespace
 
-int PrintKernelTiming(const TimingArgs& args) {
+ExitCode PrintKernelTiming(const TimingArgs& args) {
   const PlatformParameters platforms;
   const PricedCore core = MakePricedCore(*ParseCoreKind(args.core), platforms);
   PriceRules rules;
@@ -222,7 +222,7 @@ int PrintKernelTiming(const TimingArgs& args) {
                 args.chart_slots,
                 core.kind == CoreKind::kSpu ? SpuInstructionSet() : PpeInstructionSet(), tree);
   tree.Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

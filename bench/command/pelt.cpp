@@ -1,8 +1,8 @@
 // The `pelt` command: arguments in, exit code out.
 //
-// Exit codes: 0 done (for verify: same bits), 1 bad input or a failed check, 2 wrong usage. Every
-// error is one line "pelt: ..." on standard error. The examples in the help texts are run by a
-// test.
+// Exit codes are decided here and nowhere else (ExitCode): what keeps a subcommand from an answer is
+// thrown. Every error is one line "pelt: ..." on standard error. The examples in the help texts are
+// run by a test.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -25,8 +25,6 @@
 
 namespace pelt {
 namespace {
-
-constexpr int kUsageError = 2;
 
 // One line, whatever the message quotes. Not by fmt, which throws where standard error is closed.
 void PrintError(const std::string& message) {
@@ -196,7 +194,7 @@ struct TraceArgs {
   ShowArgs show;
 };
 
-int RunTrace(const CLI::App& trace, const TraceArgs& args) {
+ExitCode RunTrace(const CLI::App& trace, const TraceArgs& args) {
   if (trace.got_subcommand("record")) return Record(args.record);
   if (trace.got_subcommand("replay")) return ReplayRecording(args.replay);
   return ShowRecording(args.show);
@@ -314,19 +312,7 @@ Subcommand SetUpConformance(CLI::App& root) {
   return {app, [] {}, [kept] { return CheckConformance(*kept); }};
 }
 
-int RunChosen(const Subcommand& chosen) {
-  try {
-    chosen.complete();
-    CheckFiles(*chosen.app);
-    return chosen.run();
-  } catch (const Error& error) {
-    if (chosen.no_answer == 1) throw;  // told where all others are
-    PrintError(error.what());
-    return chosen.no_answer;
-  }
-}
-
-int Main(int argc, char** argv) {
+ExitCode Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
   app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
@@ -340,28 +326,30 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),
                                              [](const Subcommand& s) { return s.app->parsed(); });
-    return RunChosen(chosen);
+    chosen.complete();
+    CheckFiles(*chosen.app);
+    return chosen.run();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error), kDone;  // --help, --version
     PrintError(DescribeUsage(app, error));
-    return kUsageError;
+    return kNoAnswer;
   }
 }
 
 // What is still in the buffer may find the disk full or the reader gone.
-int FinishOutput(int exit_code) {
+ExitCode FinishOutput(ExitCode exit_code) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exit_code;
   PrintError(std::string("standard output: ") +
              (errno ? std::generic_category().message(errno) : "not all could be written"));
-  return exit_code ? exit_code : 1;
+  return exit_code == kDone ? kNoAnswer : exit_code;
 }
 
 }  // namespace
 }  // namespace pelt
 
 int main(int argc, char** argv) {
-  int exit_code = 1;
+  pelt::ExitCode exit_code = pelt::kNoAnswer;
   try {
     exit_code = pelt::Main(argc, argv);
   } catch (const std::bad_alloc&) {

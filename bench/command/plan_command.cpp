@@ -80,13 +80,13 @@ ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const Pla
 
 }  // namespace
 
-int PrintPlan(const PlanArgs& args) {
+ExitCode PrintPlan(const PlanArgs& args) {
   Scenario scenario = LoadScenario(args.request);
   SceneOptions options = args.options;
   options.plan.must_fit = args.local_store;
   const RunningScenario running(scenario, options);
   MakePlanReport(running.scene(), args, options.plan).Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -10,7 +10,7 @@
 #include "jobs/tick_clock.hpp"
 
 namespace pelt {
-int Report(const ReportArgs& args) {
+ExitCode Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
   // Read first: a mistake in it should not be told after a long run.
   std::vector<std::byte> accuracy;
@@ -43,7 +43,7 @@ int Report(const ReportArgs& args) {
   WriteOutput("report", args.out,
               recorder.Page(report, tick_scale.NsPerTick(), add_consoles, add_accuracy));
   fmt::print("report of {} frames {}\n", report.frames, args.out.path());
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

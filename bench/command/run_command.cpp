@@ -68,7 +68,7 @@ Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
   return scenario;
 }
 
-int Run(const RunArgs& args) {
+ExitCode Run(const RunArgs& args) {
   if (!args.trace.empty()) CheckRecords(args.options.executor);
   // In JSON output only the JSON goes to standard output.
   Scenario scenario = LoadForRun(args, args.json ? stderr : stdout);
@@ -132,7 +132,7 @@ int Run(const RunArgs& args) {
   if (!report.faults.empty())
     throw Error(
         fmt::format("{} faults, the first: {}", report.faults.size(), report.faults.front()));
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

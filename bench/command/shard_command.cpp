@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/command/commands.hpp"
 #include "bench/report/machine.hpp"
 #include "bench/verify/merge_shards.hpp"
 #include "core/chunk.hpp"
@@ -24,14 +25,16 @@ Fingerprint FingerprintOfBuild(std::string_view command) {
           {"instruction_sets", fmt::format("{}", fmt::join(isas, " "))}};
 }
 
-int PrintMergedShards(std::string_view command, const std::vector<std::string>& paths, bool json) {
+ExitCode PrintMergedShards(std::string_view command, const std::vector<std::string>& paths,
+                           bool json) {
   std::vector<ShardFile> files;
   for (const std::string& path : paths)
     files.push_back(
         {path, std::string(AsText(ReadFileBytes("shard", path, kShardBytesLimit).OrThrow()))});
   const MergedShards merged = MergeShards(command, files);
   merged.tree.Print(json);
-  return merged.passed ? 0 : 1;
+  if (merged.passed && !merged.missing.empty()) return kIncomplete;
+  return AnswerOf(merged.passed);
 }
 
 }  // namespace pelt

@@ -81,7 +81,7 @@ void AddClips(const Character& character, ReportTree& tree) {
 
 }  // namespace
 
-int ShowCharacter(const ShowCharacterArgs& args) {
+ExitCode ShowCharacter(const ShowCharacterArgs& args) {
   const Character character = LoadCharacter(args.character);
   if (args.check_files_read) args.check_files_read(character.files_read);
   std::vector<std::string> notes = character.notes;
@@ -98,12 +98,12 @@ int ShowCharacter(const ShowCharacterArgs& args) {
   tree.Add(InJson("setup"), setup);
   if (!args.out.empty()) WriteOutput("setup", args.out, setup);
   fmt::print("{}", args.json ? tree.Json() : tree.Text());
-  if (args.json) return 0;
+  if (args.json) return kDone;
   if (args.out.empty())
     fmt::print("\nA setup to start from (--out writes it):\n\n{}", setup);
   else
     fmt::print("\nsetup {}\n", args.out.path());
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

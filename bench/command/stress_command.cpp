@@ -231,7 +231,7 @@ ReportTree MakeTree(const std::vector<StressRow>& rows, const std::vector<SceneR
 
 }  // namespace
 
-int StressSolvers(const StressArgs& args) {
+ExitCode StressSolvers(const StressArgs& args) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<Isa> isas = IsasOf(args);
   const std::vector<StressRow> rows = RunAll(args, isas);
@@ -247,7 +247,7 @@ int StressSolvers(const StressArgs& args) {
   }
   fmt::print("took {:.1f} s\n",
              std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  return broken == 0 ? 0 : 1;
+  return AnswerOf(broken == 0);
 }
 
 }  // namespace pelt

@@ -199,7 +199,7 @@ ThreadTime TimeAlone(const Listing& listing) {
           0.0};
 }
 
-int PrintThreadPair(const TimingArgs& args) {
+ExitCode PrintThreadPair(const TimingArgs& args) {
   const Listing listings[] = {ReadPpeListing(args.path), ReadPpeListing(args.second_thread)};
   std::array<ThreadTime, 2> threads = {TimeAlone(listings[0]), TimeAlone(listings[1])};
   const PpePairTiming pair =
@@ -225,12 +225,12 @@ int PrintThreadPair(const TimingArgs& args) {
   tree.Add(InText("both together", "times the work of one thread after the other", 2),
            1.0 + gained);
   tree.Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace
 
-int PrintTiming(const TimingArgs& args) {
+ExitCode PrintTiming(const TimingArgs& args) {
   if (!args.second_thread.empty()) return PrintThreadPair(args);
   const bool is_spu = args.core == "spu";
   const Listing listing = ReadListing(ReadText(args.path), DisplayName(args.path),
@@ -238,7 +238,7 @@ int PrintTiming(const TimingArgs& args) {
                               .OrThrow();
   const IssueChart chart = Time(listing, args);
   MakeTree(listing, chart, args, CellSystem{}.clock_hz).Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -130,7 +130,7 @@ std::string DescribeSettings(const RunArgs& args) {
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
-int Record(const RecordArgs& args) {
+ExitCode Record(const RecordArgs& args) {
   Scenario scenario = LoadForRun(args.run, stdout);
   RunOptions options = args.run.options;
   options.digest = false;
@@ -159,10 +159,10 @@ int Record(const RecordArgs& args) {
   WriteOutput("input log", args.out, bytes);
   fmt::print("{}: {} frames of scene {}, {} bytes\n", args.out.path(), writer.FrameCount(),
              scenario.name, bytes.size());
-  return 0;
+  return kDone;
 }
 
-int ReplayRecording(const ReplayArgs& args) {
+ExitCode ReplayRecording(const ReplayArgs& args) {
   const InputLog log = ReadInputLogFile(args.path).OrThrow();
   ReplayScene replay = ReplayScene::Open(log, args.path, SceneOptionsOf(args.as)).OrThrow();
   const std::unique_ptr<WatchedExecutor> executor = MakeExecutor(args.as);
@@ -177,16 +177,19 @@ int ReplayRecording(const ReplayArgs& args) {
       if (!args.digest_log.empty()) stage_digests.AddFrame(replay.scene(), digests);
     });
   }
-  MakeReplayTree(result).Print(args.json);
+  const std::vector<std::string> faults = executor->Faults();
+  ReportTree tree = MakeReplayTree(result);
+  if (!faults.empty())
+    tree.Say(
+        fmt::format("{} faults of the executor, the first: {}", faults.size(), faults.front()));
+  tree.Print(args.json);
   if (!args.digest_log.empty()) WriteOutput("digest log", args.digest_log, WriteDigestLog(digests));
-  if (const std::vector<std::string> faults = executor->Faults(); !faults.empty())
-    throw Error(fmt::format("{} faults, the first: {}", faults.size(), faults.front()));
-  return result.Same() ? 0 : 1;
+  return AnswerOf(result.Same() && faults.empty());
 }
 
-int ShowRecording(const ShowArgs& args) {
+ExitCode ShowRecording(const ShowArgs& args) {
   MakeShowTree(ReadInputLogFile(args.path).OrThrow()).Print(args.json);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -118,12 +118,12 @@ ReportTree MakeTree(const std::vector<RowResult>& rows, const std::vector<Kernel
 
 }  // namespace
 
-int PrintValidation(const ValidateArgs& args) {
+ExitCode PrintValidation(const ValidateArgs& args) {
   const std::vector<RowResult> rows = PredictRows();
   const std::vector<KernelRow> kernels = PriceKernelRows();
   const bool pass = std::ranges::none_of(rows, &RowResult::Surprises) && AllPass(kernels);
   MakeTree(rows, kernels, pass).Print(args.json);
-  return pass ? 0 : 1;
+  return AnswerOf(pass);
 }
 
 }  // namespace pelt

@@ -35,7 +35,7 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
 
 }  // namespace
 
-int VerifyScene(const VerifyArgs& args) {
+ExitCode VerifyScene(const VerifyArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("verify", args.merge, args.json);
   Scenario scenario = LoadScenario(args.request);
   scenario.velocities = args.velocities;
@@ -61,7 +61,8 @@ int VerifyScene(const VerifyArgs& args) {
   }
   const ReportTree tree = MakeVerifyTree(report, FingerprintOf(args, report));
   tree.Print(args.json);
-  return report.Passed() ? 0 : 1;
+  if (report.Passed() && !report.Missing().empty()) return kIncomplete;
+  return AnswerOf(report.Passed());
 }
 
 }  // namespace pelt

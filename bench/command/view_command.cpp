@@ -40,7 +40,7 @@ void WritePage(const ViewArgs& args, const PageContent& content, const std::stri
 }
 
 // The page of a recording. What would not open there is told here.
-int ViewRecording(const ViewArgs& args) {
+ExitCode ViewRecording(const ViewArgs& args) {
   const std::vector<std::byte> bytes = ReadFileBytes("input log", args.replay).OrThrow();
   ReplayViewer::Open(bytes, args.replay).OrThrow();
   if (args.open && !WhyNoServer().empty()) throw Error(WhyNoServer());
@@ -57,7 +57,7 @@ int ViewRecording(const ViewArgs& args) {
 
 }  // namespace
 
-int View(const ViewArgs& args) {
+ExitCode View(const ViewArgs& args) {
   const bool serves = args.open || args.watch;
   if (!args.replay.empty()) return ViewRecording(args);
   if (EmbeddedModule().empty()) throw Error(WhyNoModule());
@@ -75,7 +75,7 @@ int View(const ViewArgs& args) {
   WritePage(
       args, scene.Content(command),
       fmt::format("its first {} frames are held against this machine's digests", args.frames));
-  if (!serves) return 0;
+  if (!serves) return kDone;
   return ServePage(
       args.port, [&] { return scene.Content(command); }, args.watch ? &scene : nullptr);
 }

@@ -64,7 +64,8 @@ void WatchUntilEnd(SceneWatch& scene, std::mutex& guard) {
 
 }  // namespace
 
-int ServePage(uint16_t port, const std::function<PageContent()>& content, SceneWatch* watched) {
+ExitCode ServePage(uint16_t port, const std::function<PageContent()>& content,
+                   SceneWatch* watched) {
   std::mutex guard;  // the server's threads read what this one changes
   const auto page = [&](const std::string&) {
     const std::lock_guard lock(guard);
@@ -88,7 +89,7 @@ int ServePage(uint16_t port, const std::function<PageContent()>& content, SceneW
     WatchUntilEnd(*watched, guard);
   else
     while (!end_asked) std::this_thread::sleep_for(kLookEvery);
-  return 0;
+  return kDone;
 }
 
 }  // namespace pelt

@@ -8,7 +8,7 @@
 
 namespace pelt {
 
-// Returns the exit code. `content`: of the page that is asked for next. `watched`: with what changes in it; or null.
-int ServePage(uint16_t port, const std::function<PageContent()>& content, SceneWatch* watched);
+// `content`: of the page that is asked for next. `watched`: with what changes in it; or null.
+ExitCode ServePage(uint16_t port, const std::function<PageContent()>& content, SceneWatch* watched);
 
 }  // namespace pelt

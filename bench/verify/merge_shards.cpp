@@ -149,15 +149,30 @@ void CheckVerdict(const Part& part, const Entries& entries) {
   if (part.Flag(part.json, "passed") != passed) part.Fail("its 'passed' is not that of its cases");
 }
 
+// What the parts could not look at; of commands that do not say so, none.
+std::vector<std::string> JoinMissing(const std::vector<Part>& parts) {
+  std::vector<std::string> all;
+  for (const Part& part : parts) {
+    const Json& list = part.json.contains("missing") ? part.json["missing"] : Json::array();
+    if (!list.is_array()) part.Fail("'missing' is not a list");
+    for (const Json& text : list) {
+      if (!text.is_string()) part.Fail("'missing' has what is not a text");
+      all.push_back(text.get<std::string>());
+    }
+  }
+  return all;
+}
+
 // The first part with every part's cases in it, in the order of the list.
-Json Join(const std::vector<Part>& parts, const Entries& entries, bool passed) {
+Json Join(const std::vector<Part>& parts, const Entries& entries, const MergedShards& merged) {
   Json whole = parts.front().json;
   for (const Part& part : parts)
     for (const auto& [key, value] : part.json.items())
       if (IsCaseList(value)) whole[key] = Json::array();
   for (const auto& [place, entry] : entries) whole[entry.list].push_back(*entry.json);
   whole["shard"] = {{"index", 0}, {"count", 1}};
-  whole["passed"] = passed;
+  whole["passed"] = merged.passed;
+  if (whole.contains("missing")) whole["missing"] = merged.missing;
   return whole;
 }
 
@@ -221,7 +236,8 @@ void AddCounts(const Entries& entries, ReportTree& tree) {
 }
 
 // The first ten in full.
-void AddFailures(const Entries& entries, ReportTree& tree) {
+void AddFailures(const Entries& entries, MergedShards& merged) {
+  ReportTree& tree = merged.tree;
   size_t failed = 0;
   for (const auto& [place, entry] : entries) {
     const Json& json = *entry.json;
@@ -233,7 +249,9 @@ void AddFailures(const Entries& entries, ReportTree& tree) {
   tree.BlankLine();
   if (failed > kFailuresShown)
     tree.Say(fmt::format("... and {} more failed", failed - kFailuresShown)).BlankLine();
-  tree.Say(failed == 0 ? fmt::format("verdict: SAME BITS in all {} cases", entries.size())
+  if (!merged.missing.empty()) tree.AddTexts({}, merged.missing, "could not be looked at");
+  tree.Say(failed == 0 ? fmt::format("verdict: SAME BITS in all {} cases{}", entries.size(),
+                                     merged.missing.empty() ? "" : ", BUT INCOMPLETE")
                        : fmt::format("verdict: DIFFERENT BITS in {} cases", failed));
 }
 
@@ -252,9 +270,10 @@ MergedShards MergeShards(std::string_view command, const std::vector<ShardFile>&
   merged.passed = std::all_of(entries.begin(), entries.end(),
                               [](const auto& at) { return (*at.second.json)["passed"] == true; });
   merged.tree.Say(fmt::format("{} shards of pelt {}", parts.front().shard.count, command));
-  AddMembers(Join(parts, entries, merged.passed), merged.tree);
+  merged.missing = JoinMissing(parts);
+  AddMembers(Join(parts, entries, merged), merged.tree);
   AddCounts(entries, merged.tree);
-  AddFailures(entries, merged.tree);
+  AddFailures(entries, merged);
   return merged;
 }
 

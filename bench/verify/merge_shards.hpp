@@ -6,6 +6,7 @@
 //   "fingerprint"  the run it is part of: build, instruction sets, options, the reference's digest
 //   "shard"        {"index": i, "count": n}
 //   "places"       length of the whole list of cases
+//   "missing"      of verify: what it could not look at, as texts
 //   lists          whose entries are cases: {"place": 7, "name": .., "passed": .., "reason": ..}
 //
 // Invariant: a merge passes only when every place of the list is there exactly once, in the shard
@@ -31,6 +32,7 @@ struct ShardFile {
 
 struct MergedShards {
   bool passed = true;
+  std::vector<std::string> missing;  // what shards could not look at
   // Text: counts, what failed, one verdict line. JSON: to the byte what one process would have
   // printed.
   ReportTree tree;
@@ -43,8 +45,5 @@ MergedShards MergeShards(std::string_view command, const std::vector<ShardFile>&
 // What every shard of `command` has in its fingerprint: this build, and the instruction sets that
 // this processor has of it.
 Fingerprint FingerprintOfBuild(std::string_view command);
-
-// `--merge`: reads the files and prints the verdict; 1 if a case did not pass. Throws Error.
-int PrintMergedShards(std::string_view command, const std::vector<std::string>& paths, bool json);
 
 }  // namespace pelt

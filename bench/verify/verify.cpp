@@ -160,6 +160,11 @@ void Outcome::LeaveOut(std::string why) {
   reason = std::move(why);
 }
 
+void Outcome::Miss(std::string why) {
+  LeaveOut(std::move(why));
+  missing = true;
+}
+
 std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> executors;
   for (const ExecutorRow& row : ExecutorRows())
@@ -237,6 +242,13 @@ VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options) {
   if (options.skips) VerifySkips(verified, options, report);
   if (options.checks) RunChecks(verified, options, report);
   return report;
+}
+
+std::vector<std::string> VerifyReport::Missing() const {
+  std::vector<std::string> all;
+  for (const CheckResult& c : checks)
+    if (c.missing) all.push_back(fmt::format("{}, {}: {}", c.section, c.name, c.reason));
+  return all;
 }
 
 bool VerifyReport::Passed() const {

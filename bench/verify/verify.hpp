@@ -73,6 +73,9 @@ struct Outcome {
   void Fail(Finding finding);
   void Fail(FindingKind why, const Mismatch& where);
   void LeaveOut(std::string why);
+  // As LeaveOut, of what every scene should be looked at with: the whole verdict lacks it.
+  void Miss(std::string why);
+  bool missing = false;
 };
 
 struct CaseResult : Outcome {
@@ -108,6 +111,8 @@ struct VerifyReport {
   std::vector<CheckResult> checks;
   std::vector<std::string> not_run;  // that this processor, system or build lacks
   bool Passed() const;
+  // What it should have looked at and could not, and why: "waking, coming to rest: no chunk ...".
+  std::vector<std::string> Missing() const;
 };
 
 struct VerifyOptions;

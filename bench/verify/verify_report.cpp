@@ -198,7 +198,8 @@ void AddVerdict(const VerifyReport& report, ReportTree& tree) {
   tree.BlankLine();
   if (report.stopped) tree.Say("stopped there: what comes after it was not run");
   tree.Say(report.Passed()
-               ? fmt::format("verdict: SAME BITS in all {} cases{}", report.cases.size(), of)
+               ? fmt::format("verdict: SAME BITS in all {} cases{}{}", report.cases.size(), of,
+                             report.Missing().empty() ? "" : ", BUT INCOMPLETE")
                : fmt::format("verdict: DIFFERENT BITS or a fault in {} cases{}",
                              failed(report.cases) + failed(report.skips) + failed(report.checks),
                              of));
@@ -240,6 +241,7 @@ ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerp
   AddMatrix(report, tree);
   AddCases(report, tree);
   tree.AddTexts("not_run", report.not_run, "not run, as this processor, system or build lacks it");
+  tree.AddTexts("missing", report.Missing(), "could not be looked at");
   AddSkips(report, tree);
   AddChecks(report, tree);
   AddFailures(

@@ -19,7 +19,7 @@ run_examples() {
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)
   else
-    expect 1 PELT_WASM -- view --scene tiny --frames 1 --out tiny.html
+    expect 2 PELT_WASM -- view --scene tiny --frames 1 --out tiny.html
   fi
   for subcommand in "${subcommands[@]}"; do
     "$pelt" "$subcommand" --help >help.txt || fail "pelt $subcommand --help"
@@ -51,9 +51,9 @@ check_serving() {
   "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1 || return  # no module
   timeout 300 "$pelt" view --scene tiny --frames 1 --watch >out.txt 2>err.txt
   if grep -q 'libcpp-httplib-dev' err.txt; then return; fi  # no server
-  expect 1 'nothing to watch' -- view --scene tiny --frames 1 --watch
+  expect 2 'nothing to watch' -- view --scene tiny --frames 1 --watch
   printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
-  expect 1 typo.toml:3 -- view --watch typo.toml
+  expect 2 typo.toml:3 -- view --watch typo.toml
   local signal server wait_s
   rm -f view.html
   for signal in INT TERM; do
@@ -66,7 +66,7 @@ check_serving() {
       sleep 1
     done
     grep -q 'http://127.0.0.1:[0-9]*/ ' served.txt || fail "view --open: no address: $(cat served.txt err.txt)"
-    [ "$signal" = INT ] && expect 1 taken --port -- view --scene tiny --frames 1 --open \
+    [ "$signal" = INT ] && expect 2 taken --port -- view --scene tiny --frames 1 --open \
       --port "$(grep -o '[0-9]*/ ' served.txt | tr -d '/ ')"
     kill "-$signal" "$server"
     wait "$server" || fail "view --open: SIG$signal: exit $?"
@@ -98,62 +98,62 @@ check_errors() {
   expect 2 renderer -- run --scene tiny --picture x.png --renderer magic
   expect 2 --setup -- run --character some.glb
   expect 2 --scene -- run --scene tiny --setup tiny
-  expect 1 missing.glb -- run --character missing.glb --setup tiny
-  expect 1 missing.toml -- bake --setup ./missing.toml
-  expect 1 missing.groom -- run --groom missing.groom
-  expect 1 there -- run --setup nosuch
-  expect 1 "memory budget" -- plan --scene tiny --memory-budget-mb 1
+  expect 2 missing.glb -- run --character missing.glb --setup tiny
+  expect 2 missing.toml -- bake --setup ./missing.toml
+  expect 2 missing.groom -- run --groom missing.groom
+  expect 2 there -- run --setup nosuch
+  expect 2 "memory budget" -- plan --scene tiny --memory-budget-mb 1
   head -c 4000 /dev/urandom >noise
   cp noise noise.glb
-  expect 1 noise.glb -- bake --character noise.glb
-  expect 1 noise.groom -- run --groom noise.groom
+  expect 2 noise.glb -- bake --character noise.glb
+  expect 2 noise.groom -- run --groom noise.groom
   printf '[[layer]]\nname = "a"\nlenght = 0.1\n' >typo.toml
-  expect 1 typo.toml:3 -- bake --setup ./typo.toml
+  expect 2 typo.toml:3 -- bake --setup ./typo.toml
   grep -q length err.txt || fail "no suggestion for a mistyped key: $(cat err.txt)"
   expect 2 character -- show
-  expect 1 missing.glb -- show missing.glb
-  expect 1 noise.glb -- show noise.glb
+  expect 2 missing.glb -- show missing.glb
+  expect 2 noise.glb -- show noise.glb
   expect 2 .toml -- show builtin --out fur.txt
   check_lights
-  expect 1 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
-  expect 1 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
+  expect 2 /nowhere/ -- bake --setup tiny --out /nowhere/x.groom
+  expect 2 /nowhere/ -- run --scene tiny --frames 1 --picture /nowhere/x.png
   # Without a driver: what to install, before anything is run.
-  __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere.json expect 1 'no OpenGL' 'apt-get install' -- \
+  __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere.json expect 2 'no OpenGL' 'apt-get install' -- \
     run --scene tiny --frames 1 --picture x.png --renderer gl
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake tiny"
   head -c 5000 tiny.groom >cut.groom
-  expect 1 cut.groom -- run --groom cut.groom
-  expect 1 /nowhere/ -- run --scene tiny --frames 1 --trace /nowhere/x.json
-  expect 1 /nowhere/ -- report --scene tiny --frames 1 --out /nowhere/x.html
-  expect 1 local-store -- run --scene tiny --frames 1 --executor local-store --trace x.json
-  expect 1 local-store -- report --scene tiny --frames 1 --executor local-store
-  expect 1 noise -- trace replay noise
-  expect 1 noise -- trace show noise
-  expect 1 noise 'not an input log' -- view --replay noise
-  expect 1 missing.peltinput -- view --replay missing.peltinput
+  expect 2 cut.groom -- run --groom cut.groom
+  expect 2 /nowhere/ -- run --scene tiny --frames 1 --trace /nowhere/x.json
+  expect 2 /nowhere/ -- report --scene tiny --frames 1 --out /nowhere/x.html
+  expect 2 local-store -- run --scene tiny --frames 1 --executor local-store --trace x.json
+  expect 2 local-store -- report --scene tiny --frames 1 --executor local-store
+  expect 2 noise -- trace replay noise
+  expect 2 noise -- trace show noise
+  expect 2 noise 'not an input log' -- view --replay noise
+  expect 2 missing.peltinput -- view --replay missing.peltinput
   "$pelt" trace record --scene tiny --frames 2 --out whole.peltinput >/dev/null || fail "record tiny"
   head -c 5000 whole.peltinput >cut.peltinput
-  expect 1 cut.peltinput 'it was cut' -- view --replay cut.peltinput
+  expect 2 cut.peltinput 'it was cut' -- view --replay cut.peltinput
   expect 2 --replay -- view --replay whole.peltinput --scene tiny
   expect 2 --replay -- view --replay whole.peltinput --frames 3
-  expect 1 noise -- diff noise tiny.groom
-  expect 1 'of kind groom' -- diff tiny.groom "$source_dir/traces/golden/tiny.digests"
+  expect 2 noise -- diff noise tiny.groom
+  expect 2 'of kind groom' -- diff tiny.groom "$source_dir/traces/golden/tiny.digests"
   expect 2 --out -- trace record --scene tiny
   expect 2 subcommand -- trace
   expect 2 right -- diff tiny.groom
   expect 2 --renew -- golden --scene tiny
-  expect 1 tiny.digests -- golden --check nowhere --scene tiny
-  expect 1 /nowhere/ -- run --scene tiny --frames 1 --digest-log /nowhere/x.digests
-  expect 1 missing.s -- timing missing.s
-  expect 1 noise -- timing noise
+  expect 2 tiny.digests -- golden --check nowhere --scene tiny
+  expect 2 /nowhere/ -- run --scene tiny --frames 1 --digest-log /nowhere/x.digests
+  expect 2 missing.s -- timing missing.s
+  expect 2 noise -- timing noise
   printf 'ai 3,4,1\nfma 3,4\n' >short.s
-  expect 1 'short.s:2' -- timing short.s
-  expect 1 'r127' -- timing <(echo 'ai 128,4,1')
-  expect 1 'of the PPE' -- timing <(echo 'lwz r3,0(r3)')
+  expect 2 'short.s:2' -- timing short.s
+  expect 2 'r127' -- timing <(echo 'ai 128,4,1')
+  expect 2 'of the PPE' -- timing <(echo 'lwz r3,0(r3)')
   expect 2 'its loops: a' -- timing <(echo 'a: brnz 3,a') --trip b=3
   expect 2 'LABEL=N' -- timing <(echo 'a: brnz 3,a') --trip a
   expect 2 --core -- timing noise --core gpu
-  expect 1 /nowhere/ -- trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
+  expect 2 /nowhere/ -- trace record --scene tiny --frames 1 --out /nowhere/x.peltinput
   check_suggestions
   check_ignored
   check_control_characters
@@ -177,13 +177,13 @@ check_lights() {
       fail "pelt $subcommand --lights missing.toml: exit 0"
     grep -q 'missing.toml' err.txt || fail "pelt $subcommand --lights missing.toml: $(cat err.txt)"
   done
-  expect 1 'there are: lamps, night' -- run --scene cast --lights lamp
+  expect 2 'there are: lamps, night' -- run --scene cast --lights lamp
   printf '[[layer]]\nname = "a"\n' >bare.toml
-  expect 1 'bare.toml:1: there is no [lights] in it' -- run --scene cast --lights ./bare.toml
+  expect 2 'bare.toml:1: there is no [lights] in it' -- run --scene cast --lights ./bare.toml
   printf '[[lights.light]]\nposition = [0, 1, 1]\nradios = 2\n' >radios.toml
-  expect 1 'radios.toml:3:' "did you mean 'lights.light[0].radius'?" -- run --scene cast --lights ./radios.toml
+  expect 2 'radios.toml:3:' "did you mean 'lights.light[0].radius'?" -- run --scene cast --lights ./radios.toml
   printf '[lights.sun]\ncolour = [0, 0, 0]\n' >black.toml
-  expect 1 'black.toml: all of its [lights] are black' -- run --scene cast --lights ./black.toml
+  expect 2 'black.toml: all of its [lights] are black' -- run --scene cast --lights ./black.toml
   expect 2 --light --lights -- run --scene tiny --lights night --light evening --picture x.png
   # The same lights from a file and by name; others; none.
   cp "$source_dir/bench/scenarios/lights/night.toml" .
@@ -258,14 +258,14 @@ check_ignored() {
 # What files say reaches no terminal as it is.
 check_control_characters() {
   printf '"\\u001b[2Jlenght" = 1\n[[layer]]\nname = "a"\n' >escape.toml
-  expect 1 '\x1b[2Jlenght' -- bake --setup ./escape.toml
+  expect 2 '\x1b[2Jlenght' -- bake --setup ./escape.toml
   printf '{"asset":{"version":"2\\u001b[2J"}}' >escape.gltf
-  expect 1 '2\x1b[2J' -- bake --character escape.gltf --setup tiny
+  expect 2 '2\x1b[2J' -- bake --character escape.gltf --setup tiny
   printf 'b\033[2Jad 3\n' >escape.s
-  expect 1 'no SPU opcode' -- timing escape.s
+  expect 2 'no SPU opcode' -- timing escape.s
   printf 'time\033[2J,x\n' >escape.csv
-  expect 1 escape.csv -- accuracy --roots escape.csv --strand strand.toml --out points.csv
-  expect 1 '\x1b[2J.groom' -- run --groom $'no\033[2J.groom'
+  expect 2 escape.csv -- accuracy --roots escape.csv --strand strand.toml --out points.csv
+  expect 2 '\x1b[2J.groom' -- run --groom $'no\033[2J.groom'
   grep -q $'\033' err.txt && fail "an escape character on the terminal"
 }
 
@@ -285,27 +285,27 @@ check_accuracy_errors() {
   expect 2 --features -- accuracy --scene tiny --features
   expect 2 --scene -- accuracy --order
   expect 2 --no-contact -- accuracy --scene tiny --order --no-contact
-  expect 1 /nowhere/ -- accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
+  expect 2 /nowhere/ -- accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   local run=(accuracy --out points.csv --strand strand.toml --roots)
-  expect 1 missing.csv -- "${run[@]}" missing.csv
-  expect 1 'there are modal-fast' -- "${run[@]}" roots.csv --solver xpbd-99
+  expect 2 missing.csv -- "${run[@]}" missing.csv
+  expect 2 'there are modal-fast' -- "${run[@]}" roots.csv --solver xpbd-99
   sed '5s/,[^,]*$//' roots.csv >short.csv
-  expect 1 'short.csv:5: 10 cells' -- "${run[@]}" short.csv
+  expect 2 'short.csv:5: 10 cells' -- "${run[@]}" short.csv
   sed '7s/^[^,]*/nan/' roots.csv >nan.csv
-  expect 1 "nan.csv:7: column 'time'" -- "${run[@]}" nan.csv
+  expect 2 "nan.csv:7: column 'time'" -- "${run[@]}" nan.csv
   sed -e '3{h;d}' -e '4{G}' roots.csv >order.csv
-  expect 1 'does not come after' -- "${run[@]}" order.csv
+  expect 2 'does not come after' -- "${run[@]}" order.csv
   head -c 3000 roots.csv >cut.csv
-  expect 1 'cut.csv:' -- "${run[@]}" cut.csv
+  expect 2 'cut.csv:' -- "${run[@]}" cut.csv
   sed 's/length/lenght/' strand.toml >typo.toml
-  expect 1 "did you mean 'length'" -- accuracy --out points.csv --strand typo.toml --roots roots.csv
-  expect 1 /nowhere/ -- accuracy --out /nowhere/x.csv --strand strand.toml --roots roots.csv
-  expect 1 'no such solver' -- stress --quick --solvers magic
+  expect 2 "did you mean 'length'" -- accuracy --out points.csv --strand typo.toml --roots roots.csv
+  expect 2 /nowhere/ -- accuracy --out /nowhere/x.csv --strand strand.toml --roots roots.csv
+  expect 2 'no such solver' -- stress --quick --solvers magic
   expect 2 --links -- stress --links 5
-  expect 1 'not JSON' -- report --scene tiny --frames 1 --accuracy roots.csv --out x.html
+  expect 2 'not JSON' -- report --scene tiny --frames 1 --accuracy roots.csv --out x.html
   printf '{"format": "pelt scene accuracy 0"}' >other.json
-  expect 1 'other.json: is not of the format' -- report --scene tiny --frames 1 --accuracy other.json --out x.html
+  expect 2 'other.json: is not of the format' -- report --scene tiny --frames 1 --accuracy other.json --out x.html
 }
 
 # Files and commands that are no runs: told by name, place and what the command itself said.
@@ -324,7 +324,7 @@ check_compare_errors() {
     grep -q -- "\"$option\"" out.txt && fail "compare says $option: $(cat out.txt)"
   done
   sed 's/"--fps": "30"/"--fps": 30/' b.json >number.json
-  expect 1 "'number.json': 'options.--fps' is not a text" -- compare a.json number.json
+  expect 2 "'number.json': 'options.--fps' is not a text" -- compare a.json number.json
   head -c 3000 a.json >half.json
   sed 's/"samples"/"others"/' a.json >old.json
   expect 2 'two files of pelt run --json, or --commands' -- compare
@@ -333,13 +333,13 @@ check_compare_errors() {
   expect 2 --commands -- compare --commands true
   expect 2 --rounds -- compare a.json a.json --rounds 6
   expect 2 --rounds -- compare --commands true true --rounds 5
-  expect 1 missing.json -- compare a.json missing.json
-  expect 1 "'half.json': not one whole JSON value: line" -- compare half.json a.json
-  expect 1 "'old.json': 'samples' is missing" -- compare a.json old.json
-  expect 1 "'echo no >&2; exit 3', round 1: exit code 3: no" -- \
+  expect 2 missing.json -- compare a.json missing.json
+  expect 2 "'half.json': not one whole JSON value: line" -- compare half.json a.json
+  expect 2 "'old.json': 'samples' is missing" -- compare a.json old.json
+  expect 2 "'echo no >&2; exit 3', round 1: exit code 3: no" -- \
     compare --commands 'cat a.json' 'echo no >&2; exit 3'
-  expect 1 "'true', round 1: not one whole JSON value" -- compare --commands true 'cat a.json'
-  expect 1 "'kill -9 \$\$', round 1: exit code 137" -- compare --commands 'kill -9 $$' 'cat a.json'
+  expect 2 "'true', round 1: not one whole JSON value" -- compare --commands true 'cat a.json'
+  expect 2 "'kill -9 \$\$', round 1: exit code 137" -- compare --commands 'kill -9 $$' 'cat a.json'
   sed -e 's/"isa": "[a-z0-9]*"/"isa": "\\u001b[2J"/' -e 's/"skin"/"\\u001b[2Jskin"/' a.json >escape.json
   "$pelt" compare a.json escape.json >out.txt || fail "compare escape.json"
   grep -q $'\033' out.txt && fail "an escape character of a run on the terminal"
@@ -365,14 +365,14 @@ check_timing_errors() {
   [ "$(sed -n '/^ *cycle  pipe/,$p' out.txt | wc -l)" -eq 8 ] || fail "--chart 7 is not 7 lines: $(cat out.txt)"
   # Cut off in the middle; of other machines; a disassembly; no text at all.
   printf 'lqd $4, 0($3)\n ai ' >cut.s
-  expect 1 "cut.s:2: 'ai' has 0 operands; expected register" -- timing cut.s
+  expect 2 "cut.s:2: 'ai' has 0 operands; expected register" -- timing cut.s
   printf '\t.text\nf:\n\tpushq\t%%rbp\n\tmovaps\t(%%rdi), %%xmm0\n' >x86.s
-  expect 1 "x86.s:3: 'pushq' is no SPU opcode" -- timing x86.s
-  expect 1 'of another machine' -- timing x86.s
-  expect 1 'for the PPE' -- timing x86.s --core ppe
+  expect 2 "x86.s:3: 'pushq' is no SPU opcode" -- timing x86.s
+  expect 2 'of another machine' -- timing x86.s
+  expect 2 'for the PPE' -- timing x86.s --core ppe
   printf '\na.out:     file format elf32-spu\n   0:\t34 00 01 84\tlqd\t$4,0($3)\n' >dump.s
-  expect 1 'a disassembly' -- timing dump.s
-  expect 1 'no instruction' -- timing /dev/null
+  expect 2 'a disassembly' -- timing dump.s
+  expect 2 'no instruction' -- timing /dev/null
 }
 
 # Two loops on the PPE's two threads: each told beside what it takes alone, whichever of them is named first.
@@ -381,13 +381,13 @@ check_second_thread() {
   printf 'iteration: vmaddfp v1,v1,v2,v3\n bdnz iteration\n' >chain.s
   printf 'add r3,r3,r4\n' >straight.s
   local pair=(timing adds.s --core ppe --second-thread)
-  expect 1 'missing.s: no such file' -- "${pair[@]}" missing.s
-  expect 1 'a folder, not a file' -- "${pair[@]}" .
+  expect 2 'missing.s: no such file' -- "${pair[@]}" missing.s
+  expect 2 'a folder, not a file' -- "${pair[@]}" .
   expect 2 'the path is empty' -- "${pair[@]}" ''
-  expect 1 'straight.s: 0 loops' -- "${pair[@]}" straight.s
-  expect 1 'straight.s: 0 loops' -- timing straight.s --core ppe --second-thread adds.s
+  expect 2 'straight.s: 0 loops' -- "${pair[@]}" straight.s
+  expect 2 'straight.s: 0 loops' -- timing straight.s --core ppe --second-thread adds.s
   printf 'a: lqd $4,0($3)\n brnz $7,a\n' >spu.s
-  expect 1 "spu.s:1: 'lqd' is no PPE opcode" -- "${pair[@]}" spu.s
+  expect 2 "spu.s:1: 'lqd' is no PPE opcode" -- "${pair[@]}" spu.s
   expect 2 '--core ppe' -- timing adds.s --second-thread chain.s
   expect 2 --smt -- "${pair[@]}" chain.s --smt
   expect 2 --trip -- "${pair[@]}" chain.s --trip loop=3

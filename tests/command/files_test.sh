@@ -2,7 +2,7 @@
 # The files of the `pelt` command as a user meets them: what is written where a link, a FIFO, a long
 # name or a protected file is; what is refused before the work begins; what may be read. The options
 # are taken from the help texts, where each shows its type, so that a new one is tested too.
-#   files_test.sh PELT SOURCE_DIR [outputs|conflicts|inputs|full]...   (all, if none is named)
+#   files_test.sh PELT SOURCE_DIR [outputs|conflicts|inputs|codes|full]...   (all, if none is named)
 # Nothing here writes to a device but the shell, and that only to standard output.
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
@@ -60,14 +60,12 @@ no_debris() {
 
 # check_output SUBCOMMAND OPTION
 check_output() {
-  local run=() ending name base refused=1
+  local run=() ending name base
   base=$(base_of "$1" "$2") || { fail "no test for the output $2 of pelt $1: tell base_of"; return; }
   # shellcheck disable=SC2206
   run=($1 $base)
   ending=$(extension_of "$2" "$1")
-  # Of budget, 1 is the verdict that a frame does not fit.
-  [ "$1" = budget ] && refused=2
-  expect "$refused" "$2" "/nowhere" -- "${run[@]}" "$2" "/nowhere/x$ending"
+  expect 2 "$2" "/nowhere" -- "${run[@]}" "$2" "/nowhere/x$ending"
   # One run: a link to a file of mode 600 that has as long a name as there can be.
   mkdir -p there
   name=$(printf 'n%.0s' $(seq $((255 - ${#ending}))))$ending
@@ -100,25 +98,25 @@ check_outputs() {
   done < <(subcommands '')
   [ "$count" -ge 10 ] || fail "only $count outputs in the help texts"
   echo "$count outputs"
-  expect 1 'a folder' -- bake --setup tiny --out .
-  expect 1 'too long' -- bake --setup tiny --out "$(printf 'n%.0s' {1..256})"
-  expect 1 'is not a folder' -- bake --setup tiny --out tiny.toml/x
+  expect 2 'a folder' -- bake --setup tiny --out .
+  expect 2 'too long' -- bake --setup tiny --out "$(printf 'n%.0s' {1..256})"
+  expect 2 'is not a folder' -- bake --setup tiny --out tiny.toml/x
   ln -s nowhere/x dangling
-  expect 1 "'nowhere' is not there" -- bake --setup tiny --out dangling
+  expect 2 "'nowhere' is not there" -- bake --setup tiny --out dangling
   ln -s loop loop
-  expect 1 'symbolic links' -- bake --setup tiny --out loop
+  expect 2 'symbolic links' -- bake --setup tiny --out loop
   ln -sf new.groom dangling
   "$pelt" bake --setup tiny --out dangling >/dev/null || fail "bake to a link without an end"
   [ -L dangling ] && [ -s new.groom ] || fail "a link without an end was replaced"
   expect 2 'the path is empty' -- bake --setup tiny --out ''
   expect 2 .png -- run --scene tiny --picture x.jpg
-  expect 1 'not a folder' -- accuracy --write-example tiny.toml
-  expect 1 'not a folder' -- golden --renew tiny.toml/x --scene tiny
+  expect 2 'not a folder' -- accuracy --write-example tiny.toml
+  expect 2 'not a folder' -- golden --renew tiny.toml/x --scene tiny
   if [ "$(id -u)" -ne 0 ]; then
     mkdir locked && chmod 500 locked
-    expect 1 "'locked'" 'ermission' -- bake --setup tiny --out locked/x.groom
+    expect 2 "'locked'" 'ermission' -- bake --setup tiny --out locked/x.groom
     cp tiny.toml readonly && chmod 400 readonly
-    expect 1 'may not be written' -- bake --setup tiny --out readonly
+    expect 2 'may not be written' -- bake --setup tiny --out readonly
   fi
   check_kept
 }
@@ -127,11 +125,11 @@ check_outputs() {
 check_kept() {
   printf 'kept' >kept.json
   head -c 5000 tiny.groom >cut.groom
-  expect 1 cut.groom -- run --groom cut.groom --trace kept.json
+  expect 2 cut.groom -- run --groom cut.groom --trace kept.json
   [ "$(cat kept.json)" = kept ] || fail "a run that failed has changed its output"
   # No room: 1 KiB is all that a file may have.
   (trap '' XFSZ && ulimit -f 1 && exec "$pelt" run --scene tiny --frames 1 --trace kept.json) 2>&1 | cat >full.txt
-  [ "${PIPESTATUS[0]}" -eq 1 ] || fail "no room for a trace: not exit 1"
+  [ "${PIPESTATUS[0]}" -eq 2 ] || fail "no room for a trace: not exit 2"
   grep -q "kept.json': cannot be written: File too large" full.txt || fail "no room: $(tail -n 2 full.txt)"
   [ "$(cat kept.json)" = kept ] || fail "a file was lost to one that found no room"
   grep -q '^digest ' full.txt || fail "the figures were lost to a trace that found no room"
@@ -192,12 +190,12 @@ check_input() {
   wait $!
   rm in
   mkdir in
-  expect 1 'a folder, not a file' -- "$@"
+  expect 2 'a folder, not a file' -- "$@"
   rmdir in
   ln -s missing in
-  expect 1 'a link to what is not there' -- "$@"
+  expect 2 'a link to what is not there' -- "$@"
   rm in
-  expect 1 'no such file' -- "$@"
+  expect 2 'no such file' -- "$@"
 }
 
 check_inputs() {
@@ -223,7 +221,7 @@ check_inputs() {
   while read -r limit words; do
     truncate -s $((limit + 1)) huge
     # shellcheck disable=SC2086
-    expect 1 "larger than $limit bytes" -- $words
+    expect 2 "larger than $limit bytes" -- $words
   done <<<"$((256 << 20)) verify --merge huge
 $((16 << 20)) report --scene tiny --frames 1 --accuracy huge --out page.html
 $((1 << 20)) accuracy --roots roots.csv --strand huge --out points.csv
@@ -233,8 +231,88 @@ $((4 << 20)) bake --setup ./huge
 $((4 << 20)) run --scene tiny --frames 1 --lights ./huge"
   rm huge
   "$pelt" timing - <nop.s >/dev/null || fail "timing of standard input"
-  expect 1 'not readable' -- bake --character <(printf '{}') --setup tiny
-  expect 1 'a folder, not a file' -- bake --character . --setup tiny
+  expect 2 'not readable' -- bake --character <(printf '{}') --setup tiny
+  expect 2 'a folder, not a file' -- bake --character . --setup tiny
+}
+
+# What reads the input OPTION of SUBCOMMAND, "@" in its place.
+reader_of() {
+  local needs=
+  case $1 in
+    report) needs='--no-consoles --out page.html' ;;
+    'trace record') needs='--out made.peltinput' ;;
+    view) needs='--out page.html' ;;
+  esac
+  case "$1 $2" in
+    'report --accuracy') echo "$1 --scene tiny --accuracy @ $needs" ;;
+    'accuracy --roots') echo "$1 --roots @ --strand strand.toml --out points.csv" ;;
+    'accuracy --strand') echo "$1 --roots roots.csv --strand @ --out points.csv" ;;
+    'diff left' | 'compare left') echo "$1 @ tiny.groom" ;;
+    'diff right') echo "$1 tiny.groom @" ;;
+    'compare right') echo "$1 run.json @" ;;
+    *' --merge') echo "$1 --merge @" ;;
+    'view --replay') echo "$1 --replay @ $needs" ;;
+    'view --watch') echo "$1 --watch @" ;;
+    *' --character') echo "$1 --character ./@ --setup tiny $needs" ;;
+    *' --setup') echo "$1 --setup ./@ $needs" ;;
+    *' --groom') echo "$1 --groom @ $needs" ;;
+    *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
+    'show character') echo "$1 ./@" ;;
+    *' file') echo "$1 @" ;;
+    *) return 1 ;;
+  esac
+}
+
+# An input that is not there, a folder, or nothing that the command knows: 2 of every command and option that its help
+# names. And what a verdict is: 1, or 3 where not all could be looked at.
+check_codes() {
+  local subcommand option type line file count=0
+  "$pelt" run --scene tiny --frames 2 --json >run.json 2>/dev/null || fail "run --json"
+  head -c 3000 /dev/urandom >noise
+  mkdir -p heap
+  while read -r subcommand; do
+    for type in INPUT-FILE 'INPUT-FILE\|NAME'; do
+      while read -r option; do
+        line=$(reader_of "$subcommand" "$option") || { fail "no test for the input $option of pelt $subcommand: tell reader_of"; continue; }
+        for file in missing noise heap; do
+          # shellcheck disable=SC2086
+          expect 2 -- ${line//@/$file}
+          count=$((count + 1))
+        done
+      done < <(options_of "$subcommand" "$type")
+    done
+  done < <(subcommands '')
+  [ "$count" -ge 90 ] || fail "only $count inputs in the help texts"
+  echo "$count inputs that cannot be read"
+
+  "$pelt" bake --setup tiny --seed 3 --out other.groom >/dev/null || fail "bake --seed"
+  "$pelt" trace record --scene tiny --frames 2 --no-cull --out other.peltinput >/dev/null || fail "trace record"
+  mkdir -p golden
+  "$pelt" golden --renew golden --scene tiny >/dev/null || fail "golden --renew"
+  sed -i 's/^19 whole_frame all .*/19 whole_frame all 0000000000000001/' golden/tiny.digests
+  "$pelt" verify --scene tiny --frames 1 --isa reference --no-skips --no-checks --json >whole.json 2>/dev/null ||
+    fail "verify --no-checks"
+  printf '[[layer]]\nname = "a"\ndensity = 100\nenabled = false\n' >off.toml
+  sed 's/"missing": \[\]/"missing": ["waking, coming to rest: no chunk sleeps"]/' whole.json >missing.json
+  sed '0,/"name"/s/"passed": true/"passed": false/; 0,/"place"/!s/"passed": true/"passed": false/' whole.json >failed.json
+  local code words
+  while read -r code words; do
+    # shellcheck disable=SC2086
+    timeout 300 "$pelt" $words >out.txt 2>err.txt
+    [ $? -eq "$code" ] || fail "pelt $words: not exit $code: $(tail -n 1 out.txt err.txt)"
+    [ ! -s err.txt ] || fail "pelt $words: a verdict on standard error: $(cat err.txt)"
+  done <<'EOF'
+0 diff tiny.groom tiny.groom
+1 diff tiny.groom other.groom
+1 diff tiny.peltinput other.peltinput
+0 trace replay tiny.peltinput
+1 golden --check golden --scene tiny
+1 budget --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 0.001
+0 verify --merge whole.json
+3 verify --setup ./off.toml --frames 1 --isa reference --no-skips
+1 verify --merge failed.json
+3 verify --merge missing.json
+EOF
 }
 
 # Standard output with no room: whatever is printed, the exit code says that it was lost.
@@ -275,4 +353,4 @@ check_full() {
 }
 
 make_inputs
-run_parts outputs=check_outputs conflicts=check_conflicts inputs=check_inputs full=check_full
+run_parts outputs=check_outputs conflicts=check_conflicts inputs=check_inputs codes=check_codes full=check_full

@@ -19,14 +19,14 @@ echo "three shards one by one: the whole run's report"
 for i in 0 1; do "$pelt" golden --check "$golden" --scene tiny --json --shard "$i/2" >"g$i.json"; done
 "$pelt" golden --merge g0.json g1.json | grep -q '^verdict: SAME BITS in all 2 cases' || fail "golden shards"
 
-expect 1 "missing: 1/3" -- verify --merge 0.json 2.json
-expect 1 "both shard 0/3" -- verify --merge 0.json 0.json 1.json
-expect 1 "printed by pelt golden" -- verify --merge 0.json g1.json
-expect 1 "nowhere.json" -- verify --merge nowhere.json
+expect 2 "missing: 1/3" -- verify --merge 0.json 2.json
+expect 2 "both shard 0/3" -- verify --merge 0.json 0.json 1.json
+expect 2 "printed by pelt golden" -- verify --merge 0.json g1.json
+expect 2 "nowhere.json" -- verify --merge nowhere.json
 head -c 2000 1.json >cut.json
-expect 1 "cut.json: not one whole JSON value" -- verify --merge 0.json cut.json 2.json
+expect 2 "cut.json: not one whole JSON value" -- verify --merge 0.json cut.json 2.json
 "$pelt" verify --scene tiny --frames 2 --isa reference --json --shard 1/3 >other.json
-expect 1 "'frames'" -- verify --merge 0.json other.json 2.json
+expect 2 "'frames'" -- verify --merge 0.json other.json 2.json
 expect 2 "from 0/3 to 2/3" -- verify --scene tiny --shard 3/3
 expect 2 "no launcher" -- verify --scene tiny --shard env
 expect 2 --merge -- verify --merge 0.json --scene tiny

@@ -70,7 +70,7 @@ TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
 TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
   hidden_param = &ActivateParams::view_changed;
   const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.position[0]"));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.eye[0]"));
 }
 
 // Weather and the modal solver's course tables reach a chunk through its layer's `changed`.
