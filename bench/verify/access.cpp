@@ -14,7 +14,7 @@
 
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
-#include "bench/verify/guarded_executor.hpp"
+#include "jobs/verify/guarded_executor.hpp"
 
 namespace pelt {
 namespace {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "bench/verify/guarded_executor.hpp"
 #include "core/error.hpp"
 #include "jobs/adapters/pull_pool.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
 #include "jobs/engine_door.hpp"
 #include "jobs/tbb_executor.hpp"
+#include "jobs/verify/guarded_executor.hpp"
 #include "platform_sim/local_store.hpp"
 
 namespace pelt {

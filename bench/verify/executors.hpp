@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/verify/finding.hpp"
 #include "jobs/frame.hpp"
+#include "jobs/verify/finding.hpp"
 
 namespace pelt {
 

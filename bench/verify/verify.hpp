@@ -24,8 +24,9 @@
 
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/verify/executors.hpp"
-#include "bench/verify/finding.hpp"
 #include "bench/verify/shard.hpp"
+#include "jobs/verify/finding.hpp"
+#include "jobs/verify/mismatch.hpp"
 
 namespace pelt {
 
@@ -45,20 +46,6 @@ struct VerifyCase {
   bool odd_floats = false;  // the threads that call round upwards and flush denormals
 };
 std::string NameCase(const VerifyCase& what);
-
-// The first value that differs between reference and case, in the order of the frame's stages.
-struct Mismatch {
-  uint32_t frame = 0;
-  std::string stage, stream, row;
-  std::string layer;            // empty for streams of scene or character
-  uint32_t item = 0;            // character, layer or chunk of the scene
-  uint32_t chunk_in_layer = 0;  // for chunk streams
-  uint32_t component = 0, lane = 0;
-  uint32_t expected = 0, found = 0;
-  bool is_float = false;
-  bool reproduced = true;  // false: seen once, and not again in lock-step: a race
-};
-std::string DescribeMismatch(const Mismatch& mismatch);
 
 // What every part of a report says of one thing that it looked at.
 struct Outcome {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <map>
 
 #include "bench/report/report_tree.hpp"
@@ -215,20 +214,6 @@ std::string NameCase(const VerifyCase& what) {
                      OrderName(what.vertex_order), what.piecewise_sort ? "in pieces" : "whole",
                      SettingsName(what.settings)) +
          (what.odd_floats ? ", odd floats" : "");
-}
-
-std::string DescribeMismatch(const Mismatch& m) {
-  if (!m.reproduced)
-    return fmt::format("frame {} differed once and not again in lock-step", m.frame);
-  std::string place = m.layer.empty() ? fmt::format("item {}", m.item)
-                                      : fmt::format("layer '{}', chunk {} (item {})", m.layer,
-                                                    m.chunk_in_layer, m.item);
-  std::string values = fmt::format("expected 0x{:08x}, found 0x{:08x}", m.expected, m.found);
-  // Records are hashed as words; most are floats, so both readings are given.
-  values += fmt::format(" (as float {:.9g} and {:.9g})", std::bit_cast<float>(m.expected),
-                        std::bit_cast<float>(m.found));
-  return fmt::format("frame {}, stage {}, stream {}, {}, row {}[{}], lane {}: {}", m.frame, m.stage,
-                     m.stream, place, m.row, m.component, m.lane, values);
 }
 
 ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerprint) {

@@ -162,7 +162,7 @@ else
   echo "pkg-config is missing: not tested" >&2
 fi
 
-# 3. Part of the project's own build, without exceptions and RTTI: Pelt adds its four libraries and nothing to see or to
+# 3. Part of the project's own build, without exceptions and RTTI: Pelt adds its five libraries and nothing to see or to
 # test. With files by eights and no vectors, for the time it takes; what a file forgets to include, cross_test.sh sees.
 outside_build "$kept/part" "${launcher[@]}" -DOUTSIDE_PELT_SOURCE="$source_dir" -DPELT_WHOLE=ON -DPELT_ISAS=reference \
   "-DCMAKE_CXX_FLAGS=-fno-exceptions -fno-rtti" -DEMBEDDING="$work/embedding.cpp" && {

@@ -1,6 +1,7 @@
 // Sparks that fall on the floor and are drawn to the middle of their fountain: streams and kernels
 // of one's own, on what Pelt has below its fur. The plan is derived from the ports, a frame runs
-// through an engine's door, the bits are proved not to depend on the executor, and an SPU is asked.
+// through an engine's door, the bits are proved not to depend on the executor, what would keep them
+// from it is named, and an SPU is asked.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include "pelt/core/simd.hpp"
 #include "pelt/jobs/adapters/thread_pool_door.hpp"
 #include "pelt/jobs/engine_door.hpp"
+#include "pelt/jobs/verify/verify_frames.hpp"
 #include "pelt/platform_sim/local_store.hpp"
 #include "pelt/platform_sim/pricing/recording_vec.hpp"
 #include "pelt/platform_sim/pricing/stage_costs.hpp"
@@ -164,19 +166,23 @@ double PriceOnSpu() {
 }
 
 int main() {
-  SerialExecutor serial;
-  const uint64_t truth = Fountains().RunFrames(serial);
-
   ThreadPoolDoor engine(4);  // or an engine's own two functions: pelt/jobs/engine_door.hpp
   DoorExecutor door(engine.door());
   PermutedExecutor permuted(7);
   LocalStoreExecutor local_store(PlanOptions{}.local_store_data_bytes);
   Executor* const others[] = {&door, &permuted, &local_store};
-  for (Executor* other : others)
-    if (Fountains().RunFrames(*other) != truth) return std::puts("other bits"), 1;
+  const auto make = [] {  // the same beginning every time
+    const auto fountains = std::make_shared<Fountains>();
+    return [fountains] { return fountains->frame(); };
+  };
+  const std::vector<Finding> findings = VerifyFrames(make, 100, others);
+  for (const Finding& finding : findings) std::puts(DescribeFinding(finding).c_str());
   for (const LocalStoreFault& fault : local_store.faults())
-    return std::printf("%s %s\n", fault.stage.data(), fault.what.c_str()), 1;
+    std::printf("%s %s\n", fault.stage.data(), fault.what.c_str());
+  if (!findings.empty() || !local_store.faults().empty()) return 1;
 
+  SerialExecutor serial;
+  const uint64_t truth = Fountains().RunFrames(serial);
   std::printf("%zu passes, %.1f us on an SPU, digest %016llx\n",
               Fountains().frame().plan->passes.size(), 1e-3 * PriceOnSpu(),
               static_cast<unsigned long long>(truth));

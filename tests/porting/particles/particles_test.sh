@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# particles.cpp, built with an installed Pelt, runs: every executor's bits are one, and an SPU has a price.
+# particles.cpp, built with an installed Pelt, runs: every executor's bits are one, and an SPU has a price. With a fault
+# planted in a kernel of its own it ends with 1 and names kind, stage and stream.
 #   particles_test.sh BUILD_DIR COMPILER
 # BUILD_DIR has everything built that is installed.
 set -euo pipefail
@@ -26,3 +27,24 @@ quietly cmake -G Ninja -S "$source_dir" -B "$work/build" -DCMAKE_CXX_COMPILER="$
 quietly cmake --build "$work/build"
 "$work/build/particles" | tee "$work/said"
 grep -qE '^2 passes, [0-9.]+ us on an SPU, digest [0-9a-f]{16}$' "$work/said"
+
+# planted NAME WHAT LINE: the same program with one more line in `fall`, behind its first.
+planted() {
+  local folder=$work/$1
+  mkdir "$folder"
+  cp "$source_dir/CMakeLists.txt" "$folder"
+  awk -v line="$3" '{ print } /Motion& m = / { print line; ++found } END { exit found != 1 }' "$source_dir/particles.cpp" \
+    >"$folder/particles.cpp"
+  quietly cmake -G Ninja -S "$folder" -B "$folder/build" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_PREFIX_PATH="$work/pelt" "${launcher[@]}"
+  quietly cmake --build "$folder/build"
+  if "$folder/build/particles" >"$work/said"; then echo "FAILED: $1 is not found" >&2; exit 1; fi
+  grep -q "^$2" "$work/said" || { cat "$work/said" >&2; echo "FAILED: $1 is not named" >&2; exit 1; }
+  echo "$1: $(grep -m 1 "^$2" "$work/said")"
+}
+planted "hidden static" "hidden-state: stage fall, item 0: .*'motion'" \
+  '    static float runs = 0.0f; runs += 1.0f; m.velocity[0][0] += 1e-3f * runs;'
+planted "undeclared read of a neighbour" "undeclared-read: stage fall, item 0: reads .* of item 1 of stream 'motion'" \
+  '    Motion* volatile next = &m + 1; m.velocity[0][0] += 1e-3f * next->position[0][0];'
+planted "undeclared write to a neighbour" "undeclared-write: stage fall, item 0: writes .* of item 1 of stream 'motion'" \
+  '    Motion* volatile next = &m + 1; next->velocity[0][0] = m.velocity[0][1];'

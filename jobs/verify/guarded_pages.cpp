@@ -1,16 +1,14 @@
-#include "bench/verify/guarded_pages.hpp"
+#include "jobs/verify/guarded_pages.hpp"
 
 #include <cstdlib>
 
-#include "core/chunk.hpp"
+#include "core/stream_table.hpp"
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <setjmp.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include "core/error.hpp"
 #endif
 
 namespace pelt {
@@ -83,9 +81,9 @@ GuardedPages::~GuardedPages() {
   if (base_) munmap(base_, total_bytes_);
 }
 
-void GuardedPages::Reserve(size_t bytes, uint32_t blocks) {
+bool GuardedPages::Reserve(size_t bytes, uint32_t blocks) {
   const size_t stride = 2 * RoundUpToPages(bytes) + 2 * PageBytes();
-  if (stride <= stride_ && blocks * kSlotsPerBlock <= slots_) return;
+  if (stride <= stride_ && blocks * kSlotsPerBlock <= slots_) return true;
   if (base_) munmap(base_, total_bytes_);
   stride_ = stride;
   slots_ = blocks * kSlotsPerBlock;
@@ -94,10 +92,12 @@ void GuardedPages::Reserve(size_t bytes, uint32_t blocks) {
       mmap(nullptr, total_bytes_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) {
     base_ = nullptr;
-    throw Error("no address space for guarded blocks: is it limited (ulimit -v)?");
+    stride_ = slots_ = 0;
+    return false;
   }
   base_ = static_cast<std::byte*>(at);
   next_ = 0;
+  return true;
 }
 
 GuardedPages::Block GuardedPages::Open(size_t bytes, bool at_end) {
@@ -147,7 +147,7 @@ bool GuardedPages::IsAvailable() { return false; }
 GuardedPages::Catcher::Catcher() {}
 GuardedPages::Catcher::~Catcher() {}
 GuardedPages::~GuardedPages() {}
-void GuardedPages::Reserve(size_t, uint32_t) {}
+bool GuardedPages::Reserve(size_t, uint32_t) { return false; }
 GuardedPages::Block GuardedPages::Open(size_t, bool) { std::abort(); }
 void GuardedPages::MakeReadOnly(const Block&) {}
 void GuardedPages::CloseAll() {}

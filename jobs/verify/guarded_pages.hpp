@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/kernel.hpp"
+#include "core/kernel_desc.hpp"
 
 namespace pelt {
 
@@ -39,8 +39,9 @@ class GuardedPages {
   GuardedPages(const GuardedPages&) = delete;
   GuardedPages& operator=(const GuardedPages&) = delete;
 
-  // Address space for blocks of `bytes`, and at least `blocks` of them open at a time.
-  void Reserve(size_t bytes, uint32_t blocks);
+  // Address space for blocks of `bytes`, and at least `blocks` of them open at a time. False: there is
+  // none, as where it is limited (ulimit -v).
+  bool Reserve(size_t bytes, uint32_t blocks);
   // Against the closed page behind it, or against the one in front.
   Block Open(size_t bytes, bool at_end);
   void MakeReadOnly(const Block& block);

@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/verify/finding.hpp"
 #include "jobs/frame.hpp"
+#include "jobs/verify/finding.hpp"
 
 namespace pelt {
 
@@ -42,6 +42,7 @@ class GuardedExecutor final : public Executor {
   struct Place;
   struct StageRun;
 
+  void RunUnguarded(const Frame& frame);
   void RunStage(const Frame& frame, const Stage& stage, uint32_t item);
   // False, with a finding, when the kernel was stopped or wrote where it may not.
   bool RunOnce(const Frame& frame, const Stage& stage, uint32_t item, StageRun& run);

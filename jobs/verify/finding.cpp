@@ -1,4 +1,4 @@
-#include "bench/verify/finding.hpp"
+#include "jobs/verify/finding.hpp"
 
 namespace pelt {
 

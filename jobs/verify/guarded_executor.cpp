@@ -1,14 +1,14 @@
-#include "bench/verify/guarded_executor.hpp"
-
-#include <fmt/format.h>
+#include "jobs/verify/guarded_executor.hpp"
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
-#include "bench/verify/guarded_pages.hpp"
+#include "core/format.hpp"
 #include "jobs/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
+#include "jobs/verify/guarded_pages.hpp"
 
 namespace pelt {
 namespace {
@@ -58,7 +58,7 @@ std::pair<std::string, std::string> NameAddress(const FrameMemory& memory, const
       const std::byte* block = memory.Block(Stream(s), i);
       if (block && at >= block && at < block + desc.block_bytes)
         return {std::string(desc.name),
-                fmt::format("byte {} of item {} of stream '{}'", at - block, i, desc.name)};
+                Format("byte {} of item {} of stream '{}'", at - block, i, desc.name)};
     }
   }
   return {};
@@ -104,7 +104,11 @@ void GuardedExecutor::RunPasses(const Frame& frame) {
         largest = std::max(largest, size_t(port.block_bytes) *
                                         BindPort(port, *frame.memory, stage.domain, i).count);
     }
-  arena_->pages.Reserve(largest, 2 * kMaxPorts);
+  if (!arena_->pages.Reserve(largest, 2 * kMaxPorts)) {
+    findings_.push_back({FindingKind::kExecutor, "", "",
+                         "no address space for guarded blocks: is it limited (ulimit -v)?"});
+    return RunUnguarded(frame);
+  }
   const GuardedPages::Catcher catcher;
   ForEachPass(frame, [&](uint32_t pass_index, uint32_t count) {
     const Pass& pass = frame.plan->passes[pass_index];
@@ -114,6 +118,12 @@ void GuardedExecutor::RunPasses(const Frame& frame) {
           RunStage(frame, frame.plan->stages[s], item);
   });
   ++frames_run_;
+}
+
+void GuardedExecutor::RunUnguarded(const Frame& frame) {
+  ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
+    for (uint32_t item = 0; item < count; ++item) RunItem(frame, pass, item);
+  });
 }
 
 void GuardedExecutor::RunStage(const Frame& frame, const Stage& stage, uint32_t item) {
@@ -184,8 +194,8 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
     const auto bytes = ptrdiff_t(place.count) * place.record_bytes;
     if (offset >= 0 && offset < bytes) {
       Find(kind, stage, std::string(NameOf(stage, ports[p])),
-           fmt::format("stage {}, item {}: writes through its read-only port '{}'",
-                       stage.kernel.name, item, NameOf(stage, ports[p])));
+           Format("stage {}, item {}: writes through its read-only port '{}'", stage.kernel.name,
+                  item, NameOf(stage, ports[p])));
       return false;
     }
     if (!arena_->pages.IsNear(place.block, stop.address)) continue;
@@ -196,16 +206,16 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
       where = "outside every stream of the scene";
     }
     Find(kind, stage, stream,
-         fmt::format("stage {}, item {}: {} {} bytes {} its block of port '{}': {}, for which it "
-                     "has no port",
-                     stage.kernel.name, item, did, offset < 0 ? -offset : offset - bytes,
-                     offset < 0 ? "in front of" : "behind", NameOf(stage, ports[p]), where));
+         Format("stage {}, item {}: {} {} bytes {} its block of port '{}': {}, for which it "
+                "has no port",
+                stage.kernel.name, item, did, offset < 0 ? -offset : offset - bytes,
+                offset < 0 ? "in front of" : "behind", NameOf(stage, ports[p]), where));
     return false;
   }
   Find(kind, stage, "",
-       fmt::format("stage {}, item {}: {} through a pointer that is none of its ports: one kept "
-                   "from an earlier run, or a wild one",
-                   stage.kernel.name, item, did));
+       Format("stage {}, item {}: {} through a pointer that is none of its ports: one kept "
+              "from an earlier run, or a wild one",
+              stage.kernel.name, item, did));
   return false;
 }
 
@@ -219,8 +229,8 @@ bool GuardedExecutor::CheckSlack(const Frame&, const Stage& stage, uint32_t item
     if (front && back) continue;
     const PortDesc& port = stage.kernel.ports[p];
     Find(FindingKind::kUndeclaredWrite, stage, std::string(NameOf(stage, port)),
-         fmt::format("stage {}, item {}: writes {} its block of port '{}'", stage.kernel.name, item,
-                     front ? "past the end of" : "in front of", NameOf(stage, port)));
+         Format("stage {}, item {}: writes {} its block of port '{}'", stage.kernel.name, item,
+                front ? "past the end of" : "in front of", NameOf(stage, port)));
     return false;
   }
   return true;
@@ -264,17 +274,15 @@ void GuardedExecutor::Compare(const Frame& frame, const Stage& stage, uint32_t i
     const std::string_view written = NameOf(stage, ports[p]);
     const std::string out = FindOutThatMatters(frame, stage, item, first);
     if (out.empty()) {
-      Find(
-          FindingKind::kHiddenState, stage, std::string(written),
-          fmt::format("stage {}, item {}: run twice on the same blocks it gives stream '{}' two "
-                      "results (byte {}): it remembers something, or looks at where its blocks lie",
-                      stage.kernel.name, item, written, at));
+      Find(FindingKind::kHiddenState, stage, std::string(written),
+           Format("stage {}, item {}: run twice on the same blocks it gives stream '{}' two "
+                  "results (byte {}): it remembers something, or looks at where its blocks lie",
+                  stage.kernel.name, item, written, at));
     } else {
-      Find(
-          FindingKind::kReadsOut, stage, out,
-          fmt::format("stage {}, item {}: reads stream '{}', which it declares Out: what it writes "
-                      "to '{}' (byte {}) depends on what lay there",
-                      stage.kernel.name, item, out, written, at));
+      Find(FindingKind::kReadsOut, stage, out,
+           Format("stage {}, item {}: reads stream '{}', which it declares Out: what it writes "
+                  "to '{}' (byte {}) depends on what lay there",
+                  stage.kernel.name, item, out, written, at));
     }
     return;
   }
@@ -326,8 +334,8 @@ void GuardedExecutor::Store(const Frame& frame, const Stage& stage, uint32_t ite
       if (at == kNotPut) continue;
       if (at >= places) {
         Find(FindingKind::kUndeclaredWrite, stage, std::string(NameOf(stage, port)),
-             fmt::format("stage {}, item {}: scatters to place {} of {} in its layer",
-                         stage.kernel.name, item, at, places));
+             Format("stage {}, item {}: scatters to place {} of {} in its layer", stage.kernel.name,
+                    item, at, places));
         continue;
       }
       std::memcpy(to + size_t(at) * place.record_bytes,

@@ -1,0 +1,37 @@
+// Where two runs of the same frames part: stage, stream, item, row and lane, of anybody's table of
+// streams.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "jobs/frame.hpp"
+
+namespace pelt {
+
+// The first value that differs, in the order of the frame's stages.
+struct Mismatch {
+  static constexpr uint32_t kNoLayer = ~0u;
+
+  uint32_t frame = 0;
+  std::string stage, stream, row;
+  uint32_t item = 0;                // character, layer or chunk of the scene
+  uint32_t layer_index = kNoLayer;  // for streams of layers and chunks
+  uint32_t chunk_in_layer = 0;      // for chunk streams
+  std::string layer = {};           // its name, where the caller knows one
+  uint32_t component = 0, lane = 0;
+  uint32_t expected = 0, found = 0;
+  bool is_float = false;
+  bool reproduced = true;  // false: seen once, and not again in lock-step: a race
+};
+// One line.
+std::string DescribeMismatch(const Mismatch& mismatch);
+
+// The first difference after a frame that both have run, of values, then, when `bookkeeping` is set,
+// of the bookkeeping of what ran. Of the same streams and shape; `expected` has the plan whose stages are gone
+// through. Who calls knows which frame it is.
+std::optional<Mismatch> FindMismatch(const Frame& expected, const Frame& found,
+                                     bool bookkeeping = false);
+
+}  // namespace pelt

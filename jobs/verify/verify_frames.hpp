@@ -1,0 +1,37 @@
+// The proof that frames of one's own give the same bits whatever runs them, and the name of what keeps
+// them from it: what `pelt verify` does to fur, for anybody's table of streams and kernels.
+//
+//   const auto make = [] {                              // the same beginning every time
+//     const auto sparks = std::make_shared<Fountains>();
+//     return [sparks] { return sparks->frame(); };      // what the next frame is, its input filled in
+//   };
+//   for (const Finding& finding : VerifyFrames(make, 100, executors)) std::puts(DescribeFinding(finding).c_str());
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "jobs/frame.hpp"
+#include "jobs/verify/finding.hpp"
+
+namespace pelt {
+
+using NextFrame = std::function<Frame()>;
+
+// Runs the frames one after another as the truth, then
+// - again: what gives other bits remembers something (kHiddenState) or never gives the same ones (kRace);
+// - each stage alone between closed pages (guarded_executor.hpp), which names undeclared accesses,
+//   hidden state and what a kernel takes from a port that it declares Out, where the system has such pages;
+// - on each of `executors`, in step with the truth, which names the first stage, stream, item, row and
+//   lane that differs (kOrder; kRace where a second try does not).
+// Empty: the same bits everywhere, and nothing touched that is not declared.
+std::vector<Finding> VerifyFrames(const std::function<NextFrame()>& make, uint32_t frames,
+                                  std::span<Executor* const> executors);
+
+// "undeclared-read: stage fall, item 3: reads ...".
+std::string DescribeFinding(const Finding& finding);
+
+}  // namespace pelt
