@@ -51,7 +51,7 @@ Ranks RankByPlaces(const std::vector<Hair>& hairs, const std::vector<uint32_t>& 
 
 // Far to near by one knot, whatever the layer.
 Ranks RankByKnot(const std::vector<Hair>& hairs, const Camera& camera, float share) {
-  const glm::vec3 eye(camera.position[0], camera.position[1], camera.position[2]);
+  const glm::vec3 eye(camera.eye[0], camera.eye[1], camera.eye[2]);
   const glm::vec3 ahead =
       glm::normalize(glm::vec3(camera.target[0], camera.target[1], camera.target[2]) - eye);
   return RankBy(hairs.size(), [&](uint32_t i) {

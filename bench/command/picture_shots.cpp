@@ -84,7 +84,7 @@ PictureScene PictureShots::Gather(uint32_t frame) {
     if (light.name == args_.light)
       shown.ForEachLook([&](PictureLook& look) {
         look.room = light.room;
-        look.light = MakeLight(light, {camera.position[0], camera.position[1], camera.position[2]},
+        look.light = MakeLight(light, {camera.eye[0], camera.eye[1], camera.eye[2]},
                                {camera.target[0], camera.target[1], camera.target[2]});
       });
   notes_ = maps_->notes();

@@ -114,7 +114,7 @@ std::vector<uint32_t> PlacesByDepth(const PictureScene& shown, size_t draw) {
   const std::vector<Hair>& hairs = shown.layers[draw];
   glm::vec3 eye, target;
   for (int c = 0; c < 3; ++c) {
-    eye[c] = shown.camera.position[c];
+    eye[c] = shown.camera.eye[c];
     target[c] = shown.camera.target[c];
   }
   std::vector<float> depth;

@@ -14,7 +14,7 @@ Camera StandAt(const PageCamera& user, const Camera& own) {
                        float(level * exact::Cos(user.yaw_rad)));
   for (int c = 0; c < 3; ++c) {
     camera.target[c] = user.target[c];
-    camera.position[c] = user.target[c] + from[c];
+    camera.eye[c] = user.target[c] + from[c];
   }
   return camera;
 }

@@ -18,8 +18,7 @@ glm::vec3 VecOfThree(const float* p) { return {p[0], p[1], p[2]}; }
 // A recorder that has no camera leaves it as it is made.
 bool IsNobodys(const Camera& camera) {
   const Camera made;
-  return std::ranges::equal(camera.position, made.position) &&
-         std::ranges::equal(camera.target, made.target);
+  return std::ranges::equal(camera.eye, made.eye) && std::ranges::equal(camera.target, made.target);
 }
 
 std::string Hex(uint64_t digest) { return fmt::format("{:016x}", digest); }
@@ -159,7 +158,7 @@ void ReplayViewer::Look() {
 PageCamera ReplayViewer::OrbitFrom(const Camera& own) const {
   const glm::vec3 centre = 0.5f * (box_.low + box_.high);
   const float radius = std::max(0.5f * glm::length(box_.high - box_.low), 0.05f);
-  const glm::vec3 eye = VecOfThree(own.position);
+  const glm::vec3 eye = VecOfThree(own.eye);
   const glm::vec3 ahead = glm::normalize(VecOfThree(own.target) - eye);
   const float along = glm::dot(centre - eye, ahead);
   const bool sees = along > 0.1f && glm::length(centre - eye - along * ahead) < radius + along;

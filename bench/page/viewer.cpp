@@ -239,7 +239,7 @@ const char* Viewer::Step() {
 }
 
 PageRay Viewer::RayAt(double x, double y) const {
-  const glm::vec3 eye = VecOfPlace(last_camera_.position);
+  const glm::vec3 eye = VecOfPlace(last_camera_.eye);
   const glm::vec3 ahead = glm::normalize(VecOfPlace(last_camera_.target) - eye);
   const glm::vec3 right = glm::normalize(glm::cross(ahead, VecOfPlace(last_camera_.up)));
   const glm::vec3 up = glm::cross(right, ahead);

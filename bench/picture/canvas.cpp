@@ -15,7 +15,7 @@ constexpr float kFar = std::numeric_limits<float>::max();
 }  // namespace
 
 Projection::Projection(const Camera& camera, uint32_t width, uint32_t height)
-    : eye_(VecOf(camera.position)) {
+    : eye_(VecOf(camera.eye)) {
   forward_ = glm::normalize(VecOf(camera.target) - eye_);
   right_ = glm::normalize(glm::cross(forward_, VecOf(camera.up)));
   up_ = glm::cross(right_, forward_);

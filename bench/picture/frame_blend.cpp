@@ -90,7 +90,7 @@ void FrameBlend::Keep(PictureScene shown) {
 
 void FrameBlend::Blend(float share, PictureScene& shown) const {
   if (!kept_) return;
-  Mix(kept_->camera.position, share, shown.camera.position);
+  Mix(kept_->camera.eye, share, shown.camera.eye);
   Mix(kept_->camera.target, share, shown.camera.target);
   for (size_t b = 0; b < std::min(shown.bodies.size(), kept_->bodies.size()); ++b)
     MixBody(kept_->bodies[b], share, shown.bodies[b]);

@@ -60,7 +60,7 @@ struct Lens {
 };
 
 Lens LensOf(const Camera& camera, const PictureOptions& options) {
-  const glm::vec3 eye = VecOf(camera.position);
+  const glm::vec3 eye = VecOf(camera.eye);
   const float aspect = float(options.width_px) / float(options.height_px);
   const glm::mat4 view = glm::lookAt(eye, VecOf(camera.target), VecOf(camera.up));
   const float height = std::tan(0.5f * camera.vertical_fov_rad);

@@ -348,7 +348,7 @@ void Scenario::Place() {
   MovePlaces(offset, input_);
   for (int c = 0; c < 3; ++c) {
     input_.camera.target[c] = offset.Place(input_.camera.target[c], c);
-    input_.camera.position[c] = offset.Place(input_.camera.position[c], c);
+    input_.camera.eye[c] = offset.Place(input_.camera.eye[c], c);
   }
 }
 
@@ -389,7 +389,7 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
                        float(camera.radius_m * exact::Cos(angle)));
   for (int c = 0; c < 3; ++c) {
     input_.camera.target[c] = camera.target[c];
-    input_.camera.position[c] = camera.target[c] + from[c];
+    input_.camera.eye[c] = camera.target[c] + from[c];
   }
   input_.camera.vertical_fov_rad = float(camera.vertical_fov_rad);
   input_.sphere_count = uint32_t(spheres.size());

@@ -31,22 +31,21 @@ constexpr uint32_t kCourseFrames = kTurning + kNodding + kNear + kFar + kLast;
 
 void LookAside(Camera& camera, double turn_rad, double nod_rad, double distance) {
   double forward[3];
-  for (int i = 0; i < 3; ++i)
-    forward[i] = (double(camera.target[i]) - camera.position[i]) / distance;
+  for (int i = 0; i < 3; ++i) forward[i] = (double(camera.target[i]) - camera.eye[i]) / distance;
   const double s = exact::Sin(turn_rad), c = exact::Cos(turn_rad);
   const double turned[3] = {c * forward[0] + s * forward[2], forward[1],
                             c * forward[2] - s * forward[0]};
   // Nods by lifting the target: never straight up.
   const double lift = exact::Sin(nod_rad) / exact::Cos(nod_rad);
   for (int i = 0; i < 3; ++i)
-    camera.target[i] = float(camera.position[i] + distance * (turned[i] + (i == 1 ? lift : 0.0)));
+    camera.target[i] = float(camera.eye[i] + distance * (turned[i] + (i == 1 ? lift : 0.0)));
 }
 
 // The frame's camera instead of the scene's.
 void AimCamera(uint32_t frame, Camera& camera) {
   double d2 = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const double along = double(camera.target[i]) - camera.position[i];
+    const double along = double(camera.target[i]) - camera.eye[i];
     d2 += along * along;
   }
   const double distance = std::sqrt(d2);
@@ -259,7 +258,7 @@ class CullingCheck {
   static void AimAtTip(const Point& tip, int axis, float inwards, float reach, Camera& camera) {
     for (int i = 0; i < 3; ++i) {
       camera.target[i] = tip.at[i];
-      camera.position[i] = tip.at[i] - (i == axis ? inwards * reach : 0.0f);
+      camera.eye[i] = tip.at[i] - (i == axis ? inwards * reach : 0.0f);
       camera.up[i] = i == (axis + 1) % 3 ? 1.0f : 0.0f;
     }
     camera.vertical_fov_rad = 0.3f;

@@ -30,8 +30,8 @@ ViewTest::ViewTest(const Camera& camera)
   half_width_ = half_height_ * double(camera.viewport_width_px) / camera.viewport_height_px;
   double upright[3];
   for (int i = 0; i < 3; ++i) {
-    eye_[i] = camera.position[i];
-    forward_[i] = double(camera.target[i]) - camera.position[i];
+    eye_[i] = camera.eye[i];
+    forward_[i] = double(camera.target[i]) - camera.eye[i];
     upright[i] = camera.up[i];
   }
   MakeUnit(forward_);

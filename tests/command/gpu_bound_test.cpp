@@ -11,7 +11,7 @@ namespace {
 // The eye in the origin, towards -z.
 View MakeTestView() {
   Camera camera;
-  for (int i = 0; i < 3; ++i) camera.position[i] = camera.target[i] = 0.0f;
+  for (int i = 0; i < 3; ++i) camera.eye[i] = camera.target[i] = 0.0f;
   camera.target[2] = -1.0f;
   return MakeView(camera);
 }

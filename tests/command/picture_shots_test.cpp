@@ -155,9 +155,9 @@ TEST(CameraChoice, StandsWhereItWasToldAndTurnsOnce) {
   EXPECT_NEAR(scenario.camera.height_m, distance_m * 0.5, 1e-9);
   RunningScenario running(scenario, {});
   const Camera camera = scenario.PrepareFrame(7, running.scene()).camera;
-  EXPECT_NEAR(camera.position[0], 1.0 + scenario.camera.radius_m, 1e-5);
-  EXPECT_NEAR(camera.position[1], 2.0 + scenario.camera.height_m, 1e-5);
-  EXPECT_NEAR(camera.position[2], 3.0, 1e-5);
+  EXPECT_NEAR(camera.eye[0], 1.0 + scenario.camera.radius_m, 1e-5);
+  EXPECT_NEAR(camera.eye[1], 2.0 + scenario.camera.height_m, 1e-5);
+  EXPECT_NEAR(camera.eye[2], 3.0, 1e-5);
 
   args.camera.turntable = true;
   EXPECT_NEAR(LoadForRun(args, nullptr).camera.rate_rad_per_s * 30 * scenario.dt_s,

@@ -117,7 +117,7 @@ void SpoilInput(Random& random, FrameInput& in) {
     in.ground[3] = Extreme(random);
   }
   if (random.Below(4) == 0)
-    for (float& c : in.camera.position) c = Extreme(random);
+    for (float& c : in.camera.eye) c = Extreme(random);
   in.skip.lod = random.Below(2) != 0;
 }
 

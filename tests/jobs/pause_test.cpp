@@ -115,8 +115,8 @@ TEST(Pause, FollowsTheView) {
     const uint64_t points = scene.DigestStream(StreamOf<&Streams::curves>),
                    keys = scene.DigestStream(StreamOf<&Streams::sort_keys>);
     FrameInput turned = PausedInput(scenario, f, scene);
-    std::swap(turned.camera.position[0], turned.camera.position[2]);
-    turned.camera.position[1] += 0.1f;
+    std::swap(turned.camera.eye[0], turned.camera.eye[2]);
+    turned.camera.eye[1] += 0.1f;
     ASSERT_EQ(BeginError(scene, turned), "");
     serial.Run(scene.CurrentFrame());
     EXPECT_EQ(scene.DigestStream(StreamOf<&Streams::curves>), points);

@@ -70,7 +70,7 @@ TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
     FrameInput input = scenario.PrepareFrame(frame, scene);
     if (look_away)
       for (int a = 0; a < 3; ++a)
-        input.camera.target[a] = 2.0f * input.camera.position[a] - input.camera.target[a];
+        input.camera.target[a] = 2.0f * input.camera.eye[a] - input.camera.target[a];
     ASSERT_EQ(BeginError(scene, input), "");
     serial.Run(scene.CurrentFrame());
   };
@@ -216,7 +216,7 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
 TEST(FurSceneSleep, ATurnedCameraSortsAgainAndWakesNobody) {
   Course course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest));
-  course.change = [](FrameInput& in, FurScene&) { in.camera.position[0] += 0.3f; };
+  course.change = [](FrameInput& in, FurScene&) { in.camera.eye[0] += 0.3f; };
   course.Run();
   EXPECT_EQ(course.Awake(), 0u);
   EXPECT_EQ(CountChunks(course.scene(), kChunkKeys), course.scene().shape().chunk_count);

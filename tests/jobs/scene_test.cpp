@@ -116,14 +116,14 @@ const std::vector<BadInput> kBadInputs = {
     {"time_s", [](FrameInput& in, FurScene&) { in.time_s = double(kNaN); }},
     {"time_s", [](FrameInput& in, FurScene&) { in.time_s = -1.0; }},
     {"time_s", [](FrameInput& in, FurScene&) { in.time_s = 1e300; }},
-    {"camera", [](FrameInput& in, FurScene&) { in.camera.position[1] = kNaN; }},
-    {"camera's eye is beyond", [](FrameInput& in, FurScene&) { in.camera.position[1] = 3e38f; }},
+    {"camera", [](FrameInput& in, FurScene&) { in.camera.eye[1] = kNaN; }},
+    {"camera's eye is beyond", [](FrameInput& in, FurScene&) { in.camera.eye[1] = 3e38f; }},
     {"camera's target is beyond", [](FrameInput& in, FurScene&) { in.camera.target[1] = -3e38f; }},
     {"camera's up vector is beyond", [](FrameInput& in, FurScene&) { in.camera.up[1] = 3e38f; }},
     {"camera", [](FrameInput& in, FurScene&) { in.camera.vertical_fov_rad = 0.0f; }},
     {"camera",
      [](FrameInput& in, FurScene&) {
-       std::memcpy(in.camera.target, in.camera.position, sizeof in.camera.target);
+       std::memcpy(in.camera.target, in.camera.eye, sizeof in.camera.target);
      }},
     {"gravity", [](FrameInput& in, FurScene&) { in.gravity[2] = kInf; }},
     {"gravity", [](FrameInput& in, FurScene&) { in.gravity[0] = 1e30f; }},

@@ -139,7 +139,7 @@ TEST(Shells, DoNotPartOnBorders) {
 TEST(Shells, HaveFinsOnTheEdgesThatAreSeenFromTheSide) {
   ShellRun run(ShellScenario());
   float eye[3] = {};
-  run.edit = [&](FrameInput& input) { std::copy_n(input.camera.position, 3, eye); };
+  run.edit = [&](FrameInput& input) { std::copy_n(input.camera.eye, 3, eye); };
   for (int f = 0; f < 3; ++f) run.Run();
   const LayerDraw& draw = *run.FindDraw();
   const auto vertices = draw.As<ShellVertex>();
@@ -194,8 +194,8 @@ TEST(Shells, FinsFollowTheEye) {
       if (paused) input.dt_s = 0.0;
       std::fill_n(input.wind.velocity, 3, 0.0f);
       input.camera = {};
-      input.camera.position[0] = x;
-      input.camera.position[2] = z;
+      input.camera.eye[0] = x;
+      input.camera.eye[2] = z;
     };
     run.Run();
     const LayerDraw* draw = run.FindDraw();
@@ -292,8 +292,8 @@ TEST(Shells, FollowTheDistance) {
   ShellRun run(std::move(scenario), {.lod = true});
   for (const float metres : {0.5f, 3.0f, 11.0f, 30.0f, 60.0f, 5.0f}) {
     run.edit = [metres](FrameInput& input) {
-      for (int axis = 0; axis < 3; ++axis) input.camera.position[axis] = input.camera.target[axis];
-      input.camera.position[2] += metres;
+      for (int axis = 0; axis < 3; ++axis) input.camera.eye[axis] = input.camera.target[axis];
+      input.camera.eye[2] += metres;
       input.camera.vertical_fov_rad = 2.5f;
     };
     run.Run();

@@ -217,7 +217,7 @@ TEST(SelectLod, WantedAgreesWithDoubleReference) {
       const float low = Uniform(random, -9.0f, 9.0f), high = low + Uniform(random, 0.0f, 2.0f);
       world.bounds[0].low[a] = low;
       world.bounds[0].high[a] = high;
-      const double eye = camera.position[a];
+      const double eye = camera.eye[a];
       const double gap = std::max({0.0, low - eye, eye - high});
       diagonal2 += std::pow(double(high) - low, 2);
       distance2 += gap * gap;

@@ -78,7 +78,7 @@ TEST(ReplayViewer, TheUserMayStandAnywhereAndNoBitChanges) {
   viewer->SetCamera(PageCamera{{0.0f, 0.6f, 0.0f}, 3.6, 0.4, 2.0});
   viewer->Look();
   EXPECT_GT(CountHairs(*viewer), hairs / 2);
-  EXPECT_NE(viewer->camera().position[2], own.position[2]);
+  EXPECT_NE(viewer->camera().eye[2], own.eye[2]);
   // From behind, other hairs are the farthest.
   EXPECT_NE(FirstRoot(viewer->Gather()), root);
   for (double yaw = 0.0; !viewer->AtEnd(); yaw += 0.7) {
@@ -91,7 +91,7 @@ TEST(ReplayViewer, TheUserMayStandAnywhereAndNoBitChanges) {
   viewer->SetCamera(std::nullopt);
   viewer->Look();
   const InputLog log = ReadInputLog(Tiny(), "x").OrThrow();
-  EXPECT_EQ(viewer->camera().position[2], log.frames.back().input.camera.position[2]);
+  EXPECT_EQ(viewer->camera().eye[2], log.frames.back().input.camera.eye[2]);
 }
 
 // What the page begins to turn from, it shows.
@@ -105,8 +105,7 @@ TEST(ReplayViewer, TurningBeginsWhereTheRecordedCameraIs) {
                                orbit["elevation"],
                                orbit["distance"]});
   viewer->Look();
-  for (int c = 0; c < 3; ++c)
-    EXPECT_NEAR(viewer->camera().position[c], own.position[c], 1e-4f) << c;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(viewer->camera().eye[c], own.eye[c], 1e-4f) << c;
 }
 
 TEST(ReplayViewer, WithoutACameraAllOfTheFurIsInSight) {

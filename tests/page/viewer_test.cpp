@@ -312,7 +312,7 @@ TEST(Viewer, APictureIsGatheredAgainWhereMoreThanCameraAndLightChanged) {
   EXPECT_NE(held, first);
   viewer.SetCamera(PageCamera{{0.0f, 0.5f, 0.0f}, 3.14, 0.3, 2.0});
   EXPECT_EQ(content(), held);
-  EXPECT_LT(viewer.Picture(1.0f).camera.position[2], 0.0f);
+  EXPECT_LT(viewer.Picture(1.0f).camera.eye[2], 0.0f);
   // With one: other hairs on the same skin.
   viewer.Set("hold_view", 0);
   const uint64_t turned = content();

@@ -56,7 +56,7 @@ TEST(InputLog, WhatIsRecordedComesBack) {
   for (uint32_t f = 0; f < 4; ++f) {
     const FrameInput input = log.Input(f);
     EXPECT_EQ(input.time_s, recorded.inputs[f].time_s);
-    EXPECT_EQ(input.camera.position[1], recorded.inputs[f].camera.position[1]);
+    EXPECT_EQ(input.camera.eye[1], recorded.inputs[f].camera.eye[1]);
     EXPECT_EQ(input.use_ground, recorded.inputs[f].use_ground);
     EXPECT_EQ(input.skip.lod, recorded.inputs[f].skip.lod);
     EXPECT_EQ(input.lod.strand_budget, 100 * f);

@@ -62,7 +62,7 @@ inline RecordedFrames MakeRecordedFrames() {
   for (uint32_t f = 0; f < 4; ++f) {
     FrameInput input;
     input.time_s = f / 60.0;
-    input.camera.position[1] = 1.0f + float(f);
+    input.camera.eye[1] = 1.0f + float(f);
     input.use_ground = f % 2 == 1;
     input.sphere_count = f;
     for (uint32_t s = 0; s < f; ++s) input.sphere[s][3] = 0.5f + float(s);

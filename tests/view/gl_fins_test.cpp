@@ -60,7 +60,7 @@ class Head {
   }
   static void LookAtHead(Camera& camera) {
     const float eye[3] = {0.5f, 0.6f, 1.2f}, target[3] = {0.0f, 0.85f, 0.0f};
-    std::copy_n(eye, 3, camera.position);
+    std::copy_n(eye, 3, camera.eye);
     std::copy_n(target, 3, camera.target);
     camera.vertical_fov_rad = 0.6f;
   }

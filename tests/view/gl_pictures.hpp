@@ -55,7 +55,7 @@ inline const PictureScene& Monster() {
 // Seen from this share of the distance.
 inline PictureScene Nearer(PictureScene scene, float share) {
   for (int k = 0; k < 3; ++k)
-    scene.camera.position[k] = glm::mix(scene.camera.target[k], scene.camera.position[k], share);
+    scene.camera.eye[k] = glm::mix(scene.camera.target[k], scene.camera.eye[k], share);
   return scene;
 }
 

@@ -13,7 +13,7 @@ namespace {
 Camera TestCamera() {
   Camera camera;
   const float position[3] = {0.0f, 0.0f, 1.0f}, target[3] = {0.0f, 0.0f, 0.0f};
-  std::copy(position, position + 3, camera.position);
+  std::copy(position, position + 3, camera.eye);
   std::copy(target, target + 3, camera.target);
   return camera;
 }
