@@ -73,8 +73,8 @@ struct PaintBrush {
   float amount = 0.0f;    // -1 to 1, of the most that a strand can have; below 0: takes away
 };
 
-// Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value is
-// beyond 1e6; BeginFrame says which one is. jobs/README.md has a table of all, with their names in C.
+// Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value
+// is beyond 1e6; BeginFrame says which one is. jobs/README.md has all, with their names in C.
 struct FrameInput {
   // The time that passes in the frame, which ends in what it is told: 1e-6 to 1 s; or 0: a pause.
   double dt_s = 1.0 / 60.0;

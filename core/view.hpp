@@ -11,7 +11,7 @@
 
 namespace pelt {
 
-// World space, right-handed, metres: what is seen, drawn far to near for, and how large it is there.
+// World space, right-handed, metres.
 struct Camera {
   union {
     float eye[3] = {0.0f, 1.0f, 3.0f};  // where it is

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <iterator>
 #include <new>
+#include <utility>
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
@@ -71,7 +72,7 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
       origins_(options.origins ? layout_.shape.character_count : 0),
       scales_(layout_.shape.character_count, 1.0f),
-      scale_notes_(layout_.shape.character_count, Note::kNone) {
+      scale_notes_(layout_.shape.character_count, 0.0f) {
   draws_.reserve(layout_.shape.layer_count);
   fault_.reserve(256);
 }
@@ -178,11 +179,11 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
 }
 
 const char* FurScene::NextNote() {
-  const auto next = std::find(scale_notes_.begin(), scale_notes_.end(), Note::kToTell);
+  const auto next =
+      std::find_if(scale_notes_.begin(), scale_notes_.end(), [](float s) { return s > 0.0f; });
   if (next == scale_notes_.end()) return nullptr;
-  *next = Note::kTold;
+  const float scale = std::exchange(*next, -1.0f);
   const auto character = uint32_t(next - scale_notes_.begin());
-  const float scale = scales_[character];
   fault_.clear();
   FormatTo(
       fault_,

@@ -259,8 +259,7 @@ class FurScene {
   std::vector<double> given_origins_;      // of characters, three each; empty: they have none
   std::vector<CharacterOrigin> origins_;   // likewise
   std::vector<float> scales_;              // of each character, over its groom's
-  enum class Note : uint8_t { kNone, kToTell, kTold };
-  std::vector<Note> scale_notes_;  // of each character
+  std::vector<float> scale_notes_;         // of each: the scale to tell of; 0: none; below: told
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

@@ -107,8 +107,8 @@ void FurScene::FillScales() {
     if (!pose_gate_.holds_pose()[c])
       scales_[c] =
           ScaleOf(memory_.Of<&Streams::pose>(c)->root, pose_gate_.UnitScale(c), scales_[c]);
-    if (!options_.any_scale && scale_notes_[c] == Note::kNone && LooksMistaken(scales_[c]))
-      scale_notes_[c] = Note::kToTell;
+    if (!options_.any_scale && scale_notes_[c] == 0.0f && LooksMistaken(scales_[c]))
+      scale_notes_[c] = scales_[c];
   }
 }
 

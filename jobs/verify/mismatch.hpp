@@ -28,9 +28,9 @@ struct Mismatch {
 // One line.
 std::string DescribeMismatch(const Mismatch& mismatch);
 
-// The first difference after a frame that both have run, of values, then, when `bookkeeping` is set,
-// of the bookkeeping of what ran. Of the same streams and shape; `expected` has the plan whose stages are gone
-// through. Who calls knows which frame it is.
+// The first difference after a frame that both have run, of values, then, if `bookkeeping` is set,
+// of the bookkeeping of what ran. Of the same streams and shape; `expected` has the plan whose
+// stages are gone through. Who calls knows which frame it is.
 std::optional<Mismatch> FindMismatch(const Frame& expected, const Frame& found,
                                      bool bookkeeping = false);
 

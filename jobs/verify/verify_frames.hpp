@@ -1,11 +1,12 @@
-// The proof that frames of one's own give the same bits whatever runs them, and the name of what keeps
-// them from it: what `pelt verify` does to fur, for anybody's table of streams and kernels.
+// The proof that frames of one's own give the same bits whatever runs them, and the name of what
+// keeps them from it: what `pelt verify` does to fur, for anybody's table of streams and kernels.
 //
-//   const auto make = [] {                              // the same beginning every time
+//   const auto make = [] {                          // the same beginning every time
 //     const auto sparks = std::make_shared<Fountains>();
-//     return [sparks] { return sparks->frame(); };      // what the next frame is, its input filled in
+//     return [sparks] { return sparks->frame(); };  // the next frame, its input filled in
 //   };
-//   for (const Finding& finding : VerifyFrames(make, 100, executors)) std::puts(DescribeFinding(finding).c_str());
+//   for (const Finding& finding : VerifyFrames(make, 100, executors))
+//     std::puts(DescribeFinding(finding).c_str());
 #pragma once
 
 #include <cstdint>
@@ -21,12 +22,12 @@ namespace pelt {
 
 using NextFrame = std::function<Frame()>;
 
-// Runs the frames one after another as the truth, then
-// - again: what gives other bits remembers something (kHiddenState) or never gives the same ones (kRace);
-// - each stage alone between closed pages (guarded_executor.hpp), which names undeclared accesses,
-//   hidden state and what a kernel takes from a port that it declares Out, where the system has such pages;
-// - on each of `executors`, in step with the truth, which names the first stage, stream, item, row and
-//   lane that differs (kOrder; kRace where a second try does not).
+// Runs the frames one item after another: the truth. Then
+// - again: what gives other bits remembers something (kHiddenState), or is a race;
+// - each stage alone between closed pages (guarded_executor.hpp), where the system has them: that
+//   names undeclared accesses, hidden state, and what is taken from a port declared Out;
+// - on each of `executors`, in step with the truth: that names the first stage, stream, item, row
+//   and lane that differ (kOrder; kRace where a second try differs elsewhere, or not at all).
 // Empty: the same bits everywhere, and nothing touched that is not declared.
 std::vector<Finding> VerifyFrames(const std::function<NextFrame()>& make, uint32_t frames,
                                   std::span<Executor* const> executors);
