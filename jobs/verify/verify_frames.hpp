@@ -23,7 +23,7 @@ namespace pelt {
 using NextFrame = std::function<Frame()>;
 
 // Runs the frames one item after another: the truth. Then
-// - again: what gives other bits remembers something (kHiddenState), or is a race;
+// - again: what gives other bits remembers something (kHiddenState), and there is no truth;
 // - each stage alone between closed pages (guarded_executor.hpp), where the system has them: that
 //   names undeclared accesses, hidden state, and what is taken from a port declared Out;
 // - on each of `executors`, in step with the truth: that names the first stage, stream, item, row

@@ -250,6 +250,7 @@ reader_of() {
     'diff left' | 'compare left') echo "$1 @ tiny.groom" ;;
     'diff right') echo "$1 tiny.groom @" ;;
     'compare right') echo "$1 run.json @" ;;
+    'timing --second-thread') echo "$1 nop.s --core ppe --second-thread @" ;;
     *' --merge') echo "$1 --merge @" ;;
     'view --replay') echo "$1 --replay @ $needs" ;;
     'view --watch') echo "$1 --watch @" ;;
@@ -268,7 +269,8 @@ reader_of() {
 check_codes() {
   local subcommand option type line file count=0
   "$pelt" run --scene tiny --frames 2 --json >run.json 2>/dev/null || fail "run --json"
-  head -c 3000 /dev/urandom >noise
+  printf '\177ELF \1\2\3 garbage\n%.0s' {1..100} >noise
+  printf 'nop\n' >nop.s
   mkdir -p heap
   while read -r subcommand; do
     for type in INPUT-FILE 'INPUT-FILE\|NAME'; do
