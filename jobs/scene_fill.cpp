@@ -47,8 +47,12 @@ float ScaleOf(const float (&root)[12], float unit_scale, float last) {
   return std::abs(scale - double(last)) <= kSame * double(last) ? last : float(scale);
 }
 
-// Over 10 times larger or smaller than baked, and not by a rounding.
-bool LooksMistaken(float scale) { return scale > 10.001f || scale < 0.09999f; }
+// Over 10 times larger or smaller than baked, and not by a rounding, nor to hide it: by 0.
+bool LooksMistaken(const float (&root)[12], float scale) {
+  bool hidden = true;
+  for (int i = 0; i < 12; ++i) hidden = hidden && (i % 4 == 3 || root[i] == 0.0f);
+  return !hidden && (scale > 10.001f || scale < 0.09999f);
+}
 
 }  // namespace
 
@@ -104,10 +108,10 @@ void FurScene::FillOrigins() {
 // How much larger a character is than its groom.
 void FurScene::FillScales() {
   for (uint32_t c = 0; c < scales_.size(); ++c) {
-    if (!pose_gate_.holds_pose()[c])
-      scales_[c] =
-          ScaleOf(memory_.Of<&Streams::pose>(c)->root, pose_gate_.UnitScale(c), scales_[c]);
-    if (!options_.any_scale && scale_notes_[c] == 0.0f && LooksMistaken(scales_[c]))
+    if (pose_gate_.holds_pose()[c]) continue;
+    const auto& root = memory_.Of<&Streams::pose>(c)->root;
+    scales_[c] = ScaleOf(root, pose_gate_.UnitScale(c), scales_[c]);
+    if (!options_.any_scale && scale_notes_[c] == 0.0f && LooksMistaken(root, scales_[c]))
       scale_notes_[c] = scales_[c];
   }
 }

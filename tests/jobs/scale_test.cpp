@@ -144,6 +144,31 @@ TEST(Scale, IsThatOfThePlacement) {
   EXPECT_NEAR(SizesOf(c.scene()).length / whole, 1.0, 1e-4);
 }
 
+// Of a placement that forgets its file's unit, mostly.
+TEST(Scale, OverTenTimesWhatWasBakedIsToldOnce) {
+  for (const bool meant : {false, true}) {
+    Scenario scenario = CalmScenario();
+    const glm::mat4 placement = scenario.actors[0].placement;
+    SceneOptions options;
+    options.any_scale = meant;
+    RunningScenario run(scenario, options);
+    uint32_t frame = 0;
+    const auto note_of = [&](float scale) {
+      Scale(scenario, placement, glm::vec3(scale));
+      RunFrame(run, frame++);
+      const char* note = run.scene().NextNote();
+      return std::string(note ? note : "");
+    };
+    for (const float near : {1.0f, 10.0f, 0.1f, 0.0f}) EXPECT_EQ(note_of(near), "") << near;
+    Scale(scenario, placement, glm::vec3(100.0f));
+    RunFrame(run, frame++);
+    // As it was when it was found, whenever one asks.
+    const std::string told = note_of(1.0f);
+    EXPECT_EQ(told.find("character 0 is placed 100 times larger") == 0, !meant) << told;
+    for (const float far : {100.0f, 0.01f, 1.0f}) EXPECT_EQ(note_of(far), "") << far;
+  }
+}
+
 // A character that is hidden by a scale of 0 is no reason to fall apart.
 TEST(Scale, OfNothingIsFinite) {
   Scenario scenario = With(Solver::kModal);
