@@ -52,7 +52,7 @@ ExitCode ViewRecording(const ViewArgs& args) {
             fmt::format("its frames are held against the digests recorded in {}", args.replay));
   return args.open ? ServePage(
                          args.port, [&] { return content; }, nullptr)
-                   : 0;
+                   : kDone;
 }
 
 }  // namespace
