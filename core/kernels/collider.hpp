@@ -197,7 +197,8 @@ struct Capsule : Round<W, Capsule<W>> {
 
 // What one group of chains may touch. A round shape counts for a lane only when it can touch the
 // box the lane's points start in; groups none of whose lanes count leave it out. The choice is made
-// by lane, so it cannot depend on the lane count.
+// by lane, so it cannot depend on the lane count. What the group has (the counts, `moves`) does:
+// it may skip work and decide nothing.
 template <class W>
 struct Colliders {
   Plane<W> ground;
@@ -208,7 +209,8 @@ struct Colliders {
   const ColliderStep* ground_step;
   const ColliderStep* sphere_step[kSpheresPerScene];
   const ColliderStep* capsule_step[kCapsulesPerScene];
-  bool moves;  // one of them
+  bool moves;            // one of them
+  typename W::Mask any;  // lanes for which something counts
 
   static PELT_INLINE bool HasAny(const SimulateParams& params) {
     return params.sphere_count > 0 || params.capsule_count > 0 || params.use_ground;
@@ -224,6 +226,7 @@ struct Colliders {
   // `reach`: how far from its root a point may be.
   PELT_INLINE void Load(const SimulateParams& params, Vec3<W> root, W reach) {
     use_ground = params.use_ground != 0;
+    any = W(0.0f) < W(use_ground ? 1.0f : 0.0f);
     ground_step = &params.ground_step;
     moves = use_ground && ground_step->moves != 0;
     ground = {{W(0.0f), W(0.0f), W(0.0f)}, W(0.0f)};
@@ -316,6 +319,7 @@ struct Colliders {
     const auto near = Dot(core, core) < range * range;
     if (!Any(near)) return false;
     shape.radius = Select(near, radius, none);
+    any = any | near;
     moves |= step.moves != 0;
     return true;
   }

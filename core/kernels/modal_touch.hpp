@@ -193,6 +193,7 @@ struct Touches {
     NewtonMatrix<W, N> matrix;
     W square[N], total[N], depth[N];
     Vec3<W> force[N], n[N];
+    // Of the group's lanes all may touch a collider or, with friction, none (simulate_modal.hpp).
     const bool eases = around.HasColliders();
     const W most = around.per_length * W(kLeaving * around.time);
     if (eases) around.PlaceStart(t, substep, motion);

@@ -81,18 +81,20 @@ struct SimulateModal {
   struct Picks {
     alignas(64) float is_picked[V::kLanes];
     PickedLanes<V> group;
-    uint32_t count;
-    int32_t lane[kStrandsPerChunk];
+    // Those that may rub on a collider are of kind 1. A group has one kind, as it steps by what
+    // any of its lanes may do (modal_touch.hpp).
+    uint32_t count[2];
+    int32_t lane[2][kStrandsPerChunk];
 
-    PELT_INLINE void Add(Mask picked, uint32_t first) {
+    PELT_INLINE void Add(Mask picked, uint32_t first, uint32_t kind) {
       Select(picked, V(1.0f), V(0.0f)).Store(is_picked);
       for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
-        if (is_picked[l] != 0.0f) lane[count++] = int32_t(first + l);
+        if (is_picked[l] != 0.0f) lane[kind][count[kind]++] = int32_t(first + l);
     }
-    // A group of them; the last one fills it up.
-    PELT_INLINE const PickedLanes<V>& Group(uint32_t first) {
+    // A group of a kind; the last one fills it up.
+    PELT_INLINE const PickedLanes<V>& Group(uint32_t first, uint32_t kind) {
       for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
-        group.lane[l] = lane[first + l < count ? first + l : count - 1];
+        group.lane[l] = lane[kind][first + l < count[kind] ? first + l : count[kind] - 1];
       return group;
     }
   };
@@ -104,13 +106,14 @@ struct SimulateModal {
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live,
                                    const Controls* controls, Picks& picks) {
-    picks.count = 0;
+    picks.count[0] = picks.count[1] = 0;
     bool changed = false;
     for (uint32_t first = begin; first < end && first < live; first += uint32_t(V::kLanes))
       changed |= RunGroup<kBest>(params, ports, extras, first, live, controls, &picks);
-    for (uint32_t i = 0; i < picks.count; i += uint32_t(V::kLanes))
-      changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i), live, controls,
-                                 static_cast<Picks*>(nullptr));
+    for (uint32_t kind = 0; kind < 2; ++kind)
+      for (uint32_t i = 0; i < picks.count[kind]; i += uint32_t(V::kLanes))
+        changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i, kind), live, controls,
+                                   static_cast<Picks*>(nullptr));
     return changed;
   }
 
@@ -172,19 +175,23 @@ struct SimulateModal {
           good | (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
     const Mask touched = touches.Touched() & good;
     touches.Left(left);
-    for (V& depth : left) depth = depth * g.length;
+    // A lane that does not follow took no step: what it has there is made of its neighbours'.
+    for (V& depth : left) depth = Select(follows, depth * g.length, V(0.0f));
     if (!AllSet(good)) FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
     return touched;
   }
 
   // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
-  // that it fails.
+  // that it fails. `rubs`: those that may touch a collider; set where the layer has friction.
   template <bool kBest>
   static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
-                                   V per_length, const Group& g, Motion& motion) {
+                                   V per_length, const Group& g, Mask& rubs, Motion& motion) {
     const ModalTable<N>& t = *ports.table;
     TouchNotes notes;
-    if (HasObstacles(params, ports)) LoadTouches(params, ports, first, g, notes);
+    if (HasObstacles(params, ports)) {
+      LoadTouches(params, ports, first, g, notes);
+      if (ports.layer->friction > 0.0f) rubs = notes.around.colliders.any;
+    }
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
     if (!Any(follows)) return !follows;
     const Mask good =
@@ -287,7 +294,7 @@ struct SimulateModal {
     const Mask quiet = calm & !fresh;
 
     const Mask none = V(1.0f) < V(0.0f);
-    Mask touched = none, picked = none;
+    Mask touched = none, picked = none, rubs = none;
     V left[N], clock = V(0.0f);
     for (V& depth : left) depth = V(0.0f);
     const bool carried = !restart && ports.table->substeps == 0;
@@ -296,7 +303,7 @@ struct SimulateModal {
     } else if (!restart) {
       ahead.template Fetch<5>();
       if constexpr (kPicks) {
-        picked = StepFree<kBest>(params, ports, at, per_length, g, motion);
+        picked = StepFree<kBest>(params, ports, at, per_length, g, rubs, motion);
         picked = picked | (LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f));
       } else {
         Motion after;
@@ -323,7 +330,12 @@ struct SimulateModal {
         if (HasObstacles(params, ports))
           picked = picked | modal::IsInside(modal::EndWalls(layer, params, g), g);
         picked = picked & alive & !fresh;
-        if (Any(picked)) picks->Add(picked, at);
+        if (Any(picked) && layer.friction > 0.0f) {
+          picks->Add(picked & rubs, at, 1);
+          picks->Add(picked & !rubs, at, 0);
+        } else if (Any(picked)) {
+          picks->Add(picked, at, 0);
+        }
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {
         PushOut(params, ports, left, g, motion);
