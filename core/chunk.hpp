@@ -334,6 +334,7 @@ enum ChunkFlag : uint32_t {
   kChunkRestart =
       1u << 5,  // no last frame to take motion from: motion is 0, chains start from the groom
   kChunkPainted = 1u << 6,  // a brush changed the paint of some strand in this frame
+  kChunkSteady = 1u << 7,   // what simulate reads is as in the last frame, but for its own state
 };
 
 // What of the chunk runs this frame, and why. Written by `activate`; simulate, sort_key and

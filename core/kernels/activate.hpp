@@ -151,15 +151,16 @@ struct Activate {
     // A layer that is not simulated lies on its groom and feels none of the frame's inputs.
     const bool forced = (layer.flags & kLayerSimulate) &&
                         ((layer.flags & kLayerWind) || p.frame_inputs_changed != 0);
-    const bool may_sleep = last.stepped_from_stored_state && !last.state_changed &&
-                           !roots_changed && !live_changed && layer.changed == 0 && !forced;
+    const bool steady = last.stepped_from_stored_state && !roots_changed && !live_changed &&
+                        layer.changed == 0 && !forced;
+    const bool may_sleep = steady && !last.state_changed;
 
     const bool skin = roots_changed || !(p.switches & kSwitchSkipUnmoved);
     const bool simulate = !may_sleep || !(p.switches & kSwitchSleep);
     const bool fit = simulate || fade_changed;
     const bool keys = fit || p.view_changed != 0 || !(p.switches & kSwitchSkipSort);
     return (skin ? kChunkSkin : 0u) | (simulate ? kChunkSimulate : 0u) | (fit ? kChunkFit : 0u) |
-           (keys ? kChunkKeys : 0u);
+           (keys ? kChunkKeys : 0u) | (steady ? kChunkSteady : 0u);
   }
 
   static void Run(const Params& p, const Ports& ports) {

@@ -254,12 +254,14 @@ struct Colliders {
     }
   }
 
-  // Shrinks each round shape that a root lies in, the more the deeper, to nothing. A strand that starts
-  // inside may not be able to get out, and one that is pushed and falls back swings over the shape
-  // for ever; so does one whose first link leans on what is next to its root.
+  // Shrinks each round shape that a root lies in, the more the deeper, to nothing, and lowers the
+  // ground to as deep beneath a root as that lies beneath the ground. A strand that starts inside
+  // may not be able to get out, and one that is pushed and falls back swings over the shape for
+  // ever; so does one whose first link leans on what is next to its root.
   PELT_INLINE void KeepRootsOut() {
     for (uint32_t s = 0; s < sphere_count; ++s) LeaveRoot(sphere[s]);
     for (uint32_t c = 0; c < capsule_count; ++c) LeaveRoot(capsule[c]);
+    if (use_ground) LeaveRoot(ground);
   }
 
   // In the order in which points are pushed out: the last one wins.
@@ -286,6 +288,9 @@ struct Colliders {
   }
 
   // As KeepRootsOut, one shape in any units as seen from the root.
+  static PELT_INLINE void LeaveRoot(Plane<W>& plane) {
+    plane.height = plane.height + Max(W(0.0f) - plane.height, W(0.0f)) * W(2.0f);
+  }
   template <class Shape>
   static PELT_INLINE void LeaveRoot(Shape& shape) {
     constexpr float kShrink = 6.0f;  // of the radius, for the root's depth

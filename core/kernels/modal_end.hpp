@@ -9,6 +9,9 @@ namespace pelt::modal {
 // pressed against multiplies them.
 inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
 
+// The share of its way that a lane goes astray, and for how long, s, before it is kept as it is.
+inline constexpr float kAstray = 0.3f, kRestless_s = 0.75f;
+
 // Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
 template <class W, uint32_t kPoints, class Ports>
 struct FrameEnd {
@@ -55,6 +58,36 @@ struct FrameEnd {
     const W size = Max(Max(Abs(g.root.x), Abs(g.root.y)), Abs(g.root.z));
     const W limit = Max(g.length * W(kStillTurn), size * W(chain::kRoundingShare));
     return far2 < limit * limit;
+  }
+
+  // Lanes about which nothing changes, and that touch something, yet never come to rest: what they
+  // touch leaves them nowhere to be, or friction lets them creep. They are known by that they go
+  // where their speeds do not take them; what swings or slides does so in blows alone. Those of
+  // `calm` lanes that did so for long are returned, to be kept as they are; of the others `clock`,
+  // quiet_s of lanes that are not quiet, says for how long they have.
+  template <class At>
+  static __attribute__((noinline)) Mask FindRestless(const Ports& ports, const At& at, Mask calm,
+                                                     const Motion& motion, W& clock) {
+    const ModalTable<N>& t = *ports.table;
+    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const W none = W(0.0f), half_s = W(0.5f * t.frame_s);
+    W turned2 = none, astray2 = none;
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Axis<W, N>& a = motion.axis[k];
+      W speed[N];
+      for (uint32_t m = 0; m < N; ++m) speed[m] = LoadLanes<W>(old.velocity[m][k], at) + a.z[m];
+      for (uint32_t i = 0; i < N; ++i) {
+        const W turn = a.d[i] - LoadLanes<W>(old.direction[i][k], at);
+        const W astray = turn - Weigh<W, N>(t.shape[i], speed) * half_s;
+        turned2 = turned2 + turn * turn;
+        astray2 = astray2 + astray * astray;
+      }
+    }
+    const W before = LoadLanes<W>(old.quiet_s, at);
+    calm = calm & (before >= none);  // those that something struck have a clock of their own
+    const Mask restless = calm & (astray2 > turned2 * W(kAstray * kAstray));
+    clock = Select(calm, before + Select(restless, W(t.frame_s), none), clock);
+    return restless & (before >= W(kRestless_s));
   }
 
   // Writes the lanes back but those `picked`, which keep their bits; returns those of which some bit

@@ -210,6 +210,10 @@ struct Strikes {
       near = (Dot(near_first, near_first) < range * range) & (first.radius > none);
       if (!Any(near)) return;
       fast = IsFast(shape.radius, step, substeps);
+    } else {
+      const W height = first.height;
+      Colliders<W>::LeaveRoot(first);
+      last.height = last.height + (first.height - height);
     }
     for (uint32_t q = 0; q < N; ++q) {
       const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : way.first[q - 1];

@@ -294,7 +294,7 @@ struct SimulateModal {
     const Mask quiet = calm & !fresh;
 
     const Mask none = V(1.0f) < V(0.0f);
-    Mask touched = none, picked = none, rubs = none;
+    Mask touched = none, picked = none, rubs = none, kept = none;
     V left[N], clock = V(0.0f);
     for (V& depth : left) depth = V(0.0f);
     const bool carried = !restart && ports.table->substeps == 0;
@@ -339,6 +339,7 @@ struct SimulateModal {
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {
         PushOut(params, ports, left, g, motion);
+        if (state.flags & kChunkSteady) kept = End::FindRestless(ports, at, quiet, motion, clock);
       }
       const Mask full = strength >= V(1.0f);
       if (controls || !AllSet(full))
@@ -351,7 +352,7 @@ struct SimulateModal {
     }
     const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
     // Lanes that do not live keep their bits too: how many of them a group has is the machine's.
-    return Any(End::Store(params, ports, at, g, fresh, quiet, picked | !alive, still, clock,
+    return Any(End::Store(params, ports, at, g, fresh, quiet, picked | kept | !alive, still, clock,
                           controls != nullptr, motion) &
                alive);
   }

@@ -48,6 +48,7 @@ struct ModalScene {
   ModalStateBlock<kPoints> chain;
   PointBlock<kPoints> position;
   FrameTimes times{};
+  uint32_t flags = 0;  // ChunkFlag of frames after the first
 
   explicit ModalScene(const ModalMaterial& m, uint32_t lanes = kStrandsPerChunk)
       : material(MakeModalLayer(m)) {
@@ -96,7 +97,7 @@ struct ModalScene {
     FillModalTable(material, quality, times, &table);
     params.dt = float(dt);
     Run(isa);
-    state.flags = 0;
+    state.flags = flags;
   }
   // The kernel as it is built for an instruction set: compiling it again for each test takes
   // minutes.
