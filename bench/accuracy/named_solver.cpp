@@ -217,6 +217,15 @@ std::string SolverNames() {
   return fmt::format("{} (N from 1 to {})", fmt::join(names, ", "), kMaxSubsteps);
 }
 
+bool RunsLinks(const NamedSolver& solver, int links) {
+  return links <= kMaxTableLinks || (solver.family == Family::kModal && links == 8);
+}
+
+std::string WhyNot(const NamedSolver& solver, int links) {
+  return fmt::format("{} runs strands of 3 or 4 links, not of {}; the modal solvers do",
+                     solver.name, links);
+}
+
 SolverFactory FactoryOf(const NamedSolver& solver, Isa isa) {
   if (IsCore(solver.family)) return CoreFactory(isa, solver.core);
   if (solver.family != Family::kModal) return ComparisonFactory(isa, solver.method);

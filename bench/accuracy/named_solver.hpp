@@ -61,6 +61,11 @@ std::optional<NamedSolver> FindSolver(std::string_view name);
 // The names there are, for messages.
 std::string SolverNames();
 
+// Whether it runs strands of so many links.
+bool RunsLinks(const NamedSolver& solver, int links);
+// Why it does not, for messages.
+std::string WhyNot(const NamedSolver& solver, int links);
+
 SolverFactory FactoryOf(const NamedSolver& solver, Isa isa);
 
 // The solver with the stiffness that suits the suite's preset best, where it has to be found; scale

@@ -151,6 +151,9 @@ ExitCode RunRecorded(const AccuracyArgs& args) {
   const std::vector<RootSample> samples = ReadRootsFile(args.roots);
   const StrandFile strand = ReadStrandFile(args.strand);
   NamedSolver solver = SolverOf(args);
+  if (!args.exact && !RunsLinks(solver, strand.material.links))
+    throw Error(fmt::format("--solver {} with {}: {}", solver.name, args.strand,
+                            WhyNot(solver, strand.material.links)));
   solver.velocities = samples[0].rated && solver.family == Family::kModal;
   const PointTrack exact = RunExact(strand, samples);
   const PointTrack track =

@@ -12,13 +12,12 @@ namespace pelt {
 namespace {
 
 void AddRatesAndLinks(CLI::App& app, std::vector<int>& rates, const std::set<int>& known,
-                      std::vector<int>& links, const std::set<int>& known_links) {
+                      std::vector<int>& links, const std::set<int>& known_links,
+                      const char* links_text = "Links of a strand, 3 and 4 if not given") {
   app.add_option("--rates", rates, "Frames a second, all if not given")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
-  app.add_option("--links", links, "Links of a strand, 3 and 4 if not given")
-      ->delimiter(',')
-      ->check(CLI::IsMember(known_links));
+  app.add_option("--links", links, links_text)->delimiter(',')->check(CLI::IsMember(known_links));
 }
 
 void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
@@ -158,7 +157,8 @@ Subcommand SetUpStress(CLI::App& root) {
       "when the modal solver is not finite, settled and unstretched on every row");
   app->add_option("--solvers", args.solvers, "Only these: modal, pbd, xpbd-8, euler-1, ...")
       ->delimiter(',');
-  AddRatesAndLinks(*app, args.rates, {15, 24, 30, 60, 120, 240}, args.links, {3, 4, 8});
+  AddRatesAndLinks(*app, args.rates, {15, 24, 30, 60, 120, 240}, args.links, {3, 4, 8},
+                   "Links of a strand, 3 and 4 if not given; of 8 the modal solvers alone");
   app->add_option_function<std::vector<std::string>>(
          "--isa",
          [&args](const std::vector<std::string>& names) {
@@ -175,7 +175,8 @@ Subcommand SetUpStress(CLI::App& root) {
       "Examples:\n"
       "  pelt stress --quick --solvers modal-best,pbd --links 3\n"
       "  pelt stress --quick --solvers modal-best,xpbd-8 --links 4 --rates 15,240 --json "
-      "stress.json");
+      "stress.json\n"
+      "  pelt stress --quick --links 8 --rates 60");
   return {app, [] {}, [kept] { return StressSolvers(*kept); }};
 }
 

@@ -65,6 +65,13 @@ std::vector<NamedSolver> SolversOf(const StressArgs& args) {
   if (args.solvers.empty())
     for (const std::string_view name : kUsualSolvers) add(name);
   for (const std::string& name : args.solvers) add(name);
+  // Who was named runs on every row; of the usual ones those that can.
+  if (!args.solvers.empty())
+    for (const NamedSolver& solver : solvers)
+      for (const int links : args.links)
+        if (!RunsLinks(solver, links))
+          throw Error(fmt::format("--solvers {} --links {}: {}", solver.name, links,
+                                  WhyNot(solver, links)));
   return solvers;
 }
 
@@ -100,9 +107,13 @@ std::vector<StressRow> RunAll(const StressArgs& args, const std::vector<Isa>& is
   const std::vector<NamedSolver> solvers = SolversOf(args);
   const std::vector<StressProblem> problems = ProblemsOf(args);
   std::vector<StressRow> rows;
-  Progress progress("stress", problems.size() * solvers.size());
+  size_t count = 0;
+  for (const StressProblem& problem : problems)
+    for (const NamedSolver& solver : solvers) count += RunsLinks(solver, problem.material.links);
+  Progress progress("stress", count);
   for (const StressProblem& problem : problems)
     for (const NamedSolver& solver : solvers) {
+      if (!RunsLinks(solver, problem.material.links)) continue;
       progress.Show(rows.size(), problem.name);
       StressRow row{problem.material.links,
                     problem.name,

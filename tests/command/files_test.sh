@@ -7,14 +7,6 @@
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 
-# The subcommands that `pelt --help` lists, and those below them.
-subcommands() {
-  local name below
-  for name in $("$pelt" $1 --help | sed -n '/^Subcommands:/,/^[A-Z]\|^$/s/^  \([a-z]*\) .*/\1/p'); do
-    below=$(subcommands "$1 $name")
-    if [ -n "$below" ]; then echo "$below"; else echo "$1 $name"; fi
-  done
-}
 # options_of SUBCOMMAND TYPE: the names of its options and positionals of that type.
 options_of() {
   # shellcheck disable=SC2086

@@ -33,6 +33,15 @@ expect() {
   done
 }
 
+# The subcommands that `pelt --help` lists, and those below them.
+subcommands() {
+  local name below
+  for name in $("$pelt" $1 --help | sed -n '/^Subcommands:/,/^[A-Z]\|^$/s/^  \([a-z]*\) .*/\1/p'); do
+    below=$(subcommands "$1 $name")
+    if [ -n "$below" ]; then echo "$below"; else echo "$1 $name"; fi
+  done
+}
+
 # run_parts NAME=FUNCTION...: those that were asked for, or all; ends the test.
 run_parts() {
   local part pair known

@@ -149,6 +149,21 @@ struct Course {
 
 constexpr uint32_t kLongestToRest = 2000;
 
+// Roots as deep as 5 cm under the ground, and hair that lies between skin and ground; with friction too.
+TEST(FurSceneSleep, ASceneSunkInTheGroundSleepsToo) {
+  for (const float friction : {0.0f, 0.4f}) {
+    Scenario sunk = RestingScenario(6);
+    for (Groom& groom : sunk.grooms)
+      for (GroomLayer& layer : groom.layers)
+        if (layer.params.solver == Solver::kModal) layer.params.friction = friction;
+    Course course{std::move(sunk)};
+    course.change = [](FrameInput& input, FurScene&) { input.ground[3] = -0.05f; };
+    EXPECT_TRUE(course.FallAsleep(kLongestToRest))
+        << course.Awake() << " chunks still awake, friction " << friction;
+    std::printf("friction %.1f: asleep after %u frames\n", friction, course.frame);
+  }
+}
+
 TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
   Course course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest)) << course.Awake() << " chunks still awake";

@@ -46,6 +46,7 @@ std::unique_ptr<StrandSolver> MakeComparison(Isa isa, const MethodSettings& sett
                                              const SolverSetup& setup) {
   MakeSolver* make = FindComparison(isa);
   if (!make || settings.substeps < 1 || settings.substeps > kMaxSubsteps) return nullptr;
+  if (setup.material.links > kMaxTableLinks) return nullptr;
   ComparisonTables tables{};
   MakeTables(setup.material, settings, setup.frame_seconds, tables);
   return std::unique_ptr<StrandSolver>(make(tables, setup.material, MakeTables, setup.lanes));

@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# Every value that a help text lists for an option runs, and every solver on every number of links:
+# it does what it is asked, or says in one line why not. The options are taken from the help texts, so
+# that a new one is tested too. Before a release, under the sanitizers as well.
+#   choices_test.sh PELT SOURCE_DIR [values|solvers]...   (all, if none is named)
+set -uo pipefail
+. "$(dirname "$0")/head.sh" "$@"
+
+# What a subcommand needs besides the option, and how much of it: as little as there is.
+base_of() {
+  local scene=(--scene tiny)
+  [ "$2" = --scene ] && scene=()
+  case "$1 $2" in
+    'accuracy --rates' | 'accuracy --presets' | 'accuracy --isa') echo --quick ;;
+    'accuracy --links') echo --features --quick ;;
+    'accuracy --scene') echo --frames 2 --quick ;;
+    'budget '*) echo "${scene[@]}" --frames 1 --no-advice ;;
+    'conformance '*) echo ;;
+    'golden '*) echo --check "$source_dir/traces/golden" --shard 0/64 ;;
+    'plan '*) echo "${scene[@]}" ;;
+    'report '*) echo "${scene[@]}" --frames 1 --no-consoles --out out.html ;;
+    'run --light' | 'run --renderer') echo "${scene[@]}" --frames 1 --picture out.png --picture-width 64 --picture-height 48 ;;
+    'run '*) echo "${scene[@]}" --frames 1 ;;
+    'stress --links') echo --quick --rates 60 --isa reference ;;  # of the usual solvers those that can
+    'stress '*) echo --quick --solvers modal-fast,xpbd-2 --links 3 --isa reference ;;
+    'timing '*) echo --kernel fit_cubic_4 ;;
+    'trace record '*) echo "${scene[@]}" --frames 1 --out out.peltinput ;;
+    'trace replay '*) echo tiny.peltinput ;;
+    'verify '*) echo "${scene[@]}" --frames 1 --no-skips --no-checks --shard 0/64 ;;
+    'view '*) echo "${scene[@]}" --out out.html ;;
+    *) return 1 ;;
+  esac
+}
+
+# ran ARGS: it ended by itself; with 0, with a verdict (1, and something printed), or with one line of error.
+ran() {
+  local code=0
+  timeout 1800 "$pelt" "$@" >out.txt 2>err.txt || code=$?
+  count=$((count + 1))
+  [ "$code" -eq 0 ] && return
+  [ "$code" -eq 1 ] && [ -s out.txt ] && [[ "$1" =~ ^(budget|golden|stress|verify)$ ]] && return
+  [ "$code" -le 3 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q '^pelt: ' err.txt && return
+  fail "pelt $*: exit $code: $(head -c 400 err.txt)"
+}
+
+check_values() {
+  local count=0 subcommand option values value base
+  "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
+  while read -r subcommand; do
+    # As "  --scene TEXT:{monster,cast} Excludes: ...".
+    while IFS=' ' read -r option values; do
+      base=$(base_of "$subcommand" "$option") || { fail "nothing is known of $subcommand $option"; continue; }
+      for value in ${values//,/ }; do
+        # shellcheck disable=SC2086
+        ran $subcommand $base "$option" "$value"
+      done
+    # shellcheck disable=SC2086
+    done < <("$pelt" $subcommand --help | sed -nE 's/^  (--[a-z-]+) [A-Z]+:\{([^}]*)\}.*/\1 \2/p')
+  done < <(subcommands '')
+  [ "$count" -ge 100 ] || fail "only $count values in the help texts"
+  echo "$count values"
+}
+
+# A strand of so many links, and what is wrong with it told before anything is computed.
+check_solvers() {
+  local count=0 links name
+  "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
+  head -n 40 roots.csv >few.csv
+  "$pelt" accuracy --roots few.csv --strand strand.toml --out out.csv --solver none 2>err.txt
+  # "... there are modal-fast, modal, pbd, pbd-N (N from 1 to 64)"
+  read -ra names < <(sed -n 's/.*there are \(.*\) (N from.*/\1/p' err.txt | tr -d ',' | sed 's/-N\b/-2/g')
+  [ "${#names[@]}" -ge 15 ] || fail "only ${#names[@]} solvers in: $(cat err.txt)"
+  for links in 3 4 8; do
+    grep -v '^rest' strand.toml | sed "s/^links = .*/links = $links/" >"strand$links.toml"
+    echo "rest = [$(printf '[0.8, 0.6, 0], %.0s' $(seq "$links"))]" >>"strand$links.toml"
+    for name in "${names[@]}"; do
+      ran accuracy --roots few.csv --strand "strand$links.toml" --out out.csv --solver "$name"
+      if [ "$links" -ne 8 ] || [[ "$name" == modal* ]]; then
+        [ -s out.txt ] || fail "$name does not run $links links: $(cat err.txt)"
+      else
+        grep -q "strand8.toml.*not of 8" err.txt || fail "$name, 8 links: $(cat out.txt err.txt)"
+        expect 1 "--solvers $name" 'not of 8' -- stress --quick --solvers "$name" --links 8
+      fi
+    done
+  done
+  echo "$count solvers"
+}
+
+run_parts values=check_values solvers=check_solvers
