@@ -248,8 +248,9 @@ ExitCode Bake(const BakeArgs& args) {
     const BakeProgress show = [&](std::string_view layer, float share) {
       bar.Show(uint64_t(100.0f * share), layer);
     };
-    report.groom = BakeGroom(character, rest, setup, unit_scale, &show,
-                             args.stats ? &report.stats : nullptr, &report.densities);
+    report.groom =
+        BakeGroom(character, rest, setup, unit_scale, &show, args.stats ? &report.stats : nullptr,
+                  &report.densities, &report.notes);
   }
   report.bake_ms = MsSince(start);
   for (const LayerSetup& layer : setup.layers) report.max_strands.push_back(layer.max_strands);

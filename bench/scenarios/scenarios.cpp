@@ -66,7 +66,7 @@ void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
   const float unit_scale = ChooseUnitScale(setup, character, scenario.notes);
   std::vector<LayerDensity> densities;
   scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup,
-                                      unit_scale, nullptr, nullptr, &densities));
+                                      unit_scale, nullptr, nullptr, &densities, &scenario.notes));
   scenario.setups.push_back(setup);
   if (const std::string bare = DescribeBare(character.mesh, setup); !bare.empty())
     scenario.notes.push_back(bare);

@@ -14,16 +14,25 @@
 
 namespace pelt {
 
+// How an image goes on beyond its edges.
+enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };
+
 // What a material says of its look.
 struct MaterialLook {
-  bool stated = false;  // its base colour
-  bool unlit = false;   // KHR_materials_unlit
-  bool bare = false;    // an eye, a nose or the like: fur grows there only if a setup names it
+  bool stated = false;      // its base colour
+  bool unlit = false;       // KHR_materials_unlit
+  bool other_look = false;  // an extension says more of it: unlit is for those who do not know that
+  bool bare = false;        // an eye, a nose or the like: fur grows there only if a setup names it
   glm::vec3 base_colour{1.0f};  // linear
   int32_t image = -1;           // of Character::images, multiplied with it; -1: none
-  uint32_t uv_set = 0;          // TEXCOORD_n that the image is laid by
-  // The place in the image is this much of (u, v, 1), for its u and its v (KHR_texture_transform).
-  glm::vec3 image_u{1.0f, 0.0f, 0.0f}, image_v{0.0f, 1.0f, 0.0f};
+  uint32_t uv_set = 0;          // TEXCOORD_n that images, and Mesh::uv, are laid by
+  std::array<Wrap, 2> wrap{};   // of images, and of maps over them, along u and v
+  // There is no skin where alpha, times that of the image, lies below the cut-off.
+  float alpha = 1.0f, alpha_cutoff = 0.0f;
+  int32_t alpha_image = -1;
+
+  bool IsCut() const { return alpha_cutoff > 0.0f; }
+  bool IsTransparent() const { return alpha < alpha_cutoff; }  // as a whole
 };
 
 // Triangles of all skinned primitives, welded, in mesh (bind) space. Arrays over vertices have
@@ -33,18 +42,19 @@ struct Mesh {
   std::vector<glm::vec3> normal;  // unit
   std::vector<glm::vec4>
       tangent;  // unit, w = handedness (+1, -1); any direction across the normal without UVs
-  std::vector<glm::vec2> uv;  // empty when the file has none
-  uint32_t uv_sets = 0;       // that some primitive of the file has; `uv` is the first
+  // Places in the material's image, as it is laid, and moved (KHR_texture_transform), by the
+  // material: maps lie where the image lies. By the first set without one. Empty when the file has
+  // none.
+  std::vector<glm::vec2> uv;
+  uint32_t uv_sets = 0;                        // that some primitive of the file has
   std::vector<std::array<uint8_t, 4>> joints;  // skeleton nodes; weight 0 where unused
   std::vector<glm::vec4> weights;              // sum to 1, descending
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint16_t> triangle_material;
   std::vector<std::string> materials;
   std::vector<MaterialLook> looks;                      // of the materials
-  std::vector<std::array<glm::vec3, 3>> corner_colour;  // of the triangles, linear; empty when the
-                                                        // file has none
-  // By which images are laid, before their materials move it; empty where that is `uv`, by vertex.
-  std::vector<std::array<glm::vec2, 3>> corner_uv;
+  std::vector<std::array<glm::vec4, 3>> corner_colour;  // of the triangles, linear, and alpha;
+                                                        // empty when the file has none
 };
 
 struct JointPose {

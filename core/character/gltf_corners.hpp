@@ -10,10 +10,7 @@
 namespace pelt::gltf {
 
 // For triangles that have none yet, whose vertices begin at `first`. `size` numbers for each vertex, of which three are
-// the colour; what is not there, or not finite, is white.
+// the colour and a fourth alpha; what is not there, or not finite, is white.
 void StoreCornerColours(const std::vector<float>& colours, size_t size, size_t first, Mesh& mesh);
-
-// Two numbers for each vertex; what is not there, or not finite, is as Mesh::uv has it.
-void StoreCornerUvs(const std::vector<float>& uv, size_t first, Mesh& mesh);
 
 }  // namespace pelt::gltf

@@ -218,22 +218,53 @@ Animation Convert(const tinygltf::Animation& from) {
   return to;
 }
 
+int HexDigit(char c) {
+  const char low = char(c | 0x20);
+  return c >= '0' && c <= '9' ? c - '0' : low >= 'a' && low <= 'f' ? low - 'a' + 10 : -1;
+}
+
+// A % that no two digits follow stays (RFC 3986, 2.1).
+std::string DecodePercent(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool coded = i + 2 < text.size() && text[i] == '%' && HexDigit(text[i + 1]) >= 0 &&
+                       HexDigit(text[i + 2]) >= 0;
+    out += coded ? char(16 * HexDigit(text[i + 1]) + HexDigit(text[i + 2])) : text[i];
+    i += coded ? 2 : 0;
+  }
+  return out;
+}
+
+// Of any media type, which the library is choosy about.
+std::vector<unsigned char> DecodeData(const std::string& uri, std::string& fault) {
+  static constexpr std::string_view kBase64 = ";base64,", kKnown = "data:text/plain;base64,";
+  std::vector<unsigned char> bytes;
+  std::string type;
+  const size_t at = uri.find(kBase64);
+  if (at > uri.find(',') ||
+      !tinygltf::DecodeDataURI(
+          &bytes, type,
+          std::string(kKnown) + DecodePercent(std::string_view(uri).substr(at + kBase64.size())), 0,
+          false))
+    fault = "not in base64";
+  return bytes;
+}
+
 // Of files beside the glTF file, under the rules of its buffers, and of what the text itself holds.
 ImageReader MakeImageReader(BufferFolder& from) {
-  return [&from](const std::string& uri, std::string& fault) {
+  return [&from](const std::string& uri, std::string& fault) -> std::vector<unsigned char> {
+    if (uri.starts_with("data:")) return DecodeData(uri, fault);
     std::vector<unsigned char> bytes;
-    const std::string path = from.folder + "/" + uri;
-    std::string type;
-    if (tinygltf::IsDataURI(uri))
-      tinygltf::DecodeDataURI(&bytes, type, uri, 0, false);
-    else if (uri.starts_with("data:"))
-      fault = "not of a type that is read, in base64";
-    else if (from.folder.empty())
+    // Some tools write a name as it is, with % in it.
+    const std::string decoded = DecodePercent(uri);
+    const std::string& name = IsThere(from.folder + "/" + uri) ? uri : decoded;
+    if (from.folder.empty())
       fault = "no folder to look for it";
-    else if (uri.find("..") != std::string::npos || uri.starts_with('/'))
+    else if (("/" + name + "/").find("/../") != std::string::npos || name.starts_with('/') ||
+             name.find(':') != std::string::npos || name.find('\0') != std::string::npos)
       fault = "not below the file's folder";
     else
-      ReadBufferFile(&bytes, &fault, path, &from);
+      ReadBufferFile(&bytes, &fault, from.folder + "/" + name, &from);
     return bytes;
   };
 }

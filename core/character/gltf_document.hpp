@@ -93,6 +93,13 @@ struct Animation {
   std::vector<ChannelDesc> channels;
 };
 
+// The place in a material's images is this much of (u, v, 1), for its u and its v
+// (KHR_texture_transform).
+struct TextureTransform {
+  glm::vec3 u{1.0f, 0.0f, 0.0f}, v{0.0f, 1.0f, 0.0f};
+  bool operator==(const TextureTransform&) const = default;
+};
+
 struct Document {
   std::string name;         // of the file, for messages
   uint64_t file_bytes = 0;  // of the file and its buffers
@@ -104,7 +111,8 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<std::string> materials;
-  std::vector<MaterialLook> looks;  // of the materials
+  std::vector<MaterialLook> looks;           // of the materials
+  std::vector<TextureTransform> transforms;  // likewise
   std::vector<std::vector<std::byte>> images;
   std::vector<std::string> look_faults;         // what of the look could not be read
   std::vector<std::string> extensions_unknown;  // that the file requires

@@ -13,14 +13,15 @@
 #include "core/character/gltf_corners.hpp"
 #include "core/character/gltf_read.hpp"
 #include "core/character/mesh_repair.hpp"
+#include "core/error.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt::gltf {
 namespace {
 
 constexpr float kLargestCoordinate = 1e15f;  // beyond, a float has no room for the sums of skinning
-constexpr Wanted kUvsWanted{2, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false};
 constexpr uint32_t kSetQuantised = kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16;
+constexpr Wanted kUvsWanted{2, kSetQuantised, Scaling::kAsFlagged, false};
 
 struct Influence {
   uint8_t joint = 0;
@@ -30,7 +31,9 @@ struct Influence {
 // What was repaired, to be said once.
 struct RepairCounts {
   size_t no_indices = 0, morphs = 0, negative = 0, extra = 0, not_one = 0, unweighted = 0;
-  size_t bad_unused_joint = 0, no_uv = 0, no_image_uv = 0;
+  size_t bad_unused_joint = 0, no_uv = 0, no_image_uv = 0, no_material = 0;
+  size_t unreadable = 0;         // attributes that a primitive can do without
+  std::string first_unreadable;  // why
   // Vertices with something that is no finite number.
   size_t odd_weights = 0, odd_normals = 0, odd_tangents = 0, odd_uvs = 0;
 };
@@ -71,6 +74,19 @@ class MeshReader {
     return ReadFloats(document_, accessor, wanted, where);
   }
 
+  // The same of one that the primitive can do without.
+  std::vector<float> ReadOptional(const Primitive& primitive, const char* attribute,
+                                  const Wanted& wanted, size_t count, const std::string& place) {
+    try {
+      return ReadAttribute(primitive, attribute, wanted, count, place);
+    } catch (const Error& error) {
+      const std::string_view reason = error.what();
+      if (!repairs_.unreadable++)
+        repairs_.first_unreadable = reason.substr(document_.name.size() + 2);
+      return {};
+    }
+  }
+
   void CheckCount(int accessor, size_t count, const std::string& where) const {
     const uint64_t has = CountElements(document_, accessor, where);
     if (has != count)
@@ -99,7 +115,6 @@ class MeshReader {
     ReadInfluences(primitive, binding, count, place);
     ReadTriangles(primitive, first, count, place);
     StoreColours(colours, first);
-    StoreImageUvs(primitive, first, count, place);
   }
 
   void ReadPositions(const Primitive& primitive, const SkinBinding& binding, size_t count,
@@ -137,11 +152,11 @@ class MeshReader {
   void ReadFrames(const Primitive& primitive, const SkinBinding& binding, size_t count,
                   const std::string& place) {
     const std::vector<float> n =
-        ReadAttribute(primitive, "NORMAL",
-                      {3, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
+        ReadOptional(primitive, "NORMAL",
+                     {3, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
     const std::vector<float> t =
-        ReadAttribute(primitive, "TANGENT",
-                      {4, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
+        ReadOptional(primitive, "TANGENT",
+                     {4, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
     const glm::dmat3 linear(binding.to_bind);
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
     for (size_t v = 0; v < count; ++v) {
@@ -156,17 +171,42 @@ class MeshReader {
     }
   }
 
+  bool HasMaterial(const Primitive& primitive) const {
+    return primitive.material >= 0 && size_t(primitive.material) < document_.materials.size();
+  }
+
+  // Of the set that the material's images are laid by, or of the first that there is; as they move it.
   void ReadUvs(const Primitive& primitive, size_t count, const std::string& place) {
-    const std::vector<float> uv = ReadAttribute(primitive, "TEXCOORD_0", kUvsWanted, count, place);
-    has_uv_ |= !uv.empty();
-    const auto sets = std::ranges::count_if(primitive.attributes, [](const auto& attribute) {
-      return attribute.first.starts_with("TEXCOORD_");
-    });
+    MaterialLook look;
+    TextureTransform transform;
+    if (HasMaterial(primitive)) {
+      look = document_.looks[size_t(primitive.material)];
+      transform = document_.transforms[size_t(primitive.material)];
+    }
+    size_t sets = 0;
+    std::string attribute = "TEXCOORD_" + std::to_string(look.uv_set), first;
+    for (const auto& [name, accessor] : primitive.attributes)
+      if (name.starts_with("TEXCOORD_") && !sets++) first = name;
     out_.uv_sets = std::max(out_.uv_sets, uint32_t(sets));
+    if (sets && !primitive.attributes.count(attribute)) {
+      repairs_.no_image_uv += look.image >= 0;
+      attribute = first;
+    }
+    const std::vector<float> uv =
+        ReadOptional(primitive, attribute.c_str(), kUvsWanted, count, place);
+    has_uv_ |= !uv.empty();
     if (uv.empty()) repairs_.no_uv += count;
-    for (size_t v = 0; v < count; ++v)
-      out_.uv.push_back(IsFinite(uv, v, 2, repairs_.odd_uvs) ? glm::vec2(uv[2 * v], uv[2 * v + 1])
-                                                             : glm::vec2(0.0f));
+    const bool moved = transform != TextureTransform{};
+    for (size_t v = 0; v < count; ++v) {
+      glm::vec2 at(0.0f);
+      if (!uv.empty()) at = {uv[2 * v], uv[2 * v + 1]};
+      if (moved)
+        at = {glm::dot(transform.u, glm::vec3(at, 1.0f)),
+              glm::dot(transform.v, glm::vec3(at, 1.0f))};
+      const bool finite = std::isfinite(at.x) && std::isfinite(at.y);
+      repairs_.odd_uvs += !finite;
+      out_.uv.push_back(finite && !uv.empty() ? at : glm::vec2(0.0f));
+    }
   }
 
   // Four, or three, numbers a vertex; empty where the primitive has none.
@@ -175,29 +215,14 @@ class MeshReader {
     const int accessor = Find(primitive, "COLOR_0");
     const bool known = accessor >= 0 && size_t(accessor) < document_.accessors.size();
     colour_size_ = known && document_.accessors[size_t(accessor)].components == 3 ? 3 : 4;
-    return ReadAttribute(primitive, "COLOR_0",
-                         {colour_size_, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false},
-                         count, place);
+    return ReadOptional(primitive, "COLOR_0",
+                        {colour_size_, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false},
+                        count, place);
   }
 
   void StoreColours(const std::vector<float>& colours, size_t first) {
     has_colour_ |= !colours.empty();
     StoreCornerColours(colours, size_t(colour_size_), first, out_);
-  }
-
-  // Where the material's image is laid by another set than the first.
-  void StoreImageUvs(const Primitive& primitive, size_t first, size_t count,
-                     const std::string& place) {
-    MaterialLook look;
-    if (primitive.material >= 0) look = document_.looks[size_t(primitive.material)];
-    std::vector<float> uv;
-    if (look.image >= 0 && look.uv_set > 0) {
-      const std::string attribute = "TEXCOORD_" + std::to_string(look.uv_set);
-      uv = ReadAttribute(primitive, attribute.c_str(), kUvsWanted, count, place);
-      has_image_uv_ |= !uv.empty();
-      repairs_.no_image_uv += uv.empty();
-    }
-    StoreCornerUvs(uv, first, out_);
   }
 
   // Every JOINTS_n, WEIGHTS_n pair of a primitive, one after the other.
@@ -320,17 +345,17 @@ class MeshReader {
   }
 
   uint16_t MaterialOf(const Primitive& primitive, const std::string& place) {
-    const bool none = primitive.material < 0;
-    if (!none && size_t(primitive.material) >= document_.materials.size())
-      Fail(document_, place, "material " + std::to_string(primitive.material) + " does not exist");
+    const bool none = !HasMaterial(primitive);
+    repairs_.no_material += none && primitive.material >= 0;
+    const int number = none ? -1 : primitive.material;
     const size_t next = out_.materials.size();
-    const auto [known, is_new] = material_of_.try_emplace({primitive.material, is_bare_}, next);
+    const auto [known, is_new] = material_of_.try_emplace({number, is_bare_}, next);
     if (!is_new) return uint16_t(known->second);
     if (next >= 65535) Fail(document_, place, "more than 65535 materials");
-    std::string name = none ? "default" : document_.materials[size_t(primitive.material)];
-    if (name.empty()) name = "material " + std::to_string(primitive.material);
+    std::string name = none ? "default" : document_.materials[size_t(number)];
+    if (name.empty()) name = "material " + std::to_string(number);
     out_.materials.push_back(name);
-    out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(primitive.material)]);
+    out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(number)]);
     out_.looks.back().bare = is_bare_ || IsBareName(name);
     return uint16_t(next);
   }
@@ -350,7 +375,9 @@ class MeshReader {
     Note(repairs_.odd_normals, "vertices had a normal that is no finite number; made anew.");
     Note(repairs_.odd_tangents, "vertices had a tangent that is no finite number; made anew.");
     if (!has_colour_) out_.corner_colour.clear();
-    if (!has_image_uv_) out_.corner_uv.clear();
+    Note(repairs_.no_material, "primitives name a material that is not there; they have none.");
+    Note(repairs_.unreadable, "attributes could not be read and were left out; the first: " +
+                                  repairs_.first_unreadable + ".");
     Note(repairs_.no_image_uv,
          "primitives lack the UVs that their image is laid by; the first ones were taken.");
     const size_t borrowed = BorrowWeights(&out_, no_weights_);
@@ -380,6 +407,16 @@ class MeshReader {
     // With normals and tangents in place more vertices can be equal.
     WeldVertices(&out_);
     SettleBare(&out_);
+    NoteCuts();
+  }
+
+  void NoteCuts() {
+    std::string names;
+    for (size_t m = 0; m < out_.looks.size(); ++m)
+      if (out_.looks[m].IsCut() && !out_.looks[m].IsTransparent())
+        names += (names.empty() ? "'" : ", '") + out_.materials[m] + "'";
+    if (!names.empty())
+      notes_->push_back("No fur grows where alpha cuts holes into " + names + ".");
   }
 
   const Document& document_;
@@ -387,7 +424,7 @@ class MeshReader {
   std::vector<std::string>* notes_;
   bool is_bare_ = false;                                // the mesh that is read
   std::map<std::pair<int, bool>, size_t> material_of_;  // by the file's, of bare meshes or not
-  bool has_uv_ = false, has_colour_ = false, has_image_uv_ = false;
+  bool has_uv_ = false, has_colour_ = false;
   int colour_size_ = 4;  // numbers a vertex
   RepairCounts repairs_;
   std::vector<uint8_t> no_weights_;  // of each vertex: its weights were not finite

@@ -165,14 +165,12 @@ size_t DropDegenerateTriangles(Mesh* mesh) {
     mesh->triangles[kept] = t;
     mesh->triangle_material[kept] = mesh->triangle_material[i];
     if (!mesh->corner_colour.empty()) mesh->corner_colour[kept] = mesh->corner_colour[i];
-    if (!mesh->corner_uv.empty()) mesh->corner_uv[kept] = mesh->corner_uv[i];
     ++kept;
   }
   const size_t dropped = mesh->triangles.size() - kept;
   mesh->triangles.resize(kept);
   mesh->triangle_material.resize(kept);
   if (!mesh->corner_colour.empty()) mesh->corner_colour.resize(kept);
-  if (!mesh->corner_uv.empty()) mesh->corner_uv.resize(kept);
   return dropped;
 }
 

@@ -31,6 +31,7 @@ Random RandomFor(uint64_t seed, uint64_t purpose, uint32_t owner) {
 
 struct Place {
   glm::vec2 uv;
+  std::array<Wrap, 2> wrap;
   uint64_t seed;
   uint32_t owner;      // strand or vertex
   bool varies = true;  // else what is drawn at random counts as its middle
@@ -40,7 +41,7 @@ double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place
   const Attribute& attribute = layer.*row.member;
   double value = attribute.value;
   if (attribute.map.map) {
-    value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel));
+    value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel, place.wrap));
   }
   if (place.varies && attribute.randomise != 0.0f) {
     value *= 1.0 + double(attribute.randomise) *
@@ -155,10 +156,21 @@ RestShape MakeEqualSegments(const RestShape& places, double length, uint32_t poi
   return made;
 }
 
+bool TakesSurfaceColour(const LayerSetup& layer) {
+  return !IsSaid(layer.base_colour) || !IsSaid(layer.tip_colour);
+}
+
 AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
-                               const FurSetup& setup, const LayerSetup& layer)
+                               const FurSetup& setup, const LayerSetup& layer,
+                               std::shared_ptr<const SurfaceColour> surface)
     : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {
-  if (!IsSaid(layer.base_colour) || !IsSaid(layer.tip_colour)) surface_.emplace(character);
+  if (TakesSurfaceColour(layer))
+    surface_ = surface ? std::move(surface) : std::make_shared<const SurfaceColour>(character);
+  if (layer.offset.map.map) {
+    vertex_wrap_.resize(mesh_.position.size());
+    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+      for (const uint32_t v : mesh_.triangles[t]) vertex_wrap_[v] = WrapOn(mesh_, t);
+  }
 }
 
 uint32_t AttributeMaker::ColourAt(const SurfacePoint& place, uint32_t said, float darker) const {
@@ -179,7 +191,7 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
                                 glm::dvec3(Interpolate(rest_.tangent, mesh_, point.place)));
   const glm::vec2 uv =
       mesh_.uv.empty() ? glm::vec2(0.0f) : Interpolate(mesh_.uv, mesh_, point.place);
-  const Place place{uv, layer_.seed, strand};
+  const Place place{uv, WrapOn(mesh_, point.place.triangle), layer_.seed, strand};
 
   for (size_t i = 0; i < kStrandAttributes.size(); ++i)
     if (const StrandAttribute& row = kStrandAttributes[i]; row.stored)
@@ -203,7 +215,7 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   const double variation = value(&LayerSetup::colour_variation);
   glm::vec3 tint(1.0f);
   if (layer_.colour_map.map) {
-    for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i);
+    for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i, place.wrap);
   }
   tint *= float(1.0 + variation * RandomFor(layer_.seed, kBrightness, strand).Uniform(-1.0, 1.0));
   groomed.base_colour = ScaleColour(ColourAt(point.place, layer_.base_colour, kRootShade), tint);
@@ -217,7 +229,11 @@ StrandLie AttributeMaker::MeanLie(const SurfacePoint& at) const {
   const RootFrame frame = MakeRootFrame(glm::dvec3(InterpolateNormal(mesh_, rest_, at)),
                                         glm::dvec3(Interpolate(rest_.tangent, mesh_, at)));
   const glm::vec2 uv = mesh_.uv.empty() ? glm::vec2(0.0f) : Interpolate(mesh_.uv, mesh_, at);
-  const Place place{.uv = uv, .seed = layer_.seed, .owner = 0, .varies = false};
+  const Place place{.uv = uv,
+                    .wrap = WrapOn(mesh_, at.triangle),
+                    .seed = layer_.seed,
+                    .owner = 0,
+                    .varies = false};
   const auto value = [&](Attribute LayerSetup::*attribute) {
     return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
   };
@@ -236,8 +252,9 @@ StrandLie AttributeMaker::MeanLie(const SurfacePoint& at) const {
 
 float AttributeMaker::LiftVertex(uint32_t vertex) const {
   const glm::vec2 uv = mesh_.uv.empty() ? glm::vec2(0.0f) : mesh_.uv[vertex];
-  return float(
-      Evaluate(layer_, kStrandAttributes[PlaceOf(&LayerSetup::offset)], {uv, layer_.seed, vertex}));
+  const auto wrap = vertex_wrap_.empty() ? std::array<Wrap, 2>{} : vertex_wrap_[vertex];
+  return float(Evaluate(layer_, kStrandAttributes[PlaceOf(&LayerSetup::offset)],
+                        {uv, wrap, layer_.seed, vertex}));
 }
 
 }  // namespace pelt

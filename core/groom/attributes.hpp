@@ -7,7 +7,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "core/groom/comb.hpp"
@@ -58,9 +58,14 @@ struct StrandLie {
   double length;       // m, along the strand
 };
 
+// Whether it does not say all colours itself.
+bool TakesSurfaceColour(const LayerSetup&);
+
 class AttributeMaker {
  public:
-  AttributeMaker(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
+  // `surface` is the character's; made here if it is null and needed.
+  AttributeMaker(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
+                 std::shared_ptr<const SurfaceColour> surface = nullptr);
 
   // `strand` is the place in the layer's progressive order.
   GroomedStrand Groom(const ScatterPoint&, uint32_t strand) const;
@@ -74,7 +79,8 @@ class AttributeMaker {
   const RestGeometry& rest_;
   const LayerSetup& layer_;
   Comb comb_;
-  std::optional<SurfaceColour> surface_;  // if the layer takes colours from it
+  std::shared_ptr<const SurfaceColour> surface_;  // if the layer takes colours from it
+  std::vector<std::array<Wrap, 2>> vertex_wrap_;  // of the material there, if LiftVertex needs it
 
   // The colour that the setup says, or the surface's at the root, this much darker in linear light.
   uint32_t ColourAt(const SurfacePoint& place, uint32_t said, float darker) const;

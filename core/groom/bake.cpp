@@ -1,5 +1,6 @@
 #include "core/groom/bake.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/character/mesh_repair.hpp"
@@ -10,6 +11,7 @@
 #include "core/groom/chunk_builder.hpp"
 #include "core/groom/fin_edges.hpp"
 #include "core/groom/shell_skin.hpp"
+#include "core/groom/surface_colour.hpp"
 
 namespace pelt {
 namespace {
@@ -44,13 +46,13 @@ std::vector<ScatterPoint> PlaceStrands(const Character& character, const RestGeo
 
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer, std::span<const uint32_t> duplicates,
-               float metres_per_mesh_unit, Groom& groom, ScatterStats* stats,
-               std::vector<LayerDensity>* densities) {
+               float metres_per_mesh_unit, const std::shared_ptr<const SurfaceColour>& surface,
+               Groom& groom, ScatterStats* stats, std::vector<LayerDensity>* densities) {
   // A setup need not come from a file: ReadFurSetup has said as much, with the line.
   if (const std::string bad = FindBadParam(layer.params); !bad.empty())
     throw Error(Format("{}: layer '{}': {}", setup.path, layer.name, bad));
-  const Growth growth(character, rest, setup, layer);
-  const AttributeMaker maker(character, rest, setup, layer);
+  const Growth growth(character, rest, setup, layer, surface);
+  const AttributeMaker maker(character, rest, setup, layer, surface);
   ScatterDensity density;
   const std::vector<ScatterPoint> points =
       PlaceStrands(character, rest, setup, layer, growth, &density);
@@ -81,11 +83,24 @@ namespace {
 
 Groom BakeRounded(Character character, FurSetup setup, float unit_scale,
                   const BakeProgress* progress, ScatterStats* stats,
-                  std::vector<LayerDensity>* densities) {
+                  std::vector<LayerDensity>* densities, std::vector<std::string>* notes) {
   SmoothCreases(setup.crease_angle, &character.mesh);
   setup.crease_angle = 0.0f;
   return BakeGroom(character, ComputeRestGeometry(character, unit_scale), setup, unit_scale,
-                   progress, stats, densities);
+                   progress, stats, densities, notes);
+}
+
+// The character's images are decoded once, if any layer looks at them.
+std::shared_ptr<const SurfaceColour> DecodeImages(const Character& character, const FurSetup& setup,
+                                                  std::vector<std::string>* notes) {
+  const bool needed =
+      std::any_of(setup.layers.begin(), setup.layers.end(), [&](const LayerSetup& layer) {
+        return TakesSurfaceColour(layer) || GrowsByImages(character.mesh, layer);
+      });
+  if (!needed) return nullptr;
+  auto surface = std::make_shared<const SurfaceColour>(character);
+  if (notes) notes->insert(notes->end(), surface->faults().begin(), surface->faults().end());
+  return surface;
 }
 
 }  // namespace
@@ -114,7 +129,7 @@ std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers) {
 
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                 float unit_scale, const BakeProgress* progress, ScatterStats* stats,
-                std::vector<LayerDensity>* densities) {
+                std::vector<LayerDensity>* densities, std::vector<std::string>* notes) {
   if (setup.layers.empty()) {
     throw Error(Format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
   }
@@ -123,7 +138,7 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
                        kLayersPerScene));
   }
   if (setup.crease_angle > 0.0f)
-    return BakeRounded(character, setup, unit_scale, progress, stats, densities);
+    return BakeRounded(character, setup, unit_scale, progress, stats, densities, notes);
   Groom groom;
   groom.unit_scale = unit_scale;
   groom.joint_count = uint32_t(character.skeleton.parent.size());
@@ -131,11 +146,12 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   groom.joint_names = character.skeleton.name;
   const float metres_per_mesh_unit = MeasureMetresPerMeshUnit(character.mesh, rest, unit_scale);
   const std::vector<uint32_t> duplicates = FindSeamDuplicates(character.mesh);
+  const auto surface = DecodeImages(character, setup, notes);
   const float count = float(setup.layers.size());
   for (size_t i = 0; i < setup.layers.size(); ++i) {
     if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);
-    BakeLayer(character, rest, setup, setup.layers[i], duplicates, metres_per_mesh_unit, groom,
-              stats, densities);
+    BakeLayer(character, rest, setup, setup.layers[i], duplicates, metres_per_mesh_unit, surface,
+              groom, stats, densities);
   }
   if (progress && *progress) (*progress)(setup.layers.back().name, 1.0f);
   return groom;

@@ -37,12 +37,14 @@ struct LayerDensity {
 // A warning for each layer that is, and one more where all are.
 std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers);
 
-// `rest` is ComputeRestGeometry(character, unit_scale). `progress`, `stats` and `densities` may be
-// null; stats cost about as much again as the bake. Throws pelt::Error "path: layer 'x': key 'y':
+// `rest` is ComputeRestGeometry(character, unit_scale). `progress`, `stats`, `densities` and `notes` may be
+// null; stats cost about as much again as the bake; notes get a sentence for each image of the character that is needed
+// and cannot be read. Throws pelt::Error "path: layer 'x': key 'y':
 // reason" for what the setup asks of a character that lacks it (texture coordinates, joints,
 // materials) and for a layer that ends without a strand.
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                 float unit_scale, const BakeProgress* progress = nullptr,
-                ScatterStats* stats = nullptr, std::vector<LayerDensity>* densities = nullptr);
+                ScatterStats* stats = nullptr, std::vector<LayerDensity>* densities = nullptr,
+                std::vector<std::string>* notes = nullptr);
 
 }  // namespace pelt

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/character/picture_kind.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/float_rules.hpp"
@@ -18,8 +19,8 @@
 namespace pelt {
 namespace {
 
-constexpr int kSideLimit = 4096;
-constexpr size_t kPngBytesLimit = 64u << 20;
+constexpr int kSideLimit = 8192;
+constexpr size_t kPngBytesLimit = 256u << 20;
 // A picture of the largest side, four 16-bit channels, and a filter byte a row.
 constexpr size_t kAllocationLimit = size_t(kSideLimit) * kSideLimit * 8 + kSideLimit;
 
@@ -41,7 +42,7 @@ void* ResizeBounded(void* block, size_t bytes) {
 #define STBI_NO_SIMD  // one way to decode on every machine
 #define STBI_NO_STDIO
 #define STBI_NO_THREAD_LOCALS
-#define STBI_MAX_DIMENSIONS 4096
+#define STBI_MAX_DIMENSIONS 8192
 #define STBI_MALLOC(bytes) pelt::AllocateBounded(bytes)
 #define STBI_REALLOC(block, bytes) pelt::ResizeBounded(block, bytes)
 #define STBI_FREE(block) std::free(block)
@@ -60,10 +61,12 @@ ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name)
   }
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(png.data(), int(png.size()), &width, &height, &channels)) {
-    throw Error(
-        Format("control map '{}': not a PNG or JPEG this tool reads ({}); pictures have at "
-               "most {} pixels a side",
-               name, stbi_failure_reason(), kSideLimit));
+    const std::string_view kind = NamePicture(std::as_bytes(png));
+    throw Error(Format(
+        "control map '{}': {}not a PNG or JPEG this tool reads ({}); pictures have at "
+        "most {} pixels a side",
+        name, kind.empty() || kind == "a PNG" || kind == "a JPEG" ? "" : Format("{}, ", kind),
+        stbi_failure_reason(), kSideLimit));
   }
   if (width < 1 || height < 1 || width > kSideLimit || height > kSideLimit) {
     throw Error(Format("control map '{}': {} x {} pixels; at most {} a side are allowed", name,
@@ -95,9 +98,19 @@ struct Blend {
   float share;  // of the second
 };
 
-// The two texels around a coordinate that repeats, and their blend. Texel centres lie at (i + 0.5)
-// / size.
-Blend FindTexels(float coordinate, uint32_t size) {
+// The two texels around a coordinate, and their blend. Texel centres lie at (i + 0.5) / size.
+Blend FindTexels(float coordinate, uint32_t size, Wrap wrap) {
+  if (wrap != Wrap::kRepeat) {
+    if (wrap == Wrap::kMirror) {
+      const float turn = coordinate - 2.0f * std::floor(0.5f * coordinate);
+      coordinate = turn > 1.0f ? 2.0f - turn : turn;
+    }
+    const float end = float(size - 1);
+    float place = std::min(std::max(coordinate * float(size) - 0.5f, 0.0f), end);
+    if (!(place >= 0.0f && place <= end)) place = 0.0f;  // not finite
+    const uint32_t first = uint32_t(place);
+    return {first, std::min(first + 1, size - 1), place - float(first)};
+  }
   float turn = coordinate - std::floor(coordinate);
   if (!(turn >= 0.0f && turn <= 1.0f)) turn = 0.0f;               // not finite
   const float place = turn * float(size) + (float(size) - 0.5f);  // one turn up: never negative
@@ -108,9 +121,9 @@ Blend FindTexels(float coordinate, uint32_t size) {
 
 }  // namespace
 
-float ControlMap::Sample(glm::vec2 uv, int channel) const {
+float ControlMap::Sample(glm::vec2 uv, int channel, const std::array<Wrap, 2>& wrap) const {
   if (width == 0 || height == 0) return 1.0f;
-  const Blend x = FindTexels(uv.x, width), y = FindTexels(uv.y, height);
+  const Blend x = FindTexels(uv.x, width, wrap[0]), y = FindTexels(uv.y, height, wrap[1]);
   const auto texel = [&](uint32_t column, uint32_t row) {
     return float(rgba[(size_t(row) * width + column) * 4 + size_t(channel)]);
   };

@@ -47,11 +47,12 @@ class Islands {
 class SheetMaker {
  public:
   SheetMaker(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-             const LayerSetup& layer, uint32_t side)
+             const LayerSetup& layer, uint32_t side,
+             std::shared_ptr<const SurfaceColour> surface = nullptr)
       : mesh_(character.mesh),
         rest_(rest),
         place_(Format("{}: layer '{}': flow map: ", setup.path, layer.name)),
-        growth_(character, rest, setup, layer) {
+        growth_(character, rest, setup, layer, std::move(surface)) {
     map_.side = side;
     if (side < 1 || side > kMostFlowSide)
       throw Error(Format("{}{} texels a side; 1 to {} are allowed", place_, side, kMostFlowSide));
@@ -251,8 +252,9 @@ FlowMap MakeFlowMap(const Character& character, const RestGeometry& rest, const 
 }
 
 GrowthMap MakeGrowthMap(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-                        const LayerSetup& layer, uint32_t side) {
-  return SheetMaker(character, rest, setup, layer, side).MakeGrowth();
+                        const LayerSetup& layer, uint32_t side,
+                        std::shared_ptr<const SurfaceColour> surface) {
+  return SheetMaker(character, rest, setup, layer, side, std::move(surface)).MakeGrowth();
 }
 
 }  // namespace pelt

@@ -15,12 +15,15 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/character/character.hpp"
 #include "core/groom/fur_setup.hpp"
 
 namespace pelt {
+
+class SurfaceColour;
 
 struct FlowMap {
   static constexpr uint16_t kNoSheet = std::numeric_limits<uint16_t>::max();
@@ -48,8 +51,8 @@ struct GrowthMap {
   std::vector<uint16_t> sheet;  // as FlowMap's
 };
 
-// Throws as MakeFlowMap.
+// `surface` as Growth has it. Throws as MakeFlowMap.
 GrowthMap MakeGrowthMap(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
-                        uint32_t side);
+                        uint32_t side, std::shared_ptr<const SurfaceColour> surface = nullptr);
 
 }  // namespace pelt

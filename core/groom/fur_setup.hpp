@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/character/character.hpp"
 #include "core/groom/layer_params.hpp"
 #include "core/groom/light_setup.hpp"
 
@@ -21,11 +22,11 @@ namespace pelt {
 struct ControlMap {
   uint32_t width = 0, height = 0;
   std::vector<uint8_t> rgba;
-  // Bilinear, repeating; channel 0..3; result in [0, 1].
-  float Sample(glm::vec2 uv, int channel) const;
+  // Bilinear; channel 0..3; result in [0, 1].
+  float Sample(glm::vec2 uv, int channel, const std::array<Wrap, 2>& wrap = {}) const;
 };
 
-// Decodes a PNG, of any bit depth, or a JPEG of 1..4096 pixels a side; grey fills r, g and b. Throws pelt::Error
+// Decodes a PNG, of any bit depth, or a JPEG of 1..8192 pixels a side; grey fills r, g and b. Throws pelt::Error
 // with `name` and the reason.
 ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name);
 ControlMap ReadControlMapFile(const std::string& path);
@@ -68,6 +69,10 @@ struct Mask {
   std::optional<Range> range;
   MapChannel uv;    // stencil: density scale; needs UVs
   MapChannel bald;  // 1 = bald; needs UVs
+  // No fur where the surface, which is the image of its material if it has one, has one of these colours, 0xAABBGGRR, in
+  // sRGB. No channel differs by more than the tolerance there, as a share of its range.
+  std::vector<uint32_t> colours;
+  float colour_tolerance = 0.06f;
 };
 
 struct CombVector {

@@ -1,10 +1,12 @@
 #include "core/groom/growth.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/setup_names.hpp"
+#include "core/groom/surface_colour.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -20,10 +22,19 @@ float SmoothRamp(float low, float high, float x) {
 
 }  // namespace
 
+bool GrowsByImages(const Mesh& mesh, const LayerSetup& layer) {
+  return !layer.mask.colours.empty() ||
+         std::any_of(mesh.looks.begin(), mesh.looks.end(),
+                     [](const MaterialLook& look) { return look.IsCut(); });
+}
+
 Growth::Growth(const Character& character, const RestGeometry& rest, const FurSetup& setup,
-               const LayerSetup& layer)
+               const LayerSetup& layer, std::shared_ptr<const SurfaceColour> surface)
     : mesh_(character.mesh), rest_(rest), layer_(layer) {
   CheckMapsHaveUvs(mesh_, setup, layer);
+  if (GrowsByImages(mesh_, layer))
+    surface_ = surface ? std::move(surface) : std::make_shared<const SurfaceColour>(character);
+  CheckColoursAreKnown(surface_.get(), mesh_, setup, layer);
   densest_ = layer.density * (1.0f + std::max(layer.density_randomise, -layer.density_randomise));
   if (const auto& range = layer.density_range) densest_ = std::clamp(densest_, range->x, range->y);
   box_low_ = glm::vec3(0.0f);
@@ -94,8 +105,7 @@ float Growth::DensityShare(const SurfacePoint& point) const {
   if (!(densest_ > 0.0f)) return 0.0f;
   float density = layer_.density;
   if (layer_.density_map.map) {
-    density *= layer_.density_map.map->Sample(Interpolate(mesh_.uv, mesh_, point),
-                                              layer_.density_map.channel);
+    density *= SampleMap(layer_.density_map, point);
   }
   if (layer_.density_randomise != 0.0f) {
     Random random(MixSeed(MixSeed(layer_.seed, kDensitySeed), point.triangle));
@@ -114,6 +124,25 @@ float Growth::JointShare(const SurfacePoint& point) const {
                      SmoothRamp(mask.low, mask.high, Interpolate(joint_weight_[i], mesh_, point)));
   }
   return share;
+}
+
+float Growth::SampleMap(const MapChannel& map, const SurfacePoint& point) const {
+  return map.map->Sample(Interpolate(mesh_.uv, mesh_, point), map.channel,
+                         WrapOn(mesh_, point.triangle));
+}
+
+bool Growth::HasMaskedColour(const SurfacePoint& point) const {
+  if (layer_.mask.colours.empty()) return false;
+  const std::optional<glm::vec3> seen = surface_->SrgbAt(point);
+  if (!seen) return false;
+  const auto is_near = [&](uint32_t colour) {
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs((*seen)[c] - float(colour >> (8 * c) & 255u) / 255.0f) <=
+            layer_.mask.colour_tolerance))
+        return false;
+    return true;
+  };
+  return std::any_of(layer_.mask.colours.begin(), layer_.mask.colours.end(), is_near);
 }
 
 float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
@@ -149,10 +178,14 @@ float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
     }
     case kStencil:
       if (!mask.uv.map) return 1.0f;
-      return mask.uv.map->Sample(Interpolate(mesh_.uv, mesh_, point), mask.uv.channel);
+      return SampleMap(mask.uv, point);
     case kBald:
       if (!mask.bald.map) return 1.0f;
-      return 1.0f - mask.bald.map->Sample(Interpolate(mesh_.uv, mesh_, point), mask.bald.channel);
+      return 1.0f - SampleMap(mask.bald, point);
+    case kHoles:
+      return surface_ && surface_->IsHole(point) ? 0.0f : 1.0f;
+    case kColours:
+      return HasMaskedColour(point) ? 0.0f : 1.0f;
     case kFactorCount:
       break;
   }
@@ -168,8 +201,9 @@ float Growth::Share(const SurfacePoint& point) const {
 }
 
 std::string Growth::ExplainEmpty() const {
-  const char* const keys[kFactorCount] = {"density",    "mask.materials", "mask.joints", "mask.box",
-                                          "mask.range", "mask.uv",        "mask.bald"};
+  const char* const keys[kFactorCount] = {"density",   "mask.materials",       "mask.joints",
+                                          "mask.box",  "mask.range",           "mask.uv",
+                                          "mask.bald", "its materials' alpha", "mask.colours"};
   const glm::vec3 places[] = {{0.34f, 0.33f, 0.33f}, {0.8f, 0.1f, 0.1f},   {0.1f, 0.8f, 0.1f},
                               {0.1f, 0.1f, 0.8f},    {0.45f, 0.45f, 0.1f}, {0.45f, 0.1f, 0.45f},
                               {0.1f, 0.45f, 0.45f}};

@@ -1,5 +1,6 @@
 // Where a layer grows, and how densely: density, its map, and the mask's materials, joint weights,
-// box projection, range, stencil and bald map, multiplied.
+// box projection, range, stencil, bald map and colours, multiplied; and nowhere where a material's
+// alpha leaves no skin.
 //
 // Invariant: Share() never exceeds TriangleLimit() of the same triangle; the scatter draws its
 // candidates by the limit, so that layers which cover little of the mesh cost little.
@@ -7,6 +8,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,10 +30,23 @@ T Interpolate(const std::vector<T>& at_vertex, const Mesh& mesh, const SurfacePo
          at_vertex[v[2]] * point.bary.z;
 }
 
+// How images and maps go on beyond their edges on a triangle.
+inline std::array<Wrap, 2> WrapOn(const Mesh& mesh, uint32_t triangle) {
+  const uint16_t material = mesh.triangle_material[triangle];
+  return material < mesh.looks.size() ? mesh.looks[material].wrap : std::array<Wrap, 2>{};
+}
+
+class SurfaceColour;
+
+// Whether the character's own images say where the layer grows: its materials' holes, or mask.colours.
+bool GrowsByImages(const Mesh&, const LayerSetup&);
+
 class Growth {
  public:
-  // References are kept. Throws pelt::Error for unknown names and for maps without UVs.
-  Growth(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
+  // References are kept. `surface` is the character's; made here if it is null and needed. Throws
+  // pelt::Error for unknown names, for maps without UVs and for colours of a file that has none.
+  Growth(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
+         std::shared_ptr<const SurfaceColour> surface = nullptr);
 
   // Strands per square metre where Share() is 1.
   float densest() const { return densest_; }
@@ -42,16 +57,30 @@ class Growth {
   std::string ExplainEmpty() const;
 
  private:
-  enum Factor { kDensity, kMaterials, kJoints, kBox, kRange, kStencil, kBald, kFactorCount };
+  enum Factor {
+    kDensity,
+    kMaterials,
+    kJoints,
+    kBox,
+    kRange,
+    kStencil,
+    kBald,
+    kHoles,
+    kColours,
+    kFactorCount
+  };
   float Evaluate(Factor, const SurfacePoint&) const;
   float DensityShare(const SurfacePoint&) const;
   float JointShare(const SurfacePoint&) const;
   float JointLimit(uint32_t triangle) const;
+  float SampleMap(const MapChannel&, const SurfacePoint&) const;
+  bool HasMaskedColour(const SurfacePoint&) const;
   glm::vec3 BoxShare(const glm::vec3& position) const;
 
   const Mesh& mesh_;
   const RestGeometry& rest_;
   const LayerSetup& layer_;
+  std::shared_ptr<const SurfaceColour> surface_;  // if it says where fur grows
   float densest_;
   glm::vec3 box_low_, box_extent_;
   std::vector<uint8_t> material_grows_;

@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
+#include "core/groom/surface_colour.hpp"
 
 namespace pelt {
 namespace {
@@ -40,6 +41,15 @@ void CheckMapsHaveUvs(const Mesh& mesh, const FurSetup& setup, const LayerSetup&
                  "asks for a map over the surface, but the mesh has no texture coordinates; choose "
                  "the region with mask.materials, mask.joints, mask.range or a projected mask.box "
                  "instead, and give different values in layers of their own");
+}
+
+void CheckColoursAreKnown(const SurfaceColour* surface, const Mesh& mesh, const FurSetup& setup,
+                          const LayerSetup& layer) {
+  if (layer.mask.colours.empty()) return;
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (surface->Knows(t)) return;
+  FailLayerKey(setup, layer, "mask.colours",
+               "the character's file has neither images nor colours to look for them");
 }
 
 std::vector<uint8_t> FindJoints(const Skeleton& skeleton, const FurSetup& setup,

@@ -11,12 +11,17 @@
 
 namespace pelt {
 
+class SurfaceColour;
+
 // "path: layer 'x': key 'y': reason", thrown as pelt::Error.
 [[noreturn]] void FailLayerKey(const FurSetup&, const LayerSetup&, const std::string& key,
                                const std::string& reason);
 
 // Throws when a map of the layer needs texture coordinates and the mesh has none.
 void CheckMapsHaveUvs(const Mesh&, const FurSetup&, const LayerSetup&);
+
+// Throws when mask.colours asks for colours and the character's file says none.
+void CheckColoursAreKnown(const SurfaceColour*, const Mesh&, const FurSetup&, const LayerSetup&);
 
 // Node of that name and, with `subtree`, all its descendants. Throws for a name that is unknown.
 std::vector<uint8_t> FindJoints(const Skeleton&, const FurSetup&, const LayerSetup&,

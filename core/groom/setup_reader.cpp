@@ -196,6 +196,11 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node,
     Read(info, element, values.emplace_back());
   }
 }
+void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::vector<uint32_t>& values) {
+  for (const toml::node& element : ExpectArray(info, node, info.low, info.high)) {
+    ReadColour(info, element, values.emplace_back());
+  }
+}
 void SetupReader::Read(const KeyInfo& info, const toml::node& node, glm::vec2& value) {
   const toml::array& array = ExpectArray(info, node, 2, 2);
   value = {float(ReadNumber(info, array[0])), float(ReadNumber(info, array[1]))};

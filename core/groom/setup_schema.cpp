@@ -182,12 +182,18 @@ template <>
 std::span<const KeyRow<Mask>> Schema() {
   static const KeyRow<Mask> kRows[] = {
       Plain<&Mask::materials>("materials", "texts",
-                              "grow on these alone; else on all but eyes, noses, claws..."),
+                              "grow on these alone; else on all but eyes, claws, clothes..."),
       Plain<&Mask::joints>("joints", "tables", "grow where joints move the skin; largest counts"),
       Plain<&Mask::box>("box", "table", "a map projected through the rest pose's bounding box"),
       Plain<&Mask::range>("range", "table", "grow inside a part of the bounding box"),
       Map<&Mask::uv>("uv", "stencil: scales the density; needs UVs"),
       Map<&Mask::bald>("bald", "1 is bald; needs UVs"),
+      Plain<&Mask::colours>("colours", "colours",
+                            "bald where the character's image, or else its surface, has them", 1,
+                            64),
+      Number<&Mask::colour_tolerance>(
+          "colour_tolerance", "", 0, 1,
+          "of mask.colours: most that r, g and b may each differ, of their range"),
   };
   return kRows;
 }

@@ -126,7 +126,8 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, bool&);
   void Read(const KeyInfo&, const toml::node&, std::string&);
   void Read(const KeyInfo&, const toml::node&, std::vector<std::string>&);
-  void Read(const KeyInfo&, const toml::node&, glm::vec2&);  // low, high
+  void Read(const KeyInfo&, const toml::node&, std::vector<uint32_t>&);  // colours
+  void Read(const KeyInfo&, const toml::node&, glm::vec2&);              // low, high
   void Read(const KeyInfo&, const toml::node&, glm::vec3&);
   void Read(const KeyInfo&, const toml::node&, char&);  // a word of one letter
   void Read(const KeyInfo&, const toml::node&, int&);   // a word's place

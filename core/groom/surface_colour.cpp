@@ -45,18 +45,11 @@ bool SurfaceColour::Knows(uint32_t triangle) const {
 bool SurfaceColour::IsUnlit(uint32_t triangle) const { return LookOf(triangle).unlit; }
 
 bool SurfaceColour::HasImage(uint32_t triangle) const {
-  return LookOf(triangle).image >= 0 && !(mesh_.uv.empty() && mesh_.corner_uv.empty());
+  return LookOf(triangle).image >= 0 && !mesh_.uv.empty();
 }
 
 glm::vec2 SurfaceColour::ImageUvAt(const SurfacePoint& point) const {
-  const auto laid_by = [&]() -> glm::vec2 {
-    if (mesh_.corner_uv.empty()) return Interpolate(mesh_.uv, mesh_, point);
-    const auto& corner = mesh_.corner_uv[point.triangle];
-    return corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
-  };
-  const MaterialLook& look = LookOf(point.triangle);
-  const glm::vec3 laid(laid_by(), 1.0f);
-  return {glm::dot(look.image_u, laid), glm::dot(look.image_v, laid)};
+  return Interpolate(mesh_.uv, mesh_, point);
 }
 
 glm::vec3 SurfaceColour::At(const SurfacePoint& point) const {
@@ -65,12 +58,46 @@ glm::vec3 SurfaceColour::At(const SurfacePoint& point) const {
   if (HasImage(point.triangle)) {
     const glm::vec2 uv = ImageUvAt(point);
     for (int c = 0; c < 3; ++c) {
-      const float byte = images_[size_t(look.image)].Sample(uv, c) * 255.0f;
+      const float byte = images_[size_t(look.image)].Sample(uv, c, look.wrap) * 255.0f;
       const int low = int(byte);
       colour[c] *= linear_[low] + (linear_[low + 1] - linear_[low]) * (byte - float(low));
     }
   }
-  return colour * CornersAt(point);
+  return colour * glm::vec3(CornersAt(point));
+}
+
+std::optional<glm::vec3> SurfaceColour::SrgbAt(const SurfacePoint& point) const {
+  if (!Knows(point.triangle)) return std::nullopt;
+  glm::vec3 colour;
+  if (const ControlMap* image = ImageOf(point.triangle)) {
+    if (image->rgba.empty()) return std::nullopt;
+    const glm::vec2 uv = ImageUvAt(point);
+    for (int c = 0; c < 3; ++c) colour[c] = image->Sample(uv, c, WrapOn(mesh_, point.triangle));
+  } else {
+    const glm::vec3 linear = TintAt(point);
+    for (int c = 0; c < 3; ++c) colour[c] = float(ExactSrgb(double(linear[c])));
+  }
+  return colour;
+}
+
+bool SurfaceColour::IsCut(uint32_t triangle) const {
+  const MaterialLook& look = LookOf(triangle);
+  return look.IsCut() && !look.IsTransparent();
+}
+
+glm::vec2 SurfaceColour::AlphaAndCutoffAt(const SurfacePoint& point) const {
+  if (!IsCut(point.triangle)) return {1.0f, 0.0f};
+  const MaterialLook& look = LookOf(point.triangle);
+  return {look.alpha * CornersAt(point).a, look.alpha_cutoff};
+}
+
+bool SurfaceColour::IsHole(const SurfacePoint& point) const {
+  if (!IsCut(point.triangle)) return false;
+  const MaterialLook& look = LookOf(point.triangle);
+  glm::vec2 alpha = AlphaAndCutoffAt(point);
+  if (look.alpha_image >= 0 && !mesh_.uv.empty())
+    alpha.x *= images_[size_t(look.alpha_image)].Sample(ImageUvAt(point), 3, look.wrap);
+  return alpha.x < alpha.y;
 }
 
 const ControlMap* SurfaceColour::ImageOf(uint32_t triangle) const {
@@ -78,11 +105,11 @@ const ControlMap* SurfaceColour::ImageOf(uint32_t triangle) const {
 }
 
 glm::vec3 SurfaceColour::TintAt(const SurfacePoint& point) const {
-  return LookOf(point.triangle).base_colour * CornersAt(point);
+  return LookOf(point.triangle).base_colour * glm::vec3(CornersAt(point));
 }
 
-glm::vec3 SurfaceColour::CornersAt(const SurfacePoint& point) const {
-  if (mesh_.corner_colour.empty()) return glm::vec3(1.0f);
+glm::vec4 SurfaceColour::CornersAt(const SurfacePoint& point) const {
+  if (mesh_.corner_colour.empty()) return glm::vec4(1.0f);
   const auto& corner = mesh_.corner_colour[point.triangle];
   return corner[0] * point.bary.x + corner[1] * point.bary.y + corner[2] * point.bary.z;
 }

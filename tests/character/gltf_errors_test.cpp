@@ -281,9 +281,6 @@ TEST(GltfErrors, Primitives) {
     ExpectError(MakeQuad({name != "POSITION", name != "JOINTS_0", name != "WEIGHTS_0", true, true}),
                 {"primitive 0", missing, "missing"});
   }
-  GltfBuilder material = MakeQuad();
-  material.primitive_more += ",\"material\":3";
-  ExpectError(material, {"primitive 0", "material 3"});
   GltfBuilder range = MakeQuad({.indices = false});
   range.Indices(range.Add(kU16, "SCALAR", std::vector<uint16_t>{0, 1, 9}));
   ExpectError(range, {"primitive 0 indices", "index 9", "out of range"});

@@ -28,9 +28,10 @@ std::string Material(const std::string& members) {
 }
 
 // A quad of one material.
-GltfBuilder MakeLook(const std::string& material, const std::string& more = "") {
+GltfBuilder MakeLook(const std::string& material, const std::string& more = "",
+                     const std::vector<float>& uvs = {0, 0, 1, 0, 1, 1, 0, 1}) {
   GltfBuilder b = test::MakeQuad();
-  b.Attribute("TEXCOORD_0", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
+  b.Attribute("TEXCOORD_0", b.Floats("VEC2", uvs));
   b.primitive_more += ",\"material\":0";
   b.materials = material;
   b.more = more;
@@ -127,11 +128,10 @@ TEST(GltfLook, ImagesAreLaidByOtherCoordinates) {
     const int view = b.View(TwoTexels());
     b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
     const Character c = Import(b);
-    ASSERT_EQ(c.mesh.corner_uv.size(), c.mesh.triangles.size());
     EXPECT_NEAR(PlaceInImage(c, {0, {1.0f, 0.0f, 0.0f}}), 0.3f, 5e-3f);
     EXPECT_NEAR(PlaceInImage(c, {0, {0.0f, 0.5f, 0.5f}}), 0.55f, 5e-3f);
     EXPECT_NEAR(PlaceInImage(c, {1, {0.0f, 0.0f, 1.0f}}), 0.6f, 5e-3f);
-    EXPECT_EQ(c.mesh.uv[2].x, 1.0f) << "fur keeps the first";
+    EXPECT_EQ(c.mesh.uv[2].x, 0.7f) << "maps lie where the image lies";
   }
 }
 
@@ -140,7 +140,7 @@ TEST(GltfLook, CoordinatesThatAPrimitiveLacksAreTold) {
   const int view = b.View(TwoTexels());
   b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
   const Character c = Import(b);
-  EXPECT_TRUE(c.mesh.corner_uv.empty());
+  EXPECT_EQ(c.mesh.uv[2], glm::vec2(1.0f));
   EXPECT_TRUE(std::ranges::any_of(c.notes, [](const std::string& note) {
     return note ==
            "1 primitives lack the UVs that their image is laid by; the first ones were taken.";
@@ -161,17 +161,19 @@ TEST(GltfLook, ImagesAreMovedTurnedAndScaled) {
                  {0.1f, 0.2f},
                  {1.0f + 0.8f, 2.0f - 0.3f}}};
   for (const auto& test : kCases) {
-    GltfBuilder b = MakeLook(
-        Material(R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{)" +
-                 test.transform + "}}}"));
-    const int view = b.View(TwoTexels());
-    b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
-    const MaterialLook look = Import(b).mesh.looks.at(0);
-    ASSERT_GE(look.image, 0) << test.transform;
-    EXPECT_NEAR(glm::dot(look.image_u, glm::vec3(test.from, 1.0f)), test.to.x, kNear)
-        << test.transform;
-    EXPECT_NEAR(glm::dot(look.image_v, glm::vec3(test.from, 1.0f)), test.to.y, kNear)
-        << test.transform;
+    // Of the image of the colour, or where there is none of another.
+    for (const std::string texture : {"normalTexture", "baseColorTexture"}) {
+      const std::string laid = "\"" + texture +
+                               R"(":{"index":0,"extensions":{"KHR_texture_transform":{)" +
+                               test.transform + "}}}";
+      GltfBuilder b = MakeLook(texture[0] == 'b' ? Material(laid) : "{" + laid + "}", "",
+                               {test.from.x, test.from.y, 1, 0, 1, 1, 0, 1});
+      const int view = b.View(TwoTexels());
+      b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+      const glm::vec2 uv = Import(b).mesh.uv.at(0);
+      EXPECT_NEAR(uv.x, test.to.x, kNear) << texture << test.transform;
+      EXPECT_NEAR(uv.y, test.to.y, kNear) << texture << test.transform;
+    }
   }
   GltfBuilder b = MakeLook(Material(
       R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.25,0],"scale":[0.5,1]}}})"));
@@ -209,6 +211,99 @@ TEST(GltfLook, ColoursDoNotPartVertices) {
   const Character a = Import(plain), b = Import(coloured);
   EXPECT_EQ(a.mesh.position, b.mesh.position);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+}
+
+// Integers are what the accessor says: shares of their range, or themselves (KHR_mesh_quantization).
+TEST(GltfLook, CoordinatesMayBeIntegersOfEachKind) {
+  const auto expect = [](auto of, int component, bool normalised, float scale) {
+    using T = decltype(of);
+    GltfBuilder b = test::MakeQuad();
+    b.Attribute("TEXCOORD_0", b.Add(component, "VEC2", std::vector<T>{0, 0, 100, 0, 100, 50, 0, 50},
+                                    normalised ? ",\"normalized\":true" : ""));
+    const Character c = Import(b);
+    EXPECT_FLOAT_EQ(c.mesh.uv.at(2).x, 100.0f * scale) << component << normalised;
+    EXPECT_FLOAT_EQ(c.mesh.uv.at(2).y, 50.0f * scale) << component << normalised;
+  };
+  expect(int8_t(), test::kI8, false, 1.0f);
+  expect(int8_t(), test::kI8, true, 1.0f / 127.0f);
+  expect(uint8_t(), test::kU8, false, 1.0f);
+  expect(uint8_t(), test::kU8, true, 1.0f / 255.0f);
+  expect(int16_t(), test::kI16, false, 1.0f);
+  expect(int16_t(), test::kI16, true, 1.0f / 32767.0f);
+  expect(uint16_t(), test::kU16, false, 1.0f);
+  expect(uint16_t(), test::kU16, true, 1.0f / 65535.0f);
+}
+
+// What a primitive can do without does not cost the character.
+TEST(GltfLook, AttributesThatCannotBeReadAreLeftOut) {
+  for (const char* attribute : {"NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"}) {
+    for (const bool is_short : {false, true}) {
+      GltfBuilder b = test::MakeQuad();
+      b.Attribute(attribute, is_short ? b.Floats("VEC4", {0, 0, 1, 1}) : 99);
+      const Character c = Import(b);
+      EXPECT_EQ(c.mesh.triangles.size(), 2u);
+      ASSERT_FALSE(c.notes.empty()) << attribute;
+      EXPECT_NE(c.notes[0].find(attribute), std::string::npos) << c.notes[0];
+      EXPECT_EQ(c.notes[0].find("quad.glb"), std::string::npos) << c.notes[0];
+    }
+  }
+}
+
+TEST(GltfLook, MaterialsThatAreNotThereAreNone) {
+  GltfBuilder b = test::MakeQuad();
+  b.primitive_more += ",\"material\":3";
+  const Character c = Import(b);
+  EXPECT_EQ(c.mesh.materials, std::vector<std::string>{"default"});
+  EXPECT_EQ(c.notes.at(0), "1 primitives name a material that is not there; they have none.");
+}
+
+TEST(GltfLook, OtherModelsSayTheColourToo) {
+  const std::string black = R"("pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]})";
+  const std::string gloss = R"("KHR_materials_pbrSpecularGlossiness":)";
+  const struct {
+    std::string material;
+    glm::vec3 colour;
+  } kCases[] = {
+      {R"("extensions":{)" + gloss + R"({"diffuseFactor":[0.8,0.1,0.05,1]}})", {0.8f, 0.1f, 0.05f}},
+      // It is what the other is a fallback for.
+      {black + R"(,"extensions":{)" + gloss + R"({"diffuseFactor":[0.8,0.1,0.05,1]}})",
+       {0.8f, 0.1f, 0.05f}},
+      {R"("pbrMetallicRoughness":{"baseColorFactor":[0,1,0,1]},"extensions":{)" + gloss +
+           R"({"glossinessFactor":0.5}})",
+       {0, 1, 0}},
+      {black + R"(,"emissiveFactor":[0.5,0.25,0])", {0.5f, 0.25f, 0.0f}},
+      {R"("emissiveFactor":[0.5,0.25,0])", {0.5f, 0.25f, 0.0f}},
+      {R"("emissiveFactor":[0.5,0.25,0],"extensions":{"KHR_materials_emissive_strength":)"
+       R"({"emissiveStrength":3}})",
+       {1.0f, 0.75f, 0.0f}},
+      {R"("emissiveFactor":[0.5,0.25,0],"extensions":{)" + gloss +
+           R"({"diffuseFactor":[0,0,0,1]}})",
+       {0.5f, 0.25f, 0.0f}},
+      {R"("pbrMetallicRoughness":{"baseColorFactor":[0,1,0,1]},"emissiveFactor":[0.5,0.25,0])",
+       {0, 1, 0}},
+      {black + R"(,"emissiveFactor":[0,0,0])", {0, 0, 0}},
+      {black + R"(,"emissiveFactor":"red")", {0, 0, 0}},
+  };
+  for (const auto& test : kCases) {
+    const Character c = Import(MakeLook("{" + test.material + "}"));
+    EXPECT_TRUE(c.mesh.looks.at(0).stated) << test.material;
+    ExpectNear(c.mesh.looks.at(0).base_colour, test.colour);
+  }
+}
+
+TEST(GltfLook, ImagesOfOtherModelsAreRead) {
+  for (const std::string material :
+       {R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseTexture":{"index":0}}})",
+        R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})",
+        R"("pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1],"baseColorTexture":{"index":0}},)"
+        R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})"}) {
+    GltfBuilder b = MakeLook("{" + material + "}");
+    const int view = b.View(TwoTexels());
+    b.more = kPlainImage + R"({"bufferView":)" + std::to_string(view) + "}]";
+    const Character c = Import(b);
+    EXPECT_EQ(c.images.size(), 1u) << material;
+    ExpectNear(SurfaceColour(c).At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 1.0f, 0.0f});
+  }
 }
 
 TEST(GltfLook, WhatIsWrongIsSaidAndLeftOut) {
@@ -275,6 +370,20 @@ TEST(GltfLook, ImagesBesideTheFileAreReadAndNoneElsewhere) {
   EXPECT_TRUE(import("../a.png").images.empty());
   EXPECT_TRUE(import((folder / "a.png").string()).images.empty());
   EXPECT_TRUE(import("none.png").images.empty());
+  // As they are named in other places.
+  const auto file = [&](const std::string& name) {
+    std::filesystem::create_directories((folder / "inside" / name).parent_path());
+    std::ofstream(folder / "inside" / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
+  };
+  for (const char* name : {"my fur.png", "maps/a..b.png", "100%25.png", "f\xc3\xbcr.png"})
+    file(name);
+  for (const char* uri : {"my%20fur.png", "my fur.png", "maps/a..b.png", "./maps/a..b.png",
+                          "maps\\\\a..b.png", "100%25.png", "100%2525.png", "f%C3%BCr.png"})
+    EXPECT_EQ(import(uri).images.size(), 1u) << uri;
+  for (const char* uri : {"%2e%2e/a.png", "maps/../../a.png", "..\\\\a.png", "%2Ftmp/a.png",
+                          "https://example.org/a.png", "a.png%00"})
+    EXPECT_TRUE(import(uri).images.empty()) << uri;
   std::filesystem::remove_all(folder);
 }
 

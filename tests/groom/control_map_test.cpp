@@ -1,6 +1,8 @@
 // Control maps: decoding PNG, sampling against a double-precision reference, and hostile pictures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -19,15 +21,20 @@ ControlMap MakeMap(uint32_t width, uint32_t height, uint32_t seed) {
 }
 
 // The obvious definition: texel centres at (i + 0.5) / size, repeating.
-double SampleSlowly(const ControlMap& map, double u, double v, int channel) {
+double SampleSlowly(const ControlMap& map, double u, double v, int channel,
+                    std::array<Wrap, 2> wraps = {}) {
   const double x = u * map.width - 0.5, y = v * map.height - 0.5;
   const double x0 = std::floor(x), y0 = std::floor(y);
   const auto texel = [&](double column, double row) {
-    const auto wrap = [](double place, uint32_t size) {
-      const int64_t i = int64_t(place) % int64_t(size);
-      return uint64_t(i < 0 ? i + size : i);
+    const auto wrap = [](double place, int64_t size, Wrap how) {
+      if (how == Wrap::kClamp) return std::clamp(int64_t(place), int64_t(0), size - 1);
+      const int64_t turn = how == Wrap::kMirror ? 2 * size : size;
+      const int64_t i = (int64_t(place) % turn + turn) % turn;
+      return i < size ? i : turn - 1 - i;
     };
-    return double(map.rgba[(wrap(row, map.height) * map.width + wrap(column, map.width)) * 4 +
+    return double(map.rgba[size_t(wrap(row, map.height, wraps[1]) * map.width +
+                                  wrap(column, map.width, wraps[0])) *
+                               4 +
                            size_t(channel)]);
   };
   const double fx = x - x0, fy = y - y0;
@@ -52,14 +59,34 @@ TEST(ControlMap, SamplesLikeItsReference) {
   }
 }
 
+TEST(ControlMap, GoesOnBeyondItsEdgesAsItIsTold) {
+  std::mt19937 random(6);
+  constexpr Wrap kWraps[] = {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp};
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 7u}, {5u, 3u}, {64u, 32u}}) {
+    const ControlMap map = MakeMap(width, height, width + height);
+    for (int i = 0; i < 3000; ++i) {
+      const std::array<Wrap, 2> wrap{kWraps[random() % 3], kWraps[random() % 3]};
+      const glm::vec2 uv{float(random() % 6000001) / 1e6f - 3.0f,
+                         float(random() % 6000001) / 1e6f - 3.0f};
+      const int channel = int(random() % 4);
+      EXPECT_NEAR(map.Sample(uv, channel, wrap),
+                  SampleSlowly(map, double(uv.x), double(uv.y), channel, wrap), 6e-5)
+          << width << "x" << height << " at " << uv.x << ", " << uv.y << " wraps " << int(wrap[0])
+          << int(wrap[1]);
+    }
+  }
+}
+
 TEST(ControlMap, StaysInsideForAnyCoordinate) {
   const ControlMap map = MakeMap(3, 5, 9);
   const float values[] = {0.0f, -0.0f, 1.0f,  -1.0f,  -1e-9f,   -1e-30f,   0.99999994f,
                           1e9f, -1e9f, 3e38f, -3e38f, INFINITY, -INFINITY, NAN};
   for (float u : values) {
     for (float v : values) {
-      const float sample = map.Sample({u, v}, 2);
-      EXPECT_TRUE(sample >= 0.0f && sample <= 1.0f) << u << ", " << v;
+      for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp}) {
+        const float sample = map.Sample({u, v}, 2, {wrap, wrap});
+        EXPECT_TRUE(sample >= 0.0f && sample <= 1.0f) << u << ", " << v;
+      }
     }
   }
   EXPECT_EQ(ControlMap{}.Sample({0.5f, 0.5f}, 0), 1.0f);
@@ -91,12 +118,16 @@ std::string ErrorOf(const std::vector<uint8_t>& png) {
 
 TEST(ControlMap, RefusesWhatIsNoPicture) {
   EXPECT_NE(ErrorOf({}).find("x.png"), std::string::npos);
-  EXPECT_NE(ErrorOf({'G', 'I', 'F', '8', '9', 'a'}).find("not a PNG"), std::string::npos);
+  EXPECT_NE(ErrorOf({'G', 'I', 'F', '8', '9', 'a'}).find("a GIF picture, not a PNG"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf({'R', 'I', 'F', 'F', 9, 0, 0, 0, 'W', 'E', 'B', 'P'}).find("a WebP picture"),
+            std::string::npos);
   auto huge = test::MakePng(1, 1, 4, {1, 2, 3, 4});
   huge[16] = 0x7f;  // width
-  EXPECT_NE(ErrorOf(huge).find("4096"), std::string::npos);
-  auto wide = test::MakePng(5000, 1, 1, std::vector<uint8_t>(5000));
-  EXPECT_NE(ErrorOf(wide).find("4096"), std::string::npos);
+  EXPECT_NE(ErrorOf(huge).find("8192"), std::string::npos);
+  auto wide = test::MakePng(9000, 1, 1, std::vector<uint8_t>(9000));
+  EXPECT_NE(ErrorOf(wide).find("8192"), std::string::npos);
+  EXPECT_EQ(ErrorOf(test::MakePng(8192, 1, 1, std::vector<uint8_t>(8192))), "");
   EXPECT_THROW(ReadControlMapFile("/nowhere/at/all.png"), Error);
   EXPECT_THROW(ReadControlMapFile("/"), Error);
 }

@@ -230,6 +230,8 @@ TEST_F(FurSetupTest, MaskHoldsEverything) {
 [[layer]]
 name = "x"
 [layer.mask]
+colours = ["#102030", "#ffffff"]
+colour_tolerance = 0.25
 materials = ["skin"]
 joints = [{ joint = "Head", subtree = false, low = 0.25, high = 0.5 }, { joint = "Tail" }]
 box = { axis = "z", map = "maps/m.png", channel = "a" }
@@ -238,6 +240,8 @@ uv = { map = "maps/m.png", channel = "g" }
 bald = "maps/m.png"
 )");
   const Mask& mask = setup.layers[0].mask;
+  EXPECT_EQ(mask.colours, (std::vector<uint32_t>{0xff302010u, 0xffffffffu}));
+  EXPECT_EQ(mask.colour_tolerance, 0.25f);
   ASSERT_EQ(mask.joints.size(), 2u);
   EXPECT_EQ(mask.joints[0].joint, "Head");
   EXPECT_FALSE(mask.joints[0].subtree);
@@ -436,6 +440,11 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
       {"mask = { box = { axis = 'w', map = 'maps/m.png' } }",
        "key 'mask.box.axis': 'w' is not one of x, y, z"},
       {"mask = { box = { axis = 'x' } }", "key 'mask.box.map': is needed here and missing"},
+      {"mask = { colours = [] }", "key 'mask.colours': has 0 entries; 1 to 64 are allowed"},
+      {"mask = { colours = ['#102030', 'red'] }",
+       "key 'mask.colours': 'red' is not a colour; write \"#rrggbb\""},
+      {"mask = { colour_tolerance = 2 }",
+       "key 'mask.colour_tolerance': 2 is out of bounds; allowed are 0 to 1"},
       {"comb = [{ position = [0, 0, 0] }]", "key 'comb[0].direction': is needed here and missing"},
       {"comb = [{ position = [0, 0, 0], direction = [0, 0, 0] }]",
        "key 'comb[0]': direction is zero"},
