@@ -54,6 +54,8 @@ Subcommand SetUpShow(CLI::App& root) {
                      "A .glb or .gltf file, or 'builtin', 'scorpion'")
       ->required();
   AddOutputFile(*app, "--out", args.out, "Setup file to write, instead of printing it", ".toml");
+  AddOutputFile(*app, "--uv-template", args.uv_template,
+                "PNG file for its UV layout as lines, to paint a map on", ".png");
   args.check_files_read = [app](const std::vector<std::string>& files) {
     CheckFilesRead(*app, files);
   };
@@ -62,6 +64,7 @@ Subcommand SetUpShow(CLI::App& root) {
       "Examples:\n"
       "  pelt show builtin\n"
       "  pelt show scorpion --out my_fur.toml\n"
+      "  pelt show scorpion --uv-template my_map.png\n"
       "  pelt show scorpion --json\n"
       "And then: pelt run --character scorpion --setup ./my_fur.toml --picture my_fur.png");
   return {app, [] {}, [kept] { return ShowCharacter(*kept); }};

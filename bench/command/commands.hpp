@@ -42,7 +42,8 @@ ExitCode Bake(const BakeArgs& args);
 
 struct ShowCharacterArgs {
   std::string character = "builtin";
-  OutputPath out;  // of the setup to start from
+  OutputPath out;          // of the setup to start from
+  OutputPath uv_template;  // PNG
   bool json = false;
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "bench/command/commands.hpp"
+#include "bench/picture/png.hpp"
+#include "bench/picture/uv_template.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/scenarios/starting_setup.hpp"
 #include "core/character/pose.hpp"
@@ -87,6 +89,8 @@ ExitCode ShowCharacter(const ShowCharacterArgs& args) {
   std::vector<std::string> notes = character.notes;
   const float unit_scale = ChooseUnitScale({}, character, notes);
   const RestGeometry rest = ComputeRestGeometry(character, unit_scale);
+  const SurfaceColour surface(character);
+  notes.insert(notes.end(), surface.faults().begin(), surface.faults().end());
   const std::string setup = StartingSetup(character, rest, unit_scale);
   ReportTree tree;
   tree.Add({"character"}, Printable(character.name)).EndLine();
@@ -97,12 +101,17 @@ ExitCode ShowCharacter(const ShowCharacterArgs& args) {
   AddClips(character, tree);
   tree.Add(InJson("setup"), setup);
   if (!args.out.empty()) WriteOutput("setup", args.out, setup);
+  if (!args.uv_template.empty()) {
+    const UvTemplate made = DrawUvTemplate(character, surface);
+    WriteOutput("UV template", args.uv_template, EncodePng(made.rgba, made.width, made.height, 4));
+  }
   fmt::print("{}", args.json ? tree.Json() : tree.Text());
   if (args.json) return kDone;
   if (args.out.empty())
     fmt::print("\nA setup to start from (--out writes it):\n\n{}", setup);
   else
     fmt::print("\nsetup {}\n", args.out.path());
+  if (!args.uv_template.empty()) fmt::print("\nUV template {}\n", args.uv_template.path());
   return kDone;
 }
 

@@ -1,9 +1,11 @@
 // The setup to start from: it can be read, covers its character, and whatever materials are named.
 #include <gtest/gtest.h>
 
+#include "bench/picture/uv_template.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/scenarios/starting_setup.hpp"
 #include "core/character/pose.hpp"
+#include "core/error.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/fur_setup.hpp"
 
@@ -92,6 +94,37 @@ TEST(Show, SharesOfMaterialsAreTheWholeSurface) {
   for (const MaterialShare& share : MeasureMaterials(character.mesh, two)) doubled += share.area_m2;
   EXPECT_EQ(triangles, character.mesh.triangles.size());
   EXPECT_NEAR(doubled / area, 4.0, 1e-5);
+}
+
+// The lines of a triangle lie where a map is read for its edges, and beyond an edge where its image goes on.
+TEST(Show, UvTemplateIsWhereMapsAreRead) {
+  Character character = LoadCharacter("builtin");
+  Mesh& mesh = character.mesh;
+  mesh.triangles.resize(1);
+  const auto corner = mesh.triangles[0];
+  for (const float turns : {0.0f, 1.0f}) {
+    for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror}) {
+      mesh.looks[mesh.triangle_material[0]].wrap = {wrap, Wrap::kRepeat};
+      mesh.uv[corner[0]] = {0.1f + turns, 0.2f};
+      mesh.uv[corner[1]] = {0.3f + turns, 0.2f};
+      mesh.uv[corner[2]] = {0.1f + turns, 0.9f};
+      const UvTemplate made = DrawUvTemplate(character, SurfaceColour(character));
+      ASSERT_EQ(made.rgba.size(), size_t(made.width) * made.height * 4);
+      ControlMap alpha{made.width, made.height, made.rgba};
+      for (size_t i = 0; i < alpha.rgba.size(); i += 4) alpha.rgba[i] = alpha.rgba[i + 3];
+      const auto at = [&](float u, float v) {
+        return alpha.Sample({u + turns, v}, 0, mesh.looks[mesh.triangle_material[0]].wrap);
+      };
+      for (const float share : {0.0f, 0.3f, 0.5f, 0.9f}) {
+        EXPECT_GT(at(0.1f + 0.2f * share, 0.2f), 0.2f) << share << turns << int(wrap);
+        EXPECT_GT(at(0.1f, 0.2f + 0.7f * share), 0.2f) << share << turns << int(wrap);
+      }
+      for (const glm::vec2 off : {glm::vec2(0.2f, 0.1f), {0.15f, 0.4f}, {0.5f, 0.5f}, {0.9f, 0.8f}})
+        EXPECT_EQ(at(off.x, off.y), 0.0f) << off.x << turns << int(wrap);
+    }
+  }
+  mesh.uv.clear();
+  EXPECT_THROW(DrawUvTemplate(character, SurfaceColour(character)), Error);
 }
 
 }  // namespace
