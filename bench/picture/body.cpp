@@ -65,6 +65,12 @@ class BodyPainter {
     const auto draw = [&](auto shade) {
       canvas.DrawTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], shade);
     };
+    if (body_.surface->IsCut(triangle))
+      return canvas.DrawShellTriangle(screen_[corner[0]], screen_[corner[1]], screen_[corner[2]], 0,
+                                      [&](const glm::vec3& bary, glm::vec4& colour) {
+                                        colour = glm::vec4(Shade({triangle, bary}), 1.0f);
+                                        return !body_.surface->IsHole({triangle, bary});
+                                      });
     if (body_.surface->HasImage(triangle) || body_.surface->IsUnlit(triangle) ||
         IsMapped(body_, triangle) || (body_.relief && body_.relief->Covers(triangle)))
       return draw([&](const glm::vec3& bary) { return Shade({triangle, bary}); });

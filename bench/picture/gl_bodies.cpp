@@ -15,9 +15,10 @@ struct SkinVertex {
   glm::vec4 paint;  // of the fur above
   glm::vec2 growth_uv;
   glm::vec4 rate, sheet;
+  glm::vec2 cut;
 };
-constexpr std::array<GLint, 10> kSkinFloats = {3, 3, 3, 4, 3, 2, 4, 2, 4, 4};
-static_assert(sizeof(SkinVertex) == 32 * sizeof(float));
+constexpr std::array<GLint, 11> kSkinFloats = {3, 3, 3, 4, 3, 2, 4, 2, 4, 4, 2};
+static_assert(sizeof(SkinVertex) == 34 * sizeof(float));
 static_assert(kMappedLayers == 4);  // that a vec4 holds
 
 // Layers of fur that grow by maps on the triangle: how much, and which of GrowthImages shows where.
@@ -62,15 +63,38 @@ SkinVertex CornerOf(const Body& body, uint32_t triangle, int corner) {
       .paint = furry ? body.paint[v] : glm::vec4(0.0f),
       .growth_uv = glm::vec2(0.0f),
       .rate = glm::vec4(0.0f),
-      .sheet = glm::vec4(-1.0f)};
+      .sheet = glm::vec4(-1.0f),
+      .cut = body.surface->AlphaAndCutoffAt(point)};
   if (furry) AddMapped(body, triangle, v, vertex);
   return vertex;
 }
 
-GlTexture UploadSurface(const GlApi& gl, const ControlMap* image) {
+// What triangles that are drawn together share.
+struct Surface {
+  const ControlMap* image;
+  std::array<Wrap, 2> wrap;
+  bool operator==(const Surface&) const = default;
+};
+
+Surface SurfaceOf(const Body& body, uint32_t triangle) {
+  return {body.surface->ImageOf(triangle), WrapOn(body.character->mesh, triangle)};
+}
+
+GLint GlWrap(Wrap wrap) {
+  return wrap == Wrap::kRepeat   ? GL_REPEAT
+         : wrap == Wrap::kMirror ? GL_MIRRORED_REPEAT
+                                 : GL_CLAMP_TO_EDGE;
+}
+
+GlTexture UploadSurface(const GlApi& gl, const Surface& surface) {
   constexpr uint8_t kWhite[4] = {255, 255, 255, 255};
+  const ControlMap* image = surface.image;
   if (!image || image->rgba.empty()) return UploadImage(gl, GL_RGBA8, glm::ivec2(1), kWhite);
-  return UploadImage(gl, GL_RGBA8, {int(image->width), int(image->height)}, image->rgba.data());
+  GlTexture texture =
+      UploadImage(gl, GL_RGBA8, {int(image->width), int(image->height)}, image->rgba.data());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GlWrap(surface.wrap[0]));
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GlWrap(surface.wrap[1]));
+  return texture;
 }
 
 }  // namespace
@@ -82,18 +106,18 @@ GlBodies::GlBodies(const GlApi& gl, const PictureScene& scene) : gl_(gl), nothin
 
 GlBodies::Skin GlBodies::Upload(const Body& body) const {
   const uint32_t triangles = uint32_t(body.character->mesh.triangles.size());
-  std::vector<const ControlMap*> images;
+  std::vector<Surface> surfaces;
   for (uint32_t t = 0; t < triangles; ++t)
-    if (std::ranges::find(images, body.surface->ImageOf(t)) == images.end())
-      images.push_back(body.surface->ImageOf(t));
+    if (std::ranges::find(surfaces, SurfaceOf(body, t)) == surfaces.end())
+      surfaces.push_back(SurfaceOf(body, t));
   std::vector<Part> parts;
   std::vector<SkinVertex> vertices;
-  for (const ControlMap* image : images) {
+  for (const Surface& surface : surfaces) {
     const size_t first = vertices.size();
     for (uint32_t t = 0; t < triangles; ++t)
-      if (body.surface->ImageOf(t) == image)
+      if (SurfaceOf(body, t) == surface)
         for (int corner = 0; corner < 3; ++corner) vertices.push_back(CornerOf(body, t, corner));
-    parts.push_back({UploadSurface(gl_, image), GLint(first), GLsizei(vertices.size() - first)});
+    parts.push_back({UploadSurface(gl_, surface), GLint(first), GLsizei(vertices.size() - first)});
   }
   return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kSkinFloats), std::move(parts),
           UploadSheets(gl_, GrowthImages(body))};

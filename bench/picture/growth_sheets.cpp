@@ -70,11 +70,14 @@ GrowthSheets::GrowthSheets(const Mesh& mesh, GrowthMap map) : sheet_(std::move(m
 
 SharedGrowth MakeGrowthSheets(const Character& character, const RestGeometry& rest,
                               const FurSetup& setup, const LayerSetup& layer,
+                              const std::shared_ptr<const SurfaceColour>& surface,
                               std::vector<std::string>& notes) {
-  const bool wanted = layer.params.output == Output::kShells || !MapsOf(layer).empty();
+  const bool by_images = GrowsByImages(character.mesh, layer);
+  const bool wanted = layer.params.output == Output::kShells || !MapsOf(layer).empty() || by_images;
   if (!layer.params.enabled || !wanted || character.mesh.uv.empty()) return nullptr;
   try {
-    GrowthMap map = MakeGrowthMap(character, rest, setup, layer, SideFor(setup));
+    GrowthMap map = MakeGrowthMap(character, rest, setup, layer,
+                                  by_images ? kMostSide : SideFor(setup), surface);
     if (IsEvenlyFull(map)) return nullptr;
     return std::make_shared<const GrowthSheets>(character.mesh, std::move(map));
   } catch (const Error& error) {

@@ -39,7 +39,8 @@ std::vector<PictureMaps::LayerGrowth> PictureMaps::MakeGrowth(const Scenario& sc
   const FurSetup& setup = scenario.setups[actor.groom];
   const RestGeometry rest = ComputeRestGeometry(character, actor.unit_scale);
   for (const LayerSetup& layer : setup.layers)
-    if (SharedGrowth growth = MakeGrowthSheets(character, rest, setup, layer, notes_))
+    if (SharedGrowth growth =
+            MakeGrowthSheets(character, rest, setup, layer, surfaces_[actor.character], notes_))
       made.push_back({layer.name, std::move(growth)});
   return made;
 }

@@ -14,6 +14,7 @@ in vec4 skin_paint;
 in vec2 skin_growth_uv;
 in vec4 skin_rate;
 flat in vec4 skin_sheet;
+in vec2 skin_cut;
 out vec4 colour;
 
 uniform sampler2D surface;      // sRGB
@@ -33,7 +34,8 @@ float Covered() {
 }
 
 void main() {
-  vec3 image = texture(surface, skin_uv).rgb;
+  vec4 image = texture(surface, skin_uv);
+  if (skin_cut.x * image.a < skin_cut.y) discard;
   vec3 own = skin_tint.rgb *
              vec3(LinearFromSrgb(image.r), LinearFromSrgb(image.g), LinearFromSrgb(image.b));
   float covered = Covered();

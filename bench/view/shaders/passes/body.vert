@@ -16,6 +16,7 @@ layout(location = 6) in vec4 paint;  // of the fur above
 layout(location = 7) in vec2 growth_uv;
 layout(location = 8) in vec4 rate;
 layout(location = 9) in vec4 sheet;
+layout(location = 10) in vec2 cut;  // alpha, times the image's, and below which there is no skin
 
 uniform int character;
 uniform float lift;  // out of its own shadow, m
@@ -29,6 +30,7 @@ out vec4 skin_paint;
 out vec2 skin_growth_uv;
 out vec4 skin_rate;
 flat out vec4 skin_sheet;
+out vec2 skin_cut;
 invariant gl_Position;  // relief.vert comes there again
 
 void main() {
@@ -43,5 +45,6 @@ void main() {
   skin_growth_uv = growth_uv;
   skin_rate = rate;
   skin_sheet = sheet;
+  skin_cut = cut;
   gl_Position = world_to_clip * vec4(position, 1.0);
 }
