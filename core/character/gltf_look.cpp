@@ -6,6 +6,7 @@
 
 #include "core/character/gltf_json.hpp"
 #include "core/character/gltf_textures.hpp"
+#include "core/character/picture_kind.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
@@ -66,6 +67,8 @@ class LookReader {
     if (texture.is_object())
       look.image = look.alpha_image = Lay(texture, "base colour's", number, look, transform);
     look.stated |= look.image >= 0;
+    if (look.image >= 0 && !MayHaveAlpha(document_.images[size_t(look.image)]))
+      look.alpha_image = -1;
     ReadAlpha(material, look);
     const bool emits = ReadEmission(material, number, look, transform);
     if (!texture.is_object() && !emits) LayByOther(material, look, transform);

@@ -407,16 +407,20 @@ class MeshReader {
     // With normals and tangents in place more vertices can be equal.
     WeldVertices(&out_);
     SettleBare(&out_);
-    NoteCuts();
+    SettleHoles();
   }
 
-  void NoteCuts() {
+  void SettleHoles() {
     std::string names;
-    for (size_t m = 0; m < out_.looks.size(); ++m)
-      if (out_.looks[m].IsCut() && !out_.looks[m].IsTransparent())
+    for (size_t m = 0; m < out_.looks.size(); ++m) {
+      MaterialLook& look = out_.looks[m];
+      const bool varies = look.alpha_image >= 0 || has_colour_;
+      if (!look.IsTransparent() && !varies) look.alpha_cutoff = 0.0f;
+      if (look.IsCut() && !look.IsTransparent())
         names += (names.empty() ? "'" : ", '") + out_.materials[m] + "'";
+    }
     if (!names.empty())
-      notes_->push_back("No fur grows where alpha cuts holes into " + names + ".");
+      notes_->push_back("No fur grows where alpha leaves holes in " + names + ".");
   }
 
   const Document& document_;

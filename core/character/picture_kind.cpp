@@ -50,6 +50,15 @@ bool IsReadPicture(std::span<const std::byte> bytes) {
   return std::ranges::any_of(kRead, [&](const Kind& kind) { return Is(bytes, kind); });
 }
 
+// PNG, third edition, 11.2.1 and 11.3.1: a colour type with alpha, or a chunk of transparency in front of the pixels.
+bool MayHaveAlpha(std::span<const std::byte> bytes) {
+  constexpr size_t kColourType = 25;
+  if (!Is(bytes, kRead[0]) || bytes.size() <= kColourType) return false;
+  const std::string_view text = AsText(bytes);
+  return (uint8_t(text[kColourType]) & 4) ||
+         text.substr(0, text.find("IDAT")).find("tRNS") != text.npos;
+}
+
 std::string_view NamePicture(std::span<const std::byte> bytes) {
   for (const std::span<const Kind> kinds :
        {std::span<const Kind>(kRead), std::span<const Kind>(kOthers)})

@@ -1,8 +1,12 @@
-// Characters as artists and exporters leave them.
+// Characters as artists and exporters leave them; and small ones, each of which went wrong in one way.
 #include <gtest/gtest.h>
+
+#include <cctype>
 
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
+#include "core/groom/bake.hpp"
+#include "core/groom/surface_colour.hpp"
 #include "tests/character/shared_files.hpp"
 #include "tests/character/whole_character.hpp"
 
@@ -67,6 +71,61 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealFiles,
                            const std::string file = info.param.file;
                            return file.substr(0, file.find('.'));
                          });
+
+// A strip of skin, and how many strands grow on it; `colour` is its surface's mean, linear.
+struct CaseFile {
+  const char* file;
+  const char* mask;
+  double strands;
+  glm::vec3 colour;
+  const char* note = "";
+};
+
+class CaseFiles : public testing::TestWithParam<CaseFile> {};
+
+TEST_P(CaseFiles, AreRight) {
+  const CaseFile& want = GetParam();
+  const std::string path = test::FindShared(std::string("../cases/characters/") + want.file);
+  if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
+  const Character c = ImportGltfFile(path);
+  test::ExpectWhole(c);
+  const FurSetup setup = ReadFurSetup(
+      std::string("[[layer]]\nname = 'coat'\nlength = 0.03\ndensity = 28000\n") + want.mask,
+      "case.toml", path.substr(0, path.find("/characters/")) + "/characters");
+  const Groom groom = BakeGroom(c, ComputeRestGeometry(c, 1.0f), setup, 1.0f);
+  EXPECT_NEAR(double(groom.layers.at(0).strand_count), want.strands, 0.01 * want.strands);
+  const SurfaceColour surface(c);
+  glm::vec3 mean(0.0f);
+  for (uint32_t t = 0; t < c.mesh.triangles.size(); ++t)
+    mean += surface.At({t, {0.4f, 0.3f, 0.3f}}) / float(c.mesh.triangles.size());
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(mean[i], want.colour[i], 0.01f) << "rgb"[i];
+  std::string notes;
+  for (const std::string& note : c.notes) notes += note + "\n";
+  EXPECT_NE(notes.find(want.note), std::string::npos) << notes;
+  EXPECT_EQ(notes.find("left out"), std::string::npos) << notes;
+}
+
+std::string NameOf(const testing::TestParamInfo<CaseFile>& info) {
+  std::string name = info.param.file + std::string(*info.param.mask ? "_bald" : "");
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+constexpr const char* kBald = "mask = { bald = 'bald_half.png' }";
+INSTANTIATE_TEST_SUITE_P(
+    Shared, CaseFiles,
+    testing::Values(
+        CaseFile{"00_control.glb", "", 20573, {1, 1, 1}},
+        CaseFile{"13a_uv_float.glb", "", 20573, {0.5f, 0.5f, 0}},
+        CaseFile{"13a_uv_float.glb", kBald, 10289, {0.5f, 0.5f, 0}},
+        CaseFile{"13b_uv_u16_not_normalised.glb", kBald, 10289, {0.5f, 0.5f, 0}},
+        CaseFile{"13e_uv_as_gltfpack.glb", kBald, 10289, {0.5f, 0.5f, 0}},
+        CaseFile{"14_spaces/a.gltf", "", 20573, {0.5f, 0.5f, 0}},
+        CaseFile{"20_specular_glossiness.glb", "", 20573, {0.8f, 0.1f, 0.05f}},
+        CaseFile{"34b_alpha_mask_half_cut_out.glb", "", 10285, {0.5f, 0.176f, 0.023f}, "alpha"},
+        CaseFile{"45_mtoon_body_unlit.glb", "", 18001, {1, 1, 1}}),
+    NameOf);
 
 }  // namespace
 }  // namespace pelt

@@ -103,7 +103,7 @@ TEST(SurfaceMasks, HolesAreToldAndKeptInPictures) {
   const Character c = MakeCharacter(
       {.material = R"("alphaMode":"MASK","pbrMetallicRoughness":{"baseColorTexture":{"index":0}})",
        .png = Halves({9, 9, 9, 0}, {9, 9, 9, 255})});
-  EXPECT_EQ(c.notes.back(), "No fur grows where alpha cuts holes into 'coat'.");
+  EXPECT_EQ(c.notes.back(), "No fur grows where alpha leaves holes in 'coat'.");
   FurSetup setup;
   setup.layers.resize(1);
   setup.layers[0].density = 4000.0f;
@@ -115,6 +115,15 @@ TEST(SurfaceMasks, HolesAreToldAndKeptInPictures) {
   const Groom groom = BakeGroom(c, rest, setup, 1.0f, nullptr, nullptr, nullptr, &notes);
   EXPECT_NEAR(double(groom.layers[0].strand_count), 2000.0, 250.0);
   EXPECT_TRUE(notes.empty());
+}
+
+// Exporters state BLEND and MASK for images that have no alpha as well.
+TEST(SurfaceMasks, WhatHasNoAlphaHasNoHoles) {
+  const Character c = MakeCharacter(
+      {.material = R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0}})",
+       .png = Halves({9, 9, 9}, {99, 99, 99})});
+  EXPECT_FALSE(c.mesh.looks.at(0).IsCut());
+  for (const std::string& note : c.notes) EXPECT_EQ(note.find("alpha"), note.npos) << note;
 }
 
 TEST(SurfaceMasks, DamagedImagesAreToldByTheBake) {
