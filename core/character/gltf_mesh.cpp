@@ -411,16 +411,18 @@ class MeshReader {
   }
 
   void SettleHoles() {
+    constexpr size_t kNamesShown = 4;
     std::string names;
+    size_t count = 0;
     for (size_t m = 0; m < out_.looks.size(); ++m) {
       MaterialLook& look = out_.looks[m];
       const bool varies = look.alpha_image >= 0 || has_colour_;
       if (!look.IsTransparent() && !varies) look.alpha_cutoff = 0.0f;
-      if (look.IsCut() && !look.IsTransparent())
-        names += (names.empty() ? "'" : ", '") + out_.materials[m] + "'";
+      if (!look.IsCut() || look.IsTransparent() || count++ >= kNamesShown) continue;
+      names += (names.empty() ? "'" : ", '") + out_.materials[m] + "'";
     }
-    if (!names.empty())
-      notes_->push_back("No fur grows where alpha leaves holes in " + names + ".");
+    if (count > kNamesShown) names += " and " + std::to_string(count - kNamesShown) + " more";
+    if (count) notes_->push_back("No fur grows where alpha leaves holes in " + names + ".");
   }
 
   const Document& document_;
