@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <chrono>
 #include <thread>
 
 #include "core/error.hpp"
 #if defined(PELT_HTTPLIB)
-#include <httplib.h>
+#include "bench/page/bounded_server.hpp"
 #endif
 
 namespace pelt {
@@ -19,11 +20,15 @@ std::string PageServer::address() const { return fmt::format("http://127.0.0.1:{
 namespace {
 
 constexpr const char* kHost = "127.0.0.1";
+constexpr const char* kHost6 = "::1";
 
 // A name that somebody else's page had changed to this machine's address would be asked for what is here.
 bool IsAskedByOwnName(const httplib::Request& request, uint16_t port) {
-  const std::string host = request.get_header_value("Host");
-  return host == fmt::format("{}:{}", kHost, port) || host == fmt::format("localhost:{}", port);
+  std::string host = request.get_header_value("Host");
+  for (char& c : host) c = char(std::tolower(uint8_t(c)));
+  for (const char* name : {kHost, "localhost", "[::1]"})
+    if (host == fmt::format("{}:{}", name, port) || (port == 80 && host == name)) return true;
+  return false;
 }
 
 // From a provider of known length it is sent as it is: a text the library would pack, by Brotli at its slowest, for a
@@ -36,18 +41,8 @@ void Send(httplib::Response& response, std::string text, const std::string& type
                                 });
 }
 
-}  // namespace
-
-struct PageServer::State {
-  httplib::Server server;
-  std::thread thread;
-};
-
-std::string WhyNoServer() { return {}; }
-
-PageServer::PageServer(uint16_t port, std::vector<ServedPath> paths)
-    : state_(std::make_unique<State>()) {
-  httplib::Server& server = state_->server;
+void SetUp(httplib::Server& server, const std::vector<ServedPath>& paths,
+           const std::function<bool(const httplib::Request&)>& is_own) {
   // The library's own option lets two servers share a port.
   server.set_socket_options([]([[maybe_unused]] socket_t socket) {
 #if !defined(_WIN32)
@@ -55,37 +50,72 @@ PageServer::PageServer(uint16_t port, std::vector<ServedPath> paths)
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
 #endif
   });
-  server.set_keep_alive_timeout(1);  // seconds, which the end waits for
-  server.set_default_headers(
-      {{"Cache-Control", "no-store"}, {"X-Content-Type-Options", "nosniff"}});
+  server.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"Accept-Ranges", "none"}});
+  // Before a body is read, which may be packed a thousandfold.
   server.set_pre_routing_handler(
-      [this](const httplib::Request& request, httplib::Response& response) {
-        if (IsAskedByOwnName(request, port_)) return httplib::Server::HandlerResponse::Unhandled;
-        response.status = 403;
+      [is_own](const httplib::Request& request, httplib::Response& response) {
+        const bool gets = request.method == "GET" || request.method == "HEAD";
+        if (gets && is_own(request)) return httplib::Server::HandlerResponse::Unhandled;
+        response.status = gets ? 403 : 405;
         return httplib::Server::HandlerResponse::Handled;
       });
-  for (ServedPath& served : paths)
+  for (const ServedPath& served : paths)
     server.Get(served.path, [served](const httplib::Request& request, httplib::Response& response) {
       Send(response, served.text(request.get_param_value("since")), served.type);
     });
-  const int bound = port == 0                          ? server.bind_to_any_port(kHost)
-                    : server.bind_to_port(kHost, port) ? port
-                                                       : -1;
+}
+
+}  // namespace
+
+// One of its two addresses.
+struct Listener {
+  BoundedServer server;
+  std::thread thread;
+
+  void Start() {
+    server.LetManyCome();
+    thread = std::thread([this] { server.listen_after_bind(); });
+    // Before it runs it cannot be stopped.
+    while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ~Listener() {
+    if (!thread.joinable()) return;
+    server.stop();
+    server.EndConnections();
+    thread.join();
+  }
+};
+
+struct PageServer::State {
+  Listener four, six;
+};
+
+std::string WhyNoServer() { return {}; }
+
+PageServer::PageServer(uint16_t port, std::vector<ServedPath> paths)
+    : state_(std::make_unique<State>()) {
+  Listener &four = state_->four, &six = state_->six;
+  const auto is_own = [this](const httplib::Request& request) {
+    return IsAskedByOwnName(request, port_);
+  };
+  for (Listener* listener : {&four, &six}) SetUp(listener->server, paths, is_own);
+  const int bound = port == 0                               ? four.server.bind_to_any_port(kHost)
+                    : four.server.bind_to_port(kHost, port) ? port
+                                                            : -1;
   if (bound < 0)
     throw Error(port == 0 ? fmt::format("no port of {} is free", kHost)
                           : fmt::format("port {} of {} is taken, or not for you to take: another "
                                         "--port, or none for a free one",
                                         port, kHost));
   port_ = uint16_t(bound);
-  state_->thread = std::thread([&server] { server.listen_after_bind(); });
-  // Before it runs it cannot be stopped.
-  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  four.Start();
+  // Not every machine has it; the address that is told is the other.
+  if (six.server.bind_to_port(kHost6, port_)) six.Start();
 }
 
-PageServer::~PageServer() {
-  state_->server.stop();
-  state_->thread.join();
-}
+PageServer::~PageServer() = default;
 
 #else
 

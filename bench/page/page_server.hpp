@@ -1,5 +1,5 @@
-// A server of a few texts to the browser of the machine that it runs on, and to nobody else: it listens on 127.0.0.1,
-// answers GETs of the paths that it was given, and refuses those that a page of another name sends here.
+// A server of a few texts to the browser of the machine that it runs on, and to nobody else: it listens on 127.0.0.1
+// and ::1, answers GETs of the paths that it was given, and refuses those that a page of another name sends here.
 //
 //   PageServer server(0, {{"/", "text/html", [&](const std::string&) { return page; }}});
 //   Print(server.address());       // until the server goes
@@ -26,7 +26,7 @@ class PageServer {
  public:
   // Port 0: one that is free. Throws Error where the port is taken, or there is no server.
   PageServer(uint16_t port, std::vector<ServedPath> paths);
-  // Answers what it was asked before, and ends.
+  // Answers what it was asked before, if that is taken within a second, and ends.
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
