@@ -9,6 +9,7 @@
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/groom/height_field.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 namespace {
@@ -149,8 +150,8 @@ void CheckRelief(const Scenario& scenario, std::span<const std::string> names) {
   }
   for (const std::string& name : names)
     if (name != "all" && std::ranges::find(known, name) == known.end())
-      throw Error(fmt::format("picture: no layer '{}' to draw as relief; there are: {}", name,
-                              fmt::join(known, ", ")));
+      throw Error(fmt::format("picture: no layer '{}' to draw as relief; there are: {}{}", name,
+                              fmt::join(known, ", "), DidYouMean(name, known)));
 }
 
 std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,

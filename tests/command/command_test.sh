@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The `pelt` command as a user meets it: the examples of every help text work, errors are one line
 # with the right exit code, pipes get no progress bar, and the README shows the real plan.
-#   command_test.sh PELT SOURCE_DIR [examples|errors|serving|output|disturbed|readme]...   (all, if none is named)
+#   command_test.sh PELT SOURCE_DIR [examples|errors|serving|output|disturbed|readme|pictures]...   (all, if none is named)
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 
@@ -566,4 +566,12 @@ check_readme() {
   fi
 }
 
-run_parts examples=run_examples errors=check_errors serving=check_serving output=check_output disturbed=check_disturbed readme=check_readme
+# The pictures that pages show are what their commands draw.
+check_pictures() {
+  command -v python3 >/dev/null || { echo "SKIPPED: no python3 to hold pictures against what is drawn"; return; }
+  python3 "$source_dir/tests/command/pictures.py" "$pelt" "$source_dir" >pictures.txt || fail "$(cat pictures.txt)"
+  grep SKIPPED pictures.txt
+}
+
+run_parts examples=run_examples errors=check_errors serving=check_serving output=check_output disturbed=check_disturbed readme=check_readme \
+  pictures=check_pictures
