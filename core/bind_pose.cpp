@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -105,6 +106,7 @@ void SetJoint(PoseBlock& pose, uint32_t joint, const JointTransform& local) {
 
 void PlaceInMesh(const SkeletonBlock& skeleton, uint32_t joint, const float (&point)[3],
                  double (&in_mesh)[3]) {
+  const FloatEnvironment guard;
   const Affine bind = Invert(Load(skeleton.inverse_bind[joint]));
   for (int r = 0; r < 3; ++r)
     in_mesh[r] =
@@ -112,6 +114,7 @@ void PlaceInMesh(const SkeletonBlock& skeleton, uint32_t joint, const float (&po
 }
 
 void FillBindPose(const Groom& groom, PoseBlock& pose) {
+  const FloatEnvironment guard;
   const SkeletonBlock& skeleton = groom.skeleton;
   pose.joint_count = groom.joint_count;
   pose.teleported = 0;

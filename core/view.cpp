@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -83,6 +84,7 @@ bool AllFinite(const Camera& c) {
 }  // namespace
 
 const char* FindCameraFault(const Camera& c) {
+  const FloatEnvironment guard;
   if (!AllFinite(c)) return "a camera value is not finite";
   if (!(Length(ToDouble(c.target) - ToDouble(c.eye)) > 1e-12))
     return "the camera's target is its eye";
@@ -96,6 +98,7 @@ const char* FindCameraFault(const Camera& c) {
 }
 
 View MakeView(const Camera& camera) {
+  const FloatEnvironment guard;
   const Double3 eye = ToDouble(camera.eye);
   const Double3 forward = NormalizeOr(ToDouble(camera.target) - eye, {0.0, 0.0, -1.0});
   const Double3 wanted_up = NormalizeOr(ToDouble(camera.up), FarthestAxis(forward));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -62,6 +63,7 @@ void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<
 }
 
 uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandCurve> out) {
+  const FloatEnvironment guard;
   const SceneShape& shape = *memory.shape;
   if (layer >= shape.layer_count) return 0;
   const OutputRow& row = kOutputs[OutputOf(shape.layer_kind[layer])];

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/random.hpp"
-#include "jobs/float_environment.hpp"
+#include "core/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
 #include "jobs/tick_clock.hpp"
 

@@ -14,7 +14,7 @@
 #include "core/layer_block.hpp"
 #include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
-#include "jobs/float_environment.hpp"
+#include "core/float_environment.hpp"
 #include "jobs/input_check.hpp"
 
 #if defined(__linux__)

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/float_environment.hpp"
 #include "core/format.hpp"
-#include "jobs/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
 
 namespace pelt {

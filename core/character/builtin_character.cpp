@@ -11,6 +11,7 @@
 #include "core/character/builtin_monster.hpp"
 #include "core/character/builtin_scorpion.hpp"
 #include "core/character/gltf_import.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -210,6 +211,7 @@ class GlbWriter {
 }  // namespace
 
 std::vector<std::byte> MakeBuiltinCharacterGlb(const BuiltinCharacterOptions& options) {
+  const FloatEnvironment guard;
   const bool scorpion = options.body == BuiltinBody::kScorpion;
   const builtin::Shape shape =
       scorpion ? builtin::DesignScorpion() : builtin::DesignMonster(options);

@@ -9,6 +9,7 @@
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/float_environment.hpp"
 
 namespace pelt {
 namespace {
@@ -39,10 +40,12 @@ Character ImportDocument(const gltf::Document& document, const std::string& name
 }  // namespace
 
 Character ImportGltf(std::span<const std::byte> bytes, const std::string& name) {
+  const FloatEnvironment guard;
   return ImportDocument(gltf::ParseDocument(bytes, name, ""), name);
 }
 
 Character ImportGltfFile(const std::string& path) {
+  const FloatEnvironment guard;
   const auto bytes = ReadWhole(path, 0xffffffffull);
   if (!bytes) throw Error(path + ": " + bytes.error());
   const std::string folder = FolderOf(path);

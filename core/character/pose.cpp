@@ -9,6 +9,7 @@
 #include "core/character/mesh_repair.hpp"
 #include "core/character/track_place.hpp"
 #include "core/exact_math.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -140,6 +141,7 @@ glm::dvec3 Unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
 
 void FillPose(const Skeleton& skeleton, const Clip* clip, double time_s, bool loop,
               const glm::mat4& root, PoseBlock* pose) {
+  const FloatEnvironment guard;
   const uint32_t count = uint32_t(skeleton.rest.size());
   for (uint32_t j = 0; j < count; ++j) StoreRest(skeleton.rest[j], j, pose);
   if (clip) {
@@ -165,6 +167,7 @@ PoseBlock MakePose(const Skeleton& skeleton, const Clip* clip, double time_s, bo
 }
 
 glm::mat4 PlaceCharacter(const glm::mat4& placement, float unit_scale) {
+  const FloatEnvironment guard;
   glm::mat4 root = placement;
   for (int c = 0; c < 3; ++c) root[c] *= unit_scale;
   return root;
@@ -189,6 +192,7 @@ const Clip* FindClip(const Character& character, const std::string& name) {
 }
 
 RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
+  const FloatEnvironment guard;
   const Skeleton& skeleton = character.skeleton;
   const Mesh& mesh = character.mesh;
   std::vector<glm::dmat4> global(skeleton.rest.size()), palette(skeleton.rest.size());
@@ -219,6 +223,7 @@ RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
 }
 
 UnitScale DefaultUnitScale(const Character& character) {
+  const FloatEnvironment guard;
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   glm::dvec3 low(1e300), high(-1e300);
   for (const glm::vec3& p : rest.position) {

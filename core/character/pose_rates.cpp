@@ -1,6 +1,7 @@
 #include "core/character/pose_rates.hpp"
 
 #include "core/character/track_place.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -78,6 +79,7 @@ glm::dvec3 RateAt(const Track& track, double t) {
 
 void FillPoseRates(const Clip* clip, double time_s, bool loop, double speed,
                    const glm::mat4& root_rate, PoseRateBlock* rates) {
+  const FloatEnvironment guard;
   *rates = {};
   rates->given = 1;
   for (int r = 0; r < 3; ++r)

@@ -6,6 +6,7 @@
 #include "core/character/mesh_repair.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
@@ -130,6 +131,7 @@ std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers) {
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                 float unit_scale, const BakeProgress* progress, ScatterStats* stats,
                 std::vector<LayerDensity>* densities, std::vector<std::string>* notes) {
+  const FloatEnvironment guard;
   if (setup.layers.empty()) {
     throw Error(Format("{}: no layer; a groom needs at least one [[layer]]", setup.path));
   }

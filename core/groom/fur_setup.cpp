@@ -9,6 +9,7 @@
 #include "core/chunk.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/float_environment.hpp"
 #include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
 #include "core/printable.hpp"
@@ -171,6 +172,7 @@ std::vector<std::byte> ReadSetupBytes(const std::string& path) {
 
 FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                       const std::string& map_directory) {
+  const FloatEnvironment guard;
   const toml::table root = ParseSetup(text, path);
   SetupReader reader(path, map_directory);
   FurSetup setup = ReadTop(reader, root);
@@ -218,6 +220,7 @@ FurSetup ReadFurSetupFile(const std::string& path) {
 }
 
 LightsSetup ReadLights(std::string_view text, const std::string& path) {
+  const FloatEnvironment guard;
   const toml::table root = ParseSetup(text, path);
   SetupReader reader(path, "");
   const FurSetup setup = ReadTop(reader, root);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
 
 std::vector<uint8_t> MakeFurTexture(const LayerParams& params) {
+  const FloatEnvironment guard;
   constexpr uint64_t kFurSeed = 0x667572;  // "fur"
   const uint32_t side = params.fur_texture_size;
   std::vector<uint8_t> texels(size_t(side) * side, 0);

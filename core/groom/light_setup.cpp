@@ -1,5 +1,6 @@
 #include "core/groom/light_setup.hpp"
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt {
@@ -17,6 +18,7 @@ void CopyUnit(const glm::vec3& from, float (&to)[3]) {
 }  // namespace
 
 Lighting MakeLighting(const LightsSetup& setup) {
+  const FloatEnvironment guard;
   Lighting out;
   for (const LightsSetup::Light& light : setup.lights) {
     SphereLight& to = out.light[out.light_count++];

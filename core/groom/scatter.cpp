@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/exact_math.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/sample_elimination.hpp"
@@ -99,6 +100,7 @@ glm::vec3 InterpolateNormal(const Mesh& mesh, const RestGeometry& rest, const Su
 std::vector<ScatterPoint> ScatterLayer(const Character& character, const RestGeometry& rest,
                                        const FurSetup& setup, const LayerSetup& layer,
                                        const Growth& growth, ScatterDensity* density) {
+  const FloatEnvironment guard;
   const Mesh& mesh = character.mesh;
   const Area area = WeighTriangles(mesh, rest, growth);
   auto fail_empty = [&]() {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/groom/sample_elimination.hpp"
 #include "core/random.hpp"
@@ -109,6 +110,7 @@ void MeasureChunks(std::span<const ScatterPoint> points, std::span<const Patch> 
 }  // namespace
 
 SpacingStats MeasureSpacing(std::span<const ScatterPoint> points, float scale) {
+  const FloatEnvironment guard;
   SpacingStats stats;
   const NearestSearch search(points);
   double sum = 0.0, squares = 0.0, least = std::numeric_limits<double>::infinity();
@@ -131,6 +133,7 @@ SpacingStats MeasureSpacing(std::span<const ScatterPoint> points, float scale) {
 
 std::vector<ScatterPoint> ScatterByRejection(const Character& character, const RestGeometry& rest,
                                              const Growth& growth, uint32_t count, uint64_t seed) {
+  const FloatEnvironment guard;
   const Mesh& mesh = character.mesh;
   std::vector<double> cumulative(mesh.triangles.size());
   double sum = 0.0;
@@ -175,6 +178,7 @@ LayerScatterStats MeasureLayerScatter(const Character& character, const RestGeom
                                       const LayerSetup& layer, const Growth& growth,
                                       std::span<const ScatterPoint> points,
                                       std::span<const Patch> patches) {
+  const FloatEnvironment guard;
   LayerScatterStats stats;
   stats.name = layer.name;
   stats.strand_count = uint32_t(points.size());

@@ -1,6 +1,7 @@
 #include "core/modal/modal_material.hpp"
 
 #include "core/exact_math.hpp"
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/modal/modal_modes.hpp"
 
@@ -42,15 +43,30 @@ const RodCoefficients& CalibratedCoefficients(uint32_t links) {
 
 ModalMaterial CalibratedMaterial(uint32_t links, double frequency_hz, double damping_ratio,
                                  double drag_per_s) {
+  const FloatEnvironment guard;
   return Scale(CalibratedCoefficients(links), links, frequency_hz, damping_ratio, drag_per_s);
 }
 
 ModalMaterial UniformMaterial(uint32_t links, double frequency_hz, double damping_ratio,
                               double drag_per_s) {
+  const FloatEnvironment guard;
   return Scale(kUniform, links, frequency_hz, damping_ratio, drag_per_s);
 }
 
-double FrequencyOfHardness(uint32_t links, double inner, double last, uint32_t iterations) {
+namespace {
+
+// What is computed from registers into a register, out of line: in line, some of it may come before
+// or after the float environment is set (core/float_environment.hpp).
+[[gnu::noinline]] double FrequencyOfRod(double bending_stiffness, double mass_per_length,
+                                        double length) {
+  const double square = length * length;
+  // First root of cos(x) cosh(x) = -1, squared.
+  const double ratio = 3.5160152685001;
+  return ratio / (2.0 * exact::kPi * square) * std::sqrt(bending_stiffness / mass_per_length);
+}
+
+[[gnu::noinline]] double FrequencyOfIterations(uint32_t links, double inner, double last,
+                                               uint32_t iterations) {
   constexpr double kFramesPerSecond = 60.0, kLeastLeft = 1.0e-4;
   const double hardness = (inner * (links - 1) + last) / links;
   double left = 1.0;
@@ -58,14 +74,19 @@ double FrequencyOfHardness(uint32_t links, double inner, double last, uint32_t i
   left = left > kLeastLeft ? left : kLeastLeft;
   // A joint's stiffness over a link's mass; with links of length 1 that is B over rho.
   const double omega = kFramesPerSecond * std::sqrt(1.0 / left - 1.0);
-  return RodFrequency(omega * omega, 1.0, double(links));
+  return FrequencyOfRod(omega * omega, 1.0, double(links));
+}
+
+}  // namespace
+
+double FrequencyOfHardness(uint32_t links, double inner, double last, uint32_t iterations) {
+  const FloatEnvironment guard;
+  return FrequencyOfIterations(links, inner, last, iterations);
 }
 
 double RodFrequency(double bending_stiffness, double mass_per_length, double length) {
-  const double square = length * length;
-  // First root of cos(x) cosh(x) = -1, squared.
-  const double ratio = 3.5160152685001;
-  return ratio / (2.0 * exact::kPi * square) * std::sqrt(bending_stiffness / mass_per_length);
+  const FloatEnvironment guard;
+  return FrequencyOfRod(bending_stiffness, mass_per_length, length);
 }
 
 }  // namespace pelt

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/float_environment.hpp"
 #include "core/format.hpp"
-#include "jobs/float_environment.hpp"
 #include "jobs/pass_loop.hpp"
 #include "jobs/verify/guarded_pages.hpp"
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "jobs/float_environment.hpp"
+#include "core/float_environment.hpp"
 #include "platform_sim/frame/block_cache.hpp"
 #include "platform_sim/frame/item_runner.hpp"
 

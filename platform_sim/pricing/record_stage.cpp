@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "core/float_environment.hpp"
 #include "core/format.hpp"
 #include "core/kernels/frame_table.hpp"
-#include "jobs/float_environment.hpp"
 
 namespace pelt {
 namespace {

@@ -1,12 +1,24 @@
 // Engines set flush-to-zero and odd rounding on their threads. A frame run there gives the same
 // bits, and hands the thread back as it was.
-#include "jobs/float_environment.hpp"
+#include "core/float_environment.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cfenv>
+#include <cstring>
+#include <functional>
 
+#include "core/bind_pose.hpp"
+#include "core/character/builtin_character.hpp"
+#include "core/character/gltf_import.hpp"
+#include "core/character/pose.hpp"
+#include "core/character/pose_rates.hpp"
+#include "core/groom/bake.hpp"
+#include "core/groom/fur_texture.hpp"
+#include "core/groom/groom_file.hpp"
+#include "core/groom/light_setup.hpp"
 #include "core/kernel.hpp"
+#include "core/modal/modal_material.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -23,9 +35,9 @@ using namespace testing;
 // The worst an engine's thread may bring along, and back again on the way out.
 class OddThread {
  public:
-  OddThread() {
+  explicit OddThread(int rounding = FE_UPWARD) {
     std::fegetenv(&saved_);
-    std::fesetround(FE_UPWARD);
+    std::fesetround(rounding);
 #if defined(__SSE__)
     _mm_setcsr(_mm_getcsr() | 0x8040u);  // flush to zero, denormals are zero
 #endif
@@ -145,6 +157,157 @@ TEST(FloatEnvironment, WholeFrameIsTheSameOnAnOddThread) {
     serial.Run(running.scene().CurrentFrame());
     EXPECT_TRUE(OddThread::IsStillOdd());
     ASSERT_EQ(running.scene().DigestFrame(), truth[f]) << "frame " << f;
+  }
+}
+
+// ---- What computes outside a frame ----------------------------------------------------------------
+
+class Bytes {
+ public:
+  template <class T>
+  void Add(const T& value) {
+    const auto* bytes = reinterpret_cast<const uint8_t*>(&value);
+    for (size_t b = 0; b < sizeof(T); ++b) digest_.Add(bytes[b]);
+  }
+  template <class T>
+  void AddAll(const std::vector<T>& values) {
+    for (const T& value : values) Add(value);
+  }
+  uint64_t Value() const { return digest_.Value(); }
+
+ private:
+  Digest digest_;
+};
+
+struct PublicCall {
+  const char* name;
+  std::function<void(Bytes&)> call;
+};
+
+constexpr const char* kSetup =
+    "crease_angle = 60\n"
+    "[[layer]]\n"
+    "name = 'fur'\n"
+    "density = 3_000.7\n"
+    "length = { value = 0.0333, randomise = 0.31 }\n"
+    "max_strands = 200\n";
+
+void AddGroom(const Groom& groom, Bytes& out) { out.AddAll(WriteGroom(groom).OrThrow()); }
+
+// Every function of a public header that works out a value which ends up in a frame or a groom.
+std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
+  const Character& character = scenario.characters[0];
+  const Groom& groom = scenario.grooms[0];
+  const auto pose = [&character](Bytes& out, const Clip* clip, float turn) {
+    const glm::mat4 root = PlaceCharacter(glm::mat4(turn), 0.0123f);
+    out.Add(MakePose(character.skeleton, clip, 0.4321, true, root));
+  };
+  return {
+      {"FillBindPose",
+       [&groom](Bytes& out) {
+         auto filled = std::make_unique<PoseBlock>();
+         FillBindPose(groom, *filled);
+         out.Add(*filled);
+       }},
+      {"PlaceInMesh",
+       [&groom](Bytes& out) {
+         double place[3];
+         PlaceInMesh(groom.skeleton, 3, {0.1f, 0.2f, 0.3f}, place);
+         out.Add(place);
+       }},
+      {"FillPose", [&, pose](Bytes& out) { pose(out, &character.clips[0], 0.77f); }},
+      {"FillPoseRates",
+       [&character](Bytes& out) {
+         auto rates = std::make_unique<PoseRateBlock>();
+         FillPoseRates(&character.clips[0], 0.4321, true, 1.1, glm::mat4(0.3f), rates.get());
+         out.Add(*rates);
+       }},
+      {"ComputeRestGeometry",
+       [&character](Bytes& out) {
+         const RestGeometry rest = ComputeRestGeometry(character, 0.0123f);
+         out.AddAll(rest.position);
+         out.AddAll(rest.normal);
+         out.AddAll(rest.tangent);
+       }},
+      {"DefaultUnitScale",
+       [&character](Bytes& out) { out.Add(DefaultUnitScale(character).metres_per_unit); }},
+      {"MakeBuiltinCharacterGlb", [](Bytes& out) { out.AddAll(MakeBuiltinCharacterGlb({})); }},
+      {"ImportGltf",
+       [glb = MakeBuiltinCharacterGlb({})](Bytes& out) {
+         const Character read = ImportGltf(glb, "builtin");
+         out.AddAll(read.mesh.position);
+         out.AddAll(read.mesh.normal);
+         out.AddAll(read.mesh.tangent);
+         for (const Clip& clip : read.clips)
+           for (const Track& track : clip.tracks) out.AddAll(track.value);
+       }},
+      {"ReadFurSetup and BakeGroom",
+       [&character](Bytes& out) {
+         AddGroom(BakeGroom(character, ComputeRestGeometry(character, 0.01f),
+                            ReadFurSetup(kSetup, "setup", "."), 0.01f),
+                  out);
+       }},
+      {"ReadLights and MakeLighting",
+       [](Bytes& out) {
+         const Lighting lighting = MakeLighting(
+             ReadLights("[lights.sun]\ndirection = [0.3, 0.9, 0.1]\ncolour = [1.1, 0.7, 0.3]\n", "l"));
+         out.Add(lighting.sun_direction);
+         out.Add(lighting.sun_rgb);
+       }},
+      {"MakeFurTexture", [](Bytes& out) { out.AddAll(MakeFurTexture({})); }},
+      {"modal materials",
+       [](Bytes& out) {
+         out.Add(CalibratedMaterial(4, 3.7, 0.05, 2.9).stiffness);
+         out.Add(UniformMaterial(8, 3.7, 0.05, 2.9).stiffness);
+         out.Add(FrequencyOfHardness(3, 0.2, 0.1, 4));
+         out.Add(RodFrequency(1.0e-9, 3.0e-5, 0.07));
+       }},
+      {"MakeView",
+       [](Bytes& out) {
+         Camera camera;
+         camera.position[0] = 0.37f;
+         out.Add(MakeView(camera).planes);
+       }},
+      {"CopyCurves",
+       [&ran](Bytes& out) {
+         for (uint32_t l = 0; l < ran.shape().layer_count; ++l) {
+           std::vector<StrandCurve> curves(size_t(ran.shape().LayerChunks(l)) * kStrandsPerChunk);
+           curves.resize(ran.CopyCurves(l, curves));
+           out.AddAll(curves);
+         }
+       }},
+      {"Create, ReplaceGrooms and a first frame",
+       [&scenario](Bytes& out) {
+         const std::vector<const Groom*> grooms = scenario.ActorGrooms();
+         const auto made = FurScene::Create(grooms).OrThrow();
+         EXPECT_TRUE(made->ReplaceGrooms(grooms));
+         for (uint32_t c = 0; c < grooms.size(); ++c) FillBindPose(*grooms[c], made->Pose(c));
+         EXPECT_EQ(made->BeginFrame({}), nullptr);
+         SerialExecutor().Run(made->CurrentFrame());
+         out.Add(made->DigestFrame());
+       }},
+  };
+}
+
+TEST(FloatEnvironment, EveryPublicFunctionProtectsWhatItComputes) {
+  Scenario scenario = TinyScenario();
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 3; ++f) {
+    running.Begin(f);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  for (const PublicCall& call : PublicCalls(scenario, running.scene())) {
+    Bytes plain;
+    call.call(plain);
+    for (const int rounding : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+      Bytes odd_bytes;
+      {
+        const OddThread odd(rounding);
+        call.call(odd_bytes);
+      }
+      EXPECT_EQ(odd_bytes.Value(), plain.Value()) << call.name << ", rounding mode " << rounding;
+    }
   }
 }
 

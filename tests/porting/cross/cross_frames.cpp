@@ -7,9 +7,9 @@
 #include <string>
 
 #include "core/bind_pose.hpp"
+#include "core/float_environment.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/kernels/frame_table.hpp"
-#include "jobs/float_environment.hpp"
 #include "jobs/scene.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/porting/cross/program.hpp"

@@ -1,5 +1,11 @@
-// Fixes how floats round while a kernel runs. Engines set flush-to-zero on their workers; a worker
-// with it and one without would give different bits. Restores the caller's settings on the way out.
+// Fixes how floats round while a kernel runs, or anything else that ends up in the bits of a frame
+// or a groom: every function of a public header that computes has one at its head. Engines set
+// flush-to-zero on their workers; a worker with it and one without would give different bits.
+// Restores the caller's settings on the way out.
+//
+// A compiler knows nothing of what arithmetic takes from here. What is read from memory after it and
+// written to memory before its end stays between; a result that goes from register to register is to
+// be computed out of line (core/modal/modal_material.cpp).
 #pragma once
 
 #include <cfenv>
@@ -16,8 +22,12 @@ class FloatEnvironment {
 #if defined(__SSE__)
   FloatEnvironment() : saved_(_mm_getcsr()) {
     if ((saved_ & kControl) != kDefault) _mm_setcsr(kDefault);
+    asm volatile("" : : : "memory");
   }
-  ~FloatEnvironment() { _mm_setcsr(saved_); }
+  ~FloatEnvironment() {
+    asm volatile("" : : : "memory");
+    _mm_setcsr(saved_);
+  }
 
  private:
   static constexpr uint32_t kControl = 0xffc0u;  // everything but the sticky exception flags
@@ -27,9 +37,9 @@ class FloatEnvironment {
 #elif defined(__aarch64__)
   FloatEnvironment() {
     asm volatile("mrs %0, fpcr" : "=r"(saved_));
-    asm volatile("msr fpcr, %0" : : "r"(uint64_t{0}));
+    asm volatile("msr fpcr, %0" : : "r"(uint64_t{0}) : "memory");
   }
-  ~FloatEnvironment() { asm volatile("msr fpcr, %0" : : "r"(saved_)); }
+  ~FloatEnvironment() { asm volatile("msr fpcr, %0" : : "r"(saved_) : "memory"); }
 
  private:
   uint64_t saved_;
@@ -38,14 +48,14 @@ class FloatEnvironment {
   // starts every thread with its vectors in the other one).
   FloatEnvironment() {
     asm volatile("mffs %0" : "=f"(saved_));
-    asm volatile("mtfsf 255, %0" : : "f"(0.0));
+    asm volatile("mtfsf 255, %0" : : "f"(0.0) : "memory");
 #if defined(__ALTIVEC__)
     asm volatile("mfvscr %0" : "=v"(saved_vectors_));
     asm volatile("mtvscr %0" : : "v"(Words{0, 0, 0, 0}));
 #endif
   }
   ~FloatEnvironment() {
-    asm volatile("mtfsf 255, %0" : : "f"(saved_));
+    asm volatile("mtfsf 255, %0" : : "f"(saved_) : "memory");
 #if defined(__ALTIVEC__)
     asm volatile("mtvscr %0" : : "v"(saved_vectors_));
 #endif
