@@ -16,6 +16,21 @@ constexpr uint32_t kMostWorkers = 4096;
 // workers from other jobs, shorter would cost a task for every pass.
 constexpr uint32_t kHelperPolls = 64;
 
+// Says whether the engine's function returned. An exception out of it would leave the frame half
+// run and its tasks with the engine. (Where Pelt is built without exceptions, none may come.)
+bool Returns(auto&& call) {
+#if defined(__cpp_exceptions)
+  try {
+    call();
+  } catch (...) {
+    return false;
+  }
+#else
+  call();
+#endif
+  return true;
+}
+
 }  // namespace
 
 const char* FindDoorFault(const EngineDoor& door) {
@@ -27,7 +42,7 @@ const char* FindDoorFault(const EngineDoor& door) {
 }
 
 bool DoorFaults::Any() const {
-  return unusable || started_again || not_returned || run_while_running;
+  return unusable || started_again || not_returned || threw || run_while_running;
 }
 
 std::string DoorFaults::Text() const {
@@ -40,6 +55,7 @@ std::string DoorFaults::Text() const {
   add(not_returned,
       "finish returned, or enqueue returned null, though the task had not returned: is it still "
       "queued or running, or was it dropped?");
+  add(threw, "enqueue or finish threw an exception: none may leave them");
   add(run_while_running, "a frame was run before the last one was done: one at a time");
   return text;
 }
@@ -134,7 +150,13 @@ bool DoorExecutor::Enqueue(uint32_t helper, const char* name) {
   task.returned.store(false, std::memory_order_relaxed);
   task.worker.store(helper + 1, std::memory_order_relaxed);
   ++tasks_enqueued_;
-  task.handle = door_.enqueue(&RunTask, &task, door_.user, name);
+  task.handle = nullptr;
+  if (!Returns([&] { task.handle = door_.enqueue(&RunTask, &task, door_.user, name); })) {
+    ++faults_.threw;
+    // Most likely nobody has it. Should it come all the same, it helps, or is called again.
+    task.returned.store(true, std::memory_order_relaxed);
+    return false;
+  }
   if (task.handle) {
     helpers_[helper] = &task;
     ++tasks_lent_;
@@ -148,7 +170,7 @@ void DoorExecutor::FinishTasks() {
   for (uint32_t t = 0; t < tasks_lent_; ++t) {
     Task& task = tasks_[t];
     if (!task.handle) continue;
-    door_.finish(task.handle, door_.user);
+    if (!Returns([&] { door_.finish(task.handle, door_.user); })) ++faults_.threw;
     task.handle = nullptr;
     CheckReturned(task);
   }

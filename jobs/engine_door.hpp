@@ -13,8 +13,8 @@
 // Invariants: nothing here throws. `enqueue` and `finish` are called by the thread that called Run
 // and by no other; every handle is finished before Run returns; nothing here allocates, locks or
 // asks which thread it is on after construction. An engine that breaks its side (runs a task twice,
-// never, or still after finish) is found out and counted in faults(); the frame is right all the
-// same.
+// never, or still after finish; throws) is found out and counted in faults(); the frame is right all
+// the same, and the next one asks again.
 #pragma once
 
 #include <atomic>
@@ -40,6 +40,7 @@ const char* FindDoorFault(const EngineDoor& door);
 struct DoorFaults {
   uint64_t started_again = 0;      // a task was called a second time
   uint64_t not_returned = 0;       // the door said that a task had returned, and it had not
+  uint64_t threw = 0;              // enqueue or finish ended with an exception
   uint64_t run_while_running = 0;  // a frame was begun before the last was done: it ran serially
   const char* unusable = nullptr;  // why the door is not used, and the caller runs everything
 

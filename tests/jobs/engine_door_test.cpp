@@ -286,6 +286,33 @@ TEST(DoorFaults, AnUnusableDoorIsSaidAndTheCallerRunsEverything) {
 }
 
 // From inside a frame: the door runs another frame with the same executor.
+// Of every third call of enqueue, and of finish: the frames are right, and each later one asks again.
+TEST(DoorFaults, ExceptionsAreSaidAndTheNextFrameAsksAgain) {
+  struct Door {
+    uint32_t enqueued = 0, finished = 0;
+  } user;
+  const auto enqueue = [](PeltTask task, void* context, void* door, const char*) -> void* {
+    if (++static_cast<Door*>(door)->enqueued % 3 == 0) throw std::bad_alloc();
+    task(context);
+    return door;
+  };
+  const auto finish = [](void*, void* door) {
+    if (++static_cast<Door*>(door)->finished % 3 == 0) throw 1;
+  };
+  DoorExecutor executor({enqueue, finish, &user, 4});
+  uint64_t threw = 0;
+  for (int run = 0; run < 3; ++run) {
+    const uint32_t before = user.enqueued;
+    EXPECT_EQ(SyntheticFrames::Run(executor), SerialDigest());
+    EXPECT_GT(user.enqueued, before);
+    const DoorFaults faults = executor.faults();
+    EXPECT_GT(faults.threw, threw);
+    EXPECT_EQ(faults.run_while_running + faults.not_returned + faults.started_again, 0u);
+    EXPECT_NE(faults.Text().find("threw an exception"), std::string::npos) << faults.Text();
+    threw = faults.threw;
+  }
+}
+
 TEST(DoorFaults, AFrameInsideAFrameIsSaidAndRunsSerially) {
   struct Nested {
     DoorExecutor* executor = nullptr;
