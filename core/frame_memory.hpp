@@ -65,7 +65,8 @@ struct FrameMemory {
   // Decided before the frame. Of each item of a domain, not 0: it is held, and stages of
   // FrameGate::kNotHeld leave it out; null: none is.
   const uint8_t* held[kDomainCount] = {};
-  bool paused = false;  // a frame of no time: only what depends on the view is done
+  bool paused = false;    // a frame of no time: only what depends on the view is done
+  bool restored = false;  // state was put back before this frame: what follows from it is not there
   // From the parameters of one character's stages to those of the next one's, bytes: 0 where all have
   // the same. Those of a stage of the scene are the first's.
   uint64_t params_step = 0;

@@ -19,6 +19,8 @@ struct Condition {
 enum class FrameGate : uint8_t {
   kNotPaused,   // in every frame but a paused one (FrameMemory::paused)
   kAlsoPaused,  // there too
+  kFollows,     // also in a pause before which state was put back (FrameMemory::restored): what
+                // follows from state alone is made again
   kNotHeld,     // not on an item that is held (FrameMemory::held), nor in a pause
 };
 struct Gate {

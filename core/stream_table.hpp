@@ -66,7 +66,9 @@ struct KindMask {
 enum class Kept : uint8_t {
   kNot,     // what is not read within the frame need not be there after it
   kOutput,  // read after the frame, by whoever draws or measures it
-  kState,   // of the simulation: the next frame begins with it
+  // The next frame begins with it. A snapshot has these, and whatever else a stage reads before one
+  // has written it (jobs/carried_state.hpp); of inputs these alone, the others being baked.
+  kState,
 };
 
 template <class B>

@@ -40,10 +40,10 @@ inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibb
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
 
-  // Baked, or filled by the caller before the frame.
-  StreamRow<PoseBlock> pose{"pose", kCharacter, kInput};
+  // Baked; or, those that are state, filled before the frame.
+  StreamRow<PoseBlock> pose{"pose", kCharacter, kInput, kAll, {}, kState};
   StreamRow<SkeletonBlock> skeleton{"skeleton", kCharacter, kInput};
-  StreamRow<LayerBlock> layers{"layers", kLayer, kInput};
+  StreamRow<LayerBlock> layers{"layers", kLayer, kInput, kAll, {}, kState};
   StreamRow<LayerJointBlock> layer_joints{"layer_joints", kLayer, kInput};
   StreamRow<MeshBlock> mesh{"mesh", kChunk, kInput};
   StreamRow<StrandBlock> strands{"strands", kChunk, kInput};
@@ -96,7 +96,8 @@ struct Streams {
                                                kInEitherOrder,    kRibboned, kOutput};
 
   // Layers with the modal solver: response tables, and the state of their chains.
-  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer, kInput, kAll, {kModal, kNine}};
+  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer,          kInput,
+                                          kAll,           {kModal, kNine}, kState};
   StreamRow<ModalStateBlock<4>> vertex_modal{
       "vertex_modal", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
   StreamRow<ModalStateBlock<4>> strand_modal4{
@@ -127,17 +128,18 @@ struct Streams {
   StreamRow<FinEdgeBlock> fin_edges{"fin_edges", kChunk, kInput, kAll, kFinned};
   StreamRow<FinBlock> fins{"fins", kChunk, kValue, kKeyed, kFinned, kOutput};
   // Of scenes that are told velocities with their poses.
-  StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated};
+  StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated, kState};
   StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
   StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveChains, kRated};
   // Of scenes whose characters have origins of their own.
-  StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart};
+  StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart, kState};
   // Of sag-free layers.
   StreamRow<DownBlock> rest_down{"rest_down", kChunk, kInput, kAll, kHeld};
   // Of chains of 9 points, which the modal solver alone moves.
   StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kAll, kOf9};
   StreamRow<PointBlock<9>> strand_points9{"strand_points9", kChunk, kValue, kLiveStrands, kOf9};
-  StreamRow<LongModalTableBlock> long_modal_tables{"long_modal_tables", kLayer, kInput, kAll, kOf9};
+  StreamRow<LongModalTableBlock> long_modal_tables{
+      "long_modal_tables", kLayer, kInput, kAll, kOf9, kState};
   StreamRow<ModalStateBlock<9>> strand_modal9{"strand_modal9", kChunk, kValue,
                                               kLiveStrands,    kOf9,   kState};
   // Of strands that follow modal chains: what bends those.

@@ -28,6 +28,8 @@ struct PeltScene {
   const pelt::Groom* GroomOf(uint32_t character) const {
     return character < character_groom.size() ? &grooms[character_groom[character]] : nullptr;
   }
+  // What a frame is told is not written while it runs on it.
+  pelt::FramePhase& Phase() const { return *scene->CurrentFrame().phase; }
 };
 
 namespace {
@@ -76,17 +78,18 @@ constexpr SkipBit kSkips[] = {
 
 // Characters that share bytes share a groom.
 Result<> ReadGrooms(const PeltBytes* files, uint32_t count, PeltScene& scene) {
-  std::vector<const void*> read;
+  std::vector<std::pair<const void*, size_t>> read;
   for (uint32_t c = 0; c < count; ++c) {
     const std::string name = "of character " + std::to_string(c);
     if (!files[c].data) return Failure{"groom '" + name + "' is null"};
-    const auto found = std::find(read.begin(), read.end(), files[c].data);
+    const std::pair<const void*, size_t> file{files[c].data, files[c].bytes};
+    const auto found = std::find(read.begin(), read.end(), file);
     scene.character_groom.push_back(uint32_t(found - read.begin()));
     if (found != read.end()) continue;
     Result<pelt::Groom> groom =
         pelt::ReadGroom({static_cast<const std::byte*>(files[c].data), files[c].bytes}, name);
     if (!groom) return Failure{groom.error()};
-    read.push_back(files[c].data);
+    read.push_back(file);
     scene.grooms.push_back(*std::move(groom));
   }
   return pelt::Done{};
@@ -301,6 +304,8 @@ const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
   if (!scene) return kNoScene;
   if (!local) return "the joint's transform is null";
   if (joint >= pelt_joint_count(scene, character)) return "there is no such joint";
+  const pelt::BetweenFrames between(scene->Phase());
+  if (between.fault()) return between.fault();
   pelt::JointTransform transform;
   Copy(local->translation, transform.translation);
   Copy(local->rotation, transform.rotation);
@@ -313,6 +318,8 @@ const char* pelt_place(PeltScene* scene, uint32_t character, const float root[12
   if (!scene) return kNoScene;
   if (!root) return "the placement is null";
   if (!scene->GroomOf(character)) return "there is no such character";
+  const pelt::BetweenFrames between(scene->Phase());
+  if (between.fault()) return between.fault();
   pelt::PoseBlock& pose = scene->scene->Pose(character);
   std::copy_n(root, 12, pose.root);
   pose.teleported = teleported != 0;
@@ -324,6 +331,8 @@ const char* pelt_set_joint_velocity(PeltScene* scene, uint32_t character, uint32
   if (!scene) return kNoScene;
   if (!velocity) return "the joint's velocity is null";
   if (joint >= pelt_joint_count(scene, character)) return "there is no such joint";
+  const pelt::BetweenFrames between(scene->Phase());
+  if (between.fault()) return between.fault();
   pelt::PoseRateBlock* rates = RatesOf(*scene, character);
   if (!rates) return kNoRates;
   for (int c = 0; c < 3; ++c) {
@@ -338,6 +347,8 @@ const char* pelt_place_velocity(PeltScene* scene, uint32_t character, const floa
   if (!scene) return kNoScene;
   if (!root) return "the placement's velocity is null";
   if (!scene->GroomOf(character)) return "there is no such character";
+  const pelt::BetweenFrames between(scene->Phase());
+  if (between.fault()) return between.fault();
   pelt::PoseRateBlock* rates = RatesOf(*scene, character);
   if (!rates) return kNoRates;
   std::copy_n(root, 12, rates->root);
@@ -350,6 +361,8 @@ const char* pelt_set_origin(PeltScene* scene, uint32_t character, const double o
   if (!scene->GroomOf(character)) return "there is no such character";
   double* const to = scene->scene->Origin(character);
   if (!to) return "the scene was made without origins";
+  const pelt::BetweenFrames between(scene->Phase());
+  if (between.fault()) return between.fault();
   std::copy_n(origin, 3, to);
   return nullptr;
 }
@@ -387,10 +400,14 @@ const char* pelt_begin(PeltScene* scene, const PeltFrame* frame) {
   if (!scene) return kNoScene;
   if (!frame) return "the frame is null";
   pelt::FrameInput input;
-  if (const char* fault = Translate(*frame, scene->weather, input)) return fault;
-  for (uint32_t c = 0; c < scene->has_rates.size(); ++c)
-    if (pelt::PoseRateBlock* rates = scene->scene->PoseRates(c))
-      if (!scene->has_rates[c]) rates->given = 0;
+  {
+    const pelt::BetweenFrames between(scene->Phase());
+    if (between.fault()) return between.fault();
+    if (const char* fault = Translate(*frame, scene->weather, input)) return fault;
+    for (uint32_t c = 0; c < scene->has_rates.size(); ++c)
+      if (pelt::PoseRateBlock* rates = scene->scene->PoseRates(c))
+        if (!scene->has_rates[c]) rates->given = 0;
+  }
   if (const char* fault = scene->scene->BeginFrame(input)) return fault;
   std::fill(scene->has_rates.begin(), scene->has_rates.end(), uint8_t{0});
   return nullptr;
@@ -411,9 +428,13 @@ const char* pelt_run(PeltScene* scene, const PeltDoor* door) {
   const pelt::Frame frame = scene->scene->CurrentFrame();
   if (!door) return pelt::SerialExecutor().Run(frame);
   if (const char* fault = pelt::FindDoorFault(*door)) return fault;
+  // Ours before the executor is touched: another thread's frame may be running in it.
+  if (const char* fault = frame.phase->StartRun()) return fault;
   if (!scene->executor || !SameDoor(scene->door, *door))
     scene->executor.emplace(scene->door = *door, uint32_t(frame.plan->passes.size()));
-  return scene->executor->Run(frame);
+  scene->executor->Run({frame.plan, frame.memory});
+  frame.phase->EndRun();
+  return nullptr;
 }
 
 const char* pelt_door_faults(PeltScene* scene) {
@@ -429,6 +450,25 @@ const char* pelt_open(PeltScene* scene) {
 }
 
 int pelt_pull(PeltScene* scene) { return scene ? int(scene->pull.TryRun()) : PELT_IDLE; }
+
+uint64_t pelt_snapshot_bytes(const PeltScene* scene) {
+  return scene ? scene->scene->SnapshotBytes() : 0;
+}
+
+const char* pelt_snapshot(PeltScene* scene, void* to, size_t room) {
+  if (!scene) return kNoScene;
+  if (!to) return "the snapshot's place is null";
+  return scene->scene->Snapshot({static_cast<std::byte*>(to), room});
+}
+
+const char* pelt_restore(PeltScene* scene, const void* from, size_t bytes) {
+  if (!scene) return kNoScene;
+  if (!from) return "the snapshot is null";
+  if (const char* fault = scene->scene->Restore({static_cast<const std::byte*>(from), bytes}))
+    return fault;
+  std::fill(scene->has_rates.begin(), scene->has_rates.end(), uint8_t{0});
+  return nullptr;
+}
 
 uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
   if (!scene) return 0;

@@ -20,6 +20,23 @@ class ColliderCourse {
   void Advance(const FrameInput& input, const FrameMemory& memory, const CapsuleSources& sources,
                const SimulateParams* last, const float* shift, SimulateParams& params);
 
+  // All of it, for an archive (jobs/state_bytes.hpp).
+  static void ListState(auto& io, auto& self) {
+    io(self.origin_);
+    io(self.use_ground_);
+    io(self.ground_);
+    io(self.sphere_count_);
+    io(self.sphere_);
+    for (auto& capsule : self.capsule_) {
+      io(capsule.from);
+      io(capsule.to);
+      io(capsule.radius);
+      io(capsule.character);
+      io(capsule.joint);
+    }
+    for (auto& source : self.sources_) io(source);
+  }
+
  private:
   const CapsuleParams* LastOf(uint32_t source, const SimulateParams& last) const;
 

@@ -3,8 +3,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/random.hpp"
 #include "core/float_environment.hpp"
+#include "core/random.hpp"
 #include "jobs/pass_loop.hpp"
 #include "jobs/tick_clock.hpp"
 
@@ -12,7 +12,9 @@ namespace pelt {
 namespace {
 
 bool IsFrameGateOpen(const Stage& stage, const FrameMemory& memory, const ItemPlace& place) {
-  if (memory.paused) return stage.gate.frame == FrameGate::kAlsoPaused;
+  if (memory.paused)
+    return stage.gate.frame == FrameGate::kAlsoPaused ||
+           (stage.gate.frame == FrameGate::kFollows && memory.restored);
   if (stage.gate.frame != FrameGate::kNotHeld) return true;
   const uint8_t* held = memory.held[size_t(stage.domain)];
   return !held || !held[place.first[size_t(stage.domain)]];

@@ -2,6 +2,7 @@
 //
 //   done ── BeginFrame ──> filling ──> begun ── Run ──> running ── its last item ──> done
 //             └── refused: back to done
+//   done ── a call that changes the scene, or reads all of it ──> filling ──> done
 //
 // Any thread may make any call at any time: one atomic word decides who is in turn, and everybody
 // else gets the reason as a text. What breaks without it: a frame begun twice has forgotten what
@@ -17,13 +18,17 @@ namespace pelt {
 
 class FramePhase {
  public:
-  // done -> filling. Null, or why not; then nothing has changed.
+  // done -> filling, for BeginFrame. Null, or why not; then nothing has changed.
   const char* StartFilling() {
-    Phase was = kDone;
-    if (phase_.compare_exchange_strong(was, kFilling, std::memory_order_acquire)) return nullptr;
-    if (was == kFilling) return "BeginFrame is at work on this scene on another thread";
-    if (was == kBegun) return "BeginFrame was called again before the frame it began was run";
-    return "BeginFrame was called while the scene's frame is running";
+    return Start("BeginFrame was called while another call is at work on the scene",
+                 "BeginFrame was called again before the frame it began was run",
+                 "BeginFrame was called while the scene's frame is running");
+  }
+  // The same for every other call that must have the scene to itself: see BetweenFrames.
+  const char* StartChange() {
+    return Start("another call is at work on the scene",
+                 "the scene's frame is begun and was not run: this call comes between frames",
+                 "the scene's frame is running: this call comes between frames");
   }
   // filling -> begun, or back to done.
   void EndFilling(bool begun) { phase_.store(begun ? kBegun : kDone, std::memory_order_release); }
@@ -44,7 +49,30 @@ class FramePhase {
 
  private:
   enum Phase : uint32_t { kDone, kFilling, kBegun, kRunning };
+
+  const char* Start(const char* filling, const char* begun, const char* running) {
+    Phase was = kDone;
+    if (phase_.compare_exchange_strong(was, kFilling, std::memory_order_acquire)) return nullptr;
+    return was == kFilling ? filling : was == kBegun ? begun : running;
+  }
+
   std::atomic<Phase> phase_{kDone};
+};
+
+// Keeps a scene between two frames while it lives; or, where it is not between two, says why.
+class BetweenFrames {
+ public:
+  explicit BetweenFrames(FramePhase& phase) : phase_(phase), fault_(phase.StartChange()) {}
+  BetweenFrames(const BetweenFrames&) = delete;
+  BetweenFrames& operator=(const BetweenFrames&) = delete;
+  ~BetweenFrames() {
+    if (!fault_) phase_.EndFilling(false);
+  }
+  const char* fault() const { return fault_; }
+
+ private:
+  FramePhase& phase_;
+  const char* fault_;
 };
 
 }  // namespace pelt

@@ -25,6 +25,14 @@ struct CharacterOrigin {
   float shift[3] = {};  // from the last frame's to that
   bool shifted = false, was_shifted = false;
 
+  // All of it, for an archive (jobs/state_bytes.hpp).
+  static void ListState(auto& io, auto& self) {
+    io(self.used);
+    io(self.shift);
+    io(self.shifted);
+    io(self.was_shifted);
+  }
+
   // Uses what is given for this frame; or, with a pose that is kept (null), what was used.
   void Advance(const double* given);
 };

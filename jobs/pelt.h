@@ -100,6 +100,9 @@ typedef struct PeltJoint {
   float scale[3];
 } PeltJoint;
 
+/* What is set here is refused, with the reason, from pelt_begin until its frame has run: that frame
+ * reads it. */
+
 /* The transform of a joint relative to its parent, as the character file has it. */
 const char* pelt_set_joint(PeltScene* scene, uint32_t character, uint32_t joint,
                            const PeltJoint* local);
@@ -264,6 +267,19 @@ enum PeltPull {
 };
 const char* pelt_open(PeltScene* scene);
 int pelt_pull(PeltScene* scene);
+
+/* ---- The state as bytes ---- */
+
+/* What the next frame begins with and nothing else, for going back to an earlier frame, or going on
+ * elsewhere: always so many bytes of a scene, the same on every machine. */
+uint64_t pelt_snapshot_bytes(const PeltScene* scene);
+/* Between two frames. `room`: of `to`, at least as many. */
+const char* pelt_snapshot(PeltScene* scene, void* to, size_t room);
+/* Likewise; of a scene of the same grooms and options. Poses are those of the frame before: what was
+ * set for the next one is to be set again. What there is to draw comes with the next frame, which may
+ * be a pause. Refused with the reason, and nothing done, when the bytes are of another scene or
+ * damaged. */
+const char* pelt_restore(PeltScene* scene, const void* from, size_t bytes);
 
 /* ---- What there is to draw ---- */
 

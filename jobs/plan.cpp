@@ -120,13 +120,15 @@ std::vector<StreamUse> FindUses(const std::vector<Stage>& stages, size_t stream_
   return uses;
 }
 
-// Whether every stage of [first, first + count) that uses the stream is left out of the same
-// frames: then nobody reads in one what was not written in it.
+// Whether no stage of [first, first + count) that uses the stream runs in a frame that leaves out
+// the one which writes it: then nobody reads in one what was not written in it.
 bool ShareFrameGate(const std::vector<Stage>& stages, uint32_t first, uint32_t count, Stream stream,
                     FrameGate gate) {
   for (uint32_t s = first; s < first + count; ++s)
     for (const PortDesc& p : stages[s].kernel.ports)
-      if (p.stream == stream && stages[s].gate.frame != gate) return false;
+      if (p.stream == stream && stages[s].gate.frame != gate &&
+          !(gate == FrameGate::kFollows && stages[s].gate.frame == FrameGate::kNotPaused))
+        return false;
   return true;
 }
 

@@ -262,6 +262,10 @@ void PoseGate::Accept(const FrameMemory& memory, uint32_t character) {
       memory.Of<&Streams::chunk_state>(c)->flags = 0;
 }
 
+void PoseGate::TakeUnitScales(std::span<const Groom* const> grooms) {
+  for (size_t c = 0; c < grooms.size(); ++c) characters_[c].unit_scale = grooms[c]->unit_scale;
+}
+
 void PoseGate::CopyStateFrom(const PoseGate& other) {
   for (size_t c = 0; c < characters_.size(); ++c) {
     characters_[c].had_pose = other.characters_[c].had_pose;

@@ -63,8 +63,20 @@ class PoseGate {
   // each, where they have some.
   void Judge(const FrameMemory& memory, std::span<const double> origins = {});
 
+  // Of grooms that take the place of these, whose skeletons and meshes are the same.
+  void TakeUnitScales(std::span<const Groom* const> grooms);
+
   // What it remembers of earlier frames, from the gate of a scene of the same grooms.
   void CopyStateFrom(const PoseGate& other);
+  // The same for an archive (jobs/state_bytes.hpp), but for the poses that were refused.
+  static void ListState(auto& io, auto& self) {
+    for (auto& character : self.characters_) {
+      io(character.had_pose);
+      io(character.must_restart);
+    }
+    for (auto& holds : self.holds_pose_) io(holds);  // in place: the scene's memory points here
+  }
+  void ForgetRefused() { refused_.clear(); }
 
   std::span<const RefusedPose> refused() const { return refused_; }
 

@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/fur_texture.hpp"
@@ -14,7 +15,6 @@
 #include "core/layer_block.hpp"
 #include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
-#include "core/float_environment.hpp"
 #include "jobs/input_check.hpp"
 
 #if defined(__linux__)
@@ -45,6 +45,7 @@ void SceneBlock::Delete::operator()(std::byte* block) const {
 Result<std::unique_ptr<FurScene>> FurScene::Create(std::span<const Groom* const> grooms,
                                                    const SceneOptions& options,
                                                    const SceneMemory& memory) {
+  const FloatEnvironment guard;
   Result<SceneLayout> layout = MeasureScene(grooms, options);
   if (!layout) return Failure{layout.error()};
   const FrameTable* kernels = FindKernels(options.isa);
@@ -60,6 +61,7 @@ Result<std::unique_ptr<FurScene>> FurScene::Create(std::span<const Groom* const>
   scene->CopyGrooms(grooms);
   scene->pose_gate_ = PoseGate(grooms, *kernels);
   scene->memory_.held[size_t(Domain::kCharacter)] = scene->pose_gate_.holds_pose();
+  scene->MeasureSnapshot(grooms);
   return scene;
 }
 
@@ -170,7 +172,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
 }
 
 const char* FurScene::BeginFrame(const FrameInput& input) {
-  const FloatEnvironment float_environment;  // parameters are part of the bits
+  const FloatEnvironment guard;  // parameters are part of the bits
   if (const char* fault = phase_.StartFilling()) return fault;
   const char* fault = FindInputFault(input, shape(), pose_gate_, fault_);
   if (!fault) FillFrame(input);
@@ -194,13 +196,28 @@ const char* FurScene::NextNote() {
   return fault_.c_str();
 }
 
-bool FurScene::CopyStateFrom(const FurScene& other) {
+namespace {
+
+// What a call says that does not do what it was asked for.
+bool Refuse(const char* fault, const char** why) {
+  if (why) *why = fault;
+  return false;
+}
+
+}  // namespace
+
+bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
+  const BetweenFrames between(phase_);
+  if (between.fault()) return Refuse(between.fault(), why);
+  if (this == &other) return true;
+  const BetweenFrames other_between(other.phase_);
+  if (other_between.fault()) return Refuse(other_between.fault(), why);
   const SceneShape &mine = layout_.shape, &its = other.layout_.shape;
   if (layout_.total_bytes != other.layout_.total_bytes ||
       mine.layer_character != its.layer_character ||
       mine.layer_first_chunk != its.layer_first_chunk || mine.layer_kind != its.layer_kind)
-    return false;
-  if (this == &other) return true;
+    return Refuse("the other scene is of other grooms, or of options that shape memory otherwise",
+                  why);
   // Ranges lie back to back from the first stream on, in the same places of both blocks.
   std::memcpy(memory_.streams[0].base, other.memory_.streams[0].base, layout_.total_bytes);
   params_ = other.params_;
@@ -216,6 +233,7 @@ bool FurScene::CopyStateFrom(const FurScene& other) {
   pose_gate_.CopyStateFrom(other.pose_gate_);
   colliders_ = other.colliders_;
   memory_.paused = other.memory_.paused;
+  restored_ = other.restored_;
   first_frame_ = other.first_frame_;
   last_dt_s_ = other.last_dt_s_;
   return true;
@@ -249,10 +267,17 @@ bool FurScene::HasRootsOf(std::span<const Groom* const> grooms) const {
   return true;
 }
 
-bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms) {
+bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** why) {
+  const FloatEnvironment guard;
+  const BetweenFrames between(phase_);
+  if (between.fault()) return Refuse(between.fault(), why);
   const Result<SceneLayout> layout = MeasureScene(grooms, options_);
-  if (!layout || *layout != layout_ || !HasRootsOf(grooms)) return false;
+  if (!layout) return Refuse("a scene of these grooms cannot be made", why);
+  if (*layout != layout_ || !HasRootsOf(grooms))
+    return Refuse("the grooms are of other strands, layers or kinds: the scene is to be made anew",
+                  why);
   CopyGrooms(grooms);
+  pose_gate_.TakeUnitScales(grooms);
   // Nobody sleeps through it, and what is skinned is taken to have moved.
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
     ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(c);
@@ -271,7 +296,8 @@ uint64_t FurScene::HeapBytes() const {
                  bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
                  bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
                  bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
-                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + pose_gate_.HeapBytes();
+                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + bytes(carried_) +
+                 pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);
@@ -280,7 +306,7 @@ uint64_t FurScene::HeapBytes() const {
 
 std::span<const LayerDraw> FurScene::Draws() const {
   draws_.clear();
-  if (phase_.IsDone()) FindDraws(memory_, options_.vertex_order, draws_);
+  if (phase_.IsDone() && !restored_) FindDraws(memory_, options_.vertex_order, draws_);
   for (LayerDraw& draw : draws_) {
     const std::array<double, 3> origin = OriginOfLayer(draw.layer);
     std::copy(origin.begin(), origin.end(), draw.origin);
@@ -289,12 +315,14 @@ std::span<const LayerDraw> FurScene::Draws() const {
 }
 
 uint32_t FurScene::CopyCurves(uint32_t layer, std::span<StrandCurve> out) const {
-  return phase_.IsDone() ? pelt::CopyCurves(memory_, layer, out) : 0;
+  const FloatEnvironment guard;
+  return phase_.IsDone() && !restored_ ? pelt::CopyCurves(memory_, layer, out) : 0;
 }
 
 std::vector<uint8_t> FurScene::FurTexture(uint32_t layer, uint32_t& side) const {
   side = 0;
   if (layer >= layer_params_.size() || layer_params_[layer].output != Output::kShells) return {};
+  const FloatEnvironment guard;
   side = layer_params_[layer].fur_texture_size;
   return MakeFurTexture(layer_params_[layer]);
 }

@@ -26,6 +26,7 @@
 #include "core/groom/groom.hpp"
 #include "core/isa.hpp"
 #include "core/streams.hpp"
+#include "jobs/carried_state.hpp"
 #include "jobs/collider_course.hpp"
 #include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
@@ -126,7 +127,7 @@ class FurScene {
   FurScene& operator=(const FurScene&) = delete;
   ~FurScene();
 
-  // To be filled before every BeginFrame.
+  // To be filled before every BeginFrame, and not from there to the end of Run: the frame reads it.
   PoseBlock& Pose(uint32_t character) { return *memory_.Of<&Streams::pose>(character); }
 
   // How fast the pose's joints move, beside it: see PoseRateBlock. Null, unless the scene was made
@@ -177,14 +178,25 @@ class FurScene {
 
   // Takes over the other scene's state, as it is between two frames: from here on both give the
   // same bits for the same input. For going back to an earlier frame, or trying one out. False, and
-  // nothing done, when the other is not of the same grooms and options that shape its memory.
-  bool CopyStateFrom(const FurScene& other);
+  // nothing done, when the other is not of the same grooms and options that shape its memory, or
+  // one of the two is not between two frames; the reason, a literal, in `why`.
+  bool CopyStateFrom(const FurScene& other, const char** why = nullptr);
+
+  // The same as bytes (jobs/scene_snapshot.cpp): state and nothing else, the same on every machine, to
+  // be kept, sent, or put back here or in another scene of the same grooms. Always SnapshotBytes() of
+  // them, of which `to` must have room; nothing allocates. Null, or why it was not done: a literal.
+  uint64_t SnapshotBytes() const { return snapshot_bytes_; }
+  const char* Snapshot(std::span<std::byte> to) const;
+  // From here on the scene gives the bits of the one that the snapshot is of, for the same input.
+  // There is nothing to draw until its next frame, a pause will do, has run. Null; or why the bytes
+  // are not of such a scene, or damaged, and then nothing has changed.
+  const char* Restore(std::span<const std::byte> from);
 
   // Goes on with other grooms from the state that there is: for a setup that is tuned, or a groom that
-  // is loaded again, while fur moves. Between two frames. False, and nothing done, unless they are of the same
-  // skeletons, layers, kinds and chunks, with every strand at its place on the skin: a scene of
-  // other strands is to be made anew.
-  bool ReplaceGrooms(std::span<const Groom* const> grooms);
+  // is loaded again, while fur moves. False, and nothing done, when the scene is not between two
+  // frames, or they are not of the same skeletons, layers, kinds and chunks, with every strand at
+  // its place on the skin: a scene of other strands is to be made anew. The reason, a literal, in `why`.
+  bool ReplaceGrooms(std::span<const Groom* const> grooms, const char** why = nullptr);
 
   // For any executor, once for each BeginFrame.
   Frame CurrentFrame() const { return {&plan_, &memory_, nullptr, &phase_}; }
@@ -243,6 +255,14 @@ class FurScene {
   View ViewFrom(uint32_t s, const FrameInput& input) const;
   void FillOrigins();
   void FillScales();
+  void MeasureSnapshot(std::span<const Groom* const> grooms);
+  // Calls list(value) for every value of the state that is not in streams.
+  static void ListState(auto& io, auto& self);
+  uint32_t SaveBlock(const CarriedBlock& block, std::byte* to) const;
+  void LoadBlock(const CarriedBlock& block, const std::byte* from);
+  const char* FindSnapshotFault(std::span<const std::byte> from) const;
+  const char* FindStateFault(std::span<const std::byte> from) const;
+  uint32_t SwitchesOf(const SkipSettings& skip) const;
   // Which of them a layer's items take.
   uint32_t SetOf(uint32_t layer) const {
     return origins_.empty() ? 0 : layout_.shape.layer_character[layer];
@@ -272,6 +292,10 @@ class FurScene {
   mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;
   double last_dt_s_ = 0.0;  // 0: there was no frame
+  bool restored_ = false;   // since the last frame: what follows from the state is not there
+  std::vector<CarriedBlock> carried_;
+  uint64_t snapshot_bytes_ = 0, value_words_ = 0, strands_digest_ = 0;
+  uint32_t state_layout_ = 0;
   mutable std::vector<LayerDraw> draws_;
   std::string fault_;
 };

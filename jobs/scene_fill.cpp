@@ -24,7 +24,7 @@ bool Replace(T& target, const T& value) {
   return true;
 }
 
-uint32_t SwitchesOf(const SkipSettings& skip) {
+uint32_t SwitchBits(const SkipSettings& skip) {
   return (skip.sleep ? kSwitchSleep : 0u) | (skip.unmoved ? kSwitchSkipUnmoved : 0u) |
          (skip.sort ? kSwitchSkipSort : 0u);
 }
@@ -58,6 +58,8 @@ bool LooksMistaken(const float (&root)[12], float scale) {
 
 void FurScene::FillFrame(const FrameInput& input) {
   memory_.paused = input.dt_s == 0.0 && !first_frame_;
+  memory_.restored = restored_;
+  restored_ = false;
   if (memory_.paused) return FillPausedFrame(input);
   pose_gate_.Judge(memory_, given_origins_);
   FillOrigins();
@@ -75,6 +77,11 @@ void FurScene::FillFrame(const FrameInput& input) {
              [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
+}
+
+// Nothing is left out of a frame to which state was put back.
+uint32_t FurScene::SwitchesOf(const SkipSettings& skip) const {
+  return memory_.restored ? 0u : SwitchBits(skip);
 }
 
 void FurScene::ForEachSet(const FrameInput& input, auto&& fill) {
@@ -128,8 +135,9 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
     auto& state = *memory_.Of<&Streams::chunk_state>(c);
     const uint32_t visible = state.flags & kChunkVisible;
     const CollectChangesParams& view = params_[SetOf(shape().chunk_layer[c])].collect_changes;
-    const bool keys = view.view_changed != 0 || !in.skip.sort;
-    state.flags = visible | (visible && keys ? kChunkKeys : 0u);
+    const bool keys = view.view_changed != 0 || !in.skip.sort || memory_.restored;
+    const uint32_t follows = memory_.restored ? kChunkSkin | kChunkSimulate | kChunkFit : 0u;
+    state.flags = visible | (visible && keys ? kChunkKeys | follows : 0u);
     state.keys_changed = state.records_changed = 0;
   }
 }
@@ -140,7 +148,8 @@ bool FurScene::FillLights(uint32_t s, const FrameInput& input) {
   Lighting& all = lights.lighting;
   std::fill(all.light + all.light_count, std::end(all.light), SphereLight{});
   std::fill(all.sample + all.sample_count, std::end(all.sample), IrradianceSample{});
-  return Replace(params_[s].light_layer, lights) || first_frame_ || !input.skip.light;
+  return Replace(params_[s].light_layer, lights) || first_frame_ || !input.skip.light ||
+         memory_.restored;
 }
 
 void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {

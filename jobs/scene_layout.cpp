@@ -118,7 +118,8 @@ std::string DescribeMemory(const SceneLayout& layout) {
 double SceneLayout::StateBytesPerStrand() const {
   uint64_t bytes = 0;
   for (size_t s = 0; s < ranges.size(); ++s)
-    if (DescribeStream(Stream(s)).kept == Kept::kState) bytes += ranges[s].bytes;
+    if (ranges[s].role != Role::kInput && DescribeStream(Stream(s)).kept == Kept::kState)
+      bytes += ranges[s].bytes;
   return double(bytes) / double(strand_count);
 }
 

@@ -26,15 +26,20 @@ inline constexpr Condition kWithFlags{
 inline constexpr Gate kAlways{};
 inline constexpr Gate kPosed{.frame = FrameGate::kNotHeld};
 inline constexpr Gate kSkinned{kWithFlags<kChunkSkin>};
+// The same of what is told from skinned vertices.
+inline constexpr Gate kRooted{kWithFlags<kChunkSkin>, FrameGate::kFollows};
 // Skinned or simulated from what the last frame left, and the character's origin moved.
 inline constexpr Gate kShifted{
     {&IsShifted,
      Domain::kChunk,
      {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layer_origins>}}};
 inline constexpr Gate kSimulated{kWithFlags<kChunkSimulate>};
+// And of what is told from simulated chains.
+inline constexpr Gate kLoaded{kWithFlags<kChunkSimulate>, FrameGate::kFollows};
 inline constexpr Gate kBlown{
     // simulated, and wind blows
-    {&IsBlown, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
+    {&IsBlown, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}},
+    FrameGate::kFollows};
 // The character's pose came with velocities.
 inline constexpr Gate kPosedWithRates{
     {&HasPoseRates, Domain::kCharacter, {StreamOf<&Streams::pose_rates>, Stream::kNone}},
@@ -46,13 +51,14 @@ inline constexpr Gate kRated{
 // bounds themselves are written in the same pass, and so not there to be looked at.)
 inline constexpr Gate kRelit{
     {&IsRelit, Domain::kLayer, {StreamOf<&Streams::layers>, StreamOf<&Streams::palette>}}};
-inline constexpr Gate kFitted{kWithFlags<kChunkFit>};
+inline constexpr Gate kFitted{kWithFlags<kChunkFit>, FrameGate::kFollows};
 // Living strands, and brushes somewhere. Asleep or not: paint is no reason to wake.
 inline constexpr Gate kBrushed{
     {&IsBrushed, Domain::kChunk, {StreamOf<&Streams::chunk_state>, StreamOf<&Streams::layers>}}};
 // Fitted, or painted in this frame.
 inline constexpr Gate kFittedOrPainted{
-    {&IsLookedAt, Domain::kChunk, {StreamOf<&Streams::chunk_state>, Stream::kNone}}};
+    {&IsLookedAt, Domain::kChunk, {StreamOf<&Streams::chunk_state>, Stream::kNone}},
+    FrameGate::kFollows};
 
 // What follows the view goes on when time does not.
 inline constexpr Gate kKeyed{kWithFlags<kChunkKeys>, FrameGate::kAlsoPaused};

@@ -23,13 +23,15 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
   if (same != others.end()) {
     *table = tables[same - others.begin()];
     next.layer_ = same->layer_;
+    next.knows_layer_ = same->knows_layer_;
     next.push_ratio_ = same->push_ratio_;
   } else {
-    if (!begun_ || !(rod == rod_)) {
+    if (!knows_layer_ || !(rod == rod_)) {
       ModalMaterial material =
           CalibratedMaterial(rod.links, rod.frequency_hz, rod.damping_ratio, rod.drag_per_s);
       material.parent_curl = rod.parent_curl;
       next.layer_ = MakeModalLayer(material);
+      next.knows_layer_ = true;
     }
     FillModalTable(next.layer_, quality, next.times_, table);
     next.push_ratio_ = PushRatio(next.layer_, quality, next.times_);

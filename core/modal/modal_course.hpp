@@ -40,10 +40,26 @@ class ModalCourse {
   // Of the table's frame (modal_table.hpp).
   double push_ratio() const { return push_ratio_; }
 
+  // What the next frame takes over, but for the table, for an archive (jobs/state_bytes.hpp). What
+  // follows from the rod is worked out again when it is needed: ForgetLayer after reading.
+  static void ListState(auto& io, auto& self) {
+    io(self.begun_);
+    io(self.rod_.links);
+    io(self.rod_.frequency_hz);
+    io(self.rod_.damping_ratio);
+    io(self.rod_.drag_per_s);
+    io(self.rod_.parent_curl);
+    io(self.quality_);
+    io(self.times_.dt_s);
+    io(self.times_.velocities);
+    io(self.push_ratio_);
+  }
+  void ForgetLayer() { knows_layer_ = false; }
+
  private:
   bool HasTableOf(const ModalCourse& other) const;
 
-  bool begun_ = false;
+  bool begun_ = false, knows_layer_ = false;
   RodMaterial rod_{};
   ModalQuality quality_{};
   FrameTimes times_{};

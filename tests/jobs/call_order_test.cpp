@@ -2,6 +2,7 @@
 // what comes after it has the bits of a scene that was never misused.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <thread>
 
 #include "jobs/adapters/pull_pool.hpp"
@@ -80,6 +81,64 @@ TEST(CallOrder, IsHeldByEveryExecutor) {
       EXPECT_EQ(scene.DigestFrame(), truth[f]) << "frame " << f;
     }
   }
+}
+
+// What else must have the scene to itself, while a frame is begun or runs: refused with the text.
+void ExpectRefusedOf(FurScene& scene, FurScene& other, std::span<const Groom* const> grooms,
+                     const std::string& reason) {
+  const char* why = nullptr;
+  const auto refused = [&](bool done) {
+    EXPECT_FALSE(done);
+    ASSERT_NE(why, nullptr);
+    EXPECT_NE(std::string(why).find(reason), std::string::npos) << why;
+    why = nullptr;
+  };
+  refused(scene.ReplaceGrooms(grooms, &why));
+  refused(scene.CopyStateFrom(other, &why));
+  refused(other.CopyStateFrom(scene, &why));
+  std::vector<std::byte> bytes(scene.SnapshotBytes());
+  refused(!(why = scene.Snapshot(bytes)));
+  ASSERT_EQ(other.Snapshot(bytes), nullptr);
+  refused(!(why = scene.Restore(bytes)));
+}
+
+// The same from within the running frame, where an engine's finish would call it.
+class ChangingExecutor final : public Executor {
+ public:
+  explicit ChangingExecutor(std::function<void()> change) : change_(std::move(change)) {}
+
+ private:
+  void RunPasses(const Frame& frame) override {
+    change_();
+    SerialExecutor().Run(frame);
+    change_();
+  }
+  std::function<void()> change_;
+};
+
+TEST(CallOrder, WhatChangesASceneComesBetweenFrames) {
+  Scenario scenario = TinyScenario();
+  SerialExecutor serial;
+  const std::vector<uint64_t> truth = RunDigests(scenario, OptionsFor(BestIsa()), serial, kFrames);
+  RunningScenario running(scenario, OptionsFor(BestIsa())), other(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = running.scene();
+  const std::vector<const Groom*> grooms = scenario.ActorGrooms();
+  const auto refused = [&](const char* reason) {
+    ExpectRefusedOf(scene, other.scene(), grooms, reason);
+  };
+  for (uint32_t f = 0; f < kFrames; ++f) {
+    running.Begin(f);
+    refused("begun and was not run");
+    ChangingExecutor changing([&] { refused("is running"); });
+    ASSERT_EQ(RunError(changing, scene.CurrentFrame()), "");
+    EXPECT_EQ(scene.DigestFrame(), truth[f]) << "frame " << f;
+  }
+  std::vector<std::byte> bytes(scene.SnapshotBytes());
+  EXPECT_EQ(scene.Snapshot(bytes), nullptr);
+  EXPECT_EQ(scene.Restore(bytes), nullptr);
+  EXPECT_TRUE(scene.CopyStateFrom(scene));
+  EXPECT_TRUE(other.scene().CopyStateFrom(scene));
+  EXPECT_TRUE(scene.ReplaceGrooms(grooms));
 }
 
 // The pull interface without Run: a frame is in flight from Begin until somebody's last TryRun.

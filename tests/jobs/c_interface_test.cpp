@@ -1,0 +1,152 @@
+// jobs/pelt.h where C++ can look at it: what is refused out of turn, and bits.
+// (tests/porting/outside/c_program.c is the engine in C.)
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/groom/groom_file.hpp"
+#include "jobs/pelt.h"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+struct DestroyScene {
+  void operator()(PeltScene* scene) const { pelt_destroy(scene); }
+};
+using OwnScene = std::unique_ptr<PeltScene, DestroyScene>;
+
+const std::vector<std::byte>& TinyGroom() {
+  static const std::vector<std::byte> kBytes = WriteGroom(TinyScenario().grooms[0]).OrThrow();
+  return kBytes;
+}
+
+OwnScene MakeScene(const PeltSceneOptions& options = {}) {
+  const PeltBytes groom{TinyGroom().data(), TinyGroom().size()};
+  return OwnScene(pelt_create(&groom, 1, &options, nullptr, 0));
+}
+
+std::string Text(const char* text) { return text ? text : ""; }
+
+PeltFrame FrameOf(uint32_t frame) {
+  PeltFrame input;
+  pelt_default_frame(&input);
+  input.time_s = frame / 60.0;
+  input.wind[0] = 2.0f;
+  return input;
+}
+
+void SetPose(PeltScene* scene, uint32_t frame) {
+  const float x = 0.01f * float(frame);
+  const float root[12] = {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0};
+  ASSERT_EQ(Text(pelt_place(scene, 0, root, 0)), "");
+}
+
+uint64_t RunOne(PeltScene* scene, uint32_t frame) {
+  SetPose(scene, frame);
+  const PeltFrame input = FrameOf(frame);
+  EXPECT_EQ(Text(pelt_begin(scene, &input)), "");
+  EXPECT_EQ(Text(pelt_run(scene, nullptr)), "");
+  return pelt_digest(scene);
+}
+
+// Everything that writes what a frame reads, called while one is begun, and from its door.
+struct Intruder {
+  PeltScene* scene;
+  const char* reason;
+  uint32_t calls = 0;
+
+  void TryAll() {
+    const PeltJoint joint{{0.3f, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+    const PeltJointVelocity velocity{};
+    const float root[12] = {2, 0, 0, 9, 0, 2, 0, 0, 0, 0, 2, 0};
+    const double origin[3] = {1.0, 2.0, 3.0};
+    const PeltFrame input = FrameOf(7);
+    std::vector<std::byte> bytes(pelt_snapshot_bytes(scene));
+    const PeltDoor other{[](PeltTask task, void* context, void*, const char*) -> void* {
+                           task(context);
+                           return nullptr;
+                         },
+                         [](void*, void*) {}, this, 3};
+    for (const char* text :
+         {pelt_set_joint(scene, 0, 0, &joint), pelt_place(scene, 0, root, 1),
+          pelt_set_joint_velocity(scene, 0, 0, &velocity), pelt_place_velocity(scene, 0, root),
+          pelt_set_origin(scene, 0, origin), pelt_begin(scene, &input),
+          pelt_snapshot(scene, bytes.data(), bytes.size()),
+          pelt_restore(scene, bytes.data(), bytes.size())})
+      EXPECT_NE(Text(text).find(reason), std::string::npos) << Text(text);
+    if (calls++ == 0) return;  // begun, and not run
+    EXPECT_NE(Text(pelt_run(scene, &other)).find("running already"), std::string::npos);
+  }
+};
+
+TEST(CInterface, NothingThatAFrameReadsIsSetWhileItRuns) {
+  PeltSceneOptions options{};
+  options.velocities = options.origins = 1;
+  const OwnScene straight = MakeScene(options), disturbed = MakeScene(options);
+  ASSERT_TRUE(straight && disturbed);
+  for (uint32_t f = 0; f < 3; ++f) {
+    const uint64_t truth = RunOne(straight.get(), f);
+    SetPose(disturbed.get(), f);
+    const PeltFrame input = FrameOf(f);
+    ASSERT_EQ(Text(pelt_begin(disturbed.get(), &input)), "");
+    Intruder intruder{disturbed.get(), "begun and was not run"};
+    intruder.TryAll();
+    intruder.reason = "is running";
+    const PeltDoor door{[](PeltTask task, void* context, void* user, const char*) -> void* {
+                          static_cast<Intruder*>(user)->TryAll();
+                          task(context);
+                          return user;
+                        },
+                        [](void*, void* user) { static_cast<Intruder*>(user)->TryAll(); },
+                        &intruder, 2};
+    ASSERT_EQ(Text(pelt_run(disturbed.get(), &door)), "");
+    EXPECT_GT(intruder.calls, 2u);
+    EXPECT_EQ(Text(pelt_door_faults(disturbed.get())), "");
+    EXPECT_EQ(pelt_digest(disturbed.get()), truth) << "frame " << f;
+  }
+}
+
+// Of two grooms that share their first byte each is read as far as it goes.
+TEST(CInterface, GroomsThatSharePointersAreReadByTheirOwnSizes) {
+  const PeltBytes whole{TinyGroom().data(), TinyGroom().size()};
+  const PeltBytes cut{TinyGroom().data(), TinyGroom().size() / 2};
+  char why[200] = "";
+  for (const auto& pair : {std::array{whole, cut}, std::array{cut, whole}}) {
+    EXPECT_FALSE(OwnScene(pelt_create(pair.data(), 2, nullptr, why, sizeof why)));
+    EXPECT_NE(std::string(why).find("cut or extended"), std::string::npos) << why;
+  }
+  const std::array<PeltBytes, 2> same{whole, whole};
+  EXPECT_TRUE(OwnScene(pelt_create(same.data(), 2, nullptr, why, sizeof why))) << why;
+}
+
+TEST(CInterface, GoesBackToASnapshot) {
+  const OwnScene straight = MakeScene(), other = MakeScene();
+  std::vector<uint64_t> truth;
+  std::vector<std::byte> bytes(pelt_snapshot_bytes(straight.get()));
+  for (uint32_t f = 0; f < 9; ++f) {
+    if (f == 4) {
+      ASSERT_EQ(Text(pelt_snapshot(straight.get(), bytes.data(), bytes.size())), "");
+    }
+    truth.push_back(RunOne(straight.get(), f));
+  }
+  for (PeltScene* scene : {straight.get(), other.get()}) {
+    ASSERT_EQ(Text(pelt_restore(scene, bytes.data(), bytes.size())), "");
+    EXPECT_EQ(pelt_draws(scene, nullptr, 0), 0u);
+    for (uint32_t f = 4; f < 9; ++f) EXPECT_EQ(RunOne(scene, f), truth[f]) << "frame " << f;
+    EXPECT_GT(pelt_draws(scene, nullptr, 0), 0u);
+  }
+  EXPECT_NE(Text(pelt_snapshot(straight.get(), bytes.data(), bytes.size() - 1)), "");
+  EXPECT_NE(Text(pelt_restore(straight.get(), bytes.data(), bytes.size() - 1)), "");
+  EXPECT_NE(Text(pelt_snapshot(straight.get(), nullptr, 0)), "");
+  EXPECT_NE(Text(pelt_restore(straight.get(), nullptr, 0)), "");
+  EXPECT_NE(Text(pelt_restore(nullptr, bytes.data(), bytes.size())), "");
+  EXPECT_EQ(pelt_snapshot_bytes(nullptr), 0u);
+}
+
+}  // namespace
+}  // namespace pelt

@@ -1,0 +1,142 @@
+// A scene that goes on with other grooms is, once its fur starts afresh, a scene that was made of them:
+// whatever of a groom may be replaced.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <functional>
+
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+constexpr uint32_t kBefore = 3, kAfter = 4;
+
+// Every output and chain, with nothing that the past alone decides: paint, detail by size.
+Scenario PlainScenario() {
+  Scenario scenario = EveryOutputScenario();
+  scenario.base.brush_count = 0;
+  scenario.base.lod.fast_quality_px = 0.0f;
+  scenario.actors[0].teleport_frame = -1;
+  return scenario;
+}
+
+// Of what is seen: blocks of layers that are not drawn keep what was there.
+uint64_t DigestDraws(const FurScene& scene) {
+  Digest digest;
+  for (const LayerDraw& draw : scene.Draws()) {
+    digest.Add(draw.layer);
+    digest.Add(draw.strand_count);
+    for (const std::byte b : draw.vertices) digest.Add(uint32_t(b));
+    for (const uint32_t strand : draw.order) {
+      digest.Add(strand);
+      if (!draw.looks.empty()) digest.Add(draw.looks[strand].normal ^ draw.looks[strand].uv);
+    }
+    for (const Shell& shell : draw.shells.shell) digest.Add(std::bit_cast<uint32_t>(shell.shadow));
+    for (const float place : {draw.low[0], draw.high[1], draw.tip_width, draw.wet_darken})
+      digest.Add(std::bit_cast<uint32_t>(place));
+  }
+  return digest.Value();
+}
+
+std::vector<uint64_t> Restarted(RunningScenario& running, Scenario& scenario) {
+  SerialExecutor serial;
+  std::vector<uint64_t> digests;
+  for (uint32_t f = kBefore; f < kBefore + kAfter; ++f) {
+    const FrameInput input = running.Prepare(f, scenario.base.skip, scenario.base.lod);
+    running.scene().Pose(0).teleported = f == kBefore;
+    EXPECT_TRUE(running.TryBegin(input)) << running.RefusalText(f);
+    serial.Run(running.scene().CurrentFrame());
+    digests.push_back(DigestDraws(running.scene()));
+  }
+  return digests;
+}
+
+// Says whether the change was accepted; then both scenes must be the same.
+bool TryChange(const std::string& what, const std::function<void(Groom&)>& change) {
+  SCOPED_TRACE(what);
+  Scenario scenario = PlainScenario(), changed = PlainScenario();
+  change(changed.grooms[0]);
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < kBefore; ++f) {
+    running.Begin(f);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  const char* why = nullptr;
+  if (!running.scene().ReplaceGrooms(changed.ActorGrooms(), &why)) {
+    EXPECT_NE(why, nullptr);
+    return false;
+  }
+  EXPECT_TRUE(running.GoOnWith(changed));
+  RunningScenario anew(changed, {});
+  EXPECT_EQ(Restarted(running, changed), Restarted(anew, changed));
+  return true;
+}
+
+TEST(ReplaceGrooms, EveryLayerParameter) {
+  uint32_t accepted = 0;
+  ForEachLayerParam([&](const auto& row) {
+    accepted += TryChange(std::string(row.key), [&row](Groom& groom) {
+      for (GroomLayer& layer : groom.layers) {
+        auto& value = layer.params.*row.member;
+        using T = std::remove_reference_t<decltype(value)>;
+        const LayerParams before = layer.params;
+        if constexpr (std::is_same_v<T, std::array<float, 3>>)
+          value = {0.9f, 0.1f, 0.4f};
+        else if constexpr (std::is_same_v<T, bool>)
+          value = !value;
+        else if constexpr (std::is_same_v<T, float>)
+          value = float(value > 0.5 * (row.low + row.high) ? 0.5 * value : 0.5 * value + 0.3);
+        else
+          value =
+              T(uint32_t(value) == uint32_t(row.high) ? uint32_t(row.low) : uint32_t(value) + 1);
+        if (!FindBadParam(layer.params).empty() || FindBadCombination(layer.params))
+          layer.params = before;
+      }
+    });
+  });
+  EXPECT_GT(accepted, 30u);
+}
+
+TEST(ReplaceGrooms, TheUnitScale) {
+  EXPECT_TRUE(TryChange("unit_scale", [](Groom& groom) { groom.unit_scale *= 0.5f; }));
+}
+
+TEST(ReplaceGrooms, WhatStrandsWereGiven) {
+  EXPECT_TRUE(TryChange("length, width and colour", [](Groom& groom) {
+    for (StrandBlock& strands : groom.strands)
+      for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+        strands.length[s] *= 1.2f;
+        strands.width[s] *= 2.0f;
+        strands.base_colour[s] ^= 0x1f1f1fu;
+      }
+    for (GroomLayer& layer : groom.layers) layer.length_max *= 1.2f;
+  }));
+  EXPECT_TRUE(TryChange("rest shapes", [](Groom& groom) {
+    const auto longer = [](auto& blocks) {
+      for (auto& rest : blocks) {
+        for (auto& point : rest.offset)
+          for (auto& axis : point)
+            for (float& place : axis) place *= 1.3f;
+        for (float& length : rest.segment_length) length *= 1.3f;
+        for (float& strength : rest.strength) strength = 1.0f - 0.5f * strength;
+      }
+    };
+    longer(groom.vertex_rest);
+    longer(groom.strand_rest4);
+    longer(groom.strand_rest5);
+    longer(groom.strand_rest9);
+  }));
+  EXPECT_TRUE(TryChange("places on the texture", [](Groom& groom) {
+    for (StrandUvBlock& block : groom.strand_uv)
+      for (uint32_t& uv : block.uv) uv ^= 0x1234u;
+    for (ShellSkinBlock& block : groom.shell_skin)
+      for (uint32_t& colour : block.tip_colour) colour ^= 0x30303u;
+  }));
+}
+
+}  // namespace
+}  // namespace pelt

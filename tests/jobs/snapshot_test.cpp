@@ -1,0 +1,272 @@
+// State as bytes: what is put back gives the frames of the scene that it is of, and nothing else is
+// taken.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <functional>
+
+#include "core/random.hpp"
+#include "jobs/carried_state.hpp"
+#include "platform_sim/local_store.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+using Bytes = std::vector<std::byte>;
+
+Bytes Taken(const FurScene& scene) {
+  Bytes bytes(scene.SnapshotBytes());
+  EXPECT_EQ(scene.Snapshot(bytes), nullptr);
+  return bytes;
+}
+
+struct Course {
+  const char* name;
+  std::function<Scenario()> make;
+  SceneOptions options = {};
+  SkipSettings skip = {};
+  LodSettings lod = {};
+};
+
+std::vector<Course> Courses() {
+  const auto everything = [] {
+    Scenario scenario = EveryOutputScenario();
+    scenario.actors.push_back(scenario.actors[0]);
+    scenario.actors[1].teleport_frame = -1;
+    scenario.spheres.push_back({{0.1f, 0.9f, 0.2f}, {0.2f, 0.3f, 0.0f}, 0.4, 0.15f});
+    CapsuleCollider arm;
+    arm.joint = 2;
+    arm.to[1] = 0.2f;
+    arm.radius = 0.05f;
+    scenario.capsules.push_back(arm);
+    scenario.weather_course = {0.8f, 0.5f, 3};
+    for (Groom& groom : scenario.grooms)
+      for (GroomLayer& layer : groom.layers)
+        if (layer.params.solver == Solver::kModal) layer.params.friction = 0.4f;
+    return scenario;
+  };
+  LodSettings budget;
+  budget.strand_budget = 500;
+  SceneOptions apart, rated, indexed;
+  apart.origins = true;
+  rated.velocities = true;
+  indexed.vertex_order = VertexOrder::kIndexBuffer;
+  const auto with = [everything](bool origins, bool velocities) {
+    return [=] {
+      Scenario scenario = everything();
+      scenario.origins = origins;
+      scenario.velocities = velocities;
+      return scenario;
+    };
+  };
+  return {{"tiny", [] { return TinyScenario(); }},
+          {"everything", everything},
+          {"index buffer", everything, indexed},
+          {"origins", with(true, false), apart},
+          {"velocities", with(false, true), rated},
+          {"level of detail", everything, {}, {.lod = true}, budget},
+          {"at rest", [] { return RestingScenario(3); }}};
+}
+
+constexpr uint32_t kFrames = 24;  // the teleport of frame 20 is in it
+
+uint64_t RunOne(RunningScenario& running, uint32_t frame, const Course& course,
+                Executor& executor) {
+  running.Begin(frame, course.skip, course.lod);
+  executor.Run(running.scene().CurrentFrame());
+  return running.scene().DigestFrame();
+}
+
+// From every fourth frame: back there in the scene itself, and in one that is elsewhere.
+TEST(Snapshot, GoesOnAsIfNothingHadBeen) {
+  for (const Course& course : Courses()) {
+    SCOPED_TRACE(course.name);
+    Scenario scenario = course.make(), second = course.make();
+    RunningScenario running(scenario, course.options), other(second, course.options);
+    SerialExecutor serial;
+    PermutedExecutor permuted(3);
+    std::vector<Bytes> kept;
+    std::vector<uint64_t> truth;
+    for (uint32_t f = 0; f < kFrames; ++f) {
+      kept.push_back(Taken(running.scene()));
+      truth.push_back(RunOne(running, f, course, serial));
+    }
+    for (const uint32_t from : {0u, 1u, 7u, 19u, 21u}) {
+      for (RunningScenario* scene : {&running, &other}) {
+        ASSERT_EQ(scene->scene().Restore(kept[from]), nullptr);
+        EXPECT_TRUE(scene->scene().Draws().empty());
+        EXPECT_EQ(Taken(scene->scene()), kept[from]) << "put back and taken again";
+        for (uint32_t f = from; f < std::min(from + 4, kFrames); ++f) {
+          ASSERT_EQ(RunOne(*scene, f, course, permuted), truth[f])
+              << "frame " << f << " from " << from;
+        }
+        EXPECT_FALSE(scene->scene().Draws().empty());
+      }
+    }
+  }
+}
+
+// A pause makes what there is to draw, of the state alone; the frame after it is the same.
+TEST(Snapshot, IsSeenInAPause) {
+  for (const Course& course : Courses()) {
+    SCOPED_TRACE(course.name);
+    Scenario scenario = course.make(), second = course.make();
+    RunningScenario running(scenario, course.options), other(second, course.options);
+    SerialExecutor serial;
+    for (uint32_t f = 0; f < 14; ++f) RunOne(other, f, course, serial);
+    const auto pause = [&](RunningScenario& scene, uint32_t f) {
+      FrameInput input = scene.Prepare(f, course.skip, course.lod);
+      input.dt_s = 0.0;
+      EXPECT_EQ(BeginError(scene.scene(), input), "");
+      serial.Run(scene.scene().CurrentFrame());
+      return scene.scene().DigestFrame();
+    };
+    for (uint32_t f = 0; f < 9; ++f) {
+      const uint64_t truth = RunOne(running, f, course, serial);
+      const Bytes kept = Taken(running.scene());
+      ASSERT_EQ(other.scene().Restore(kept), nullptr);
+      ASSERT_EQ(pause(other, f), truth) << "pause after frame " << f;
+      EXPECT_FALSE(other.scene().Draws().empty());
+      ASSERT_EQ(pause(other, f), truth) << "second pause after frame " << f;
+    }
+    const uint64_t next = RunOne(running, 9, course, serial);
+    EXPECT_EQ(RunOne(other, 9, course, serial), next);
+  }
+}
+
+TEST(Snapshot, OfAnotherSceneOrDamagedIsRefusedAndNothingIsDone) {
+  Scenario scenario = TinyScenario(), elsewhere = TinyScenario(), two = TinyScenario();
+  for (auto& share : elsewhere.grooms[0].strands[0].bary) std::swap(share[0], share[1]);
+  two.actors.push_back(two.actors[0]);
+  SceneOptions apart;
+  apart.origins = true;
+  RunningScenario running(scenario, {}), other_strands(elsewhere, {}), more(two, {}),
+      other_options(scenario, apart), straight(scenario, {});
+  SerialExecutor serial;
+  const Course tiny{"tiny", {}};
+  for (uint32_t f = 0; f < 3; ++f) RunOne(running, f, tiny, serial);
+  for (uint32_t f = 0; f < 3; ++f) RunOne(straight, f, tiny, serial);
+  const auto refused = [&](std::span<const std::byte> bytes, const char* reason) {
+    const char* fault = running.scene().Restore(bytes);
+    ASSERT_NE(fault, nullptr) << reason;
+    EXPECT_NE(std::string(fault).find(reason), std::string::npos) << fault;
+  };
+  refused(Taken(other_strands.scene()), "other grooms");
+  refused(Taken(more.scene()), "other grooms");
+  refused(Taken(other_options.scene()), "other options");
+  const Bytes good = Taken(straight.scene());
+  refused({}, "no snapshot");
+  refused(std::span(good).first(40), "no snapshot");
+  refused(std::span(good).first(good.size() - 1), "was cut");
+  const auto changed = [&](size_t at, int by) {
+    Bytes bytes = good;
+    bytes[at] = std::byte(int(bytes[at]) + by);
+    return bytes;
+  };
+  refused(changed(0, 1), "no snapshot");
+  refused(changed(8, 1), "version");
+  refused(changed(12, 1), "strands per chunk");
+  refused(changed(24, 1), "keeps state otherwise");
+  Random random(4);
+  for (int i = 0; i < 200; ++i)
+    refused(changed(64 + random.Below(uint32_t(good.size()) - 64), 1 + int(random.Below(255))),
+            "damaged");
+  for (uint32_t f = 3; f < 6; ++f)
+    ASSERT_EQ(RunOne(running, f, tiny, serial), RunOne(straight, f, tiny, serial)) << "frame " << f;
+}
+
+// Bytes that are not damaged by chance: a checksum that holds, over counts that nobody can have.
+TEST(Snapshot, CountsThatKernelsWouldFollowAreLookedAt) {
+  Scenario scenario = TinyScenario();
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  const Course tiny{"tiny", {}};
+  RunOne(running, 0, tiny, serial);
+  FurScene& scene = running.scene();
+  auto& state = *scene.memory().Of<&Streams::chunk_state>(2);
+  const ChunkStateBlock before = state;
+  Bytes bytes(scene.SnapshotBytes());
+  for (uint32_t ChunkStateBlock::*member :
+       {&ChunkStateBlock::live_strands, &ChunkStateBlock::live_vertices,
+        &ChunkStateBlock::visible_strands, &ChunkStateBlock::first_place}) {
+    state.*member = 1000;
+    ASSERT_EQ(scene.Snapshot(bytes), nullptr);
+    state = before;
+    const char* fault = scene.Restore(bytes);
+    ASSERT_NE(fault, nullptr);
+    EXPECT_NE(std::string(fault).find("no scene of these grooms"), std::string::npos) << fault;
+  }
+}
+
+// The rule that says what is carried, against what frames really change.
+TEST(Snapshot, InputsThatFramesFillAreCarried) {
+  for (const Course& course : Courses()) {
+    SCOPED_TRACE(course.name);
+    Scenario scenario = course.make(), second = course.make();
+    RunningScenario running(scenario, course.options), fresh(second, course.options);
+    SerialExecutor serial;
+    for (uint32_t f = 0; f < 5; ++f) RunOne(running, f, course, serial);
+    const FrameMemory &a = running.scene().memory(), &b = fresh.scene().memory();
+    for (uint32_t s = 0; s < kStreamCount; ++s) {
+      const StreamDesc& desc = DescribeStream(Stream(s));
+      const size_t bytes = size_t(a.streams[s].block_count) * desc.block_bytes;
+      if (desc.role != Role::kInput || bytes == 0) continue;
+      const bool filled = std::memcmp(a.streams[s].base, b.streams[s].base, bytes) != 0;
+      EXPECT_EQ(filled, desc.kept == Kept::kState) << desc.name;
+    }
+  }
+}
+
+TEST(Snapshot, IsOfThePlatformsThatSortInPiecesToo) {
+  Scenario scenario = TinyScenario(), second = TinyScenario();
+  SceneOptions pieces;
+  pieces.piecewise_sort_chunks = 1;
+  RunningScenario whole(scenario, {}), in_pieces(second, pieces);
+  SerialExecutor serial;
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  const Course tiny{"tiny", {}};
+  for (uint32_t f = 0; f < 5; ++f) RunOne(whole, f, tiny, serial);
+  ASSERT_EQ(in_pieces.scene().Restore(Taken(whole.scene())), nullptr);
+  for (uint32_t f = 5; f < 9; ++f)
+    ASSERT_EQ(RunOne(whole, f, tiny, serial), RunOne(in_pieces, f, tiny, local)) << "frame " << f;
+}
+
+// What the README states; the times are printed, and bounded only where a machine cannot be that slow.
+TEST(Snapshot, BytesAndTimes) {
+  for (const char* name : {"eyepet", "monster"}) {
+    Scenario scenario = LoadScenario(name);
+    RunningScenario running(scenario, {});
+    FurScene& scene = running.scene();
+    SerialExecutor serial;
+    const Course course{name, {}};
+    for (uint32_t f = 0; f < 4; ++f) RunOne(running, f, course, serial);
+    Bytes bytes(scene.SnapshotBytes()), copy(bytes.size());
+    const auto best = [](auto&& work) {
+      double least = 1e9;
+      for (int i = 0; i < 30; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        least = std::min(least, std::chrono::duration<double, std::milli>(
+                                    std::chrono::steady_clock::now() - start)
+                                    .count());
+      }
+      return least;
+    };
+    const double snapshot = best([&] { ASSERT_EQ(scene.Snapshot(bytes), nullptr); });
+    const double restore = best([&] { ASSERT_EQ(scene.Restore(bytes), nullptr); });
+    const double plain = best([&] { std::memcpy(copy.data(), bytes.data(), bytes.size()); });
+    const double share = double(bytes.size()) / double(scene.layout().total_bytes);
+    std::printf(
+        "%s: %zu bytes, %.1f %% of the block; snapshot %.3f ms, restore %.3f ms, memcpy %.3f ms\n",
+        name, bytes.size(), 100.0 * share, snapshot, restore, plain);
+    EXPECT_LE(share, 0.40);
+  }
+}
+
+}  // namespace
+}  // namespace pelt
