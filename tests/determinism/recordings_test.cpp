@@ -1,0 +1,123 @@
+// Recordings of contact that once gave other bits on other vectors, in traces/golden: made from the
+// scenes below on every instruction set, the same bytes each time. tests/porting/cross_test.sh replays
+// them on other machines.
+//
+// After a change of bits that is meant, PELT_RENEW=1 in the environment writes them anew.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "core/groom/groom_file.hpp"
+#include "core/kernels/frame_table.hpp"
+#include "tests/jobs/tiny_scene.hpp"
+#include "tests/source_folder.hpp"
+#include "traces/input_log.hpp"
+
+namespace pelt {
+namespace {
+
+using namespace testing;
+
+struct Recording {
+  const char* name;
+  const char* setup;
+  uint32_t frames;
+  uint32_t sphere_count;
+  float sphere[3][4];
+};
+
+const Recording kRecordings[] = {
+    // Strands pressed on the skin, of which a ball is near some.
+    {"friction",
+     "[[layer]]\n"
+     "name = 'fur'\n"
+     "seed = 11\n"
+     "chain = 'strand'\n"
+     "points = 5\n"
+     "density = 20_000\n"
+     "max_strands = 120\n"
+     "mask = { materials = ['body', 'head'] }\n"
+     "length = 0.06\n"
+     "width = 0.001\n"
+     "elevation = 15.0\n"
+     "friction = 0.6\n"
+     "surface_hardness = 1.0\n"
+     "wind_response = 2.0\n",
+     4,
+     1,
+     {{0.0f, 0.9f, 0.25f, 0.15f}}},
+    // Strands of all lengths, soft and heavy, laid into balls; the shortest swing faster than
+    // substeps follow.
+    {"short_strands",
+     "[[layer]]\n"
+     "name = 'fur'\n"
+     "seed = 12\n"
+     "chain = 'strand'\n"
+     "points = 4\n"
+     "density = 20_000\n"
+     "max_strands = 120\n"
+     "mask = { materials = ['body', 'head'] }\n"
+     "length = { value = 0.02, randomise = 0.95 }\n"
+     "width = 0.001\n"
+     "elevation = 40.0\n"
+     "weight = 4.0\n"
+     "frequency = 1.0\n"
+     "surface_hardness = 0.0\n",
+     12,
+     3,
+     {{0.0f, 0.9f, 0.2f, 0.15f}, {0.1f, 0.6f, 0.1f, 0.15f}, {-0.1f, 0.7f, -0.1f, 0.15f}}},
+};
+
+std::vector<std::byte> Record(const Recording& recording, Isa isa) {
+  Scenario scenario =
+      LoadScenario(ScenarioRequest{.scene = "tiny", .setup_texts = {recording.setup}});
+  scenario.actors[0].clip = -1;
+  scenario.actors[0].teleport_frame = -1;
+  RunningScenario running(scenario, OptionsFor(isa));
+  SerialExecutor serial;
+  InputLogWriter writer;
+  const std::vector<std::byte> groom = WriteGroom(scenario.grooms[0]).OrThrow();
+  const std::span<const std::byte> grooms[] = {groom};
+  EXPECT_EQ(writer.Begin({recording.name, "tests/determinism/recordings_test.cpp"}, grooms),
+            nullptr);
+  for (uint32_t f = 0; f < recording.frames; ++f) {
+    FrameInput in = running.Prepare(f, {}, {});
+    in.use_ground = false;
+    in.sphere_count = recording.sphere_count;
+    for (uint32_t s = 0; s < in.sphere_count; ++s)
+      std::copy_n(recording.sphere[s], 4, in.sphere[s]);
+    EXPECT_EQ(BeginError(running.scene(), in), "");
+    serial.Run(running.scene().CurrentFrame());
+    EXPECT_EQ(writer.AddFrame(in, {&running.scene().Pose(0), 1}, running.scene().DigestFrame()),
+              nullptr);
+  }
+  return writer.Finish();
+}
+
+TEST(Recordings, AreTheSameFromEveryInstructionSet) {
+  if (kStrandsPerChunk != 128) GTEST_SKIP() << "they are kept for 128 strands per chunk";
+  for (const Recording& recording : kRecordings) {
+    const std::string path =
+        test::SourceFolder() + "/traces/golden/" + recording.name + ".peltinput";
+    if (std::getenv("PELT_RENEW")) {
+      const std::vector<std::byte> bytes = Record(recording, Isa::kReference);
+      std::ofstream(path, std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    }
+    std::ifstream file(path, std::ios::binary);
+    const std::string kept{std::istreambuf_iterator<char>(file), {}};
+    for (const Isa isa : kAllIsas) {
+      if (!FindKernels(isa)) continue;
+      const std::vector<std::byte> bytes = Record(recording, isa);
+      EXPECT_TRUE(bytes.size() == kept.size() &&
+                  std::memcmp(bytes.data(), kept.data(), kept.size()) == 0)
+          << recording.name << " on " << IsaName(isa) << " is not " << path;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pelt
