@@ -28,34 +28,57 @@ bool IsCarried(const StreamTable& table, const Plan& plan, Stream stream, uint32
   return desc.lanes.AllHoldValues() || IsReadFirst(plan, stream, kind);
 }
 
-uint32_t CarriedLanes(const StreamDesc& stream, const RowDesc& row, uint32_t lanes) {
-  const bool some = IsOfJoints(stream) || !stream.lanes.AllHoldValues();
-  return some ? std::min(row.lane_count, lanes) : row.lane_count;
+std::vector<CarriedRun> FindRuns(const StreamDesc& stream) {
+  const bool whole = stream.lanes.AllHoldValues() && !IsOfJoints(stream);
+  std::vector<CarriedRun> runs;
+  for (const RowDesc& row : stream.rows) {
+    const uint32_t components = row.element_count / row.lane_count, from = row.offset_bytes;
+    CarriedRun run{from, components, 4 * row.lane_count, row.lane_count, 1, whole};
+    if (row.lane_major) run = {from, 1, 4 * row.element_count, row.lane_count, components, whole};
+    if (whole) run = {from, 1, 4 * row.element_count, row.element_count, 1, true};
+    CarriedRun* last = runs.empty() ? nullptr : &runs.back();
+    if (!last || last->offset + last->rows * last->step != from) {
+      runs.push_back(run);
+    } else if (whole) {
+      last->lanes += run.lanes;
+      last->step += run.step;
+    } else if (last->lanes == run.lanes && last->width == 1 && run.width == 1) {
+      last->rows += run.rows;
+    } else {
+      runs.push_back(run);
+    }
+  }
+  return runs;
 }
 
-std::vector<CarriedBlock> FindCarried(const FrameMemory& memory, const Plan& plan,
-                                      const std::vector<uint32_t>& joints) {
-  std::vector<CarriedBlock> carried;
+CarriedState FindCarried(const FrameMemory& memory, const Plan& plan,
+                         const std::vector<uint32_t>& joints) {
+  CarriedState carried;
   const SceneShape& shape = *memory.shape;
   for (uint32_t s = 0; s < memory.streams.size(); ++s) {
     const Stream stream{uint8_t(s)};
     const StreamDesc& desc = (*memory.table)[stream];
+    const std::vector<CarriedRun>& runs = carried.runs.emplace_back(FindRuns(desc));
     for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
       if (memory.streams[s].block_count == 0 || !memory.Block(stream, i)) continue;
       const bool chunk = desc.domain == Domain::kChunk;
-      if (!IsCarried(*memory.table, plan, stream,
-                     chunk ? shape.layer_kind[shape.chunk_layer[i]] : 0))
-        continue;
+      const uint32_t kind = chunk ? shape.layer_kind[shape.chunk_layer[i]] : 0;
+      if (!IsCarried(*memory.table, plan, stream, kind)) continue;
       CarriedBlock block{stream, i, memory.table->chunk_lanes, 0};
       if (chunk) block.lanes = (memory.LiveLanes(stream, i) + 3) / 4 * 4;
       if (IsOfJoints(desc)) block.lanes = joints[i];
-      for (const RowDesc& row : desc.rows)
-        block.words += row.element_count / row.lane_count * CarriedLanes(desc, row, block.lanes);
+      for (const CarriedRun& run : runs) block.words += run.rows * run.Words(block.lanes);
       block.words = (block.words + 3) / 4 * 4;
-      if (block.lanes != 0) carried.push_back(block);
+      if (block.lanes != 0) carried.blocks.push_back(block);
     }
   }
   return carried;
+}
+
+uint64_t CarriedState::HeapBytes() const {
+  uint64_t bytes = blocks.capacity() * sizeof(CarriedBlock) + runs.capacity() * sizeof(runs[0]);
+  for (const auto& of_stream : runs) bytes += of_stream.capacity() * sizeof(CarriedRun);
+  return bytes;
 }
 
 }  // namespace pelt

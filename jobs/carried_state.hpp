@@ -21,7 +21,18 @@ namespace pelt {
 // Whether blocks of the stream are carried; of chunks, those of layers of this kind.
 bool IsCarried(const StreamTable& table, const Plan& plan, Stream stream, uint32_t kind);
 
-// One block in a snapshot: of each row its first `lanes` lanes, one behind the other.
+// Rows of a block that a snapshot has: `rows` of them, `step` bytes from each to the next.
+struct CarriedRun {
+  uint32_t offset;  // in the block, bytes
+  uint32_t rows, step;
+  uint32_t lanes, width;  // of a row; words of a lane
+  bool whole;             // all lanes, however many live
+  uint32_t Words(uint32_t of) const { return width * (whole || of > lanes ? lanes : of); }
+};
+// Of a stream's blocks: what lies together is one run.
+std::vector<CarriedRun> FindRuns(const StreamDesc& stream);
+
+// One block in a snapshot: its runs, one behind the other.
 struct CarriedBlock {
   Stream stream;
   uint32_t item;
@@ -29,12 +40,14 @@ struct CarriedBlock {
   uint32_t words;  // likewise
 };
 
-// Of a scene in whose memory every strand lives, in stream order. `joints`: in use, of each
-// character, which are the lanes of its poses.
-std::vector<CarriedBlock> FindCarried(const FrameMemory& memory, const Plan& plan,
-                                      const std::vector<uint32_t>& joints);
-
-// Lanes of a row among the first `lanes` of its block.
-uint32_t CarriedLanes(const StreamDesc& stream, const RowDesc& row, uint32_t lanes);
+struct CarriedState {
+  std::vector<CarriedBlock> blocks;           // in stream order
+  std::vector<std::vector<CarriedRun>> runs;  // of each stream
+  uint64_t HeapBytes() const;
+};
+// Of a scene in whose memory every strand lives. `joints`: in use, of each character, which are the
+// lanes of its poses.
+CarriedState FindCarried(const FrameMemory& memory, const Plan& plan,
+                         const std::vector<uint32_t>& joints);
 
 }  // namespace pelt

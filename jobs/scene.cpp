@@ -296,7 +296,7 @@ uint64_t FurScene::HeapBytes() const {
                  bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
                  bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
                  bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
-                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + bytes(carried_) +
+                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + carried_.HeapBytes() +
                  pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);

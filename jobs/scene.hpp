@@ -293,7 +293,7 @@ class FurScene {
   bool first_frame_ = true;
   double last_dt_s_ = 0.0;  // 0: there was no frame
   bool restored_ = false;   // since the last frame: what follows from the state is not there
-  std::vector<CarriedBlock> carried_;
+  CarriedState carried_;
   uint64_t snapshot_bytes_ = 0, value_words_ = 0, strands_digest_ = 0;
   uint32_t state_layout_ = 0;
   mutable std::vector<LayerDraw> draws_;

@@ -136,7 +136,10 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
     const uint32_t visible = state.flags & kChunkVisible;
     const CollectChangesParams& view = params_[SetOf(shape().chunk_layer[c])].collect_changes;
     const bool keys = view.view_changed != 0 || !in.skip.sort || memory_.restored;
-    const uint32_t follows = memory_.restored ? kChunkSkin | kChunkSimulate | kChunkFit : 0u;
+    // As the frame before had it, all of what follows from the state.
+    const uint32_t follows =
+        memory_.restored ? kChunkSkin | kChunkSimulate | kChunkFit | (state.flags & kChunkRestart)
+                         : 0u;
     state.flags = visible | (visible && keys ? kChunkKeys | follows : 0u);
     state.keys_changed = state.records_changed = 0;
   }

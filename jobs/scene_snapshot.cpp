@@ -137,7 +137,7 @@ void FurScene::MeasureSnapshot(std::span<const Groom* const> grooms) {
   value_words_ = (values.words + 3) / 4 * 4;
   snapshot_bytes_ = kHeaderBytes + 4 * value_words_;
   layout.Add(uint32_t(values.words));
-  for (const CarriedBlock& block : carried_) {
+  for (const CarriedBlock& block : carried_.blocks) {
     snapshot_bytes_ += 4 * uint64_t(block.words);
     layout.Add(block.words);
     if (block.item != 0) continue;
@@ -151,18 +151,9 @@ void FurScene::MeasureSnapshot(std::span<const Groom* const> grooms) {
 
 namespace {
 
-// Calls copy(where in the block, rows, bytes from each to the next, words of a row that live, words
-// of a row in the snapshot).
-void ForEachRun(const StreamDesc& stream, uint32_t lanes, uint32_t live, auto copy) {
-  for (const RowDesc& row : stream.rows) {
-    const uint32_t all = CarriedLanes(stream, row, lanes);
-    const uint32_t some = std::min(all, CarriedLanes(stream, row, live));
-    const uint32_t components = row.element_count / row.lane_count;
-    if (row.lane_major)
-      copy(row.offset_bytes, 1u, 0u, some * components, all * components);
-    else
-      copy(row.offset_bytes, components, 4 * row.lane_count, some, all);
-  }
+// What is copied next of the stream: a few lanes of many rows, which no hardware fetches ahead.
+void FetchNext(const std::byte* row, size_t bytes) {
+  for (size_t line = 0; line < bytes; line += 64) __builtin_prefetch(row + line);
 }
 
 // The first `count` of four words.
@@ -183,38 +174,36 @@ uint32_t FurScene::SaveBlock(const CarriedBlock& block, std::byte* to) const {
       desc.domain == Domain::kChunk ? LiveLanes(block.stream, block.item) : block.lanes;
   uint32_t single = 0;
   StateWords sum = {};
-  ForEachRun(desc, block.lanes, live,
-             [&](size_t in_block, uint32_t rows, size_t step, uint32_t some, uint32_t all) {
-               const std::byte* row = from + in_block;
-               const uint32_t vectors = (some + 3) / 4;
-               const StateWords mask = FirstOf(some - 4 * (vectors - 1));
-               const size_t rest = 4 * size_t(all) - sizeof(StateWords) * vectors;
-               for (uint32_t r = 0; r < rows; ++r, row += step, to += 4 * size_t(all)) {
-                 if (all % 4 != 0) {
-                   for (uint32_t w = 0; w < all; ++w)
-                     single += CopyStateWord(to + 4 * w, row + 4 * w);
-                   continue;
-                 }
-                 if (some != 0) sum = SaveStateWords(to, row, vectors, mask, sum);
-                 if (rest != 0) std::memset(to + sizeof(StateWords) * vectors, 0, rest);
-               }
-             });
+  for (const CarriedRun& run : carried_.runs[size_t(block.stream)]) {
+    const uint32_t all = run.Words(block.lanes), some = std::min(all, run.Words(live));
+    const uint32_t vectors = all % 4 == 0 ? (some + 3) / 4 : all / 4;
+    const StateWords mask = all % 4 == 0 ? FirstOf(some - 4 * (vectors - 1)) : FirstOf(4);
+    const std::byte* row = from + run.offset;
+    for (uint32_t r = 0; r < run.rows; ++r, row += run.step, to += 4 * size_t(all)) {
+      if (2 * 4 * some < run.step) FetchNext(row + desc.block_bytes, 4 * some);
+      if (vectors != 0) sum = SaveStateWords(to, row, vectors, mask, sum);
+      for (uint32_t w = 4 * vectors; w < all; ++w) {
+        if (all % 4 != 0)
+          single += CopyStateWord(to + 4 * w, row + 4 * w);
+        else
+          std::memset(to + 4 * w, 0, 4);
+      }
+    }
+  }
   std::memset(to, 0, size_t(end - to));
   return single + SumOf(sum);
 }
 
 void FurScene::LoadBlock(const CarriedBlock& block, const std::byte* from) {
-  const StreamDesc& desc = DescribeStream(block.stream);
   std::byte* const to = memory_.Block(block.stream, block.item);
-  ForEachRun(desc, block.lanes, block.lanes,
-             [&](size_t in_block, uint32_t rows, size_t step, uint32_t, uint32_t all) {
-               std::byte* row = to + in_block;
-               for (uint32_t r = 0; r < rows; ++r, row += step, from += 4 * size_t(all)) {
-                 LoadStateVectors(row, from, all / 4);
-                 for (uint32_t w = all / 4 * 4; w < all; ++w)
-                   CopyStateWord(row + 4 * w, from + 4 * w);
-               }
-             });
+  for (const CarriedRun& run : carried_.runs[size_t(block.stream)]) {
+    const uint32_t all = run.Words(block.lanes);
+    std::byte* row = to + run.offset;
+    for (uint32_t r = 0; r < run.rows; ++r, row += run.step, from += 4 * size_t(all)) {
+      LoadStateVectors(row, from, all / 4);
+      for (uint32_t w = all / 4 * 4; w < all; ++w) CopyStateWord(row + 4 * w, from + 4 * w);
+    }
+  }
 }
 
 const char* FurScene::Snapshot(std::span<std::byte> to) const {
@@ -228,7 +217,7 @@ const char* FurScene::Snapshot(std::span<std::byte> to) const {
   Digest checksum;
   const std::byte* const first = to.data() + kHeaderBytes;
   checksum.Add(SumStateWords(first, size_t(values.to - first) / sizeof(StateWords)));
-  for (const CarriedBlock& block : carried_) {
+  for (const CarriedBlock& block : carried_.blocks) {
     checksum.Add(SaveBlock(block, values.to));
     values.to += 4 * size_t(block.words);
   }
@@ -270,7 +259,7 @@ const char* FurScene::FindSnapshotFault(std::span<const std::byte> from) const {
     at += 4 * words;
   };
   add(value_words_);
-  for (const CarriedBlock& block : carried_) add(block.words);
+  for (const CarriedBlock& block : carried_.blocks) add(block.words);
   StateReader sum(from.data() + kChecksumAt);
   const uint64_t low = sum.Get();
   if (checksum.Value() != (low | uint64_t(sum.Get()) << 32)) return kDamaged;
@@ -292,7 +281,7 @@ const char* FurScene::FindStateFault(std::span<const std::byte> from) const {
     if (!HaveRoom(some)) return kImpossible;
   }
   const std::byte* at = from.data() + kHeaderBytes + 4 * value_words_;
-  for (const CarriedBlock& block : carried_) {
+  for (const CarriedBlock& block : carried_.blocks) {
     const auto word = [&](size_t index) { return StateReader(at + 4 * index).Get(); };
     if (block.stream == StreamOf<&Streams::chunk_state>) {
       const StrandBlock& strands = *memory_.Of<&Streams::strands>(block.item);
@@ -325,7 +314,7 @@ const char* FurScene::Restore(std::span<const std::byte> from) {
   for (ModalCourse& course : modal_) course.ForgetLayer();
   pose_gate_.ForgetRefused();
   const std::byte* at = from.data() + kHeaderBytes + 4 * value_words_;
-  for (const CarriedBlock& block : carried_) {
+  for (const CarriedBlock& block : carried_.blocks) {
     LoadBlock(block, at);
     at += 4 * size_t(block.words);
   }

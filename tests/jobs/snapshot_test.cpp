@@ -111,6 +111,13 @@ TEST(Snapshot, GoesOnAsIfNothingHadBeen) {
   }
 }
 
+std::string_view FirstDifference(const RunningScenario& a, const RunningScenario& b) {
+  for (uint32_t s = 0; s < kStreamCount; ++s)
+    if (a.scene().DigestStream(Stream(s)) != b.scene().DigestStream(Stream(s)))
+      return DescribeStream(Stream(s)).name;
+  return "none";
+}
+
 // A pause makes what there is to draw, of the state alone; the frame after it is the same.
 TEST(Snapshot, IsSeenInAPause) {
   for (const Course& course : Courses()) {
@@ -130,7 +137,8 @@ TEST(Snapshot, IsSeenInAPause) {
       const uint64_t truth = RunOne(running, f, course, serial);
       const Bytes kept = Taken(running.scene());
       ASSERT_EQ(other.scene().Restore(kept), nullptr);
-      ASSERT_EQ(pause(other, f), truth) << "pause after frame " << f;
+      ASSERT_EQ(pause(other, f), truth)
+          << "pause after frame " << f << ", stream " << FirstDifference(running, other);
       EXPECT_FALSE(other.scene().Draws().empty());
       ASSERT_EQ(pause(other, f), truth) << "second pause after frame " << f;
     }
@@ -236,7 +244,7 @@ TEST(Snapshot, IsOfThePlatformsThatSortInPiecesToo) {
     ASSERT_EQ(RunOne(whole, f, tiny, serial), RunOne(in_pieces, f, tiny, local)) << "frame " << f;
 }
 
-// What the README states; the times are printed, and bounded only where a machine cannot be that slow.
+// What the README states: after a frame, as an engine takes them, and with the bytes in the cache.
 TEST(Snapshot, BytesAndTimes) {
   for (const char* name : {"eyepet", "monster"}) {
     Scenario scenario = LoadScenario(name);
@@ -245,26 +253,32 @@ TEST(Snapshot, BytesAndTimes) {
     SerialExecutor serial;
     const Course course{name, {}};
     for (uint32_t f = 0; f < 4; ++f) RunOne(running, f, course, serial);
-    Bytes bytes(scene.SnapshotBytes()), copy(bytes.size());
-    const auto best = [](auto&& work) {
+    Bytes bytes = Taken(scene), copy = bytes;
+    const auto best = [&](bool after_a_frame, auto&& work) {
       double least = 1e9;
-      for (int i = 0; i < 30; ++i) {
+      for (uint32_t i = 0; i < 12; ++i) {
+        if (after_a_frame) RunOne(running, 4 + i, course, serial);
         const auto start = std::chrono::steady_clock::now();
         work();
-        least = std::min(least, std::chrono::duration<double, std::milli>(
-                                    std::chrono::steady_clock::now() - start)
-                                    .count());
+        const std::chrono::duration<double, std::milli> took =
+            std::chrono::steady_clock::now() - start;
+        least = std::min(least, took.count());
       }
       return least;
     };
-    const double snapshot = best([&] { ASSERT_EQ(scene.Snapshot(bytes), nullptr); });
-    const double restore = best([&] { ASSERT_EQ(scene.Restore(bytes), nullptr); });
-    const double plain = best([&] { std::memcpy(copy.data(), bytes.data(), bytes.size()); });
-    const double share = double(bytes.size()) / double(scene.layout().total_bytes);
-    std::printf(
-        "%s: %zu bytes, %.1f %% of the block; snapshot %.3f ms, restore %.3f ms, memcpy %.3f ms\n",
-        name, bytes.size(), 100.0 * share, snapshot, restore, plain);
-    EXPECT_LE(share, 0.40);
+    for (const bool after_a_frame : {true, false}) {
+      const double snapshot = best(after_a_frame, [&] { scene.Snapshot(bytes); });
+      const double restore = best(after_a_frame, [&] { scene.Restore(bytes); });
+      const double plain =
+          best(after_a_frame, [&] { std::memcpy(copy.data(), bytes.data(), bytes.size()); });
+      std::printf(
+          "%s, %s: %zu bytes, %.1f %% of the block; snapshot %.3f ms, restore %.3f ms, "
+          "memcpy %.3f ms\n",
+          name, after_a_frame ? "after a frame" : "again", bytes.size(),
+          100.0 * double(bytes.size()) / double(scene.layout().total_bytes), snapshot, restore,
+          plain);
+    }
+    EXPECT_LE(double(bytes.size()), 0.40 * double(scene.layout().total_bytes));
   }
 }
 
