@@ -39,6 +39,7 @@ struct CheckSection {
 constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest},
                                       {"waking", CheckWaking},
                                       {"culling", CheckCulling},
+                                      {"rollback", CheckRollback},
                                       {"digest", CheckDigests}};
 
 }  // namespace

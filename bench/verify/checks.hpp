@@ -21,6 +21,8 @@ void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport&
 void CheckCulling(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 // Every stage between closed pages, on a scene at rest with nothing skipped.
 void CheckAccessAtRest(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
+// Back to an earlier frame by a snapshot, at random places, under every executor.
+void CheckRollback(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 // Every value that the frame leaves behind is in the digests.
 void CheckDigests(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 

@@ -49,6 +49,9 @@ Result<ReplayScene> ReplayScene::Open(const InputLog& log, const std::string& na
       FurScene::Create(GroomOfEach(log, replay.grooms_), replay.options_);
   if (!scene) return Failure{scene.error()};
   replay.scene_ = *std::move(scene);
+  if (!log.snapshot.empty())
+    if (const char* fault = replay.scene_->Restore(log.snapshot))
+      return Failure{fmt::format("input log '{}': its snapshot: {}", name, fault)};
   return replay;
 }
 

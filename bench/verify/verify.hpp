@@ -118,6 +118,7 @@ struct VerifyOptions {
   Shard shard;                   // of the list: everything that has a place in it
   bool stop_at_failure = false;  // what comes after the first one is not run, nor reported
   bool checks = true;
+  uint32_t rollback = 5;  // frames that the check of rollback goes back; 0: it is left out
   std::vector<std::string> sections;  // of the checks, by name; empty: all
   bool every_executor = false;  // in the checks, where one executor each takes turns otherwise
   // Instead of FurScene's: how tests plant a digest that leaves something out.

@@ -15,6 +15,7 @@ std::string_view FindingName(FindingKind kind) {
                                          "skip-changes-bits",
                                          "sleeper-not-woken",
                                          "wrongly-culled",
+                                         "kept-over-rollback",
                                          "digest-incomplete",
                                          "workers",
                                          "executor"};

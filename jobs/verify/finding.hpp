@@ -21,6 +21,7 @@ enum class FindingKind : uint8_t {
   kSkip,             // a skip changed bits
   kSleep,            // a sleeper did not see that an input had changed
   kCull,             // a layer in view was culled, or one that came back is not as promised
+  kRollback,         // other bits after going back: something was kept that is in no snapshot
   kDigest,           // a value that the digests do not see
   kWorkers,          // not the number of threads that was asked for
   kExecutor,         // what an executor finds wrong with its use: a door, a local store
