@@ -206,7 +206,16 @@ std::optional<Difference> CompareHeads(const InputLog& a, const InputLog& b) {
     const auto name = [](bool origins) { return origins ? "with" : "without"; };
     return HeadDifference("origins", name(a.about.origins), name(b.about.origins));
   }
-  return CompareGrooms(a, b);
+  if (auto found = CompareGrooms(a, b)) return found;
+  if (a.snapshot == b.snapshot) return std::nullopt;
+  const auto name = [](const InputLog& log) {
+    if (log.snapshot.empty()) return std::string("none");
+    Digest digest;
+    for (const std::byte b : log.snapshot) digest.Add(uint32_t(b));
+    return Format("{:016x}", digest.Value());
+  };
+  return HeadDifference("snapshot", name(a), name(b),
+                        "recordings that begin with other states: nothing else was compared");
 }
 
 // Of the frame and its characters.

@@ -90,6 +90,7 @@ class Reader {
 
 struct Counts {
   uint32_t grooms = 0, characters = 0, frames = 0;
+  bool snapshot = false;
 };
 
 Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log) {
@@ -115,13 +116,15 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
   if (!reader.failed() && hash != HashOf(file))
     reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
   const uint32_t known = kWithIndexBuffer | (log.version >= 5 ? kWithVelocities : 0u) |
-                         (log.version >= 6 ? kWithOrigins : 0u);
+                         (log.version >= 6 ? kWithOrigins : 0u) |
+                         (log.version >= 7 ? kWithSnapshot : 0u);
   if (options & ~known)
     reader.Fail(
         16, Format("options are {}, version {} has none above {}", options, log.version, known));
   log.about.index_buffer = (options & kWithIndexBuffer) != 0;
   log.about.velocities = (options & kWithVelocities) != 0;
   log.about.origins = (options & kWithOrigins) != 0;
+  counts.snapshot = (options & kWithSnapshot) != 0;
   if (counts.characters == 0 || counts.characters > kCharactersLimit)
     reader.Fail(24, Format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
   if (counts.grooms == 0 || counts.grooms > counts.characters)
@@ -146,6 +149,15 @@ void ReadGrooms(Reader& reader, const Counts& counts, InputLog& log) {
     if (reader.failed()) return;
     log.grooms.emplace_back(from, from + size);
   }
+}
+
+void ReadSnapshot(Reader& reader, InputLog& log) {
+  reader.Section("snapshot");
+  const size_t at = reader.At();
+  const auto size = reader.Get<uint64_t>();
+  const std::byte* from = reader.Take(size);
+  if (size == 0) reader.Fail(at, "a snapshot of no bytes");
+  if (!reader.failed()) log.snapshot.assign(from, from + size);
 }
 
 bool ReadWords(Reader& reader, size_t words, InputLog& log) {
@@ -341,6 +353,7 @@ Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::strin
   log.about.scene = reader.Text();
   log.about.note = reader.Text();
   ReadGrooms(reader, counts, log);
+  if (counts.snapshot) ReadSnapshot(reader, log);
   reader.Section("frames");
   reader.CheckCount(kFrameCountAt, counts.frames, LeastFrameBytes(counts.characters, log),
                     "frames");

@@ -1,10 +1,13 @@
 // The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
 //
 //      header      magic "PELTINP\n", version, strands per chunk, options (bit 0: index buffer,
-//                  bit 1: velocities, bit 2: origins), number of grooms, characters and frames, file size, hash
+//                  bit 1: velocities, bit 2: origins, bit 3: snapshot), number of grooms, characters and
+//                  frames, file size, hash
 //      texts       scene, note
 //      characters  the number of each one's groom
 //      grooms      each as the bytes of a groom file, opaque here
+//      snapshot    where there is one, its size and bytes (FurScene::Snapshot), opaque here: what the
+//                  scene was before the first frame; else that is the scene's first
 //      frames      FrameInput, weather, poses (with velocities: each followed by its own), with
 //                  origins the frame's and each character's, digest: one after the other
 //      colliders   from version 6 on: the number of frames in which some collider has a velocity;
@@ -37,8 +40,9 @@
 namespace pelt {
 
 // 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without
-// origins, a modal quality by size on the screen and velocities of colliders; all still read.
-inline constexpr uint32_t kInputLogVersion = 6;
+// origins, a modal quality by size on the screen and velocities of colliders, 6: without a snapshot;
+// all still read.
+inline constexpr uint32_t kInputLogVersion = 7;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {
@@ -75,6 +79,7 @@ struct InputLog {
   uint32_t chunk_strands = 0;                  // likewise
   std::vector<std::vector<std::byte>> grooms;  // groom files
   std::vector<uint32_t> character_groom;       // of each character, into `grooms`
+  std::vector<std::byte> snapshot;  // of the scene before frame 0; empty: it had run none
   std::vector<InputLogFrame> frames;
   std::vector<uint32_t> frame_pose;  // [frame][character], into `poses`
   std::vector<PackedPose> poses;     // those that differ from the frame before
@@ -113,9 +118,11 @@ bool LooksLikeInputLog(std::span<const std::byte> bytes);
 class InputLogWriter {
  public:
   // `character_grooms` holds the bytes of a groom file (WriteGroom) for each character; the same
-  // bytes are written once. Forgets what was recorded before.
+  // bytes are written once. `snapshot`: of a scene that has run frames before the first one that is
+  // recorded (FurScene::Snapshot). Forgets what was recorded before.
   const char* Begin(const InputLogScene& about,
-                    std::span<const std::span<const std::byte>> character_grooms);
+                    std::span<const std::span<const std::byte>> character_grooms,
+                    std::span<const std::byte> snapshot = {});
 
   // One frame that ran: what BeginFrame was given, the scene's poses ({&scene.Pose(0),
   // characters}), and DigestFrame() after it. With InputLogScene::velocities, also their velocities

@@ -30,7 +30,7 @@ inline constexpr uint32_t kCharactersLimit = kLayersPerScene;
 inline constexpr uint8_t kPoseUnchanged = 0, kPoseFollows = 1;
 inline constexpr uint8_t kRatesUnchanged = 0, kRatesFollow = 1, kNoRatesGiven = 2;
 inline constexpr uint32_t kWithIndexBuffer = 1u << 0, kWithVelocities = 1u << 1,
-                          kWithOrigins = 1u << 2;
+                          kWithOrigins = 1u << 2, kWithSnapshot = 1u << 3;
 
 template <class T>
 void PutNumber(std::vector<std::byte>& to, T value) {

@@ -79,7 +79,8 @@ bool HaveColliderVelocities(const FrameInput& input) {
 }  // namespace
 
 const char* InputLogWriter::Begin(const InputLogScene& about,
-                                  std::span<const std::span<const std::byte>> character_grooms) {
+                                  std::span<const std::span<const std::byte>> character_grooms,
+                                  std::span<const std::byte> snapshot) {
   if (character_grooms.empty() || character_grooms.size() > kCharactersLimit)
     return "no character, or more than a scene can have";
   if (!IsPrintable(about.scene) || !IsPrintable(about.note))
@@ -104,7 +105,8 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   PutNumber(bytes_, kStrandsPerChunk);
   PutNumber(bytes_, (about.index_buffer ? kWithIndexBuffer : 0u) |
                         (about.velocities ? kWithVelocities : 0u) |
-                        (about.origins ? kWithOrigins : 0u));
+                        (about.origins ? kWithOrigins : 0u) |
+                        (snapshot.empty() ? 0u : kWithSnapshot));
   PutNumber(bytes_, uint32_t(grooms.size()));
   PutNumber(bytes_, uint32_t(character_grooms.size()));
   bytes_.resize(kHeaderBytes);  // frames, file size and hash, once they are known
@@ -115,6 +117,9 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
     PutNumber(bytes_, uint64_t(groom.size()));
     bytes_.insert(bytes_.end(), groom.begin(), groom.end());
   }
+  if (snapshot.empty()) return nullptr;
+  PutNumber(bytes_, uint64_t(snapshot.size()));
+  bytes_.insert(bytes_.end(), snapshot.begin(), snapshot.end());
   return nullptr;
 }
 

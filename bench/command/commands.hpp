@@ -13,6 +13,7 @@
 #include "bench/command/picture_shots.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/scenarios/scenarios.hpp"
+#include "bench/verify/verify.hpp"
 #include "platform_sim/platforms/platform.hpp"
 
 namespace pelt {
@@ -82,6 +83,7 @@ std::string DescribeSettings(const RunArgs& args);
 
 struct RecordArgs {
   RunArgs run;
+  uint32_t from = 0;  // the first frame that is recorded, with a snapshot before it
   OutputPath out;
 };
 ExitCode Record(const RecordArgs& args);
@@ -204,6 +206,7 @@ struct VerifyArgs {
   std::optional<Isa> isa;  // only this instruction set, besides the reference
   bool skips = true, checks = true, every_executor = false, json = false;
   bool stop_at_failure = false;
+  uint32_t rollback = VerifyOptions{}.rollback;
   bool velocities = false;  // poses come with them
   bool origins = false;     // characters have some
   Shard shard = {};

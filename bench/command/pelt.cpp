@@ -170,6 +170,10 @@ Subcommand SetUpVerify(CLI::App& root) {
                 "Run nothing after the first case that fails");
   app->add_flag("!--no-checks", args.checks,
                 "Leave out the checks of access, waking, culling and digests");
+  app->add_option("--rollback", args.rollback,
+                  "Frames that are gone back at random places, under every executor; 0: none")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   app->add_flag("--full", args.every_executor,
                 "Every changed input under every executor, which take turns otherwise");
   app->add_flag("--json", args.json, "Machine-readable output");
@@ -180,6 +184,7 @@ Subcommand SetUpVerify(CLI::App& root) {
       "  pelt verify --scene tiny --frames 3 --isa reference --no-skips --no-checks --json\n"
       "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
       "  pelt verify --scene tiny --frames 2 --isa reference --solver modal --velocities\n"
+      "  pelt verify --scene tiny --frames 4 --isa reference --no-skips --rollback 8\n"
       "Several processes, and the one verdict of what they print:\n"
       "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
       "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"
@@ -210,6 +215,7 @@ Subcommand SetUpTrace(CLI::App& root) {
   app->footer(
       "Examples:\n"
       "  pelt trace record --scene tiny --frames 20 --out tiny.peltinput\n"
+      "  pelt trace record --scene tiny --frames 20 --from 15 --out end.peltinput\n"
       "  pelt trace replay tiny.peltinput\n"
       "  pelt trace replay tiny.peltinput --executor serial --isa reference --digest-log "
       "again.digests\n"
@@ -224,6 +230,10 @@ Subcommand SetUpTrace(CLI::App& root) {
   AddSkips(*record, args.record.run.options.skip, args.record.run.options.lod);
   AddTimeAndWeather(*record, args.record.run.fps, *weather);
   AddPaint(*record, args.record.run.paint);
+  record
+      ->add_option("--from", args.record.from,
+                   "First frame to record: what came before is a snapshot at the log's head")
+      ->capture_default_str();
   AddOutputFile(*record, "--out", args.record.out, "Input log to write")->required();
 
   auto* replay = app->add_subcommand(

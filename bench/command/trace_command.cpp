@@ -22,14 +22,15 @@ void CheckRecorded(const char* fault) {
 }
 
 void BeginRecording(const Scenario& scenario, const RunArgs& args, bool velocities,
-                    InputLogWriter& writer) {
+                    std::span<const std::byte> snapshot, InputLogWriter& writer) {
   std::vector<std::vector<std::byte>> grooms;
   for (const Groom& groom : scenario.grooms) grooms.push_back(WriteGroom(groom).OrThrow());
   std::vector<std::span<const std::byte>> each;
   for (const Actor& actor : scenario.actors) each.emplace_back(grooms[actor.groom]);
   const bool index_buffer = args.options.scene.vertex_order == VertexOrder::kIndexBuffer;
   CheckRecorded(writer.Begin(
-      {scenario.name, DescribeSettings(args), index_buffer, velocities, scenario.origins}, each));
+      {scenario.name, DescribeSettings(args), index_buffer, velocities, scenario.origins}, each,
+      snapshot));
 }
 
 // Poses that are the same as in the frame before.
@@ -66,6 +67,9 @@ ReportTree MakeShowTree(const InputLog& log) {
     tree.Say(DescribeGroom(log, g));
   }
   tree.Add(InJson("grooms"), groom_bytes).Add(InJson("character_groom"), log.character_groom);
+  if (!log.snapshot.empty())
+    tree.Add({"snapshot_bytes", "", -1, "begins with a snapshot of bytes"}, log.snapshot.size())
+        .EndLine();
   tree.Add(InText("frames"), log.FrameCount()).Add(InText("characters"), log.CharacterCount());
   tree.Add({"poses_unchanged", "", -1, "poses that are as in the frame before"},
            CountUnchangedPoses(log));
@@ -139,8 +143,18 @@ ExitCode Record(const RecordArgs& args) {
   InputLogWriter writer;
   const PoseRateBlock* const rates = running.scene().PoseRates(0);
   const double* const origins = running.scene().Origin(0);
-  BeginRecording(scenario, args.run, rates != nullptr, writer);
+  if (options.frames == 0) options.frames = scenario.default_frames;
+  if (args.from >= options.frames)
+    throw Error(
+        fmt::format("--from {}: the run has frames 0 to {}", args.from, options.frames - 1));
+  if (args.from == 0) BeginRecording(scenario, args.run, rates != nullptr, {}, writer);
   options.after_frame = [&](uint32_t frame, const FurScene& scene) {
+    if (frame + 1 == args.from) {
+      std::vector<std::byte> snapshot(scene.SnapshotBytes());
+      CheckRecorded(scene.Snapshot(snapshot));
+      BeginRecording(scenario, args.run, rates != nullptr, snapshot, writer);
+    }
+    if (frame < args.from) return;
     // The frame's input again: it depends on the frame's number alone.
     FrameInput input = scenario.PrepareFrame(frame, running.scene());
     input.skip = options.skip;
@@ -151,7 +165,7 @@ ExitCode Record(const RecordArgs& args) {
                                   {origins, origins ? 3 * characters : 0}));
   };
   {
-    Progress progress("record", options.frames ? options.frames : scenario.default_frames);
+    Progress progress("record", options.frames);
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     RunFrames(scenario, running, options);
   }

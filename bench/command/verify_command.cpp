@@ -28,6 +28,7 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
   add("only", args.isa ? std::string(IsaName(*args.isa)) : std::string("-"));
   add("skips", args.skips ? "yes" : "no");
   add("checks", !args.checks ? "no" : args.every_executor ? "full" : "yes");
+  add("rollback", fmt::format("{}", args.rollback));
   // Says the rest: solver, quality, what is in the files.
   add("digest", fmt::format("{:016x}", report.digest));
   return all;
@@ -46,6 +47,7 @@ ExitCode VerifyScene(const VerifyArgs& args) {
   options.shard = args.shard;
   options.stop_at_failure = args.stop_at_failure;
   options.checks = args.checks;
+  options.rollback = args.rollback;
   options.every_executor = args.every_executor;
   if (args.isa) options.filter = [&](const VerifyCase& c) { return c.isa == *args.isa; };
   VerifyReport report;

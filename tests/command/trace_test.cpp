@@ -70,6 +70,33 @@ TEST_F(TraceCommand, ReplayIsTheSameOnEverySetExecutorAndWorkerCount) {
   }
 }
 
+// From the middle of a run: what came before is a snapshot, and the digests are those of the whole.
+TEST_F(TraceCommand, ARecordingMayBeginAnywhere) {
+  const InputLog whole = ReadInputLogFile(RecordTiny("whole.peltinput", 24)).OrThrow();
+  RecordArgs args;
+  args.run.request.scene = "tiny";
+  args.run.options.frames = 24;
+  args.from = 17;
+  args.out = OutputPath::Of(Path("end.peltinput"));
+  testing::internal::CaptureStdout();
+  ASSERT_EQ(Record(args), 0);
+  testing::internal::GetCapturedStdout();
+  InputLog end = ReadInputLogFile(args.out.path()).OrThrow();
+  ASSERT_EQ(end.FrameCount(), 7u);
+  EXPECT_FALSE(end.snapshot.empty());
+  for (uint32_t f = 0; f < end.FrameCount(); ++f)
+    EXPECT_EQ(end.frames[f].digest, whole.frames[17 + f].digest) << "frame " << f;
+  for (const VerifyCase& what :
+       {VerifyCase{}, VerifyCase{.executor = "local-store", .piecewise_sort = true},
+        VerifyCase{.executor = "tbb", .workers = 3, .isa = BestIsa()}})
+    EXPECT_TRUE(ReplayAs(end, what).Same()) << NameCase(what);
+  end.snapshot.back() ^= std::byte{1};
+  EXPECT_NE(ReplayScene::Open(end, "x", {}).error().find("its snapshot: the snapshot is damaged"),
+            std::string::npos);
+  args.from = 24;
+  EXPECT_THROW(Record(args), Error);
+}
+
 TEST_F(TraceCommand, LodAndTheIndexBufferAreReplayedToo) {
   const InputLog lod = ReadInputLogFile(RecordTiny("lod.peltinput", 12, true)).OrThrow();
   EXPECT_TRUE(ReplayAs(lod, {}).Same());

@@ -11,6 +11,7 @@
 #include "core/file_bytes.hpp"
 #include "tests/source_folder.hpp"
 #include "tests/traces/recorded_frames.hpp"
+#include "traces/diff.hpp"
 #include "traces/digest.hpp"
 #include "traces/input_log_format.hpp"
 
@@ -149,8 +150,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 6.
-TEST(InputLog, BytesAreThoseOfVersionSix) {
+// reads version 7.
+TEST(InputLog, BytesAreThoseOfVersionSeven) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -160,7 +161,7 @@ TEST(InputLog, BytesAreThoseOfVersionSix) {
                           'N',
                           'P',
                           '\n',
-                          6,
+                          7,
                           0,
                           0,
                           0,
@@ -189,6 +190,28 @@ TEST(InputLog, BytesAreThoseOfVersionSix) {
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
   EXPECT_EQ(digest.Value(), 0x43057def44bc7c28u);
+}
+
+TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
+  const std::vector<std::byte> groom(37, std::byte{0xc1}), snapshot(1001, std::byte{0x5e});
+  const std::span<const std::byte> grooms[] = {groom};
+  const PoseBlock pose = MakePose(3, 1.0f);
+  InputLogWriter writer;
+  const auto write = [&](std::span<const std::byte> head) {
+    EXPECT_EQ(writer.Begin({"x", "", false}, grooms, head), nullptr);
+    EXPECT_EQ(writer.AddFrame({}, {&pose, 1}, 7), nullptr);
+    return writer.Finish();
+  };
+  const std::vector<std::byte> with = write(snapshot), without = write({});
+  EXPECT_EQ(with.size(), without.size() + 8 + snapshot.size());
+  const InputLog log = ReadInputLog(with, "x").OrThrow(),
+                 plain = ReadInputLog(without, "x").OrThrow();
+  EXPECT_EQ(log.snapshot, snapshot);
+  EXPECT_EQ(log.FrameCount(), 1u);
+  EXPECT_TRUE(plain.snapshot.empty());
+  const auto difference = FindDifference(log, plain);
+  ASSERT_TRUE(difference);
+  EXPECT_NE(DescribeDifference(*difference).find("snapshot"), std::string::npos);
 }
 
 // A recording from before there were capsules.
@@ -240,7 +263,7 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   }
   const std::vector<std::byte> bytes = writer.Finish();
   const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-  EXPECT_EQ(log.version, 6u);
+  EXPECT_EQ(log.version, kInputLogVersion);
   EXPECT_TRUE(log.about.velocities);
   EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
   PoseRateBlock found;
@@ -286,7 +309,7 @@ TEST(InputLog, OriginsComeBack) {
     }
     const std::vector<std::byte> bytes = writer.Finish();
     const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-    EXPECT_EQ(log.version, 6u);
+    EXPECT_EQ(log.version, kInputLogVersion);
     EXPECT_TRUE(log.about.origins);
     EXPECT_EQ(log.about.velocities, velocities);
     for (uint32_t f = 0; f < 4; ++f) {
@@ -473,9 +496,10 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 7, "byte 8: version 7, this program reads 1 to 6"},
+      {"version", 8, 8, "byte 8: version 8, this program reads 1 to 7"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"unknown options", 16, 8, "byte 16: options are 8, version 6 has none above 7"},
+      {"unknown options", 16, 16, "byte 16: options are 16, version 7 has none above 15"},
+      {"a snapshot that is not there", 16, 8, "snapshot, byte"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},
