@@ -206,6 +206,13 @@ std::optional<NamedSolver> FindSolver(std::string_view name) {
   return std::nullopt;
 }
 
+std::vector<std::string> SolverStems() {
+  std::vector<std::string> stems;
+  for (const NamedQuality& quality : kQualities) stems.emplace_back(quality.name);
+  for (const Members& members : AllMembers()) stems.emplace_back(NameStem(members.family));
+  return stems;
+}
+
 std::string SolverNames() {
   std::vector<std::string> names;
   for (const NamedQuality& quality : kQualities) names.emplace_back(quality.name);

@@ -60,6 +60,8 @@ std::vector<NamedSolver> AllSolvers(bool quick = false);
 std::optional<NamedSolver> FindSolver(std::string_view name);
 // The names there are, for messages.
 std::string SolverNames();
+// Their words without numbers.
+std::vector<std::string> SolverStems();
 
 // Whether it runs strands of so many links.
 bool RunsLinks(const NamedSolver& solver, int links);

@@ -14,6 +14,7 @@
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "core/error.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 
@@ -141,8 +142,8 @@ ExitCode MeasureAll(const AccuracyArgs& args) {
 NamedSolver SolverOf(const AccuracyArgs& args) {
   std::optional<NamedSolver> solver = FindSolver(args.solver);
   if (!solver)
-    throw Error(
-        fmt::format("--solver {}: no such solver; there are {}", args.solver, SolverNames()));
+    throw Error(fmt::format("--solver {}: no such solver; there are {}{}", args.solver,
+                            SolverNames(), DidYouMean(args.solver, SolverStems())));
   solver->method.stiffness_scale = solver->core.stiffness_scale = args.stiffness_scale;
   return *std::move(solver);
 }

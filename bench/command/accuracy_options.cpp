@@ -26,7 +26,7 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
   AddRatesAndLinks(app, args.rates, {15, 30, 60, 120, 240}, args.links, {3, 4});
   app.add_option("--presets", args.presets, "Materials, all if not given")
       ->delimiter(',')
-      ->check(CLI::IsMember(presets));
+      ->check(OneOf(presets));
   AddIsa(app, "Instruction set: the widest there is if not given",
          [&args](Isa isa) { args.isa = isa; });
   auto* seed = app.add_option("--seed", args.seed, "That motions and strands are drawn from")

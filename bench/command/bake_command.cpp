@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +14,7 @@
 #include "core/groom/flow_map.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/groom/height_field.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 namespace {
@@ -193,12 +195,13 @@ ReportTree MakeTree(const BakeReport& report) {
 
 const LayerSetup& FindLayer(const FurSetup& setup, const std::string& name) {
   if (name.empty() && !setup.layers.empty()) return setup.layers.front();
-  std::string known;
+  std::vector<std::string> known;
   for (const LayerSetup& layer : setup.layers) {
     if (layer.name == name) return layer;
-    known += (known.empty() ? "" : ", ") + layer.name;
+    known.push_back(layer.name);
   }
-  throw Error(fmt::format("{}: no layer '{}'; there are: {}", setup.path, name, known));
+  throw Error(fmt::format("{}: no layer '{}'; there are: {}{}", setup.path, name,
+                          fmt::join(known, ", "), DidYouMean(name, known)));
 }
 
 void WriteFlowMap(const BakeArgs& args, const Character& character, const RestGeometry& rest,
@@ -254,8 +257,9 @@ ExitCode Bake(const BakeArgs& args) {
   }
   report.bake_ms = MsSince(start);
   for (const LayerSetup& layer : setup.layers) report.max_strands.push_back(layer.max_strands);
-  for (std::string& warning : WarnOfBaldness(report.densities))
-    report.notes.push_back(std::move(warning));
+  if (!IsBuiltInName(args.setup) || !IsBuiltInName(args.character))  // ours are as bare as meant
+    for (std::string& warning : WarnOfBaldness(report.densities))
+      report.notes.push_back(std::move(warning));
   const std::vector<std::byte> bytes = WriteGroom(report.groom).OrThrow();
   report.file_bytes = bytes.size();
   report.digest = HashGroomBytes(bytes);

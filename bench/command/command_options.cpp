@@ -11,6 +11,7 @@
 #include "bench/command/usage_error.hpp"
 #include "bench/scenarios/embedded_files.hpp"
 #include "core/error.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 namespace {
@@ -29,7 +30,7 @@ void AddWord(CLI::App& app, const char* name, const char* help, Enum LayerParams
   const auto set = [&target, words](const std::string& word) {
     target = Enum(std::ranges::find(words, word) - words.begin());
   };
-  app.add_option_function<std::string>(name, set, help)->check(CLI::IsMember(Names(words)));
+  app.add_option_function<std::string>(name, set, help)->check(OneOf(Names(words)));
 }
 
 using Row = ExecutorRow;
@@ -51,12 +52,21 @@ std::string DescribeExecutors() {
 
 }  // namespace
 
-CLI::Validator IsScene() { return CLI::IsMember(Names(ScenarioNames())); }
+CLI::Validator OneOf(std::vector<std::string> words) {
+  const CLI::IsMember is_member(words);
+  const auto check = [=](std::string& text) {
+    const std::string word = text, fault = is_member(text);
+    return fault.empty() ? fault : fault + DidYouMean(word, words);
+  };
+  return CLI::Validator(check, is_member.get_description());
+}
+
+CLI::Validator IsScene() { return OneOf(Names(ScenarioNames())); }
 
 CLI::Validator IsIsa() {
   std::vector<std::string> names;
   for (const Isa isa : kAllIsas) names.emplace_back(IsaName(isa));
-  return CLI::IsMember(names);
+  return OneOf(names);
 }
 
 CLI::Validator InRange(double least, double most) {
@@ -203,7 +213,7 @@ void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint6
   app.add_option_function<std::string>(
          "--executor", [&executor](const std::string& name) { executor = ExecutorKind(name); },
          DescribeExecutors())
-      ->check(CLI::IsMember(OfferedExecutors()));
+      ->check(OneOf(OfferedExecutors()));
   app.add_option("--workers", workers,
                  fmt::format("Threads for {}; 0: one for each core", ListOf(&Row::HasWorkers)))
       ->check(CLI::Range(0, 1024))

@@ -38,6 +38,8 @@ Subcommand SetUpView(CLI::App& root);
 Subcommand SetUpAccuracy(CLI::App& root);
 Subcommand SetUpStress(CLI::App& root);
 
+// One of these words; says which was meant where it is mistyped.
+CLI::Validator OneOf(std::vector<std::string> words);
 // A built-in scene's name.
 CLI::Validator IsScene();
 // An instruction set's name, or several.

@@ -45,7 +45,7 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
 CLI::Validator IsWhatIf() {
   std::vector<std::string> names = {std::string(WhatIfName(WhatIf::kNothing))};
   for (const WhatIf what_if : kAllWhatIfs) names.emplace_back(WhatIfName(what_if));
-  return CLI::IsMember(names);
+  return OneOf(names);
 }
 
 // A machine that cannot be is refused before anything runs.
@@ -77,7 +77,7 @@ Subcommand SetUpTiming(CLI::App& root) {
                 "Price the host's operations one for one: no multiply-adds, no estimates")
       ->needs(kernel);
   app->add_option("--core", args.core, "Which core runs it; xenon: with --kernel")
-      ->check(CLI::IsMember({"spu", "ppe", "xenon"}))
+      ->check(OneOf({"spu", "ppe", "xenon"}))
       ->capture_default_str();
   app->add_option("--trip", args.trips, "LABEL=N: the loop that begins there runs N iterations")
       ->allow_extra_args(false);
@@ -112,7 +112,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "when it does not, 2 when there is no answer");
   AddSource(*app, args.request);
   app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")
-      ->check(CLI::IsMember({"host", "ps3", "xbox360"}))
+      ->check(OneOf({"host", "ps3", "xbox360"}))
       ->delimiter(',');
   app->add_option("--target-ms", args.target_ms, "What a frame may take")
       ->check(InRange(0.001, 1000.0))

@@ -1,6 +1,7 @@
 // `pelt timing --kernel`: our own kernels on a console's core, from their source (kernel_cost.hpp).
 // Each is recorded on the item of the scene's second frame that has most to do, every skip off.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "bench/command/usage_error.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/report/report_tree.hpp"
+#include "core/groom/nearest_word.hpp"
 #include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "platform_sim/pricing/stage_costs.hpp"
@@ -30,15 +32,16 @@ struct TimedStage {
 
 std::vector<TimedStage> FindStages(const Plan& plan, const TimingArgs& args) {
   std::vector<TimedStage> out;
-  std::string names;
+  std::vector<std::string_view> names;
   for (uint32_t s = 0; s < plan.stages.size(); ++s) {
     const std::string_view name = plan.stages[s].kernel.name;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+    names.push_back(name);
     if (name.starts_with(args.kernel)) out.push_back({s, name});
   }
   if (out.empty() || args.kernel.empty())
-    throw UsageError(fmt::format("--kernel '{}': no stage of scene {} begins so; there are {}",
-                                 args.kernel, args.scene, names));
+    throw UsageError(fmt::format("--kernel '{}': no stage of scene {} begins so; there are {}{}",
+                                 args.kernel, args.scene, fmt::join(names, ", "),
+                                 DidYouMean(args.kernel, names)));
   return out;
 }
 

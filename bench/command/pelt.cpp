@@ -309,8 +309,7 @@ Subcommand SetUpConformance(CLI::App& root) {
   ConformanceArgs& args = *kept;
   auto* app = root.add_subcommand(
       "conformance", "Check that job systems do what an engine door promises (jobs/README.md)");
-  app->add_option("--door", args.door, "Only this one")
-      ->check(CLI::IsMember(ConformanceDoorNames()));
+  app->add_option("--door", args.door, "Only this one")->check(OneOf(ConformanceDoorNames()));
   app->add_option("--workers", args.workers, "Threads, this one included; 0: one for each core")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();

@@ -66,7 +66,7 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
       ->capture_default_str();
   auto* renderer = app.add_option("--renderer", args.renderer,
                                   "What draws: software, or OpenGL without a display (gl)")
-                       ->check(CLI::IsMember(RendererNames()))
+                       ->check(OneOf(RendererNames()))
                        ->capture_default_str();
   app.add_flag(
          "--lighting-buffer", args.lighting_buffer,
@@ -75,7 +75,7 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
   app.add_option("--relief", args.relief,
                  "Layers that the pictures show as relief on the skin instead of as hairs; 'all'")
       ->delimiter(',');
-  app.add_option("--light", args.light, DescribeLights())->check(CLI::IsMember(LightNames()));
+  app.add_option("--light", args.light, DescribeLights())->check(OneOf(LightNames()));
 }
 
 void CheckCamera(const CameraChoice& choice) {

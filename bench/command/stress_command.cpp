@@ -6,6 +6,7 @@
 // promise was broken, or that an instruction set gave other results than the first. The other
 // solvers' figures are shown, not judged.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include "bench/command/progress.hpp"
 #include "bench/report/machine.hpp"
 #include "core/error.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 
@@ -59,7 +61,8 @@ std::vector<NamedSolver> SolversOf(const StressArgs& args) {
   const auto add = [&](std::string_view name) {
     std::optional<NamedSolver> solver = FindSolver(name);
     if (!solver)
-      throw Error(fmt::format("--solvers {}: no such solver; there are {}", name, SolverNames()));
+      throw Error(fmt::format("--solvers {}: no such solver; there are {}{}", name, SolverNames(),
+                              DidYouMean(name, SolverStems())));
     solvers.push_back(*std::move(solver));
   };
   if (args.solvers.empty())

@@ -38,20 +38,14 @@ std::vector<std::string> SubcommandNames(const CLI::App& app) {
   return names;
 }
 
-std::string Suggest(std::string_view word, const std::vector<std::string>& names) {
-  const std::vector<std::string_view> known(names.begin(), names.end());
-  const std::string_view nearest = FindNearestWord(word, known);
-  return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
-}
-
 std::string DescribeWord(const CLI::App& app, const std::string& word) {
   if (word.starts_with("-")) {
     const std::string name = word.substr(0, word.find('='));
-    return fmt::format("no option '{}'{}", name, Suggest(name, OptionNames(app)));
+    return fmt::format("no option '{}'{}", name, DidYouMean(name, OptionNames(app)));
   }
   const std::vector<std::string> names = SubcommandNames(app);
   if (names.empty()) return fmt::format("'{}' is one argument too many", word);
-  const std::string suggestion = Suggest(word, names);
+  const std::string suggestion = DidYouMean(word, names);
   return fmt::format(
       "no subcommand '{}'{}", word,
       suggestion.empty() ? fmt::format("; there are: {}", fmt::join(names, ", ")) : suggestion);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 
@@ -24,8 +25,10 @@ const EmbeddedFile* NamedOrPath(std::span<const EmbeddedFile> files, std::string
                                 const std::string& name_or_path) {
   const EmbeddedFile* found = FindEmbedded(files, name_or_path);
   if (found || name_or_path.find_first_of("./") != std::string::npos) return found;
-  throw Error(fmt::format("no built-in {} '{}' (there are: {}); a file's path ends in .toml", what,
-                          name_or_path, fmt::join(NamesOf(files), ", ")));
+  const std::vector<std::string_view> names = NamesOf(files);
+  throw Error(fmt::format("no built-in {} '{}' (there are: {}); a file's path ends in .toml{}",
+                          what, name_or_path, fmt::join(names, ", "),
+                          DidYouMean(name_or_path, names)));
 }
 
 }  // namespace pelt

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bench/scenarios/cast.hpp"
@@ -19,6 +20,7 @@
 #include "core/file_bytes.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_names.hpp"
 #include "core/random.hpp"
 
@@ -161,6 +163,12 @@ void PointCameraAt(Scenario& scenario) {
   scenario.camera.height_m = 0.2 * scenario.camera.radius_m;
 }
 
+bool IsOwn(const ScenarioRequest& request) {
+  const bool files =
+      request.scene.empty() && !(IsBuiltInName(request.setup) && IsBuiltInName(request.character));
+  return !files && request.setup_texts.empty();
+}
+
 Scenario MakeFromFiles(const ScenarioRequest& request) {
   Scenario scenario;
   scenario.base.wind = Breeze();
@@ -236,6 +244,14 @@ std::span<const std::string_view> ScenarioNames() {
 Character LoadCharacter(const std::string& name_or_path) {
   for (const BuiltInCharacter& character : kCharacters)
     if (name_or_path == character.name) return MakeBuiltinCharacter({.body = character.body});
+  if (name_or_path.find_first_of("./") == std::string::npos &&
+      !std::filesystem::exists(name_or_path)) {
+    std::vector<std::string_view> names;
+    for (const BuiltInCharacter& character : kCharacters) names.push_back(character.name);
+    throw Error(fmt::format(
+        "no built-in character '{}' (there are: {}); a file's path ends in .glb or .gltf{}",
+        name_or_path, fmt::join(names, ", "), DidYouMean(name_or_path, names)));
+  }
   return ImportGltfFile(name_or_path);
 }
 
@@ -304,8 +320,11 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   else if (scene != std::end(kScenes))
     scenario = scene->make(request, progress);
   else
-    throw Error(fmt::format("no scene '{}'; there are: {}", request.scene,
-                            fmt::join(ScenarioNames(), ", ")));
+    throw Error(fmt::format("no scene '{}'; there are: {}{}", request.scene,
+                            fmt::join(ScenarioNames(), ", "),
+                            DidYouMean(request.scene, ScenarioNames())));
+  // What is guessed and bare in our own is as it is meant; what somebody writes instead is not ours.
+  if (IsOwn(request)) scenario.notes.clear();
   OverrideSolver(request, scenario);
   if (lights) LightAll(scenario, *lights);
   CompleteLights(scenario);

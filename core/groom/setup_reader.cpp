@@ -140,10 +140,9 @@ size_t SetupReader::ReadWord(const KeyInfo& info, const toml::node& node) {
   const std::string_view text = ExpectString(info, node);
   const auto word = std::find(info.words.begin(), info.words.end(), text);
   if (word == info.words.end()) {
-    const std::string_view nearest = FindNearestWord(text, info.words);
     FailKey(LineOf(node), info.key,
             Format("'{}' is not one of {}{}", text.substr(0, 64), fmt::join(info.words, ", "),
-                   nearest.empty() ? "" : Format("; did you mean '{}'?", nearest)));
+                   DidYouMean(text, info.words)));
   }
   return size_t(word - info.words.begin());
 }

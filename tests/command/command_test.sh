@@ -87,6 +87,28 @@ check_serving() {
   grep -qF "$(cat browsed.txt)" served.txt || fail "the browser got: $(cat browsed.txt), not: $(cat served.txt)"
 }
 
+# A mistyped word, of every kind of choice.
+check_meant() {
+  expect 2 "did you mean 'monster'?" -- run --scene mosnter
+  expect 2 "did you mean 'permuted'?" -- run --scene tiny --executor permutde
+  expect 2 "did you mean 'avx2'?" -- run --scene tiny --isa avx
+  expect 2 "did you mean 'modal'?" -- run --scene tiny --solver modla
+  expect 2 "did you mean 'backlit'?" -- run --scene tiny --picture x.png --light baklit
+  expect 2 "did you mean 'software'?" -- run --scene tiny --picture x.png --renderer sofware
+  expect 2 "did you mean 'xbox360'?" -- budget --scene tiny --platform xbox630
+  expect 2 "did you mean 'live-prefix'?" -- budget --scene tiny --what-if live-prefx
+  expect 2 "did you mean 'xenon'?" -- timing --kernel skin --core xenom
+  expect 2 "did you mean 'simulate_pbd_4'?" -- timing --kernel simulat_pbd_4
+  expect 2 "did you mean 'threads'?" -- conformance --door thread
+  expect 2 "did you mean 'stiff'?" -- accuracy --quick --presets stif
+  expect 1 "did you mean 'modal'?" -- stress --quick --solvers modla
+  expect 1 "did you mean 'scorpion'?" -- run --setup scorpoin
+  expect 1 "did you mean 'lamps'?" -- run --scene tiny --lights lmaps
+  expect 1 "did you mean 'scorpion'?" -- run --character scorpoin --setup tiny
+  expect 1 "did you mean 'strand5'?" -- bake --setup tiny --flow-map x.png --flow-layer stand5
+  expect 1 "did you mean 'strand5'?" -- run --scene tiny --frames 1 --picture x.png --relief stand5
+}
+
 check_errors() {
   expect 2 subcommand --
   expect 2 "no subcommand 'budgte'; did you mean 'budget'" -- budgte --scene tiny
@@ -95,6 +117,7 @@ check_errors() {
   expect 2 nowhere -- run --scene nowhere
   expect 2 frames -- run --scene tiny --frames many
   expect 2 executor -- run --scene tiny --executor magic
+  check_meant
   expect 2 renderer -- run --scene tiny --picture x.png --renderer magic
   expect 2 --setup -- run --character some.glb
   expect 2 --scene -- run --scene tiny --setup tiny

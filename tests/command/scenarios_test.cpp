@@ -188,6 +188,21 @@ TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
   EXPECT_EQ(LoadText(layer).base.lighting.light_count, 0u);
 }
 
+// Its layers are as bare as they are meant to be; the same written by somebody else is told.
+TEST(Scenarios, OwnScenesSayNothingOfThemselves) {
+  for (const std::string_view name : ScenarioNames())
+    EXPECT_TRUE(LoadScenario(std::string(name)).notes.empty()) << name;
+  EXPECT_TRUE(LoadScenario(ScenarioRequest{.setup = "tiny"}).notes.empty());
+  const auto bald = [](const Scenario& scenario) {
+    size_t count = 0;
+    for (const std::string& note : scenario.notes) count += note.find("is bald") != note.npos;
+    return count;
+  };
+  const std::string text = SetupText("tiny");
+  EXPECT_EQ(bald(LoadText(text)), 9u);
+  EXPECT_EQ(bald(LoadScenario(ScenarioRequest{.scene = "tiny", .setup_texts = {text}})), 9u);
+}
+
 Scenario CastLitBy(const std::string& lights) {
   return LoadScenario({.scene = "cast", .lights = lights});
 }
