@@ -68,6 +68,7 @@ struct RunArgs {
   PictureArgs picture;
   OutputPath trace;            // Chrome trace file to write
   uint32_t trace_frames = 10;  // the last ones; 0: all
+  bool trace_worst = false;    // the slowest one and those around it instead
   OutputPath digest_log;       // to write
   bool json = false;
   // Options that change what is run or on what, as they were given: "--fps", "30".
@@ -113,6 +114,7 @@ struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
   std::vector<std::string> commands;  // two that print such, run in turns
   uint32_t rounds = 9;
+  OutputPath page;  // HTML of both, to write
   bool json = false;
 };
 ExitCode Compare(const CompareArgs& args);

@@ -12,7 +12,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/report/run_comparison.hpp"
+#include "bench/report/comparison_page.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 
@@ -99,7 +99,11 @@ ExitCode Compare(const CompareArgs& args) {
     sides = {ComparedSide{args.commands[0], {}}, ComparedSide{args.commands[1], {}}};
     RunInTurns(args.rounds, sides);
   }
-  CompareRuns(sides[0], sides[1]).Print(args.json);
+  const ReportTree found = CompareRuns(sides[0], sides[1]);
+  found.Print(args.json);
+  if (args.page.empty()) return kDone;
+  WriteOutput("page", args.page, ComparisonPage(sides[0], sides[1], found));
+  if (!args.json) fmt::print("page of both {}\n", args.page.path());
   return kDone;
 }
 

@@ -32,11 +32,14 @@ Subcommand SetUpCompare(CLI::App& root) {
       ->needs(commands)
       ->check(CLI::Range(6, 1000))
       ->capture_default_str();
+  AddOutputFile(*app, "--page", args.page,
+                "HTML page to write with both side by side: frames, costs, what differs");
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"
       "  pelt compare a.json b.json\n"
       "  pelt compare a.json b.json --json\n"
+      "  pelt compare a.json b.json --page two.html\n"
       "  pelt compare --rounds 6 --commands 'pelt run --scene tiny --frames 30 --json' "
       "'pelt run --scene tiny --frames 30 --no-cull --json'");
   return {app, [app, kept] { CheckWays(*app, *kept); }, [kept] { return Compare(*kept); }};

@@ -70,6 +70,11 @@ Subcommand SetUpRun(CLI::App& root) {
       ->needs(trace)
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
+  app->add_flag(
+         "--trace-worst", args.trace_worst,
+         "With --trace: the slowest frame and those around it, not the last ones; every frame "
+         "is recorded, with all stages, for about 3 %")
+      ->needs(trace);
   AddOutputFile(*app, "--digest-log", args.digest_log,
                 "Text file with a digest for each frame, stage and stream; see pelt diff");
   app->add_flag("--json", args.json, "Machine-readable output");
@@ -78,6 +83,7 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene monster --frames 20\n"
       "  pelt run --scene tiny --frames 20 --digest-log tiny.digests\n"
       "  pelt run --scene tiny --frames 20 --trace trace.json --trace-frames 5\n"
+      "  pelt run --scene tiny --frames 20 --trace worst.json --trace-worst --trace-frames 1\n"
       "  pelt run --scene tiny --executor serial --isa reference --no-sleep\n"
       "  pelt run --scene tiny --wetness 1 --dirt 0.5 --wet-at 20 --fps 30 --json\n"
       "  pelt run --character builtin --setup eyepet --frames 10 --picture eyepet.png\n"
@@ -94,6 +100,8 @@ Subcommand SetUpRun(CLI::App& root) {
             CompleteRun(*app, *weather, *kept);
             kept->given = ListGiven(of_run);
             CompletePictures(*app, kept->picture);
+            if (kept->trace_worst && kept->trace_frames == 0)
+              throw UsageError("--trace-worst has no effect with --trace-frames 0, which is all");
             CheckExecutor(*app, kept->options.executor);
           },
           [kept] { return Run(*kept); }};
@@ -112,7 +120,8 @@ Subcommand SetUpReport(CLI::App& root) {
   app->footer(
       "Examples:\n"
       "  pelt report --scene tiny --frames 60 --out report.html\n"
-      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2 --no-consoles");
+      "  pelt report --character builtin --setup eyepet --frames 30 --workers 2 --no-consoles\n"
+      "Two runs side by side are a page of pelt compare --page.");
   return {app,
           [app, kept, weather] {
             CompleteRun(*app, *weather, kept->run);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <deque>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
@@ -31,6 +32,45 @@ std::string TraceText(const FurScene& scene, const RunReport& report,
   return ChromeTrace(timeline);
 }
 
+// The frames that a trace is of, told one after the other.
+class TracedFrames {
+ public:
+  explicit TracedFrames(const RunArgs& args) : most_(args.trace_frames), worst_(args.trace_worst) {}
+
+  void Add(FrameRecord record) {
+    const uint64_t ticks = record.ticks.end - record.ticks.begin;
+    const bool slowest = ticks > slowest_ticks_;
+    if (slowest) slowest_ticks_ = ticks, slowest_frame_ = record.frame;
+    if (worst_ && slowest) frames_.assign(before_.begin(), before_.end());
+    if (!worst_ || slowest || frames_.size() < most_) frames_.push_back(record);
+    if (!worst_) return;
+    before_.push_back(std::move(record));
+    if (before_.size() > (most_ - 1) / 2) before_.pop_front();
+  }
+
+  const std::vector<FrameRecord>& frames() const { return frames_; }
+  std::string Describe() const {
+    const std::string what = fmt::format("trace of {} frames", frames_.size());
+    return worst_ ? fmt::format("{}, of which {} was the slowest of all,", what, slowest_frame_)
+                  : what;
+  }
+
+ private:
+  uint32_t most_;
+  bool worst_;
+  uint64_t slowest_ticks_ = 0;
+  uint32_t slowest_frame_ = 0;
+  std::vector<FrameRecord> frames_;
+  std::deque<FrameRecord> before_;  // what a slower frame would have before itself
+};
+
+// As wide as a report, to both streams.
+void PrintNotes(const std::vector<std::string>& notes, std::FILE* to) {
+  ReportTree tree;
+  tree.AddTexts("notes", notes, "note");
+  fmt::print(to, "{}", tree.Text());
+}
+
 void PlaceCamera(const CameraChoice& choice, Scenario& scenario, uint32_t frames) {
   CameraOrbit& orbit = scenario.camera;
   if (!choice.target_m.empty())
@@ -57,8 +97,7 @@ Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
       progress.Show(done, fmt::format("character {} of {}", done + 1, total));
     });
   }
-  if (notes)
-    for (const std::string& note : scenario.notes) fmt::print(notes, "note: {}\n", note);
+  if (notes) PrintNotes(scenario.notes, notes);
   if (args.weather) scenario.weather_course = *args.weather;
   if (IsPainted(args)) PaintAll(scenario, args.paint);
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
@@ -78,13 +117,15 @@ ExitCode Run(const RunArgs& args) {
   const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
   PictureShots pictures(args.picture, scenario, running.scene(), frames,
                         options.scene.vertex_order);
-  std::vector<FrameRecord> records;
+  TracedFrames traced(args);
   const TickScale tick_scale;
   if (!args.trace.empty()) {
-    if (args.trace_frames && args.trace_frames < frames)
+    if (args.trace_worst)
+      options.observed_as = Recording::kAll;
+    else if (args.trace_frames && args.trace_frames < frames)
       options.observe_from_frame = frames - args.trace_frames;
     options.observe = [&](const FinishedFrame& f) {
-      records.push_back(RecordFrame(f.scene, f.profile, f.frame, f.ticks));
+      traced.Add(RecordFrame(f.scene, f.profile, f.frame, f.ticks));
     };
   }
   const StageDigests stage_digests(running.scene());
@@ -109,8 +150,7 @@ ExitCode Run(const RunArgs& args) {
   for (const auto& [option, value] : args.given) given.Add(InJson(option), value);
   pictures.AddTo(tree);
   fmt::print("{}", args.json ? tree.Json() : tree.Text() + '\n');
-  for (const std::string& note : pictures.notes())
-    fmt::print(args.json ? stderr : stdout, "note: {}\n", note);
+  PrintNotes(pictures.notes(), args.json ? stderr : stdout);
   pictures.Finish();
   for (const std::string& file : pictures.written())
     if (!args.json) fmt::print("{}\n", file);
@@ -125,8 +165,9 @@ ExitCode Run(const RunArgs& args) {
       faults.push_back(error.what());
     }
   };
-  write(fmt::format("trace of {} frames", records.size()), args.trace,
-        [&] { return TraceText(running.scene(), report, records, tick_scale.NsPerTick()); });
+  write(traced.Describe(), args.trace, [&] {
+    return TraceText(running.scene(), report, traced.frames(), tick_scale.NsPerTick());
+  });
   write("digest log", args.digest_log, [&] { return WriteDigestLog(digest_log); });
   if (!faults.empty()) throw Error(fmt::format("{}", fmt::join(faults, "; ")));
   if (!report.faults.empty())

@@ -69,7 +69,7 @@ PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t i
 }
 
 BudgetRecorder::BudgetRecorder(const FurScene& scene, uint32_t frames)
-    : scene_(scene), times_(scene.plan(), scene.shape()) {
+    : scene_(scene), times_(scene.plan(), scene.shape()), costs_(scene, frames) {
   const Plan& plan = scene.plan();
   const SceneShape& shape = scene.shape();
   for (const Stage& stage : plan.stages) {
@@ -111,6 +111,7 @@ void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
   const double ms_per_tick = times_.NsPerTick() * 1e-6;
   const Plan& plan = scene_.plan();
   const SceneShape& shape = scene_.shape();
+  costs_.BeginFrame();
   for (size_t s = 0; s < plan.stages.size(); ++s) {
     const Domain domain = plan.stages[s].domain;
     uint64_t sum_ticks = 0;
@@ -118,6 +119,7 @@ void BudgetRecorder::Finish(uint64_t caller_ns, uint64_t wall_ns) {
       const Slice slice = times_.Stage(uint32_t(s), i);
       if (!slice.Ran()) continue;
       sum_ticks += slice.Ticks();
+      costs_.Add(uint32_t(s), i, slice.Ticks());
       ++ran_[s];
       bytes_[s] += item_bytes_[s][LayerOfItem(shape, domain, i)];
     }
@@ -216,12 +218,72 @@ void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree) {
              budget.wall_ms.median / line);
 }
 
-void AddSamples(const Budget& budget, ReportTree& tree) {
+namespace {
+
+// What they are called where both kinds stand beside each other; layers may share a name.
+std::string LayerLabel(const CostSplit& costs, size_t layer) {
+  return fmt::format("layer {} {}", layer, costs.layers[layer].name);
+}
+std::string CharacterLabel(size_t character) { return fmt::format("character {}", character); }
+
+Value NsPerStrand(double ms, uint64_t strands) {
+  return strands ? Value(ms * 1e6 / double(strands)) : Value();
+}
+
+}  // namespace
+
+void AddCostSplit(const CostSplit& costs, const Budget& budget, ReportTree& tree) {
+  ReportTable layers{.key = {},
+                     .columns = {{"layer"},
+                                 {"character"},
+                                 {"strands"},
+                                 {"chunks"},
+                                 {"core_ms.median"},
+                                 {"core_ms.p95"},
+                                 {"core_ms.worst"},
+                                 {"ns_per_strand"},
+                                 {"dearest_stage"},
+                                 {"dearest_share"}}};
+  for (size_t l = 0; l < costs.layers.size(); ++l) {
+    const LayerCost& layer = costs.layers[l];
+    layers.Add({LayerLabel(costs, l), CharacterLabel(layer.character), layer.strands, layer.chunks,
+                layer.core_ms.median, layer.core_ms.p95, layer.core_ms.worst,
+                NsPerStrand(layer.core_ms.median, layer.strands),
+                budget.stages[layer.dearest_stage].name, layer.dearest_share});
+  }
+  tree.Add(InJson("layer_costs"), std::move(layers));
+  ReportTable characters{.key = {},
+                         .columns = {{"character"},
+                                     {"layers"},
+                                     {"strands"},
+                                     {"core_ms.median"},
+                                     {"core_ms.p95"},
+                                     {"core_ms.worst"},
+                                     {"ns_per_strand"},
+                                     {"pose_and_joints_ms"}}};
+  for (size_t c = 0; c < costs.characters.size(); ++c) {
+    const CharacterCost& character = costs.characters[c];
+    characters.Add({CharacterLabel(c), character.layers, character.strands,
+                    character.core_ms.median, character.core_ms.p95, character.core_ms.worst,
+                    NsPerStrand(character.core_ms.median, character.strands), character.own_ms});
+  }
+  tree.Add(InJson("character_costs"), std::move(characters));
+}
+
+void AddSamples(const Budget& budget, const CostSplit& costs, ReportTree& tree) {
   tree.Add(InJson("samples.frame_ms"), Rounded(budget.samples_ms));
   ReportTable stages{.key = {}, .columns = {{"stage"}, {"core_ms"}}, .is_map = true};
   for (const StageBudget& s : budget.stages)
     if (IsInScene(s)) stages.Add({s.name, Rounded(s.samples_ms)});
   tree.Add(InJson("samples.stages"), std::move(stages));
+  ReportTable layers{.key = {}, .columns = {{"layer"}, {"core_ms"}}, .is_map = true};
+  for (size_t l = 0; l < costs.layers.size(); ++l)
+    layers.Add({LayerLabel(costs, l), Rounded(costs.layers[l].samples_ms)});
+  tree.Add(InJson("samples.layers"), std::move(layers));
+  ReportTable characters{.key = {}, .columns = {{"character"}, {"core_ms"}}, .is_map = true};
+  for (size_t c = 0; c < costs.characters.size(); ++c)
+    characters.Add({CharacterLabel(c), Rounded(costs.characters[c].samples_ms)});
+  tree.Add(InJson("samples.characters"), std::move(characters));
 }
 
 }  // namespace pelt

@@ -11,17 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/layer_costs.hpp"
 #include "bench/report/report_tree.hpp"
+#include "bench/report/spread.hpp"
 #include "jobs/frame_recording.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
-
-struct Spread {
-  double median = 0.0, p95 = 0.0, worst = 0.0;
-};
-// Of values in any unit; 0 of none. Reorders them.
-Spread SpreadOf(std::span<double> values);
 
 // Bytes the ports of `stage` move for one item, if it runs: whole blocks in and out, as a DMA
 // would. Blocks shared by many items are not counted: they stay where they are.
@@ -72,6 +68,10 @@ class BudgetRecorder {
   void Finish(uint64_t caller_ns, uint64_t wall_ns);
 
   Budget Summarise() const;
+  // Of the frames that stages were timed in; `layer_strands`: of each layer.
+  CostSplit SplitCosts(std::span<const uint32_t> layer_strands) const {
+    return costs_.Summarise(times_.NsPerTick() * 1e-6, layer_strands);
+  }
   // Of the last profiled frame.
   double LastStageMs(uint32_t stage) const { return stage_ms_[stage].back(); }
 
@@ -85,11 +85,14 @@ class BudgetRecorder {
   std::vector<double> caller_ms_, wall_ms_;
   std::vector<uint64_t> ran_, admitted_, bytes_;
   std::vector<std::vector<uint64_t>> item_bytes_;  // [stage][layer, or 0]
+  LayerCosts costs_;
 };
 
 // "stages", "passes", "caller_ms", "frame_ms" and "ns_per_strand".
 void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree);
+// "layer_costs" and "character_costs", in JSON only: of 166 layers nobody reads a table in a terminal.
+void AddCostSplit(const CostSplit& costs, const Budget& budget, ReportTree& tree);
 // "samples": what the medians are of, for `pelt compare`; in JSON only.
-void AddSamples(const Budget& budget, ReportTree& tree);
+void AddSamples(const Budget& budget, const CostSplit& costs, ReportTree& tree);
 
 }  // namespace pelt

@@ -8,25 +8,48 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "bench/report/budget.hpp"
-#include "bench/report/json_text.hpp"
-#include "bench/report/timeline.hpp"
+#include "bench/report/spread.hpp"
+#include "jobs/scene.hpp"
 
 namespace pelt {
 
+struct LayerCost {
+  std::string name;
+  uint32_t character = 0, chunks = 0;
+  uint64_t strands = 0;
+  Spread core_ms;
+  std::vector<double> samples_ms;  // of each frame
+  uint32_t dearest_stage = 0;
+  double dearest_share = 0.0;
+};
+struct CharacterCost {
+  uint32_t layers = 0;
+  uint64_t strands = 0;
+  Spread core_ms;
+  std::vector<double> samples_ms;
+  double own_ms = 0.0;  // median of pose and joints
+};
+struct CostSplit {
+  std::vector<LayerCost> layers;
+  std::vector<CharacterCost> characters;
+  Spread scene_ms, all_ms;
+};
+
 class LayerCosts {
  public:
-  explicit LayerCosts(const FurScene& scene);
+  LayerCosts(const FurScene& scene, uint32_t frames);
 
-  // A frame in which all stages were timed.
-  void Add(const FrameRecord& record);
-  // "layer_costs", "character_costs", "scene_cost" and "cost"; `layer_strands`: of each layer.
-  void AddTo(JsonText& json, double ms_per_tick, std::span<const uint32_t> layer_strands) const;
+  // A frame in which all stages were timed: first this, then every run of a stage.
+  void BeginFrame();
+  void Add(uint32_t stage, uint32_t item, uint64_t ticks);
+  // `layer_strands`: of each layer.
+  CostSplit Summarise(double ms_per_tick, std::span<const uint32_t> layer_strands) const;
 
  private:
-  Spread SpreadOfFrames(double ms_per_tick, const std::vector<uint32_t>& rows) const;
+  std::vector<double> FrameSums(double ms_per_tick, const std::vector<uint32_t>& rows) const;
 
   const FurScene& scene_;
   // [row][frame] in ticks: layers, then characters by themselves, then the scene.

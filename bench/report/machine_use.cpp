@@ -58,37 +58,53 @@ MachineUse ReadUse() {
   MachineUse use;
   use.cores_allowed = CountAllowedCores();
   if (double load = 0.0; getloadavg(&load, 1) == 1) use.load_average = load;
-  use.preemptions = CountPreemptions();
-  use.waited_ms = WaitedMs();
+  use.wait = ReadCoreWait();
   return use;
 }
 
 }  // namespace
+
+CoreWait ReadCoreWait() { return {CountPreemptions(), WaitedMs()}; }
+
+CoreWait CoreWait::Since(const CoreWait& before) const {
+  CoreWait since{preemptions - before.preemptions, waited_ms};
+  // A thread that ended takes its time along.
+  if (waited_ms) since.waited_ms = std::max(0.0, *waited_ms - before.waited_ms.value_or(0.0));
+  return since;
+}
+
+bool IsDisturbed(const CoreWait& wait, double wall_ms, uint32_t threads) {
+  if (wait.waited_ms) return *wait.waited_ms > kWaitedShare * wall_ms * threads;
+  return double(wait.preemptions) > kPreemptionsPerSecond * wall_ms * 1e-3;
+}
 
 MachineUseWatch::MachineUseWatch() : begin_(ReadUse()), begin_ns_(NowNs()) {}
 
 MachineUse MachineUseWatch::Finish() const {
   MachineUse use = ReadUse();
   use.load_average = begin_.load_average;  // afterwards the run is in it
-  use.preemptions -= begin_.preemptions;
-  // A thread that ended takes its time along.
-  if (use.waited_ms) use.waited_ms = std::max(0.0, *use.waited_ms - begin_.waited_ms.value_or(0.0));
+  use.wait = use.wait.Since(begin_.wait);
   use.wall_ms = double(NowNs() - begin_ns_) * 1e-6;
   return use;
 }
 
+uint32_t Threads(const MachineUse& use, uint32_t workers) {
+  return std::max(1u, std::min(workers, use.cores_allowed));
+}
+
 std::vector<std::string> FindDisturbances(const MachineUse& use, uint32_t workers) {
   std::vector<std::string> found;
-  const uint32_t threads = std::max(1u, std::min(workers, use.cores_allowed));
+  const uint32_t threads = Threads(use, workers);
   if (workers > use.cores_allowed)
     found.push_back(fmt::format("{} workers had {}: wall times are not those of {} workers",
                                 workers, Cores(use.cores_allowed), workers));
-  if (use.waited_ms && *use.waited_ms > kWaitedShare * use.wall_ms * threads)
-    found.push_back(fmt::format(
-        "threads were ready for {:.0f} ms without a core, of {:.0f} ms on {}; {} preemptions",
-        *use.waited_ms, use.wall_ms, Cores(threads), use.preemptions));
-  if (!use.waited_ms && double(use.preemptions) > kPreemptionsPerSecond * use.wall_ms * 1e-3)
-    found.push_back(fmt::format("{} preemptions in {:.0f} ms", use.preemptions, use.wall_ms));
+  if (IsDisturbed(use.wait, use.wall_ms, threads))
+    found.push_back(
+        use.wait.waited_ms
+            ? fmt::format("threads were ready for {:.0f} ms without a core, of {:.0f} ms on {}; {} "
+                          "preemptions",
+                          *use.wait.waited_ms, use.wall_ms, Cores(threads), use.wait.preemptions)
+            : fmt::format("{} preemptions in {:.0f} ms", use.wait.preemptions, use.wall_ms));
   if (use.load_average && *use.load_average + workers > use.cores_allowed + 0.5)
     found.push_back(fmt::format(
         "load average {:.2f} before the run: with its {} workers more than {} can run at once",
@@ -100,9 +116,9 @@ void AddMachineUse(const MachineUse& use, uint32_t workers, ReportTree& tree) {
   ReportTree& section = tree.AddSection("machine_use");
   section.Add({"cores_allowed"}, use.cores_allowed);
   section.Add({"load_average", "", 2}, use.load_average ? Value(*use.load_average) : Value());
-  section.Add({"preemptions"}, use.preemptions);
+  section.Add({"preemptions"}, use.wait.preemptions);
   section.Add({"waited_ms", "ms", 1, "waited for a core"},
-              use.waited_ms ? Value(*use.waited_ms) : Value());
+              use.wait.waited_ms ? Value(*use.wait.waited_ms) : Value());
   section.Add({"wall_ms", "ms", 0, "of"}, use.wall_ms);
   section.EndLine();
   section.AddTexts("disturbances", FindDisturbances(use, workers), "NOT THE RUN'S OWN MACHINE");

@@ -11,12 +11,22 @@
 
 namespace pelt {
 
+// What others took from the process, all of its threads together.
+struct CoreWait {
+  uint64_t preemptions = 0;
+  std::optional<double> waited_ms;  // ready, and no core to run on; not every system counts it
+
+  CoreWait Since(const CoreWait& before) const;
+};
+// From the process's begin on.
+CoreWait ReadCoreWait();
+// Whether what so many threads did in that time was slower by it.
+bool IsDisturbed(const CoreWait& wait, double wall_ms, uint32_t threads);
+
 struct MachineUse {
+  CoreWait wait;                       // in the run
   uint32_t cores_allowed = 1;          // by the process's affinity mask
   std::optional<double> load_average;  // of the minute before the run
-  uint64_t preemptions = 0;            // of all threads, in the run
-  // Ready, and no core to run on: all threads together. Not every system counts it.
-  std::optional<double> waited_ms;
   double wall_ms = 0.0;
 };
 
@@ -31,6 +41,8 @@ class MachineUseWatch {
   uint64_t begin_ns_;
 };
 
+// Of so many workers those that can run at once.
+uint32_t Threads(const MachineUse& use, uint32_t workers);
 // What makes the times of a run of so many threads doubtful, a sentence each; empty: nothing.
 std::vector<std::string> FindDisturbances(const MachineUse& use, uint32_t workers);
 

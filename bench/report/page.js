@@ -1,52 +1,7 @@
-// Draws the page from its data. Text from the data is only ever set as text.
-'use strict';
-const data = JSON.parse(document.getElementById('data').textContent);
-const byId = (id) => document.getElementById(id);
-const kLinesMs = [5, 8];
-
-function add(parent, tag, attributes = {}, text) {
-  const svg = parent.namespaceURI === 'http://www.w3.org/2000/svg' || tag === 'svg';
-  const node = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  if (text !== undefined) node.textContent = text;
-  parent.append(node);
-  return node;
-}
-
-const number = (value) => value.toLocaleString('en');
-const ms = (value) => value.toFixed(value < 0.9995 ? 3 : 2);
-const kb = (bytes) => number(Math.round(bytes / 100) / 10);
+// Draws the report of a run from its data.
 const stageClass = (stage) => stage.colour < 0 ? 'others' : 's' + stage.colour;
 const coloured = data.stages.filter((s) => s.colour >= 0).sort((a, b) => a.colour - b.colour);
 const seen = data.stages.filter((s) => s.ran + s.skipped > 0);
-
-// ---- tables ----------------------------------------------------------------------------------------
-
-const textual = (rows, column) => rows.some((row) => !row.heading && row[column] && row[column].class === 'text');
-
-// A cell is text, a number with its own format, or {text, class, bar: [[share, class], ...]}.
-function table(parent, label, heads, rows, options = {}) {
-  const box = add(parent, 'div', {class: 'scroll' + (options.tall ? ' tall' : ''), tabindex: 0, role: 'region', 'aria-label': label});
-  const t = add(box, 'table', {class: options.wide ? 'wide' : ''});
-  const head = add(add(t, 'thead'), 'tr');
-  heads.forEach((name, i) => add(head, 'th', {scope: 'col', class: textual(rows, i) ? 'text' : ''}, name));
-  const body = add(t, 'tbody');
-  for (const row of rows) {
-    const tr = add(body, 'tr', row.heading ? {class: 'group'} : {});
-    if (row.heading) {
-      add(tr, 'th', {colspan: heads.length, scope: 'rowgroup'}, row.heading);
-      continue;
-    }
-    row.forEach((cell, i) => {
-      const is = typeof cell === 'object' ? cell : {text: cell};
-      const node = add(tr, i ? 'td' : 'th', i ? {class: is.class || ''} : {scope: 'row'}, is.bar ? undefined : is.text);
-      if (!is.bar) return;
-      const track = add(node, 'div', {class: 'track', 'aria-hidden': 'true'});
-      for (const [share, kind] of is.bar)
-        add(track, 'i', {class: kind}).style.width = (100 * share).toFixed(2) + '%';
-    });
-  }
-}
 
 function timeCells(spread, limit) {
   return [spread.median, spread.p95, spread.p99, spread.worst].map((value) => ({text: ms(value), class: limit && value > limit ? 'over' : ''}));
@@ -132,22 +87,6 @@ function fillCosts() {
 
 // ---- pictures --------------------------------------------------------------------------------------
 
-function showTip(event, text) {
-  const tip = byId('tip');
-  tip.hidden = !text;
-  if (!text) return;
-  tip.textContent = text;
-  const box = tip.getBoundingClientRect();
-  tip.style.left = Math.max(4, Math.min(event.clientX + 14, innerWidth - box.width - 4)) + 'px';
-  tip.style.top = (event.clientY + 18 + box.height > innerHeight ? event.clientY - box.height - 10 : event.clientY + 18) + 'px';
-}
-
-// A round step that gives about `count` ticks up to `top`.
-function tickStep(top, count) {
-  const rough = top / count, power = 10 ** Math.floor(Math.log10(rough));
-  return power * [1, 2, 5, 10].find((f) => f * power >= rough);
-}
-
 const bands = [
   {name: 'poses and parameters', kind: 'caller', of: (c) => c.caller},
   ...coloured.map((s, i) => ({name: s.name, kind: stageClass(s), of: (c) => c.stages[i]})),
@@ -155,82 +94,43 @@ const bands = [
   {name: 'waiting and hand-out', kind: 'waiting', of: (c) => c.waiting},
 ];
 
-// The top of the picture: both lines, unless frames are far below them, and the median frame in its lower half; slow
-// frames are cut off there, however many they are, and say what they took.
-function framesTop() {
-  const worst = data.frame_ms.worst;
-  if (worst < 2) return worst * 1.2;
-  return Math.max(kLinesMs[1] * 1.1, Math.min(worst * 1.08, 2 * Math.max(kLinesMs[1], data.frame_ms.median)));
-}
-
-// An arrow for each column that is cut off, and what it took, the slowest first, where there is room.
-function markCut(svg, x, top, [least, most]) {
-  const cut = data.columns.map((column, i) => ({ms: column.ms, at: x(i + 0.5)})).filter((c) => c.ms > top);
-  for (const {at} of cut) add(svg, 'path', {class: 'cut', d: `M${(at - 3).toFixed(1)} 20L${at.toFixed(1)} 14L${(at + 3).toFixed(1)} 20Z`});
-  const taken = [];
-  for (const {ms, at} of cut.sort((a, b) => b.ms - a.ms)) {
-    const text = add(svg, 'text', {class: 'cut', y: 11}, `${ms.toFixed(0)} ms`);
-    const width = text.getBBox().width, from = Math.max(least, Math.min(at - width / 2, most - width));
-    if (taken.some((other) => from < other.to + 4 && other.from < from + width + 4)) text.remove();
-    else taken.push({from, to: from + width});
-    text.setAttribute('x', from);
-  }
-  return cut.length;
+// What others took of a frame's cores, as the system counted it.
+function waitText(of) {
+  const waited = of.waited_ms === undefined ? [] : [`threads ready for ${ms(of.waited_ms)} ms without a core`];
+  return [...waited, `${of.preemptions} preemptions`].join(', ');
 }
 
 function drawFrames() {
-  const box = byId('frames'), columns = data.columns, top = framesTop();
-  box.replaceChildren();
-  const width = box.clientWidth, height = 280, left = 36, right = 6, up = 22, down = 26;
-  const x = (i) => left + (width - left - right) * i / columns.length;
-  const y = (value) => up + (height - up - down) * (1 - Math.min(value, top) / top);
-  const svg = add(box, 'svg', {
-    width, height, role: 'img', 'data-picture': 'frames', 'data-top': top,
-    'aria-label': `Stage times over ${data.frames} frames, stacked, against 5 and 8 ms. Median ${ms(data.frame_ms.median)} ms, ` +
+  const top = framesTop(data.frame_ms.median, data.frame_ms.worst);
+  const tip = (c) => [`frame ${c.frame}: ${ms(c.ms)} ms`, ...bands.map((b) => `${b.name} ${ms(b.of(c))}`), ...(c.disturbed ? [waitText(c)] : [])].join('\n');
+  const columns = data.columns.map((column) => ({...column, tip: () => tip(column)}));
+  const cut = plotFrames(byId('frames'), {
+    columns, top, picture: 'frames',
+    label: `Stage times over ${data.frames} frames, stacked, against 5 and 8 ms. Median ${ms(data.frame_ms.median)} ms, ` +
         `worst ${ms(data.frame_ms.worst)} ms. The table below has the same figures.`,
-  });
-  for (let value = 0, step = tickStep(top, 5); value <= top; value += step) {
-    add(svg, 'line', {class: 'axis', x1: left, x2: width - right, y1: y(value), y2: y(value)});
-    add(svg, 'text', {x: left - 6, y: y(value) + 4, 'text-anchor': 'end'}, +value.toFixed(3));
-  }
-  const below = columns.map(() => 0);
-  for (const band of bands) {
-    // Steps, so that a slow frame stands as wide as any other.
-    let over = '', under = '';
-    columns.forEach((column, i) => {
-      const from = below[i], to = from + band.of(column);
-      below[i] = to;
-      over += `L${x(i).toFixed(1)} ${y(to).toFixed(1)}H${x(i + 1).toFixed(1)}`;
-      under = `L${x(i + 1).toFixed(1)} ${y(from).toFixed(1)}H${x(i).toFixed(1)}` + under;
-    });
-    add(svg, 'path', {class: 'band ' + band.kind, d: 'M' + over.slice(1) + under + 'Z'});
-  }
-  const close = y(kLinesMs[0]) - y(kLinesMs[1]) < 16;  // names beside each other, not on each other
-  for (const line of kLinesMs.filter((l) => l <= top)) {
-    add(svg, 'line', {class: 'limit-halo', x1: left, x2: width - right, y1: y(line), y2: y(line)});
-    add(svg, 'line', {class: 'limit', x1: left, x2: width - right, y1: y(line), y2: y(line)});
-    const end = width - right - (close && line === kLinesMs[0] ? 44 : 4);
-    add(svg, 'text', {class: 'limit-text', x: end, y: y(line) - 5, 'text-anchor': 'end'}, line + ' ms');
-  }
-  const step = Math.max(1, tickStep(columns.length, width / 90));
-  for (let i = 0; i < columns.length; i += step)
-    add(svg, 'text', {x: x(i), y: height - 8}, (i ? '' : 'frame ') + columns[i].frame);
-  const cursor = add(svg, 'line', {class: 'cursor', y1: up, y2: height - down, visibility: 'hidden'});
-  svg.addEventListener('pointermove', (event) => {
-    const i = Math.floor((event.clientX - svg.getBoundingClientRect().left - left) / (width - left - right) * columns.length);
-    const column = columns[i];
-    cursor.setAttribute('visibility', column ? 'visible' : 'hidden');
-    if (column) for (const end of ['x1', 'x2']) cursor.setAttribute(end, x(i + 0.5));
-    showTip(event, column && [`frame ${column.frame}: ${ms(column.ms)} ms`, ...bands.map((b) => `${b.name} ${ms(b.of(column))}`)].join('\n'));
-  });
-  svg.addEventListener('pointerleave', () => {
-    cursor.setAttribute('visibility', 'hidden');
-    showTip();
+    drawBelow: ({svg, x, y}) => {
+      const below = columns.map(() => 0);
+      for (const band of bands) {
+        // Steps, so that a slow frame stands as wide as any other.
+        let over = '', under = '';
+        columns.forEach((column, i) => {
+          const from = below[i], to = from + band.of(column);
+          below[i] = to;
+          over += `L${x(i).toFixed(1)} ${y(to).toFixed(1)}H${x(i + 1).toFixed(1)}`;
+          under = `L${x(i + 1).toFixed(1)} ${y(from).toFixed(1)}H${x(i).toFixed(1)}` + under;
+        });
+        add(svg, 'path', {class: 'band ' + band.kind, d: 'M' + over.slice(1) + under + 'Z'});
+      }
+      columns.forEach((column, i) => {
+        if (column.disturbed) add(svg, 'rect', {class: 'taken', x: x(i), y: y(0) + 2, width: Math.max(1, x(i + 1) - x(i)), height: 4});
+      });
+    },
   });
   const notes = ['In ms. A stage stands for its core time divided by the workers; what is left of the frame is waiting at barriers and handing out work.'];
   if (data.frames_a_column > 1) notes.push(`Each column is the slowest of ${data.frames_a_column} frames.`);
-  const cut = markCut(svg, x, top, [left, width - right]);
   if (cut) notes.push(`${cut} of the columns are cut off at ${+top.toFixed(1)} ms, with what the slowest took above them.`);
+  const disturbed = columns.filter((column) => column.disturbed).length;
+  if (disturbed) notes.push(`Red below the axis: in ${disturbed} of the columns threads waited for cores that others had.`);
   for (const line of kLinesMs.filter((l) => l > top)) notes.push(`The ${line} ms line is ${(line / data.frame_ms.worst).toFixed(0)} times the worst frame, above the picture.`);
   byId('frames-note').textContent = notes.join(' ');
 }
@@ -264,13 +164,18 @@ function findRun(worker, ns, slack) {
   return found && found.begin <= ns + slack ? found : undefined;
 }
 
+// Items during which others likely had the worker's core: begin and end, and how much longer than usual, in ns.
+const preemptedOf = (worker) => Array.from({length: worker.preempted.length / 3}, (_, i) => ({
+  begin: worker.preempted[3 * i], end: worker.preempted[3 * i + 1], over: worker.preempted[3 * i + 2],
+}));
+
 const kLane = {first: 22, height: 26, step: 32, axis: 20};
 
 const runText = (run) => data.stages[run.stage].name + ' ' + data.items[data.stages[run.stage].domain][run.item];
 
 function drawTimeline(timeline, scroll, zoom, query) {
   scroll.replaceChildren();
-  const width = Math.floor(scroll.clientWidth * zoom);
+  const width = Math.floor(Math.max(kLeastWidth, scroll.clientWidth) * zoom);
   const height = kLane.first + kLane.step * timeline.workers.length + kLane.axis;
   const x = (ns) => width * ns / timeline.ns;
   const svg = add(scroll, 'svg', {
@@ -293,6 +198,8 @@ function drawTimeline(timeline, scroll, zoom, query) {
       bars.add(stageClass(data.stages[run.stage]), y, kLane.height, run);
     }
     bars.endLane(svg);
+    for (const {begin, end} of preemptedOf(worker))
+      add(svg, 'rect', {class: 'taken', x: x(begin), y: y + kLane.height + 1, width: Math.max(2, x(end) - x(begin)), height: 4});
   });
   const step = tickStep(timeline.ns, Math.max(2, width / 110));
   for (let ns = 0; ns < timeline.ns; ns += step)
@@ -318,8 +225,9 @@ function workerText(timeline, lane, ns, slack) {
   if (lane === 0 && ns < timeline.caller_ns) return `poses and parameters\n${(timeline.caller_ns / 1e3).toFixed(1)} µs`;
   const run = findRun(worker, ns, slack);
   if (!run) return `${worker.name}: waiting`;
-  const stage = data.stages[run.stage];
-  return `${stage.name}\n${data.items[stage.domain][run.item]}\n${((run.end - run.begin) / 1e3).toFixed(2)} µs, from ${(run.begin / 1e6).toFixed(3)} ms`;
+  const stage = data.stages[run.stage], taken = preemptedOf(worker).find((p) => p.begin <= run.begin && run.end <= p.end);
+  return `${stage.name}\n${data.items[stage.domain][run.item]}\n${((run.end - run.begin) / 1e3).toFixed(2)} µs, from ${(run.begin / 1e6).toFixed(3)} ms` +
+      (taken ? `\nits item took ${ms(taken.over / 1e6)} ms longer than usual: others had the core` : '');
 }
 
 function fillTimelineTable(timeline, parent) {
@@ -343,7 +251,7 @@ function fillTimelineTable(timeline, parent) {
 function fillTimeline(timeline) {
   const title = timeline.title[0].toUpperCase() + timeline.title.slice(1);
   return fillLanes(byId('timelines'), {
-    heading: `${title}: frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms`,
+    heading: `${title}: frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms` + (timeline.disturbed ? `; disturbed: ${waitText(timeline)}` : ''),
     label: timeline.title,
     names: [{y: 12, text: 'pass'}, ...timeline.workers.map((worker, w) => ({y: kLane.first + kLane.step * w + 17, text: 'worker ' + w}))],
     height: kLane.first + kLane.step * timeline.workers.length,
@@ -377,7 +285,7 @@ function slicesOf(runs) {
 
 function drawConsole(frame, scroll, zoom, query) {
   scroll.replaceChildren();
-  const width = Math.floor(scroll.clientWidth * zoom);
+  const width = Math.floor(Math.max(kLeastWidth, scroll.clientWidth) * zoom);
   const height = unitTop(frame.units.length) + kUnit.axis;
   const x = (ns) => width * ns / frame.ns;
   const svg = add(scroll, 'svg', {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "bench/report/embedded_page.hpp"
+#include "bench/report/preempted_items.hpp"
+
 namespace pelt {
 namespace {
 
@@ -18,11 +21,6 @@ uint64_t FrameTicksOf(const FrameTicks& ticks) { return ticks.end - ticks.begin;
 
 // Ten-thousandths of a millisecond are enough for a picture.
 double Short(double ms) { return std::round(ms * 1e4) * 1e-4; }
-
-void Replace(std::string& text, std::string_view mark, std::string_view with) {
-  const size_t at = text.find(mark);
-  text.replace(at, mark.size(), with);
-}
 
 }  // namespace
 
@@ -40,7 +38,7 @@ class PageData {
     AddHead();
     AddStages();
     AddPasses();
-    recorder_.costs_.AddTo(json_, ms_per_tick_, report_.layer_strands);
+    AddCosts();
     AddColumns();
     AddItems();
     json_.BeginArray("timelines");
@@ -140,6 +138,47 @@ class PageData {
     json_.EndArray();
   }
 
+  void AddCoreMs(const Spread& ms) {
+    json_.BeginObject("core_ms");
+    json_.Add("median", ms.median);
+    json_.Add("p95", ms.p95);
+    json_.Add("worst", ms.worst);
+    json_.EndObject();
+  }
+
+  void AddCosts() {
+    const CostSplit costs = recorder_.costs_.Summarise(ms_per_tick_, report_.layer_strands);
+    json_.BeginArray("layer_costs");
+    for (const LayerCost& layer : costs.layers) {
+      json_.BeginObject();
+      json_.Add("name", layer.name);
+      json_.Add("character", layer.character);
+      json_.Add("strands", layer.strands);
+      json_.Add("chunks", layer.chunks);
+      AddCoreMs(layer.core_ms);
+      json_.Add("most_stage", layer.dearest_stage);
+      json_.Add("most_share", layer.dearest_share);
+      json_.EndObject();
+    }
+    json_.EndArray();
+    json_.BeginArray("character_costs");
+    for (const CharacterCost& character : costs.characters) {
+      json_.BeginObject();
+      json_.Add("layers", character.layers);
+      json_.Add("strands", character.strands);
+      AddCoreMs(character.core_ms);
+      json_.Add("own_ms", character.own_ms);
+      json_.EndObject();
+    }
+    json_.EndArray();
+    json_.BeginObject("scene_cost");
+    AddCoreMs(costs.scene_ms);
+    json_.EndObject();
+    json_.BeginObject("cost");
+    AddCoreMs(costs.all_ms);
+    json_.EndObject();
+  }
+
   void AddPasses() {
     const Plan& plan = scene_.plan();
     json_.BeginArray("passes");
@@ -194,7 +233,15 @@ class PageData {
     json_.EndArray();
     json_.Add("others", Short(all_ms - coloured_ms));
     json_.Add("waiting", Short(std::max(0.0, Ms(row.frame_ticks) - Ms(row.caller_ticks) - all_ms)));
+    AddWait(row.wait, Ms(row.frame_ticks));
     json_.EndObject();
+  }
+
+  // Of a frame.
+  void AddWait(const CoreWait& wait, double frame_ms) {
+    json_.Add("disturbed", IsDisturbed(wait, frame_ms, Threads(report_.use, report_.workers)));
+    json_.Add("preemptions", wait.preemptions);
+    if (wait.waited_ms) json_.Add("waited_ms", Short(*wait.waited_ms));
   }
 
   void AddItems() {
@@ -232,6 +279,9 @@ class PageData {
     json_.Add("frame", record.frame);
     json_.Add("ns", ns(record.ticks.end));
     json_.Add("caller_ns", ns(record.ticks.prepared));
+    AddWait(record.wait, Ms(FrameTicksOf(record.ticks)));
+    const std::vector<PreemptedItem> preempted =
+        FindPreempted(record, recorder_.kept_, ms_per_tick_);
     json_.BeginArray("passes");
     for (const Slice& pass : record.passes) {
       json_.Add("", ns(pass.begin_ticks));
@@ -252,6 +302,16 @@ class PageData {
           json_.Add("", ns(record.runs[r].begin_ticks));
           json_.Add("", ns(record.runs[r].end_ticks));
         }
+      }
+      json_.EndArray();
+      // Items during which others likely had its core: begin, end, how much longer than usual.
+      json_.BeginArray("preempted");
+      for (const PreemptedItem& found : preempted) {
+        const FrameRecord::Item& item = record.items[found.at];
+        if (item.worker != w) continue;
+        json_.Add("", ns(item.begin_ticks));
+        json_.Add("", ns(item.end_ticks));
+        json_.Add("", int64_t(Ms(found.over_ticks) * 1e6));
       }
       json_.EndArray();
       json_.EndObject();
@@ -284,23 +344,28 @@ class PageData {
   JsonText json_;
 };
 
-ReportRecorder::ReportRecorder(const FurScene& scene) : scene_(scene), costs_(scene) {}
+ReportRecorder::ReportRecorder(const FurScene& scene) : scene_(scene), costs_(scene, 0) {}
 
 void ReportRecorder::Add(const FinishedFrame& frame) {
   const Plan& plan = scene_.plan();
   FrameRecord record = RecordFrame(frame.scene, frame.profile, frame.frame, frame.ticks);
+  record.wait = frame.wait;
   Row row{FrameTicksOf(record.ticks),
           record.ticks.prepared - record.ticks.begin,
           std::vector<uint64_t>(plan.stages.size()),
           {},
-          std::vector<uint32_t>(plan.stages.size())};
-  for (const FrameRecord::StageRun& run : record.runs) {
-    row.stage_ticks[run.stage] += run.Ticks();
-    ++row.ran[run.stage];
-  }
+          std::vector<uint32_t>(plan.stages.size()),
+          frame.wait};
+  costs_.BeginFrame();
+  for (const FrameRecord::Item& item : record.items)
+    for (uint32_t r = item.first_run; r < item.first_run + item.run_count; ++r) {
+      const FrameRecord::StageRun& run = record.runs[r];
+      row.stage_ticks[run.stage] += run.Ticks();
+      ++row.ran[run.stage];
+      costs_.Add(run.stage, item.item, run.Ticks());
+    }
   for (const Slice& pass : record.passes) row.pass_ticks.push_back(pass.Ticks());
   rows_.push_back(std::move(row));
-  costs_.Add(record);
   if (!worst_ || FrameTicksOf(record.ticks) > FrameTicksOf(worst_->ticks)) worst_ = record;
   if (frame.frame % stride_ != 0) return;
   kept_.push_back(std::move(record));
@@ -312,17 +377,8 @@ void ReportRecorder::Add(const FinishedFrame& frame) {
 std::string ReportRecorder::Page(const RunReport& report, double ns_per_tick,
                                  const std::function<void(JsonText&)>& add_consoles,
                                  const std::function<void(JsonText&)>& add_accuracy) const {
-  std::string data = PageData(*this, report, ns_per_tick).Text(add_consoles, add_accuracy);
-  // '<' occurs in JSON only inside strings, where its escape means the same.
-  for (size_t at = 0; (at = data.find('<', at)) != std::string::npos;)
-    data.replace(at, 1, "\\u003c");
-  const EmbeddedPage parts = EmbeddedReport();
-  std::string page(parts.html);
-  // The data last: it may hold anything, the marks too.
-  Replace(page, "@PELT_CSS@", parts.css);
-  Replace(page, "@PELT_SCRIPT@", parts.script);
-  Replace(page, "@PELT_DATA@", data);
-  return page;
+  return FillPage(EmbeddedReport(),
+                  PageData(*this, report, ns_per_tick).Text(add_consoles, add_accuracy));
 }
 
 }  // namespace pelt

@@ -3,16 +3,12 @@
 // The page lies in bench/report (HTML, CSS, JavaScript) and is built into the program; here its
 // data is gathered and put in as one block of JSON. Every frame is recorded, so frame times hold
 // what recording costs (bench/benchmarks/trace_benchmark.cpp measures it).
-//
-// Invariant: text from outside (names of layers, characters, files) reaches the page only inside
-// that JSON, where no '<' can end it, and the script only ever shows it as text.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "bench/report/json_text.hpp"
@@ -21,12 +17,6 @@
 #include "bench/report/timeline.hpp"
 
 namespace pelt {
-
-// The parts of the page, as bench/CMakeLists.txt embeds them.
-struct EmbeddedPage {
-  std::string_view html, css, script;
-};
-EmbeddedPage EmbeddedReport();
 
 // Gathers what the page shows of each frame.
 class ReportRecorder {
@@ -47,6 +37,7 @@ class ReportRecorder {
     uint64_t frame_ticks, caller_ticks;
     std::vector<uint64_t> stage_ticks, pass_ticks;
     std::vector<uint32_t> ran;
+    CoreWait wait;
   };
   // Whole frames cost too much memory to keep them all: these are spread evenly over the run.
   static constexpr size_t kKeptFrames = 64;

@@ -31,10 +31,10 @@ class RunReader {
     MeasuredRun run;
     const RunJson& samples = Member(json, "samples", {});
     run.frame_ms = Times(Member(samples, "frame_ms", "samples."), "samples.frame_ms");
-    const RunJson& stages = Member(samples, "stages", "samples.");
-    if (!stages.is_object()) Fail("'samples.stages' is not an object");
-    for (const auto& [stage, times] : stages.items())
-      run.stages_ms.emplace_back(Printable(stage), Times(times, "samples.stages." + stage));
+    AddTimes(Member(samples, "stages", "samples."), "samples.stages", run.stages_ms);
+    for (const char* owners : {"layers", "characters"})
+      if (samples.contains(owners))
+        AddTimes(samples[owners], fmt::format("samples.{}", owners), run.owners_ms);
     for (const auto& [key, value] : json.items()) {
       const bool is_measured = std::count(std::begin(kMeasured), std::end(kMeasured), key) != 0;
       if (is_measured || value.is_structured()) continue;
@@ -80,6 +80,11 @@ class RunReader {
       Fail(fmt::format("'{}{}' is missing", place, key));
     return object[key];
   }
+  void AddTimes(const RunJson& of, const std::string& place, MeasuredRun::Times& to) const {
+    if (!of.is_object()) Fail(fmt::format("'{}' is not an object", place));
+    for (const auto& [name, times] : of.items())
+      to.emplace_back(Printable(name), Times(times, place + '.' + Printable(name)));
+  }
   std::vector<double> Times(const RunJson& list, const std::string& place) const {
     if (!list.is_array() || list.empty()) Fail(fmt::format("'{}' is no list of times", place));
     std::vector<double> times;
@@ -118,9 +123,9 @@ OutsideRanks FindOutside(size_t pairs) {
   return outside;
 }
 
-const std::vector<double>* FindStage(const MeasuredRun& run, std::string_view stage) {
-  for (const auto& [name, times] : run.stages_ms)
-    if (name == stage) return &times;
+const std::vector<double>* FindTimes(const MeasuredRun::Times& of, std::string_view wanted) {
+  for (const auto& [name, times] : of)
+    if (name == wanted) return &times;
   return nullptr;
 }
 const std::string* FindSetting(const MeasuredRun& run, std::string_view key) {
@@ -172,19 +177,44 @@ std::string_view VerdictOf(const RatioInterval& interval) {
   return interval.low > 1.0 ? "slower" : interval.high < 1.0 ? "faster" : "";
 }
 
-void AddCost(ReportTable& table, std::string_view name, const Series& a, const Series& b) {
+// Returns whether they differ.
+bool AddCost(ReportTable& table, std::string_view name, const Series& a, const Series& b,
+             bool only_if_they_differ = false) {
   if (a.empty() || b.empty()) {
     const Value of_a = a.empty() ? Value() : Value(MedianOfAll(a));
     const Value of_b = b.empty() ? Value() : Value(MedianOfAll(b));
     table.Add({name, of_a, of_b, {}, {}, {}, b.empty() ? "only in A" : "only in B"});
-    return;
+    return true;
   }
   const std::optional<RatioInterval> found = RatioOf(PairSeries(a, b));
+  const bool differs = found && !VerdictOf(*found).empty();
+  const Show show = differs || !only_if_they_differ ? Show::kBoth : Show::kJson;
   if (!found)
-    table.Add({name, MedianOfAll(a), MedianOfAll(b)});
+    table.Add({name, MedianOfAll(a), MedianOfAll(b)}, show);
   else
     table.Add({name, MedianOfAll(a), MedianOfAll(b), found->ratio, found->low, found->high,
-               VerdictOf(*found)});
+               VerdictOf(*found)},
+              show);
+  return differs;
+}
+
+// A row for each name that one of the two has: how many rows, and how many of them differ.
+struct CostRows {
+  size_t all = 0, differ = 0;
+};
+CostRows AddCosts(const ComparedSide& a, const ComparedSide& b, MeasuredRun::Times MeasuredRun::*of,
+                  bool only_those_that_differ, ReportTable& table) {
+  CostRows rows;
+  const auto add = [&](const std::string& name) {
+    const auto find = [&](const MeasuredRun& run) { return FindTimes(run.*of, name); };
+    ++rows.all;
+    rows.differ +=
+        AddCost(table, name, SeriesOf(a, find), SeriesOf(b, find), only_those_that_differ);
+  };
+  for (const auto& [name, times] : a.rounds.front().*of) add(name);
+  for (const auto& [name, times] : b.rounds.front().*of)
+    if (!FindTimes(a.rounds.front().*of, name)) add(name);
+  return rows;
 }
 
 void AddCosts(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) {
@@ -197,13 +227,15 @@ void AddCosts(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) {
                                                {"verdict", "", -1, "B is"}});
   const auto frame = [](const MeasuredRun& run) { return &run.frame_ms; };
   AddCost(table, "whole frame", SeriesOf(a, frame), SeriesOf(b, frame));
-  const auto add_stage = [&](const std::string& stage) {
-    const auto find = [&](const MeasuredRun& run) { return FindStage(run, stage); };
-    AddCost(table, stage, SeriesOf(a, find), SeriesOf(b, find));
-  };
-  for (const auto& [stage, times] : a.rounds.front().stages_ms) add_stage(stage);
-  for (const auto& [stage, times] : b.rounds.front().stages_ms)
-    if (!FindStage(a.rounds.front(), stage)) add_stage(stage);
+  AddCosts(a, b, &MeasuredRun::stages_ms, false, table);
+  for (const ComparedSide* side : {&a, &b})
+    if (side->rounds.front().owners_ms.empty()) {
+      tree.Say(fmt::format("{} does not say what its layers cost.", side == &a ? "A" : "B"));
+      return;
+    }
+  const CostRows rows = AddCosts(a, b, &MeasuredRun::owners_ms, true, table);
+  tree.Say(fmt::format("Of {} layers and characters, {} differ{}.", rows.all, rows.differ,
+                       rows.differ == rows.all ? "" : ": the others are in --json"));
 }
 
 void AddSettings(const MeasuredRun& a, const MeasuredRun& b, ReportTree& tree) {
@@ -301,7 +333,7 @@ ReportTree CompareRuns(const ComparedSide& a, const ComparedSide& b) {
   else if (rounds > 1)
     tree.Say(
         fmt::format("Intervals: {:.1f} %, by ranks of {} rounds that took turns. Of twenty equal "
-                    "stages, one may well be told as slower or faster.",
+                    "stages or layers, one may well be told as slower or faster.",
                     100.0 * confidence, rounds));
   else
     tree.Say(

@@ -24,7 +24,9 @@ struct MeasuredRun {
   std::vector<std::pair<std::string, std::string>> settings;  // what was run, on what
   std::string digest;                                         // empty: not taken
   std::vector<double> frame_ms;
-  std::vector<std::pair<std::string, std::vector<double>>> stages_ms;
+  using Times = std::vector<std::pair<std::string, std::vector<double>>>;
+  Times stages_ms;
+  Times owners_ms;  // layers, then characters; none of a program that did not say
 };
 
 // `from` names the text in errors: a file, or a round of a command. Throws Error.

@@ -55,6 +55,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     const FrameProfile* profile =
         recorder.Begin(observed ? options.observed_as : Recording::kBudget);
     FrameTicks ticks;
+    const CoreWait before = observed ? ReadCoreWait() : CoreWait{};
     const TimePoint start = Now();
     ticks.begin = ReadTicks();
     running.Begin(options.warm_up + f, options.skip, options.lod);
@@ -65,12 +66,13 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     executor->Run(frame);
     ticks.end = ReadTicks();
     recorder.Finish(caller_ns, ElapsedNs(start));
-    if (observed) options.observe({f, ticks, *profile, scene});
+    if (observed) options.observe({f, ticks, *profile, scene, ReadCoreWait().Since(before)});
     if (options.after_frame) options.after_frame(f, scene);
     if (options.digest) fold.Add64(scene.DigestFrame());
   }
   report.use = use.Finish();
   report.budget = recorder.Summarise();
+  report.costs = recorder.SplitCosts(report.layer_strands);
   if (options.digest) report.digest = fold.Value();
   report.live_strands = scene.LiveStrands();
   report.drawn_strands = scene.DrawnStrands();
@@ -96,6 +98,7 @@ ReportTree MakeRunTree(const RunReport& r) {
   tree.EndLine();
   AddMachineUse(r.use, r.workers, tree);
   AddBudget(r.budget, r.workers, tree);
+  AddCostSplit(r.costs, r.budget, tree);
   AddMemory(r.layout, tree);
   tree.BlankLine();
   tree.Add({"live_strands"}, r.live_strands).Add({"drawn_strands"}, r.drawn_strands);
@@ -104,7 +107,7 @@ ReportTree MakeRunTree(const RunReport& r) {
     tree.Add({"digest"}, DigestText(r.digest));
   else
     tree.Say("digest not taken");
-  AddSamples(r.budget, tree);
+  AddSamples(r.budget, r.costs, tree);
   return tree;
 }
 

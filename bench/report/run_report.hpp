@@ -21,6 +21,7 @@ struct FinishedFrame {
   FrameTicks ticks;
   const FrameProfile& profile;
   const FurScene& scene;
+  CoreWait wait;  // of its threads, while it ran
 };
 
 struct RunOptions {
@@ -55,6 +56,7 @@ struct RunReport {
   std::vector<uint32_t> layer_strands;           // of the whole scene
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   Budget budget;
+  CostSplit costs;
   SceneLayout layout;
   uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store

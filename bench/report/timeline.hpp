@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/machine_use.hpp"
 #include "jobs/scene.hpp"
 #include "traces/timeline.hpp"
 
@@ -38,6 +39,7 @@ struct FrameRecord {
   std::vector<Item> items;
   std::vector<StageRun> runs;
   uint32_t live_strands = 0, drawn_strands = 0;
+  CoreWait wait;  // left to whoever read it
 };
 
 // To be called after the frame and before the next.

@@ -259,6 +259,8 @@ check_ignored() {
   expect 2 --lighting-buffer -- run --scene tiny --picture x.png --lighting-buffer
   expect 2 --origins -- run --scene tiny --frames 1 --origins --picture x.png
   expect 2 --trace-frames -- run --scene tiny --trace-frames 3
+  expect 2 --trace-worst -- run --scene tiny --trace-worst
+  expect 2 'no effect with --trace-frames 0' -- run --scene tiny --trace x.json --trace-worst --trace-frames 0
   expect 2 --wet-at -- run --scene tiny --wet-at 3
   expect 2 --seed -- run --groom tiny.groom --seed 3
   expect 2 --quality -- run --scene tiny --solver pbd --quality best
@@ -543,7 +545,23 @@ check_output() {
   done
   "$pelt" diff tiny.peltinput lod.peltinput >diff.txt && fail "diff of different recordings is 0"
   grep -q 'frame 0, input' diff.txt || fail "diff of recordings: $(cat diff.txt)"
+  # The slowest frame alone, and among others.
+  "$pelt" run --scene tiny --frames 40 --trace worst.json --trace-worst --trace-frames 1 --json >worst.run 2>/dev/null || fail "--trace-worst"
+  [ "$(grep -o '"frame [0-9]*"' worst.json | sort -u | wc -l)" -eq 1 ] || fail "--trace-worst: not one frame"
+  "$pelt" run --scene tiny --frames 40 --trace around.json --trace-worst --trace-frames 5 >around.txt || fail "--trace-worst of 5"
+  local slowest
+  slowest=$(sed -n 's/^trace of .*, of which \([0-9]*\) was the slowest of all, around.json$/\1/p' around.txt)
+  grep -q "\"frame $slowest\"" around.json || fail "--trace-worst: frame '$slowest' is not in: $(cat around.txt)"
+  [ "$(grep -o '"frame [0-9]*"' around.json | sort -u | wc -l)" -le 5 ] || fail "--trace-worst: more than 5 frames"
   if command -v python3 >/dev/null; then
+    python3 - <<'PYTHON' || fail "--trace-worst: not the slowest frame"
+import json
+events = [e for e in json.load(open('worst.json'))['traceEvents'] if e.get('name', '').startswith('frame ')]
+begin, = (e['ts'] for e in events if e['ph'] == 'B')
+end, = (e['ts'] for e in events if e['ph'] == 'E')
+worst = json.load(open('worst.run'))['frame_ms']['worst']
+assert abs((end - begin) / 1e3 - worst) < 0.05 * worst + 0.01, (begin, end, worst)
+PYTHON
     for arguments in 'trace show tiny.peltinput' 'trace replay tiny.peltinput' 'diff a.groom b.groom' \
       'diff tiny.peltinput tiny.peltinput' \
       'bake --setup tiny --stats' 'run --scene tiny --frames 2' 'plan --scene tiny' \

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "bench/report/run_comparison.hpp"
+#include "bench/report/comparison_page.hpp"
 #include "bench/report/run_report.hpp"
 #include "core/error.hpp"
 
@@ -110,7 +110,8 @@ TEST(Compare, ARunIsReadAsItWasPrinted) {
   ASSERT_EQ(found["settings"].size(), 1u) << found["settings"];
   EXPECT_EQ(found["settings"][0]["differs"], "isa");
   EXPECT_EQ(found["settings"][0]["b"], "reference");
-  ASSERT_EQ(found["costs"].size(), run["stages"].size() + 1);
+  ASSERT_EQ(found["costs"].size(),
+            1 + run["stages"].size() + run["layer_costs"].size() + run["character_costs"].size());
   EXPECT_NEAR(double(found["costs"][0]["a_ms"]), double(run["frame_ms"]["median"]), 1e-6);
   for (size_t s = 0; s < run["stages"].size(); ++s) {
     const nlohmann::json& cost = found["costs"][s + 1];
@@ -147,6 +148,49 @@ TEST(Compare, StagesThatOnlyOneHasAndSlowerOnesAreTold) {
   EXPECT_FALSE(cost("new").contains("a_ms"));
 }
 
+TEST(Compare, LayersThatChangedAreTold) {
+  const nlohmann::json a = nlohmann::json::parse(RunTiny(BestIsa(), 40));
+  nlohmann::json b = a;
+  for (auto& ms : b["samples"]["layers"]["layer 2 strand5"]) ms = 1.5 * double(ms);
+  b["samples"]["layers"]["layer 8 new"] = {1.0, 2.0};
+  const auto compare = [](const nlohmann::json& a, const nlohmann::json& b) {
+    return CompareRuns({"a", {ReadMeasuredRun("a", a.dump())}},
+                       {"b", {ReadMeasuredRun("b", b.dump())}});
+  };
+  const ReportTree tree = compare(a, b);
+  for (const auto& row : nlohmann::json::parse(tree.Json())["costs"]) {
+    const std::string of = row["of"];
+    if (!of.starts_with("layer ") || of == "layer 8 new") continue;
+    EXPECT_EQ(row["verdict"], of == "layer 2 strand5" ? "slower" : "") << row;
+  }
+  const std::string text = tree.Text();
+  EXPECT_NE(text.find("layer 2 strand5"), text.npos) << text;
+  EXPECT_NE(text.find("layer 8 new"), text.npos) << text;
+  EXPECT_EQ(text.find("layer 3 "), text.npos) << "one that did not change is for programs";
+  EXPECT_NE(text.find("Of 10 layers and characters, 2 differ"), text.npos) << text;
+  // Those of a program that did not say.
+  nlohmann::json before = a;
+  before["samples"].erase("layers");
+  before["samples"].erase("characters");
+  const std::string old = compare(before, a).Text();
+  EXPECT_NE(old.find("A does not say what its layers cost"), old.npos) << old;
+}
+
+// The page is drawn by tests/command/browser_test.sh.
+TEST(Compare, ThePageHasAllFramesAndNoMarkup) {
+  const ComparedSide a{"<b>", {ReadMeasuredRun("a", RunTiny(BestIsa(), 12))}}, b{"b", a.rounds};
+  const std::string page = ComparisonPage(a, b, CompareRuns(a, b));
+  EXPECT_EQ(page.find("@PELT_"), page.npos);
+  EXPECT_EQ(page.find("<b>"), page.npos);
+  const std::string begin = "<script type=\"application/json\" id=\"data\">";
+  const size_t from = page.find(begin) + begin.size();
+  const nlohmann::json data =
+      nlohmann::json::parse(page.substr(from, page.find("</script", from) - from));
+  EXPECT_EQ(data["comparison"]["a"], "<b>");
+  EXPECT_EQ(data["frame_ms"]["a"].size(), 6u);
+  EXPECT_EQ(data["frame_ms"]["b"], data["frame_ms"]["a"]);
+}
+
 void ExpectRefused(const std::string& text, const std::string& place) {
   try {
     ReadMeasuredRun("run 'a.json'", text);
@@ -173,6 +217,8 @@ TEST(Compare, WhatIsNoRunIsRefusedByItsPlace) {
   ExpectRefused(with("/samples/frame_ms/1", "x"), "'samples.frame_ms[1]' is no time: \"x\"");
   ExpectRefused(with("/samples/frame_ms/1", -1), "'samples.frame_ms[1]' is no time: -1");
   ExpectRefused(with("/samples/stages/skin", nlohmann::json::array()), "'samples.stages.skin'");
+  ExpectRefused(with("/samples/layers", 1), "'samples.layers' is not an object");
+  ExpectRefused(with("/samples/characters/character 0", 1), "'samples.characters.character 0'");
   ExpectRefused(with("/digest", 4), "'digest'");
 }
 

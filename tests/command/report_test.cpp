@@ -8,6 +8,7 @@
 
 #include "bench/report/json_text.hpp"
 #include "bench/report/run_report.hpp"
+#include "bench/verify/verified_scene.hpp"
 
 namespace pelt {
 namespace {
@@ -104,10 +105,9 @@ TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
 }
 
 TEST(Report, WhatDisturbsARunIsTold) {
-  const MachineUse own{.cores_allowed = 4,
+  const MachineUse own{.wait = {.preemptions = 3, .waited_ms = 2.0},
+                       .cores_allowed = 4,
                        .load_average = 0.3,
-                       .preemptions = 3,
-                       .waited_ms = 2.0,
                        .wall_ms = 1000.0};
   EXPECT_TRUE(FindDisturbances(own, 4).empty());
   const auto expect_told = [](const MachineUse& use, uint32_t workers, const std::string& word) {
@@ -116,10 +116,10 @@ TEST(Report, WhatDisturbsARunIsTold) {
     EXPECT_NE(told[0].find(word), std::string::npos) << told[0];
   };
   MachineUse use = own;
-  use.waited_ms = 81.0;  // of 4 s of cores
+  use.wait.waited_ms = 81.0;  // of 4 s of cores
   expect_told(use, 4, "ready for 81 ms without a core");
   use.cores_allowed = 2;  // whatever waits, the same share of half the cores is more
-  use.waited_ms = 41.0;
+  use.wait.waited_ms = 41.0;
   use.load_average = 0.0;
   expect_told(use, 2, "on 2 cores");
   use = own;
@@ -127,9 +127,9 @@ TEST(Report, WhatDisturbsARunIsTold) {
   expect_told(use, 2, "load average 2.60");
   EXPECT_TRUE(FindDisturbances(use, 1).empty()) << "a core was free";
   use = own;
-  use.waited_ms = {};
+  use.wait.waited_ms = {};
   EXPECT_TRUE(FindDisturbances(use, 4).empty());
-  use.preemptions = 21;
+  use.wait.preemptions = 21;
   expect_told(use, 4, "21 preemptions");
   use = own;
   use.cores_allowed = 1;
@@ -149,6 +149,43 @@ TEST(Report, ARunsTreeHasItsFigures) {
   EXPECT_EQ(json["workers_observed"], 2);
   EXPECT_FALSE(json["stages"].empty());
   EXPECT_FALSE(json["passes"].empty());
+}
+
+// In every frame in which stages were timed, all of them together took what all owners did.
+TEST(Report, ARunsLayersAndCharactersHaveTheirPartOfEachFrame) {
+  Scenario two = MakeVerifiedScene(LoadScenario("tiny"));
+  RunOptions options;
+  options.frames = 7;
+  RunningScenario running(two, options.scene);
+  const RunReport report = RunFrames(two, running, options);
+  const nlohmann::json json = nlohmann::json::parse(MakeRunTree(report).Json());
+  ASSERT_EQ(json["layer_costs"].size(), report.layers);
+  ASSERT_EQ(json["character_costs"].size(), 2u);
+  uint64_t strands = 0, of_characters = 0;
+  for (const auto& layer : json["layer_costs"]) {
+    strands += uint64_t(layer["strands"]);
+    EXPECT_GT(double(layer["core_ms"]["median"]), 0.0) << layer;
+    EXPECT_GT(double(layer["dearest_share"]), 0.0) << layer;
+    ASSERT_TRUE(json["samples"]["layers"].contains(std::string(layer["layer"]))) << layer;
+  }
+  for (const auto& character : json["character_costs"])
+    of_characters += uint64_t(character["strands"]);
+  EXPECT_EQ(strands, report.strands);
+  EXPECT_EQ(of_characters, report.strands);
+  const auto sum = [&](const char* owners) {
+    std::vector<double> ms(3);  // of seven frames, those of odd numbers
+    for (const auto& [name, times] : json["samples"][owners].items()) {
+      EXPECT_EQ(times.size(), ms.size()) << name;
+      for (size_t f = 0; f < ms.size(); ++f) ms[f] += double(times.at(f));
+    }
+    return ms;
+  };
+  const auto stages = sum("stages"), layers = sum("layers"), characters = sum("characters");
+  for (size_t f = 0; f < stages.size(); ++f) {
+    EXPECT_LT(layers[f], characters[f]) << "poses and joints are no layer's";
+    EXPECT_LT(characters[f], stages[f]) << "the order of layers is the scene's";
+    EXPECT_GT(layers[f], 0.8 * stages[f]);
+  }
 }
 
 }  // namespace
