@@ -211,6 +211,7 @@ struct VerifyArgs {
   uint32_t rollback = VerifyOptions{}.rollback;
   bool velocities = false;  // poses come with them
   bool origins = false;     // characters have some
+  uint32_t random = 0;      // scenes that are drawn from request.seed on, instead of the source's
   Shard shard = {};
   std::vector<std::string> merge = {};  // files of shards to join, instead of running
 };

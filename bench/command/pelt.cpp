@@ -174,6 +174,11 @@ Subcommand SetUpVerify(CLI::App& root) {
          [&args](Isa isa) { args.isa = isa; });
   AddVelocities(*app, args.velocities);
   AddOrigins(*app, args.origins);
+  app->add_option(
+         "--random", args.random,
+         "Instead of a scene so many that are drawn, each with its course, from --seed and "
+         "the seeds after it")
+      ->check(CLI::Range(1, 1'000'000));
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
   app->add_flag("--stop-at-failure", args.stop_at_failure,
                 "Run nothing after the first case that fails");
@@ -194,11 +199,17 @@ Subcommand SetUpVerify(CLI::App& root) {
       "  pelt verify --scene tiny --frames 2 --isa reference --shard 0/8\n"
       "  pelt verify --scene tiny --frames 2 --isa reference --solver modal --velocities\n"
       "  pelt verify --scene tiny --frames 4 --isa reference --no-skips --rollback 8\n"
+      "  pelt verify --random 3 --seed 7\n"
       "Several processes, and the one verdict of what they print:\n"
       "  mpirun -n 3 sh -c 'pelt verify --shard env --json > $OMPI_COMM_WORLD_RANK.json'\n"
       "  parallel 'pelt verify --shard {}/3 --json > {}.json' ::: 0 1 2\n"
       "  and then: pelt verify --merge 0.json 1.json 2.json");
-  return {app, [app, kept] { CompleteSource(*app, kept->request); },
+  return {app,
+          [app, kept] {
+            RefuseAllBut(*app, "--random",
+                         {"--seed", "--isa", "--stop-at-failure", "--shard", "--json"});
+            CompleteSource(*app, kept->request);
+          },
           [kept] { return VerifyScene(*kept); }};
 }
 

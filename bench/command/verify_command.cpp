@@ -18,6 +18,8 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
     all.emplace_back(std::move(name), std::move(value));
   };
   add("scene", report.scene);
+  add("only", args.isa ? std::string(IsaName(*args.isa)) : std::string("-"));
+  if (args.random) return all;  // seeds say the rest
   if (request.scene.empty()) {
     add("character", request.character);
     add("fur", request.setup.empty() ? request.groom : request.setup);
@@ -25,7 +27,6 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
   add("strands", fmt::format("{}", report.strands));
   add("seed", fmt::format("{}", request.seed));
   add("frames", fmt::format("{}", report.frames));
-  add("only", args.isa ? std::string(IsaName(*args.isa)) : std::string("-"));
   add("skips", args.skips ? "yes" : "no");
   add("checks", !args.checks ? "no" : args.every_executor ? "full" : "yes");
   add("rollback", fmt::format("{}", args.rollback));
@@ -38,9 +39,6 @@ Fingerprint FingerprintOf(const VerifyArgs& args, const VerifyReport& report) {
 
 ExitCode VerifyScene(const VerifyArgs& args) {
   if (!args.merge.empty()) return PrintMergedShards("verify", args.merge, args.json);
-  Scenario scenario = LoadScenario(args.request);
-  scenario.velocities = args.velocities;
-  scenario.origins = args.origins;
   VerifyOptions options;
   options.frames = args.frames;
   options.skips = args.skips;
@@ -51,7 +49,16 @@ ExitCode VerifyScene(const VerifyArgs& args) {
   options.every_executor = args.every_executor;
   if (args.isa) options.filter = [&](const VerifyCase& c) { return c.isa == *args.isa; };
   VerifyReport report;
-  {
+  if (args.random) {
+    Progress progress("verify", args.random);
+    options.progress = [&](uint32_t done, uint32_t, const std::string& now) {
+      progress.Show(done, now);
+    };
+    report = VerifyRandom(args.random, args.request.seed, options);
+  } else {
+    Scenario scenario = LoadScenario(args.request);
+    scenario.velocities |= args.velocities;
+    scenario.origins |= args.origins;
     const std::vector<VerifyCase> all = AllCases();
     const auto wanted = [&](const VerifyCase& c) { return !options.filter || options.filter(c); };
     const auto cases = uint32_t(std::count_if(all.begin(), all.end(), wanted));

@@ -10,6 +10,7 @@
 
 #include "bench/scenarios/cast.hpp"
 #include "bench/scenarios/embedded_files.hpp"
+#include "bench/scenarios/everything.hpp"
 #include "bench/scenarios/scene_lights.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
@@ -226,7 +227,8 @@ constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster},
                                     {"cast", MakeCast},
                                     {"eyepet", MakeEyePet},
                                     {"scorpion", MakeScorpion},
-                                    {"tiny", MakeTiny}};
+                                    {"tiny", MakeTiny},
+                                    {"everything", MakeEverything}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
@@ -430,6 +432,7 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
     weather_[a].dirt = float(weather_course.dirt * share * actors[a].weather_share);
   }
   input_.weather = weather_;
+  if (more && frame < rest_from_frame) more(frame, scene, input_);
   if (place != glm::dvec3(0.0)) Place();
   return input_;
 }
@@ -459,7 +462,8 @@ bool RunningScenario::TryBegin(const FrameInput& input) {
     refusal_ = fault;
     return false;
   }
-  // The frame is begun all the same, with that character as it was: not what was asked for.
+  // The frame is begun all the same, with that character as it was: seldom what was asked for.
+  if (scenario_->keeps_poses) return true;
   for (const RefusedPose& refused : scene_->RefusedPoses())
     throw Error(fmt::format("{}: {}", scenario_->name, DescribeRefusedPose(refused)));
   return true;

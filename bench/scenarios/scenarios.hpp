@@ -6,6 +6,7 @@
 //   eyepet   8,000 strands of 5 points, Verlet, clumping, ground plane, ribbons
 //   scorpion shells over all but eyes and sting, walking in the wind: no strands
 //   tiny     every solver and chain, instances and ribbons, in under a thousand strands: for tests
+//   everything  every kind of layer, and all that may happen to it: for tests
 //
 // Invariant: frame f of a scenario has the same input whatever was run before it, on every machine
 // (no clock, no libm); preparing a frame does not allocate.
@@ -108,7 +109,10 @@ struct Scenario {
   glm::dvec3 place{0.0};  // where all of it is in the world, m
   // From this frame on nothing moves and no wind blows, though time goes on.
   uint32_t rest_from_frame = ~0u;
-  FrameInput base;  // what does not change from frame to frame
+  // What else its course does, until it rests; poses lie in the scene.
+  std::function<void(uint32_t frame, FurScene& scene, FrameInput& input)> more;
+  bool keeps_poses = false;  // some pose of the course is to be refused: its character stands still
+  FrameInput base;           // what does not change from frame to frame
   std::vector<PaintBrush>
       first_brushes;  // of frame 0 alone, behind those of `base`; together at most kBrushesPerScene
   std::vector<std::string> notes;

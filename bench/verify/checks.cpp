@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bench/verify/verified_scene.hpp"
+
 namespace pelt {
 
 Mismatch Locate(CaseRun expected, CaseRun found, uint32_t frame, bool bookkeeping) {
@@ -35,23 +37,25 @@ namespace {
 struct CheckSection {
   std::string_view name;
   void (*run)(Scenario&, const VerifyOptions&, VerifyReport&);
+  bool with_everything = true;
 };
-constexpr CheckSection kSections[] = {{"access", CheckAccessAtRest},
-                                      {"waking", CheckWaking},
-                                      {"culling", CheckCulling},
-                                      {"rollback", CheckRollback},
-                                      {"digest", CheckDigests}};
+constexpr CheckSection kSections[] = {
+    {"course", CheckWholeCourse},   {"access", CheckAccessAtRest},
+    {"waking", CheckWaking, false}, {"waking of all", CheckWakingOfAll},
+    {"culling", CheckCulling},      {"rollback", CheckRollback},
+    {"digest", CheckDigests}};
 
 }  // namespace
 
 void RunChecks(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
   const auto& only = options.sections;
+  Scenario whole = WithEverything(scenario);
   for (const CheckSection& section : kSections) {
     if (!only.empty() && std::find(only.begin(), only.end(), section.name) == only.end()) continue;
     if (!TakesNext(options, report)) continue;
     if (options.progress) options.progress(0, 0, std::string(section.name));
     const size_t first = report.checks.size();
-    section.run(scenario, options, report);
+    section.run(section.with_everything ? whole : scenario, options, report);
     for (size_t c = first; c < report.checks.size(); ++c)
       report.checks[c].place = report.places - 1;
   }

@@ -1,5 +1,6 @@
 // The sections of a verification besides the matrix of cases. Each adds its results to the report;
-// all run the scene that is verified (verified_scene.hpp), with best kernels.
+// all run the scene that is verified, with everything beside it where that is affordable
+// (verified_scene.hpp), with best kernels.
 #pragma once
 
 #include <optional>
@@ -15,8 +16,10 @@ void VerifySkips(Scenario& scenario, const VerifyOptions& options, VerifyReport&
 // All below, in their order.
 void RunChecks(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 
-// A scene at rest, most of it asleep; then one input changes, by a bit and by a lot.
+// A scene at rest, most of it asleep; then one input changes, by a bit and by a lot. With
+// everything: what comes, goes or turns, no single numbers.
 void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
+void CheckWakingOfAll(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 // Layers that leave the view and return, judged by where their strands' points are.
 void CheckCulling(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 // Every stage between closed pages, on a scene at rest with nothing skipped.
@@ -25,6 +28,9 @@ void CheckAccessAtRest(Scenario& scenario, const VerifyOptions& options, VerifyR
 void CheckRollback(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 // Every value that the frame leaves behind is in the digests.
 void CheckDigests(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
+
+// Over a second of the scene's course, with interludes (course_check.hpp).
+void CheckWholeCourse(Scenario& scenario, const VerifyOptions& options, VerifyReport& report);
 
 // ---- What they share ----------------------------------------------------------------------------
 

@@ -104,6 +104,8 @@ void Visit(Numbers& numbers, FrameInput& in, std::vector<Weather>& weather) {
 InputChange::Part PartOf(const std::string& name) {
   if (name.starts_with("skip.")) return InputChange::Part::kSkip;
   if (name.starts_with("lod.")) return InputChange::Part::kLod;
+  for (const char* light : {"light ", "irradiance ", "sun.", "rim."})
+    if (name.starts_with(light)) return InputChange::Part::kLights;
   return InputChange::Part::kFrame;
 }
 
@@ -153,6 +155,29 @@ void AddPoseWord(uint32_t character, size_t offset, InputChange::Type type,
                      }});
 }
 
+// Each of the joints turns and does nothing else, about one axis or another.
+void AddTurns(const std::set<std::pair<uint32_t, uint32_t>>& joints,
+              std::vector<InputChange>& changes) {
+  for (const auto& [character, joint] : joints)
+    changes.push_back({fmt::format("joint {} of character {} turned", joint, character),
+                       InputChange::Part::kPose, InputChange::Type::kOneWay,
+                       [c = character, j = joint](FrameInput&, FurScene& scene, Amount) {
+                         for (auto& key : scene.Pose(c).rotation_key) key[j % 3][j] += 0.1f;
+                       }});
+}
+
+// Its origin by as much as floats have not exactly, and its pose back: a shift, and its rounding.
+void AddOrigins(const FurScene& scene, std::vector<InputChange>& changes) {
+  if (!(scene.shape().layer_kind[0] & kLayerApart)) return;
+  for (uint32_t c = 0; c < scene.shape().character_count; ++c)
+    changes.push_back({fmt::format("origin of character {}", c), InputChange::Part::kFrame,
+                       InputChange::Type::kOneWay, [c](FrameInput&, FurScene& s, Amount) {
+                         constexpr double kBy = 0.1;
+                         s.Origin(c)[c % 3] += kBy;
+                         s.Pose(c).root[4 * (c % 3) + 3] -= float(kBy);
+                       }});
+}
+
 void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
   const SceneShape& shape = scene.shape();
   uint32_t row = 0;
@@ -182,6 +207,7 @@ void AddPoses(const FurScene& scene, std::vector<InputChange>& changes) {
         AddPoseWord(shape.layer_character[l], first_joint_row + 4 * moved_by.joint[j],
                     InputChange::Type::kOneWay, changes);
   }
+  AddTurns(moved, changes);
   for (uint32_t c = 0; c < std::min(shape.character_count, 2u); ++c)
     changes.push_back({fmt::format("character {} teleported", c), InputChange::Part::kPose,
                        InputChange::Type::kOneWay,
@@ -210,6 +236,44 @@ void AddColliders(const FrameInput& input, std::vector<InputChange>& changes) {
   if (input.capsule_count > 0)
     changes.push_back({"a capsule less", InputChange::Part::kFrame, InputChange::Type::kOneWay,
                        [](FrameInput& in, FurScene&, Amount) { --in.capsule_count; }});
+}
+
+// Lights that leave: what is behind the last of them is nothing.
+void AddLights(const FrameInput& input, std::vector<InputChange>& changes) {
+  const auto add = [&](const char* name, uint32_t Lighting::*count) {
+    if (input.lighting.*count > 0)
+      changes.push_back({name, InputChange::Part::kLights, InputChange::Type::kOneWay,
+                         [count](FrameInput& in, FurScene&, Amount) { --(in.lighting.*count); }});
+  };
+  add("a light less", &Lighting::light_count);
+  add("an irradiance sample less", &Lighting::sample_count);
+}
+
+// A large sphere that comes over an edge of a layer's box, along two axes at once, as far as its middle.
+void AddOverEdges(const FrameInput& input, const FurScene& scene,
+                  std::vector<InputChange>& changes) {
+  if (input.sphere_count == kSpheresPerScene) return;
+  for (uint32_t l = 0; l < scene.shape().layer_count; ++l) {
+    if (!(scene.memory().Of<&Streams::layers>(l)->flags & kLayerSimulate)) continue;
+    const BoundsBlock box = *scene.memory().Of<&Streams::bounds>(l);
+    const std::array<double, 3> from = scene.OriginOfLayer(l);
+    changes.push_back({fmt::format("a sphere over an edge of layer {}", l),
+                       InputChange::Part::kFrame, InputChange::Type::kOneWay,
+                       [box, from, l](FrameInput& in, FurScene&, Amount) {
+                         constexpr float kDiagonal = 0.70710678f;
+                         float* sphere = in.sphere[in.sphere_count++];
+                         float half = 0.0f;
+                         for (int axis = 0; axis < 3; ++axis)
+                           half = std::max(half, 0.5f * (box.high[axis] - box.low[axis]));
+                         sphere[3] = 4.0f * half;
+                         for (int axis = 0; axis < 3; ++axis) {
+                           const float middle = 0.5f * (box.low[axis] + box.high[axis]);
+                           const bool along = axis != int(l % 3);
+                           sphere[axis] = middle + float(from[size_t(axis)]) +
+                                          (along ? 0.95f * kDiagonal * sphere[3] : 0.0f);
+                         }
+                       }});
+  }
 }
 
 // Wind has a chunk awake because it blows, not because it changed. One too weak to move a bit lets
@@ -264,6 +328,9 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   changes.push_back({"dt_s 0: a pause", InputChange::Part::kFrame, InputChange::Type::kOneWay,
                      [](FrameInput& in, FurScene&, Amount) { in.dt_s = 0.0; }});
   AddColliders(input, changes);
+  AddLights(input, changes);
+  AddOverEdges(input, scene, changes);
+  AddOrigins(scene, changes);
   AddWind(changes);
   AddEye(changes);
   AddPoses(scene, changes);

@@ -25,7 +25,7 @@ std::string_view AmountName(Amount amount);  // "one ulp", "a lot"
 
 struct InputChange {
   std::string name;  // "sphere 0[3]"
-  enum class Part : uint8_t { kFrame, kLod, kSkip, kPose } part = Part::kFrame;
+  enum class Part : uint8_t { kFrame, kLod, kSkip, kPose, kLights } part = Part::kFrame;
   enum class Type : uint8_t { kFloat, kDouble, kWhole, kOneWay } type = Type::kFloat;
   // Changes the input before the frame begins; poses lie in the scene.
   std::function<void(FrameInput&, FurScene&, Amount)> apply;
@@ -34,10 +34,11 @@ struct InputChange {
 };
 
 // For inputs like `input` in a scene like `scene`. Of the pose, every row with one of the joints
-// that move hair, characters and joints taking turns, and every such joint at least once. Besides
-// single numbers: spheres and capsules that come and go, wind that grows from next to none, an eye
-// that moves where no depth changes. Left out are the switches that change the picture (culling,
-// LOD) and the number of joints.
+// that move hair, characters and joints taking turns, and every such joint at least once, and once
+// as it turns and does nothing else. Besides single numbers: spheres and capsules that come and go,
+// one over an edge of each layer's box, lights that leave, origins that move, wind that grows from
+// next to none, an eye that moves where no depth changes. Left out are the switches that change the
+// picture (culling, LOD) and the number of joints.
 std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScene& scene);
 
 }  // namespace pelt

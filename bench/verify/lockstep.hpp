@@ -37,6 +37,8 @@ class CaseRun {
   void RunFrame(uint32_t frame, const Change& change = {});
   // False when the frame refuses its input; nothing was run.
   bool TryRunFrame(uint32_t frame, const Change& change);
+  // As FurScene::ReplaceGrooms does.
+  bool GoOnWith(Scenario& scenario) { return running_.GoOnWith(scenario); }
   void set_skip(const SkipSettings& skip) { settings_.skip = skip; }
   FurScene& scene() { return running_.scene(); }
   const Plan& plan() const { return plan_; }

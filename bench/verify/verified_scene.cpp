@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "bench/scenarios/everything.hpp"
+
 namespace pelt {
 namespace {
 
@@ -143,6 +145,18 @@ void AddBrushes(Scenario& scenario) {
 }
 
 }  // namespace
+
+bool HasRoomForEverything(const Scenario& scenario) {
+  const double radius_m = scenario.camera.radius_m;
+  return radius_m > 1.0 && radius_m < 10.0;
+}
+
+Scenario WithEverything(const Scenario& verified) {
+  Scenario whole = verified;
+  if (HasRoomForEverything(verified))
+    AddEverything(whole, {-0.3f * float(whole.camera.radius_m), 0.0f, 0.2f});
+  return whole;
+}
 
 Scenario MakeVerifiedScene(const Scenario& scenario) {
   Scenario verified = scenario;

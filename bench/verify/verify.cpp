@@ -211,6 +211,9 @@ VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options) {
   for (const ExecutorRow& row : ExecutorRows())
     if (!row.IsAvailable()) report.not_run.push_back(fmt::format("executor {}", row.name));
 
+  if (!HasRoomForEverything(scenario))
+    report.not_run.push_back("the character of `everything`: the scene is of another size");
+
   std::vector<VerifyCase> cases = AllCases();
   if (options.filter) std::erase_if(cases, [&](const VerifyCase& c) { return !options.filter(c); });
 

@@ -159,7 +159,8 @@ void AddChecks(const VerifyReport& report, ReportTree& tree) {
       if (!c.compared) not_compared.push_back(fmt::format("{}, {}: {}", section, c.name, c.reason));
       seen += c.seen;
       passed += c.compared && c.passed;
-      std::vector<Value> row = {c.name, c.seen, section == "waking" ? Value(c.felt) : Value{}};
+      std::vector<Value> row = {c.name, c.seen,
+                                section.starts_with("waking") ? Value(c.felt) : Value{}};
       AddOutcome(c, row);
       results.Add(std::move(row));
     }
@@ -197,7 +198,8 @@ void AddVerdict(const VerifyReport& report, ReportTree& tree) {
   tree.BlankLine();
   if (report.stopped) tree.Say("stopped there: what comes after it was not run");
   tree.Say(report.Passed()
-               ? fmt::format("verdict: SAME BITS in all {} cases{}{}", report.cases.size(), of,
+               ? fmt::format("verdict: SAME BITS in all {} cases{}{}",
+                             report.cases.empty() ? report.checks.size() : report.cases.size(), of,
                              report.Missing().empty() ? "" : ", BUT INCOMPLETE")
                : fmt::format("verdict: DIFFERENT BITS or a fault in {} cases{}",
                              failed(report.cases) + failed(report.skips) + failed(report.checks),
@@ -223,7 +225,7 @@ ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerp
   tree.Add({"strands"}, report.strands).Add({"frames"}, report.frames);
   tree.Add({"digest", "", -1, "reference digest"}, DigestText(report.digest));
   tree.Add(InJson("passed"), report.Passed());
-  AddMatrix(report, tree);
+  if (!report.cases.empty()) AddMatrix(report, tree);
   AddCases(report, tree);
   tree.AddTexts("not_run", report.not_run, "not run, as this processor, system or build lacks it");
   tree.AddTexts("missing", report.Missing(), "could not be looked at");

@@ -32,11 +32,13 @@ uint32_t CountChunks(const FurScene& scene, bool asleep) {
   return count;
 }
 
-// Rows that are a function of this frame's pose alone.
+// Rows that are a function of this frame's pose alone, or of that and its lights.
 struct PoseRow {
   Stream stream;
   std::string_view row;
+  InputChange::Part of = InputChange::Part::kPose;
 };
+constexpr InputChange::Part kLights = InputChange::Part::kLights;
 constexpr PoseRow kPoseRows[] = {{StreamOf<&Streams::local_pose>, "translation"},
                                  {StreamOf<&Streams::local_pose>, "rotation"},
                                  {StreamOf<&Streams::local_pose>, "scale"},
@@ -48,7 +50,11 @@ constexpr PoseRow kPoseRows[] = {{StreamOf<&Streams::local_pose>, "translation"}
                                  {StreamOf<&Streams::anchors>, "tangent"},
                                  {StreamOf<&Streams::roots>, "position"},
                                  {StreamOf<&Streams::roots>, "normal"},
-                                 {StreamOf<&Streams::roots>, "tangent"}};
+                                 {StreamOf<&Streams::roots>, "tangent"},
+                                 {StreamOf<&Streams::layer_light>, "harmonics", kLights},
+                                 {StreamOf<&Streams::layer_light>, "ambient", kLights},
+                                 {StreamOf<&Streams::layer_light>, "sun_rgb", kLights},
+                                 {StreamOf<&Streams::layer_light>, "rim_rgb", kLights}};
 
 uint64_t DigestPoseRow(const FurScene& scene, const PoseRow& what) {
   const StreamDesc& desc = DescribeStream(what.stream);
@@ -66,12 +72,14 @@ uint64_t DigestPoseRow(const FurScene& scene, const PoseRow& what) {
 
 class WakingCheck {
  public:
-  WakingCheck(Scenario& scenario, const VerifyOptions& options, bool lod, VerifyReport& report)
+  WakingCheck(Scenario& scenario, const VerifyOptions& options, bool lod, bool all,
+              VerifyReport& report)
       : scenario_(scenario),
         options_(options),
         report_(report),
         first_frame_(options.frames / 3 + kSettleFrames),
         lod_(lod),
+        all_(all),
         asleep_(scenario, Best(), Sleeping(), {}),
         awake_(scenario, Best(), Never(), {}),
         reference_(scenario, Best(), Never(), {}),
@@ -86,6 +94,7 @@ class WakingCheck {
       const bool for_lod = change.part == InputChange::Part::kLod;
       const bool for_both = change.name.starts_with("camera.eye");
       if (lod_ != for_lod && !for_both) continue;
+      if (all_ && change.type != InputChange::Type::kOneWay) continue;
       if (change.type == InputChange::Type::kOneWay) {
         TryChange(change, Amount::kMuch);
         continue;
@@ -112,7 +121,7 @@ class WakingCheck {
 
   CheckResult NewResult(std::string name) const {
     CheckResult result;
-    result.section = "waking";
+    result.section = all_ ? "waking of all" : "waking";
     result.name = std::move(name);
     return result;
   }
@@ -184,20 +193,22 @@ class WakingCheck {
     for (uint32_t k = 0; k < AheadOf(change) + kFramesEach; ++k) {
       if (!Step(reference_, k, change, amount, apply)) return false;
       course.push_back(DigestsOf(reference_.scene()));
-      if (k == 0 && change.part == InputChange::Part::kPose)
-        CompareWithFresh(change, amount, result);
+      if (k == 0) CompareWithFresh(change, amount, result);
     }
     return true;
   }
 
   void CompareWithFresh(const InputChange& change, Amount amount, CheckResult& result) {
+    if (std::ranges::none_of(kPoseRows, [&](const PoseRow& r) { return r.of == change.part; }))
+      return;
     fresh_.scene().CopyStateFrom(pristine_.scene());
     if (!Step(fresh_, 0, change, amount, true)) return;
     for (const PoseRow& row : kPoseRows) {
+      if (row.of != change.part) continue;
       if (DigestPoseRow(fresh_.scene(), row) == DigestPoseRow(reference_.scene(), row)) continue;
       const std::string_view stream = DescribeStream(row.stream).name;
       result.Fail({FindingKind::kSleep, "", std::string(stream),
-                   fmt::format("row {} of stream {} is not what the pose gives in a first frame: "
+                   fmt::format("row {} of stream {} is not what the input gives in a first frame: "
                                "the change is not seen",
                                row.row, stream)});
       return;
@@ -272,7 +283,7 @@ class WakingCheck {
   const VerifyOptions& options_;
   VerifyReport& report_;
   uint32_t first_frame_;
-  bool lod_;
+  bool lod_, all_;
   CaseRun asleep_, awake_;    // at rest; the one sleeps, the other never did
   CaseRun reference_;         // goes on from `awake_`
   CaseRun pristine_, fresh_;  // never run; run for one frame from there
@@ -338,9 +349,8 @@ void AddTouchingColliders(Scenario& scenario, uint32_t rest_frames) {
   }
 }
 
-}  // namespace
-
-void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+void CheckWakingOf(Scenario& scenario, const VerifyOptions& options, bool all,
+                   VerifyReport& report) {
   const uint32_t rest_before = scenario.rest_from_frame;
   const std::vector<MovingSphere> spheres_before = scenario.spheres;
   const std::vector<CapsuleCollider> capsules_before = scenario.capsules;
@@ -348,14 +358,24 @@ void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport&
   AddTouchingColliders(scenario, scenario.rest_from_frame + kSettleFrames);
   const std::vector<Groom> grooms_before = scenario.grooms;
   for (const bool lod : {false, true}) {
-    if (WakingCheck(scenario, options, lod, report).Run(false)) continue;
+    if (all && lod) continue;
+    if (WakingCheck(scenario, options, lod, all, report).Run(false)) continue;
     Damp(scenario);
-    WakingCheck(scenario, options, lod, report).Run(true);
+    WakingCheck(scenario, options, lod, all, report).Run(true);
     scenario.grooms = grooms_before;
   }
   scenario.rest_from_frame = rest_before;
   scenario.spheres = spheres_before;
   scenario.capsules = capsules_before;
+}
+
+}  // namespace
+
+void CheckWaking(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+  CheckWakingOf(scenario, options, false, report);
+}
+void CheckWakingOfAll(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+  CheckWakingOf(scenario, options, true, report);
 }
 
 }  // namespace pelt

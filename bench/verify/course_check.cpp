@@ -1,0 +1,166 @@
+#include "bench/verify/course_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bench/verify/checks.hpp"
+#include "bench/verify/random_course.hpp"
+#include "bench/verify/random_scene.hpp"
+#include "core/kernels/frame_table.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint32_t kLongCourseFrames = 75;   // of a scene that is not drawn: over a second
+constexpr uint32_t kBetweenInterludes = 12;  // frames, in the mean
+
+// The same strands with other values, as a setup is tuned.
+Scenario Tune(const Scenario& scenario) {
+  Scenario tuned = scenario;
+  for (Groom& groom : tuned.grooms)
+    for (GroomLayer& layer : groom.layers) {
+      LayerParams& params = layer.params;
+      params.weight *= 0.75f;
+      params.wind_response *= 0.5f;
+      params.tip_width *= 0.5f;
+      params.damping_ratio *= 0.5f;
+      params.friction *= 0.5f;
+    }
+  return tuned;
+}
+
+FrameSettings WithSkips(const SkipSettings& skip, const FrameSettings& of) {
+  FrameSettings settings{skip, of.lod};
+  settings.skip.cull = of.skip.cull;
+  settings.skip.lod = of.skip.lod;
+  return settings;
+}
+
+}  // namespace
+
+CourseCheck::CourseCheck(Scenario& scenario, const FrameSettings& settings, uint64_t seed,
+                         const VerifyOptions& options)
+    : random_(MixSeed(seed, ~0ull)),
+      scenario_(scenario),
+      grooms_(&scenario),
+      tuned_(Tune(scenario)),
+      options_(options),
+      never_(WithSkips(NoSkips(), settings)),
+      skips_(WithSkips({}, settings)),
+      order_(random_.Below(2) ? VertexOrder::kSorted : VertexOrder::kIndexBuffer) {
+  AddTurns(seed);
+}
+
+void CourseCheck::AddTurns(uint64_t seed) {
+  std::vector<const ExecutorRow*> rows;
+  for (const ExecutorRow& row : ExecutorRows())
+    if (!row.stages_alone && row.IsAvailable()) rows.push_back(&row);
+  for (const Isa isa : kAllIsas) {
+    VerifyCase what;
+    what.isa = isa;
+    what.executor = *rows[(seed + uint64_t(isa)) % rows.size()];
+    const uint32_t workers = random_.Below(4) ? 2 + random_.Below(3) : 20;
+    if (what.executor->HasWorkers()) what.workers = workers;
+    what.order_seed = random_.Below(100);
+    what.fuse = random_.Below(4) != 0;
+    what.vertex_order = order_;
+    what.piecewise_sort = random_.Below(4) == 0;
+    if (!FindKernels(isa) || (options_.filter && !options_.filter(what))) continue;
+    auto run = std::make_unique<CaseRun>(scenario_, what, skips_, options_.tamper);
+    turns_.push_back({what, std::move(run)});
+  }
+}
+
+void CourseCheck::Run(uint32_t frames, CheckResult& result) {
+  VerifyCase what;
+  what.vertex_order = order_;
+  CaseRun reference(scenario_, what, never_, {});
+  const uint32_t tuned_from = frames / 3 + random_.Below(frames / 3);
+  for (uint32_t f = 0; f < frames; ++f) {
+    if (f == tuned_from) {
+      grooms_ = &tuned_;
+      bool taken = reference.GoOnWith(tuned_);
+      for (CaseTurn& turn : turns_) taken &= turn.run->GoOnWith(tuned_);
+      if (!taken) result.Fail({FindingKind::kExecutor, "", "", "tuned grooms are refused"});
+    }
+    reference.RunFrame(f);
+    digest_.Add64(reference.scene().DigestFrame());
+    const StreamDigests expected = DigestsOf(reference.scene());
+    std::erase_if(turns_,
+                  [&](CaseTurn& turn) { return !RunTurn(turn, f, reference, expected, result); });
+  }
+  for (const CaseTurn& turn : turns_)
+    for (const Finding& finding : turn.run->executor().Findings()) result.Fail(finding);
+}
+
+bool CourseCheck::RunTurn(CaseTurn& turn, uint32_t frame, CaseRun& reference,
+                          const StreamDigests& expected, CheckResult& result) {
+  if (random_.Below(kBetweenInterludes) == 0) {
+    const auto interlude = Interlude(random_.Below(kInterludes));
+    if (const auto wrong = Interrupt(turn, interlude, *grooms_, skips_, frame, options_))
+      result.Fail(*wrong);
+  }
+  turn.run->RunFrame(frame);
+  ++result.seen;
+  if (SameDigests(expected, DigestsOf(turn.run->scene()), {.bookkeeping = false})) return true;
+  const auto mismatch = FindMismatch(reference, *turn.run, frame);
+  if (!mismatch) return true;
+  const bool first = result.passed;
+  if (first) result.mismatch = mismatch;
+  result.Fail({FindingKind::kValue, mismatch->stage, mismatch->stream,
+               fmt::format("{}: {}{}", NameCase(turn.what), DescribeMismatch(*mismatch),
+                           first ? KeysOf(*mismatch) : std::string())});
+  return false;
+}
+
+std::string CourseCheck::KeysOf(const Mismatch& mismatch) const {
+  for (const Groom& groom : scenario_.grooms)
+    for (const GroomLayer& layer : groom.layers)
+      if (layer.name == mismatch.layer) return "; its keys: " + DescribeDrawn(layer.params);
+  return {};
+}
+
+VerifyReport VerifyRandom(uint32_t count, uint64_t seed, const VerifyOptions& options) {
+  VerifyReport report;
+  report.scene = fmt::format("drawn from seeds {} to {}", seed, seed + count - 1);
+  report.frames = kDrawnFrames;
+  report.shard = options.shard;
+  for (const Isa isa : kAllIsas)
+    if (!FindKernels(isa))
+      report.not_run.push_back(fmt::format("instruction set {}", IsaName(isa)));
+  Digest digest;
+  for (uint64_t s = seed; s < seed + count; ++s) {
+    if (options.progress) options.progress(uint32_t(s - seed), count, fmt::format("seed {}", s));
+    if (!TakesNext(options, report)) continue;
+    RandomScene drawn = DrawScene(s);
+    CheckResult result;
+    result.section = fmt::format("seed {}", s);
+    result.name = drawn.text;
+    result.place = report.places - 1;
+    CourseCheck check(drawn.scenario, {drawn.skip, drawn.lod}, s, options);
+    check.Run(kDrawnFrames, result);
+    report.checks.push_back(std::move(result));
+    report.characters += uint32_t(drawn.scenario.actors.size());
+    report.strands += drawn.scenario.StrandCount();
+    digest.Add64(check.digest());
+  }
+  report.digest = digest.Value();
+  return report;
+}
+
+void CheckWholeCourse(Scenario& scenario, const VerifyOptions& options, VerifyReport& report) {
+  for (const bool apart : {false, true}) {
+    Scenario course = scenario;
+    course.velocities = course.origins = apart;
+    CheckResult result;
+    result.section = "course";
+    result.name = apart ? "with velocities, origins and LOD" : "as the scene is";
+    const Settings settings = apart ? Settings::kLod : Settings::kSkips;
+    CourseCheck check(course, FrameSettingsOf(settings, course), apart, options);
+    check.Run(kLongCourseFrames, result);
+    report.checks.push_back(std::move(result));
+  }
+}
+
+}  // namespace pelt
