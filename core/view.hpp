@@ -13,10 +13,7 @@ namespace pelt {
 
 // World space, right-handed, metres.
 struct Camera {
-  union {
-    float eye[3] = {0.0f, 1.0f, 3.0f};  // where it is
-    float position[3];                  // the same, by its name of before
-  };
+  float eye[3] = {0.0f, 1.0f, 3.0f};     // where it is
   float target[3] = {0.0f, 1.0f, 0.0f};  // a place that it looks at, at any distance but 0
   float up[3] = {0.0f, 1.0f, 0.0f};      // upwards in the picture; of any length, need not be exact
   float vertical_fov_rad = 0.9f;         // whole angle, in (0, pi)

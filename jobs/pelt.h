@@ -197,10 +197,7 @@ typedef struct PeltFrame {
   float viewport_width_px, viewport_height_px; /* from 1 on */
   float near_m, far_m; /* in front of the eye, from 1e-4 on; beyond near_m */
   float gravity[3];    /* m/s^2 */
-  union {
-    float wind_velocity[3]; /* mean of the air over time, m/s */
-    float wind[3];          /* the same, by its name of before */
-  };
+  float wind_velocity[3]; /* mean of the air over time, m/s */
   float gust_strength;      /* 0.5: gusts swing the velocity by up to half of it */
   float gust_period_s;      /* of the slowest sine; from 1e-3 on */
   float turbulence;         /* most that an eddy adds along an axis, m/s */

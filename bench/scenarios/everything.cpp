@@ -62,7 +62,7 @@ void ActOnScene(uint32_t frame, FurScene& scene, FrameInput& in) {
   if (Holds(frame, 8, 12)) in.ground_velocity[0] = 0.7f;
   Camera& camera = in.camera;
   if (Holds(frame, 20, 22))
-    for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.position[c] - camera.target[c];
+    for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.eye[c] - camera.target[c];
 }
 
 void AddLights(const glm::vec3& at, Lighting& lighting) {

@@ -400,7 +400,7 @@ CheckResult CheckSamePicture(Scenario& scenario, const VerifyOptions& options) {
   for (uint32_t f = 0; f < 3; ++f)
     run.RunFrame(f, [&](FrameInput& input, FurScene&) {
       Camera& c = input.camera;
-      for (int i = 0; f == 1 && i < 3; ++i) c.target[i] = 2.0f * c.position[i] - c.target[i];
+      for (int i = 0; f == 1 && i < 3; ++i) c.target[i] = 2.0f * c.eye[i] - c.target[i];
     });
   scenario.rest_from_frame = rest_before;
   for (uint32_t c = 0; c < run.scene().shape().chunk_count; ++c) {

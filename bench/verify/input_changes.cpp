@@ -295,10 +295,10 @@ void AddWind(std::vector<InputChange>& changes) {
 void AddEye(std::vector<InputChange>& changes) {
   const auto along_z = [](FrameInput& in) {
     Camera& c = in.camera;
-    const float distance = std::hypot(c.position[0] - c.target[0], c.position[1] - c.target[1],
-                                      c.position[2] - c.target[2]);
+    const float distance = std::hypot(c.eye[0] - c.target[0], c.eye[1] - c.target[1],
+                                      c.eye[2] - c.target[2]);
     for (int i = 0; i < 3; ++i) {
-      c.position[i] = c.target[i] + (i == 2 ? distance : 0.0f);
+      c.eye[i] = c.target[i] + (i == 2 ? distance : 0.0f);
       c.up[i] = i == 1 ? 1.0f : 0.0f;
     }
   };
@@ -307,9 +307,9 @@ void AddEye(std::vector<InputChange>& changes) {
                        InputChange::Type::kOneWay,
                        [axis](FrameInput& in, FurScene&, Amount) {
                          Camera& c = in.camera;
-                         const float across = 1.0e-5f * (c.position[2] - c.target[2]);
-                         c.position[axis] += across;
-                         c.target[axis] = c.position[axis];
+                         const float across = 1.0e-5f * (c.eye[2] - c.target[2]);
+                         c.eye[axis] += across;
+                         c.target[axis] = c.eye[axis];
                        },
                        along_z});
 }

@@ -168,7 +168,7 @@ void RunCourse(const Spans& spans, uint32_t frame, FurScene& scene, FrameInput& 
   if (!spans.brushes.Holds(frame)) in.brush_count = 0;
   Camera& camera = in.camera;
   if (spans.aside.Holds(frame))
-    for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.position[c] - camera.target[c];
+    for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.eye[c] - camera.target[c];
   if (!spans.speeds.Holds(frame)) {
     std::fill_n(in.ground_velocity, 3, 0.0f);
     std::fill_n(in.sphere_velocity[0], 3 * kSpheresPerScene, 0.0f);

@@ -265,7 +265,7 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
       {"MakeView",
        [](Bytes& out) {
          Camera camera;
-         camera.position[0] = 0.37f;
+         camera.eye[0] = 0.37f;
          out.Add(MakeView(camera).planes);
        }},
       {"CopyCurves",

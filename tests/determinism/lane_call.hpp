@@ -17,7 +17,7 @@
 #include "core/kernels/frame_table.hpp"
 #include "core/random.hpp"
 #include "core/streams.hpp"
-#include "jobs/float_environment.hpp"
+#include "core/float_environment.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt::testing {

@@ -36,7 +36,7 @@ PeltFrame FrameOf(uint32_t frame) {
   PeltFrame input;
   pelt_default_frame(&input);
   input.time_s = frame / 60.0;
-  input.wind[0] = 2.0f;
+  input.wind_velocity[0] = 2.0f;
   return input;
 }
 

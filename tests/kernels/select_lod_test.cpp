@@ -31,10 +31,10 @@ D3 Of(const float (&a)[3]) { return {a[0], a[1], a[2]}; }
 
 // Whether a point is on the screen, by projecting it; `slack` shrinks the screen.
 bool IsOnScreen(const Camera& c, D3 point, double slack) {
-  const D3 forward = UnitD(Sub(Of(c.target), Of(c.position)));
+  const D3 forward = UnitD(Sub(Of(c.target), Of(c.eye)));
   const D3 right = UnitD(CrossD(forward, Of(c.up)));
   const D3 up = CrossD(right, forward);
-  const D3 p = Sub(point, Of(c.position));
+  const D3 p = Sub(point, Of(c.eye));
   const double depth = DotD(p, forward);
   if (depth < c.near_m + slack || depth > c.far_m - slack) return false;
   const double tan_y = std::tan(0.5 * double(c.vertical_fov_rad));
@@ -46,7 +46,7 @@ bool IsOnScreen(const Camera& c, D3 point, double slack) {
 Camera RandomCamera(std::mt19937& random) {
   Camera c;
   for (int i = 0; i < 3; ++i) {
-    c.position[i] = Uniform(random, -5.0f, 5.0f);
+    c.eye[i] = Uniform(random, -5.0f, 5.0f);
     c.target[i] = Uniform(random, -5.0f, 5.0f);
   }
   c.vertical_fov_rad = Uniform(random, 0.2f, 2.0f);
