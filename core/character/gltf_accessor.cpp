@@ -2,8 +2,11 @@
 // order and alignment do not matter.
 #include "core/character/gltf_accessor.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <tuple>
 
 #include "core/error.hpp"
 #include "core/float_rules.hpp"
@@ -132,6 +135,7 @@ class AccessorReader {
   // Throws unless the accessor's elements, and its sparse ones, lie inside their buffers.
   void CheckRange() {
     const uint64_t element = SizeOf(accessor_->component) * uint64_t(accessor_->components);
+    if (element == 0) Refuse("is of no type that is known");
     if (accessor_->view >= 0) {
       base_ = Locate(accessor_->view, accessor_->offset, accessor_->count, element, true);
     } else if (accessor_->count > document_.file_bytes) {
@@ -177,21 +181,25 @@ class AccessorReader {
     const std::string where = "bufferView " + std::to_string(view_index);
     if (view.buffer < 0 || size_t(view.buffer) >= document_.buffers.size())
       Refuse(where + ": buffer " + std::to_string(view.buffer) + " does not exist");
+    if (const std::string& fault = document_.buffer_faults[size_t(view.buffer)]; !fault.empty())
+      Refuse("buffer " + std::to_string(view.buffer) + ": " + fault);
     const std::vector<unsigned char>& buffer = document_.buffers[size_t(view.buffer)];
-    if (view.offset > buffer.size() || view.length > buffer.size() - view.offset)
+    if (view.offset > buffer.size())
       Refuse(where + " reaches past the end of buffer " + std::to_string(view.buffer) + " (" +
              std::to_string(buffer.size()) + " bytes)");
+    // As far as there is something: some say more than they have.
+    const uint64_t length = std::min<uint64_t>(view.length, buffer.size() - view.offset);
     const uint64_t stride = strided && view.stride ? view.stride : element;
     if (stride < element)
       Refuse(where + ": byteStride " + std::to_string(stride) + " is smaller than an element (" +
              std::to_string(element) + " bytes)");
     if (count == 0) return {buffer.data(), stride};
     // Last byte at offset + stride * (count - 1) + element, without overflow.
-    const bool fits = offset <= view.length && element <= view.length - offset &&
-                      count - 1 <= (view.length - offset - element) / stride;
+    const bool fits = offset <= length && element <= length - offset &&
+                      count - 1 <= (length - offset - element) / stride;
     if (!fits)
       Refuse(std::to_string(count) + " elements from byte " + std::to_string(offset) +
-             " reach past the end of " + where + " (" + std::to_string(view.length) + " bytes)");
+             " reach past the end of " + where + " (" + std::to_string(length) + " bytes)");
     return {buffer.data() + view.offset + offset, stride};
   }
 
@@ -211,6 +219,19 @@ uint64_t CountElements(const Document& document, int accessor, const std::string
   AccessorReader reader(document, accessor, place);
   reader.CheckRange();
   return reader.accessor().count;
+}
+
+std::vector<int> FindSameAccessors(const Document& document) {
+  std::map<std::tuple<int, uint64_t, uint64_t, int, int, bool, bool>, int> first;
+  std::vector<int> same;
+  for (int a = 0; const Accessor& of : document.accessors) {
+    const auto [known, is_new] = first.try_emplace(
+        {of.view, of.offset, of.count, of.component, of.components, of.matrix, of.normalised}, a);
+    same.push_back(of.sparse.used ? a : known->second);
+    if (is_new && of.sparse.used) first.erase(known);
+    ++a;
+  }
+  return same;
 }
 
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,

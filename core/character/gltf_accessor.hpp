@@ -21,6 +21,8 @@ enum ComponentSet : uint32_t {
   kSetU32 = 8,
   kSetI8 = 16,
   kSetI16 = 32,
+  kSetUnsigned = kSetU8 | kSetU16 | kSetU32,
+  kSetAny = 63,
 };
 
 enum class Scaling {
@@ -38,6 +40,9 @@ struct Wanted {
 
 // Elements of the accessor. Throws Error (file, place, reason) for a bad accessor.
 uint64_t CountElements(const Document& document, int accessor, const std::string& place);
+
+// Of each accessor the first that has the same elements: exporters name the same bytes by several.
+std::vector<int> FindSameAccessors(const Document& document);
 
 // components * count floats, finite unless others are wanted. Throws Error as above.
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,

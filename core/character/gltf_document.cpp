@@ -1,306 +1,348 @@
-// The one file that sees tinygltf. It turns the library's model into plain data and every way of
-// failing into one Error.
+// JSON to plain data, and nothing else: what an index, a number or a name should be, it is held
+// against where it is used. A library that reads glTF refuses a file for what nobody uses, so it is
+// read here, with nlohmann's JSON.
 //
-// What breaks if ignored: tinygltf is not safe on hostile JSON by itself (see gltf_json_guard.hpp),
-// it drops primitives it cannot parse and goes on, and it looks for missing buffers in the working
-// directory. All three are caught here.
+// What breaks if ignored: `extras` and unknown members can be most of a file; they are dropped while
+// it is parsed. The parser holds its stack on the heap, so that nesting cannot overflow ours.
 #include "core/character/gltf_document.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <limits>
 
-#include "core/character/gltf_json_guard.hpp"
+#include "core/character/gltf_files.hpp"
+#include "core/character/gltf_json.hpp"
 #include "core/character/gltf_look.hpp"
 #include "core/error.hpp"
-#include "core/file_bytes.hpp"
 #include "core/format.hpp"
 #include "core/printable.hpp"
-
-// The distribution's library holds the implementation (define PELT_TINYGLTF_HEADER_ONLY where
-// tinygltf is headers alone).
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#ifdef PELT_TINYGLTF_HEADER_ONLY
-#define TINYGLTF_IMPLEMENTATION
-#endif
-#include <tiny_gltf.h>
 
 namespace pelt::gltf {
 namespace {
 
-constexpr uint64_t kMaxExternalBytes = 1ull << 30;
-
-// What the library may read: regular files below one folder, up to a total size.
-struct BufferFolder {
-  std::string folder;
-  uint64_t bytes_left = kMaxExternalBytes;
-  std::vector<std::string> read = {};
-};
-
-bool BufferFileExists(const std::string& path, void* user) {
-  const BufferFolder& from = *static_cast<const BufferFolder*>(user);
-  if (from.folder.empty() || path.compare(0, from.folder.size(), from.folder) != 0) return false;
-  return IsThere(path);
-}
-
-bool ReadBufferFile(std::vector<unsigned char>* out, std::string* reason, const std::string& path,
-                    void* user) {
-  BufferFolder& from = *static_cast<BufferFolder*>(user);
-  // Whoever made the file must not make us wait for a FIFO.
-  *reason = WhyNoFile(path);
-  if (!reason->empty()) return false;
-  const auto bytes = ReadWhole(path, from.bytes_left);
-  if (!bytes) {
-    *reason = bytes.error();
-    return false;
-  }
-  from.bytes_left -= bytes->size();
-  from.read.push_back(path);
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes->data());
-  out->assign(data, data + bytes->size());
-  return true;
-}
-
-std::string SamePath(const std::string& path, void*) { return path; }
-
-bool SkipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*,
-               int, void*) {
-  return true;
-}
-
-uint32_t ReadU32(const unsigned char* p) {
-  return uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
-}
-
-bool IsGlb(std::span<const unsigned char> file) {
-  return file.size() >= 4 && std::memcmp(file.data(), "glTF", 4) == 0;
-}
-
-// The JSON text inside the file. Checks the GLB frame itself: its messages have byte offsets.
-template <class Byte>  // unsigned char, const or not
-std::span<Byte> FindJson(std::span<Byte> file, const std::string& name) {
-  if (!IsGlb(file)) return file;
-  auto fail = [&name](const std::string& what) { throw Error(name + ": " + what); };
-  if (file.size() < 20)
-    fail("truncated: a GLB starts with 20 bytes of header, the file has " +
-         std::to_string(file.size()));
-  const uint32_t version = ReadU32(&file[4]), length = ReadU32(&file[8]);
-  const uint32_t json_length = ReadU32(&file[12]);
-  if (version != 2) fail("byte 4: GLB version " + std::to_string(version) + ", only 2 is known");
-  if (length > file.size())
-    fail("truncated: the header says " + std::to_string(length) + " bytes, the file has " +
-         std::to_string(file.size()));
-  if (ReadU32(&file[16]) != 0x4e4f534a) fail("byte 16: the first chunk is not JSON");
-  if (uint64_t(json_length) + 20 > length)
-    fail("byte 12: the JSON chunk of " + std::to_string(json_length) +
-         " bytes reaches past the end of the file");
-  return file.subspan(20, json_length);
-}
-
-// Lines the library reports although the file is fine.
-std::string DropHarmless(std::string errors) {
-  static const std::string kNoInverseBind = "'inverseBindMatrices' property is missing in Skin.\n";
-  for (size_t at; (at = errors.find(kNoInverseBind)) != std::string::npos;)
-    errors.erase(at, kNoInverseBind.size());
-  while (!errors.empty() && errors.back() == '\n') errors.pop_back();
-  for (char& c : errors)
-    if (c == '\n') c = ' ';
-  return errors;
-}
+constexpr std::string_view kMembers[] = {
+    "accessors",          "animations", "asset",  "bufferViews", "buffers",
+    "extensionsRequired", "materials",  "meshes", "nodes",       "scene",
+    "extensionsUsed",     "scenes",     "skins"};
 
 // Extensions without which the accessors mean something else.
-constexpr std::string_view kUnreadable[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
-                                            "KHR_meshopt_compression"};
-// Of materials, lights and pictures, none of which is looked at; or read as plain glTF.
-constexpr std::string_view kHarmless[] = {"KHR_materials_", "KHR_lights_", "KHR_texture_",
-                                          "EXT_texture_", "KHR_mesh_quantization"};
+constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
+                                              "EXT_meshopt_compression", "KHR_meshopt_compression"};
+// Of materials, lights and pictures, none of which is looked at; or read.
+constexpr std::string_view kHarmless[] = {
+    "KHR_materials_", "KHR_lights_",          "KHR_texture_",          "EXT_texture_",
+    "MSFT_texture_",  "EXT_lights_",          "KHR_mesh_quantization", "KHR_node_visibility",
+    "MSFT_lod",       "KHR_animation_pointer"};
 
-// A file that needs an extension is refused in its name: what the library stumbles over, views and
-// accessors without content, follows from it. Where the file could be read without, only `failed`.
-void CheckExtensions(const tinygltf::Model& model, const std::string& name, bool failed) {
-  const auto check = [&](const std::vector<std::string>& extensions, std::string_view member) {
-    for (const std::string& extension : extensions)
-      for (std::string_view unreadable : kUnreadable)
-        if (extension == unreadable)
-          throw Error(Format("{}: {}: {} is not supported; export without compression", name,
-                             member, extension));
+int ToIndex(const Json& value) {
+  if (!value.is_number()) return kBroken;
+  const double number = value.get<double>();
+  const bool fits = number >= 0.0 && number < 2147483647.0 && number == std::floor(number);
+  return fits ? int(number) : kBroken;
+}
+
+// -1 where there is none.
+int IndexOf(const Json& from, const char* member) {
+  const Json& value = Member(from, member);
+  return value.is_null() ? -1 : ToIndex(value);
+}
+
+// Larger than anything where it is no size.
+uint64_t SizeOf(const Json& from, const char* member) {
+  const Json& value = Member(from, member);
+  if (value.is_null()) return 0;
+  if (value.is_number_unsigned()) return value.get<uint64_t>();
+  const int index = ToIndex(value);
+  return index == kBroken ? std::numeric_limits<uint64_t>::max() : uint64_t(index);
+}
+
+bool FlagOf(const Json& from, const char* member, bool otherwise) {
+  const Json& value = Member(from, member);
+  return value.is_boolean() ? value.get<bool>() : otherwise;
+}
+
+std::string RawTextOf(const Json& from, const char* member) {
+  const Json& value = Member(from, member);
+  return value.is_string() ? value.get<std::string>() : std::string();
+}
+std::string TextOf(const Json& from, const char* member) {
+  return Printable(RawTextOf(from, member));
+}
+
+std::vector<int> IndicesOf(const Json& from, const char* member) {
+  std::vector<int> out;
+  if (const Json& array = Member(from, member); array.is_array())
+    for (const Json& value : array) out.push_back(ToIndex(value));
+  return out;
+}
+
+std::vector<double> NumbersOf(const Json& from, const char* member) {
+  std::vector<double> out;
+  if (const Json& array = Member(from, member); array.is_array())
+    for (const Json& value : array)
+      out.push_back(value.is_number() ? value.get<double>()
+                                      : std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+std::vector<std::string> TextsOf(const Json& from, const char* member) {
+  std::vector<std::string> out;
+  if (const Json& array = Member(from, member); array.is_array())
+    for (const Json& value : array)
+      if (value.is_string()) out.push_back(value.get<std::string>());
+  return out;
+}
+
+const Json& ExtensionOf(const Json& from, const char* name) {
+  return Member(Member(from, "extensions"), name);
+}
+bool IsCompressed(const Json& from) {
+  return std::any_of(
+      std::begin(kCompressions), std::end(kCompressions),
+      [&](std::string_view name) { return ExtensionOf(from, name.data()).is_object(); });
+}
+
+View ToView(const Json& from) {
+  return {IndexOf(from, "buffer"), SizeOf(from, "byteOffset"), SizeOf(from, "byteLength"),
+          SizeOf(from, "byteStride"), IsCompressed(from)};
+}
+
+int64_t CountOf(const Json& from, const char* member) {
+  const Json& value = Member(from, member);
+  return value.is_null() ? 0 : int64_t(ToIndex(value));
+}
+
+Accessor ToAccessor(const Json& from) {
+  constexpr std::pair<std::string_view, int> kTypes[] = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+  Accessor to;
+  to.view = IndexOf(from, "bufferView");
+  to.offset = SizeOf(from, "byteOffset");
+  to.count = SizeOf(from, "count");
+  to.component = IndexOf(from, "componentType");
+  to.normalised = FlagOf(from, "normalized", false);
+  const std::string type = RawTextOf(from, "type");
+  to.matrix = type.starts_with("MAT");
+  for (const auto& [name, components] : kTypes)
+    if (type == name) to.components = components;
+  const Json& sparse = Member(from, "sparse");
+  to.sparse.used = sparse.is_object();
+  if (!to.sparse.used) return to;
+  const Json &indices = Member(sparse, "indices"), &values = Member(sparse, "values");
+  to.sparse.count = CountOf(sparse, "count");
+  to.sparse.index_view = IndexOf(indices, "bufferView");
+  to.sparse.index_offset = CountOf(indices, "byteOffset");
+  to.sparse.index_component = IndexOf(indices, "componentType");
+  to.sparse.value_view = IndexOf(values, "bufferView");
+  to.sparse.value_offset = CountOf(values, "byteOffset");
+  return to;
+}
+
+template <class T, class Convert>
+void ReadEach(const Json& from, const char* member, std::vector<T>& to, const Convert& convert) {
+  const Json& array = Member(from, member);
+  if (!array.is_array()) return;
+  for (const Json& element : array) to.push_back(convert(element));
+}
+
+Primitive ToPrimitive(const Json& from) {
+  Primitive to;
+  if (const Json& attributes = Member(from, "attributes"); attributes.is_object())
+    for (const auto& [name, accessor] : attributes.items()) to.attributes[name] = ToIndex(accessor);
+  to.indices = IndexOf(from, "indices");
+  to.material = IndexOf(from, "material");
+  if (const int mode = IndexOf(from, "mode"); mode != -1) to.mode = mode;
+  const Json& targets = Member(from, "targets");
+  to.morphs = targets.is_array() && !targets.empty();
+  to.compressed = IsCompressed(from);
+  return to;
+}
+
+MeshDesc ToMesh(const Json& from) {
+  MeshDesc to;
+  to.name = TextOf(from, "name");
+  ReadEach(from, "primitives", to.primitives, ToPrimitive);
+  return to;
+}
+
+Node ToNode(const Json& from) {
+  Node to;
+  to.name = TextOf(from, "name");
+  to.children = IndicesOf(from, "children");
+  to.mesh = IndexOf(from, "mesh");
+  to.skin = IndexOf(from, "skin");
+  to.matrix = NumbersOf(from, "matrix");
+  to.translation = NumbersOf(from, "translation");
+  to.rotation = NumbersOf(from, "rotation");
+  to.scale = NumbersOf(from, "scale");
+  to.coarser = IndicesOf(ExtensionOf(from, "MSFT_lod"), "ids");
+  to.hidden = !FlagOf(ExtensionOf(from, "KHR_node_visibility"), "visible", true);
+  return to;
+}
+
+Animation ToAnimation(const Json& from) {
+  Animation to;
+  to.name = TextOf(from, "name");
+  ReadEach(from, "samplers", to.samplers, [](const Json& s) {
+    return Sampler{IndexOf(s, "input"), IndexOf(s, "output"), TextOf(s, "interpolation")};
+  });
+  ReadEach(from, "channels", to.channels, [](const Json& c) {
+    const Json& target = Member(c, "target");
+    return ChannelDesc{IndexOf(c, "sampler"), IndexOf(target, "node"), TextOf(target, "path")};
+  });
+  return to;
+}
+
+// Bytes that are no UTF-8, of names in older code pages, become question marks.
+std::string RepairText(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const size_t bytes = FirstCharacter(text).bytes;
+    out += bytes ? text.substr(0, bytes) : "?";
+    text.remove_prefix(std::max<size_t>(bytes, 1));
+  }
+  return out;
+}
+
+bool IsUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const size_t bytes = FirstCharacter(text).bytes;
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+
+Json ParseText(std::string_view text, const std::string& name) {
+  const auto wanted = [](int depth, Json::parse_event_t event, Json& parsed) {
+    if (event != Json::parse_event_t::key) return true;
+    if (depth > 1) return parsed != "extras";
+    return std::find(std::begin(kMembers), std::end(kMembers), parsed) != std::end(kMembers);
   };
-  check(model.extensionsRequired, "extensionsRequired");
-  if (failed) check(model.extensionsUsed, "extensionsUsed");
+  try {
+    return Json::parse(text.begin(), text.end(), wanted);
+  } catch (const std::exception& e) {
+    throw Error(name + ": not readable as glTF: " + Printable(e.what()));
+  }
+}
+
+void CheckVersion(const Json& json, const std::string& name) {
+  const Json& asset = Member(json, "asset");
+  if (!asset.is_object()) throw Error(name + ": not readable as glTF: JSON without `asset`");
+  const std::string version = TextOf(asset, "version");
+  if (version != "2" && !version.starts_with("2."))
+    throw Error(Format("{}: asset.version is \"{}\", only 2.x is known; export as glTF 2.0", name,
+                       version));
+}
+
+// Whether something of the document has its bytes in an extension alone.
+bool LacksPlainBytes(const Document& document) {
+  const auto is_empty_view = [&](const View& view) {
+    const bool known = view.buffer >= 0 && size_t(view.buffer) < document.buffers.size();
+    return view.compressed && known && !document.buffer_faults[size_t(view.buffer)].empty();
+  };
+  const auto is_empty = [&](int accessor) {
+    const bool known = accessor >= 0 && size_t(accessor) < document.accessors.size();
+    return known && document.accessors[size_t(accessor)].view < 0 &&
+           !document.accessors[size_t(accessor)].sparse.used;
+  };
+  const auto is_empty_primitive = [&](const Primitive& primitive) {
+    return primitive.compressed &&
+           (is_empty(primitive.indices) ||
+            std::any_of(primitive.attributes.begin(), primitive.attributes.end(),
+                        [&](const auto& attribute) { return is_empty(attribute.second); }));
+  };
+  return std::any_of(document.views.begin(), document.views.end(), is_empty_view) ||
+         std::any_of(document.meshes.begin(), document.meshes.end(), [&](const MeshDesc& mesh) {
+           return std::any_of(mesh.primitives.begin(), mesh.primitives.end(), is_empty_primitive);
+         });
+}
+
+// A file that is compressed has the plain bytes too, or says that it requires the extension; some
+// forget to say it.
+void CheckCompression(const Json& json, const Document& document) {
+  for (const char* member : {"extensionsRequired", "extensionsUsed"}) {
+    const bool required = std::string_view(member) == "extensionsRequired";
+    for (const std::string& extension : TextsOf(json, member))
+      if (std::find(std::begin(kCompressions), std::end(kCompressions), extension) !=
+              std::end(kCompressions) &&
+          (required || LacksPlainBytes(document)))
+        throw Error(Format("{}: {}: {} is not read; undo it: gltf-transform cp in.glb out.glb",
+                           document.name, member, extension));
+  }
 }
 
 // The other extensions that the file says it cannot do without.
-std::vector<std::string> ListUnknown(const tinygltf::Model& model) {
+std::vector<std::string> ListUnknown(const Json& json) {
   std::vector<std::string> unknown;
-  for (const std::string& extension : model.extensionsRequired)
+  for (const std::string& extension : TextsOf(json, "extensionsRequired"))
     if (std::none_of(std::begin(kHarmless), std::end(kHarmless),
                      [&](std::string_view known) { return extension.starts_with(known); }))
       unknown.push_back(Printable(extension));
   return unknown;
 }
 
-tinygltf::Model ParseModel(std::span<unsigned char> file, const std::string& name,
-                           BufferFolder& from) {
-  const std::string& folder = from.folder;
-  if (file.empty()) throw Error(name + ": the file is empty");
-  if (file.size() > 0xffffffffull) throw Error(name + ": larger than 4 GiB");
-  const std::span<unsigned char> json = FindJson(file, name);
-  const std::string reason = GuardJson({reinterpret_cast<char*>(json.data()), json.size()});
-  if (!reason.empty()) throw Error(name + ": " + reason);
-
-  tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(SkipImage, nullptr);
-  loader.SetFsCallbacks({BufferFileExists, SamePath, ReadBufferFile, nullptr, &from});
-  tinygltf::Model model;
-  std::string errors, warnings;
-  bool read = false;
-  try {
-    read = IsGlb(file) ? loader.LoadBinaryFromMemory(&model, &errors, &warnings, file.data(),
-                                                     unsigned(file.size()), folder)
-                       : loader.LoadASCIIFromString(&model, &errors, &warnings,
-                                                    reinterpret_cast<const char*>(file.data()),
-                                                    unsigned(file.size()), folder);
-  } catch (const std::exception& e) {
-    throw Error(name + ": not readable as glTF: " + Printable(e.what()));
-  }
-  errors = DropHarmless(errors);
-  const bool failed = !read || !errors.empty();
-  CheckExtensions(model, name, failed);
-  if (failed) {
-    std::string reason = errors.empty() ? std::string("no reason given") : Printable(errors);
-    for (const std::string& extension : ListUnknown(model))
-      reason += "; it requires " + extension + ", which is not supported";
-    throw Error(name + ": not readable as glTF: " + reason);
-  }
-  if (model.asset.version.compare(0, 2, "2.") != 0)
-    throw Error(name + ": asset.version is \"" + Printable(model.asset.version) +
-                "\", only 2.x is known");
-  return model;
-}
-
-Accessor Convert(const tinygltf::Accessor& from) {
-  Accessor to;
-  to.view = from.bufferView;
-  to.offset = from.byteOffset;
-  to.count = from.count;
-  to.component = from.componentType;
-  to.normalised = from.normalized;
-  to.matrix = from.type == TINYGLTF_TYPE_MAT2 || from.type == TINYGLTF_TYPE_MAT3 ||
-              from.type == TINYGLTF_TYPE_MAT4;
-  to.components = tinygltf::GetNumComponentsInType(uint32_t(from.type));
-  to.sparse.used = from.sparse.isSparse;
-  if (to.sparse.used) {
-    to.sparse.count = from.sparse.count;
-    to.sparse.index_view = from.sparse.indices.bufferView;
-    to.sparse.index_offset = from.sparse.indices.byteOffset;
-    to.sparse.index_component = from.sparse.indices.componentType;
-    to.sparse.value_view = from.sparse.values.bufferView;
-    to.sparse.value_offset = from.sparse.values.byteOffset;
-  }
-  return to;
-}
-
-MeshDesc Convert(const tinygltf::Mesh& from) {
-  MeshDesc to;
-  to.name = Printable(from.name);
-  for (const tinygltf::Primitive& p : from.primitives)
-    to.primitives.push_back({p.attributes, p.indices, p.material, p.mode, !p.targets.empty()});
-  return to;
-}
-
-Animation Convert(const tinygltf::Animation& from) {
-  Animation to;
-  to.name = Printable(from.name);
-  for (const tinygltf::AnimationSampler& s : from.samplers)
-    to.samplers.push_back({s.input, s.output, s.interpolation});
-  for (const tinygltf::AnimationChannel& c : from.channels)
-    to.channels.push_back({c.sampler, c.target_node, c.target_path});
-  return to;
-}
-
-int HexDigit(char c) {
-  const char low = char(c | 0x20);
-  return c >= '0' && c <= '9' ? c - '0' : low >= 'a' && low <= 'f' ? low - 'a' + 10 : -1;
-}
-
-// A % that no two digits follow stays (RFC 3986, 2.1).
-std::string DecodePercent(std::string_view text) {
-  std::string out;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const bool coded = i + 2 < text.size() && text[i] == '%' && HexDigit(text[i + 1]) >= 0 &&
-                       HexDigit(text[i + 2]) >= 0;
-    out += coded ? char(16 * HexDigit(text[i + 1]) + HexDigit(text[i + 2])) : text[i];
-    i += coded ? 2 : 0;
-  }
-  return out;
-}
-
-// Of any media type, which the library is choosy about.
-std::vector<unsigned char> DecodeData(const std::string& uri, std::string& fault) {
-  static constexpr std::string_view kBase64 = ";base64,", kKnown = "data:text/plain;base64,";
-  std::vector<unsigned char> bytes;
-  std::string type;
-  const size_t at = uri.find(kBase64);
-  if (at > uri.find(',') ||
-      !tinygltf::DecodeDataURI(
-          &bytes, type,
-          std::string(kKnown) + DecodePercent(std::string_view(uri).substr(at + kBase64.size())), 0,
-          false))
-    fault = "not in base64";
-  return bytes;
-}
-
-// Of files beside the glTF file, under the rules of its buffers, and of what the text itself holds.
-ImageReader MakeImageReader(BufferFolder& from) {
-  return [&from](const std::string& uri, std::string& fault) -> std::vector<unsigned char> {
-    if (uri.starts_with("data:")) return DecodeData(uri, fault);
+void ReadBuffers(const Json& json, const Parts& parts, UriReader& reader, Document& to) {
+  const Json& buffers = Member(json, "buffers");
+  for (size_t b = 0; buffers.is_array() && b < buffers.size(); ++b) {
+    const std::string uri = RawTextOf(buffers[b], "uri");
+    std::string fault;
     std::vector<unsigned char> bytes;
-    // Some tools write a name as it is, with % in it.
-    const std::string decoded = DecodePercent(uri);
-    const std::string& name = IsThere(from.folder + "/" + uri) ? uri : decoded;
-    if (from.folder.empty())
-      fault = "no folder to look for it";
-    else if (("/" + name + "/").find("/../") != std::string::npos || name.starts_with('/') ||
-             name.find(':') != std::string::npos || name.find('\0') != std::string::npos)
-      fault = "not below the file's folder";
-    else
-      ReadBufferFile(&bytes, &fault, from.folder + "/" + name, &from);
-    return bytes;
-  };
+    if (!uri.empty()) {
+      bytes = reader.Read(uri, fault);
+      if (!fault.empty()) fault = Format("'{}': {}", Printable(uri), fault);
+    } else if (b == 0 && parts.has_binary) {
+      const auto* first = reinterpret_cast<const unsigned char*>(parts.binary.data());
+      bytes.assign(first, first + parts.binary.size());
+    } else {
+      fault = "it has no uri and is not the binary chunk";
+    }
+    to.file_bytes += bytes.size();
+    to.buffers.push_back(std::move(bytes));
+    to.buffer_faults.push_back(std::move(fault));
+  }
 }
 
 }  // namespace
 
 Document ParseDocument(std::span<const std::byte> bytes, const std::string& name,
                        const std::string& folder) {
-  const unsigned char* first = reinterpret_cast<const unsigned char*>(bytes.data());
-  std::vector<unsigned char> file(first, first + bytes.size());  // the guard masks in place
-  BufferFolder from{folder};
-  tinygltf::Model model = ParseModel(file, name, from);
-
   Document to;
   to.name = name;
   to.file_bytes = bytes.size();
-  for (tinygltf::Buffer& b : model.buffers) {
-    to.file_bytes += b.data.size();
-    to.buffers.push_back(std::move(b.data));
+  const Parts parts = FindParts(bytes, name);
+  std::string_view text = parts.json;
+  std::string repaired;
+  if (!IsUtf8(text)) {
+    repaired = RepairText(text);
+    text = repaired;
+    to.repairs.push_back("The file's text is not all UTF-8; what is not became '?'.");
   }
-  for (const tinygltf::BufferView& v : model.bufferViews)
-    to.views.push_back({v.buffer, v.byteOffset, v.byteLength, v.byteStride});
-  for (const tinygltf::Accessor& a : model.accessors) to.accessors.push_back(Convert(a));
-  for (const tinygltf::Mesh& m : model.meshes) to.meshes.push_back(Convert(m));
-  for (const tinygltf::Node& n : model.nodes)
-    to.nodes.push_back({Printable(n.name), n.children, n.mesh, n.skin, n.matrix, n.translation,
-                        n.rotation, n.scale});
-  for (const tinygltf::Skin& s : model.skins)
-    to.skins.push_back({Printable(s.name), s.joints, s.inverseBindMatrices});
-  for (const tinygltf::Animation& a : model.animations) to.animations.push_back(Convert(a));
-  for (const tinygltf::Material& m : model.materials) to.materials.push_back(Printable(m.name));
-  to.extensions_unknown = ListUnknown(model);
-  const std::span<const unsigned char> json =
-      FindJson(std::span<const unsigned char>(first, bytes.size()), name);
-  ReadLook({reinterpret_cast<const char*>(json.data()), json.size()}, MakeImageReader(from), to);
-  to.files_read = std::move(from.read);
+  const Json json = ParseText(text, name);
+  CheckVersion(json, name);
+  UriReader reader(folder);
+  ReadBuffers(json, parts, reader, to);
+  ReadEach(json, "bufferViews", to.views, ToView);
+  ReadEach(json, "accessors", to.accessors, ToAccessor);
+  ReadEach(json, "meshes", to.meshes, ToMesh);
+  ReadEach(json, "nodes", to.nodes, ToNode);
+  ReadEach(json, "scenes", to.scenes, [](const Json& scene) {
+    return Scene{TextOf(scene, "name"), IndicesOf(scene, "nodes")};
+  });
+  to.scene = IndexOf(json, "scene");
+  ReadEach(json, "skins", to.skins, [](const Json& skin) {
+    return Skin{TextOf(skin, "name"), IndicesOf(skin, "joints"),
+                IndexOf(skin, "inverseBindMatrices")};
+  });
+  ReadEach(json, "animations", to.animations, ToAnimation);
+  ReadEach(json, "materials", to.materials,
+           [](const Json& material) { return TextOf(material, "name"); });
+  CheckCompression(json, to);
+  to.extensions_unknown = ListUnknown(json);
+  ReadLook(
+      text, [&](const std::string& uri, std::string& fault) { return reader.Read(uri, fault); },
+      to);
+  to.files_read = reader.files_read();
   return to;
 }
 

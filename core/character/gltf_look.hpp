@@ -1,6 +1,5 @@
 // What a glTF's materials say of their look: colour, as a factor and an image, by whichever model they say it; where they
-// are cut out; and how images are laid. The rest of the file is tinygltf's, from which images are hidden
-// (gltf_json_guard.hpp): they are read here.
+// are cut out; and how images are laid. Each index, offset and length is checked.
 //
 // Invariant: nothing here refuses a file. What is wrong becomes a sentence in look_faults, and the material goes without.
 #pragma once
@@ -18,7 +17,7 @@ namespace pelt::gltf {
 using ImageReader =
     std::function<std::vector<unsigned char>(const std::string& uri, std::string& fault)>;
 
-// Fills looks, transforms and images. `json` has passed GuardJson; the document has its buffers, views and materials.
+// Fills looks, transforms and images. `json` is JSON; the document has its buffers, views and materials.
 void ReadLook(std::string_view json, const ImageReader& read, Document& document);
 
 }  // namespace pelt::gltf
