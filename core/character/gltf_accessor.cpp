@@ -111,101 +111,116 @@ struct Range {
 
 class AccessorReader {
  public:
-  AccessorReader(const Document& document, int accessor, const std::string& place)
-      : document_(document), place_(place) {
-    if (accessor < 0 || size_t(accessor) >= document.accessors.size())
-      Fail(document, place,
-           "accessor " + std::to_string(accessor) + " does not exist (the file has " +
-               std::to_string(document.accessors.size()) + ")");
+  AccessorReader(const Document& document, int accessor, const std::string& place, Fault& fault)
+      : document_(document), place_(place), fault_(fault) {
+    if (accessor < 0 || size_t(accessor) >= document.accessors.size()) {
+      Refuse("accessor " + std::to_string(accessor) + " does not exist (the file has " +
+             std::to_string(document.accessors.size()) + ")");
+      return;
+    }
     accessor_ = &document.accessors[size_t(accessor)];
     place_ += ": accessor " + std::to_string(accessor);
   }
 
   const Accessor& accessor() const { return *accessor_; }
-  [[noreturn]] void Refuse(const std::string& what) const { Fail(document_, place_, what); }
+  bool Refuse(const std::string& what) const { return fault_.Say(place_, what); }
 
-  void CheckType(const Wanted& wanted) const {
+  bool CheckType(const Wanted& wanted) const {
+    if (!accessor_) return false;
     const bool matrix = wanted.components == 16;
     if (accessor_->components != wanted.components || accessor_->matrix != matrix)
-      Refuse("is not " + TypeName(wanted.components));
+      return Refuse("is not " + TypeName(wanted.components));
     if (!(SetOf(accessor_->component) & wanted.allowed))
-      Refuse("must not be of " + NameOf(accessor_->component));
+      return Refuse("must not be of " + NameOf(accessor_->component));
+    return true;
   }
 
-  // Throws unless the accessor's elements, and its sparse ones, lie inside their buffers.
-  void CheckRange() {
+  // Whether the accessor's elements, and its sparse ones, lie inside their buffers.
+  bool CheckRange() {
+    if (!accessor_) return false;
     const uint64_t element = SizeOf(accessor_->component) * uint64_t(accessor_->components);
-    if (element == 0) Refuse("is of no type that is known");
+    if (element == 0) return Refuse("is of no type that is known");
     if (accessor_->view >= 0) {
-      base_ = Locate(accessor_->view, accessor_->offset, accessor_->count, element, true);
+      if (!Locate(accessor_->view, accessor_->offset, accessor_->count, element, true, base_))
+        return false;
     } else if (accessor_->count > document_.file_bytes) {
       // Elements without bytes: a count beyond the file's size can only be a mistake.
-      Refuse("has a count of " + std::to_string(accessor_->count) + " but no data");
+      return Refuse("has a count of " + std::to_string(accessor_->count) + " but no data");
     }
-    const Sparse& sparse = accessor_->sparse;
-    if (!sparse.used) return;
-    if (sparse.count < 0 || uint64_t(sparse.count) > accessor_->count)
-      Refuse("has " + std::to_string(sparse.count) + " sparse elements of " +
-             std::to_string(accessor_->count));
-    if (sparse.index_offset < 0 || sparse.value_offset < 0)
-      Refuse("has a negative sparse byteOffset");
-    if (!(SetOf(sparse.index_component) & (kSetU8 | kSetU16 | kSetU32)))
-      Refuse("sparse indices must not be of " + NameOf(sparse.index_component));
-    sparse_index_ = Locate(sparse.index_view, uint64_t(sparse.index_offset), uint64_t(sparse.count),
-                           SizeOf(sparse.index_component), false);
-    sparse_value_ = Locate(sparse.value_view, uint64_t(sparse.value_offset), uint64_t(sparse.count),
-                           element, false);
+    return !accessor_->sparse.used || CheckSparse(element);
   }
 
-  // Calls use(element, first byte) for every element that has bytes, later ones replacing earlier.
+  bool CheckSparse(uint64_t element) {
+    const Sparse& sparse = accessor_->sparse;
+    if (sparse.count < 0 || uint64_t(sparse.count) > accessor_->count)
+      return Refuse("has " + std::to_string(sparse.count) + " sparse elements of " +
+                    std::to_string(accessor_->count));
+    if (sparse.index_offset < 0 || sparse.value_offset < 0)
+      return Refuse("has a negative sparse byteOffset");
+    if (!(SetOf(sparse.index_component) & (kSetU8 | kSetU16 | kSetU32)))
+      return Refuse("sparse indices must not be of " + NameOf(sparse.index_component));
+    return Locate(sparse.index_view, uint64_t(sparse.index_offset), uint64_t(sparse.count),
+                  SizeOf(sparse.index_component), false, sparse_index_) &&
+           Locate(sparse.value_view, uint64_t(sparse.value_offset), uint64_t(sparse.count), element,
+                  false, sparse_value_);
+  }
+
+  // Calls use(element, first byte) for every element that has bytes, later ones replacing earlier,
+  // until one is refused.
   template <class Use>
-  void ForEach(Use use) const {
+  bool ForEach(Use use) const {
     if (base_.data)
-      for (uint64_t i = 0; i < accessor_->count; ++i) use(i, base_.At(i));
+      for (uint64_t i = 0; i < accessor_->count; ++i)
+        if (!use(i, base_.At(i))) return false;
     const Sparse& sparse = accessor_->sparse;
     for (int64_t s = 0; sparse.used && s < sparse.count; ++s) {
       const uint32_t i = ReadLittle(sparse_index_.At(uint64_t(s)), SizeOf(sparse.index_component));
       if (i >= accessor_->count)
-        Refuse("sparse index " + std::to_string(i) + " is out of range (count " +
-               std::to_string(accessor_->count) + ")");
-      use(i, sparse_value_.At(uint64_t(s)));
+        return Refuse("sparse index " + std::to_string(i) + " is out of range (count " +
+                      std::to_string(accessor_->count) + ")");
+      if (!use(i, sparse_value_.At(uint64_t(s)))) return false;
     }
+    return true;
   }
 
  private:
-  Range Locate(int view_index, uint64_t offset, uint64_t count, uint64_t element,
-               bool strided) const {
+  bool Locate(int view_index, uint64_t offset, uint64_t count, uint64_t element, bool strided,
+              Range& range) const {
     if (view_index < 0 || size_t(view_index) >= document_.views.size())
-      Refuse("bufferView " + std::to_string(view_index) + " does not exist");
+      return Refuse("bufferView " + std::to_string(view_index) + " does not exist");
     const View& view = document_.views[size_t(view_index)];
     const std::string where = "bufferView " + std::to_string(view_index);
     if (view.buffer < 0 || size_t(view.buffer) >= document_.buffers.size())
-      Refuse(where + ": buffer " + std::to_string(view.buffer) + " does not exist");
+      return Refuse(where + ": buffer " + std::to_string(view.buffer) + " does not exist");
     if (const std::string& fault = document_.buffer_faults[size_t(view.buffer)]; !fault.empty())
-      Refuse("buffer " + std::to_string(view.buffer) + ": " + fault);
+      return Refuse("buffer " + std::to_string(view.buffer) + ": " + fault);
     const std::vector<unsigned char>& buffer = document_.buffers[size_t(view.buffer)];
     if (view.offset > buffer.size())
-      Refuse(where + " reaches past the end of buffer " + std::to_string(view.buffer) + " (" +
-             std::to_string(buffer.size()) + " bytes)");
+      return Refuse(where + " reaches past the end of buffer " + std::to_string(view.buffer) +
+                    " (" + std::to_string(buffer.size()) + " bytes)");
     // As far as there is something: some say more than they have.
     const uint64_t length = std::min<uint64_t>(view.length, buffer.size() - view.offset);
     const uint64_t stride = strided && view.stride ? view.stride : element;
+    if (stride > 0x7fffffff) return Refuse(where + ": byteStride is no size");
     if (stride < element)
-      Refuse(where + ": byteStride " + std::to_string(stride) + " is smaller than an element (" +
-             std::to_string(element) + " bytes)");
-    if (count == 0) return {buffer.data(), stride};
+      return Refuse(where + ": byteStride " + std::to_string(stride) +
+                    " is smaller than an element (" + std::to_string(element) + " bytes)");
+    range = {buffer.data(), stride};
+    if (count == 0) return true;
     // Last byte at offset + stride * (count - 1) + element, without overflow.
     const bool fits = offset <= length && element <= length - offset &&
                       count - 1 <= (length - offset - element) / stride;
     if (!fits)
-      Refuse(std::to_string(count) + " elements from byte " + std::to_string(offset) +
-             " reach past the end of " + where + " (" + std::to_string(length) + " bytes)");
-    return {buffer.data() + view.offset + offset, stride};
+      return Refuse(std::to_string(count) + " elements from byte " + std::to_string(offset) +
+                    " reach past the end of " + where + " (" + std::to_string(length) + " bytes)");
+    range.data += view.offset + offset;
+    return true;
   }
 
   const Document& document_;
   std::string place_;
-  const Accessor* accessor_;
+  Fault& fault_;
+  const Accessor* accessor_ = nullptr;
   Range base_, sparse_index_, sparse_value_;
 };
 
@@ -215,10 +230,10 @@ void Fail(const Document& document, const std::string& place, const std::string&
   throw Error(document.name + ": " + place + ": " + what);
 }
 
-uint64_t CountElements(const Document& document, int accessor, const std::string& place) {
-  AccessorReader reader(document, accessor, place);
-  reader.CheckRange();
-  return reader.accessor().count;
+uint64_t CountElements(const Document& document, int accessor, const std::string& place,
+                       Fault& fault) {
+  AccessorReader reader(document, accessor, place, fault);
+  return reader.CheckRange() ? reader.accessor().count : 0;
 }
 
 std::vector<int> FindSameAccessors(const Document& document) {
@@ -235,39 +250,41 @@ std::vector<int> FindSameAccessors(const Document& document) {
 }
 
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
-                              const std::string& place) {
-  AccessorReader reader(document, accessor, place);
-  reader.CheckType(wanted);
-  reader.CheckRange();
+                              const std::string& place, Fault& fault) {
+  AccessorReader reader(document, accessor, place, fault);
+  if (!reader.CheckType(wanted) || !reader.CheckRange()) return {};
   const Accessor& from = reader.accessor();
   const int n = wanted.components;
   const uint64_t size = SizeOf(from.component);
   const bool normalised = wanted.scaling == Scaling::kNormalised || from.normalised;
   std::vector<float> out(from.count * uint64_t(n), 0.0f);
-  reader.ForEach([&](uint64_t element, const unsigned char* p) {
+  const bool whole = reader.ForEach([&](uint64_t element, const unsigned char* p) {
     for (int c = 0; c < n; ++c) {
       const float v = ReadNumber(p + size * uint64_t(c), from.component, normalised);
       if (wanted.finite && !std::isfinite(v))
-        reader.Refuse("element " + std::to_string(element) + " is not a finite number");
+        return reader.Refuse("element " + std::to_string(element) + " is not a finite number");
       out[element * uint64_t(n) + uint64_t(c)] = v;
     }
+    return true;
   });
+  if (!whole) out.clear();
   return out;
 }
 
 std::vector<uint32_t> ReadIntegers(const Document& document, int accessor, const Wanted& wanted,
-                                   const std::string& place) {
-  AccessorReader reader(document, accessor, place);
-  reader.CheckType(wanted);
-  reader.CheckRange();
+                                   const std::string& place, Fault& fault) {
+  AccessorReader reader(document, accessor, place, fault);
+  if (!reader.CheckType(wanted) || !reader.CheckRange()) return {};
   const Accessor& from = reader.accessor();
   const int n = wanted.components;
   const uint64_t size = SizeOf(from.component);
   std::vector<uint32_t> out(from.count * uint64_t(n), 0u);
-  reader.ForEach([&](uint64_t element, const unsigned char* p) {
+  const bool whole = reader.ForEach([&](uint64_t element, const unsigned char* p) {
     for (int c = 0; c < n; ++c)
       out[element * uint64_t(n) + uint64_t(c)] = ReadLittle(p + size * uint64_t(c), size);
+    return true;
   });
+  if (!whole) out.clear();
   return out;
 }
 

@@ -38,19 +38,33 @@ struct Wanted {
   bool finite = true;  // else what is not finite is kept, for the reader to repair
 };
 
-// Elements of the accessor. Throws Error (file, place, reason) for a bad accessor.
-uint64_t CountElements(const Document& document, int accessor, const std::string& place);
+// Where and why something cannot be read; the first that is said counts. What does without goes on
+// with a note, which is no exception: where there are none (the page), a throw ends the program.
+struct Fault {
+  std::string text;
+
+  explicit operator bool() const { return !text.empty(); }
+  // false, for those who return it.
+  bool Say(const std::string& place, const std::string& what) {
+    if (text.empty()) text = place + ": " + what;
+    return false;
+  }
+};
+
+// Elements of the accessor; 0 for a bad one, of which `fault` then tells.
+uint64_t CountElements(const Document& document, int accessor, const std::string& place,
+                       Fault& fault);
 
 // Of each accessor the first that has the same elements: exporters name the same bytes by several.
 std::vector<int> FindSameAccessors(const Document& document);
 
-// components * count floats, finite unless others are wanted. Throws Error as above.
+// components * count floats, finite unless others are wanted; none for a bad accessor, as above.
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
-                              const std::string& place);
+                              const std::string& place, Fault& fault);
 
-// components * count unsigned integers; `wanted.allowed` must hold unsigned types only.
+// The same of unsigned integers, whatever the type says of their sign.
 std::vector<uint32_t> ReadIntegers(const Document& document, int accessor, const Wanted& wanted,
-                                   const std::string& place);
+                                   const std::string& place, Fault& fault);
 
 // Throws Error("<file>: <place>: <what>").
 [[noreturn]] void Fail(const Document& document, const std::string& place, const std::string& what);

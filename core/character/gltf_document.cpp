@@ -25,7 +25,9 @@ constexpr std::string_view kMembers[] = {
     "extensionsRequired", "materials",  "meshes", "nodes",       "scene",
     "extensionsUsed",     "scenes",     "skins"};
 
-// Extensions without which the accessors mean something else.
+// Extensions without which the accessors mean something else. They are named with the command that
+// undoes them, not decoded: no codec of theirs is packaged where Pelt is built, one of our own would
+// have nothing here to be held against, and a file has to be undone but once.
 constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
                                               "EXT_meshopt_compression", "KHR_meshopt_compression"};
 // Of materials, lights and pictures, none of which is looked at; or read.

@@ -7,130 +7,234 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/character/gltf_accessor.hpp"
 #include "core/character/gltf_bare.hpp"
 #include "core/character/gltf_corners.hpp"
 #include "core/character/gltf_read.hpp"
+#include "core/character/gltf_triangles.hpp"
+#include "core/character/gltf_weights.hpp"
 #include "core/character/mesh_repair.hpp"
-#include "core/error.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt::gltf {
 namespace {
 
 constexpr float kLargestCoordinate = 1e15f;  // beyond, a float has no room for the sums of skinning
-constexpr uint32_t kSetQuantised = kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16;
-constexpr Wanted kUvsWanted{2, kSetQuantised, Scaling::kAsFlagged, false};
-
-struct Influence {
-  uint8_t joint = 0;
-  double weight = 0.0;
-};
+constexpr Wanted kUvsWanted{2, kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16, Scaling::kAsFlagged,
+                            false};
+// Of faulty primitives, and of colours and the like that are read again for every primitive that
+// shares its vertices: far above any character, and a bound on the time that a file can cost.
+constexpr size_t kMostFaults = 4096;
+constexpr uint64_t kMostReadAgain = 1u << 27;
 
 // What was repaired, to be said once.
 struct RepairCounts {
-  size_t no_indices = 0, morphs = 0, negative = 0, extra = 0, not_one = 0, unweighted = 0;
-  size_t bad_unused_joint = 0, no_uv = 0, no_image_uv = 0, no_material = 0;
-  size_t unreadable = 0;         // attributes that a primitive can do without
-  std::string first_unreadable;  // why
+  size_t no_indices = 0, morphs = 0, no_uv = 0, no_image_uv = 0;
+  // Primitives left out; triangles left out; corners.
+  size_t points_or_lines = 0, held = 0, nowhere = 0, far_out = 0, left_over = 0;
+  size_t no_material = 0;
   // Vertices with something that is no finite number.
-  size_t odd_weights = 0, odd_normals = 0, odd_tangents = 0, odd_uvs = 0;
+  size_t odd_normals = 0, odd_tangents = 0, odd_uvs = 0;
+  WeightRepairs weights;
 };
 
 class MeshReader {
  public:
-  MeshReader(const Document& document, const SkeletonImport& skeleton,
-             std::vector<std::string>* notes)
-      : document_(document), skeleton_(skeleton), notes_(notes) {}
+  MeshReader(const Document& document, SkeletonImport* skeleton, std::vector<std::string>* notes)
+      : document_(document),
+        skeleton_(*skeleton),
+        notes_(notes),
+        same_accessor_(FindSameAccessors(document)) {}
 
   Mesh Read() {
     for (const MeshUse& use : skeleton_.uses) {
       const MeshDesc& mesh = document_.meshes[size_t(use.mesh)];
       const std::string place = Place("mesh", size_t(use.mesh), mesh.name);
-      if (mesh.primitives.empty()) Fail(document_, place, "has no primitives");
       is_bare_ = IsBareName(mesh.name) || IsBareName(document_.nodes[size_t(use.node)].name);
       for (size_t p = 0; p < mesh.primitives.size(); ++p)
-        ReadPrimitive(mesh.primitives[p], skeleton_.bindings[size_t(use.binding)],
-                      place + " primitive " + std::to_string(p));
+        TryPrimitive(mesh.primitives[p], use, place + " primitive " + std::to_string(p));
     }
+    if (out_.triangles.empty() && fault_) throw Error(document_.name + ": " + fault_.text);
+    out_.joints = NarrowJoints(document_, out_, joints_, &skeleton_, notes_);
+    // As if they were not shared: a groom does not change with how a file says the same.
+    const std::vector<uint32_t> was = OrderByUse(primitive_ends_, &out_);
+    const std::vector<uint8_t> lost = std::move(no_weights_);
+    no_weights_.clear();
+    for (const uint32_t v : was) no_weights_.push_back(lost[v]);
     Repair();
     return std::move(out_);
   }
 
  private:
-  int Find(const Primitive& primitive, const char* attribute) const {
+  static int Find(const Primitive& primitive, const char* attribute) {
     const auto it = primitive.attributes.find(attribute);
     return it == primitive.attributes.end() ? -1 : it->second;
   }
 
+  // One that is faulty does not take the others with it.
+  void TryPrimitive(const Primitive& primitive, const MeshUse& use, const std::string& place) {
+    const size_t vertices = out_.position.size();
+    const RepairCounts before = repairs_;
+    Fault fault;
+    if (ReadPrimitive(primitive, use, place, fault)) {
+      primitive_ends_.push_back(out_.triangles.size());
+      return;
+    }
+    if (!fault_) fault_ = fault;
+    NoteFault(fault, "the primitive was left out.");
+    repairs_ = before;
+    std::erase_if(shared_, [&](const auto& known) { return known.second >= vertices; });
+    Cut(vertices);
+  }
+
+  void NoteFault(const Fault& fault, const char* what_became) {
+    if (++faults_ > kMostFaults) throw Error(document_.name + ": " + fault.text);
+    notes_->push_back(fault.text + "; " + what_became);
+  }
+
+  void Cut(size_t vertices) {
+    out_.position.resize(vertices);
+    out_.normal.resize(vertices);
+    out_.tangent.resize(vertices);
+    out_.uv.resize(vertices);
+    out_.weights.resize(vertices);
+    joints_.resize(vertices);
+    no_weights_.resize(vertices);
+    far_out_.resize(vertices);
+  }
+
   // Floats of an attribute that must have `count` elements; empty where the primitive has none.
   std::vector<float> ReadAttribute(const Primitive& primitive, const char* attribute,
-                                   const Wanted& wanted, size_t count, const std::string& place) {
-    const int accessor = Find(primitive, attribute);
+                                   const Wanted& wanted, size_t count, const std::string& place,
+                                   Fault& fault) const {
     if (!primitive.attributes.count(attribute)) return {};
+    const int accessor = Find(primitive, attribute);
     const std::string where = place + " attribute " + attribute;
-    CheckCount(accessor, count, where);
-    return ReadFloats(document_, accessor, wanted, where);
+    const uint64_t has = CountElements(document_, accessor, where, fault);
+    if (!fault && has < count)
+      fault.Say(where,
+                "has " + std::to_string(has) + " elements, POSITION has " + std::to_string(count));
+    if (fault) return {};
+    return ReadFloats(document_, accessor, wanted, where, fault);
   }
 
-  // The same of one that the primitive can do without.
+  // The same of one that a primitive can do without.
   std::vector<float> ReadOptional(const Primitive& primitive, const char* attribute,
                                   const Wanted& wanted, size_t count, const std::string& place) {
-    try {
-      return ReadAttribute(primitive, attribute, wanted, count, place);
-    } catch (const Error& error) {
-      const std::string_view reason = error.what();
-      if (!repairs_.unreadable++)
-        repairs_.first_unreadable = reason.substr(document_.name.size() + 2);
-      return {};
+    Fault fault;
+    std::vector<float> values = ReadAttribute(primitive, attribute, wanted, count, place, fault);
+    if (fault) NoteFault(fault, "the attribute was left out.");
+    return values;
+  }
+
+  bool ReadPrimitive(const Primitive& primitive, const MeshUse& use, const std::string& place,
+                     Fault& fault) {
+    if (primitive.mode >= 0 && primitive.mode < kTriangles) {
+      ++repairs_.points_or_lines;
+      return true;
     }
-  }
-
-  void CheckCount(int accessor, size_t count, const std::string& where) const {
-    const uint64_t has = CountElements(document_, accessor, where);
-    if (has != count)
-      Fail(document_, where,
-           "has " + std::to_string(has) + " elements, POSITION has " + std::to_string(count));
-  }
-
-  void ReadPrimitive(const Primitive& primitive, const SkinBinding& binding,
-                     const std::string& place) {
-    if (primitive.mode != kTriangles)
-      Fail(document_, place, "mode " + std::to_string(primitive.mode) + " is not triangles (4)");
-    for (const char* attribute : {"POSITION", "JOINTS_0", "WEIGHTS_0"})
-      if (!primitive.attributes.count(attribute))
-        Fail(document_, place, std::string("attribute ") + attribute + " is missing");
-    const std::string where = place + " attribute POSITION";
-    const int position = Find(primitive, "POSITION");
-    const size_t count = CountElements(document_, position, where);
-    if (out_.position.size() + count > kMaxVertices)
-      Fail(document_, where, "brings the file above " + std::to_string(kMaxVertices) + " vertices");
+    if (primitive.mode < 0 || primitive.mode > kTriangleFan)
+      return fault.Say(place, "mode " + std::to_string(primitive.mode) + " is none");
+    const bool held = !HasInfluences(primitive);
+    if (!primitive.attributes.count("POSITION"))
+      return fault.Say(place, "attribute POSITION is missing");
+    if (held && use.holder < 0)
+      return fault.Say(place,
+                       std::string("attribute ") +
+                           (primitive.attributes.count("JOINTS_0") ? "WEIGHTS_0" : "JOINTS_0") +
+                           " is missing, and its node hangs on no joint");
+    const size_t count =
+        CountElements(document_, Find(primitive, "POSITION"), place + " attribute POSITION", fault);
+    if (fault) return false;
+    out_.uv_sets = std::max(out_.uv_sets, CountUvSets(primitive));
     repairs_.morphs += primitive.morphs;
-    const size_t first = out_.position.size();
-    ReadPositions(primitive, binding, count, place);
-    ReadFrames(primitive, binding, count, place);
-    ReadUvs(primitive, count, place);
+    const MaterialLook look = LookOf(primitive);
+    repairs_.no_image_uv += look.image >= 0 && CountUvSets(primitive) > 0 &&
+                            UvSetOf(primitive) != "TEXCOORD_" + std::to_string(look.uv_set);
+    repairs_.held += held;
+    const auto [known, is_new] =
+        shared_.try_emplace(KeyOf(primitive, use, held), out_.position.size());
+    if (is_new && !ReadVertices(primitive, use, held, count, place, fault)) return false;
+    const size_t first = known->second;
+    if (!is_new && (read_again_ += count) > kMostReadAgain)
+      return fault.Say(place, "names the same vertices again and again");
     const std::vector<float> colours = ReadColours(primitive, count, place);
-    ReadInfluences(primitive, binding, count, place);
-    ReadTriangles(primitive, first, count, place);
+    if (!StoreTriangles(primitive, first, count, place, fault)) return false;
     StoreColours(colours, first);
+    return true;
   }
 
-  void ReadPositions(const Primitive& primitive, const SkinBinding& binding, size_t count,
-                     const std::string& place) {
-    const std::vector<float> p =
-        ReadAttribute(primitive, "POSITION", {3, kSetQuantised, Scaling::kAsFlagged}, count, place);
-    const bool moved = binding.to_bind != glm::dmat4(1.0);
+  // What primitives have in common that share their vertices: what moves them, and all that is kept
+  // by vertex.
+  using VertexKey =
+      std::pair<std::pair<const void*, bool>, std::vector<std::pair<std::string, int>>>;
+  VertexKey KeyOf(const Primitive& primitive, const MeshUse& use, bool held) const {
+    const void* mover =
+        held ? static_cast<const void*>(&use) : &skeleton_.bindings[size_t(use.binding)];
+    VertexKey key{{mover, held}, {}};
+    const std::string uv_set = UvSetOf(primitive);
+    for (const auto& [name, accessor] : primitive.attributes) {
+      const bool left_out =
+          name.starts_with("COLOR_") || (name.starts_with("TEXCOORD_") && name != uv_set);
+      if (left_out) continue;  // kept by corner, or not at all
+      const bool exists = accessor >= 0 && size_t(accessor) < same_accessor_.size();
+      key.second.emplace_back(name, exists ? same_accessor_[size_t(accessor)] : accessor);
+    }
+    // The first material that moves its images alike.
+    const auto& transforms = document_.transforms;
+    const auto alike = std::find(transforms.begin(), transforms.end(), TransformOf(primitive));
+    key.second.emplace_back("transform",
+                            alike == transforms.end() ? -1 : int(alike - transforms.begin()));
+    return key;
+  }
+
+  static uint32_t CountUvSets(const Primitive& primitive) {
+    return uint32_t(std::ranges::count_if(primitive.attributes, [](const auto& attribute) {
+      return attribute.first.starts_with("TEXCOORD_");
+    }));
+  }
+
+  bool ReadVertices(const Primitive& primitive, const MeshUse& use, bool held, size_t count,
+                    const std::string& place, Fault& fault) {
+    if (out_.position.size() + count > LimitOf(document_))
+      return fault.Say(place + " attribute POSITION",
+                       "brings the file above " + std::to_string(LimitOf(document_)) + " vertices");
+    const SkinBinding& binding = skeleton_.bindings[size_t(use.binding)];
+    const glm::dmat4& to_bind = held ? use.to_holder : binding.to_bind;
+    if (!ReadPositions(primitive, to_bind, count, place, fault)) return false;
+    ReadFrames(primitive, to_bind, count, place);
+    ReadUvs(primitive, count, place);
+    if (held) {
+      joints_.resize(joints_.size() + count, {uint32_t(use.holder), 0, 0, 0});
+      out_.weights.resize(out_.weights.size() + count, glm::vec4(1, 0, 0, 0));
+      no_weights_.resize(no_weights_.size() + count, 0);
+      return true;
+    }
+    const Influences influences = ReadInfluences(document_, primitive, binding, count, place,
+                                                 &repairs_.weights, notes_, fault);
+    joints_.insert(joints_.end(), influences.joints.begin(), influences.joints.end());
+    out_.weights.insert(out_.weights.end(), influences.weights.begin(), influences.weights.end());
+    no_weights_.insert(no_weights_.end(), influences.lost.begin(), influences.lost.end());
+    return !fault;
+  }
+
+  bool ReadPositions(const Primitive& primitive, const glm::dmat4& to_bind, size_t count,
+                     const std::string& place, Fault& fault) {
+    const std::vector<float> p = ReadAttribute(
+        primitive, "POSITION", {3, kSetAny, Scaling::kAsFlagged, false}, count, place, fault);
+    if (fault) return false;
+    const bool moved = to_bind != glm::dmat4(1.0);
     for (size_t v = 0; v < count; ++v) {
       glm::vec3 at(p[3 * v], p[3 * v + 1], p[3 * v + 2]);
-      if (moved) at = glm::vec3(glm::dvec3(binding.to_bind * glm::dvec4(glm::dvec3(at), 1.0)));
-      for (int c = 0; c < 3; ++c)
-        if (!(std::abs(at[c]) < kLargestCoordinate))
-          Fail(document_, place + " attribute POSITION",
-               "vertex " + std::to_string(v) + " lies beyond 1e15");
-      out_.position.push_back(at);
+      if (moved) at = glm::vec3(glm::dvec3(to_bind * glm::dvec4(glm::dvec3(at), 1.0)));
+      bool far_out = false;
+      for (int c = 0; c < 3; ++c) far_out |= !(std::abs(at[c]) < kLargestCoordinate);
+      far_out_.push_back(far_out);
+      out_.position.push_back(far_out ? glm::vec3(0.0f) : at);
     }
+    return true;
   }
 
   static glm::vec3 Unit(const glm::dvec3& v) {
@@ -149,15 +253,13 @@ class MeshReader {
   }
 
   // Normals and tangents; zero where the file has none or has zeros.
-  void ReadFrames(const Primitive& primitive, const SkinBinding& binding, size_t count,
+  void ReadFrames(const Primitive& primitive, const glm::dmat4& to_bind, size_t count,
                   const std::string& place) {
     const std::vector<float> n =
-        ReadOptional(primitive, "NORMAL",
-                     {3, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
+        ReadOptional(primitive, "NORMAL", {3, kSetAny, Scaling::kNormalised, false}, count, place);
     const std::vector<float> t =
-        ReadOptional(primitive, "TANGENT",
-                     {4, kSetF32 | kSetI8 | kSetI16, Scaling::kNormalised, false}, count, place);
-    const glm::dmat3 linear(binding.to_bind);
+        ReadOptional(primitive, "TANGENT", {4, kSetAny, Scaling::kNormalised, false}, count, place);
+    const glm::dmat3 linear(to_bind);
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
     for (size_t v = 0; v < count; ++v) {
       glm::dvec3 normal(0.0);
@@ -174,26 +276,28 @@ class MeshReader {
   bool HasMaterial(const Primitive& primitive) const {
     return primitive.material >= 0 && size_t(primitive.material) < document_.materials.size();
   }
+  MaterialLook LookOf(const Primitive& primitive) const {
+    return HasMaterial(primitive) ? document_.looks[size_t(primitive.material)] : MaterialLook{};
+  }
+  TextureTransform TransformOf(const Primitive& primitive) const {
+    return HasMaterial(primitive) ? document_.transforms[size_t(primitive.material)]
+                                  : TextureTransform{};
+  }
 
-  // Of the set that the material's images are laid by, or of the first that there is; as they move it.
+  // The set that the material's images are laid by, or the first that there is.
+  std::string UvSetOf(const Primitive& primitive) const {
+    const std::string wanted = "TEXCOORD_" + std::to_string(LookOf(primitive).uv_set);
+    if (primitive.attributes.count(wanted)) return wanted;
+    const auto first = primitive.attributes.lower_bound("TEXCOORD_");
+    const bool any = first != primitive.attributes.end() && first->first.starts_with("TEXCOORD_");
+    return any ? first->first : wanted;
+  }
+
+  // As the material's images move it.
   void ReadUvs(const Primitive& primitive, size_t count, const std::string& place) {
-    MaterialLook look;
-    TextureTransform transform;
-    if (HasMaterial(primitive)) {
-      look = document_.looks[size_t(primitive.material)];
-      transform = document_.transforms[size_t(primitive.material)];
-    }
-    size_t sets = 0;
-    std::string attribute = "TEXCOORD_" + std::to_string(look.uv_set), first;
-    for (const auto& [name, accessor] : primitive.attributes)
-      if (name.starts_with("TEXCOORD_") && !sets++) first = name;
-    out_.uv_sets = std::max(out_.uv_sets, uint32_t(sets));
-    if (sets && !primitive.attributes.count(attribute)) {
-      repairs_.no_image_uv += look.image >= 0;
-      attribute = first;
-    }
+    const TextureTransform transform = TransformOf(primitive);
     const std::vector<float> uv =
-        ReadOptional(primitive, attribute.c_str(), kUvsWanted, count, place);
+        ReadOptional(primitive, UvSetOf(primitive).c_str(), kUvsWanted, count, place);
     has_uv_ |= !uv.empty();
     if (uv.empty()) repairs_.no_uv += count;
     const bool moved = transform != TextureTransform{};
@@ -225,137 +329,38 @@ class MeshReader {
     StoreCornerColours(colours, size_t(colour_size_), first, out_);
   }
 
-  // Every JOINTS_n, WEIGHTS_n pair of a primitive, one after the other.
-  void ReadInfluences(const Primitive& primitive, const SkinBinding& binding, size_t count,
-                      const std::string& place) {
-    std::vector<std::vector<uint32_t>> joints;
-    std::vector<std::vector<float>> weights;
-    for (int set = 0; set < 64; ++set) {
-      const std::string suffix = std::to_string(set);
-      const std::string joints_name = "JOINTS_" + suffix, weights_name = "WEIGHTS_" + suffix;
-      const bool has_joints = primitive.attributes.count(joints_name) > 0;
-      if (has_joints != (primitive.attributes.count(weights_name) > 0))
-        Fail(document_, place,
-             "attribute " + (has_joints ? weights_name : joints_name) + " is missing");
-      if (!has_joints) break;
-      const std::string where = place + " attribute " + joints_name;
-      const int accessor = Find(primitive, joints_name.c_str());
-      CheckCount(accessor, count, where);
-      joints.push_back(
-          ReadIntegers(document_, accessor, {4, kSetU8 | kSetU16, Scaling::kAsFlagged}, where));
-      weights.push_back(ReadAttribute(primitive, weights_name.c_str(),
-                                      {4, kSetF32 | kSetU8 | kSetU16, Scaling::kNormalised, false},
-                                      count, place));
-    }
-    std::vector<Influence> influences;
-    for (size_t v = 0; v < count; ++v) {
-      influences.clear();
-      bool finite = true;
-      for (size_t set = 0; set < joints.size() && finite; ++set)
-        finite = IsFinite(weights[set], v, 4, repairs_.odd_weights);
-      no_weights_.push_back(!finite);
-      // Its other weights were meant to go with those that are lost.
-      for (size_t set = 0; set < joints.size() && finite; ++set) {
-        for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
-          const float weight = weights[set][i];
-          repairs_.negative += weight < 0.0f;
-          const bool known = joints[set][i] < binding.joint.size();
-          repairs_.bad_unused_joint += !known && !(weight > 0.0f);
-          if (!(weight > 0.0f)) continue;
-          if (!known)
-            Fail(document_, place + " attribute JOINTS_" + std::to_string(set),
-                 "vertex " + std::to_string(v) + ": joint " + std::to_string(joints[set][i]) +
-                     " is out of range (the skin has " + std::to_string(binding.joint.size()) +
-                     ")");
-          AddInfluence(&influences, binding.joint[joints[set][i]], double(weight));
-        }
-      }
-      if (!finite) influences.assign(1, {binding.joint[0], 1.0});
-      StoreInfluences(&influences, binding.joint[0]);
-    }
-  }
-
-  static void AddInfluence(std::vector<Influence>* influences, uint8_t joint, double weight) {
-    for (Influence& known : *influences) {
-      if (known.joint != joint) continue;
-      known.weight += weight;
-      return;
-    }
-    influences->push_back({joint, weight});
-  }
-
-  void StoreInfluences(std::vector<Influence>* influences, uint8_t first_joint) {
-    double sum = 0.0;
-    for (const Influence& i : *influences) sum += i.weight;
-    if (!(sum > 1e-9)) {
-      ++repairs_.unweighted;
-      influences->assign(1, {first_joint, 1.0});
-    } else if (std::abs(sum - 1.0) > 0.01) {  // four bytes of weight can be 0.008 off
-      ++repairs_.not_one;
-    }
-    std::stable_sort(influences->begin(), influences->end(),
-                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-    if (influences->size() > 4) {
-      ++repairs_.extra;
-      influences->resize(4);
-    }
-    sum = 0.0;
-    for (const Influence& i : *influences) sum += i.weight;
-    std::array<uint8_t, 4> joints{};
-    glm::vec4 weights(0.0f);
-    for (size_t i = 0; i < influences->size(); ++i) {
-      joints[i] = (*influences)[i].joint;
-      weights[int(i)] = float((*influences)[i].weight / sum);
-    }
-    out_.joints.push_back(joints);
-    out_.weights.push_back(weights);
-  }
-
-  void ReadTriangles(const Primitive& primitive, size_t first, size_t count,
-                     const std::string& place) {
-    const std::string where = place + " indices";
+  bool StoreTriangles(const Primitive& primitive, size_t first, size_t count,
+                      const std::string& place, Fault& fault) {
+    repairs_.no_indices += primitive.indices == -1;
+    const Triangles triangles =
+        ReadTriangles(document_, primitive, std::span(far_out_).subspan(first, count),
+                      LimitOf(document_) - out_.triangles.size(), place, fault);
+    if (fault) return false;
+    if ((corners_ += triangles.corners) > kMostReadAgain)
+      return fault.Say(place, "names the same indices again and again");
+    repairs_.nowhere += triangles.nowhere;
+    repairs_.far_out += triangles.unusable;
+    repairs_.left_over += triangles.left_over;
     const uint16_t material = MaterialOf(primitive, place);
-    std::vector<uint32_t> indices;
-    size_t corners = count;
-    if (primitive.indices >= 0) {
-      corners = CountElements(document_, primitive.indices, where);
-      indices = ReadIntegers(document_, primitive.indices,
-                             {1, kSetU8 | kSetU16 | kSetU32, Scaling::kAsFlagged}, where);
-    } else {
-      ++repairs_.no_indices;
-    }
-    if (corners % 3 != 0)
-      Fail(document_, where, std::to_string(corners) + " corners are not whole triangles");
-    if (out_.triangles.size() + corners / 3 > kMaxTriangles)
-      Fail(document_, where,
-           "brings the file above " + std::to_string(kMaxTriangles) + " triangles");
-    for (size_t i = 0; i < corners; i += 3) {
-      std::array<uint32_t, 3> triangle;
-      for (size_t c = 0; c < 3; ++c) {
-        const size_t index = indices.empty() ? i + c : indices[i + c];
-        if (index >= count)
-          Fail(document_, where,
-               "index " + std::to_string(index) + " is out of range (" + std::to_string(count) +
-                   " vertices)");
-        triangle[c] = uint32_t(first + index);
-      }
-      out_.triangles.push_back(triangle);
+    for (const auto& [a, b, c] : triangles.of) {
+      out_.triangles.push_back({uint32_t(first + a), uint32_t(first + b), uint32_t(first + c)});
       out_.triangle_material.push_back(material);
     }
+    return true;
   }
 
   uint16_t MaterialOf(const Primitive& primitive, const std::string& place) {
     const bool none = !HasMaterial(primitive);
-    repairs_.no_material += none && primitive.material >= 0;
-    const int number = none ? -1 : primitive.material;
+    repairs_.no_material += none && primitive.material != -1;
     const size_t next = out_.materials.size();
-    const auto [known, is_new] = material_of_.try_emplace({number, is_bare_}, next);
+    const auto [known, is_new] =
+        material_of_.try_emplace({none ? -1 : primitive.material, is_bare_}, next);
     if (!is_new) return uint16_t(known->second);
     if (next >= 65535) Fail(document_, place, "more than 65535 materials");
-    std::string name = none ? "default" : document_.materials[size_t(number)];
-    if (name.empty()) name = "material " + std::to_string(number);
+    std::string name = none ? "default" : document_.materials[size_t(primitive.material)];
+    if (name.empty()) name = "material " + std::to_string(primitive.material);
     out_.materials.push_back(name);
-    out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(number)]);
+    out_.looks.push_back(none ? MaterialLook{} : document_.looks[size_t(primitive.material)]);
     out_.looks.back().bare = is_bare_ || IsBareName(name);
     return uint16_t(next);
   }
@@ -374,23 +379,18 @@ class MeshReader {
     Note(repairs_.odd_uvs, "vertices had UVs that are no finite numbers; theirs are (0, 0).");
     Note(repairs_.odd_normals, "vertices had a normal that is no finite number; made anew.");
     Note(repairs_.odd_tangents, "vertices had a tangent that is no finite number; made anew.");
-    if (!has_colour_) out_.corner_colour.clear();
     Note(repairs_.no_material, "primitives name a material that is not there; they have none.");
-    Note(repairs_.unreadable, "attributes could not be read and were left out; the first: " +
-                                  repairs_.first_unreadable + ".");
+    if (!has_colour_) out_.corner_colour.clear();
     Note(repairs_.no_image_uv,
          "primitives lack the UVs that their image is laid by; the first ones were taken.");
-    const size_t borrowed = BorrowWeights(&out_, no_weights_);
-    Note(borrowed,
-         "vertices had skin weights that are no finite numbers; a neighbour's were taken.");
-    Note(repairs_.odd_weights - borrowed,
-         "vertices had skin weights that are no finite numbers, and no neighbour with others; "
-         "bound to the first joint.");
-    Note(repairs_.negative, "skin weights were negative; taken as 0.");
-    Note(repairs_.bad_unused_joint, "joint indices of weight 0 were out of range; ignored.");
-    Note(repairs_.unweighted, "vertices had no skin weight at all; bound to the first joint.");
-    Note(repairs_.not_one, "vertices had skin weights that did not sum to 1; scaled.");
-    Note(repairs_.extra, "vertices had more than 4 influences; the 4 largest stay, scaled.");
+    const size_t lost = size_t(std::count(no_weights_.begin(), no_weights_.end(), 1));
+    NoteWeights(repairs_.weights, lost, BorrowWeights(&out_, no_weights_), notes_);
+    Note(repairs_.points_or_lines, "primitives of points or lines were left out.");
+    Note(repairs_.held, "primitives have no joints; each hangs on its node.");
+    Note(repairs_.nowhere, "triangles had vertices that do not exist; they were left out.");
+    Note(repairs_.far_out,
+         "triangles had vertices that are no finite numbers or beyond 1e15; they were left out.");
+    Note(repairs_.left_over, "corners were left over that make no whole triangle.");
     Note(DropDegenerateTriangles(&out_), "triangles without area were dropped.");
     if (out_.triangles.empty()) Fail(document_, "meshes", "no triangle with area is left");
     const size_t before = out_.position.size();
@@ -426,21 +426,28 @@ class MeshReader {
   }
 
   const Document& document_;
-  const SkeletonImport& skeleton_;
+  SkeletonImport& skeleton_;
   std::vector<std::string>* notes_;
+  const std::vector<int> same_accessor_;
   bool is_bare_ = false;                                // the mesh that is read
   std::map<std::pair<int, bool>, size_t> material_of_;  // by the file's, of bare meshes or not
   bool has_uv_ = false, has_colour_ = false;
   int colour_size_ = 4;  // numbers a vertex
   RepairCounts repairs_;
-  std::vector<uint8_t> no_weights_;  // of each vertex: its weights were not finite
+  std::map<VertexKey, size_t> shared_;  // the first of vertices that primitives share
+  std::vector<size_t> primitive_ends_;  // in the triangles
+  uint64_t read_again_ = 0, corners_ = 0;
+  size_t faults_ = 0;
+  Fault fault_;  // the first, of a primitive that was left out
+  // Of each vertex: its joints, in the whole skeleton; its weights are of no use; it lies nowhere.
+  std::vector<std::array<uint32_t, 4>> joints_;
+  std::vector<uint8_t> no_weights_, far_out_;
   Mesh out_;
 };
 
 }  // namespace
 
-Mesh ReadMesh(const Document& document, const SkeletonImport& skeleton,
-              std::vector<std::string>* notes) {
+Mesh ReadMesh(const Document& document, SkeletonImport* skeleton, std::vector<std::string>* notes) {
   return MeshReader(document, skeleton, notes).Read();
 }
 

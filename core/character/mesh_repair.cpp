@@ -115,6 +115,27 @@ std::vector<UvFrame> SumUvFrames(const Mesh& mesh) {
 
 }  // namespace
 
+std::vector<uint32_t> OrderByUse(const std::vector<size_t>& part_ends, Mesh* mesh) {
+  std::vector<uint32_t> user(mesh->position.size(), ~0u), was(user.size()), now(user.size());
+  size_t t = 0;
+  for (uint32_t part = 0; part < part_ends.size(); ++part)
+    for (; t < part_ends[part]; ++t)
+      for (const uint32_t corner : mesh->triangles[t]) user[corner] = std::min(user[corner], part);
+  std::iota(was.begin(), was.end(), 0u);
+  std::stable_sort(was.begin(), was.end(),
+                   [&](uint32_t a, uint32_t b) { return user[a] < user[b]; });
+  for (uint32_t v = 0; v < was.size(); ++v) now[was[v]] = v;
+  for (auto& triangle : mesh->triangles)
+    for (uint32_t& corner : triangle) corner = now[corner];
+  KeepRows(&mesh->position, was);
+  KeepRows(&mesh->normal, was);
+  KeepRows(&mesh->tangent, was);
+  KeepRows(&mesh->uv, was);
+  KeepRows(&mesh->joints, was);
+  KeepRows(&mesh->weights, was);
+  return was;
+}
+
 size_t WeldVertices(Mesh* mesh) {
   const size_t count = mesh->position.size();
   std::vector<uint8_t> used(count, 0);

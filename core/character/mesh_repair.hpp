@@ -11,6 +11,11 @@
 
 namespace pelt {
 
+// Numbers the vertices by the first part of the triangles that uses each, and within a part as they
+// were: as if every part had brought its own. `part_ends`: the triangles up to each part's end.
+// Returns where each vertex was.
+std::vector<uint32_t> OrderByUse(const std::vector<size_t>& part_ends, Mesh* mesh);
+
 // Merges vertices that agree in every attribute (bit for bit, but 0 and -0 are equal) and drops
 // those no triangle uses. The first of equals stays; order is kept. Returns how many went.
 size_t WeldVertices(Mesh* mesh);

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "core/character/mesh_repair.hpp"
 #include "core/character/track_place.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -120,18 +120,6 @@ void CopyLane(float (&key)[4][kNumbers][kJointsPerCharacter],
   }
 }
 
-glm::dmat4 MatrixOf(const JointPose& pose) {
-  const glm::dquat q(pose.rotation);
-  const glm::dvec3 s(pose.scale);
-  const double x = q.x, y = q.y, z = q.z, w = q.w;
-  glm::dmat4 m(1.0);
-  m[0] = glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0) * s.x;
-  m[1] = glm::dvec4(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0) * s.y;
-  m[2] = glm::dvec4(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0) * s.z;
-  m[3] = glm::dvec4(glm::dvec3(pose.translation), 1.0);
-  return m;
-}
-
 glm::dvec3 Unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
   const double length = std::sqrt(glm::dot(v, v));
   return length > 1e-150 && length < 1e150 ? v / length : otherwise;
@@ -173,6 +161,18 @@ glm::mat4 PlaceCharacter(const glm::mat4& placement, float unit_scale) {
   return root;
 }
 
+glm::dmat4 MatrixOf(const JointPose& pose) {
+  const glm::dquat q(pose.rotation);
+  const glm::dvec3 s(pose.scale);
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  glm::dmat4 m(1.0);
+  m[0] = glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0) * s.x;
+  m[1] = glm::dvec4(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0) * s.y;
+  m[2] = glm::dvec4(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0) * s.z;
+  m[3] = glm::dvec4(glm::dvec3(pose.translation), 1.0);
+  return m;
+}
+
 SkeletonBlock MakeSkeletonBlock(const Skeleton& skeleton) {
   SkeletonBlock block{};
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
@@ -191,22 +191,36 @@ const Clip* FindClip(const Character& character, const std::string& name) {
   return nullptr;
 }
 
-RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
-  const FloatEnvironment guard;
-  const Skeleton& skeleton = character.skeleton;
-  const Mesh& mesh = character.mesh;
+namespace {
+
+// From bind space to where each joint rests.
+std::vector<glm::dmat4> MakeRestPalette(const Skeleton& skeleton) {
   std::vector<glm::dmat4> global(skeleton.rest.size()), palette(skeleton.rest.size());
   for (size_t j = 0; j < global.size(); ++j) {
     const glm::dmat4 local = MatrixOf(skeleton.rest[j]);
     global[j] = skeleton.parent[j] < 0 ? local : global[size_t(skeleton.parent[j])] * local;
     palette[j] = global[j] * glm::dmat4(skeleton.inverse_bind[j]);
   }
+  return palette;
+}
+
+glm::dmat4 BlendOf(const Mesh& mesh, size_t v, const std::vector<glm::dmat4>& palette) {
+  glm::dmat4 m(0.0);
+  for (int i = 0; i < 4; ++i)
+    if (mesh.weights[v][i] > 0.0f)
+      m += palette[mesh.joints[v][size_t(i)]] * double(mesh.weights[v][i]);
+  return m;
+}
+
+}  // namespace
+
+RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
+  const FloatEnvironment guard;
+  const Mesh& mesh = character.mesh;
+  const std::vector<glm::dmat4> palette = MakeRestPalette(character.skeleton);
   RestGeometry rest;
   for (size_t v = 0; v < mesh.position.size(); ++v) {
-    glm::dmat4 m(0.0);
-    for (int i = 0; i < 4; ++i)
-      if (mesh.weights[v][i] > 0.0f)
-        m += palette[mesh.joints[v][size_t(i)]] * double(mesh.weights[v][i]);
+    const glm::dmat4 m = BlendOf(mesh, v, palette);
     const glm::dmat3 linear(m);
     const glm::dvec3 position(m * glm::dvec4(glm::dvec3(mesh.position[v]), 1.0));
     const glm::dvec3 normal = Unit(linear * glm::dvec3(mesh.normal[v]), glm::dvec3(0.0, 1.0, 0.0));
@@ -220,6 +234,32 @@ RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
         glm::vec3(usable ? Unit(orthogonal, PickTangent(normal)) : PickTangent(normal)));
   }
   return rest;
+}
+
+size_t FitNormalsToRest(Character* character) {
+  const FloatEnvironment guard;
+  constexpr double kLeastTurn = 1e-5;  // 1 - cosine: a quarter of a degree
+  Mesh& mesh = character->mesh;
+  const std::vector<glm::dmat4> palette = MakeRestPalette(character->skeleton);
+  size_t turned = 0;
+  for (size_t v = 0; v < mesh.position.size(); ++v) {
+    const glm::dmat3 linear(BlendOf(mesh, v, palette));
+    const glm::dvec3 normal(mesh.normal[v]), none(0.0);
+    // Scaled first: a file's units must not decide what is too flat to be turned back.
+    const double size = std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
+                                  glm::dot(linear[2], linear[2]));
+    if (!(size > 1e-150)) continue;
+    const glm::dmat3 shape = linear * (1.0 / size);
+    if (!(std::abs(glm::determinant(shape)) > 1e-9)) continue;
+    const glm::dmat3 back = glm::inverse(shape);
+    const glm::dvec3 wanted = Unit(glm::transpose(back) * normal, none);
+    const glm::dvec3 drawn = Unit(shape * normal, none);
+    if (glm::dot(wanted, drawn) > 1.0 - kLeastTurn) continue;
+    mesh.normal[v] = glm::vec3(Unit(back * wanted, normal));
+    ++turned;
+  }
+  if (turned) GenerateTangents(&mesh);
+  return turned;
 }
 
 UnitScale DefaultUnitScale(const Character& character) {
@@ -238,13 +278,11 @@ UnitScale DefaultUnitScale(const Character& character) {
   const bool large = extent >= 3.0;
   while (large ? extent / power >= 3.0 : extent * power < 0.3) power *= 10.0;
   const double scale = large ? 1.0 / power : power;
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "Unit scale %g (metres a file unit), worked out from the rest pose: its largest "
-                "extent, %.4g units, is taken as %.4g m. Set unit_scale in the fur setup to change "
-                "it.",
-                scale, extent, extent * scale);
-  return {float(scale), text};
+  return {float(scale),
+          Format("Unit scale {:g} (metres a file unit), worked out from the rest pose: its largest "
+                 "extent, {:.4g} units, is taken as {:.4g} m. Set unit_scale in the fur setup to "
+                 "change it.",
+                 scale, extent, extent * scale)};
 }
 
 }  // namespace pelt

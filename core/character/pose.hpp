@@ -33,6 +33,9 @@ PoseBlock MakePose(const Skeleton& skeleton, const Clip* clip, double time_s, bo
 // placement * scale: what FillPose wants as root for a character with this unit scale.
 glm::mat4 PlaceCharacter(const glm::mat4& placement, float unit_scale);
 
+// Into the parent's space.
+glm::dmat4 MatrixOf(const JointPose& pose);
+
 SkeletonBlock MakeSkeletonBlock(const Skeleton& skeleton);
 
 // The clip of that name; null for none.
@@ -42,6 +45,12 @@ const Clip* FindClip(const Character& character, const std::string& name);
 // tangents by the upper 3x3 of the blended matrix, as the skin kernel does, then made unit and
 // orthogonal. In double.
 RestGeometry ComputeRestGeometry(const Character& character, float unit_scale);
+
+// Makes normals what ComputeRestGeometry and the skin kernel turn into those of the rest pose: both
+// take them as directions, which is right while joints are scaled alike along all axes. Where they
+// are not, in the rest pose, the mesh's normals and tangents are changed so that there, and in poses
+// that turn it, they are exact. Returns how many were.
+size_t FitNormalsToRest(Character* character);
 
 struct UnitScale {
   float metres_per_unit = 1.0f;
