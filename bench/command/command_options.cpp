@@ -123,6 +123,15 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
   AddInputFileOrName(app, "--lights", request.lights, lights.c_str());
 }
 
+void AddClip(CLI::App& app, ScenarioRequest& request) {
+  app.add_option("--clip", request.clip,
+                 "The clip that is played, by name; of several characters, by those that have it")
+      ->check([](const std::string& name) {
+        return name.empty() ? std::string("the name is empty") : std::string();
+      });
+  app.add_flag("--once", request.once, "Clips stay at their ends instead of looping");
+}
+
 void CompleteSource(const CLI::App& app, ScenarioRequest& request) {
   RefuseUnless(app, request.solver.value_or(Solver::kModal) == Solver::kModal, {"--quality"},
                "the modal solver");

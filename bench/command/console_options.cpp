@@ -111,6 +111,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "Does a scene fit its milliseconds on the host, a PS3 and an Xbox 360? Exit code 1 "
       "when it does not, 2 when there is no answer");
   AddSource(*app, args.request);
+  AddClip(*app, args.request);
   app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")
       ->check(OneOf({"host", "ps3", "xbox360"}))
       ->delimiter(',');

@@ -41,6 +41,7 @@ void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& arg
 // What runs and how.
 void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddSource(app, args.request);
+  AddClip(app, args.request);
   AddFrames(app, args.options.frames);
   AddExecutor(app, args.options.executor, args.options.workers, args.options.order_seed);
   AddIsa(app, "Instruction set of the kernels: the widest there is if not given",
@@ -81,6 +82,7 @@ Subcommand SetUpRun(CLI::App& root) {
   app->footer(
       "Examples:\n"
       "  pelt run --scene monster --frames 20\n"
+      "  pelt run --character builtin --setup eyepet --clip idle --once --frames 120\n"
       "  pelt run --scene tiny --frames 20 --digest-log tiny.digests\n"
       "  pelt run --scene tiny --frames 20 --trace trace.json --trace-frames 5\n"
       "  pelt run --scene tiny --frames 20 --trace worst.json --trace-worst --trace-frames 1\n"
@@ -167,6 +169,7 @@ Subcommand SetUpVerify(CLI::App& root) {
   auto* app = root.add_subcommand(
       "verify", "Check that every executor, order, plan and instruction set gives the same bits");
   AddSource(*app, args.request);
+  AddClip(*app, args.request);
   app->add_option("--frames", args.frames, "Frames to compare")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
@@ -243,6 +246,7 @@ Subcommand SetUpTrace(CLI::App& root) {
       "  pelt trace replay tiny.peltinput --executor tbb --workers 3 --unfused --json");
   auto* record = app->add_subcommand("record", "Run frames and write an input log");
   AddSource(*record, args.record.run.request);
+  AddClip(*record, args.record.run.request);
   AddFrames(*record, args.record.run.options.frames);
   AddIsa(*record, "Instruction set of the kernels: the widest there is if not given",
          [&args](Isa isa) { args.record.run.options.scene.isa = isa; });

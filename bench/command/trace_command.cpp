@@ -13,6 +13,7 @@
 #include "bench/verify/stage_digests.hpp"
 #include "core/error.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -102,6 +103,8 @@ ReportTree MakeReplayTree(const ReplayResult& result) {
 std::string DescribeSettings(const RunArgs& args) {
   std::vector<std::string> all;
   if (args.request.seed) all.push_back(fmt::format("seed {}", args.request.seed));
+  if (!args.request.clip.empty()) all.push_back("clip " + Printable(args.request.clip));
+  if (args.request.once) all.push_back("clips once");
   const auto say = [&](auto LayerParams::*param, const auto& value) {
     const auto& row = LayerParamRowOf(param);
     if (value) all.push_back(fmt::format("{} {}", row.key, row.words[size_t(*value)]));

@@ -43,6 +43,7 @@ Subcommand SetUpView(CLI::App& root) {
   auto* app = root.add_subcommand(
       "view", "Write one HTML file that runs the scene in a browser: the same code, the same bits");
   AddSource(*app, args.request);
+  AddClip(*app, args.request);
   AddSetupFile(*app, args.request.setup);
   AddOutputFile(*app, "--out", args.out, "Page to write; needs nothing else to be shown");
   app->add_flag("--open", args.open,

@@ -20,6 +20,7 @@ constexpr TextRow kTexts[] = {{"scene", &ScenarioRequest::scene},
                               {"character", &ScenarioRequest::character},
                               {"setup", &ScenarioRequest::setup},
                               {"groom", &ScenarioRequest::groom},
+                              {"clip", &ScenarioRequest::clip},
                               {"lights", &ScenarioRequest::lights}};
 
 // Calls visit(member, row) for those that are a layer's words.
@@ -39,6 +40,7 @@ std::vector<std::pair<std::string_view, std::string>> RequestOptions(
       options.emplace_back(row.key, request.*row.member);
   }
   if (request.seed) options.emplace_back("seed", std::to_string(request.seed));
+  if (request.once) options.emplace_back("once", "");
   ScenarioRequest copy = request;
   ForEachWord(copy, [&](const auto& value, const auto& row) {
     if (value) options.emplace_back(row.key, row.words[size_t(*value)]);
@@ -61,7 +63,8 @@ ScenarioRequest ReadRequest(std::string_view text) {
     const std::string_view key = entry.first.str();
     const std::string value = entry.second.value_or(std::string());
     const toml::array* texts = key == "setup_texts" ? entry.second.as_array() : nullptr;
-    bool known = texts || key == "seed";
+    bool known = texts || key == "seed" || key == "once";
+    request.once |= key == "once";
     for (size_t i = 0; texts && i < texts->size(); ++i)
       request.setup_texts.push_back((*texts)[i].value_or(std::string()));
     if (key == "seed") std::from_chars(value.data(), value.data() + value.size(), request.seed);

@@ -13,6 +13,7 @@
 #include "bench/scenarios/everything.hpp"
 #include "bench/scenarios/scene_lights.hpp"
 #include "core/character/builtin_character.hpp"
+#include "core/character/clip_loop.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
 #include "core/character/pose_rates.hpp"
@@ -23,6 +24,7 @@
 #include "core/groom/groom_file.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_names.hpp"
+#include "core/printable.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -35,8 +37,24 @@ struct BuiltInCharacter {
 constexpr BuiltInCharacter kCharacters[] = {{"builtin", BuiltinBody::kMonster},
                                             {"scorpion", BuiltinBody::kScorpion}};
 
+// Whether the clip began anew since `before_s`.
+bool Loops(const Clip& clip, double now_s, double before_s) {
+  const double duration_s = double(clip.duration_s);
+  return exact::Floor(now_s / duration_s) != exact::Floor(before_s / duration_s);
+}
+
 double Wave(double time_s, double period_s) {
   return exact::Sin(2.0 * exact::kPi * time_s / period_s);
+}
+
+// The first of them.
+std::string ListClips(std::span<const Clip> clips) {
+  constexpr size_t kNamed = 8;
+  std::string names;
+  for (const Clip& clip : clips.first(std::min(clips.size(), kNamed)))
+    names += (names.empty() ? "" : ", ") + Printable(clip.name);
+  if (clips.size() > kNamed) names += fmt::format(" and {} more", clips.size() - kNamed);
+  return names.empty() ? "none" : names;
 }
 
 // The clip a scenario plays: the one asked for, else the setup's, else the file's first.
@@ -45,10 +63,8 @@ int32_t ChooseClip(const Character& character, const std::string& wanted, const 
   for (size_t i = 0; i < character.clips.size(); ++i)
     if (character.clips[i].name == name) return int32_t(i);
   if (wanted.empty() && !setup.clip.empty()) {
-    std::string have;
-    for (const Clip& clip : character.clips) have += (have.empty() ? "" : ", ") + clip.name;
     throw Error(fmt::format("{}: clip '{}' is not in {}; it has: {}", setup.path, setup.clip,
-                            character.name, have.empty() ? "none" : have));
+                            character.name, ListClips(character.clips)));
   }
   return character.clips.empty() ? -1 : 0;
 }
@@ -178,7 +194,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed, request.SetupText(0));
   if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
   if (request.groom.empty()) {
-    AddActor(scenario, std::move(character), setup, "");
+    AddActor(scenario, std::move(character), setup, request.clip);
   } else {
     scenario.characters.push_back(std::move(character));
     scenario.grooms.push_back(ReadGroomFile(request.groom).OrThrow());
@@ -189,6 +205,29 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   for (const std::string& note : scenario.characters[0].notes) scenario.notes.push_back(note);
   PointCameraAt(scenario);
   return scenario;
+}
+
+void ChooseClips(const ScenarioRequest& request, Scenario& scenario) {
+  scenario.once = request.once;
+  bool known = request.clip.empty();
+  for (Actor& actor : scenario.actors) {
+    const Character& character = scenario.characters[actor.character];
+    const auto clip = std::ranges::find(character.clips, request.clip, &Clip::name);
+    if (!request.clip.empty() && clip != character.clips.end()) {
+      actor.clip = int32_t(clip - character.clips.begin());
+      known = true;
+    }
+    actor.jumps =
+        actor.clip >= 0 && JumpsWhereItLoops(character, character.clips[size_t(actor.clip)]);
+    if (actor.jumps && !request.once && request.scene.empty())
+      scenario.notes.push_back(fmt::format(
+          "clip '{}' of {} does not end where it begins; fur starts anew where it loops",
+          Printable(character.clips[size_t(actor.clip)].name), Printable(character.name)));
+  }
+  if (!known)
+    throw Error(fmt::format("no clip '{}'; {} has: {}", Printable(request.clip),
+                            Printable(scenario.characters.front().name),
+                            ListClips(scenario.characters.front().clips)));
 }
 
 // What held a sag-free layer up.
@@ -327,6 +366,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
                             DidYouMean(request.scene, ScenarioNames())));
   // What is guessed and bare in our own is as it is meant; what somebody writes instead is not ours.
   if (IsOwn(request)) scenario.notes.clear();
+  ChooseClips(request, scenario);
   OverrideSolver(request, scenario);
   if (lights) LightAll(scenario, *lights);
   CompleteLights(scenario);
@@ -373,12 +413,16 @@ void Scenario::Place() {
   }
 }
 
+double Scenario::ClipTime(const Actor& actor, uint32_t frame) const {
+  return std::min(frame, rest_from_frame) * dt_s * clip_rate + actor.phase_s;
+}
+
 const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
   const double time_s = std::min(frame, rest_from_frame) * dt_s;
   for (uint32_t a = 0; a < actors.size(); ++a) {
     const Actor& actor = actors[a];
     const Character& character = characters[actor.character];
-    const double clip_s = time_s * clip_rate + actor.phase_s;
+    const double clip_s = ClipTime(actor, frame);
     const Clip* clip = actor.clip < 0 ? nullptr : &character.clips[size_t(actor.clip)];
     glm::mat4 placement = actor.placement;
     if (actor.teleport_frame >= 0 && int32_t(frame) >= actor.teleport_frame)
@@ -392,11 +436,13 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
       if (place[c] != from[c])
         placement[3][c] = float(double(placement[3][c]) + (place[c] - from[c]));
     PoseBlock& pose = scene.Pose(a);
-    FillPose(character.skeleton, clip, clip_s, true, PlaceCharacter(placement, actor.unit_scale),
+    FillPose(character.skeleton, clip, clip_s, !once, PlaceCharacter(placement, actor.unit_scale),
              &pose);
-    pose.teleported = int32_t(frame) == actor.teleport_frame;
+    pose.teleported = int32_t(frame) == actor.teleport_frame ||
+                      (clip && actor.jumps && !once && frame > 0 &&
+                       Loops(*clip, clip_s, ClipTime(actor, frame - 1)));
     if (PoseRateBlock* rates = scene.PoseRates(a))
-      FillPoseRates(clip, clip_s, true, frame < rest_from_frame ? clip_rate : 0.0, glm::mat4(0.0f),
+      FillPoseRates(clip, clip_s, !once, frame < rest_from_frame ? clip_rate : 0.0, glm::mat4(0.0f),
                     rates);
   }
   input_ = base;

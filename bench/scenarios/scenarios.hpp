@@ -59,6 +59,7 @@ struct Actor {
   uint32_t character;  // in Scenario::characters
   uint32_t groom;      // in Scenario::grooms
   int32_t clip;        // of the character; -1: stands in its rest pose
+  bool jumps = false;  // where the clip begins anew
   double phase_s;      // into the clip at frame 0
   glm::mat4 placement{1.0f};
   float unit_scale = 1.0f;
@@ -94,6 +95,7 @@ struct Scenario {
   uint32_t default_frames = 300;
   double dt_s = 1.0 / 60.0;
   double clip_rate = 1.0;  // how fast clips are played
+  bool once = false;       // each clip stays at its end; otherwise it begins anew
   std::vector<Character> characters;
   std::vector<Groom> grooms;
   std::vector<FurSetup>
@@ -126,6 +128,7 @@ struct Scenario {
   const FrameInput& PrepareFrame(uint32_t frame, FurScene& scene);
 
  private:
+  double ClipTime(const Actor& actor, uint32_t frame) const;
   // Where character `actor`'s pose is told from in a frame.
   glm::dvec3 OriginOf(uint32_t actor, uint32_t frame) const;
   void Place();
@@ -145,6 +148,8 @@ struct ScenarioRequest {
   uint64_t seed = 0;       // other than 0: another groom from the same setups
   // In place of the texts of Scenario::setups, by number; what is empty or not there: their own.
   std::vector<std::string> setup_texts = {};
+  std::string clip = {};  // that those who have it play, instead of what setup or scene says
+  bool once = false;      // clips stay at their ends
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};

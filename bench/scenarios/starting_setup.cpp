@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "core/printable.hpp"
 
 namespace pelt {
@@ -97,7 +98,11 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
   double area_m2 = 0.0;
   for (size_t m = 0; m < shares.size(); ++m)
     if (!mesh.looks[m].bare) area_m2 += shares[m].area_m2;
-  const Plan coat = PlanCoat(LargestExtent(rest), area_m2);
+  const double extent_m = LargestExtent(rest);
+  if (!(area_m2 > 1e-12 * extent_m * extent_m))
+    throw Error(fmt::format("{}: its surface has no area in the rest pose: nothing grows on it",
+                            Printable(character.name)));
+  const Plan coat = PlanCoat(extent_m, area_m2);
   std::string text = fmt::format(
       "# A setup to start from for {}; pelt bake --keys explains every key.\n"
       "# Lengths and widths are in metres, densities in strands a square metre.\n\n"

@@ -18,7 +18,7 @@ struct MaterialShare {
 std::vector<MaterialShare> MeasureMaterials(const Mesh& mesh, const RestGeometry& rest);
 
 // TOML, with the reason for each choice; `rest` is in metres by `unit_scale`. It bakes for this
-// character, and no layer of it is bald.
+// character, and no layer of it is bald. Throws Error where there is nothing to grow on.
 std::string StartingSetup(const Character& character, const RestGeometry& rest, float unit_scale);
 
 }  // namespace pelt
