@@ -47,7 +47,7 @@ TEST(GltfErrors, Container) {
   ExpectError(std::string(R"({"asset":{"version":"1.0"}})"), {"asset.version", "1.0"});
   std::vector<std::byte> glb = MakeQuad().Glb();
   std::vector<std::byte> cut(glb.begin(), glb.end() - 10);
-  ExpectError(cut, {"truncated", std::to_string(glb.size()), std::to_string(cut.size())});
+  ExpectError(cut, {"truncated", "binary chunk"});
   std::vector<std::byte> version = glb;
   version[4] = std::byte(1);
   ExpectError(version, {"byte 4", "version 1"});
@@ -59,21 +59,21 @@ TEST(GltfErrors, Container) {
   ExpectError(kind, {"byte 16", "not JSON"});
 }
 
-TEST(GltfErrors, JsonThatWouldHurtTheParser) {
+// What is not ours can be large and deep; what is, is no more than its text.
+TEST(GltfErrors, JsonThatWouldHurtAParser) {
   GltfBuilder deep = MakeQuad();
-  deep.more = ",\"extras\":" + std::string(100000, '[') + std::string(100000, ']');
-  ExpectError(deep, {"JSON byte", "nested too deep"});
+  deep.more = ",\"extras\":" + std::string(100000, '[') + std::string(100000, ']') +
+              ",\"cameras\":" + std::string(100000, '[') + std::string(100000, ']');
+  EXPECT_EQ(ImportGltf(deep.Glb(), "deep").mesh.triangles.size(), 2u);
+  deep.more = ",\"scenes\":" + std::string(100000, '[') + std::string(100000, ']');
+  EXPECT_EQ(ImportGltf(deep.Glb(), "deep").mesh.triangles.size(), 2u);
   GltfBuilder many = MakeQuad();
-  many.more = ",\"buffers\":[";
-  for (int i = 0; i < 1000; ++i) many.more += std::string(i ? "," : "") + "{\"byteLength\":4}";
-  many.more += "]";
-  ExpectError(many, {"JSON byte", "second buffer without a uri"});
-  GltfBuilder blank = MakeQuad();
-  blank.more = R"(,"buffers":[{"byteLength":4,"uri":"a"},{"byteLength":4,"uri":"a","uri":""},{}])";
-  ExpectError(blank, {"second buffer without a uri"});
-  GltfBuilder escaped = MakeQuad();
-  escaped.more = R"(,"\u0062uffers":[{"byteLength":4},{"byteLength":4}])";
-  ExpectError(escaped, {"escaped member name"});
+  std::string json = many.Json();
+  const size_t at = json.find("\"buffers\":[") + 11;
+  std::string more;
+  for (int i = 0; i < 1000; ++i) more += ",{\"byteLength\":4}";
+  json.insert(json.find(']', at), more);
+  EXPECT_EQ(ImportGltf(many.Frame(json), "many").mesh.triangles.size(), 2u);
   GltfBuilder broken = MakeQuad();
   broken.more = ",\"a\":";
   ExpectError(broken, {"not readable as glTF", "parse error"});
@@ -85,10 +85,6 @@ TEST(GltfErrors, Buffers) {
   ExpectError(json, {"other.bin"});
   ExpectError(b.Json(true, "../../other.bin"), {"other.bin"});
   ExpectError(b.Frame(b.Json(false)), {"buffer 0 does not exist"});
-  GltfBuilder large = MakeQuad();
-  std::string text = large.Json();
-  text.replace(text.rfind("byteLength\":"), 12, "byteLength\":9");
-  ExpectError(large.Frame(text), {"byteLength"});
 }
 
 TEST(GltfErrors, NoSkin) {
@@ -106,39 +102,19 @@ TEST(GltfErrors, Nodes) {
     b.nodes = nodes;
     return b;
   };
-  ExpectError(with_nodes(R"({"name":"base","children":[1]},{"children":[0]},{"mesh":0,"skin":0})"),
-              {"node 0 'base'", "own ancestor"});
-  ExpectError(with_nodes(R"({"children":[0]},{"name":"t"},{"mesh":0,"skin":0})"),
-              {"node 0", "own ancestor"});
-  ExpectError(with_nodes(R"({"children":[1]},{"name":"t"},{"children":[1],"mesh":0,"skin":0})"),
-              {"node 1 't'", "two parents"});
-  ExpectError(with_nodes(R"({"children":[99]},{},{"mesh":0,"skin":0})"), {"node 0", "child 99"});
   ExpectError(with_nodes(R"({},{},{"mesh":5,"skin":0})"), {"node 2", "mesh 5"});
   ExpectError(with_nodes(R"({},{},{"mesh":0,"skin":5})"), {"node 2", "skin 5"});
-  ExpectError(with_nodes(R"({"rotation":[0,0,0,0]},{},{"mesh":0,"skin":0})"),
-              {"node 0", "rotation is zero"});
-  ExpectError(with_nodes(R"({"rotation":[0,0,1]},{},{"mesh":0,"skin":0})"),
-              {"node 0", "rotation has 3 numbers"});
-  ExpectError(with_nodes(R"({"translation":[1e300,0,0]},{},{"mesh":0,"skin":0})"),
-              {"node 0", "translation"});
   ExpectError(with_nodes(R"({"translation":[1e20,0,0]},{},{"mesh":0,"skin":0})"), {"rest pose"});
-  ExpectError(with_nodes(R"({"matrix":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]},{},{"mesh":0,"skin":0})"),
-              {"node 0", "singular"});
+  ExpectError(with_nodes(R"({"scale":[0,0,0],"children":[1]},{},{"mesh":0,"skin":0})"),
+              {"rest pose", "no size"});
 }
 
 TEST(GltfErrors, Skins) {
   GltfBuilder b = MakeQuad({.skin = false});
-  b.skins = R"({"name":"rig","joints":[0,7]})";
-  ExpectError(b, {"skin 0 'rig'", "node 7"});
   b.skins = R"({"name":"rig","joints":[]})";
+  ExpectError(b, {"node 2 'quad'", "skin 0 'rig'", "no joints"});
+  b.skins = R"({"name":"rig","joints":[7,"a"]})";
   ExpectError(b, {"skin 0 'rig'", "no joints"});
-  b.skins = R"({"name":"rig","joints":[0,0]})";
-  ExpectError(b, {"skin 0 'rig'", "repeats"});
-  const int one = b.Floats("MAT4", std::vector<float>(16, 0.5f));
-  b.skins = "{\"joints\":[0,1],\"inverseBindMatrices\":" + std::to_string(one) + "}";
-  ExpectError(b, {"skin 0 inverseBindMatrices", "1 matrices for 2 joints"});
-  b.skins = R"({"joints":[0,1],"inverseBindMatrices":0})";
-  ExpectError(b, {"inverseBindMatrices", "MAT4"});
 }
 
 TEST(GltfErrors, TooManyJoints) {
@@ -151,7 +127,14 @@ TEST(GltfErrors, TooManyJoints) {
   }
   b.nodes += "{},{\"mesh\":0,\"skin\":0}";
   b.skins = "{\"joints\":[" + joints + "]}";
-  ExpectError(b, {"more than 256"});
+  // Each is used, by a vertex or by the one below.
+  std::vector<uint16_t> last(16, 0);
+  last[0] = 299;
+  GltfBuilder parts = MakeQuad({.joints = false, .skin = false});
+  parts.nodes = b.nodes;
+  parts.skins = b.skins;
+  parts.Attribute("JOINTS_0", parts.Add(kU16, "VEC4", last));
+  ExpectError(parts, {"300 joints", "holds 256"});
 }
 
 TEST(GltfErrors, Accessors) {
@@ -171,21 +154,11 @@ TEST(GltfErrors, Accessors) {
   ExpectError(
       with("POSITION", [](GltfBuilder& b) { return b.Floats("VEC4", std::vector<float>(16, 0)); }),
       {place + "POSITION", "not VEC3"});
-  ExpectError(
-      with("POSITION",
-           [](GltfBuilder& b) { return b.Add(kU32, "VEC3", std::vector<uint32_t>(12, 0)); }),
-      {place + "POSITION", "unsigned int"});
   ExpectError(with("POSITION",
                    [](GltfBuilder& b) {
                      return b.Accessor(b.View(test::kQuadPositions), 5130, 4, "VEC3");
                    }),
               {place + "POSITION", "5130"});
-  ExpectError(
-      with("WEIGHTS_0",
-           [](GltfBuilder& b) { return b.Add(test::kI16, "VEC4", std::vector<int16_t>(16, 1)); }),
-      {place + "WEIGHTS_0", "short"});
-  ExpectError(with("JOINTS_0", [](GltfBuilder& b) { return b.Floats("VEC4", test::kQuadWeights); }),
-              {place + "JOINTS_0", "float"});
   ExpectError(with("WEIGHTS_0",
                    [](GltfBuilder& b) { return b.Floats("VEC4", std::vector<float>(12, 0.5f)); }),
               {place + "WEIGHTS_0", "has 3 elements", "POSITION has 4"});
@@ -220,7 +193,7 @@ TEST(GltfErrors, Accessors) {
 TEST(GltfErrors, BufferViewsOutsideTheirBuffer) {
   for (const char* view : {R"({"buffer":0,"byteOffset":100000,"byteLength":48})",
                            R"({"buffer":0,"byteOffset":18446744073709551615,"byteLength":48})",
-                           R"({"buffer":0,"byteOffset":8,"byteLength":18446744073709551612})"}) {
+                           R"({"buffer":0,"byteOffset":-8,"byteLength":48})"}) {
     GltfBuilder b = MakeQuad({.position = false});
     b.views += "," + std::string(view);
     b.Attribute("POSITION", b.Accessor(b.view_count, kF32, 4, "VEC3"));
@@ -262,10 +235,6 @@ TEST(GltfErrors, NotFinite) {
     p[7] = bad;
     position.Attribute("POSITION", position.Floats("VEC3", p));
     ExpectError(position, {"attribute POSITION", "element 2", "finite"});
-    GltfBuilder bind = MakeQuad({.skin = false});
-    bind.skins = "{\"joints\":[0,1],\"inverseBindMatrices\":" +
-                 std::to_string(bind.Floats("MAT4", std::vector<float>(32, bad))) + "}";
-    ExpectError(bind, {"inverseBindMatrices", "finite"});
   }
   GltfBuilder far = MakeQuad({.position = false});
   far.Attribute("POSITION", far.Floats("VEC3", std::vector<float>(12, 1e30f)));
@@ -274,8 +243,8 @@ TEST(GltfErrors, NotFinite) {
 
 TEST(GltfErrors, Primitives) {
   GltfBuilder mode = MakeQuad();
-  mode.primitive_more += ",\"mode\":5";
-  ExpectError(mode, {"mesh 0 'fox' primitive 0", "mode 5"});
+  mode.primitive_more += ",\"mode\":7";
+  ExpectError(mode, {"mesh 0 'fox' primitive 0", "mode 7"});
   for (const char* missing : {"POSITION", "JOINTS_0", "WEIGHTS_0"}) {
     const std::string name = missing;
     ExpectError(MakeQuad({name != "POSITION", name != "JOINTS_0", name != "WEIGHTS_0", true, true}),
@@ -284,17 +253,9 @@ TEST(GltfErrors, Primitives) {
   GltfBuilder range = MakeQuad({.indices = false});
   range.Indices(range.Add(kU16, "SCALAR", std::vector<uint16_t>{0, 1, 9}));
   ExpectError(range, {"primitive 0 indices", "index 9", "out of range"});
-  GltfBuilder partial = MakeQuad({.indices = false});
-  partial.Indices(partial.Add(kU16, "SCALAR", std::vector<uint16_t>{0, 1, 2, 3}));
-  ExpectError(partial, {"primitive 0 indices", "whole triangles"});
   GltfBuilder flat = MakeQuad({.position = false});
   flat.Attribute("POSITION", flat.Floats("VEC3", std::vector<float>(12, 1)));
   ExpectError(flat, {"no triangle with area"});
-  GltfBuilder joint = MakeQuad({.joints = false});
-  std::vector<uint8_t> joints = test::kQuadJoints;
-  joints[8] = 2;
-  joint.Attribute("JOINTS_0", joint.Add(kU8, "VEC4", joints));
-  ExpectError(joint, {"attribute JOINTS_0", "vertex 2", "joint 2", "out of range"});
 }
 
 // Compressed files have accessors without content, which the library stumbles over first.
@@ -303,19 +264,20 @@ TEST(GltfErrors, ExtensionsThatAreNeededAreNamed) {
        {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     GltfBuilder whole = MakeQuad();
     whole.more = ",\"extensionsRequired\":[\"" + extension + "\"]";
-    ExpectError(whole, {"extensionsRequired: " + extension, "export without compression"});
+    ExpectError(whole, {"extensionsRequired: " + extension, "gltf-transform cp in.glb out.glb"});
     GltfBuilder empty = MakeQuad({.indices = false});
     empty.Indices(empty.Accessor(-1, kU16, 6, "SCALAR"));
+    empty.primitive_more += ",\"extensions\":{\"" + extension + "\":{}}";
     empty.more = whole.more;
-    ExpectError(empty, {"extensionsRequired: " + extension, "export without compression"});
+    ExpectError(empty, {"extensionsRequired: " + extension, "gltf-transform cp in.glb out.glb"});
     empty.more = ",\"extensionsUsed\":[\"" + extension + "\"]";
     ExpectError(empty, {"extensionsUsed: " + extension});
+    // The plain bytes are there too.
+    GltfBuilder both = MakeQuad();
+    both.primitive_more += ",\"extensions\":{\"" + extension + "\":{}}";
+    both.more = empty.more;
+    EXPECT_EQ(ImportGltf(both.Glb(), "both").mesh.triangles.size(), 2u);
   }
-  GltfBuilder other = MakeQuad({.indices = false});
-  other.Indices(other.Accessor(-1, kU16, 6, "SCALAR"));
-  other.more = R"(,"extensionsRequired":["ACME_\u001b[2Jmesh"])";
-  ExpectError(other,
-              {"invalid bufferView", "it requires ACME_\\x1b[2Jmesh, which is not supported"});
 }
 
 // A name is quoted in errors: what it would do to a terminal, it must not do.
@@ -331,18 +293,27 @@ TEST(GltfErrors, NamesHaveNoControlCharacters) {
   EXPECT_EQ(character.mesh.materials[0], "fur\\x0a\\u202e");
 }
 
+// Accessors without bytes, each of another count, in a file of 400 KB: 100 million vertices.
 TEST(GltfErrors, TheSameDataAgainAndAgain) {
-  std::vector<float> position(3 * 4096, 0.0f);
-  GltfBuilder b = MakeQuad({false, false, false, false, true});
-  b.Attribute("POSITION", b.Floats("VEC3", position));
-  b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", std::vector<uint8_t>(4 * 4096, 0)));
-  b.Attribute("WEIGHTS_0", b.Add(kU8, "VEC4", std::vector<uint8_t>(4 * 4096, 255)));
-  b.Indices(b.Add(kU16, "SCALAR", test::kQuadIndices));
-  const std::string primitive = "{\"attributes\":{" + b.attributes + "}" + b.primitive_more + "}";
-  b.meshes = "{\"primitives\":[" + primitive;
-  for (int i = 0; i < 1100; ++i) b.meshes += "," + primitive;
-  b.meshes += "]}";
-  ExpectError(b, {"primitive 1024", "4194304 vertices"});
+  GltfBuilder b = MakeQuad();
+  const std::string good = "{\"attributes\":{" + b.attributes + "}" + b.primitive_more + "}";
+  std::string primitives = good;
+  for (size_t i = 0; i < 1000; ++i) {
+    const size_t count = 100000 - i;
+    const int position = b.Accessor(-1, kF32, count, "VEC3");
+    const int joints = b.Accessor(-1, kU8, count, "VEC4");
+    const int weights = b.Accessor(-1, kF32, count, "VEC4");
+    primitives += ",{\"attributes\":{\"POSITION\":" + std::to_string(position) +
+                  ",\"JOINTS_0\":" + std::to_string(joints) +
+                  ",\"WEIGHTS_0\":" + std::to_string(weights) + "}}";
+  }
+  b.meshes = "{\"primitives\":[" + primitives + "]}";
+  const Character c = ImportGltf(b.Glb(), "again");
+  EXPECT_EQ(c.mesh.triangles.size(), 2u);
+  std::string notes;
+  for (const std::string& note : c.notes) notes += note + "\n";
+  EXPECT_NE(notes.find("brings the file above"), std::string::npos) << notes;
+  EXPECT_LE(c.notes.size(), 64u);
 }
 
 GltfBuilder Animated(const std::vector<float>& times, int values, const std::string& type,
@@ -358,33 +329,43 @@ GltfBuilder Animated(const std::vector<float>& times, int values, const std::str
   return b;
 }
 
+// The clip is left out, the character stays.
 TEST(GltfErrors, Animations) {
   const std::string place = "animation 0 'run' channel 0";
+  const auto expect_left_out = [](const GltfBuilder& b, const std::vector<std::string>& parts) {
+    const Character c = ImportGltf(b.Glb(), "good");
+    EXPECT_TRUE(c.clips.empty()) << parts[1];
+    EXPECT_EQ(c.mesh.triangles.size(), 2u);
+    std::string notes;
+    for (const std::string& note : c.notes) notes += note + "\n";
+    for (const std::string& part : parts)
+      EXPECT_NE(notes.find(part), std::string::npos) << part << " is not in: " << notes;
+    EXPECT_NE(notes.find("the clip was left out"), std::string::npos) << notes;
+  };
   EXPECT_EQ(
       ImportGltf(Animated({0, 1}, 2, "VEC3", "LINEAR", "translation").Glb(), "good").clips.size(),
       1u);
-  ExpectError(Animated({0, 1, 1}, 3, "VEC3", "LINEAR", "translation"),
-              {place, "input", "key 2", "ascend"});
-  ExpectError(Animated({-1, 1}, 2, "VEC3", "LINEAR", "translation"), {place, "input", "key 0"});
-  ExpectError(Animated({0, NAN}, 2, "VEC3", "LINEAR", "translation"), {place, "input", "finite"});
-  ExpectError(Animated({0, 1}, 3, "VEC3", "LINEAR", "translation"),
-              {place, "output", "3 elements for 2 keys"});
-  ExpectError(Animated({0, 1}, 2, "VEC3", "CUBICSPLINE", "translation"),
-              {place, "output", "6 are needed"});
-  ExpectError(Animated({0, 1}, 2, "VEC3", "LINEAR", "rotation"), {place, "output", "VEC4"});
-  ExpectError(Animated({0, 1}, 2, "VEC4", "LINEAR", "rotation", 0.0f),
-              {place, "output", "zero quaternion"});
-  ExpectError(Animated({0, 1}, 2, "VEC3", "LINEAR", "translation", INFINITY),
-              {place, "output", "finite"});
-  ExpectError(Animated({0, 1}, 2, "VEC3", "CUBIC", "translation"), {place, "CUBIC"});
-  ExpectError(Animated({0, 1}, 2, "VEC3", "LINEAR", "wobble"), {place, "wobble"});
-  ExpectError(Animated({}, 0, "VEC3", "LINEAR", "translation"), {place, "input"});
+  expect_left_out(Animated({0, 1, 1}, 3, "VEC3", "LINEAR", "translation"),
+                  {place, "input", "key 2", "ascend"});
+  expect_left_out(Animated({1, 0}, 2, "VEC3", "LINEAR", "translation"),
+                  {place, "input", "key 1", "ascend"});
+  expect_left_out(Animated({-1, 1}, 2, "VEC3", "LINEAR", "translation"), {place, "input", "key 0"});
+  expect_left_out(Animated({0, NAN}, 2, "VEC3", "LINEAR", "translation"),
+                  {place, "input", "finite"});
+  expect_left_out(Animated({0, 1}, 3, "VEC3", "LINEAR", "translation"),
+                  {place, "output", "3 elements for 2 keys"});
+  expect_left_out(Animated({0, 1}, 2, "VEC3", "CUBICSPLINE", "translation"),
+                  {place, "output", "6 are needed"});
+  expect_left_out(Animated({0, 1}, 2, "VEC3", "LINEAR", "rotation"), {place, "output", "VEC4"});
+  expect_left_out(Animated({0, 1}, 2, "VEC4", "LINEAR", "rotation", 0.0f),
+                  {place, "output", "zero quaternion"});
+  expect_left_out(Animated({0, 1}, 2, "VEC3", "LINEAR", "translation", INFINITY),
+                  {place, "output", "finite"});
+  expect_left_out(Animated({0, 1}, 2, "VEC3", "CUBIC", "translation"), {place, "CUBIC"});
+  expect_left_out(Animated({}, 0, "VEC3", "LINEAR", "translation"), {place, "input"});
   GltfBuilder sampler = Animated({0, 1}, 2, "VEC3", "LINEAR", "translation");
   sampler.animations.replace(sampler.animations.find("\"sampler\":0"), 11, "\"sampler\":4");
-  ExpectError(sampler, {place, "sampler 4"});
-  GltfBuilder node = Animated({0, 1}, 2, "VEC3", "LINEAR", "translation");
-  node.animations.replace(node.animations.find("\"node\":1"), 8, "\"node\":9");
-  ExpectError(node, {place, "node 9"});
+  expect_left_out(sampler, {place, "sampler 4"});
 }
 
 TEST(GltfErrors, NoSuchFile) {

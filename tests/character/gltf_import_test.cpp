@@ -375,6 +375,7 @@ TEST(GltfImport, AnimationsOfEveryKind) {
   EXPECT_EQ(c.clips[4].name, "clip 4");
   EXPECT_TRUE(c.clips[4].tracks.empty());
   EXPECT_TRUE(HasNote(c, "animation 4: 1 channels move no joint"));
+  EXPECT_TRUE(HasNote(c, "animation 4 has no name; it is now 'clip 4'"));
 }
 
 TEST(GltfImport, TextFileWithDataUri) {

@@ -325,8 +325,8 @@ TEST(GltfLook, WhatIsWrongIsSaidAndLeftOut) {
       {texture, R"(,"textures":[7],"images":[{"bufferView":0}])", "no such image"},
       {texture, kPlainImage + R"({"bufferView":999}])", "bufferView does not exist"},
       {texture, kPlainImage + R"({"bufferView":-5}])", "bufferView does not exist"},
-      {texture, kPlainImage + R"({"uri":"data:image/webp;base64,AAAA"}])",
-       "'data:image/webp;base64,AAAA': not of a type"},
+      {texture, kPlainImage + R"({"uri":"data:image/webp;base64,!!!!"}])",
+       "'data:image/webp;base64,!!!!': not in base64"},
       {texture, kPlainImage + R"({"uri":"a.png"}])", "'a.png': no folder"},
   };
   for (const auto& test : kCases) {

@@ -5,6 +5,7 @@
 
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
+#include "core/error.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/surface_colour.hpp"
 #include "tests/character/shared_files.hpp"
@@ -85,7 +86,7 @@ class CaseFiles : public testing::TestWithParam<CaseFile> {};
 
 TEST_P(CaseFiles, AreRight) {
   const CaseFile& want = GetParam();
-  const std::string path = test::FindShared(std::string("../cases/characters/") + want.file);
+  const std::string path = test::FindShared(want.file, "cases/characters");
   if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
   const Character c = ImportGltfFile(path);
   test::ExpectWhole(c);
@@ -126,6 +127,72 @@ INSTANTIATE_TEST_SUITE_P(
         CaseFile{"34b_alpha_mask_half_cut_out.glb", "", 10285, {0.5f, 0.176f, 0.023f}, "alpha"},
         CaseFile{"45_mtoon_body_unlit.glb", "", 18001, {1, 1, 1}}),
     NameOf);
+
+// Small files that stand for what is found in the field, and what is right for each: all are the
+// same strip of fur.
+struct FieldFile {
+  const char* file;
+  size_t triangles = 128, joints = 3, clips = 1;
+  const char* note = "";     // part of one
+  const char* refusal = "";  // part of it, where it is right to refuse
+};
+
+class FieldFiles : public testing::TestWithParam<FieldFile> {};
+
+TEST_P(FieldFiles, AsIsRight) {
+  const FieldFile& want = GetParam();
+  const std::string path = test::FindShared(want.file, "cases/characters");
+  if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
+  Character c;
+  try {
+    c = ImportGltfFile(path);
+  } catch (const Error& e) {
+    ASSERT_NE(std::string(want.refusal), "") << e.what();
+    EXPECT_NE(std::string(e.what()).find(want.refusal), std::string::npos) << e.what();
+    EXPECT_LE(std::string(e.what()).size(), 300u);
+    return;
+  }
+  ASSERT_EQ(std::string(want.refusal), "");
+  test::ExpectWhole(c);
+  EXPECT_EQ(c.mesh.triangles.size(), want.triangles);
+  EXPECT_EQ(c.skeleton.name.size(), want.joints);
+  EXPECT_EQ(c.clips.size(), want.clips);
+  std::string notes;
+  for (const std::string& note : c.notes) {
+    EXPECT_LE(note.size(), 300u) << note;
+    notes += note + "\n";
+  }
+  EXPECT_NE(notes.find(want.note), std::string::npos) << want.note << " is not in: " << notes;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shared, FieldFiles,
+    testing::Values(
+        FieldFile{
+            .file = "01_channel_without_node.gltf", .clips = 2, .note = "1 channels move no joint"},
+        FieldFile{.file = "03_triangle_strip.gltf"},
+        FieldFile{.file = "05_extra_lines_primitive.gltf",
+                  .note = "1 primitives of points or lines were left out"},
+        FieldFile{.file = "07_two_scenes.gltf",
+                  .note = "scene 0 'hero' was read; 1 mesh nodes outside of it were left out"},
+        FieldFile{.file = "09_same_clip_names.gltf",
+                  .clips = 2,
+                  .note = "two clips are called 'mixamo.com'; the second is now 'mixamo.com 2'"},
+        FieldFile{.file = "10_negative_key_time.gltf", .note = "the clip was left out"},
+        FieldFile{.file = "12_meshopt_gltfpack.glb",
+                  .refusal = "EXT_meshopt_compression is not read; undo it: gltf-transform cp"},
+        FieldFile{.file = "16_303_joints_3_used.glb", .note = "300 of 303 joints move no vertex"},
+        FieldFile{.file = "17c_all_zero_in_rest.glb", .refusal = "rest pose: has no size"},
+        FieldFile{.file = "18_non_uniform_joint_scale.glb", .note = "have normals that fit it"},
+        FieldFile{.file = "22b_data_uri.gltf"},
+        FieldFile{.file = "24_one_primitive_without_joints.glb", .note = "hangs on no joint"},
+        FieldFile{.file = "27_root_motion_loop.glb"}),
+    [](const auto& info) {
+      std::string name = info.param.file;
+      for (char& ch : name)
+        if (!std::isalnum(uint8_t(ch))) ch = '_';
+      return name;
+    });
 
 }  // namespace
 }  // namespace pelt

@@ -74,6 +74,36 @@ TEST(Scenarios, EyePetHasFivePointChainsInRibbons) {
   }
 }
 
+// Frames of ten seconds in which the pose is torn from where it was. Idle takes a minute and ends in
+// another stand than it begins in.
+std::set<uint32_t> TeleportsOf(const ScenarioRequest& request) {
+  Scenario scenario = LoadScenario(request);
+  scenario.dt_s = 10.0;
+  scenario.actors[0].teleport_frame = -1;
+  RunningScenario running(scenario, {});
+  std::set<uint32_t> frames;
+  for (uint32_t f = 0; f < 14; ++f) {
+    scenario.PrepareFrame(f, running.scene());
+    if (running.scene().Pose(0).teleported) frames.insert(f);
+  }
+  return frames;
+}
+
+TEST(Scenarios, FurStartsAnewWhereAClipJumps) {
+  EXPECT_EQ(TeleportsOf({.scene = "tiny", .clip = "idle"}), (std::set<uint32_t>{6, 12}));
+  EXPECT_EQ(TeleportsOf({.scene = "tiny", .clip = "idle", .once = true}), std::set<uint32_t>{});
+  EXPECT_EQ(TeleportsOf({.scene = "tiny", .clip = "walk"}), std::set<uint32_t>{});
+  EXPECT_EQ(TeleportsOf({.scene = "tiny"}), std::set<uint32_t>{});
+}
+
+TEST(Scenarios, PlayTheClipThatIsAskedFor) {
+  const Scenario tiny = LoadScenario({.scene = "tiny", .clip = "shake"});
+  EXPECT_EQ(tiny.characters[0].clips[size_t(tiny.actors[0].clip)].name, "shake");
+  const std::string error = ErrorOf({.scene = "tiny", .clip = "fly"});
+  EXPECT_NE(error.find("no clip 'fly'"), std::string::npos) << error;
+  EXPECT_NE(error.find("walk, idle, shake"), std::string::npos) << error;
+}
+
 // What a user gets, and what the originals did.
 TEST(Scenarios, AreModalUnlessToldOtherwise) {
   const auto solvers = [](const ScenarioRequest& request) {

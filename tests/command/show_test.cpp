@@ -51,6 +51,13 @@ TEST(Show, SetupsToStartFromCoverTheirCharacters) {
   }
 }
 
+// What is written can be run, or nothing is.
+TEST(Show, WhatIsFlatIsRefused) {
+  Character character = LoadCharacter("builtin");
+  character.skeleton.rest[0].scale = glm::vec3(1.0f, 0.0f, 0.0f);
+  EXPECT_THROW(StartFrom(character), Error);
+}
+
 // As many strands on a mouse as on a mammoth.
 TEST(Show, LengthsFollowTheSize) {
   const Character character = LoadCharacter("builtin");

@@ -12,6 +12,8 @@ TEST(PageRequest, ComesBackAsItWas) {
   request.character = "a \"quoted\" name.glb";
   request.setup = "fur\\wild.toml";
   request.lights = "overcast";
+  request.clip = "walk";
+  request.once = true;
   request.seed = 18446744073709551615ull;
   request.solver = Solver::kVerlet;
   request.quality = ModalQuality::kBest;
@@ -19,6 +21,8 @@ TEST(PageRequest, ComesBackAsItWas) {
   EXPECT_EQ(read.character, request.character);
   EXPECT_EQ(read.setup, request.setup);
   EXPECT_EQ(read.lights, request.lights);
+  EXPECT_EQ(read.clip, request.clip);
+  EXPECT_TRUE(read.once);
   EXPECT_EQ(read.seed, request.seed);
   EXPECT_EQ(read.solver, request.solver);
   EXPECT_EQ(read.quality, request.quality);

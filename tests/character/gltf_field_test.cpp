@@ -1,0 +1,671 @@
+// What files of the field have and other readers drop or repair: each case is the skinned quad with
+// one thing done to it, what must still be there, and the note that must say so.
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "core/character/gltf_import.hpp"
+#include "core/character/pose.hpp"
+#include "core/error.hpp"
+#include "tests/character/gltf_builder.hpp"
+#include "tests/character/whole_character.hpp"
+
+namespace pelt {
+namespace {
+
+using test::GltfBuilder;
+using test::kF32;
+using test::kI16;
+using test::kU16;
+using test::kU32;
+using test::kU8;
+using test::MakeQuad;
+
+std::string Join(const std::vector<std::string>& notes) {
+  std::string all;
+  for (const std::string& note : notes) all += note + "\n";
+  return all;
+}
+
+void ExpectShort(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) EXPECT_LE(message.size(), 300u) << message;
+}
+
+std::string Primitive(const std::string& attributes, const std::string& more) {
+  return "{\"attributes\":{" + attributes + "}" + more + "}";
+}
+void SetPrimitives(GltfBuilder& b, const std::string& primitives) {
+  b.meshes = "{\"name\":\"fox\",\"primitives\":[" + primitives + "]}";
+}
+std::string Number(int n) { return std::to_string(n); }
+
+// The quad's triangles by another topology.
+GltfBuilder WithIndices(const std::vector<uint16_t>& indices, int mode) {
+  GltfBuilder b = MakeQuad({.indices = false});
+  b.Indices(b.Add(kU16, "SCALAR", indices));
+  b.primitive_more += ",\"mode\":" + Number(mode);
+  return b;
+}
+
+// Beside the quad a primitive of `more`, with the same vertices.
+GltfBuilder WithBeside(const std::string& more) {
+  GltfBuilder b = MakeQuad();
+  SetPrimitives(b, Primitive(b.attributes, b.primitive_more) + "," + Primitive(b.attributes, more));
+  return b;
+}
+
+// Beside the quad a primitive without joints, of a mesh that hangs on the tip, or on nothing.
+GltfBuilder WithoutJoints(bool held) {
+  GltfBuilder b = MakeQuad();
+  const std::string position = b.attributes.substr(0, b.attributes.find(','));
+  SetPrimitives(
+      b, Primitive(b.attributes, b.primitive_more) + "," + Primitive(position, b.primitive_more));
+  if (held)
+    b.nodes =
+        R"({"name":"base","children":[1]},{"name":"tip","translation":[0,1,0],"children":[2]},)"
+        R"({"name":"quad","mesh":0,"skin":0,"translation":[0,0,5]})";
+  return b;
+}
+
+GltfBuilder WithNodes(const std::string& nodes) {
+  GltfBuilder b = MakeQuad();
+  b.nodes = nodes;
+  return b;
+}
+GltfBuilder WithMore(const std::string& more) {
+  GltfBuilder b = MakeQuad();
+  b.more = more;
+  return b;
+}
+
+// A second mesh, moved away, on node 3; then what says which node is there.
+GltfBuilder WithSecond(const std::string& node_more, const std::string& more) {
+  GltfBuilder b = MakeQuad();
+  const std::string mesh = "{\"primitives\":[" + Primitive(b.attributes, b.primitive_more) + "]}";
+  b.meshes = mesh + "," + mesh;
+  b.nodes = R"({"name":"base","children":[1]},{"name":"tip","translation":[0,1,0]},)"
+            R"({"name":"quad","mesh":0,"skin":0)" +
+            node_more + R"(},{"name":"other","mesh":1,"skin":0})";
+  b.more = more;
+  return b;
+}
+
+GltfBuilder WithAttribute(const std::string& name, const std::function<int(GltfBuilder&)>& add) {
+  GltfBuilder b =
+      MakeQuad({name != "POSITION", name != "JOINTS_0", name != "WEIGHTS_0", true, true});
+  b.Attribute(name, add(b));
+  return b;
+}
+
+GltfBuilder WithClips(const std::string& channels, const std::vector<std::string>& names) {
+  GltfBuilder b = MakeQuad();
+  const int input = b.Floats("SCALAR", {0, 1});
+  const int output = b.Floats("VEC3", {0, 1, 0, 0, 2, 0});
+  for (const std::string& name : names)
+    b.animations += (b.animations.empty() ? "{" : ",{") +
+                    (name.empty() ? "" : "\"name\":\"" + name + "\",") +
+                    "\"samplers\":[{\"input\":" + Number(input) + ",\"output\":" + Number(output) +
+                    "}],\"channels\":[" + channels + "]}";
+  return b;
+}
+const std::string kMoveTip = R"({"sampler":0,"target":{"node":1,"path":"translation"}})";
+
+struct Case {
+  const char* name;
+  GltfBuilder builder;
+  size_t triangles;
+  const char* note;  // empty: none of it
+  size_t clips = 0;
+  size_t joints = 2;
+};
+
+std::vector<Case> Cases() {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<Case> cases = {
+      {"Strip", WithIndices({0, 1, 3, 2}, 5), 2, ""},
+      {"StripThatTurnsBack", WithIndices({0, 1, 3, 3, 2, 2, 1, 3}, 5), 2, ""},
+      {"StripThatBeginsAnew", WithIndices({0, 1, 3, 0xffff, 1, 2, 3}, 5), 2, ""},
+      {"ListThatBeginsAnew", WithIndices({0, 1, 2, 0xffff, 0, 2, 3}, 4), 2, ""},
+      {"Fan", WithIndices({0, 1, 2, 3}, 6), 2, ""},
+      {"FanTooShort", WithIndices({0, 1}, 6), 0, ""},
+      {"CornersLeftOver", WithIndices({0, 1, 2, 0, 2, 3, 1}, 4), 2, "1 corners were left over"},
+      {"VertexThatIsNot", WithIndices({0, 1, 2, 0, 2, 3, 1, 2, 9}, 4), 2,
+       "1 triangles had vertices that do not exist"},
+      {"LinesBeside", WithBeside(",\"mode\":1"), 2, "1 primitives of points or lines"},
+      {"LineStripBeside", WithBeside(",\"mode\":3"), 2, "1 primitives of points or lines"},
+      {"PointsBeside", WithBeside(",\"mode\":0"), 2, "1 primitives of points or lines"},
+      {"ModeThatIsNot", WithBeside(",\"mode\":9"), 2, "mode 9 is none; the primitive was left out"},
+      {"IndicesThatAreNot", WithBeside(",\"indices\":99"), 2, "accessor 99 does not exist"},
+      {"MaterialThatIsNot", WithBeside(",\"indices\":3,\"material\":7"), 4,
+       "1 primitives name a material that is not there"},
+      {"NoJointsAndNoHolder", WithoutJoints(false), 2, "hangs on no joint; the primitive was left"},
+      {"NoJointsOnTheTip", WithoutJoints(true), 4, "1 primitives have no joints"},
+      {"ChildThatIsNot",
+       WithNodes(R"({"children":[1,99]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"), 2,
+       "1 children of nodes do not exist"},
+      {"TwoParents",
+       WithNodes(R"({"children":[1]},{"translation":[0,1,0]},{"children":[1],"mesh":0,"skin":0})"),
+       2, "1 nodes have two parents"},
+      {"OwnAncestor",
+       WithNodes(R"({"children":[1]},{"children":[0],"translation":[0,1,0]},{"mesh":0,"skin":0})"),
+       2, "is its own ancestor"},
+      {"BrokenNodesBeside",
+       WithNodes(R"({"children":[1]},{"translation":[0,1,0]},{"mesh":0,"skin":0},)"
+                 R"({"mesh":5,"skin":0},{"mesh":0,"skin":5},{"mesh":"x"},{"rotation":"x"})"),
+       2, "mesh 5 does not exist"},
+      {"RotationZero",
+       WithNodes(
+           R"({"children":[1],"rotation":[0,0,0,0]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"),
+       2, "rotation is zero"},
+      {"RotationShort",
+       WithNodes(
+           R"({"children":[1],"rotation":[0,0,1]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"),
+       2, "rotation is not 4 numbers"},
+      {"TranslationFarOut",
+       WithNodes(R"({"children":[1]},{"translation":[1e300,1,0]},{"mesh":0,"skin":0})"), 2,
+       "translation is not 3 numbers below 1e30"},
+      {"MatrixOfZeros",
+       WithNodes(R"({"children":[1]},{"matrix":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]},)"
+                 R"({"mesh":0,"skin":0})"),
+       2, ""},
+      {"MatrixFlat",
+       WithNodes(R"({"children":[1]},{"matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,1,0,1]},)"
+                 R"({"mesh":0,"skin":0})"),
+       2, ""},
+      {"OtherScene", WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])"), 2,
+       "1 mesh nodes outside of it were left out"},
+      {"SecondSceneIsActive",
+       WithSecond("", R"(,"scene":1,"scenes":[{"nodes":[0]},{"nodes":[0,2,3]}])"), 4, ""},
+      {"FirstSceneIsActive", WithSecond("", R"(,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])"), 2,
+       "scene 0 was read"},
+      {"SceneThatIsNot", WithSecond("", R"(,"scene":8,"scenes":[{"nodes":[0,2,3,77]}])"), 4, ""},
+      {"ActiveSceneHasNoSkin",
+       WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0]},{"nodes":[2]}])"), 2,
+       "scene 1 was read: the active one has no skinned mesh"},
+      {"NoSceneHasASkin", WithSecond("", R"(,"scenes":[{"nodes":[0]}])"), 4,
+       "No scene has a skinned mesh"},
+      {"JointsOutsideTheScene", WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[2,3]}])"), 4, ""},
+      {"StandInFarAway", WithSecond(R"(,"extensions":{"MSFT_lod":{"ids":[3]}})", ""), 2,
+       "1 mesh nodes are hidden, or stand-ins"},
+      {"StandInInTheScene",
+       WithSecond(R"(,"extensions":{"MSFT_lod":{"ids":[3,2,99]}})",
+                  R"(,"scenes":[{"nodes":[0,2,3]}])"),
+       2, "1 mesh nodes are hidden, or stand-ins"},
+      {"Hidden", WithSecond(R"(,"extensions":{"KHR_node_visibility":{"visible":false}})", ""), 2,
+       "1 mesh nodes are hidden"},
+      {"MeshWithoutSkinBeside", WithSecond("", R"(,"scenes":[{"nodes":[0,2]}])"), 2, ""},
+      {"ChannelWithoutNode",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"path":"rotation"}})", {"go"}), 2,
+       "1 channels move no joint", 1},
+      {"ChannelOfNodeThatIsNot",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":99,"path":"scale"}})", {"go"}), 2,
+       "1 channels move no joint", 1},
+      {"ChannelOfPointer",
+       WithClips(kMoveTip + R"(,{"sampler":9,"target":{"path":"pointer","extensions":)"
+                            R"({"KHR_animation_pointer":{"pointer":"/materials/0"}}}})",
+                 {"go"}),
+       2, "1 channels move no joint", 1},
+      {"ChannelOfWeights",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":2,"path":"weights"}})", {"go"}), 2,
+       "1 channels move no joint", 1},
+      {"ChannelWithoutTarget", WithClips(kMoveTip + R"(,{"sampler":0})", {"go"}), 2,
+       "1 channels move no joint", 1},
+      {"ChannelTwice", WithClips(kMoveTip + "," + kMoveTip, {"go"}), 2, "repeat an earlier one", 1},
+      {"ClipsOfOneName", WithClips(kMoveTip, {"go", "go", "go"}), 2,
+       "two clips are called 'go'; the second is now 'go 3'", 3},
+      {"ClipsOfNoName", WithClips(kMoveTip, {"", "clip 0"}), 2,
+       "two clips are called 'clip 0'; the second is now 'clip 0 2'", 2},
+      {"NormalsThatAreTooFew",
+       WithAttribute("NORMAL",
+                     [](GltfBuilder& b) {
+                       return b.Floats("VEC3", {0, 0, 1});
+                     }),
+       2, "attribute NORMAL: has 1 elements, POSITION has 4; the attribute was left out"},
+      {"UvsOfAnotherType",
+       WithAttribute("TEXCOORD_0",
+                     [](GltfBuilder& b) { return b.Floats("VEC3", std::vector<float>(12, 0)); }),
+       2, "the attribute was left out"},
+      {"StrideBackwards",
+       WithAttribute("NORMAL",
+                     [](GltfBuilder& b) {
+                       const int view = b.View(std::vector<float>(12, 1.0f));
+                       b.views.insert(b.views.size() - 1, ",\"byteStride\":-12");
+                       return b.Accessor(view, kF32, 4, "VEC3");
+                     }),
+       2, "byteStride is no size; the attribute was left out"},
+      {"TangentThatIsNot", WithAttribute("TANGENT", [](GltfBuilder&) { return 99; }), 2,
+       "(the file has 5); the attribute was left out"},
+      {"JointsAsFloats",
+       WithAttribute("JOINTS_0",
+                     [](GltfBuilder& b) {
+                       return b.Floats("VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+                     }),
+       2, ""},
+      {"JointsAsWords",
+       WithAttribute("JOINTS_0",
+                     [](GltfBuilder& b) {
+                       return b.Add(
+                           kU32, "VEC4",
+                           std::vector<uint32_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+                     }),
+       2, ""},
+      {"WeightsAsShorts",
+       WithAttribute("WEIGHTS_0",
+                     [](GltfBuilder& b) {
+                       std::vector<int16_t> w;
+                       for (const float f : test::kQuadWeights) w.push_back(int16_t(f * 32767));
+                       return b.Add(kI16, "VEC4", w, ",\"normalized\":true");
+                     }),
+       2, ""},
+      {"JointThatIsNot",
+       WithAttribute("JOINTS_0",
+                     [](GltfBuilder& b) {
+                       std::vector<uint8_t> joints = test::kQuadJoints;
+                       joints[8] = 9;
+                       return b.Add(kU8, "VEC4", joints);
+                     }),
+       2, "1 skin weights are on joints that do not exist"},
+      {"PositionThatIsNoNumber",
+       WithAttribute("POSITION",
+                     [nan](GltfBuilder& b) {
+                       std::vector<float> p = test::kQuadPositions;
+                       p[9] = nan;
+                       return b.Floats("VEC3", p);
+                     }),
+       1, "1 triangles had vertices that are no finite numbers"},
+      {"WeightsWithoutJoints",
+       WithAttribute("WEIGHTS_1",
+                     [](GltfBuilder& b) { return b.Floats("VEC4", test::kQuadWeights); }),
+       2, "WEIGHTS_1 has no JOINTS_1"},
+      {"SpareElements",
+       WithAttribute("WEIGHTS_0",
+                     [](GltfBuilder& b) {
+                       std::vector<float> w = test::kQuadWeights;
+                       w.resize(24, 0.0f);
+                       return b.Floats("VEC4", w);
+                     }),
+       2, ""},
+      {"BrokenThingsThatNobodyUses",
+       WithMore(R"(,"images":[{"bufferView":999}],"cameras":5,"textures":{},"extras":[1,{"a":[]}],)"
+                R"("extensionsUsed":["ACME_x","KHR_lights_punctual"],"samplers":[[]])"),
+       2, ""},
+      {"UnknownRequired", WithMore(R"(,"extensionsRequired":["ACME_rig","MSFT_lod"])"), 2,
+       "The file requires ACME_rig"},
+  };
+  // Accessors and the like that nobody uses.
+  GltfBuilder unused = MakeQuad();
+  unused.Accessor(999, 1, 7, "VEC9");
+  unused.Floats("VEC3", {nan, nan, nan});
+  unused.Accessor(-1, kF32, 1ull << 60, "VEC3");
+  unused.views += R"(,{"buffer":77,"byteOffset":-5},{},5)";
+  unused.animations = R"({},{"samplers":[{}],"channels":[]},7)";
+  unused.materials = R"({},{"pbrMetallicRoughness":5},"x")";
+  cases.push_back({"UnusedParts", unused, 2, "has no name", 3});
+  GltfBuilder empty = MakeQuad();
+  SetPrimitives(empty,
+                Primitive(empty.attributes, empty.primitive_more) + ",{},{\"attributes\":5}");
+  cases.push_back({"EmptyPrimitives", empty, 2, "attribute POSITION is missing"});
+  GltfBuilder no_mesh = MakeQuad();
+  SetPrimitives(no_mesh, Primitive(no_mesh.attributes, no_mesh.primitive_more));
+  no_mesh.meshes += R"(,{"name":"none"})";
+  no_mesh.nodes += R"(,{"mesh":1,"skin":0})";
+  cases.push_back({"MeshWithoutPrimitives", no_mesh, 2, ""});
+  const auto with_skin = [](const std::string& skin) {
+    GltfBuilder b = MakeQuad();
+    b.skins = skin;
+    return b;
+  };
+  const std::string bind = R"("inverseBindMatrices":4)";
+  cases.push_back({"JointTwice", with_skin(R"({"joints":[0,1,1]})"), 2, ""});
+  cases.push_back(
+      {"JointNodeThatIsNot", with_skin(R"({"joints":[0,7]})"), 2, "1 joints do not exist", 0, 1});
+  cases.push_back({"SkeletonRootThatIsNot",
+                   with_skin(R"({"joints":[0,1],"skeleton":99,)" + bind + "}"), 2, ""});
+  cases.push_back({"TooFewBinds", with_skin(R"({"joints":[0,1,0],)" + bind + "}"), 2,
+                   "1 inverse bind matrices are missing"});
+  cases.push_back({"BindsOfAnotherType", with_skin(R"({"joints":[0,1],"inverseBindMatrices":0})"),
+                   2, "2 inverse bind matrices are missing"});
+  GltfBuilder odd = MakeQuad({.skin = false});
+  odd.skins = "{\"joints\":[0,1],\"inverseBindMatrices\":" +
+              Number(odd.Floats("MAT4", std::vector<float>(32, nan))) + "}";
+  cases.push_back({"BindsThatAreNoNumbers", odd, 2, "2 inverse bind matrices are missing"});
+  return cases;
+}
+
+class GltfField : public testing::TestWithParam<Case> {};
+
+TEST_P(GltfField, IsReadWithANote) {
+  const Case& want = GetParam();
+  if (want.triangles == 0) {
+    EXPECT_THROW(ImportGltf(want.builder.Glb(), "quad"), Error);
+    return;
+  }
+  const Character c = ImportGltf(want.builder.Glb(), "quad");
+  test::ExpectWhole(c);
+  EXPECT_EQ(c.mesh.triangles.size(), want.triangles);
+  EXPECT_EQ(c.clips.size(), want.clips);
+  EXPECT_EQ(c.skeleton.name.size(), want.joints);
+  const std::string notes = Join(c.notes);
+  EXPECT_NE(notes.find(want.note), std::string::npos) << want.note << " is not in: " << notes;
+  ExpectShort(c.notes);
+  // All triangles look the same way.
+  for (const glm::vec3& normal : c.mesh.normal) EXPECT_GT(normal.z, 0.99f);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GltfField, testing::ValuesIn(Cases()),
+                         [](const auto& info) { return info.param.name; });
+
+// Where it stands by the transform of its node, at rest and turned.
+TEST(GltfField, APrimitiveWithoutJointsIsRigid) {
+  const Character c = ImportGltf(WithoutJoints(true).Glb(), "quad");
+  const RestGeometry rest = ComputeRestGeometry(c, 1.0f);
+  ASSERT_EQ(rest.position.size(), 8u);
+  for (size_t v = 0; v < 4; ++v) {
+    const glm::vec3 at(test::kQuadPositions[3 * v], test::kQuadPositions[3 * v + 1], 0.0f);
+    EXPECT_EQ(rest.position[v + 4], at + glm::vec3(0, 1, 5));
+    EXPECT_EQ(c.skeleton.name[c.mesh.joints[v + 4][0]], "tip");
+  }
+}
+
+TEST(GltfField, OnlyJointsThatAreUsedCount) {
+  GltfBuilder b = MakeQuad({.skin = false});
+  b.nodes = R"({"name":"base","children":[1]},{"name":"tip","translation":[0,1,0]},)"
+            R"({"name":"quad","mesh":0,"skin":0})";
+  std::string joints = "0,1";
+  for (int j = 3; j < 3000; ++j) {
+    b.nodes += ",{\"name\":\"spare\"}";
+    joints += "," + Number(j);
+  }
+  b.skins = "{\"joints\":[" + joints + "]}";
+  const Character c = ImportGltf(b.Glb(), "quad");
+  test::ExpectWhole(c);
+  EXPECT_EQ(c.skeleton.name, (std::vector<std::string>{"base", "tip"}));
+  EXPECT_EQ(c.mesh.joints[2][0], 1);
+  EXPECT_NE(Join(c.notes).find("2997 of 2999 joints move no vertex"), std::string::npos)
+      << Join(c.notes);
+}
+
+// 500 materials over one vertex buffer of 4,000 vertices, each by accessors of its own: two million
+// vertices, were they not shared.
+TEST(GltfField, PrimitivesOfOneBufferShareTheirVertices) {
+  constexpr size_t kCount = 4000, kPrimitives = 500;
+  std::vector<float> position, weights;
+  for (size_t v = 0; v < kCount; ++v) {
+    for (const float c : {float(v % 50), float(v / 50), 0.0f}) position.push_back(c);
+    for (const float w : {2.0f, 0.0f, 0.0f, 0.0f}) weights.push_back(w);
+  }
+  GltfBuilder b = MakeQuad({false, false, false, false, true});
+  const int position_view = b.View(position), weights_view = b.View(weights);
+  const int joints_view = b.View(std::vector<uint8_t>(4 * kCount, 0));
+  std::string primitives;
+  for (uint16_t p = 0; p < kPrimitives; ++p) {
+    const int at = b.Accessor(position_view, kF32, kCount, "VEC3");
+    const int joints = b.Accessor(joints_view, kU8, kCount, "VEC4");
+    const int weight = b.Accessor(weights_view, kF32, kCount, "VEC4");
+    const uint16_t first = uint16_t(p % 49);
+    const int indices = b.Add(
+        kU16, "SCALAR", std::vector<uint16_t>{first, uint16_t(first + 1), uint16_t(first + 50)});
+    primitives += (p ? "," : "") +
+                  Primitive("\"POSITION\":" + Number(at) + ",\"JOINTS_0\":" + Number(joints) +
+                                ",\"WEIGHTS_0\":" + Number(weight),
+                            ",\"indices\":" + Number(indices));
+  }
+  SetPrimitives(b, primitives);
+  const Character c = ImportGltf(b.Glb(), "quad");
+  EXPECT_EQ(c.mesh.triangles.size(), kPrimitives);
+  EXPECT_LE(c.mesh.position.size(), 100u);
+  EXPECT_NE(Join(c.notes).find("4000 vertices had skin weights that did not sum to 1"),
+            std::string::npos)
+      << Join(c.notes);
+}
+
+// Two materials over one buffer of vertices, or each over one of its own: one mesh.
+TEST(GltfField, SharedVerticesAreNumberedAsTheirOwn) {
+  const auto import = [](bool own) {
+    GltfBuilder b = MakeQuad({.indices = false});
+    const std::string first = b.attributes;
+    if (own) {
+      b.attributes.clear();
+      b.Attribute("POSITION", b.Floats("VEC3", test::kQuadPositions));
+      b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", test::kQuadJoints));
+      b.Attribute("WEIGHTS_0", b.Floats("VEC4", test::kQuadWeights));
+    }
+    const int a = b.Add(kU16, "SCALAR", std::vector<uint16_t>{1, 2, 3});
+    const int c = b.Add(kU16, "SCALAR", std::vector<uint16_t>{0, 1, 3});
+    SetPrimitives(b, Primitive(first, ",\"indices\":" + Number(a)) + "," +
+                         Primitive(b.attributes, ",\"indices\":" + Number(c)));
+    return ImportGltf(b.Glb(), "quad").mesh;
+  };
+  const Mesh shared = import(false), own = import(true);
+  EXPECT_EQ(shared.position, own.position);
+  EXPECT_EQ(shared.triangles, own.triangles);
+  EXPECT_EQ(shared.joints, own.joints);
+  EXPECT_EQ(shared.position[0], glm::vec3(1, 0, 0));
+}
+
+// In millimetres the numbers of one matrix differ by more than a 100,000th of a metre.
+TEST(GltfField, BindMatricesAreComparedByTheirSize) {
+  for (const float unit : {0.001f, 1.0f, 1000.0f}) {
+    GltfBuilder b = MakeQuad({.skin = false});
+    const auto bind = [&](float noise) {
+      const float t = 2.0f * unit, n = noise * unit;
+      return Number(b.Floats("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, n, t,  0, 1,
+                                      1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -t, n, 1}));
+    };
+    b.skins = "{\"joints\":[0,1],\"inverseBindMatrices\":" + bind(0.0f) +
+              "},{\"joints\":[0,1],\"inverseBindMatrices\":" + bind(5e-5f) +
+              "},{\"joints\":[0,1],\"inverseBindMatrices\":" + bind(0.01f) + "}";
+    b.nodes += R"(,{"mesh":0,"skin":1})";
+    EXPECT_EQ(ImportGltf(b.Glb(), "quad").skeleton.name.size(), 2u) << unit;
+    b.nodes += R"(,{"mesh":0,"skin":2})";
+    EXPECT_EQ(ImportGltf(b.Glb(), "quad").skeleton.name.size(), 4u) << unit;
+  }
+}
+
+// Normals stand on the skin where joints are scaled unevenly in the rest pose.
+TEST(GltfField, NormalsFitTheRestPose) {
+  GltfBuilder b = MakeQuad();
+  // A slope, 45 degrees in the file, scaled by 4 along x.
+  b = MakeQuad({.position = false});
+  b.Attribute("POSITION", b.Floats("VEC3", {0, 0, 0, 1, 0, 1, 1, 1, 1, 0, 1, 0}));
+  b.nodes = R"({"scale":[4,1,1],"children":[1]},{"translation":[0,1,0]},{"mesh":0,"skin":0})";
+  const Character c = ImportGltf(b.Glb(), "quad");
+  test::ExpectWhole(c);
+  const RestGeometry rest = ComputeRestGeometry(c, 1.0f);
+  for (size_t v = 0; v < rest.normal.size(); ++v) {
+    const glm::vec3 along = rest.position[1] - rest.position[0];
+    EXPECT_NEAR(glm::dot(rest.normal[v], along) / glm::length(along), 0.0f, 1e-6f) << v;
+  }
+  EXPECT_NE(Join(c.notes).find("scaled unevenly"), std::string::npos);
+}
+
+std::string Base64(const std::vector<uint8_t>& bytes, const char* last_two) {
+  const std::string digits =
+      std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789") + last_two;
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+TEST(GltfField, DataUrisOfEveryKind) {
+  const GltfBuilder b = MakeQuad();
+  std::string percent;
+  for (const uint8_t byte : b.binary) {
+    constexpr const char* kHex = "0123456789abcdef";
+    percent += std::string("%") + kHex[byte >> 4] + kHex[byte & 15];
+  }
+  const std::string base64 = Base64(b.binary, "+/");
+  std::string broken = base64;
+  for (size_t i = 64; i < broken.size(); i += 66) broken.insert(i, "\\r\\n");
+  for (const std::string& uri :
+       {"data:;base64," + base64, "data:application/octet-stream;base64," + base64,
+        "data:model/x-anything;charset=utf-8;base64," + base64, "DATA:;BASE64," + base64,
+        "data:application/gltf-buffer;base64," + Base64(b.binary, "-_"),
+        "data:;base64," + base64.substr(0, base64.find('=')), "data:;base64," + broken,
+        "data:application/octet-stream," + percent}) {
+    const std::string json = b.Json(true, uri);
+    EXPECT_EQ(ImportGltf(std::as_bytes(std::span(json)), "quad").mesh.triangles.size(), 2u)
+        << uri.substr(0, 60);
+  }
+  for (const std::string& uri :
+       {std::string("data:;base64,") + std::string(100000, '!'), std::string("data:oops"),
+        std::string("data:;base64,AAAA"), std::string(100000, 'x')}) {
+    const std::string json = b.Json(true, uri);
+    try {
+      ImportGltf(std::as_bytes(std::span(json)), "quad");
+      ADD_FAILURE() << uri.substr(0, 60);
+    } catch (const Error& e) {
+      ExpectShort({e.what()});
+    }
+  }
+}
+
+TEST(GltfField, NoMessageIsLong) {
+  const std::string name(10000, 'n');
+  GltfBuilder b = MakeQuad();
+  b.nodes = "{\"name\":\"" + name + "\",\"children\":[1]},{\"name\":\"" + name +
+            "\"},{\"mesh\":0,\"skin\":0}";
+  ExpectShort(ImportGltf(b.Glb(), "quad").notes);
+  b.nodes = "{},{},{\"name\":\"" + name + "\",\"mesh\":7,\"skin\":0}";
+  try {
+    ImportGltf(b.Glb(), "quad");
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    ExpectShort({e.what()});
+    EXPECT_NE(std::string(e.what()).find("mesh 7 does not exist"), std::string::npos);
+  }
+}
+
+TEST(GltfField, BufferNamesMayBeEncoded) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "pelt_gltf_field_test";
+  std::filesystem::create_directories(folder / "a b");
+  const GltfBuilder b = MakeQuad();
+  for (const auto& [uri, file] :
+       std::vector<std::pair<std::string, std::string>>{{"a%20b/my%20quad.bin", "a b/my quad.bin"},
+                                                        {"a b/my quad.bin", "a b/my quad.bin"},
+                                                        {"./100%25.bin", "100%.bin"},
+                                                        {"100%.bin", "100%.bin"},
+                                                        {"caf%C3%A9.bin", "caf\xc3\xa9.bin"}}) {
+    std::ofstream(folder / "quad.gltf", std::ios::binary) << b.Json(true, uri);
+    std::ofstream(folder / file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(b.binary.data()), std::streamsize(b.binary.size()));
+    EXPECT_EQ(ImportGltfFile((folder / "quad.gltf").string()).mesh.triangles.size(), 2u) << uri;
+    std::filesystem::remove(folder / file);
+  }
+  for (const auto& [uri, why] : std::vector<std::pair<std::string, std::string>>{
+           {"..%2fquad.bin", "not below the file's folder"},
+           {"../quad.bin", "not below the file's folder"},
+           {"%2fetc%2fpasswd", "not below the file's folder"},
+           {"pointer.bin", "a Git LFS pointer"}}) {
+    std::ofstream(folder / "pointer.bin") << "version https://git-lfs.github.com/spec/v1\noid x\n";
+    std::ofstream(folder / "quad.gltf", std::ios::binary) << b.Json(true, uri);
+    try {
+      ImportGltfFile((folder / "quad.gltf").string());
+      ADD_FAILURE() << uri;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+// What is no glTF is named for what it is.
+TEST(GltfField, Lookalikes) {
+  using namespace std::string_literals;
+  const std::pair<std::string, const char*> files[] = {
+      {"", "empty"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:00\n", "Git LFS"},
+      {"\n<!DOCTYPE html><html>", "HTML"},
+      {"<HTML><head>", "HTML"},
+      {"<?xml version=\"1.0\"?><html>", "HTML"},
+      {"<?xml version=\"1.0\"?>\n<COLLADA>", "COLLADA"},
+      {"Kaydara FBX Binary  \0\x1a\0"s, "FBX"},
+      {"; FBX 7.3.0 project file\n", "FBX"},
+      {"# Blender v2.79\nmtllib a.mtl\no Cube\nv 1 1 1\n", "OBJ"},
+      {"# exported\r\n\r\nv 0 0 0\r\n", "OBJ"},
+      {"PK\3\4\24", "zip"},
+      {"\x1f\x8b\x08", "gzip"},
+      {"\x89PNG\r\n\x1a\n", "PNG"},
+      {"\xff\xd8\xff\xe0", "JPEG"},
+      {"BLENDER-v300", "Blender"},
+      {"solid cube\n", "STL"},
+      {"ply\nformat ascii", "PLY"},
+      {"PXR-USDC", "USD"},
+      {"\xff\xfe{\0"s, "UTF-16"},
+      {std::string(100, '\0'), "zeros"},
+      {"{\"a\":1}", "asset"},
+      {"glTF\1\0\0\0"s + std::string(20, '\0'), "version 1"}};
+  for (const auto& [text, name] : files) {
+    try {
+      ImportGltf(std::as_bytes(std::span(text)), "a.glb");
+      ADD_FAILURE() << name;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << name << ": " << e.what();
+    }
+  }
+  // A byte order mark, and text that is not UTF-8, are no reason to refuse one.
+  const GltfBuilder b = MakeQuad();
+  const std::string json = b.Json(true, "data:;base64," + Base64(b.binary, "+/"));
+  const std::string marked = "\xef\xbb\xbf" + json;
+  EXPECT_EQ(ImportGltf(std::as_bytes(std::span(marked)), "quad").mesh.triangles.size(), 2u);
+  std::string latin = json;
+  latin.replace(latin.find("base"), 4, "b\xe9se");
+  const Character c = ImportGltf(std::as_bytes(std::span(latin)), "quad");
+  EXPECT_EQ(c.skeleton.name[0], "b?se");
+}
+
+// The frame of a GLB says more than there is, or less; other chunks stand beside ours.
+TEST(GltfField, GlbFrames) {
+  const auto put = [](std::vector<std::byte>& file, size_t at, uint32_t value) {
+    for (size_t i = 0; i < 4; ++i) file[at + i] = std::byte(value >> (8 * i) & 255);
+  };
+  const std::vector<std::byte> good = MakeQuad().Glb();
+  for (const uint32_t length : {0u, uint32_t(good.size()) + 100, 0xffffffffu}) {
+    std::vector<std::byte> file = good;
+    put(file, 8, length);
+    EXPECT_EQ(ImportGltf(file, "quad").mesh.triangles.size(), 2u) << length;
+  }
+  std::vector<std::byte> trailing = good;
+  trailing.resize(good.size() + 37, std::byte(7));
+  EXPECT_EQ(ImportGltf(trailing, "quad").mesh.triangles.size(), 2u);
+  // Buffers that say another length than they have.
+  for (const char* said : {"byteLength\":9", "byteLength\":1"}) {
+    GltfBuilder b = MakeQuad();
+    std::string text = b.Json();
+    text.replace(text.rfind("byteLength\":"), 12, said);
+    EXPECT_EQ(ImportGltf(b.Frame(text), "quad").mesh.triangles.size(), 2u) << said;
+  }
+}
+
+// A point stands in numbers wherever the user lives.
+TEST(GltfField, NumbersHaveAPointInEveryLocale) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  const char* other = nullptr;
+  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE"})
+    if (!other) other = std::setlocale(LC_ALL, name);
+  const Character c = ImportGltf(WithClips(kMoveTip, {"go"}).Glb(), "quad");
+  std::string sentence = DefaultUnitScale(c).sentence;
+  GltfBuilder bad = MakeQuad();
+  const int input = bad.Floats("SCALAR", {-1.5f, 1.0f});
+  bad.animations = "{\"samplers\":[{\"input\":" + Number(input) + ",\"output\":" + Number(input) +
+                   "}],\"channels\":[" + kMoveTip + "]}";
+  const std::string notes = Join(ImportGltf(bad.Glb(), "quad").notes);
+  std::setlocale(LC_ALL, before.c_str());
+  EXPECT_EQ(sentence.find(','), sentence.find(", worked out")) << sentence;
+  EXPECT_NE(notes.find("time -1.5 s"), std::string::npos) << notes;
+  if (!other) GTEST_SKIP() << "no locale with a decimal comma is installed";
+}
+
+}  // namespace
+}  // namespace pelt
