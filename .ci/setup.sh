@@ -2,7 +2,7 @@
 # Installs what building Pelt needs, if it is missing. Where apt or the rights are not there it says exactly what
 # to install and stops. Arguments: extra packages a caller needs.
 set -euo pipefail
-packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libstb-dev
+packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libtinygltf-dev libstb-dev
   nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libbullet-dev glslang-tools
   libegl-dev libgl-dev libcpp-httplib-dev "$@")
 missing=()
