@@ -26,6 +26,7 @@ namespace {
 using namespace testing;
 
 constexpr uint32_t kOrders = 6;        // of a chunk's lanes, each time a stage is looked at
+constexpr uint32_t kAlone = 3;         // and each group made of one of its lanes
 constexpr uint32_t kLeastDraws = 100;  // of the neighbours of each lane, for every kernel
 
 // Serial; looks at each stage on one chunk or none of every frame.
@@ -77,8 +78,8 @@ class LaneExecutor final : public Executor {
     call.Try(own, true, what + ", as it is");
     for (uint32_t i = 0; i < kOrders; ++i)
       call.Try(call.Shuffled(random_), true, what + ", shuffled");
-    if (draws % (16 * kOrders) == 0)
-      for (uint32_t k = 0; k < kLaneGroup; ++k) call.Try(call.Alone(k), false, what + ", alone");
+    for (uint32_t i = 0; i < kAlone; ++i)
+      call.Try(call.Alone(random_.Below(kLaneGroup)), false, what + ", alone");
     draws += kOrders;
     return true;
   }

@@ -99,7 +99,7 @@ class RandomColliders {
       for (uint32_t k = 0; k < 3; ++k) {
         in.sphere[s][k] = centre_[s][k];
         if (s == 2) in.sphere_velocity[s][k] = velocity_[k];
-        if (s == 4 && frame % 3 != 0)
+        if (s == 4 && frame % 8 == 2)
           in.sphere_velocity[s][k] = float(random_.Uniform(-25.0, 25.0));
       }
       in.sphere[s][3] = s < 2 ? 0.12f : 0.06f;
