@@ -150,8 +150,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 7.
-TEST(InputLog, BytesAreThoseOfVersionSeven) {
+// reads version 6, which a log without a snapshot is.
+TEST(InputLog, BytesAreThoseOfVersionSix) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -161,7 +161,7 @@ TEST(InputLog, BytesAreThoseOfVersionSeven) {
                           'N',
                           'P',
                           '\n',
-                          7,
+                          6,
                           0,
                           0,
                           0,
@@ -207,6 +207,12 @@ TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
   const InputLog log = ReadInputLog(with, "x").OrThrow(),
                  plain = ReadInputLog(without, "x").OrThrow();
   EXPECT_EQ(log.snapshot, snapshot);
+  EXPECT_EQ(log.version, 7u);
+  EXPECT_EQ(plain.version, 6u);
+  std::vector<std::byte> forged = without;
+  input_log::PutNumberAt(forged, 8, 7u);
+  input_log::PutNumberAt(forged, 16, 8u);
+  EXPECT_NE(ErrorOf(Reseal(forged)).find("snapshot, byte"), std::string::npos);
   EXPECT_EQ(log.FrameCount(), 1u);
   EXPECT_TRUE(plain.snapshot.empty());
   const auto difference = FindDifference(log, plain);
@@ -263,7 +269,7 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   }
   const std::vector<std::byte> bytes = writer.Finish();
   const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-  EXPECT_EQ(log.version, kInputLogVersion);
+  EXPECT_EQ(log.version, 6u);
   EXPECT_TRUE(log.about.velocities);
   EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
   PoseRateBlock found;
@@ -309,7 +315,7 @@ TEST(InputLog, OriginsComeBack) {
     }
     const std::vector<std::byte> bytes = writer.Finish();
     const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-    EXPECT_EQ(log.version, kInputLogVersion);
+    EXPECT_EQ(log.version, 6u);
     EXPECT_TRUE(log.about.origins);
     EXPECT_EQ(log.about.velocities, velocities);
     for (uint32_t f = 0; f < 4; ++f) {
@@ -498,8 +504,7 @@ TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const Forgery forgeries[] = {
       {"version", 8, 8, "byte 8: version 8, this program reads 1 to 7"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"unknown options", 16, 16, "byte 16: options are 16, version 7 has none above 15"},
-      {"a snapshot that is not there", 16, 8, "snapshot, byte"},
+      {"unknown options", 16, 8, "byte 16: options are 8, version 6 has none above 7"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},
