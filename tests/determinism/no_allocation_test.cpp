@@ -90,14 +90,17 @@ TEST(NoAllocation, TheCounterCounts) {
 
 // Calls to the allocator in frames [warm_up, warm_up + 12): preparing poses, BeginFrame and Run.
 // The course passes wetting, a teleport, a refused frame,
-// a refused pose and a pause.
+// a refused pose, a pause, and goes back to a snapshot.
 uint64_t CallsInFrames(Executor& executor, const SceneOptions& options, uint32_t warm_up) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, options);
   FurScene& scene = running.scene();
+  std::vector<std::byte> bytes(scene.SnapshotBytes());
   uint64_t calls = 0;
   for (uint32_t f = 0; f < warm_up + 22; ++f) {
     const uint64_t before = Calls();
+    if (f == warm_up + 11 && scene.Snapshot(bytes)) return ~0ull;
+    if (f == warm_up + 14 && scene.Restore(bytes)) return ~0ull;
     FrameInput input = scenario.PrepareFrame(f, scene);
     if (f == warm_up + 5) {
       input.dt_s = -1.0;

@@ -69,8 +69,7 @@ std::vector<Course> Courses() {
           {"index buffer", everything, indexed},
           {"origins", with(true, false), apart},
           {"velocities", with(false, true), rated},
-          {"level of detail", everything, {}, {.lod = true}, budget},
-          {"at rest", [] { return RestingScenario(3); }}};
+          {"level of detail", everything, {}, {.lod = true}, budget}};
 }
 
 constexpr uint32_t kFrames = 24;  // the teleport of frame 20 is in it
@@ -109,6 +108,21 @@ TEST(Snapshot, GoesOnAsIfNothingHadBeen) {
       }
     }
   }
+}
+
+// What sleeps is made again too, in a scene that never saw it move.
+TEST(Snapshot, SleepersAreThereAtOnceAndSleepOn) {
+  const Course rest{"at rest", [] { return RestingScenario(4); }};
+  Scenario scenario = rest.make(), second = rest.make();
+  RunningScenario running(scenario, {}), fresh(second, {});
+  SerialExecutor serial;
+  uint32_t f = 0;
+  while (f < 400 && CountAsleep(running.scene()) < 3) RunOne(running, f++, rest, serial);
+  ASSERT_GE(CountAsleep(running.scene()), 3u);
+  ASSERT_EQ(fresh.scene().Restore(Taken(running.scene())), nullptr);
+  for (const uint32_t end = f + 3; f < end; ++f)
+    ASSERT_EQ(RunOne(running, f, rest, serial), RunOne(fresh, f, rest, serial)) << "frame " << f;
+  EXPECT_EQ(CountAsleep(fresh.scene()), CountAsleep(running.scene()));
 }
 
 std::string_view FirstDifference(const RunningScenario& a, const RunningScenario& b) {
