@@ -249,8 +249,8 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
        }},
       {"ReadLights and MakeLighting",
        [](Bytes& out) {
-         const Lighting lighting = MakeLighting(
-             ReadLights("[lights.sun]\ndirection = [0.3, 0.9, 0.1]\ncolour = [1.1, 0.7, 0.3]\n", "l"));
+         const Lighting lighting = MakeLighting(ReadLights(
+             "[lights.sun]\ndirection = [0.3, 0.9, 0.1]\ncolour = [1.1, 0.7, 0.3]\n", "l"));
          out.Add(lighting.sun_direction);
          out.Add(lighting.sun_rgb);
        }},

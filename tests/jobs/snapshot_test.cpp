@@ -225,6 +225,17 @@ TEST(Snapshot, CountsThatKernelsWouldFollowAreLookedAt) {
   }
 }
 
+// A snapshot is made of words.
+TEST(Snapshot, WhatMayBeCarriedIsMadeOfWords) {
+  for (uint32_t s = 0; s < kStreamCount; ++s) {
+    const StreamDesc& desc = DescribeStream(Stream(s));
+    if (desc.role == Role::kInput && desc.kept != Kept::kState) continue;
+    for (const RowDesc& row : desc.rows)
+      EXPECT_TRUE(row.type == ElementType::kFloat || row.type == ElementType::kU32)
+          << desc.name << ", " << row.name;
+  }
+}
+
 // The rule that says what is carried, against what frames really change.
 TEST(Snapshot, InputsThatFramesFillAreCarried) {
   for (const Course& course : Courses()) {
