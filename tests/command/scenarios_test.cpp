@@ -97,7 +97,7 @@ TEST(Scenarios, FurStartsAnewWhereAClipJumps) {
 }
 
 TEST(Scenarios, PlayTheClipThatIsAskedFor) {
-  const Scenario tiny = LoadScenario({.scene = "tiny", .clip = "shake"});
+  const Scenario tiny = LoadScenario(ScenarioRequest{.scene = "tiny", .clip = "shake"});
   EXPECT_EQ(tiny.characters[0].clips[size_t(tiny.actors[0].clip)].name, "shake");
   const std::string error = ErrorOf({.scene = "tiny", .clip = "fly"});
   EXPECT_NE(error.find("no clip 'fly'"), std::string::npos) << error;
