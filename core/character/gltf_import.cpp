@@ -77,9 +77,9 @@ Character ImportDocument(const gltf::Document& document, const std::string& name
   character.skeleton = std::move(skeleton.skeleton);
   CheckRestPose(document, character);
   if (const size_t turned = FitNormalsToRest(&character))
-    character.notes.push_back(
-        Format("Joints are scaled unevenly in the rest pose; {} vertices have normals that fit it.",
-               turned));
+    character.notes.push_back(Format(
+        "Joints stretch the skin unevenly in the rest pose; {} vertices have normals that fit it.",
+        turned));
   ShortenNotes(character.notes);
   return character;
 }

@@ -481,7 +481,7 @@ TEST(GltfField, NormalsFitTheRestPose) {
     const glm::vec3 along = rest.position[1] - rest.position[0];
     EXPECT_NEAR(glm::dot(rest.normal[v], along) / glm::length(along), 0.0f, 1e-6f) << v;
   }
-  EXPECT_NE(Join(c.notes).find("scaled unevenly"), std::string::npos);
+  EXPECT_NE(Join(c.notes).find("stretch the skin unevenly"), std::string::npos);
 }
 
 std::string Base64(const std::vector<uint8_t>& bytes, const char* last_two) {
