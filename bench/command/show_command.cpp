@@ -103,7 +103,7 @@ ExitCode ShowCharacter(const ShowCharacterArgs& args) {
   if (!args.out.empty()) WriteOutput("setup", args.out, setup);
   if (!args.uv_template.empty()) {
     const UvTemplate made = DrawUvTemplate(character, surface);
-    WriteOutput("UV template", args.uv_template, EncodePng(made.rgba, made.width, made.height, 4));
+    WriteOutput("UV template", args.uv_template, EncodePng(made.rgb, made.width, made.height, 3));
   }
   fmt::print("{}", args.json ? tree.Json() : tree.Text());
   if (args.json) return kDone;

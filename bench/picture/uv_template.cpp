@@ -12,8 +12,8 @@ namespace {
 
 // Of the longer side: lines are thinner than what lies between them, and maps are read.
 constexpr uint32_t kLeastSide = 1024, kMostSide = 4096;
-constexpr uint8_t kColours[][3] = {{255, 255, 255}, {255, 160, 0},  {0, 200, 255},
-                                   {120, 255, 80},  {255, 90, 200}, {255, 255, 90}};
+constexpr uint8_t kColours[][3] = {{0, 255, 255}, {0, 255, 80},  {0, 120, 255},
+                                   {0, 160, 0},   {0, 160, 160}, {0, 60, 200}};
 
 UvTemplate MakeEmpty(const Mesh& mesh, const SurfaceColour& surface) {
   UvTemplate made{kLeastSide, kLeastSide, {}};
@@ -30,7 +30,7 @@ UvTemplate MakeEmpty(const Mesh& mesh, const SurfaceColour& surface) {
     made.width = std::max(made.width / 2, 1u);
     made.height = std::max(made.height / 2, 1u);
   }
-  made.rgba.assign(size_t(made.width) * made.height * 4, 0);
+  made.rgb.assign(size_t(made.width) * made.height * 3, 0);
   return made;
 }
 
@@ -52,8 +52,7 @@ void DrawLine(const glm::dvec2& from, const glm::dvec2& to, const std::array<Wra
     const glm::dvec2 at = from + (to - from) * (double(i) / double(steps));
     const size_t pixel = size_t(PixelOf(at.y, made.height, wrap[1])) * made.width +
                          PixelOf(at.x, made.width, wrap[0]);
-    std::copy_n(colour, 3, &made.rgba[4 * pixel]);
-    made.rgba[4 * pixel + 3] = 255;
+    std::copy_n(colour, 3, &made.rgb[3 * pixel]);
   }
 }
 

@@ -1,6 +1,8 @@
 // The setup to start from: it can be read, covers its character, and whatever materials are named.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "bench/picture/uv_template.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/scenarios/starting_setup.hpp"
@@ -116,11 +118,16 @@ TEST(Show, UvTemplateIsWhereMapsAreRead) {
       mesh.uv[corner[1]] = {0.3f + turns, 0.2f};
       mesh.uv[corner[2]] = {0.1f + turns, 0.9f};
       const UvTemplate made = DrawUvTemplate(character, SurfaceColour(character));
-      ASSERT_EQ(made.rgba.size(), size_t(made.width) * made.height * 4);
-      ControlMap alpha{made.width, made.height, made.rgba};
-      for (size_t i = 0; i < alpha.rgba.size(); i += 4) alpha.rgba[i] = alpha.rgba[i + 3];
+      ASSERT_EQ(made.rgb.size(), size_t(made.width) * made.height * 3);
+      ControlMap lines{made.width, made.height, {}};
+      uint8_t red = 0;
+      for (size_t i = 0; i < made.rgb.size(); i += 3) {
+        red = std::max(red, made.rgb[i]);
+        lines.rgba.insert(lines.rgba.end(), 4, std::max(made.rgb[i + 1], made.rgb[i + 2]));
+      }
+      EXPECT_EQ(red, 0) << "a map's own channel";
       const auto at = [&](float u, float v) {
-        return alpha.Sample({u + turns, v}, 0, mesh.looks[mesh.triangle_material[0]].wrap);
+        return lines.Sample({u + turns, v}, 0, mesh.looks[mesh.triangle_material[0]].wrap);
       };
       for (const float share : {0.0f, 0.3f, 0.5f, 0.9f}) {
         EXPECT_GT(at(0.1f + 0.2f * share, 0.2f), 0.2f) << share << turns << int(wrap);
