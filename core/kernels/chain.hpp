@@ -319,7 +319,7 @@ struct ControlRecords {
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, const PickedLanes<W>& at, uint32_t i) const {
     uint8_t picked[W::kLanes];
     for (int l = 0; l < W::kLanes; ++l) picked[l] = control[at.lane[l]];
-    return GatherHalf(picked, i);
+    return GatherOf<W>(picked, i);
   }
   template <class W>
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t first, uint32_t i) const {
@@ -327,20 +327,20 @@ struct ControlRecords {
   }
   template <class W>
   PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
-    const Vec3<V> a = GatherHalf(control, i);
     if constexpr (W::kLanes == V::kLanes) {
-      return a;
+      return GatherOf<W>(control, i);
     } else {
-      const Vec3<V> b = GatherHalf(control + V::kLanes, i);
+      const Vec3<V> a = GatherOf<V>(control, i), b = GatherOf<V>(control + V::kLanes, i);
       return {W(a.x, b.x), W(a.y, b.y), W(a.z, b.z)};
     }
   }
 
  private:
-  PELT_INLINE Vec3<V> GatherHalf(const uint8_t* control, uint32_t i) const {
-    Vec3<V> p;
-    V unused;
-    GatherColumns<V>(
+  template <class U>
+  PELT_INLINE Vec3<U> GatherOf(const uint8_t* control, uint32_t i) const {
+    Vec3<U> p;
+    U unused;
+    GatherColumns<U>(
         [&](int l) {
           const uint32_t c = control[l];
           return record[i][c < count ? c : count - 1];

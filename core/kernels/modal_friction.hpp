@@ -65,9 +65,9 @@ struct Rub {
 template <class W, uint32_t N>
 struct RubLevers {
   static constexpr uint32_t kPushes = 3 * N;
-  W give[N][N];                // [point][link]: without the lengths
-  W hold[kPushes][N];          // [push][link]: multipliers that keep the lengths
-  W matrix[kPushes][kPushes];  // symmetric
+  W give[N][N];                          // [point][link]: without the lengths
+  W hold[kPushes][N];                    // [push][link]: multipliers that keep the lengths
+  W lower[kPushes * (kPushes + 1) / 2];  // of a symmetric matrix, row by row
 
   PELT_INLINE void Make(const float (&response)[N][N], const Vec3<W> (&along)[N],
                         const NewtonMatrix<W, N>& lengths, const ContactFrame<W> (&frame)[N],
@@ -98,7 +98,7 @@ struct RubLevers {
         // A point can hardly be pushed along its links.
         if (r == q)
           for (uint32_t k = 0; k < 3; ++k) {
-            W& own = matrix[3 * q + k][3 * q + k];
+            W& own = At(3 * q + k, 3 * q + k);
             const W least = bare * W(kLeastGive);
             own = k == 0 ? Max(own, least) : own + least;
           }
@@ -125,6 +125,11 @@ struct RubLevers {
   }
 
  private:
+  static PELT_INLINE uint32_t Place(uint32_t row, uint32_t column) {
+    return row < column ? column * (column + 1) / 2 + row : row * (row + 1) / 2 + column;
+  }
+  PELT_INLINE W& At(uint32_t row, uint32_t column) { return lower[Place(row, column)]; }
+  PELT_INLINE const W& At(uint32_t row, uint32_t column) const { return lower[Place(row, column)]; }
   PELT_INLINE void Fill(uint32_t row, uint32_t column, W bare, const W (&b)[kPushes][N],
                         const ContactFrame<W> (&frame)[N], float share) {
     W sum = b[row][0] * hold[column][0];
@@ -132,22 +137,22 @@ struct RubLevers {
     const Vec3<W>& first = frame[row / 3].axis[row % 3];
     const Vec3<W>& second = frame[column / 3].axis[column % 3];
     const W apart = Dot(first, second) * bare, joined = sum * W(share);
-    matrix[row][column] = matrix[column][row] = apart + joined;
+    At(row, column) = apart + joined;
   }
   PELT_INLINE W Missing(uint32_t row, const Rub<W, N>& rub) const {
     W left = rub.wanted[row / 3][row % 3];
     for (uint32_t r = 0; r < N; ++r)
-      for (uint32_t k = 0; k < 3; ++k) left = left - matrix[row][3 * r + k] * rub.push[r][k];
+      for (uint32_t k = 0; k < 3; ++k) left = left - At(row, 3 * r + k) * rub.push[r][k];
     return left;
   }
   PELT_INLINE void SolvePoint(uint32_t q, Rub<W, N>& rub) const {
     const W none = W(0.0f), tiny = W(1.0e-30f);
     const uint32_t n = 3 * q, s = n + 1, t = n + 2;
-    const W out = Missing(n, rub) / matrix[n][n];
+    const W out = Missing(n, rub) / At(n, n);
     rub.push[q][0] = Max(rub.push[q][0] + out, rub.least[q]);
     const W limit = Max(rub.pressed[q] + rub.push[q][0], none) * rub.mu[q];
     const W first = Missing(s, rub), second = Missing(t, rub);
-    const W a = matrix[s][s], b = matrix[s][t], c = matrix[t][t];
+    const W a = At(s, s), b = At(s, t), c = At(t, t);
     const W before = rub.rubbed[q][0] + rub.push[q][1], beside = rub.rubbed[q][1] + rub.push[q][2];
     // What holds it, if it may be that much.
     const W squares = a * c, cross = b * b;

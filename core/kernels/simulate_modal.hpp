@@ -41,7 +41,6 @@ struct SimulateModal {
   static constexpr uint32_t N = kPoints - 1;
   using Params = SimulateParams;
   using Ports = modal::Ports<kPoints, kVertexChains>;
-  using Controls = chain::ControlRecords<V, N>;
   using Extras = modal::Extras;
   using Group = chain::Group<V, N>;
   using Motion = modal::Motion<V, N>;
@@ -59,18 +58,27 @@ struct SimulateModal {
   // Out of line: the kernels below share it.
   static __attribute__((noinline)) void RunWith(const Params& params, const Ports& ports,
                                                 const Extras& extras) {
-    if (ports.table->use_slope != 0)
+    if constexpr (!std::is_same_v<V, Free>)
+      SimulateModal<Free, kPoints, kVertexChains>::RunWith(params, ports, extras);
+    else if (ports.table->use_slope != 0)
       RunAs<true>(params, ports, extras);
     else
       RunAs<false>(params, ports, extras);
   }
 
  private:
+  // How many lanes step at once, on a stack as small as a fibre's (jobs/README.md): those that touch
+  // something are rare, and take several times as much of it.
+  using Free = typename AtMostLanes<V, N == 8 ? 8 : 16>::Type;
+  using Picked = typename AtMostLanes<V, 4>::Type;
+  template <class, uint32_t, bool>
+  friend struct SimulateModal;
+
   template <bool kBest>
   PELT_INLINE static void RunAs(const Params& params, const Ports& ports, const Extras& extras) {
     Picks picks;
     chain::RunChunk<V, N, kVertexChains>(
-        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
+        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const auto* controls) {
           return RunRange<kBest>(params, ports, extras, begin, end, live, controls, picks);
         });
   }
@@ -80,7 +88,7 @@ struct SimulateModal {
   // puts temporaries.
   struct Picks {
     alignas(64) float is_picked[V::kLanes];
-    PickedLanes<V> group;
+    PickedLanes<Picked> group;
     // Those that may rub on a collider are of kind 1. A group has one kind, as it steps by what
     // any of its lanes may do (modal_touch.hpp).
     uint32_t count[2];
@@ -92,8 +100,8 @@ struct SimulateModal {
         if (is_picked[l] != 0.0f) lane[kind][count[kind]++] = int32_t(first + l);
     }
     // A group of a kind; the last one fills it up.
-    PELT_INLINE const PickedLanes<V>& Group(uint32_t first, uint32_t kind) {
-      for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
+    PELT_INLINE const PickedLanes<Picked>& Group(uint32_t first, uint32_t kind) {
+      for (uint32_t l = 0; l < uint32_t(Picked::kLanes); ++l)
         group.lane[l] = lane[kind][first + l < count[kind] ? first + l : count[kind] - 1];
       return group;
     }
@@ -102,14 +110,37 @@ struct SimulateModal {
   // One group after the other: two at once, as the other solvers have them (chain_step.hpp), do not
   // fit the registers. Groups without a live lane are left out: chunks of mesh vertices are so short
   // that they are a tenth of all groups of eight in `monster`.
-  template <bool kBest>
+  // The two kinds of groups are out of line, so that their frames are not on the stack together.
+  template <bool kBest, class Controls>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live,
                                    const Controls* controls, Picks& picks) {
     picks.count[0] = picks.count[1] = 0;
+    const uint32_t last = end < live ? end : live;
+    bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, controls, picks);
+    if (picks.count[0] + picks.count[1] > 0)
+      changed |= SimulateModal<Picked, kPoints, kVertexChains>::template RunPicked<kBest>(
+          params, ports, extras, live, controls, picks);
+    return changed;
+  }
+
+  template <bool kBest, class Controls>
+  static __attribute__((noinline)) bool RunFree(const Params& params, const Ports& ports,
+                                                const Extras& extras, uint32_t begin, uint32_t end,
+                                                uint32_t live, const Controls* controls,
+                                                Picks& picks) {
     bool changed = false;
-    for (uint32_t first = begin; first < end && first < live; first += uint32_t(V::kLanes))
+    for (uint32_t first = begin; first < end; first += uint32_t(V::kLanes))
       changed |= RunGroup<kBest>(params, ports, extras, first, live, controls, &picks);
+    return changed;
+  }
+
+  // `picks`: of a kernel whose Picked is V.
+  template <bool kBest, class Controls, class AnyPicks>
+  static __attribute__((noinline)) bool RunPicked(const Params& params, const Ports& ports,
+                                                  const Extras& extras, uint32_t live,
+                                                  const Controls* controls, AnyPicks& picks) {
+    bool changed = false;
     for (uint32_t kind = 0; kind < 2; ++kind)
       for (uint32_t i = 0; i < picks.count[kind]; i += uint32_t(V::kLanes))
         changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i, kind), live, controls,
@@ -128,35 +159,59 @@ struct SimulateModal {
   }
 
   // Lanes that failed: once more with a second Newton step, if they follow, then without one that
-  // could fail. Kept out of line and of the way: such lanes are rare.
+  // could fail. Kept out of line and of the way: such lanes are rare. Each by itself, as stacks are
+  // small (jobs/README.md).
   template <class At>
-  static __attribute__((noinline)) void FallBack(const Ports& ports, const At& at, Mask good,
-                                                 Mask follows, const Vec3<V> (&rest)[N],
-                                                 const Vec3<V>* hold, V per_length,
-                                                 Touches& touches, Motion& motion) {
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+  static PELT_INLINE void FallBack(const Ports& ports, const At& at, Mask good, Mask follows,
+                                   const Vec3<V> (&rest)[N], const Vec3<V>* hold, V per_length,
+                                   Touches& touches, Motion& motion) {
+    if (Any(follows & !good)) {
+      good = good | StepAgain(ports, at, follows & !good, rest, touches, motion);
+      if (AllSet(good)) return;
+    }
+    StepSafely(ports, at, !good, rest, hold, per_length, motion);
+  }
+
+  // Returns which of the lanes it could.
+  template <class At>
+  static __attribute__((noinline)) Mask StepAgain(const Ports& ports, const At& at, Mask lanes,
+                                                  const Vec3<V> (&rest)[N], Touches& touches,
+                                                  Motion& motion) {
+    Motion again = motion;
+    TakeState(ports, at, rest, again);
+    const Mask better =
+        modal::StepFrame<true>(*ports.table, Start::WindChanges(ports), touches, again) & lanes;
+    TakeLanes(better, again, motion);
+    return better;
+  }
+
+  template <class At>
+  static __attribute__((noinline)) void StepSafely(const Ports& ports, const At& at, Mask lanes,
+                                                   const Vec3<V> (&rest)[N], const Vec3<V>* hold,
+                                                   V per_length, Motion& motion) {
     Motion safe = motion;
+    TakeState(ports, at, rest, safe);
     V force[3];
-    for (uint32_t i = 0; i < N; ++i) safe.lambda[i] = LoadLanes<V>(old.multiplier[i], at);
-    for (uint32_t k = 0; k < 3; ++k) {
+    for (uint32_t k = 0; k < 3; ++k)
       force[k] = (V(ports.layer->gravity[k]) + Start::LoadWind(ports, k, at)) * per_length;
-      for (uint32_t i = 0; i < N; ++i) {
-        safe.axis[k].d[i] = LoadLanes<V>(old.direction[i][k], at);
-        safe.axis[k].z[i] = LoadLanes<V>(old.velocity[i][k], at);
+    modal::EulerFrame<V, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
+    TakeLanes(lanes, safe, motion);
+  }
+
+  // What a step changes, as it was when the frame began.
+  template <class At>
+  static PELT_INLINE void TakeState(const Ports& ports, const At& at, const Vec3<V> (&rest)[N],
+                                    Motion& motion) {
+    const ModalStateBlock<kPoints>& old = *ports.chain;
+    for (uint32_t i = 0; i < N; ++i) {
+      motion.lambda[i] = LoadLanes<V>(old.multiplier[i], at);
+      for (uint32_t k = 0; k < 3; ++k) {
+        motion.axis[k].d[i] = LoadLanes<V>(old.direction[i][k], at);
+        motion.axis[k].z[i] = LoadLanes<V>(old.velocity[i][k], at);
       }
     }
     if (modal::HasOtherHistory(*ports.layer))
-      modal::OtherHistory<V, kPoints, Ports, At>::TakeStart(ports, at, rest[0], safe);
-    if (Any(follows & !good)) {
-      Motion again = safe;
-      const Mask better =
-          modal::StepFrame<true>(*ports.table, Start::WindChanges(ports), touches, again) & follows;
-      TakeLanes(better & !good, again, motion);
-      good = good | better;
-      if (AllSet(good)) return;
-    }
-    modal::EulerFrame<V, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
-    TakeLanes(!good, safe, motion);
+      modal::OtherHistory<V, kPoints, Ports, At>::TakeStart(ports, at, rest[0], motion);
   }
 
   // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
@@ -246,7 +301,7 @@ struct SimulateModal {
 
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
-  template <bool kBest, class At>
+  template <bool kBest, class At, class Controls>
   static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
                                    const At& at, uint32_t live, const Controls* controls,
                                    Picks* picks) {
@@ -377,7 +432,7 @@ struct SimulateModal {
 
   // What is seen of the chain: the points, not the state. Lanes at full strength that follow
   // nobody keep theirs; what those get that were picked is of no use.
-  template <class At>
+  template <class At, class Controls>
   static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
                                               const At& at, const Controls* controls, Mask full,
                                               Mask picked, V strength, const Vec3<V> (&rest)[N],

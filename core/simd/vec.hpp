@@ -58,6 +58,11 @@ struct IsaAvx2 {
 struct IsaAvx512 {
   static constexpr int kLanes = 16;
 };
+// Fewer lanes of a set, for what would take too much of a stack with all of them.
+template <class Isa, int kCount>
+struct Narrow {
+  static constexpr int kLanes = kCount;
+};
 
 namespace simd_detail {
 template <int N>
@@ -203,6 +208,16 @@ struct Vec {
   // Rounds towards zero; |a| must be below 2^31.
   PELT_INLINE friend Int Truncate(Vec a) { return __builtin_convertvector(a.v, RawInt); }
   PELT_INLINE friend Vec ToFloat(Int a) { return __builtin_convertvector(a.i, Raw); }
+};
+
+// V, or as many lanes of its set as `kMost`.
+template <class V, int kMost>
+struct AtMostLanes {
+  using Type = V;
+};
+template <class Isa, int kMost>
+requires(Isa::kLanes > kMost) struct AtMostLanes<Vec<Isa>, kMost> {
+  using Type = Vec<Narrow<Isa, kMost>>;
 };
 
 }  // namespace pelt
