@@ -125,7 +125,7 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
 struct Course {
   Scenario scenario = RestingScenario(6);
   RunningScenario running{scenario, {}};
-  SerialExecutor serial;
+  SerialExecutor serial = {};
   std::function<void(FrameInput&, FurScene&)> change = [](FrameInput&, FurScene&) {};
   uint32_t frame = 0;
 
