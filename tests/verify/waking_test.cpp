@@ -56,6 +56,31 @@ TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
   for (const CheckResult& c : checks) EXPECT_TRUE(c.compared) << c.name << ": " << c.reason;
 }
 
+// Only modal layers, and what swings in them has no end; or no layer at all.
+Scenario LooseTiny(bool any_layer) {
+  Scenario loose = Tiny();
+  for (Groom& groom : loose.grooms)
+    for (GroomLayer& layer : groom.layers) {
+      layer.params.enabled &= any_layer && layer.params.solver == Solver::kModal;
+      layer.params.damping_ratio = layer.params.velocity_damping = 0.0f;
+    }
+  return loose;
+}
+
+TEST(VerifyWaking, ASceneThatDoesNotRestIsDampedAndOneWithoutSleepersIsMissed) {
+  VerifyOptions options = NoCases(1);
+  options.checks = true;
+  options.sections = {"waking"};
+  VerifyReport report = Verify(LooseTiny(true), options);
+  EXPECT_TRUE(report.Passed()) << DescribeReport(report);
+  EXPECT_TRUE(report.Missing().empty()) << DescribeReport(report);
+  EXPECT_GT(ChecksOf(report, "waking").front().seen, 3u) << "asleep";
+  report = Verify(LooseTiny(false), options);
+  EXPECT_TRUE(report.Passed());
+  ASSERT_EQ(report.Missing().size(), 2u) << DescribeReport(report);
+  EXPECT_EQ(report.Missing()[0].find("waking, coming to rest: no chunk sleeps"), 0u);
+}
+
 TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
   hidden_param = &ActivateParams::frame_inputs_changed;
   const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
