@@ -9,7 +9,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <string>
 
+#include "core/kernels/frame_table.hpp"
 #include "jobs/engine_door.hpp"
 #include "jobs/pull_executor.hpp"
 #include "tests/jobs/tiny_scene.hpp"
