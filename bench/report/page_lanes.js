@@ -67,6 +67,7 @@ function fillLanes(parent, {heading, label, names, height, ns, draw, details}) {
   const more = add(box, 'details');
   add(more, 'summary', {}, 'Table of the picture');
   details(more);
+  const once = () => Math.max(kLeastWidth, scroll.clientWidth);  // of the picture as it comes
   let zoom = 1, found = [], shown = -1;
   const redraw = () => {
     found = draw(scroll, zoom, search.value);
@@ -89,7 +90,7 @@ function fillLanes(parent, {heading, label, names, height, ns, draw, details}) {
     const button = add(buttons, 'button', {type: 'button', 'data-zoom': factor}, factor + '×');
     button.addEventListener('click', () => zoomTo(factor, middle()));
   }
-  selectByDragging(scroll, (from, to) => zoomTo(1 / (to - from), (from + to) / 2));
+  selectByDragging(scroll, (from, to) => zoomTo(scroll.clientWidth / once() / (to - from), (from + to) / 2));
   scroll.addEventListener('dblclick', () => zoomTo(1, 0.5));
   scroll.addEventListener('keydown', (event) => {
     const factor = {'+': 2 * zoom, '=': 2 * zoom, '-': zoom / 2, '0': 1}[event.key];
@@ -103,7 +104,7 @@ function fillLanes(parent, {heading, label, names, height, ns, draw, details}) {
     if (event.key !== 'Enter' || !found.length) return;
     shown = (shown + (event.shiftKey ? found.length - 1 : 1) + found.length) % found.length;
     const {begin, end} = found[shown];
-    const wide = kFoundWidth * ns / (Math.max(1, end - begin) * scroll.clientWidth);
+    const wide = kFoundWidth * ns / (Math.max(1, end - begin) * once());
     zoomTo(Math.max(zoom, wide), (begin + end) / 2 / ns);
   });
   return redraw;

@@ -20,6 +20,7 @@ base_of() {
     'show '*) echo builtin ;;
     'run '*) echo --scene tiny --frames 2 ;;
     'report '*) echo --scene tiny --frames 2 --no-consoles ;;
+    'compare '*) echo run.json run.json ;;
     'trace record '*) echo --scene tiny --frames 2 ;;
     'trace replay '*) echo tiny.peltinput ;;
     'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
@@ -41,6 +42,7 @@ make_inputs() {
   "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
+  "$pelt" run --scene tiny --frames 6 --json >run.json 2>/dev/null || fail "run --json"
   cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
 }
 
@@ -201,7 +203,6 @@ check_inputs() {
   check_input 'trace show' file tiny.peltinput trace show in
   check_input diff left tiny.groom diff in tiny.groom
   check_input diff right tiny.groom diff tiny.groom in
-  "$pelt" run --scene tiny --frames 2 --json >run.json 2>/dev/null || fail "run --json"
   check_input compare left run.json compare in run.json
   check_input compare right run.json compare run.json in
   check_input accuracy --roots roots.csv accuracy --roots in --strand strand.toml --out points.csv
