@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bench/scenarios/cast.hpp"
@@ -285,8 +285,9 @@ std::span<const std::string_view> ScenarioNames() {
 Character LoadCharacter(const std::string& name_or_path) {
   for (const BuiltInCharacter& character : kCharacters)
     if (name_or_path == character.name) return MakeBuiltinCharacter({.body = character.body});
+  // A file may be without an ending. Not by <filesystem>, which a page has not.
   if (name_or_path.find_first_of("./") == std::string::npos &&
-      !std::filesystem::exists(name_or_path)) {
+      access(name_or_path.c_str(), F_OK) != 0) {
     std::vector<std::string_view> names;
     for (const BuiltInCharacter& character : kCharacters) names.push_back(character.name);
     throw Error(fmt::format(
