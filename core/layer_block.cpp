@@ -89,7 +89,8 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   });
   b.surface_hardness = ShareOfDepth(b.surface_hardness, push_ratio);
   const float weight = params.weight * Mix(1.0f, params.wet_weight, wet);
-  for (int k = 0; k < 3; ++k) b.gravity[k] = weight * gravity[k];
+  // Not -0, to which wind of no speed adds up to 0 where it is not skipped.
+  for (int k = 0; k < 3; ++k) b.gravity[k] = weight * gravity[k] + 0.0f;
   if (LayerKind(params) & kLayerSagFree) {
     double square = 0.0;
     for (int k = 0; k < 3; ++k) square += double(gravity[k]) * double(gravity[k]);
