@@ -68,7 +68,7 @@ void CourseCheck::AddTurns(uint64_t seed) {
     what.piecewise_sort = random_.Below(4) == 0;
     if (!FindKernels(isa) || (options_.filter && !options_.filter(what))) continue;
     auto run = std::make_unique<CaseRun>(scenario_, what, skips_, options_.tamper);
-    turns_.push_back({what, std::move(run)});
+    turns_.push_back({what, std::move(run), {}});
   }
 }
 
@@ -98,6 +98,7 @@ bool CourseCheck::RunTurn(CaseTurn& turn, uint32_t frame, CaseRun& reference,
                           const StreamDigests& expected, CheckResult& result) {
   if (random_.Below(kBetweenInterludes) == 0) {
     const auto interlude = Interlude(random_.Below(kInterludes));
+    turn.last = fmt::format(", {} ahead of frame {}", InterludeName(interlude), frame);
     if (const auto wrong = Interrupt(turn, interlude, *grooms_, skips_, frame, options_))
       result.Fail(*wrong);
   }
@@ -108,9 +109,10 @@ bool CourseCheck::RunTurn(CaseTurn& turn, uint32_t frame, CaseRun& reference,
   if (!mismatch) return true;
   const bool first = result.passed;
   if (first) result.mismatch = mismatch;
-  result.Fail({FindingKind::kValue, mismatch->stage, mismatch->stream,
-               fmt::format("{}: {}{}", NameCase(turn.what), DescribeMismatch(*mismatch),
-                           first ? KeysOf(*mismatch) : std::string())});
+  result.Fail(
+      {FindingKind::kValue, mismatch->stage, mismatch->stream,
+       fmt::format("{}{}: {}{}", NameCase(turn.what), turn.last, DescribeMismatch(*mismatch),
+                   first ? KeysOf(*mismatch) : std::string())});
   return false;
 }
 

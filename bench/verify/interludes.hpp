@@ -23,6 +23,7 @@ std::string_view InterludeName(Interlude what);
 struct CaseTurn {
   VerifyCase what;
   std::unique_ptr<CaseRun> run;
+  std::string last;  // interlude, and ahead of which frame
 };
 
 // Ahead of frame `frame`. What does not happen as it should is returned.
