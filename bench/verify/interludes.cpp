@@ -37,7 +37,8 @@ std::optional<Finding> Interrupt(CaseTurn& turn, Interlude interlude, Scenario& 
       if (!with_step(-1.0)) return {};
       return Finding{FindingKind::kExecutor, "", "", "a frame of negative time is run"};
     case Interlude::kPause:
-      if (frame > 0) with_step(0.0);  // a first frame of no time is a frame
+      // A first frame of no time is a frame; and what is culled keeps the keys of the last eye that saw it.
+      if (frame > 0 && !settings.skip.cull) with_step(0.0);
       return {};
     case Interlude::kReplaced:
       if (run.scene().ReplaceGrooms(scenario.ActorGrooms())) return {};
