@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-// Unlit and green but for the holes; the image goes on mirrored.
+// Unlit and green but for the holes.
 Scenario HolesScenario(bool holes) {
   Scenario scenario =
       BaldScenario("density = 4000\nlength = 0.05\nwidth = 0.01\nbase_colour = '#222222'\n", true);
@@ -27,7 +27,6 @@ Scenario HolesScenario(bool holes) {
                               {.stated = true,
                                .unlit = true,
                                .image = 0,
-                               .wrap = {Wrap::kMirror, Wrap::kClamp},
                                .alpha_cutoff = holes ? 0.5f : 0.0f,
                                .alpha_image = 0});
   FurSetup& setup = scenario.setups[0];
