@@ -36,6 +36,7 @@ progress() {
   if [ -t 1 ]; then echo; fi
 }
 echo "building in $build"
+[ "$what" = view ] && echo "with the page's module: about 350 CPU seconds more, the first time"
 { cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPELT_TESTS=OFF -DPELT_WHOLE=ON "${options[@]}" &&
   cmake --build "$build" --target "${targets[@]}"; } 2>&1 | progress 3>"$build/build.log" ||
   { tail -n 60 "$build/build.log" >&2; exit 1; }
