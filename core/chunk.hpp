@@ -125,10 +125,10 @@ enum LayerFlag : uint32_t {
   kLayerRibbons = 1u << 4,
   kLayerClump = 1u << 5,
   kLayerBackFaceCull = 1u << 6,
-  kLayerWind = 1u << 7,       // wind blows and the layer responds
+  kLayerWind = 1u << 7,       // wind blows, or is not left out, and the layer responds
   kLayerSimulate = 1u << 8,   // some strand of the layer has simulation strength
   kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
-  kLayerWindEnds = 1u << 10,  // modal: kLayerWind in the last frame and not in this one
+  kLayerWindEnds = 1u << 10,  // modal: kLayerBlows in the last frame and not in this one
   kLayerLines = 1u << 11,
   kLayerLit = 1u << 12,      // has a LayerLightBlock
   kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
@@ -140,6 +140,7 @@ enum LayerFlag : uint32_t {
   kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
   kLayerSagFree = 1u << 20,     // modal, and has a DownBlock
   kLayerNinePoints = 1u << 21,  // 9 points per chain; only with kLayerModal, a chain per strand
+  kLayerBlows = 1u << 22,       // wind blows and the layer responds, whatever is left out
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
 };
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).

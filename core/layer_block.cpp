@@ -76,8 +76,8 @@ uint32_t LayerKind(const LayerParams& p) {
 }
 
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
-                          const float gravity[3], bool wind_blows, uint32_t strand_count,
-                          float length_max, bool any_strength, const LayerBlock* last, float scale,
+                          const float gravity[3], Air air, uint32_t strand_count, float length_max,
+                          bool any_strength, const LayerBlock* last, float scale,
                           double push_ratio) {
   const float wet = Saturate(weather.wetness);
   const float softer = StiffnessLeft(params, weather);
@@ -119,9 +119,10 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   set(params.enabled, kLayerEnabled);
   set(b.clump > 0.0f, kLayerClump);
   set(params.backface_cull, kLayerBackFaceCull);
-  set(wind_blows && params.wind_response != 0.0f, kLayerWind);
+  set(air != Air::kLeftOut && params.wind_response != 0.0f, kLayerWind);
+  set(air == Air::kBlows && params.wind_response != 0.0f, kLayerBlows);
   set(any_strength, kLayerSimulate);
-  if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kLayerWind))
+  if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kLayerBlows))
     b.flags |= kLayerWindEnds;
   b.changed = !last || Differ(*last, b) ? 1u : 0u;
   return b;

@@ -19,9 +19,12 @@ namespace pelt {
 // The layer's kind: its flags that are fixed when the scene is made (kLayerKindFlags).
 uint32_t LayerKind(const LayerParams& params);
 
+// Still air is left out of a frame, or computed all the same.
+enum class Air : uint8_t { kLeftOut, kStill, kBlows };
+
 // The block of a layer for a step of `dt` seconds.
 //  gravity       m/s^2, world; the layer's weight is applied here
-//  wind_blows    there is wind in the scene; the layer may still not respond
+//  air           of the scene; the layer may still not respond
 //  strand_count, length_max (m)  of the layer
 //  any_strength  some strand of the layer has simulation strength
 //  last          last frame's block of this layer, or null; decides `changed`. May be the block
@@ -29,7 +32,7 @@ uint32_t LayerKind(const LayerParams& params);
 //  scale         of the character over that of its groom
 //  push_ratio    of the modal solver in this frame (modal_table.hpp); 0: another solver, or none
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
-                          const float gravity[3], bool wind_blows, uint32_t strand_count,
+                          const float gravity[3], Air air, uint32_t strand_count,
                           float length_max, bool any_strength, const LayerBlock* last,
                           float scale = 1.0f, double push_ratio = 0.0);
 

@@ -36,6 +36,7 @@
 
 namespace pelt {
 
+enum class Air : uint8_t;
 class ModalCourse;
 struct FrameParams;
 struct FrameTable;
@@ -246,9 +247,9 @@ class FurScene {
   void FillPausedFrame(const FrameInput& input);
   // Of set `s` of parameters, for an input that is told from its characters' origin.
   bool FillLights(uint32_t s, const FrameInput& input);
-  void FillParams(uint32_t s, const FrameInput& told, const FrameInput& input, bool wind_blows);
+  void FillParams(uint32_t s, const FrameInput& told, const FrameInput& input, Air air);
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
-  void FillLayers(const FrameInput& input, bool wind_blows);
+  void FillLayers(const FrameInput& input, Air air);
   ModalQuality LayerQuality(uint32_t layer, float allowed_px) const;
   // Calls fill(s, input) for each set, with the input as it is told there.
   void ForEachSet(const FrameInput& input, auto&& fill);

@@ -67,14 +67,13 @@ void FurScene::FillFrame(const FrameInput& input) {
   const WindSetup& w = input.wind;
   const bool still = w.velocity[0] == 0.0f && w.velocity[1] == 0.0f && w.velocity[2] == 0.0f &&
                      w.turbulence == 0.0f;
-  const bool wind_blows = !(still && input.skip.wind);
+  const Air air = !still ? Air::kBlows : input.skip.wind ? Air::kLeftOut : Air::kStill;
   ForEachSet(input, [this](uint32_t s, const FrameInput& in) {
     params_[s].paint_strands = MakePaintStrandsParams({in.brush, in.brush_count});
     relights_[s] = FillLights(s, in);
   });
-  FillLayers(input, wind_blows);
-  ForEachSet(input,
-             [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, wind_blows); });
+  FillLayers(input, air);
+  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, air); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
 }
@@ -155,7 +154,7 @@ bool FurScene::FillLights(uint32_t s, const FrameInput& input) {
          memory_.restored;
 }
 
-void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
+void FurScene::FillLayers(const FrameInput& input, Air air) {
   const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
     auto& block = *memory_.Of<&Streams::layers>(l);
@@ -176,7 +175,7 @@ void FurScene::FillLayers(const FrameInput& input, bool wind_blows) {
       });
       push_ratio = modal_[l].push_ratio();
     }
-    block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, wind_blows,
+    block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, air,
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
                            first_frame_ ? nullptr : &block, scales_[character], push_ratio);
@@ -222,8 +221,7 @@ bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams&
   return changed;
 }
 
-void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& in,
-                          bool wind_blows) {
+void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& in, Air air) {
   FrameParams& to = params_[s];
   SelectLodParams lod{};
   lod.view = ViewFrom(s, in);
@@ -252,7 +250,7 @@ void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& 
   const bool simulate_changed = Replace(to.simulate, simulate);
 
   const bool apart = !origins_.empty();
-  if (wind_blows)
+  if (air != Air::kLeftOut)
     to.wind = apart ? MakeWindParams(in.wind, in.time_s, origins_[s].used)
                     : MakeWindParams(in.wind, in.time_s);
   // A character may stand still where its origin moves, and what is left out of a frame is told from

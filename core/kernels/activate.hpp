@@ -151,9 +151,11 @@ struct Activate {
     // A layer that is not simulated lies on its groom and feels none of the frame's inputs.
     const bool forced = (layer.flags & kLayerSimulate) &&
                         ((layer.flags & kLayerWind) || p.frame_inputs_changed != 0);
-    const bool steady = last.stepped_from_stored_state && !roots_changed && !live_changed &&
-                        layer.changed == 0 && !forced;
-    const bool may_sleep = steady && !last.state_changed;
+    const bool settled =
+        last.stepped_from_stored_state && !roots_changed && !live_changed && layer.changed == 0;
+    const bool may_sleep = settled && !forced && !last.state_changed;
+    // Of nothing that may be left out, as what follows from it is part of the bits.
+    const bool steady = settled && !(layer.flags & kLayerBlows) && p.frame_inputs_changed == 0;
 
     const bool skin = roots_changed || !(p.switches & kSwitchSkipUnmoved);
     const bool simulate = !may_sleep || !(p.switches & kSwitchSleep);

@@ -11,7 +11,7 @@ constexpr float kGravity[3] = {0.0f, -9.81f, 0.0f};
 
 LayerBlock Fill(const LayerParams& params, Weather weather, const LayerBlock* last = nullptr,
                 float dt = 1.0f / 60.0f) {
-  return FillLayerBlock(params, weather, dt, kGravity, true, 100, 0.05f, true, last);
+  return FillLayerBlock(params, weather, dt, kGravity, Air::kBlows, 100, 0.05f, true, last);
 }
 
 TEST(LayerBlock, ChainsOfNinePointsSwingAsThoseOfFive) {
@@ -61,7 +61,7 @@ TEST(LayerBlock, EveryKindHasItsFlag) {
   params.clump = 0.5f;
   params.backface_cull = false;
   params.wind_response = 0.0f;
-  const LayerBlock b = FillLayerBlock(params, {}, 0.01f, kGravity, true, 1, 0.1f, false, nullptr);
+  const LayerBlock b = FillLayerBlock(params, {}, 0.01f, kGravity, Air::kBlows, 1, 0.1f, false, nullptr);
   EXPECT_EQ(b.flags, uint32_t(kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerClump));
 }
 

@@ -122,8 +122,8 @@ TEST(View, PixelsOfAMetreAheadAreThePinholeFormula) {
 
 TEST(View, FaultyCamerasAreNamedAndStillGiveFiniteViews) {
   std::vector<Camera> cameras(6);
-  cameras[0].position[1] = std::nanf("");
-  std::memcpy(cameras[1].target, cameras[1].position, sizeof cameras[1].target);
+  cameras[0].eye[1] = std::nanf("");
+  std::memcpy(cameras[1].target, cameras[1].eye, sizeof cameras[1].target);
   cameras[2].vertical_fov_rad = 4.0f;
   cameras[3].viewport_width_px = 0.0f;
   cameras[4].far_m = 0.01f;
@@ -140,8 +140,8 @@ TEST(View, FaultyCamerasAreNamedAndStillGiveFiniteViews) {
   }
   EXPECT_EQ(FindCameraFault(Camera{}), nullptr);
   Camera overhead;  // looking along `up` is no fault: another axis takes its place
-  overhead.position[1] = 9.0f;
-  overhead.position[2] = 0.0f;
+  overhead.eye[1] = 9.0f;
+  overhead.eye[2] = 0.0f;
   EXPECT_EQ(FindCameraFault(overhead), nullptr);
   EXPECT_NEAR(MakeView(overhead).forward[1], -1.0, 1e-6);
 }

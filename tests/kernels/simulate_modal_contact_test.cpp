@@ -98,7 +98,7 @@ float HardnessIn(const ModalLayer& layer, double dt, float hardness, ModalQualit
   LayerParams params;
   params.surface_hardness = hardness;
   const float none[3] = {};
-  return FillLayerBlock(params, {}, float(dt), none, false, 1, 1.0f, true, nullptr, 1.0f,
+  return FillLayerBlock(params, {}, float(dt), none, Air::kLeftOut, 1, 1.0f, true, nullptr, 1.0f,
                         PushRatio(layer, quality, {{dt, dt, dt}}))
       .surface_hardness;
 }
