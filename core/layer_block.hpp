@@ -32,9 +32,9 @@ enum class Air : uint8_t { kLeftOut, kStill, kBlows };
 //  scale         of the character over that of its groom
 //  push_ratio    of the modal solver in this frame (modal_table.hpp); 0: another solver, or none
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
-                          const float gravity[3], Air air, uint32_t strand_count,
-                          float length_max, bool any_strength, const LayerBlock* last,
-                          float scale = 1.0f, double push_ratio = 0.0);
+                          const float gravity[3], Air air, uint32_t strand_count, float length_max,
+                          bool any_strength, const LayerBlock* last, float scale = 1.0f,
+                          double push_ratio = 0.0);
 
 // Of a layer with output = "shells".
 ShellLayerBlock FillShellLayer(const LayerParams& params);

@@ -190,14 +190,14 @@ typedef struct PeltFrame {
   double dt_s;   /* the time that passes in the frame: 1e-6 to 1; or 0: a pause */
   double time_s; /* at its end, 0 or later: where the wind is in its course */
   /* The camera: world space, right-handed, metres. */
-  float eye[3];           /* where it is */
-  float target[3];        /* a place that it looks at, at any distance but 0 */
-  float up[3];            /* upwards in the picture, of any length */
-  float vertical_fov_rad; /* whole angle, in (0, pi) */
+  float eye[3];                                /* where it is */
+  float target[3];                             /* a place that it looks at, at any distance but 0 */
+  float up[3];                                 /* upwards in the picture, of any length */
+  float vertical_fov_rad;                      /* whole angle, in (0, pi) */
   float viewport_width_px, viewport_height_px; /* from 1 on */
-  float near_m, far_m; /* in front of the eye, from 1e-4 on; beyond near_m */
-  float gravity[3];    /* m/s^2 */
-  float wind_velocity[3]; /* mean of the air over time, m/s */
+  float near_m, far_m;      /* in front of the eye, from 1e-4 on; beyond near_m */
+  float gravity[3];         /* m/s^2 */
+  float wind_velocity[3];   /* mean of the air over time, m/s */
   float gust_strength;      /* 0.5: gusts swing the velocity by up to half of it */
   float gust_period_s;      /* of the slowest sine; from 1e-3 on */
   float turbulence;         /* most that an eddy adds along an axis, m/s */

@@ -29,11 +29,16 @@ struct Golden {
   std::optional<Solver> original = {};  // the original's, instead of the setup's
 };
 constexpr Golden kGoldens[] = {
-    {"tiny", "tiny", 20},         {"tiny.lod", "tiny", 20, 400},
-    {"monster", "monster", 10},   {"monster.pbd", "monster", 10, 0, Solver::kPbd},
-    {"eyepet", "eyepet", 10},     {"eyepet.verlet", "eyepet", 10, 0, Solver::kVerlet},
-    {"cast", "cast", 3},          {"cast.pbd", "cast", 3, 0, Solver::kPbd},
-    {"scorpion", "scorpion", 10}, {"everything", "everything", 25},
+    {"tiny", "tiny", 20},
+    {"tiny.lod", "tiny", 20, 400},
+    {"monster", "monster", 10},
+    {"monster.pbd", "monster", 10, 0, Solver::kPbd},
+    {"eyepet", "eyepet", 10},
+    {"eyepet.verlet", "eyepet", 10, 0, Solver::kVerlet},
+    {"cast", "cast", 3},
+    {"cast.pbd", "cast", 3, 0, Solver::kPbd},
+    {"scorpion", "scorpion", 10},
+    {"everything", "everything", 25},
     {"everything.lod", "everything", 22, 600},
 };
 

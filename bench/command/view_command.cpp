@@ -17,7 +17,8 @@ namespace {
 std::string CommandOf(const ScenarioRequest& request) {
   std::string command = "pelt run";
   for (const auto& [option, value] : RequestOptions(request))
-    command += value.empty() ? fmt::format(" --{}", option) : fmt::format(" --{} {}", option, value);
+    command +=
+        value.empty() ? fmt::format(" --{}", option) : fmt::format(" --{} {}", option, value);
   return command + " --frames FRAMES";
 }
 

@@ -16,12 +16,10 @@ struct TextRow {
   std::string_view key;
   std::string ScenarioRequest::*member;
 };
-constexpr TextRow kTexts[] = {{"scene", &ScenarioRequest::scene},
-                              {"character", &ScenarioRequest::character},
-                              {"setup", &ScenarioRequest::setup},
-                              {"groom", &ScenarioRequest::groom},
-                              {"clip", &ScenarioRequest::clip},
-                              {"lights", &ScenarioRequest::lights}};
+constexpr TextRow kTexts[] = {
+    {"scene", &ScenarioRequest::scene}, {"character", &ScenarioRequest::character},
+    {"setup", &ScenarioRequest::setup}, {"groom", &ScenarioRequest::groom},
+    {"clip", &ScenarioRequest::clip},   {"lights", &ScenarioRequest::lights}};
 
 // Calls visit(member, row) for those that are a layer's words.
 void ForEachWord(ScenarioRequest& request, const auto& visit) {

@@ -262,12 +262,9 @@ struct BuiltInScene {
   std::string_view name;
   Scenario (*make)(const ScenarioRequest& request, const LoadProgress& progress);
 };
-constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster},
-                                    {"cast", MakeCast},
-                                    {"eyepet", MakeEyePet},
-                                    {"scorpion", MakeScorpion},
-                                    {"tiny", MakeTiny},
-                                    {"everything", MakeEverything}};
+constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster}, {"cast", MakeCast},
+                                    {"eyepet", MakeEyePet},   {"scorpion", MakeScorpion},
+                                    {"tiny", MakeTiny},       {"everything", MakeEverything}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;

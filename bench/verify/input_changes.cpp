@@ -295,8 +295,8 @@ void AddWind(std::vector<InputChange>& changes) {
 void AddEye(std::vector<InputChange>& changes) {
   const auto along_z = [](FrameInput& in) {
     Camera& c = in.camera;
-    const float distance = std::hypot(c.eye[0] - c.target[0], c.eye[1] - c.target[1],
-                                      c.eye[2] - c.target[2]);
+    const float distance =
+        std::hypot(c.eye[0] - c.target[0], c.eye[1] - c.target[1], c.eye[2] - c.target[2]);
     for (int i = 0; i < 3; ++i) {
       c.eye[i] = c.target[i] + (i == 2 ? distance : 0.0f);
       c.up[i] = i == 1 ? 1.0f : 0.0f;

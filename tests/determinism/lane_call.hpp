@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "core/float_environment.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/random.hpp"
 #include "core/streams.hpp"
-#include "core/float_environment.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt::testing {

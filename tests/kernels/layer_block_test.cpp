@@ -61,7 +61,8 @@ TEST(LayerBlock, EveryKindHasItsFlag) {
   params.clump = 0.5f;
   params.backface_cull = false;
   params.wind_response = 0.0f;
-  const LayerBlock b = FillLayerBlock(params, {}, 0.01f, kGravity, Air::kBlows, 1, 0.1f, false, nullptr);
+  const LayerBlock b =
+      FillLayerBlock(params, {}, 0.01f, kGravity, Air::kBlows, 1, 0.1f, false, nullptr);
   EXPECT_EQ(b.flags, uint32_t(kLayerFivePoints | kLayerVerlet | kLayerRibbons | kLayerClump));
 }
 

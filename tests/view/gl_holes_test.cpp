@@ -23,12 +23,11 @@ Scenario HolesScenario(bool holes) {
         rgba.push_back(uint8_t(channel));
   Character& character = scenario.characters[scenario.actors[0].character];
   character.images = {EncodePng(rgba, kBaldSide, kBaldSide, 4)};
-  character.mesh.looks.assign(character.mesh.materials.size(),
-                              {.stated = true,
-                               .unlit = true,
-                               .image = 0,
-                               .alpha_cutoff = holes ? 0.5f : 0.0f,
-                               .alpha_image = 0});
+  character.mesh.looks.assign(character.mesh.materials.size(), {.stated = true,
+                                                                .unlit = true,
+                                                                .image = 0,
+                                                                .alpha_cutoff = holes ? 0.5f : 0.0f,
+                                                                .alpha_image = 0});
   FurSetup& setup = scenario.setups[0];
   setup.layers[0].mask.bald.map = nullptr;
   const float scale = scenario.actors[0].unit_scale;
