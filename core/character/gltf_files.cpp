@@ -181,7 +181,8 @@ std::vector<unsigned char> ReadData(std::string_view uri, std::string& fault) {
 }
 
 bool LeavesFolder(const std::string& path) {
-  if (path.starts_with('/') || path.starts_with('\\') || path.find(':') != path.npos) return true;
+  if (path.starts_with('/') || path.starts_with('\\')) return true;
+  if (path.find(':') != path.npos || path.find('\0') != path.npos) return true;
   for (size_t at = 0; at <= path.size();) {
     const size_t end = std::min(path.find_first_of("/\\", at), path.size());
     if (path.substr(at, end - at) == "..") return true;
