@@ -138,6 +138,7 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
 void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,
               const Projection& projection, Canvas& canvas) {
   const BodyPainter painter(body, look, sun, projection);
+  canvas.BeginShells();  // skin with holes is drawn as shell 0
   for (uint32_t t = 0; t < body.character->mesh.triangles.size(); ++t) painter.Draw(t, canvas);
   for (const Eye& eye : body.eyes) DrawEye(eye, look.light, look.hair, projection, canvas);
 }
