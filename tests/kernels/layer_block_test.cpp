@@ -31,7 +31,7 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
   LayerParams params;
   const LayerBlock b = Fill(params, {});
   EXPECT_EQ(b.flags, uint32_t(kLayerEnabled | kLayerVertexChains | kLayerBackFaceCull | kLayerWind |
-                              kLayerSimulate | kLayerModal));
+                              kLayerBlows | kLayerSimulate | kLayerModal));
   EXPECT_EQ(b.gravity[1], -9.81f);
   EXPECT_EQ(b.scale, 1.0f);
   EXPECT_EQ(b.shrink, 1.0f);
