@@ -38,9 +38,10 @@ float ShareOfDepth(float hardness, double push_ratio) {
 }
 
 // `changed` itself is not compared, nor what only says that lights changed, that brushes came, or
-// what is known of the roots.
+// what is known of the roots, or that still air is computed.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
-  constexpr uint32_t kOfOthers = kLayerRelight | kLayerBrushed | kLayerRates | kLayerRatesGiven;
+  constexpr uint32_t kOfOthers =
+      kLayerRelight | kLayerBrushed | kLayerRates | kLayerRatesGiven | kLayerWind;
   LayerBlock x = a, y = b;
   x.changed = y.changed = 0;
   x.frame_ratio = y.frame_ratio = 0.0f;

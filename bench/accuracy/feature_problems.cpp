@@ -45,7 +45,7 @@ std::vector<FeatureProblem> FeatureProblems(int links) {
   // than one place to go, and the reference itself does not converge.
   const auto curled = Tuft(links, side, 0.3, links == 3 ? 1.56 : 1.04);
   const auto straight = Tuft(links, side, 0.3, 0.1), leaning = Tuft(links, down, 0.2, 0.1);
-  const double ground = 0.085;  // below the lowest root of the walk, m
+  const double ground = 0.085;  // below the root, m; the walk's lowest dip 3 mm under it
   const auto surface = [](ModalFeatures& f) { f.surface_hardness = 1.0f; };
   const auto on_ground = [=](ModalFeatures& f) { f.use_ground = true, f.ground_offset = ground; };
   const auto to_and_fro = [](ModalFeatures& f) {

@@ -48,9 +48,11 @@ TEST(VerifyDigests, AnItemOrALaneLeftOutIsFound) {
       if (stream != StreamOf<&Streams::roots>) return scene.DigestStream(stream);
       Digest digest;
       const uint32_t items = scene.shape().chunk_count;
-      for (uint32_t c = 0; c < (lane ? items : items - 1); ++c)
+      for (uint32_t c = 0; c < (lane ? items : items - 1); ++c) {
+        const uint32_t live = scene.LiveLanes(stream, c);
         AddBlock(digest, DescribeStream(stream), scene.memory().Block(stream, c),
-                 scene.LiveLanes(stream, c) - (lane ? 1 : 0));
+                 lane && live > 0 ? live - 1 : live);
+      }
       return digest.Value();
     };
   };
