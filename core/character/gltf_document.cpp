@@ -14,6 +14,7 @@
 #include "core/character/gltf_json.hpp"
 #include "core/character/gltf_look.hpp"
 #include "core/error.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/printable.hpp"
 

@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/float_environment.hpp"
+#include "core/float_rules.hpp"
 #include "core/format.hpp"
 
 namespace pelt {

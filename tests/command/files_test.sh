@@ -33,7 +33,7 @@ base_of() {
 extension_of() {
   case $1 in
     --out) [ "$2" = show ] && echo .toml || echo .out ;;
-    --picture | --animation | --steps | --flow-map | --height-field) echo .png ;;
+    --picture | --animation | --steps | --flow-map | --height-field | --uv-template) echo .png ;;
     *) echo .out ;;
   esac
 }
@@ -198,7 +198,7 @@ check_inputs() {
   printf '[lights.sun]\ncolour = [1, 1, 1]\n' >lights.toml
   check_input run --lights lights.toml run --scene tiny --frames 1 --lights ./in
   cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" some.glb
-  check_input show character some.glb show in
+  check_input show character some.glb show ./in
   check_input 'trace replay' file tiny.peltinput trace replay in
   check_input 'trace show' file tiny.peltinput trace show in
   check_input diff left tiny.groom diff in tiny.groom
