@@ -176,7 +176,7 @@ Subcommand SetUpStress(CLI::App& root) {
       "  pelt stress --quick --solvers modal-best,pbd --links 3\n"
       "  pelt stress --quick --solvers modal-best,xpbd-8 --links 4 --rates 15,240 --json "
       "stress.json\n"
-      "  pelt stress --quick --links 8 --rates 60");
+      "  pelt stress --quick --solvers modal --links 8 --rates 60");
   return {app, [] {}, [kept] { return StressSolvers(*kept); }};
 }
 

@@ -101,12 +101,12 @@ check_meant() {
   expect 2 "did you mean 'simulate_pbd_4'?" -- timing --kernel simulat_pbd_4
   expect 2 "did you mean 'threads'?" -- conformance --door thread
   expect 2 "did you mean 'stiff'?" -- accuracy --quick --presets stif
-  expect 1 "did you mean 'modal'?" -- stress --quick --solvers modla
-  expect 1 "did you mean 'scorpion'?" -- run --setup scorpoin
-  expect 1 "did you mean 'lamps'?" -- run --scene tiny --lights lmaps
-  expect 1 "did you mean 'scorpion'?" -- run --character scorpoin --setup tiny
-  expect 1 "did you mean 'strand5'?" -- bake --setup tiny --flow-map x.png --flow-layer stand5
-  expect 1 "did you mean 'strand5'?" -- run --scene tiny --frames 1 --picture x.png --relief stand5
+  expect 2 "did you mean 'modal'?" -- stress --quick --solvers modla
+  expect 2 "did you mean 'scorpion'?" -- run --setup scorpoin
+  expect 2 "did you mean 'lamps'?" -- run --scene tiny --lights lmaps
+  expect 2 "did you mean 'scorpion'?" -- run --character scorpoin --setup tiny
+  expect 2 "did you mean 'strand5'?" -- bake --setup tiny --flow-map x.png --flow-layer stand5
+  expect 2 "did you mean 'strand5'?" -- run --scene tiny --frames 1 --picture x.png --relief stand5
 }
 
 check_errors() {

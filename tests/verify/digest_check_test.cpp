@@ -49,11 +49,12 @@ TEST(VerifyDigests, AnItemOrALaneLeftOutIsFound) {
       Digest digest;
       uint32_t items = scene.shape().chunk_count;
       const auto block = [&](uint32_t c) { return scene.memory().Block(stream, c); };
-      while (items > 0 && !block(items - 1)) --items;  // layers of shells have none
-      for (uint32_t c = 0; c < (lane ? items : items - 1); ++c) {
-        const uint32_t live = block(c) ? scene.LiveLanes(stream, c) : 0;
-        if (live > 0) AddBlock(digest, DescribeStream(stream), block(c), lane ? live - 1 : live);
-      }
+      // Layers of shells have none, and others may be out of view.
+      const auto live = [&](uint32_t c) { return block(c) ? scene.LiveLanes(stream, c) : 0u; };
+      while (items > 0 && live(items - 1) == 0) --items;
+      for (uint32_t c = 0; c < (lane ? items : items - 1); ++c)
+        if (live(c) > 0)
+          AddBlock(digest, DescribeStream(stream), block(c), live(c) - (lane ? 1 : 0));
       return digest.Value();
     };
   };
