@@ -37,12 +37,11 @@ std::vector<CarriedRun> FindRuns(const StreamDesc& stream) {
     if (row.lane_major) run = {from, 1, 4 * row.element_count, row.lane_count, components, whole};
     if (whole) run = {from, 1, 4 * row.element_count, row.element_count, 1, true};
     CarriedRun* last = runs.empty() ? nullptr : &runs.back();
-    if (!last || last->offset + last->rows * last->step != from) {
-      runs.push_back(run);
-    } else if (whole) {
+    const bool follows = last && last->offset + last->rows * last->step == from;
+    if (follows && whole) {
       last->lanes += run.lanes;
       last->step += run.step;
-    } else if (last->lanes == run.lanes && last->width == 1 && run.width == 1) {
+    } else if (follows && last->lanes == run.lanes && last->width == 1 && run.width == 1) {
       last->rows += run.rows;
     } else {
       runs.push_back(run);
@@ -76,7 +75,8 @@ CarriedState FindCarried(const FrameMemory& memory, const Plan& plan,
 }
 
 uint64_t CarriedState::HeapBytes() const {
-  uint64_t bytes = blocks.capacity() * sizeof(CarriedBlock) + runs.capacity() * sizeof(runs[0]);
+  uint64_t bytes = blocks.capacity() * sizeof(CarriedBlock) +
+                   runs.capacity() * sizeof(std::vector<CarriedRun>);
   for (const auto& of_stream : runs) bytes += of_stream.capacity() * sizeof(CarriedRun);
   return bytes;
 }

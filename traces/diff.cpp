@@ -211,7 +211,7 @@ std::optional<Difference> CompareHeads(const InputLog& a, const InputLog& b) {
   const auto name = [](const InputLog& log) {
     if (log.snapshot.empty()) return std::string("none");
     Digest digest;
-    for (const std::byte b : log.snapshot) digest.Add(uint32_t(b));
+    for (const std::byte byte : log.snapshot) digest.Add(uint32_t(byte));
     return Format("{:016x}", digest.Value());
   };
   return HeadDifference("snapshot", name(a), name(b),
