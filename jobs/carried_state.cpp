@@ -75,8 +75,8 @@ CarriedState FindCarried(const FrameMemory& memory, const Plan& plan,
 }
 
 uint64_t CarriedState::HeapBytes() const {
-  uint64_t bytes = blocks.capacity() * sizeof(CarriedBlock) +
-                   runs.capacity() * sizeof(std::vector<CarriedRun>);
+  uint64_t bytes =
+      blocks.capacity() * sizeof(CarriedBlock) + runs.capacity() * sizeof(std::vector<CarriedRun>);
   for (const auto& of_stream : runs) bytes += of_stream.capacity() * sizeof(CarriedRun);
   return bytes;
 }
