@@ -255,7 +255,7 @@ struct Colliders {
   }
 
   // Shrinks each round shape that a root lies in, the more the deeper, to nothing, and lowers the
-  // ground to as deep beneath a root as that lies beneath the ground. A strand that starts inside
+  // ground to a root beneath it. A strand that starts inside
   // may not be able to get out, and one that is pushed and falls back swings over the shape for
   // ever; so does one whose first link leans on what is next to its root.
   PELT_INLINE void KeepRootsOut() {
@@ -289,7 +289,7 @@ struct Colliders {
 
   // As KeepRootsOut, one shape in any units as seen from the root.
   static PELT_INLINE void LeaveRoot(Plane<W>& plane) {
-    plane.height = plane.height + Max(W(0.0f) - plane.height, W(0.0f)) * W(2.0f);
+    plane.height = plane.height + Max(W(0.0f) - plane.height, W(0.0f));
   }
   template <class Shape>
   static PELT_INLINE void LeaveRoot(Shape& shape) {

@@ -15,9 +15,8 @@ ModalKernels Kernels() { return ModalKernelsOf(BestIsa()); }
 struct Most {
   double error, penetration, fastest = 0.0, best = error;
 };
-// The walk's lowest root dips 7.65 % of a length under the ground, which for it lies as much lower again
-// (Colliders::LeaveRoot).
-constexpr double kGroundDips = 2.0 * 7.65;
+// The walk's lowest root dips so far under the ground, which for it lies as much lower (Colliders::LeaveRoot).
+constexpr double kGroundDips = 7.65;
 const std::map<std::string, Most> kMost = {{"bare", {3.0, 0.0}},
                                            {"surface", {4.0, 0.01}},
                                            {"sphere", {20.0, 0.01}},
