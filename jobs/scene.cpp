@@ -113,6 +113,23 @@ void FurScene::Place(std::span<std::byte> memory) {
   if (options_.origins) memory_.params_step = sizeof(FrameParams);
 }
 
+namespace {
+
+bool SameBytes(const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+// With what lies between members, so that they compare. Says whether something changed.
+template <class Block>
+bool Put(Block& to, const Block& from) {
+  static_assert(std::is_trivially_copyable_v<Block>);
+  const bool changed = !SameBytes(to, from);
+  std::memcpy(&to, &from, sizeof(to));
+  return changed;
+}
+
+}  // namespace
+
+// Nobody sleeps through it. Chunks that changed are taken to have moved; those that get what they have are
+// not, as their strands' clocks go on (modal_end.hpp).
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   uint32_t layer_index = 0, chunk = 0;
   layer_names_.clear();
@@ -135,26 +152,29 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       layer_length_max_.push_back(layer.length_max);
       layer_strands_.push_back(layer.strand_count);
       const bool shells = layer.params.output == Output::kShells;
-      if (shells) *memory_.Of<&Streams::shell_layers>(layer_index) = FillShellLayer(layer.params);
+      const bool layer_changed = shells && Put(*memory_.Of<&Streams::shell_layers>(layer_index),
+                                               FillShellLayer(layer.params));
       for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
-        *memory_.Of<&Streams::mesh>(chunk) = groom.mesh[layer.first_chunk + i];
-        *memory_.Of<&Streams::strands>(chunk) = groom.strands[layer.first_chunk + i];
+        bool changed = layer_changed;
+        changed |= Put(*memory_.Of<&Streams::mesh>(chunk), groom.mesh[layer.first_chunk + i]);
+        changed |= Put(*memory_.Of<&Streams::strands>(chunk), groom.strands[layer.first_chunk + i]);
         if (layer.params.lit && !shells)
-          *memory_.Of<&Streams::strand_uv>(chunk) = groom.strand_uv[layer.first_chunk + i];
+          changed |=
+              Put(*memory_.Of<&Streams::strand_uv>(chunk), groom.strand_uv[layer.first_chunk + i]);
         const bool on_vertices = layer.params.chain == ChainKind::kVertex;
         const float* strength = nullptr;
         bool curled = false;  // of the chains that are simulated
         const auto take = [&](auto& to, const auto& from, bool simulated) {
-          to = from;
+          changed |= Put(to, from);
           strength = to.strength;
           if (simulated && !layer_curled_[layer_index]) curled = HasCurl(to);
         };
         if (on_vertices)
           take(*memory_.Of<&Streams::vertex_rest>(chunk), groom.vertex_rest[vertex_rest++], true);
         if (shells) {
-          *memory_.Of<&Streams::shell_skin>(chunk) = groom.shell_skin[shell_skin++];
+          changed |= Put(*memory_.Of<&Streams::shell_skin>(chunk), groom.shell_skin[shell_skin++]);
           if (layer.params.fins)
-            *memory_.Of<&Streams::fin_edges>(chunk) = groom.fin_edges[fin_edges++];
+            changed |= Put(*memory_.Of<&Streams::fin_edges>(chunk), groom.fin_edges[fin_edges++]);
         } else {
           WithPoints(layer.params.points, [&]<uint32_t kPoints> {
             take(*memory_.Of<ChainStreams<kPoints, false>::kRest>(chunk),
@@ -163,7 +183,10 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
         }
         layer_curled_[layer_index] |= curled;
         if (layer.params.sag_free)
-          *memory_.Of<&Streams::rest_down>(chunk) = groom.rest_down[rest_down++];
+          changed |= Put(*memory_.Of<&Streams::rest_down>(chunk), groom.rest_down[rest_down++]);
+        ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(chunk);
+        state.state_changed = 1;
+        if (changed) state.moved = 1;
         layer_simulates_[layer_index] |=
             std::any_of(strength, strength + kStrandsPerChunk, [](float s) { return s > 0.0f; });
       }
@@ -241,8 +264,6 @@ bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
 
 namespace {
 
-bool SameBytes(const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
-
 // What follows from where strands stand on the skin.
 bool SameRoots(const StrandBlock& a, const StrandBlock& b) {
   return SameBytes(a.bary, b.bary) && SameBytes(a.vertex, b.vertex) &&
@@ -278,11 +299,6 @@ bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** 
                   why);
   CopyGrooms(grooms);
   pose_gate_.TakeUnitScales(grooms);
-  // Nobody sleeps through it, and what is skinned is taken to have moved.
-  for (uint32_t c = 0; c < shape().chunk_count; ++c) {
-    ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(c);
-    state.state_changed = state.moved = 1;
-  }
   return true;
 }
 

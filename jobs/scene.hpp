@@ -250,7 +250,7 @@ class FurScene {
   void FillParams(uint32_t s, const FrameInput& told, const FrameInput& input, Air air);
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, Air air);
-  ModalQuality LayerQuality(uint32_t layer, float allowed_px) const;
+  ModalQuality LayerQuality(uint32_t layer, const FrameInput& input) const;
   // Calls fill(s, input) for each set, with the input as it is told there.
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;

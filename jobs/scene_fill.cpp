@@ -168,10 +168,9 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
     if (kind & kLayerModal) {
       WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
         auto* tables = memory_.Of<ChainStreams<kPoints, false>::kTable>(0);
-        table_changed =
-            modal_[l].Advance(LayerRod(layer_params_[l], weather, layer_curled_[l] != 0),
-                              LayerQuality(l, input.lod.fast_quality_px), dt_s, rates,
-                              {modal_.data(), l}, tables, tables + l);
+        table_changed = modal_[l].Advance(
+            LayerRod(layer_params_[l], weather, layer_curled_[l] != 0), LayerQuality(l, input),
+            dt_s, rates, {modal_.data(), l}, tables, tables + l);
       });
       push_ratio = modal_[l].push_ratio();
     }
@@ -193,14 +192,18 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
   }
 }
 
-// By what the last frame showed of it: the box of this one comes with its poses, in the frame.
-ModalQuality FurScene::LayerQuality(uint32_t layer, float allowed_px) const {
+// As this frame's eye sees last frame's box: that of this one comes with its poses, in the frame. Of the last
+// eye nothing is asked, or a pause's would change what comes after it.
+ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const {
   const ModalQuality asked = layer_params_[layer].quality;
   if (first_frame_) return asked;
-  return QualityOnScreen(asked, modal_[layer].quality(), params_[SetOf(layer)].select_lod.view,
-                         *memory_.Of<&Streams::bounds>(layer),
+  const uint32_t set = SetOf(layer);
+  View view = ViewFrom(set, in);
+  if (!origins_.empty())
+    for (int k = 0; k < 3; ++k) view.eye[k] = view.eye[k] + origins_[set].shift[k];
+  return QualityOnScreen(asked, modal_[layer].quality(), view, *memory_.Of<&Streams::bounds>(layer),
                          scales_[shape().layer_character[layer]] * layer_length_max_[layer],
-                         allowed_px);
+                         in.lod.fast_quality_px);
 }
 
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.

@@ -130,6 +130,25 @@ TEST(Pause, FollowsTheView) {
   }
 }
 
+// Which layers are simulated in `fast` follows the eye of frames: not that of pauses between them.
+TEST(Pause, FromFarAwayIsNoReasonToBeLessExact) {
+  Scenario scenario = TinyScenario();
+  scenario.base.lod.fast_quality_px = 0.01f;
+  RunningScenario looking(scenario, OptionsFor(BestIsa())), plain(scenario, OptionsFor(BestIsa()));
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 10; ++f) {
+    for (RunningScenario* running : {&looking, &plain}) {
+      running->Begin(f, {}, scenario.base.lod);
+      serial.Run(running->scene().CurrentFrame());
+    }
+    ASSERT_EQ(looking.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
+    FrameInput far = PausedInput(scenario, f, looking.scene());
+    far.camera.eye[2] += 1000.0f;
+    ASSERT_EQ(BeginError(looking.scene(), far), "");
+    serial.Run(looking.scene().CurrentFrame());
+  }
+}
+
 TEST(Pause, AsTheFirstFrameShowsTheGroom) {
   Scenario scenario = TinyScenario();
   RunningScenario paused(scenario, OptionsFor(BestIsa()));

@@ -101,6 +101,27 @@ TEST(ReplaceGrooms, EveryLayerParameter) {
   EXPECT_GT(accepted, 30u);
 }
 
+// Among them those that are kept because they would never rest: their clocks go on.
+TEST(ReplaceGrooms, TheSameOnesChangeNoBit) {
+  Scenario scenario = RestingScenario(6);
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
+      if (layer.params.solver == Solver::kModal) layer.params.friction = 0.4f;
+  RunningScenario replaced(scenario, {}), plain(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 150; ++f) {
+    for (RunningScenario* running : {&replaced, &plain}) {
+      FrameInput input = scenario.PrepareFrame(f, running->scene());
+      input.ground[3] = -0.05f;
+      ASSERT_EQ(BeginError(running->scene(), input), "");
+      serial.Run(running->scene().CurrentFrame());
+    }
+    ASSERT_EQ(replaced.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
+    if (f % 7 < 6) continue;
+    ASSERT_TRUE(replaced.scene().ReplaceGrooms(scenario.ActorGrooms()));
+  }
+}
+
 TEST(ReplaceGrooms, TheUnitScale) {
   EXPECT_TRUE(TryChange("unit_scale", [](Groom& groom) { groom.unit_scale *= 0.5f; }));
 }
