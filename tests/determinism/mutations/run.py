@@ -16,6 +16,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -35,7 +36,7 @@ VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "5", "--stop-at
 SHORT_VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "2", "--isa", "avx2", "--no-skips",
                 "--stop-at-failure"]
 GOLDEN = [["bench/pelt", "golden", "--check", "{root}/traces/golden", "--scene", s]
-          for s in ("tiny", "eyepet", "monster", "cast")]
+          for s in ("tiny", "everything", "eyepet", "monster", "cast")]
 # Test programs of the rooms a file belongs to, the likeliest first.
 TESTS = {
     "core/kernels/": ["kernels", "jobs", "determinism"],
@@ -47,6 +48,8 @@ TESTS = {
     "traces/": ["traces", "jobs", "determinism"],
     "bench/": ["command"],
 }
+# Reads the sources, where all mutants stand.
+WITHOUT = "-Lanes.EveryQuestionToAGroupIsListed"
 PROGRAMS = sorted({p for programs in TESTS.values() for p in programs})
 # A mutant may hang: it is given what the unmutated copy took, many times over.
 PATIENCE, LEAST_S = 4, 60
@@ -113,7 +116,7 @@ class Bench:
         reached = self.work / "reached"
         environment = dict(os.environ, PELT_MUTATION=str(number), PELT_MUTATION_REACHED=str(reached),
                            TMPDIR=str(self.work), TEST_TMPDIR=str(self.work))
-        limit = self.limits.get(name, 3600.0)
+        limit = self.limits.get(name, 3600.0) if number else 3600.0
         start = time.monotonic()
         process = subprocess.Popen(words, cwd=self.work, env=environment, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, start_new_session=True)
@@ -142,7 +145,7 @@ class Bench:
                 return line[:200]
         return f"exit {code}"
 
-    def steps(self, detector, programs, area):
+    def steps(self, detector, programs, area, files):
         if detector == "verify":
             words = SHORT_VERIFY if area == "other" else VERIFY
             return [("verify", [str(self.binary / words[0]), *words[1:]])]
@@ -151,17 +154,20 @@ class Bench:
                     for g in GOLDEN]
         if detector != "tests":
             programs = [detector]
-        return [(p, [str(self.binary / f"tests/pelt_{name}_test"), "--gtest_fail_fast", "--gtest_brief=1",
+        else:
+            programs = [f"{p}:{tests}" for p in programs for tests in likely_tests(p, files)] + [
+                f"{p}:{WITHOUT}" for p in programs]
+        return [(name, [str(self.binary / f"tests/pelt_{name}_test"), "--gtest_fail_fast", "--gtest_brief=1",
                      *([f"--gtest_filter={tests}"] if tests else [])])
                 for p in programs for name, _, tests in [p.partition(":")]]
 
-    def detect(self, detector, programs, number, area=""):
+    def detect(self, detector, programs, number, area="", files=()):
         total = 0.0
-        for name, words in self.steps(detector, programs, area):
+        for name, words in self.steps(detector, programs, area, files):
             caught, how, seconds = self.command(name, words, number)
             total += seconds
             if number == 0:
-                self.limits[name] = max(LEAST_S, PATIENCE * seconds)
+                self.limits[name] = max(self.limits.get(name, LEAST_S), PATIENCE * seconds)
             if caught:
                 return {"caught": True, "how": f"{name}: {how}" if detector != "verify" else how,
                         "seconds": round(total, 1)}
@@ -172,6 +178,16 @@ class Bench:
         found = path.exists()
         path.unlink(missing_ok=True)
         return found
+
+
+def likely_tests(program, files):
+    """The suites of the test files that share a word of their names with a mutated file: asked before all others."""
+    words = {word for file in files for word in pathlib.Path(file).stem.split("_")}
+    suites = set()
+    for path in (ROOT / "tests" / program).glob("*_test.cpp"):
+        if words & set(path.stem.split("_")[:-1]):
+            suites |= set(re.findall(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),", path.read_text(), re.M))
+    return [":".join(f"{s}.*:*/{s}.*:{s}/*" for s in sorted(suites)) + ":" + WITHOUT] if suites else []
 
 
 def programs_of(mutation):
@@ -214,7 +230,8 @@ def run(args, suite):
             for detector in args.detector or mutation.seen:
                 if (mutation.name, detector) in results:
                     continue
-                result = bench.detect(detector, programs_of(mutation), mutation.number, mutation.area)
+                result = bench.detect(detector, programs_of(mutation), mutation.number, mutation.area,
+                                      [site.file for site in mutation.sites])
                 # A process that crashed or hung did not say so.
                 result["reached"] = bench.reached() or result["caught"]
                 with open(args.results, "a") as file:

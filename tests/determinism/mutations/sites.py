@@ -75,6 +75,8 @@ def read_suite(path: pathlib.Path) -> Suite:
         for site in sites:
             if site.form not in FORMS:
                 raise SiteError(f"{name}: form '{site.form}' is none of {', '.join(FORMS)}")
+            if not is_whole(site):
+                raise SiteError(f"{name}: {site.file}: not a whole {site.form}: {site.at.strip()} or {site.be.strip()}")
             if site.at == site.be:
                 raise SiteError(f"{name}: nothing is changed")
         seen, equivalent = tuple(entry.get("seen", ())), entry.get("equivalent", "")
@@ -83,6 +85,13 @@ def read_suite(path: pathlib.Path) -> Suite:
         suite.mutations.append(Mutation(number, name, entry["area"], sites, seen, equivalent))
     suite.helpers = [Helper(h["file"], h["after"], h["code"]) for h in data.get("helper", [])]
     return suite
+
+
+def is_whole(site: Site) -> bool:
+    """Whether its texts can stand in the form: a suite that does not compile proves nothing."""
+    balanced = all(t.count(a) == t.count(b) for t in (site.at, site.be) for a, b in ("()", "[]", "{}"))
+    ends = {t.rstrip()[-1:] for t in (site.at, site.be)}
+    return balanced and (ends <= {";", "}", ""} if site.form == "statement" else "" not in ends and ";" not in ends)
 
 
 def find_once(text: str, part: str, where: str) -> int:
@@ -131,9 +140,7 @@ def mutate(suite: Suite, root: pathlib.Path) -> dict[str, str]:
         for site in mutation.sites:
             text = read(site.file, mutation.name)
             place = place_of(site, text, mutation.name)
-            form, mutants = groups.setdefault(site.file, {}).setdefault(place, (site.form, []))
-            if form != site.form:
-                raise SiteError(f"{mutation.name}: {site.file}: one site in two forms")
+            mutants = groups.setdefault(site.file, {}).setdefault(place, (site.form, []))[1]
             mutants.append((mutation.number, site.be))
     edits: dict[str, list[tuple[int, int, str, str]]] = {}
     for file, places in groups.items():

@@ -56,7 +56,10 @@ class Sites(unittest.TestCase):
 
     def test_overlaps_and_mistakes_are_refused(self):
         self.assert_refused("overlap", "at = 'a + b'\nbe = '1'", "at = 'a + b;'\nbe = '2;'\nform = 'statement'")
-        self.assert_refused("two forms", "at = 'x = y;'\nbe = ''\nform = 'statement'", "at = 'x = y;'\nbe = '2'")
+        self.assert_refused("not a whole expression", "at = 'x = y;'\nbe = 'x = 0;'")
+        self.assert_refused("not a whole expression", "at = 'a + c'\nbe = ''")
+        self.assert_refused("not a whole expression", "at = 'f()'\nbe = 'f('")
+        self.assert_refused("not a whole statement", "at = 'x = y;'\nbe = 'x = z'\nform = 'statement'")
         self.assert_refused("nothing is changed", "at = 'a + b'\nbe = 'a + b'")
         self.assert_refused("form 'line'", "at = 'a + b'\nbe = 'a'\nform = 'line'")
         with self.assertRaises(sites.SiteError):
