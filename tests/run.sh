@@ -21,7 +21,7 @@ if [ "$what" != one ]; then
   extra=(ccache clang clang-tidy libclang-rt-14-dev pkg-config chromium g++-powerpc-linux-gnu qemu-user openmpi-bin python3
     libegl1 libgl1-mesa-dri lld-14 wasi-libc libc++-16-dev-wasm32 libclang-rt-14-dev-wasm32)
   command -v npm >/dev/null || extra+=(npm)  # Node's own package brings it along, and refuses Debian's
-  if [ "$what" = release ]; then extra+=(g++-{aarch64,powerpc64le,s390x,riscv64,i686}-linux-gnu g++-arm-linux-gnueabihf
+  if [ "$what" = release ]; then extra+=(llvm g++-{aarch64,powerpc64le,s390x,riscv64,i686}-linux-gnu g++-arm-linux-gnueabihf
     g++-mingw-w64-x86-64-posix wine64); fi
 fi
 bash .ci/setup.sh ${extra[@]+"${extra[@]}"}

@@ -185,11 +185,13 @@ Subcommand SetUpVerify(CLI::App& root) {
   app->add_flag("!--no-skips", args.skips, "Leave out the section on skips");
   app->add_flag("--stop-at-failure", args.stop_at_failure,
                 "Run nothing after the first case that fails");
-  app->add_flag("!--no-checks", args.checks,
-                "Leave out the checks of access, waking, culling and digests");
+  CLI::Option* no_checks =
+      app->add_flag("!--no-checks", args.checks,
+                    "Leave out the checks of access, waking, culling, rollback and digests");
   app->add_option("--rollback", args.rollback,
                   "Frames that are gone back at random places, under every executor; 0: none")
       ->check(CLI::Range(0, 1000))
+      ->excludes(no_checks)
       ->capture_default_str();
   app->add_flag("--full", args.every_executor,
                 "Every changed input under every executor, which take turns otherwise");

@@ -249,6 +249,7 @@ check_ignored() {
     expect 2 --workers -- report --scene tiny --executor $executor --workers 2
     expect 2 --workers -- trace replay tiny.peltinput --executor $executor --workers 2
   done
+  expect 2 --rollback -- verify --scene tiny --no-checks --rollback 3
   expect 2 --order-seed -- run --scene tiny --order-seed 3
   expect 2 --picture-width -- run --scene tiny --picture-width 100
   expect 2 --picture-height -- run --scene tiny --picture-height 100
