@@ -114,6 +114,11 @@ TEST(Origins, ThatMoveAreNotSeen) {
       for (GroomLayer& layer : groom.layers)
         if (solver != Solver::kVerlet || layer.params.chain == ChainKind::kStrand)
           layer.params.solver = solver;
+    // As thick as the fur, where hips are: it does not go the origin's way.
+    CapsuleCollider bar;
+    bar.radius = 0.2f;
+    bar.joint = 1;
+    still.capsules = {bar};
     Scenario moving = still;
     moving.origins = true;
     EXPECT_LT(Apart(still, moving, 40, 0.99), 1.0e-5) << int(solver);
@@ -184,6 +189,26 @@ TEST(Origins, ARestingSceneSleepsAgain) {
   std::vector<double> apart;
   AddApart(before, PointsOf(scenario, scene), apart);
   EXPECT_LT(Quantile(apart, 0.99), 1e-4);
+}
+
+// The pose is told as before, so the character goes along with its origin: its fur is dragged after it.
+TEST(Origins, ThatMoveUnderAStillPoseWakeEverybody) {
+  Scenario scenario = RestingScenario(20);
+  RunningScenario run(scenario, WithOrigins());
+  FurScene& scene = run.scene();
+  const auto run_frame = [&](uint32_t f, double at) {
+    const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
+    scene.Origin(0)[0] = at;
+    ASSERT_TRUE(run.TryBegin(input));
+    SerialExecutor().Run(scene.CurrentFrame());
+  };
+  for (uint32_t f = 0; f < 600; ++f) run_frame(f, 0.0);
+  EXPECT_GT(CountAsleep(scene), 10u);
+  // In the frame after, the skin stands still again.
+  for (uint32_t f = 600; f < 602; ++f) {
+    run_frame(f, 0.25);
+    EXPECT_EQ(CountChunks(scene, kChunkSkin | kChunkSimulate), scene.shape().chunk_count) << f;
+  }
 }
 
 // Local stores have the parameters of the right character.
