@@ -146,18 +146,6 @@ struct Course {
   }
 };
 
-Double3 DrawDirection(Random& random) {
-  const double height = random.Uniform(-1.0, 1.0), around = random.Uniform(0.0, kTurn);
-  const double across = std::sqrt(1.0 - height * height);
-  return {across * exact::Cos(around), height, across * exact::Sin(around)};
-}
-
-// A unit vector across `up`, turned about it at random.
-Double3 DrawAcross(Random& random, Double3 up) {
-  const Double3 other = std::abs(up.y) < 0.9 ? Double3{0.0, 1.0, 0.0} : Double3{1.0, 0.0, 0.0};
-  return Unit(TurnAbout(Unit(Cross(up, other)), up, random.Uniform(0.0, kTurn)));
-}
-
 Strand DrawStrand(Random random, int links) {
   constexpr double kDegree = kTurn / 360.0;
   const Double3 out = DrawDirection(random);
@@ -178,6 +166,18 @@ Strand DrawStrand(Random random, int links) {
 }
 
 }  // namespace
+
+Double3 DrawDirection(Random& random) {
+  const double height = random.Uniform(-1.0, 1.0), around = random.Uniform(0.0, kTurn);
+  const double across = std::sqrt(1.0 - height * height);
+  return {across * exact::Cos(around), height, across * exact::Sin(around)};
+}
+
+// A unit vector across `up`, turned about it at random.
+Double3 DrawAcross(Random& random, Double3 up) {
+  const Double3 other = std::abs(up.y) < 0.9 ? Double3{0.0, 1.0, 0.0} : Double3{1.0, 0.0, 0.0};
+  return Unit(TurnAbout(Unit(Cross(up, other)), up, random.Uniform(0.0, kTurn)));
+}
 
 BodyMotion DrawMotion(uint64_t seed, int index) {
   const Course course{

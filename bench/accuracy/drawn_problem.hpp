@@ -16,6 +16,7 @@
 #pragma once
 
 #include "bench/accuracy/chain_problem.hpp"
+#include "core/random.hpp"
 
 namespace pelt::accuracy {
 
@@ -29,5 +30,9 @@ struct DrawnOptions {
 BodyMotion DrawMotion(uint64_t seed, int index);  // kMotionSeconds long; still at its begin
 std::vector<Strand> DrawStrands(int links, int count, uint64_t seed, int motion);
 double DrawLengthScale(uint64_t seed, int motion);
+
+// Evenly over the sphere; across a unit vector, evenly about it.
+Double3 DrawDirection(Random& random);
+Double3 DrawAcross(Random& random, Double3 up);
 
 }  // namespace pelt::accuracy

@@ -1,12 +1,15 @@
-// Dense algebra for matrices of a chain's size, in double: set-up only.
+// Dense algebra for matrices of a strand's size, in double: set-up only.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "bench/accuracy/chain_problem.hpp"
+#include <cstddef>
 
 namespace pelt::accuracy {
+
+template <size_t K>
+using SquareMatrix = std::array<std::array<double, K>, K>;
 
 // a := a^-1 b for the leading n columns of `b`, by elimination with row pivots; a is destroyed.
 template <size_t kSize, size_t kColumns>
@@ -32,15 +35,17 @@ bool SolveDense(int n, std::array<std::array<double, kSize>, kSize>& a,
 }
 
 // The inverse of the leading n x n part.
-inline ChainMatrix Inverse(int n, ChainMatrix a) {
-  ChainMatrix b{};
+template <size_t K>
+SquareMatrix<K> Inverse(int n, SquareMatrix<K> a) {
+  SquareMatrix<K> b{};
   for (int i = 0; i < n; ++i) b[i][i] = 1.0;
   SolveDense(n, a, b, n);
   return b;
 }
 
-inline ChainMatrix Product(int n, const ChainMatrix& a, const ChainMatrix& b) {
-  ChainMatrix c{};
+template <size_t K>
+SquareMatrix<K> Product(int n, const SquareMatrix<K>& a, const SquareMatrix<K>& b) {
+  SquareMatrix<K> c{};
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) c[i][j] += a[i][k] * b[k][j];
@@ -52,9 +57,10 @@ inline ChainMatrix Product(int n, const ChainMatrix& a, const ChainMatrix& b) {
 
 // Eigenvalues (ascending) and orthonormal eigenvectors (columns) of a symmetric matrix, by Jacobi's
 // rotations.
-inline void SolveSymmetric(int n, ChainMatrix a, ChainMatrix& vectors,
-                           std::array<double, kMaxLinks>& values) {
-  ChainMatrix v{};
+template <size_t K>
+void SolveSymmetric(int n, SquareMatrix<K> a, SquareMatrix<K>& vectors,
+                    std::array<double, K>& values) {
+  SquareMatrix<K> v{};
   for (int i = 0; i < n; ++i) v[i][i] = 1.0;
   for (int sweep = 0; sweep < 60; ++sweep) {
     for (int p = 0; p < n; ++p)
@@ -80,7 +86,7 @@ inline void SolveSymmetric(int n, ChainMatrix a, ChainMatrix& vectors,
       }
   }
   // Into ascending order, by selection.
-  bool taken[kMaxLinks] = {};
+  bool taken[K] = {};
   for (int m = 0; m < n; ++m) {
     int least = -1;
     for (int i = 0; i < n; ++i)
@@ -92,23 +98,24 @@ inline void SolveSymmetric(int n, ChainMatrix a, ChainMatrix& vectors,
 }
 
 // K phi = omega^2 M phi with Phi^T M Phi = 1, M positive definite (through its Cholesky factor).
-inline void SolveModes(int n, const ChainMatrix& mass, const ChainMatrix& stiffness,
-                       ChainMatrix& modes, std::array<double, kMaxLinks>& squares) {
-  ChainMatrix lower{};
+template <size_t K>
+void SolveModes(int n, const SquareMatrix<K>& mass, const SquareMatrix<K>& stiffness,
+                SquareMatrix<K>& modes, std::array<double, K>& squares) {
+  SquareMatrix<K> lower{};
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {
       double s = mass[i][j];
       for (int k = 0; k < j; ++k) s -= lower[i][k] * lower[j][k];
       lower[i][j] = i == j ? std::sqrt(s) : s / lower[j][j];
     }
-  const ChainMatrix inverse = Inverse(n, lower);
-  ChainMatrix transposed{};
+  const SquareMatrix<K> inverse = Inverse(n, lower);
+  SquareMatrix<K> transposed{};
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) transposed[i][j] = inverse[j][i];
-  ChainMatrix a = Product(n, Product(n, inverse, stiffness), transposed);
+  SquareMatrix<K> a = Product(n, Product(n, inverse, stiffness), transposed);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < i; ++j) a[i][j] = a[j][i] = 0.5 * (a[i][j] + a[j][i]);
-  ChainMatrix vectors{};
+  SquareMatrix<K> vectors{};
   SolveSymmetric(n, a, vectors, squares);
   modes = Product(n, transposed, vectors);
 }

@@ -52,12 +52,11 @@ WorkPrecisionOptions OptionsOf(const AccuracyArgs& args) {
 ModelErrorOptions ModelOptionsOf(const WorkPrecisionOptions& options) {
   ModelErrorOptions model;
   model.presets = options.presets;
-  model.drawn.seed = options.seed;
+  model.seed = options.seed;
   model.isa = options.isa;
   if (options.quick) {
-    model.links = {3, 4};
-    model.drawn.motions = 1;
-    model.strands = 1;
+    model.families = {MotionFamily::kEveryday};
+    model.problems = 1;
     model.seconds = 1.5;
   }
   return model;

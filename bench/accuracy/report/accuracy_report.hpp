@@ -20,7 +20,7 @@ inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 2";
 struct AccuracyReport {
   accuracy::WorkPrecision table;
   accuracy::ModelErrorOptions model_options;
-  std::vector<accuracy::ModelErrorRow> model_error;
+  accuracy::ModelErrorTable model_error;
   accuracy::QuantisationOptions quantisation_options;
   std::vector<accuracy::QuantisationRow> quantisation;
   std::vector<accuracy::CantileverRow> cantilever;
