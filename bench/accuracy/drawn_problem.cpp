@@ -151,8 +151,9 @@ Strand DrawStrand(Random random, int links) {
   const Double3 out = DrawDirection(random);
   Strand strand;
   strand.root = out * random.Uniform(0.05, 0.15);
-  Double3 direction =
-      Unit(TurnAbout(out, DrawAcross(random, out), random.Uniform(0.0, 70.0) * kDegree));
+  // A draw a statement: in which order arguments are drawn is the compiler's.
+  const double lean = random.Uniform(0.0, 70.0) * kDegree;
+  Double3 direction = Unit(TurnAbout(out, DrawAcross(random, out), lean));
   Double3 axis = DrawAcross(random, direction);
   const double share = links > 4 ? 4.0 / links : 1.0;
   const double curl = share * random.Uniform(7.0, 22.0) * kDegree,

@@ -215,7 +215,9 @@ RestCurve DrawRest(Random random) {
   const Double3 out = DrawDirection(random);
   RestCurve rest;
   rest.root = out * random.Uniform(0.05, 0.15);
-  rest.tangent = Unit(TurnAbout(out, DrawAcross(random, out), random.Uniform(0.0, 50.0) * kDegree));
+  // A draw a statement: in which order arguments are drawn is the compiler's.
+  const double from_skin = random.Uniform(0.0, 50.0) * kDegree;
+  rest.tangent = Unit(TurnAbout(out, DrawAcross(random, out), from_skin));
   const double lean = random.Uniform(-0.5, 0.5);
   rest.axis = Unit(DrawAcross(random, rest.tangent) + rest.tangent * lean);
   rest.turn = random.Uniform(21.0, 66.0) * kDegree;

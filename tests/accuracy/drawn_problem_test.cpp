@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bench/accuracy/error_metric.hpp"
+#include "bench/accuracy/rod_problem.hpp"
 #include "bench/accuracy/shipped_layer.hpp"
 
 namespace pelt::accuracy {
@@ -51,6 +52,16 @@ TEST(DrawnMotion, IsOfItsSeedAlone) {
   EXPECT_EQ(Length(place(3, 2) - place(3, 2)), 0.0);
   EXPECT_GT(Length(place(3, 2) - place(3, 1)), 1e-3);
   EXPECT_GT(Length(place(3, 2) - place(4, 2)), 1e-3);
+}
+
+// Figures of one compiler's program are those of another's.
+TEST(DrawnStrands, AreTheSameFromEveryCompiler) {
+  const Double3 tip = DrawStrands(4, 1, 5, 0)[0].rest[3];
+  EXPECT_NEAR(tip.x, -0.3359491028454124, 1e-12);
+  EXPECT_NEAR(tip.y, -0.1110881576364384, 1e-12);
+  const Double3 tangent = DrawRodProblem(MotionFamily::kEveryday, 5, 0).rest.TangentAt(1.0);
+  EXPECT_NEAR(tangent.x, 0.8553959869467994, 1e-12);
+  EXPECT_NEAR(tangent.y, -0.3792785577668916, 1e-12);
 }
 
 TEST(DrawnStrands, StandWithinTheirBounds) {

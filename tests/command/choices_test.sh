@@ -79,7 +79,7 @@ check_solvers() {
         [ -s out.txt ] || fail "$name does not run $links links: $(cat err.txt)"
       else
         grep -q "strand8.toml.*not of 8" err.txt || fail "$name, 8 links: $(cat out.txt err.txt)"
-        expect 1 "--solvers $name" 'not of 8' -- stress --quick --solvers "$name" --links 8
+        expect 2 "--solvers" 'not of 8' -- stress --quick --solvers "$name" --links 8
       fi
     done
   done

@@ -93,7 +93,7 @@ TEST(PaintStrands, IsWhatBruteForceGives) {
       near_half += is_near_half;
     }
   }
-  EXPECT_GT(met, 3000u);
+  EXPECT_GT(met, 20u * kStrandsPerChunk);
   EXPECT_LT(near_half, met / 20);
 }
 

@@ -258,8 +258,8 @@ TEST(SimulateModalContact, WhatAFastSphereMissesKeepsItsBits) {
     missed += beside && std::fabs(with->roots.position[1][lane]) < kBall + kStrand;
     struck += !same;
   }
-  EXPECT_GT(missed, 20);
-  EXPECT_GT(struck, 20);
+  EXPECT_GT(missed, int(kStrandsPerChunk) / 8);
+  EXPECT_GT(struck, int(kStrandsPerChunk) / 8);
 }
 
 }  // namespace
