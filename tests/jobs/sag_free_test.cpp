@@ -2,6 +2,8 @@
 // they hold their groom: tests/accuracy/resting_layers_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/groom/groom_file.hpp"
@@ -72,6 +74,47 @@ TEST(SagFree, GroomsKeepWhichWayWasDown) {
   Groom fewer = groom;
   fewer.rest_down.pop_back();
   EXPECT_NE(FindGroomFault(fewer, "g").find("where the layers need"), std::string::npos);
+}
+
+// Of the layers that stand on the chains of the mesh's vertices: every point of every strand.
+std::vector<float> PointsOnVertices(const FurScene& scene) {
+  std::vector<float> all;
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    const uint32_t kind = scene.shape().layer_kind[scene.shape().chunk_layer[c]];
+    if (!(kind & kLayerSagFree) || !(kind & kLayerVertexChains)) continue;
+    const auto& points = *scene.memory().Of<&Streams::strand_points4>(c);
+    const uint32_t live = scene.memory().Of<&Streams::chunk_state>(c)->live_strands;
+    for (const auto& point : points.position)
+      for (const auto& row : point) all.insert(all.end(), row, row + live);
+  }
+  return all;
+}
+
+// Each is combed otherwise than the chains about it, and stays as it was groomed.
+TEST(SagFree, StrandsBetweenChainsKeepTheirGroom) {
+  Scenario scenario = HeldScenario();
+  for (GroomLayer& layer : scenario.grooms[0].layers)
+    layer.params.clump = layer.params.surface_hardness = 0.0f;
+  scenario.actors[0].clip = scenario.actors[0].teleport_frame = -1;
+  scenario.rest_from_frame = 0;
+  scenario.base.use_ground = false;
+  scenario.spheres.clear();
+  scenario.capsules.clear();
+  scenario.weather_course = {};
+  RunningScenario run(scenario, {});
+  std::vector<float> groom;
+  for (uint32_t f = 0; f < 60; ++f) {
+    run.Begin(f);
+    ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+    if (f == 0) groom = PointsOnVertices(run.scene());
+  }
+  const std::vector<float> now = PointsOnVertices(run.scene());
+  ASSERT_GT(groom.size(), 500u);
+  ASSERT_EQ(now.size(), groom.size());
+  float farthest = 0.0f;
+  for (size_t i = 0; i < now.size(); ++i)
+    farthest = std::max(farthest, std::abs(now[i] - groom[i]));
+  EXPECT_LT(farthest, 1e-4f) << "m";
 }
 
 TEST(SagFree, OnlyTheModalSolverHoldsAGroomUp) {

@@ -103,6 +103,18 @@ TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}, false).frequency_hz, dry_hz * std::sqrt(0.2), 1e-6);
 }
 
+// What holds a sag-free groom up was baked dry: with the water's weight it sags.
+TEST(LayerBlock, ASagFreeGroomIsHeldAgainstItsDryWeight) {
+  LayerParams params;
+  params.sag_free = true;
+  params.weight = 2.0f;
+  params.wet_weight = 3.0f;
+  const LayerBlock dry = Fill(params, {}), wet = Fill(params, {1.0f, 0.0f});
+  EXPECT_FLOAT_EQ(dry.rest_gravity, 9.81f * 2.0f);
+  EXPECT_EQ(wet.rest_gravity, dry.rest_gravity);
+  EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * 2.0f * 3.0f);
+}
+
 TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
   LayerParams params;
   params.dirt_colour = {0.0f, 0.5f, 1.5f};
