@@ -125,6 +125,45 @@ TEST(Origins, ThatMoveAreNotSeen) {
   }
 }
 
+// Of every living strand of a painted layer, by chunk and lane.
+std::vector<uint32_t> PaintOf(const FurScene& scene) {
+  std::vector<uint32_t> all;
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
+    if (const PaintBlock* paint = scene.memory().Of<&Streams::paint>(c))
+      for (uint32_t s = 0; s < scene.memory().Of<&Streams::chunk_state>(c)->live_strands; ++s)
+        all.push_back(paint->amounts[s]);
+  return all;
+}
+
+// Of one strand, the channel that differs most.
+int PaintApart(uint32_t a, uint32_t b) {
+  int most = 0;
+  for (uint32_t channel = 0; channel < kPaintChannels; ++channel)
+    most = std::max(most, std::abs(int(a >> 8 * channel & 255) - int(b >> 8 * channel & 255)));
+  return most;
+}
+
+// Brushes are told from the frame's origin, and hold the strands that are there.
+TEST(Origins, ThatMovePaintTheSameStrands) {
+  Scenario still = Calm(LitScenario()), moving = still;
+  moving.origins = true;
+  RunningScenario first(still, {}), second(moving, {});
+  for (uint32_t f = 0; f < 6; ++f)
+    for (RunningScenario* run : {&first, &second}) {
+      run->Begin(f);
+      ASSERT_EQ(SerialExecutor().Run(run->scene().CurrentFrame()), nullptr);
+    }
+  const std::vector<uint32_t> a = PaintOf(first.scene()), b = PaintOf(second.scene());
+  ASSERT_EQ(a.size(), b.size());
+  size_t painted = 0, apart = 0;
+  for (size_t s = 0; s < a.size(); ++s) {
+    painted += a[s] != 0;
+    apart += PaintApart(a[s], b[s]) > 6;  // each frame rounds
+  }
+  EXPECT_GT(painted, a.size() / 8);
+  EXPECT_EQ(apart, 0u) << "of " << a.size();
+}
+
 // A character of one metre is drawn within a few roundings of one metre, wherever it is.
 TEST(Origins, FarAwayIsAsExactAsAtHome) {
   const Scenario home = Calm(PairScenario());

@@ -332,6 +332,33 @@ TEST(Velocities, ComeInByTheCInterface) {
   pelt_destroy(plain);
 }
 
+// A character whose pose is refused stands still, whatever is said of how it moves: as one that is
+// given its last pose again, and no velocity.
+TEST(Velocities, OfAPoseThatIsHeldDoNotCount) {
+  Scenario scenario = TinyScenario();
+  RunningScenario held(scenario, WithVelocities()), again(scenario, WithVelocities());
+  PoseBlock last{};
+  for (uint32_t f = 0; f < 10; ++f) {
+    const bool refused = f % 4 == 2;
+    const FrameInput input = scenario.PrepareFrame(f, held.scene());
+    ASSERT_NE(held.scene().PoseRates(0)->given, 0u);
+    if (refused) held.scene().Pose(0).root[3] = std::numeric_limits<float>::quiet_NaN();
+    ASSERT_EQ(BeginError(held.scene(), input), "");
+    ASSERT_EQ(held.scene().RefusedPoses().size(), refused ? 1u : 0u);
+    ASSERT_EQ(SerialExecutor().Run(held.scene().CurrentFrame()), nullptr);
+
+    const FrameInput same = scenario.PrepareFrame(f, again.scene());
+    if (refused) again.scene().Pose(0) = last, again.scene().PoseRates(0)->given = 0;
+    last = again.scene().Pose(0);
+    ASSERT_EQ(BeginError(again.scene(), same), "");
+    ASSERT_EQ(SerialExecutor().Run(again.scene().CurrentFrame()), nullptr);
+    for (const Stream points :
+         {StreamOf<&Streams::strand_points4>, StreamOf<&Streams::strand_points5>})
+      ASSERT_EQ(held.scene().DigestStream(points), again.scene().DigestStream(points))
+          << DescribeStream(points).name << ", frame " << f;
+  }
+}
+
 TEST(Velocities, ThatCannotBeUsedRefuseThePoseAndSayWhy) {
   Scenario scenario = TinyScenario();
   RunningScenario run(scenario, WithVelocities());
