@@ -130,6 +130,37 @@ TEST(Pause, FollowsTheView) {
   }
 }
 
+// Layers that are sorted or written again in this frame.
+uint32_t CountRedrawn(const FurScene& scene) {
+  uint32_t count = 0;
+  for (uint32_t l = 0; l < scene.shape().layer_count; ++l) {
+    const auto& sort = *scene.memory().Of<&Streams::layer_sort>(l);
+    count += (sort.keys_changed | sort.records_changed) != 0;
+  }
+  return count;
+}
+
+// What the frame before changed is drawn by then.
+TEST(Pause, FromTheSameEyeDrawsNothingAgain) {
+  Scenario scenario = TinyScenario();
+  RunningScenario running(scenario, OptionsFor(BestIsa()));
+  FurScene& scene = running.scene();
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 4; ++f) {
+    running.Begin(f);
+    serial.Run(scene.CurrentFrame());
+    EXPECT_GT(CountRedrawn(scene), 0u) << "frame " << f;
+    FrameInput paused = PausedInput(scenario, f, scene);
+    ASSERT_EQ(BeginError(scene, paused), "");
+    serial.Run(scene.CurrentFrame());
+    EXPECT_EQ(CountRedrawn(scene), 0u) << "pause after frame " << f;
+    paused.camera.eye[1] += 0.1f;
+    ASSERT_EQ(BeginError(scene, paused), "");
+    serial.Run(scene.CurrentFrame());
+    EXPECT_GT(CountRedrawn(scene), 0u) << "from elsewhere after frame " << f;
+  }
+}
+
 // Which layers are simulated in `fast` follows the eye of frames: not that of pauses between them.
 TEST(Pause, FromFarAwayIsNoReasonToBeLessExact) {
   Scenario scenario = TinyScenario();

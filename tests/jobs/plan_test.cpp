@@ -161,6 +161,14 @@ TEST(Plan, PutsABarrierBetweenScatterAndReader) {
   EXPECT_EQ(PassNames(plan), Names({"scatter_pairs", "read_scattered"}));
 }
 
+// Also where it is not the first of its pass that scatters.
+TEST(Plan, PutsABarrierBehindAnyStageOfAPassThatScatters) {
+  const Plan plan =
+      CompilePlan({Chunk<MakeKeys>(), Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {})
+          .OrThrow();
+  EXPECT_EQ(PassNames(plan), Names({"make_keys scatter_pairs", "read_scattered"}));
+}
+
 TEST(Plan, PutsABarrierBetweenReaderAndScatter) {
   const Plan plan =
       CompilePlan({Chunk<ReadScattered>(), Chunk<ScatterPairs>()}, kShape, {}).OrThrow();

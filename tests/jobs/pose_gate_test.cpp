@@ -152,7 +152,7 @@ std::pair<uint32_t, uint32_t> CountStarts(const FurScene& scene, uint32_t charac
   return {starts, all};
 }
 
-// In which frames character 1 is given a pose that is refused, or is said to teleport; and in which
+// In which frames a character is given a pose that is refused, or is said to teleport; and in which
 // its fur starts from its groom then.
 struct StartCase {
   const char* name;
@@ -164,36 +164,42 @@ const StartCase kStartCases[] = {
     {"a teleport that happened does not happen again", {3, 4}, {2}, {0, 2}},
 };
 
-// The other character starts with the scene and never again; and a scene that takes the state over
-// before any of these frames goes on as the one it is from.
-TEST(PoseGate, FurStartsFromItsGroomWhenAPoseComesThatWasMissed) {
-  const auto holds = [](const std::vector<uint32_t>& frames, uint32_t f) {
-    return std::find(frames.begin(), frames.end(), f) != frames.end();
-  };
-  for (const StartCase& start : kStartCases) {
-    SCOPED_TRACE(start.name);
-    Scenario scenario = PairScenario();
-    RunningScenario running(scenario, {});
-    SerialExecutor serial;
-    for (uint32_t f = 0; f < 7; ++f) {
-      RunningScenario copied(scenario, {});
-      ASSERT_TRUE(copied.scene().CopyStateFrom(running.scene()));
-      for (FurScene* scene : {&running.scene(), &copied.scene()}) {
-        const FrameInput input = Prepare(scenario, f, *scene);
-        scene->Pose(1).teleported = holds(start.teleports, f);
-        if (holds(start.refused, f)) scene->Pose(1).root[0] = kInf;
-        ASSERT_EQ(BeginError(*scene, input), "");
-        ASSERT_EQ(scene->RefusedPoses().size(), holds(start.refused, f) ? 1u : 0u);
-        serial.Run(scene->CurrentFrame());
-      }
-      const auto [starts, all] = CountStarts(running.scene(), 1);
-      EXPECT_GT(all, 0u);
-      EXPECT_EQ(starts, holds(start.starts, f) ? all : 0u) << "frame " << f;
-      const auto [others, all_others] = CountStarts(running.scene(), 0);
-      EXPECT_EQ(others, f == 0 ? all_others : 0u) << "frame " << f;
-      EXPECT_EQ(copied.scene().DigestFrame(), running.scene().DigestFrame()) << "frame " << f;
+bool Holds(const std::vector<uint32_t>& frames, uint32_t f) {
+  return std::find(frames.begin(), frames.end(), f) != frames.end();
+}
+
+// The other character, in front of it or behind it, starts with the scene and never again; and a
+// scene that takes the state over before any of these frames goes on as the one it is from.
+void ExpectStarts(const StartCase& start, uint32_t character) {
+  Scenario scenario = PairScenario();
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 7; ++f) {
+    RunningScenario copied(scenario, {});
+    ASSERT_TRUE(copied.scene().CopyStateFrom(running.scene()));
+    for (FurScene* scene : {&running.scene(), &copied.scene()}) {
+      const FrameInput input = Prepare(scenario, f, *scene);
+      scene->Pose(character).teleported = Holds(start.teleports, f);
+      if (Holds(start.refused, f)) scene->Pose(character).root[0] = kInf;
+      ASSERT_EQ(BeginError(*scene, input), "");
+      ASSERT_EQ(scene->RefusedPoses().size(), Holds(start.refused, f) ? 1u : 0u);
+      serial.Run(scene->CurrentFrame());
     }
+    const auto [starts, all] = CountStarts(running.scene(), character);
+    EXPECT_GT(all, 0u);
+    EXPECT_EQ(starts, Holds(start.starts, f) ? all : 0u) << "frame " << f;
+    const auto [others, all_others] = CountStarts(running.scene(), 1 - character);
+    EXPECT_EQ(others, f == 0 ? all_others : 0u) << "frame " << f;
+    EXPECT_EQ(copied.scene().DigestFrame(), running.scene().DigestFrame()) << "frame " << f;
   }
+}
+
+TEST(PoseGate, FurStartsFromItsGroomWhenAPoseComesThatWasMissed) {
+  for (const uint32_t character : {0u, 1u})
+    for (const StartCase& start : kStartCases) {
+      SCOPED_TRACE(::testing::Message() << start.name << ", character " << character);
+      ExpectStarts(start, character);
+    }
 }
 
 // Scales that cancel along the chain are absurd one by one and harmless together: the bound does
