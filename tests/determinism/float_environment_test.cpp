@@ -130,6 +130,20 @@ TEST(FloatEnvironment, EveryExecutorProtectsItsKernels) {
   EXPECT_EQ(RunFragile(local, true), truth);
 }
 
+// Whichever worker it is: more than the machines have on which executors are tried.
+TEST(FloatEnvironment, EveryWorkersItemsAreProtected) {
+  SerialExecutor serial;
+  const uint64_t truth = RunFragile(serial, false);
+  SyntheticScene scene({{0, 0, 3}});
+  const Plan plan =
+      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {}).OrThrow();
+  const Frame frame{&plan, &scene.memory()};
+  for (uint32_t worker = 0; worker < 256; ++worker) {
+    for (uint32_t chunk = 0; chunk < 3; ++chunk) RunItem(frame, 0, chunk, worker);
+    ASSERT_EQ(scene.DigestOf({StreamOf<&Toys::made>}), truth) << "worker " << worker;
+  }
+}
+
 TEST(FloatEnvironment, UnprotectedTheKernelGivesOtherBits) {
   SerialExecutor serial;
   SyntheticScene scene({{0, 0, 3}});
