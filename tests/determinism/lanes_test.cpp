@@ -115,6 +115,27 @@ void RunScene(uint32_t number, uint32_t frames) {
   }
 }
 
+// Strands on vertices' chains that their weight presses into the skin, some of them: what they keep out
+// of is asked of a group only where no collider is about.
+TEST(Lanes, DependOnThemselvesAloneInTheSkin) {
+  Scenario scenario = LoadScenario(ScenarioRequest{
+      .scene = "tiny",
+      .setup_texts = {
+          "[[layer]]\nname = 'lying'\nsolver = 'modal'\nchain = 'vertex'\nfrequency = 1\n"
+          "density = 60_000\nmax_strands = 600\nlength = { value = 0.05, randomise = 0.5 }\n"
+          "elevation = { value = 20, randomise = 1.0 }\nsurface_hardness = 1\nweight = 2\n"}});
+  scenario.spheres.clear();
+  scenario.base.use_ground = false;
+  RunningScenario running(scenario, OptionsFor(Isa::kReference));
+  LaneExecutor executor(5, "in the skin");
+  for (uint32_t f = 0; f < 6 && !HasFailure(); ++f) {
+    running.Begin(f);
+    executor.Run(running.scene().CurrentFrame());
+  }
+  EXPECT_GT(LaneExecutor::Draws()["interpolate_modal"], 0u);
+  LaneExecutor::Draws().clear();  // the next test counts its own
+}
+
 TEST(Lanes, DependOnThemselvesAlone) {
 #ifdef NDEBUG
   for (uint32_t scene = 0; scene < 6; ++scene) RunScene(scene, 13);
