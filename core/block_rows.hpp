@@ -212,9 +212,9 @@ template <>
 inline constexpr auto kBlockMembers<FinEdgeBlock> = std::tuple{PELT_MEMBER(FinEdgeBlock, owned)};
 template <>
 inline constexpr auto kBlockMembers<FinBlock> = std::tuple{PELT_MEMBER(FinBlock, fade)};
-template <uint32_t N>
-inline constexpr auto kBlockMembers<ModalTableOf<N>> = std::tuple{
-    BlockRecord<ModalTableOf<N>>{"table"}};
+template <>
+inline constexpr auto kBlockMembers<ModalTableBlock> = std::tuple{
+    BlockRecord<ModalTableBlock>{"table"}};
 template <uint32_t N>
 inline constexpr auto kBlockMembers<ModalStateBlock<N>> = std::tuple{
     PELT_MEMBER(ModalStateBlock<N>, direction),

@@ -139,7 +139,8 @@ ShellLayerBlock FillShellLayer(const LayerParams& params) {
   return b;
 }
 
-RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool curled) {
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather, float length_max,
+                     bool curled) {
   const uint32_t links = params.points - 1;
   const double dry =
       params.frequency_hz > 0.0f
@@ -148,8 +149,15 @@ RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool cur
           : FrequencyOfHardness(std::min(links, 4u), Saturate(params.angular_hardness_middle),
                                 Saturate(params.angular_hardness_end), params.iterations);
   const double drag = params.velocity_damping > 0.0f ? double(params.velocity_damping) : 0.0;
-  return {links, dry * std::sqrt(double(StiffnessLeft(params, weather))),
-          double(params.damping_ratio), drag,
+  // Dry: while it rains the nodes must stay what they are.
+  constexpr double kGravity = 9.81;
+  const bool stiff =
+      GammaOf(dry, double(length_max), kGravity * double(params.weight)) < kStiffGamma;
+  return {params.points,
+          dry * std::sqrt(double(StiffnessLeft(params, weather))),
+          double(params.damping_ratio),
+          drag,
+          stiff,
           curled && params.curl_follows == CurlFollows::kParent};
 }
 

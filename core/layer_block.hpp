@@ -42,6 +42,7 @@ ShellLayerBlock FillShellLayer(const LayerParams& params);
 // What the strands of a layer with the modal solver are made of. Wetness takes stiffness. `curled`:
 // some of them rest bent (HasCurl); where none does, both models of a curl are one, and the dear one
 // is left out.
-RodMaterial LayerRod(const LayerParams& params, const Weather& weather, bool curled);
+RodMaterial LayerRod(const LayerParams& params, const Weather& weather, float length_max,
+                     bool curled);
 
 }  // namespace pelt

@@ -96,14 +96,14 @@ struct Streams {
                                                kInEitherOrder,    kRibboned, kOutput};
 
   // Layers with the modal solver: response tables, and the state of their chains.
-  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer,          kInput,
-                                          kAll,           {kModal, kNine}, kState};
-  StreamRow<ModalStateBlock<4>> vertex_modal{
+  StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer,      kInput,
+                                          kAll,           {kModal, 0}, kState};
+  StreamRow<ModalStateBlock<3>> vertex_modal{
       "vertex_modal", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
-  StreamRow<ModalStateBlock<4>> strand_modal4{
+  StreamRow<ModalStateBlock<3>> strand_modal4{
       "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kNine | kLayerVertexChains},
       kState};
-  StreamRow<ModalStateBlock<5>> strand_modal5{"strand_modal5",     kChunk, kValue, kLiveStrands,
+  StreamRow<ModalStateBlock<4>> strand_modal5{"strand_modal5",     kChunk, kValue, kLiveStrands,
                                               {kModal | kFive, 0}, kState};
 
   StreamRow<LineVertexBlock> line_vertices{"line_vertices", kChunk, kValue,
@@ -138,9 +138,7 @@ struct Streams {
   // Of chains of 9 points, which the modal solver alone moves.
   StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kAll, kOf9};
   StreamRow<PointBlock<9>> strand_points9{"strand_points9", kChunk, kValue, kLiveStrands, kOf9};
-  StreamRow<LongModalTableBlock> long_modal_tables{
-      "long_modal_tables", kLayer, kInput, kAll, kOf9, kState};
-  StreamRow<ModalStateBlock<9>> strand_modal9{"strand_modal9", kChunk, kValue,
+  StreamRow<ModalStateBlock<4>> strand_modal9{"strand_modal9", kChunk, kValue,
                                               kLiveStrands,    kOf9,   kState};
   // Of strands that follow modal chains: what bends those.
   StreamRow<LoadBlock> vertex_loads{
@@ -188,7 +186,7 @@ struct ChainStreams<9, false> {
   static constexpr auto kRoots = &Streams::roots;
   static constexpr auto kPosition = &Streams::strand_points9;
   static constexpr auto kModal = &Streams::strand_modal9;
-  static constexpr auto kTable = &Streams::long_modal_tables;
+  static constexpr auto kTable = &Streams::modal_tables;
 };
 
 // What a kernel for strands of so many points is called.

@@ -166,12 +166,10 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
     bool table_changed = false;
     double push_ratio = 0.0;
     if (kind & kLayerModal) {
-      WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
-        auto* tables = memory_.Of<ChainStreams<kPoints, false>::kTable>(0);
-        table_changed = modal_[l].Advance(
-            LayerRod(layer_params_[l], weather, layer_curled_[l] != 0), LayerQuality(l, input),
-            dt_s, rates, {modal_.data(), l}, tables, tables + l);
-      });
+      auto* tables = memory_.Of<&Streams::modal_tables>(0);
+      table_changed = modal_[l].Advance(
+          LayerRod(layer_params_[l], weather, layer_length_max_[l], layer_curled_[l] != 0),
+          LayerQuality(l, input), dt_s, rates, {modal_.data(), l}, tables, tables + l);
       push_ratio = modal_[l].push_ratio();
     }
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, air,

@@ -297,8 +297,6 @@ const char* FurScene::FindStateFault(std::span<const std::byte> from) const {
         return kImpossible;
     } else if (block.stream == StreamOf<&Streams::modal_tables>) {
       if (word(offsetof(ModalTableBlock, substeps) / 4) > kModalSubsteps) return kImpossible;
-    } else if (block.stream == StreamOf<&Streams::long_modal_tables>) {
-      if (word(offsetof(LongModalTableBlock, substeps) / 4) > kModalSubsteps) return kImpossible;
     }
     at += 4 * size_t(block.words);
   }

@@ -89,8 +89,23 @@ ChainMaterial MakeMaterial(const Preset& preset, int links, Coefficients coeffic
   return material;
 }
 
+namespace {
+
+constexpr RodCoefficients kThree = {{3.28087, 0.71400, 5.98435}, {0.72339, 1.45956, 0.31705}};
+constexpr RodCoefficients kFour = {{3.07533, 0.76668, 1.38316, 4.35960},
+                                   {0.69224, 1.27676, 1.15442, 0.37657}};
+constexpr RodCoefficients kEight = {
+    {2.6627, 0.96725, 0.97545, 0.96298, 0.96857, 1.20479, 1.34444, 1.10586},
+    {0.90695, 0.84608, 0.94688, 1.1458, 1.0743, 1.0301, 1.1792, 0.36912}};
+
+}  // namespace
+
+const RodCoefficients& CalibratedCoefficients(int links) {
+  return links == 3 ? kThree : links == 4 ? kFour : kEight;
+}
+
 ChainMaterial CalibratedRod(int links, double length, double bending_stiffness, double density) {
-  const RodCoefficients& coefficients = CalibratedCoefficients(uint32_t(links));
+  const RodCoefficients& coefficients = CalibratedCoefficients(links);
   ChainMaterial material = NaiveRod(links, length, bending_stiffness, density);
   for (int i = 0; i < links; ++i) {
     material.stiffness[i] *= coefficients.stiffness[i];

@@ -36,8 +36,10 @@ UnknownRow Times(size_t n, const UnknownMatrix& a, const UnknownRow& x) {
 
 }  // namespace
 
-CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest)
+CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest,
+                             CurlModel curl)
     : n_(size_t(strand.count)),
+      curl_(curl),
       length_(preset.length),
       drag_(preset.drag),
       damping_(2.0 * preset.damping_ratio / (2.0 * std::numbers::pi * preset.frequency)),
@@ -50,10 +52,43 @@ CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, co
   const double omega = 2.0 * std::numbers::pi * preset.frequency;
   for (auto& row : stiffness_)
     for (double& k : row) k *= omega * omega;
+  rod_ = omega * omega / (kRodFrequency1 * kRodFrequency1);
+  bends_ = strand.bends;
+  for (const BendPlace& place : bends_) {
+    rest_tangent_.push_back(rest.TangentAt(place.s));
+    rest_bend_.push_back(rest.BendAt(place.s));
+  }
   SolveModes(strand.count, mass_, stiffness_, modes_, squares_);
   root_share_ = Times(n_, inverse_, strand.pull);
   clamp_share_ = Times(n_, inverse_, strand.clamp);
   for (size_t i = 0; i < n_; ++i) rest_[i] = rest.TangentAt(strand.at[i]);
+}
+
+UnknownVectors CurveDynamics::CurlLoad(const BodyPose& pose, const UnknownVectors& d) const {
+  UnknownVectors load{};
+  UnknownVectors off;
+  for (size_t i = 0; i < n_; ++i) off[i] = d[i] - pose.Turn(rest_[i]);
+  for (size_t q = 0; q < bends_.size(); ++q) {
+    const BendPlace& place = bends_[q];
+    const Double3 r = pose.Turn(rest_tangent_[q]), v = pose.Turn(rest_bend_[q]);
+    Double3 tangent = r, bend = v;
+    for (size_t i = 0; i < n_; ++i) {
+      tangent = tangent + off[i] * place.tangent[i];
+      bend = bend + off[i] * place.bend[i];
+    }
+    const double length = Length(tangent);
+    const Double3 u = tangent * (1.0 / length), sum = r + u;
+    const double inverse = 1.0 / std::max(1.0 + Dot(r, u), 0.05);
+    const double x = inverse * Dot(u, v);
+    const Double3 carried = v - sum * x, other = bend - carried;
+    const double y = inverse * Dot(sum, other);
+    const Double3 turn = r * (x * y) - other * x - v * y;
+    const Double3 side = (turn - u * Dot(turn, u)) * (1.0 / length);
+    const double weight = rod_ * place.weight;
+    for (size_t i = 0; i < n_; ++i)
+      load[i] = load[i] + ((carried - v) * place.bend[i] + side * place.tangent[i]) * weight;
+  }
+  return load;
 }
 
 UnknownVectors CurveDynamics::Equilibrium(const BodyPose& pose) const {
@@ -65,6 +100,8 @@ UnknownVectors CurveDynamics::Equilibrium(const BodyPose& pose) const {
     for (size_t j = 0; j < n_; ++j) force[i] = force[i] + pose.Turn(rest_[j]) * stiffness_[i][j];
   }
   constexpr int kMostSweeps = 60000;
+  constexpr double kCurlStep = 0.3;
+  UnknownVectors curl{};
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double change = 0.0;
     for (size_t i = 0; i < n_; ++i) {
@@ -76,6 +113,15 @@ UnknownVectors CurveDynamics::Equilibrium(const BodyPose& pose) const {
       d[i] = to;
     }
     if (change < 1e-13) break;
+    // The curl's load goes with the shape, a little at a time.
+    if (curls()) {
+      const UnknownVectors load = CurlLoad(pose, d);
+      for (size_t i = 0; i < n_; ++i) {
+        const Double3 step = (load[i] - curl[i]) * kCurlStep;
+        curl[i] = curl[i] + step;
+        force[i] = force[i] + step;
+      }
+    }
   }
   return d;
 }
@@ -140,8 +186,12 @@ CurveMotion::CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, do
     const double damping = s.drag_ + s.damping_ * s.squares_[m];
     oscillator_.push_back(StepOscillator(damping, s.squares_[m], step_));
     for (size_t i = 0; i < s.n_; ++i)
-      for (size_t j = 0; j < s.n_; ++j)
-        response_[i][j] += 0.5 * s.modes_[i][m] * s.modes_[j][m] * oscillator_[m].y_of_force[0];
+      for (size_t j = 0; j < s.n_; ++j) {
+        const double pair = s.modes_[i][m] * s.modes_[j][m];
+        const OscillatorStep& step = oscillator_[m];
+        response_[i][j] += 0.5 * pair * step.y_of_force[0];
+        slope_[i][j] += pair * (step.y_of_force[1] / step_ - 0.5 * step.y_of_force[0]);
+      }
   }
   // It moves with the body.
   for (size_t m = 0; m < s.n_; ++m)
@@ -154,10 +204,46 @@ CurveMotion::CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, do
 }
 
 void CurveMotion::Step(const BodyPose& to) {
-  const Path path(pose_, to, step_, dynamics_.length_);
-  KeepLengths(RunFree(path));
+  const CurveDynamics& s = dynamics_;
+  const Path path(pose_, to, step_, s.length_);
+  const UnknownVectors free = RunFree(path);
+  UnknownVectors y, middle;
+  if (!s.curls()) {
+    KeepLengths(free, y, middle);
+  } else {
+    // From where it begins to where the step will lead, found in two rounds.
+    const UnknownVectors first = s.CurlLoad(pose_, d_);
+    UnknownVectors last = first;
+    for (size_t i = 0; i < s.n_ && loaded_; ++i) last[i] = first[i] * 2.0 - load_[i];
+    for (int round = 0; round < 2; ++round) {
+      KeepLengths(AddLoad(free, first, last), y, middle);
+      if (round > 0) break;
+      UnknownVectors end = y;
+      for (size_t i = 0; i < s.n_; ++i) end[i] = Unit(y[i]);
+      last = s.CurlLoad(to, end);
+    }
+    for (size_t m = 0; m < s.n_; ++m)
+      for (size_t i = 0; i < s.n_; ++i) {
+        const OscillatorStep& step = oscillator_[m];
+        const Double3 mean = (first[i] + last[i]) * 0.5, turn = last[i] - first[i];
+        const double change = step.v_of_force[1] / step_ - 0.5 * step.v_of_force[0];
+        z_[m] = z_[m] + (mean * step.v_of_force[0] + turn * change) * s.modes_[i][m];
+      }
+    load_ = first;
+    loaded_ = true;
+  }
+  Take(y, middle);
   MakeTangent(path);
   pose_ = to;
+}
+
+UnknownVectors CurveMotion::AddLoad(const UnknownVectors& free, const UnknownVectors& first,
+                                    const UnknownVectors& last) const {
+  UnknownVectors to = free;
+  for (size_t i = 0; i < dynamics_.n_; ++i)
+    for (size_t j = 0; j < dynamics_.n_; ++j)
+      to[i] = to[i] + (first[j] + last[j]) * response_[i][j] + (last[j] - first[j]) * slope_[i][j];
+  return to;
 }
 
 // Directions at the step's end without multipliers; z_ becomes its rates.
@@ -207,10 +293,9 @@ UnknownVectors CurveMotion::RunFree(const Path& path) {
   return free;
 }
 
-void CurveMotion::KeepLengths(const UnknownVectors& free) {
-  const CurveDynamics& s = dynamics_;
-  const size_t n = s.n_;
-  UnknownVectors middle, y;  // d + y, twice the middle
+void CurveMotion::KeepLengths(const UnknownVectors& free, UnknownVectors& y,
+                              UnknownVectors& middle) {
+  const size_t n = dynamics_.n_;
   for (size_t i = 0; i < n; ++i) middle[i] = d_[i] + free[i];
   const auto respond = [&] {
     for (size_t i = 0; i < n; ++i) {
@@ -243,11 +328,15 @@ void CurveMotion::KeepLengths(const UnknownVectors& free) {
     if (!(largest < 1e6)) throw Error("a strand's exact motion has no end of its step");
     if (largest < 1e-12) break;
   }
-  for (size_t m = 0; m < n; ++m)
-    for (size_t i = 0; i < n; ++i)
+}
+
+void CurveMotion::Take(const UnknownVectors& y, const UnknownVectors& middle) {
+  const CurveDynamics& s = dynamics_;
+  for (size_t m = 0; m < s.n_; ++m)
+    for (size_t i = 0; i < s.n_; ++i)
       z_[m] =
           z_[m] + middle[i] * (lambda_[i] * s.modes_[i][m] * 0.5 * oscillator_[m].v_of_force[0]);
-  for (size_t i = 0; i < n; ++i) d_[i] = Unit(y[i]);
+  for (size_t i = 0; i < s.n_; ++i) d_[i] = Unit(y[i]);
 }
 
 void CurveMotion::MakeTangent(const Path& path) {

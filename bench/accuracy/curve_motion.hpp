@@ -24,6 +24,7 @@ struct RestCurve {
   double turn;                  // from root to tip, rad
 
   Double3 TangentAt(double s) const { return Unit(TurnAbout(tangent, axis, turn * s)); }
+  Double3 BendAt(double s) const { return Cross(axis, TangentAt(s)) * turn; }  // per length
 };
 
 using UnknownVectors = std::array<Double3, kMostUnknowns>;
@@ -31,11 +32,16 @@ using UnknownVectors = std::array<Double3, kMostUnknowns>;
 // The strand's equation, in lengths of the strand and seconds.
 class CurveDynamics {
  public:
-  CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest);
+  CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest,
+                CurlModel curl = CurlModel::kRoot);
 
   size_t count() const { return n_; }
   double length() const { return length_; }
   const UnknownVectors& rest() const { return rest_; }
+  // What a curl that turns with the strand pulls beyond one that turns with the root: the slope of the energy
+  // B/2 int |t' - R r'|^2, R the smallest rotation from the rest tangent to the tangent, less that of B/2 int |t' - r'|^2.
+  UnknownVectors CurlLoad(const BodyPose& pose, const UnknownVectors& d) const;
+  bool curls() const { return curl_ == CurlModel::kParent; }
   // Directions in which it hangs still on the body in that pose.
   UnknownVectors Equilibrium(const BodyPose& pose) const;
   // d'' with the multipliers that keep |d_i| = 1.
@@ -50,7 +56,10 @@ class CurveDynamics {
   Double3 OnBody(size_t i) const { return root_ * root_share_[i] + clamp_ * clamp_share_[i]; }
 
   size_t n_;
-  double length_, drag_, damping_;
+  CurlModel curl_;
+  double length_, drag_, damping_, rod_;  // rod_: its stiffness, 1/s^2
+  std::vector<BendPlace> bends_;
+  std::vector<Double3> rest_tangent_, rest_bend_;  // at those, in the body's frame
   UnknownMatrix mass_, inverse_, stiffness_, modes_{};
   UnknownRow pull_, squares_{}, root_share_{}, clamp_share_{};
   UnknownVectors rest_{};
@@ -68,16 +77,23 @@ class CurveMotion {
  private:
   struct Path;  // of the body through a step, as powers of time
   UnknownVectors RunFree(const Path& path);
-  void KeepLengths(const UnknownVectors& free);
+  // y, its lengths brought back from `free`; and the middle of each vector's turn, twice.
+  void KeepLengths(const UnknownVectors& free, UnknownVectors& y, UnknownVectors& middle);
+  UnknownVectors AddLoad(const UnknownVectors& free, const UnknownVectors& first,
+                         const UnknownVectors& last) const;
+  void Take(const UnknownVectors& y, const UnknownVectors& middle);
   void MakeTangent(const Path& path);
 
   const CurveDynamics& dynamics_;
   double step_;
   std::vector<OscillatorStep> oscillator_;
-  UnknownMatrix response_{};  // of y to half a force that is constant over the step
+  // Of y to half a force that is constant over the step, and to a force's change over it.
+  UnknownMatrix response_{}, slope_{};
   BodyPose pose_;
   UnknownVectors d_, z_{};  // directions; rates by mode
   UnknownRow lambda_{};
+  UnknownVectors load_{};  // of the last step's start
+  bool loaded_ = false;
 };
 
 }  // namespace pelt::accuracy

@@ -1,8 +1,10 @@
 #include "bench/accuracy/curve_strand.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-#include "core/modal/modal_material.hpp"
+#include "bench/accuracy/chain_problem.hpp"
 #include "core/modal/node_model.hpp"
 
 namespace pelt::accuracy {
@@ -18,7 +20,7 @@ void FillLinks(int n, UnknownRow& stiffness, UnknownRow& mass) {
     stiffness[i] = (i == 0 ? 2.0 : 1.0) * n;
     mass[i] = (int(i) + 1 == n ? 0.5 : 1.0) / n;
     if (!IsOfLayers(n)) continue;
-    const RodCoefficients& c = CalibratedCoefficients(uint32_t(n));
+    const RodCoefficients& c = CalibratedCoefficients(n);
     stiffness[i] = c.stiffness[i] * n;
     mass[i] = c.mass[i] / n;
   }
@@ -33,7 +35,22 @@ void ScaleToFirstMode(CurveStrand& strand) {
     for (double& k : row) k /= squares[0];
 }
 
-// Radau's 10 nodes on (0, 1], of which the last is the tip.
+// Gauss's 10 points on [0, 1]: visit(s, weight).
+template <class Visit>
+void ForEachGaussPoint(const Visit& visit) {
+  static constexpr double kPoint[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
+                                       0.8650633666889845, 0.9739065285171717};
+  static constexpr double kWeight[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820,
+                                        0.1494513491505806, 0.0666713443086881};
+  for (const double side : {-1.0, 1.0})
+    for (size_t i = 0; i < 5; ++i) visit(0.5 * (1.0 + side * kPoint[i]), 0.5 * kWeight[i]);
+}
+
+// Radau's nodes on (0, 1], of which the last is the tip.
+constexpr NodePlaces<8> kCoarseRadau = {
+    0.0,
+    {0.02247938643871250, 0.11467905316090423, 0.26578982278458946, 0.45284637366944461,
+     0.64737528288683036, 0.81975930826310763, 0.94373743946307786, 1.00000000000000000}};
 constexpr NodePlaces<10> kRadau = {
     0.0,
     {0.01441240964887655, 0.07438738970919604, 0.17611665616299528, 0.30966757992763782,
@@ -80,6 +97,13 @@ CurveStrand NodesOfStrand(std::string name, const NodePlaces<N>& places) {
     strand.pull[i] = model.pull[i];
     strand.at[i] = places.node[i];
   }
+  ForEachGaussPoint([&](double s, double weight) {
+    BendPlace place{s, weight, {}, {}};
+    const auto tangent = model.TangentAt(s), bend = model.BendAt(s);
+    std::copy(tangent.begin(), tangent.end(), place.tangent.begin());
+    std::copy(bend.begin(), bend.end(), place.bend.begin());
+    strand.bends.push_back(place);
+  });
   for (size_t p = 0; p < kComparedPoints; ++p) {
     const auto place = model.PlaceAt(double(p + 1) / kComparedPoints);
     std::copy(place.begin(), place.end(), strand.place[p].begin());
@@ -89,11 +113,19 @@ CurveStrand NodesOfStrand(std::string name, const NodePlaces<N>& places) {
 template CurveStrand NodesOfStrand(std::string, const NodePlaces<3>&);
 template CurveStrand NodesOfStrand(std::string, const NodePlaces<4>&);
 
-CurveStrand RodOfStrand() {
-  CurveStrand rod = NodesOfStrand("rod", kRadau);
-  const NodeModel<10> model = MakeNodeModel(kRadau);
+namespace {
+
+template <size_t N>
+CurveStrand ClampedRod(const NodePlaces<N>& places) {
+  CurveStrand rod = NodesOfStrand(fmt::format("rod, {} nodes", N), places);
+  const NodeModel<N> model = MakeNodeModel(places);
   std::copy(model.clamp.begin(), model.clamp.end(), rod.clamp.begin());
   return rod;
 }
+
+}  // namespace
+
+CurveStrand RodOfStrand() { return ClampedRod(kRadau); }
+CurveStrand CoarseRodOfStrand() { return ClampedRod(kCoarseRadau); }
 
 }  // namespace pelt::accuracy

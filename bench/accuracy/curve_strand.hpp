@@ -11,6 +11,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bench/accuracy/small_matrix.hpp"
 #include "core/modal/node_model.hpp"
@@ -24,6 +25,12 @@ using UnknownRow = std::array<double, kMostUnknowns>;
 // Where models are compared: at 1/3, 2/3 and the tip.
 inline constexpr size_t kComparedPoints = 3;
 
+// A place at which a curve's bend is looked at, and its share of the whole.
+struct BendPlace {
+  double s, weight;
+  UnknownRow tangent{}, bend{};  // N_i(s), N_i'(s)
+};
+
 struct CurveStrand {
   std::string name;
   int count;  // n
@@ -31,6 +38,7 @@ struct CurveStrand {
   UnknownRow pull{}, clamp{};                       // b, m
   std::array<UnknownRow, kComparedPoints> place{};  // X_i at the compared points
   UnknownRow at{};                                  // where the rest curve has rest direction i
+  std::vector<BendPlace> bends{};                   // none of links
 };
 
 // n links with the coefficients of layers (3, 4 and 8), or of the midpoint rule.
@@ -40,5 +48,7 @@ template <size_t N>
 CurveStrand NodesOfStrand(std::string name, const NodePlaces<N>& places);
 // The rod itself: polynomials of degree 10 on Radau's nodes.
 CurveStrand RodOfStrand();
+// Of degree 8: how far the rod has converged.
+CurveStrand CoarseRodOfStrand();
 
 }  // namespace pelt::accuracy

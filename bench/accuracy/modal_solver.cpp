@@ -16,7 +16,7 @@ namespace {
 
 template <uint32_t kPoints>
 struct Blocks : ChunkRows<kPoints> {
-  Owned<ModalStateBlock<kPoints>> chain;
+  Owned<ModalStateBlock<NodesOf(kPoints)>> chain;
   Owned<RootRateBlock> rates;
 };
 
@@ -29,9 +29,8 @@ void RoundRows(Row& rows, float (*round)(float), float unit = 1.0f) {
 
 // As if it had been written in that format and read back. Forces, up to 10^6 1/s^2, are stored as
 // shares of the layer's hardest spring: binary16 ends at 65504.
-template <uint32_t kPoints>
-void PackState(StateFormat format, const ModalTable<kPoints - 1>& table,
-               ModalStateBlock<kPoints>& chain) {
+template <uint32_t kNodes>
+void PackState(StateFormat format, const ModalTableBlock& table, ModalStateBlock<kNodes>& chain) {
   if (format == StateFormat::kFloat) return;
   float hardest = 1.0f;
   for (const auto& row : table.bend)
@@ -51,16 +50,15 @@ void PackState(StateFormat format, const ModalTable<kPoints - 1>& table,
 template <uint32_t kPoints>
 class ModalSolver final : public StrandSolver {
  public:
-  static constexpr int kLinks = kPoints - 1;
+  static constexpr int kParts = kPoints - 1, kNodes = NodesOf(kPoints);
 
   ModalSolver(const KernelDesc& kernel, ModalQuality quality, const ModalFeatures& features,
-              const SolverSetup& setup)
+              const ModalMaterial& strand, const SolverSetup& setup)
       : kernel_(kernel),
         quality_(quality),
         strength_(features.strength),
-        shaped_(features.strength < 1.0f || features.clump > 0.0f),
         material_(setup.material),
-        layer_params_(MakeModalLayer(ToModal(setup.material))),
+        layer_params_(MakeModalLayer(strand)),
         lanes_(setup.lanes) {
     for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
       chunks_.push_back(std::make_unique<Blocks<kPoints>>());
@@ -91,10 +89,11 @@ class ModalSolver final : public StrandSolver {
       c.rest->strength[at] = strength_;
       for (int k = 0; k < 3; ++k) {
         c.chain->wind[k][at] = frame.wind[k][lane] * float(material_.drag);
-        for (int i = 0; i < kLinks; ++i) {
+        for (int i = 0; i < kNodes; ++i) {
           c.chain->direction[i][k][at] = start[i][k][lane];
           float pull = 0.0f;
-          for (int j = 0; j < kLinks; ++j) pull += table_->bend[i][j] * frame.rest[j][k][lane];
+          for (int j = 0; j < kNodes; ++j)
+            pull += table_->bend[i][j] * Component(RestTangent(j, frame, lane), k);
           c.chain->bend[i][k][at] = pull;
         }
       }
@@ -126,36 +125,36 @@ class ModalSolver final : public StrandSolver {
   }
 
   void Points(int i, float* const (&rows)[3]) const override {
-    // From the directions: what the solver knows, without the root's place in the world. Where it
-    // shapes them further, from the points.
-    for (uint32_t lane = 0; lane < lanes_; ++lane) {
-      if (shaped_) {
-        chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
-        continue;
-      }
-      const ModalStateBlock<kPoints>& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
-      for (int k = 0; k < 3; ++k) {
-        float sum = 0.0f;
-        for (int j = 0; j <= i; ++j) sum += chain.direction[j][k][lane % kStrandsPerChunk];
-        rows[k][lane] = sum * float(material_.length[0]);
-      }
-    }
+    for (uint32_t lane = 0; lane < lanes_; ++lane)
+      chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
   }
-  // Modes to links; the root's own speed is in the first link's.
+  // Modes to nodes to points. What turns with the root alone is left out: of links nothing.
   void Velocities(int i, float* const (&rows)[3]) const override {
     for (uint32_t lane = 0; lane < lanes_; ++lane) {
-      const ModalStateBlock<kPoints>& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
+      const auto& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
+      const auto& place = table_->place[(i + 1) * int(PlacesOf(kPoints)) / kParts - 1];
       for (int k = 0; k < 3; ++k) {
         float sum = 0.0f;
-        for (int j = 0; j <= i; ++j)
-          for (int m = 0; m < kLinks; ++m)
-            sum += table_->shape[j][m] * chain.velocity[m][k][lane % kStrandsPerChunk];
+        for (int j = 0; j < kNodes; ++j)
+          for (int m = 0; m < kNodes; ++m)
+            sum += place[j] * table_->shape[j][m] * chain.velocity[m][k][lane % kStrandsPerChunk];
         rows[k][lane] = sum * float(material_.length[0]);
       }
     }
   }
 
  private:
+  Vec3<float> RestTangent(int node, const FrameRows& frame, uint32_t lane) const {
+    Vec3<float> sum = {0.0f, 0.0f, 0.0f};
+    for (int part = 0; part < kParts; ++part) {
+      const auto& row = frame.rest[part];
+      sum = sum + Vec3<float>{row[0][lane], row[1][lane], row[2][lane]} * table_->rest[node][part];
+    }
+    return sum * (1.0f / std::sqrt(Dot(sum, sum)));
+  }
+  static float Component(Vec3<float> v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+  }
   void SetFeatures(const ModalFeatures& f) {
     if (f.wind) layer_->flags |= kLayerWind;
     layer_->surface_hardness = f.surface_hardness;
@@ -210,7 +209,7 @@ class ModalSolver final : public StrandSolver {
   Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
-    if (stream == StreamOf<ChainStreams<kPoints, false>::kTable>) return table_.block;
+    if (stream == StreamOf<&Streams::modal_tables>) return table_.block;
     if (stream == StreamOf<&Streams::root_rates>) return c.rates.block;
     void* shared = c.Find(stream);
     return shared ? shared : c.chain.block;
@@ -219,7 +218,6 @@ class ModalSolver final : public StrandSolver {
   KernelDesc kernel_;
   ModalQuality quality_;
   float strength_;
-  bool shaped_;
   ChainMaterial material_;
   ModalLayer layer_params_;
   uint32_t lanes_;
@@ -229,7 +227,7 @@ class ModalSolver final : public StrandSolver {
   int64_t frames_ = 0;
   SimulateParams params_;
   Owned<LayerBlock> layer_;
-  Owned<ModalTable<kPoints - 1>> table_;
+  Owned<ModalTableBlock> table_;
   std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
 };
 
@@ -255,16 +253,30 @@ bool IsUniform(const ChainMaterial& material) {
 
 ModalMaterial ToModal(const ChainMaterial& material) {
   ModalMaterial m{};
-  m.links = uint32_t(material.links);
-  double total = 0.0;
-  for (int i = 0; i < material.links; ++i) total += material.mass[i];
-  for (int i = 0; i < material.links; ++i) {
-    m.mass[i] = material.mass[i] / total;
-    m.stiffness[i] = material.stiffness[i] / (total * material.length[i] * material.length[i]);
+  const int n = material.links;
+  m.nodes = uint32_t(n);
+  m.points = m.nodes + 1;
+  double total = 0.0, below[kMaxLinks + 1] = {};
+  for (int i = 0; i < n; ++i) total += material.mass[size_t(i)];
+  for (int i = n - 1; i >= 0; --i) below[i] = below[i + 1] + material.mass[size_t(i)] / total;
+  for (int i = 0; i < n; ++i) {
+    const double length = material.length[size_t(i)];
+    const double k = material.stiffness[size_t(i)] / (total * length * length);
+    m.pull[i] = below[i];
+    m.rest[i][i] = 1.0;
+    for (int j = 0; j < n; ++j) m.mass[i][j] = below[std::max(i, j)];
+    m.stiffness[i][i] += k;
+    if (i > 0) {
+      m.stiffness[i - 1][i - 1] += k;
+      m.stiffness[i][i - 1] -= k;
+      m.stiffness[i - 1][i] -= k;
+    }
+    const int places = int(PlacesOf(m.points));
+    for (int q = 0; q < places; ++q)
+      m.place[q][i] = std::clamp(double(n * (q + 1)) / places - i, 0.0, 1.0);
   }
   m.drag_per_s = material.drag;
   m.bend_damping_s = material.bending_damping;
-  m.parent_curl = material.curl == CurlModel::kParent;
   return m;
 }
 
@@ -276,17 +288,52 @@ ModalKernels ModalKernelsOf(Isa isa) {
           {*table->Find("simulate_modal_9"), *table->Find("simulate_modal_rated_9")}};
 }
 
+namespace {
+
+const KernelDesc* KernelOf(const ModalKernels& kernels, const ModalFeatures& features, int parts) {
+  const ModalKernels::OfLinks* of = kernels.Of(parts);
+  return !of ? nullptr : features.velocities ? &of->rated : &of->plain;
+}
+
+std::unique_ptr<StrandSolver> MakeSolver(const KernelDesc& kernel, ModalQuality quality,
+                                         const ModalFeatures& features, const ModalMaterial& strand,
+                                         const SolverSetup& setup) {
+  return WithPoints(strand.points, [&]<uint32_t kPoints>() -> std::unique_ptr<StrandSolver> {
+    return std::make_unique<ModalSolver<kPoints>>(kernel, quality, features, strand, setup);
+  });
+}
+
+}  // namespace
+
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features) {
   return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
-    const ModalKernels::OfLinks* of = kernels.Of(setup.material.links);
-    if (!of || !IsUniform(setup.material)) return nullptr;
-    const KernelDesc& kernel = features.velocities ? of->rated : of->plain;
-    return WithPoints(uint32_t(setup.material.links) + 1,
-                      [&]<uint32_t kPoints>() -> std::unique_ptr<StrandSolver> {
-                        return std::make_unique<ModalSolver<kPoints>>(kernel, quality, features,
-                                                                      setup);
-                      });
+    const int links = setup.material.links;
+    const KernelDesc* kernel = KernelOf(kernels, features, links);
+    if (!kernel || links > int(kMaxNodes) || !IsUniform(setup.material)) return nullptr;
+    return MakeSolver(*kernel, quality, features, ToModal(setup.material), setup);
+  };
+}
+
+SolverFactory StrandFactory(const ModalKernels& kernels, ModalQuality quality,
+                            const ModalMaterial& strand, const ModalFeatures& features) {
+  return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
+    const KernelDesc* kernel = KernelOf(kernels, features, setup.material.links);
+    if (!kernel) return nullptr;
+    return MakeSolver(*kernel, quality, features, strand, setup);
+  };
+}
+
+SolverFactory LayerFactory(const ModalKernels& kernels, ModalQuality quality,
+                           const ModalFeatures& features) {
+  return [=](const SolverSetup& setup) -> std::unique_ptr<StrandSolver> {
+    const ChainMaterial& m = setup.material;
+    const double omega = MatricesOf(m).omega[0], hz = omega / (2.0 * exact::kPi);
+    const bool stiff = GammaOf(hz, m.TotalLength(), Length(m.gravity)) < kStiffGamma;
+    ModalMaterial strand =
+        StrandMaterial(uint32_t(m.links) + 1, hz, 0.5 * m.bending_damping * omega, m.drag, stiff);
+    strand.parent_curl = m.curl == CurlModel::kParent;
+    return StrandFactory(kernels, quality, strand, features)(setup);
   };
 }
 

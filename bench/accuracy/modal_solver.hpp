@@ -62,7 +62,16 @@ Double3 ColliderSpeed(const ModalFeatures& features, double seconds);
 SolverFactory ModalFactory(const ModalKernels& kernels, ModalQuality quality,
                            const ModalFeatures& features = {});
 
-// The material in the modal solver's terms: links of length 1, total mass 1.
+// The same of a strand with nodes: its parts are the material's links, and what it starts along are tangents at
+// the nodes.
+SolverFactory StrandFactory(const ModalKernels& kernels, ModalQuality quality,
+                            const ModalMaterial& strand, const ModalFeatures& features = {});
+
+// The same, the strand being what a layer makes of the material's first frequency, damping, drag and length.
+SolverFactory LayerFactory(const ModalKernels& kernels, ModalQuality quality,
+                           const ModalFeatures& features = {});
+
+// The material in the modal solver's terms: links of length 1, total mass 1. At most kMaxNodes of them.
 ModalMaterial ToModal(const ChainMaterial& material);
 
 }  // namespace pelt::accuracy

@@ -44,7 +44,7 @@ struct LayerParams {
   // Modal: the material, the same at every frame rate. The layer's drag is velocity_damping.
   float frequency_hz = 0.0f;  // first bending mode of a strand; 0: what the hardness keys amount to
   float damping_ratio = 0.05f;  // share of critical damping that bending gives that mode
-  ModalQuality quality = ModalQuality::kDefault;
+  ModalQuality quality = ModalQuality::kFast;
   // Modal: how far a point may get from its groomed place, a share of its distance along the
   // strand; 0: no limit.
   float max_distance = 0.0f;
@@ -119,7 +119,7 @@ using enum InFrame;
 using enum KeyGroup;
 
 inline constexpr Text kSolverWords[] = {"pbd", "verlet", "modal"};
-inline constexpr Text kQualityWords[] = {"fast", "default", "best"};
+inline constexpr Text kQualityWords[] = {"fast", "fine", "best"};
 inline constexpr Text kChainWords[] = {"vertex", "strand"};
 inline constexpr Text kCurlWords[] = {"root", "parent"};
 inline constexpr Text kConeWords[] = {"exact", "published"};

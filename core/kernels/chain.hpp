@@ -295,60 +295,26 @@ PELT_INLINE typename W::Mask PlaceOnGroom(uint32_t lane, const Group<W, kPoints 
   return !(change == typename W::Int(0));
 }
 
-// The control strands' points of this frame as 16-byte records, one for each point: what followers
-// gather. Filled after the controls are solved.
-template <class V, uint32_t kFree>
-struct ControlRecords {
-  alignas(64) float record[kFree][kStrandsPerChunk][4];
-  uint32_t count;
-
-  template <uint32_t kPoints>
-  PELT_INLINE void Fill(const PointBlock<kPoints>& points, uint32_t controls) {
-    static_assert(kPoints == kFree + 1);
-    count = controls;
-    for (uint32_t i = 0; i < kFree; ++i)
-      for (uint32_t lane = 0; lane < controls; lane += V::kLanes) {
-        const Vec3<V> p = Load3<V>(points.position[i], lane);
-        ScatterRecords<V>([&](int l) { return record[i][lane + uint32_t(l)]; }, p.x, p.y, p.z,
-                          V(0.0f));
-      }
+// Of the control strands of a group's lanes, at `at`: where their points of this frame stand in the rows that the
+// kernel writes, once the controls are solved. `control`: a lane's control strand; what is not among the first
+// `count` follows the last of those.
+template <class W>
+PELT_INLINE PickedLanes<W> ControlsOf(const uint8_t (&control)[kStrandsPerChunk], uint32_t count,
+                                      const PickedLanes<W>& at) {
+  PickedLanes<W> controls;
+  for (int l = 0; l < W::kLanes; ++l) {
+    const uint32_t c = control[at.lane[l]];
+    controls.lane[l] = int32_t(c < count ? c : count - 1);
   }
-
-  // Point i of the control strands of W's lanes, named in `control` row; W is V or Unrolled<V>.
-  template <class W>
-  PELT_INLINE Vec3<W> Gather(const uint8_t* control, const PickedLanes<W>& at, uint32_t i) const {
-    uint8_t picked[W::kLanes];
-    for (int l = 0; l < W::kLanes; ++l) picked[l] = control[at.lane[l]];
-    return GatherOf<W>(picked, i);
-  }
-  template <class W>
-  PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t first, uint32_t i) const {
-    return Gather<W>(control + first, i);
-  }
-  template <class W>
-  PELT_INLINE Vec3<W> Gather(const uint8_t* control, uint32_t i) const {
-    if constexpr (W::kLanes == V::kLanes) {
-      return GatherOf<W>(control, i);
-    } else {
-      const Vec3<V> a = GatherOf<V>(control, i), b = GatherOf<V>(control + V::kLanes, i);
-      return {W(a.x, b.x), W(a.y, b.y), W(a.z, b.z)};
-    }
-  }
-
- private:
-  template <class U>
-  PELT_INLINE Vec3<U> GatherOf(const uint8_t* control, uint32_t i) const {
-    Vec3<U> p;
-    U unused;
-    GatherColumns<U>(
-        [&](int l) {
-          const uint32_t c = control[l];
-          return record[i][c < count ? c : count - 1];
-        },
-        p.x, p.y, p.z, unused);
-    return p;
-  }
-};
+  return controls;
+}
+template <class W>
+PELT_INLINE PickedLanes<W> ControlsOf(const uint8_t (&control)[kStrandsPerChunk], uint32_t count,
+                                      uint32_t first) {
+  PickedLanes<W> lanes;
+  for (int l = 0; l < W::kLanes; ++l) lanes.lane[l] = int32_t(first) + l;
+  return ControlsOf<W>(control, count, lanes);
+}
 
 // Share of the way to the control strand at free point i of kFree: 0 at the root, `clump` at the
 // tip.

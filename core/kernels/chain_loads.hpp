@@ -1,7 +1,7 @@
 // Chain loads: what bends the modal chains at a chunk's mesh vertices, for the strands that follow
 // them (modal_load.hpp says what, interpolate_modal.hpp how).
 //
-// Loads are written times a link's length, so that they do not depend on it: what moves and pulls a coat
+// Loads are written times a part's length, so that they do not depend on it: what moves and pulls a coat
 // does so by as many m/s^2 whatever the strand's length.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace pelt {
 template <class V>
 struct ChainLoads {
   static constexpr std::string_view kName = "chain_loads";
-  static constexpr uint32_t N = modal::kVertexLinks;
+  static constexpr uint32_t N = modal::kVertexNodes;
   struct Ports {
     Shared<&Streams::layers> layer;
     Shared<&Streams::modal_tables> table;
@@ -35,20 +35,20 @@ struct ChainLoads {
  private:
   PELT_INLINE static void WriteGroup(const Ports& ports, uint32_t lane) {
     const LayerBlock& layer = *ports.layer;
-    const ModalStateBlock<N + 1>& chain = *ports.chain;
+    const ModalStateBlock<N>& chain = *ports.chain;
     chain::Group<V, N> g;
     chain::LoadGroom<V, N + 1>(*ports.rest, *ports.anchors, 0.0f, layer.scale, lane, g);
     const V per_length = V(1.0f) / g.length;
     Vec3<V> rest[N], d[N], load[N];
     V lambda[N], stretch[N], l[N];
-    modal::RestDirections(g, per_length, rest);
+    modal::RestTangents(*ports.table, g, per_length, rest);
     modal::StretchOfWeight(layer, *ports.table, per_length, rest, stretch);
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       d[i] = Load3<V>(chain.direction[i], lane);
       lambda[i] = V::Load(chain.multiplier[i] + lane);
     }
-    modal::LoadOf(modal::Joints(*ports.table), rest, d, lambda, stretch, load, l);
+    modal::LoadOf(*ports.table, rest, d, lambda, stretch, load, l);
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       const Vec3<V> out = load[i] * g.length;

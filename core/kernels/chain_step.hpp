@@ -43,28 +43,25 @@ struct Ports<kPoints, false> {
 
 // Chains in lanes [begin, end), both multiples of kLaneGroup: two groups at once where the machine
 // has registers, as a step's operations wait for each other; on arrays unrolling would only be
-// more code. group.operator()<W>(lane, live, controls) solves the chains of one W, which is V or
+// more code. group.operator()<W>(lane, live, follows) solves the chains of one W, which is V or
 // Unrolled<V>.
-template <class V, class Controls, class Group>
-bool RunRange(uint32_t begin, uint32_t end, uint32_t live, const Controls* controls,
-              const Group& group) {
+template <class V, class Group>
+bool RunRange(uint32_t begin, uint32_t end, uint32_t live, bool follows, const Group& group) {
   bool changed = false;
   uint32_t lane = begin;
   if constexpr (simd_detail::IsRegister<V>)
     for (; lane + Unrolled<V>::kLanes <= end; lane += Unrolled<V>::kLanes)
-      changed |= group.template operator()<Unrolled<V>>(lane, live, controls);
+      changed |= group.template operator()<Unrolled<V>>(lane, live, follows);
   if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
     for (; lane < end; lane += V::kLanes)
-      changed |= group.template operator()<V>(lane, live, controls);
+      changed |= group.template operator()<V>(lane, live, follows);
   return changed;
 }
 
-// All live chains of a chunk: the control strands, then with their records those that follow them.
-// range(begin, end, live, controls) solves the chains of lanes [begin, end) and says whether a bit
-// of a live one changed; `controls` is null for whom nobody is followed.
-template <class V, uint32_t kFree, bool kVertexChains, class Ports, class Range>
+// All live chains of a chunk: the control strands, then those that follow them. range(begin, end, live,
+// follows) solves the chains of lanes [begin, end) and says whether a bit of a live one changed.
+template <bool kVertexChains, class Ports, class Range>
 PELT_INLINE void RunChunk(const Ports& ports, const Range& range) {
-  using Controls = ControlRecords<V, kFree>;
   ChunkStateBlock& state = *ports.state;
   const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
   const uint32_t end = RoundUpToLaneGroups(live);
@@ -74,14 +71,9 @@ PELT_INLINE void RunChunk(const Ports& ports, const Range& range) {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
-  const Controls* none = nullptr;
-  bool changed = range(0u, controls, live, none);
+  bool changed = range(0u, controls, live, false);
   if constexpr (!kVertexChains)
-    if (controls < end) {
-      Controls records;
-      records.Fill(*ports.position, controls);
-      changed |= range(controls, end, live, &records);
-    }
+    if (controls < end) changed |= range(controls, end, live, true);
   state.state_changed = changed ? 1 : 0;
 }
 
@@ -93,16 +85,14 @@ struct Step {
   static_assert(kPoints == 4 || kPoints == 5);
   static constexpr uint32_t kFree = kPoints - 1;
   using Ports = chain::Ports<kPoints, kVertexChains>;
-  using Controls = ControlRecords<V, kFree>;
 
   PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports) {
-    RunChunk<V, kFree, kVertexChains>(
-        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const Controls* controls) {
-          return RunRange<V>(begin, end, live, controls,
-                             [&]<class W>(uint32_t lane, uint32_t alive, const Controls* followed) {
-                               return SolveGroup<W>(params, ports, lane, alive, followed);
-                             });
-        });
+    RunChunk<kVertexChains>(ports, [&](uint32_t begin, uint32_t end, uint32_t live, bool follows) {
+      return RunRange<V>(begin, end, live, follows,
+                         [&]<class W>(uint32_t lane, uint32_t alive, bool clumps) {
+                           return SolveGroup<W>(params, ports, lane, alive, clumps);
+                         });
+    });
   }
 
  private:
@@ -126,7 +116,7 @@ struct Step {
 
   template <class W>
   PELT_INLINE static bool SolveGroup(const SimulateParams& params, const Ports& ports,
-                                     uint32_t lane, uint32_t live, const Controls* controls) {
+                                     uint32_t lane, uint32_t live, bool follows) {
     const LayerBlock& layer = *ports.layer;
     const ChunkStateBlock& state = *ports.state;
     const auto lanes = W::Int::Iota(int32_t(lane));
@@ -153,12 +143,14 @@ struct Step {
 
     Vec3<W> clump_pull[kFree];
     if constexpr (!kVertexChains)
-      if (controls)
+      if (follows) {
+        const StrandBlock& strands = *ports.strands;
+        const auto controls = ControlsOf<W>(strands.control, strands.control_count, lane);
         for (uint32_t i = 0; i < kFree; ++i)
-          clump_pull[i] =
-              (controls->template Gather<W>(ports.strands->control + lane, i) - g.root) *
-              W(ClumpShare(layer.clump, i, kFree));
-    Solver::Iterate(layer, colliders, !kVertexChains && controls != nullptr, clump_pull, g);
+          clump_pull[i] = (Load3<W>(ports.position->position[i], controls) - g.root) *
+                          W(ClumpShare(layer.clump, i, kFree));
+      }
+    Solver::Iterate(layer, colliders, !kVertexChains && follows, clump_pull, g);
 
     ahead.template Fetch<3>();
     const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;

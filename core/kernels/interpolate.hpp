@@ -56,15 +56,11 @@ struct Interpolate {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
-    WriteRange(ports, displacements, 0, controls, nullptr);
-    if (controls == end) return;
-    Controls records;
-    records.Fill(*ports.points, controls);
-    WriteRange(ports, displacements, controls, end, &records);
+    WriteRange(ports, displacements, 0, controls, false);
+    if (controls < end) WriteRange(ports, displacements, controls, end, true);
   }
 
  private:
-  using Controls = chain::ControlRecords<V, kFree>;
   struct Displacements {
     alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain
   };
@@ -93,12 +89,12 @@ struct Interpolate {
   // Two loops: making unit segments waits for square roots, and only short bodies let the machine
   // overlap the waits of several groups with the gathers of others.
   PELT_INLINE static void WriteRange(const Ports& ports, const Displacements& displacements,
-                                     uint32_t begin, uint32_t end, const Controls* controls) {
+                                     uint32_t begin, uint32_t end, bool follows) {
     for (uint32_t lane = begin; lane < end; lane += V::kLanes) {
       FetchAhead(ports, lane, end);
       BlendGroup(ports, displacements, lane);
     }
-    for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, controls);
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, follows);
   }
 
   PELT_INLINE static void FetchAhead(const Ports& ports, uint32_t lane, uint32_t end) {
@@ -124,14 +120,17 @@ struct Interpolate {
 
   // Clumps, then sets each segment to its length, root to tip. A segment of no direction stays a
   // point.
-  PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, const Controls* controls) {
+  PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, bool follows) {
     const Vec3<V> root = Load3<V>(ports.roots->position, lane);
     const V length = chain::LinkLength<V>(*ports.strand_rest, ports.layer->scale, lane);
     Vec3<V> upper{V(0.0f), V(0.0f), V(0.0f)}, at = upper;
+    PickedLanes<V> controls;
+    if (follows)
+      controls = chain::ControlsOf<V>(ports.strands->control, ports.strands->control_count, lane);
     for (uint32_t i = 0; i < kFree; ++i) {
       Vec3<V> point = Load3<V>(ports.points->position[i], lane);
-      if (controls) {
-        const Vec3<V> to = controls->template Gather<V>(ports.strands->control + lane, i) - root;
+      if (follows) {
+        const Vec3<V> to = Load3<V>(ports.points->position[i], controls) - root;
         point = point + (to - point) * V(chain::ClumpShare(ports.layer->clump, i, kFree));
       }
       const Vec3<V> d = point - upper;

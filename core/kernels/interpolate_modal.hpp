@@ -34,7 +34,7 @@ namespace pelt {
 template <class V>
 struct InterpolateModal {
   static constexpr std::string_view kName = "interpolate_modal";
-  static constexpr uint32_t N = modal::kVertexLinks;
+  static constexpr uint32_t N = modal::kVertexNodes;
   using Params = SimulateParams;
   struct Ports {
     Shared<&Streams::layers> layer;
@@ -49,25 +49,22 @@ struct InterpolateModal {
 
   static void Run(const Params& params, const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
+    const modal::BarePivots bare(*ports.table);
     uint32_t controls = end;
     if (ports.layer->flags & kLayerClump) {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
     for (uint32_t lane = 0; lane < controls; lane += V::kLanes)
-      WriteGroup(params, ports, lane, end, nullptr);
-    if (controls == end) return;
-    Controls records;
-    records.Fill(*ports.points, controls);
+      WriteGroup(params, ports, bare, lane, end, false);
     for (uint32_t lane = controls; lane < end; lane += V::kLanes)
-      WriteGroup(params, ports, lane, end, &records);
+      WriteGroup(params, ports, bare, lane, end, true);
   }
 
  private:
-  using Controls = chain::ControlRecords<V, N>;
-
-  PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports, uint32_t lane,
-                                     uint32_t end, const Controls* controls) {
+  PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports,
+                                     const modal::BarePivots& bare, uint32_t lane, uint32_t end,
+                                     bool follows) {
     const BlockAhead<RestBlock<N + 1>, V::kLanes> rest_ahead(ports.rest->offset, lane, end);
     const BlockAhead<PointBlock<N + 1>, V::kLanes> points_ahead(ports.points->position, lane, end);
     const LayerBlock& layer = *ports.layer;
@@ -81,24 +78,25 @@ struct InterpolateModal {
     V bary[3], stretch[N];
     for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * per_length;
     const BlendedRecords<V, N> blend(ports.loads->link, strands, bary, lane);
-    modal::RestDirections(g, per_length, rest);
+    modal::RestTangents(*ports.table, g, per_length, rest);
     modal::StretchOfWeight(layer, *ports.table, per_length, rest, stretch);
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) load[i] = blend.Row(i);
-    modal::BendUnderLoad(modal::Joints(*ports.table), rest, load, blend.w, stretch, d);
+    modal::BendUnderLoad(*ports.table, bare, rest, load, blend.w, stretch, d);
     points_ahead.template Fetch<0, 2>();
+    modal::DrawCurve(*ports.table, d, rest, g);
     const V strength = V::Load(ports.rest->strength + lane);
     const typename V::Mask full = strength >= V(1.0f);
-    if (!AllSet(full)) modal::Weaken(full, strength, rest, d);
-    modal::PlacePoints(d, g);
+    if (!AllSet(full)) modal::Weaken(full, strength, g);
     points_ahead.template Fetch<1, 2>();
-    if (controls) {
+    if (follows) {
+      const auto controls = chain::ControlsOf<V>(strands.control, strands.control_count, lane);
       Vec3<V> control[N];
       for (uint32_t i = 0; i < N; ++i)
-        control[i] = controls->template Gather<V>(strands.control + lane, i) - g.root;
-      modal::Gather(layer.clump, control, g, d);
+        control[i] = Load3<V>(ports.points->position[i], controls) - g.root;
+      modal::Gather(layer.clump, control, g);
     }
-    if (MayBeInside(params, ports, g)) KeepOut(params, layer, strength, g, d);
+    if (MayBeInside(params, ports, g)) KeepOut(params, layer, strength, g);
     for (uint32_t i = 0; i < N; ++i) Store3(ports.points->position[i], lane, g.root + g.point[i]);
   }
 
@@ -116,11 +114,10 @@ struct InterpolateModal {
   }
 
   static __attribute__((noinline)) void KeepOut(const Params& params, const LayerBlock& layer,
-                                                V strength, chain::Group<V, N>& g,
-                                                Vec3<V> (&d)[N]) {
+                                                V strength, chain::Group<V, N>& g) {
     V left[N];
     for (V& depth : left) depth = V(0.0f);
-    modal::KeepOut(layer, params, strength > V(0.0f), left, g, d);
+    modal::KeepOut(layer, params, strength > V(0.0f), left, g);
   }
 };
 

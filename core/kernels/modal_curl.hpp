@@ -1,22 +1,24 @@
-// Curl that the parent link carries: the difference between two models of a bent joint, as a force.
+// Curl that turns with the strand: the difference between two models of a rod that rests bent, as a force.
 //
-// The modes know a joint whose rest bend turns with the root (model L): k/2 |(d_j - d_p) -
-// (r_j - r_p)|^2, p = j - 1. A curl that keeps its shape when the strand swings is carried by the
-// link above it (model F): k/2 |d_j - T d_p|^2, T d the image of r_j under the smallest rotation
-// that takes r_p to d. The modes go on with L, exactly; what F pulls otherwise, -grad E_F +
-// grad E_L, is a force that goes evenly over the substep from what it is at its start to what it
-// will be where that and the last multipliers lead.
+// The modes know a rod whose rest bend turns with the root (model L): B/2 |t' - r'|^2. A curl that keeps its
+// shape when the strand swings turns with the strand's own tangent (model F): B/2 |t' - R r'|^2, R the smallest
+// rotation that takes the rest tangent r to t. The modes go on with L, exactly; what F pulls otherwise is a
+// force that is constant over the substep, taken where the strand will be in its middle. With u the tangents
+// there, in the root's frame of that time V the rest bend across r, and D the curve's bend from its tangents,
 //
-//   on d_j: k (T - r_j - d_p + r_p)      on d_p: k (dT/dd)^T (d_j - T) - k (d_j - d_p - r_j + r_p)
+//     s = r + u,  q = 1 / (1 + r . u),  x = q u . V,  a = -s x        R V = V + a
+//     g = D (u - r) - a,  y = q s . g                                 what is bent otherwise
+//     force = K D^-1 a + w (r x y - g x - V y)
 //
-// A strand that hangs still is where F balances, whatever the step: the two ends are then one.
-// (A force k (1 - d_j . T), equal at unit length, is not: it blows up.)
+// The second part is the torque of a bend that its own tangent turns: without it twice as much is wrong.
+// A strand that rests bent by more than kMostCurl is not followed whole: an explicit force of that size would
+// not let it settle.
 //
-// Explicit, it is unstable where a joint rests bent far and a substep is long: of one that bends further
-// than the table allows only a share follows its parent, none from 1.4 times as far.
+// Invariant: finite in, finite out; a tangent turned right round against its rest direction, where R is not
+// defined, feels a bounded force.
 //
-// Invariant: finite in, finite out; a link turned right round against its rest direction, where T
-// is not defined, feels a bounded force.
+// Source: smallest rotations as in Bergou et al., Discrete Elastic Rods, 2008 (parallel transport); the form at
+// nodes, and what was tried beside it, is measured by `pelt accuracy --features`.
 #pragma once
 
 #include "core/modal/modal_block.hpp"
@@ -24,73 +26,23 @@
 
 namespace pelt::modal {
 
-// 1 + r . d is not let below this: 169 degrees.
+// 1 + r . u is not let below this: 169 degrees.
 inline constexpr float kLeastCarry = 0.02f;
+// Rest turning from the first node to the last, rad, up to which it is followed whole; none from 1.4 times that.
+inline constexpr float kMostCurl = 1.2f;
 
-// The image T of v under the smallest rotation that takes the unit vector a to the unit vector d,
-// and the pull of w . T on d.
-template <class W>
-struct Carried {
-  Vec3<W> image, gradient;
-};
-
-template <class W>
-PELT_INLINE Carried<W> Carry(Vec3<W> a, Vec3<W> d, Vec3<W> v, Vec3<W> to) {
-  const W inverse = W(1.0f) / Max(W(1.0f) + Dot(a, d), W(kLeastCarry));
-  const Vec3<W> sum = a + d;
-  const W twice = Dot(a, v) * W(2.0f), share = Dot(sum, v) * inverse;
-  Carried<W> c;
-  // Operands are named: which of two a compiler computes first is open, and a price must not be.
-  const Vec3<W> back = sum * share, forth = d * twice;
-  c.image = v - back + forth;
-  const Vec3<W> w = to - c.image;
-  const W across = Dot(sum, w) * inverse;
-  const W turned = twice - share, both = across * share;
-  const Vec3<W> along = w * turned, aside = v * across, over = a * both;
-  c.gradient = along - aside + over;
-  return c;
-}
-
-// Directions of links by axis, as the motion has them.
+// Tangents by axis, as the motion has them.
 template <class W, uint32_t N>
 using Rows = W[3][N];
 
 template <class W, uint32_t N>
-PELT_INLINE Vec3<W> LinkOf(const Rows<W, N>& rows, uint32_t i) {
+PELT_INLINE Vec3<W> NodeOf(const Rows<W, N>& rows, uint32_t i) {
   return {rows[0][i], rows[1][i], rows[2][i]};
 }
-template <class W, uint32_t N>
-PELT_INLINE void SetLink(Rows<W, N>& rows, uint32_t i, Vec3<W> link) {
-  rows[0][i] = link.x;
-  rows[1][i] = link.y;
-  rows[2][i] = link.z;
-}
 
-// What F pulls beyond L on links that point along `d` (unit), rest directions `r`, 1/s^2.
-template <class W, uint32_t N>
-PELT_INLINE void PullOfCurl(const ModalTable<N>& t, const Rows<W, N>& d, const Rows<W, N>& r,
-                            Rows<W, N>& force) {
-  Vec3<W> above = {W(0.0f), W(0.0f), W(0.0f)};  // the force on link p
-  PELT_UNROLL
-  for (uint32_t j = 1; j < N; ++j) {
-    const uint32_t p = j - 1;
-    const Vec3<W> d_p = LinkOf<W, N>(d, p), d_j = LinkOf<W, N>(d, j);
-    const Vec3<W> r_p = LinkOf<W, N>(r, p), r_j = LinkOf<W, N>(r, j);
-    const Vec3<W> bend = r_j - r_p;
-    const W over = Dot(bend, bend) * W(t.joint[0]);
-    const W share = Clamp(W(2.0f) - over, W(0.0f), W(1.0f));
-    const W k = W(t.joint[j]) * share;
-    const Carried<W> c = Carry<W>(r_p, d_p, r_j, d_j);
-    const Vec3<W> off = d_p - r_p;
-    SetLink<W, N>(force, p, above + (c.gradient - (d_j - r_j - off)) * k);
-    above = (c.image - r_j - off) * k;
-  }
-  SetLink<W, N>(force, N - 1, above);
-}
-
-// The rest directions at a time that `place` weighs the backward differences for.
+// The rest tangents at a time that `place` weighs the backward differences for.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void RestAt(const ModalTable<N>& t, const float (&place)[kModalSamples - 1],
+PELT_INLINE void RestAt(const ModalTableBlock& t, const float (&place)[kModalSamples - 1],
                         const Motion& motion, Rows<W, N>& rest) {
   PELT_NO_UNROLL
   for (uint32_t k = 0; k < 3; ++k) {
@@ -102,7 +54,7 @@ PELT_INLINE void RestAt(const ModalTable<N>& t, const float (&place)[kModalSampl
     PELT_UNROLL
     for (uint32_t m = 0; m < N; ++m) {
       const W bend1 = a.bend[1][m] * W(place[0]), bend2 = a.bend[2][m] * W(place[1]);
-      const W bend3 = a.bend[3][m] * W(place[2]), own = root * W(t.bend[m][0]);
+      const W bend3 = a.bend[3][m] * W(place[2]), own = root * W(t.bend_root[m]);
       bend[m] = bend1 + bend2 + bend3 - own;
     }
     PELT_UNROLL
@@ -115,100 +67,110 @@ PELT_INLINE void RestAt(const ModalTable<N>& t, const float (&place)[kModalSampl
   }
 }
 
-// Those at the substep's end. Where that is the frame's they are known.
+template <class W, uint32_t N>
+PELT_INLINE Vec3<W> WeighNodes(const float (&row)[kMaxNodes], const Vec3<W> (&v)[N]) {
+  Vec3<W> sum = v[0] * W(row[0]);
+  PELT_UNROLL
+  for (uint32_t j = 1; j < N; ++j) sum = sum + v[j] * W(row[j]);
+  return sum;
+}
+
+// The tangents in the middle of the substep, as they go on from its start; unit. `root`: the way of the root
+// from the start to there.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void RestAtEnd(const ModalTable<N>& t, const ModalSubstep<N>& s, const Motion& motion,
-                           Rows<W, N>& rest) {
-  if (s.root_place[0] != 0.0f) {
-    RestAt<W, N>(t, s.root_place, motion, rest);
-    return;
-  }
-  for (uint32_t k = 0; k < 3; ++k) {
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) rest[k][i] = motion.axis[k].rest[i];
+PELT_INLINE void GoOnToMiddle(const ModalTableBlock& t, const Motion& motion, const W (&root)[3],
+                              Vec3<W> (&u)[N]) {
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    W to[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+      const auto& a = motion.axis[k];
+      W speed = a.z[0] * W(t.shape[i][0]);
+      PELT_UNROLL
+      for (uint32_t m = 1; m < N; ++m) speed = speed + a.z[m] * W(t.shape[i][m]);
+      const W way = speed * W(t.half_step_s), carried = root[k] * W(t.root[i]);
+      to[k] = a.d[i] + (way - carried);
+    }
+    const Vec3<W> from = {motion.axis[0].d[i], motion.axis[1].d[i], motion.axis[2].d[i]};
+    u[i] = NormalizeOr(Vec3<W>{to[0], to[1], to[2]}, from);
   }
 }
 
-// Where the links would end under the force of the substep's start and the last multipliers.
+// The share of it that is followed.
+template <class W, uint32_t N>
+PELT_INLINE W FollowedCurl(const Vec3<W> (&r)[N]) {
+  W turning = W(0.0f);
+  PELT_UNROLL
+  for (uint32_t i = 1; i < N; ++i) {
+    const Vec3<W> turn = r[i] - r[i - 1];
+    turning = turning + Sqrt(Dot(turn, turn));
+  }
+  const W over = turning * W(1.0f / kMostCurl);
+  return Clamp(W(2.0f) - over * over, W(0.0f), W(1.0f));
+}
+
+// What F pulls beyond L on tangents u that rest as r, 1/s^2.
+template <class W, uint32_t N>
+PELT_INLINE void PullOfCurl(const ModalTableBlock& t, const Vec3<W> (&u)[N], const Vec3<W> (&r)[N],
+                            Vec3<W> (&force)[N]) {
+  Vec3<W> off[N], turned[N];
+  W x[N];
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) off[i] = u[i] - r[i];
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    const Vec3<W> bend = WeighNodes<W, N>(t.curl_turn[i], r), sum = r[i] + u[i];
+    const Vec3<W> across = bend - r[i] * Dot(r[i], bend);
+    const W inverse = W(1.0f) / Max(W(1.0f) + Dot(r[i], u[i]), W(kLeastCarry));
+    x[i] = Dot(u[i], across) * inverse;
+    turned[i] = sum * (W(0.0f) - x[i]);
+    const Vec3<W> other = WeighNodes<W, N>(t.curl_bend[i], off) - turned[i];
+    const W y = Dot(sum, other) * inverse, both = x[i] * y;
+    // Operands are named: which of two a compiler computes first is open, and a price must not be.
+    const Vec3<W> over = r[i] * both, along = other * x[i], aside = across * y;
+    force[i] = (over - along - aside) * W(t.curl_weight[i]);
+  }
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    const Vec3<W> pull = WeighNodes<W, N>(t.curl_pull[i], turned);
+    force[i] = force[i] + pull;
+  }
+}
+
+// Sets what the curl adds to the modes' force over a substep.
 template <class W, uint32_t N, class Motion>
-PELT_INLINE void PredictEnd(const ModalTable<N>& t, const Motion& motion, const Rows<W, N>& force,
-                            Rows<W, N>& end) {
-  PELT_NO_UNROLL
+__attribute__((noinline)) void AddCurl(const ModalTableBlock& t, uint32_t substep, Motion& motion) {
+  const auto& middle = t.substep[substep].middle_place;
+  Rows<W, N> rows;
+  RestAt<W, N>(t, middle, motion, rows);
+  Vec3<W> r[N], u[N], force[N];
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) r[i] = NodeOf<W, N>(rows, i);
+  W root[3];
   for (uint32_t k = 0; k < 3; ++k) {
     const auto& a = motion.axis[k];
-    W twice[N], free[N], pull[N];
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) twice[i] = force[k][i] + force[k][i];
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) {
-      free[i] = a.p[i];
-      PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j) free[i] = free[i] + twice[j] * W(t.response[i][j]);
-    }
-    PELT_UNROLL
-    for (uint32_t j = 0; j < N; ++j) pull[j] = (a.d[j] + free[j]) * motion.lambda[j];
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) {
-      W to = free[i];
-      PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j) to = to + pull[j] * W(t.response[i][j]);
-      end[k][i] = to;
-    }
+    const auto weigh = [&](const float(&w)[kModalSamples - 1]) __attribute__((always_inline)) {
+      return a.root[0] * W(w[0]) + a.root[1] * W(w[1]) + a.root[2] * W(w[2]);
+    };
+    const W to = weigh(middle);
+    root[k] = substep == 0 ? to + a.root[0] : to - weigh(t.substep[substep - 1].root_place);
   }
-}
-
-// Adds the answer to a force that goes from `first` to `last` over the substep to p and z.
-template <class W, uint32_t N, class Motion>
-PELT_INLINE void AddForce(const ModalTable<N>& t, const Rows<W, N>& first, const Rows<W, N>& last,
-                          Motion& motion) {
-  PELT_NO_UNROLL
+  GoOnToMiddle<W, N>(t, motion, root, u);
+  PullOfCurl<W, N>(t, u, r, force);
+  const W share = FollowedCurl<W, N>(r);
   for (uint32_t k = 0; k < 3; ++k) {
-    auto& a = motion.axis[k];
-    // The table's answers are those to half a constant force and to a change.
-    W sum[N], turn[N];
+    W push[N];
     PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) {
-      sum[i] = last[k][i] + first[k][i];
-      turn[i] = last[k][i] - first[k][i];
-    }
+    for (uint32_t i = 0; i < N; ++i)
+      push[i] = (k == 0 ? force[i].x : k == 1 ? force[i].y : force[i].z) * share;
     PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) {
-      W p = a.p[i], push = sum[0] * W(t.shape[0][i]), twist = turn[0] * W(t.shape[0][i]);
+    for (uint32_t m = 0; m < N; ++m) {
+      W sum = push[0] * W(t.shape[0][m]);
       PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j) {
-        const W moved = sum[j] * W(t.response[i][j]), bent = turn[j] * W(t.slope[i][j]);
-        p = p + moved + bent;
-      }
-      PELT_UNROLL
-      for (uint32_t j = 1; j < N; ++j) {
-        push = push + sum[j] * W(t.shape[j][i]);
-        twist = twist + turn[j] * W(t.shape[j][i]);
-      }
-      a.p[i] = p;
-      const W pushed = push * W(t.impulse[i]), twisted = twist * W(t.impulse_slope[i]);
-      a.z[i] = a.z[i] + pushed + twisted;
+      for (uint32_t i = 1; i < N; ++i) sum = sum + push[i] * W(t.shape[i][m]);
+      motion.axis[k].curl[m] = sum;
     }
   }
-}
-
-// Adds what the force changes to the free motion (p, z).
-template <class W, uint32_t N, class Motion>
-__attribute__((noinline)) void AddCurl(const ModalTable<N>& t, const ModalSubstep<N>& s,
-                                       Motion& motion) {
-  Rows<W, N> d, r, first, last;
-  RestAt<W, N>(t, s.start_place, motion, r);
-  for (uint32_t k = 0; k < 3; ++k) {
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) d[k][i] = motion.axis[k].d[i];
-  }
-  PullOfCurl<W, N>(t, d, r, first);
-  PredictEnd<W, N>(t, motion, first, last);
-  PELT_UNROLL
-  for (uint32_t i = 0; i < N; ++i)
-    SetLink<W, N>(d, i, NormalizeOr<W>(LinkOf<W, N>(last, i), LinkOf<W, N>(d, i)));
-  RestAtEnd<W, N>(t, s, motion, r);
-  PullOfCurl<W, N>(t, d, r, last);
-  AddForce<W, N>(t, first, last, motion);
 }
 
 }  // namespace pelt::modal

@@ -5,7 +5,7 @@
 
 namespace pelt::modal {
 
-// Radians a frame below which a link is still: a few roundings of its direction. What a link is
+// Radians a frame below which a tangent is still: a few roundings of it. What a strand is
 // pressed against multiplies them.
 inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
 
@@ -15,8 +15,8 @@ inline constexpr float kAstray = 0.3f, kRestless_s = 0.75f;
 // Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
 template <class W, uint32_t kPoints, class Ports>
 struct FrameEnd {
-  static constexpr uint32_t N = kPoints - 1;
-  using Group = chain::Group<W, N>;
+  static constexpr uint32_t N = NodesOf(kPoints), kParts = kPoints - 1;
+  using Group = chain::Group<W, kParts>;
   using Motion = modal::Motion<W, N>;
   using Start = FrameStart<W, kPoints, Ports>;
   using Mask = typename W::Mask;
@@ -25,7 +25,7 @@ struct FrameEnd {
   template <class At, class Put>
   static PELT_INLINE void ForEachRow(const Ports& ports, const At& at, const Group& g,
                                      const Motion& motion, Put put) {
-    ModalStateBlock<kPoints>& to = *ports.chain;
+    ModalStateBlock<NodesOf(kPoints)>& to = *ports.chain;
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) put(to.multiplier[i], motion.lambda[i]);
     PELT_UNROLL
@@ -38,8 +38,10 @@ struct FrameEnd {
         put(to.bend[i][k], a.bend[0][i]);
         put(to.bend_step[i][k], a.bend[1][i]);
         put(to.bend_turn[i][k], a.bend[2][i]);
-        put(ports.position->position[i][k], Start::Part(g.root, k) + Start::Part(g.point[i], k));
       }
+      PELT_UNROLL
+      for (uint32_t i = 0; i < kParts; ++i)
+        put(ports.position->position[i][k], Start::Part(g.root, k) + Start::Part(g.point[i], k));
       put(to.root_step[k], a.root[0]);
       put(to.root_turn[k], a.root[1]);
       put(to.wind[k], Start::LoadWind(ports, k, at));
@@ -51,7 +53,7 @@ struct FrameEnd {
   template <class At>
   static PELT_INLINE Mask HoldsPoints(const Ports& ports, const At& at, const Group& g) {
     W far2 = W(0.0f);
-    for (uint32_t i = 0; i < N; ++i) {
+    for (uint32_t i = 0; i < kParts; ++i) {
       const Vec3<W> step = g.root + g.point[i] - Load3<W>(ports.position->position[i], at);
       far2 = Max(far2, Dot(step, step));
     }
@@ -68,8 +70,8 @@ struct FrameEnd {
   template <class At>
   static __attribute__((noinline)) Mask FindRestless(const Ports& ports, const At& at, Mask calm,
                                                      const Motion& motion, W& clock) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     const W none = W(0.0f), half_s = W(0.5f * t.frame_s);
     W turned2 = none, astray2 = none;
     for (uint32_t k = 0; k < 3; ++k) {
@@ -96,7 +98,7 @@ struct FrameEnd {
   static PELT_INLINE Mask Store(const SimulateParams& params, const Ports& ports, const At& at,
                                 const Group& g, Mask fresh, Mask quiet, Mask picked, W still_turn,
                                 W clock, bool follows, const Motion& motion) {
-    ModalStateBlock<kPoints>& to = *ports.chain;
+    ModalStateBlock<NodesOf(kPoints)>& to = *ports.chain;
     const bool may_rest = params.rest_threshold > 0.0f;
     const Mask moved = !(quiet | fresh | picked);
     // Nobody may be at rest: whether bits changed need not be looked at.

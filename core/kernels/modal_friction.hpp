@@ -13,7 +13,7 @@
 // A point that comes from outside slips only from where it touches: the share of its way that it did
 // before is not held against it.
 //
-// The points act on each other through the links, so they are solved one after the other, in sweeps.
+// The points act on each other through the strand, so they are solved one after the other, in sweeps.
 //
 // Invariants: as modal_touch.hpp's; surface and max_distance rub nothing.
 #pragma once
@@ -51,108 +51,84 @@ struct ContactFrame {
 };
 
 // What contacts are to do, and what they may: components are along the axes of their frames.
-template <class W, uint32_t N>
+template <class W, uint32_t Q>
 struct Rub {
-  W wanted[N][3];
-  W least[N];      // of the normal's push
-  W pressed[N];    // what pushes along it already
-  W rubbed[N][2];  // and across it
-  W mu[N];
-  W push[N][3];  // the result
+  W wanted[Q][3];
+  W least[Q];      // of the normal's push
+  W pressed[Q];    // what pushes along it already
+  W rubbed[Q][2];  // and across it
+  W mu[Q];
+  W push[Q][3];  // the result
 };
 
-// As Levers, for pushes in three directions at each point.
+// How a point gives way to pushes along the axes of its frame.
 template <class W, uint32_t N>
-struct RubLevers {
-  static constexpr uint32_t kPushes = 3 * N;
-  W give[N][N];                          // [point][link]: without the lengths
-  W hold[kPushes][N];                    // [push][link]: multipliers that keep the lengths
-  W lower[kPushes * (kPushes + 1) / 2];  // of a symmetric matrix, row by row
+struct RubPoint {
+  W give[N];
+  UnitPush<W, N> way[3];
+  W cross;  // of the two across: how far one moves it along the other
 
-  PELT_INLINE void Make(const float (&response)[N][N], const Vec3<W> (&along)[N],
-                        const NewtonMatrix<W, N>& lengths, const ContactFrame<W> (&frame)[N],
-                        const W (&on)[N], float share) {
-    W b[kPushes][N];
-    for (uint32_t q = 0; q < N; ++q) {
-      for (uint32_t i = 0; i < N; ++i) {
-        float above = 0.0f;
-        for (uint32_t j = 0; j < q; ++j) above = above + response[i][j];
-        const W own = W(response[i][q]) * on[q];
-        give[q][i] = W(above) + own;
-      }
-      for (uint32_t k = 0; k < 3; ++k) {
-        const uint32_t p = 3 * q + k;
-        for (uint32_t i = 0; i < N; ++i) {
-          b[p][i] = Dot(frame[q].axis[k], along[i]) * give[q][i];
-          hold[p][i] = W(0.0f) - b[p][i];
-        }
-        SolveFactored<W, N>(lengths.lower, lengths.inverse, hold[p]);
-      }
+  PELT_INLINE void Make(const PushMetric<W, N>& metric, const ContactFrame<W>& frame,
+                        const W (&lever)[N]) {
+    GiveOf(metric, lever, give);
+    W held[N];
+    for (uint32_t k = 0; k < 3; ++k) {
+      way[k].Make(metric, frame.axis[k], lever, give, held);
+      // A point can hardly be pushed along its strand.
+      const W least = way[k].bare * W(kLeastGive);
+      way[k].own = k == 0 ? Max(way[k].own, least) : way[k].own + least;
     }
-    for (uint32_t r = 0; r < N; ++r)
-      for (uint32_t q = 0; q <= r; ++q) {
-        W bare = give[q][r] * on[r];
-        for (uint32_t i = 0; i < r; ++i) bare = bare + give[q][i];
-        for (uint32_t k = 0; k < 3; ++k)
-          for (uint32_t l = 0; l < 3; ++l) Fill(3 * r + k, 3 * q + l, bare, b, frame, share);
-        // A point can hardly be pushed along its links.
-        if (r == q)
-          for (uint32_t k = 0; k < 3; ++k) {
-            W& own = At(3 * q + k, 3 * q + k);
-            const W least = bare * W(kLeastGive);
-            own = k == 0 ? Max(own, least) : own + least;
-          }
-      }
+    W sum = way[1].pull[0] * held[0];
+    for (uint32_t i = 1; i < N; ++i) sum = sum + way[1].pull[i] * held[i];
+    cross = Dot(frame.axis[1], frame.axis[2]) * way[2].bare + sum * W(metric.share);
+  }
+};
+
+// Pushes out of the contacts, then back along them, in sweeps.
+template <class W, uint32_t N, uint32_t Q>
+struct RubSweeps {
+  const PushMetric<W, N>& metric;
+  const ContactFrame<W> (&frame)[Q];
+  const W (&lever)[Q][N];
+  const PushedPlaces<Q>& places;
+  RubPoint<W, N> point[Q];
+
+  PELT_INLINE RubSweeps(const PushMetric<W, N>& pushes, const ContactFrame<W> (&frames)[Q],
+                        const W (&levers)[Q][N], const PushedPlaces<Q>& at)
+      : metric(pushes), frame(frames), lever(levers), places(at) {
+    for (const uint32_t q : places) point[q].Make(metric, frame[q], lever[q]);
   }
 
-  // Sweeps over the contacts: out of each first, then back along it.
-  PELT_INLINE void Solve(Rub<W, N>& rub) const {
-    for (uint32_t q = 0; q < N; ++q)
+  PELT_INLINE void Solve(Rub<W, Q>& rub, Pushed<W, N>& all) const {
+    for (const uint32_t q : places)
       for (uint32_t k = 0; k < 3; ++k) rub.push[q][k] = W(0.0f);
+    all.Clear();
     PELT_NO_UNROLL
     for (int sweep = 0; sweep < kRubSweeps; ++sweep)
-      for (uint32_t q = 0; q < N; ++q) SolvePoint(q, rub);
-  }
-
-  // Multipliers of the lengths that go with the pushes.
-  PELT_INLINE void Hold(const W (&push)[N][3], W (&multiplier)[N]) const {
-    for (uint32_t j = 0; j < N; ++j) {
-      multiplier[j] = W(0.0f);
-      for (uint32_t q = 0; q < N; ++q)
-        for (uint32_t k = 0; k < 3; ++k)
-          multiplier[j] = multiplier[j] + hold[3 * q + k][j] * push[q][k];
-    }
+      for (const uint32_t q : places) SolvePoint(q, rub, all);
+    all.Hold(*metric.lengths);
   }
 
  private:
-  static PELT_INLINE uint32_t Place(uint32_t row, uint32_t column) {
-    return row < column ? column * (column + 1) / 2 + row : row * (row + 1) / 2 + column;
+  PELT_INLINE W Missing(uint32_t q, uint32_t k, const Rub<W, Q>& rub,
+                        const Pushed<W, N>& all) const {
+    return rub.wanted[q][k] -
+           GoneAlong(metric, all, frame[q].axis[k], lever[q], point[q].way[k].pull);
   }
-  PELT_INLINE W& At(uint32_t row, uint32_t column) { return lower[Place(row, column)]; }
-  PELT_INLINE const W& At(uint32_t row, uint32_t column) const { return lower[Place(row, column)]; }
-  PELT_INLINE void Fill(uint32_t row, uint32_t column, W bare, const W (&b)[kPushes][N],
-                        const ContactFrame<W> (&frame)[N], float share) {
-    W sum = b[row][0] * hold[column][0];
-    for (uint32_t j = 1; j < N; ++j) sum = sum + b[row][j] * hold[column][j];
-    const Vec3<W>& first = frame[row / 3].axis[row % 3];
-    const Vec3<W>& second = frame[column / 3].axis[column % 3];
-    const W apart = Dot(first, second) * bare, joined = sum * W(share);
-    At(row, column) = apart + joined;
+  PELT_INLINE void Push(uint32_t q, uint32_t k, W to, Rub<W, Q>& rub, Pushed<W, N>& all) const {
+    AddPush(frame[q].axis[k], to - rub.push[q][k], point[q].give, point[q].way[k].pull, all);
+    rub.push[q][k] = to;
   }
-  PELT_INLINE W Missing(uint32_t row, const Rub<W, N>& rub) const {
-    W left = rub.wanted[row / 3][row % 3];
-    for (uint32_t r = 0; r < N; ++r)
-      for (uint32_t k = 0; k < 3; ++k) left = left - At(row, 3 * r + k) * rub.push[r][k];
-    return left;
-  }
-  PELT_INLINE void SolvePoint(uint32_t q, Rub<W, N>& rub) const {
+  PELT_INLINE void SolvePoint(uint32_t q, Rub<W, Q>& rub, Pushed<W, N>& all) const {
     const W none = W(0.0f), tiny = W(1.0e-30f);
-    const uint32_t n = 3 * q, s = n + 1, t = n + 2;
-    const W out = Missing(n, rub) / At(n, n);
-    rub.push[q][0] = Max(rub.push[q][0] + out, rub.least[q]);
+    const UnitPush<W, N>(&way)[3] = point[q].way;
+    all.Hold(*metric.lengths);
+    const W out = Missing(q, 0, rub, all) / way[0].own;
+    Push(q, 0, Max(rub.push[q][0] + out, rub.least[q]), rub, all);
+    all.Hold(*metric.lengths);
     const W limit = Max(rub.pressed[q] + rub.push[q][0], none) * rub.mu[q];
-    const W first = Missing(s, rub), second = Missing(t, rub);
-    const W a = At(s, s), b = At(s, t), c = At(t, t);
+    const W first = Missing(q, 1, rub, all), second = Missing(q, 2, rub, all);
+    const W a = way[1].own, b = point[q].cross, c = way[2].own;
     const W before = rub.rubbed[q][0] + rub.push[q][1], beside = rub.rubbed[q][1] + rub.push[q][2];
     // What holds it, if it may be that much.
     const W squares = a * c, cross = b * b;
@@ -169,22 +145,22 @@ struct RubLevers {
     const W shorter = Min(limit * Rsqrt(Max(slid2, tiny)), W(1.0f));
     const W one = Select(sticks, hold_first, slide_first * shorter);
     const W two = Select(sticks, hold_second, slide_second * shorter);
-    rub.push[q][1] = one - rub.rubbed[q][0];
-    rub.push[q][2] = two - rub.rubbed[q][1];
+    Push(q, 1, one - rub.rubbed[q][0], rub, all);
+    Push(q, 2, two - rub.rubbed[q][1], rub, all);
   }
 };
 
 // A chain's friction in one substep.
-template <class W, uint32_t N>
+template <class W, uint32_t N, uint32_t Q>
 struct Friction {
-  typename W::Mask known[N];  // points whose contact was found
-  W pressed[N];               // force along the normal
-  Vec3<W> rubbed[N];          // and across it
-  Vec3<W> before[N];          // how far each went along its collider before it touched, links
+  typename W::Mask known[Q];  // points whose contact was found
+  W pressed[Q];               // force along the normal
+  Vec3<W> rubbed[Q];          // and across it
+  Vec3<W> before[Q];          // how far each went along its collider before it touched, parts
 
   PELT_INLINE void Clear() {
     const W none = W(0.0f);
-    for (uint32_t q = 0; q < N; ++q) {
+    for (uint32_t q = 0; q < Q; ++q) {
       known[q] = W(1.0f) < none;
       pressed[q] = none;
       rubbed[q] = before[q] = {none, none, none};
@@ -194,87 +170,86 @@ struct Friction {
   // One push of every point that is, or was, inside something, out and back along it, as
   // Touches::Press.
   template <bool kBest>
-  __attribute__((noinline)) void Press(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
-                                       const Surroundings<W, N>& around,
-                                       const Obstacle<W> (&obstacle)[N], const Vec3<W> (&n)[N],
-                                       const W (&depth)[N], const Vec3<W> (&at)[N], W (&total)[N],
-                                       Vec3<W> (&force)[N], Motion<W, N>& m) {
+  __attribute__((noinline)) void Press(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
+                                       const Surroundings<W, N, Q>& around,
+                                       const PushedPlaces<Q>& places,
+                                       const Obstacle<W> (&obstacle)[Q], const Vec3<W> (&n)[Q],
+                                       const W (&depth)[Q], const Vec3<W> (&at)[Q], W (&total)[Q],
+                                       Vec3<W> (&force)[Q], Motion<W, N>& m) {
     const W none = W(0.0f), time = W(around.time);
-    float response[N][N];
-    Vec3<W> w[N], push[N];
-    ContactFrame<W> frame[N];
-    W share[N], change[N];
-    Rub<W, N> rub;
-    for (uint32_t q = 0; q < N; ++q) {
+    PushMetric<W, N> metric;
+    Vec3<W> push[Q];
+    ContactFrame<W> frame[Q];
+    W lever[Q][N];
+    Rub<W, Q> rub;
+    Vec3<W> was_at[Q];
+    for (const uint32_t q : places) {
       const Obstacle<W>& o = obstacle[q];
       const Vec3<W> upper = q == 0 ? Vec3<W>{none, none, none} : at[q - 1];
       const Vec3<W> start = around.StartOf(q, o), point = o.PointOf(upper, at[q]);
       const Vec3<W> slip = SlipOf(q, o, n[q], depth[q], start, point, time);
+      was_at[q] = point;
       frame[q].Make(n[q]);
       rub.wanted[q][0] = depth[q];
       for (uint32_t k = 1; k < 3; ++k) rub.wanted[q][k] = none - Dot(slip, frame[q].axis[k]);
       rub.least[q] = none - total[q];
       rub.mu[q] = CoefficientOf(o, around);
-      share[q] = o.share;
-      w[q] = Row(m, &Axis<W, N>::w, q);
-      for (uint32_t j = 0; j < N; ++j) response[q][j] = 2.0f * t.response[q][j];
+      LeverOf<W, N>(t, q, o.share, lever[q]);
     }
-    RubLevers<W, N> levers;
-    levers.Make(response, w, matrix, frame, share, 0.5f);
-    Solve(levers, frame, rub, change, push);
-    for (uint32_t q = 0; q < N; ++q) {
-      total[q] = total[q] + rub.push[q][0];
+    ForcesOf(t, matrix, m, metric);
+    Pushed<W, N> all;
+    Solve(metric, places, frame, lever, rub, all);
+    const W share = UsefulShare(t, places, around.base, obstacle, all, m,
+                                [&](uint32_t q, Vec3<W> point, W& first, W& last) {
+                                  Vec3<W> unused;
+                                  W left;
+                                  obstacle[q].Look(point, unused, left);
+                                  first = first + rub.push[q][0] * depth[q];
+                                  last = last + rub.push[q][0] * left;
+                                  for (uint32_t k = 1; k < 3; ++k) {
+                                    const W gone = Dot(point - was_at[q], frame[q].axis[k]);
+                                    const W wanted = rub.wanted[q][k];
+                                    first = first + rub.push[q][k] * wanted;
+                                    last = last + rub.push[q][k] * (wanted - gone);
+                                  }
+                                });
+    all.Scale(share);
+    Take(places, frame, share, rub, push);
+    for (const uint32_t q : places) {
+      total[q] = total[q] + rub.push[q][0] * share;
       force[q] = force[q] + push[q];
-      m.lambda[q] = m.lambda[q] + change[q];
     }
-    for (uint32_t k = 0; k < 3; ++k) {
-      Axis<W, N>& a = m.axis[k];
-      W pull[N], twist[N];
-      for (uint32_t j = 0; j < N; ++j) {
-        pull[j] = a.w[j] * change[j];
-        if constexpr (kBest) twist[j] = a.turn[j] * change[j];
-      }
-      for (uint32_t i = 0; i < N; ++i) {
-        W moved = none;
-        for (uint32_t q = 0; q < N; ++q) moved = moved + Component(push[q], k) * levers.give[q][i];
-        a.p[i] = a.p[i] + moved;
-        a.y[i] = a.y[i] + moved + Weigh<W, N>(t.response[i], pull);
-        if constexpr (kBest) a.y[i] = a.y[i] + Weigh<W, N>(t.slope[i], twist);
-      }
-    }
+    TakePushes<kBest>(t, all, m);
   }
 
   // After the substep: impulses that bring about `wanted` along the normals, and take from what is
   // pressed how fast it slips.
-  __attribute__((noinline)) void Settle(const float (&response)[N][N],
-                                        const NewtonMatrix<W, N>& matrix,
-                                        const Surroundings<W, N>& around,
-                                        const Obstacle<W> (&obstacle)[N], const Vec3<W> (&d)[N],
-                                        const Vec3<W> (&normal)[N], const W (&wanted)[N],
-                                        const Vec3<W> (&slip)[N], W (&multiplier)[N],
-                                        Vec3<W> (&impulse)[N]) const {
+  __attribute__((noinline)) void Settle(const PushMetric<W, N>& metric, const W (&lever)[Q][N],
+                                        const Surroundings<W, N, Q>& around,
+                                        const PushedPlaces<Q>& places,
+                                        const Obstacle<W> (&obstacle)[Q],
+                                        const Vec3<W> (&normal)[Q], const W (&wanted)[Q],
+                                        const Vec3<W> (&slip)[Q], Pushed<W, N>& all,
+                                        Vec3<W> (&impulse)[Q]) const {
     const W none = W(0.0f), time = W(around.time);
-    ContactFrame<W> frame[N];
-    W share[N];
-    Rub<W, N> rub;
+    ContactFrame<W> frame[Q];
+    Rub<W, Q> rub;
     Friction done;  // by the forces, as impulses
-    for (uint32_t q = 0; q < N; ++q) {
+    for (const uint32_t q : places) {
       frame[q].Make(normal[q]);
       rub.wanted[q][0] = wanted[q];
       for (uint32_t k = 1; k < 3; ++k) rub.wanted[q][k] = none - Dot(slip[q], frame[q].axis[k]);
       rub.least[q] = W(-1.0e30f);
       rub.mu[q] = CoefficientOf(obstacle[q], around);
-      share[q] = obstacle[q].share;
       done.pressed[q] = pressed[q] * time;
       done.rubbed[q] = rubbed[q] * time;
     }
-    RubLevers<W, N> levers;
-    levers.Make(response, d, matrix, frame, share, 1.0f);
-    done.Solve(levers, frame, rub, multiplier, impulse);
+    done.Solve(metric, places, frame, lever, rub, all);
+    done.Take(places, frame, W(1.0f), rub, impulse);
   }
 
  private:
-  static PELT_INLINE W CoefficientOf(const Obstacle<W>& o, const Surroundings<W, N>& around) {
+  static PELT_INLINE W CoefficientOf(const Obstacle<W>& o, const Surroundings<W, N, Q>& around) {
     return Select(o.carried > W(0.0f), W(0.0f), W(around.friction));
   }
 
@@ -295,21 +270,27 @@ struct Friction {
     return slip - before[q];
   }
 
-  // Pushes for depths along frames' normals and slips across them. Adds them to what is pressed and
-  // rubbed; `force`: each point's, to be added.
-  PELT_INLINE void Solve(const RubLevers<W, N>& levers, const ContactFrame<W> (&frame)[N],
-                         Rub<W, N>& rub, W (&multiplier)[N], Vec3<W> (&force)[N]) {
-    for (uint32_t q = 0; q < N; ++q) {
+  // Pushes for depths along frames' normals and slips across them, beside what is pressed and rubbed.
+  PELT_INLINE void Solve(const PushMetric<W, N>& metric, const PushedPlaces<Q>& places,
+                         const ContactFrame<W> (&frame)[Q], const W (&lever)[Q][N], Rub<W, Q>& rub,
+                         Pushed<W, N>& all) const {
+    for (const uint32_t q : places) {
       rub.pressed[q] = pressed[q];
       for (uint32_t k = 0; k < 2; ++k) rub.rubbed[q][k] = Dot(rubbed[q], frame[q].axis[k + 1]);
     }
-    levers.Solve(rub);
-    levers.Hold(rub.push, multiplier);
-    for (uint32_t q = 0; q < N; ++q) {
-      const W(&push)[3] = rub.push[q];
-      force[q] = frame[q].Out(push[0], push[1], push[2]);
-      pressed[q] = pressed[q] + push[0];
-      rubbed[q] = rubbed[q] + force[q] - frame[q].axis[0] * push[0];
+    const RubSweeps<W, N, Q> sweeps(metric, frame, lever, places);
+    sweeps.Solve(rub, all);
+  }
+
+  // Adds a share of the pushes to what is pressed and rubbed; `force`: each point's.
+  PELT_INLINE void Take(const PushedPlaces<Q>& places, const ContactFrame<W> (&frame)[Q], W share,
+                        const Rub<W, Q>& rub, Vec3<W> (&force)[Q]) {
+    for (const uint32_t q : places) {
+      const W out = rub.push[q][0] * share, first = rub.push[q][1] * share;
+      const W second = rub.push[q][2] * share;
+      force[q] = frame[q].Out(out, first, second);
+      pressed[q] = pressed[q] + out;
+      rubbed[q] = rubbed[q] + force[q] - frame[q].axis[0] * out;
     }
   }
 };

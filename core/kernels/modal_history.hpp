@@ -1,5 +1,5 @@
 // What of the last frames a modal chain is told otherwise: where it does not feel all of what its
-// root does, and where its links grew.
+// root does, and where it grew.
 //
 // The idea: a strand that feels a share of its root's turns is simulated in axes that make the rest
 // of each turn with it. Turned into the axes of this frame's end, its directions, its velocities
@@ -7,16 +7,16 @@
 // far; what is left of the turn goes through the frame as ever. So the motion is that of a root that
 // turns less, at every frame rate. Gravity, wind and the root's path stay as they are in the world.
 //
-//   turn  last normal -> normal by the least turn, then about the normal as far as the first link's
-//         rest direction went round; the share of it by a quaternion that is mixed with none
+//   turn  last normal -> normal by the least turn, then about the normal as far as the first node's
+//         rest tangent went round; the share of it by a quaternion that is mixed with none
 //
 // How the root turned is known from what the state has of the last frame: the skin's normal and, in
 // the pull, the rest direction. Turns about the normal of a strand that stands
 // straight on the skin are not known, and not made.
 //
-// Lengths are in links, so when links grow the root's past is so many fewer of them.
+// Lengths are in parts of the strand, so when those grow the root's past is so many fewer of them.
 //
-// Invariant: a lane whose root did not turn and whose links did not grow keeps all its bits.
+// Invariant: a lane whose root did not turn and that did not grow keeps all its bits.
 #pragma once
 
 #include "core/kernels/modal_motion.hpp"
@@ -73,7 +73,7 @@ PELT_INLINE Quaternion<W> TurnOfRoot(Vec3<W> from, Vec3<W> to, Vec3<W> rest_from
 // Of lanes `at`.
 template <class W, uint32_t kPoints, class Ports, class At>
 struct OtherHistory {
-  static constexpr uint32_t N = kPoints - 1;
+  static constexpr uint32_t N = NodesOf(kPoints);
   using Motion = modal::Motion<W, N>;
   using Mask = typename W::Mask;
 
@@ -99,13 +99,13 @@ struct OtherHistory {
     Mask other;          // lanes with another past than the state has
     Quaternion<W> turn;  // what the strand makes with its root
     W shrink;
-    Vec3<W> step, curve, speed;  // of the root, in last frame's links
+    Vec3<W> step, curve, speed;  // of the root, in last frame's parts
   };
 
   static PELT_INLINE void FindPast(const Ports& ports, const At& at, Vec3<W> rest,
                                    const Motion& motion, Past& past) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     const LayerBlock& layer = *ports.layer;
     const Vec3<W> normal = Load3<W>(ports.roots->normal, at);
     const Vec3<W> last_normal = Load3<W>(old.normal, at);
@@ -143,10 +143,10 @@ struct OtherHistory {
 
   static PELT_INLINE void TakeStart(const Ports& ports, const At& at, const Past& past,
                                     Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     for (uint32_t m = 0; m < N; ++m) {
-      const Vec3<W> z = TurnRow(past, Load3<W>(old.velocity[m], at), past.speed, W(t.image[m][0]));
+      const Vec3<W> z = TurnRow(past, Load3<W>(old.velocity[m], at), past.speed, W(t.pull_mode[m]));
       const Vec3<W> d = past.turn.Turn(Load3<W>(old.direction[m], at));
       for (uint32_t k = 0; k < 3; ++k) {
         Axis<W, N>& a = motion.axis[k];
@@ -158,10 +158,10 @@ struct OtherHistory {
 
   static PELT_INLINE void TakeDifferences(const Ports& ports, const At& at, const Past& past,
                                           Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     for (uint32_t m = 0; m < N; ++m) {
-      const W place = W(t.bend[m][0]);
+      const W place = W(t.bend_root[m]);
       const Vec3<W> bend = past.turn.Turn(Load3<W>(old.bend[m], at));
       const Vec3<W> step = TurnRow(past, Load3<W>(old.bend_step[m], at), past.step, place);
       const Vec3<W> curve = TurnRow(past, Load3<W>(old.bend_turn[m], at), past.curve, place);

@@ -1,4 +1,4 @@
-// Impulses on points of a chain while its links keep their length: what a contact does to speeds.
+// Impulses on points of a strand while its tangents keep their length: what a contact does to speeds.
 #pragma once
 
 #include "core/kernels/modal_lever.hpp"
@@ -8,42 +8,40 @@ namespace pelt::modal {
 
 // How rates answer to impulses, M^-1, and the lengths' matrix of directions `d` in it.
 template <class W, uint32_t N>
-struct ImpulseMetric {
-  float response[N][N];
-  NewtonMatrix<W, N> lengths;
+struct ImpulseMetric : PushMetric<W, N> {
+  NewtonMatrix<W, N> matrix;
 
-  PELT_INLINE ImpulseMetric(const ModalTable<N>& t, const Vec3<W> (&d)[N]) {
+  PELT_INLINE ImpulseMetric(const ModalTableBlock& t, const Vec3<W> (&d)[N]) {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
+      this->along[i] = d[i];
       PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j)
-        response[i][j] = i == j       ? t.inverse_mass[i]
-                         : i == j + 1 ? t.inverse_mass_off[j]
-                         : j == i + 1 ? t.inverse_mass_off[i]
-                                      : 0.0f;
+      for (uint32_t j = 0; j < N; ++j) this->response[i][j] = t.inverse_mass[i][j];
       PELT_UNROLL
-      for (uint32_t j = 0; j <= i; ++j) lengths.lower[i][j] = Dot(d[i], d[j]) * W(response[i][j]);
+      for (uint32_t j = 0; j <= i; ++j)
+        matrix.lower[i][j] = Dot(d[i], d[j]) * W(t.inverse_mass[i][j]);
     }
-    Factor<W, N>(lengths.lower, lengths.inverse);
+    Factor<W, N>(matrix.lower, matrix.inverse);
+    this->lengths = &matrix;
+    this->share = 1.0f;
   }
 };
 
-// Gives lanes the impulses; `share`: where on its link a point is, `hold`: multipliers that keep the
-// lengths of links that point along `d`.
-template <class W, uint32_t N>
-PELT_INLINE void AddImpulses(const ModalTable<N>& t, const Vec3<W> (&impulse)[N],
-                             const W (&share)[N], const Vec3<W> (&d)[N], const W (&hold)[N],
-                             typename W::Mask lanes, Motion<W, N>& motion) {
+// Gives lanes the impulses on points with those levers; `hold`: multipliers that keep the lengths of
+// tangents `d`.
+template <class W, uint32_t N, uint32_t Q>
+PELT_INLINE void AddImpulses(const ModalTableBlock& t, const PushedPlaces<Q>& places,
+                             const Vec3<W> (&impulse)[Q], const W (&lever)[Q][N],
+                             const Vec3<W> (&d)[N], const W (&hold)[N], typename W::Mask lanes,
+                             Motion<W, N>& motion) {
   for (uint32_t k = 0; k < 3; ++k) {
     Axis<W, N>& a = motion.axis[k];
     W pull[N];
-    W sum = W(0.0f);
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
-      const uint32_t j = N - 1 - i;
-      const W own = Component(impulse[j], k), on_link = sum + own * share[j];
-      sum = sum + own;
-      pull[j] = on_link + Component(d[j], k) * hold[j];
+      // From 0, so that it is never -0, and a place more that nothing pushes changes nothing.
+      pull[i] = W(0.0f) + Component(d[i], k) * hold[i];
+      for (const uint32_t q : places) pull[i] = pull[i] + Component(impulse[q], k) * lever[q][i];
     }
     PELT_UNROLL
     for (uint32_t m = 0; m < N; ++m)

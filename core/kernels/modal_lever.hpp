@@ -1,88 +1,228 @@
-// How points of a chain, each somewhere on a link of its own, give way to pushes along given normals while its links keep their
-// length: the contacts' Schur complement of the lengths (modal_touch.hpp has the formulas). For
-// forces over a substep and for impulses.
+// How places of a strand give way to pushes while its tangents keep their length, and the pushes that bring about
+// what is wanted: the contacts' Schur complement of the lengths (modal_touch.hpp has the formulas). For forces over
+// a substep and for impulses.
+//
+// The idea: places are many, nodes are few. So the complement is never formed: what all pushes together do is
+// kept at the nodes, as how far they move and how they pull along the tangents, and each place reads there what it
+// still lacks. A sweep over Q places costs Q N instead of Q^2.
 #pragma once
 
 #include "core/kernels/modal_matrix.hpp"
+#include "core/kernels/modal_motion.hpp"
 
 namespace pelt::modal {
 
-// Sweeps over the contacts of one chain; they act on each other.
+// Sweeps over the contacts of one strand; they act on each other.
 inline constexpr int kTouchSweeps = 4;
-// A point can hardly be pushed along its links: this share of what it would give way without them.
+// A point can hardly be pushed along its strand: this share of what it would give way without lengths.
 inline constexpr float kLeastGive = 0.02f;
 
-// What unit forces (impulses) along normals at the points do, the lengths kept.
+// Those of Q places that something pushes in some lane of a group, in order. The others would be pushed by nothing.
+template <uint32_t Q>
+struct PushedPlaces {
+  uint32_t count = 0, place[Q];
+
+  PELT_INLINE void Add(uint32_t q) { place[count++] = q; }
+  PELT_INLINE const uint32_t* begin() const { return place; }
+  PELT_INLINE const uint32_t* end() const { return place + count; }
+};
+
+// How a point between a place and the one before it goes with each tangent, `share` of the way to the place; and
+// what a push on it is on each of them.
 template <class W, uint32_t N>
-struct Levers {
-  W give[N][N];    // [point][link]: without the lengths
-  W hold[N][N];    // [point][link]: multipliers that keep the lengths
-  W matrix[N][N];  // [point][point], symmetric
+PELT_INLINE void LeverOf(const ModalTableBlock& t, uint32_t place, W share, W (&lever)[N]) {
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    const float to = t.place[place][i], from = place == 0 ? 0.0f : t.place[place - 1][i];
+    lever[i] = W(from) + W(to - from) * share;
+  }
+}
 
-  // `on`: where on its link a point is; 1: at its end. `share` of b . kappa: 1/2 where the lengths'
-  // directions are d + p, 1 where they are d.
-  PELT_INLINE void Make(const float (&response)[N][N], const Vec3<W> (&along)[N],
-                        const NewtonMatrix<W, N>& lengths, const Vec3<W> (&normal)[N],
-                        const W (&on)[N], float share) {
-    W b[N][N];
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
-      PELT_UNROLL
-      for (uint32_t i = 0; i < N; ++i) {
-        float above = 0.0f;
-        PELT_UNROLL
-        for (uint32_t j = 0; j < q; ++j) above = j == 0 ? response[i][0] : above + response[i][j];
-        const W own = W(response[i][q]) * on[q];
-        give[q][i] = q == 0 ? own : W(above) + own;
-        b[q][i] = Dot(normal[q], along[i]) * give[q][i];
-        hold[q][i] = W(0.0f) - b[q][i];
-      }
-      SolveFactored<W, N>(lengths.lower, lengths.inverse, hold[q]);
-    }
-    PELT_UNROLL
-    for (uint32_t r = 0; r < N; ++r) PELT_UNROLL
-    for (uint32_t q = 0; q <= r; ++q) {
-      W bare = give[q][0];
-      PELT_UNROLL
-      for (uint32_t i = 1; i < r; ++i) bare = bare + give[q][i];
-      const W own = give[q][r] * on[r];
-      bare = r == 0 ? own : bare + own;
-      W sum = b[r][0] * hold[q][0];
-      PELT_UNROLL
-      for (uint32_t j = 1; j < N; ++j) sum = sum + b[r][j] * hold[q][j];
-      matrix[r][q] = Dot(normal[r], normal[q]) * bare + sum * W(share);
-      if (r == q) matrix[r][r] = Max(matrix[r][r], W(kLeastGive) * bare);
-      matrix[q][r] = matrix[r][q];
+// What pushes work against: how tangents give way without their lengths, which way those point, the lengths'
+// matrix, and the share of it that counts (1/2 where their directions are d + p, 1 where they are d).
+template <class W, uint32_t N>
+struct PushMetric {
+  float response[N][N];
+  Vec3<W> along[N];
+  const NewtonMatrix<W, N>* lengths;
+  float share;
+};
+
+// What all pushes together do.
+template <class W, uint32_t N>
+struct Pushed {
+  Vec3<W> moved[N];  // tangents, their lengths left aside
+  W pulled[N];       // along the tangents
+  W held[N];         // multipliers that keep the lengths
+
+  PELT_INLINE void Clear() {
+    const W none = W(0.0f);
+    for (uint32_t i = 0; i < N; ++i) {
+      moved[i] = {none, none, none};
+      pulled[i] = held[i] = none;
     }
   }
-
-  // Pushes that bring about `wanted`, each at least `least`.
-  PELT_INLINE void Solve(const W (&wanted)[N], const W (&least)[N], W (&push)[N]) const {
-    W inverse[N];
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
-      push[q] = W(0.0f);
-      inverse[q] = W(1.0f) / matrix[q][q];
-    }
-    PELT_NO_UNROLL
-    for (int sweep = 0; sweep < kTouchSweeps; ++sweep) PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
-      W left = wanted[q];
-      PELT_UNROLL
-      for (uint32_t r = 0; r < N; ++r) left = left - matrix[q][r] * push[r];
-      push[q] = Max(push[q] + left * inverse[q], least[q]);
+  PELT_INLINE void Scale(W share) {
+    for (uint32_t i = 0; i < N; ++i) {
+      moved[i] = moved[i] * share;
+      held[i] = held[i] * share;
     }
   }
-
-  // Multipliers of the lengths that go with the pushes.
-  PELT_INLINE void Hold(const W (&push)[N], W (&multiplier)[N]) const {
+  PELT_INLINE void Hold(const NewtonMatrix<W, N>& lengths) {
     PELT_UNROLL
-    for (uint32_t j = 0; j < N; ++j) {
-      multiplier[j] = hold[0][j] * push[0];
-      PELT_UNROLL
-      for (uint32_t q = 1; q < N; ++q) multiplier[j] = multiplier[j] + hold[q][j] * push[q];
-    }
+    for (uint32_t i = 0; i < N; ++i) held[i] = W(0.0f) - pulled[i];
+    SolveFactored<W, N>(lengths.lower, lengths.inverse, held);
   }
 };
+
+// A push along `axis` of unit size on a point with that lever.
+template <class W, uint32_t N>
+struct UnitPush {
+  W pull[N];  // along each tangent
+  W own;      // how far the point gives way, the lengths kept
+  W bare;     // and without them
+
+  // `give`: of each tangent, to a push in any direction; `held`: the multipliers that go with it.
+  PELT_INLINE void Make(const PushMetric<W, N>& metric, Vec3<W> axis, const W (&lever)[N],
+                        const W (&give)[N], W (&held)[N]) {
+    bare = give[0] * lever[0];
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) {
+      pull[i] = Dot(axis, metric.along[i]) * give[i];
+      held[i] = W(0.0f) - pull[i];
+      if (i > 0) bare = bare + give[i] * lever[i];
+    }
+    SolveFactored<W, N>(metric.lengths->lower, metric.lengths->inverse, held);
+    W sum = pull[0] * held[0];
+    PELT_UNROLL
+    for (uint32_t i = 1; i < N; ++i) sum = sum + pull[i] * held[i];
+    own = Dot(axis, axis) * bare + sum * W(metric.share);
+  }
+};
+
+template <class W, uint32_t N>
+PELT_INLINE void GiveOf(const PushMetric<W, N>& metric, const W (&lever)[N], W (&give)[N]) {
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    give[i] = lever[0] * W(metric.response[i][0]);
+    PELT_UNROLL
+    for (uint32_t j = 1; j < N; ++j) give[i] = give[i] + lever[j] * W(metric.response[i][j]);
+  }
+}
+
+// How far a point with that lever has gone along `axis`.
+template <class W, uint32_t N>
+PELT_INLINE W GoneAlong(const PushMetric<W, N>& metric, const Pushed<W, N>& all, Vec3<W> axis,
+                        const W (&lever)[N], const W (&pull)[N]) {
+  Vec3<W> at = all.moved[0] * lever[0];
+  W held = pull[0] * all.held[0];
+  PELT_UNROLL
+  for (uint32_t i = 1; i < N; ++i) {
+    at = at + all.moved[i] * lever[i];
+    held = held + pull[i] * all.held[i];
+  }
+  const W free = Dot(axis, at), kept = held * W(metric.share);
+  return free + kept;
+}
+
+template <class W, uint32_t N>
+PELT_INLINE void AddPush(Vec3<W> axis, W size, const W (&give)[N], const W (&pull)[N],
+                         Pushed<W, N>& all) {
+  const Vec3<W> push = axis * size;
+  PELT_UNROLL
+  for (uint32_t i = 0; i < N; ++i) {
+    all.moved[i] = all.moved[i] + push * give[i];
+    all.pulled[i] = all.pulled[i] + pull[i] * size;
+  }
+}
+
+// Pushes along normals at places, each at least `least`, that bring about `wanted`; and what they do. A point
+// without a normal is not pushed.
+template <class W, uint32_t N, uint32_t Q>
+PELT_INLINE void SolvePushes(const PushMetric<W, N>& metric, const PushedPlaces<Q>& places,
+                             const Vec3<W> (&normal)[Q], const W (&lever)[Q][N],
+                             const W (&wanted)[Q], const W (&least)[Q], W (&push)[Q],
+                             Pushed<W, N>& all) {
+  W give[Q][N], pull[Q][N], inverse[Q];
+  for (const uint32_t q : places) {
+    GiveOf(metric, lever[q], give[q]);
+    UnitPush<W, N> unit;
+    W held[N];
+    unit.Make(metric, normal[q], lever[q], give[q], held);
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) pull[q][i] = unit.pull[i];
+    inverse[q] = W(1.0f) / Max(unit.own, W(kLeastGive) * unit.bare);
+    push[q] = W(0.0f);
+  }
+  all.Clear();
+  PELT_NO_UNROLL
+  for (int sweep = 0; sweep < kTouchSweeps; ++sweep)
+    for (const uint32_t q : places) {
+      all.Hold(*metric.lengths);
+      const W left = wanted[q] - GoneAlong(metric, all, normal[q], lever[q], pull[q]);
+      const W to = Max(push[q] + left * inverse[q], least[q]);
+      AddPush(normal[q], to - push[q], give[q], pull[q], all);
+      push[q] = to;
+    }
+  all.Hold(*metric.lengths);
+}
+
+// What forces over a substep work against.
+template <class W, uint32_t N>
+PELT_INLINE void ForcesOf(const ModalTableBlock& t, const NewtonMatrix<W, N>& lengths,
+                          const Motion<W, N>& motion, PushMetric<W, N>& metric) {
+  for (uint32_t i = 0; i < N; ++i) {
+    metric.along[i] = Row(motion, &Axis<W, N>::w, i);
+    for (uint32_t j = 0; j < N; ++j) metric.response[i][j] = 2.0f * t.response[i][j];
+  }
+  metric.lengths = &lengths;
+  metric.share = 0.5f;
+}
+
+// The share of pushes that does what they are for. Tangents that they made longer are unit again after it, which takes
+// places further: so far that the pushes do less work than nothing on what is then left to do. All of it, where they
+// do not. `work`: adds a place's, before and after, given where its point is then.
+template <class W, uint32_t N, uint32_t Q, class Obstacle, class Work>
+PELT_INLINE W UsefulShare(const ModalTableBlock& t, const PushedPlaces<Q>& places,
+                          const Vec3<W> (&base)[Q], const Obstacle (&obstacle)[Q],
+                          const Pushed<W, N>& all, const Motion<W, N>& motion, const Work& work) {
+  const W none = W(0.0f), one = W(1.0f);
+  Vec3<W> y[N], pull[N];
+  for (uint32_t i = 0; i < N; ++i) pull[i] = Row(motion, &Axis<W, N>::w, i) * all.held[i];
+  for (uint32_t i = 0; i < N; ++i) {
+    y[i] = Row(motion, &Axis<W, N>::y, i) + all.moved[i];
+    for (uint32_t j = 0; j < N; ++j) y[i] = y[i] + pull[j] * W(t.response[i][j]);
+    y[i] = y[i] * Rsqrt(Max(Dot(y[i], y[i]), W(1.0e-6f)));
+  }
+  W before = none, after = none;
+  for (const uint32_t q : places) {
+    const Vec3<W> to = PlaceOf(t, q, y, base);
+    const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : PlaceOf(t, q - 1, y, base);
+    work(q, obstacle[q].PointOf(from, to), before, after);
+  }
+  const typename W::Mask beyond = (after < none) & (before > none);
+  return Select(beyond, before / Select(beyond, before - after, one), one);
+}
+
+// Takes what forces do into the substep: p, y and the multipliers.
+template <bool kBest, class W, uint32_t N>
+PELT_INLINE void TakePushes(const ModalTableBlock& t, const Pushed<W, N>& all,
+                            Motion<W, N>& motion) {
+  for (uint32_t i = 0; i < N; ++i) motion.lambda[i] = motion.lambda[i] + all.held[i];
+  for (uint32_t k = 0; k < 3; ++k) {
+    Axis<W, N>& a = motion.axis[k];
+    W pull[N], twist[N];
+    for (uint32_t j = 0; j < N; ++j) {
+      pull[j] = a.w[j] * all.held[j];
+      if constexpr (kBest) twist[j] = a.turn[j] * all.held[j];
+    }
+    for (uint32_t i = 0; i < N; ++i) {
+      const W moved = Component(all.moved[i], k);
+      a.p[i] = a.p[i] + moved;
+      a.y[i] = a.y[i] + moved + Weigh<W, N>(t.response[i], pull);
+      if constexpr (kBest) a.y[i] = a.y[i] + Weigh<W, N>(t.slope[i], twist);
+    }
+  }
+}
 
 }  // namespace pelt::modal

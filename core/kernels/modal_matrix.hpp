@@ -1,4 +1,4 @@
-// Symmetric systems as small as a chain has links, a lane each: solved in place, without pivots,
+// Symmetric systems as small as a strand has nodes, a lane each: solved in place, without pivots,
 // because the matrices are near positive definite wherever a result is accepted.
 #pragma once
 

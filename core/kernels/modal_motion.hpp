@@ -8,18 +8,19 @@
 
 namespace pelt::modal {
 
-// What moves and what pushes it, along one axis, in links.
+// What moves and what pushes it, along one axis, in parts of the strand.
 template <class W, uint32_t N>
 struct Axis {
-  W d[N];        // directions
+  W d[N];        // tangents at the nodes
   W z[N];        // dD/dt by mode, 1/s
   W bend[4][N];  // T = omega^2 Phi^T M r by mode, and its backward differences
   W force[N];    // T with gravity and wind: what pushes the modes all frame long, 1/s^2
   W root[3];     // the root's backward differences
-  W wind_step;   // the wind's change since last frame, links/s^2
+  W curl[N];     // what a curl that turns with the strand adds to it over a substep; else not set
+  W wind_step;   // the wind's change since last frame, parts/s^2
   W rest[N];     // rest directions; set only where the curl follows its parent or motion is limited
-  // Of one substep: the free motion's links; d + y and (best tier) y - d, as they are expected; the
-  // constrained links.
+  // Of one substep: the free motion's tangents; d + y and (best tier) y - d, as they are expected; the
+  // constrained tangents.
   W p[N], w[N], turn[N], y[N];
 };
 
@@ -38,12 +39,31 @@ PELT_INLINE W Component(const Vec3<W>& v, uint32_t axis) {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-// Ends of the links y, from the root.
-template <class W, uint32_t N>
-PELT_INLINE void PlaceEnds(const Motion<W, N>& m, Vec3<W> (&at)[N]) {
-  at[0] = Row(m, &Axis<W, N>::y, 0);
+// What places go with the vectors `row`, from those at which they stand at rest.
+template <class W, uint32_t N, uint32_t Q>
+PELT_INLINE void PlaceRows(const ModalTableBlock& t, const Motion<W, N>& m, W (Axis<W, N>::*row)[N],
+                           const Vec3<W> (&base)[Q], Vec3<W> (&at)[Q]) {
   PELT_UNROLL
-  for (uint32_t i = 1; i < N; ++i) at[i] = at[i - 1] + Row(m, &Axis<W, N>::y, i);
+  for (uint32_t q = 0; q < Q; ++q) {
+    at[q] = base[q] + Row(m, row, 0) * W(t.place[q][0]);
+    PELT_UNROLL
+    for (uint32_t i = 1; i < N; ++i) at[q] = at[q] + Row(m, row, i) * W(t.place[q][i]);
+  }
+}
+// The same of vectors a node each: one place, and all.
+template <class W, uint32_t N, uint32_t Q>
+PELT_INLINE Vec3<W> PlaceOf(const ModalTableBlock& t, uint32_t q, const Vec3<W> (&d)[N],
+                            const Vec3<W> (&base)[Q]) {
+  Vec3<W> at = base[q] + d[0] * W(t.place[q][0]);
+  PELT_UNROLL
+  for (uint32_t i = 1; i < N; ++i) at = at + d[i] * W(t.place[q][i]);
+  return at;
+}
+template <class W, uint32_t N, uint32_t Q>
+PELT_INLINE void PlaceVectors(const ModalTableBlock& t, const Vec3<W> (&d)[N],
+                              const Vec3<W> (&base)[Q], Vec3<W> (&at)[Q]) {
+  PELT_UNROLL
+  for (uint32_t q = 0; q < Q; ++q) at[q] = PlaceOf(t, q, d, base);
 }
 
 // Copies of a substep what a contact reads or changes; y follows from it.
@@ -64,8 +84,8 @@ PELT_INLINE void CopyStep(const Motion<W, N>& from, Motion<W, N>& to) {
 }
 
 // Row `weights` of a matrix times a column.
-template <class W, uint32_t N, uint32_t kColumns>
-PELT_INLINE W Weigh(const float (&weights)[kColumns], const W (&v)[N]) {
+template <class W, uint32_t N>
+PELT_INLINE W Weigh(const float (&weights)[kMaxNodes], const W (&v)[N]) {
   W sum = v[0] * W(weights[0]);
   PELT_UNROLL
   for (uint32_t j = 1; j < N; ++j) sum = sum + v[j] * W(weights[j]);
@@ -73,8 +93,8 @@ PELT_INLINE W Weigh(const float (&weights)[kColumns], const W (&v)[N]) {
 }
 
 // Column `column` of a matrix times a column.
-template <class W, uint32_t N, uint32_t kColumns>
-PELT_INLINE W WeighColumn(const float (&matrix)[kColumns][kColumns], uint32_t column,
+template <class W, uint32_t N>
+PELT_INLINE W WeighColumn(const float (&matrix)[kMaxNodes][kMaxNodes], uint32_t column,
                           const W (&v)[N]) {
   W sum = v[0] * W(matrix[0][column]);
   PELT_UNROLL

@@ -4,9 +4,10 @@
 //
 // The idea: near a point each is a plane, or a ball that the point stays out of or within. Whatever
 // it is, a point that is beyond it has a normal that leads back, and a depth. Of several, the
-// deepest counts. The point is a link's end; of round colliders, the link's point that is nearest.
+// deepest counts. The point is one of the strand's places (modal_material.hpp); of round colliders, the nearest
+// point of the line from the place before it.
 //
-// All in links, from the root's place at the substep's end. The plane turns with the skin and the
+// All in parts of the strand, from the root's place at the substep's end. The plane turns with the skin and the
 // balls with the groom while the frame lasts; colliders go evenly to where they are at its end.
 //
 // What overlaps from before (a collider was put there, or a strand was laid into one) leaves at a
@@ -18,6 +19,7 @@
 #include "core/kernels/chain.hpp"
 #include "core/kernels/collider_link.hpp"
 #include "core/kernels/modal_curl.hpp"
+#include "core/kernels/modal_curve.hpp"
 #include "core/kernels/modal_step.hpp"
 
 namespace pelt::modal {
@@ -30,7 +32,7 @@ inline constexpr float kReach = 0.98f;
 inline constexpr float kLeaving = 0.2f;
 
 // How far a moving collider takes a point along in a substep, at most, over its distance from the
-// root: what is faster is gone by the substep's end, and links turned further could not be solved.
+// root: what is faster is gone by the substep's end, and tangents turned further could not be solved.
 inline constexpr float kFarthestHit = 0.15f;
 
 PELT_INLINE bool HasLimit(const LayerBlock& layer) { return layer.max_distance > 0.0f; }
@@ -43,11 +45,11 @@ struct Obstacle {
   W reach;                            // radius; offset of the plane along its normal
   W side;                             // -1: a sphere to stay within; else 1
   W carried, spins;                   // 1: moves with the root; turns with the skin
-  Vec3<W> drift;                      // speed besides, links/s
+  Vec3<W> drift;                      // speed besides, parts/s
   W bounce;                           // share of the speed that comes back
   W eases;                            // 1: overlaps from before leave it slowly
   W left;                             // how deep a point may stay for now
-  W share;                            // where on the link the point is: 1: its end
+  W share;                            // where on the line to its place the point is: 1: there
 
   PELT_INLINE void Clear() {
     const W none = W(0.0f);
@@ -57,7 +59,7 @@ struct Obstacle {
     side = share = W(1.0f);
   }
   // A collider, as it stands to a point near `at`. Only planes return speed (as in the other
-  // solvers). `per_step`: links/s for each metre of its way.
+  // solvers). `per_step`: parts/s for each metre of its way.
   template <class Shape>
   static PELT_INLINE Obstacle Of(const Shape& shape, const ColliderStep& step, Vec3<W> at,
                                  W plane_bounce, W per_step) {
@@ -96,9 +98,9 @@ struct Obstacle {
     share = Select(lanes, from.share, share);
     any = any | lanes;
   }
-  // Its point of a link.
+  // Its point of a line.
   PELT_INLINE Vec3<W> PointOf(Vec3<W> from, Vec3<W> to) const {
-    const Vec3<W> link = to - from, inner = from + link * share;
+    const Vec3<W> line = to - from, inner = from + line * share;
     return Select<W>(share < W(1.0f), inner, to);
   }
   // Puts it back to where a point at most `length` from the root can still get out of it. What
@@ -139,26 +141,30 @@ struct Obstacle {
   }
 };
 
-template <class W, uint32_t N>
+// Of strands of N nodes with Q places.
+template <class W, uint32_t N, uint32_t Q>
 struct Surroundings {
   using Mask = typename W::Mask;
 
   float hardness, plane_bounce, max_distance, friction;
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
-  W per_step;    // links/s for each metre in this frame
-  float before;  // the present substep's end, as a share of the frame from its end
+  float step;       // parts from place to place
+  Vec3<W> base[Q];  // where places stand when all tangents are nothing
+  W per_step;       // parts/s for each metre in this frame
+  float before;     // the present substep's end, as a share of the frame from its end
   Colliders<W> colliders;
   // At the end of the present substep.
   Vec3<W> root;                      // from where it is at the frame's end
   Vec3<W> surface;                   // normal of the plane through it
-  Vec3<W> groom[N], groom_speed[N];  // the groom's points from the root; links/s from it
-  Vec3<W> start[N], start_root;      // points at its start, where PlaceStart was asked for them
+  Vec3<W> groom[Q], groom_speed[Q];  // the groom's places from the root; parts/s from it
+  Vec3<W> start[Q], start_root;      // places at its start, where PlaceStart was asked for them
   float time;                        // its length, s
 
-  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
+  template <uint32_t kParts>
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
-                        const chain::Group<W, N>& g) {
+                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
     hardness = layer.surface_hardness;
     plane_bounce = layer.bounce;
     max_distance = layer.max_distance;
@@ -166,13 +172,15 @@ struct Surroundings {
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;
+    step = float(kParts) / float(Q);
+    BasePlaces(t, g, per_length, rest, base);
     per_step = per_length * W(t.euler_speed);
     chain::LoadColliders(params, g, colliders);
     colliders.KeepRootsOut();
   }
 
-  PELT_INLINE void Advance(const ModalTable<N>& t, uint32_t substep, const Motion<W, N>& motion) {
-    const ModalSubstep<N>& s = t.substep[substep];
+  PELT_INLINE void Advance(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
+    const ModalSubstep& s = t.substep[substep];
     root = {WeighRoot(s.root_place, motion.axis[0].root),
             WeighRoot(s.root_place, motion.axis[1].root),
             WeighRoot(s.root_place, motion.axis[2].root)};
@@ -189,27 +197,27 @@ struct Surroundings {
   }
 
   // Lanes of which some point is beyond something.
-  PELT_INLINE Mask IsInside(const Vec3<W> (&at)[N]) const {
+  PELT_INLINE Mask IsInside(const Vec3<W> (&at)[Q]) const {
     Mask inside = W(1.0f) < W(0.0f);
     if (hardness > 0.0f)
-      for (uint32_t i = 0; i < N; ++i) inside = inside | (Dot(at[i], surface) < W(0.0f));
+      for (uint32_t i = 0; i < Q; ++i) inside = inside | (Dot(at[i], surface) < W(0.0f));
     if (max_distance > 0.0f)
-      for (uint32_t i = 0; i < N; ++i) {
+      for (uint32_t i = 0; i < Q; ++i) {
         const Vec3<W> off = at[i] - groom[i];
         inside = inside | (Dot(off, off) > W(Limit(i) * Limit(i)));
       }
     const Vec3<W> zero = {W(0.0f), W(0.0f), W(0.0f)};
     ForEachNow([&](const auto& shape, const ColliderStep&) __attribute__((always_inline)) {
-      for (uint32_t i = 0; i < N; ++i) {
+      for (uint32_t i = 0; i < Q; ++i) {
         const Vec3<W> from = i == 0 ? zero : at[i - 1];
-        inside = inside | IsLinkInside(shape, from, at[i], W(1.0f));
+        inside = inside | IsLinkInside(shape, from, at[i], PerSquare(at[i] - from));
       }
     });
     return inside;
   }
 
   // Points at the substep's start, seen from where the root is at its end.
-  PELT_INLINE void PlaceStart(const ModalTable<N>& t, uint32_t substep,
+  PELT_INLINE void PlaceStart(const ModalTableBlock& t, uint32_t substep,
                               const Motion<W, N>& motion) {
     Vec3<W> was;
     if (substep == 0) {
@@ -220,16 +228,17 @@ struct Surroundings {
       was = {WeighRoot(place, motion.axis[0].root), WeighRoot(place, motion.axis[1].root),
              WeighRoot(place, motion.axis[2].root)};
     }
-    Vec3<W> at = start_root = was - root;
-    for (uint32_t i = 0; i < N; ++i) start[i] = at = at + Row(motion, &Axis<W, N>::d, i);
+    start_root = was - root;
+    PlaceRows<W, N, Q>(t, motion, &Axis<W, N>::d, base, start);
+    for (Vec3<W>& at : start) at = at + start_root;
   }
 
-  // Where that point of link i was at the substep's start.
+  // Where that point before place i was at the substep's start.
   PELT_INLINE Vec3<W> StartOf(uint32_t i, const Obstacle<W>& o) const {
     return o.PointOf(i == 0 ? start_root : start[i - 1], start[i]);
   }
 
-  // What link i, with its ends at `from` and `at`, is deepest beyond.
+  // What the line to place i, from `from` to `at`, is deepest beyond.
   PELT_INLINE void Find(uint32_t i, Vec3<W> from, Vec3<W> at, Obstacle<W>& found) const {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none, always = !never;
@@ -250,7 +259,7 @@ struct Surroundings {
     ForEachNow([&](const auto& shape, const ColliderStep& step) __attribute__((always_inline)) {
       W share = one;
       if constexpr (std::decay_t<decltype(shape)>::kIsRound)
-        share = NearestShare(shape, from, at - from, one);
+        share = NearestShare(shape, from, at - from, PerSquare(at - from));
       Obstacle<W> o;
       o.share = share;
       const Vec3<W> point = o.PointOf(from, at);
@@ -281,19 +290,26 @@ struct Surroundings {
                                 visit(now.In(per_length, root), step);
                               });
   }
-  PELT_INLINE float Limit(uint32_t i) const { return max_distance * float(i + 1); }
+  PELT_INLINE float Limit(uint32_t i) const { return max_distance * step * float(i + 1); }
+  static PELT_INLINE W PerSquare(Vec3<W> line) {
+    return W(1.0f) / Max(Dot(line, line), W(1.0e-6f));
+  }
 
-  __attribute__((noinline)) void PlaceGroom(const ModalTable<N>& t, const ModalSubstep<N>& s,
+  __attribute__((noinline)) void PlaceGroom(const ModalTableBlock& t, const ModalSubstep& s,
                                             const Motion<W, N>& motion) {
     W rest[3][N], moving[3][N];
     RestAt<W, N>(t, s.root_place, motion, rest);
     RestAt<W, N>(t, s.root_speed, motion, moving);
-    Vec3<W> at = {W(0.0f), W(0.0f), W(0.0f)}, speed = at;
+    const Vec3<W> none = {W(0.0f), W(0.0f), W(0.0f)};
+    Vec3<W> r[N], speed[N], still[Q];
+    for (Vec3<W>& at : still) at = none;
     for (uint32_t i = 0; i < N; ++i) {
-      groom[i] = at = at + Vec3<W>{rest[0][i], rest[1][i], rest[2][i]};
-      speed = speed + Vec3<W>{moving[0][i], moving[1][i], moving[2][i]};
-      groom_speed[i] = speed = speed - Row(motion, &Axis<W, N>::rest, i);
+      r[i] = {rest[0][i], rest[1][i], rest[2][i]};
+      const Vec3<W> v = {moving[0][i], moving[1][i], moving[2][i]};
+      speed[i] = v - Row(motion, &Axis<W, N>::rest, i);
     }
+    PlaceVectors(t, r, base, groom);
+    PlaceVectors(t, speed, still, groom_speed);
   }
 };
 

@@ -12,8 +12,8 @@ namespace pelt::modal {
 // Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
 template <class W, uint32_t kPoints, class Ports>
 struct FrameStart {
-  static constexpr uint32_t N = kPoints - 1;
-  using Group = chain::Group<W, N>;
+  static constexpr uint32_t N = NodesOf(kPoints), kParts = kPoints - 1;
+  using Group = chain::Group<W, kParts>;
   using Motion = modal::Motion<W, N>;
   using Mask = typename W::Mask;
 
@@ -51,18 +51,17 @@ struct FrameStart {
     chain::LoadGroom<W, kPoints>(*ports.rest, *ports.roots, 0.0f, layer.scale, at, g);
     g.free_motion = Felt(layer, g.free_motion, W(1.0f));
     per_length = W(1.0f) / g.length;
-    rest[0] = g.rest[0] * per_length;
-    for (uint32_t i = 1; i < N; ++i) rest[i] = (g.rest[i] - g.rest[i - 1]) * per_length;
+    RestTangents(*ports.table, g, per_length, rest);
   }
 
   static PELT_INLINE W Part(const Vec3<W>& v, uint32_t axis) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
   }
 
-  // What holds a sag-free strand where it was groomed, a force on each link that turns with the root:
-  // against the weight that the link bears in the rest pose, but for what of that stretches it. So a
+  // What holds a sag-free strand where it was groomed, a force on each tangent that turns with the root:
+  // against the weight that it bears in the rest pose, but for what of that stretches it. So a
   // strand that was groomed to hang still swings as one that hangs, and none is groomed so that it
-  // would fall: what is left of the weight there never pushes a link together.
+  // would fall: what is left of the weight there never pushes it together.
   template <class At>
   static __attribute__((noinline)) void LoadHold(const Ports& ports, const DownBlock& down,
                                                  const At& at, const Vec3<W> (&rest)[N],
@@ -74,7 +73,7 @@ struct FrameStart {
     const Vec3<W> pull = chain::Turn(tangent, bitangent, normal, local) * gravity;
     for (uint32_t i = 0; i < N; ++i) {
       const W stretch = Max(Dot(pull, rest[i]), W(0.0f));
-      hold[i] = (rest[i] * stretch - pull) * W(ports.table->mass[i][0]);
+      hold[i] = (rest[i] * stretch - pull) * W(ports.table->pull[i]);
     }
   }
 
@@ -83,8 +82,8 @@ struct FrameStart {
   static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
                                    const Vec3<W> (&rest)[N], const Vec3<W>* hold, W per_length,
                                    Axis<W, N>& a) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     W r[N];
     for (uint32_t i = 0; i < N; ++i) r[i] = Part(rest[i], k);
     if (t.parent_curl != 0 || HasLimit(*ports.layer))
@@ -102,10 +101,11 @@ struct FrameStart {
     for (uint32_t m = 0; m < N; ++m) {
       a.bend[0][m] = Weigh<W, N>(t.bend[m], r);
       if (hold) a.bend[0][m] = a.bend[0][m] + WeighColumn<W, N>(t.shape, m, h);
-      a.bend[1][m] = a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend[m][0]);
+      a.bend[1][m] =
+          a.bend[0][m] - LoadLanes<W>(old.bend[m][k], at) + a.root[0] * W(t.bend_root[m]);
       a.bend[2][m] = a.bend[1][m] - LoadLanes<W>(old.bend_step[m][k], at);
       a.bend[3][m] = a.bend[2][m] - LoadLanes<W>(old.bend_turn[m][k], at);
-      a.force[m] = a.bend[0][m] + force * W(t.image[m][0]);
+      a.force[m] = a.bend[0][m] + force * W(t.pull_mode[m]);
       a.z[m] = LoadLanes<W>(old.velocity[m][k], at);
       a.d[m] = LoadLanes<W>(old.direction[m][k], at);
     }
@@ -128,8 +128,8 @@ struct FrameStart {
                                                   const At& at, const Vec3<W> (&rest)[N],
                                                   const Vec3<W>* hold, W per_length,
                                                   Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalTableBlock& t = *ports.table;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     const LayerBlock& layer = *ports.layer;
     const W frame = W(t.frame_s), ratio = W(layer.frame_ratio);
     const W scale = frame * per_length;
@@ -161,7 +161,7 @@ struct FrameStart {
       for (uint32_t m = 0; m < N; ++m) {
         W turned = Weigh<W, N>(t.bend[m], r);
         if (hold) turned = turned + WeighColumn<W, N>(t.shape, m, h);
-        const W bend = turned + root * W(t.bend[m][0]);
+        const W bend = turned + root * W(t.bend_root[m]);
         W step = LoadLanes<W>(old.bend_step[m][k], at);
         W curve = LoadLanes<W>(old.bend_turn[m][k], at);
         if (other) {
@@ -175,16 +175,16 @@ struct FrameStart {
 
   // Start of a lane, or of a chunk, with directions `from`, moving with the root, no history but
   // its step, which took `per_step` of a second, 1/s.
-  static PELT_INLINE void StartAfresh(const ModalTable<N>& t, const Vec3<W> (&from)[N],
+  static PELT_INLINE void StartAfresh(const ModalTableBlock& t, const Vec3<W> (&from)[N],
                                       float per_step, Mask fresh, Motion& motion) {
     const W none = W(0.0f);
     for (uint32_t k = 0; k < 3; ++k) {
       Axis<W, N>& a = motion.axis[k];
       a.root[1] = Select(fresh, none, a.root[1]);
       for (uint32_t m = 0; m < N; ++m) {
-        a.bend[1][m] = Select(fresh, a.root[0] * W(t.bend[m][0]), a.bend[1][m]);
+        a.bend[1][m] = Select(fresh, a.root[0] * W(t.bend_root[m]), a.bend[1][m]);
         a.bend[2][m] = Select(fresh, none, a.bend[2][m]);
-        a.z[m] = Select(fresh, a.root[0] * W(per_step * t.image[m][0]), a.z[m]);
+        a.z[m] = Select(fresh, a.root[0] * W(per_step * t.pull_mode[m]), a.z[m]);
         a.d[m] = Select(fresh, Part(from[m], k), a.d[m]);
       }
     }
@@ -193,7 +193,7 @@ struct FrameStart {
 
   // A frame too long to be stepped. Where nothing moved, nothing turns. `held`: what the strand was
   // last frame is known of rest and hold together, so that is what turns.
-  static __attribute__((noinline)) void Carry(const ModalTable<N>& t, Vec3<W> rest, bool held,
+  static __attribute__((noinline)) void Carry(const ModalTableBlock& t, Vec3<W> rest, bool held,
                                               Mask calm, Motion& motion) {
     Vec3<W> d[N];
     const Vec3<W> to = held ? NormalizeOr(NowRest(t, motion), rest) : rest;

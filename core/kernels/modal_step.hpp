@@ -2,11 +2,11 @@
 // solve.
 //
 //   M D'' + c M D' + beta K (D' - s') + K (D - s) = b a + Lambda d,   |d_i| = 1,
-//   D = d + e1 X, s = r + e1 X: directions and rest directions with the root's place X on top
+//   D = d + e X, s = r + e X, e = M^-1 b: vectors and rest vectors with the root's place X on top
 //
 // Only |d_i| = 1 is nonlinear. So each substep lets the modes of the linear part run freely under
 // the root's motion and gravity (weights from the table: exact for any step), looks where that
-// leaves the links (p), and finds the multipliers lambda of a constraint force along (d + y) / 2
+// leaves the tangents (p), and finds the multipliers lambda of a constraint force along (d + y) / 2
 // that brings them back to length one (y). Written with X inside D the root's motion needs no force
 // of its own, so its velocity does not jump where two frames' polynomials meet.
 //
@@ -43,15 +43,14 @@ namespace pelt::modal {
 
 // The modes' free motion over one substep that starts with the root at `place`: p and z.
 template <class W, uint32_t N>
-PELT_INLINE void RunModes(const ModalTable<N>& t, const ModalSubstep<N>& s, bool wind, W place,
+PELT_INLINE void RunModes(const ModalTableBlock& t, const ModalSubstep& s, bool wind, W place,
                           Axis<W, N>& a) {
-  W start[N], q[N];
-  start[0] = a.d[0] + place;
-  PELT_UNROLL
-  for (uint32_t i = 1; i < N; ++i) start[i] = a.d[i];
+  W q[N];
   PELT_UNROLL
   for (uint32_t m = 0; m < N; ++m) {
-    const W from = Weigh<W, N>(t.image[m], start), z0 = a.z[m], push = a.force[m];
+    const W from = Weigh<W, N>(t.image[m], a.d) + place * W(t.pull_mode[m]), z0 = a.z[m];
+    W push = a.force[m];
+    if (t.parent_curl != 0) push = push + a.curl[m];
     W q1 = from * W(t.y_of_y[m]) + z0 * W(t.y_of_v[m]) + push * W(t.y_of_force[m]);
     W z1 = from * W(t.v_of_y[m]) + z0 * W(t.v_of_v[m]) + push * W(t.v_of_force[m]);
     PELT_UNROLL
@@ -71,24 +70,28 @@ PELT_INLINE void RunModes(const ModalTable<N>& t, const ModalSubstep<N>& s, bool
   }
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) a.p[i] = Weigh<W, N>(t.shape[i], q);
-  if (s.root_place[0] != 0.0f) a.p[0] = a.p[0] - WeighRoot(s.root_place, a.root);
+  if (s.root_place[0] != 0.0f) {
+    const W root = WeighRoot(s.root_place, a.root);
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i) a.p[i] = a.p[i] - root * W(t.root[i]);
+  }
 }
 
-// A pull that moves the links by more than this in a substep, in sum, is not looked ahead whole:
+// A pull that moves the tangents by more than this in a substep, in sum, is not looked ahead whole:
 // looks at it do not converge.
 inline constexpr float kMostPull = 0.5f;
-// Where the weight below each link alone pulls by more than this, links swing on it faster than
+// Where the weight at each node alone pulls by more than this, strands swing on it faster than
 // the substeps follow: of chains of 0.3 to 40 mm, 0.3 to 12 Hz, at three frame rates, some never
 // settle above 1.6, in the best tier 0.95.
 inline constexpr float kMostWeight = 1.25f, kMostWeightBest = 0.75f;
 
-// Lanes whose swings on their own links the substeps follow. The others are too short for them, and
-// take the step that settles (modal_fallback.hpp). `per_length`: links a metre.
+// Lanes whose swings the substeps follow. The others are too short for them, and
+// take the step that settles (modal_fallback.hpp). `per_length`: parts a metre.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE typename W::Mask FollowsWeight(const ModalTable<N>& t, const float (&gravity)[3],
+PELT_INLINE typename W::Mask FollowsWeight(const ModalTableBlock& t, const float (&gravity)[3],
                                            W per_length) {
   float pull = 0.0f, square = 0.0f;
-  for (uint32_t i = 0; i < N; ++i) pull += t.mass[i][0] * t.response[i][i];
+  for (uint32_t i = 0; i < N; ++i) pull += t.pull[i] * t.response[i][i];
   for (const float g : gravity) square += g * g;
   constexpr float kMost = kBest ? kMostWeightBest : kMostWeight;
   const W weight = per_length * W(pull);
@@ -97,7 +100,7 @@ PELT_INLINE typename W::Mask FollowsWeight(const ModalTable<N>& t, const float (
 
 // The share of the last multipliers that LookAhead takes.
 template <class W, uint32_t N>
-PELT_INLINE W LookShare(const ModalTable<N>& t, const W (&lambda)[N]) {
+PELT_INLINE W LookShare(const ModalTableBlock& t, const W (&lambda)[N]) {
   W pull = Abs(lambda[0]) * W(t.response[0][0]);
   PELT_UNROLL
   for (uint32_t i = 1; i < N; ++i) pull = pull + Abs(lambda[i]) * W(t.response[i][i]);
@@ -108,7 +111,7 @@ PELT_INLINE W LookShare(const ModalTable<N>& t, const W (&lambda)[N]) {
 // is then 2 d, y - d is nothing, and the force keeps exactly the balance. Each look is a step of
 // w = d + p + response(w): its miss is a substep's pull smaller than the last one's.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void LookAhead(const ModalTable<N>& t, W share, const W (&lambda)[N], Axis<W, N>& a) {
+PELT_INLINE void LookAhead(const ModalTableBlock& t, W share, const W (&lambda)[N], Axis<W, N>& a) {
   W free[N];
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) a.w[i] = free[i] = a.d[i] + a.p[i];
@@ -138,7 +141,7 @@ PELT_INLINE void LookAgain(Axis<W, N>& a) {
 
 // y = p + response of the multipliers; adds up |y|^2 and w_i . w_j.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void Respond(const ModalTable<N>& t, const W (&lambda)[N], Axis<W, N>& a,
+PELT_INLINE void Respond(const ModalTableBlock& t, const W (&lambda)[N], Axis<W, N>& a,
                          W (&square)[N], W (&gram)[N][N]) {
   W pull[N], twist[N];
   PELT_UNROLL
@@ -168,7 +171,7 @@ PELT_INLINE W RsqrtNearOne(W a) {
 // One Newton step on the multipliers: from y and |y|^2 to y and |y|^2. d|y|^2/dlambda is
 // 2 y . dy/dlambda, and w / 2 stands here for y.
 template <bool kBest, class W, uint32_t N>
-PELT_INLINE void NewtonStep(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
+PELT_INLINE void NewtonStep(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
                             Motion<W, N>& motion, W (&square)[N]) {
   W change[N];
   PELT_UNROLL
@@ -198,7 +201,7 @@ PELT_INLINE void NewtonStep(const ModalTable<N>& t, const NewtonMatrix<W, N>& ma
 }
 
 template <class W, uint32_t N>
-PELT_INLINE void MakeMatrix(const ModalTable<N>& t, const W (&gram)[N][N],
+PELT_INLINE void MakeMatrix(const ModalTableBlock& t, const W (&gram)[N][N],
                             NewtonMatrix<W, N>& matrix) {
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) {
@@ -208,7 +211,7 @@ PELT_INLINE void MakeMatrix(const ModalTable<N>& t, const W (&gram)[N][N],
   Factor<W, N>(matrix.lower, matrix.inverse);
 }
 
-// Lanes whose links are neither flipped against the free motion nor turned by more than 120
+// Lanes whose tangents are neither flipped against the free motion nor turned by more than 120
 // degrees.
 template <class W, uint32_t N>
 PELT_INLINE typename W::Mask IsUpright(const Motion<W, N>& motion) {
@@ -232,10 +235,9 @@ PELT_INLINE typename W::Mask IsUpright(const Motion<W, N>& motion) {
 // The free motion of a substep, and the lengths brought back. Returns the lanes whose result can
 // be trusted. `touches`: what the chain may not enter (modal_touch.hpp).
 template <bool kBest, class W, uint32_t N, class Touches>
-PELT_INLINE typename W::Mask RunSubstep(const ModalTable<N>& t, uint32_t substep, bool wind,
+PELT_INLINE typename W::Mask RunSubstep(const ModalTableBlock& t, uint32_t substep, bool wind,
                                         Touches& touches, Motion<W, N>& motion) {
-  const ModalSubstep<N>& s = t.substep[substep];
-  const bool curl = t.parent_curl != 0;
+  const ModalSubstep& s = t.substep[substep];
   W square[N], gram[N][N];
   const auto clear = [&]() __attribute__((always_inline)) {
     for (uint32_t i = 0; i < N; ++i) {
@@ -249,16 +251,13 @@ PELT_INLINE typename W::Mask RunSubstep(const ModalTable<N>& t, uint32_t substep
     Respond<kBest>(t, motion.lambda, a, square, gram);
   };
   clear();
+  if (t.parent_curl != 0) AddCurl<W, N>(t, substep, motion);
   PELT_NO_UNROLL
   for (Axis<W, N>& a : motion.axis) {
     const W place =
         substep == 0 ? a.root[0] * W(-1.0f) : WeighRoot(t.substep[substep - 1].root_place, a.root);
     RunModes(t, s, wind, place, a);
-    if (!curl) look(a);
-  }
-  if (curl) {
-    AddCurl<W, N>(t, s, motion);
-    for (Axis<W, N>& a : motion.axis) look(a);
+    look(a);
   }
   NewtonMatrix<W, N> matrix;
   MakeMatrix(t, gram, matrix);
@@ -308,41 +307,44 @@ PELT_INLINE typename W::Mask RunSubstep(const ModalTable<N>& t, uint32_t substep
   return good;
 }
 
-// Takes away what of the links' velocities would stretch them, in the metric of the masses:
-// (M^-1 o d d^T) mu = -d . v, tridiagonal.
+// What of the vectors' rates is the root's.
 template <class W, uint32_t N>
-PELT_INLINE void MakeTangent(const ModalTable<N>& t, const float (&root_speed)[kModalSamples - 1],
+PELT_INLINE W NodeRate(const ModalTableBlock& t, uint32_t i, const W (&z)[N], W root_speed) {
+  return Weigh<W, N>(t.shape[i], z) - root_speed * W(t.root[i]);
+}
+
+// Takes away what of the tangents' rates would stretch them, in the metric of the masses:
+// (M^-1 o d d^T) mu = -d . v.
+template <class W, uint32_t N>
+PELT_INLINE void MakeTangent(const ModalTableBlock& t, const float (&root_speed)[kModalSamples - 1],
                              Motion<W, N>& motion) {
-  W inverse[N], off[N], mu[N];
+  NewtonMatrix<W, N> matrix;
+  W mu[N];
   PELT_UNROLL
-  for (uint32_t i = 0; i < N; ++i) mu[i] = off[i] = W(0.0f);
+  for (uint32_t i = 0; i < N; ++i) {
+    mu[i] = W(0.0f);
+    PELT_UNROLL
+    for (uint32_t j = 0; j < i; ++j) matrix.lower[i][j] = W(0.0f);
+    matrix.lower[i][i] = W(t.inverse_mass[i][i]);
+  }
   PELT_NO_UNROLL
   for (Axis<W, N>& a : motion.axis) {
+    const W root = WeighRoot(root_speed, a.root);
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
-      W v = Weigh<W, N>(t.shape[i], a.z);
-      if (i == 0) v = v - WeighRoot(root_speed, a.root);
-      mu[i] = mu[i] - a.d[i] * v;
-      if (i > 0) off[i] = off[i] + a.d[i - 1] * a.d[i];
+      mu[i] = mu[i] - a.d[i] * NodeRate<W, N>(t, i, a.z, root);
+      PELT_UNROLL
+      for (uint32_t j = 0; j < i; ++j) matrix.lower[i][j] = matrix.lower[i][j] + a.d[i] * a.d[j];
     }
   }
   PELT_UNROLL
   for (uint32_t i = 0; i < N; ++i) {
-    W diagonal = W(t.inverse_mass[i]);
-    if (i > 0) {
-      off[i] = off[i] * W(t.inverse_mass_off[i - 1]);
-      const W factor = off[i] * inverse[i - 1];
-      diagonal = diagonal - factor * off[i];
-      mu[i] = mu[i] - factor * mu[i - 1];
-    }
-    inverse[i] = W(1.0f) / diagonal;
+    PELT_UNROLL
+    for (uint32_t j = 0; j < i; ++j)
+      matrix.lower[i][j] = matrix.lower[i][j] * W(t.inverse_mass[i][j]);
   }
-  PELT_UNROLL
-  for (uint32_t k = 0; k < N; ++k) {
-    const uint32_t i = N - 1 - k;
-    if (i + 1 < N) mu[i] = mu[i] - off[i + 1] * mu[i + 1];
-    mu[i] = mu[i] * inverse[i];
-  }
+  Factor<W, N>(matrix.lower, matrix.inverse);
+  SolveFactored<W, N>(matrix.lower, matrix.inverse, mu);
   PELT_NO_UNROLL
   for (Axis<W, N>& a : motion.axis) {
     W push[N];
@@ -356,7 +358,7 @@ PELT_INLINE void MakeTangent(const ModalTable<N>& t, const float (&root_speed)[k
 // The whole frame. Lanes that are not in the result keep nothing useful. Out of line: chains at
 // vertices, chains of strands and the fallback share it, and compiling it takes half a minute.
 template <bool kBest, class W, uint32_t N, class Touches>
-__attribute__((noinline)) typename W::Mask StepFrame(const ModalTable<N>& t, bool wind,
+__attribute__((noinline)) typename W::Mask StepFrame(const ModalTableBlock& t, bool wind,
                                                      Touches& touches, Motion<W, N>& motion) {
   typename W::Mask good = W(0.0f) < W(1.0f);
   for (uint32_t k = 0; k < t.substeps; ++k) {

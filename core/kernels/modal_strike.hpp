@@ -6,10 +6,10 @@
 // for contact:
 //
 // Before a short step every collider is looked at on its way through it, in a few parts, as the
-// chain's points would go on: when it first meets a link, where on that, and with which normal. There
+// chain's points would go on: when it first meets the line to a place, where on that, and with which normal. There
 // the point gets what it lacks of the collider's own speed along the normal, as an impulse that keeps
 // the lengths, and friction its share of that; then it flies on. That is a hard collider's blow,
-// whatever became of the collider by the frame's end. What slides along a link gives one in each
+// whatever became of the collider by the frame's end. What slides along a strand gives one in each
 // part, as it is in the middle of it.
 //
 // What was struck is taken so until it turns slowly enough for substeps. The memory of that is
@@ -29,9 +29,9 @@ namespace pelt::modal {
 
 // Parts of one in which colliders are looked for.
 inline constexpr int kLooksForBlows = 4;
-// What a link turns in a short step, at most, rad: what is faster is slowed down to that.
+// What a tangent turns in a short step, at most, rad: what is faster is slowed down to that.
 inline constexpr float kMostShortTurn = 0.5f;
-// Substeps follow links that turn no further in one than this, rad, for this long, s.
+// Substeps follow strands that turn no further in one than this, rad, for this long, s.
 inline constexpr float kFollowedTurn = 0.3f, kFollowedFor = 0.1f;
 
 // What goes further in a substep than this share of its radius is too fast for substeps.
@@ -47,10 +47,10 @@ PELT_INLINE typename W::Mask IsFast(W radius, const ColliderStep& step, uint32_t
 
 // Lanes that such a one may strike in the frame: looked for at so many places of its way.
 inline constexpr int kLooksForWay = 9;
-template <class W, uint32_t N>
+template <class W, uint32_t N, uint32_t kParts>
 __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& params,
-                                                       const chain::Group<W, N>& g, W per_length,
-                                                       uint32_t substeps,
+                                                       const chain::Group<W, kParts>& g,
+                                                       W per_length, uint32_t substeps,
                                                        const Motion<W, N>& motion) {
   const W none = W(0.0f);
   const Vec3<W> zero = {none, none, none};
@@ -66,7 +66,7 @@ __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& par
       if (!Any(fast)) return;
       const W way = W(Colliders<W>::FarthestWay(step)) * per_length + root_way;
       const W range =
-          W(float(N)) + shape.radius * per_length + way * W(0.5f / float(kLooksForWay - 1));
+          W(float(kParts)) + shape.radius * per_length + way * W(0.5f / float(kLooksForWay - 1));
       for (int look = 0; look < kLooksForWay; ++look) {
         const float share = float(look) / float(kLooksForWay - 1);
         const auto then = shape.Before(step, share).In(per_length, start * W(share));
@@ -79,7 +79,7 @@ __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& par
 }
 
 // quiet_s of lanes that took short steps, after `before`; `now`: that something fast struck in this
-// frame, `fastest`: how fast a link turns at its end, rad/s.
+// frame, `fastest`: how fast a tangent turns at its end, rad/s.
 template <class W, class Table>
 PELT_INLINE W ClockOfStruck(const Table& t, W before, typename W::Mask now, W fastest) {
   const auto whips = fastest * W(t.frame_s / float(t.substeps)) > W(kFollowedTurn);
@@ -95,19 +95,20 @@ struct NoTouches {
   }
 };
 
-template <class W, uint32_t N>
+template <class W, uint32_t N, uint32_t Q>
 struct Strikes {
   using Mask = typename W::Mask;
 
   bool use = false;  // false: there is nothing to meet, and nothing below is set but the time
-  Surroundings<W, N> around;
-  W slow;  // links/s, below which nothing bounces
+  Surroundings<W, N, Q> around;
+  W slow;  // parts/s, below which nothing bounces
 
-  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
+  template <uint32_t kParts>
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
-                        const chain::Group<W, N>& g) {
+                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
     use = true;
-    around.Load(t, layer, params, last_surface, g);
+    around.Load(t, layer, params, last_surface, rest, g);
     // Not less what roots lie in at the frame's end: a ball may have gone over them.
     chain::LoadColliders(params, g, around.colliders);
     slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
@@ -115,7 +116,7 @@ struct Strikes {
 
   // Steps the frame. Returns the lanes that something fast strikes; `fastest`: how fast a link
   // turns at its end, rad/s.
-  __attribute__((noinline)) Mask Step(const ModalTable<N>& frame, bool wind, Motion<W, N>& motion,
+  __attribute__((noinline)) Mask Step(const ModalTableBlock& frame, bool wind, Motion<W, N>& motion,
                                       W& fastest) {
     const Mask all = W(0.0f) < W(1.0f);
     Mask struck = !all;
@@ -123,7 +124,7 @@ struct Strikes {
     around.time = steps.step_s();
     NoTouches none;
     for (uint32_t step = 0; step < steps.count(); ++step) {
-      const ModalTable<N>& t = steps.At(step);
+      const ModalTableBlock& t = steps.At(step);
       if (use && (around.HasColliders() || around.hardness > 0.0f))
         struck = struck | Meet(t, frame.substeps, steps.Time(step), motion);
       Vec3<W> before[N];
@@ -138,41 +139,44 @@ struct Strikes {
   }
 
  private:
-  // What meets the chain first, link by link.
+  // What meets the strand first, place by place.
   struct Blow {
     Obstacle<W> what;
     W when;  // share of the part
     Vec3<W> normal;
     Mask fast;
   };
-  // The chain as it goes on evenly in a step, from the root: links, links/s.
+  // The strand as it goes on evenly in a step, from the root: parts, parts/s.
   struct Way {
-    Vec3<W> start[N], v[N], root_start, root_v;  // directions at the step's start
+    Vec3<W> start[N], v[N], root_start, root_v;  // tangents at the step's start
     // In a part of the step: its ends, s from the step's start and shares of the frame before its
-    // end; the root and the links' ends then; directions at the first.
+    // end; the root and the places then; tangents at the first.
     float from_s, to_s, begin, end;
-    Vec3<W> root_first, root_last, d[N], first[N], last[N];
+    Vec3<W> root_first, root_last, d[N], first[Q], last[Q];
 
-    PELT_INLINE void TakePart(float from, float to, float frame_begin, float per_frame) {
-      const W none = W(0.0f);
+    PELT_INLINE void TakePart(const ModalTableBlock& t, const Vec3<W> (&base)[Q], float from,
+                              float to, float frame_begin, float per_frame) {
       from_s = from, to_s = to;
       begin = frame_begin - from * per_frame;
       end = std::max(frame_begin - to * per_frame, 0.0f);
       root_first = root_start + root_v * W(from);
       root_last = root_start + root_v * W(to);
-      Vec3<W> at = {none, none, none}, then = at;
+      Vec3<W> at[N], then[N];
       for (uint32_t i = 0; i < N; ++i) {
-        const Vec3<W> link = start[i] + v[i] * W(from), link_then = start[i] + v[i] * W(to);
-        d[i] = link * Rsqrt(Max(Dot(link, link), W(1.0e-12f)));
-        first[i] = at = at + link;
-        last[i] = then = then + link_then;
+        at[i] = start[i] + v[i] * W(from);
+        then[i] = start[i] + v[i] * W(to);
+        d[i] = at[i] * Rsqrt(Max(Dot(at[i], at[i]), W(1.0e-12f)));
       }
+      PlaceVectors(t, at, base, first);
+      PlaceVectors(t, then, base, last);
     }
   };
 
-  static PELT_INLINE Vec3<W> Speed(const ModalTable<N>& t, uint32_t i, const Motion<W, N>& motion) {
-    return {Weigh<W, N>(t.shape[i], motion.axis[0].z), Weigh<W, N>(t.shape[i], motion.axis[1].z),
-            Weigh<W, N>(t.shape[i], motion.axis[2].z)};
+  static PELT_INLINE Vec3<W> Speed(const ModalTableBlock& t, uint32_t i, Vec3<W> root,
+                                   const Motion<W, N>& motion) {
+    return {NodeRate<W, N>(t, i, motion.axis[0].z, root.x),
+            NodeRate<W, N>(t, i, motion.axis[1].z, root.y),
+            NodeRate<W, N>(t, i, motion.axis[2].z, root.z)};
   }
   static PELT_INLINE Vec3<W> WeighRoots(const float (&weights)[kModalSamples - 1],
                                         const Motion<W, N>& motion) {
@@ -180,20 +184,19 @@ struct Strikes {
             WeighRoot(weights, motion.axis[2].root)};
   }
 
-  PELT_INLINE void FindWay(const ModalTable<N>& t, const Motion<W, N>& motion, Way& way) const {
+  PELT_INLINE void FindWay(const ModalTableBlock& t, const Motion<W, N>& motion, Way& way) const {
     way.root_start = WeighRoots(t.substep[0].root_place, motion);
     const Vec3<W> root_end = WeighRoots(t.substep[1].root_place, motion);
     way.root_v = (root_end - way.root_start) * W(1.0f / around.time);
     for (uint32_t i = 0; i < N; ++i) {
       way.start[i] = Row(motion, &Axis<W, N>::d, i);
-      way.v[i] = Speed(t, i, motion);
-      if (i == 0) way.v[0] = way.v[0] - way.root_v;
+      way.v[i] = Speed(t, i, way.root_v, motion);
     }
   }
 
   template <class Shape>
   PELT_INLINE void MeetShape(const Shape& shape, const ColliderStep& step, uint32_t substeps,
-                             const Way& way, Blow (&blow)[N]) const {
+                             const Way& way, Blow (&blow)[Q]) const {
     const W none = W(0.0f);
     auto first = step.moves ? shape.Before(step, way.begin) : shape;
     auto last = step.moves ? shape.Before(step, way.end) : shape;
@@ -206,7 +209,7 @@ struct Strikes {
       const Vec3<W> zero = {none, none, none};
       const Vec3<W> near_first = first.Core(zero), near_last = last.Core(zero);
       const Vec3<W> moved = near_last - near_first;
-      const W range = W(float(N)) + first.radius + Sqrt(Dot(moved, moved));
+      const W range = W(float(Q) * around.step) + first.radius + Sqrt(Dot(moved, moved));
       near = (Dot(near_first, near_first) < range * range) & (first.radius > none);
       if (!Any(near)) return;
       fast = IsFast(shape.radius, step, substeps);
@@ -215,7 +218,7 @@ struct Strikes {
       Colliders<W>::LeaveRoot(first);
       last.height = last.height + (first.height - height);
     }
-    for (uint32_t q = 0; q < N; ++q) {
+    for (uint32_t q = 0; q < Q; ++q) {
       const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : way.first[q - 1];
       const Vec3<W> to = q == 0 ? Vec3<W>{none, none, none} : way.last[q - 1];
       Mask met;
@@ -223,7 +226,7 @@ struct Strikes {
       Vec3<W> normal;
       if constexpr (Shape::kIsRound) {
         const Vec3<W> link = way.first[q] - from, link_last = way.last[q] - to;
-        const W one = W(1.0f), long2 = one / Max(Dot(link, link), one);
+        const W long2 = W(1.0f) / Max(Dot(link, link), W(1.0e-6f));
         const W share_first = NearestShare(first, from, link, long2);
         const W share_last = NearestShare(last, to, link_last, long2);
         const Vec3<W> point = from + link * share_first, point_last = to + link_last * share_last;
@@ -261,24 +264,25 @@ struct Strikes {
   }
 
   // Blows of a step. Returns the lanes that something fast struck.
-  __attribute__((noinline)) Mask Meet(const ModalTable<N>& t, uint32_t substeps, float time,
+  __attribute__((noinline)) Mask Meet(const ModalTableBlock& t, uint32_t substeps, float time,
                                       Motion<W, N>& motion) const {
     Mask struck = W(1.0f) < W(0.0f);
     Way way;
     FindWay(t, motion, way);
     const float part = around.time * (1.0f / float(kLooksForBlows));
     for (int look = 0; look < kLooksForBlows; ++look) {
-      way.TakePart(float(look) * part, float(look + 1) * part, 0.0f - time, t.euler_speed);
+      way.TakePart(t, around.base, float(look) * part, float(look + 1) * part, 0.0f - time,
+                   t.euler_speed);
       struck = struck | MeetInPart(t, substeps, way, motion);
     }
     return struck;
   }
 
-  PELT_INLINE Mask MeetInPart(const ModalTable<N>& t, uint32_t substeps, Way& way,
+  PELT_INLINE Mask MeetInPart(const ModalTableBlock& t, uint32_t substeps, Way& way,
                               Motion<W, N>& motion) const {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none;
-    Blow blow[N];
+    Blow blow[Q];
     for (Blow& b : blow) {
       b.what.Clear();
       b.when = one;
@@ -289,7 +293,7 @@ struct Strikes {
       MeetShape(shape, step, substeps, way, blow);
     });
     if (around.hardness > 0.0f)
-      for (uint32_t q = 0; q < N; ++q) {
+      for (uint32_t q = 0; q < Q; ++q) {
         const Vec3<W> up = around.end_surface;
         const W height = Dot(up, way.first[q]), end = Dot(up, way.last[q]);
         const W when = Max(height, none) / Max(height - end, W(1.0e-12f));
@@ -304,20 +308,21 @@ struct Strikes {
     return Any(met) ? Answer(t, way, blow, motion) : never;
   }
 
-  PELT_INLINE Mask Answer(const ModalTable<N>& t, Way& way, const Blow (&blow)[N],
+  PELT_INLINE Mask Answer(const ModalTableBlock& t, Way& way, const Blow (&blow)[Q],
                           Motion<W, N>& motion) const {
     const W none = W(0.0f), one = W(1.0f);
-    W wanted[N], share[N], least[N], push[N], hold[N], when = one;
-    Vec3<W> normal[N], slip[N], impulse[N];
-    Obstacle<W> what[N];
+    W wanted[Q], least[Q], push[Q], lever[Q][N], when = one;
+    Pushed<W, N> all;
+    Vec3<W> normal[Q], slip[Q], impulse[Q];
+    Obstacle<W> what[Q];
     Mask any = one < none, struck = any;
-    Vec3<W> speed = {none, none, none};
-    for (uint32_t q = 0; q < N; ++q) {
-      const Vec3<W> upper = speed;
-      speed = speed + way.v[q];
+    PushedPlaces<Q> places;
+    for (uint32_t q = 0; q < Q; ++q) {
       what[q] = blow[q].what;
-      share[q] = what[q].share;
-      slip[q] = what[q].PointOf(upper, speed) - what[q].drift;
+      LeverOf<W, N>(t, q, what[q].share, lever[q]);
+      Vec3<W> speed = way.v[0] * lever[q][0];
+      for (uint32_t i = 1; i < N; ++i) speed = speed + way.v[i] * lever[q][i];
+      slip[q] = speed - what[q].drift;
       const W into = none - Dot(blow[q].normal, slip[q]);
       const Mask meets = what[q].any & (into > none);
       normal[q] = Select<W>(meets, blow[q].normal, {none, none, none});
@@ -326,28 +331,24 @@ struct Strikes {
       least[q] = none;
       any = any | meets;
       struck = struck | (meets & blow[q].fast);
+      if (Any(meets)) places.Add(q);
     }
-    if (!Any(any)) return struck;
+    if (places.count == 0) return struck;
     const ImpulseMetric<W, N> metric(t, way.d);
     if (around.friction > 0.0f) {
-      Friction<W, N> friction;
+      Friction<W, N, Q> friction;
       friction.Clear();
-      friction.Settle(metric.response, metric.lengths, around, what, way.d, normal, wanted, slip,
-                      hold, impulse);
+      friction.Settle(metric, lever, around, places, what, normal, wanted, slip, all, impulse);
     } else {
-      Levers<W, N> levers;
-      levers.Make(metric.response, way.d, metric.lengths, normal, share, 1.0f);
-      levers.Solve(wanted, least, push);
-      levers.Hold(push, hold);
-      for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
+      SolvePushes(metric, places, normal, lever, wanted, least, push, all);
+      for (const uint32_t q : places) impulse[q] = normal[q] * push[q];
     }
-    AddImpulses(t, impulse, share, way.d, hold, any, motion);
+    AddImpulses(t, places, impulse, lever, way.d, all.held, any, motion);
     SlowDown(t, way.root_v, any, motion);
     // Until then it went on as it was.
     const W late = W(way.from_s) + when * W(way.to_s - way.from_s);
     for (uint32_t i = 0; i < N; ++i) {
-      Vec3<W> now = Speed(t, i, motion);
-      if (i == 0) now = now - way.root_v;
+      const Vec3<W> now = Speed(t, i, way.root_v, motion);
       const Vec3<W> back = (now - way.v[i]) * late;
       way.v[i] = Select<W>(any, now, way.v[i]);
       way.start[i] = Select<W>(any, way.start[i] - back, way.start[i]);
@@ -357,7 +358,7 @@ struct Strikes {
   }
 
   // Lanes whose step failed stand still for it.
-  static PELT_INLINE void Hold(const ModalTable<N>& t, Mask good, const Vec3<W> (&before)[N],
+  static PELT_INLINE void Hold(const ModalTableBlock& t, Mask good, const Vec3<W> (&before)[N],
                                Motion<W, N>& motion) {
     const Vec3<W> root = WeighRoots(t.substep[1].root_speed, motion);
     for (uint32_t i = 0; i < N; ++i) {
@@ -367,18 +368,17 @@ struct Strikes {
       for (uint32_t k = 0; k < 3; ++k) {
         Axis<W, N>& a = motion.axis[k];
         a.d[i] = Select(good, a.d[i], Component(d, k));
-        a.z[i] = Select(good, a.z[i], Component(root, k) * W(t.image[i][0]));
+        a.z[i] = Select(good, a.z[i], Component(root, k) * W(t.pull_mode[i]));
       }
     }
   }
 
-  // Keeps lanes' links to what a step can turn them; returns how fast the fastest goes.
-  PELT_INLINE W SlowDown(const ModalTable<N>& t, Vec3<W> root, Mask lanes,
+  // Keeps lanes' tangents to what a step can turn them; returns how fast the fastest goes.
+  PELT_INLINE W SlowDown(const ModalTableBlock& t, Vec3<W> root, Mask lanes,
                          Motion<W, N>& motion) const {
     W fastest2 = W(0.0f);
     for (uint32_t i = 0; i < N; ++i) {
-      Vec3<W> v = Speed(t, i, motion);
-      if (i == 0) v = v - root;
+      const Vec3<W> v = Speed(t, i, root, motion);
       fastest2 = Max(fastest2, Dot(v, v));
     }
     const float most = kMostShortTurn / around.time;
@@ -388,7 +388,7 @@ struct Strikes {
       for (uint32_t k = 0; k < 3; ++k)
         for (uint32_t m = 0; m < N; ++m) {
           W& z = motion.axis[k].z[m];
-          const W carried = Component(root, k) * W(t.image[m][0]);
+          const W carried = Component(root, k) * W(t.pull_mode[m]);
           z = Select(over, carried + (z - carried) * less, z);
         }
     }

@@ -3,11 +3,13 @@
 // The idea: where the free motion, its lengths brought back, leaves points inside an obstacle, a
 // force along the obstacle's normal pushes each of them for the whole substep, as large as it takes
 // to end on the surface while the lengths stay. What force j does to point i is known from the
-// table's response: with A the lengths' matrix, b^q_i = (n_q . w_i) u^q_i and u^q_i what a unit
-// force at point q does to link i,
+// table's response: with A the lengths' matrix, c^q_i how far point q goes with tangent i, u^q_i what a unit
+// force at point q does to tangent i, and b^q_i = (n_q . w_i) u^q_i,
 //
-//   kappa^q = -A^-1 b^q,   C_rq = n_r . n_q sum over i <= r of u^q_i + 1/2 b^r . kappa^q,
-//   C mu = depth,   mu >= 0.
+//   kappa^q = -A^-1 b^q,   C_rq = n_r . n_q c^r . u^q + 1/2 b^r . kappa^q,   C mu = depth,   mu >= 0.
+//
+// Points are the strand's places, closer than those that are drawn: at those alone a strand over a ball a third
+// as large as it is long would lie a tenth of its length off.
 //
 // The force joins the free motion, the lengths are solved again about where it leads, and what
 // depth is left is taken too. In balance a force that is constant over the substep gives back the
@@ -31,43 +33,47 @@ namespace pelt::modal {
 // Times the lengths and the contacts are solved in turn. The first goes by a direction of the
 // lengths' force that knows nothing of the contact.
 inline constexpr int kTouchRounds = 2;
+// And of turning tangents out of what they are inside, without time.
+inline constexpr int kFreeRounds = 3;
 
 // What a group's chains can touch this frame, and what they touched in the present substep.
-template <class W, uint32_t N>
+template <class W, uint32_t N, uint32_t Q>
 struct Touches {
   using Mask = typename W::Mask;
 
   bool use = false;  // false: nothing below is set
-  Surroundings<W, N> around;
+  Surroundings<W, N, Q> around;
   W slow;
 
   bool any = false;
-  Vec3<W> normal[N];  // of points that were pushed; else 0
-  W arrival[N];       // speed into the obstacle before, links/s; only where a bounce is wanted
-  Obstacle<W> obstacle[N];
-  Friction<W, N> friction;  // only where the layer has it
-  W overlap[N];             // what the first substep left inside, links
+  Vec3<W> normal[Q];  // of points that were pushed; else 0
+  W arrival[Q];       // speed into the obstacle before, parts/s; only where a bounce is wanted
+  Obstacle<W> obstacle[Q];
+  Friction<W, N, Q> friction;  // only where the layer has it
+  W overlap[Q];                // what the first substep left inside, parts
+  PushedPlaces<Q> places;      // at which some lane found an obstacle
 
-  // `slow`: links/s, below which nothing bounces, or a resting strand would never rest.
-  PELT_INLINE void Load(const ModalTable<N>& t, const LayerBlock& layer,
+  // `slow`: parts/s, below which nothing bounces, or a resting strand would never rest.
+  template <uint32_t kParts>
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
-                        const chain::Group<W, N>& g) {
+                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
     use = true;
-    around.Load(t, layer, params, last_surface, g);
+    around.Load(t, layer, params, last_surface, rest, g);
     slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
   }
 
   // Pushes what is inside out, from motion's y; true where some lane's y, p, w, z or lambda
   // changed.
   template <bool kBest>
-  PELT_INLINE bool Resolve(const ModalTable<N>& t, uint32_t substep, Motion<W, N>& motion) {
+  PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) {
     any = false;
     if (!use) return false;
     if (substep == 0)
       for (W& depth : overlap) depth = W(0.0f);
     around.Advance(t, substep, motion);
-    Vec3<W> at[N];
-    PlaceEnds(motion, at);
+    Vec3<W> at[Q];
+    PlaceRows<W, N, Q>(t, motion, &Axis<W, N>::y, around.base, at);
     const Mask inside = around.IsInside(at);
     if (!Any(inside)) return false;
     ResolveInside<kBest>(t, substep, inside, motion);
@@ -75,15 +81,53 @@ struct Touches {
   }
 
   // After the substep: speeds of the points that were pushed.
-  PELT_INLINE void Settle(const ModalTable<N>& t, uint32_t substep, Motion<W, N>& motion) const {
+  PELT_INLINE void Settle(const ModalTableBlock& t, uint32_t substep, Motion<W, N>& motion) const {
     if (any) SettleTouched(t, substep, motion);
   }
 
-  // How deep the last substep left each point inside what it leaves slowly, links: of what it was in
+  // Turns tangents of lanes whose step has failed so that no place is inside anything: the step that cannot fail
+  // (modal_fallback.hpp) knows of nothing in its way, and what it leaves inside would count as an overlap from before.
+  __attribute__((noinline)) void FreeAtOnce(const ModalTableBlock& t, Mask lanes,
+                                            Motion<W, N>& motion) {
+    const W none = W(0.0f);
+    around.Advance(t, t.substeps - 1, motion);  // where nobody follows, no substep did
+    for (int round = 0; round < kFreeRounds; ++round) {
+      Vec3<W> d[N], at[Q], normal[Q];
+      W depth[Q], least[Q], push[Q], lever[Q][N];
+      PushedPlaces<Q> inside;
+      Mask turned = W(1.0f) < none;
+      for (uint32_t i = 0; i < N; ++i) d[i] = Row(motion, &Axis<W, N>::d, i);
+      PlaceVectors(t, d, around.base, at);
+      for (uint32_t q = 0; q < Q; ++q) {
+        const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : at[q - 1];
+        Obstacle<W> found;
+        around.Find(q, from, at[q], found);
+        if (!Any(found.any)) continue;
+        inside.Add(q);
+        turned = turned | (found.any & lanes);
+        found.KeepWithinReach((W(float(q)) + found.share) * W(around.step * kReach));
+        found.Look(found.PointOf(from, at[q]), normal[q], depth[q]);
+        LeverOf<W, N>(t, q, found.share, lever[q]);
+        least[q] = none;
+      }
+      if (inside.count == 0) return;
+      const ImpulseMetric<W, N> metric(t, d);
+      Pushed<W, N> all;
+      SolvePushes(metric, inside, normal, lever, depth, least, push, all);
+      for (uint32_t i = 0; i < N; ++i) {
+        Vec3<W> to = d[i] + all.moved[i];
+        for (uint32_t j = 0; j < N; ++j) to = to + d[j] * (all.held[j] * W(t.inverse_mass[i][j]));
+        to = Select<W>(turned, NormalizeOr(to, d[i]), d[i]);
+        motion.axis[0].d[i] = to.x, motion.axis[1].d[i] = to.y, motion.axis[2].d[i] = to.z;
+      }
+    }
+  }
+
+  // How deep the last substep left each point inside what it leaves slowly, parts: of what it was in
   // when the frame began. What a substep could not solve is no overlap from before.
-  PELT_INLINE void Left(W (&depth)[N]) const {
+  PELT_INLINE void Left(W (&depth)[Q]) const {
     PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) depth[q] = any ? Min(obstacle[q].left, overlap[q]) : W(0.0f);
+    for (uint32_t q = 0; q < Q; ++q) depth[q] = any ? Min(obstacle[q].left, overlap[q]) : W(0.0f);
   }
 
   // Lanes that something pushed in the last substep.
@@ -97,7 +141,7 @@ struct Touches {
  private:
   // The lengths' matrix and |y|^2 of motion's w and y.
   template <bool kBest>
-  static PELT_INLINE void Linearise(const ModalTable<N>& t, Motion<W, N>& m, W (&square)[N],
+  static PELT_INLINE void Linearise(const ModalTableBlock& t, Motion<W, N>& m, W (&square)[N],
                                     NewtonMatrix<W, N>& matrix) {
     W gram[N][N];
     PELT_UNROLL
@@ -112,60 +156,43 @@ struct Touches {
 
   // One push of every point that is, or was, inside something.
   template <bool kBest>
-  static PELT_INLINE void Press(const ModalTable<N>& t, const NewtonMatrix<W, N>& matrix,
-                                const Vec3<W> (&n)[N], const W (&depth)[N],
-                                const Obstacle<W> (&obstacle)[N], W (&total)[N],
-                                Vec3<W> (&force)[N], Motion<W, N>& m) {
-    float response[N][N];
-    Vec3<W> w[N];
-    W least[N], push[N], change[N], share[N];
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) {
-      share[i] = obstacle[i].share;
-      PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j) response[i][j] = 2.0f * t.response[i][j];
-      w[i] = Row(m, &Axis<W, N>::w, i);
-      least[i] = W(0.0f) - total[i];
+  PELT_INLINE void Press(const ModalTableBlock& t, const NewtonMatrix<W, N>& matrix,
+                         const Vec3<W> (&n)[Q], const W (&depth)[Q], W (&total)[Q],
+                         Vec3<W> (&force)[Q], Motion<W, N>& m) const {
+    PushMetric<W, N> metric;
+    ForcesOf(t, matrix, m, metric);
+    W least[Q], push[Q], lever[Q][N];
+    for (const uint32_t q : places) {
+      LeverOf<W, N>(t, q, obstacle[q].share, lever[q]);
+      least[q] = W(0.0f) - total[q];
     }
-    Levers<W, N> levers;
-    levers.Make(response, w, matrix, n, share, 0.5f);
-    levers.Solve(depth, least, push);
-    levers.Hold(push, change);
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
-      total[q] = total[q] + push[q];
-      force[q] = force[q] + n[q] * push[q];
-      m.lambda[q] = m.lambda[q] + change[q];
+    Pushed<W, N> all;
+    SolvePushes(metric, places, n, lever, depth, least, push, all);
+    const W share = UsefulShare(t, places, around.base, obstacle, all, m,
+                                [&](uint32_t q, Vec3<W> at, W& before, W& after) {
+                                  Vec3<W> unused;
+                                  W left;
+                                  obstacle[q].Look(at, unused, left);
+                                  before = before + push[q] * depth[q];
+                                  after = after + push[q] * left;
+                                });
+    all.Scale(share);
+    for (const uint32_t q : places) {
+      const W size = push[q] * share;
+      total[q] = total[q] + size;
+      force[q] = force[q] + n[q] * size;
     }
-    for (uint32_t k = 0; k < 3; ++k) {
-      Axis<W, N>& a = m.axis[k];
-      W pull[N], twist[N];
-      PELT_UNROLL
-      for (uint32_t j = 0; j < N; ++j) {
-        pull[j] = a.w[j] * change[j];
-        if constexpr (kBest) twist[j] = a.turn[j] * change[j];
-      }
-      PELT_UNROLL
-      for (uint32_t i = 0; i < N; ++i) {
-        W moved = W(0.0f);
-        PELT_UNROLL
-        for (uint32_t q = 0; q < N; ++q)
-          moved = moved + Component(n[q], k) * (push[q] * levers.give[q][i]);
-        a.p[i] = a.p[i] + moved;
-        a.y[i] = a.y[i] + moved + Weigh<W, N>(t.response[i], pull);
-        if constexpr (kBest) a.y[i] = a.y[i] + Weigh<W, N>(t.slope[i], twist);
-      }
-    }
+    TakePushes<kBest>(t, all, m);
   }
 
   // Speeds of the points into their obstacles, had nothing pushed them. Only planes give any back.
-  PELT_INLINE void FindArrival(const ModalTable<N>& t, uint32_t substep, const Motion<W, N>& motion,
-                               const Vec3<W> (&at)[N], const Vec3<W> (&n)[N]) {
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q)
+  PELT_INLINE void FindArrival(const ModalTableBlock& t, uint32_t substep,
+                               const Motion<W, N>& motion, const Vec3<W> (&at)[Q],
+                               const Vec3<W> (&n)[Q]) {
+    for (const uint32_t q : places)
       arrival[q] = W(0.0f) - Dot(around.turn, at[q]) * W(t.euler_speed) * obstacle[q].spins;
-    if (around.colliders.moves) PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) arrival[q] = arrival[q] + Dot(n[q], obstacle[q].drift);
+    if (around.colliders.moves)
+      for (const uint32_t q : places) arrival[q] = arrival[q] + Dot(n[q], obstacle[q].drift);
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& a = motion.axis[k];
       W pull[N], z[N];
@@ -175,39 +202,40 @@ struct Touches {
       for (uint32_t m = 0; m < N; ++m)
         z[m] = a.z[m] + WeighColumn<W, N>(t.shape, m, pull) * W(t.impulse[m]);
       const W root = WeighRoot(t.substep[substep].root_speed, a.root);
-      W v = W(0.0f);
+      W rate[N];
       PELT_UNROLL
-      for (uint32_t q = 0; q < N; ++q) {
-        v = v + Weigh<W, N>(t.shape[q], z);
+      for (uint32_t i = 0; i < N; ++i) rate[i] = NodeRate<W, N>(t, i, z, root);
+      for (const uint32_t q : places) {
+        const W v = root + Weigh<W, N>(t.place[q], rate);
         arrival[q] = arrival[q] - Component(n[q], k) * (v - root * obstacle[q].carried);
       }
     }
   }
 
   template <bool kBest>
-  __attribute__((noinline)) void ResolveInside(const ModalTable<N>& t, uint32_t substep, Mask lanes,
-                                               Motion<W, N>& motion) {
+  __attribute__((noinline)) void ResolveInside(const ModalTableBlock& t, uint32_t substep,
+                                               Mask lanes, Motion<W, N>& motion) {
     const W none = W(0.0f);
     Motion<W, N> m;
     CopyStep<kBest>(motion, m);
     NewtonMatrix<W, N> matrix;
-    W square[N], total[N], depth[N];
-    Vec3<W> force[N], n[N];
+    W square[N], total[Q], depth[Q];
+    Vec3<W> force[Q], n[Q];
     // Of the group's lanes all may touch a collider or, with friction, none (simulate_modal.hpp).
     const bool eases = around.HasColliders();
     const W most = around.per_length * W(kLeaving * around.time);
     if (eases) around.PlaceStart(t, substep, motion);
     Linearise<kBest>(t, m, square, matrix);
     PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
-      total[q] = none;
+    for (uint32_t q = 0; q < Q; ++q) {
+      total[q] = arrival[q] = none;
       force[q] = {none, none, none};
       obstacle[q].Clear();
     }
     const bool rubs = eases && around.friction > 0.0f;
     if (rubs) friction.Clear();
     const int rounds = rubs ? kRubRounds : kTouchRounds;
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0;; ++round) {
       if (round > 0) {
         const W share = LookShare<W, N>(t, m.lambda);
         for (Axis<W, N>& a : m.axis) {
@@ -220,55 +248,57 @@ struct Touches {
         Linearise<kBest>(t, m, square, matrix);
         NewtonStep<kBest>(t, matrix, m, square);
       }
-      Vec3<W> at[N];
-      PlaceEnds(m, at);
+      if (round == rounds) break;
+      Vec3<W> at[Q];
+      PlaceRows<W, N, Q>(t, m, &Axis<W, N>::y, around.base, at);
+      places.count = 0;
       PELT_NO_UNROLL
-      for (uint32_t q = 0; q < N; ++q) {
+      for (uint32_t q = 0; q < Q; ++q) {
         const Vec3<W> from = q == 0 ? Vec3<W>{none, none, none} : at[q - 1];
         Obstacle<W> found;
         around.Find(q, from, at[q], found);
         const Mask fresh = found.any & lanes & !obstacle[q].any;
         if (Any(fresh)) {
           if (eases) found.Ease(around.StartOf(q, found), W(around.time), most);
-          const W along = W(float(q)) + found.share;
+          const W along = (W(float(q)) + found.share) * W(around.step);
           if (around.colliders.moves)
             found.SlowDown(found.PointOf(from, at[q]), W(around.time), W(kFarthestHit) * along);
-          found.KeepWithinReach(W(kReach * float(q)) + found.share * W(kReach));
+          found.KeepWithinReach(along * W(kReach));
           obstacle[q].Take(fresh, found);
         }
+        if (!Any(obstacle[q].any)) continue;
+        places.Add(q);
         obstacle[q].Look(obstacle[q].PointOf(from, at[q]), n[q], depth[q]);
       }
       if (round == 0 && around.plane_bounce > 0.0f) FindArrival(t, substep, motion, at, n);
       if (rubs)
-        friction.template Press<kBest>(t, matrix, around, obstacle, n, depth, at, total, force, m);
+        friction.template Press<kBest>(t, matrix, around, places, obstacle, n, depth, at, total,
+                                       force, m);
       else
-        Press<kBest>(t, matrix, n, depth, obstacle, total, force, m);
+        Press<kBest>(t, matrix, n, depth, total, force, m);
     }
-    PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) square[i] = none;
-    for (const Axis<W, N>& a : m.axis) PELT_UNROLL
-    for (uint32_t i = 0; i < N; ++i) square[i] = square[i] + a.y[i] * a.y[i];
-    NewtonStep<kBest>(t, matrix, m, square);
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
+    W lever[Q][N];
+    for (Vec3<W>& none_there : normal) none_there = {none, none, none};
+    for (const uint32_t q : places) {
       const Mask pushed = total[q] > none;
       normal[q] = Select<W>(pushed, n[q], {none, none, none});
-      motion.lambda[q] = Select(lanes, m.lambda[q], motion.lambda[q]);
+      LeverOf<W, N>(t, q, obstacle[q].share, lever[q]);
     }
+    PELT_UNROLL
+    for (uint32_t i = 0; i < N; ++i)
+      motion.lambda[i] = Select(lanes, m.lambda[i], motion.lambda[i]);
     any = true;
     if (substep == 0) PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) overlap[q] = obstacle[q].left;
+    for (uint32_t q = 0; q < Q; ++q) overlap[q] = obstacle[q].left;
     for (uint32_t k = 0; k < 3; ++k) {
       const Axis<W, N>& from = m.axis[k];
       Axis<W, N>& to = motion.axis[k];
       W pull[N];
-      W sum = none;
       PELT_UNROLL
       for (uint32_t i = 0; i < N; ++i) {
-        const uint32_t j = N - 1 - i;
-        const W on_link = sum + Component(force[j], k) * obstacle[j].share;
-        sum = sum + Component(force[j], k);
-        pull[j] = on_link + on_link;
+        W on_node = none;
+        for (const uint32_t q : places) on_node = on_node + Component(force[q], k) * lever[q][i];
+        pull[i] = on_node + on_node;
         to.p[i] = Select(lanes, from.p[i], to.p[i]);
         to.w[i] = Select(lanes, from.w[i], to.w[i]);
         to.y[i] = Select(lanes, from.y[i], to.y[i]);
@@ -292,12 +322,13 @@ struct Touches {
     return exponent / (exponent + W(1.0f));
   }
 
-  __attribute__((noinline)) void SettleTouched(const ModalTable<N>& t, uint32_t substep,
+  __attribute__((noinline)) void SettleTouched(const ModalTableBlock& t, uint32_t substep,
                                                Motion<W, N>& motion) const {
     const W none = W(0.0f);
     Vec3<W> d[N], v[N];
-    W wanted[N], least[N], push[N], hold[N], share[N];
-    Vec3<W> slip[N], impulse[N];
+    W wanted[Q], least[Q], push[Q], lever[Q][N];
+    Pushed<W, N> all;
+    Vec3<W> slip[Q], impulse[Q];
     const auto& speed = t.substep[substep].root_speed;
     const Vec3<W> root = {WeighRoot(speed, motion.axis[0].root),
                           WeighRoot(speed, motion.axis[1].root),
@@ -306,30 +337,26 @@ struct Touches {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       d[i] = Row(motion, &Axis<W, N>::d, i);
-      v[i] = {Weigh<W, N>(t.shape[i], motion.axis[0].z), Weigh<W, N>(t.shape[i], motion.axis[1].z),
-              Weigh<W, N>(t.shape[i], motion.axis[2].z)};
-      touched = touched | (Dot(normal[i], normal[i]) > none);
+      v[i] = {NodeRate<W, N>(t, i, motion.axis[0].z, root.x),
+              NodeRate<W, N>(t, i, motion.axis[1].z, root.y),
+              NodeRate<W, N>(t, i, motion.axis[2].z, root.z)};
     }
     const ImpulseMetric<W, N> metric(t, d);
     const Vec3<W> spin = around.turn * W(t.euler_speed);
     const bool soft = around.hardness < 1.0f;
     const W settles = soft ? SettledBySoft(around.hardness) : W(1.0f);
-    Vec3<W> at = {none, none, none}, point = at;
-    PELT_UNROLL
-    for (uint32_t q = 0; q < N; ++q) {
+    for (const uint32_t q : places) {
       const Mask pushed = Dot(normal[q], normal[q]) > none;
-      // The first link's speed has the root's in it.
-      const Vec3<W> upper = q == 0 ? root : point;
-      at = at + d[q];
-      point = point + v[q];
-      share[q] = obstacle[q].share;
-      const Vec3<W> met = obstacle[q].PointOf(upper, point);
+      touched = touched | pushed;
+      LeverOf<W, N>(t, q, obstacle[q].share, lever[q]);
+      Vec3<W> met = root;
+      for (uint32_t i = 0; i < N; ++i) met = met + v[i] * lever[q][i];
       const W carried = Select(pushed, obstacle[q].carried, none);
       const W spins = Select(pushed, obstacle[q].spins, none);
       const Vec3<W> along =
           root * carried + Select<W>(pushed, obstacle[q].drift, {none, none, none});
       slip[q] = met - along;
-      wanted[q] = none - Dot(normal[q], slip[q]) - Dot(spin, at) * spins;
+      wanted[q] = none - Dot(normal[q], slip[q]) - Dot(spin, PlaceOf(t, q, d, around.base)) * spins;
       if (soft) wanted[q] = Select(spins > none, wanted[q] * settles, wanted[q]);
       if (around.plane_bounce > 0.0f) {
         const Mask bounces = (arrival[q] > slow) & pushed;
@@ -339,17 +366,12 @@ struct Touches {
       least[q] = W(-1.0e30f);
     }
     if (around.friction > 0.0f && around.HasColliders()) {
-      friction.Settle(metric.response, metric.lengths, around, obstacle, d, normal, wanted, slip,
-                      hold, impulse);
+      friction.Settle(metric, lever, around, places, obstacle, normal, wanted, slip, all, impulse);
     } else {
-      Levers<W, N> levers;
-      levers.Make(metric.response, d, metric.lengths, normal, share, 1.0f);
-      levers.Solve(wanted, least, push);
-      levers.Hold(push, hold);
-      PELT_UNROLL
-      for (uint32_t q = 0; q < N; ++q) impulse[q] = normal[q] * push[q];
+      SolvePushes(metric, places, normal, lever, wanted, least, push, all);
+      for (const uint32_t q : places) impulse[q] = normal[q] * push[q];
     }
-    AddImpulses(t, impulse, share, d, hold, touched, motion);
+    AddImpulses(t, places, impulse, lever, d, all.held, touched, motion);
   }
 };
 

@@ -1,4 +1,4 @@
-// Simulate, modal: chains of stiff links moved by their own bending modes, accurate at any frame
+// Simulate, modal: strands with nodes moved by their own bending modes, accurate at any frame
 // rate. The mathematics is in modal_step.hpp; this file is a chunk's frame around it: ports, what
 // the root did (by its last poses, or its velocities), who starts afresh, who falls back, strength,
 // contacts, rest, and the report to `activate`.
@@ -13,7 +13,7 @@
 // on where in a group it stood.
 //
 // Invariants, as chain.hpp's:
-//  - From finite input comes finite output; links keep their length.
+//  - From finite input comes finite output; no part of a strand gets longer.
 //  - A lane without strength, a new lane and every lane of a chunk that restarts lie exactly on the
 //    groom and move with the root.
 //  - A lane whose root and wind did not change and that was still for a quarter of its slowest
@@ -38,15 +38,15 @@ struct SimulateModal {
   static constexpr std::string_view kName =
       kVertexChains ? "simulate_modal_vertex"
                     : ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5", "simulate_modal_9");
-  static constexpr uint32_t N = kPoints - 1;
+  static constexpr uint32_t N = NodesOf(kPoints), kParts = kPoints - 1, Q = PlacesOf(kPoints);
   using Params = SimulateParams;
   using Ports = modal::Ports<kPoints, kVertexChains>;
   using Extras = modal::Extras;
-  using Group = chain::Group<V, N>;
+  using Group = chain::Group<V, kParts>;
   using Motion = modal::Motion<V, N>;
-  using Touches = modal::Touches<V, N>;
-  using TouchNotes = modal::TouchNotes<V, N>;
-  using Strikes = modal::Strikes<V, N>;
+  using Touches = modal::Touches<V, N, Q>;
+  using TouchNotes = modal::TouchNotes<V, N, Q>;
+  using Strikes = modal::Strikes<V, N, Q>;
   using Start = modal::FrameStart<V, kPoints, Ports>;
   using End = modal::FrameEnd<V, kPoints, Ports>;
   using Mask = typename V::Mask;
@@ -69,7 +69,7 @@ struct SimulateModal {
  private:
   // How many lanes step at once, on a stack as small as a fibre's (jobs/README.md): those that touch
   // something are rare, and take several times as much of it.
-  using Free = typename AtMostLanes<V, N == 8 ? 8 : 16>::Type;
+  using Free = typename AtMostLanes<V, 16>::Type;
   using Picked = typename AtMostLanes<V, 4>::Type;
   template <class, uint32_t, bool>
   friend struct SimulateModal;
@@ -77,9 +77,9 @@ struct SimulateModal {
   template <bool kBest>
   PELT_INLINE static void RunAs(const Params& params, const Ports& ports, const Extras& extras) {
     Picks picks;
-    chain::RunChunk<V, N, kVertexChains>(
-        ports, [&](uint32_t begin, uint32_t end, uint32_t live, const auto* controls) {
-          return RunRange<kBest>(params, ports, extras, begin, end, live, controls, picks);
+    chain::RunChunk<kVertexChains>(
+        ports, [&](uint32_t begin, uint32_t end, uint32_t live, bool follows) {
+          return RunRange<kBest>(params, ports, extras, begin, end, live, follows, picks);
         });
   }
 
@@ -111,39 +111,38 @@ struct SimulateModal {
   // fit the registers. Groups without a live lane are left out: chunks of mesh vertices are so short
   // that they are a tenth of all groups of eight in `monster`.
   // The two kinds of groups are out of line, so that their frames are not on the stack together.
-  template <bool kBest, class Controls>
+  template <bool kBest>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
-                                   uint32_t begin, uint32_t end, uint32_t live,
-                                   const Controls* controls, Picks& picks) {
+                                   uint32_t begin, uint32_t end, uint32_t live, bool follows,
+                                   Picks& picks) {
     picks.count[0] = picks.count[1] = 0;
     const uint32_t last = end < live ? end : live;
-    bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, controls, picks);
+    bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, follows, picks);
     if (picks.count[0] + picks.count[1] > 0)
       changed |= SimulateModal<Picked, kPoints, kVertexChains>::template RunPicked<kBest>(
-          params, ports, extras, live, controls, picks);
+          params, ports, extras, live, follows, picks);
     return changed;
   }
 
-  template <bool kBest, class Controls>
+  template <bool kBest>
   static __attribute__((noinline)) bool RunFree(const Params& params, const Ports& ports,
                                                 const Extras& extras, uint32_t begin, uint32_t end,
-                                                uint32_t live, const Controls* controls,
-                                                Picks& picks) {
+                                                uint32_t live, bool follows, Picks& picks) {
     bool changed = false;
     for (uint32_t first = begin; first < end; first += uint32_t(V::kLanes))
-      changed |= RunGroup<kBest>(params, ports, extras, first, live, controls, &picks);
+      changed |= RunGroup<kBest>(params, ports, extras, first, live, follows, &picks);
     return changed;
   }
 
   // `picks`: of a kernel whose Picked is V.
-  template <bool kBest, class Controls, class AnyPicks>
+  template <bool kBest, class AnyPicks>
   static __attribute__((noinline)) bool RunPicked(const Params& params, const Ports& ports,
-                                                  const Extras& extras, uint32_t live,
-                                                  const Controls* controls, AnyPicks& picks) {
+                                                  const Extras& extras, uint32_t live, bool follows,
+                                                  AnyPicks& picks) {
     bool changed = false;
     for (uint32_t kind = 0; kind < 2; ++kind)
       for (uint32_t i = 0; i < picks.count[kind]; i += uint32_t(V::kLanes))
-        changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i, kind), live, controls,
+        changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i, kind), live, follows,
                                    static_cast<Picks*>(nullptr));
     return changed;
   }
@@ -170,6 +169,7 @@ struct SimulateModal {
       if (AllSet(good)) return;
     }
     StepSafely(ports, at, !good, rest, hold, per_length, motion);
+    if (touches.use) touches.FreeAtOnce(*ports.table, !good, motion);
   }
 
   // Returns which of the lanes it could.
@@ -202,7 +202,7 @@ struct SimulateModal {
   template <class At>
   static PELT_INLINE void TakeState(const Ports& ports, const At& at, const Vec3<V> (&rest)[N],
                                     Motion& motion) {
-    const ModalStateBlock<kPoints>& old = *ports.chain;
+    const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     for (uint32_t i = 0; i < N; ++i) {
       motion.lambda[i] = LoadLanes<V>(old.multiplier[i], at);
       for (uint32_t k = 0; k < 3; ++k) {
@@ -219,19 +219,22 @@ struct SimulateModal {
   template <bool kBest, class At>
   static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
                                        Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
-                                       V per_length, const Group& g, V (&left)[N], Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
+                                       V per_length, const Group& g, V (&left)[kParts],
+                                       Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
     Touches touches;
-    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, touches);
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, touches);
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
     Mask good = fresh;
     if (Any(follows))
       good =
           good | (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
     const Mask touched = touches.Touched() & good;
-    touches.Left(left);
+    V deep[Q];
+    touches.Left(deep);
     // A lane that does not follow took no step: what it has there is made of its neighbours'.
-    for (V& depth : left) depth = Select(follows, depth * g.length, V(0.0f));
+    for (uint32_t i = 0; i < kParts; ++i)
+      left[i] = Select(follows, deep[(i + 1) * (Q / kParts) - 1] * g.length, V(0.0f));
     if (!AllSet(good)) FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
     return touched;
   }
@@ -240,11 +243,12 @@ struct SimulateModal {
   // that it fails. `rubs`: those that may touch a collider; set where the layer has friction.
   template <bool kBest>
   static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
-                                   V per_length, const Group& g, Mask& rubs, Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
+                                   const Vec3<V> (&rest)[N], V per_length, const Group& g,
+                                   Mask& rubs, Motion& motion) {
+    const ModalTableBlock& t = *ports.table;
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
-      LoadTouches(params, ports, first, g, notes);
+      LoadTouches(params, ports, first, rest, g, notes);
       if (ports.layer->friction > 0.0f) rubs = notes.around.colliders.any;
     }
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
@@ -260,13 +264,14 @@ struct SimulateModal {
   // and `clock`, their quiet_s, are set.
   template <class At>
   static __attribute__((noinline)) Mask StepStruck(const Params& params, const Ports& ports,
-                                                   const At& at, Mask fresh, V per_length,
+                                                   const At& at, Mask fresh,
+                                                   const Vec3<V> (&rest)[N], V per_length,
                                                    const Group& g, const Motion& start, V& clock,
                                                    Motion& motion) {
-    const ModalTable<N>& t = *ports.table;
+    const ModalTableBlock& t = *ports.table;
     const V none = V(0.0f), before = LoadLanes<V>(ports.chain->quiet_s, at);
     Strikes strikes;
-    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, g, strikes);
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, strikes);
     const Mask was = (before < none) & !fresh;
     const Mask may = modal::IsInFastWay(params, g, per_length, t.substeps, start) & !fresh;
     if (!Any(may | was)) return may;
@@ -282,7 +287,7 @@ struct SimulateModal {
   // picked is in the cache already.
   template <bool kFetches>
   struct Ahead {
-    BlockAhead<ModalStateBlock<kPoints>, V::kLanes, 1, kModalRow * sizeof(float)> state;
+    BlockAhead<ModalStateBlock<NodesOf(kPoints)>, V::kLanes, 1, kModalRow * sizeof(float)> state;
     BlockAhead<RestBlock<kPoints>, V::kLanes> rest;
     BlockAhead<PointBlock<kPoints>, V::kLanes> points;
 
@@ -301,10 +306,9 @@ struct SimulateModal {
 
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
-  template <bool kBest, class At, class Controls>
+  template <bool kBest, class At>
   static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
-                                   const At& at, uint32_t live, const Controls* controls,
-                                   Picks* picks) {
+                                   const At& at, uint32_t live, bool follows, Picks* picks) {
     constexpr bool kPicks = std::is_same_v<At, uint32_t>;
     const LayerBlock& layer = *ports.layer;
     const ChunkStateBlock& state = *ports.state;
@@ -350,7 +354,7 @@ struct SimulateModal {
 
     const Mask none = V(1.0f) < V(0.0f);
     Mask touched = none, picked = none, rubs = none, kept = none;
-    V left[N], clock = V(0.0f);
+    V left[kParts], clock = V(0.0f);
     for (V& depth : left) depth = V(0.0f);
     const bool carried = !restart && ports.table->substeps == 0;
     if (carried) {
@@ -358,14 +362,14 @@ struct SimulateModal {
     } else if (!restart) {
       ahead.template Fetch<5>();
       if constexpr (kPicks) {
-        picked = StepFree<kBest>(params, ports, at, per_length, g, rubs, motion);
+        picked = StepFree<kBest>(params, ports, at, rest, per_length, g, rubs, motion);
         picked = picked | (LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f));
       } else {
         Motion after;
         Mask struck = none;
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         if (Any(was) || Colliders<V>::HasMoving(params))
-          struck = StepStruck(params, ports, at, fresh, per_length, g, motion, clock, after);
+          struck = StepStruck(params, ports, at, fresh, rest, per_length, g, motion, clock, after);
         if (!AllSet(struck))
           touched = StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left,
                                         motion);
@@ -378,7 +382,7 @@ struct SimulateModal {
     }
     ahead.template Fetch<6>();
     modal::Directions(motion, d);
-    modal::PlacePoints(d, g);
+    modal::DrawCurve(*ports.table, d, rest, g);
     ahead.template Fetch<7>();
     if (!restart) {
       if constexpr (kPicks) {
@@ -393,22 +397,22 @@ struct SimulateModal {
         }
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {
-        PushOut(params, ports, left, g, motion);
+        PushOut(params, ports, left, g);
         if (state.flags & kChunkSteady) kept = End::FindRestless(ports, at, quiet, motion, clock);
       }
       const Mask full = strength >= V(1.0f);
-      if (controls || !AllSet(full))
-        Shape(params, ports, at, controls, full, picked, strength, rest, motion, left, g);
+      if (follows || !AllSet(full))
+        Shape(params, ports, at, follows, full, picked, strength, left, g);
     }
     if (Any(fresh)) {
       const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
       Start::StartAfresh(*ports.table, rest, per_step, fresh, motion);
-      for (uint32_t i = 0; i < N; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
+      for (uint32_t i = 0; i < kParts; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
     }
     const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
     // Lanes that do not live keep their bits too: how many of them a group has is the machine's.
     return Any(End::Store(params, ports, at, g, fresh, quiet, picked | kept | !alive, still, clock,
-                          controls != nullptr, motion) &
+                          follows, motion) &
                alive);
   }
 
@@ -419,39 +423,38 @@ struct SimulateModal {
 
   template <class At, class AnyTouches>
   static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, const At& at,
-                                      const Group& g, AnyTouches& touches) {
+                                      const Vec3<V> (&rest)[N], const Group& g,
+                                      AnyTouches& touches) {
     const Vec3<V> last =
         chain::HasSurface(*ports.layer) ? Load3<V>(ports.chain->normal, at) : g.normal;
-    touches.Load(*ports.table, *ports.layer, params, last, g);
+    touches.Load(*ports.table, *ports.layer, params, last, rest, g);
   }
 
   static __attribute__((noinline)) void PushOut(const Params& params, const Ports& ports,
-                                                const V (&left)[N], Group& g, Motion& motion) {
-    modal::PushOut(*ports.table, *ports.layer, params, left, g, motion);
+                                                const V (&left)[kParts], Group& g) {
+    modal::PushOut(*ports.layer, params, left, g);
   }
 
   // What is seen of the chain: the points, not the state. Lanes at full strength that follow
   // nobody keep theirs; what those get that were picked is of no use.
-  template <class At, class Controls>
+  template <class At>
   static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
-                                              const At& at, const Controls* controls, Mask full,
-                                              Mask picked, V strength, const Vec3<V> (&rest)[N],
-                                              const Motion& motion, const V (&left)[N], Group& g) {
+                                              const At& at, bool follows, Mask full, Mask picked,
+                                              V strength, const V (&left)[kParts], Group& g) {
     const LayerBlock& layer = *ports.layer;
-    Vec3<V> d[N];
-    modal::Directions(motion, d);
-    modal::Weaken(full, strength, rest, d);
-    modal::PlacePoints(d, g);
+    modal::Weaken(full, strength, g);
     Mask shaped = !full;
     if constexpr (!kVertexChains)
-      if (controls) {
+      if (follows) {
         shaped = shaped | full;
-        Vec3<V> control[N];
-        for (uint32_t i = 0; i < N; ++i)
-          control[i] = controls->template Gather<V>(ports.strands->control, at, i) - g.root;
-        modal::Gather(layer.clump, control, g, d);
+        const StrandBlock& strands = *ports.strands;
+        const auto controls = chain::ControlsOf<V>(strands.control, strands.control_count, at);
+        Vec3<V> control[kParts];
+        for (uint32_t i = 0; i < kParts; ++i)
+          control[i] = Load3<V>(ports.position->position[i], controls) - g.root;
+        modal::Gather(layer.clump, control, g);
       }
-    if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g, d);
+    if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g);
   }
 };
 

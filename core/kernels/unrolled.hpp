@@ -11,6 +11,8 @@
 // Unrolled<V>.
 #pragma once
 
+#include <algorithm>
+
 #include "core/simd.hpp"
 
 namespace pelt {
@@ -50,6 +52,12 @@ struct Unrolled {
   PELT_INLINE Unrolled() = default;
   PELT_INLINE Unrolled(float scalar) : a(scalar), b(scalar) {}
   PELT_INLINE Unrolled(V first, V second) : a(first), b(second) {}
+  PELT_INLINE static Unrolled LoadPicked(const float* row, const int32_t* lanes) {
+    PickedLanes<V> first, second;
+    std::copy_n(lanes, kHalf, first.lane);
+    std::copy_n(lanes + kHalf, kHalf, second.lane);
+    return {LoadLanes<V>(row, first), LoadLanes<V>(row, second)};
+  }
   PELT_INLINE static Unrolled Load(const float* p) { return {V::Load(p), V::Load(p + kHalf)}; }
   PELT_INLINE void Store(float* p) const {
     a.Store(p);

@@ -6,10 +6,9 @@
 
 namespace pelt {
 
-template <uint32_t kMost>
 bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double dt_s,
                           bool velocities, std::span<const ModalCourse> others,
-                          const ModalTableOf<kMost>* tables, ModalTableOf<kMost>* table) {
+                          const ModalTableBlock* tables, ModalTableBlock* table) {
   ModalCourse next = *this;
   next.begun_ = true;
   next.rod_ = rod;
@@ -27,8 +26,8 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
     next.push_ratio_ = same->push_ratio_;
   } else {
     if (!knows_layer_ || !(rod == rod_)) {
-      ModalMaterial material =
-          CalibratedMaterial(rod.links, rod.frequency_hz, rod.damping_ratio, rod.drag_per_s);
+      ModalMaterial material = StrandMaterial(rod.points, rod.frequency_hz, rod.damping_ratio,
+                                              rod.drag_per_s, rod.stiff);
       material.parent_curl = rod.parent_curl;
       next.layer_ = MakeModalLayer(material);
       next.knows_layer_ = true;
@@ -39,13 +38,6 @@ bool ModalCourse::Advance(const RodMaterial& rod, ModalQuality quality, double d
   *this = next;
   return true;
 }
-template bool ModalCourse::Advance(const RodMaterial&, ModalQuality, double, bool,
-                                   std::span<const ModalCourse>, const ModalTableBlock*,
-                                   ModalTableBlock*);
-template bool ModalCourse::Advance(const RodMaterial&, ModalQuality, double, bool,
-                                   std::span<const ModalCourse>, const LongModalTableBlock*,
-                                   LongModalTableBlock*);
-
 bool ModalCourse::HasTableOf(const ModalCourse& other) const {
   return begun_ && other.begun_ && rod_ == other.rod_ && quality_ == other.quality_ &&
          times_.velocities == other.times_.velocities &&

@@ -15,12 +15,13 @@
 
 namespace pelt {
 
-// What CalibratedMaterial takes, and how its curl turns.
+// What StrandMaterial takes, and how its curl turns.
 struct RodMaterial {
-  uint32_t links;        // 3, 4 or 8
+  uint32_t points;       // 4, 5 or 9
   double frequency_hz;   // of the first bending mode, without gravity
   double damping_ratio;  // that bending gives it
   double drag_per_s;
+  bool stiff = false;        // for its weight
   bool parent_curl = false;  // ModalMaterial::parent_curl
   friend bool operator==(const RodMaterial&, const RodMaterial&) = default;
 };
@@ -30,10 +31,9 @@ class ModalCourse {
   // Fills the table for a frame of dt_s seconds; the first call assumes that the frames before were
   // as long. `velocities`: the root's are known in this frame. Says whether the table changed. `others` and `tables` are courses that have advanced
   // to this frame, with their tables.
-  template <uint32_t kMost>
   bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s, bool velocities,
-               std::span<const ModalCourse> others, const ModalTableOf<kMost>* tables,
-               ModalTableOf<kMost>* table);
+               std::span<const ModalCourse> others, const ModalTableBlock* tables,
+               ModalTableBlock* table);
 
   // Of the last frame.
   ModalQuality quality() const { return quality_; }
@@ -44,10 +44,11 @@ class ModalCourse {
   // follows from the rod is worked out again when it is needed: ForgetLayer after reading.
   static void ListState(auto& io, auto& self) {
     io(self.begun_);
-    io(self.rod_.links);
+    io(self.rod_.points);
     io(self.rod_.frequency_hz);
     io(self.rod_.damping_ratio);
     io(self.rod_.drag_per_s);
+    io(self.rod_.stiff);
     io(self.rod_.parent_curl);
     io(self.quality_);
     io(self.times_.dt_s);

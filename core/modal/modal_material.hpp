@@ -1,52 +1,60 @@
-// What a modal strand is made of: rigid links joined by springs, in numbers that mean the same at
-// every frame rate.
+// What a modal strand is made of, in numbers that mean the same at every frame rate: the matrices of its
+// equation of motion,
 //
-//     root o-----o-----o-----o tip        links of equal length; a mass at the end of each
-//          k1    k2    k3                 k1 turns the first link towards its rest direction, k2 ..
-//             m1    m2    m3              the difference of two neighbours towards its own
+//     M d'' + c M d' + beta K (d' - r') + K (d - r) = b (g + c u - x0'' - c x0') + Lambda d,   |d_i| = 1
 //
-// The idea: lengths scale out. Everything is stated for links of length 1 (a strand of n links is n
-// long) and total mass 1, so one material serves all strands of a layer whatever their length; a
-// stiffness then has the unit 1/s^2. All strands of a layer share their frequencies, as the hair of
-// one coat visibly does; RodFrequency says which one a real fibre of some length has.
+// for a few unit vectors d_i that rest as r_i, and how the strand lies where those are.
 //
-// Source: the naive discretisation (k = B / l, equal masses) has its first frequency 42 % low and
-// sags 250 % too far; CalibratedMaterial's coefficients were fitted to the continuous rod: sag of a
-// clamped strand within 1.6 % (3 links), 0.7 % (4), 0.1 % (8) for w L^3 / B up to 30, the first
-// frequency within 0.02 %, the second within 1 %.
+// StrandMaterial's are tangents at nodes of a smooth curve (node_model.hpp). Any other that have such
+// an equation are as good, links of a chain for one.
+//
+// The idea: lengths scale out. A strand is as many parts long as it has free points, and its mass is arbitrary,
+// so one material serves all strands of a layer whatever their length; a stiffness then has the unit 1/s^2. All
+// strands of a layer share their frequencies, as the hair of one coat visibly does; RodFrequency says which one
+// a real fibre of some length has.
 #pragma once
 
 #include <cstdint>
 
 namespace pelt {
 
-inline constexpr uint32_t kMaxLinks = 8;
+inline constexpr uint32_t kMaxNodes = 4;   // unknown vectors
+inline constexpr uint32_t kMaxPlaces = 8;  // points at which something may push a strand
+
+// Of strands of 4, 5 or 9 points.
+inline constexpr uint32_t NodesOf(uint32_t points) { return points == 4 ? 3 : 4; }
+// Evenly along the strand; every free point is one. Few points lie too far apart to push at them alone.
+inline constexpr uint32_t PlacesOf(uint32_t points) { return points == 4 ? 6 : 8; }
 
 struct ModalMaterial {
-  uint32_t links;               // 3, 4 or 8
-  double stiffness[kMaxLinks];  // of the joint above each link, 1/s^2
-  double mass[kMaxLinks];       // of the point below each link; sums to 1
-  double drag_per_s;            // towards the wind: dv/dt = -drag (v - u)
-  double bend_damping_s;        // force of a joint: stiffness * (angle + bend_damping * d angle/dt)
-  bool parent_curl = false;     // a joint's curl turns with the link above it, not with the root
+  using Matrix = double[kMaxNodes][kMaxNodes];
+
+  uint32_t nodes, points;
+  Matrix mass, stiffness;               // M; K, 1/s^2
+  double pull[kMaxNodes];               // b: of an acceleration, in parts
+  double place[kMaxPlaces][kMaxNodes];  // where a place goes with each vector, parts
+  double
+      rest[kMaxNodes]
+          [kMaxPlaces];  // rest vectors from the parts of the groomed shape, before they are unit
+  // Of curves whose rest bend turns with them (kernels/modal_curl.hpp); not set of links.
+  Matrix bend;               // the curve's bend at a node from the tangents
+  double turn[kMaxNodes];    // of the first parts of it: the clamp's tangent from the nodes'
+  double weight[kMaxNodes];  // of a node in a mean over the strand, times the rod's stiffness
+  double drag_per_s;         // towards the wind: dv/dt = -drag (v - u)
+  double bend_damping_s;     // force of bending: K (d - r + bend_damping d/dt (d - r))
+  bool parent_curl = false;  // the curl turns with the strand, not with the root
 };
 
-// An elastic rod as n links of L / n: bending stiffness B, mass rho per length.
-struct RodCoefficients {
-  double stiffness[kMaxLinks];  // times n B / L
-  double mass[kMaxLinks];       // times rho L / n; sums to n - 1/2, half a link hangs on the root
-};
-const RodCoefficients& CalibratedCoefficients(uint32_t links);
+// How heavy a rod is for its stiffness: G = w L^3 / B of a strand whose first bending mode has that frequency.
+double GammaOf(double frequency_hz, double length_m, double acceleration);
+// Below it the stiff nodes are nearer to the rod (README.md).
+inline constexpr double kStiffGamma = 8.0;
 
-// The rod's mass and stiffness over 3, 4 or 8 links so that sag and frequencies come out right.
-// frequency_hz: of the first bending mode, without gravity; 0: no stiffness. damping_ratio: share
-// of critical damping that bending alone gives that mode; drag comes on top.
-ModalMaterial CalibratedMaterial(uint32_t links, double frequency_hz, double damping_ratio,
-                                 double drag_per_s);
-
-// Equal masses and equal springs: the chain as such, for measuring a solver without a rod in mind.
-ModalMaterial UniformMaterial(uint32_t links, double frequency_hz, double damping_ratio,
-                              double drag_per_s);
+// A rod. points: 4, 5 or 9. frequency_hz: of the first bending mode, without gravity; 0: no stiffness.
+// damping_ratio: share of critical damping that bending alone gives that mode; drag comes on top. `stiff`: its G
+// is below kStiffGamma.
+ModalMaterial StrandMaterial(uint32_t points, double frequency_hz, double damping_ratio,
+                             double drag_per_s, bool stiff = false);
 
 // The first bending frequency, Hz, of the strand that the artists of the originals asked for: those
 // set the share of a joint's bend that each solver iteration takes away at 60 frames per second. A

@@ -9,30 +9,7 @@
 namespace pelt {
 namespace {
 
-using Matrix = double[kMaxLinks][kMaxLinks];
-
-void FillMass(const ModalMaterial& material, ModalModes& m) {
-  const uint32_t n = m.links;
-  double beyond[kMaxLinks + 1] = {};
-  for (uint32_t i = n; i-- > 0;) beyond[i] = beyond[i + 1] + material.mass[i];
-  for (uint32_t i = 0; i < n; ++i)
-    for (uint32_t j = 0; j < n; ++j) m.mass[i][j] = beyond[std::max(i, j)];
-  for (uint32_t i = 0; i < n; ++i) {
-    m.inverse_mass_diagonal[i] =
-        1.0 / material.mass[i] + (i > 0 ? 1.0 / material.mass[i - 1] : 0.0);
-    m.inverse_mass_off[i] = i + 1 < n ? -1.0 / material.mass[i] : 0.0;
-  }
-}
-
-void FillStiffness(const ModalMaterial& material, ModalModes& m) {
-  for (uint32_t i = 0; i < m.links; ++i) {
-    m.stiffness[i][i] += material.stiffness[i];
-    if (i == 0) continue;
-    m.stiffness[i - 1][i - 1] += material.stiffness[i];
-    m.stiffness[i][i - 1] -= material.stiffness[i];
-    m.stiffness[i - 1][i] -= material.stiffness[i];
-  }
-}
+using Matrix = ModalMaterial::Matrix;
 
 // M = L L^T; what comes back is L^-1, lower triangular.
 void InvertCholesky(const Matrix& mass, uint32_t n, Matrix& inverse) {
@@ -95,21 +72,20 @@ void Diagonalise(Matrix& a, uint32_t n, Matrix& vectors) {
 
 ModalModes FindModes(const ModalMaterial& material) {
   ModalModes m{};
-  const uint32_t n = m.links = material.links;
-  FillMass(material, m);
-  FillStiffness(material, m);
+  const uint32_t n = m.nodes = material.nodes;
   Matrix inverse = {}, a = {}, vectors = {};
-  InvertCholesky(m.mass, n, inverse);
+  InvertCholesky(material.mass, n, inverse);
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = 0; j <= i; ++j) {
       double sum = 0.0;
       for (uint32_t p = 0; p <= i; ++p)
-        for (uint32_t q = 0; q <= j; ++q) sum += inverse[i][p] * m.stiffness[p][q] * inverse[j][q];
+        for (uint32_t q = 0; q <= j; ++q)
+          sum += inverse[i][p] * material.stiffness[p][q] * inverse[j][q];
       a[i][j] = a[j][i] = sum;
     }
   Diagonalise(a, n, vectors);
 
-  uint32_t order[kMaxLinks];
+  uint32_t order[kMaxNodes];
   std::iota(order, order + n, 0u);
   std::sort(order, order + n,
             [&](uint32_t x, uint32_t y) { return a[x][x] != a[y][y] ? a[x][x] < a[y][y] : x < y; });
@@ -127,10 +103,16 @@ ModalModes FindModes(const ModalMaterial& material) {
       for (uint32_t i = 0; i < n; ++i) m.shape[i][mode] = -m.shape[i][mode];
     for (uint32_t j = 0; j < n; ++j) {
       double sum = 0.0;
-      for (uint32_t i = 0; i < n; ++i) sum += m.shape[i][mode] * m.mass[i][j];
+      for (uint32_t i = 0; i < n; ++i) sum += m.shape[i][mode] * material.mass[i][j];
       m.image[mode][j] = sum;
+      m.pull[mode] += m.shape[j][mode] * material.pull[j];
     }
   }
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) {
+      for (uint32_t k = 0; k < n; ++k) m.inverse_mass[i][j] += inverse[k][i] * inverse[k][j];
+      m.root[i] += m.inverse_mass[i][j] * material.pull[j];
+    }
   return m;
 }
 

@@ -1,8 +1,5 @@
-// The bending modes of a chain of links: the coordinates in which its linear part falls apart into
-// single oscillators.
-//
-// M_ij = mass beyond the later of links i and j, K tridiagonal (modal_material.hpp). Phi has
-// Phi^T M Phi = 1 and Phi^T K Phi = diag(omega^2).
+// The bending modes of a strand: the coordinates in which the linear part of its equation
+// (modal_material.hpp) falls apart into single oscillators. Phi^T M Phi = 1, Phi^T K Phi = diag(omega^2).
 //
 // Invariant: plus, minus, times, divide and square root alone, a fixed order of rotations: the same
 // bits everywhere. Modes are in ascending order of frequency and the largest component of each is
@@ -16,14 +13,15 @@
 namespace pelt {
 
 struct ModalModes {
-  uint32_t links;
-  double mass[kMaxLinks][kMaxLinks];
-  double stiffness[kMaxLinks][kMaxLinks];
-  double inverse_mass_diagonal[kMaxLinks];  // M^-1 is tridiagonal
-  double inverse_mass_off[kMaxLinks];       // of (i, i + 1)
-  double shape[kMaxLinks][kMaxLinks];       // Phi: [link][mode]
-  double image[kMaxLinks][kMaxLinks];       // Phi^T M: [mode][link]
-  double omega2[kMaxLinks];                 // 1/s^2, >= 0
+  using Matrix = ModalMaterial::Matrix;
+
+  uint32_t nodes;
+  Matrix inverse_mass;
+  Matrix shape;              // Phi: [node][mode]
+  Matrix image;              // Phi^T M: [mode][node]
+  double omega2[kMaxNodes];  // 1/s^2, >= 0
+  double pull[kMaxNodes];    // Phi^T b: of each mode
+  double root[kMaxNodes];    // M^-1 b: how the root's place enters each vector
 };
 
 ModalModes FindModes(const ModalMaterial& material);

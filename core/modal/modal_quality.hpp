@@ -7,9 +7,9 @@
 namespace pelt {
 
 enum class ModalQuality : uint8_t {
-  kFast,     // one substep
-  kDefault,  // three, four where the root's velocities are known
-  kBest,     // three, three Newton steps in each, and the constraint force turns within the step
+  kFast,  // one substep, two Newton steps
+  kFine,  // three, four where the root's velocities are known
+  kBest,  // three, three Newton steps in each, and the constraint force turns within the step
 };
 
 }  // namespace pelt

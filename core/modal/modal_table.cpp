@@ -67,19 +67,19 @@ void ShiftTo(const double (&c)[kSamples], double t, double (&out)[kSamples]) {
 }
 
 struct ModeSteps {
-  OscillatorStep mode[kMaxLinks];
+  OscillatorStep mode[kMaxNodes];
 };
 
-template <uint32_t kMost>
 void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const DifferenceBasis& basis,
-                 double start, double h, double frame, bool last, ModalSubstepOf<kMost>* s) {
+                 double start, double h, double frame, bool last, ModalSubstep* s) {
   const double bend = layer.material.bend_damping_s;
   // Difference 0 is the newest sample itself: constant, and so part of the frame's constant force.
   for (uint32_t k = 1; k < kSamples; ++k) {
-    double from[kSamples], to[kSamples];
+    double from[kSamples], middle[kSamples], to[kSamples];
     ShiftTo(basis.coefficient[k], start, from);
+    ShiftTo(basis.coefficient[k], start + 0.5 * h, middle);
     ShiftTo(basis.coefficient[k], start + h, to);
-    for (uint32_t m = 0; m < layer.modes.links; ++m) {
+    for (uint32_t m = 0; m < layer.modes.nodes; ++m) {
       // Force: T + beta dT/dt.
       double q = 0.0, z = 0.0;
       for (uint32_t power = 0; power < kSamples; ++power) {
@@ -93,11 +93,11 @@ void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const Differen
     }
     s->root_place[k - 1] = last ? 0.0f : float(to[0]);
     s->root_speed[k - 1] = float(to[1]);
-    s->start_place[k - 1] = float(from[0]);
+    s->middle_place[k - 1] = float(middle[0]);
   }
-  for (uint32_t m = 0; m < layer.modes.links; ++m) {
+  for (uint32_t m = 0; m < layer.modes.nodes; ++m) {
     const OscillatorStep& step = steps.mode[m];
-    const double weight = layer.modes.image[m][0];  // Phi^T b: b is the first column of M
+    const double weight = layer.modes.pull[m];
     s->wind_q[m] = float(weight * (step.y_of_force[0] * start + step.y_of_force[1]) / frame);
     s->wind_z[m] = float(weight * (step.v_of_force[0] * start + step.v_of_force[1]) / frame);
   }
@@ -108,17 +108,15 @@ void FillSubstep(const ModalLayer& layer, const ModeSteps& steps, const Differen
 // leave a static shape 3e-4 off and single strands that do not converge to rest.
 constexpr double kLongestFast = 1.0 / 48.0;
 // The force that keeps the lengths has one direction over a substep of the default tier, while
-// tension swings the light points of calibrated chains: three substeps at 60 frames per second
-// leave two fifths of the error that two do (README.md).
+// tension swings what is light in the strand: three substeps at 60 frames per second leave two fifths of the error that
+// two do (README.md).
 constexpr double kLongest = 1.0 / 150.0;
 
 // Where velocities are known the root is exact to 0.04 %, and what is left is the substeps'.
 constexpr double kLongestRated = 1.0 / 200.0;
 
-template <uint32_t kMost>
-void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h,
-                    ModalTableOf<kMost>* t) {
-  const uint32_t n = layer.modes.links;
+void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.nodes;
   // A change of force over the substep, 0 in its middle.
   const auto slope_of = [&](double constant, double linear) { return linear / h - 0.5 * constant; };
   for (uint32_t m = 0; m < n; ++m) {
@@ -146,12 +144,17 @@ void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h,
     }
 }
 
-// Gauss-Jordan without pivots: a is positive definite. a is lost.
-void Invert(double (&a)[kMaxLinks][kMaxLinks], uint32_t n,
-            double (&inverse)[kMaxLinks][kMaxLinks]) {
+// Gauss-Jordan with row pivots. a is lost.
+void Invert(double (&a)[kMaxNodes][kMaxNodes], uint32_t n,
+            double (&inverse)[kMaxNodes][kMaxNodes]) {
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = 0; j < n; ++j) inverse[i][j] = i == j ? 1.0 : 0.0;
   for (uint32_t i = 0; i < n; ++i) {
+    uint32_t pivot = i;
+    for (uint32_t r = i + 1; r < n; ++r)
+      if (std::fabs(a[r][i]) > std::fabs(a[pivot][i])) pivot = r;
+    std::swap(a[i], a[pivot]);
+    std::swap(inverse[i], inverse[pivot]);
     const double scale = 1.0 / a[i][i];
     for (uint32_t j = 0; j < n; ++j) a[i][j] *= scale, inverse[i][j] *= scale;
     for (uint32_t r = 0; r < n; ++r) {
@@ -165,50 +168,34 @@ void Invert(double (&a)[kMaxLinks][kMaxLinks], uint32_t n,
   }
 }
 
-template <uint32_t kMost>
-void FillEuler(const ModalLayer& layer, double frame, ModalTableOf<kMost>* t) {
+void FillEuler(const ModalLayer& layer, double frame, ModalTableBlock* t) {
   const double place = 1.0 / (frame * frame) + layer.material.drag_per_s / frame;
   const double bend = layer.material.bend_damping_s / frame;
-  double euler[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
-  for (uint32_t i = 0; i < layer.modes.links; ++i)
-    for (uint32_t j = 0; j < layer.modes.links; ++j) {
-      const double m = layer.modes.mass[i][j], k = layer.modes.stiffness[i][j];
+  double euler[kMaxNodes][kMaxNodes] = {}, inverse[kMaxNodes][kMaxNodes];
+  for (uint32_t i = 0; i < layer.modes.nodes; ++i)
+    for (uint32_t j = 0; j < layer.modes.nodes; ++j) {
+      const double m = layer.material.mass[i][j], k = layer.material.stiffness[i][j];
       t->mass[i][j] = float(m);
       t->stiffness[i][j] = float(k);
       euler[i][j] = m * place + k * (1.0 + bend);
       t->euler[i][j] = float(euler[i][j]);
     }
-  Invert(euler, layer.modes.links, inverse);
-  for (uint32_t i = 0; i < layer.modes.links; ++i)
-    for (uint32_t j = 0; j < layer.modes.links; ++j) t->euler_inverse[i][j] = float(inverse[i][j]);
+  Invert(euler, layer.modes.nodes, inverse);
+  for (uint32_t i = 0; i < layer.modes.nodes; ++i)
+    for (uint32_t j = 0; j < layer.modes.nodes; ++j) t->euler_inverse[i][j] = float(inverse[i][j]);
   t->euler_place = float(place);
   t->euler_speed = float(1.0 / frame);
   t->euler_bend = float(bend);
   t->frame_s = float(frame);
 }
 
-// Stiffnesses more uneven than this along a chain keep the curl in the root's frame: an explicit
-// correction would be unstable.
-constexpr double kMostUneven = 64.0;
-
-bool IsEven(const double (&value)[kMaxLinks], uint32_t links) {
-  double low = value[0], high = low;
-  for (uint32_t i = 1; i < links; ++i) {
-    low = value[i] < low ? value[i] : low;
-    high = value[i] > high ? value[i] : high;
-  }
-  return high <= kMostUneven * low;
-}
-
-// False where a joint is loose: rest directions are not in the pull then.
-template <uint32_t kMost>
-bool FillRestOfBend(const ModalLayer& layer, ModalTableOf<kMost>* t) {
-  const uint32_t n = layer.modes.links;
-  double stiffness[kMaxLinks][kMaxLinks] = {}, inverse[kMaxLinks][kMaxLinks];
-  for (uint32_t i = 0; i < n; ++i) {
-    if (layer.material.stiffness[i] <= 0.0) return false;
-    for (uint32_t j = 0; j < n; ++j) stiffness[i][j] = layer.modes.stiffness[i][j];
-  }
+// r = K^-1 M Phi T. Without stiffness rest directions are not in the pull.
+void FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.nodes;
+  if (!(layer.modes.omega2[0] > 0.0)) return;
+  double stiffness[kMaxNodes][kMaxNodes] = {}, inverse[kMaxNodes][kMaxNodes];
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) stiffness[i][j] = layer.material.stiffness[i][j];
   Invert(stiffness, n, inverse);
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t m = 0; m < n; ++m) {
@@ -216,29 +203,36 @@ bool FillRestOfBend(const ModalLayer& layer, ModalTableOf<kMost>* t) {
       for (uint32_t j = 0; j < n; ++j) sum += inverse[i][j] * layer.modes.image[m][j];
       t->rest_of_bend[i][m] = float(sum);
     }
-  return true;
 }
 
-// The rest bend up to which a curl follows its parent link whole, radians. The explicit correction of
-// more is unstable where a substep is long beside the first mode's period; chains of 3 and 4 links
-// stay still up to 30 degrees whatever the frequency, and up to 50 where there are ten substeps to it,
-// those of 8 up to half of that.
-double MostCurl(const ModalLayer& layer, double h) {
-  const double share = std::sqrt(layer.modes.omega2[0]) * h / (2.0 * exact::kPi);
-  constexpr double kFine = 0.1, kCoarse = 0.25, kMost = 50.0, kLeast = 30.0;
-  const double way = std::clamp((share - kFine) / (kCoarse - kFine), 0.0, 1.0);
-  const double share_of_4 = layer.modes.links > 4 ? 4.0 / layer.modes.links : 1.0;
-  return share_of_4 * (kMost + (kLeast - kMost) * way) * exact::kRadiansPerDegree;
-}
+// (omega h)^2 of the first mode up to which a curl turns with the strand, h a substep's length: 0.45 of a period. What is
+// stiffer rests where the curl's explicit force puts it within a substep, and that does not settle above 1 rad of curl;
+// it hardly leaves its rest shape either, and turns with the root.
+constexpr double kMostCurlStep = 8.0;
 
-template <uint32_t kMost>
-void FillCurl(const ModalLayer& layer, double h, ModalTableOf<kMost>* t) {
-  const uint32_t n = layer.modes.links;
-  // An explicit force cannot hold joints a million times stiffer than their neighbours still.
-  if (!IsEven(layer.material.stiffness, n) || !FillRestOfBend(layer, t)) return;
+void FillCurl(const ModalLayer& layer, double h, ModalTableBlock* t) {
+  const uint32_t n = layer.modes.nodes;
+  const ModalMaterial& material = layer.material;
+  const double square = layer.modes.omega2[0];
+  if (!material.parent_curl || !(square > 0.0) || square * h * h > kMostCurlStep) return;
   t->parent_curl = 1;
-  t->joint[0] = float(1.0 / (2.0 - 2.0 * exact::Cos(MostCurl(layer, h))));
-  for (uint32_t i = 1; i < n; ++i) t->joint[i] = float(layer.material.stiffness[i]);
+  double bend[kMaxNodes][kMaxNodes] = {}, inverse[kMaxNodes][kMaxNodes];
+  for (uint32_t i = 0; i < n; ++i) {
+    double sum = 0.0;
+    for (uint32_t j = 0; j < n; ++j) sum += bend[i][j] = material.bend[i][j];
+    for (uint32_t j = 0; j < n; ++j) {
+      t->curl_bend[i][j] = float(bend[i][j]);
+      t->curl_turn[i][j] = float(bend[i][j] - sum * material.turn[j]);
+    }
+    t->curl_weight[i] = float(material.weight[i]);
+  }
+  Invert(bend, n, inverse);
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) {
+      double sum = 0.0;
+      for (uint32_t k = 0; k < n; ++k) sum += material.stiffness[i][k] * inverse[k][j];
+      t->curl_pull[i][j] = float(sum);
+    }
 }
 
 // A quarter of the slowest swing, or of a second without stiffness.
@@ -253,7 +247,7 @@ uint32_t SubstepsOf(ModalQuality quality, const FrameTimes& times) {
   const double frame = times.dt_s[0];
   if (frame > kLongestModalFrame_s) return 0;
   double longest = quality == ModalQuality::kFast ? kLongestFast : kLongest;
-  if (quality == ModalQuality::kDefault && times.velocities) longest = kLongestRated;
+  if (quality == ModalQuality::kFine && times.velocities) longest = kLongestRated;
   uint32_t count = 1;
   while (count < kModalSubsteps && frame > count * longest) ++count;
   return count;
@@ -274,11 +268,12 @@ double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes
   const uint32_t substeps = SubstepsOf(quality, times);
   if (substeps == 0) return 0.0;
   double moved = 0.0, usually = 0.0;
-  for (uint32_t m = 0; m < layer.modes.links; ++m) {
+  for (uint32_t m = 0; m < layer.modes.nodes; ++m) {
     const double omega2 = layer.modes.omega2[m];
     const double damping = layer.material.drag_per_s + layer.material.bend_damping_s * omega2;
     double tip = 0.0;
-    for (uint32_t i = 0; i < layer.modes.links; ++i) tip += layer.modes.shape[i][m];
+    const auto& place = layer.material.place[PlacesOf(layer.material.points) - 1];
+    for (uint32_t i = 0; i < layer.modes.nodes; ++i) tip += place[i] * layer.modes.shape[i][m];
     const auto response = [&](double h) {
       return tip * tip * StepOscillator(damping, omega2, h).y_of_force[0];
     };
@@ -288,20 +283,19 @@ double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes
   return moved / usually;
 }
 
-template <uint32_t kMost>
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
-                    ModalTableOf<kMost>* table) {
-  ModalTableOf<kMost>& t = *table;
+                    ModalTableBlock* table) {
+  ModalTableBlock& t = *table;
   t = {};
   const ModalModes& modes = layer.modes;
-  t.links = modes.links;
+  t.nodes = modes.nodes;
   t.substeps = SubstepsOf(quality, times);
   t.use_slope = quality == ModalQuality::kBest ? 1 : 0;
-  t.looks = quality == ModalQuality::kDefault ? 2 : 1;
-  t.look_share = quality == ModalQuality::kFast ? 0.5f : 1.0f;
+  t.looks = quality == ModalQuality::kBest ? 1 : 2;
+  t.look_share = 1.0f;
   const double frame = times.dt_s[0], h = frame / std::max(t.substeps, 1u);
   ModeSteps steps;
-  for (uint32_t m = 0; m < modes.links; ++m) {
+  for (uint32_t m = 0; m < modes.nodes; ++m) {
     const double damping =
         layer.material.drag_per_s + layer.material.bend_damping_s * modes.omega2[m];
     steps.mode[m] = StepOscillator(damping, modes.omega2[m], h);
@@ -312,17 +306,25 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
                 &t.substep[s]);
   FillConstraint(layer, steps, h, &t);
   FillEuler(layer, frame, &t);
-  if (layer.material.parent_curl) FillCurl(layer, h, &t);
-  if (t.substeps == 0) FillRestOfBend(layer, &t);
+  t.half_step_s = float(0.5 * h);
+  FillCurl(layer, h, &t);
+  FillRestOfBend(layer, &t);
   if (t.substeps > 0)
     std::copy_n(t.substep[t.substeps - 1].root_speed, std::size(t.root_end_speed),
                 t.root_end_speed);
   else
     t.root_end_speed[0] = float(1.0 / kCarriedFrame_s);
-  for (uint32_t i = 0; i < modes.links; ++i) {
-    t.inverse_mass[i] = float(modes.inverse_mass_diagonal[i]);
-    t.inverse_mass_off[i] = float(modes.inverse_mass_off[i]);
-    for (uint32_t j = 0; j < modes.links; ++j) {
+  for (uint32_t i = 0; i < modes.nodes; ++i) {
+    t.pull[i] = float(layer.material.pull[i]);
+    t.pull_mode[i] = float(modes.pull[i]);
+    t.bend_root[i] = float(modes.omega2[i] * modes.pull[i]);
+    t.root[i] = float(modes.root[i]);
+    for (uint32_t q = 0; q < PlacesOf(layer.material.points); ++q)
+      t.place[q][i] = float(layer.material.place[q][i]);
+    for (uint32_t part = 0; part + 1 < layer.material.points; ++part)
+      t.rest[i][part] = float(layer.material.rest[i][part]);
+    for (uint32_t j = 0; j < modes.nodes; ++j) {
+      t.inverse_mass[i][j] = float(modes.inverse_mass[i][j]);
       t.shape[i][j] = float(modes.shape[i][j]);
       t.image[i][j] = float(modes.image[i][j]);
       t.bend[i][j] = float(modes.omega2[i] * modes.image[i][j]);
@@ -331,8 +333,5 @@ void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTi
   }
   t.quiet_s = float(QuietTime(layer));
 }
-template void FillModalTable(const ModalLayer&, ModalQuality, const FrameTimes&, ModalTableBlock*);
-template void FillModalTable(const ModalLayer&, ModalQuality, const FrameTimes&,
-                             LongModalTableBlock*);
 
 }  // namespace pelt

@@ -29,9 +29,9 @@
 
 namespace pelt {
 
-// ModalQuality at 60 frames per second: kFast takes one substep, kDefault three, kBest three with
-// three Newton steps and a constraint force that turns with its link. Substeps are kept short (1/48 s
-// for kFast, 1/150 s for the others), so a frame of 1/30 s takes two or five; kDefault's to 1/200 s where
+// ModalQuality at 60 frames per second: kFast takes one substep, kFine three, kBest three with
+// three Newton steps and a constraint force that turns with its tangent. Substeps are kept short (1/48 s
+// for kFast, 1/150 s for the others), so a frame of 1/30 s takes two or five; kFine's to 1/200 s where
 // the root's velocities are known.
 // What each gets wrong, and costs: README.md, `pelt accuracy`.
 
@@ -62,8 +62,7 @@ ModalLayer MakeModalLayer(const ModalMaterial& material);
 // how far in one of 1/120 s. 0 without substeps.
 double PushRatio(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times);
 
-template <uint32_t kMost>
 void FillModalTable(const ModalLayer& layer, ModalQuality quality, const FrameTimes& times,
-                    ModalTableOf<kMost>* table);
+                    ModalTableBlock* table);
 
 }  // namespace pelt

@@ -98,9 +98,11 @@ NodeModel<N> MakeNodeModel(const NodePlaces<N>& places) {
 
 template struct NodeModel<3>;
 template struct NodeModel<4>;
+template struct NodeModel<8>;
 template struct NodeModel<10>;
 template NodeModel<3> MakeNodeModel(const NodePlaces<3>&);
 template NodeModel<4> MakeNodeModel(const NodePlaces<4>&);
+template NodeModel<8> MakeNodeModel(const NodePlaces<8>&);
 template NodeModel<10> MakeNodeModel(const NodePlaces<10>&);
 
 }  // namespace pelt

@@ -59,7 +59,7 @@ struct NodeModel {
   Row PlaceAt(double s) const;
 };
 
-// N: 3, 4, or 10 (a rod to measure by: bench/accuracy/model_error.hpp).
+// N: 3, 4, or 8 and 10 (rods to measure by: bench/accuracy/model_error.hpp).
 template <size_t N>
 NodeModel<N> MakeNodeModel(const NodePlaces<N>& places);
 

@@ -2,7 +2,7 @@
 //
 // The idea: `fast` is a known share of a strand's length off (kFastError), so its error on the screen
 // is bounded by the longest strand's length and how near the eye comes to the layer. Where that is
-// below what the caller allows, the default's second substep changes nothing that is seen.
+// below what the caller allows, the other substeps of `fine` change nothing that is seen.
 //
 // Layers whose author asked for `fast` or `best` have that at any distance.
 //

@@ -1,4 +1,4 @@
-// Whether chains rest bent. Where all lie straight, a curl that follows its parent link
+// Whether chains rest bent. Where all lie straight, a curl that turns with the strand
 // (kernels/modal_curl.hpp) and one that follows the root are the same, and the latter costs less.
 #pragma once
 

@@ -271,8 +271,9 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
       {"MakeFurTexture", [](Bytes& out) { out.AddAll(MakeFurTexture({})); }},
       {"modal materials",
        [](Bytes& out) {
-         out.Add(CalibratedMaterial(4, 3.7, 0.05, 2.9).stiffness);
-         out.Add(UniformMaterial(8, 3.7, 0.05, 2.9).stiffness);
+         out.Add(StrandMaterial(4, 3.7, 0.05, 2.9).stiffness);
+         out.Add(StrandMaterial(9, 3.7, 0.05, 2.9).rest);
+         out.Add(GammaOf(3.7, 0.05, 9.81));
          out.Add(FrequencyOfHardness(3, 0.2, 0.1, 4));
          out.Add(RodFrequency(1.0e-9, 3.0e-5, 0.07));
        }},

@@ -19,7 +19,7 @@ const T& Pick(Random& random, std::initializer_list<T> values) {
 
 // Keys of a layer of the modal solver, drawn from what each may be.
 inline std::string RandomModal(Random& random, bool sag_free) {
-  const char* const qualities[] = {"fast", "default", "best"};
+  const char* const qualities[] = {"fast", "fine", "best"};
   const char* const curls[] = {"root", "parent"};
   std::string keys = fmt::format(
       "solver = 'modal'\nquality = '{}'\nfrequency = {}\ndamping_ratio = {}\n"

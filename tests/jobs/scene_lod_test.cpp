@@ -164,13 +164,13 @@ uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m
 TEST(QualityByScreen, FarLayersAreFastAndNearOnesAreNot) {
   const double near = 1.0, far = 40.0;
   const uint64_t fast = DigestOfModal(ModalQuality::kFast, 0.0f, near);
-  const uint64_t exact = DigestOfModal(ModalQuality::kDefault, 0.0f, near);
+  const uint64_t exact = DigestOfModal(ModalQuality::kFine, 0.0f, near);
   const uint64_t best = DigestOfModal(ModalQuality::kBest, 0.0f, near);
   ASSERT_NE(fast, exact);
-  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.0f, far), exact);
-  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.5f, far), fast);
-  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 0.05f, near), exact);
-  EXPECT_EQ(DigestOfModal(ModalQuality::kDefault, 100.0f, near), fast);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kFine, 0.0f, far), exact);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kFine, 0.5f, far), fast);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kFine, 0.05f, near), exact);
+  EXPECT_EQ(DigestOfModal(ModalQuality::kFine, 100.0f, near), fast);
   // Who asked for it has it.
   EXPECT_EQ(DigestOfModal(ModalQuality::kBest, 0.5f, far), best);
 }
@@ -181,15 +181,15 @@ TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
   view.near_m = 0.05f;
   BoundsBlock box{};  // a point; the eye is 2 m before it
   view.eye[2] = 2.0f;
-  const auto quality = [&](float length, float px, ModalQuality last = ModalQuality::kDefault) {
-    return QualityOnScreen(ModalQuality::kDefault, last, view, box, length, px);
+  const auto quality = [&](float length, float px, ModalQuality last = ModalQuality::kFine) {
+    return QualityOnScreen(ModalQuality::kFine, last, view, box, length, px);
   };
   const float length = 0.1f, error_px = kFastError * length * 1000.0f / 2.0f;
   EXPECT_EQ(quality(length, 1.001f * error_px), ModalQuality::kFast);
-  EXPECT_EQ(quality(length, 0.999f * error_px), ModalQuality::kDefault);
+  EXPECT_EQ(quality(length, 0.999f * error_px), ModalQuality::kFine);
   EXPECT_EQ(quality(length, 0.95f * error_px, ModalQuality::kFast), ModalQuality::kFast);
-  EXPECT_EQ(quality(length, 0.90f * error_px, ModalQuality::kFast), ModalQuality::kDefault);
-  EXPECT_EQ(quality(length, 0.0f), ModalQuality::kDefault);
+  EXPECT_EQ(quality(length, 0.90f * error_px, ModalQuality::kFast), ModalQuality::kFine);
+  EXPECT_EQ(quality(length, 0.0f), ModalQuality::kFine);
   // Nothing is nearer than the near plane.
   view.eye[2] = 0.0f;
   EXPECT_EQ(quality(length, 1.001f * kFastError * length * 1000.0f / 0.05f), ModalQuality::kFast);

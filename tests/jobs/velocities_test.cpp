@@ -111,7 +111,7 @@ std::vector<Double3> PointsAt(uint32_t rate, bool velocities, double seconds) {
   scenario.base.wind = {};
   for (Groom& groom : scenario.grooms)
     for (GroomLayer& layer : groom.layers) {
-      layer.params.quality = ModalQuality::kDefault;
+      layer.params.quality = ModalQuality::kFine;
       layer.params.frequency_hz = 10.0f;  // stiff hair feels most of how its root moves
     }
   RunningScenario run(scenario, velocities ? WithVelocities() : OptionsFor(BestIsa()));

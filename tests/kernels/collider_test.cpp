@@ -208,8 +208,6 @@ TEST(Collider, ALinkThatLeansAsToldEndsOutside) {
   Shapes random(5);
   uint32_t turned = 0;
   double worst = 0.0, farthest = 0.0;
-  const V none(0.0f);
-  const Vec3<V> still = {none, none, none};
   for (int iteration = 0; iteration < 400; ++iteration)
     random.ForEach<V>([&](const auto& shape, const BruteForce& same) {
       const float length = random.Uniform(0.05f, 0.3f);
@@ -217,10 +215,9 @@ TEST(Collider, ALinkThatLeansAsToldEndsOutside) {
       const Vec3<V> from = shape.PushOut(random.RandomPoints<V>(0.6f));
       Vec3<V> d = Everywhere<V>(random.RandomUnit());
       const Lanes<V> start(from), before(from + d * V(length));
-      modal::Contact<V> contact;
       for (int pass = 0; pass < modal::kContactPasses; ++pass) {
         const LeanLimit<V> out = shape.Lean(from, d, per_length);
-        modal::LeanAlong(out.u, out.least, modal::kReach, 0.0f, 0.0f, 0.0f, still, d, contact);
+        modal::LeanAlong(out.u, out.least, modal::kReach, V(0.0f), d);
       }
       const Lanes<V> after(from + d * V(length)), direction(d);
       for (int l = 0; l < V::kLanes; ++l) {

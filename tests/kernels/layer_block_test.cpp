@@ -22,9 +22,9 @@ TEST(LayerBlock, ChainsOfNinePointsSwingAsThoseOfFive) {
   EXPECT_EQ(LayerKind(nine), uint32_t(kLayerModal | kLayerNinePoints));
   EXPECT_EQ(StrandPointsOf(LayerKind(nine)), 9u);
   EXPECT_EQ(StrandPointsOf(LayerKind(five)), 5u);
-  const RodMaterial rod = LayerRod(nine, {}, false);
-  EXPECT_EQ(rod.links, 8u);
-  EXPECT_EQ(rod.frequency_hz, LayerRod(five, {}, false).frequency_hz);
+  const RodMaterial rod = LayerRod(nine, {}, 0.1f, false);
+  EXPECT_EQ(rod.points, 9u);
+  EXPECT_EQ(rod.frequency_hz, LayerRod(five, {}, 0.1f, false).frequency_hz);
 }
 
 TEST(LayerBlock, DryAndCleanIsTheSetup) {
@@ -99,8 +99,9 @@ TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   EXPECT_FLOAT_EQ(wet.angular_end, 0.2f * params.angular_hardness_end) << "and of the hardness";
   EXPECT_FLOAT_EQ(wet.angular_middle, 0.2f * params.angular_hardness_middle);
   EXPECT_FLOAT_EQ(wet.stiffness, 0.2f * params.stiffness);
-  const double dry_hz = LayerRod(params, {}, false).frequency_hz;
-  EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}, false).frequency_hz, dry_hz * std::sqrt(0.2), 1e-6);
+  const double dry_hz = LayerRod(params, {}, 0.1f, false).frequency_hz;
+  EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}, 0.1f, false).frequency_hz, dry_hz * std::sqrt(0.2),
+              1e-6);
 }
 
 // What holds a sag-free groom up was baked dry: with the water's weight it sags.

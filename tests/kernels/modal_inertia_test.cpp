@@ -11,7 +11,7 @@ using Scene = ModalScene<4>;
 
 // Sixteen strands that lean off the skin in all directions, with some curl.
 std::unique_ptr<Scene> MakeScene(double damping = 0.05, double drag = 1.0) {
-  auto s = std::make_unique<Scene>(CalibratedMaterial(3, 4.0, damping, drag), 16);
+  auto s = std::make_unique<Scene>(StrandMaterial(4, 4.0, damping, drag), 16);
   std::mt19937 random(11);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const double a = 0.4 * lane;
@@ -180,12 +180,12 @@ TEST(ModalInertia, GrowingLinksFeelNothingOfAnEvenMotion) {
       s->Step(kDt);
     }
     worst = std::max(worst, Apart(*moving, 0.0, *standing, 0.0));
-    // Points are as far apart as the links have grown.
+    // Points are as far apart as the parts have grown, but for what those are bent.
     for (uint32_t lane = 0; lane < 16; ++lane) {
       const Point3 first{moving->position.position[0][0][lane] - moving->roots.position[0][lane],
                          moving->position.position[0][1][lane] - moving->roots.position[1][lane],
                          moving->position.position[0][2][lane] - moving->roots.position[2][lane]};
-      ASSERT_NEAR(Norm(first), 0.02 * scale, 2e-6) << f;
+      ASSERT_NEAR(Norm(first), 0.02 * scale, 0.03 * 0.02) << f;
     }
   }
   EXPECT_LT(worst, 2e-3);

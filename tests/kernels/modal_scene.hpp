@@ -1,11 +1,13 @@
 // One chunk of modal chains driven by hand: what the modal solver's tests share.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <vector>
 
+#include "core/exact_math.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/kernels/simulate_modal.hpp"
 #include "core/modal/modal_table.hpp"
@@ -31,21 +33,54 @@ inline Point3 RandomUnit(std::mt19937& random) {
   }
 }
 
+// A chain of links of length one, 3 or 4 of them: what motions of known solution are of. `stiffness`: of the joint
+// above each link; `mass`: of the point below it.
+inline ModalMaterial LinkMaterial(const std::vector<double>& stiffness,
+                                  const std::vector<double>& mass, double drag) {
+  ModalMaterial m{};
+  const uint32_t n = m.nodes = uint32_t(mass.size()), places = PlacesOf(n + 1);
+  m.points = n + 1;
+  m.drag_per_s = drag;
+  for (uint32_t i = n; i-- > 0;) m.pull[i] = mass[i] + (i + 1 < n ? m.pull[i + 1] : 0.0);
+  for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t j = 0; j < n; ++j) m.mass[i][j] = m.pull[std::max(i, j)];
+    m.stiffness[i][i] += stiffness[i];
+    if (i > 0) {
+      m.stiffness[i - 1][i - 1] += stiffness[i];
+      m.stiffness[i][i - 1] = m.stiffness[i - 1][i] = -stiffness[i];
+    }
+    m.rest[i][i] = 1.0;
+    for (uint32_t q = 0; q < places; ++q)
+      m.place[q][i] = std::clamp(double(n) * (q + 1) / places - i, 0.0, 1.0);
+  }
+  return m;
+}
+// Of equal links, the first mode at `hz`.
+inline ModalMaterial UniformLinks(uint32_t links, double hz, double damping_ratio, double drag) {
+  const std::vector<double> mass(links, 1.0 / links);
+  const double omega = 2.0 * exact::kPi * hz;
+  const ModalMaterial bare = LinkMaterial(std::vector<double>(links, 1.0), mass, drag);
+  const double scale = omega * omega / FindModes(bare).omega2[0];
+  ModalMaterial m = LinkMaterial(std::vector<double>(links, scale), mass, drag);
+  m.bend_damping_s = hz > 0.0 ? 2.0 * damping_ratio / omega : 0.0;
+  return m;
+}
+
 // The root frame is the world's axes turned by nothing: rest offsets are given in world axes.
 template <uint32_t kPoints>
 struct ModalScene {
-  static constexpr uint32_t kLinks = kPoints - 1;
+  static constexpr uint32_t kParts = kPoints - 1, kNodes = NodesOf(kPoints);
   LayerBlock layer{};
-  ModalTable<kLinks> table;
+  ModalTableBlock table;
   ModalLayer material;
-  ModalQuality quality = ModalQuality::kDefault;
+  ModalQuality quality = ModalQuality::kFine;
   SimulateParams params{};
   ChunkStateBlock state{};
   RestBlock<kPoints> rest{};
   RootBlock roots{};
   WindBlock wind{};
   StrandBlock strands{};
-  ModalStateBlock<kPoints> chain;
+  ModalStateBlock<kNodes> chain;
   PointBlock<kPoints> position;
   FrameTimes times{};
   uint32_t flags = 0;  // ChunkFlag of frames after the first
@@ -62,13 +97,13 @@ struct ModalScene {
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       roots.normal[2][lane] = roots.tangent[0][lane] = 1.0f;
       rest.strength[lane] = 1.0f;
-      SetRest(lane, 0.01, std::vector<Point3>(kLinks, {1, 0, 0}));
+      SetRest(lane, 0.01, std::vector<Point3>(kParts, {1, 0, 0}));
     }
   }
   void SetRest(uint32_t lane, double link, const std::vector<Point3>& d) {
     Point3 at{};
     rest.segment_length[lane] = float(link);
-    for (uint32_t i = 0; i < kLinks; ++i) {
+    for (uint32_t i = 0; i < kParts; ++i) {
       at = at + d[i] * link;
       rest.offset[i][0][lane] = float(at.x);
       rest.offset[i][1][lane] = float(at.y);
@@ -89,7 +124,7 @@ struct ModalScene {
   }
   void HoldRoots() { std::memset(roots.motion, 0, sizeof roots.motion); }
   Point3 Tip(uint32_t lane) const {
-    const auto& p = position.position[kLinks - 1];
+    const auto& p = position.position[kParts - 1];
     return {p[0][lane], p[1][lane], p[2][lane]};
   }
   void Step(double dt, Isa isa = BestIsa()) {
@@ -110,11 +145,11 @@ struct ModalScene {
     ASSERT_EQ(kernel.ports.size(), std::size(bindings));
     kernel.run(&params, bindings);
   }
-  // Largest error of a link's length, as a share of it; infinite for anything not finite.
+  // Largest error of a tangent's length; infinite for anything not finite.
   double Stretch() const {
     double worst = 0.0;
     for (uint32_t lane = 0; lane < state.live_strands; ++lane)
-      for (uint32_t i = 0; i < kLinks; ++i) {
+      for (uint32_t i = 0; i < kNodes; ++i) {
         double square = 0.0;
         for (int k = 0; k < 3; ++k)
           square += double(chain.direction[i][k][lane]) * chain.direction[i][k][lane];

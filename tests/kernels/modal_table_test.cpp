@@ -7,54 +7,81 @@
 #include <cmath>
 
 #include "core/modal/modal_response.hpp"
+#include "core/modal/node_model.hpp"
+#include "tests/kernels/modal_scene.hpp"
 
 namespace pelt::test {
 namespace {
 
-ModalMaterial Uneven(uint32_t links) {
-  ModalMaterial m{};
-  m.links = links;
-  const double stiffness[] = {1e6, 1.0, 300.0, 1e3}, mass[] = {1.0, 1e-4, 0.3, 0.01};
-  for (uint32_t i = 0; i < links; ++i) m.stiffness[i] = stiffness[i], m.mass[i] = mass[i];
-  return m;
-}
+const std::vector<double> kUnevenStiffness = {1e6, 1.0, 300.0, 1e3},
+                          kUnevenMass = {1.0, 1e-4, 0.3, 0.01};
 
 TEST(ModalModes, DiagonaliseBothMatrices) {
   for (const ModalMaterial& material :
-       {UniformMaterial(3, 5.0, 0.05, 6.0), CalibratedMaterial(3, 2.0, 0.02, 3.0),
-        CalibratedMaterial(4, 12.0, 0.05, 10.0), Uneven(3), Uneven(4)}) {
+       {UniformLinks(3, 5.0, 0.05, 6.0), StrandMaterial(4, 2.0, 0.02, 3.0),
+        StrandMaterial(4, 2.0, 0.02, 3.0, true), StrandMaterial(9, 12.0, 0.05, 10.0),
+        LinkMaterial(kUnevenStiffness, kUnevenMass, 1.0)}) {
     const ModalModes m = FindModes(material);
-    const uint32_t n = m.links;
+    const uint32_t n = m.nodes;
     double biggest = 0.0;
     for (uint32_t a = 0; a < n; ++a) biggest = std::max(biggest, m.omega2[a]);
     for (uint32_t a = 0; a < n; ++a)
       for (uint32_t b = 0; b < n; ++b) {
-        double mass = 0.0, stiffness = 0.0;
-        for (uint32_t i = 0; i < n; ++i)
+        double mass = 0.0, stiffness = 0.0, unit = 0.0;
+        for (uint32_t i = 0; i < n; ++i) {
+          unit += m.inverse_mass[a][i] * material.mass[i][b];
           for (uint32_t j = 0; j < n; ++j) {
-            mass += m.shape[i][a] * m.mass[i][j] * m.shape[j][b];
-            stiffness += m.shape[i][a] * m.stiffness[i][j] * m.shape[j][b];
+            mass += m.shape[i][a] * material.mass[i][j] * m.shape[j][b];
+            stiffness += m.shape[i][a] * material.stiffness[i][j] * m.shape[j][b];
           }
+        }
         EXPECT_NEAR(mass, a == b ? 1.0 : 0.0, 1e-10);
+        EXPECT_NEAR(unit, a == b ? 1.0 : 0.0, 1e-8);
         EXPECT_NEAR(stiffness / biggest, (a == b ? m.omega2[a] : 0.0) / biggest, 1e-10);
       }
     for (uint32_t a = 1; a < n; ++a) EXPECT_LE(m.omega2[a - 1], m.omega2[a]);
   }
 }
 
-TEST(ModalMaterial, CalibratedChainSwingsAsTheRod) {
-  for (uint32_t links : {3u, 4u}) {
-    const ModalMaterial material = CalibratedMaterial(links, 5.0, 0.0, 0.0);
-    const ModalModes m = FindModes(material);
-    EXPECT_NEAR(std::sqrt(m.omega2[0]) / (2.0 * M_PI * 5.0), 1.0, 1e-12);
-    EXPECT_NEAR(std::sqrt(m.omega2[1] / m.omega2[0]), 22.034492 / 3.5160153, 0.01 * 6.27);
-    // Links of length 1, points of total mass 1: the rod is `links` long and weighs a little more.
-    const RodCoefficients& rod = CalibratedCoefficients(links);
-    double point_mass = 0.0;
-    for (uint32_t i = 0; i < links; ++i) point_mass += rod.mass[i];
-    const double length = links, density = links / point_mass / length;
-    const double bending = material.stiffness[0] * length / (rod.stiffness[0] * links);
-    EXPECT_NEAR(RodFrequency(bending, density, length) / 5.0, 1.0, 1e-3);
+TEST(ModalMaterial, SwingsAsTheRod) {
+  for (const uint32_t points : {4u, 5u, 9u}) {
+    const ModalModes m = FindModes(StrandMaterial(points, 5.0, 0.0, 0.0));
+    EXPECT_NEAR(std::sqrt(m.omega2[0]) / (2.0 * M_PI * 5.0), 1.0, 0.003) << points;
+    EXPECT_NEAR(std::sqrt(m.omega2[1] / m.omega2[0]), 22.034492 / 3.5160153,
+                points == 4 ? 0.4 : 0.2)
+        << points;
+  }
+  // A fibre as stiff as that: it is as heavy for its stiffness whatever the unit of its length.
+  const double bending = 1.0e-9, density = 3.0e-5, length = 0.07;
+  const double hz = RodFrequency(bending, density, length);
+  EXPECT_NEAR(GammaOf(hz, length, 9.81), density * 9.81 * length * length * length / bending, 1e-9);
+}
+
+// Straight and evenly bent strands have rest tangents that are theirs.
+TEST(ModalMaterial, FindsRestTangentsInTheGroom) {
+  struct Set {
+    uint32_t points;
+    bool stiff;
+    std::vector<double> node;
+  };
+  for (const Set& set : {Set{4, false, {kThreeNodes.node.begin(), kThreeNodes.node.end()}},
+                         Set{4, true, {kThreeStiffNodes.node.begin(), kThreeStiffNodes.node.end()}},
+                         Set{5, false, {kFourNodes.node.begin(), kFourNodes.node.end()}},
+                         Set{9, false, {kFourNodes.node.begin(), kFourNodes.node.end()}}}) {
+    const ModalMaterial m = StrandMaterial(set.points, 5.0, 0.05, 1.0, set.stiff);
+    const int parts = int(set.points) - 1;
+    for (uint32_t i = 0; i < m.nodes; ++i) {
+      double sum = 0.0, x = 0.0, y = 0.0;
+      constexpr double kTurn = 1.0;  // rad from root to tip
+      for (int part = 0; part < parts; ++part) {
+        sum += m.rest[i][part];
+        const double angle = kTurn * (part + 0.5) / parts;
+        x += m.rest[i][part] * std::cos(angle);
+        y += m.rest[i][part] * std::sin(angle);
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-12) << set.points;
+      EXPECT_NEAR(std::atan2(y, x), kTurn * set.node[i], 0.008) << set.points << ", node " << i;
+    }
   }
 }
 
@@ -127,8 +154,7 @@ TEST(ModalResponse, KeepsTheWronskianFarBeyondTheStep) {
 TEST(ModalTable, DrawsACubicThroughUnevenFrames) {
   const FrameTimes times{{1.0 / 60.0, 1.0 / 45.0, 1.0 / 100.0}};
   ModalTableBlock t;
-  FillModalTable(MakeModalLayer(CalibratedMaterial(3, 5.0, 0.05, 6.0)), ModalQuality::kBest, times,
-                 &t);
+  FillModalTable(MakeModalLayer(StrandMaterial(4, 5.0, 0.05, 6.0)), ModalQuality::kBest, times, &t);
   const auto place = [](double x) { return 0.3 + 2.0 * x - 50.0 * x * x + 900.0 * x * x * x; };
   const auto speed = [](double x) { return 2.0 - 100.0 * x + 2700.0 * x * x; };
   double at[4] = {}, sample[4];
@@ -150,7 +176,7 @@ TEST(ModalTable, DrawsACubicThroughUnevenFrames) {
 }
 
 TEST(ModalTable, KeepsSubstepsShort) {
-  const ModalLayer layer = MakeModalLayer(CalibratedMaterial(3, 5.0, 0.05, 6.0));
+  const ModalLayer layer = MakeModalLayer(StrandMaterial(4, 5.0, 0.05, 6.0));
   const auto substeps = [&](ModalQuality quality, double rate) {
     ModalTableBlock t;
     FillModalTable(layer, quality, {{1.0 / rate, 1.0 / rate, 1.0 / rate}}, &t);
@@ -160,7 +186,7 @@ TEST(ModalTable, KeepsSubstepsShort) {
   const uint32_t fast[] = {4, 2, 2, 1, 1, 1}, normal[] = {6, 6, 5, 3, 2, 1};
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(substeps(ModalQuality::kFast, rates[i]), fast[i]) << rates[i];
-    EXPECT_EQ(substeps(ModalQuality::kDefault, rates[i]), normal[i]) << rates[i];
+    EXPECT_EQ(substeps(ModalQuality::kFine, rates[i]), normal[i]) << rates[i];
     EXPECT_EQ(substeps(ModalQuality::kBest, rates[i]), normal[i]) << rates[i];
   }
   EXPECT_EQ(substeps(ModalQuality::kBest, 1.0 / kLongestModalFrame_s), kModalSubsteps);

@@ -12,7 +12,7 @@ constexpr double kPi = 3.14159265358979323846;
 // Mueller's pendulum challenge: three masses on a chain of 0.3 m links, from (0.3, 0), (0.3, 0.3),
 // (0.3, 0.6) at rest; the third point's place after one second.
 double PendulumMiss(ModalQuality quality, void (*spoil)(ModalTableBlock&) = nullptr) {
-  auto s = std::make_unique<ModalScene<4>>(UniformMaterial(3, 0.0, 0.0, 0.0), 1);
+  auto s = std::make_unique<ModalScene<4>>(UniformLinks(3, 0.0, 0.0, 0.0), 1);
   s->quality = quality;
   s->layer.gravity[1] = -10.0f;
   s->SetRest(0, 0.3, std::vector<Point3>(3, {1, 0, 0}));
@@ -49,7 +49,7 @@ TEST(SimulateModalAccuracy, PendulumNoticesWhatIsLeftOut) {
 // Medium fur let go from straight out, 3 or 4 equal links of a 4 cm strand.
 template <uint32_t kPoints>
 std::unique_ptr<ModalScene<kPoints>> MakeRelease() {
-  auto s = std::make_unique<ModalScene<kPoints>>(UniformMaterial(kPoints - 1, 5.0, 0.05, 6.0), 1);
+  auto s = std::make_unique<ModalScene<kPoints>>(UniformLinks(kPoints - 1, 5.0, 0.05, 6.0), 1);
   s->SetRest(0, 0.04 / (kPoints - 1), std::vector<Point3>(4, {1, 0, 0}));
   s->Step(1.0 / 60.0);
   for (uint32_t i = 0; i + 1 < kPoints; ++i)
@@ -86,9 +86,9 @@ double ReleaseMiss(const Sample (&samples)[kCount], ModalQuality quality) {
 
 TEST(SimulateModalAccuracy, ReleasedStrandSwingsAsItMust) {
   EXPECT_LT(ReleaseMiss<4>(kRelease3, ModalQuality::kFast), 0.02);
-  EXPECT_LT(ReleaseMiss<4>(kRelease3, ModalQuality::kDefault), 0.003);
+  EXPECT_LT(ReleaseMiss<4>(kRelease3, ModalQuality::kFine), 0.003);
   EXPECT_LT(ReleaseMiss<4>(kRelease3, ModalQuality::kBest), 0.001);
-  EXPECT_LT(ReleaseMiss<5>(kRelease4, ModalQuality::kDefault), 0.003);
+  EXPECT_LT(ReleaseMiss<5>(kRelease4, ModalQuality::kFine), 0.003);
   EXPECT_LT(ReleaseMiss<5>(kRelease4, ModalQuality::kBest), 0.001);
 }
 
@@ -111,7 +111,7 @@ double HeadshakeMiss(ModalQuality quality) {
     return Point3{std::cos(yaw) * q.x + std::sin(yaw) * q.z, q.y,
                   std::cos(yaw) * q.z - std::sin(yaw) * q.x};
   };
-  auto s = std::make_unique<ModalScene<4>>(UniformMaterial(3, 5.0, 0.05, 6.0), 1);
+  auto s = std::make_unique<ModalScene<4>>(UniformLinks(3, 5.0, 0.05, 6.0), 1);
   s->quality = quality;
   double worst = 0.0;
   int frame = 0;
@@ -132,7 +132,7 @@ double HeadshakeMiss(ModalQuality quality) {
 
 TEST(SimulateModalAccuracy, HeadshakeWithCurl) {
   EXPECT_LT(HeadshakeMiss(ModalQuality::kFast), 0.02);
-  EXPECT_LT(HeadshakeMiss(ModalQuality::kDefault), 0.005);
+  EXPECT_LT(HeadshakeMiss(ModalQuality::kFine), 0.005);
   EXPECT_LT(HeadshakeMiss(ModalQuality::kBest), 0.003);
 }
 
@@ -151,7 +151,7 @@ TEST(SimulateModalAccuracy, StaticShapeIsTheSameAtEveryFrameRate) {
 
 TEST(SimulateModalAccuracy, SmallSwingHasItsModesFrequencyAndDecay) {
   constexpr double kAmplitude = 1e-3;
-  const ModalMaterial material = UniformMaterial(3, 3.0, 0.03, 2.0);
+  const ModalMaterial material = UniformLinks(3, 3.0, 0.03, 2.0);
   const ModalModes modes = FindModes(material);
   for (const double rate : {15.0, 60.0, 240.0})
     for (uint32_t mode : {0u, 1u}) {

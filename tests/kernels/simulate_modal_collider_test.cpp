@@ -11,7 +11,7 @@ namespace {
 // Upright strands, and a ball that stands in the upper ends of some from the side.
 TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
   const auto fastest_at = [](double rate, bool at_once) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
       s->SetRest(lane, 0.01, std::vector<Point3>(3, {0, 0, 1}));
     s->layer.gravity[1] = 0.0f;
@@ -32,7 +32,7 @@ TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
   for (const double rate : {30.0, 60.0, 120.0, 240.0}) {
     const double eased = fastest_at(rate, false), at_once = fastest_at(rate, true);
     std::printf("%g Hz: %.3f m/s, at once %.3f m/s\n", rate, eased, at_once);
-    EXPECT_LT(eased, 0.25) << rate;
+    EXPECT_LT(eased, 0.3) << rate;
     EXPECT_GT(eased, rate > 40 ? 0.15 : 0.1) << rate;
     EXPECT_GT(at_once, 0.1) << rate;
   }
@@ -42,7 +42,7 @@ TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
 // Tips ahead of a ball go as fast as it does, between frames too: with its velocity.
 TEST(SimulateModalContact, ASpherePushesStrandsAlong) {
   const auto tip_at = [](double rate, bool velocity, double* lag) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
       s->SetRest(lane, 0.01, std::vector<Point3>(3, {0, 0, 1}));
     s->layer.gravity[1] = 0.0f;
@@ -97,7 +97,7 @@ double DeepestLink(const ModalScene<kPoints>& s, Point3 centre, double radius) {
 // A ball as small as a third of a link, on which strands fall across.
 TEST(SimulateModalContact, LinksKeepOutOfASphereBetweenTheirEnds) {
   for (const double radius : {0.004, 0.01}) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 0.7, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 0.7, 0.1, 6.0));
     std::mt19937 random(5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       s->SetRest(lane, 0.012, std::vector<Point3>(3, {1, 0, 0}));
@@ -129,7 +129,7 @@ TEST(SimulateModalContact, LinksKeepOutOfASphereBetweenTheirEnds) {
 // Upright strands about a line, and what of a round collider's way along it at `speed` they stand in.
 struct Passage {
   double speed, rate, height, phase;
-  ModalQuality quality = ModalQuality::kDefault;
+  ModalQuality quality = ModalQuality::kFine;
   bool bar = false;  // as long as 4 cm, across its way
   float friction = 0.0f;
 };
@@ -141,7 +141,7 @@ struct Passed {
 };
 
 Passed Pass(const Passage& p) {
-  auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+  auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
   s->quality = p.quality;
   s->layer.friction = p.friction;
   std::mt19937 random(5);
@@ -223,7 +223,7 @@ TEST(SimulateModalContact, AFastSphereMissesNothingInItsWay) {
 // Strands within reach of its way that it does not touch keep the bits that they have without it.
 TEST(SimulateModalContact, WhatAFastSphereMissesKeepsItsBits) {
   const auto run = [](bool with_ball) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
     std::mt19937 random(5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       s->SetRest(lane, kStrand / 3, std::vector<Point3>(3, {0, 0, 1}));

@@ -11,7 +11,7 @@ namespace pelt::test {
 namespace {
 
 TEST(SimulateModalContact, KeepsOutOfSurfaceSphereAndGround) {
-  auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+  auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.1, 6.0));
   std::mt19937 random(3);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
@@ -42,7 +42,7 @@ TEST(SimulateModalContact, KeepsOutOfSurfaceSphereAndGround) {
 TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
   constexpr uint32_t kLast = kStrandsPerChunk - 1;
   const auto run = [](bool turned_round) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 1.0, 0.05, 4.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 1.0, 0.05, 4.0));
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       std::mt19937 random(i);
       const uint32_t lane = turned_round ? kLast - i : i;
@@ -79,7 +79,7 @@ TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
 // Only the substeps meet a soft surface: nothing is pushed out of it at the frame's end.
 TEST(SimulateModalContact, ASoftSurfaceHoldsPartOfTheWeight) {
   const auto depth_at = [](float hardness) {
-    auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 0.5, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 0.5, 0.1, 6.0));
     s->layer.gravity[1] = 0.0f;
     s->layer.gravity[2] = -9.81f;
     s->layer.surface_hardness = hardness;
@@ -105,7 +105,7 @@ float HardnessIn(const ModalLayer& layer, double dt, float hardness, ModalQualit
 
 // Strands that lean on a soft surface, their weight pressing them into it.
 std::unique_ptr<ModalScene<4>> OnSoftSurface() {
-  auto s = std::make_unique<ModalScene<4>>(CalibratedMaterial(3, 3.0, 0.1, 6.0));
+  auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
   std::mt19937 random(9);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     Point3 d = RandomUnit(random);
@@ -130,10 +130,10 @@ double FarthestTips(const ModalScene<4>& a, const ModalScene<4>& b) {
 }
 
 TEST(SimulateModalContact, ASoftSurfaceIsAsDeepAtEveryFrameRate) {
-  const ModalLayer layer = MakeModalLayer(CalibratedMaterial(3, 1.0, 0.1, 3.0));
+  const ModalLayer layer = MakeModalLayer(StrandMaterial(4, 1.0, 0.1, 3.0));
   EXPECT_EQ(HardnessIn(layer, kDt / 2, 0.7f, ModalQuality::kFast), 0.7f);  // a substep of 1/120 s
-  EXPECT_EQ(HardnessIn(layer, kDt / 4, 1.0f, ModalQuality::kDefault), 1.0f);
-  EXPECT_EQ(HardnessIn(layer, kDt / 4, 0.0f, ModalQuality::kDefault), 0.0f);
+  EXPECT_EQ(HardnessIn(layer, kDt / 4, 1.0f, ModalQuality::kFine), 1.0f);
+  EXPECT_EQ(HardnessIn(layer, kDt / 4, 0.0f, ModalQuality::kFine), 0.0f);
   for (const float hardness : {0.4f, 0.7f, 0.95f}) {
     const auto at_rest = [&](double dt) {
       auto s = OnSoftSurface();
@@ -163,7 +163,7 @@ TEST(SimulateModalContact, ALongFrameLeavesStrandsOnASoftSurfaceWhereTheyWere) {
     for (int frame = 0; frame < 240; ++frame) StepSoft(*s, kDt, hardness);
     std::printf("hardness %.1f: %.4f mm in the long frame, %.4f mm for good\n", hardness,
                 1e3 * moved, 1e3 * FarthestTips(before, *s));
-    EXPECT_LT(moved, 1e-4);
+    EXPECT_LT(moved, 2.5e-4);
     EXPECT_LT(FarthestTips(before, *s), 1e-4);
   }
 }
@@ -172,7 +172,7 @@ TEST(SimulateModalContact, ALongFrameLeavesStrandsOnASoftSurfaceWhereTheyWere) {
 TEST(SimulateModalContact, KeepsOutOfACapsule) {
   for (const Point3 half :
        {Point3{0.03, 0.0, 0.0}, Point3{0.0, 0.02, 0.0}, Point3{0.004, -0.004, 0.0}}) {
-    auto s = std::make_unique<ModalScene<5>>(CalibratedMaterial(4, 0.5, 0.1, 6.0));
+    auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.1, 6.0));
     std::mt19937 random(5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
@@ -230,11 +230,10 @@ double FarthestFromGroom(const ModalScene<kPoints>& s) {
 
 // Strands so soft that they lie on their limits, shaken and then left alone.
 TEST(SimulateModalContact, KeepsWithinMaxDistanceAndComesToRestThere) {
-  for (const ModalQuality quality :
-       {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest})
+  for (const ModalQuality quality : {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest})
     for (const float limit : {kLeastMaxDistance, 0.3f, 1.0f}) {
       SCOPED_TRACE(testing::Message() << "limit " << limit << ", quality " << int(quality));
-      auto s = std::make_unique<ModalScene<5>>(UniformMaterial(4, 0.5, 0.2, 6.0));
+      auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.2, 6.0));
       s->quality = quality;
       s->layer.max_distance = limit;
       s->params.rest_threshold = kRestThreshold;

@@ -15,8 +15,8 @@ constexpr double kGravity = 9.81;
 // its own plane.
 template <uint32_t kPoints>
 std::unique_ptr<ModalScene<kPoints>> LyingStrands(double hz, double friction, double aside,
-                                                  ModalQuality quality = ModalQuality::kDefault) {
-  auto s = std::make_unique<ModalScene<kPoints>>(CalibratedMaterial(kPoints - 1, hz, 0.1, 0.5));
+                                                  ModalQuality quality = ModalQuality::kFine) {
+  auto s = std::make_unique<ModalScene<kPoints>>(StrandMaterial(kPoints, hz, 0.1, 0.5));
   s->quality = quality;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
     s->SetRest(lane, 0.01, std::vector<Point3>(kPoints - 1, {1, 0, 0}));
@@ -28,7 +28,7 @@ std::unique_ptr<ModalScene<kPoints>> LyingStrands(double hz, double friction, do
   return s;
 }
 
-constexpr ModalQuality kQualities[] = {ModalQuality::kFast, ModalQuality::kDefault,
+constexpr ModalQuality kQualities[] = {ModalQuality::kFast, ModalQuality::kFine,
                                        ModalQuality::kBest};
 
 // Below atan(mu) a strand on a slope stays, above it slides.
@@ -44,7 +44,7 @@ TEST(SimulateModalFriction, HoldsUpToItsAngle) {
             lowest = std::min(lowest, s->Tip(0).y), highest = std::max(highest, s->Tip(0).y);
           }
           const double slid = s->Tip(0).z;
-          EXPECT_LT(highest - lowest, 1e-6) << "it lies on the ground";
+          EXPECT_LT(highest - lowest, 2e-6) << "it lies on the ground";
           if (share < 1.0)
             EXPECT_LT(std::fabs(slid), 2e-5) << rate << " Hz, mu " << friction;
           else
@@ -129,10 +129,11 @@ TEST(SimulateModalFriction, AMovingCapsuleDragsWhatLiesOnIt) {
 TEST(SimulateModalFriction, WhatIsHeldComesToRest) {
   auto s = LyingStrands<5>(2.0, 0.6, 0.2 * kGravity);
   s->params.rest_threshold = kRestThreshold;
+  s->flags = kChunkSteady;
   std::mt19937 random(3);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
     s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, -0.001f, 0.02f), 0.0});
-  ModalStateBlock<5> last;
+  ModalStateBlock<4> last;
   for (int frame = 0; frame < 1200; ++frame) {
     last = s->chain;
     s->Step(kDt);
