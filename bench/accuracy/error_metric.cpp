@@ -368,18 +368,6 @@ Score ScoreSolver(const Suite& suite, size_t preset, Motion motion, const Solver
                       frames_per_second);
 }
 
-TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
-                         const std::function<SolverFactory(double scale)>& make,
-                         std::span<const double> scales) {
-  TunedScore best;
-  for (const double scale : scales) {
-    const Score score = ScoreSolver(suite, preset, make(scale), frames_per_second);
-    if (!score.finite || score.cases == 0) continue;
-    if (best.scale == 0.0 || score.error < best.score.error) best = {score, scale};
-  }
-  return best;
-}
-
 double InputError(const Suite& suite, size_t preset, int frames_per_second, RootCourse course) {
   double squares = 0.0;
   int cases = 0;

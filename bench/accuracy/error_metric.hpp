@@ -82,18 +82,6 @@ Score ScoreSolver(const Suite& suite, size_t preset, const SolverFactory& factor
 Score ScoreSolver(const Suite& suite, size_t preset, Motion motion, const SolverFactory& factory,
                   int frames_per_second);
 
-// For methods whose stiffness is not the material's: the best of a ladder of scales, tuned on the
-// score itself, as their users tune them by eye. Scale 0: none came out finite.
-struct TunedScore {
-  Score score;
-  double scale = 0.0;
-};
-inline constexpr double kStiffnessScales[] = {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7,
-                                              1.0,  1.4,  2.0, 3.0, 5.0,  8.0};
-TunedScore TuneStiffness(const Suite& suite, size_t preset, int frames_per_second,
-                         const std::function<SolverFactory(double scale)>& make,
-                         std::span<const double> scales = kStiffnessScales);
-
 // What is known of the root, and so of its way through a frame.
 enum class RootCourse : uint8_t {
   kLine = 1,  // a polynomial of this degree through the frame's end and the samples before it

@@ -178,8 +178,8 @@ double Nanoseconds(const FeatureProblem& p, const ModalKernels& kernels, ModalQu
   for (const Strand& strand : p.strands) timed.start.push_back(FindEquilibrium(p.material, strand));
   ModalFeatures bare;
   bare.wind = false;
-  const SolverFactory pair[] = {ModalFactory(kernels, quality, p.features),
-                                ModalFactory(kernels, quality, bare)};
+  const SolverFactory pair[] = {LayerFactory(kernels, quality, p.features),
+                                LayerFactory(kernels, quality, bare)};
   const auto time = TimeInTurn(pair, timed, timing);
   return time[0].ns - time[1].ns;
 }
@@ -210,7 +210,7 @@ std::vector<FeatureError> MeasureFeatures(const ModalKernels& kernels,
   std::vector<FeatureError> rows;
   for (const FeatureProblem& p : FeatureProblems(options.links)) {
     const double seconds = SecondsOf(p, options.seconds);
-    const SolverFactory best = ModalFactory(kernels, ModalQuality::kBest, p.features);
+    const SolverFactory best = LayerFactory(kernels, ModalQuality::kBest, p.features);
     const Track reference = RunAt(p, best, options.reference_scale, seconds);
     const double self = ErrorOf(p, RunAt(p, best, options.reference_scale / 2, seconds), reference);
     Track exact;
@@ -222,11 +222,13 @@ std::vector<FeatureError> MeasureFeatures(const ModalKernels& kernels,
           ErrorOf(p, ContactTrack(p, options.contact_rate / 2, seconds), exact);
     }
     for (const ModalQuality quality :
-         {ModalQuality::kFast, ModalQuality::kDefault, ModalQuality::kBest}) {
-      const Track track = RunAt(p, ModalFactory(kernels, quality, p.features), 1, seconds);
+         {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest}) {
+      const Track track = RunAt(p, LayerFactory(kernels, quality, p.features), 1, seconds);
       row.quality = quality;
       row.error = ErrorOf(p, track, reference);
-      if (!exact.empty()) row.contact_error = ErrorOf(p, track, exact);
+      if (!exact.empty())
+        row.contact_error =
+            ErrorOf(p, RunAt(p, ModalFactory(kernels, quality, p.features), 1, seconds), exact);
       row.penetration = PenetrationOf(p, track);
       row.nanoseconds = Nanoseconds(p, kernels, quality, options.timing);
       const size_t last = size_t(std::lround((seconds - 0.5) * kRate));
@@ -242,7 +244,7 @@ uint64_t RunDigest(const ModalKernels& kernels, ModalQuality quality, const Feat
                    double seconds) {
   uint64_t digest = 0;
   for (const Double3 point :
-       RunAt(problem, ModalFactory(kernels, quality, problem.features), 1, seconds))
+       RunAt(problem, LayerFactory(kernels, quality, problem.features), 1, seconds))
     for (const double v : {point.x, point.y, point.z})
       digest = MixSeed(digest, std::bit_cast<uint64_t>(v));
   return digest;

@@ -1,14 +1,19 @@
-// How far a strand is off the rod that it stands for: what no solver of its equations can see.
+// How far a strand is off the rod that it stands for, solver and all: the first thing that `pelt accuracy` says.
 //
 // Every model has the rod's mass, weight and first frequency, hangs still at first, and rests on the same
-// helix. It is moved exactly (curve_motion.hpp) or, links as layers have them, by the modal kernels at 60
-// frames a second, which is model and time steps in one figure. Compared is what a third, two thirds and the
-// tip do beyond the strand's own shape carried rigidly:
+// helix. It is moved exactly (curve_motion.hpp), which is the model's own error, or by a solver at 60 frames a
+// second, which is model and time steps in one figure: nodes as layers have them, and links, by the modal solver;
+// links by the solvers that it is compared with. Compared is what a third, two thirds and the tip do beyond the
+// strand's own shape carried rigidly:
 //
 //     error = RMS((x - rigid) - (rod - rod's rigid)) / RMS(rod - rod's rigid)
 //
-// The rod has polynomials of degree 10. Cases are well posed where a rod of kPosedLinks agrees with it
-// to kPosedError: under wild motions soft strands are chaotic, and nothing follows them.
+// The rod has polynomials of degree 10; two rows tell how far it has converged, one of degree 8 and one in half steps.
+// Cases are well posed where a rod of kPosedLinks agrees with it to kPosedError: under wild motions soft strands are
+// chaotic, and nothing follows them.
+//
+// Solvers without a stiffness of their own are tuned for each family and preset on the cases that they are
+// scored on: the best they could do.
 #pragma once
 
 #include <optional>
@@ -16,9 +21,9 @@
 #include <vector>
 
 #include "bench/accuracy/drawn_problem.hpp"
+#include "bench/accuracy/named_solver.hpp"
 #include "bench/accuracy/rod_problem.hpp"
-#include "core/isa.hpp"
-#include "core/modal/modal_quality.hpp"
+#include "bench/accuracy/solver_timing.hpp"
 
 namespace pelt::accuracy {
 
@@ -31,27 +36,45 @@ struct ModelErrorOptions {
   uint64_t seed = kDrawnSeed;
   int problems = 4;  // of a family
   double seconds = kRodSeconds;
-  // Also links by the modal solver with these kernels; none: only exactly.
+  CurlModel curl = CurlModel::kRoot;
+  std::optional<double> rest_turn = {};  // rad from root to tip, of every strand; none: as drawn
+  // Also by solvers, with these kernels; none: only exactly.
   std::optional<Isa> isa = {};
+  // And what these take, in turn; none: not timed.
+  std::optional<TimingOptions> timing = {};
 };
 
 struct ModelErrorRow {
-  MotionFamily family;
   std::string model;
-  std::optional<ModalQuality> quality;      // of the solver that moved it; none: exactly
-  std::vector<std::vector<double>> errors;  // of each preset's cases, 1 = 100 %
+  std::optional<NamedSolver> solver;        // that moved it, as tuned on TimedPreset; none: exactly
+  std::vector<std::vector<double>> errors;  // [preset][case], 1 = 100 %; not finite: infinity
+  double ns = 0.0;                          // a strand and frame, median of slices; 0: not timed
+};
+
+struct ModelErrorPanel {
+  MotionFamily family;
+  std::vector<std::vector<bool>> posed;  // [preset][case]
+  std::vector<ModelErrorRow> rows;       // the same of every family
 };
 
 struct ModelErrorTable {
-  std::vector<ModelErrorRow> rows;                    // family after family, model after model
-  std::vector<std::vector<std::vector<bool>>> posed;  // [family][preset][case]
+  std::vector<ModelErrorPanel> panels;  // [family]
 };
 
 ModelErrorTable MeasureModelError(const ModelErrorOptions& options);
 
+// On whose material solvers are timed, in the headshake: the preset in the middle.
+size_t TimedPreset(const ModelErrorOptions& options);
+
 // RMS over the presets of the RMS over each one's cases; stiff strands, which every model does well, are
-// left out. `posed`: the cases that count; empty: all.
+// left out where there are others. `posed`: the cases that count; empty: all.
 double PooledError(const ModelErrorRow& row, const ModelErrorOptions& options,
                    const std::vector<std::vector<bool>>& posed = {});
+
+// Timed, and nothing as cheap is nearer to the rod.
+bool IsParetoOptimal(const ModelErrorPanel& panel, const ModelErrorRow& row,
+                     const ModelErrorOptions& options);
+
+double RootMeanSquare(const std::vector<double>& values);  // 0 of none
 
 }  // namespace pelt::accuracy

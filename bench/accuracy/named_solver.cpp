@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <span>
 
 #include "bench/accuracy/modal_solver.hpp"
 
@@ -13,8 +14,8 @@ struct NamedQuality {
   ModalQuality quality;
   std::string_view name, label;
 };
-constexpr NamedQuality kQualities[] = {{ModalQuality::kFast, "modal-fast", "modal, fast"},
-                                       {ModalQuality::kDefault, "modal", "modal"},
+constexpr NamedQuality kQualities[] = {{ModalQuality::kFast, "modal", "modal"},
+                                       {ModalQuality::kFine, "modal-fine", "modal, fine"},
                                        {ModalQuality::kBest, "modal-best", "modal, best"}};
 
 constexpr int kNewtonSteps = 6;  // of implicit Euler: fully converged
@@ -146,10 +147,14 @@ const std::vector<Members>& AllMembers() {
   return members;
 }
 
-SolverFactory ScaledFactory(const NamedSolver& solver, Isa isa, double scale) {
-  NamedSolver scaled = solver;
-  scaled.method.stiffness_scale = scaled.core.stiffness_scale = scale;
-  return FactoryOf(scaled, isa);
+constexpr double kStiffnessScales[] = {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7,
+                                       1.0,  1.4,  2.0, 3.0, 5.0,  8.0};
+// Rods' lengths: what is best is flat, and a score of a rod takes long.
+constexpr double kStretchScales[] = {0.35, 1.0, 3.0, 8.0};
+
+std::span<const double> ScalesOf(Family family) {
+  if (family >= Family::kRod && family <= Family::kDescentSwept) return kStretchScales;
+  return kStiffnessScales;
 }
 
 }  // namespace
@@ -178,6 +183,10 @@ std::string_view FamilyName(Family family) {
 bool NamedSolver::Tuned() const {
   return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader ||
          (family >= Family::kRod && family <= Family::kDescentSwept);
+}
+
+double NamedSolver::stiffness_scale() const {
+  return IsCore(family) ? core.stiffness_scale : method.stiffness_scale;
 }
 
 std::vector<NamedSolver> AllSolvers(bool quick) {
@@ -224,13 +233,12 @@ std::string SolverNames() {
   return fmt::format("{} (N from 1 to {})", fmt::join(names, ", "), kMaxSubsteps);
 }
 
-bool RunsLinks(const NamedSolver& solver, int links) {
-  return links <= kMaxTableLinks || (solver.family == Family::kModal && links == 8);
+bool RunsParts(const NamedSolver& solver, int parts) {
+  return parts <= kMostLinks || solver.family == Family::kModal;
 }
 
-std::string WhyNot(const NamedSolver& solver, int links) {
-  return fmt::format("{} runs strands of 3 or 4 links, not of {}; the modal solvers do",
-                     solver.name, links);
+std::string WhyNotLinks(const NamedSolver& solver, int links) {
+  return fmt::format("{} runs strands of 3 or 4 links, not of {}", solver.name, links);
 }
 
 SolverFactory FactoryOf(const NamedSolver& solver, Isa isa) {
@@ -240,24 +248,39 @@ SolverFactory FactoryOf(const NamedSolver& solver, Isa isa) {
   return ModalFactory(ModalKernelsOf(isa), solver.quality, {.velocities = solver.velocities});
 }
 
+SolverFactory LayerFactoryOf(const NamedSolver& solver, Isa isa) {
+  if (solver.family != Family::kModal || !FindKernels(isa)) return FactoryOf(solver, isa);
+  return LayerFactory(ModalKernelsOf(isa), solver.quality, {.velocities = solver.velocities});
+}
+
+std::vector<NamedSolver> TuningCandidates(const NamedSolver& solver) {
+  if (!solver.Tuned()) return {solver};
+  std::vector<NamedSolver> candidates;
+  for (const bool one_sided : {false, true}) {
+    if (one_sided && solver.family != Family::kPbd) continue;
+    for (const double scale : ScalesOf(solver.family)) {
+      NamedSolver& candidate = candidates.emplace_back(solver);
+      candidate.method.one_sided = one_sided;
+      candidate.method.stiffness_scale = candidate.core.stiffness_scale = scale;
+    }
+  }
+  return candidates;
+}
+
 TunedSolver ScoreNamed(const NamedSolver& solver, Isa isa, const Suite& suite, size_t preset,
                        int frames_per_second) {
-  TunedSolver tuned{solver, {}, 1.0};
-  if (!solver.Tuned()) {
-    tuned.score = ScoreSolver(suite, preset, FactoryOf(solver, isa), frames_per_second);
-  } else if (IsCore(solver.family)) {
-    const TunedScore best = TuneStiffness(suite, preset, frames_per_second, [&](double scale) {
-      return ScaledFactory(solver, isa, scale);
-    });
-    tuned.score = best.score;
-    tuned.scale = tuned.solver.core.stiffness_scale = best.scale;
-  } else {
-    const TunedMethod best = TuneMethod(isa, solver.method, suite, preset, frames_per_second);
-    tuned.score = best.score;
-    tuned.solver.method = best.settings;
-    tuned.scale = best.settings.stiffness_scale;
+  const auto score_of = [&](const NamedSolver& candidate) {
+    return ScoreSolver(suite, preset, FactoryOf(candidate, isa), frames_per_second);
+  };
+  if (!solver.Tuned()) return {solver, score_of(solver), 1.0};
+  TunedSolver best{solver, {}, 0.0};
+  for (const NamedSolver& candidate : TuningCandidates(solver)) {
+    const Score score = score_of(candidate);
+    if (!score.finite || score.cases == 0) continue;
+    if (best.scale == 0.0 || score.error < best.score.error)
+      best = {candidate, score, candidate.stiffness_scale()};
   }
-  return tuned;
+  return best;
 }
 
 }  // namespace pelt::accuracy

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/accuracy/comparison/comparison.hpp"
+#include "bench/accuracy/error_metric.hpp"
 #include "core/modal/modal_quality.hpp"
 
 namespace pelt::accuracy {
@@ -39,18 +40,19 @@ std::string_view FamilyName(Family family);  // "implicit Euler"
 
 struct NamedSolver {
   Family family;
-  std::string name;   // for the command line: "xpbd-8", "modal-fast"
+  std::string name;   // for the command line: "xpbd-8", "modal-fine"
   std::string label;  // for people: "XPBD, 8 substeps"
   int spent;          // substeps or iterations
   // What the family is made from; one of them counts.
   MethodSettings method;
   CoreSettings core;
-  ModalQuality quality = ModalQuality::kDefault;
+  ModalQuality quality = ModalQuality::kFine;
   bool velocities = false;  // modal: takes the root's, where a motion has them
 
   // Its stiffness, or that of its lengths, is not the material's but found by trying
-  // (TuneStiffness).
+  // (TuningCandidates).
   bool Tuned() const;
+  double stiffness_scale() const;
 };
 
 // Family after family, from cheapest to most exact. `quick`: one or two members of each.
@@ -63,15 +65,21 @@ std::string SolverNames();
 // Their words without numbers.
 std::vector<std::string> SolverStems();
 
-// Whether it runs strands of so many links.
-bool RunsLinks(const NamedSolver& solver, int links);
-// Why it does not, for messages.
-std::string WhyNot(const NamedSolver& solver, int links);
+inline constexpr int kMostLinks = 4;  // of the chains that every solver runs
+// Whether it runs strands that are drawn as so many parts, as a layer has them (LayerFactoryOf).
+bool RunsParts(const NamedSolver& solver, int parts);
+// Why it does not run so many links, for messages.
+std::string WhyNotLinks(const NamedSolver& solver, int links);
 
 SolverFactory FactoryOf(const NamedSolver& solver, Isa isa);
+// As a layer has it: the modal solvers' strands have nodes, and `links` parts to be drawn as.
+SolverFactory LayerFactoryOf(const NamedSolver& solver, Isa isa);
 
-// The solver with the stiffness that suits the suite's preset best, where it has to be found; scale
-// 0: no stiffness came out finite.
+// What a tuned solver is chosen from, on the very cases that it is scored on, as its users tune it by eye: a ladder
+// of stiffness scales and, for the textbook's PBD, both ways of bending. Of the others the solver alone.
+std::vector<NamedSolver> TuningCandidates(const NamedSolver& solver);
+
+// The candidate with the least error on the suite's preset; scale 0: none came out finite.
 struct TunedSolver {
   NamedSolver solver;
   Score score;

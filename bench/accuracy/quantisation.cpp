@@ -87,7 +87,7 @@ void RunMotion(const QuantisationOptions& options, const Preset& preset, int mot
   for (const Strand& strand : strands) start.push_back(FindEquilibrium(material, strand));
   const ModalKernels kernels = ModalKernelsOf(isa);
   const auto run_of = [&](StateFormat format) {
-    return SolverRun(ModalFactory(kernels, ModalQuality::kDefault, {.state = format}), material,
+    return SolverRun(ModalFactory(kernels, ModalQuality::kFine, {.state = format}), material,
                      1.0 / kRate, strands, start, body(0.0));
   };
   SolverRun plain = run_of(StateFormat::kFloat);

@@ -116,7 +116,7 @@ TrackError CompareTracks(const StrandFile& strand, const std::vector<RootSample>
 std::string ExampleStrand() {
   return "# A strand of fur for pelt accuracy --strand.\n"
          "length = 0.05         # m\n"
-         "links = 3             # 4 or 8\n"
+         "links = 3             # or 4; 8 for --exact\n"
          "frequency_hz = 3.0    # of the first bending mode\n"
          "damping_ratio = 0.05  # of that mode, by bending alone\n"
          "drag = 5.0            # 1/s, towards the wind\n"

@@ -14,7 +14,7 @@ namespace pelt::accuracy {
 namespace {
 
 // The way that a sleeping one is compared with.
-constexpr std::string_view kAwake = "default";
+constexpr std::string_view kAwake = "fine";
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 

@@ -115,7 +115,7 @@ void Inspect(const std::vector<Strand>& strands, SceneStressResult& result) {
       }
       const double links = double(strand.point.size());
       result.worst_stretch =
-          std::max(result.worst_stretch, std::abs(Length(p - upper) * links - 1.0));
+          std::max(result.worst_stretch, Length(p - upper) * links - 1.0);
       upper = p;
     }
   }

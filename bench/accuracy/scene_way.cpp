@@ -22,7 +22,7 @@ std::vector<SceneWay> AllSceneWays() {
   } solvers[] = {{"verlet", "Verlet", Solver::kVerlet, {}},
                  {"pbd", "PBD", Solver::kPbd, {}},
                  {"fast", "modal fast", Solver::kModal, ModalQuality::kFast},
-                 {"default", "modal default", Solver::kModal, ModalQuality::kDefault},
+                 {"fine", "modal fine", Solver::kModal, ModalQuality::kFine},
                  {"best", "modal best", Solver::kModal, ModalQuality::kBest}};
   for (const auto& s : solvers) {
     ways.push_back({.name = s.name, .label = s.label, .solver = s.solver, .quality = s.quality});
@@ -32,17 +32,15 @@ std::vector<SceneWay> AllSceneWays() {
                     .quality = s.quality,
                     .halved = true});
   }
+  ways.push_back({.name = "fine-sleep", .label = "modal fine, sleeping when still", .sleep = true});
   ways.push_back(
-      {.name = "default-sleep", .label = "modal default, sleeping when still", .sleep = true});
-  ways.push_back({.name = "default-on-screen",
-                  .label = "modal default, fast where unseen",
-                  .on_screen = true});
+      {.name = "fine-on-screen", .label = "modal fine, fast where unseen", .on_screen = true});
   for (const int divisor : {2, 4})
-    ways.push_back({.name = fmt::format("default-lod-{}", divisor),
-                    .label = fmt::format("modal default, LOD to 1/{}", divisor),
+    ways.push_back({.name = fmt::format("fine-lod-{}", divisor),
+                    .label = fmt::format("modal fine, LOD to 1/{}", divisor),
                     .strand_share = 1.0 / divisor});
-  ways.push_back({.name = "default-own-chains",
-                  .label = "modal default, a chain for each strand",
+  ways.push_back({.name = "fine-own-chains",
+                  .label = "modal fine, a chain for each strand",
                   .own_chains = true});
   return ways;
 }

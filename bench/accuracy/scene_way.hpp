@@ -17,12 +17,12 @@ struct SceneWay {
   std::string name;   // "fast-halved"
   std::string label;  // "modal fast, every second frame"
   Solver solver = Solver::kModal;
-  ModalQuality quality = ModalQuality::kDefault;
+  ModalQuality quality = ModalQuality::kFine;
   bool simulate = true;       // else every strand follows the skin
   bool halved = false;        // every second frame is simulated; the others are carried
   bool sleep = false;         // chunks that came to rest are skipped
   double strand_share = 1.0;  // LOD's budget
-  bool on_screen = false;     // default quality, `fast` where that is not seen, as frames have it
+  bool on_screen = false;     // quality `fine`, `fast` where that is not seen, as frames have it
   bool own_chains = false;    // a chain for each strand, where the setup has them at vertices
 
   // Else its error is a difference of materials: PBD and Verlet have parameters of their own, which

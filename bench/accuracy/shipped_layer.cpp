@@ -26,7 +26,7 @@ std::vector<Preset> ShippedPresets(std::vector<Preset> presets, int links) {
 
 std::vector<ShippedRow> MeasureShipped(const Suite& suite, const std::vector<int>& rates, Isa isa) {
   std::vector<ShippedRow> rows;
-  for (const char* name : {"modal", "modal-fast", "modal-best"})
+  for (const char* name : {"modal-fine", "modal", "modal-best"})
     for (size_t preset = 0; preset < suite.options.presets.size(); ++preset)
       for (const bool velocities : {false, true}) {
         ShippedRow row{preset, *FindSolver(name), {}};

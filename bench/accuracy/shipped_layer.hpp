@@ -1,5 +1,5 @@
-// What a user gets: the modal solver on the chains that layers have, at every frame rate, on drawn
-// problems (drawn_problem.hpp).
+// What time steps alone cost the modal solver: on chains of links, at every frame rate, on drawn problems
+// (drawn_problem.hpp).
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ struct ShippedRow {
   std::vector<Score> scores;  // [rate]
 };
 
-// Rows of the default quality first, without and with velocities, then the other qualities.
+// Rows of quality `fine` first, without and with velocities, then the other qualities.
 std::vector<ShippedRow> MeasureShipped(const Suite& suite, const std::vector<int>& rates, Isa isa);
 
 }  // namespace pelt::accuracy

@@ -21,8 +21,8 @@ struct CantileverRow {
   double worst_gamma;      // where
   double naive_sag_error;  // of equal masses and springs, for comparison
   double frequency[2];     // f1, f2 over the rod's
-  // Tip of our modal solver at rest from the chain's own equilibrium, over the length, [quality].
-  double solver_miss[3];
+  // Tip of a layer's strand of as many parts, at rest, from the rod's, over the length, [quality].
+  double strand_miss[3];
 };
 inline constexpr double kMostGamma = 30.0;
 std::vector<CantileverRow> MeasureCantilever(Isa isa);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <map>
 
 #include "bench/accuracy/quantile.hpp"
 #include "core/random.hpp"
@@ -91,18 +92,32 @@ TimedProblem HeadshakeProblem(const ChainMaterial& material) {
   return problem;
 }
 
-std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
-                                   const TimedProblem& problem, const TimingOptions& options) {
-  const TimedBatch batch(problem, options);
-  std::vector<SolverTime> times(factories.size());
+TimingOptions TableTiming(bool quick) {
+  return {.strands = quick ? 1024u : 4096u, .frames = quick ? 8 : 12, .repeats = quick ? 5 : 15};
+}
+
+std::vector<SolverTime> TimeInTurn(std::span<const TimedSolver> solvers,
+                                   const TimingOptions& options) {
+  std::map<const TimedProblem*, TimedBatch> batches;
+  for (const TimedSolver& solver : solvers)
+    batches.try_emplace(solver.problem, *solver.problem, options);
+  std::vector<SolverTime> times(solvers.size());
   for (int round = 0; round < options.repeats; ++round)
-    for (size_t s = 0; s < factories.size(); ++s) batch.RunTurn(factories[s], times[s]);
+    for (size_t s = 0; s < solvers.size(); ++s)
+      batches.at(solvers[s].problem).RunTurn(solvers[s].factory, times[s]);
   for (SolverTime& time : times) {
     time.ns = Quantile(time.slices, 0.5);
     time.low_ns = Quantile(time.slices, 0.25);
     time.high_ns = Quantile(time.slices, 0.75);
   }
   return times;
+}
+
+std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
+                                   const TimedProblem& problem, const TimingOptions& options) {
+  std::vector<TimedSolver> solvers;
+  for (const SolverFactory& factory : factories) solvers.push_back({factory, &problem});
+  return TimeInTurn(solvers, options);
 }
 
 double TimeRatio(const SolverTime& a, const SolverTime& b) {

@@ -23,6 +23,8 @@ struct TimingOptions {
   int frames_per_second = 60;
   double (*now)() = nullptr;  // s, never backwards; null: std::chrono::steady_clock
 };
+// Of a table of many solvers.
+TimingOptions TableTiming(bool quick);
 
 // What is simulated while the clock runs: a few strands, many times over (what a lane holds does
 // not change what it costs).
@@ -44,6 +46,13 @@ struct SolverTime {
 };
 // The median over the slices of a's time over b's; 0 where one of them did not run.
 double TimeRatio(const SolverTime& a, const SolverTime& b);
+// Each on a problem of its own; one that they share is the same object.
+struct TimedSolver {
+  SolverFactory factory;
+  const TimedProblem* problem;
+};
+std::vector<SolverTime> TimeInTurn(std::span<const TimedSolver> solvers,
+                                   const TimingOptions& options);
 std::vector<SolverTime> TimeInTurn(std::span<const SolverFactory> factories,
                                    const TimedProblem& problem, const TimingOptions& options);
 

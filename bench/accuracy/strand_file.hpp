@@ -1,7 +1,7 @@
 // A strand as a text: what `pelt accuracy --strand` simulates.
 //
 //     length = 0.05          # m, needed
-//     links = 3              # or 4
+//     links = 3              # or 4; 8 for the exact motion alone
 //     frequency_hz = 4.0     # of the first bending mode; or stiffness = [..], N m per joint
 //     rod = "calibrated"     # or "uniform": equal masses and joints; with frequency_hz
 //     damping_ratio = 0.05   # of the first mode, by bending alone
@@ -12,8 +12,7 @@
 //     start = "rest"         # or "equilibrium", or link directions in the world
 //     mass = [..]            # kg a point, with stiffness; in equal shares of 1 kg otherwise
 //
-// Invariant: a StrandFile is a chain every solver can be asked to run (of 8 links the modal one
-// alone): 3, 4 or 8 links of equal length, everything finite and within bounds, directions of length
+// Invariant: a StrandFile is a chain that every solver can be asked to run (of 8 links none): 3, 4 or 8 links of equal length, everything finite and within bounds, directions of length
 // 1. Whatever is not is an Error with file, line, key and reason.
 #pragma once
 

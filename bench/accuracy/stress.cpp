@@ -188,8 +188,9 @@ double OffBalance(const ChainDynamics& dynamics, const BodyPose& pose,
 
 class StressRun {
  public:
-  StressRun(const StressProblem& problem, const SolverFactory& factory)
+  StressRun(const StressProblem& problem, const SolverFactory& factory, bool links)
       : problem_(problem),
+        links_(links),
         poses_(problem.strands.size()),
         bad_(problem.strands.size(), false),
         run_(factory, problem.material, 1.0 / problem.frames_per_second, problem.strands,
@@ -226,7 +227,7 @@ class StressRun {
           bad_[s] = true;
           break;
         }
-        const double stretch = std::abs(Length(point - upper) / problem_.material.length[i] - 1.0);
+        const double stretch = Length(point - upper) / problem_.material.length[i] - 1.0;
         result.worst_stretch = std::max(result.worst_stretch, stretch);
         upper = point;
       }
@@ -257,7 +258,7 @@ class StressRun {
         direction[i] = Unit(last[at] - (i > 0 ? last[at - 1] : kZero3));
       }
       const ChainDynamics dynamics(problem_.material, problem_.strands[s]);
-      const double off = OffBalance(dynamics, PoseOf(s), direction);
+      const double off = links_ ? OffBalance(dynamics, PoseOf(s), direction) : 0.0;
       result.worst_off_balance = std::max(result.worst_off_balance, off);
       if (moved > 1e-4 * length) {
         ++result.unsettled;
@@ -284,6 +285,7 @@ class StressRun {
   }
 
   const StressProblem& problem_;
+  const bool links_;
   std::vector<BodyPose> poses_;
   std::vector<bool> bad_;
   SolverRun run_;
@@ -333,8 +335,8 @@ std::vector<std::string> BrokenPromises(const StressResult& result) {
   return broken;
 }
 
-StressResult RunStress(const StressProblem& problem, const SolverFactory& factory) {
-  return StressRun(problem, factory).Run();
+StressResult RunStress(const StressProblem& problem, const SolverFactory& factory, bool links) {
+  return StressRun(problem, factory, links).Run();
 }
 
 }  // namespace pelt::accuracy

@@ -47,7 +47,7 @@ std::vector<StressProblem> StressProblems(const StressOptions& options);
 struct StressResult {
   bool ran = true;             // the solver takes the material
   int non_finite = 0;          // strands with a value that is not finite at any time
-  double worst_stretch = 0.0;  // largest | |link| / l - 1 |, of finite values
+  double worst_stretch = 0.0;  // largest |link| / l - 1 of what is drawn, of finite values
   int unsettled = 0;  // strands a point of which moves by more than 1e-4 L/frame at the end
   int stuck = 0;  // settled, but a link is off balance by more than 0.1; methods whose static shape
                   // is not the material's (PBD, follow-the-leader) are so by design
@@ -57,9 +57,12 @@ struct StressResult {
 };
 
 // What a solver that promises to stay finite, unstretched and to settle broke; empty: nothing.
-inline constexpr double kMostPromisedStretch = 1e-5;
+// A part may be 1e-5 longer than it should be; places 5 m away, as floats, add to that.
+inline constexpr double kMostPromisedStretch = 1.5e-4;
 std::vector<std::string> BrokenPromises(const StressResult& result);
 
-StressResult RunStress(const StressProblem& problem, const SolverFactory& factory);
+// `links`: the solver moves the material's links, so that what is stuck can be told from their balance.
+StressResult RunStress(const StressProblem& problem, const SolverFactory& factory,
+                       bool links = true);
 
 }  // namespace pelt::accuracy

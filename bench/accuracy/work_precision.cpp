@@ -32,13 +32,6 @@ SuiteOptions SuiteFor(const WorkPrecisionOptions& options, int links) {
   return suite;
 }
 
-TimingOptions TimingFor(bool quick) {
-  return {.strands = quick ? 1024u : 4096u,
-          .frames = quick ? 8 : 12,
-          .repeats = quick ? 5 : 15,
-          .frames_per_second = kTimedRate};
-}
-
 uint64_t MixDouble(uint64_t digest, double value) {
   uint64_t bits;
   std::memcpy(&bits, &value, sizeof bits);
@@ -75,7 +68,7 @@ void TimePanel(const std::vector<NamedSolver>& solvers, const ChainMaterial& mat
   std::vector<SolverFactory> factories;
   for (const NamedSolver& solver : solvers) factories.push_back(FactoryOf(solver, options.isa));
   const std::vector<SolverTime> times =
-      TimeInTurn(factories, HeadshakeProblem(material), TimingFor(options.quick));
+      TimeInTurn(factories, HeadshakeProblem(material), TableTiming(options.quick));
   SolverTime yardstick;
   for (size_t s = 0; s < solvers.size(); ++s)
     if (solvers[s].name == kYardstick) yardstick = times[s];
@@ -131,7 +124,7 @@ size_t MiddleRate(const std::vector<int>& rates) {
 WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {
   WorkPrecision result;
   result.options = options;
-  const TimingOptions timing = TimingFor(options.quick);
+  const TimingOptions timing = TableTiming(options.quick);
   result.rounds = timing.repeats;
   result.timed_strands = int(timing.strands);
   result.timed_frames = timing.frames;

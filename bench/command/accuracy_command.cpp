@@ -54,6 +54,7 @@ ModelErrorOptions ModelOptionsOf(const WorkPrecisionOptions& options) {
   model.presets = options.presets;
   model.seed = options.seed;
   model.isa = options.isa;
+  model.timing = TableTiming(options.quick);
   if (options.quick) {
     model.families = {MotionFamily::kEveryday};
     model.problems = 1;
@@ -151,9 +152,9 @@ ExitCode RunRecorded(const AccuracyArgs& args) {
   const std::vector<RootSample> samples = ReadRootsFile(args.roots);
   const StrandFile strand = ReadStrandFile(args.strand);
   NamedSolver solver = SolverOf(args);
-  if (!args.exact && !RunsLinks(solver, strand.material.links))
+  if (!args.exact && strand.material.links > kMostLinks)
     throw Error(fmt::format("--solver {} with {}: {}", solver.name, args.strand,
-                            WhyNot(solver, strand.material.links)));
+                            WhyNotLinks(solver, strand.material.links)));
   solver.velocities = samples[0].rated && solver.family == Family::kModal;
   const PointTrack exact = RunExact(strand, samples);
   const PointTrack track =

@@ -56,7 +56,7 @@ void AddRecorded(CLI::App& app, AccuracyArgs& args) {
   out->needs(roots);
   auto* solver =
       app.add_option("--solver", args.solver,
-                     "modal-fast, modal, modal-best, pbd, verlet, xpbd-8, trapezoid-2, ...")
+                     "modal, modal-fine, modal-best, pbd, verlet, xpbd-8, trapezoid-2, ...")
           ->needs(roots)
           ->capture_default_str();
   app.add_option("--stiffness-scale", args.stiffness_scale,
@@ -117,9 +117,9 @@ void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
 Subcommand SetUpAccuracy(CLI::App& root) {
   const auto kept = std::make_shared<AccuracyArgs>();
   AccuracyArgs& args = *kept;
-  auto* app = root.add_subcommand(
-      "accuracy",
-      "Error against run time of every strand solver, or a strand under your own motion");
+  auto* app = root.add_subcommand("accuracy",
+                                  "Error off a rod against run time, of layers and every strand "
+                                  "solver; or a strand under your own motion");
   AddBenchmark(*app, args);
   AddSceneAndFeatures(*app, args);
   AddRecorded(*app, args);

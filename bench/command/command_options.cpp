@@ -212,7 +212,7 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
       ->needs(with_lod)
       ->capture_default_str();
   app.add_option("--fast-quality-px", lod.fast_quality_px,
-                 "Modal layers of default quality are simulated in 'fast' while its error on the "
+                 "Modal layers of quality 'fine' are simulated in 'fast' while its error on the "
                  "screen is at most this, px; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -229,7 +229,7 @@ struct ConformanceArgs {
 std::vector<std::string> ConformanceDoorNames();
 ExitCode CheckConformance(const ConformanceArgs& args);
 
-// Error against run time of every strand solver; or, with `scene`, of every way to run its frames;
+// Error off a rod against run time, of layers and every strand solver; or, with `scene`, of every way to run its frames;
 // or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
 // root.
 struct AccuracyArgs {

@@ -27,7 +27,7 @@ using namespace accuracy;
 
 namespace {
 
-constexpr std::string_view kUsualSolvers[] = {"modal-fast",  "modal",      "modal-best", "pbd",
+constexpr std::string_view kUsualSolvers[] = {"modal",       "modal-fine", "modal-best", "pbd",
                                               "verlet",      "xpbd-8",     "rod4-4",     "euler-1",
                                               "trapezoid-2", "trapezoid-4"};
 
@@ -72,9 +72,9 @@ std::vector<NamedSolver> SolversOf(const StressArgs& args) {
   if (!args.solvers.empty())
     for (const NamedSolver& solver : solvers)
       for (const int links : args.links)
-        if (!RunsLinks(solver, links))
+        if (!RunsParts(solver, links))
           throw Error(fmt::format("--solvers {} --links {}: {}", solver.name, links,
-                                  WhyNot(solver, links)));
+                                  WhyNotLinks(solver, links)));
   return solvers;
 }
 
@@ -112,21 +112,24 @@ std::vector<StressRow> RunAll(const StressArgs& args, const std::vector<Isa>& is
   std::vector<StressRow> rows;
   size_t count = 0;
   for (const StressProblem& problem : problems)
-    for (const NamedSolver& solver : solvers) count += RunsLinks(solver, problem.material.links);
+    for (const NamedSolver& solver : solvers) count += RunsParts(solver, problem.material.links);
   Progress progress("stress", count);
   for (const StressProblem& problem : problems)
     for (const NamedSolver& solver : solvers) {
-      if (!RunsLinks(solver, problem.material.links)) continue;
+      if (!RunsParts(solver, problem.material.links)) continue;
       progress.Show(rows.size(), problem.name);
-      StressRow row{problem.material.links,
-                    problem.name,
-                    problem.frames_per_second,
-                    problem.strands.size(),
-                    solver,
-                    RunStress(problem, FactoryOf(solver, isas[0])),
-                    {}};
+      StressRow row{
+          problem.material.links,
+          problem.name,
+          problem.frames_per_second,
+          problem.strands.size(),
+          solver,
+          RunStress(problem, LayerFactoryOf(solver, isas[0]), solver.family != Family::kModal),
+          {}};
       for (size_t i = 1; i < isas.size(); ++i)
-        if (!SameResult(RunStress(problem, FactoryOf(solver, isas[i])), row.result))
+        if (!SameResult(RunStress(problem, LayerFactoryOf(solver, isas[i]),
+                                  solver.family != Family::kModal),
+                        row.result))
           row.other_bits.push_back(isas[i]);
       rows.push_back(std::move(row));
     }

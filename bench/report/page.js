@@ -451,6 +451,57 @@ function fillFamilies(parent, families, marks) {
   });
 }
 
+// ---- strands against the rod -----------------------------------------------------------------------
+
+const rodGroup = (row) => `${row.model}, ${row.family}`;
+
+function drawRod(accuracy, panel) {
+  const rows = panel.rows.filter((r) => r.ns > 0 && r.pooled > 0);
+  byId('rod').replaceChildren();
+  if (!rows.length) return;
+  // Every family of motions has the same axes.
+  const times = rows.map((r) => r.ns), errors = accuracy.model_error.flatMap((p) => p.rows.filter((r) => r.ns > 0 && r.pooled > 0).map((r) => 100 * r.pooled));
+  const front = rows.filter((r) => r.pareto_optimal).sort((a, b) => a.ns - b.ns);
+  const plot = logPlot(byId('rod'), {
+    picture: 'rod', title: `${panel.motion} motions, 60 Hz`, height: 420,
+    label: `Error off a rod against ns per strand, ${panel.motion} motions. Pareto-optimal: ${front.map((r) => `${r.model} ${r.moved} ${percent(r.pooled)}`).join(', ')}. The table below has all figures.`,
+    ns: {least: 0.8 * Math.min(...times), most: 1.25 * Math.max(...times), steps: [1, 2, 5]},
+    errors: {least: 0.7 * Math.min(...errors), most: 1.5 * Math.max(...errors), steps: [1, 2, 5]},
+  });
+  const at = (r) => [plot.x(r.ns), plot.y(r.pooled)], taken = rows.map(at).map(([x, y]) => ({left: x - 5, right: x + 5, top: y - 5, bottom: y + 5}));
+  [...new Set(rows.map(rodGroup))].forEach((group, g) => {
+    const members = rows.filter((r) => rodGroup(r) === group), kind = 's' + g % kColours;
+    add(plot.svg, 'path', {class: 'curve ' + kind, d: 'M' + members.map((r) => at(r).map((v) => v.toFixed(1)).join(' ')).join('L')});
+    for (const row of members)
+      addPoint(plot.svg, at(row).map((v) => v.toFixed(1)), kind, kMarks[g % kMarks.length], row.pareto_optimal,
+          `${row.model}, ${row.moved}\n${percent(row.pooled)} off the rod\n${row.ns.toFixed(1)} ns`);
+  });
+  for (const row of rows) addName(plot, taken, row.moved, row.pareto_optimal, ...at(row));
+}
+
+function fillRodTable(panel) {
+  byId('rod-table').replaceChildren();
+  const share = (value) => value === null ? 'not finite' : percent(value);
+  table(byId('rod-table'), `Off the rod, ${panel.motion} motions: RMS over materials but the stiff; of each the median (90 % are below) of ${panel.cases} cases`,
+        ['model', 'moved', 'ns', 'all', 'well-posed', ...panel.rows[0].presets.map((p) => p.preset)],
+        panel.rows.map((r) => [r.model, {text: r.moved, class: 'text'}, r.ns > 0 ? r.ns.toFixed(1) : '', share(r.pooled), share(r.pooled_well_posed),
+          ...r.presets.map((p) => `${share(p.median)} (${share(p.ninth_tenth)})`)]), {tall: true});
+}
+
+function fillRod() {
+  const accuracy = data.accuracy.find((a) => a.panels);
+  byId('rod-section').hidden = !accuracy;
+  if (!accuracy) return () => {};
+  const panels = accuracy.model_error;
+  fillFamilies(byId('rod-legend'), [...new Set(panels[0].rows.filter((r) => r.ns > 0).map(rodGroup))], kMarks);
+  const draw = () => {
+    drawRod(accuracy, panels[motionAt()]);
+    fillRodTable(panels[motionAt()]);
+  };
+  const motionAt = chooser(byId('rod-motions'), panels, (p) => p.motion, 0, draw);
+  return draw;
+}
+
 // ---- accuracy of solvers ---------------------------------------------------------------------------
 
 const shownScore = (row, rate) => row.ns > 0 && row.scores[rate].finite;
@@ -489,14 +540,14 @@ function fillAccuracyTable(accuracy, panels, rate) {
         })]), {tall: true});
 }
 
-// What a layer gets as it comes, for one number of links.
+// The modal solver at every rate, for one number of links.
 function fillShipped(accuracy, links) {
   byId('accuracy-shipped').replaceChildren();
   const panel = accuracy.shipped.find((p) => p.links === links);
   if (!panel) return;
   const rates = panel.rows[0].scores.map((s) => s.rate);
   const cell = (s) => s.finite ? `${percent(s.rms)} (${percent(s.median)}, ${percent(s.worst_case)})` : 'not finite';
-  table(byId('accuracy-shipped'), `Layers as they come: RMS of the error over drawn cases (median, worst), seed ${accuracy.seed}`,
+  table(byId('accuracy-shipped'), `Modal solver: RMS of the error over drawn cases (median, worst), seed ${accuracy.seed}`,
         ['material', 'quality', ...rates.map((r) => r + ' Hz'), 'cases'],
         panel.rows.map((row) => [row.preset, row.solver + (row.velocities ? ', velocities' : ''), ...row.scores.map(cell), row.scores[0].cases]),
         {tall: true});
@@ -629,7 +680,7 @@ fillFacts();
 fillTables();
 fillCosts();
 fillFramesTable();
-const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillAccuracy(), fillWays()];
+const draws = [drawFrames, ...data.timelines.map(fillTimeline), ...fillConsoles(), fillRod(), fillAccuracy(), fillWays()];
 const drawAll = () => draws.forEach((draw) => draw());
 drawAll();
 let drawnWidth = innerWidth;

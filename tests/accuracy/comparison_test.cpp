@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bench/accuracy/fixed_problems.hpp"
+#include "bench/accuracy/named_solver.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "bench/accuracy/solver_timing.hpp"
 #include "tests/accuracy/suite.hpp"
@@ -51,13 +52,14 @@ TEST(Comparison, ErrorsAreAsPublished) {
       return ScoreSolver(suite, preset, Fixed(settings), 60);
     };
   };
-  const auto tuned = [&](const MethodSettings& settings) {
-    return [&suite, settings](size_t preset) {
-      return TuneMethod(BestIsa(), settings, suite, preset, 60).score;
+  const auto tuned = [&](std::string_view name) {
+    return [&suite, solver = *FindSolver(name)](size_t preset) {
+      return ScoreNamed(solver, BestIsa(), suite, preset, 60).score;
     };
   };
-  CompareRow("follow-the-leader, tuned", {46, 89, 51, 33}, 1.3, tuned(kLeader), 0.0, 1e-6);
-  CompareRow("PBD, 4 iterations, tuned", {39, 66, 44, 46}, 1.3, tuned(kPbd4), 0.02, 0.25);
+  CompareRow("follow-the-leader, tuned", {46, 89, 51, 33}, 1.3, tuned("dftl-1"), 0.0, 1e-6);
+  CompareRow("PBD, 4 iterations, tuned", {39, 66, 44, 46}, 1.3, tuned("textbook-pbd-4"), 0.02,
+             0.25);
   CompareRow("XPBD, 8 substeps", {12, 32, 37, 98}, 1.3, plain(kXpbd8), 0.01, 0.07);
   CompareRow("XPBD, 64 substeps", {3.1, 8.6, 3.9, 8.4}, 1.3, plain(kXpbd64), 1e-4, 2e-3);
   CompareRow("implicit Euler", {36, 57, 40, 23}, 1.15, plain(kEuler), 0.0, 1e-6);
@@ -68,14 +70,10 @@ TEST(Comparison, ErrorsAreAsPublished) {
 // towards the groom, has soft fur worse than no simulation.
 TEST(Comparison, OurOwnPositionBasedSolversAreAsGoodAsPbd) {
   const Suite& suite = SharedSuite();
-  const auto check = [&](CoreMethod method, uint32_t iterations, double most_error,
-                         double most_stretch) {
-    std::printf("Pelt's %s, %2u iterations, tuned", method == CoreMethod::kPbd ? "PBD" : "Verlet",
-                iterations);
+  const auto check = [&](const char* name, double most_error, double most_stretch) {
+    std::printf("Pelt's %s, tuned", name);
     for (size_t preset = 0; preset < 4; ++preset) {
-      const TunedScore tuned = TuneStiffness(suite, preset, 60, [&](double scale) {
-        return CoreFactory(BestIsa(), {method, iterations, scale});
-      });
+      const TunedSolver tuned = ScoreNamed(*FindSolver(name), BestIsa(), suite, preset, 60);
       std::printf(" | %s %.1f %% stretch %.0e", kPresets[preset].name.data(),
                   100.0 * tuned.score.error, tuned.score.stretch);
       EXPECT_GT(tuned.scale, 0.0);
@@ -84,10 +82,10 @@ TEST(Comparison, OurOwnPositionBasedSolversAreAsGoodAsPbd) {
     }
     std::printf("\n");
   };
-  check(CoreMethod::kPbd, 1, 1.2, 0.5);
-  check(CoreMethod::kPbd, 4, 1.0, 0.03);
-  check(CoreMethod::kPbd, 16, 1.0, 0.01);
-  check(CoreMethod::kVerlet, 4, 1.2, 0.05);
+  check("pbd-1", 1.2, 0.5);
+  check("pbd-4", 1.0, 0.03);
+  check("pbd-16", 1.0, 0.01);
+  check("verlet-4", 1.2, 0.05);
 }
 
 // Every method that has a limit goes to the exact motion: error falls with the order of the method.

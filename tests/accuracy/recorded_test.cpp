@@ -262,7 +262,7 @@ TEST(RecordedRun, SolversRunAsTheyDoOnTheYardstick) {
   const StrandFile strand = ParseStrand(ExampleStrand(), "s.toml");
   const std::vector<RootSample> samples = Record(Motion::kWalk, 60.0, 2.0);
   const LinkDirections start = strand.StartIn(StillPose());
-  for (const char* name : {"modal", "pbd", "xpbd-8"}) {
+  for (const char* name : {"modal-fine", "pbd", "xpbd-8"}) {
     const SolverFactory factory = FactoryOf(*FindSolver(name), Isa::kReference);
     const PointTrack track = RunSolver(strand, samples, factory);
     SolverRun run(factory, strand.material, 1.0 / 60, {strand.strand}, std::span(&start, 1),
@@ -301,7 +301,8 @@ TEST(RecordedRun, FrameTimesAreHonoured) {
 TEST(RecordedRun, PointsAreATableOfTheWorld) {
   const StrandFile strand = ParseStrand("length = 0.08\nlinks = 4\nfrequency_hz = 3\n", "s.toml");
   const std::vector<RootSample> samples = Record(Motion::kStill, 60.0, 1.0);
-  const PointTrack track = RunSolver(strand, samples, FactoryOf(*FindSolver("modal"), BestIsa()));
+  const PointTrack track =
+      RunSolver(strand, samples, FactoryOf(*FindSolver("modal-fine"), BestIsa()));
   const std::string text = PointsText(track);
   EXPECT_TRUE(
       text.starts_with("time,x0,y0,z0,x1,y1,z1,x2,y2,z2,x3,y3,z3,x4,y4,z4\n0,0,0,0,0,0.02,0"))
@@ -331,7 +332,7 @@ TEST(RecordedRun, VelocitiesMakeAFewSamplesEnough) {
   for (size_t f = 0; f < samples.size(); ++f)
     for (size_t i = 0; i < size_t(fine.links); ++i)
       exact.offset.push_back(fine.offset[32 * f * size_t(fine.links) + i]);
-  NamedSolver solver = *FindSolver("modal");
+  NamedSolver solver = *FindSolver("modal-fine");
   const auto error_of = [&](const std::vector<RootSample>& seen) {
     solver.velocities = seen[0].rated;
     return CompareTracks(strand, seen, RunSolver(strand, seen, FactoryOf(solver, BestIsa())), exact)

@@ -66,23 +66,23 @@ TEST(ScenePrecision, QualitiesAreInOrder) {
   ScenePrecisionOptions options = Quick(90);
   options.contact = false;
   const ScenePrecision result = MeasureScenePrecision(options);
-  EXPECT_LT(Row(result, "default").error, Row(result, "fast").error);
+  EXPECT_LT(Row(result, "fine").error, Row(result, "fast").error);
   // What these two get wrong is the roots' path between frames, which neither knows.
-  EXPECT_LT(Row(result, "best").error, 1.15 * Row(result, "default").error);
+  EXPECT_LT(Row(result, "best").error, 1.15 * Row(result, "fine").error);
   EXPECT_LT(result.self_error, Row(result, "best").error);
   EXPECT_LT(Row(result, "best").error, 0.3 * ErrorOf("best"));
   EXPECT_LT(Row(result, "fast").error, Row(result, "fast-halved").error);
 }
 
 TEST(ScenePrecision, EverySecondFrameLiesBetween) {
-  for (const std::string way : {"fast", "default", "best"}) {
+  for (const std::string way : {"fast", "fine", "best"}) {
     EXPECT_GT(ErrorOf(way + "-halved"), 1.1 * ErrorOf(way)) << way;
     EXPECT_LT(ErrorOf(way + "-halved"), 0.5) << way;
   }
 }
 
 TEST(ScenePrecision, SleepingIsTheSameForLess) {
-  const ScenePrecisionRow &sleep = Row(Tiny(), "default-sleep"), &awake = Row(Tiny(), "default");
+  const ScenePrecisionRow &sleep = Row(Tiny(), "fine-sleep"), &awake = Row(Tiny(), "fine");
   EXPECT_EQ(sleep.points_digest, awake.points_digest);
   EXPECT_NE(sleep.points_digest, Row(Tiny(), "best").points_digest);
   EXPECT_EQ(sleep.error, awake.error);
@@ -92,12 +92,11 @@ TEST(ScenePrecision, SleepingIsTheSameForLess) {
 
 // Dropped strands move with their neighbours: worse than their own motion, better than none.
 TEST(ScenePrecision, LodCarriesWhatItDrops) {
-  const ScenePrecisionRow &half = Row(Tiny(), "default-lod-2"),
-                          &quarter = Row(Tiny(), "default-lod-4");
+  const ScenePrecisionRow &half = Row(Tiny(), "fine-lod-2"), &quarter = Row(Tiny(), "fine-lod-4");
   EXPECT_NEAR(half.live_share, 0.5, 0.05);
   EXPECT_NEAR(quarter.live_share, 0.25, 0.05);
-  EXPECT_EQ(Row(Tiny(), "default").live_share, 1.0);
-  EXPECT_GT(half.error, ErrorOf("default"));
+  EXPECT_EQ(Row(Tiny(), "fine").live_share, 1.0);
+  EXPECT_GT(half.error, ErrorOf("fine"));
   EXPECT_GT(quarter.error, half.error);
   // Alone with what lives, the rest rigid, at least sqrt(share dropped) would be wrong.
   EXPECT_LT(half.error, 0.9 * std::sqrt(0.5));
@@ -119,7 +118,7 @@ TEST(ScenePrecision, ChainsAtVerticesAreHeldAgainstOnesOfTheirOwn) {
   EXPECT_TRUE(Tiny().has_vertex_chains);
   EXPECT_GT(Tiny().chain_error, 0.01);
   EXPECT_LT(Tiny().chain_error, 0.1);
-  const ScenePrecisionRow &best = Row(Tiny(), "best"), &own = Row(Tiny(), "default-own-chains");
+  const ScenePrecisionRow &best = Row(Tiny(), "best"), &own = Row(Tiny(), "fine-own-chains");
   EXPECT_GT(best.own_error, best.error);
   EXPECT_NEAR(best.own_error, Tiny().chain_error, best.error);
   EXPECT_EQ(own.own_error, own.error);

@@ -53,7 +53,15 @@ AccuracyReport SmallReport() {
   options.presets = {accuracy::kPresets[1], accuracy::kPresets[2]};
   options.quick = true;
   report.table = accuracy::MeasureWorkPrecision(options);
-  report.pendulum = {{*accuracy::FindSolver("modal"), 1e-3, 10.0, 0.2}};
+  report.model_options.families = {accuracy::MotionFamily::kEveryday,
+                                   accuracy::MotionFamily::kWind};
+  report.model_options.presets = options.presets;
+  report.model_options.problems = 1;
+  report.model_options.seconds = 0.6;
+  report.model_options.isa = options.isa;
+  report.model_options.timing = accuracy::TableTiming(true);
+  report.model_error = accuracy::MeasureModelError(report.model_options);
+  report.pendulum = {{*accuracy::FindSolver("modal-fine"), 1e-3, 10.0, 0.2}};
   report.machine = {"a <processor>", 2, "compiler", "type", "commit"};
   return report;
 }
@@ -101,11 +109,40 @@ TEST(AccuracyReport, JsonHoldsTheTable) {
   }
 }
 
+// Rows of every family, the rivals' and the rod's own among them.
+TEST(AccuracyReport, JsonBeginsWithTheRod) {
+  const AccuracyReport& report = SharedReport();
+  const std::string text = MakeAccuracyTree(report).Json();
+  EXPECT_LT(text.find("model_error"), text.find("shipped"));
+  const Json json = Json::parse(text);
+  ASSERT_EQ(json["model_error"].size(), 2u);
+  for (size_t f = 0; f < 2; ++f) {
+    const accuracy::ModelErrorPanel& panel = report.model_error.panels[f];
+    const Json& rows = json["model_error"][f]["rows"];
+    EXPECT_EQ(json["model_error"][f]["motion"], f == 0 ? "everyday" : "wind");
+    ASSERT_EQ(rows.size(), panel.rows.size());
+    std::set<std::string> movers, models;
+    for (size_t r = 0; r < rows.size(); ++r) {
+      EXPECT_EQ(rows[r]["pooled"], accuracy::PooledError(panel.rows[r], report.model_options));
+      EXPECT_EQ(rows[r]["presets"][1]["median"], panel.rows[r].errors[1][0]);
+      EXPECT_EQ(rows[r]["ns"] > 0.0, rows[r]["moved"] != "exactly");
+      movers.insert(rows[r]["moved"]);
+      models.insert(rows[r]["model"]);
+    }
+    for (const char* mover : {"exactly", "modal", "modal-fine", "modal-best", "pbd-4", "verlet-4",
+                              "textbook-pbd-4", "xpbd-8", "rod4-4", "trapezoid-2"})
+      EXPECT_TRUE(movers.contains(mover)) << mover;
+    for (const char* model : {"3 nodes", "4 nodes", "3 links", "4 links", "rod, 8 nodes"})
+      EXPECT_TRUE(models.contains(model)) << model;
+  }
+}
+
 TEST(AccuracyReport, TextNamesAllThatWasMeasured) {
   const std::string text = MakeAccuracyTree(SharedReport()).Text();
   for (const char* part :
        {"soft, 3 links", "medium, 3 links", "30 Hz", "60 Hz", "modal, best", "a <processor>",
-        "commit", "digest", "default layer", "modal, velocities", "drawn from seed 20261123"})
+        "commit", "digest", "default layer", "modal, velocities", "drawn from seed 20261123",
+        "Off the rod, everyday motions", "Off the rod, wind motions", "rod, half steps"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   for (const accuracy::WorkPrecisionRow& row : SharedReport().table.panels[0].rows)
     EXPECT_GE(Count(text, row.solver.label), 2u) << row.solver.label;
@@ -142,6 +179,12 @@ TEST(AccuracySection, PassesOnWhatThePageDraws) {
             file["panels"][1]["rows"][3]["scores"][0]["error"]);
   EXPECT_EQ(section["error_digest"], file["error_digest"]);
   EXPECT_EQ(section["processor"], "a <processor>");
+  ASSERT_EQ(section["model_error"].size(), file["model_error"].size());
+  for (const auto& [key, value] : section["model_error"][1]["rows"][4].items()) {
+    if (key != "presets") {
+      EXPECT_EQ(value, file["model_error"][1]["rows"][4][key]) << key;
+    }
+  }
 }
 
 // Every member that is taken away or of another type is missed, or was not needed.
@@ -153,12 +196,13 @@ TEST(AccuracySection, RefusesOtherFiles) {
             std::string::npos);
   EXPECT_NE(SectionMessage("[1, 2]").find("is not of the format"), std::string::npos);
   EXPECT_NE(SectionMessage(Json{{"format", kFeatureAccuracyFormat}}.dump())
-                .find("a.json: is not of the format 'pelt accuracy 2' or 'pelt scene accuracy 1'"),
+                .find("a.json: is not of the format 'pelt accuracy 3' or 'pelt scene accuracy 1'"),
             std::string::npos);
   const std::string whole = good.dump();
   for (size_t cut : {size_t{1}, whole.size() / 2, whole.size() - 1})
     EXPECT_NE(SectionMessage(whole.substr(0, cut)).find("not JSON"), std::string::npos) << cut;
-  for (const char* needed : {"isa", "rates", "panels", "rounds", "commit", "shipped", "seed"}) {
+  for (const char* needed :
+       {"isa", "rates", "panels", "rounds", "commit", "shipped", "seed", "model_error"}) {
     Json less = good;
     less.erase(needed);
     EXPECT_NE(SectionMessage(less.dump()).find(needed), std::string::npos) << needed;
@@ -169,6 +213,9 @@ TEST(AccuracySection, RefusesOtherFiles) {
   Json fewer = good;
   fewer["panels"][0]["rows"][2]["scores"].erase(1);
   EXPECT_NE(SectionMessage(fewer.dump()).find("scores"), std::string::npos);
+  Json unnamed = good;
+  unnamed["model_error"][1]["rows"][3].erase("moved");
+  EXPECT_NE(SectionMessage(unnamed.dump()).find("'moved' is missing"), std::string::npos);
   Json text = good;
   text["panels"][0]["rows"][2]["ns"] = "fast";
   EXPECT_NE(SectionMessage(text.dump()).find("'ns' is not a number"), std::string::npos);
@@ -293,7 +340,7 @@ TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
   ASSERT_EQ(json["rows"].size(), rows.size());
   EXPECT_EQ(json["rows"][4]["links"], 4);
   EXPECT_EQ(json["rows"][4]["feature"], rows[4].name);
-  EXPECT_EQ(json["rows"][4]["quality"], "default");
+  EXPECT_EQ(json["rows"][4]["quality"], "fine");
   EXPECT_EQ(json["rows"][4]["error"], rows[4].error);
   EXPECT_EQ(json["rows"][4]["more_ns"], rows[4].nanoseconds);
   // Contact with a sphere has its own reference, that with the surface none.
@@ -355,7 +402,7 @@ TEST(AccuracyCommand, RunsAStrandUnderARecordedRoot) {
   args.exact = false;
   args.solver = "modl";
   EXPECT_THROW(MeasureAccuracy(args), Error);
-  args.solver = "modal";
+  args.solver = "modal-fine";
   args.out = OutputPath::Of("/nowhere/points.csv");
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }

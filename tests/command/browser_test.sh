@@ -46,6 +46,33 @@ open() {
 # frame of the wanted width, as a window has a least width.
 probe='<script>
 addEventListener("error", (e) => parent.postMessage({error: e.message}, "*"));
+// What is wrong with the diagram of errors off the rod: points that are missing, or stand elsewhere than their figures.
+function rodFaults() {
+  const accuracy = JSON.parse(document.getElementById("data").textContent).accuracy.find((a) => a.panels);
+  const section = document.getElementById("rod-section");
+  if (!accuracy) return section.hidden ? [] : ["shown without data"];
+  const faults = [], svg = document.querySelector("svg[data-picture=rod]"), rows = accuracy.model_error[0].rows.filter((r) => r.ns > 0);
+  const expect = (what, is, wanted) => is === wanted || faults.push(`${what}: ${is}, not ${wanted}`);
+  if (!svg) return ["no picture"];
+  const marks = [...svg.querySelectorAll("path.mark")];
+  expect("points", marks.length, rows.length);
+  expect("rings", svg.querySelectorAll("circle.ring").length, rows.filter((r) => r.pareto_optimal).length);
+  expect("rows of the table", document.querySelectorAll("#rod-table tbody tr").length, accuracy.model_error[0].rows.length);
+  expect("buttons", document.querySelectorAll("#rod-motions button").length, accuracy.model_error.length);
+  const at = marks.map((m) => m.getAttribute("transform").match(/[-\d.]+/g).map(Number));
+  const check = (what, places, values) => {
+    const low = values.indexOf(Math.min(...values)), high = values.indexOf(Math.max(...values));
+    values.forEach((value, i) => {
+      const wanted = places[low] + Math.log(value / values[low]) / Math.log(values[high] / values[low]) * (places[high] - places[low]);
+      if (!(Math.abs(places[i] - wanted) < 0.3)) faults.push(`${what} of ${rows[i].model}, ${rows[i].moved}: ${places[i]}, not ${wanted}`);
+    });
+    if (!(places[high] - places[low] > 100)) faults.push(`no ${what} axis`);
+  };
+  if (marks.length !== rows.length) return faults;
+  check("x", at.map((a) => a[0]), rows.map((r) => r.ns));
+  check("y", at.map((a) => -a[1]), rows.map((r) => r.pooled));
+  return faults;
+}
 // What is wrong with the diagrams of the ways to run a scene, held against what the page was given.
 function waysFaults() {
   const ways = JSON.parse(document.getElementById("data").textContent).accuracy.find((a) => a.rows);
@@ -216,6 +243,7 @@ addEventListener("load", () => setTimeout(() => {
     costs: costFaults().slice(0, 3).join("; "),
     frames: framesFaults().slice(0, 3).join("; "),
     ways: waysFaults().slice(0, 3).join("; "),
+    rod: rodFaults().slice(0, 3).join("; "),
     lanes: lanesFaults().slice(0, 3).join("; "),
     cut: cutOff().slice(0, 3).join("; "),
     planted: document.querySelectorAll("b.planted").length, hostile: String(window.hostile),
@@ -229,6 +257,8 @@ attribute() { sed -n "s/.*<html[^>]* data-$2=\"\([^\"]*\)\".*/\1/p" "$1" | head 
 # if not given; DIAGRAMS: panels of error against run time, 0 if not given; KIND: accuracy (of solvers) or ways.
 check_page() {
   local page=$1 width=$2 consoles=${3-2} diagrams=${4-0} kind=${5-accuracy} out=$work/page.$2 name=
+  local rod=$((diagrams > 0))
+  [ "$kind" = accuracy ] || rod=0
   python3 - "$page" "$out.probed.html" "$probe" "$width" <<'PYTHON' || { echo "cannot be probed"; return; }
 import sys
 width = sys.argv[4]
@@ -247,21 +277,23 @@ PYTHON
     echo "the page is $(attribute "$out.html" scroll) wide in a frame of $width"
   local counts
   counts=$(attribute "$out.html" pictures)
-  [ "$(wc -w <<<"$counts")" -eq $((3 + consoles + diagrams)) ] || echo "pictures: '$counts', not $((3 + consoles + diagrams))"
+  [ "$(wc -w <<<"$counts")" -eq $((3 + consoles + diagrams + rod)) ] ||
+    echo "pictures: '$counts', not $((3 + consoles + diagrams + rod))"
   [ "$(grep -o "$kind:" <<<"$counts" | wc -l)" -eq "$diagrams" ] || echo "diagrams: '$counts', not $diagrams"
   [ "$(grep -o 'console:' <<<"$counts" | wc -l)" -eq "$consoles" ] || echo "consoles: '$counts', not $consoles"
   for name in $counts; do
     [ "${name#*:}" -ge 5 ] || echo "picture $name has under 5 filled paths"
   done
-  [ "$(attribute "$out.html" named)" = $((3 + consoles + diagrams)) ] || echo "a picture has no name"
-  # Two of the costs; of each console: its units, and its stages; of the diagrams: one, and what layers get as they come.
-  local tables=$((9 + 2 * consoles + (diagrams > 0)))
-  if [ "$diagrams" -gt 0 ] && [ "$kind" = accuracy ]; then tables=$((tables + 1)); fi
+  [ "$(attribute "$out.html" named)" = $((3 + consoles + diagrams + rod)) ] || echo "a picture has no name"
+  # Two of the costs; of each console: its units, and its stages; of the diagrams: one, of solvers the modal one's, and
+  # the rod's.
+  local tables=$((9 + 2 * consoles + (diagrams > 0) + 2 * rod))
   [ "$(attribute "$out.html" tables)" = "$tables" ] || echo "$(attribute "$out.html" tables) tables, not $tables"
   [ -z "$(attribute "$out.html" frames)" ] || echo "frames: $(attribute "$out.html" frames)"
   [ -z "$(attribute "$out.html" costs)" ] || echo "costs: $(attribute "$out.html" costs)"
   [ -z "$(attribute "$out.html" lanes)" ] || echo "lanes: $(attribute "$out.html" lanes)"
   [ -z "$(attribute "$out.html" cut)" ] || echo "cut off: $(attribute "$out.html" cut)"
+  [ -z "$(attribute "$out.html" rod)" ] || echo "rod: $(attribute "$out.html" rod)"
   [ -z "$(attribute "$out.html" ways)" ] || echo "ways: $(attribute "$out.html" ways)"
   [ "$(attribute "$out.html" section)" = "$((consoles > 0))" ] || echo "section of consoles shown: $(attribute "$out.html" section)"
   [ "$(attribute "$out.html" clipped)" = 0 ] || echo "$(attribute "$out.html" clipped) names of lanes are cut off"
@@ -444,6 +476,8 @@ TOML
     [ -z "$said" ] || fail "with diagrams, at $width px: $said"
   done
   must_fail "$work/accuracy.html" "diagrams: "
+  sed 's/r.ns > 0 \&\& r.pooled > 0);/r.ns > 100);/' "$work/accuracy.html" >"$work/fewer.html"
+  must_fail "$work/fewer.html" 'rod: points'
   test_ways
   (cd "$work" && "$pelt" report --character builtin --setup ./large.toml --frames 3 --out large.html) >"$work/large.log" 2>&1 ||
     fail "pelt report, of what a PS3 cannot run: $(cat "$work/large.log")"

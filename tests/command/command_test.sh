@@ -315,7 +315,7 @@ check_accuracy_errors() {
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   local run=(accuracy --out points.csv --strand strand.toml --roots)
   expect 2 missing.csv -- "${run[@]}" missing.csv
-  expect 2 'there are modal-fast' -- "${run[@]}" roots.csv --solver xpbd-99
+  expect 2 'there are modal' -- "${run[@]}" roots.csv --solver xpbd-99
   sed '5s/,[^,]*$//' roots.csv >short.csv
   expect 2 'short.csv:5: 10 cells' -- "${run[@]}" short.csv
   sed '7s/^[^,]*/nan/' roots.csv >nan.csv

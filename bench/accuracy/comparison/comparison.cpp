@@ -56,40 +56,6 @@ SolverFactory ComparisonFactory(Isa isa, const MethodSettings& settings) {
   return [=](const SolverSetup& setup) { return MakeComparison(isa, settings, setup); };
 }
 
-namespace {
-
-// Rods' lengths: what is best is flat, and a score of a rod takes long.
-constexpr double kStretchScales[] = {0.35, 1.0, 3.0, 8.0};
-
-std::span<const double> ScalesOf(Method method) {
-  if (method == Method::kCosseratRod || method == Method::kChainDescent) return kStretchScales;
-  return kStiffnessScales;
-}
-
-}  // namespace
-
-TunedMethod TuneMethod(Isa isa, MethodSettings settings, const Suite& suite, size_t preset,
-                       int frames_per_second) {
-  TunedMethod best{{}, settings};
-  best.settings.stiffness_scale = 0.0;
-  for (const bool one_sided : {false, true}) {
-    if (one_sided && settings.method != Method::kPbd) continue;
-    settings.one_sided = one_sided;
-    const auto make = [isa, settings](double scale) {
-      MethodSettings scaled = settings;
-      scaled.stiffness_scale = scale;
-      return ComparisonFactory(isa, scaled);
-    };
-    const TunedScore tuned =
-        TuneStiffness(suite, preset, frames_per_second, make, ScalesOf(settings.method));
-    if (tuned.scale == 0.0) continue;
-    if (best.settings.stiffness_scale > 0.0 && tuned.score.error >= best.score.error) continue;
-    best = {tuned.score, settings};
-    best.settings.stiffness_scale = tuned.scale;
-  }
-  return best;
-}
-
 std::string MethodLabel(const MethodSettings& settings) {
   const auto count = [](int n, std::string_view one) {
     return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");

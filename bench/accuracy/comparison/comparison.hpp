@@ -6,7 +6,6 @@
 #include <string>
 
 #include "bench/accuracy/comparison/tables.hpp"
-#include "bench/accuracy/error_metric.hpp"
 #include "bench/accuracy/strand_solver.hpp"
 #include "core/kernels/frame_table.hpp"
 
@@ -19,16 +18,6 @@ SolverFactory ComparisonFactory(Isa isa, const MethodSettings& settings);
 
 // "XPBD, 8 substeps" and the like.
 std::string MethodLabel(const MethodSettings& settings);
-
-// For methods whose stiffness is not the material's: the settings with the least error on the
-// suite's preset, over kStiffnessScales and, for PBD, both ways of bending. Tuned on the test
-// itself, as their users tune them by eye. stiffness_scale 0: none came out finite.
-struct TunedMethod {
-  Score score;
-  MethodSettings settings;
-};
-TunedMethod TuneMethod(Isa isa, MethodSettings settings, const Suite& suite, size_t preset,
-                       int frames_per_second);
 
 // Pelt's own position-based solvers: the kernels as they run in a frame, on chunks. Their hardness
 // (PBD) or stiffness (Verlet) is set from the material's stiffness as PBD's share is, and tuned by

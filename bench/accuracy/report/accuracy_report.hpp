@@ -15,7 +15,7 @@
 
 namespace pelt {
 
-inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 2";
+inline constexpr std::string_view kAccuracyFormat = "pelt accuracy 3";
 
 struct AccuracyReport {
   accuracy::WorkPrecision table;

@@ -89,11 +89,11 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
 void AddFindings(const ScenePrecision& t, ReportTree& tree) {
   ReportTable& picks = tree.AddTable({}, {InText("picks one"), InText("simulation", "ns", 1),
                                           InText("of PBD", "", 2), InText("wrong", "%", -3)});
-  for (const char* name : {"fast", "default", "best"})
+  for (const char* name : {"fast", "fine", "best"})
     if (const ScenePrecisionRow* row = t.Find(name))
       picks.Add(
           {fmt::format("--quality {}", name), row->simulate_ns, row->of_pbd, 100.0 * row->error});
-  const ScenePrecisionRow *halved = t.Find("default-halved"), *fast = t.Find("fast");
+  const ScenePrecisionRow *halved = t.Find("fine-halved"), *fast = t.Find("fast");
   tree.BlankLine();
   if (halved && fast)
     tree.Say(fmt::format(
@@ -102,7 +102,7 @@ void AddFindings(const ScenePrecision& t, ReportTree& tree) {
         "well; the poses between are not seen. Carrying strands with the skin in the other frames "
         "is not in its time.",
         halved->simulate_ns, 100.0 * halved->error, fast->simulate_ns, 100.0 * fast->error));
-  const ScenePrecisionRow *sleep = t.Find("default-sleep"), *awake = t.Find("default");
+  const ScenePrecisionRow *sleep = t.Find("fine-sleep"), *awake = t.Find("fine");
   if (!sleep || !awake) return;
   tree.Say(fmt::format(
       "Sleeping: {:.3g} s of motion, then {:.3g} s of stillness, which count in its time: {:.0f} % "

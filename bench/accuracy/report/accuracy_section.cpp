@@ -116,6 +116,36 @@ class SectionWriter {
     json_.EndArray();
   }
 
+  void Rod(const Json& file) {
+    json_.BeginArray("model_error");
+    for (const Json& panel : List(file, "model_error")) {
+      json_.BeginObject();
+      Text(panel, "motion");
+      Number(panel, "cases");
+      json_.BeginArray("rows");
+      for (const Json& row : List(panel, "rows")) RodRow(row);
+      json_.EndArray();
+      json_.EndObject();
+    }
+    json_.EndArray();
+  }
+  void RodRow(const Json& row) {
+    json_.BeginObject();
+    for (const char* key : {"model", "moved", "family"}) Text(row, key);
+    Flag(row, "pareto_optimal");
+    Number(row, "ns");
+    for (const char* key : {"pooled", "pooled_well_posed"}) NumberOrNull(row, key);
+    json_.BeginArray("presets");
+    for (const Json& preset : List(row, "presets")) {
+      json_.BeginObject();
+      Text(preset, "preset");
+      for (const char* key : {"median", "ninth_tenth"}) NumberOrNull(preset, key);
+      json_.EndObject();
+    }
+    json_.EndArray();
+    json_.EndObject();
+  }
+
   void Shipped(const Json& file) {
     json_.BeginArray("shipped");
     for (const Json& panel : List(file, "shipped", 0)) {
@@ -147,6 +177,7 @@ class SectionWriter {
     Number(file, "timed_strands");
     Text(file, "problems");
     Number(file, "seed");
+    Rod(file);
     Shipped(file);
     Flag(file, "calibrated");
     const size_t rates = List(file, "rates").size();
