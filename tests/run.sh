@@ -64,7 +64,7 @@ sanitized() {
   # Not the longest of what is about figures, which the other builds hold: other tests walk the same paths.
   local figures="PlantedErrors.*:MeasuredRows.HoldAt*:Perlin.HasZero*:Perlin.Neighbouring*:SimulateVerlet.AStillScene*Bias"
   figures+=":SimulatePbd.ComingToRest*:SimulatePbd.MotionDoesNotGrow*:Comparison.ErrorsAre*:Comparison.OurOwn*"
-  figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:Modal.CurlThat*:Collider.ALinkThatLeans*"
+  figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:ModelError.Curl*:Collider.ALinkThatLeans*"
   figures+=":SimulateModalContact.ASoftSurfaceIsAsDeep*:SimulateModalContact.KeepsWithinMaxDistance*"
   figures+=":KernelCost.ScheduledWindows*:SharedTransfers.TakesAsLong*:DmaProperties.NoStage*:ConsoleMachines.AreTimed*"
   figures+=":MeasuredRows.EachIs*:SimulateModal.SameBitsOnEverySet9Points"
