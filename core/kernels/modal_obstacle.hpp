@@ -149,7 +149,7 @@ struct Surroundings {
   float hardness, plane_bounce, max_distance, friction;
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
-  float step;       // parts from place to place
+  float spacing;    // parts from place to place
   Vec3<W> base[Q];  // where places stand when all tangents are nothing
   W per_step;       // parts/s for each metre in this frame
   float before;     // the present substep's end, as a share of the frame from its end
@@ -172,7 +172,7 @@ struct Surroundings {
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;
-    step = float(kParts) / float(Q);
+    spacing = float(kParts) / float(Q);
     BasePlaces(t, g, per_length, rest, base);
     per_step = per_length * W(t.euler_speed);
     chain::LoadColliders(params, g, colliders);
@@ -290,7 +290,7 @@ struct Surroundings {
                                 visit(now.In(per_length, root), step);
                               });
   }
-  PELT_INLINE float Limit(uint32_t i) const { return max_distance * step * float(i + 1); }
+  PELT_INLINE float Limit(uint32_t i) const { return max_distance * spacing * float(i + 1); }
   static PELT_INLINE W PerSquare(Vec3<W> line) {
     return W(1.0f) / Max(Dot(line, line), W(1.0e-6f));
   }

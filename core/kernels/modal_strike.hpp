@@ -209,7 +209,7 @@ struct Strikes {
       const Vec3<W> zero = {none, none, none};
       const Vec3<W> near_first = first.Core(zero), near_last = last.Core(zero);
       const Vec3<W> moved = near_last - near_first;
-      const W range = W(float(Q) * around.step) + first.radius + Sqrt(Dot(moved, moved));
+      const W range = W(float(Q) * around.spacing) + first.radius + Sqrt(Dot(moved, moved));
       near = (Dot(near_first, near_first) < range * range) & (first.radius > none);
       if (!Any(near)) return;
       fast = IsFast(shape.radius, step, substeps);

@@ -92,7 +92,7 @@ struct Touches {
     const W none = W(0.0f);
     around.Advance(t, t.substeps - 1, motion);  // where nobody follows, no substep did
     for (int round = 0; round < kFreeRounds; ++round) {
-      Vec3<W> d[N], at[Q], normal[Q];
+      Vec3<W> d[N], at[Q], away[Q];
       W depth[Q], least[Q], push[Q], lever[Q][N];
       PushedPlaces<Q> inside;
       Mask turned = W(1.0f) < none;
@@ -105,15 +105,15 @@ struct Touches {
         if (!Any(found.any)) continue;
         inside.Add(q);
         turned = turned | (found.any & lanes);
-        found.KeepWithinReach((W(float(q)) + found.share) * W(around.step * kReach));
-        found.Look(found.PointOf(from, at[q]), normal[q], depth[q]);
+        found.KeepWithinReach((W(float(q)) + found.share) * W(around.spacing * kReach));
+        found.Look(found.PointOf(from, at[q]), away[q], depth[q]);
         LeverOf<W, N>(t, q, found.share, lever[q]);
         least[q] = none;
       }
       if (inside.count == 0) return;
       const ImpulseMetric<W, N> metric(t, d);
       Pushed<W, N> all;
-      SolvePushes(metric, inside, normal, lever, depth, least, push, all);
+      SolvePushes(metric, inside, away, lever, depth, least, push, all);
       for (uint32_t i = 0; i < N; ++i) {
         Vec3<W> to = d[i] + all.moved[i];
         for (uint32_t j = 0; j < N; ++j) to = to + d[j] * (all.held[j] * W(t.inverse_mass[i][j]));
@@ -260,7 +260,7 @@ struct Touches {
         const Mask fresh = found.any & lanes & !obstacle[q].any;
         if (Any(fresh)) {
           if (eases) found.Ease(around.StartOf(q, found), W(around.time), most);
-          const W along = (W(float(q)) + found.share) * W(around.step);
+          const W along = (W(float(q)) + found.share) * W(around.spacing);
           if (around.colliders.moves)
             found.SlowDown(found.PointOf(from, at[q]), W(around.time), W(kFarthestHit) * along);
           found.KeepWithinReach(along * W(kReach));
@@ -278,7 +278,7 @@ struct Touches {
         Press<kBest>(t, matrix, n, depth, total, force, m);
     }
     W lever[Q][N];
-    for (Vec3<W>& none_there : normal) none_there = {none, none, none};
+    for (Vec3<W>& each : normal) each = {none, none, none};
     for (const uint32_t q : places) {
       const Mask pushed = total[q] > none;
       normal[q] = Select<W>(pushed, n[q], {none, none, none});
