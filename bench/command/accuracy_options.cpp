@@ -174,7 +174,7 @@ Subcommand SetUpStress(CLI::App& root) {
       "All of it takes about half a minute of one core on one vector instruction set.\n"
       "Examples:\n"
       "  pelt stress --quick --solvers modal-best,pbd --links 3\n"
-      "  pelt stress --quick --solvers modal-best,xpbd-8 --links 4 --rates 15,240 --json "
+      "  pelt stress --quick --solvers modal-fine,xpbd-8 --links 4 --rates 15,240 --json "
       "stress.json\n"
       "  pelt stress --quick --solvers modal --links 8 --rates 60");
   return {app, [] {}, [kept] { return StressSolvers(*kept); }};
