@@ -115,14 +115,22 @@ constexpr double kLongest = 1.0 / 150.0;
 // Where velocities are known the root is exact to 0.04 %, and what is left is the substeps'.
 constexpr double kLongestRated = 1.0 / 200.0;
 
+// Whether substeps of h follow a mode: they are at most 0.45 of its period.
+bool Follows(double omega2, double h) { return omega2 * h * h <= 8.0; }
+
 void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
   const uint32_t n = layer.modes.nodes;
-  // A change of force over the substep, 0 in its middle.
-  const auto slope_of = [&](double constant, double linear) { return linear / h - 0.5 * constant; };
+  // A change of force over the substep, 0 in its middle. Where every step turns the force, not of modes that it does not
+  // follow: they hardly answer to the force itself, and soft strands that drag alone damps then never rest. What is
+  // stepped again because it failed needs it (modal_fallback.hpp).
+  const auto slope_of = [&](uint32_t m, double constant, double linear) {
+    const bool turns = t->use_slope == 0 || Follows(layer.modes.omega2[m], h);
+    return turns ? linear / h - 0.5 * constant : 0.0;
+  };
   for (uint32_t m = 0; m < n; ++m) {
     const OscillatorStep& step = steps.mode[m];
     t->impulse[m] = float(0.5 * step.v_of_force[0]);
-    t->impulse_slope[m] = float(slope_of(step.v_of_force[0], step.v_of_force[1]));
+    t->impulse_slope[m] = float(slope_of(m, step.v_of_force[0], step.v_of_force[1]));
     t->y_of_force[m] = float(step.y_of_force[0]);
     t->v_of_force[m] = float(step.v_of_force[0]);
     t->y_of_y[m] = float(step.y_of_y);
@@ -137,7 +145,7 @@ void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, M
         const OscillatorStep& step = steps.mode[m];
         const double pair = layer.modes.shape[i][m] * layer.modes.shape[j][m];
         constant += pair * step.y_of_force[0];
-        slope += pair * slope_of(step.y_of_force[0], step.y_of_force[1]);
+        slope += pair * slope_of(m, step.y_of_force[0], step.y_of_force[1]);
       }
       t->response[i][j] = float(0.5 * constant);
       t->slope[i][j] = float(slope);
@@ -205,16 +213,13 @@ void FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
     }
 }
 
-// (omega h)^2 of the first mode up to which a curl turns with the strand, h a substep's length: 0.45 of a period. What is
-// stiffer rests where the curl's explicit force puts it within a substep, and that does not settle above 1 rad of curl;
-// it hardly leaves its rest shape either, and turns with the root.
-constexpr double kMostCurlStep = 8.0;
-
+// Of a curl that turns with the strand: what is stiffer rests where the curl's explicit force puts it within a substep, and
+// that does not settle above 1 rad of curl; it hardly leaves its rest shape either, and turns with the root.
 void FillCurl(const ModalLayer& layer, double h, ModalTableBlock* t) {
   const uint32_t n = layer.modes.nodes;
   const ModalMaterial& material = layer.material;
   const double square = layer.modes.omega2[0];
-  if (!material.parent_curl || !(square > 0.0) || square * h * h > kMostCurlStep) return;
+  if (!material.parent_curl || !(square > 0.0) || !Follows(square, h)) return;
   t->parent_curl = 1;
   double bend[kMaxNodes][kMaxNodes] = {}, inverse[kMaxNodes][kMaxNodes];
   for (uint32_t i = 0; i < n; ++i) {
