@@ -408,7 +408,7 @@ struct alignas(16) CurveRecord {
 };
 PELT_BLOCK CurveBlock { CurveRecord record[kStrandsPerChunk]; };
 
-// One strand of a ribbon layer: five points on its B-spline at equal parameters.
+// One strand of a ribbon layer: five of its points at equal parameters (fit_ribbon.hpp).
 struct alignas(16) RibbonRecord {
   float point[kRibbonPoints][3];
   uint32_t base_colour;

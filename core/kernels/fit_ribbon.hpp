@@ -1,12 +1,6 @@
-// Fit ribbon: five points on a strand's B-spline, at equal parameters, root and tip included.
-//
-// The chain's points, root first, are the control points of a cubic B-spline with uniform knots,
-// clamped at both ends (end knots fourfold), so the ribbon starts at the root and ends at the tip
-// exactly and is curvature-continuous between. With four points that is one Bezier cubic; five
-// have one inner knot at 1/2, nine five. The basis at the five parameters is a constant matrix, from
-// de Boor's recursion at compile time; it acts on offsets from the root.
-//
-// Source: de Boor, A Practical Guide to Splines, chapter IX.
+// Fit ribbon: five points of a strand at equal parameters, root and tip included. Strands of five and nine points have
+// them; of four points they are the cubic's through them. So what a solver keeps on the groom, or out of
+// a body, is drawn there: a spline with the points for controls cuts their bends, by 1 to 4 % of the length.
 #pragma once
 
 #include <string_view>
@@ -18,46 +12,6 @@
 #include "core/streams.hpp"
 
 namespace pelt {
-
-namespace fit_ribbon_detail {
-
-template <uint32_t kPoints>
-struct Basis {
-  float b[kRibbonPoints][kPoints];  // ribbon point r = sum over p of b[r][p] * chain point p
-};
-
-template <uint32_t kPoints>
-constexpr Basis<kPoints> MakeBasis() {
-  constexpr uint32_t kKnots = kPoints + 4, kSpans = kPoints - 3;
-  double knot[kKnots] = {};
-  for (uint32_t k = 0; k < kKnots; ++k) {
-    const uint32_t inner = k < 3 ? 0 : k - 3;
-    knot[k] = double(inner < kSpans ? inner : kSpans) / double(kSpans);
-  }
-  Basis<kPoints> out{};
-  for (uint32_t r = 0; r < kRibbonPoints; ++r) {
-    const double t = double(r) / double(kRibbonPoints - 1);
-    double n[kKnots - 1] = {};
-    // Of degree 0: the span that holds t (the last non-empty one for t = 1).
-    uint32_t span = 3;
-    while (span + 1 < kPoints && t >= knot[span + 1]) ++span;
-    n[span] = 1.0;
-    for (uint32_t degree = 1; degree <= 3; ++degree)
-      for (uint32_t k = 0; k + degree + 1 < kKnots; ++k) {
-        const double left = knot[k + degree] - knot[k];
-        const double right = knot[k + degree + 1] - knot[k + 1];
-        n[k] = (left > 0.0 ? (t - knot[k]) / left * n[k] : 0.0) +
-               (right > 0.0 ? (knot[k + degree + 1] - t) / right * n[k + 1] : 0.0);
-      }
-    for (uint32_t p = 0; p < kPoints; ++p) out.b[r][p] = float(n[p]);
-  }
-  return out;
-}
-static_assert(MakeBasis<4>().b[2][1] == 0.375f && MakeBasis<4>().b[4][3] == 1.0f);
-static_assert(MakeBasis<5>().b[2][2] == 0.5f && MakeBasis<5>().b[4][4] == 1.0f &&
-              MakeBasis<5>().b[4][3] == 0.0f);
-
-}  // namespace fit_ribbon_detail
 
 template <class V, uint32_t kPoints>
 struct FitRibbon {
@@ -84,18 +38,30 @@ struct FitRibbon {
   }
 
  private:
-  PELT_INLINE static void FitGroup(const Ports& ports, uint32_t lane) {
-    constexpr auto kBasis = fit_ribbon_detail::MakeBasis<kPoints>();
-    const Vec3<V> root = Load3<V>(ports.roots->position, lane);
-    Vec3<V> offset[kFree], p[kRibbonPoints];
-    for (uint32_t i = 0; i < kFree; ++i)
-      offset[i] = Load3<V>(ports.points->position[i], lane) - root;
-    p[0] = root;
-    for (uint32_t r = 1; r + 1 < kRibbonPoints; ++r) {
-      Vec3<V> sum = offset[0] * V(kBasis.b[r][1]);
-      for (uint32_t i = 1; i < kFree; ++i) sum = sum + offset[i] * V(kBasis.b[r][i + 1]);
-      p[r] = root + sum;
+  // Of points at 1/3, 2/3 and 1, the root at 0: the cubic through them at 1/4, 1/2 and 3/4.
+  static constexpr float kQuarters[3][3] = {{1.0546875f, -0.2109375f, 0.0390625f},
+                                            {0.5625f, 0.5625f, -0.0625f},
+                                            {-0.2109375f, 1.0546875f, 0.1171875f}};
+
+  // Between the root and the tip; r: 1 to 3.
+  PELT_INLINE static Vec3<V> InnerPoint(const Ports& ports, Vec3<V> root, uint32_t lane,
+                                        uint32_t r) {
+    const auto point = [&](uint32_t i) { return Load3<V>(ports.points->position[i], lane); };
+    if constexpr (kFree != 3) {
+      return point(r * (kFree / 4) - 1);
+    } else {
+      const float(&weight)[3] = kQuarters[r - 1];
+      Vec3<V> sum = (point(0) - root) * V(weight[0]);
+      for (uint32_t i = 1; i < 3; ++i) sum = sum + (point(i) - root) * V(weight[i]);
+      return root + sum;
     }
+  }
+
+  PELT_INLINE static void FitGroup(const Ports& ports, uint32_t lane) {
+    const Vec3<V> root = Load3<V>(ports.roots->position, lane);
+    Vec3<V> p[kRibbonPoints];
+    p[0] = root;
+    for (uint32_t r = 1; r + 1 < kRibbonPoints; ++r) p[r] = InnerPoint(ports, root, lane, r);
     p[kRibbonPoints - 1] = Load3<V>(ports.points->position[kFree - 1], lane);
 
     const auto look = look::Look<V>(*ports.layer, *ports.state, *ports.strands, lane);

@@ -6,10 +6,11 @@
 //               |   /       |           right = point + side * half width, u = 1
 //      v = 0  left0 ---- right0         half width runs straight from root to tip
 //
-// Tangents are central differences of the points (one-sided at the ends); colours run from base to
-// tip in sRGB bytes, rounded to nearest. A point with no tangent takes the world's up; a hair that
-// points at the eye takes any side across it: every vertex is finite and has width. The index
-// buffer is made once: core/ribbon_indices.hpp.
+// Tangents are central differences of the points; at the root, where hair bends most, the parabola's
+// through the first three, at the tip, where it does not bend, one-sided. Colours run from base to tip
+// in sRGB bytes, rounded to nearest. A point with no tangent takes the world's up; a hair that points
+// at the eye takes any side across it: every vertex is finite and has width. The index buffer is made
+// once: core/ribbon_indices.hpp.
 //
 // WriteRibbons gathers records in draw order. WriteRibbonsUnsorted writes its own chunk's hairs in
 // strand order, for drawing through an index buffer sorted on the caller's side: a gather in strand
@@ -64,7 +65,8 @@ PELT_INLINE Hairs<V> LoadHairs(QuadOfLane quad_of) {
 template <class V>
 PELT_INLINE Vec3<V> TangentAt(const Hairs<V>& h, uint32_t i) {
   const uint32_t last = kRibbonPoints - 1;
-  const Vec3<V> d = h.point[i < last ? i + 1 : last] - h.point[i > 0 ? i - 1 : 0];
+  Vec3<V> d = h.point[i < last ? i + 1 : last] - h.point[i > 0 ? i - 1 : 0];
+  if (i == 0) d = d * V(4.0f) - (h.point[2] - h.point[0]);
   const Vec3<V> up{V(0.0f), V(1.0f), V(0.0f)};
   const V squared = Dot(d, d);
   const Vec3<V> tangent = d * Rsqrt(squared);

@@ -162,49 +162,46 @@ void ExpectTheLeastSquaresFit() {
 TEST(FitCubic, FivePointsAreTheLeastSquaresFit) { ExpectTheLeastSquaresFit<5>(); }
 TEST(FitCubic, NinePointsAreTheLeastSquaresFit) { ExpectTheLeastSquaresFit<9>(); }
 
-// De Boor's algorithm in double, on the clamped knots.
-D3 EvaluateSpline(const std::vector<D3>& control, double t) {
-  const int n = int(control.size());
-  std::vector<double> knot;
-  for (int k = 0; k < n + 4; ++k)
-    knot.push_back(std::clamp(double(k - 3) / double(n - 3), 0.0, 1.0));
-  int span = 3;
-  while (span + 1 < n && t >= knot[span + 1]) ++span;
-  D3 d[4];
-  for (int j = 0; j < 4; ++j) d[j] = control[span - 3 + j];
-  for (int r = 1; r <= 3; ++r)
-    for (int j = 3; j >= r; --j) {
-      const double low = knot[span - 3 + j], high = knot[span + 1 + j - r];
-      const double a = (t - low) / (high - low);
-      d[j] = d[j - 1] * (1.0 - a) + d[j] * a;
-    }
-  return d[3];
-}
-
-template <uint32_t kPoints>
-void ExpectRibbonsOnTheSpline() {
+template <uint32_t kPoints, class Expect>
+void ForEachRibbon(Expect expect) {
   auto ribbons = std::make_unique<RibbonBlock>();
   for (uint32_t seed = 1; seed <= 20; ++seed) {
     auto s = MakeScene<kPoints>(seed, seed % 2);
     Fit<FitRibbon<V, kPoints>>(*s, *ribbons);
     for (uint32_t lane = 0; lane < s->state.live_strands; ++lane) {
       const RibbonRecord& r = ribbons->record[lane];
-      std::vector<D3> control = {At(s->roots.position, lane)};
-      for (uint32_t i = 0; i + 1 < kPoints; ++i) control.push_back(At(s->points.position[i], lane));
-      for (uint32_t q = 0; q < kRibbonPoints; ++q) {
-        const D3 p = {r.point[q][0], r.point[q][1], r.point[q][2]};
-        const double miss = Length(p - EvaluateSpline(control, q / 4.0));
-        EXPECT_LT(miss, q == 0 || q == 4 ? 1e-30 : 1e-6) << "lane " << lane << " point " << q;
-      }
+      const auto place = [&](uint32_t q) {
+        return D3{r.point[q][0], r.point[q][1], r.point[q][2]};
+      };
+      EXPECT_EQ(Length(place(0) - At(s->roots.position, lane)), 0.0);
+      EXPECT_EQ(Length(place(4) - At(s->points.position[kPoints - 2], lane)), 0.0);
+      for (uint32_t q = 1; q < 4; ++q) expect(*s, lane, q, place(q));
       ExpectLook(*s, r, lane, seed % 2 == 0);
       EXPECT_EQ(r.pad, 0u);
     }
   }
 }
 
-TEST(FitRibbon, FourPointsLieOnTheirBezierCurve) { ExpectRibbonsOnTheSpline<4>(); }
-TEST(FitRibbon, FivePointsLieOnTheirSpline) { ExpectRibbonsOnTheSpline<5>(); }
-TEST(FitRibbon, NinePointsLieOnTheirSpline) { ExpectRibbonsOnTheSpline<9>(); }
+// The reference: Neville's scheme in double.
+TEST(FitRibbon, FourPointsLieOnTheCubicThroughThem) {
+  ForEachRibbon<4>([](const FitScene<4>& s, uint32_t lane, uint32_t q, D3 place) {
+    D3 p[4] = {At(s.roots.position, lane)};
+    for (int i = 0; i < 3; ++i) p[i + 1] = At(s.points.position[i], lane);
+    const double x = 0.75 * q;
+    for (int span = 1; span < 4; ++span)
+      for (int i = 0; i + span < 4; ++i) p[i] = p[i] + (p[i + 1] - p[i]) * ((x - i) / span);
+    EXPECT_LT(Length(place - p[0]), 1e-6) << "lane " << lane << " point " << q;
+  });
+}
+template <uint32_t kPoints>
+void ExpectTheStrandsOwnPoints() {
+  ForEachRibbon<kPoints>([](const FitScene<kPoints>& s, uint32_t lane, uint32_t q, D3 place) {
+    EXPECT_EQ(Length(place - At(s.points.position[q * (kPoints - 1) / 4 - 1], lane)), 0.0)
+        << "lane " << lane << " point " << q;
+  });
+}
+TEST(FitRibbon, HasTheStrandsOwnOfFivePoints) { ExpectTheStrandsOwnPoints<5>(); }
+TEST(FitRibbon, HasTheStrandsOwnOfNinePoints) { ExpectTheStrandsOwnPoints<9>(); }
 
 template <template <class> class Kernel, class Block, uint32_t kPoints>
 void ExpectSameBitsEverywhere() {

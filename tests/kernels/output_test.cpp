@@ -191,8 +191,9 @@ uint32_t MixPlainly(uint32_t base, uint32_t tip, uint32_t i) {
 void CheckHair(const World& w, const RibbonRecord& r, const World::Hair& hair) {
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
     const D3 point = Of(r.point[i]);
-    const D3 along =
-        Of(r.point[std::min(i + 1, kRibbonPoints - 1)]) - Of(r.point[i > 0 ? i - 1 : 0]);
+    D3 along = Of(r.point[std::min(i + 1, kRibbonPoints - 1)]) - Of(r.point[i > 0 ? i - 1 : 0]);
+    // The parabola through three points, at the first of them.
+    if (i == 0) along = point * -1.5 + Of(r.point[1]) * 2.0 - Of(r.point[2]) * 0.5;
     const D3 tangent = along * (1.0 / Length(along));
     const D3 across = Cross(tangent, Of(w.params.eye) - point);
     const double v = i / 4.0;
