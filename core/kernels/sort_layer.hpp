@@ -198,6 +198,7 @@ struct SortLayer {
       for (uint32_t b = 0; b < kPasses << bits; ++b) StoreWord<V>(count, b, 0u);
       ForEachLane(
           [&](uint32_t, Scalar key, Scalar seen) __attribute__((always_inline)) {
+            PELT_UNROLL
             for (uint32_t pass = 0; pass < kPasses; ++pass) {
               const Scalar bin = (key >> (pass * bits)) & mask;
               uint32_t* const of_pass = count + (pass << bits);

@@ -71,7 +71,7 @@ PELT_INLINE Vec3<V> PerlinVector(Vec3<V> p) {
 
   // Columns and planes are hashed first, corners from them. The last multiplication must see two
   // well-mixed words: with a bare z, neighbouring planes came out correlated.
-  const auto mix = [](Int key) {
+  const auto mix = [](Int key) __attribute__((always_inline)) {
     Int h = key * Int(int32_t(0x9e3779b1u));
     h = (h ^ (h >> 15)) * Int(int32_t(0x85ebca6bu));
     return h ^ (h >> 13);
@@ -88,7 +88,7 @@ PELT_INLINE Vec3<V> PerlinVector(Vec3<V> p) {
   const V w = simd_detail::QuinticFade(f.z);
   // Every corner and plane is named, so that no compiler computes them in another order
   // (pricing/written_order.hpp).
-  const auto blend_plane = [&](Int z, V fz) {
+  const auto blend_plane = [&](Int z, V fz) __attribute__((always_inline)) {
     const Vec3<V> r00 = CornerRamps<V>(corner(c00, z), f.x, f.y, fz);
     const Vec3<V> r10 = CornerRamps<V>(corner(c10, z), g.x, f.y, fz);
     const Vec3<V> near = Lerp(r00, r10, u);
