@@ -36,8 +36,8 @@ UnknownRow Times(size_t n, const UnknownMatrix& a, const UnknownRow& x) {
 
 }  // namespace
 
-CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest,
-                             CurlModel curl)
+CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestShape& rest,
+                             CurlModel curl, const StrandWeight& weight)
     : n_(size_t(strand.count)),
       curl_(curl),
       length_(preset.length),
@@ -48,20 +48,28 @@ CurveDynamics::CurveDynamics(const CurveStrand& strand, const Preset& preset, co
       stiffness_(strand.stiffness),
       pull_(strand.pull),
       root_(rest.root * (1.0 / preset.length)),
-      clamp_(rest.TangentAt(0.0)) {
+      clamp_(rest.tangent_at(0.0)),
+      gravity_(weight.gravity) {
   const double omega = 2.0 * std::numbers::pi * preset.frequency;
   for (auto& row : stiffness_)
     for (double& k : row) k *= omega * omega;
   rod_ = omega * omega / (kRodFrequency1 * kRodFrequency1);
   bends_ = strand.bends;
   for (const BendPlace& place : bends_) {
-    rest_tangent_.push_back(rest.TangentAt(place.s));
-    rest_bend_.push_back(rest.BendAt(place.s));
+    rest_tangent_.push_back(rest.tangent_at(place.s));
+    rest_bend_.push_back(rest.bend_at(place.s));
   }
   SolveModes(strand.count, mass_, stiffness_, modes_, squares_);
   root_share_ = Times(n_, inverse_, strand.pull);
   clamp_share_ = Times(n_, inverse_, strand.clamp);
-  for (size_t i = 0; i < n_; ++i) rest_[i] = rest.TangentAt(strand.at[i]);
+  for (size_t i = 0; i < n_; ++i) rest_[i] = rest.tangent_at(strand.at[i]);
+  unbent_ = rest_;
+  const UnknownMatrix give = Inverse(strand.count, stiffness_);
+  for (size_t j = 0; j < n_; ++j) {
+    const double stretch = std::max(Dot(weight.held, rest_[j]), 0.0);
+    const Double3 hold = (rest_[j] * stretch - weight.held) * (pull_[j] / length_);
+    for (size_t i = 0; i < n_; ++i) unbent_[i] = unbent_[i] + hold * give[i][j];
+  }
 }
 
 UnknownVectors CurveDynamics::CurlLoad(const BodyPose& pose, const UnknownVectors& d) const {
@@ -96,8 +104,8 @@ UnknownVectors CurveDynamics::Equilibrium(const BodyPose& pose) const {
   UnknownVectors d, force;
   for (size_t i = 0; i < n_; ++i) {
     d[i] = pose.Turn(rest_[i]);
-    force[i] = kGravity * (pull_[i] / length_);
-    for (size_t j = 0; j < n_; ++j) force[i] = force[i] + pose.Turn(rest_[j]) * stiffness_[i][j];
+    force[i] = gravity_ * (pull_[i] / length_);
+    for (size_t j = 0; j < n_; ++j) force[i] = force[i] + pose.Turn(unbent_[j]) * stiffness_[i][j];
   }
   constexpr int kMostSweeps = 60000;
   constexpr double kCurlStep = 0.3;
@@ -129,10 +137,10 @@ UnknownVectors CurveDynamics::Equilibrium(const BodyPose& pose) const {
 void CurveDynamics::Accelerate(const BodyPose& pose, const UnknownVectors& d,
                                const UnknownVectors& rate, UnknownVectors& acceleration) const {
   const Double3 push =
-      (kGravity + pose.wind * drag_ - pose.acceleration - pose.velocity * drag_) * (1.0 / length_);
+      (gravity_ + pose.wind * drag_ - pose.acceleration - pose.velocity * drag_) * (1.0 / length_);
   UnknownVectors strain, force;
   for (size_t i = 0; i < n_; ++i)
-    strain[i] = d[i] - pose.Turn(rest_[i]) + (rate[i] - pose.TurnRate(rest_[i])) * damping_;
+    strain[i] = d[i] - pose.Turn(unbent_[i]) + (rate[i] - pose.TurnRate(unbent_[i])) * damping_;
   for (size_t i = 0; i < n_; ++i) {
     force[i] = push * pull_[i];
     for (size_t j = 0; j < n_; ++j) force[i] = force[i] - strain[j] * stiffness_[i][j];
@@ -180,7 +188,11 @@ struct CurveMotion::Path {
 };
 
 CurveMotion::CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, double step_s)
-    : dynamics_(dynamics), step_(step_s), pose_(pose), d_(dynamics.Equilibrium(pose)) {
+    : CurveMotion(dynamics, pose, step_s, dynamics.Equilibrium(pose)) {}
+
+CurveMotion::CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, double step_s,
+                         const UnknownVectors& start)
+    : dynamics_(dynamics), step_(step_s), pose_(pose), d_(start) {
   const CurveDynamics& s = dynamics_;
   for (size_t m = 0; m < s.n_; ++m) {
     const double damping = s.drag_ + s.damping_ * s.squares_[m];
@@ -250,13 +262,12 @@ UnknownVectors CurveMotion::AddLoad(const UnknownVectors& free, const UnknownVec
 UnknownVectors CurveMotion::RunFree(const Path& path) {
   const CurveDynamics& s = dynamics_;
   UnknownVectors free{};
-  Double3 gravity = CurveDynamics::kGravity;
   UnknownVectors start, rest[4];  // with the body's place
   for (size_t i = 0; i < s.n_; ++i) {
     const Double3 body = s.OnBody(i);
     start[i] = d_[i] + path.Turned(0, body);
     for (int p = 0; p < 4; ++p)
-      rest[p][i] = path.Turned(p, s.rest_[i] + body) + path.place[p] * s.root_share_[i];
+      rest[p][i] = path.Turned(p, s.unbent_[i] + body) + path.place[p] * s.root_share_[i];
   }
   for (size_t m = 0; m < s.n_; ++m) {
     UnknownRow image{};  // Phi^T M
@@ -275,7 +286,7 @@ UnknownVectors CurveMotion::RunFree(const Path& path) {
     Double3 z = from * step.v_of_y + z_[m] * step.v_of_v;
     for (int p = 0; p < 4; ++p) {
       Double3 force = (power[p] + power[p + 1] * (s.damping_ * (p + 1))) * s.squares_[m];
-      if (p == 0) force = force + (gravity + path.wind[0] * s.drag_) * (pull / s.length_);
+      if (p == 0) force = force + (s.gravity_ + path.wind[0] * s.drag_) * (pull / s.length_);
       if (p == 1) force = force + path.wind[1] * (s.drag_ * pull / s.length_);
       q = q + force * step.y_of_force[p];
       z = z + force * step.v_of_force[p];

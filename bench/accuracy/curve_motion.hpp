@@ -10,6 +10,7 @@
 // 0.1 % of itself, and a Runge-Kutta method that shares nothing with it must agree (tests/accuracy).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "bench/accuracy/chain_problem.hpp"
@@ -18,13 +19,31 @@
 
 namespace pelt::accuracy {
 
-// How a strand grows from its body: a helix, whose tangent turns about an axis that it leans towards.
+// How a strand grows from its body; s from 0, its root, to 1, its tip.
+struct RestShape {
+  Double3 root;                                          // m
+  std::function<Double3(double s)> tangent_at, bend_at;  // unit; its change per length
+};
+
+// A helix, whose tangent turns about an axis that it leans towards.
 struct RestCurve {
   Double3 root, tangent, axis;  // m; unit
   double turn;                  // from root to tip, rad
 
   Double3 TangentAt(double s) const { return Unit(TurnAbout(tangent, axis, turn * s)); }
   Double3 BendAt(double s) const { return Cross(axis, TangentAt(s)) * turn; }  // per length
+  operator RestShape() const {
+    return {root, [rest = *this](double s) { return rest.TangentAt(s); },
+            [rest = *this](double s) { return rest.BendAt(s); }};
+  }
+};
+
+// What a strand weighs, m/s^2.
+struct StrandWeight {
+  Double3 gravity = {0.0, -9.81, 0.0};  // world
+  // On the body: the weight under which it rests as it was groomed, held by forces that turn with the body
+  // (core/modal/README.md, "Grooms that hold"); 0: gravity bends it.
+  Double3 held = kZero3;
 };
 
 using UnknownVectors = std::array<Double3, kMostUnknowns>;
@@ -32,8 +51,8 @@ using UnknownVectors = std::array<Double3, kMostUnknowns>;
 // The strand's equation, in lengths of the strand and seconds.
 class CurveDynamics {
  public:
-  CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestCurve& rest,
-                CurlModel curl = CurlModel::kRoot);
+  CurveDynamics(const CurveStrand& strand, const Preset& preset, const RestShape& rest,
+                CurlModel curl = CurlModel::kRoot, const StrandWeight& weight = {});
 
   size_t count() const { return n_; }
   double length() const { return length_; }
@@ -50,8 +69,6 @@ class CurveDynamics {
 
  private:
   friend class CurveMotion;
-  static constexpr Double3 kGravity = {0.0, -9.81, 0.0};
-
   // What the body's place adds to direction i, of the body's pose or its derivatives: e_i x0 + (M^-1 m)_i r0.
   Double3 OnBody(size_t i) const { return root_ * root_share_[i] + clamp_ * clamp_share_[i]; }
 
@@ -63,13 +80,18 @@ class CurveDynamics {
   UnknownMatrix mass_, inverse_, stiffness_, modes_{};
   UnknownRow pull_, squares_{}, root_share_{}, clamp_share_{};
   UnknownVectors rest_{};
-  Double3 root_, clamp_;  // in the body's frame; lengths
+  UnknownVectors unbent_{};  // where springs rest: `rest_`, and what holds the weight up there
+  Double3 root_, clamp_;     // in the body's frame; lengths
+  Double3 gravity_;
 };
 
 class CurveMotion {
  public:
   // Begins hanging still in `pose`.
   CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, double step_s);
+  // Begins with directions `start`, carried along by the body.
+  CurveMotion(const CurveDynamics& dynamics, const BodyPose& pose, double step_s,
+              const UnknownVectors& start);
   // The body goes from the last pose to this one in a step.
   void Step(const BodyPose& to);
   const UnknownVectors& directions() const { return d_; }

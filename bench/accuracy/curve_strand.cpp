@@ -126,6 +126,12 @@ CurveStrand ClampedRod(const NodePlaces<N>& places) {
 }  // namespace
 
 CurveStrand RodOfStrand() { return ClampedRod(kRadau); }
+UnknownRow RodPlaceAt(double s) {
+  const auto place = MakeNodeModel(kRadau).PlaceAt(s);
+  UnknownRow row{};
+  std::copy(place.begin(), place.end(), row.begin());
+  return row;
+}
 CurveStrand CoarseRodOfStrand() { return ClampedRod(kCoarseRadau); }
 
 }  // namespace pelt::accuracy

@@ -48,6 +48,8 @@ template <size_t N>
 CurveStrand NodesOfStrand(std::string name, const NodePlaces<N>& places);
 // The rod itself: polynomials of degree 10 on Radau's nodes.
 CurveStrand RodOfStrand();
+// X_i of the rod at s.
+UnknownRow RodPlaceAt(double s);
 // Of degree 8: how far the rod has converged.
 CurveStrand CoarseRodOfStrand();
 

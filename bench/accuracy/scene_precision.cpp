@@ -16,15 +16,10 @@ namespace {
 // The way that a sleeping one is compared with.
 constexpr std::string_view kAwake = "fine";
 
-constexpr double kNone = std::numeric_limits<double>::infinity();
+// Rods of a scene.
+constexpr uint32_t kRods = 192, kQuickRods = 64;
 
-void RemoveContact(Scenario& scenario) {
-  scenario.spheres.clear();
-  scenario.capsules.clear();
-  scenario.base.use_ground = false;
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) layer.params.surface_hardness = 0.0f;
-}
+constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // ---- All of them in lockstep ------------------------------------------------------------------
 
@@ -77,6 +72,8 @@ class Lockstep {
             fmt::format("no layer of {} can have: {}", options.scene, way.label));
       }
     }
+    rods_ = std::make_unique<SceneRods>(base_, options.reference_rate, result.warm_up,
+                                        options.quick ? kQuickRods : kRods);
     times_.assign(ways_.size(), FrameTimes(options.frames + options.still_frames));
     errors_.resize(ways_.size());
   }
@@ -104,6 +101,16 @@ class Lockstep {
       }
   }
 
+  void CompareWithRods(const std::function<void()>& progress) {
+    result_.rods = rods_->Compare(ways_, options_.isa, progress);
+    for (std::string& note : result_.rods.notes) result_.notes.push_back(std::move(note));
+  }
+  // Calls of `progress`, of all rounds and the rods.
+  size_t Steps() const {
+    const auto rods = std::count_if(ways_.begin(), ways_.end(), SceneRods::IsComparable);
+    return (size_t(options_.rounds) + size_t(rods)) * options_.frames;
+  }
+
   void Summarise() {
     const uint32_t moving = options_.frames - result_.warm_up;
     for (size_t w = 0; w < ways_.size(); ++w) {
@@ -118,6 +125,7 @@ class Lockstep {
       row.error = errors_[w].sum.Share();
       row.own_error = result_.has_vertex_chains ? errors_[w].own.Share() : row.error;
       row.off_m = errors_[w].sum.OffRms();
+      row.rod_error = result_.rods.ways[w];
       row.live_share = errors_[w].live / moving;
       row.points_digest = errors_[w].digest;
       result_.rows.push_back(row);
@@ -164,7 +172,7 @@ class Lockstep {
     // All three to frame `f`.
     void Advance(uint32_t f) {
       rigid_->RunFrame(f);
-      RunTo(*fine_, f, all_.options_.reference_rate);
+      RunTo(*fine_, f, all_.options_.reference_rate, all_.rods_.get());
       RunTo(*coarse_, f, all_.options_.reference_rate / 2);
       if (own_) RunTo(*own_, f, all_.options_.reference_rate);
       if (!layout_) layout_ = std::make_unique<ScenePointsLayout>(rigid_->scene());
@@ -211,9 +219,11 @@ class Lockstep {
       for (const float value : points_) digest = MixSeed(digest, std::bit_cast<uint32_t>(value));
     }
     bool Counts(uint32_t f) const { return f >= all_.result_.warm_up; }
-    static void RunTo(SceneRun& run, uint32_t f, uint32_t rate) {
-      for (uint32_t sub = f == 0 ? 0 : (f - 1) * rate + 1; sub <= f * rate; ++sub)
+    static void RunTo(SceneRun& run, uint32_t f, uint32_t rate, SceneRods* rods = nullptr) {
+      for (uint32_t sub = f == 0 ? 0 : (f - 1) * rate + 1; sub <= f * rate; ++sub) {
         run.RunFrame(sub);
+        if (rods) rods->Record(run.scene());
+      }
     }
 
     Lockstep& all_;
@@ -246,6 +256,7 @@ class Lockstep {
   std::vector<FrameTimes> times_;
   std::vector<Errors> errors_;
   ErrorSum self_, chains_;
+  std::unique_ptr<SceneRods> rods_;
 };
 
 uint32_t Even(double frames) { return 2 * uint32_t(frames / 2.0); }
@@ -254,10 +265,11 @@ uint64_t DigestOf(const ScenePrecision& result) {
   uint64_t digest = std::bit_cast<uint64_t>(result.self_error);
   // In an order that times have no part in.
   for (const SceneWay& way : AllSceneWays())
-    if (const ScenePrecisionRow* row = result.Find(way.name))
-      digest = MixSeed(MixSeed(MixSeed(digest, std::bit_cast<uint64_t>(row->error)),
-                               std::bit_cast<uint64_t>(row->own_error)),
-                       row->points_digest);
+    if (const ScenePrecisionRow* row = result.Find(way.name)) {
+      for (const double error : {row->error, row->own_error, row->rod_error.value_or(0.0)})
+        digest = MixSeed(digest, std::bit_cast<uint64_t>(error));
+      digest = MixSeed(digest, row->points_digest);
+    }
   return digest;
 }
 
@@ -291,10 +303,11 @@ ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecision
   result.warm_up = Even(o.warm_up_share * o.frames);
   Lockstep lockstep(scene, result);
   size_t done = 0;
-  for (int round = 0; round < o.rounds; ++round)
-    lockstep.RunRound(round == 0, [&] {
-      if (o.progress) o.progress(++done, size_t(o.rounds) * o.frames);
-    });
+  const auto progress = [&] {
+    if (o.progress) o.progress(++done, lockstep.Steps());
+  };
+  for (int round = 0; round < o.rounds; ++round) lockstep.RunRound(round == 0, progress);
+  lockstep.CompareWithRods(progress);
   lockstep.Summarise();
   if (const ScenePrecisionRow* pbd = result.Find("pbd")) {
     const double simulate_ns = pbd->simulate_ns, frame_ns = pbd->frame_ns;

@@ -9,6 +9,9 @@
 // therefore 1. The reference knows where roots are between the frames and the ways do not: their
 // error holds the input error (work_precision.hpp) as a game has it.
 //
+// Nor does that reference know a rod: scene_rod.hpp has how far each way is off the rods that strands stand for
+// (rod_error).
+//
 // Strands that follow chains at mesh vertices are wrong by more than their chains are: a second
 // reference, the same with a chain for each strand, says by how much (own_error).
 //
@@ -28,6 +31,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/accuracy/scene_rod.hpp"
 #include "bench/accuracy/scene_way.hpp"
 
 namespace pelt::accuracy {
@@ -54,6 +58,8 @@ struct ScenePrecisionRow {
   double off_m = 0.0;                       // RMS distance to the reference
   // As `error`, against a chain for each strand; the same where the scene has no others.
   double own_error = 0.0;
+  std::optional<double> rod_error =
+      {};                      // of the rods' (scene_rod.hpp); none: no rod, or not compared
   double live_share = 1.0;     // of the strands
   double simulate_runs = 0.0;  // of those stages on a chunk, a frame
   uint64_t points_digest = 0;  // of all points of all frames
@@ -71,8 +77,9 @@ struct ScenePrecision {
   double secondary_m = 0.0;  // RMS of reference - rigid
   bool has_vertex_chains = false;
   double chain_error = 0.0;             // of the reference itself, against a chain for each strand
+  SceneRodErrors rods;                  // its notes are below
   std::vector<ScenePrecisionRow> rows;  // cheapest first
-  std::vector<std::string> notes;       // ways that the scene has no layer for
+  std::vector<std::string> notes;       // ways that the scene has no layer for; layers without rods
   uint64_t error_digest = 0;
 
   // Nothing as cheap, by that time, is more exact. Only among ways to choose from.

@@ -32,16 +32,15 @@ std::vector<SceneWay> AllSceneWays() {
                     .quality = s.quality,
                     .halved = true});
   }
-  ways.push_back({.name = "fine-sleep", .label = "modal fine, sleeping when still", .sleep = true});
+  ways.push_back({.name = "fine-sleep", .label = "modal fine, asleep when still", .sleep = true});
   ways.push_back(
       {.name = "fine-on-screen", .label = "modal fine, fast where unseen", .on_screen = true});
   for (const int divisor : {2, 4})
     ways.push_back({.name = fmt::format("fine-lod-{}", divisor),
                     .label = fmt::format("modal fine, LOD to 1/{}", divisor),
                     .strand_share = 1.0 / divisor});
-  ways.push_back({.name = "fine-own-chains",
-                  .label = "modal fine, a chain for each strand",
-                  .own_chains = true});
+  ways.push_back(
+      {.name = "fine-own-chains", .label = "modal fine, own chains", .own_chains = true});
   return ways;
 }
 
@@ -69,6 +68,14 @@ bool SetWay(const SceneWay& way, const Scenario& base, Scenario& scenario) {
       scenario.grooms[g].layers[l].params = params;
     }
   return any;
+}
+
+void RemoveContact(Scenario& scenario) {
+  scenario.spheres.clear();
+  scenario.capsules.clear();
+  scenario.base.use_ground = false;
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) layer.params.surface_hardness = 0.0f;
 }
 
 void RemoveStrength(Groom& groom) {

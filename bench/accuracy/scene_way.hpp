@@ -41,6 +41,8 @@ Scenario AtRate(const Scenario& base, uint32_t multiply, uint32_t divide);
 // Gives the layers of `scenario` what the way wants; those that cannot have its solver keep that of
 // `base`. Says whether any has it.
 bool SetWay(const SceneWay& way, const Scenario& base, Scenario& scenario);
+// Surface, ground and colliders.
+void RemoveContact(Scenario& scenario);
 void RemoveStrength(Groom& groom);
 // Gives every strand a chain of its own in place of those at mesh vertices. Says whether any lacked
 // one.

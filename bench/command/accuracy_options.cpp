@@ -73,10 +73,12 @@ void AddRecorded(CLI::App& app, AccuracyArgs& args) {
 }
 
 void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
-  auto* scene = app.add_option("--scene", args.scene,
-                               "Instead of the benchmark: every way to run the frames of a "
-                               "built-in scene, from cheapest to most exact")
-                    ->check(IsScene());
+  auto* scene =
+      app.add_option("--scene", args.scene,
+                     "Instead of the benchmark: every way to run the frames of a "
+                     "built-in scene, from cheapest to most exact, and how far each is off "
+                     "the rods that strands stand for")
+          ->check(IsScene());
   app.add_option("--frames", args.frames, "With --scene: frames to run; 0: enough")
       ->needs(scene)
       ->check(CLI::Range(0, 100'000))

@@ -647,10 +647,10 @@ function drawWays(parent, ways, time, families) {
 }
 
 function fillWaysTable(ways) {
-  table(byId('ways-table'), 'Ways to run the scene', ['way', ...kWayTimes.flatMap((time) => [`${time.name}: ns`, 'of PBD']), 'error', 'off, mm', 'strands live', 'nothing as cheap is more exact'],
+  table(byId('ways-table'), 'Ways to run the scene', ['way', ...kWayTimes.flatMap((time) => [`${time.name}: ns`, 'of PBD']), 'error', 'off, mm', 'off its rod', 'strands live', 'nothing as cheap is more exact'],
         ways.rows.map((row) => [
           row.label, ...kWayTimes.flatMap((time) => [row[time.ns].toFixed(1), row[time.of_pbd].toFixed(2)]),
-          row.error === null ? 'not finite' : percent(row.error), row.off_m === null ? '' : (1e3 * row.off_m).toFixed(3), percent(row.live_share),
+          row.error === null ? 'not finite' : percent(row.error), row.off_m === null ? '' : (1e3 * row.off_m).toFixed(3), row.rod_error === null ? '' : percent(row.rod_error), percent(row.live_share),
           {text: row.reference_material ? kWayTimes.filter((time) => row[time.pareto_optimal]).map((time) => time.name).join(', ') : 'another material', class: 'text'}]), {tall: true});
 }
 
@@ -664,7 +664,7 @@ function fillWays() {
       `${number(ways.strands)} strands, ${ways.layers} layers, ${ways.contact ? '' : 'no contacts, '}${ways.frames} frames at ${ways.frames_per_second} a second, ` +
       `${ways.warm_up_frames} of them to warm up, and ${ways.still_frames} still ones; ${ways.processor}, one core, ${ways.isa} kernels, fastest of ${ways.rounds} rounds; ` +
       `${ways.compiler}, ${ways.build_type}, commit ${ways.commit}; digest of the errors ${ways.error_digest}.` + (ways.quick ? ' Quick: few frames, one round.' : '') +
-      (ways.notes.length ? ` Not run: ${ways.notes.join('; ')}.` : '');
+      (ways.notes.length ? ` Left out: ${ways.notes.join('; ')}.` : '');
   fillFamilies(byId('ways-legend'), families, kSolidMarks);
   fillWaysTable(ways);
   return () => {

@@ -196,7 +196,7 @@ TEST(AccuracySection, RefusesOtherFiles) {
             std::string::npos);
   EXPECT_NE(SectionMessage("[1, 2]").find("is not of the format"), std::string::npos);
   EXPECT_NE(SectionMessage(Json{{"format", kFeatureAccuracyFormat}}.dump())
-                .find("a.json: is not of the format 'pelt accuracy 3' or 'pelt scene accuracy 1'"),
+                .find("a.json: is not of the format 'pelt accuracy 3' or 'pelt scene accuracy 2'"),
             std::string::npos);
   const std::string whole = good.dump();
   for (size_t cut : {size_t{1}, whole.size() / 2, whole.size() - 1})
@@ -254,10 +254,22 @@ TEST(SceneReport, JsonHoldsTheTable) {
     const accuracy::ScenePrecisionRow& row = table.rows[r];
     EXPECT_EQ(json["rows"][r]["way"], row.way.name);
     EXPECT_EQ(json["rows"][r]["error"], row.error);
+    EXPECT_EQ(json["rows"][r]["rod_error"], row.rod_error ? Json(*row.rod_error) : Json());
     EXPECT_EQ(json["rows"][r]["frame_ns"], row.frame_ns);
     EXPECT_EQ(json["rows"][r]["frame_pareto_optimal"],
               table.IsParetoOptimal(row, &accuracy::ScenePrecisionRow::frame_ns));
   }
+}
+
+TEST(SceneReport, HasNoColumnOfRodsWhereThereAreNone) {
+  SceneReport report = SharedSceneReport();
+  report.table.rods = {};
+  for (accuracy::ScenePrecisionRow& row : report.table.rows) row.rod_error.reset();
+  const ReportTree tree = MakeSceneTree(report);
+  EXPECT_EQ(tree.Text().find("off its\n"), std::string::npos);
+  const Json json = Json::parse(tree.Json());
+  EXPECT_TRUE(json["rows"][0]["rod_error"].is_null());
+  EXPECT_TRUE(json["rod_layers"].empty());
 }
 
 TEST(SceneReport, TextGoesFromCheapestToMostExact) {
@@ -273,6 +285,7 @@ TEST(SceneReport, TextGoesFromCheapestToMostExact) {
     at = found;
     last_ns = row.frame_ns;
   }
+  EXPECT_NE(text.find("off its\n"), std::string::npos);
   // PBD and Verlet, and their halves.
   EXPECT_EQ(Count(text.substr(text.find("\nway ")), "~"), 4u);
   for (const char* part : {"--quality fast", "--quality best", "the same bits as awake", "digest"})

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 namespace pelt {
 
 using namespace accuracy;
@@ -26,7 +28,8 @@ void AddHead(const ScenePrecision& t, ReportTree& tree) {
       "the artist's PBD or Verlet parameters as they stand: the figure says how different the "
       "motion is, not how wrong, and is never Pareto-optimal; nor does sleeping, which goes "
       "with every way. own: the same against a chain for each strand, for scenes that have "
-      "chains at mesh vertices which strands follow.",
+      "chains at mesh vertices which strands follow. off its rod: a sample of strands, without "
+      "contact, wind and clumps, against the elastic rods they stand for.",
       o.reference_rate, 1e3 * t.secondary_m));
 }
 
@@ -46,6 +49,20 @@ std::string_view FamilyOf(const SceneWay& way) {
   return "modal";
 }
 
+void AddRods(const SceneRodErrors& rods, ReportTree& tree) {
+  tree.Add(InJson("rod_self_error"), rods.self_error);
+  tree.Add(InJson("rod_secondary_motion_m"), rods.secondary_m);
+  ReportTable& layers = tree.AddTable("rod_layers", {{"layer"},
+                                                     {"way", "", -1, "as it is set up"},
+                                                     {"strands"},
+                                                     {"sampled"},
+                                                     {"rod_error", "rod, %", -3, "off its", 100}});
+  for (const RodLayerRow& row : rods.layers)
+    layers.Add({row.layer, row.way, row.strands, row.sampled, row.error});
+  if (rods.layers.empty()) return;
+  layers.Add({"rods in steps twice as long", {}, {}, {}, rods.self_error}, Show::kText);
+}
+
 void AddRows(const ScenePrecision& t, ReportTree& tree) {
   ReportTable& rows = tree.AddTable("rows", {InJson("way"),
                                              InJson("family"),
@@ -59,20 +76,24 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
                                              {"own_error", "%", -3, "own", 100},
                                              {"off_m", "mm", 3, "off", 1000},
                                              {"live_share", "%", 0, "live", 100},
+                                             InJson("rod_error"),
                                              InJson("simulate_runs"),
                                              InJson("reference_material"),
                                              InJson("simulate_pareto_optimal"),
                                              InJson("frame_pareto_optimal"),
                                              InJson("points_digest")});
-  for (const ScenePrecisionRow& row : t.rows)
+  if (!t.rods.layers.empty()) rows.columns.push_back(InText("off its", "rod, %", -3));
+  for (const ScenePrecisionRow& row : t.rows) {
     rows.Add({row.way.name, FamilyOf(row.way), row.way.label, Mark(t, row), row.frame_ns,
               row.frame_of_pbd, row.simulate_ns, row.of_pbd, row.error, row.own_error, row.off_m,
-              row.live_share, row.simulate_runs, row.way.OnReferenceMaterial(),
-              t.IsParetoOptimal(row, kSimulate), t.IsParetoOptimal(row, kFrame),
-              DigestText(row.points_digest)});
+              row.live_share, row.rod_error.value_or(std::numeric_limits<double>::quiet_NaN()),
+              row.simulate_runs, row.way.OnReferenceMaterial(), t.IsParetoOptimal(row, kSimulate),
+              t.IsParetoOptimal(row, kFrame), DigestText(row.points_digest)});
+    if (row.rod_error) rows.rows.back().values.push_back(100.0 * *row.rod_error);
+  }
   rows.Add({{},
             {},
-            fmt::format("the reference at {} times the rate", t.options.reference_rate / 2),
+            fmt::format("reference at {} times the rate", t.options.reference_rate / 2),
             {},
             {},
             {},
@@ -81,9 +102,10 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
             t.self_error},
            Show::kText);
   if (t.has_vertex_chains)
-    rows.Add({{}, {}, "the reference's chains at vertices", {}, {}, {}, {}, {}, {}, t.chain_error},
+    rows.Add({{}, {}, "reference, chains at vertices", {}, {}, {}, {}, {}, {}, t.chain_error},
              Show::kText);
   tree.AddTexts("notes", t.notes);
+  AddRods(t.rods, tree);
 }
 
 void AddFindings(const ScenePrecision& t, ReportTree& tree) {

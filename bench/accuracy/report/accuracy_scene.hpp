@@ -9,7 +9,7 @@
 
 namespace pelt {
 
-inline constexpr std::string_view kSceneAccuracyFormat = "pelt scene accuracy 1";
+inline constexpr std::string_view kSceneAccuracyFormat = "pelt scene accuracy 2";
 
 struct SceneReport {
   accuracy::ScenePrecision table;

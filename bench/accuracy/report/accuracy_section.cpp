@@ -107,7 +107,7 @@ class SectionWriter {
       for (const char* key :
            {"frame_ns", "frame_of_pbd", "simulate_ns", "simulate_of_pbd", "live_share"})
         Number(row, key);
-      for (const char* key : {"error", "off_m"}) NumberOrNull(row, key);
+      for (const char* key : {"error", "off_m", "rod_error"}) NumberOrNull(row, key);
       for (const char* key :
            {"reference_material", "frame_pareto_optimal", "simulate_pareto_optimal"})
         Flag(row, key);
