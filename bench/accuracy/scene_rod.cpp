@@ -15,6 +15,10 @@ namespace {
 
 constexpr uint32_t kMostOfLayer = 24;
 
+// Most that steps twice as long may change a rod that counts. They change one that swings by 0.1 %, one that is thrown
+// over by as much as it moves; a strand that is 3 % off its rod is then anywhere.
+constexpr double kMostChange = 0.01;
+
 // A cubic spline through points at equal steps of s, whose first two and last two parts are one cubic each.
 struct Spline {
   explicit Spline(std::vector<Double3> points) : point(std::move(points)), second(point.size()) {
@@ -278,18 +282,23 @@ void SceneRods::MoveAll(SceneRodErrors& errors) {
     try {
       rod.moved = Move(rod, 1);
       coarse = Move(rod, 2);
-    } catch (const Error&) {  // the root goes too wild for one of them
+    } catch (const Error&) {  // one of them is too long
       continue;
     }
-    for (size_t i = 0; i < coarse.size(); ++i) sum.Add(rod, coarse[i], rod.moved[i]);
+    Sum own;
+    for (size_t i = 0; i < coarse.size(); ++i) own.Add(rod, coarse[i], rod.moved[i]);
+    if (own.off > kMostChange * kMostChange * own.moved) continue;
+    sum.Add(own);
     points += rod.strands * double(coarse.size());
     found.push_back(std::move(rod));
   }
   if (found.size() < rods_.size())
-    errors.notes.push_back(
-        fmt::format("{} of {} rods are left out: their roots go too wild for the steps of rods",
-                    rods_.size() - found.size(), rods_.size()));
+    errors.notes.push_back(fmt::format(
+        "{} of {} rods are left out, which steps twice as long change by over {:.0f} %: "
+        "no way can follow what is as chaotic",
+        rods_.size() - found.size(), rods_.size(), 100.0 * kMostChange));
   rods_ = std::move(found);
+  if (rods_.empty()) return;
   errors.self_error = sum.Share();
   errors.secondary_m = std::sqrt(sum.moved / points);
 }

@@ -1,10 +1,10 @@
 // How far the strands of a scene are off the rods that they stand for (curve_strand.hpp's), each clamped in its own
 // root: what no frame rate of the scene's own solver can tell.
 //
-// Roots of a sample of strands are recorded from the reference's run; each sample's rod has its layer's material, the
-// strand's length and a smooth rest curve through its groomed points, starts on the groom where the strand does, and is
-// moved exactly (curve_motion.hpp) in steps of the recording's frames. With every second of them it says what its steps are good to
-// (self_error).
+// Roots of a sample of strands are recorded from the reference's run; each one's rod has its layer's material, the
+// strand's length and a smooth rest curve through its groomed points, starts on the groom when the strand does, and is
+// moved exactly (curve_motion.hpp) in steps of the recording's frames. Every second of them is a measure of what steps
+// are good to (self_error), and tells rods that are chaotic: nothing can follow those, and they are left out.
 //
 // A rod touches nothing, is in no wind and in no clump. So the ways to run the scene go through its frames once more
 // without those, every strand at full strength. The error is a share of the rod's secondary motion, over
@@ -31,8 +31,8 @@ namespace pelt::accuracy {
 
 // Layers of one name, in the solver and quality that their setup has.
 struct RodLayerRow {
-  std::string layer, way;  // SceneWay::label
-  uint64_t strands = 0, sampled = 0;
+  std::string layer, way;             // SceneWay::label
+  uint64_t strands = 0, sampled = 0;  // simulated ones; rods that count
   double error = 0.0;
 };
 
@@ -41,7 +41,7 @@ struct SceneRodErrors {
   double self_error = 0.0;                  // of the rods: in steps twice as long
   double secondary_m = 0.0;                 // RMS of rod - rigid
   std::vector<RodLayerRow> layers;
-  std::vector<std::string> notes;  // layers left out, and why
+  std::vector<std::string> notes;  // what is left out, and why
 };
 
 class SceneRods {
