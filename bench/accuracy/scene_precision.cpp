@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bench/accuracy/scene_points.hpp"
+#include "core/error.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
@@ -294,6 +295,8 @@ ScenePrecision MeasureScenePrecision(const ScenePrecisionOptions& options) {
 }
 
 ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecisionOptions& wanted) {
+  if (scene.StrandCount() == 0)
+    throw Error(fmt::format("{} has no strands, whose errors these would be", wanted.scene));
   ScenePrecision result;
   result.options = wanted;
   ScenePrecisionOptions& o = result.options;

@@ -44,7 +44,7 @@ class StrandParser {
     m.drag = Number("drag", 0.0, {0.0, 1000.0, "1/s"});
     m.gravity = Vector("gravity", m.gravity, 1000.0);
     file.strand.root = Vector("root", kZero3, 100.0);
-    ReadStiffness(length, m);
+    file.rod = ReadStiffness(length, m);
     ReadDamping(m);
     file.strand.rest.fill({0.0, 1.0, 0.0});
     if (const toml::node* rest = table_.get("rest"))
@@ -134,7 +134,8 @@ class StrandParser {
     Fail(node, key, fmt::format("expected one of \"{}\"", fmt::join(words, "\", \"")));
   }
 
-  void ReadStiffness(double length, ChainMaterial& m) const {
+  // Whether it is a rod.
+  bool ReadStiffness(double length, ChainMaterial& m) const {
     const int links = m.links;
     const toml::node *frequency = table_.get("frequency_hz"), *stiffness = table_.get("stiffness");
     if (!frequency && !stiffness)
@@ -152,9 +153,11 @@ class StrandParser {
       m = WithMaterial(uniform ? NaiveRod(links, length, length, 1.0 / length)
                                : CalibratedRod(links, length, length, 1.0 / length),
                        m);
-      if (hz > 0.0) return ScaleToFrequency(hz, m);
-      m.stiffness = {};
-      return;
+      if (hz > 0.0)
+        ScaleToFrequency(hz, m);
+      else
+        m.stiffness = {};
+      return hz > 0.0 && !uniform;
     }
     for (int i = 0; i < links; ++i) {
       m.length[size_t(i)] = length / links;
@@ -167,6 +170,7 @@ class StrandParser {
       Fail(*stiffness, "stiffness",
            fmt::format("its fastest mode has {:.4g} Hz; allowed are {:g}", fastest,
                        kMostFastFrequency));
+    return false;
   }
   // The rod, with what has been read already.
   static ChainMaterial WithMaterial(ChainMaterial rod, const ChainMaterial& read) {

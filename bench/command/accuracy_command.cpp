@@ -152,13 +152,13 @@ ExitCode RunRecorded(const AccuracyArgs& args) {
   const std::vector<RootSample> samples = ReadRootsFile(args.roots);
   const StrandFile strand = ReadStrandFile(args.strand);
   NamedSolver solver = SolverOf(args);
-  if (!args.exact && strand.material.links > kMostLinks)
+  const int links = strand.material.links;
+  if (!args.exact && !(strand.rod ? RunsParts(solver, links) : links <= kMostLinks))
     throw Error(fmt::format("--solver {} with {}: {}", solver.name, args.strand,
-                            WhyNotLinks(solver, strand.material.links)));
+                            WhyNotLinks(solver, links)));
   solver.velocities = samples[0].rated && solver.family == Family::kModal;
   const PointTrack exact = RunExact(strand, samples);
-  const PointTrack track =
-      args.exact ? exact : RunSolver(strand, samples, FactoryOf(solver, args.isa));
+  const PointTrack track = args.exact ? exact : RunSolver(strand, samples, solver, args.isa);
   if (track.links == 0)
     throw Error(fmt::format("{}: {} does not run such a strand", args.strand, solver.label));
   WriteOutput("points", args.out, PointsText(track));
@@ -166,19 +166,19 @@ ExitCode RunRecorded(const AccuracyArgs& args) {
              samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
              args.out.path());
   if (args.exact) {
-    fmt::print("the exact motion, the root between samples by {}\n",
+    fmt::print("the {}'s exact motion, the root between samples by {}\n",
+               strand.rod ? "rod" : "chain",
                samples[0].rated ? "their velocities" : "cubic splines");
     return kDone;
   }
-  const TrackError error = CompareTracks(strand, samples, track, exact);
+  const TrackError error = CompareTracks(samples, track, exact);
   fmt::print("{}{} ({} kernels): ", solver.label, solver.velocities ? ", with velocities" : "",
              IsaName(args.isa));
   if (!std::isfinite(error.share) && std::isfinite(error.worst))
     fmt::print("no secondary motion to compare\n");
   else
-    fmt::print(
-        "{:.2f} % of the secondary motion differs from the exact one, by {:.3g} mm at most\n",
-        100.0 * error.share, 1e3 * error.worst);
+    fmt::print("{:.2f} % of the secondary motion differs from the {}'s, by {:.3g} mm at most\n",
+               100.0 * error.share, strand.rod ? "rod" : "chain", 1e3 * error.worst);
   return kDone;
 }
 

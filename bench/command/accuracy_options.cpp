@@ -64,7 +64,8 @@ void AddRecorded(CLI::App& app, AccuracyArgs& args) {
       ->needs(roots)
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
-  app.add_flag("--exact", args.exact, "The reference integrator instead of a solver")
+  app.add_flag("--exact", args.exact,
+               "The exact motion of the rod, or of a chain of links, instead of a solver's")
       ->needs(roots)
       ->excludes(solver);
   AddOutputFolder(app, "--write-example", args.write_example,
