@@ -33,14 +33,14 @@ SceneOptions OptionsOn(const ConsoleRequest& request) {
 }
 
 // What every stage costs there, from a frame that skips nothing; of all strands, so that it is the
-// same whatever LOD leaves.
+// same whatever LOD leaves, each layer in the quality that the request's frames have it in.
 StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneOptions& options) {
   RunningScenario running(scenario, options);
   SerialExecutor serial;
   SkipSettings skip = request.skip;
   skip.lod = false;
   for (uint32_t f = 0; f < kPricedFrame; ++f) {
-    running.Begin(f, skip, {});
+    running.Begin(f, skip, request.lod);
     serial.Run(running.scene().CurrentFrame());
   }
   const SkipSettings all{.sleep = false,
@@ -50,7 +50,7 @@ StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneO
                          .wind = false,
                          .light = false,
                          .lod = false};
-  running.Begin(kPricedFrame, all, {});
+  running.Begin(kPricedFrame, all, request.lod);
   const CoreKind kind = request.console == Console::kPs3 ? CoreKind::kSpu : CoreKind::kXenon;
   const PricedCore core = MakePricedCore(kind, request.numbers);
   return PriceStages(running.scene().CurrentFrame(), RecordingKernels(), core, {}).OrThrow();

@@ -252,6 +252,20 @@ TEST_P(ConsoleOf, AFrameLiesInTheRangeOfItsCode) {
   EXPECT_NE(std::string(page["verdict"]).find(DescribeRange(b)), std::string::npos);
 }
 
+// A layer in `fine` that is small on screen takes `fast` there too, unless the request wants it seen.
+TEST_P(ConsoleOf, PricesTheQualityThatFramesHave) {
+  Scenario tiny = LoadScenario("tiny");
+  ConsoleRequest request{.console = GetParam(), .frames = 2};
+  request.lod.fast_quality_px = 0.0f;
+  const ConsoleBudget exact = ConsoleRun(tiny, request).Run();
+  const auto cycles = [](const ConsoleBudget& budget) {
+    const auto stage =
+        std::ranges::find(budget.costs.stages, "simulate_modal_4", &StageCosts::Stage::name);
+    return SumOf(stage->scheduled.cycles_per_iteration);
+  };
+  EXPECT_GT(cycles(exact), 1.5 * cycles(on().budget));
+}
+
 // LOD takes its strands away over the first frames: a few frames from the start are not what it
 // settles at, the same few behind a warm-up are.
 TEST(ConsoleBudget, WarmingUpLeavesTheRampOfLodOut) {
