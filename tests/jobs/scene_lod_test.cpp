@@ -126,27 +126,20 @@ TEST(FurSceneLod, GrowingBackDisturbsNoStrandThatWasThere) {
 
 // ---- the modal solver's quality by size on the screen -------------------------------------------
 
-// `tiny` with all layers modal, of one quality, seen from `distance_m`.
-uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m) {
+// `tiny` with all layers modal, of one quality.
+Scenario ModalScenario(ModalQuality quality) {
   Scenario scenario = TinyScenario();
   for (Groom& groom : scenario.grooms)
     for (GroomLayer& layer : groom.layers) {
       layer.params.solver = Solver::kModal;
       layer.params.quality = quality;
     }
-  scenario.camera.radius_m = distance_m;
-  LodSettings lod;
-  lod.fast_quality_px = allowed_px;
-  SkipSettings no_cull;
-  no_cull.cull = false;
-  RunningScenario running(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 12; ++f) {
-    running.Begin(f, no_cull, lod);
-    serial.Run(running.scene().CurrentFrame());
-  }
-  Digest digest;  // of what is simulated: the order of drawing is the camera's
-  const FurScene& scene = running.scene();
+  return scenario;
+}
+
+// Of what is simulated: the order of drawing is the camera's.
+uint64_t DigestOfPoints(const FurScene& scene) {
+  Digest digest;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     if (const auto* p = scene.memory().Of<&Streams::strand_points4>(c))
       for (const auto& point : p->position)
@@ -158,6 +151,23 @@ uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m
           for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
   }
   return digest.Value();
+}
+
+// Seen from `distance_m`.
+uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m) {
+  Scenario scenario = ModalScenario(quality);
+  scenario.camera.radius_m = distance_m;
+  LodSettings lod;
+  lod.fast_quality_px = allowed_px;
+  SkipSettings no_cull;
+  no_cull.cull = false;
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 12; ++f) {
+    running.Begin(f, no_cull, lod);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  return DigestOfPoints(running.scene());
 }
 
 // The first frame knows no box and is fur on its groom in either quality: so all are the same.
@@ -173,6 +183,33 @@ TEST(QualityByScreen, FarLayersAreFastAndNearOnesAreNot) {
   EXPECT_EQ(DigestOfModal(ModalQuality::kFine, 100.0f, near), fast);
   // Who asked for it has it.
   EXPECT_EQ(DigestOfModal(ModalQuality::kBest, 0.5f, far), best);
+}
+
+// Strands that lie still in one quality may lie elsewhere in the other.
+TEST(QualityByScreen, AnotherOneWakesWhatSleeps) {
+  constexpr uint32_t kRest = 12, kOther = 400;
+  Scenario scenario = ModalScenario(ModalQuality::kFine);
+  // A soft surface would be another one in the other quality, which says enough.
+  for (GroomLayer& layer : scenario.grooms[0].layers) layer.params.surface_hardness = 0.0f;
+  scenario.rest_from_frame = kRest;
+  scenario.base.wind = {};
+  scenario.weather_course = {};
+  RunningScenario asleep(scenario, {}), awake(scenario, {});
+  SerialExecutor serial;
+  LodSettings lod;
+  lod.fast_quality_px = 0.0f;
+  uint64_t still = 0;
+  for (uint32_t f = 0; f < kOther + 60; ++f) {
+    if (f == kOther) lod.fast_quality_px = 1.0e6f;
+    asleep.Begin(f, {}, lod);
+    awake.Begin(f, {.sleep = false}, lod);
+    for (const RunningScenario* running : {&asleep, &awake})
+      serial.Run(running->scene().CurrentFrame());
+    if (f + 1 < kOther) continue;
+    ASSERT_EQ(DigestOfPoints(asleep.scene()), DigestOfPoints(awake.scene())) << "frame " << f;
+    if (f + 1 == kOther) still = DigestOfPoints(awake.scene());
+  }
+  EXPECT_NE(DigestOfPoints(awake.scene()), still);
 }
 
 TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
