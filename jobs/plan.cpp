@@ -219,6 +219,20 @@ bool IsAdmitted(const Stage& stage, const SceneShape& shape) {
                      [&](uint32_t kind) { return stage.kinds.Admits(kind); });
 }
 
+uint32_t CodeBytes(const PlanOptions& options, const std::vector<Stage>& stages, uint32_t first,
+                   uint32_t count) {
+  uint32_t bytes = 0;
+  for (uint32_t s = first; options.code_bytes && s < first + count; ++s)
+    bytes += options.code_bytes(stages[s].kernel.name);
+  return bytes;
+}
+
+// What a pass's data may take of a local store.
+uint32_t DataLimit(const PlanOptions& options, uint32_t code) {
+  if (!options.code_bytes) return options.local_store_data_bytes;
+  return options.code_and_data_bytes - std::min(code, options.code_and_data_bytes);
+}
+
 bool CanJoin(const std::vector<Stage>& stages, uint32_t first, uint32_t next) {
   if (stages[next].domain != stages[first].domain) return false;
   for (uint32_t s = first; s < next; ++s)
@@ -246,22 +260,25 @@ Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
   // A stage for kinds of layer that the scene has none of would only cost barriers.
   std::erase_if(plan.stages, [&](const Stage& s) { return !IsAdmitted(s, shape); });
   const auto uses = FindUses(plan.stages, plan.table->streams.size());
-  const uint32_t limit = options.local_store_data_bytes;
-  const uint32_t room = options.must_fit ? limit : std::max(limit, options.cache_bytes);
   uint32_t first = 0;
   while (first < plan.stages.size()) {
     uint32_t count = 1;
+    const uint32_t code = CodeBytes(options, plan.stages, first, 1);
+    const uint32_t limit = DataLimit(options, code);
     Pass pass = MeasurePass(plan, first, 1, shape, true, uses);
     if (pass.resident_bytes > limit) pass = MeasurePass(plan, first, 1, shape, false, uses);
     if (pass.resident_bytes > limit && options.must_fit)
       return Failure{
-          Format("stage {}: one {} needs {} bytes of local store, {} more than the {} there are; "
-                 "use smaller chunks or smaller layers",
+          Format("stage {}: one {} needs {} bytes of local store, {} more than the {} there are{}",
                  plan.stages[first].kernel.name, DomainName(pass.domain), pass.resident_bytes,
-                 pass.resident_bytes - limit, limit)};
+                 pass.resident_bytes - limit, limit,
+                 code > 0 ? Format(" beside {} of code", code)
+                          : "; use smaller chunks or smaller layers")};
     while (options.fuse && first + count < plan.stages.size() &&
            CanJoin(plan.stages, first, first + count)) {
       Pass longer = MeasurePass(plan, first, count + 1, shape, true, uses);
+      const uint32_t left = DataLimit(options, CodeBytes(options, plan.stages, first, count + 1));
+      const uint32_t room = options.must_fit ? left : std::max(left, options.cache_bytes);
       if (longer.resident_bytes > room) break;
       pass = std::move(longer);
       ++count;

@@ -10,8 +10,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -48,6 +50,10 @@ struct PlanOptions {
   // What a local store has for data, after code and stack. Passes fuse only while they fit it twice
   // over.
   uint32_t local_store_data_bytes = 176 * 1024;
+  // Where it is known what each kernel's code takes, by name, a pass has in place of that what its own code
+  // leaves of `code_and_data_bytes`: one with much of it makes no other smaller.
+  std::function<uint32_t(std::string_view kernel)> code_bytes = {};
+  uint32_t code_and_data_bytes = 0;
   // Without must_fit they fuse while they fit this twice over: half of what a core has to itself of
   // cache. What one stage leaves there the next one need not fetch again.
   uint32_t cache_bytes = 512 * 1024;

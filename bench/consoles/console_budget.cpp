@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "bench/consoles/gpu_bound.hpp"
@@ -22,9 +23,6 @@ constexpr uint32_t kPricedFrame = 30;
 // A frame's limits are four more timings of it.
 constexpr uint32_t kLimitsEvery = 10;
 constexpr uint32_t kTrialFrames = 8;
-
-// A plan that fuses less needs less code at a time: it is tried for stores smaller by this much.
-constexpr uint32_t kFusionStepBytes = 16 * 1024;
 
 SceneOptions OptionsOn(const ConsoleRequest& request) {
   SceneOptions options = request.scene;
@@ -84,13 +82,6 @@ Scenario Resample(const Scenario& scenario) {
   return out;
 }
 
-bool IsPriced(const Plan& plan, const StageCosts& costs) {
-  return std::equal(plan.stages.begin(), plan.stages.end(), costs.stages.begin(),
-                    costs.stages.end(), [](const Stage& stage, const StageCosts::Stage& cost) {
-                      return stage.kernel.name == cost.name;
-                    });
-}
-
 std::vector<std::string> Describe(const std::vector<LocalStoreFault>& faults) {
   std::vector<std::string> out;
   for (const LocalStoreFault& fault : faults)
@@ -126,30 +117,32 @@ ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
       options_(OptionsOn(request)),
       machine_(MakeConsole(request)) {  // before pricing: what cannot be needs none
   if (request_.frames == 0) request_.frames = scenario.default_frames;
-  std::string first_error;
-  for (;;) {
-    const RunningScenario running(scenario_, options_);
-    const Plan& plan = running.scene().plan();
-    if (!IsPriced(plan, costs_)) costs_ = Price(scenario_, request_, options_);
-    const auto made = ConsoleExecutor::Make(machine_, costs_, running.scene().CurrentFrame());
-    if (made) return;
-    if (first_error.empty()) first_error = made.error();
-    if (!FuseLess(running.scene()))
-      throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, first_error));
+  costs_ = Price(scenario_, request_, options_);
+  const Plan priced = RunningScenario(scenario_, options_).scene().plan();
+  if (request_.console == Console::kPs3) ChargeCode(priced);
+  std::unique_ptr<RunningScenario> planned;
+  try {
+    planned = std::make_unique<RunningScenario>(scenario_, options_);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error.what()));
   }
+  MakeExecutor(planned->scene(), machine_);
 }
 
-// A plan knows the blocks of a pass, not its code. Where the two do not fit together it is made
-// again for less data, which cuts passes. False: they are cut as far as they can be.
-bool ConsoleRun::FuseLess(const FurScene& scene) {
-  uint32_t largest = 0;  // what cannot be cut
-  for (const Pass& pass : scene.plan().passes)
-    if (pass.stage_count == 1)
-      largest = std::max(largest, pass.resident_bytes / (pass.double_buffered ? 2 : 1));
-  uint32_t& data_bytes = options_.plan.local_store_data_bytes;
-  if (request_.console != Console::kPs3 || data_bytes < largest + kFusionStepBytes) return false;
-  data_bytes -= kFusionStepBytes;
-  return true;
+// Plans know the blocks of a pass, not its code: they are made again with what its stages turned out to have.
+void ConsoleRun::ChargeCode(const Plan& priced) {
+  std::map<std::string_view, uint32_t> taken;
+  for (size_t s = 0; s < priced.stages.size(); ++s) {
+    const KernelDesc& kernel = priced.stages[s].kernel;
+    taken[kernel.name] = costs_.stages[s].code_bytes + uint32_t(kernel.params_bytes);
+  }
+  const SpuRuntimeParameters& runtime = machine_.runtime;
+  options_.plan.code_and_data_bytes =
+      machine_.local_store_bytes - runtime.code_bytes - runtime.stack_bytes;
+  options_.plan.code_bytes = [taken = std::move(taken)](std::string_view kernel) {
+    const auto found = taken.find(kernel);
+    return found == taken.end() ? 0 : found->second;
+  };
 }
 
 std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,

@@ -113,7 +113,7 @@ class ConsoleRun {
   const FurScene& scene() const { return running_->scene(); }
 
  private:
-  bool FuseLess(const FurScene& scene);
+  void ChargeCode(const Plan& priced);
   std::unique_ptr<ConsoleExecutor> MakeExecutor(const FurScene& scene,
                                                 const ConsoleMachine& machine) const;
   // All frames of the request, timed only.

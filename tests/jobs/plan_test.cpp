@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 
 #include "core/error.hpp"
@@ -202,6 +203,29 @@ TEST(Plan, FusesOnlyWhatFitsTwiceOver) {
   EXPECT_TRUE(fits.passes[0].double_buffered);
   const Plan cut = CompilePlan(stages, kShape, {.local_store_data_bytes = fused - 1}).OrThrow();
   EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
+}
+
+// A pass with much code has less room for its own data, and no other has.
+TEST(Plan, CodeTakesOfItsOwnPassAlone) {
+  const uint32_t fused = 2 * sizeof(KeyBlock) + sizeof(PairBlock) + 2 * sizeof(PlaceBlock);
+  const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>(),
+                                     MakeStage<SumLayer>(Domain::kLayer)};
+  PlanOptions options{.local_store_data_bytes = 0, .code_and_data_bytes = 100'000};
+  std::map<std::string_view, uint32_t> code;
+  options.code_bytes = [&](std::string_view kernel) { return code[kernel]; };
+  code["make_pairs"] = 1'000;
+  code["use_pairs"] = 100'000 - 1'000 - fused;
+  const Names whole({"make_pairs use_pairs", "sum_layer"}),
+      cut({"make_pairs", "use_pairs", "sum_layer"});
+  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), whole);
+  code["sum_layer"] = 50'000;
+  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), whole);
+  ++code["use_pairs"];
+  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), cut);
+  code["sum_layer"] = 100'000;
+  EXPECT_NE(ErrorOf(stages, kShape, options).find("the 0 there are beside 100000 of code"),
+            std::string::npos)
+      << ErrorOf(stages, kShape, options);
 }
 
 TEST(Plan, InMainMemoryStagesFuseWhileTheyFitACacheTwiceOver) {
