@@ -27,14 +27,14 @@ std::vector<SceneWay> AllSceneWays() {
   for (const auto& s : solvers) {
     ways.push_back({.name = s.name, .label = s.label, .solver = s.solver, .quality = s.quality});
     ways.push_back({.name = fmt::format("{}-halved", s.name),
-                    .label = fmt::format("{}, every second frame", s.label),
+                    .label = fmt::format("{}, at half rate", s.label),
                     .solver = s.solver,
                     .quality = s.quality,
                     .halved = true});
   }
-  ways.push_back({.name = "fine-sleep", .label = "modal fine, asleep when still", .sleep = true});
+  ways.push_back({.name = "fine-sleep", .label = "modal fine, asleep at rest", .sleep = true});
   ways.push_back(
-      {.name = "fine-on-screen", .label = "modal fine, fast where unseen", .on_screen = true});
+      {.name = "fine-on-screen", .label = "modal fine, fast if unseen", .on_screen = true});
   for (const int divisor : {2, 4})
     ways.push_back({.name = fmt::format("fine-lod-{}", divisor),
                     .label = fmt::format("modal fine, LOD to 1/{}", divisor),

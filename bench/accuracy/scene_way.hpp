@@ -15,7 +15,7 @@ namespace pelt::accuracy {
 // One way to run a scene's frames.
 struct SceneWay {
   std::string name;   // "fast-halved"
-  std::string label;  // "modal fast, every second frame"
+  std::string label;  // "modal fast, at half rate"
   Solver solver = Solver::kModal;
   ModalQuality quality = ModalQuality::kFine;
   bool simulate = true;       // else every strand follows the skin
