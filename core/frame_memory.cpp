@@ -6,14 +6,14 @@ namespace pelt {
 
 uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape) {
   const auto admits = [&](uint32_t kind) { return stream.kinds.Admits(kind); };
-  if (stream.domain != Domain::kChunk) {
+  if (!IsInLayer(stream.domain)) {
     const bool every = (stream.kinds.required | stream.kinds.forbidden) == 0;
     const bool any = every || std::any_of(shape.layer_kind.begin(), shape.layer_kind.end(), admits);
     return any ? shape.ItemCount(stream.domain) : 0;
   }
   uint32_t count = 0;
   for (uint32_t l = 0; l < shape.layer_count; ++l)
-    if (admits(shape.layer_kind[l])) count += shape.LayerChunks(l);
+    if (admits(shape.layer_kind[l])) count += shape.LayerItems(stream.domain, l);
   return count;
 }
 
@@ -36,8 +36,9 @@ FrameMemory PlaceStreams(const StreamTable& table, const SceneShape& shape, std:
     place.slot.assign(items, kNoBlock);
     if (place.block_count == 0) continue;
     uint32_t next = 0;
-    for (uint32_t c = 0; c < shape.chunk_count; ++c)
-      if (stream.kinds.Admits(shape.layer_kind[shape.chunk_layer[c]])) place.slot[c] = next++;
+    for (uint32_t i = 0; i < items; ++i)
+      if (stream.kinds.Admits(shape.layer_kind[shape.LayerOf(stream.domain, i)]))
+        place.slot[i] = next++;
   }
   return placed;
 }

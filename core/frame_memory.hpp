@@ -12,33 +12,51 @@ namespace pelt {
 
 inline constexpr uint32_t kNoBlock = ~0u;
 
-// What is in the scene and what belongs to what. Chunks of a layer, and layers of a character, are
-// contiguous.
+// What is in the scene and what belongs to what. Patches and chunks of a layer, and layers of a
+// character, are contiguous.
 struct SceneShape {
   uint32_t character_count = 0;
   uint32_t layer_count = 0;
+  uint32_t patch_count = 0;
   uint32_t chunk_count = 0;
   std::vector<uint32_t> layer_character;
-  std::vector<uint32_t> layer_first_chunk = {0};  // layer_count + 1 entries
+  std::vector<uint32_t> layer_first_patch = {0};  // layer_count + 1 entries
+  std::vector<uint32_t> layer_first_chunk = {0};  // likewise
   std::vector<uint32_t> layer_kind;
+  std::vector<uint32_t> patch_layer;
   std::vector<uint32_t> chunk_layer;
 
   // Behind all others; of the last character, or a new one.
-  void AddLayer(uint32_t character, uint32_t kind, uint32_t chunks) {
+  void AddLayer(uint32_t character, uint32_t kind, uint32_t chunks, uint32_t patches = 0) {
     character_count = std::max(character_count, character + 1);
     layer_character.push_back(character);
     layer_kind.push_back(kind);
+    patch_layer.insert(patch_layer.end(), patches, layer_count);
     chunk_layer.insert(chunk_layer.end(), chunks, layer_count++);
+    patch_count += patches;
     chunk_count += chunks;
+    layer_first_patch.push_back(patch_count);
     layer_first_chunk.push_back(chunk_count);
   }
   uint32_t ItemCount(Domain domain) const {
-    const uint32_t counts[] = {1, character_count, layer_count, chunk_count};
+    const uint32_t counts[] = {1, character_count, layer_count, patch_count, chunk_count};
     return counts[size_t(domain)];
   }
-  uint32_t LayerChunks(uint32_t layer) const {
-    return layer_first_chunk[layer + 1] - layer_first_chunk[layer];
+  // Of a layer, or of what is in one: the layer.
+  uint32_t LayerOf(Domain domain, uint32_t item) const {
+    return domain == Domain::kChunk   ? chunk_layer[item]
+           : domain == Domain::kPatch ? patch_layer[item]
+                                      : item;
   }
+  // Of patches or chunks: the layer's first one, and how many it has.
+  uint32_t LayerFirst(Domain domain, uint32_t layer) const {
+    return (domain == Domain::kPatch ? layer_first_patch : layer_first_chunk)[layer];
+  }
+  uint32_t LayerItems(Domain domain, uint32_t layer) const {
+    return LayerFirst(domain, layer + 1) - LayerFirst(domain, layer);
+  }
+  uint32_t LayerPatches(uint32_t layer) const { return LayerItems(Domain::kPatch, layer); }
+  uint32_t LayerChunks(uint32_t layer) const { return LayerItems(Domain::kChunk, layer); }
   friend bool operator==(const SceneShape&, const SceneShape&) = default;
 };
 
@@ -47,7 +65,7 @@ struct SceneShape {
 struct ItemPlace {
   uint32_t first[kDomainCount];
   uint32_t count[kDomainCount];
-  uint32_t layer_first_chunk;
+  uint32_t layer_first[kDomainCount];  // of patches and chunks: the first of the item's layer
 };
 
 struct StreamPlace {
@@ -97,7 +115,7 @@ struct FrameMemory {
   }
 };
 
-// Blocks of a stream: chunks of layers that lack it have none. Layers, characters and the scene have
+// Blocks of a stream: patches and chunks of layers that lack it have none. Layers, characters and the scene have
 // all, or, where no layer is of its kind, none.
 uint32_t CountBlocks(const StreamDesc& stream, const SceneShape& shape);
 uint64_t CountBytes(const StreamTable& table, const SceneShape& shape);

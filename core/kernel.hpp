@@ -43,6 +43,7 @@ struct PortOf {
   static constexpr Stream kStream = StreamOf<kRow>;
   static constexpr Domain kDomain = RowOf<kRow>.domain;
   static constexpr Stream kRecordList = Stream::kNone;
+  static constexpr uint32_t kRecords = 0;
   static constexpr Access kAccess = kHow;
 };
 
@@ -78,6 +79,22 @@ constexpr auto FirstRecord(Block& block) {
 template <class Block>
 using RecordOf = decltype(FirstRecord(std::declval<Block&>()));
 
+template <auto kRow, auto kList, class T>
+struct Listed : PortOf<kRow, Access::kGather> {
+  using Record = T;
+  static_assert(std::is_same_v<MemberClass<kRow>, MemberClass<kList>>);
+  static constexpr Stream kRecordList = StreamOf<kList>;
+  static constexpr uint32_t kBytes = sizeof(Record);
+  static constexpr uint32_t kRecords = sizeof(BlockOf<kList>) / sizeof(uint32_t);
+  const Record* records = nullptr;
+  const uint32_t* index = nullptr;
+  PELT_INLINE void Bind(const Binding& binding) {
+    records = static_cast<const Record*>(binding.block);
+    index = binding.index;
+  }
+  PELT_INLINE const Record& operator[](uint32_t i) const { return records[index ? index[i] : i]; }
+};
+
 }  // namespace kernel_detail
 
 template <auto kRow>
@@ -99,19 +116,11 @@ struct AllInOut : kernel_detail::AllBlocks<kRow, Access::kAllInOut, BlockOf<kRow
 // the stream kList. In main memory the list is followed; in a local store the executor has fetched
 // the listed records already and they lie in list order (index is null).
 template <auto kRow, auto kList>
-struct Gather : kernel_detail::PortOf<kRow, Access::kGather> {
-  using Record = kernel_detail::RecordOf<BlockOf<kRow>>;
-  static_assert(std::is_same_v<MemberClass<kRow>, MemberClass<kList>>);
-  static constexpr Stream kRecordList = StreamOf<kList>;
-  static constexpr uint32_t kBytes = sizeof(Record);
-  const Record* records = nullptr;
-  const uint32_t* index = nullptr;
-  PELT_INLINE void Bind(const Binding& binding) {
-    records = static_cast<const Record*>(binding.block);
-    index = binding.index;
-  }
-  PELT_INLINE const Record& operator[](uint32_t i) const { return records[index ? index[i] : i]; }
-};
+struct Gather : kernel_detail::Listed<kRow, kList, kernel_detail::RecordOf<BlockOf<kRow>>> {};
+// The same of whole blocks.
+template <auto kRow, auto kList>
+struct GatherBlocks : kernel_detail::Listed<kRow, kList, BlockOf<kRow>> {};
+
 // Put(i, to, value): the i-th record this item writes, to layer-wide place `to`. In main memory it
 // is stored at once; in a local store value and place are kept in list order and put by the
 // executor.
@@ -119,6 +128,7 @@ template <auto kRow>
 struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
   using Record = kernel_detail::RecordOf<BlockOf<kRow>>;
   static constexpr uint32_t kBytes = sizeof(Record);
+  static constexpr uint32_t kRecords = MemberClass<kRow>::kChunkLanes;
   Record* records = nullptr;
   uint32_t* index = nullptr;
   PELT_INLINE void Bind(const Binding& binding) {
@@ -151,7 +161,7 @@ struct KernelTraits {
     return std::array{
         PortDesc{port.kStream, port.kAccess, port.kDomain, port.kBytes,
                  uint32_t(sizeof(typename std::remove_cvref_t<decltype(port)>::Block)),
-                 port.kRecordList}...};
+                 port.kRecordList, port.kRecords}...};
   });
   static PELT_INLINE Ports Bind(const Binding* bindings) {
     Ports ports;

@@ -41,7 +41,7 @@ struct Binding {
 };
 
 // The kernel's view of one port, for the plan. `record_list` names the stream that holds the
-// indices of a Gather port.
+// indices of a Gather port, in the item's own block.
 struct PortDesc {
   Stream stream;
   Access access;
@@ -49,6 +49,7 @@ struct PortDesc {
   uint32_t block_bytes;  // Gather, Scatter: bytes of one record
   uint32_t stride;       // from one block of the stream to the next
   Stream record_list;
+  uint32_t records;  // Gather, Scatter: most of one item
 };
 
 inline constexpr uint32_t kMaxPorts = 12;

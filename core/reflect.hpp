@@ -16,7 +16,7 @@
 
 namespace pelt {
 
-inline constexpr size_t kMaxMembers = 64;
+inline constexpr size_t kMaxMembers = 72;
 
 namespace reflect_detail {
 
@@ -115,6 +115,14 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
 #define PELT_M62 PELT_M61, m62
 #define PELT_M63 PELT_M62, m63
 #define PELT_M64 PELT_M63, m64
+#define PELT_M65 PELT_M64, m65
+#define PELT_M66 PELT_M65, m66
+#define PELT_M67 PELT_M66, m67
+#define PELT_M68 PELT_M67, m68
+#define PELT_M69 PELT_M68, m69
+#define PELT_M70 PELT_M69, m70
+#define PELT_M71 PELT_M70, m71
+#define PELT_M72 PELT_M71, m72
 #define PELT_MEMBERS(k) if constexpr (n == k) { auto& [PELT_M##k] = t; return visit(PELT_M##k); }
   PELT_MEMBERS(1) PELT_MEMBERS(2) PELT_MEMBERS(3) PELT_MEMBERS(4) PELT_MEMBERS(5) PELT_MEMBERS(6)
   PELT_MEMBERS(7) PELT_MEMBERS(8) PELT_MEMBERS(9) PELT_MEMBERS(10) PELT_MEMBERS(11)
@@ -128,7 +136,9 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
   PELT_MEMBERS(47) PELT_MEMBERS(48) PELT_MEMBERS(49) PELT_MEMBERS(50) PELT_MEMBERS(51)
   PELT_MEMBERS(52) PELT_MEMBERS(53) PELT_MEMBERS(54) PELT_MEMBERS(55) PELT_MEMBERS(56)
   PELT_MEMBERS(57) PELT_MEMBERS(58) PELT_MEMBERS(59) PELT_MEMBERS(60) PELT_MEMBERS(61)
-  PELT_MEMBERS(62) PELT_MEMBERS(63) PELT_MEMBERS(64)
+  PELT_MEMBERS(62) PELT_MEMBERS(63) PELT_MEMBERS(64) PELT_MEMBERS(65) PELT_MEMBERS(66)
+  PELT_MEMBERS(67) PELT_MEMBERS(68) PELT_MEMBERS(69) PELT_MEMBERS(70) PELT_MEMBERS(71)
+  PELT_MEMBERS(72)
 #undef PELT_MEMBERS
 #undef PELT_M1
 #undef PELT_M2
@@ -194,6 +204,14 @@ constexpr decltype(auto) WithMembers(T&& t, Visit&& visit) {
 #undef PELT_M62
 #undef PELT_M63
 #undef PELT_M64
+#undef PELT_M65
+#undef PELT_M66
+#undef PELT_M67
+#undef PELT_M68
+#undef PELT_M69
+#undef PELT_M70
+#undef PELT_M71
+#undef PELT_M72
   // clang-format on
 }
 

@@ -22,10 +22,14 @@
 
 namespace pelt {
 
-// What an item of a stage, or a block of a stream, stands for. Each is a refinement of the one
-// before: a scene has characters, a character layers, a layer chunks.
-enum class Domain : uint8_t { kScene, kCharacter, kLayer, kChunk };
-inline constexpr size_t kDomainCount = 4;
+// What an item of a stage, or a block of a stream, stands for. A scene has characters, a character
+// layers, a layer patches (of what is shared) and chunks: neither of these two is part of the other.
+enum class Domain : uint8_t { kScene, kCharacter, kLayer, kPatch, kChunk };
+inline constexpr size_t kDomainCount = 5;
+// Patches and chunks.
+constexpr bool IsInLayer(Domain domain) { return domain > Domain::kLayer; }
+// Whether an item of `fine` belongs to one of `coarse`.
+constexpr bool IsPartOf(Domain fine, Domain coarse) { return coarse < fine && !IsInLayer(coarse); }
 
 // What a stream is to the frame, and so to a digest.
 enum class Role : uint8_t {
@@ -45,10 +49,10 @@ inline constexpr uint32_t kBlockAlignment = 128;
 
 struct FrameMemory;  // core/frame_memory.hpp
 
-// Which lanes of a chunk's block live: kernels work on these, and they hold values after a frame.
+// Which lanes of a patch's or chunk's block live: kernels work on these, and they hold values after a frame.
 // Lanes beyond are whatever was there before.
 struct Lanes {
-  uint32_t (*count)(const FrameMemory&, uint32_t chunk) = nullptr;  // those below; null: all
+  uint32_t (*count)(const FrameMemory&, uint32_t item) = nullptr;  // those below; null: all
   uint32_t group = 1;   // kernels go over them in whole groups of so many
   bool filled = false;  // those beyond hold values too, though no work
   constexpr bool AllHoldValues() const { return !count || filled; }
@@ -78,7 +82,7 @@ struct StreamRow {
   Domain domain;
   Role role;
   Lanes lanes = {};
-  // Chunk streams exist for layers of these kinds, and so stages run on them; those of layers and
+  // Streams of patches and chunks exist for layers of these kinds, and so stages run on them; those of layers and
   // characters, where the scene has a layer of these kinds.
   KindMask kinds = {};
   Kept kept = Kept::kNot;
@@ -127,7 +131,8 @@ struct StreamDesc {
 // A table with its types erased.
 struct StreamTable {
   std::span<const StreamDesc> streams;
-  uint32_t chunk_lanes;  // of a chunk's blocks, and records of those that are gathered from
+  uint32_t
+      chunk_lanes;  // of a patch's or chunk's blocks, and records of those that are gathered from
   const StreamDesc& operator[](Stream stream) const { return streams[size_t(stream)]; }
 };
 

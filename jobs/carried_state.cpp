@@ -8,7 +8,7 @@ namespace {
 // Whether the first stage of the frame that uses the stream needs what was there.
 bool IsReadFirst(const Plan& plan, Stream stream, uint32_t kind) {
   for (const Stage& stage : plan.stages) {
-    if (stage.domain == Domain::kChunk && !stage.kinds.Admits(kind)) continue;
+    if (IsInLayer(stage.domain) && !stage.kinds.Admits(kind)) continue;
     for (const PortDesc& port : stage.kernel.ports)
       if (port.stream == stream) return IsRead(port.access);
   }
@@ -60,11 +60,11 @@ CarriedState FindCarried(const FrameMemory& memory, const Plan& plan,
     const std::vector<CarriedRun>& runs = carried.runs.emplace_back(FindRuns(desc));
     for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
       if (memory.streams[s].block_count == 0 || !memory.Block(stream, i)) continue;
-      const bool chunk = desc.domain == Domain::kChunk;
-      const uint32_t kind = chunk ? shape.layer_kind[shape.chunk_layer[i]] : 0;
+      const bool has_lanes = IsInLayer(desc.domain);
+      const uint32_t kind = has_lanes ? shape.layer_kind[shape.LayerOf(desc.domain, i)] : 0;
       if (!IsCarried(*memory.table, plan, stream, kind)) continue;
       CarriedBlock block{stream, i, memory.table->chunk_lanes, 0};
-      if (chunk) block.lanes = (memory.LiveLanes(stream, i) + 3) / 4 * 4;
+      if (has_lanes) block.lanes = (memory.LiveLanes(stream, i) + 3) / 4 * 4;
       if (IsOfJoints(desc)) block.lanes = joints[i];
       for (const CarriedRun& run : runs) block.words += run.rows * run.Words(block.lanes);
       block.words = (block.words + 3) / 4 * 4;

@@ -32,20 +32,21 @@ bool IsWanted(const Stage& stage, const FrameMemory& memory, const ItemPlace& pl
 
 ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item) {
   // CompilePlan lets only the scene and layers ask for all of a finer domain.
-  ItemPlace place{{0, 0, 0, 0}, {1, 1, 1, 1}, 0};
+  ItemPlace place{{}, {1, 1, 1, 1, 1}, {}};
   if (domain == Domain::kScene) {
     for (uint32_t d = 1; d < kDomainCount; ++d) place.count[d] = shape.ItemCount(Domain(d));
     return place;
   }
   place.first[size_t(domain)] = item;
   if (domain == Domain::kCharacter) return place;
-  const uint32_t layer = domain == Domain::kChunk ? shape.chunk_layer[item] : item;
+  const uint32_t layer = shape.LayerOf(domain, item);
   place.first[size_t(Domain::kCharacter)] = shape.layer_character[layer];
   place.first[size_t(Domain::kLayer)] = layer;
-  place.layer_first_chunk = shape.layer_first_chunk[layer];
-  if (domain == Domain::kLayer) {
-    place.first[size_t(Domain::kChunk)] = place.layer_first_chunk;
-    place.count[size_t(Domain::kChunk)] = shape.LayerChunks(layer);
+  for (const Domain fine : {Domain::kPatch, Domain::kChunk}) {
+    place.layer_first[size_t(fine)] = shape.LayerFirst(fine, layer);
+    if (domain != Domain::kLayer) continue;
+    place.first[size_t(fine)] = shape.LayerFirst(fine, layer);
+    place.count[size_t(fine)] = shape.LayerItems(fine, layer);
   }
   return place;
 }

@@ -63,9 +63,10 @@ inline void BindPort(const PortDesc& port, const FrameMemory& memory, const Item
                      Binding& out) {
   // Field by field: a binding that is put together and copied is read back before it is there.
   const bool by_record = port.access == Access::kGather || port.access == Access::kScatter;
+  const auto domain = size_t(port.domain);
   out.block = memory.Block(port.stream, port.stride,
-                           by_record ? place.layer_first_chunk : place.first[size_t(port.domain)]);
-  out.count = by_record ? memory.table->chunk_lanes : place.count[size_t(port.domain)];
+                           by_record ? place.layer_first[domain] : place.first[domain]);
+  out.count = by_record ? port.records : place.count[domain];
   out.index = nullptr;
   if (port.access == Access::kGather)
     out.index = reinterpret_cast<uint32_t*>(

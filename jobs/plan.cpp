@@ -8,7 +8,7 @@
 namespace pelt {
 namespace {
 
-// Reaches blocks of other items of the same domain.
+// Reaches records of any item in the layer.
 bool Crosses(Access a) { return a == Access::kGather || a == Access::kScatter; }
 bool IsAll(Access a) { return a == Access::kAll || a == Access::kAllOut || a == Access::kAllInOut; }
 bool IsStreamed(Access a) { return a != Access::kShared; }
@@ -44,17 +44,17 @@ const char* FindPortFault(const StreamTable& table, const SceneShape& shape, con
                           Domain domain) {
   const StreamDesc& stream = table[p.stream];
   if (Crosses(p.access)) {
-    if (domain != Domain::kChunk || stream.domain != Domain::kChunk)
-      return "records are gathered and scattered by chunks, among their layer's chunks";
+    if (domain != Domain::kChunk || !IsInLayer(stream.domain))
+      return "records are gathered and scattered by chunks, among their layer's chunks and patches";
     const bool has_list =
         p.record_list != Stream::kNone && table[p.record_list].domain == Domain::kChunk;
     return p.access == Access::kGather && !has_list ? "it has no record list" : nullptr;
   }
   if (p.access == Access::kShared)
-    return stream.domain < domain ? nullptr : "a shared block is one of a coarser domain";
+    return IsPartOf(domain, stream.domain) ? nullptr : "a shared block is one of a coarser domain";
   if (!IsAll(p.access)) return stream.domain == domain ? nullptr : "own blocks are of one domain";
-  if (stream.domain <= domain || domain == Domain::kCharacter)
-    return "All is for the scene, and for the chunks of a layer";
+  if (!IsPartOf(stream.domain, domain) || domain == Domain::kCharacter)
+    return "All is for the scene, and for the chunks and patches of a layer";
   if (domain == Domain::kScene && HasSomeOnly(stream.kinds, shape))
     return "not every layer has the stream";
   return nullptr;
@@ -66,8 +66,8 @@ std::string FindStageFault(const StreamTable& table, const SceneShape& shape, co
   if (&stage.kernel.table() != &table)
     return Format("stage {}: its ports are of another table of streams than the first stage's",
                   stage.kernel.name);
-  if (stage.gate.when.domain > stage.domain)
-    return Format("stage {}: its gate is for {}s, and its items are not", stage.kernel.name,
+  if (stage.gate.when.domain != stage.domain && !IsPartOf(stage.domain, stage.gate.when.domain))
+    return Format("stage {}: its gate is for a {}, and its items are in none", stage.kernel.name,
                   DomainName(stage.gate.when.domain));
   for (size_t i = 0; i < ports.size(); ++i) {
     if (const char* fault = FindPortFault(table, shape, ports[i], stage.domain))
@@ -85,20 +85,19 @@ std::string FindStageFault(const StreamTable& table, const SceneShape& shape, co
 uint32_t RoundUp(uint32_t bytes) { return (bytes + kBlockAlignment - 1) & ~(kBlockAlignment - 1); }
 
 // Bytes one item of layer `layer` needs in local store for a port.
-uint32_t PortBytes(const PortDesc& port, const StreamTable& table, const SceneShape& shape,
-                   Domain domain, uint32_t layer) {
+uint32_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain, uint32_t layer) {
   switch (port.access) {
     case Access::kAll:
     case Access::kAllOut:
     case Access::kAllInOut: {
-      const uint32_t blocks =
-          domain == Domain::kLayer ? shape.LayerChunks(layer) : shape.ItemCount(port.domain);
+      const uint32_t blocks = domain == Domain::kLayer ? shape.LayerItems(port.domain, layer)
+                                                       : shape.ItemCount(port.domain);
       return RoundUp(port.block_bytes * blocks);
     }
     case Access::kGather:
-      return RoundUp(port.block_bytes * table.chunk_lanes);
+      return RoundUp(port.block_bytes * port.records);
     case Access::kScatter:
-      return RoundUp((port.block_bytes + 4) * table.chunk_lanes);
+      return RoundUp((port.block_bytes + 4) * port.records);
     default:
       return RoundUp(port.block_bytes);
   }
@@ -145,7 +144,7 @@ std::vector<PassStream> CollectStreams(const Plan& plan, uint32_t first, uint32_
       auto it = std::find_if(out.begin(), out.end(), [&](const PassStream& u) {
         return u.stream == p.stream && ShareCopy(u.access, p.access);
       });
-      const uint32_t bytes = PortBytes(p, *plan.table, shape, stage.domain, layer);
+      const uint32_t bytes = PortBytes(p, shape, stage.domain, layer);
       if (it == out.end()) {
         const StreamUse& use = uses[size_t(p.stream)];
         const bool inside = use.first_stage >= first && use.last_stage < first + count;
@@ -172,17 +171,19 @@ uint32_t ResidentBytes(const std::vector<PassStream>& streams, bool double_buffe
   return bytes;
 }
 
-// One layer of each kind (and the largest of it) stands for all layers in a measurement.
+// Of each kind the layers with most patches and most chunks stand for all layers in a measurement.
 std::vector<uint32_t> RepresentativeLayers(const SceneShape& shape) {
   std::vector<uint32_t> layers;
   std::set<uint32_t> kinds(shape.layer_kind.begin(), shape.layer_kind.end());
   for (uint32_t kind : kinds) {
-    uint32_t largest = ~0u;
-    for (uint32_t l = 0; l < shape.layer_count; ++l)
-      if (shape.layer_kind[l] == kind &&
-          (largest == ~0u || shape.LayerChunks(l) > shape.LayerChunks(largest)))
-        largest = l;
-    layers.push_back(largest);
+    for (const Domain domain : {Domain::kPatch, Domain::kChunk}) {
+      uint32_t largest = ~0u;
+      for (uint32_t l = 0; l < shape.layer_count; ++l)
+        if (shape.layer_kind[l] == kind &&
+            (largest == ~0u || shape.LayerItems(domain, l) > shape.LayerItems(domain, largest)))
+          largest = l;
+      layers.push_back(largest);
+    }
   }
   return layers;
 }
@@ -243,7 +244,7 @@ bool CanJoin(const std::vector<Stage>& stages, uint32_t first, uint32_t next) {
 }  // namespace
 
 const char* DomainName(Domain domain) {
-  constexpr const char* kNames[] = {"scene", "character", "layer", "chunk"};
+  constexpr const char* kNames[] = {"scene", "character", "layer", "patch", "chunk"};
   return kNames[size_t(domain)];
 }
 

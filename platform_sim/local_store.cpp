@@ -41,9 +41,12 @@ const StreamDesc& Describe(const Frame& frame, Stream stream) {
   return (*frame.memory->table)[stream];
 }
 
-uint32_t LayerRecords(const Frame& frame, uint32_t chunk) {
+// Of the stream, in the layer of a chunk.
+uint32_t LayerRecords(const Frame& frame, uint32_t chunk, Stream stream, uint32_t record_bytes) {
   const SceneShape& shape = *frame.memory->shape;
-  return shape.LayerChunks(shape.chunk_layer[chunk]) * frame.memory->table->chunk_lanes;
+  const StreamDesc& desc = Describe(frame, stream);
+  return shape.LayerItems(desc.domain, shape.chunk_layer[chunk]) *
+         (desc.block_bytes / record_bytes);
 }
 
 }  // namespace
@@ -193,7 +196,7 @@ void LocalStoreExecutor::Load(const Frame& frame, const Binding& main, uint32_t 
   }
   // Lists may end in entries that mean nothing; they are not fetched, and a kernel that uses one
   // all the same sees poison.
-  const uint32_t records = LayerRecords(frame, item);
+  const uint32_t records = LayerRecords(frame, item, block.stream, block.record_bytes);
   for (uint32_t i = 0; i < block.count; ++i) {
     const uint32_t from = main.index[i];
     if (from >= records) continue;
@@ -232,7 +235,7 @@ void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_
   const std::byte* records = buffer_->bytes + block.offset;
   const auto* index =
       reinterpret_cast<const uint32_t*>(records + size_t(block.record_bytes) * block.count);
-  const uint32_t places = LayerRecords(frame, item);
+  const uint32_t places = LayerRecords(frame, item, block.stream, block.record_bytes);
   for (uint32_t i = 0; i < block.count; ++i) {
     if (index[i] == kNotPut) continue;
     if (index[i] >= places) {

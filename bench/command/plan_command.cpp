@@ -55,7 +55,7 @@ void AddChunks(ReportTree& report) {
   ReportTable& blocks = report.AddTable("chunk_blocks", {{"stream"}, {"bytes"}});
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     const StreamDesc& desc = DescribeStream(Stream(s));
-    if (desc.domain == Domain::kChunk) blocks.Add({desc.name, desc.block_bytes});
+    if (IsInLayer(desc.domain)) blocks.Add({desc.name, desc.block_bytes});
   }
 }
 

@@ -97,7 +97,7 @@ std::string AdviseChunks(const ConsoleRun& run, const ConsoleBudget& budget) {
   const Plan& plan = run.scene().plan();
   for (uint32_t p = 0; p < budget.stores.size(); ++p) {
     const PassStore& store = budget.stores[p];
-    if (plan.passes[p].domain != Domain::kChunk || store.buffer_sets != 2) continue;
+    if (!IsInLayer(plan.passes[p].domain) || store.buffer_sets != 2) continue;
     const uint64_t more = store.buffer_bytes * store.buffer_sets;
     if (more <= store.free_bytes) continue;
     return out + fmt::format(", but {} would lack {} bytes of local store for two buffers",

@@ -18,15 +18,14 @@ uint64_t PortBytes(const PortDesc& port, const SceneShape& shape, Domain domain,
       return uint64_t(port.block_bytes) * PlaceOf(shape, domain, item).count[size_t(port.domain)];
     case Access::kGather:
     case Access::kScatter:
-      return uint64_t(port.block_bytes) * kStrandsPerChunk;
+      return uint64_t(port.block_bytes) * port.records;
     default:
       return port.block_bytes;
   }
 }
 
 uint32_t LayerOfItem(const SceneShape& shape, Domain domain, uint32_t item) {
-  if (domain == Domain::kChunk) return shape.chunk_layer[item];
-  return domain == Domain::kLayer ? item : 0;
+  return domain >= Domain::kLayer ? shape.LayerOf(domain, item) : 0;
 }
 
 // A nanosecond is less than what a clock can tell, and digits take room.

@@ -27,7 +27,7 @@ void LayerCosts::Add(uint32_t stage, uint32_t item, uint64_t ticks) {
   size_t row = ticks_.size() - 1;
   if (domain == Domain::kCharacter) row = shape.layer_count + item;
   if (domain >= Domain::kLayer) {
-    row = domain == Domain::kChunk ? shape.chunk_layer[item] : item;
+    row = shape.LayerOf(domain, item);
     stage_ticks_[row][stage] += ticks;
   }
   ticks_[row].back() += ticks;

@@ -247,7 +247,7 @@ class PageData {
   void AddItems() {
     json_.BeginObject("items");
     for (const Domain domain :
-         {Domain::kScene, Domain::kCharacter, Domain::kLayer, Domain::kChunk}) {
+         {Domain::kScene, Domain::kCharacter, Domain::kLayer, Domain::kPatch, Domain::kChunk}) {
       json_.BeginArray(DomainName(domain));
       for (uint32_t i = 0; i < scene_.shape().ItemCount(domain); ++i)
         json_.Add("", ItemName(scene_, domain, i));

@@ -259,11 +259,13 @@ std::string ItemName(const FurScene& scene, Domain domain, uint32_t item) {
       return fmt::format("character {}", item);
     case Domain::kLayer:
       return layer(item);
+    case Domain::kPatch:
     case Domain::kChunk:
       break;
   }
-  const uint32_t of = shape.chunk_layer[item];
-  return fmt::format("chunk {} of {}", item - shape.layer_first_chunk[of], layer(of));
+  const uint32_t of = shape.LayerOf(domain, item);
+  return fmt::format("{} {} of {}", DomainName(domain), item - shape.LayerFirst(domain, of),
+                     layer(of));
 }
 
 std::string WorkerName(uint32_t worker) {

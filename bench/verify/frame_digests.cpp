@@ -47,9 +47,10 @@ uint64_t DigestLayer(const FurScene& scene, uint32_t layer, LayerPart part) {
         (Stream(s) == StreamOf<&Streams::paint> || Stream(s) == StreamOf<&Streams::looks>))
       continue;
     if (desc.domain == Domain::kLayer) AddItem(digest, scene.memory(), Stream(s), layer);
-    if (desc.domain != Domain::kChunk) continue;
-    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c)
-      AddItem(digest, scene.memory(), Stream(s), c);
+    if (!IsInLayer(desc.domain)) continue;
+    const uint32_t first = shape.LayerFirst(desc.domain, layer);
+    for (uint32_t i = 0; i < shape.LayerItems(desc.domain, layer); ++i)
+      AddItem(digest, scene.memory(), Stream(s), first + i);
   }
   return digest.Value();
 }

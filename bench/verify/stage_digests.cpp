@@ -9,8 +9,7 @@ namespace {
 bool WritesItem(const Stage& stage, Stream stream, const SceneShape& shape, uint32_t item) {
   const StreamDesc& desc = DescribeStream(stream);
   if (desc.domain >= Domain::kLayer) {
-    const uint32_t layer = desc.domain == Domain::kChunk ? shape.chunk_layer[item] : item;
-    if (!stage.kinds.Admits(shape.layer_kind[layer])) return false;
+    if (!stage.kinds.Admits(shape.layer_kind[shape.LayerOf(desc.domain, item)])) return false;
   }
   for (const PortDesc& port : stage.kernel.ports)
     if (port.stream == stream && IsWritten(port.access)) return true;

@@ -32,9 +32,9 @@ struct Cell {
 void AddOutcomeColumns(std::vector<Quantity>& columns) {
   for (const char* key :
        {"passed", "compared", "reason", "kind", "stage", "stream", "mismatch.reproduced",
-        "mismatch.frame", "mismatch.stage", "mismatch.stream", "mismatch.layer", "mismatch.item",
-        "mismatch.chunk_in_layer", "mismatch.row", "mismatch.component", "mismatch.lane",
-        "mismatch.expected", "mismatch.found"})
+        "mismatch.frame", "mismatch.stage", "mismatch.stream", "mismatch.layer", "mismatch.domain",
+        "mismatch.item", "mismatch.place_in_layer", "mismatch.row", "mismatch.component",
+        "mismatch.lane", "mismatch.expected", "mismatch.found"})
     columns.push_back(InJson(key));
 }
 
@@ -50,8 +50,9 @@ void AddOutcome(const Outcome& outcome, std::vector<Value>& row) {
   const Mismatch& m = *outcome.mismatch;
   for (Value value :
        {Value(m.reproduced), Value(m.frame), Value(m.stage), Value(m.stream), Value(m.layer),
-        Value(m.item), Value(m.chunk_in_layer), Value(m.row), Value(m.component), Value(m.lane),
-        Value(fmt::format("{:08x}", m.expected)), Value(fmt::format("{:08x}", m.found))})
+        Value(DomainName(m.domain)), Value(m.item), Value(m.place_in_layer), Value(m.row),
+        Value(m.component), Value(m.lane), Value(fmt::format("{:08x}", m.expected)),
+        Value(fmt::format("{:08x}", m.found))})
     row.push_back(std::move(value));
 }
 

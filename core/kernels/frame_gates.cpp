@@ -67,7 +67,7 @@ bool IsResorted(const FrameMemory& memory, const ItemPlace& place) {
 bool IsRedrawn(const FrameMemory& memory, const ItemPlace& place) {
   const auto& sort = *memory.Of<&Streams::layer_sort>(place.first[size_t(Domain::kLayer)]);
   const uint32_t first =
-      (place.first[size_t(Domain::kChunk)] - place.layer_first_chunk) * kStrandsPerChunk;
+      (place.first[size_t(Domain::kChunk)] - place.layer_first[size_t(Domain::kChunk)]) * kStrandsPerChunk;
   return first < sort.visible_count && (sort.keys_changed | sort.records_changed) != 0;
 }
 

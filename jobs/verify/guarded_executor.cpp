@@ -38,9 +38,10 @@ bool IsFilled(const std::byte* from, const std::byte* end, uint32_t pattern) {
   return true;
 }
 
-uint32_t LayerRecords(const FrameMemory& memory, uint32_t chunk) {
+// Of the port's stream, in the layer of a chunk.
+uint32_t LayerRecords(const FrameMemory& memory, const PortDesc& port, uint32_t chunk) {
   const SceneShape& shape = *memory.shape;
-  return shape.LayerChunks(shape.chunk_layer[chunk]) * memory.table->chunk_lanes;
+  return shape.LayerItems(port.domain, shape.chunk_layer[chunk]) * (port.stride / port.block_bytes);
 }
 
 std::string_view NameOf(const Stage& stage, const PortDesc& port) {
@@ -163,7 +164,7 @@ bool GuardedExecutor::RunOnce(const Frame& frame, const Stage& stage, uint32_t i
     const auto* from = static_cast<const std::byte*>(main.block);
     if (port.access == Access::kGather) {
       // As a local store has them: fetched in list order. Entries that mean nothing stay poison.
-      const uint32_t records = LayerRecords(*frame.memory, item);
+      const uint32_t records = LayerRecords(*frame.memory, port, item);
       for (uint32_t i = 0; i < main.count; ++i)
         if (main.index[i] < records)
           std::memcpy(to + size_t(i) * port.block_bytes,
@@ -327,7 +328,7 @@ void GuardedExecutor::Store(const Frame& frame, const Stage& stage, uint32_t ite
       std::memcpy(to, place.block.bytes, size_t(place.count) * place.record_bytes);
       continue;
     }
-    const uint32_t places = LayerRecords(*frame.memory, item);
+    const uint32_t places = LayerRecords(*frame.memory, port, item);
     for (uint32_t i = 0; i < place.count; ++i) {
       uint32_t at;
       std::memcpy(&at, place.index.bytes + 4 * size_t(i), 4);

@@ -10,16 +10,15 @@ namespace {
 
 bool Admits(const Stage& stage, const SceneShape& shape, Domain domain, uint32_t item) {
   if (domain < Domain::kLayer) return true;
-  return stage.kinds.Admits(
-      shape.layer_kind[domain == Domain::kChunk ? shape.chunk_layer[item] : item]);
+  return stage.kinds.Admits(shape.layer_kind[shape.LayerOf(domain, item)]);
 }
 
 void NamePlace(const SceneShape& shape, Domain domain, uint32_t item, Mismatch& out) {
+  out.domain = domain;
   out.item = item;
   if (domain < Domain::kLayer) return;
-  out.layer_index = domain == Domain::kChunk ? shape.chunk_layer[item] : item;
-  if (domain == Domain::kChunk)
-    out.chunk_in_layer = item - shape.layer_first_chunk[out.layer_index];
+  out.layer_index = shape.LayerOf(domain, item);
+  if (IsInLayer(domain)) out.place_in_layer = item - shape.LayerFirst(domain, out.layer_index);
 }
 
 // Compares one block; true when `out` names a difference.
@@ -53,7 +52,8 @@ std::string PlaceOf(const Mismatch& m) {
   if (m.layer_index == Mismatch::kNoLayer) return Format("item {}", m.item);
   const std::string layer =
       m.layer.empty() ? Format("layer {}", m.layer_index) : Format("layer '{}'", m.layer);
-  return Format("{}, chunk {} (item {})", layer, m.chunk_in_layer, m.item);
+  if (!IsInLayer(m.domain)) return layer;
+  return Format("{}, {} {} (item {})", layer, DomainName(m.domain), m.place_in_layer, m.item);
 }
 
 }  // namespace

@@ -16,9 +16,10 @@ struct Mismatch {
 
   uint32_t frame = 0;
   std::string stage, stream, row;
-  uint32_t item = 0;                // character, layer or chunk of the scene
-  uint32_t layer_index = kNoLayer;  // for streams of layers and chunks
-  uint32_t chunk_in_layer = 0;      // for chunk streams
+  Domain domain = Domain::kScene;
+  uint32_t item = 0;                // of the scene, in the domain
+  uint32_t layer_index = kNoLayer;  // of streams of layers, and of what is in them
+  uint32_t place_in_layer = 0;      // of patches and chunks
   std::string layer = {};           // its name, where the caller knows one
   uint32_t component = 0, lane = 0;
   uint32_t expected = 0, found = 0;

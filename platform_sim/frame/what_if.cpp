@@ -104,12 +104,13 @@ void WorkChange::DropPalette(const Frame& frame, uint32_t unit, uint32_t pass, u
 
 void WorkChange::MoveLivePrefix(const Frame& frame, uint32_t pass, uint32_t item,
                                 ItemWork& work) const {
-  if (frame.plan->passes[pass].domain != Domain::kChunk) return;
+  const Domain domain = frame.plan->passes[pass].domain;
+  if (!IsInLayer(domain)) return;
   for (ItemWork::StreamBytes& moved : work.streams) {
     const StreamDesc& stream = DescribeStream(moved.stream);
     // What is drawn is put as it lies, places of dead strands and all.
     const bool is_drawn = stream.lanes.group == 1;
-    if (stream.domain != Domain::kChunk || stream.lanes.AllHoldValues() || is_drawn) continue;
+    if (stream.domain != domain || stream.lanes.AllHoldValues() || is_drawn) continue;
     const uint32_t live = frame.memory->LiveLanes(moved.stream, item);
     Pieces prefix{0, 0, 0};
     for (const RowDesc& row : stream.rows) {

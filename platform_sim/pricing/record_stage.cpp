@@ -15,7 +15,7 @@ uint64_t BytesOf(const PortDesc& port, const Binding& binding, const FrameMemory
   if (port.access != Access::kGather && port.access != Access::kScatter)
     return uint64_t(port.block_bytes) * binding.count;
   const SceneShape& shape = *memory.shape;
-  return uint64_t(shape.LayerChunks(shape.chunk_layer[item])) * port.stride;
+  return uint64_t(shape.LayerItems(port.domain, shape.chunk_layer[item])) * port.stride;
 }
 
 }  // namespace

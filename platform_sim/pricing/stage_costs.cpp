@@ -17,22 +17,22 @@ uint32_t IterationsOf(uint32_t lanes, uint32_t group = 1) {
   return (lanes + kLanesPerIteration - 1) / kLanesPerIteration;
 }
 
-// Of the port of a chunk's stage.
-uint32_t ChunkIterations(const FrameMemory& memory, const PortDesc& port, uint32_t chunk) {
+// Of the port of a patch's or chunk's stage.
+uint32_t LaneIterations(const FrameMemory& memory, const PortDesc& port, uint32_t item) {
   const StreamDesc& stream = (*memory.table)[port.stream];
-  if (port.access == Access::kScatter) return IterationsOf(memory.table->chunk_lanes);
-  if (stream.lanes.count)
-    return IterationsOf(stream.lanes.count(memory, chunk), stream.lanes.group);
+  if (port.access == Access::kScatter) return IterationsOf(port.records);
+  if (stream.lanes.count) return IterationsOf(stream.lanes.count(memory, item), stream.lanes.group);
   uint32_t lanes = 1;
   for (const RowDesc& row : stream.rows) lanes = std::max(lanes, row.lane_count);
   return IterationsOf(std::min(lanes, memory.table->chunk_lanes));
 }
 
-// Live lanes of all chunks of a layer.
-uint32_t LayerLanes(const FrameMemory& memory, const Lanes& lanes, uint32_t layer) {
+// Live lanes of all items of a layer.
+uint32_t LayerLanes(const FrameMemory& memory, const StreamDesc& stream, uint32_t layer) {
+  const SceneShape& shape = *memory.shape;
   uint32_t live = 0;
-  for (uint32_t c = 0; c < memory.shape->LayerChunks(layer); ++c)
-    live += lanes.count(memory, memory.shape->layer_first_chunk[layer] + c);
+  for (uint32_t i = 0; i < shape.LayerItems(stream.domain, layer); ++i)
+    live += stream.lanes.count(memory, shape.LayerFirst(stream.domain, layer) + i);
   return live;
 }
 
@@ -42,14 +42,14 @@ uint32_t CountIterations(const Frame& frame, uint32_t stage_index, uint32_t item
   const Stage& stage = frame.plan->stages[stage_index];
   const FrameMemory& memory = *frame.memory;
   uint32_t iterations = 0;
-  bool has_lanes = stage.domain == Domain::kChunk;
+  bool has_lanes = IsInLayer(stage.domain);
   for (const PortDesc& port : stage.kernel.ports) {
     if (!IsWritten(port.access)) continue;
-    const Lanes& lanes = (*memory.table)[port.stream].lanes;
-    if (stage.domain == Domain::kChunk) {
-      iterations = std::max(iterations, ChunkIterations(memory, port, item));
-    } else if (stage.domain == Domain::kLayer && port.domain == Domain::kChunk && lanes.count) {
-      iterations = std::max(iterations, IterationsOf(LayerLanes(memory, lanes, item)));
+    const StreamDesc& stream = (*memory.table)[port.stream];
+    if (IsInLayer(stage.domain)) {
+      iterations = std::max(iterations, LaneIterations(memory, port, item));
+    } else if (stage.domain == Domain::kLayer && IsInLayer(port.domain) && stream.lanes.count) {
+      iterations = std::max(iterations, IterationsOf(LayerLanes(memory, stream, item)));
       has_lanes = true;
     }
   }
@@ -149,8 +149,7 @@ class Pricing {
   uint32_t GroupOf(uint32_t stage, uint32_t item) const {
     const SceneShape& shape = *frame_.memory->shape;
     const Domain domain = frame_.plan->stages[stage].domain;
-    if (domain < Domain::kLayer) return shape.layer_count;
-    return domain == Domain::kLayer ? item : shape.chunk_layer[item];
+    return domain < Domain::kLayer ? shape.layer_count : shape.LayerOf(domain, item);
   }
 
   double UnseenCycles(uint32_t stage_index, uint32_t item) const {
@@ -158,8 +157,14 @@ class Pricing {
     uint64_t words = 0;
     for (const PortDesc& port : stage.kernel.ports) {
       if (port.block_bytes > kSmallBlockBytes) continue;
-      words +=
-          uint64_t(port.block_bytes) / 4 * BindPort(port, *frame_.memory, stage.domain, item).count;
+      const Binding binding = BindPort(port, *frame_.memory, stage.domain, item);
+      // Lists end in entries that mean nothing.
+      const uint32_t blocks =
+          port.access == Access::kGather
+              ? uint32_t(std::count_if(binding.index, binding.index + binding.count,
+                                       [](uint32_t place) { return place != ~0u; }))
+              : binding.count;
+      words += uint64_t(port.block_bytes) / 4 * blocks;
     }
     return double(words) * core_.scalar_word_cycles;
   }

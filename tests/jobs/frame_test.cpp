@@ -1,6 +1,7 @@
 // What runs on which item: gates, kinds, belonging, and the two executors that need no thread.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <map>
 #include <vector>
 
@@ -56,8 +57,61 @@ struct UseVertexPoints {
   static void Run(const Params& p, const Ports& ports) { ports.points->a[0][0] = float(p.add); }
 };
 
+// The same of a patch's mark.
+struct AddToMark {
+  static constexpr std::string_view kName = "add_to_mark";
+  using Params = AddParams;
+  struct Ports {
+    InOut<&Toys::marks> mark;
+  };
+  static void Run(const Params& p, const Ports& ports) { ports.mark->word += p.add; }
+};
+struct UseLongParts {
+  static constexpr std::string_view kName = "use_long_parts";
+  using Params = AddParams;
+  struct Ports {
+    InOut<&Toys::long_parts> parts;
+  };
+  static void Run(const Params& p, const Ports& ports) { ports.parts->a[0][0] = float(p.add); }
+};
+struct CopyParts {
+  static constexpr std::string_view kName = "copy_parts";
+  struct Ports {
+    In<&Toys::order> order;
+    Gather<&Toys::parts, &Toys::order> parts;
+    Out<&Toys::copies> copies;
+  };
+  static void Run(const Ports& ports) {
+    for (uint32_t i = 0; i < kToyLanes; ++i) ports.copies->record[i] = ports.parts[i];
+  }
+};
+struct SumMarks {
+  static constexpr std::string_view kName = "sum_marks";
+  struct Ports {
+    In<&Toys::list> list;
+    GatherBlocks<&Toys::marks, &Toys::list> marks;
+    InOut<&Toys::keys> keys;
+  };
+  static void Run(const Ports& ports) {
+    ports.keys->key[0] = 0;
+    for (uint32_t i = 0; i < kToyListed && ports.list->patch[i] != ~0u; ++i)
+      ports.keys->key[0] += ports.marks[i].word;
+  }
+};
+struct SumAllMarks {
+  static constexpr std::string_view kName = "sum_all_marks";
+  struct Ports {
+    All<&Toys::marks> marks;
+    Out<&Toys::box> box;
+  };
+  static void Run(const Ports& ports) {
+    ports.box->word = 0;
+    for (uint32_t i = 0; i < ports.marks.count; ++i) ports.box->word += ports.marks[i].word;
+  }
+};
+
 constexpr AddParams kOne{1};
-const std::vector<LayerSpec> kLayers = {{0, 0, 2}, {0, kLong, 3}, {1, kLong | kRound, 1}};
+const std::vector<LayerSpec> kLayers = {{0, 0, 2, 1}, {0, kLong, 3, 2}, {1, kLong | kRound, 1, 3}};
 
 std::vector<uint32_t> FirstKeys(SyntheticScene& scene) {
   std::vector<uint32_t> keys;
@@ -171,6 +225,126 @@ TEST(Frame, ChildrenOfALayerAreItsChunks) {
   const ItemPlace all = PlaceOf(shape, Domain::kScene, 0);
   EXPECT_EQ(all.first[size_t(Domain::kLayer)], 0u);
   EXPECT_EQ(all.count[size_t(Domain::kLayer)], 3u);
+}
+
+TEST(Frame, ChildrenOfALayerAreItsPatchesToo) {
+  const SceneShape shape = MakeShape(kLayers);
+  const ItemPlace layer = PlaceOf(shape, Domain::kLayer, 1);
+  EXPECT_EQ(layer.first[size_t(Domain::kPatch)], 1u);
+  EXPECT_EQ(layer.count[size_t(Domain::kPatch)], 2u);
+  const ItemPlace all = PlaceOf(shape, Domain::kScene, 0);
+  EXPECT_EQ(all.first[size_t(Domain::kPatch)], 0u);
+  EXPECT_EQ(all.count[size_t(Domain::kPatch)], 6u);
+}
+
+TEST(Frame, PatchesAndChunksKnowTheirLayersFirst) {
+  const SceneShape shape = MakeShape(kLayers);
+  const uint32_t layer_of_patch[] = {0, 1, 1, 2, 2, 2}, layer_of_chunk[] = {0, 0, 1, 1, 1, 2};
+  const uint32_t first_patch[] = {0, 1, 3}, first_chunk[] = {0, 2, 5};
+  for (uint32_t i = 0; i < 6; ++i)
+    for (const Domain domain : {Domain::kPatch, Domain::kChunk}) {
+      const uint32_t layer = domain == Domain::kPatch ? layer_of_patch[i] : layer_of_chunk[i];
+      const ItemPlace place = PlaceOf(shape, domain, i);
+      EXPECT_EQ(place.first[size_t(domain)], i);
+      EXPECT_EQ(place.count[size_t(domain)], 1u);
+      EXPECT_EQ(place.first[size_t(Domain::kLayer)], layer);
+      EXPECT_EQ(place.first[size_t(Domain::kCharacter)], layer == 2 ? 1u : 0u);
+      EXPECT_EQ(place.layer_first[size_t(Domain::kPatch)], first_patch[layer]);
+      EXPECT_EQ(place.layer_first[size_t(Domain::kChunk)], first_chunk[layer]);
+    }
+}
+
+TEST(Frame, StreamsOfPatchesHaveABlockForEachThatTheirKindsAdmit) {
+  SyntheticScene scene(kLayers);
+  const SceneShape& shape = scene.shape();
+  const auto& table = TableOf<Toys>();
+  EXPECT_EQ(CountBlocks(table[StreamOf<&Toys::parts>], shape), 6u);
+  EXPECT_EQ(CountBlocks(table[StreamOf<&Toys::long_parts>], shape), 5u);
+  EXPECT_EQ(scene.memory().Block(StreamOf<&Toys::long_parts>, 0), nullptr);
+  const std::byte* first = scene.memory().Block(StreamOf<&Toys::long_parts>, 1);
+  for (uint32_t p = 1; p < 6; ++p)
+    EXPECT_EQ(scene.memory().Block(StreamOf<&Toys::long_parts>, p),
+              first + (p - 1) * sizeof(RowBlock));
+  const SceneShape none = MakeShape({{0, 0, 2, 3}});
+  const FrameMemory placed = PlaceStreams(table, none, nullptr);
+  EXPECT_EQ(placed.streams[size_t(StreamOf<&Toys::parts>)].block_count, 3u);
+  EXPECT_EQ(placed.streams[size_t(StreamOf<&Toys::long_parts>)].block_count, 0u);
+  EXPECT_EQ(placed.Block(StreamOf<&Toys::long_parts>, 2), nullptr);
+}
+
+bool HasOddMark(const FrameMemory& memory, const ItemPlace& place) {
+  return memory.Of<&Toys::marks>(place.first[size_t(Domain::kPatch)])->word % 2 != 0;
+}
+
+TEST(Frame, PatchStagesRunOnEveryPatchThatTheirGateAndKindsLet) {
+  const Condition odd{&HasOddMark, Domain::kPatch, {StreamOf<&Toys::marks>, Stream::kNone}};
+  const auto marks_after = [&](Gate gate, KindMask kinds) {
+    SyntheticScene scene(kLayers);
+    for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = p;
+    const Plan plan =
+        CompilePlan({MakeStage<AddToMark>(Domain::kPatch, kOne, gate, kinds)}, scene.shape(), {})
+            .OrThrow();
+    SerialExecutor().Run({&plan, &scene.memory()});
+    Counts marks;
+    for (uint32_t p = 0; p < 6; ++p)
+      marks.push_back(scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word);
+    return marks;
+  };
+  EXPECT_EQ(marks_after({}, {}), Counts({1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(marks_after({odd}, {}), Counts({0, 2, 2, 4, 4, 6}));
+  EXPECT_EQ(marks_after({}, {kLong, kRound}), Counts({0, 2, 3, 3, 4, 5}));
+}
+
+TEST(Frame, StreamsThatAPatchLacksKeepItsStageAway) {
+  SyntheticScene scene(kLayers);
+  const AddParams seven{7};
+  const Plan plan =
+      CompilePlan({MakeStage<UseLongParts>(Domain::kPatch, seven)}, scene.shape(), {}).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+  for (uint32_t p = 1; p < 6; ++p)
+    EXPECT_EQ(scene.Block<RowBlock>(StreamOf<&Toys::long_parts>, p).a[0][0], 7.0f);
+}
+
+// By places in the layer: patch in layer * lanes + lane.
+TEST(Frame, ChunksGatherRecordsOfTheirLayersPatches) {
+  SyntheticScene scene(kLayers);
+  const SceneShape& shape = scene.shape();
+  Random random(9);
+  for (uint32_t c = 0; c < shape.chunk_count; ++c)
+    for (uint32_t& place : scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c).place)
+      place = random.Below(shape.LayerPatches(shape.chunk_layer[c]) * kToyLanes);
+  const Plan plan =
+      CompilePlan({MakeStage<CopyParts>(Domain::kChunk)}, shape, {.must_fit = false}).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+  for (uint32_t c = 0; c < shape.chunk_count; ++c)
+    for (uint32_t i = 0; i < kToyLanes; ++i) {
+      const uint32_t place = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c).place[i];
+      const uint32_t patch = shape.layer_first_patch[shape.chunk_layer[c]] + place / kToyLanes;
+      const Record& from =
+          scene.Block<RecordBlock>(StreamOf<&Toys::parts>, patch).record[place % kToyLanes];
+      const Record& to = scene.Block<RecordBlock>(StreamOf<&Toys::copies>, c).record[i];
+      ASSERT_EQ(std::memcmp(&from, &to, sizeof to), 0) << c << ' ' << i;
+    }
+}
+
+TEST(Frame, ChunksGatherBlocksOfThePatchesTheyList) {
+  SyntheticScene scene(kLayers);
+  for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = 1u << p;
+  scene.Block<ListBlock>(StreamOf<&Toys::list>, 5).patch[1] = ~0u;  // its layer's first alone
+  const Plan plan = CompilePlan({MakeStage<SumMarks>(Domain::kChunk)}, scene.shape(), {}).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+  EXPECT_EQ(FirstKeys(scene), Counts({1, 1, 2 + 4, 2 + 4, 2 + 4, 8}));
+}
+
+TEST(Frame, ALayerHasAllItsPatches) {
+  SyntheticScene scene(kLayers);
+  for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = 1u << p;
+  const Plan plan =
+      CompilePlan({MakeStage<SumAllMarks>(Domain::kLayer)}, scene.shape(), {}).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+  const uint32_t sums[] = {1, 2 + 4, 8 + 16 + 32};
+  for (uint32_t l = 0; l < 3; ++l)
+    EXPECT_EQ(scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word, sums[l]);
 }
 
 TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {

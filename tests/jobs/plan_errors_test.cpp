@@ -62,20 +62,103 @@ struct ReadsAndScatters {
   static void Run(const Ports&) {}
 };
 
-TEST(PlanErrors, RefusesPortsThatCannotBeBound) {
-  const auto has = [](const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
+struct SharedPatch {
+  static constexpr std::string_view kName = "shared_patch";
+  struct Ports {
+    Shared<&Toys::marks> mark;
+    InOut<&Toys::keys> keys;
   };
+  static void Run(const Ports&) {}
+};
+struct SharedChunk {
+  static constexpr std::string_view kName = "shared_chunk";
+  struct Ports {
+    Shared<&Toys::keys> keys;
+    InOut<&Toys::marks> mark;
+  };
+  static void Run(const Ports&) {}
+};
+struct OwnPatch {
+  static constexpr std::string_view kName = "own_patch";
+  struct Ports {
+    InOut<&Toys::marks> mark;
+  };
+  static void Run(const Ports&) {}
+};
+struct GatherParts {
+  static constexpr std::string_view kName = "gather_parts";
+  struct Ports {
+    Gather<&Toys::parts, &Toys::order> parts;
+  };
+  static void Run(const Ports&) {}
+};
+struct GatherPartsByPatch {
+  static constexpr std::string_view kName = "gather_parts_by_patch";
+  struct Ports {
+    Gather<&Toys::parts, &Toys::marks> parts;
+  };
+  static void Run(const Ports&) {}
+};
+struct AllPatches {
+  static constexpr std::string_view kName = "all_patches";
+  struct Ports {
+    All<&Toys::marks> marks;
+  };
+  static void Run(const Ports&) {}
+};
+struct AllLongPatches {
+  static constexpr std::string_view kName = "all_long_patches";
+  struct Ports {
+    All<&Toys::long_parts> parts;
+  };
+  static void Run(const Ports&) {}
+};
+
+bool Has(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(PlanErrors, RefusesPortsThatCannotBeBound) {
   const std::string coarser = ErrorOf({Chunk<OutToCoarser>()});
-  EXPECT_TRUE(has(coarser, "stage out_to_coarser: port 'box': ")) << coarser;
+  EXPECT_TRUE(Has(coarser, "stage out_to_coarser: port 'box': ")) << coarser;
   const std::string shared = ErrorOf({Chunk<SharedOfOwnDomain>()});
-  EXPECT_TRUE(has(shared, "coarser domain")) << shared;
+  EXPECT_TRUE(Has(shared, "coarser domain")) << shared;
   const std::string list = ErrorOf({Chunk<GatherWithoutList>()});
-  EXPECT_TRUE(has(list, "no record list")) << list;
+  EXPECT_TRUE(Has(list, "no record list")) << list;
   const std::string all = ErrorOf({Chunk<SumLayer>()});
-  EXPECT_TRUE(has(all, "stage sum_layer: port 'keys'")) << all;
+  EXPECT_TRUE(Has(all, "stage sum_layer: port 'keys'")) << all;
   const std::string race = ErrorOf({Chunk<ReadsAndScatters>()});
-  EXPECT_TRUE(has(race, "two ports are of stream pairs_a")) << race;
+  EXPECT_TRUE(Has(race, "two ports are of stream pairs_a")) << race;
+}
+
+// Patches and chunks are beside each other: none is part of the other, and chunks alone gather.
+TEST(PlanErrors, RefusesPatchesWhereTheyAreNotPartOfTheItem) {
+  const std::string patch = ErrorOf({Chunk<SharedPatch>()});
+  EXPECT_TRUE(Has(patch, "stage shared_patch: port 'marks': ")) << patch;
+  EXPECT_TRUE(Has(patch, "coarser domain")) << patch;
+  const std::string chunk = ErrorOf({MakeStage<SharedChunk>(Domain::kPatch)});
+  EXPECT_TRUE(Has(chunk, "stage shared_chunk: port 'keys': ")) << chunk;
+  EXPECT_TRUE(Has(chunk, "coarser domain")) << chunk;
+  const std::string own = ErrorOf({Chunk<OwnPatch>()});
+  EXPECT_TRUE(Has(own, "own blocks are of one domain")) << own;
+  EXPECT_EQ(ErrorOf({MakeStage<OwnPatch>(Domain::kPatch)}), "");
+
+  EXPECT_EQ(ErrorOf({Chunk<GatherParts>()}), "");
+  const std::string gather = ErrorOf({MakeStage<GatherParts>(Domain::kPatch)});
+  EXPECT_TRUE(Has(gather, "gathered and scattered by chunks")) << gather;
+  const std::string list = ErrorOf({Chunk<GatherPartsByPatch>()});
+  EXPECT_TRUE(Has(list, "no record list")) << list;
+
+  EXPECT_EQ(ErrorOf({MakeStage<AllPatches>(Domain::kLayer)}), "");
+  EXPECT_EQ(ErrorOf({MakeStage<AllPatches>(Domain::kScene)}), "");
+  for (const Domain domain : {Domain::kChunk, Domain::kPatch, Domain::kCharacter}) {
+    const std::string all = ErrorOf({MakeStage<AllPatches>(domain)});
+    EXPECT_TRUE(Has(all, "stage all_patches: port 'marks': ")) << all;
+  }
+  const SceneShape mixed = MakeShape({{0, kLong, 1, 1}, {0, 0, 1, 1}});
+  const std::string some =
+      CompilePlan({MakeStage<AllLongPatches>(Domain::kScene)}, mixed, {}).error();
+  EXPECT_TRUE(Has(some, "not every layer has the stream")) << some;
 }
 
 struct OtherTable {
@@ -99,7 +182,13 @@ TEST(PlanErrors, RefusesStagesOfTwoTables) {
 
 TEST(PlanErrors, RefusesGatesOfAnotherDomain) {
   const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer, {kWithToyFlags<1>})});
-  EXPECT_NE(error.find("stage sum_layer: its gate is for chunks"), std::string::npos) << error;
+  EXPECT_NE(error.find("stage sum_layer: its gate is for a chunk"), std::string::npos) << error;
+  const Condition of_patches{[](const FrameMemory&, const ItemPlace&) { return true; },
+                             Domain::kPatch,
+                             {StreamOf<&Toys::marks>, Stream::kNone}};
+  const std::string patch = ErrorOf({MakeStage<GatherParts>(Domain::kChunk, {of_patches})});
+  EXPECT_TRUE(Has(patch, "stage gather_parts: its gate is for a patch")) << patch;
+  EXPECT_EQ(ErrorOf({MakeStage<OwnPatch>(Domain::kPatch, {of_patches})}), "");
 }
 
 }  // namespace

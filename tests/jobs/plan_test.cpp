@@ -104,7 +104,50 @@ struct UseBounds {
   static void Run(const Ports&) {}
 };
 
+struct MakeParts {
+  static constexpr std::string_view kName = "make_parts";
+  struct Ports {
+    Out<&Toys::parts> parts;
+    Out<&Toys::marks> mark;
+  };
+  static void Run(const Ports&) {}
+};
+struct UseLongParts {
+  static constexpr std::string_view kName = "use_long_parts";
+  struct Ports {
+    InOut<&Toys::long_parts> parts;
+  };
+  static void Run(const Ports&) {}
+};
+struct GatherParts {
+  static constexpr std::string_view kName = "gather_parts";
+  struct Ports {
+    In<&Toys::order> order;
+    Gather<&Toys::parts, &Toys::order> parts;
+    Out<&Toys::copies> copies;
+  };
+  static void Run(const Ports&) {}
+};
+struct GatherMarks {
+  static constexpr std::string_view kName = "gather_marks";
+  struct Ports {
+    In<&Toys::list> list;
+    GatherBlocks<&Toys::marks, &Toys::list> marks;
+    InOut<&Toys::keys> keys;
+  };
+  static void Run(const Ports&) {}
+};
+struct SumParts {
+  static constexpr std::string_view kName = "sum_parts";
+  struct Ports {
+    All<&Toys::parts> parts;
+    Out<&Toys::sum> sum;
+  };
+  static void Run(const Ports&) {}
+};
+
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
+const SceneShape kPatched = MakeShape({{0, 0, 3, 4}, {0, 0, 2, 1}});
 
 template <class K>
 Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
@@ -190,6 +233,71 @@ TEST(Plan, PutsABarrierBetweenARecordListAndItsGather) {
 TEST(Plan, FusesAGatherWithStagesThatDoNotConcernIt) {
   const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"make_keys gather_curves"}));
+}
+
+template <class K>
+Stage Patch() {
+  return MakeStage<K>(Domain::kPatch);
+}
+
+// Chunks reach any patch of their layer, so all of these are done before.
+TEST(Plan, PutsABarrierBetweenPatchesAndTheChunksThatGatherThem) {
+  const Plan plan =
+      CompilePlan({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<GatherParts>()}, kPatched, {})
+          .OrThrow();
+  EXPECT_EQ(PassNames(plan), Names({"make_parts", "make_keys gather_parts"}));
+  EXPECT_EQ(plan.passes[0].domain, Domain::kPatch);
+  EXPECT_EQ(plan.passes[1].domain, Domain::kChunk);
+  const Plan apart =
+      CompilePlan({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kPatched, {})
+          .OrThrow();
+  EXPECT_EQ(PassNames(apart), Names({"make_parts", "make_keys keys_to_order"}));
+}
+
+// What chunks gather in a later pass is not gone with the pass that made it.
+TEST(Plan, KeepsWhatPatchesMakeForChunks) {
+  const Plan plan = CompilePlan({Patch<MakeParts>(), Chunk<GatherParts>()}, kPatched, {}).OrThrow();
+  const PassStream& made = FindStream(plan.passes[0], StreamOf<&Toys::parts>);
+  EXPECT_FALSE(made.transient);
+  EXPECT_TRUE(made.put);
+  EXPECT_EQ(made.bytes, sizeof(RecordBlock));
+  const PassStream& gathered = FindStream(plan.passes[1], StreamOf<&Toys::parts>);
+  EXPECT_TRUE(gathered.get);
+  EXPECT_FALSE(gathered.put);
+  EXPECT_EQ(gathered.bytes, kToyLanes * sizeof(Record));
+}
+
+// Of whole blocks as many are resident as the list is long, however many lanes a chunk has.
+TEST(Plan, GatheredBlocksAreAsManyAsTheirList) {
+  const Plan plan = CompilePlan({Patch<MakeParts>(), Chunk<GatherMarks>()}, kPatched, {}).OrThrow();
+  EXPECT_EQ(PassNames(plan), Names({"make_parts", "gather_marks"}));
+  const PassStream& marks = FindStream(plan.passes[1], StreamOf<&Toys::marks>);
+  EXPECT_EQ(marks.access, Access::kGather);
+  EXPECT_EQ(marks.bytes, kToyListed * sizeof(WordBlock));
+  const PortDesc& port = plan.stages[1].kernel.ports[1];
+  EXPECT_EQ(port.records, kToyListed);
+  EXPECT_EQ(port.block_bytes, sizeof(WordBlock));
+  EXPECT_EQ(port.record_list, StreamOf<&Toys::list>);
+}
+
+TEST(Plan, ALayerTakesAllItsPatches) {
+  const Plan plan =
+      CompilePlan({Patch<MakeParts>(), MakeStage<SumParts>(Domain::kLayer)}, kPatched, {})
+          .OrThrow();
+  EXPECT_EQ(PassNames(plan), Names({"make_parts", "sum_parts"}));
+  const PassStream& parts = FindStream(plan.passes[1], StreamOf<&Toys::parts>);
+  EXPECT_EQ(parts.bytes, 4 * sizeof(RecordBlock)) << "patches of the layer, not its chunks";
+}
+
+TEST(Plan, StreamsOfPatchesSayWhichLayersAStageRunsOn) {
+  const std::vector<Stage> stages = {Patch<MakeParts>(), Patch<UseLongParts>()};
+  const Plan without = CompilePlan(stages, kPatched, {}).OrThrow();
+  EXPECT_EQ(PassNames(without), Names({"make_parts"}));
+  const SceneShape mixed = MakeShape({{0, 0, 1, 1}, {0, kLong, 1, 1}});
+  const Plan with = CompilePlan(stages, mixed, {}).OrThrow();
+  EXPECT_EQ(PassNames(with), Names({"make_parts use_long_parts"}));
+  EXPECT_TRUE(with.stages[1].kinds.Admits(kLong));
+  EXPECT_FALSE(with.stages[1].kinds.Admits(0));
 }
 
 TEST(Plan, FusesOnlyWhatFitsTwiceOver) {

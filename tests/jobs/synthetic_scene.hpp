@@ -25,11 +25,13 @@ struct LayerSpec {
   uint32_t character;
   uint32_t kind;
   uint32_t chunks;
+  uint32_t patches = 0;
 };
 
 inline SceneShape MakeShape(const std::vector<LayerSpec>& layers) {
   SceneShape shape;
-  for (const LayerSpec& layer : layers) shape.AddLayer(layer.character, layer.kind, layer.chunks);
+  for (const LayerSpec& layer : layers)
+    shape.AddLayer(layer.character, layer.kind, layer.chunks, layer.patches);
   return shape;
 }
 
@@ -61,7 +63,7 @@ class SyntheticSceneOf {
   }
 
   // Floats in [-1, 1), integers of any bits. Toys: every gate open, every lane alive, places of a
-  // layer one behind the other.
+  // layer one behind the other, every chunk names all patches of its layer.
   void Fill(uint64_t seed) {
     Random random(seed);
     for (uint32_t s = 0; s < memory_.streams.size(); ++s)
@@ -69,9 +71,14 @@ class SyntheticSceneOf {
         for (const RowDesc& row : Describe(s).rows)
           FillRow(random, row, memory_.streams[s].base + size_t(b) * Describe(s).block_bytes);
     if constexpr (std::is_same_v<Table, Toys>)
-      for (uint32_t c = 0; c < shape_.chunk_count; ++c)
+      for (uint32_t c = 0; c < shape_.chunk_count; ++c) {
+        const uint32_t layer = shape_.chunk_layer[c];
         *memory_.template Of<&Toys::state>(c) = {
-            ~0u, (c - shape_.layer_first_chunk[shape_.chunk_layer[c]]) * kToyLanes, kToyLanes};
+            ~0u, (c - shape_.layer_first_chunk[layer]) * kToyLanes, kToyLanes};
+        ListBlock& list = *memory_.template Of<&Toys::list>(c);
+        for (uint32_t i = 0; i < kToyListed; ++i)
+          list.patch[i] = i < shape_.LayerPatches(layer) ? i : ~0u;
+      }
   }
 
   // Of every row of every block of these streams.

@@ -30,6 +30,8 @@ PELT_BLOCK RowBlock { float a[3][kToyLanes], b[3][kToyLanes], c[3][kToyLanes]; }
 PELT_BLOCK MadeBlock { float value[3][kToyLanes]; };
 PELT_BLOCK StateBlock { uint32_t flags, first_place, live; };
 PELT_BLOCK WordBlock { uint32_t word; };
+inline constexpr uint32_t kToyListed = 32;
+PELT_BLOCK ListBlock { uint32_t patch[kToyListed]; };
 
 uint32_t CountLive(const FrameMemory& memory, uint32_t chunk);
 
@@ -53,6 +55,11 @@ struct Toys {
   StreamRow<RecordBlock> copies{"copies", Domain::kChunk, Role::kValue, kLive, {}, Kept::kOutput};
   StreamRow<MadeBlock> made{"made", Domain::kChunk, Role::kScratch};
   StreamRow<RowBlock> of_long{"of_long", Domain::kChunk, Role::kValue, {}, {kLong, 0}};
+  // Of patches, and which of the layer's patches a chunk names; behind those ~0.
+  StreamRow<RecordBlock> parts{"parts", Domain::kPatch, Role::kValue};
+  StreamRow<WordBlock> marks{"marks", Domain::kPatch, Role::kBookkeeping};
+  StreamRow<RowBlock> long_parts{"long_parts", Domain::kPatch, Role::kValue, {}, {kLong, 0}};
+  StreamRow<ListBlock> list{"list", Domain::kChunk, Role::kInput};
 };
 
 inline uint32_t CountLive(const FrameMemory& memory, uint32_t chunk) {
@@ -99,5 +106,8 @@ inline constexpr auto kBlockMembers<testing::StateBlock> = std::tuple{
 template <>
 inline constexpr auto kBlockMembers<testing::WordBlock> =
     std::tuple{PELT_MEMBER(testing::WordBlock, word)};
+template <>
+inline constexpr auto kBlockMembers<testing::ListBlock> =
+    std::tuple{PELT_MEMBER(testing::ListBlock, patch)};
 
 }  // namespace pelt

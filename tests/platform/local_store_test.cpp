@@ -57,6 +57,20 @@ struct GatherCurves {
       ports.copies->record[i] = i < kToyLanes / 2 ? ports.records[i] : Record{};
   }
 };
+struct GatherStates {
+  static constexpr std::string_view kName = "gather_states";
+  struct Ports {
+    In<&Toys::order> order;
+    GatherBlocks<&Toys::state, &Toys::order> states;
+    Out<&Toys::pairs_b> pairs;
+  };
+  static void Run(const Ports& ports) {
+    for (uint32_t i = 0; i < kToyLanes; ++i)
+      ports.pairs->pair[i] = i < kToyLanes / 2
+                                 ? KeyPlace{ports.states[i].flags, ports.states[i].first_place}
+                                 : KeyPlace{};
+  }
+};
 struct ReverseIntoLayer {
   static constexpr std::string_view kName = "reverse_into_layer";
   struct Ports {
@@ -112,15 +126,19 @@ TEST(LocalStore, WholeLayersMoveAsOne) {
   EXPECT_EQ(counts.peak_bytes, 3 * sizeof(KeyBlock) + sizeof(WordBlock));
 }
 
+// Lists of places among so many of the layer for each of its chunks.
+void FillLists(SyntheticScene& scene, uint32_t each) {
+  for (uint32_t c = 0; c < kChunks; ++c) {
+    auto& order = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c);
+    const uint32_t places = (c < 3 ? 3 : 2) * each;
+    for (uint32_t i = 0; i < kToyLanes; ++i)  // the second half means nothing
+      order.place[i] = i < kToyLanes / 2 ? (i * 37 + c) % places : ~0u;
+  }
+}
+
 TEST(LocalStore, GathersListedRecordsAndNothingElse) {
   SyntheticScene a(kLayers), b(kLayers);
-  for (SyntheticScene* scene : {&a, &b})
-    for (uint32_t c = 0; c < kChunks; ++c) {
-      auto& order = scene->Block<PlaceBlock>(StreamOf<&Toys::order>, c);
-      const uint32_t places = c < 3 ? 3 * kToyLanes : 2 * kToyLanes;
-      for (uint32_t i = 0; i < kToyLanes; ++i)  // the second half means nothing
-        order.place[i] = i < kToyLanes / 2 ? (i * 37 + c) % places : ~0u;
-    }
+  for (SyntheticScene* scene : {&a, &b}) FillLists(*scene, kToyLanes);
   const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {}).OrThrow();
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
@@ -129,6 +147,29 @@ TEST(LocalStore, GathersListedRecordsAndNothingElse) {
   EXPECT_EQ(a.DigestOf({StreamOf<&Toys::copies>}), b.DigestOf({StreamOf<&Toys::copies>}));
   EXPECT_TRUE(local.faults().empty());
   EXPECT_EQ(local.counts().list_elements, kChunks * kToyLanes / 2);
+}
+
+TEST(LocalStore, GathersWholeBlocksToo) {
+  SyntheticScene a(kLayers), b(kLayers);
+  for (SyntheticScene* scene : {&a, &b}) {
+    FillLists(*scene, 1);
+    for (uint32_t c = 0; c < kChunks; ++c)
+      scene->Block<StateBlock>(StreamOf<&Toys::state>, c).flags = 100 + c;
+  }
+  const Plan plan = CompilePlan({MakeStage<GatherStates>(Domain::kChunk)}, a.shape(), {}).OrThrow();
+  SerialExecutor serial;
+  serial.Run({&plan, &a.memory()});
+  const auto& found = a.Block<PairBlock>(StreamOf<&Toys::pairs_b>, 4);
+  EXPECT_EQ(found.pair[0].key, 100u + 3 + 4 % 2) << "of its own layer";
+  EXPECT_EQ(found.pair[1].key, 100u + 3 + (37 + 4) % 2);
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
+  local.Run({&plan, &b.memory()});
+  EXPECT_EQ(a.DigestOf({StreamOf<&Toys::pairs_b>}), b.DigestOf({StreamOf<&Toys::pairs_b>}));
+  EXPECT_TRUE(local.faults().empty());
+  constexpr uint64_t kElements = kChunks * kToyLanes / 2;
+  EXPECT_EQ(local.counts().list_elements, kElements);
+  EXPECT_EQ(local.counts().get_bytes,
+            kChunks * sizeof(PlaceBlock) + kElements * sizeof(StateBlock));
 }
 
 TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {

@@ -112,7 +112,7 @@ TEST(VerifyFrames, FaultsOfOwnKernelsAreNamed) {
 // Without closed pages too: which value it is, where the order of items is another.
 TEST(VerifyFrames, WhatDependsOnTheOrderIsLocated) {
   EXPECT_TRUE(Names(Verified(Fault::kOrder), FindingKind::kOrder, "sum", "box",
-                    "executors[0]: frame 0, stage sum, stream box, layer 0, chunk 0 (item 0), row "
+                    "executors[0]: frame 0, stage sum, stream box, layer 0, row "
                     "word[0], lane 0: expected"));
   EXPECT_TRUE(
       Names(Verified(Fault::kReadsNext), FindingKind::kOrder, "make_keys", "keys",

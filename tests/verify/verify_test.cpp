@@ -133,7 +133,7 @@ TEST(Verify, APlantedFaultIsNamedToTheLane) {
   EXPECT_EQ(m.stage, "roots");
   EXPECT_EQ(m.stream, "roots");
   EXPECT_EQ(m.layer, "vertex");
-  EXPECT_EQ(m.chunk_in_layer, 0u);
+  EXPECT_EQ(m.place_in_layer, 0u);
   EXPECT_EQ(m.row, "normal");
   EXPECT_EQ(m.component, 1u);
   EXPECT_EQ(m.lane, kLane);
