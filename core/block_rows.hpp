@@ -81,6 +81,11 @@ inline constexpr auto kBlockMembers<LayerSortBlock> = std::tuple{
     PELT_MEMBER(LayerSortBlock, keys_changed),
     PELT_MEMBER(LayerSortBlock, records_changed)};
 template <>
+inline constexpr auto kBlockMembers<PatchBlock> = std::tuple{
+    PELT_MEMBER(PatchBlock, joint_mask),
+    PELT_MEMBER(PatchBlock, live_from).Within(0.0f, 1.0f),
+    PELT_MEMBER(PatchBlock, vertex_count)};
+template <>
 inline constexpr auto kBlockMembers<MeshBlock> = std::tuple{
     PELT_MEMBER(MeshBlock, position).Within(-kLargest, kLargest),
     PELT_MEMBER(MeshBlock, normal).Within(-2.0f, 2.0f),
@@ -99,12 +104,15 @@ inline constexpr auto kBlockMembers<StrandBlock> = std::tuple{
     PELT_MEMBER(StrandBlock, vertex),
     PELT_MEMBER(StrandBlock, control),
     PELT_MEMBER(StrandBlock, film_strip),
-    PELT_MEMBER(StrandBlock, vertex_prefix),
     PELT_MEMBER(StrandBlock, joint_mask),
     PELT_MEMBER(StrandBlock, strand_count),
     PELT_MEMBER(StrandBlock, vertex_count),
     PELT_MEMBER(StrandBlock, control_count),
     PELT_MEMBER(StrandBlock, first_strand)};
+template <>
+inline constexpr auto kBlockMembers<HaloBlock> = std::tuple{PELT_MEMBER(HaloBlock, vertex)};
+template <>
+inline constexpr auto kBlockMembers<PatchListBlock> = std::tuple{PELT_MEMBER(PatchListBlock, patch)};
 template <uint32_t N>
 inline constexpr auto kBlockMembers<RestBlock<N>> = std::tuple{
     PELT_MEMBER(RestBlock<N>, offset).Within(-kLongest_m, kLongest_m),
@@ -144,7 +152,10 @@ template <uint32_t N>
 inline constexpr auto kBlockMembers<PointBlock<N>> = std::tuple{
     PELT_MEMBER(PointBlock<N>, position)};
 template <>
-inline constexpr auto kBlockMembers<LoadBlock> = std::tuple{PELT_MEMBER(LoadBlock, link).ByLane()};
+inline constexpr auto kBlockMembers<LoadBlock> = std::tuple{PELT_MEMBER(LoadBlock, vertex)};
+template <>
+inline constexpr auto kBlockMembers<VertexRateBlock> = std::tuple{
+    PELT_MEMBER(VertexRateBlock, vertex)};
 template <>
 inline constexpr auto kBlockMembers<CurveBlock> = std::tuple{PELT_MEMBER(CurveBlock, record)};
 template <>

@@ -1,8 +1,10 @@
 // The chunk: a fixed-capacity SoA piece of one layer. The unit of work, of DMA, of locality and of
 // LOD.
 //
-// A chunk is a spatial patch with its own small table of mesh vertices; the strands inside it are
-// in progressive order, so any prefix of its lanes covers the patch evenly.
+// A chunk holds the strands of a part of the skin in progressive order, so any prefix of its lanes
+// covers the part evenly. What they share, the mesh's vertices and the chains on these, lies in the
+// layer's patches: as many lanes, each vertex once. A chunk lists those that its strands use, its
+// halo, and its strands count in that list.
 //
 //      lanes ->  0        1        2              S-1
 //   point 1  x [ x0       x1       x2      ...    x(S-1) ]   one row: S floats, 128-byte aligned
@@ -12,8 +14,7 @@
 //
 // Invariants: every block is a trivially copyable struct whose size is a multiple of 128 bytes (its
 // size is the DMA size); unused lanes hold a copy of the last used lane, so kernels need no
-// remainder loop and padding never produces infinities. A vertex on a patch border is stored, and
-// skinned, in both chunks; both get the same bits.
+// remainder loop and padding never produces infinities.
 //
 // Units: metres, seconds, radians; colours are sRGB bytes.
 #pragma once
@@ -29,7 +30,7 @@ namespace pelt {
 #endif
 
 inline constexpr uint32_t kStrandsPerChunk = PELT_CHUNK_STRANDS;
-inline constexpr uint32_t kVerticesPerChunk = kStrandsPerChunk;
+inline constexpr uint32_t kVerticesPerChunk = kStrandsPerChunk;  // of a patch, and of a halo
 static_assert(kStrandsPerChunk == 64 || kStrandsPerChunk == 128 || kStrandsPerChunk == 256,
               "strands address their chunk's vertices with 8 bits");
 
@@ -50,7 +51,7 @@ inline constexpr uint32_t kLaneGroup = 16;
   return (lanes + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
 }
 inline constexpr uint32_t kJointsPerCharacter = 256;
-// Dense weight rows of one chunk: on average 8 joints for each group of 16 vertices.
+// Dense weight rows of one patch: on average 8 joints for each group of 16 vertices.
 inline constexpr uint32_t kVertexGroups = kVerticesPerChunk / kLaneGroup;
 inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
 inline constexpr uint32_t kLayersPerScene = 1024;
@@ -264,12 +265,22 @@ PELT_BLOCK LayerSortBlock {
   uint32_t pad[29];
 };
 
-// ---- Chunk, baked -------------------------------------------------------------------------------
+// ---- Patch and chunk, baked ---------------------------------------------------------------------
 
-// The chunk's mesh vertices in mesh (bind) space. Skinning is dense in groups of 16 vertices: a
+// What is known of a patch's vertices.
+PELT_BLOCK PatchBlock {
+  uint32_t joint_mask[kJointsPerCharacter / 32];  // joints that move any of them
+  // Of each group of kLaneGroup: some strand uses one from it on once more than this share of the
+  // layer's strands live. Ascending.
+  float live_from[kVertexGroups];
+  uint32_t vertex_count;
+  uint32_t pad[23 - kVertexGroups];
+};
+
+// The patch's mesh vertices in mesh (bind) space. Skinning is dense in groups of 16 vertices: a
 // group lists the joints any of its vertices uses, ascending, with one row of 16 weights each (0
 // where unused). No gather is needed; the sum over joints runs in ascending joint order for every
-// vertex, so a border vertex gets the same bits in every chunk.
+// vertex, so it does not depend on whom a vertex shares its patch with.
 PELT_BLOCK MeshBlock {
   float position[3][kVerticesPerChunk];
   float normal[3][kVerticesPerChunk];
@@ -290,13 +301,12 @@ PELT_BLOCK StrandBlock {
   float width[kStrandsPerChunk];           // full width at the root, m
   uint32_t base_colour[kStrandsPerChunk];  // 0xAABBGGRR
   uint32_t tip_colour[kStrandsPerChunk];
-  uint8_t vertex[3][kStrandsPerChunk];            // chunk-local
+  uint8_t vertex[3][kStrandsPerChunk];            // places in the chunk's halo
   uint8_t control[kStrandsPerChunk];              // chunk-local clump control strand
   uint8_t film_strip[kStrandsPerChunk];           // texture index
-  uint8_t vertex_prefix[kStrandsPerChunk];        // highest vertex used by strands 0..i
-  uint32_t joint_mask[kJointsPerCharacter / 32];  // joints that move any vertex of the chunk
+  uint32_t joint_mask[kJointsPerCharacter / 32];  // joints that move any vertex of the halo
   uint32_t strand_count;
-  uint32_t vertex_count;
+  uint32_t vertex_count;  // of the halo
   // Strands [0, control_count) are the clump controls, a multiple of kLaneGroup (or 0): they are
   // solved first and never clump, so the result cannot depend on the lane count.
   uint32_t control_count;
@@ -304,6 +314,15 @@ PELT_BLOCK StrandBlock {
       first_strand;  // layer-wide index of lane 0: chunk's place in its layer * kStrandsPerChunk
   uint32_t pad[20];
 };
+
+// The mesh vertices that the chunk's strands use, in the order of their first use, as places in the
+// layer: patch in layer * kVerticesPerChunk + lane. Behind them ~0.
+PELT_BLOCK HaloBlock { uint32_t vertex[kVerticesPerChunk]; };
+
+// The patches that those lie in, numbered in the layer, ascending, and behind them ~0. Where the last
+// entry is another, there are more.
+inline constexpr uint32_t kListedPatches = 31;
+PELT_BLOCK PatchListBlock { uint32_t patch[kListedPatches + 1]; };
 
 // Where on the skin's texture each strand stands: u in the low 16 bits, v above, of 65535, repeated
 // beyond.
@@ -324,13 +343,13 @@ PELT_BLOCK RestBlock {
 // way is down at each chain's root in the rest pose, in its root frame; unit.
 PELT_BLOCK DownBlock { float down[3][kStrandsPerChunk]; };
 
-// ---- Chunk, every frame -------------------------------------------------------------------------
+// ---- Patch and chunk, every frame ---------------------------------------------------------------
 
 enum ChunkFlag : uint32_t {
-  kChunkVisible = 1u << 0,   // live_strands > 0 and in view
-  kChunkSkin = 1u << 1,      // skin, anchors and roots run
+  kChunkVisible = 1u << 0,   // something of it lives, and is in view
+  kChunkSkin = 1u << 1,      // skin and anchors run; roots
   kChunkSimulate = 1u << 2,  // wind and simulate run
-  kChunkFit = 1u << 3,       // interpolate and fit run
+  kChunkFit = 1u << 3,       // interpolate and fit run; what bends shells
   kChunkKeys = 1u << 4,      // sort keys run
   kChunkRestart =
       1u << 5,  // no last frame to take motion from: motion is 0, chains start from the groom
@@ -338,23 +357,23 @@ enum ChunkFlag : uint32_t {
   kChunkSteady = 1u << 7,   // what simulate reads is as in the last frame, but for its own state
 };
 
-// What of the chunk runs this frame, and why. Written by `activate`; simulate, sort_key and
-// paint_strands report back.
+// What of a patch or chunk runs this frame, and why. Written by `activate_patch` and `activate`;
+// simulate, sort_key and paint_strands report back. Of a patch what is about strands is 0.
 PELT_BLOCK ChunkStateBlock {
-  uint32_t flags;             // ChunkFlag
-  uint32_t live_strands;      // prefix of strands that live; 0 when culled
-  uint32_t live_vertices;     // prefix of vertices those strands use
+  uint32_t flags;          // ChunkFlag
+  uint32_t live_strands;   // prefix of strands that live; 0 when culled
+  uint32_t live_vertices;  // prefix of vertices that live, of the patch; of the halo: those in use
   uint32_t first_new_strand;  // lanes from here on (below live_strands) start from the groom
   uint32_t first_new_vertex;
   float live_exact;        // fraction * strand_count before rounding up: fades the last strands
   float fade_count;        // strands over which the fade runs; 0: no fade
-  uint32_t moved;          // some joint of the chunk moved this frame
+  uint32_t moved;          // some joint of its own moved this frame
   uint32_t was_moved;      // the same, last frame
   uint32_t state_changed;  // simulate: some live lane's state differs from last frame's in some bit
   uint32_t keys_changed;   // sort_key: some key differs from last frame's
   uint32_t records_changed;  // fit ran this frame
   uint32_t first_place;      // the chunk's place in its layer * kStrandsPerChunk
-  uint32_t visible_strands;  // sort_key: lanes not keyed kCulledKey; 0 when culled
+  uint32_t visible_strands;  // sort_key: lanes not keyed kCulledKey; of shells all; 0 when culled
   uint32_t pad[18];
 };
 
@@ -383,6 +402,15 @@ PELT_BLOCK RootRateBlock {
   float spin[3][kStrandsPerChunk];      // of normal and tangent, rad/s, world
 };
 
+// The same of mesh vertices whose strands have chains of their own, as records that these blend:
+// velocity, m/s, and how fast normal and tangent change, 1/s.
+struct VertexRates {
+  float velocity[4];
+  float normal[4];
+  float tangent[4];
+};
+PELT_BLOCK VertexRateBlock { VertexRates vertex[kVerticesPerChunk]; };
+
 // Wind acceleration at the chain's root, m/s^2 (response included).
 PELT_BLOCK WindBlock { float acceleration[3][kStrandsPerChunk]; };
 
@@ -393,9 +421,13 @@ PELT_BLOCK PointBlock {
   float position[kPoints - 1][3][kStrandsPerChunk];
 };
 
-// What bends the chain at a mesh vertex, as records: of each link the load on it and the multiplier
-// of its length, times the link's length; m/s^2 (kernels/modal_load.hpp).
-PELT_BLOCK LoadBlock { float link[kVerticesPerChunk][3][4]; };
+// What the strands take of the chain at a mesh vertex, as records. Modal: of each node the load on it
+// and the multiplier of its length, times a part's length; m/s^2 (kernels/modal_load.hpp). Else of
+// each point how far it is from the groom, m per metre of chain.
+struct ChainLoad {
+  float part[3][4];
+};
+PELT_BLOCK LoadBlock { ChainLoad vertex[kVerticesPerChunk]; };
 
 // One strand, ready to draw, in one 64-byte DMA element: P(t) = c0 + t (c1 + t (c2 + t c3)), t in
 // [0, 1].

@@ -9,23 +9,12 @@
 namespace pelt {
 
 namespace streams_detail {
-namespace {
-const ChunkStateBlock& StateOf(const FrameMemory& memory, uint32_t chunk) {
-  return *memory.Of<&Streams::chunk_state>(chunk);
-}
-}  // namespace
 
 uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk) {
-  return StateOf(memory, chunk).live_strands;
+  return memory.Of<&Streams::chunk_state>(chunk)->live_strands;
 }
-uint32_t CountVertices(const FrameMemory& memory, uint32_t chunk) {
-  return StateOf(memory, chunk).live_vertices;
-}
-uint32_t CountChains(const FrameMemory& memory, uint32_t chunk) {
-  const SceneShape& shape = *memory.shape;
-  return shape.layer_kind[shape.chunk_layer[chunk]] & kLayerVertexChains
-             ? CountVertices(memory, chunk)
-             : CountStrands(memory, chunk);
+uint32_t CountVertices(const FrameMemory& memory, uint32_t patch) {
+  return memory.Of<&Streams::patch_state>(patch)->live_vertices;
 }
 uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk) {
   const SceneShape& shape = *memory.shape;
@@ -43,6 +32,13 @@ uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk) {
 }
 
 }  // namespace streams_detail
+
+VertexPlace FindVertex(const FrameMemory& memory, uint32_t chunk, uint32_t corner) {
+  const SceneShape& shape = *memory.shape;
+  const uint32_t place = memory.Of<&Streams::halo>(chunk)->vertex[corner];
+  return {shape.layer_first_patch[shape.chunk_layer[chunk]] + place / kVerticesPerChunk,
+          place % kVerticesPerChunk};
+}
 
 // The one of this build: see core/chunk.hpp.
 const char PELT_CAPACITY_SYMBOL(PELT_CHUNK_STRANDS) = 0;

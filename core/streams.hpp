@@ -16,26 +16,30 @@ using enum Role;
 using enum Kept;
 
 uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk);   // live ones
-uint32_t CountVertices(const FrameMemory& memory, uint32_t chunk);  // live ones
-uint32_t CountChains(const FrameMemory& memory, uint32_t chunk);    // at vertices, or of strands
+uint32_t CountVertices(const FrameMemory& memory, uint32_t patch);  // live ones
 uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk);    // of the layer's order, drawn
 uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk);
 uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk);
 
 inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
-    kLiveVertices{&CountVertices, kLaneGroup}, kLiveChains{&CountChains, kLaneGroup},
-    kKeyed{&CountStrands, 1, true}, kPainted{&CountStrands, kLaneGroup, true},
-    kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
+    kLiveVertices{&CountVertices, kLaneGroup}, kKeyed{&CountStrands, 1, true},
+    kPainted{&CountStrands, kLaneGroup, true}, kPlaces{&CountPlaces},
+    kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
 
 inline constexpr uint32_t kFive = kLayerFivePoints, kNine = kLayerNinePoints, kModal = kLayerModal,
                           kShells = kLayerShells;
-inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kOf4{0, kFive | kNine | kShells},
-    kOf5{kFive, 0}, kOf9{kNine, 0}, kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
+inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kStrandChains{0, kLayerVertexChains},
+    kOf4{0, kFive | kNine | kShells}, kOf5{kFive, 0}, kOf9{kNine, 0},
+    kChains{kLayerVertexChains, kShells}, kOfStrands{0, kShells};
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
     kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0},
-    kRated{kModal | kLayerRates, 0}, kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0};
+    kRated{kModal | kLayerRates, 0}, kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0},
+    kRatedVertices{kModal | kLayerRates | kLayerVertexChains, 0},
+    kRatedStrands{kModal | kLayerRates, kLayerVertexChains},
+    kHeldVertices{kModal | kLayerSagFree | kLayerVertexChains, 0},
+    kHeldStrands{kModal | kLayerSagFree, kLayerVertexChains};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -45,10 +49,13 @@ struct Streams {
   StreamRow<SkeletonBlock> skeleton{"skeleton", kCharacter, kInput};
   StreamRow<LayerBlock> layers{"layers", kLayer, kInput, kAll, {}, kState};
   StreamRow<LayerJointBlock> layer_joints{"layer_joints", kLayer, kInput};
-  StreamRow<MeshBlock> mesh{"mesh", kChunk, kInput};
+  StreamRow<PatchBlock> patches{"patches", kPatch, kInput};
+  StreamRow<MeshBlock> mesh{"mesh", kPatch, kInput};
   StreamRow<StrandBlock> strands{"strands", kChunk, kInput};
+  StreamRow<HaloBlock> halo{"halo", kChunk, kInput};
+  StreamRow<PatchListBlock> patch_list{"patch_list", kChunk, kInput, kAll, kOnVertices};
   // Of chains at mesh vertices; of strands that follow them, and chains of 4 and 5 points.
-  StreamRow<RestBlock<4>> vertex_rest{"vertex_rest", kChunk, kInput, kAll, kOnVertices};
+  StreamRow<RestBlock<4>> vertex_rest{"vertex_rest", kPatch, kInput, kAll, kOnVertices};
   StreamRow<RestBlock<4>> strand_rest4{"strand_rest4", kChunk, kInput, kAll, kOf4};
   StreamRow<RestBlock<5>> strand_rest5{"strand_rest5", kChunk, kInput, kAll, kOf5};
 
@@ -58,15 +65,18 @@ struct Streams {
   StreamRow<BoundsBlock> bounds{"bounds", kLayer, kValue};
   StreamRow<LodBlock> lod{"lod", kLayer, kValue, kAll, {}, kOutput};
   StreamRow<ChunkStateBlock> chunk_state{"chunk_state", kChunk, kBookkeeping, kAll, {}, kOutput};
-  StreamRow<SkinnedBlock> skinned{"skinned", kChunk, kValue, kLiveVertices};
-  StreamRow<RootBlock> anchors{"anchors", kChunk, kValue, kLiveVertices,
+  StreamRow<ChunkStateBlock> patch_state{"patch_state", kPatch, kBookkeeping, kAll, {}, kOutput};
+  StreamRow<SkinnedBlock> skinned{"skinned", kPatch, kValue, kLiveVertices};
+  StreamRow<RootBlock> anchors{"anchors", kPatch, kValue, kLiveVertices,
                                kOnVertices};  // of mesh vertices
   StreamRow<RootBlock> roots{"roots", kChunk, kValue, kLiveStrands, kOfStrands};
-  StreamRow<WindBlock> wind{"wind", kChunk, kScratch, kLiveChains};
+  StreamRow<WindBlock> vertex_wind{"vertex_wind", kPatch, kScratch, kLiveVertices, kOnVertices};
+  StreamRow<WindBlock> wind{"wind", kChunk, kScratch, kLiveStrands, kStrandChains};
   // Points without a last frame (strands that follow vertex chains) are made anew: no state.
-  StreamRow<PointBlock<4>> vertex_points{"vertex_points", kChunk, kValue, kLiveVertices, kChains};
+  StreamRow<PointBlock<4>> vertex_points{
+      "vertex_points", kPatch, kValue, kLiveVertices, {kLayerVertexChains, kModal | kShells}};
   StreamRow<PointBlock<4>> vertex_previous{"vertex_previous",
-                                           kChunk,
+                                           kPatch,
                                            kValue,
                                            kLiveVertices,
                                            {kLayerVertexChains, kModal | kShells},
@@ -99,7 +109,7 @@ struct Streams {
   StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer,      kInput,
                                           kAll,           {kModal, 0}, kState};
   StreamRow<ModalStateBlock<3>> vertex_modal{
-      "vertex_modal", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
+      "vertex_modal", kPatch, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
   StreamRow<ModalStateBlock<3>> strand_modal4{
       "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kNine | kLayerVertexChains},
       kState};
@@ -116,9 +126,9 @@ struct Streams {
 
   // Layers of shells.
   StreamRow<ShellLayerBlock> shell_layers{"shell_layers", kLayer, kInput, kAll, kShelled};
-  StreamRow<ShellSkinBlock> shell_skin{"shell_skin", kChunk, kInput, kAll, kShelled};
+  StreamRow<ShellSkinBlock> shell_skin{"shell_skin", kPatch, kInput, kAll, kShelled};
   StreamRow<ShellLodBlock> shell_lod{"shell_lod", kLayer, kValue, kAll, kShelled, kOutput};
-  StreamRow<ShellVertexBlock> shell_vertices{"shell_vertices", kChunk,   kValue,
+  StreamRow<ShellVertexBlock> shell_vertices{"shell_vertices", kPatch,   kValue,
                                              kLiveVertices,    kShelled, kOutput};
 
   // Of strands that do not live too: they keep what is on them.
@@ -130,19 +140,23 @@ struct Streams {
   // Of scenes that are told velocities with their poses.
   StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated, kState};
   StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
-  StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveChains, kRated};
+  StreamRow<RootRateBlock> anchor_rates{"anchor_rates", kPatch, kScratch, kLiveVertices,
+                                        kRatedVertices};
+  StreamRow<VertexRateBlock> vertex_rates{"vertex_rates", kPatch, kScratch, kLiveVertices,
+                                          kRatedStrands};
+  StreamRow<RootRateBlock> root_rates{"root_rates", kChunk, kScratch, kLiveStrands, kRatedStrands};
   // Of scenes whose characters have origins of their own.
   StreamRow<LayerOriginBlock> layer_origins{"layer_origins", kLayer, kInput, kAll, kApart, kState};
   // Of sag-free layers.
-  StreamRow<DownBlock> rest_down{"rest_down", kChunk, kInput, kAll, kHeld};
+  StreamRow<DownBlock> vertex_down{"vertex_down", kPatch, kInput, kAll, kHeldVertices};
+  StreamRow<DownBlock> strand_down{"strand_down", kChunk, kInput, kAll, kHeldStrands};
   // Of chains of 9 points, which the modal solver alone moves.
   StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kAll, kOf9};
   StreamRow<PointBlock<9>> strand_points9{"strand_points9", kChunk, kValue, kLiveStrands, kOf9};
   StreamRow<ModalStateBlock<4>> strand_modal9{"strand_modal9", kChunk, kValue,
                                               kLiveStrands,    kOf9,   kState};
-  // Of strands that follow modal chains: what bends those.
-  StreamRow<LoadBlock> vertex_loads{
-      "vertex_loads", kChunk, kValue, kLiveVertices, {kModal | kLayerVertexChains, kShells}};
+  // Of strands that follow chains: what those do.
+  StreamRow<LoadBlock> vertex_loads{"vertex_loads", kPatch, kValue, kLiveVertices, kChains};
 };
 
 }  // namespace streams_detail
@@ -153,8 +167,20 @@ using streams_detail::Streams;
 // each strand.
 template <uint32_t kPoints, bool kVertexChains>
 struct ChainStreams;
+struct StrandChainStreams {
+  static constexpr auto kState = &Streams::chunk_state;
+  static constexpr auto kRoots = &Streams::roots;
+  static constexpr auto kWind = &Streams::wind;
+  static constexpr auto kRates = &Streams::root_rates;
+  static constexpr auto kDown = &Streams::strand_down;
+  static constexpr auto kTable = &Streams::modal_tables;
+};
 template <>
 struct ChainStreams<4, true> {
+  static constexpr auto kState = &Streams::patch_state;
+  static constexpr auto kWind = &Streams::vertex_wind;
+  static constexpr auto kRates = &Streams::anchor_rates;
+  static constexpr auto kDown = &Streams::vertex_down;
   static constexpr auto kRest = &Streams::vertex_rest;
   static constexpr auto kRoots = &Streams::anchors;
   static constexpr auto kPosition = &Streams::vertex_points;
@@ -163,30 +189,24 @@ struct ChainStreams<4, true> {
   static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
-struct ChainStreams<4, false> {
+struct ChainStreams<4, false> : StrandChainStreams {
   static constexpr auto kRest = &Streams::strand_rest4;
-  static constexpr auto kRoots = &Streams::roots;
   static constexpr auto kPosition = &Streams::strand_points4;
   static constexpr auto kPrevious = &Streams::strand_previous4;
   static constexpr auto kModal = &Streams::strand_modal4;
-  static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
-struct ChainStreams<5, false> {
+struct ChainStreams<5, false> : StrandChainStreams {
   static constexpr auto kRest = &Streams::strand_rest5;
-  static constexpr auto kRoots = &Streams::roots;
   static constexpr auto kPosition = &Streams::strand_points5;
   static constexpr auto kPrevious = &Streams::strand_previous5;
   static constexpr auto kModal = &Streams::strand_modal5;
-  static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
-struct ChainStreams<9, false> {
+struct ChainStreams<9, false> : StrandChainStreams {
   static constexpr auto kRest = &Streams::strand_rest9;
-  static constexpr auto kRoots = &Streams::roots;
   static constexpr auto kPosition = &Streams::strand_points9;
   static constexpr auto kModal = &Streams::strand_modal9;
-  static constexpr auto kTable = &Streams::modal_tables;
 };
 
 // What a kernel for strands of so many points is called.
@@ -200,6 +220,13 @@ constexpr std::string_view ByPoints(std::string_view of_4, std::string_view of_5
 // Made in streams.cpp, which alone knows the blocks' members (core/block_rows.hpp).
 template <>
 const StreamTable& TableOf<Streams>();
+// Where the vertex stands that is number `corner` of a chunk's halo.
+struct VertexPlace {
+  uint32_t patch;  // of the scene
+  uint32_t lane;
+};
+VertexPlace FindVertex(const FrameMemory& memory, uint32_t chunk, uint32_t corner);
+
 // A bit of FrameMemory::marks: vertices lie in strand order.
 inline constexpr uint32_t kInStrandOrder = 1u << 0;
 

@@ -23,13 +23,14 @@ void AddStrands(const FrameMemory& memory, VertexOrder vertex_order, uint32_t fi
                    strands * row.StrandBytes()};
 }
 
-void AddShells(const FrameMemory& memory, uint32_t first, uint32_t chunks, LayerDraw& draw) {
+void AddShells(const FrameMemory& memory, LayerDraw& draw) {
   draw.shells = FindShells(memory, draw.layer);
-  draw.vertices = {memory.Block(draw.format().in_draw_order, first),
-                   size_t(chunks) * sizeof(ShellVertexBlock)};
+  draw.vertices = {
+      memory.Block(draw.format().in_draw_order, memory.shape->layer_first_patch[draw.layer]),
+      draw.shells.skin.size() * sizeof(ShellVertexBlock)};
 }
 
-// The chunks of a layer lie one behind the other in every stream: its vertices are one span.
+// The patches and chunks of a layer lie one behind the other in every stream: its vertices are one span.
 LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t layer) {
   const SceneShape& shape = *memory.shape;
   const uint32_t first = shape.layer_first_chunk[layer], chunks = shape.LayerChunks(layer);
@@ -50,7 +51,7 @@ LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t
   if (draw.format().OfStrands())
     AddStrands(memory, vertex_order, first, chunks, draw);
   else
-    AddShells(memory, first, chunks, draw);
+    AddShells(memory, draw);
   return draw;
 }
 
@@ -93,12 +94,14 @@ ShellDraw FindShells(const FrameMemory& memory, uint32_t layer) {
   if (layer >= shape.layer_count || !(shape.layer_kind[layer] & kLayerShells)) return {};
   const uint32_t first = shape.layer_first_chunk[layer], chunks = shape.LayerChunks(layer);
   const ShellLodBlock& lod = *memory.Of<&Streams::shell_lod>(layer);
-  return {{lod.shell, lod.count},
-          lod.texture_repeat,
-          memory.Of<&Streams::shell_layers>(layer)->shadow,
-          {memory.Of<&Streams::shell_skin>(first), chunks},
-          {memory.Of<&Streams::strands>(first), chunks},
-          FindFins(memory, layer, first, chunks)};
+  return {
+      {lod.shell, lod.count},
+      lod.texture_repeat,
+      memory.Of<&Streams::shell_layers>(layer)->shadow,
+      {memory.Of<&Streams::shell_skin>(shape.layer_first_patch[layer]), shape.LayerPatches(layer)},
+      {memory.Of<&Streams::strands>(first), chunks},
+      {memory.Of<&Streams::halo>(first), chunks},
+      FindFins(memory, layer, first, chunks)};
 }
 
 uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices) {
@@ -107,7 +110,7 @@ uint32_t WriteShellIndices(const ShellDraw& shells, std::span<uint32_t> indices)
     const StrandBlock& block = shells.triangles[c];
     for (uint32_t t = 0; t < block.strand_count; ++t)
       for (const auto& corner : block.vertex) {
-        if (count < indices.size()) indices[count] = c * kVerticesPerChunk + corner[t];
+        if (count < indices.size()) indices[count] = shells.halo[c].vertex[corner[t]];
         ++count;
       }
   }
@@ -122,10 +125,8 @@ uint32_t WriteFins(const ShellDraw& shells, std::span<Fin> fins) {
       for (uint32_t k = 0; k < 3; ++k) {
         const uint32_t fade = shells.fins[c].fade[t] >> 8 * k & 255u;
         if (fade == 0) continue;
-        if (count < fins.size()) {
-          const uint32_t first = c * kVerticesPerChunk;
-          fins[count] = {first + block.vertex[k][t], first + block.vertex[(k + 1) % 3][t], fade};
-        }
+        const auto corner = [&](uint32_t i) { return shells.halo[c].vertex[block.vertex[i][t]]; };
+        if (count < fins.size()) fins[count] = {corner(k), corner((k + 1) % 3), fade};
         ++count;
       }
   }

@@ -28,10 +28,11 @@ struct ShellDraw {
   std::span<const Shell> shell;
   float texture_repeat = 0.0f;
   float shadow = 1.0f;  // light left at the skin: at height h there is 1 + (shadow - 1) (1 - h)
-  // For each chunk of the layer its vertices' places on the skin, and its triangles; a chunk has
-  // kVerticesPerChunk places among the draw's vertices.
+  // For each patch of the layer its vertices' places on the skin; a patch has kVerticesPerChunk places
+  // among the draw's vertices. For each chunk its triangles, and which vertices their corners are.
   std::span<const ShellSkinBlock> skin;
   std::span<const StrandBlock> triangles;
+  std::span<const HaloBlock> halo;
   std::span<const FinBlock> fins;  // of its chunks too; empty of a layer without
 };
 

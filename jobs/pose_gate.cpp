@@ -255,8 +255,11 @@ void PoseGate::Accept(const FrameMemory& memory, uint32_t character) {
   limits.had_pose = true;
   if (!limits.must_restart) return;
   limits.must_restart = false;
-  // Chunks that were not visible in the last frame start from the groom.
+  // What was not visible in the last frame starts from the groom.
   const SceneShape& shape = *memory.shape;
+  for (uint32_t p = 0; p < shape.patch_count; ++p)
+    if (shape.layer_character[shape.patch_layer[p]] == character)
+      memory.Of<&Streams::patch_state>(p)->flags = 0;
   for (uint32_t c = 0; c < shape.chunk_count; ++c)
     if (shape.layer_character[shape.chunk_layer[c]] == character)
       memory.Of<&Streams::chunk_state>(c)->flags = 0;

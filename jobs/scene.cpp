@@ -10,6 +10,7 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/fur_texture.hpp"
+#include "core/groom/patch_index.hpp"
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
@@ -128,10 +129,37 @@ bool Put(Block& to, const Block& from) {
 
 }  // namespace
 
-// Nobody sleeps through it. Chunks that changed are taken to have moved; those that get what they have are
-// not, as their strands' clocks go on (modal_end.hpp).
+// Blocks of one character's groom on their way into the streams.
+struct FurScene::GroomCopy {
+  // Of a list that not every patch or chunk has a block in, one after the other.
+  template <class Block>
+  class Taken {
+   public:
+    explicit Taken(const std::vector<Block>& blocks) : next_(blocks.data()) {}
+    const Block& Next() { return *next_++; }
+
+   private:
+    const Block* next_;
+  };
+
+  explicit GroomCopy(const Groom& from)
+      : groom(from),
+        vertex_rest(from.vertex_rest),
+        vertex_down(from.vertex_down),
+        strand_down(from.strand_down),
+        shell_skin(from.shell_skin),
+        fin_edges(from.fin_edges) {}
+  const Groom& groom;
+  Taken<RestBlock<4>> vertex_rest;
+  Taken<DownBlock> vertex_down, strand_down;
+  Taken<ShellSkinBlock> shell_skin;
+  Taken<FinEdgeBlock> fin_edges;
+  uint32_t strand_rest[kMostStrandPoints + 1] = {};  // taken, by points
+};
+
+// Nobody sleeps through it. Patches and chunks that changed are taken to have moved; those that get what
+// they have are not, as their strands' clocks go on (modal_end.hpp).
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
-  uint32_t layer_index = 0, chunk = 0;
   layer_names_.clear();
   layer_params_.clear();
   layer_length_max_.clear();
@@ -139,59 +167,85 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   modal_.resize(shape().layer_count);
   layer_simulates_.assign(shape().layer_count, 0);
   layer_curled_.assign(shape().layer_count, 0);
+  uint32_t index = 0;
   for (uint32_t c = 0; c < grooms.size(); ++c) {
-    const Groom& groom = *grooms[c];
-    *memory_.Of<&Streams::skeleton>(c) = groom.skeleton;
-    uint32_t vertex_rest = 0, shell_skin = 0, fin_edges = 0, rest_down = 0;
-    uint32_t strand_rest[kMostStrandPoints + 1] = {};  // by points
-    for (size_t l = 0; l < groom.layers.size(); ++l, ++layer_index) {
-      const GroomLayer& layer = groom.layers[l];
-      *memory_.Of<&Streams::layer_joints>(layer_index) = groom.layer_joints[l];
-      layer_names_.push_back(layer.name);
-      layer_params_.push_back(layer.params);
-      layer_length_max_.push_back(layer.length_max);
-      layer_strands_.push_back(layer.strand_count);
-      const bool shells = layer.params.output == Output::kShells;
-      const bool layer_changed = shells && Put(*memory_.Of<&Streams::shell_layers>(layer_index),
-                                               FillShellLayer(layer.params));
-      for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk) {
-        bool changed = layer_changed;
-        changed |= Put(*memory_.Of<&Streams::mesh>(chunk), groom.mesh[layer.first_chunk + i]);
-        changed |= Put(*memory_.Of<&Streams::strands>(chunk), groom.strands[layer.first_chunk + i]);
-        if (layer.params.lit && !shells)
-          changed |=
-              Put(*memory_.Of<&Streams::strand_uv>(chunk), groom.strand_uv[layer.first_chunk + i]);
-        const bool on_vertices = layer.params.chain == ChainKind::kVertex;
-        const float* strength = nullptr;
-        bool curled = false;  // of the chains that are simulated
-        const auto take = [&](auto& to, const auto& from, bool simulated) {
-          changed |= Put(to, from);
-          strength = to.strength;
-          if (simulated && !layer_curled_[layer_index]) curled = HasCurl(to);
-        };
-        if (on_vertices)
-          take(*memory_.Of<&Streams::vertex_rest>(chunk), groom.vertex_rest[vertex_rest++], true);
-        if (shells) {
-          changed |= Put(*memory_.Of<&Streams::shell_skin>(chunk), groom.shell_skin[shell_skin++]);
-          if (layer.params.fins)
-            changed |= Put(*memory_.Of<&Streams::fin_edges>(chunk), groom.fin_edges[fin_edges++]);
-        } else {
-          WithPoints(layer.params.points, [&]<uint32_t kPoints> {
-            take(*memory_.Of<ChainStreams<kPoints, false>::kRest>(chunk),
-                 StrandRestOf<kPoints>(groom)[strand_rest[kPoints]++], !on_vertices);
-          });
-        }
-        layer_curled_[layer_index] |= curled;
-        if (layer.params.sag_free)
-          changed |= Put(*memory_.Of<&Streams::rest_down>(chunk), groom.rest_down[rest_down++]);
-        ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(chunk);
-        state.state_changed = 1;
-        if (changed) state.moved = 1;
-        layer_simulates_[layer_index] |=
-            std::any_of(strength, strength + kStrandsPerChunk, [](float s) { return s > 0.0f; });
-      }
+    GroomCopy copy(*grooms[c]);
+    *memory_.Of<&Streams::skeleton>(c) = copy.groom.skeleton;
+    for (size_t l = 0; l < copy.groom.layers.size(); ++l, ++index) {
+      *memory_.Of<&Streams::layer_joints>(index) = copy.groom.layer_joints[l];
+      CopyLayer(copy, copy.groom.layers[l], index);
     }
   }
+}
+
+void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t index) {
+  layer_names_.push_back(layer.name);
+  layer_params_.push_back(layer.params);
+  layer_length_max_.push_back(layer.length_max);
+  layer_strands_.push_back(layer.strand_count);
+  const bool shells = layer.params.output == Output::kShells;
+  const bool changed =
+      shells && Put(*memory_.Of<&Streams::shell_layers>(index), FillShellLayer(layer.params));
+  const PatchIndex patches = IndexPatches(copy.groom, layer);
+  for (uint32_t i = 0; i < layer.patch_count; ++i) {
+    const uint32_t patch = shape().layer_first_patch[index] + i;
+    *memory_.Of<&Streams::patches>(patch) = patches.patches[i];
+    const bool moved = CopyPatch(copy, layer, layer.first_patch + i, patch) || changed;
+    ChunkStateBlock& state = *memory_.Of<&Streams::patch_state>(patch);
+    state.state_changed = 1;
+    if (moved) state.moved = 1;
+  }
+  for (uint32_t i = 0; i < layer.chunk_count; ++i) {
+    const uint32_t chunk = shape().layer_first_chunk[index] + i;
+    if (auto* list = memory_.Of<&Streams::patch_list>(chunk)) *list = patches.chunks[i];
+    const bool moved = CopyChunk(copy, layer, layer.first_chunk + i, chunk) || changed;
+    ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(chunk);
+    state.state_changed = 1;
+    if (moved) state.moved = 1;
+  }
+}
+
+// `chains`: of those that are simulated; `drawn`: of what is drawn.
+template <class Rest>
+bool FurScene::CopyRest(const Rest& from, uint32_t layer, bool chains, bool drawn, Rest& to) {
+  if (chains && !layer_curled_[layer]) layer_curled_[layer] = HasCurl(from);
+  const auto is_above_0 = [](float strength) { return strength > 0.0f; };
+  if (drawn && !layer_simulates_[layer])
+    layer_simulates_[layer] =
+        std::any_of(std::begin(from.strength), std::end(from.strength), is_above_0);
+  return Put(to, from);
+}
+
+// Says whether something changed.
+bool FurScene::CopyPatch(GroomCopy& copy, const GroomLayer& layer, uint32_t from, uint32_t to) {
+  const bool shells = layer.params.output == Output::kShells;
+  bool changed = Put(*memory_.Of<&Streams::mesh>(to), copy.groom.mesh[from]);
+  if (layer.params.chain == ChainKind::kVertex) {
+    changed |= CopyRest(copy.vertex_rest.Next(), shape().patch_layer[to], true, shells,
+                        *memory_.Of<&Streams::vertex_rest>(to));
+    if (layer.params.sag_free)
+      changed |= Put(*memory_.Of<&Streams::vertex_down>(to), copy.vertex_down.Next());
+  }
+  if (shells) changed |= Put(*memory_.Of<&Streams::shell_skin>(to), copy.shell_skin.Next());
+  return changed;
+}
+
+bool FurScene::CopyChunk(GroomCopy& copy, const GroomLayer& layer, uint32_t from, uint32_t to) {
+  const LayerParams& params = layer.params;
+  const bool on_vertices = params.chain == ChainKind::kVertex;
+  bool changed = Put(*memory_.Of<&Streams::strands>(to), copy.groom.strands[from]);
+  changed |= Put(*memory_.Of<&Streams::halo>(to), copy.groom.halo[from]);
+  if (params.fins) changed |= Put(*memory_.Of<&Streams::fin_edges>(to), copy.fin_edges.Next());
+  if (params.output == Output::kShells) return changed;
+  if (params.lit) changed |= Put(*memory_.Of<&Streams::strand_uv>(to), copy.groom.strand_uv[from]);
+  WithPoints(params.points, [&]<uint32_t kPoints> {
+    changed |= CopyRest(StrandRestOf<kPoints>(copy.groom)[copy.strand_rest[kPoints]++],
+                        shape().chunk_layer[to], !on_vertices, true,
+                        *memory_.Of<ChainStreams<kPoints, false>::kRest>(to));
+  });
+  if (params.sag_free && !on_vertices)
+    changed |= Put(*memory_.Of<&Streams::strand_down>(to), copy.strand_down.Next());
+  return changed;
 }
 
 const char* FurScene::BeginFrame(const FrameInput& input) {
@@ -238,6 +292,7 @@ bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
   const SceneShape &mine = layout_.shape, &its = other.layout_.shape;
   if (layout_.total_bytes != other.layout_.total_bytes ||
       mine.layer_character != its.layer_character ||
+      mine.layer_first_patch != its.layer_first_patch ||
       mine.layer_first_chunk != its.layer_first_chunk || mine.layer_kind != its.layer_kind)
     return Refuse("the other scene is of other grooms, or of options that shape memory otherwise",
                   why);
@@ -274,16 +329,16 @@ bool SameRoots(const StrandBlock& a, const StrandBlock& b) {
 }  // namespace
 
 bool FurScene::HasRootsOf(std::span<const Groom* const> grooms) const {
-  uint32_t chunk = 0;
+  uint32_t patch = 0, chunk = 0;
   for (uint32_t c = 0; c < grooms.size(); ++c) {
-    if (!SameBytes(*memory_.Of<&Streams::skeleton>(c), grooms[c]->skeleton)) return false;
-    for (const GroomLayer& layer : grooms[c]->layers)
-      for (uint32_t i = 0; i < layer.chunk_count; ++i, ++chunk)
-        if (!SameBytes(*memory_.Of<&Streams::mesh>(chunk),
-                       grooms[c]->mesh[layer.first_chunk + i]) ||
-            !SameRoots(*memory_.Of<&Streams::strands>(chunk),
-                       grooms[c]->strands[layer.first_chunk + i]))
-          return false;
+    const Groom& groom = *grooms[c];
+    if (!SameBytes(*memory_.Of<&Streams::skeleton>(c), groom.skeleton)) return false;
+    for (const MeshBlock& mesh : groom.mesh)
+      if (!SameBytes(*memory_.Of<&Streams::mesh>(patch++), mesh)) return false;
+    for (size_t i = 0; i < groom.strands.size(); ++i, ++chunk)
+      if (!SameRoots(*memory_.Of<&Streams::strands>(chunk), groom.strands[i]) ||
+          !SameBytes(*memory_.Of<&Streams::halo>(chunk), groom.halo[i]))
+        return false;
   }
   return true;
 }
@@ -307,8 +362,9 @@ uint64_t FurScene::HeapBytes() const {
   const SceneShape& shape = layout_.shape;
   uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
                  bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
-                 bytes(shape.layer_character) + bytes(shape.layer_first_chunk) +
-                 bytes(shape.layer_kind) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
+                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
+                 bytes(shape.patch_layer) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
                  bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
                  bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
                  bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +

@@ -241,7 +241,13 @@ class FurScene {
   std::string TakeMemory(const SceneMemory& memory, std::span<std::byte>& block);
   std::string MakePlan(const FrameTable& kernels);
   void Place(std::span<std::byte> memory);
+  struct GroomCopy;
   void CopyGrooms(std::span<const Groom* const> grooms);
+  void CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t index);
+  bool CopyPatch(GroomCopy& copy, const GroomLayer& layer, uint32_t from, uint32_t to);
+  bool CopyChunk(GroomCopy& copy, const GroomLayer& layer, uint32_t from, uint32_t to);
+  template <class Rest>
+  bool CopyRest(const Rest& from, uint32_t layer, bool chains, bool drawn, Rest& to);
   bool HasRootsOf(std::span<const Groom* const> grooms) const;
   void FillFrame(const FrameInput& input);
   void FillPausedFrame(const FrameInput& input);

@@ -130,16 +130,23 @@ void FurScene::FillPausedFrame(const FrameInput& in) {
     lod.view = ViewFrom(s, in);
     FillView(s, in, lod);
   }
+  // As the frame before had it, all of what follows from the state.
+  const auto follows = [&](const ChunkStateBlock& state) {
+    return memory_.restored
+               ? kChunkSkin | kChunkSimulate | kChunkFit | (state.flags & kChunkRestart)
+               : 0u;
+  };
+  for (uint32_t p = 0; p < shape().patch_count; ++p) {
+    auto& state = *memory_.Of<&Streams::patch_state>(p);
+    const uint32_t visible = state.flags & kChunkVisible;
+    state.flags = visible ? visible | follows(state) : 0u;
+  }
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
     auto& state = *memory_.Of<&Streams::chunk_state>(c);
     const uint32_t visible = state.flags & kChunkVisible;
     const CollectChangesParams& view = params_[SetOf(shape().chunk_layer[c])].collect_changes;
     const bool keys = view.view_changed != 0 || !in.skip.sort || memory_.restored;
-    // As the frame before had it, all of what follows from the state.
-    const uint32_t follows =
-        memory_.restored ? kChunkSkin | kChunkSimulate | kChunkFit | (state.flags & kChunkRestart)
-                         : 0u;
-    state.flags = visible | (visible && keys ? kChunkKeys | follows : 0u);
+    state.flags = visible | (visible && keys ? kChunkKeys | follows(state) : 0u);
     state.keys_changed = state.records_changed = 0;
   }
 }

@@ -21,7 +21,7 @@ void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks
     if (layer.chunk_count > piecewise_chunks) kind |= kLayerSortInPieces;
     if (options.velocities && (kind & kLayerModal)) kind |= kLayerRates;
     if (options.origins) kind |= kLayerApart;
-    shape.AddLayer(character, kind, layer.chunk_count);
+    shape.AddLayer(character, kind, layer.chunk_count, layer.patch_count);
   }
 }
 

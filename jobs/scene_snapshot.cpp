@@ -67,15 +67,20 @@ void ListWords(auto& io, T& thing) {
   if constexpr (!std::is_const_v<T>) std::memcpy(&thing, words, sizeof words);
 }
 
+void AddRow(const auto& row, uint32_t lanes, Digest& digest) {
+  for (uint32_t l = 0; l < lanes; ++l) digest.Add(std::bit_cast<uint32_t>(row[l]));
+}
+
 // Where strands stand on which skin: what a state is of.
-void AddStrands(const MeshBlock& mesh, const StrandBlock& strands, Digest& digest) {
-  const auto add = [&digest](const auto& row, uint32_t lanes) {
-    for (uint32_t l = 0; l < lanes; ++l) digest.Add(std::bit_cast<uint32_t>(row[l]));
-  };
+void AddVertices(const MeshBlock& mesh, Digest& digest) {
+  digest.Add(mesh.vertex_count);
+  for (const auto& axis : mesh.position) AddRow(axis, mesh.vertex_count, digest);
+}
+void AddStrands(const HaloBlock& halo, const StrandBlock& strands, Digest& digest) {
   digest.Add(strands.strand_count);
   digest.Add(strands.vertex_count);
-  for (const auto& axis : mesh.position) add(axis, strands.vertex_count);
-  for (const auto& share : strands.bary) add(share, strands.strand_count);
+  AddRow(halo.vertex, strands.vertex_count, digest);
+  for (const auto& share : strands.bary) AddRow(share, strands.strand_count, digest);
   for (const auto& corner : strands.vertex)
     for (uint32_t s = 0; s < strands.strand_count; ++s) digest.Add(corner[s]);
 }
@@ -119,16 +124,22 @@ void FurScene::MeasureSnapshot(std::span<const Groom* const> grooms) {
     strands.Add(shape().layer_character[l]);
     strands.Add(shape().layer_kind[l] & ~kLayerSortInPieces);  // how it is sorted is nobody's state
   }
+  // As if all of it lived: room for the most there can be.
+  for (uint32_t p = 0; p < shape().patch_count; ++p) {
+    const MeshBlock& mesh = *memory_.Of<&Streams::mesh>(p);
+    strands.Add(shape().patch_layer[p]);
+    AddVertices(mesh, strands);
+    memory_.Of<&Streams::patch_state>(p)->live_vertices = mesh.vertex_count;
+  }
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
     const StrandBlock& block = *memory_.Of<&Streams::strands>(c);
     strands.Add(shape().chunk_layer[c]);
-    AddStrands(*memory_.Of<&Streams::mesh>(c), block, strands);
-    // As if all of it lived: room for the most there can be.
-    ChunkStateBlock& state = *memory_.Of<&Streams::chunk_state>(c);
-    state.live_strands = block.strand_count;
-    state.live_vertices = block.vertex_count;
+    AddStrands(*memory_.Of<&Streams::halo>(c), block, strands);
+    memory_.Of<&Streams::chunk_state>(c)->live_strands = block.strand_count;
   }
   carried_ = FindCarried(memory_, plan_, joints);
+  for (uint32_t p = 0; p < shape().patch_count; ++p)
+    *memory_.Of<&Streams::patch_state>(p) = ChunkStateBlock{};
   for (uint32_t c = 0; c < shape().chunk_count; ++c)
     *memory_.Of<&Streams::chunk_state>(c) = ChunkStateBlock{};
 
@@ -170,8 +181,7 @@ uint32_t FurScene::SaveBlock(const CarriedBlock& block, std::byte* to) const {
   const StreamDesc& desc = DescribeStream(block.stream);
   const std::byte* const from = memory_.Block(block.stream, block.item);
   const std::byte* const end = to + 4 * size_t(block.words);
-  const uint32_t live =
-      desc.domain == Domain::kChunk ? LiveLanes(block.stream, block.item) : block.lanes;
+  const uint32_t live = IsInLayer(desc.domain) ? LiveLanes(block.stream, block.item) : block.lanes;
   uint32_t single = 0;
   StateWords sum = {};
   for (const CarriedRun& run : carried_.runs[size_t(block.stream)]) {
@@ -283,14 +293,17 @@ const char* FurScene::FindStateFault(std::span<const std::byte> from) const {
   const std::byte* at = from.data() + kHeaderBytes + 4 * value_words_;
   for (const CarriedBlock& block : carried_.blocks) {
     const auto word = [&](size_t index) { return StateReader(at + 4 * index).Get(); };
-    if (block.stream == StreamOf<&Streams::chunk_state>) {
+    if (block.stream == StreamOf<&Streams::patch_state>) {
+      if (word(offsetof(ChunkStateBlock, live_vertices) / 4) >
+          memory_.Of<&Streams::patches>(block.item)->vertex_count)
+        return kImpossible;
+    } else if (block.stream == StreamOf<&Streams::chunk_state>) {
       const StrandBlock& strands = *memory_.Of<&Streams::strands>(block.item);
       const auto is_at_most = [&](size_t offset, uint32_t most) {
         return word(offset / 4) <= most;
       };
       using S = ChunkStateBlock;
       if (!is_at_most(offsetof(S, live_strands), strands.strand_count) ||
-          !is_at_most(offsetof(S, live_vertices), strands.vertex_count) ||
           !is_at_most(offsetof(S, visible_strands), strands.strand_count) ||
           (word(offsetof(S, flags) / 4) &&
            word(offsetof(S, first_place) / 4) != strands.first_strand))

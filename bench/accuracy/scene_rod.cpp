@@ -55,13 +55,16 @@ const RestBlock<kPoints>& RestOf(const FurScene& scene, uint32_t chunk) {
 // As FurScene has it of the chains that it simulates.
 bool IsCurled(const FurScene& scene, uint32_t layer) {
   const SceneShape& shape = scene.shape();
-  for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
-    if (shape.layer_kind[layer] & kLayerVertexChains) {
-      if (HasCurl(*scene.memory().Of<&Streams::vertex_rest>(c))) return true;
-    } else if (WithPoints(StrandPointsOf(shape.layer_kind[layer]),
-                          [&]<uint32_t kPoints> { return HasCurl(RestOf<kPoints>(scene, c)); })) {
-      return true;
-    }
+  const bool on_vertices = (shape.layer_kind[layer] & kLayerVertexChains) != 0;
+  const Domain domain = on_vertices ? Domain::kPatch : Domain::kChunk;
+  const uint32_t first = shape.LayerFirst(domain, layer);
+  for (uint32_t i = first; i < first + shape.LayerItems(domain, layer); ++i) {
+    const bool curled =
+        on_vertices ? HasCurl(*scene.memory().Of<&Streams::vertex_rest>(i))
+                    : WithPoints(StrandPointsOf(shape.layer_kind[layer]), [&]<uint32_t kPoints> {
+                        return HasCurl(RestOf<kPoints>(scene, i));
+                      });
+    if (curled) return true;
   }
   return false;
 }
@@ -126,7 +129,7 @@ SceneRods::Rod SceneRods::MakeRod(const FurScene& scene, uint32_t layer, uint32_
   if (material.parent_curl) rod.curl = CurlModel::kParent;
   rod.weight.gravity = {block.gravity[0], block.gravity[1], block.gravity[2]};
   if (own.params.sag_free)
-    rod.weight.held = LaneOf(scene.memory().Of<&Streams::rest_down>(chunk)->down, lane) *
+    rod.weight.held = LaneOf(scene.memory().Of<&Streams::strand_down>(chunk)->down, lane) *
                       double(block.rest_gravity);
   return rod;
 }

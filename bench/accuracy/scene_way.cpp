@@ -92,14 +92,17 @@ void RemoveStrength(Groom& groom) {
 namespace {
 
 // Of the strands, from that of their triangles' vertices: their root frames are the same blend.
-DownBlock DownOfStrands(const StrandBlock& strands, const DownBlock& vertices) {
+DownBlock DownOfStrands(const StrandBlock& strands, const HaloBlock& halo,
+                        const DownBlock* patches) {
   DownBlock down{};
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     double sum[3] = {}, square = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-      for (int k = 0; k < 3; ++k)
-        sum[axis] +=
-            double(strands.bary[k][lane]) * double(vertices.down[axis][strands.vertex[k][lane]]);
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t at = halo.vertex[strands.vertex[k][lane]];
+        sum[axis] += double(strands.bary[k][lane]) *
+                     double(patches[at / kVerticesPerChunk].down[axis][at % kVerticesPerChunk]);
+      }
       square += sum[axis] * sum[axis];
     }
     for (int axis = 0; axis < 3; ++axis)
@@ -112,26 +115,31 @@ DownBlock DownOfStrands(const StrandBlock& strands, const DownBlock& vertices) {
 
 bool GiveOwnChains(Groom& groom) {
   std::vector<RestBlock<4>> kept;  // shells stand on the vertices
-  size_t chunk = 0, held = 0;
+  std::vector<DownBlock> down;
+  const RestBlock<4>* rest = groom.vertex_rest.data();
+  const DownBlock *of_vertices = groom.vertex_down.data(), *of_strands = groom.strand_down.data();
   bool any = false;
   for (GroomLayer& layer : groom.layers) {
-    const size_t first_held = held;
-    if (layer.params.sag_free) held += layer.chunk_count;
-    if (layer.params.chain != ChainKind::kVertex) continue;
-    const auto first = groom.vertex_rest.begin() + ptrdiff_t(chunk);
-    chunk += layer.chunk_count;
+    const bool held = layer.params.sag_free;
+    if (layer.params.chain != ChainKind::kVertex) {
+      for (uint32_t c = 0; held && c < layer.chunk_count; ++c) down.push_back(*of_strands++);
+      continue;
+    }
+    const RestBlock<4>* const first = rest;
+    rest += layer.patch_count;
     if (layer.params.output == Output::kShells) {
-      kept.insert(kept.end(), first, first + layer.chunk_count);
+      kept.insert(kept.end(), first, rest);
       continue;
     }
     layer.params.chain = ChainKind::kStrand;
-    for (size_t c = 0; layer.params.sag_free && c < layer.chunk_count; ++c) {
-      DownBlock& down = groom.rest_down[first_held + c];
-      down = DownOfStrands(groom.strands[layer.first_chunk + c], down);
-    }
+    for (uint32_t c = layer.first_chunk; held && c < layer.first_chunk + layer.chunk_count; ++c)
+      down.push_back(DownOfStrands(groom.strands[c], groom.halo[c], of_vertices));
+    if (held) of_vertices += layer.patch_count;
     any = true;
   }
   groom.vertex_rest = std::move(kept);
+  groom.vertex_down.clear();
+  groom.strand_down = std::move(down);
   return any;
 }
 

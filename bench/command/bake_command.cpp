@@ -147,12 +147,12 @@ void AddStats(const ScatterStats& stats, ReportTree& tree) {
   for (const LayerScatterStats& layer : stats.layers) {
     tree.BlankLine();
     tree.Say(fmt::format(
-        "layer '{}': {} strands in {} chunks, filled {:.1f} % with strands, {:.1f} % with "
-        "vertices, {:.1f} % with weight rows; {:.2f} joints for 16 vertices, {:.2f} chunk vertices "
-        "for a mesh vertex",
+        "layer '{}': {} strands in {} chunks, filled {:.1f} %; {} patches, filled {:.1f} % with "
+        "vertices, {:.1f} % with weight rows; {:.2f} joints for 16 vertices, {:.2f} chunks use a "
+        "vertex",
         layer.name, layer.strand_count, layer.chunk_count, 100.0 * layer.strand_fill,
-        100.0 * layer.vertex_fill, 100.0 * layer.row_fill, layer.rows_per_group,
-        layer.copies_per_vertex));
+        layer.patch_count, 100.0 * layer.vertex_fill, 100.0 * layer.row_fill, layer.rows_per_group,
+        layer.chunks_per_vertex));
     tree.AddTable({}, {}) = PrefixTable(layer);
   }
 }

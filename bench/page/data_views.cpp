@@ -5,6 +5,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/kernels/modal_contact.hpp"
+#include "core/kernels/modal_curve.hpp"
 #include "core/random.hpp"
 #include "jobs/draws.hpp"
 
@@ -207,9 +209,9 @@ void ShowSkin(const FurScene& scene, PictureScene& shown) {
   ShowLines(scene, shown, [&](uint32_t layer) {
     std::vector<Polyline> lines;
     const SceneShape& shape = scene.shape();
-    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c)
-      for (uint32_t v = 0; v < scene.memory().Of<&Streams::chunk_state>(c)->live_vertices; ++v) {
-        const SkinnedVertex& vertex = scene.memory().Of<&Streams::skinned>(c)->vertex[v];
+    for (uint32_t p = shape.layer_first_patch[layer]; p < shape.layer_first_patch[layer + 1]; ++p)
+      for (uint32_t v = 0; v < scene.memory().Of<&Streams::patch_state>(p)->live_vertices; ++v) {
+        const SkinnedVertex& vertex = scene.memory().Of<&Streams::skinned>(p)->vertex[v];
         Polyline line{{}, VecAt(vertex.normal), Rgb(0.95f, 0.85f, 0.3f), kNormalWidth};
         for (uint32_t k = 0; k < kRibbonPoints; ++k)
           line.point[k] = VecAt(vertex.position) +
@@ -238,6 +240,30 @@ void AddChains(const RootBlock& roots, const PointBlock<kPoints>& points, uint32
   }
 }
 
+// Where the points of a patch's modal chains are: the frame keeps their state alone.
+PointBlock<4> FindPoints(const FrameMemory& memory, uint32_t patch) {
+  using V = ArrayVec<4>;
+  constexpr uint32_t N = NodesOf(4);
+  const uint32_t number = memory.shape->patch_layer[patch];
+  const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
+  const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
+  const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
+  PointBlock<4> points;
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; lane += V::kLanes) {
+    chain::Group<V, N> g;
+    chain::LoadGroom<V, 4>(rest_block, *memory.Of<&Streams::anchors>(patch), 0.0f,
+                           memory.Of<&Streams::layers>(number)->scale, lane, g);
+    Vec3<V> rest[N], d[N];
+    modal::RestTangents(table, g, V(1.0f) / g.length, rest);
+    for (uint32_t i = 0; i < N; ++i) d[i] = Load3<V>(state.direction[i], lane);
+    modal::DrawCurve(table, d, rest, g);
+    const V strength = V::Load(rest_block.strength + lane);
+    modal::Weaken(strength >= V(1.0f), strength, g);
+    for (uint32_t i = 0; i < N; ++i) Store3(points.position[i], lane, g.root + g.point[i]);
+  }
+  return points;
+}
+
 void ShowChains(const FurScene& scene, PictureScene& shown) {
   ShowLines(scene, shown, [&](uint32_t layer) {
     std::vector<Polyline> lines;
@@ -245,17 +271,19 @@ void ShowChains(const FurScene& scene, PictureScene& shown) {
     const FrameMemory& memory = scene.memory();
     const uint32_t kind = shape.layer_kind[layer], colour = ColourOfNumber(layer);
     if (kind & kLayerShells) return lines;
+    for (uint32_t p = shape.layer_first_patch[layer];
+         (kind & kLayerVertexChains) && p < shape.layer_first_patch[layer + 1]; ++p)
+      AddChains(*memory.Of<&Streams::anchors>(p),
+                kind & kLayerModal ? FindPoints(memory, p) : *memory.Of<&Streams::vertex_points>(p),
+                memory.Of<&Streams::patch_state>(p)->live_vertices, colour, lines);
+    if (kind & kLayerVertexChains) return lines;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& state = *memory.Of<&Streams::chunk_state>(c);
-      if (kind & kLayerVertexChains)
-        AddChains(*memory.Of<&Streams::anchors>(c), *memory.Of<&Streams::vertex_points>(c),
-                  state.live_vertices, colour, lines);
-      else
-        WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
-          AddChains(*memory.Of<&Streams::roots>(c),
-                    *memory.Of<ChainStreams<kPoints, false>::kPosition>(c), state.live_strands,
-                    colour, lines);
-        });
+      WithPoints(StrandPointsOf(kind), [&]<uint32_t kPoints> {
+        AddChains(*memory.Of<&Streams::roots>(c),
+                  *memory.Of<ChainStreams<kPoints, false>::kPosition>(c), state.live_strands,
+                  colour, lines);
+      });
     }
     return lines;
   });

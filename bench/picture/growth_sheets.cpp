@@ -93,17 +93,18 @@ std::vector<uint16_t> SheetsOfShells(const FurScene& scene, uint32_t layer, cons
   const MeshFinder finder(mesh);
   const SceneShape& shape = scene.shape();
   const uint32_t first = shape.layer_first_chunk[layer], end = shape.layer_first_chunk[layer + 1];
-  sheets.assign(size_t(end - first) * kVerticesPerChunk, 0);
+  sheets.assign(size_t(shape.LayerPatches(layer)) * kVerticesPerChunk, 0);
   for (uint32_t c = first; c < end; ++c) {
     const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
-    const std::vector<uint32_t> places = finder.Places(*scene.memory().Of<&Streams::mesh>(c));
+    const HaloBlock& halo = *scene.memory().Of<&Streams::halo>(c);
+    const std::vector<uint32_t> places = finder.Places(scene.memory(), c);
     for (uint32_t s = 0; s < strands.strand_count; ++s) {
       const uint32_t* triangle =
           finder.FindTriangle({places[strands.vertex[0][s]], places[strands.vertex[1][s]],
                                places[strands.vertex[2][s]]});
       if (!triangle || growth.SheetOf(*triangle) == FlowMap::kNoSheet) continue;
       for (const auto& corner : strands.vertex)
-        sheets[size_t(c - first) * kVerticesPerChunk + corner[s]] = growth.SheetOf(*triangle);
+        sheets[halo.vertex[corner[s]]] = growth.SheetOf(*triangle);
     }
   }
   return sheets;

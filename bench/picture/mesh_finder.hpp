@@ -1,4 +1,4 @@
-// A mesh's vertices and triangles, known again by where they are: chunks hold copies of them.
+// A mesh's vertices and triangles, known again by where they are: patches hold copies of them.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/character/character.hpp"
-#include "core/chunk.hpp"
+#include "core/frame_memory.hpp"
+#include "core/streams.hpp"
 
 namespace pelt {
 
@@ -30,12 +31,13 @@ class MeshFinder {
 
   size_t size() const { return number_.size(); }
   const std::vector<uint32_t>& places() const { return place_; }  // of the mesh's vertices
-  // Those of a chunk's vertices; of ones that the mesh lacks, size().
-  std::vector<uint32_t> Places(const MeshBlock& mesh) const {
+  // Those of a chunk's halo; of vertices that the mesh lacks, size().
+  std::vector<uint32_t> Places(const FrameMemory& memory, uint32_t chunk) const {
     std::vector<uint32_t> places;
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-      const auto found =
-          number_.find({mesh.position[0][v], mesh.position[1][v], mesh.position[2][v]});
+    for (uint32_t v = 0; v < memory.Of<&Streams::strands>(chunk)->vertex_count; ++v) {
+      const auto [patch, lane] = FindVertex(memory, chunk, v);
+      const auto& [x, y, z] = memory.Of<&Streams::mesh>(patch)->position;
+      const auto found = number_.find({x[lane], y[lane], z[lane]});
       places.push_back(found == number_.end() ? uint32_t(size()) : found->second);
     }
     return places;

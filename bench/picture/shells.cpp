@@ -52,8 +52,9 @@ class ShellPainter {
         std::ranges::all_of(shells, [](const Shell& shell) { return shell.fade == 1.0f; });
     if (!opaque)
       for (size_t i = 0; i < shells.size(); ++i) Draw(shells[i], uint8_t(i + 1), indices_);
-    for (std::span<const uint32_t> left = indices_; opaque && !left.empty();) {
-      const std::span<const uint32_t> chunk = left.first(FindChunkEnd(left));
+    std::span<const uint32_t> left = indices_;
+    for (size_t c = 0; opaque && c < shells_.triangles.size(); ++c) {
+      const auto chunk = left.first(3 * size_t(shells_.triangles[c].strand_count));
       left = left.subspan(chunk.size());
       for (size_t i = shells.size(); i > 0; --i) Draw(shells[i - 1], uint8_t(i), chunk);
     }
@@ -68,7 +69,7 @@ class ShellPainter {
 
  private:
   struct Corner {
-    bool known = false;
+    bool known = false, placed = false;
     uint8_t lit = 0;     // shell that `colour` is of
     uint16_t sheet = 0;  // of ShellGrowth
     glm::vec2 uv, skin_uv;
@@ -77,18 +78,13 @@ class ShellPainter {
     glm::vec3 screen, colour;
   };
 
-  static size_t FindChunkEnd(std::span<const uint32_t> indices) {
-    const uint32_t chunk = indices[0] / kVerticesPerChunk;
-    const auto is_other = [&](uint32_t index) { return index / kVerticesPerChunk != chunk; };
-    return size_t(std::ranges::find_if(indices, is_other) - indices.begin());
-  }
-
-  // `indices` of whole chunks.
   void Draw(const Shell& shell, uint8_t number, std::span<const uint32_t> indices) {
-    const size_t first = indices.front() / kVerticesPerChunk * kVerticesPerChunk;
-    const size_t end = (indices.back() / kVerticesPerChunk + 1) * kVerticesPerChunk;
-    for (size_t i = first; i < std::min(end, corners_.size()); ++i)
-      if (corners_[i].known) corners_[i].screen = projection_.Project(Place(shell, i));
+    for (const uint32_t i : indices) corners_[i].placed = false;
+    for (const uint32_t i : indices) {
+      if (corners_[i].placed) continue;
+      corners_[i].placed = true;
+      corners_[i].screen = projection_.Project(Place(shell, i));
+    }
     for (size_t t = 0; t < indices.size(); t += 3) DrawTriangle(shell, number, &indices[t]);
   }
 

@@ -28,9 +28,11 @@ float ShellDensity(const FurScene& scene, uint32_t layer) {
 }
 
 // Of a chunk's triangle in the world, at rest or not.
-float AreaOf(const ShellVertexBlock& vertices, const StrandBlock& triangles, uint32_t t) {
+float AreaOf(const FrameMemory& memory, uint32_t chunk, uint32_t t) {
+  const StrandBlock& triangles = *memory.Of<&Streams::strands>(chunk);
   const auto corner = [&](int k) {
-    const float* p = vertices.vertex[triangles.vertex[k][t]].position;
+    const auto [patch, lane] = FindVertex(memory, chunk, triangles.vertex[k][t]);
+    const float* p = memory.Of<&Streams::shell_vertices>(patch)->vertex[lane].position;
     return glm::vec3(p[0], p[1], p[2]);
   };
   const glm::vec3 a = corner(0);
@@ -121,7 +123,7 @@ SkinFurFinder::SkinFurFinder(const FurScene& scene, uint32_t actor, const Mesh& 
     for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
       const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
       const std::vector<uint32_t>& places =
-          layer.places.emplace_back(finder_.Places(*scene.memory().Of<&Streams::mesh>(c)));
+          layer.places.emplace_back(finder_.Places(scene.memory(), c));
       AddColours(strands, places, sums);
       MarkMaterials(strands, places, finder_, mesh, fur_);
       if (shells) continue;
@@ -149,10 +151,10 @@ void SkinFurFinder::AddShells(const FurScene& scene, const Layer& layer,
   const uint32_t first = scene.shape().layer_first_chunk[layer.number];
   for (uint32_t c = 0; c < layer.places.size(); ++c) {
     const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(first + c);
-    const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(first + c);
-    AddAreas(
-        strands, [&](uint32_t s) { return layer.shell_density * AreaOf(vertices, strands, s); },
-        layer.places[c], area);
+    const auto hair_area = [&](uint32_t s) {
+      return layer.shell_density * AreaOf(scene.memory(), first + c, s);
+    };
+    AddAreas(strands, hair_area, layer.places[c], area);
   }
 }
 

@@ -232,11 +232,17 @@ void ChooseClips(const ScenarioRequest& request, Scenario& scenario) {
 
 // What held a sag-free layer up.
 void DropRestDown(Groom& groom, size_t layer) {
+  const ChainKind chain = groom.layers[layer].params.chain;
+  const bool on_vertices = chain == ChainKind::kVertex;
+  const auto count = [&](size_t l) {
+    return on_vertices ? groom.layers[l].patch_count : groom.layers[l].chunk_count;
+  };
   size_t first = 0;
   for (size_t l = 0; l < layer; ++l)
-    if (groom.layers[l].params.sag_free) first += groom.layers[l].chunk_count;
-  const auto begin = groom.rest_down.begin() + ptrdiff_t(first);
-  groom.rest_down.erase(begin, begin + groom.layers[layer].chunk_count);
+    if (groom.layers[l].params.sag_free && groom.layers[l].params.chain == chain) first += count(l);
+  std::vector<DownBlock>& downs = on_vertices ? groom.vertex_down : groom.strand_down;
+  const auto begin = downs.begin() + ptrdiff_t(first);
+  downs.erase(begin, begin + count(layer));
 }
 
 void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {

@@ -28,12 +28,16 @@ std::string FindUnskinnedVertex(const FurScene& scene) {
     const auto& strands = *scene.memory().Of<&Streams::strands>(c);
     const uint32_t groups = RoundUpToLaneGroups(state.live_strands) / kLaneGroup;
     for (uint32_t lane = 0; lane < std::min(groups * kLaneGroup, strands.strand_count); ++lane)
-      for (const auto& vertex : strands.vertex)
-        if (vertex[lane] >= state.live_vertices)
+      for (const auto& corner : strands.vertex) {
+        const VertexPlace vertex = FindVertex(scene.memory(), c, corner[lane]);
+        const uint32_t skinned =
+            scene.memory().Of<&Streams::patch_state>(vertex.patch)->live_vertices;
+        if (vertex.lane >= skinned)
           return fmt::format(
-              "{} strands of chunk {} live, and vertex {} of lane {}, in their last lane group, is "
-              "not among the {} skinned ones",
-              state.live_strands, c, vertex[lane], lane, state.live_vertices);
+              "{} strands of chunk {} live, and vertex {} of patch {}, which lane {} in their last "
+              "lane group uses, is not among the {} skinned ones",
+              state.live_strands, c, vertex.lane, vertex.patch, lane, skinned);
+      }
   }
   return {};
 }

@@ -131,12 +131,14 @@ class CullingCheck {
       result.Fail({FindingKind::kCull, std::string(stage), std::string(stream), std::move(text)});
   }
 
-  // What each chunk of the layer does in the frame just run, but for paint: what was on it before is
-  // on it still, and may be all there can be.
+  // What each patch and chunk of the layer does in the frame just run, but for paint: what was on it
+  // before is on it still, and may be all there can be.
   static std::vector<uint32_t> FlagsOf(const FurScene& scene, uint32_t layer) {
-    const std::vector<uint32_t>& first = scene.shape().layer_first_chunk;
+    const SceneShape& shape = scene.shape();
     std::vector<uint32_t> flags;
-    for (uint32_t c = first[layer]; c < first[layer + 1]; ++c)
+    for (uint32_t p = shape.layer_first_patch[layer]; p < shape.layer_first_patch[layer + 1]; ++p)
+      flags.push_back(scene.memory().Of<&Streams::patch_state>(p)->flags);
+    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c)
       flags.push_back(scene.memory().Of<&Streams::chunk_state>(c)->flags & ~kChunkPainted);
     return flags;
   }
@@ -180,7 +182,7 @@ class CullingCheck {
   }
 
   struct Point {
-    uint32_t chunk, strand, number;
+    uint32_t piece, strand, number;  // chunk in its layer; of shells patch, vertex
     float at[3];
   };
   static constexpr uint32_t kRoot = 0;
@@ -210,7 +212,7 @@ class CullingCheck {
       const uint32_t strands = scene.memory().Of<&Streams::strands>(c)->strand_count;
       for (uint32_t s = 0; s < strands; ++s)
         for (uint32_t p = 0; p < kPoints; ++p) {
-          Point point{c, s, p, {}};
+          Point point{c - shape.layer_first_chunk[layer], s, p, {}};
           double away2 = 0.0;
           for (int axis = 0; axis < 3; ++axis) {
             const float root = roots.position[axis][s];
@@ -229,17 +231,17 @@ class CullingCheck {
     const FurScene& scene = seen_.scene();
     const SceneShape& shape = scene.shape();
     const std::array<double, 3> from = scene.OriginOfLayer(layer);
-    for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
-      const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(c);
-      const uint32_t count = scene.memory().Of<&Streams::chunk_state>(c)->live_vertices;
+    for (uint32_t p = shape.layer_first_patch[layer]; p < shape.layer_first_patch[layer + 1]; ++p) {
+      const auto& vertices = *scene.memory().Of<&Streams::shell_vertices>(p);
+      const uint32_t count = scene.memory().Of<&Streams::patch_state>(p)->live_vertices;
       for (uint32_t v = 0; v < count; ++v)
-        for (uint32_t p = 0; p < 2; ++p) {
+        for (uint32_t end = 0; end < 2; ++end) {
           const ShellVertex& vertex = vertices.vertex[v];
-          Point point{c, v, p, {}};
+          Point point{p - shape.layer_first_patch[layer], v, end, {}};
           for (int axis = 0; axis < 3; ++axis)
             point.at[axis] =
-                float(vertex.position[axis] + float(p) * (vertex.groom[axis] + vertex.force[axis]) +
-                      from[size_t(axis)]);
+                float(vertex.position[axis] +
+                      float(end) * (vertex.groom[axis] + vertex.force[axis]) + from[size_t(axis)]);
           if (visit(point)) return;
         }
     }
@@ -305,11 +307,10 @@ class CullingCheck {
 
   void FailInView(CheckResult& result, uint32_t frame, uint32_t layer, const Point& p) {
     FailOnce(result, "select_lod", "lod",
-             fmt::format("frame {}: {} is culled, and point {} of strand {} of its chunk {} stands "
-                         "in view at ({:.4g}, {:.4g}, {:.4g})",
-                         frame, NameLayer(layer), p.number, p.strand,
-                         p.chunk - culled_.scene().shape().layer_first_chunk[layer], p.at[0],
-                         p.at[1], p.at[2]));
+             fmt::format(
+                 "frame {}: {} is culled, and point {} of strand {} of its chunk {} (of shells: "
+                 "vertex, patch) stands in view at ({:.4g}, {:.4g}, {:.4g})",
+                 frame, NameLayer(layer), p.number, p.strand, p.piece, p.at[0], p.at[1], p.at[2]));
   }
 
   void JudgeHidden(uint32_t frame, uint32_t layer) {
@@ -319,7 +320,11 @@ class CullingCheck {
     uint32_t left = scene.memory().Of<&Streams::layer_sort>(layer)->visible_count;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& state = *scene.memory().Of<&Streams::chunk_state>(c);
-      left |= state.flags | state.live_strands | state.live_vertices | state.visible_strands;
+      left |= state.flags | state.live_strands | state.visible_strands;
+    }
+    for (uint32_t p = shape.layer_first_patch[layer]; p < shape.layer_first_patch[layer + 1]; ++p) {
+      const auto& state = *scene.memory().Of<&Streams::patch_state>(p);
+      left |= state.flags | state.live_vertices;
     }
     if (left)
       FailOnce(drawn_, "activate", "chunk_state",

@@ -127,13 +127,11 @@ class DigestCheck {
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
     const OutputRow* output = unsorted ? FindOutputIn(stream) : nullptr;
     if (output && output->in_strand_order != stream) return 0;  // nobody writes it
-    const uint32_t layer = shape.chunk_layer[item];
     const auto counts = desc.lanes.count;
-    if (counts == &streams_detail::CountVertices) return state(item).live_vertices;
+    if (counts == &streams_detail::CountVertices)
+      return scene.memory().Of<&Streams::patch_state>(item)->live_vertices;
     if (counts == &streams_detail::CountStrands || output) return state(item).live_strands;
-    if (counts == &streams_detail::CountChains)
-      return shape.layer_kind[layer] & kLayerVertexChains ? state(item).live_vertices
-                                                          : state(item).live_strands;
+    const uint32_t layer = shape.chunk_layer[item];
     uint32_t drawn = 0;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c)
       drawn += state(c).visible_strands;

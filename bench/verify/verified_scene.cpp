@@ -11,35 +11,42 @@ namespace {
 
 constexpr float kDenormal = 1.0e-40f;
 
-// Where a layer's rest blocks begin in the groom's arrays.
-struct RestPlace {
-  size_t vertex = 0, strand4 = 0, strand5 = 0, shells = 0, fins = 0, downs = 0, strand9 = 0;
+// Where a layer's blocks begin in the groom's arrays that not every layer has, and how many it has.
+struct RareBlocks {
+  size_t vertex = 0, shells = 0, vertex_down = 0;                           // of patches
+  size_t strand4 = 0, strand5 = 0, strand9 = 0, fins = 0, strand_down = 0;  // of chunks
 };
 
-// What one chunk of the layer has in each.
-RestPlace RestOf(const LayerParams& params) {
-  if (params.output == Output::kShells) return {1, 0, 0, 1, params.fins ? size_t(1) : 0};
-  RestPlace one{0, 1, 0};
-  if (params.points == 5) one = {0, 0, 1};
-  if (params.points == 9) one = {.strand9 = 1};
-  if (params.chain == ChainKind::kVertex) one.vertex = 1;
-  one.downs = params.sag_free ? 1 : 0;
-  return one;
+RareBlocks CountRare(const GroomLayer& layer) {
+  const LayerParams& params = layer.params;
+  const bool shells = params.output == Output::kShells,
+             on_vertices = params.chain == ChainKind::kVertex;
+  const auto patches = [&](bool has) { return has ? size_t(layer.patch_count) : 0; };
+  const auto chunks = [&](bool has) { return has ? size_t(layer.chunk_count) : 0; };
+  return {patches(on_vertices),
+          patches(shells),
+          patches(params.sag_free && on_vertices),
+          chunks(!shells && params.points == 4),
+          chunks(params.points == 5),
+          chunks(params.points == 9),
+          chunks(params.fins),
+          chunks(params.sag_free && !on_vertices)};
 }
 
-std::vector<RestPlace> FindRest(const Groom& groom) {
-  std::vector<RestPlace> places;
-  RestPlace at;
+std::vector<RareBlocks> FindRare(const Groom& groom) {
+  std::vector<RareBlocks> places;
+  RareBlocks at;
   for (const GroomLayer& layer : groom.layers) {
     places.push_back(at);
-    const RestPlace one = RestOf(layer.params);
-    at.vertex += layer.chunk_count * one.vertex;
-    at.strand4 += layer.chunk_count * one.strand4;
-    at.strand5 += layer.chunk_count * one.strand5;
-    at.shells += layer.chunk_count * one.shells;
-    at.fins += layer.chunk_count * one.fins;
-    at.downs += layer.chunk_count * one.downs;
-    at.strand9 += layer.chunk_count * one.strand9;
+    const RareBlocks own = CountRare(layer);
+    at.vertex += own.vertex;
+    at.shells += own.shells;
+    at.vertex_down += own.vertex_down;
+    at.strand4 += own.strand4;
+    at.strand5 += own.strand5;
+    at.strand9 += own.strand9;
+    at.fins += own.fins;
+    at.strand_down += own.strand_down;
   }
   return places;
 }
@@ -56,22 +63,24 @@ Groom TakeLayers(const Groom& from, const std::vector<size_t>& layers) {
   groom.joint_count = from.joint_count;
   groom.skeleton = from.skeleton;
   groom.joint_names = from.joint_names;
-  const std::vector<RestPlace> rest = FindRest(from);
+  const std::vector<RareBlocks> rare = FindRare(from);
   for (const size_t l : layers) {
     GroomLayer layer = from.layers[l];
-    const uint32_t chunks = layer.chunk_count;
-    Append(groom.mesh, from.mesh, layer.first_chunk, chunks);
-    Append(groom.strands, from.strands, layer.first_chunk, chunks);
-    Append(groom.strand_uv, from.strand_uv, layer.first_chunk, chunks);
-    const RestPlace one = RestOf(layer.params);
-    Append(groom.vertex_rest, from.vertex_rest, rest[l].vertex, chunks * one.vertex);
-    Append(groom.strand_rest4, from.strand_rest4, rest[l].strand4, chunks * one.strand4);
-    Append(groom.strand_rest5, from.strand_rest5, rest[l].strand5, chunks * one.strand5);
-    Append(groom.shell_skin, from.shell_skin, rest[l].shells, chunks * one.shells);
-    Append(groom.fin_edges, from.fin_edges, rest[l].fins, chunks * one.fins);
-    Append(groom.rest_down, from.rest_down, rest[l].downs, chunks * one.downs);
-    Append(groom.strand_rest9, from.strand_rest9, rest[l].strand9, chunks * one.strand9);
-    layer.first_chunk = uint32_t(groom.mesh.size()) - chunks;
+    const RareBlocks &first = rare[l], own = CountRare(layer);
+    Append(groom.mesh, from.mesh, layer.first_patch, layer.patch_count);
+    Append(groom.vertex_rest, from.vertex_rest, first.vertex, own.vertex);
+    Append(groom.shell_skin, from.shell_skin, first.shells, own.shells);
+    Append(groom.vertex_down, from.vertex_down, first.vertex_down, own.vertex_down);
+    Append(groom.strands, from.strands, layer.first_chunk, layer.chunk_count);
+    Append(groom.halo, from.halo, layer.first_chunk, layer.chunk_count);
+    Append(groom.strand_uv, from.strand_uv, layer.first_chunk, layer.chunk_count);
+    Append(groom.strand_rest4, from.strand_rest4, first.strand4, own.strand4);
+    Append(groom.strand_rest5, from.strand_rest5, first.strand5, own.strand5);
+    Append(groom.strand_rest9, from.strand_rest9, first.strand9, own.strand9);
+    Append(groom.fin_edges, from.fin_edges, first.fins, own.fins);
+    Append(groom.strand_down, from.strand_down, first.strand_down, own.strand_down);
+    layer.first_patch = uint32_t(groom.mesh.size()) - layer.patch_count;
+    layer.first_chunk = uint32_t(groom.strands.size()) - layer.chunk_count;
     groom.layers.push_back(layer);
     groom.layer_joints.push_back(from.layer_joints[l]);
   }

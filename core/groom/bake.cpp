@@ -67,14 +67,16 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
   if (layer.params.fins) fin_edges = FindFinEdges(character.mesh, duplicates, points);
   const VertexChains vertices(character.mesh, rest, duplicates, maker,
                               shells ? shells->corners() : strands);
-  const std::vector<Patch> patches =
-      CutPatches(character.mesh, ListPatchStrands(character.mesh, points));
+  const std::vector<PatchStrand> placed = ListPatchStrands(character.mesh, points);
+  const std::vector<ChunkPart> chunks = CutChunks(placed);
+  const std::vector<VertexPatch> patches = PackVertices(character.mesh, placed, chunks);
   AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit,
                shells ? &*shells : nullptr, fin_edges},
-              patches, groom);
+              chunks, patches, groom);
   if (densities) densities->push_back({layer.name, density, groom.layers.back().length_max});
   if (stats) {
-    stats->layers.push_back(MeasureLayerScatter(character, rest, layer, growth, points, patches));
+    stats->layers.push_back(
+        MeasureLayerScatter(character, rest, layer, growth, points, chunks, patches));
   }
 }
 

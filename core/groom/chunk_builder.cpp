@@ -30,7 +30,7 @@ glm::vec3 LiftedPosition(const LayerBake& bake, uint32_t vertex) {
   return bake.mesh.position[vertex] + bake.mesh.normal[vertex] * (lift / bake.metres_per_mesh_unit);
 }
 
-void FillMesh(const LayerBake& bake, const Patch& patch, MeshBlock& block) {
+void FillMesh(const LayerBake& bake, const VertexPatch& patch, MeshBlock& block) {
   const uint32_t count = uint32_t(patch.vertices.size());
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const uint32_t v = patch.vertices[SourceLane(lane, count)];
@@ -59,14 +59,14 @@ void FillMesh(const LayerBake& bake, const Patch& patch, MeshBlock& block) {
 
 // Nearest of the first `control_count` strands whose surface faces the same way, or failing that
 // nearest.
-uint32_t FindControl(const LayerBake& bake, const Patch& patch, uint32_t lane,
+uint32_t FindControl(const LayerBake& bake, const ChunkPart& chunk, uint32_t lane,
                      uint32_t control_count) {
-  const GroomedStrand& strand = bake.strands[patch.strands[lane]];
+  const GroomedStrand& strand = bake.strands[chunk.strands[lane]];
   uint32_t best = 0;
   float least = 0.0f;
   bool facing = false;
   for (uint32_t c = 0; c < control_count; ++c) {
-    const GroomedStrand& control = bake.strands[patch.strands[c]];
+    const GroomedStrand& control = bake.strands[chunk.strands[c]];
     const glm::vec3 apart = control.position - strand.position;
     const float square = glm::dot(apart, apart);
     const bool same_side = glm::dot(control.frame.normal, strand.frame.normal) > 0.0;
@@ -86,13 +86,13 @@ uint32_t CountControls(const LayerSetup& layer, uint32_t strand_count) {
   return std::min(wanted, (strand_count - 1) / kLaneGroup * kLaneGroup);
 }
 
-// Where each mesh vertex of a patch lies in its chunk. One array for all patches: stale entries
+// Where each mesh vertex of a chunk lies in its halo. One array for all chunks: stale entries
 // are never read.
 class LocalVertices {
  public:
   explicit LocalVertices(size_t mesh_vertex_count) : local_(mesh_vertex_count, 0) {}
-  void Load(const Patch& patch) {
-    for (uint32_t i = 0; i < patch.vertices.size(); ++i) local_[patch.vertices[i]] = uint8_t(i);
+  void Load(const ChunkPart& chunk) {
+    for (uint32_t i = 0; i < chunk.vertices.size(); ++i) local_[chunk.vertices[i]] = uint8_t(i);
   }
   uint8_t operator[](uint32_t mesh_vertex) const { return local_[mesh_vertex]; }
 
@@ -100,19 +100,31 @@ class LocalVertices {
   std::vector<uint8_t> local_;
 };
 
-void FillStrands(const LayerBake& bake, const Patch& patch, const LocalVertices& local,
+// Where each mesh vertex lies in its layer.
+std::vector<uint32_t> FindPlaces(const LayerBake& bake, std::span<const VertexPatch> patches) {
+  std::vector<uint32_t> place(bake.mesh.position.size(), ~0u);
+  for (uint32_t p = 0; p < patches.size(); ++p)
+    for (uint32_t i = 0; i < patches[p].vertices.size(); ++i)
+      place[patches[p].vertices[i]] = p * kVerticesPerChunk + i;
+  return place;
+}
+
+void FillHalo(const ChunkPart& chunk, std::span<const uint32_t> place, HaloBlock& block) {
+  std::fill(std::begin(block.vertex), std::end(block.vertex), ~0u);
+  for (size_t i = 0; i < chunk.vertices.size(); ++i) block.vertex[i] = place[chunk.vertices[i]];
+}
+
+void FillStrands(const LayerBake& bake, const ChunkPart& chunk, const LocalVertices& local,
                  uint32_t place, StrandBlock& block) {
-  const uint32_t count = uint32_t(patch.strands.size());
+  const uint32_t count = uint32_t(chunk.strands.size());
   const uint32_t controls = CountControls(bake.layer, count);
-  uint8_t highest = 0;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const uint32_t source = SourceLane(lane, count);
-    const GroomedStrand& strand = bake.strands[patch.strands[source]];
+    const GroomedStrand& strand = bake.strands[chunk.strands[source]];
     const auto& corners = bake.mesh.triangles[strand.place.triangle];
     for (int i = 0; i < 3; ++i) {
       block.bary[i][lane] = strand.place.bary[i];
       block.vertex[i][lane] = local[corners[size_t(i)]];
-      highest = std::max(highest, block.vertex[i][lane]);
     }
     block.length[lane] = strand.length;
     for (size_t i = 0; i < kStrandAttributes.size(); ++i)
@@ -120,15 +132,16 @@ void FillStrands(const LayerBake& bake, const Patch& patch, const LocalVertices&
     block.base_colour[lane] = strand.base_colour;
     block.tip_colour[lane] = strand.tip_colour;
     block.film_strip[lane] = strand.film_strip;
-    block.vertex_prefix[lane] = highest;
     const bool alone = controls == 0 || source < controls;
-    block.control[lane] = uint8_t(alone ? source : FindControl(bake, patch, source, controls));
+    block.control[lane] = uint8_t(alone ? source : FindControl(bake, chunk, source, controls));
   }
-  for (const VertexGroup& group : patch.groups) {
-    for (const uint8_t joint : group.joints) block.joint_mask[joint / 32] |= 1u << joint % 32;
-  }
+  for (const uint32_t v : chunk.vertices)
+    for (int i = 0; i < 4; ++i) {
+      const uint8_t joint = bake.mesh.joints[v][size_t(i)];
+      if (bake.mesh.weights[v][i] > 0.0f) block.joint_mask[joint / 32] |= 1u << joint % 32;
+    }
   block.strand_count = count;
-  block.vertex_count = uint32_t(patch.vertices.size());
+  block.vertex_count = uint32_t(chunk.vertices.size());
   block.control_count = controls;
   block.first_strand = place * kStrandsPerChunk;
 }
@@ -139,11 +152,11 @@ uint32_t PackUnit(float value) {
   return part >= 0.0f && part <= 1.0f ? uint32_t(part * 65535.0f + 0.5f) : 0u;
 }
 
-void FillStrandUv(const LayerBake& bake, const Patch& patch, StrandUvBlock& block) {
+void FillStrandUv(const LayerBake& bake, const ChunkPart& chunk, StrandUvBlock& block) {
   if (bake.mesh.uv.empty()) return;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    const uint32_t source = SourceLane(lane, uint32_t(patch.strands.size()));
-    const SurfacePoint& place = bake.strands[patch.strands[source]].place;
+    const uint32_t source = SourceLane(lane, uint32_t(chunk.strands.size()));
+    const SurfacePoint& place = bake.strands[chunk.strands[source]].place;
     const glm::vec2 uv = Interpolate(bake.mesh.uv, bake.mesh, place);
     block.uv[lane] = PackUnit(uv.x) | PackUnit(uv.y) << 16;
   }
@@ -162,15 +175,15 @@ void SetRestLane(RestBlock<kPoints>& block, uint32_t lane, const RestShape& shap
 }
 
 template <uint32_t kPoints>
-void FillStrandRest(const LayerBake& bake, const Patch& patch, RestBlock<kPoints>& block) {
+void FillStrandRest(const LayerBake& bake, const ChunkPart& chunk, RestBlock<kPoints>& block) {
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    const uint32_t source = SourceLane(lane, uint32_t(patch.strands.size()));
-    const GroomedStrand& strand = bake.strands[patch.strands[source]];
+    const uint32_t source = SourceLane(lane, uint32_t(chunk.strands.size()));
+    const GroomedStrand& strand = bake.strands[chunk.strands[source]];
     SetRestLane(block, lane, strand.rest, strand.length, strand.strength);
   }
 }
 
-void FillVertexRest(const LayerBake& bake, const Patch& patch, RestBlock<4>& block) {
+void FillVertexRest(const LayerBake& bake, const VertexPatch& patch, RestBlock<4>& block) {
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const uint32_t source = SourceLane(lane, uint32_t(patch.vertices.size()));
     const VertexChain& chain = bake.vertices[patch.vertices[source]];
@@ -178,19 +191,25 @@ void FillVertexRest(const LayerBake& bake, const Patch& patch, RestBlock<4>& blo
   }
 }
 
-void FillRestDown(const LayerBake& bake, const Patch& patch, DownBlock& block) {
-  const bool on_vertices = bake.layer.params.chain == ChainKind::kVertex;
-  const uint32_t count = uint32_t(on_vertices ? patch.vertices.size() : patch.strands.size());
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    const uint32_t source = SourceLane(lane, count);
-    const glm::dvec3 down = on_vertices
-                                ? bake.vertices[patch.vertices[source]].down
-                                : bake.strands[patch.strands[source]].frame.ToFrame(kRestDown);
-    for (int axis = 0; axis < 3; ++axis) block.down[axis][lane] = float(down[axis]);
+void SetDown(const glm::dvec3& down, uint32_t lane, DownBlock& block) {
+  for (int axis = 0; axis < 3; ++axis) block.down[axis][lane] = float(down[axis]);
+}
+
+void FillVertexDown(const LayerBake& bake, const VertexPatch& patch, DownBlock& block) {
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(patch.vertices.size()));
+    SetDown(bake.vertices[patch.vertices[source]].down, lane, block);
   }
 }
 
-void FillShellSkin(const LayerBake& bake, const Patch& patch, ShellSkinBlock& block) {
+void FillStrandDown(const LayerBake& bake, const ChunkPart& chunk, DownBlock& block) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(chunk.strands.size()));
+    SetDown(bake.strands[chunk.strands[source]].frame.ToFrame(kRestDown), lane, block);
+  }
+}
+
+void FillShellSkin(const LayerBake& bake, const VertexPatch& patch, ShellSkinBlock& block) {
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const uint32_t v = patch.vertices[SourceLane(lane, uint32_t(patch.vertices.size()))];
     for (int axis = 0; axis < 2; ++axis) block.uv[lane][axis] = bake.mesh.uv[v][axis];
@@ -201,18 +220,18 @@ void FillShellSkin(const LayerBake& bake, const Patch& patch, ShellSkinBlock& bl
 }
 
 // Unused lanes own no edge: a copy would own another's.
-void FillFinEdges(const LayerBake& bake, const Patch& patch, FinEdgeBlock& block) {
-  for (size_t lane = 0; lane < patch.strands.size(); ++lane)
-    block.owned[lane] = bake.fin_edges[patch.strands[lane]];
+void FillFinEdges(const LayerBake& bake, const ChunkPart& chunk, FinEdgeBlock& block) {
+  for (size_t lane = 0; lane < chunk.strands.size(); ++lane)
+    block.owned[lane] = bake.fin_edges[chunk.strands[lane]];
 }
 
 // How far from the skin the layer may be found.
-float FindReach(const LayerBake& bake, std::span<const Patch> patches) {
+float FindReach(const LayerBake& bake, std::span<const VertexPatch> patches) {
   float reach = 0.0f;
   for (const GroomedStrand& strand : bake.strands) reach = std::max(reach, strand.length);
   if (!bake.shells) return reach;
   // Groom and force, each as long as the fur (kernels/shell_force.hpp), and rounding.
-  for (const Patch& patch : patches)
+  for (const VertexPatch& patch : patches)
     for (const uint32_t v : patch.vertices) reach = std::max(reach, bake.vertices[v].length);
   return 2.001f * reach;
 }
@@ -252,40 +271,56 @@ class JointBoxes {
   Box boxes_[kJointsPerCharacter];
 };
 
+void AppendPatch(const LayerBake& bake, const VertexPatch& patch, Groom& groom) {
+  FillMesh(bake, patch, groom.mesh.emplace_back());
+  if (bake.layer.params.chain == ChainKind::kVertex) {
+    FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
+    if (bake.layer.params.sag_free) FillVertexDown(bake, patch, groom.vertex_down.emplace_back());
+  }
+  if (bake.shells) FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
+}
+
+void AppendChunk(const LayerBake& bake, const ChunkPart& chunk, const LocalVertices& local,
+                 std::span<const uint32_t> places, uint32_t number, Groom& groom) {
+  const LayerParams& params = bake.layer.params;
+  FillStrands(bake, chunk, local, number, groom.strands.emplace_back());
+  FillHalo(chunk, places, groom.halo.emplace_back());
+  FillStrandUv(bake, chunk, groom.strand_uv.emplace_back());
+  if (params.fins) FillFinEdges(bake, chunk, groom.fin_edges.emplace_back());
+  if (bake.shells) return;
+  WithPoints(params.points, [&]<uint32_t kPoints> {
+    FillStrandRest(bake, chunk, StrandRestOf<kPoints>(groom).emplace_back());
+  });
+  if (params.sag_free && params.chain != ChainKind::kVertex)
+    FillStrandDown(bake, chunk, groom.strand_down.emplace_back());
+}
+
 }  // namespace
 
-void AppendLayer(const LayerBake& bake, std::span<const Patch> patches, Groom& groom) {
+void AppendLayer(const LayerBake& bake, std::span<const ChunkPart> chunks,
+                 std::span<const VertexPatch> patches, Groom& groom) {
   GroomLayer layer;
   layer.name = bake.layer.name;
   layer.params = bake.layer.params;
-  layer.first_chunk = uint32_t(groom.mesh.size());
-  layer.chunk_count = uint32_t(patches.size());
+  layer.first_patch = uint32_t(groom.mesh.size());
+  layer.patch_count = uint32_t(patches.size());
+  layer.first_chunk = uint32_t(groom.strands.size());
+  layer.chunk_count = uint32_t(chunks.size());
   layer.strand_count = uint32_t(bake.strands.size());
   layer.length_max = FindReach(bake, patches);
-  LocalVertices local(bake.mesh.position.size());
   JointBoxes boxes;
   groom.mesh.reserve(groom.mesh.size() + patches.size());
-  groom.strands.reserve(groom.strands.size() + patches.size());
-  groom.strand_uv.reserve(groom.strand_uv.size() + patches.size());
-  for (uint32_t place = 0; place < patches.size(); ++place) {
-    const Patch& patch = patches[place];
-    local.Load(patch);
-    FillMesh(bake, patch, groom.mesh.emplace_back());
-    FillStrands(bake, patch, local, place, groom.strands.emplace_back());
-    FillStrandUv(bake, patch, groom.strand_uv.emplace_back());
-    if (layer.params.chain == ChainKind::kVertex) {
-      FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
-    }
-    if (bake.shells) {
-      FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
-      if (layer.params.fins) FillFinEdges(bake, patch, groom.fin_edges.emplace_back());
-    } else {
-      WithPoints(layer.params.points, [&]<uint32_t kPoints> {
-        FillStrandRest(bake, patch, StrandRestOf<kPoints>(groom).emplace_back());
-      });
-    }
-    if (layer.params.sag_free) FillRestDown(bake, patch, groom.rest_down.emplace_back());
+  for (const VertexPatch& patch : patches) {
+    AppendPatch(bake, patch, groom);
     for (const uint32_t v : patch.vertices) boxes.Add(bake, v);
+  }
+  const std::vector<uint32_t> places = FindPlaces(bake, patches);
+  LocalVertices local(bake.mesh.position.size());
+  groom.strands.reserve(groom.strands.size() + chunks.size());
+  groom.strand_uv.reserve(groom.strand_uv.size() + chunks.size());
+  for (uint32_t number = 0; number < chunks.size(); ++number) {
+    local.Load(chunks[number]);
+    AppendChunk(bake, chunks[number], local, places, number, groom);
   }
   groom.layer_joints.push_back(boxes.Make());
   groom.layers.push_back(std::move(layer));

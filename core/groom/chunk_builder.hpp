@@ -1,8 +1,7 @@
-// From a layer's strands and patches to the blocks the frame runs on.
+// From a layer's strands, chunks and patches to the blocks the frame runs on.
 //
-// Invariants (chunk.hpp): unused lanes copy the last used one, in every row; a vertex has the same
-// bits in every chunk of its layer; strands are in progressive order and use a prefix of vertices;
-// clump controls are the first strands, a multiple of the lane group and fewer than all.
+// Invariants (chunk.hpp): unused lanes copy the last used one, in every row; strands are in progressive
+// order; clump controls are the first strands, a multiple of the lane group and fewer than all.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +25,8 @@ struct LayerBake {
   std::span<const uint32_t> fin_edges = {};
 };
 
-// Appends the layer, its chunks and its joint boxes to the groom.
-void AppendLayer(const LayerBake&, std::span<const Patch> patches, Groom& groom);
+// Appends the layer, its patches, chunks and joint boxes to the groom.
+void AppendLayer(const LayerBake&, std::span<const ChunkPart> chunks,
+                 std::span<const VertexPatch> patches, Groom& groom);
 
 }  // namespace pelt

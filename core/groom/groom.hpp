@@ -12,18 +12,19 @@ namespace pelt {
 struct GroomLayer {
   std::string name;
   LayerParams params;
+  uint32_t first_patch = 0;
+  uint32_t patch_count = 0;
   uint32_t first_chunk = 0;
   uint32_t chunk_count = 0;
   uint32_t strand_count = 0;
   float length_max = 0.0f;  // m
 };
 
-// Chunks of a layer are contiguous; layers are in setup order. Chunk c of the groom has mesh[c],
-// strands[c], strand_uv[c]; a chunk of a vertex-chain layer has vertex_rest and strand_rest4, of a
-// 4-point strand-chain layer strand_rest4, of a 5-point one strand_rest5, of a 9-point one
-// strand_rest9; a chunk of shells has vertex_rest and shell_skin alone, and with fins fin_edges; a
-// chunk of a sag-free layer has rest_down. Those arrays hold the chunks that need them, in chunk
-// order.
+// Patches and chunks of a layer are contiguous; layers are in setup order. Patch p of the groom has
+// mesh[p], of a vertex-chain layer vertex_rest, which has vertex_down where it is sag-free, and of shells
+// shell_skin. Chunk c has strands[c], halo[c], strand_uv[c]; but for shells strand_rest4, of layers of 5
+// and 9 points strand_rest5 and strand_rest9; with fins fin_edges; of a sag-free layer with a chain per
+// strand strand_down. Those arrays hold the patches or chunks that need them, in order.
 struct Groom {
   float unit_scale = 1.0f;
   uint32_t joint_count = 0;
@@ -33,13 +34,15 @@ struct Groom {
   std::vector<LayerJointBlock> layer_joints;
   std::vector<MeshBlock> mesh;
   std::vector<StrandBlock> strands;
+  std::vector<HaloBlock> halo;
   std::vector<StrandUvBlock> strand_uv;
   std::vector<RestBlock<4>> vertex_rest;
   std::vector<RestBlock<4>> strand_rest4;
   std::vector<RestBlock<5>> strand_rest5;
   std::vector<ShellSkinBlock> shell_skin;
   std::vector<FinEdgeBlock> fin_edges;
-  std::vector<DownBlock> rest_down;
+  std::vector<DownBlock> vertex_down;
+  std::vector<DownBlock> strand_down;
   std::vector<RestBlock<9>> strand_rest9;
 };
 

@@ -16,13 +16,13 @@
 // against core/chunk.hpp in one go.
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/groom/patch_index.hpp"
 #include "core/printable.hpp"
 
 namespace pelt {
@@ -33,8 +33,6 @@ using namespace groom_file;
 constexpr float kUnitTolerance = 0.05f;
 constexpr float kSumTolerance = 1.0e-3f;
 constexpr uint32_t kStrandsPerLayer = 1u << 24;
-
-using JointSet = std::bitset<kJointsPerCharacter>;
 
 class Checker {
  public:
@@ -127,14 +125,19 @@ class Checker {
   [[nodiscard]] bool CheckLayout();
   [[nodiscard]] bool CheckLayer(size_t layer);
   [[nodiscard]] bool CheckLayerJoints(size_t layer, JointSet& moved);
-  [[nodiscard]] bool CheckMesh(size_t chunk, JointSet& used);
-  [[nodiscard]] bool CheckWeights(size_t chunk, JointSet& used);
+  [[nodiscard]] bool CheckPatch(const GroomLayer& layer, uint32_t place, JointSet& used);
+  [[nodiscard]] bool CheckMesh(size_t patch, JointSet& used);
+  [[nodiscard]] bool CheckWeights(size_t patch, JointSet& used);
+  [[nodiscard]] bool CheckChunk(const GroomLayer& layer, uint32_t place);
+  [[nodiscard]] bool CheckHalo(const GroomLayer& layer, size_t chunk, JointSet& used);
   [[nodiscard]] bool CheckStrands(size_t chunk, const JointSet& used);
   template <class T>
   [[nodiscard]] bool CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes);
   [[nodiscard]] bool CheckFinEdges(size_t index, uint32_t strands);
-  [[nodiscard]] bool CheckRestDown(size_t index, uint32_t lanes);
-  size_t CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const;
+  [[nodiscard]] bool CheckDown(const std::vector<DownBlock>& items, size_t index, uint32_t lanes);
+  using Has = bool (*)(const LayerParams&);
+  size_t PatchesBefore(const GroomLayer& layer, Has has) const;
+  size_t ChunksBefore(const GroomLayer& layer, Has has) const;
 
   const Groom& groom_;
   const std::string& name_;
@@ -144,7 +147,8 @@ class Checker {
 bool HasVertexRest(const LayerParams& p) { return p.chain == ChainKind::kVertex; }
 bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
 bool HasFins(const LayerParams& p) { return p.fins; }
-bool HasRestDown(const LayerParams& p) { return p.sag_free; }
+bool HasVertexDown(const LayerParams& p) { return p.sag_free && HasVertexRest(p); }
+bool HasStrandDown(const LayerParams& p) { return p.sag_free && !HasVertexRest(p); }
 template <uint32_t kPoints>
 bool HasStrandRest(const LayerParams& p) {
   return p.points == kPoints && !HasShells(p);
@@ -195,8 +199,8 @@ bool Checker::CheckLayout() {
     return FailSection(layers,
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
-  uint64_t chunks = 0, vertex_rest = 0, rest4 = 0, rest5 = 0, rest9 = 0, shell_skin = 0;
-  uint64_t fin_edges = 0, rest_down = 0;
+  uint64_t patches = 0, vertex_rest = 0, shell_skin = 0, vertex_down = 0;
+  uint64_t chunks = 0, rest4 = 0, rest5 = 0, rest9 = 0, fin_edges = 0, strand_down = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -204,6 +208,14 @@ bool Checker::CheckLayout() {
     }
     const std::string bad = FindBadParam(layer.params);
     if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
+    if (layer.first_patch != patches) {
+      return Fail(layers, i, &layer.first_patch,
+                  Format("patches begin at {}, expected {}", layer.first_patch, patches));
+    }
+    if (layer.patch_count > kStrandsPerLayer / kVerticesPerChunk) {
+      return Fail(layers, i, &layer.patch_count, Format("{} patches", layer.patch_count));
+    }
+    patches += layer.patch_count;
     if (layer.first_chunk != chunks) {
       return Fail(layers, i, &layer.first_chunk,
                   Format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
@@ -212,77 +224,93 @@ bool Checker::CheckLayout() {
       return Fail(layers, i, &layer.chunk_count, Format("{} chunks", layer.chunk_count));
     }
     chunks += layer.chunk_count;
-    if (HasVertexRest(layer.params)) vertex_rest += layer.chunk_count;
+    if (HasVertexRest(layer.params)) vertex_rest += layer.patch_count;
+    if (HasShells(layer.params)) shell_skin += layer.patch_count;
+    if (HasVertexDown(layer.params)) vertex_down += layer.patch_count;
     if (HasStrandRest<4>(layer.params)) rest4 += layer.chunk_count;
     if (HasStrandRest<5>(layer.params)) rest5 += layer.chunk_count;
     if (HasStrandRest<9>(layer.params)) rest9 += layer.chunk_count;
-    if (HasShells(layer.params)) shell_skin += layer.chunk_count;
     if (HasFins(layer.params)) fin_edges += layer.chunk_count;
-    if (HasRestDown(layer.params)) rest_down += layer.chunk_count;
+    if (HasStrandDown(layer.params)) strand_down += layer.chunk_count;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
            FailSection(items, Format("{} items where the layers need {}", items.size(), count));
   };
-  return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, chunks) &&
-         expect(groom_.strands, chunks) && expect(groom_.vertex_rest, vertex_rest) &&
-         expect(groom_.strand_rest4, rest4) && expect(groom_.strand_rest5, rest5) &&
-         expect(groom_.strand_uv, chunks) && expect(groom_.shell_skin, shell_skin) &&
-         expect(groom_.fin_edges, fin_edges) && expect(groom_.rest_down, rest_down) &&
+  return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, patches) &&
+         expect(groom_.strands, chunks) && expect(groom_.halo, chunks) &&
+         expect(groom_.vertex_rest, vertex_rest) && expect(groom_.strand_rest4, rest4) &&
+         expect(groom_.strand_rest5, rest5) && expect(groom_.strand_uv, chunks) &&
+         expect(groom_.shell_skin, shell_skin) && expect(groom_.fin_edges, fin_edges) &&
+         expect(groom_.vertex_down, vertex_down) && expect(groom_.strand_down, strand_down) &&
          expect(groom_.strand_rest9, rest9);
 }
 
-// Chunks before `first_chunk` whose layer has the block in question: its place among such blocks.
-size_t Checker::CountBefore(size_t first_chunk, bool (*has)(const LayerParams&)) const {
+// Patches and chunks before the layer's whose layer has the block in question: its place among such
+// blocks.
+size_t Checker::PatchesBefore(const GroomLayer& layer, Has has) const {
   size_t count = 0;
-  for (const GroomLayer& layer : groom_.layers) {
-    if (layer.first_chunk >= first_chunk) break;
-    if (has(layer.params)) count += layer.chunk_count;
-  }
+  for (const GroomLayer* l = groom_.layers.data(); l != &layer; ++l)
+    if (has(l->params)) count += l->patch_count;
   return count;
+}
+size_t Checker::ChunksBefore(const GroomLayer& layer, Has has) const {
+  size_t count = 0;
+  for (const GroomLayer* l = groom_.layers.data(); l != &layer; ++l)
+    if (has(l->params)) count += l->chunk_count;
+  return count;
+}
+
+bool Checker::CheckPatch(const GroomLayer& layer, uint32_t place, JointSet& used) {
+  const size_t patch = layer.first_patch + place;
+  if (!CheckMesh(patch, used)) return false;
+  const uint32_t vertices = groom_.mesh[patch].vertex_count;
+  const auto index = [&](Has has) { return PatchesBefore(layer, has) + place; };
+  if (HasVertexRest(layer.params) && !CheckRest(groom_.vertex_rest, index(HasVertexRest), vertices))
+    return false;
+  if (HasVertexDown(layer.params) && !CheckDown(groom_.vertex_down, index(HasVertexDown), vertices))
+    return false;
+  return !HasShells(layer.params) || CheckBounds(groom_.shell_skin, index(HasShells));
+}
+
+bool Checker::CheckChunk(const GroomLayer& layer, uint32_t place) {
+  const size_t chunk = layer.first_chunk + place;
+  const StrandBlock& block = groom_.strands[chunk];
+  JointSet used;
+  if (!CheckHalo(layer, chunk, used) || !CheckStrands(chunk, used)) return false;
+  if (block.first_strand != place * kStrandsPerChunk) {
+    return Fail(groom_.strands, chunk, &block.first_strand,
+                Format("{}, expected {}", block.first_strand, place * kStrandsPerChunk));
+  }
+  const auto index = [&](Has has) { return ChunksBefore(layer, has) + place; };
+  if (!HasShells(layer.params) && !WithPoints(layer.params.points, [&]<uint32_t kPoints> {
+        // Among blocks of as many points.
+        return CheckRest(StrandRestOf<kPoints>(groom_), index(HasStrandRest<kPoints>),
+                         block.strand_count);
+      }))
+    return false;
+  if (HasFins(layer.params) && !CheckFinEdges(index(HasFins), block.strand_count)) return false;
+  return !HasStrandDown(layer.params) ||
+         CheckDown(groom_.strand_down, index(HasStrandDown), block.strand_count);
 }
 
 bool Checker::CheckLayer(size_t index) {
   const GroomLayer& layer = groom_.layers[index];
   JointSet moved;
   if (!CheckLayerJoints(index, moved)) return false;
-  uint64_t strands = 0;
-  float longest = 0.0f;
-  size_t vertex_rest = CountBefore(layer.first_chunk, HasVertexRest);
-  // Among blocks of as many points.
-  size_t strand_rest = WithPoints(layer.params.points, [&]<uint32_t kPoints> {
-    return CountBefore(layer.first_chunk, HasStrandRest<kPoints>);
-  });
-  size_t shell_skin = CountBefore(layer.first_chunk, HasShells);
-  size_t fin_edges = CountBefore(layer.first_chunk, HasFins);
-  size_t rest_down = CountBefore(layer.first_chunk, HasRestDown);
-  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
-    const size_t chunk = layer.first_chunk + c;
-    const StrandBlock& block = groom_.strands[chunk];
+  for (uint32_t p = 0; p < layer.patch_count; ++p) {
     JointSet used;
-    if (!CheckMesh(chunk, used)) return false;
+    if (!CheckPatch(layer, p, used)) return false;
     if ((used & ~moved).any()) {
       return Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
-                  Format("a joint that moves chunk {} is missing", chunk));
+                  Format("a joint that moves patch {} is missing", layer.first_patch + p));
     }
-    if (!CheckStrands(chunk, used)) return false;
-    if (block.first_strand != c * kStrandsPerChunk) {
-      return Fail(groom_.strands, chunk, &block.first_strand,
-                  Format("{}, expected {}", block.first_strand, c * kStrandsPerChunk));
-    }
-    if (HasVertexRest(layer.params) &&
-        !CheckRest(groom_.vertex_rest, vertex_rest++, block.vertex_count))
-      return false;
-    if (!HasShells(layer.params) && !WithPoints(layer.params.points, [&]<uint32_t kPoints> {
-          return CheckRest(StrandRestOf<kPoints>(groom_), strand_rest++, block.strand_count);
-        }))
-      return false;
-    if (HasShells(layer.params) && !CheckBounds(groom_.shell_skin, shell_skin++)) return false;
-    if (HasFins(layer.params) && !CheckFinEdges(fin_edges++, block.strand_count)) return false;
-    if (HasRestDown(layer.params) &&
-        !CheckRestDown(rest_down++,
-                       HasVertexRest(layer.params) ? block.vertex_count : block.strand_count))
-      return false;
+  }
+  uint64_t strands = 0;
+  float longest = 0.0f;
+  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
+    if (!CheckChunk(layer, c)) return false;
+    const StrandBlock& block = groom_.strands[layer.first_chunk + c];
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }
@@ -322,44 +350,44 @@ bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
   return true;
 }
 
-// `used`: the joints that move a vertex of the chunk.
-bool Checker::CheckMesh(size_t chunk, JointSet& used) {
+// `used`: the joints that move a vertex of the patch.
+bool Checker::CheckMesh(size_t patch, JointSet& used) {
   const auto& items = groom_.mesh;
-  const MeshBlock& block = items[chunk];
+  const MeshBlock& block = items[patch];
   if (block.vertex_count < 1 || block.vertex_count > kVerticesPerChunk) {
-    return Fail(items, chunk, &block.vertex_count, Format("{} vertices", block.vertex_count));
+    return Fail(items, patch, &block.vertex_count, Format("{} vertices", block.vertex_count));
   }
-  if (!CheckBounds(items, chunk)) return false;
+  if (!CheckBounds(items, patch)) return false;
   const auto is_unit = [&](const float(&row)[3][kVerticesPerChunk], uint32_t v) {
     const float square = row[0][v] * row[0][v] + row[1][v] * row[1][v] + row[2][v] * row[2][v];
     return std::fabs(square - 1.0f) <= kUnitTolerance ||
-           Fail(items, chunk, &row[0][v], "not a unit vector");
+           Fail(items, patch, &row[0][v], "not a unit vector");
   };
   for (uint32_t v = 0; v < RoundUpToLaneGroups(block.vertex_count); ++v)
     if (!is_unit(block.normal, v) || !is_unit(block.tangent, v)) return false;
-  return CheckWeights(chunk, used);
+  return CheckWeights(patch, used);
 }
 
-bool Checker::CheckWeights(size_t chunk, JointSet& used) {
+bool Checker::CheckWeights(size_t patch, JointSet& used) {
   const auto& items = groom_.mesh;
-  const MeshBlock& block = items[chunk];
+  const MeshBlock& block = items[patch];
   for (uint32_t g = 0; g <= kVertexGroups; ++g) {
     const uint16_t row = block.group_first_row[g];
     if (row > kInfluenceRows || (g > 0 && row < block.group_first_row[g - 1])) {
-      return Fail(items, chunk, &block.group_first_row[g],
+      return Fail(items, patch, &block.group_first_row[g],
                   Format("{}: rows must ascend, up to {}", row, kInfluenceRows));
     }
   }
   for (const uint8_t& joint : block.row_joint)
     if (joint >= groom_.joint_count)
-      return Fail(items, chunk, &joint, Format("joint {} is unknown or out of order", joint));
+      return Fail(items, patch, &joint, Format("joint {} is unknown or out of order", joint));
   for (uint32_t g = 0; g < kVertexGroups; ++g) {
     const uint32_t begin = block.group_first_row[g], end = block.group_first_row[g + 1];
     float sum[kLaneGroup] = {};
     for (uint32_t row = begin; row < end; ++row) {
       const uint8_t joint = block.row_joint[row];
       if (row > begin && joint <= block.row_joint[row - 1]) {
-        return Fail(items, chunk, &block.row_joint[row],
+        return Fail(items, patch, &block.row_joint[row],
                     Format("joint {} is unknown or out of order", joint));
       }
       for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
@@ -370,10 +398,29 @@ bool Checker::CheckWeights(size_t chunk, JointSet& used) {
     if (g * kLaneGroup >= block.vertex_count) continue;
     for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
       if (std::fabs(sum[lane] - 1.0f) > kSumTolerance) {
-        return Fail(items, chunk, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
+        return Fail(items, patch, &block.weight[std::min(begin, kInfluenceRows - 1)][lane],
                     Format("weights of vertex {} sum to {}", g * kLaneGroup + lane, sum[lane]));
       }
     }
+  }
+  return true;
+}
+
+// `used`: the joints that move a vertex of the halo.
+bool Checker::CheckHalo(const GroomLayer& layer, size_t chunk, JointSet& used) {
+  const HaloBlock& halo = groom_.halo[chunk];
+  const uint32_t& count = groom_.strands[chunk].vertex_count;
+  if (count < 1 || count > kVerticesPerChunk)
+    return Fail(groom_.strands, chunk, &count, Format("{} vertices", count));
+  for (uint32_t i = 0; i < kVerticesPerChunk; ++i) {
+    const uint32_t place = halo.vertex[i];
+    if (i >= count && place == ~0u) continue;
+    const uint32_t patch = place / kVerticesPerChunk, lane = place % kVerticesPerChunk;
+    if (i >= count || patch >= layer.patch_count ||
+        lane >= groom_.mesh[layer.first_patch + patch].vertex_count)
+      return Fail(groom_.halo, chunk, &halo.vertex[i],
+                  Format("{}: no vertex of the layer, or behind the {} in use", place, count));
+    used |= FindJoints(groom_.mesh[layer.first_patch + patch], lane);
   }
   return true;
 }
@@ -387,10 +434,6 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
   if (block.strand_count < 1 || block.strand_count > kStrandsPerChunk) {
     return fail(&block.strand_count, Format("{} strands", block.strand_count));
   }
-  if (block.vertex_count != groom_.mesh[chunk].vertex_count) {
-    return fail(&block.vertex_count, Format("{} vertices, the mesh block has {}",
-                                            block.vertex_count, groom_.mesh[chunk].vertex_count));
-  }
   const uint32_t lanes = RoundUpToLaneGroups(block.strand_count);
   if (block.control_count % kLaneGroup != 0 || block.control_count > lanes) {
     return fail(&block.control_count, Format("{} control strands", block.control_count));
@@ -401,25 +444,16 @@ bool Checker::CheckStrands(size_t chunk, const JointSet& used) {
     for (const auto& corner : block.vertex)
       if (corner[i] >= block.vertex_count)
         return fail(&corner[i], Format("no vertex {}", corner[i]));
-    if (block.vertex_prefix[i] >= block.vertex_count) {
-      return fail(&block.vertex_prefix[i], Format("no vertex {}", block.vertex_prefix[i]));
-    }
     if (block.control[i] >= controls) {
       return fail(&block.control[i], Format("strand {} is no control strand", block.control[i]));
     }
   }
-  uint8_t highest = 0;
   for (uint32_t i = 0; i < lanes; ++i) {
     const float sum = block.bary[0][i] + block.bary[1][i] + block.bary[2][i];
     if (std::fabs(sum - 1.0f) > kSumTolerance) {
       return fail(&block.bary[0][i], Format("barycentrics sum to {}", sum));
     }
     if (!(block.length[i] > 0.0f)) return fail(&block.length[i], "not above 0");
-    for (const auto& corner : block.vertex) highest = std::max(highest, corner[i]);
-    if (block.vertex_prefix[i] < highest) {
-      return fail(&block.vertex_prefix[i],
-                  Format("{}, strands up to here use vertex {}", block.vertex_prefix[i], highest));
-    }
   }
   for (uint32_t joint = 0; joint < kJointsPerCharacter; ++joint) {
     const uint32_t& word = block.joint_mask[joint / 32];
@@ -457,14 +491,14 @@ bool Checker::CheckFinEdges(size_t index, uint32_t strands) {
   return true;
 }
 
-bool Checker::CheckRestDown(size_t index, uint32_t count) {
-  const DownBlock& block = groom_.rest_down[index];
-  if (!CheckBounds(groom_.rest_down, index)) return false;
+bool Checker::CheckDown(const std::vector<DownBlock>& items, size_t index, uint32_t count) {
+  const DownBlock& block = items[index];
+  if (!CheckBounds(items, index)) return false;
   for (uint32_t i = 0; i < RoundUpToLaneGroups(count); ++i) {
     float square = 0.0f;
     for (const auto& row : block.down) square += row[i] * row[i];
     if (!(std::fabs(square - 1.0f) < kUnitTolerance))
-      return Fail(groom_.rest_down, index, &block.down[0][i], "not a direction of length 1");
+      return Fail(items, index, &block.down[0][i], "not a direction of length 1");
   }
   return true;
 }

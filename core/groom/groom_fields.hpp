@@ -43,6 +43,8 @@ void ListFields(auto&& archive, Like<LayerParams> auto& params) {
 void ListFields(auto&& archive, Like<GroomLayer> auto& l) {
   archive("name", l.name);
   ListFields(archive, l.params);
+  archive("first_patch", l.first_patch);
+  archive("patch_count", l.patch_count);
   archive("first_chunk", l.first_chunk);
   archive("chunk_count", l.chunk_count);
   archive("strand_count", l.strand_count);
@@ -158,10 +160,10 @@ uint64_t MeasureItem(const T& item) {
 
 // Sections in file order.
 inline constexpr std::string_view kSectionNames[] = {
-    "general",   "skeleton",   "joint_names", "layers",       "layer_joints",
-    "mesh",      "strands",    "vertex_rest", "strand_rest4", "strand_rest5",
-    "strand_uv", "shell_skin", "fin_edges",   "rest_down",    "strand_rest9"};
-inline constexpr uint32_t kSectionCount = 15;
+    "general",   "skeleton",    "joint_names",  "layers",       "layer_joints", "mesh",
+    "strands",   "vertex_rest", "strand_rest4", "strand_rest5", "strand_uv",    "shell_skin",
+    "fin_edges", "vertex_down", "strand_rest9", "strand_down",  "halo"};
+inline constexpr uint32_t kSectionCount = 17;
 inline constexpr uint64_t kSectionNameBytes = 16;
 inline constexpr uint64_t kHeaderBytes = 48;
 inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
@@ -180,8 +182,10 @@ void ListSections(auto&& visit, Like<Groom> auto& groom) {
   visit(kSectionNames[10], groom.strand_uv);
   visit(kSectionNames[11], groom.shell_skin);
   visit(kSectionNames[12], groom.fin_edges);
-  visit(kSectionNames[13], groom.rest_down);
+  visit(kSectionNames[13], groom.vertex_down);
   visit(kSectionNames[14], groom.strand_rest9);
+  visit(kSectionNames[15], groom.strand_down);
+  visit(kSectionNames[16], groom.halo);
 }
 
 }  // namespace pelt::groom_file

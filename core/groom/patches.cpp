@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/float_rules.hpp"
+#include "core/groom/patch_index.hpp"
 
 namespace pelt {
 namespace {
@@ -153,61 +155,66 @@ class Path {
   std::vector<Triangle> triangles_;
 };
 
-// Sets of joints of one patch, as bits of its own numbering.
-constexpr uint32_t kPatchJoints = 64;
-
-class PatchBuilder {
+// Cuts as many strands from the front of a path as fit a chunk.
+class ChunkCutter {
  public:
-  PatchBuilder(const Mesh& mesh, std::span<const PatchStrand> strands, const PatchLimits& limits)
-      : mesh_(mesh), strands_(strands), limits_(limits), seen_(mesh.position.size(), 0) {}
+  ChunkCutter(std::span<const PatchStrand> strands, const ChunkLimits& limits)
+      : strands_(strands), limits_(limits) {
+    for (const PatchStrand& strand : strands)
+      for (const uint32_t v : strand.vertices)
+        if (v >= seen_.size()) seen_.resize(v + 1, 0);
+  }
 
-  // Most strands from the front of `path` that fit a chunk.
-  Patch CutFirst(std::span<const uint32_t> path) {
-    uint32_t count = CountByVertices(path);
-    Patch patch;
-    if (Build(path.first(count), patch)) return patch;
-    // Rows ran out first. One strand always fits: three vertices, twelve joints.
-    uint32_t fits = 1, too_many = count;
-    while (too_many - fits > 1) {
-      const uint32_t middle = (fits + too_many) / 2;
-      (Build(path.first(middle), patch) ? fits : too_many) = middle;
-    }
-    Build(path.first(fits), patch);
-    return patch;
+  ChunkPart CutFirst(std::span<const uint32_t> path) {
+    const auto part = path.first(CountFitting(path));
+    ChunkPart chunk{{part.begin(), part.end()}, {}};
+    std::sort(chunk.strands.begin(), chunk.strands.end());
+    ++stamp_;
+    for (const uint32_t s : chunk.strands)
+      for (const uint32_t v : strands_[s].vertices)
+        if (IsFresh(v)) chunk.vertices.push_back(v);
+    return chunk;
   }
 
  private:
-  uint32_t CountByVertices(std::span<const uint32_t> path) {
+  bool IsFresh(uint32_t vertex) { return std::exchange(seen_[vertex], stamp_) != stamp_; }
+
+  uint32_t CountFitting(std::span<const uint32_t> path) {
     ++stamp_;
     uint32_t vertices = 0, count = 0;
     for (; count < path.size() && count < limits_.strands; ++count) {
       uint32_t fresh = 0;
-      for (const uint32_t v : strands_[path[count]].vertices) {
-        if (seen_[v] == stamp_) continue;
-        seen_[v] = stamp_;
-        ++fresh;
-      }
+      for (const uint32_t v : strands_[path[count]].vertices) fresh += IsFresh(v);
       if (vertices + fresh > limits_.vertices) break;
       vertices += fresh;
     }
     return count;
   }
 
-  struct PatchVertex {
-    uint32_t vertex;
-    uint32_t bucket;  // 0: used by the first eighth of the strands ... 3: by the second half only
-    uint64_t joints;
-  };
+  std::span<const PatchStrand> strands_;
+  ChunkLimits limits_;
+  std::vector<uint32_t> seen_;
+  uint32_t stamp_ = 0;
+};
+
+// Sets of joints of one patch, as bits of its own numbering.
+constexpr uint32_t kPatchJoints = 64;
+
+struct UsedVertex {
+  uint32_t vertex;
+  double live_from;
+};
+
+// Orders the vertices of a patch.
+class PatchBuilder {
+ public:
+  explicit PatchBuilder(const Mesh& mesh) : mesh_(mesh) {}
 
   // False when the weight rows do not suffice.
-  bool Build(std::span<const uint32_t> part, Patch& patch) {
-    patch.strands.assign(part.begin(), part.end());
-    std::sort(patch.strands.begin(), patch.strands.end());
-    ListVertices(patch.strands);
+  bool Build(std::span<const UsedVertex> part, VertexPatch& patch) {
+    patch = {};
+    ListVertices(part);
     if (!NumberJoints()) return false;
-    patch.vertices.clear();
-    patch.groups.clear();
-    uint32_t rows = 0;
     uint64_t group_joints = 0;
     for (uint32_t bucket = 0; bucket < 4; ++bucket) {
       uint32_t left = 0;
@@ -225,22 +232,24 @@ class PatchBuilder {
         if (closes) SetJoints(patch.groups.back(), group_joints);
       }
     }
-    for (const VertexGroup& group : patch.groups) rows += uint32_t(group.joints.size());
-    return rows <= limits_.rows;
+    size_t rows = 0;
+    for (const VertexGroup& group : patch.groups) rows += group.joints.size();
+    return rows <= kInfluenceRows;
   }
 
-  void ListVertices(const std::vector<uint32_t>& strands) {
-    ++stamp_;
+ private:
+  struct PatchVertex {
+    uint32_t vertex;
+    uint32_t bucket;  // 0: used by the first eighth of the strands ... 3: by the second half only
+    uint64_t joints;
+  };
+
+  void ListVertices(std::span<const UsedVertex> part) {
     vertices_.clear();
-    const uint32_t count = uint32_t(strands.size());
-    const uint32_t ends[3] = {(count + 7) / 8, (count + 3) / 4, (count + 1) / 2};
-    for (uint32_t i = 0; i < count; ++i) {
-      const uint32_t bucket = uint32_t(i >= ends[0]) + (i >= ends[1]) + (i >= ends[2]);
-      for (const uint32_t v : strands_[strands[i]].vertices) {
-        if (seen_[v] == stamp_) continue;
-        seen_[v] = stamp_;
-        vertices_.push_back({v, bucket, 0});
-      }
+    for (const UsedVertex& used : part) {
+      const double from = used.live_from + 1e-5;  // LiveFrom is a little below
+      const uint32_t bucket = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
+      vertices_.push_back({used.vertex, bucket, 0});
     }
   }
 
@@ -298,24 +307,58 @@ class PatchBuilder {
 
   static constexpr uint32_t kTaken = 4;
   const Mesh& mesh_;
-  std::span<const PatchStrand> strands_;
-  PatchLimits limits_;
-  std::vector<uint32_t> seen_;
-  uint32_t stamp_ = 0;
   std::vector<PatchVertex> vertices_;
   std::vector<uint8_t> patch_joint_;
 };
 
+// In the order of their first use.
+std::vector<UsedVertex> ListUsed(const Mesh& mesh, std::span<const PatchStrand> strands,
+                                 std::span<const ChunkPart> chunks) {
+  std::vector<UsedVertex> used;
+  std::vector<uint32_t> place(mesh.position.size(), ~0u);
+  for (const ChunkPart& chunk : chunks) {
+    for (const uint32_t v : chunk.vertices) {
+      if (place[v] != ~0u) continue;
+      place[v] = uint32_t(used.size());
+      used.push_back({v, 1.0});
+    }
+    const uint32_t count = uint32_t(chunk.strands.size());
+    for (uint32_t i = 0; i < count; ++i)
+      for (const uint32_t v : strands[chunk.strands[i]].vertices) {
+        double& from = used[place[v]].live_from;
+        from = std::min(from, LiveFrom(i, count));
+      }
+  }
+  return used;
+}
+
 }  // namespace
 
-std::vector<Patch> CutPatches(const Mesh& mesh, std::span<const PatchStrand> strands,
-                              const PatchLimits& limits) {
+std::vector<ChunkPart> CutChunks(std::span<const PatchStrand> strands, const ChunkLimits& limits) {
   const std::vector<uint32_t> path = Path(strands, limits.strands).Take();
-  PatchBuilder builder(mesh, strands, limits);
-  std::vector<Patch> patches;
+  ChunkCutter cutter(strands, limits);
+  std::vector<ChunkPart> chunks;
   for (std::span<const uint32_t> rest = path; !rest.empty();) {
-    patches.push_back(builder.CutFirst(rest));
-    rest = rest.subspan(patches.back().strands.size());
+    chunks.push_back(cutter.CutFirst(rest));
+    rest = rest.subspan(chunks.back().strands.size());
+  }
+  return chunks;
+}
+
+std::vector<VertexPatch> PackVertices(const Mesh& mesh, std::span<const PatchStrand> strands,
+                                      std::span<const ChunkPart> chunks) {
+  const std::vector<UsedVertex> used = ListUsed(mesh, strands, chunks);
+  const size_t parts = (used.size() + kVerticesPerChunk - 1) / kVerticesPerChunk;
+  const size_t each = RoundUpToLaneGroups(uint32_t((used.size() + parts - 1) / parts));
+  PatchBuilder builder(mesh);
+  std::vector<VertexPatch> patches;
+  for (std::span<const UsedVertex> rest = used; !rest.empty();) {
+    size_t count = std::min(each, rest.size());
+    VertexPatch& patch = patches.emplace_back();
+    // One vertex always fits: four joints.
+    while (!builder.Build(rest.first(count), patch))
+      count = count > kLaneGroup ? (count - 1) / kLaneGroup * kLaneGroup : count - 1;
+    rest = rest.subspan(count);
   }
   return patches;
 }

@@ -1,16 +1,18 @@
-// Patches: which strands of a layer share a chunk.
+// Which strands of a layer share a chunk, and which of its mesh vertices a patch.
 //
 // Strands are laid along a path by halving the layer again and again across its widest direction
 // (place, or facing once a part is about a chunk wide, so that the two sides of an ear part) and
 // always going on with the half that is nearer to where the path stands. Halves are cut at whole
-// chunks, and the strands of a triangle stay together but where a cut goes through it: chunks that
-// share a triangle each skin and simulate its vertices. Then chunks are cut from the path greedily,
-// as long as strands, vertices or weight rows last: full chunks whatever runs out first, and where
+// chunks, and the strands of a triangle stay together but where a cut goes through it. Then chunks are
+// cut from the path greedily, each as long as strands and the vertices that they use allow; where
 // strands run out first the chunks are the leaves of the halving.
 //
-// Inside a chunk strands keep the layer's progressive order; vertices are ordered by their first
-// use at 1/8, 1/4, 1/2 and all of the strands, so that a prefix of strands needs a prefix of
-// vertices, and within that so that groups of 16 share joints.
+// Inside a chunk strands keep the layer's progressive order.
+//
+// Vertices are patched in the order in which the chunks use them, each once, in parts of one size. In a
+// patch they are ordered by the share of living strands, 1/8, 1/4, 1/2 and all, from which on some
+// chunk uses them, so that a prefix of strands needs a prefix of vertices, and within that so that
+// groups of 16 share joints.
 #pragma once
 
 #include <array>
@@ -36,21 +38,28 @@ struct VertexGroup {
   std::vector<uint8_t> joints;
 };
 
-struct Patch {
+struct ChunkPart {
   std::vector<uint32_t> strands;   // places in the layer's progressive order, ascending
-  std::vector<uint32_t> vertices;  // of the mesh, in chunk order
+  std::vector<uint32_t> vertices;  // of the mesh, that they use, in the order of the first use
+};
+
+struct VertexPatch {
+  std::vector<uint32_t> vertices;  // of the mesh, in the patch's order
   std::vector<VertexGroup> groups;
 };
 
-// How many of each a chunk holds.
-struct PatchLimits {
+// How many of each a chunk and its halo hold.
+struct ChunkLimits {
   uint32_t strands = kStrandsPerChunk;
   uint32_t vertices = kVerticesPerChunk;
-  uint32_t rows = kInfluenceRows;
 };
 
-// `strands` in progressive order. Every strand is in exactly one patch.
-std::vector<Patch> CutPatches(const Mesh&, std::span<const PatchStrand> strands,
-                              const PatchLimits& limits = {});
+// `strands` in progressive order. Every strand is in exactly one chunk.
+std::vector<ChunkPart> CutChunks(std::span<const PatchStrand> strands,
+                                 const ChunkLimits& limits = {});
+
+// Every vertex that a chunk uses is in exactly one patch.
+std::vector<VertexPatch> PackVertices(const Mesh&, std::span<const PatchStrand> strands,
+                                      std::span<const ChunkPart> chunks);
 
 }  // namespace pelt

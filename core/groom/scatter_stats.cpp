@@ -83,18 +83,18 @@ uint32_t CountOfShare(size_t count, double share) {
 }
 
 // Every chunk's prefix: together, and each alone.
-void MeasureChunks(std::span<const ScatterPoint> points, std::span<const Patch> patches,
+void MeasureChunks(std::span<const ScatterPoint> points, std::span<const ChunkPart> chunks,
                    double share, SpacingStats& together, SpacingStats& alone) {
   std::vector<ScatterPoint> all, chunk;
   double sum_least = 0.0, sum_mean = 0.0, sum_variation = 0.0;
   uint64_t measured = 0;
-  for (const Patch& patch : patches) {
-    const uint32_t kept = CountOfShare(patch.strands.size(), share);
+  for (const ChunkPart& part : chunks) {
+    const uint32_t kept = CountOfShare(part.strands.size(), share);
     chunk.clear();
-    for (uint32_t i = 0; i < kept; ++i) chunk.push_back(points[patch.strands[i]]);
+    for (uint32_t i = 0; i < kept; ++i) chunk.push_back(points[part.strands[i]]);
     all.insert(all.end(), chunk.begin(), chunk.end());
     const SpacingStats stats =
-        MeasureSpacing(chunk, float(std::sqrt(double(patch.strands.size()) / double(kept))));
+        MeasureSpacing(chunk, float(std::sqrt(double(part.strands.size()) / double(kept))));
     if (stats.count < 2) continue;
     ++measured;
     sum_least += stats.least;
@@ -177,26 +177,27 @@ std::vector<PatchStrand> ListPatchStrands(const Mesh& mesh, std::span<const Scat
 LayerScatterStats MeasureLayerScatter(const Character& character, const RestGeometry& rest,
                                       const LayerSetup& layer, const Growth& growth,
                                       std::span<const ScatterPoint> points,
-                                      std::span<const Patch> patches) {
+                                      std::span<const ChunkPart> chunks,
+                                      std::span<const VertexPatch> patches) {
   const FloatEnvironment guard;
   LayerScatterStats stats;
   stats.name = layer.name;
   stats.strand_count = uint32_t(points.size());
-  stats.chunk_count = uint32_t(patches.size());
-  uint64_t vertices = 0, rows = 0, groups = 0;
-  std::vector<uint8_t> used(character.mesh.position.size(), 0);
-  for (const Patch& patch : patches) {
+  stats.chunk_count = uint32_t(chunks.size());
+  stats.patch_count = uint32_t(patches.size());
+  uint64_t vertices = 0, rows = 0, groups = 0, uses = 0;
+  for (const ChunkPart& chunk : chunks) uses += chunk.vertices.size();
+  for (const VertexPatch& patch : patches) {
     vertices += patch.vertices.size();
     groups += patch.groups.size();
     for (const VertexGroup& group : patch.groups) rows += group.joints.size();
-    for (const uint32_t v : patch.vertices) used[v] = 1;
   }
-  const double chunks = double(patches.size());
-  stats.strand_fill = double(points.size()) / (chunks * kStrandsPerChunk);
-  stats.vertex_fill = double(vertices) / (chunks * kVerticesPerChunk);
-  stats.row_fill = double(rows) / (chunks * kInfluenceRows);
+  const double patch_count = double(patches.size());
+  stats.strand_fill = double(points.size()) / (double(chunks.size()) * kStrandsPerChunk);
+  stats.vertex_fill = double(vertices) / (patch_count * kVerticesPerChunk);
+  stats.row_fill = double(rows) / (patch_count * kInfluenceRows);
   stats.rows_per_group = double(rows) / double(groups);
-  stats.copies_per_vertex = double(vertices) / double(std::count(used.begin(), used.end(), 1));
+  stats.chunks_per_vertex = double(uses) / double(vertices);
 
   // The cap of max_strands widens the spacing everywhere alike; the baseline's must agree.
   std::vector<ScatterPoint> plain =
@@ -205,16 +206,15 @@ LayerScatterStats MeasureLayerScatter(const Character& character, const RestGeom
                         DensestPackingRadius(double(growth.densest()) *
                                              std::max(double(growth.Share(points[0].place)), 1e-6));
   for (ScatterPoint& point : plain) point.radius *= widened;
-  const std::vector<Patch> plain_patches =
-      CutPatches(character.mesh, ListPatchStrands(character.mesh, plain));
+  const std::vector<ChunkPart> plain_chunks = CutChunks(ListPatchStrands(character.mesh, plain));
   for (size_t i = 0; i < stats.prefix.size(); ++i) {
     PrefixStats& prefix = stats.prefix[i];
     prefix.share = 1.0 / double(8u >> i);
     const uint32_t kept = CountOfShare(points.size(), prefix.share);
     prefix.layer =
         MeasureSpacing(points.first(kept), float(std::sqrt(double(points.size()) / double(kept))));
-    MeasureChunks(points, patches, prefix.share, prefix.every_chunk, prefix.inside_chunks);
-    MeasureChunks(plain, plain_patches, prefix.share, prefix.plain_every_chunk,
+    MeasureChunks(points, chunks, prefix.share, prefix.every_chunk, prefix.inside_chunks);
+    MeasureChunks(plain, plain_chunks, prefix.share, prefix.plain_every_chunk,
                   prefix.plain_inside_chunks);
   }
   return stats;

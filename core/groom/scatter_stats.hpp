@@ -38,11 +38,12 @@ struct PrefixStats {
 
 struct LayerScatterStats {
   std::string name;
-  uint32_t strand_count = 0, chunk_count = 0;
-  double strand_fill = 0.0, vertex_fill = 0.0, row_fill = 0.0;  // mean share of a chunk in use
-  double rows_per_group = 0.0;                                  // joints that 16 vertices need
-  double copies_per_vertex = 0.0;     // chunk vertices over mesh vertices: the price of borders
-  std::array<PrefixStats, 4> prefix;  // 1/8, 1/4, 1/2, 1
+  uint32_t strand_count = 0, chunk_count = 0, patch_count = 0;
+  double strand_fill = 0.0;                  // mean share of a chunk in use
+  double vertex_fill = 0.0, row_fill = 0.0;  // and of a patch
+  double rows_per_group = 0.0;               // joints that 16 vertices need
+  double chunks_per_vertex = 0.0;            // that use it
+  std::array<PrefixStats, 4> prefix;         // 1/8, 1/4, 1/2, 1
 };
 
 struct ScatterStats {
@@ -58,9 +59,10 @@ std::vector<ScatterPoint> ScatterByRejection(const Character&, const RestGeometr
 
 LayerScatterStats MeasureLayerScatter(const Character&, const RestGeometry&, const LayerSetup&,
                                       const Growth&, std::span<const ScatterPoint> points,
-                                      std::span<const Patch> patches);
+                                      std::span<const ChunkPart> chunks,
+                                      std::span<const VertexPatch> patches);
 
-// What CutPatches needs of scattered points.
+// What CutChunks needs of scattered points.
 std::vector<PatchStrand> ListPatchStrands(const Mesh&, std::span<const ScatterPoint>);
 
 }  // namespace pelt

@@ -16,7 +16,7 @@ template <class V>
 struct Anchors {
   static constexpr std::string_view kName = "anchors";
   struct Ports {
-    In<&Streams::chunk_state> state;
+    In<&Streams::patch_state> state;
     In<&Streams::skinned> skinned;
     Out<&Streams::anchors> anchors;
   };

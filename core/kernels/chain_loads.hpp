@@ -1,5 +1,6 @@
-// Chain loads: what bends the modal chains at a chunk's mesh vertices, for the strands that follow
-// them (modal_load.hpp says what, interpolate_modal.hpp how).
+// Chain loads: what bends the modal chains at a patch's mesh vertices, for the strands that follow
+// them (modal_load.hpp says what, interpolate_modal.hpp how); and how far chains of the other solvers
+// are from their groom, for interpolate.hpp.
 //
 // Loads are written times a part's length, so that they do not depend on it: what moves and pulls a coat
 // does so by as many m/s^2 whatever the strand's length.
@@ -20,7 +21,7 @@ struct ChainLoads {
   struct Ports {
     Shared<&Streams::layers> layer;
     Shared<&Streams::modal_tables> table;
-    In<&Streams::chunk_state> state;
+    In<&Streams::patch_state> state;
     In<&Streams::vertex_rest> rest;
     In<&Streams::anchors> anchors;
     In<&Streams::vertex_modal> chain;
@@ -52,8 +53,37 @@ struct ChainLoads {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) {
       const Vec3<V> out = load[i] * g.length;
-      ScatterRecords<V>([&](int at) { return ports.loads->link[lane + uint32_t(at)][i]; }, out.x,
-                        out.y, out.z, l[i] * g.length);
+      ScatterRecords<V>([&](int at) { return ports.loads->vertex[lane + uint32_t(at)].part[i]; },
+                        out.x, out.y, out.z, l[i] * g.length);
+    }
+  }
+};
+
+template <class V>
+struct ChainDisplacements {
+  static constexpr std::string_view kName = "chain_displacements";
+  static constexpr uint32_t kFree = 3;
+  struct Ports {
+    Shared<&Streams::layers> layer;
+    In<&Streams::patch_state> state;
+    In<&Streams::vertex_rest> rest;
+    In<&Streams::anchors> anchors;
+    In<&Streams::vertex_points> chains;
+    Out<&Streams::vertex_loads> loads;
+  };
+
+  static void Run(const Ports& ports) {
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
+    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
+      chain::Group<V, kFree> g;
+      chain::LoadGroom<V, 4>(*ports.rest, *ports.anchors, 0.0f, ports.layer->scale, lane, g);
+      const V scale = V(1.0f) / g.length;
+      for (uint32_t i = 0; i < kFree; ++i) {
+        const Vec3<V> at = Load3<V>(ports.chains->position[i], lane) - g.root;
+        const Vec3<V> d = (at - g.rest[i]) * scale;
+        ScatterRecords<V>([&](int l) { return ports.loads->vertex[lane + uint32_t(l)].part[i]; },
+                          d.x, d.y, d.z, V(0.0f));
+      }
     }
   }
 };

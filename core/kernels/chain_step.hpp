@@ -1,4 +1,4 @@
-// One frame of a chunk's chains, whatever the solver: ports, order of the groups, who starts
+// One frame of a patch's or chunk's chains, whatever the solver: ports, order of the groups, who starts
 // afresh, and the report to `activate`. A solver adds only its iterations (simulate_pbd.hpp,
 // simulate_verlet.hpp).
 //
@@ -20,10 +20,10 @@ template <uint32_t kPoints, bool kVertexChains>
 struct Ports {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;  // read only where the layer has kLayerWind
+  In<Of::kWind> wind;  // read only where the layer has kLayerWind
   InOut<Of::kPosition> position;
   InOut<Of::kPrevious> previous;
 };
@@ -32,10 +32,10 @@ template <uint32_t kPoints>
 struct Ports<kPoints, false> {
   using Of = ChainStreams<kPoints, false>;
   Shared<&Streams::layers> layer;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;
+  In<Of::kWind> wind;
   In<&Streams::strands> strands;  // control strands; read only where the layer has kLayerClump
   InOut<Of::kPosition> position;
   InOut<Of::kPrevious> previous;

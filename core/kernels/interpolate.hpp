@@ -13,8 +13,7 @@
 // Then clumping pulls it towards its control strand of this frame, and last each segment is set to
 // its length, root to tip: blending directions shortens, and the groom promised a length.
 //
-// The displacements are kept as 16-byte records, one for each vertex and point, on the stack
-// (vertex_records.hpp).
+// The displacements are made once for each vertex (chain_loads.hpp).
 //
 // Invariant: control strands are the first lanes; they are written first and never clump, so a
 // follower reads points of this frame whatever the lane count. Where chains lie on their groom and
@@ -40,59 +39,30 @@ struct Interpolate {
     In<&Streams::chunk_state> state;
     In<&Streams::strands> strands;
     In<&Streams::strand_rest4> strand_rest;
-    In<&Streams::vertex_rest> chain_rest;
     In<&Streams::roots> roots;
-    In<&Streams::anchors> anchors;
-    In<&Streams::vertex_points> chains;
+    VertexLoads loads;
     Out<&Streams::strand_points4> points;
   };
 
   static void Run(const Ports& ports) {
-    Displacements displacements;
-    FillDisplacements(ports, displacements);
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     uint32_t controls = end;
     if (ports.layer->flags & kLayerClump) {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
-    WriteRange(ports, displacements, 0, controls, false);
-    if (controls < end) WriteRange(ports, displacements, controls, end, true);
+    WriteRange(ports, 0, controls, false);
+    if (controls < end) WriteRange(ports, controls, end, true);
   }
 
  private:
-  struct Displacements {
-    alignas(64) float record[kVerticesPerChunk][kFree][4];  // m per metre of chain
-  };
-
-  PELT_INLINE static void LoadOnGroom(const Ports& ports, const RestBlock<4>& rest,
-                                      const RootBlock& roots, uint32_t lane,
-                                      chain::Group<V, kFree>& g) {
-    chain::LoadGroom<V, 4>(rest, roots, 0.0f, ports.layer->scale, lane, g);
-  }
-
-  PELT_INLINE static void FillDisplacements(const Ports& ports, Displacements& out) {
-    const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
-    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
-      chain::Group<V, kFree> g;
-      LoadOnGroom(ports, *ports.chain_rest, *ports.anchors, lane, g);
-      const V scale = V(1.0f) / g.length;
-      for (uint32_t i = 0; i < kFree; ++i) {
-        const Vec3<V> at = Load3<V>(ports.chains->position[i], lane) - g.root;
-        const Vec3<V> d = (at - g.rest[i]) * scale;
-        ScatterRecords<V>([&](int l) { return out.record[lane + uint32_t(l)][i]; }, d.x, d.y, d.z,
-                          V(0.0f));
-      }
-    }
-  }
-
   // Two loops: making unit segments waits for square roots, and only short bodies let the machine
   // overlap the waits of several groups with the gathers of others.
-  PELT_INLINE static void WriteRange(const Ports& ports, const Displacements& displacements,
-                                     uint32_t begin, uint32_t end, bool follows) {
+  PELT_INLINE static void WriteRange(const Ports& ports, uint32_t begin, uint32_t end,
+                                     bool follows) {
     for (uint32_t lane = begin; lane < end; lane += V::kLanes) {
       FetchAhead(ports, lane, end);
-      BlendGroup(ports, displacements, lane);
+      BlendGroup(ports, lane);
     }
     for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, follows);
   }
@@ -103,14 +73,13 @@ struct Interpolate {
   }
 
   // Offsets from the root, lengths as they come.
-  PELT_INLINE static void BlendGroup(const Ports& ports, const Displacements& displacements,
-                                     uint32_t lane) {
+  PELT_INLINE static void BlendGroup(const Ports& ports, uint32_t lane) {
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, kFree> g;
-    LoadOnGroom(ports, *ports.strand_rest, *ports.roots, lane, g);
+    chain::LoadGroom<V, 4>(*ports.strand_rest, *ports.roots, 0.0f, ports.layer->scale, lane, g);
     V bary[3];
     for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * g.length;
-    const BlendedRecords<V, kFree> blend(displacements.record, strands, bary, lane);
+    const BlendedRecords<V, kFree> blend(ports.loads, strands, bary, lane);
     PELT_UNROLL
     for (uint32_t i = 0; i < kFree; ++i) {
       const Vec3<V> off = blend.Row(i);

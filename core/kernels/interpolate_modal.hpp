@@ -43,7 +43,7 @@ struct InterpolateModal {
     In<&Streams::strands> strands;
     In<&Streams::strand_rest4> rest;
     In<&Streams::roots> roots;
-    In<&Streams::vertex_loads> loads;
+    VertexLoads loads;
     Out<&Streams::strand_points4> points;
   };
 
@@ -77,7 +77,7 @@ struct InterpolateModal {
     Vec3<V> rest[N], load[N], d[N];
     V bary[3], stretch[N];
     for (int k = 0; k < 3; ++k) bary[k] = V::Load(strands.bary[k] + lane) * per_length;
-    const BlendedRecords<V, N> blend(ports.loads->link, strands, bary, lane);
+    const BlendedRecords<V, N> blend(ports.loads, strands, bary, lane);
     modal::RestTangents(*ports.table, g, per_length, rest);
     modal::StretchOfWeight(layer, *ports.table, per_length, rest, stretch);
     PELT_UNROLL

@@ -21,7 +21,7 @@ struct FrameEnd {
   using Start = FrameStart<W, kPoints, Ports>;
   using Mask = typename W::Mask;
 
-  // Calls put(row, value) for every row of the state but quiet_s, and of the points.
+  // Calls put(row, value) for every row of the state but quiet_s, and of the points that are kept.
   template <class At, class Put>
   static PELT_INLINE void ForEachRow(const Ports& ports, const At& at, const Group& g,
                                      const Motion& motion, Put put) {
@@ -39,9 +39,11 @@ struct FrameEnd {
         put(to.bend_step[i][k], a.bend[1][i]);
         put(to.bend_turn[i][k], a.bend[2][i]);
       }
-      PELT_UNROLL
-      for (uint32_t i = 0; i < kParts; ++i)
-        put(ports.position->position[i][k], Start::Part(g.root, k) + Start::Part(g.point[i], k));
+      if constexpr (kHasPoints<Ports>) {
+        PELT_UNROLL
+        for (uint32_t i = 0; i < kParts; ++i)
+          put(ports.position->position[i][k], Start::Part(g.root, k) + Start::Part(g.point[i], k));
+      }
       put(to.root_step[k], a.root[0]);
       put(to.root_turn[k], a.root[1]);
       put(to.wind[k], Start::LoadWind(ports, k, at));
@@ -130,7 +132,8 @@ struct FrameEnd {
     }
     const W limit = may_rest ? still_turn : W(0.0f);
     quiet = quiet & (turn2 < limit * limit);
-    if (follows) quiet = quiet & HoldsPoints(ports, at, g);
+    if constexpr (kHasPoints<Ports>)
+      if (follows) quiet = quiet & HoldsPoints(ports, at, g);
     const W before = LoadLanes<W>(to.quiet_s, at);
     const Mask still = quiet & (before >= W(ports.table->quiet_s));
     const Mask kept = still | picked;

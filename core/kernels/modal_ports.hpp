@@ -1,4 +1,5 @@
-// What a modal kernel reads and writes of a chunk, for chains of strands and of mesh vertices.
+// What a modal kernel reads and writes of a chunk, or of a patch: chains of mesh vertices have no control
+// strands, and what the strands take of them is their state (chain_loads.hpp) and no points.
 //
 // Invariant: the wind and the control strands are read only where the layer has them.
 #pragma once
@@ -13,13 +14,25 @@ struct Ports {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
   Shared<Of::kTable> table;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;        // read only where the layer has kLayerWind
+  In<Of::kWind> wind;             // read only where the layer has kLayerWind
   In<&Streams::strands> strands;  // control strands; read only where the layer has kLayerClump
   InOut<Of::kModal> chain;
   InOut<Of::kPosition> position;
+};
+
+template <>
+struct Ports<4, true> {
+  using Of = ChainStreams<4, true>;
+  Shared<&Streams::layers> layer;
+  Shared<Of::kTable> table;
+  InOut<Of::kState> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<Of::kWind> wind;
+  InOut<Of::kModal> chain;
 };
 
 // The same and the roots' velocities, which are read only in frames that have them.
@@ -28,17 +41,34 @@ struct RatedPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
   Shared<Of::kTable> table;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;
+  In<Of::kWind> wind;
   In<&Streams::strands> strands;
   InOut<Of::kModal> chain;
   InOut<Of::kPosition> position;
-  In<&Streams::root_rates> rates;
+  In<Of::kRates> rates;
 
   PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
     return {layer, table, state, rest, roots, wind, strands, chain, position};
+  }
+};
+
+template <>
+struct RatedPorts<4, true> {
+  using Of = ChainStreams<4, true>;
+  Shared<&Streams::layers> layer;
+  Shared<Of::kTable> table;
+  InOut<Of::kState> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<Of::kWind> wind;
+  InOut<Of::kModal> chain;
+  In<Of::kRates> rates;
+
+  PELT_INLINE Ports<4, true> WithoutExtras() const {
+    return {layer, table, state, rest, roots, wind, chain};
   }
 };
 
@@ -48,17 +78,34 @@ struct HeldPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
   Shared<Of::kTable> table;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;
+  In<Of::kWind> wind;
   In<&Streams::strands> strands;
   InOut<Of::kModal> chain;
   InOut<Of::kPosition> position;
-  In<&Streams::rest_down> down;
+  In<Of::kDown> down;
 
   PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
     return {layer, table, state, rest, roots, wind, strands, chain, position};
+  }
+};
+
+template <>
+struct HeldPorts<4, true> {
+  using Of = ChainStreams<4, true>;
+  Shared<&Streams::layers> layer;
+  Shared<Of::kTable> table;
+  InOut<Of::kState> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<Of::kWind> wind;
+  InOut<Of::kModal> chain;
+  In<Of::kDown> down;
+
+  PELT_INLINE Ports<4, true> WithoutExtras() const {
+    return {layer, table, state, rest, roots, wind, chain};
   }
 };
 
@@ -67,19 +114,43 @@ struct RatedHeldPorts {
   using Of = ChainStreams<kPoints, kVertexChains>;
   Shared<&Streams::layers> layer;
   Shared<Of::kTable> table;
-  InOut<&Streams::chunk_state> state;
+  InOut<Of::kState> state;
   In<Of::kRest> rest;
   In<Of::kRoots> roots;
-  In<&Streams::wind> wind;
+  In<Of::kWind> wind;
   In<&Streams::strands> strands;
   InOut<Of::kModal> chain;
   InOut<Of::kPosition> position;
-  In<&Streams::rest_down> down;
-  In<&Streams::root_rates> rates;
+  In<Of::kDown> down;
+  In<Of::kRates> rates;
 
   PELT_INLINE Ports<kPoints, kVertexChains> WithoutExtras() const {
     return {layer, table, state, rest, roots, wind, strands, chain, position};
   }
+};
+
+template <>
+struct RatedHeldPorts<4, true> {
+  using Of = ChainStreams<4, true>;
+  Shared<&Streams::layers> layer;
+  Shared<Of::kTable> table;
+  InOut<Of::kState> state;
+  In<Of::kRest> rest;
+  In<Of::kRoots> roots;
+  In<Of::kWind> wind;
+  InOut<Of::kModal> chain;
+  In<Of::kDown> down;
+  In<Of::kRates> rates;
+
+  PELT_INLINE Ports<4, true> WithoutExtras() const {
+    return {layer, table, state, rest, roots, wind, chain};
+  }
+};
+
+// Chains of strands: their points are what is drawn.
+template <class Ports>
+inline constexpr bool kHasPoints = requires(const Ports& ports) {
+  ports.position;
 };
 
 // What some layers have besides; null where a layer has it not.

@@ -1,4 +1,4 @@
-// How fast the roots of a chunk's chains move and turn: the derivative of skin, anchors and roots
+// How fast the roots of chains move and turn: the derivative of skin, anchors and roots
 // by time.
 //
 // Linear blend skinning is linear in the matrices, so a vertex has the velocity that the same blend
@@ -49,16 +49,15 @@ PELT_INLINE Vec3<V> SpinOf(const Frame<V>& unit, const Frame<V>& raw, const Fram
 }
 
 template <class V>
-struct VertexRates {
+struct Rates {
   Vec3<V> velocity, spin;
   Frame<V> frame;
 };
 
 // Of vertices [first, first + kLanes).
 template <class V>
-PELT_INLINE VertexRates<V> RatesOfVertices(const PaletteBlock& palette,
-                                           const PaletteRateBlock& rates, const MeshBlock& mesh,
-                                           uint32_t first) {
+PELT_INLINE Rates<V> RatesOfVertices(const PaletteBlock& palette, const PaletteRateBlock& rates,
+                                     const MeshBlock& mesh, uint32_t first) {
   using namespace skin_detail;
   const uint32_t group = first / kLaneGroup, lane = first % kLaneGroup;
   const BlendedMatrix<V> m = BlendMatrices<V>(palette.matrix, mesh, group, lane);
@@ -68,20 +67,13 @@ PELT_INLINE VertexRates<V> RatesOfVertices(const PaletteBlock& palette,
   const Frame<V> raw = {TransformDirection(m, normal), TransformDirection(m, tangent)};
   const Frame<V> rate = {TransformDirection(d, normal), TransformDirection(d, tangent)};
   const Vec3<V> up = {V(0.0f), V(1.0f), V(0.0f)};
-  VertexRates<V> out;
+  Rates<V> out;
   out.velocity = TransformDirection(d, position) + d.origin;
   out.frame.normal = NormalizeOr(raw.normal, up);
   out.frame.tangent = UnitAcross(out.frame.normal, raw.tangent);
   out.spin = SpinOf(out.frame, raw, rate);
   return out;
 }
-
-// Of a chunk's vertices, as the records that its strands blend.
-struct RateRecords {
-  alignas(64) float velocity[kVerticesPerChunk][4];
-  alignas(64) float normal[kVerticesPerChunk][4];   // N'
-  alignas(64) float tangent[kVerticesPerChunk][4];  // T'
-};
 
 }  // namespace root_rates_detail
 
@@ -93,9 +85,9 @@ struct AnchorRates {
     Shared<&Streams::palette> palette;
     Shared<&Streams::palette_rates> palette_rates;
     In<&Streams::mesh> mesh;
-    In<&Streams::chunk_state> state;
+    In<&Streams::patch_state> state;
     In<&Streams::anchors> anchors;  // of layers that have them
-    Out<&Streams::root_rates> rates;
+    Out<&Streams::anchor_rates> rates;
   };
 
   static void Run(const Ports& ports) {
@@ -109,45 +101,57 @@ struct AnchorRates {
   }
 };
 
+// Of mesh vertices, for the strands that stand among them.
+template <class V>
+struct MeshRates {
+  static constexpr std::string_view kName = "mesh_rates";
+  struct Ports {
+    Shared<&Streams::palette> palette;
+    Shared<&Streams::palette_rates> palette_rates;
+    In<&Streams::mesh> mesh;
+    In<&Streams::patch_state> state;
+    Out<&Streams::vertex_rates> rates;
+  };
+
+  static void Run(const Ports& ports) {
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
+    for (uint32_t v = 0; v < lanes; v += V::kLanes) {
+      const auto rates = root_rates_detail::RatesOfVertices<V>(*ports.palette, *ports.palette_rates,
+                                                               *ports.mesh, v);
+      VertexRates* const out = ports.rates->vertex + v;
+      Put([out](int lane) { return out[lane].velocity; }, rates.velocity);
+      Put([out](int lane) { return out[lane].normal; }, Cross(rates.spin, rates.frame.normal));
+      Put([out](int lane) { return out[lane].tangent; }, Cross(rates.spin, rates.frame.tangent));
+    }
+  }
+
+ private:
+  template <class AddressOfLane>
+  static PELT_INLINE void Put(AddressOfLane address, const Vec3<V>& a) {
+    ScatterRecords(address, a.x, a.y, a.z, V(0.0f));
+  }
+};
+
 // Of chains of strands.
 template <class V>
 struct RootRates {
   static constexpr std::string_view kName = "root_rates";
   struct Ports {
-    Shared<&Streams::palette> palette;
-    Shared<&Streams::palette_rates> palette_rates;
-    In<&Streams::mesh> mesh;
     In<&Streams::chunk_state> state;
     In<&Streams::strands> strands;
-    In<&Streams::skinned> skinned;
+    Gather<&Streams::vertex_rates, &Streams::halo> vertex_rates;
+    Gather<&Streams::skinned, &Streams::halo> skinned;
     In<&Streams::roots> roots;
     Out<&Streams::root_rates> rates;
   };
 
   static void Run(const Ports& ports) {
-    Records records;
-    const uint32_t vertices = RoundUpToLaneGroups(ports.state->live_vertices);
-    for (uint32_t v = 0; v < vertices; v += V::kLanes) WriteRecords(ports, v, records);
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t s = 0; s < lanes; s += V::kLanes) BlendStrands(ports, records, s);
+    for (uint32_t s = 0; s < lanes; s += V::kLanes) BlendStrands(ports, s);
   }
 
  private:
-  using Records = root_rates_detail::RateRecords;
   using Frame = root_rates_detail::Frame<V>;
-
-  static PELT_INLINE void Scatter(float (*records)[4], uint32_t first, const Vec3<V>& a) {
-    float(*const out)[4] = records + first;
-    ScatterRecords([out](int lane) { return out[lane]; }, a.x, a.y, a.z, V(0.0f));
-  }
-
-  static PELT_INLINE void WriteRecords(const Ports& ports, uint32_t v, Records& records) {
-    const auto rates =
-        root_rates_detail::RatesOfVertices<V>(*ports.palette, *ports.palette_rates, *ports.mesh, v);
-    Scatter(records.velocity, v, rates.velocity);
-    Scatter(records.normal, v, Cross(rates.spin, rates.frame.normal));
-    Scatter(records.tangent, v, Cross(rates.spin, rates.frame.tangent));
-  }
 
   // What strands blend of a vertex, for those of lanes k, k + 4, ...
   struct Weighed {
@@ -155,15 +159,15 @@ struct RootRates {
   };
 
   template <int k>
-  static PELT_INLINE Weighed WeighVertex(const SkinnedBlock& skinned, const Records& records,
-                                         const uint8_t* index, V weight) {
+  static PELT_INLINE Weighed WeighVertex(const Ports& ports, const uint8_t* index, V weight) {
     const V w = SplatInFours<k>(weight);
-    const SkinnedVertex* const vertices = skinned.vertex;
-    return {LoadRecords<V, k>([&](int lane) { return records.velocity[index[lane]]; }) * w,
-            LoadRecords<V, k>([&](int lane) { return vertices[index[lane]].normal; }) * w,
-            LoadRecords<V, k>([&](int lane) { return vertices[index[lane]].tangent; }) * w,
-            LoadRecords<V, k>([&](int lane) { return records.normal[index[lane]]; }) * w,
-            LoadRecords<V, k>([&](int lane) { return records.tangent[index[lane]]; }) * w};
+    const auto& rates = ports.vertex_rates;
+    const auto& skinned = ports.skinned;
+    return {LoadRecords<V, k>([&](int lane) { return rates[index[lane]].velocity; }) * w,
+            LoadRecords<V, k>([&](int lane) { return skinned[index[lane]].normal; }) * w,
+            LoadRecords<V, k>([&](int lane) { return skinned[index[lane]].tangent; }) * w,
+            LoadRecords<V, k>([&](int lane) { return rates[index[lane]].normal; }) * w,
+            LoadRecords<V, k>([&](int lane) { return rates[index[lane]].tangent; }) * w};
   }
 
   static PELT_INLINE Weighed Add(const Weighed& a, const Weighed& b) {
@@ -172,13 +176,12 @@ struct RootRates {
   }
 
   template <int k>
-  static PELT_INLINE Weighed BlendVertices(const Ports& ports, const Records& records, uint32_t s,
-                                           const Vec3<V>& bary) {
+  static PELT_INLINE Weighed BlendVertices(const Ports& ports, uint32_t s, const Vec3<V>& bary) {
     const StrandBlock& strands = *ports.strands;
     // Named, so that no compiler computes them in another order (pricing/written_order.hpp).
-    const Weighed a = WeighVertex<k>(*ports.skinned, records, strands.vertex[0] + s, bary.x);
-    const Weighed b = WeighVertex<k>(*ports.skinned, records, strands.vertex[1] + s, bary.y);
-    const Weighed c = WeighVertex<k>(*ports.skinned, records, strands.vertex[2] + s, bary.z);
+    const Weighed a = WeighVertex<k>(ports, strands.vertex[0] + s, bary.x);
+    const Weighed b = WeighVertex<k>(ports, strands.vertex[1] + s, bary.y);
+    const Weighed c = WeighVertex<k>(ports, strands.vertex[2] + s, bary.z);
     return Add(Add(a, b), c);
   }
 
@@ -187,12 +190,12 @@ struct RootRates {
     return {a, b, c};
   }
 
-  static PELT_INLINE void BlendStrands(const Ports& ports, const Records& records, uint32_t s) {
+  static PELT_INLINE void BlendStrands(const Ports& ports, uint32_t s) {
     const Vec3<V> bary = Load3<V>(ports.strands->bary, s);
-    const Weighed a = BlendVertices<0>(ports, records, s, bary);
-    const Weighed b = BlendVertices<1>(ports, records, s, bary);
-    const Weighed c = BlendVertices<2>(ports, records, s, bary);
-    const Weighed d = BlendVertices<3>(ports, records, s, bary);
+    const Weighed a = BlendVertices<0>(ports, s, bary);
+    const Weighed b = BlendVertices<1>(ports, s, bary);
+    const Weighed c = BlendVertices<2>(ports, s, bary);
+    const Weighed d = BlendVertices<3>(ports, s, bary);
     Store3<V>(ports.rates->velocity, s, Columns(a.velocity, b.velocity, c.velocity, d.velocity));
     const Vec3<V> normal = Columns(a.normal, b.normal, c.normal, d.normal);
     const Vec3<V> tangent = Columns(a.tangent, b.tangent, c.tangent, d.tangent);

@@ -24,7 +24,7 @@ struct Roots {
   struct Ports {
     In<&Streams::chunk_state> state;
     In<&Streams::strands> strands;
-    In<&Streams::skinned> skinned;
+    Gather<&Streams::skinned, &Streams::halo> skinned;
     Out<&Streams::roots> roots;
   };
 
@@ -32,7 +32,7 @@ struct Roots {
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
     for (uint32_t s = 0; s < lanes; s += V::kLanes) {
       FetchAhead(ports, s, lanes);
-      BlendStrands(*ports.strands, ports.skinned->vertex, s, *ports.roots);
+      BlendStrands(*ports.strands, ports.skinned, s, *ports.roots);
     }
     // A loop of its own: making a frame unit is a chain of some 200 cycles, and only short loop
     // bodies let the machine overlap the chains of several groups.
@@ -40,6 +40,8 @@ struct Roots {
   }
 
  private:
+  using Vertices = Gather<&Streams::skinned, &Streams::halo>;
+
   static PELT_INLINE void FetchAhead(const Ports& ports, uint32_t s, uint32_t end) {
     constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
     RowsAhead<StrandBlock, V::kLanes, 3, kRow, 2>(ports.strands->bary, s, end).Fetch();
@@ -56,7 +58,7 @@ struct Roots {
   };
 
   template <int k>
-  static PELT_INLINE VertexRecords WeighVertex(const SkinnedVertex* vertices, const uint8_t* index,
+  static PELT_INLINE VertexRecords WeighVertex(const Vertices& vertices, const uint8_t* index,
                                                V weight) {
     const V w = SplatInFours<k>(weight);
     const auto vertex = [&](int lane) -> const SkinnedVertex& { return vertices[index[lane]]; };
@@ -73,7 +75,7 @@ struct Roots {
 
   template <int k>
   static PELT_INLINE VertexRecords BlendVertices(const StrandBlock& strands,
-                                                 const SkinnedVertex* vertices, uint32_t s,
+                                                 const Vertices& vertices, uint32_t s,
                                                  const Vec3<V>& bary) {
     // Named, so that no compiler computes them in another order (pricing/written_order.hpp).
     const VertexRecords a = WeighVertex<k>(vertices, strands.vertex[0] + s, bary.x);
@@ -87,7 +89,7 @@ struct Roots {
     return {a, b, c};
   }
 
-  static PELT_INLINE void BlendStrands(const StrandBlock& strands, const SkinnedVertex* vertices,
+  static PELT_INLINE void BlendStrands(const StrandBlock& strands, const Vertices& vertices,
                                        uint32_t s, RootBlock& roots) {
     const Vec3<V> bary = Load3<V>(strands.bary, s);
     const VertexRecords a = BlendVertices<0>(strands, vertices, s, bary);

@@ -48,11 +48,12 @@ template <class V>
 struct SelectFins {
   static constexpr std::string_view kName = "select_fins";
   using Params = SelectFinsParams;
+  using Vertices = Gather<&Streams::shell_vertices, &Streams::halo>;
   struct Ports {
     In<&Streams::chunk_state> state;
     In<&Streams::strands> triangles;
     In<&Streams::fin_edges> edges;
-    In<&Streams::shell_vertices> vertices;
+    Vertices vertices;
     Out<&Streams::fins> fins;
   };
 
@@ -76,13 +77,13 @@ struct SelectFins {
     Vec3<V> position, hair;
   };
 
-  static PELT_INLINE Vec3<V> GatherPart(const ShellVertexBlock& vertices, const uint8_t* index,
+  static PELT_INLINE Vec3<V> GatherPart(const Vertices& vertices, const uint8_t* index,
                                         uint32_t quad) {
     Vec3<V> part;
     V word;
     GatherColumns<V>(
         [&](int lane) __attribute__((always_inline)) {
-          return reinterpret_cast<const float*>(&vertices.vertex[index[lane]]) + 4 * quad;
+          return reinterpret_cast<const float*>(&vertices[index[lane]]) + 4 * quad;
         },
         part.x, part.y, part.z, word);
     return part;
@@ -90,9 +91,9 @@ struct SelectFins {
 
   static PELT_INLINE Corner GatherCorner(const Ports& ports, uint32_t corner, uint32_t lane) {
     const uint8_t* index = ports.triangles->vertex[corner] + lane;
-    const Vec3<V> position = GatherPart(*ports.vertices, index, 0);
-    const Vec3<V> groom = GatherPart(*ports.vertices, index, 1);
-    const Vec3<V> force = GatherPart(*ports.vertices, index, 2);
+    const Vec3<V> position = GatherPart(ports.vertices, index, 0);
+    const Vec3<V> groom = GatherPart(ports.vertices, index, 1);
+    const Vec3<V> force = GatherPart(ports.vertices, index, 2);
     return {position, groom + force};
   }
 

@@ -78,8 +78,8 @@ struct ShellForce {
     In<&Streams::vertex_rest> rest;
     In<&Streams::shell_skin> skin;
     In<&Streams::anchors> anchors;
-    In<&Streams::wind> wind;
-    InOut<&Streams::chunk_state> state;
+    In<&Streams::vertex_wind> wind;
+    In<&Streams::patch_state> state;
     Out<&Streams::shell_vertices> vertices;
   };
 
@@ -152,7 +152,6 @@ struct ShellForce {
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) WriteGroom(ports, tint, lane);
     // A loop of its own: its roots are long chains, and only short bodies overlap them.
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) WriteForce(ports, pull, lane);
-    ports.state->visible_strands = ports.state->live_strands;
   }
 
  private:

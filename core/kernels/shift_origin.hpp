@@ -22,7 +22,7 @@ struct ShiftSkin {
   static constexpr std::string_view kName = "shift_skin";
   struct Ports {
     Shared<&Streams::layer_origins> origin;
-    In<&Streams::chunk_state> state;
+    In<&Streams::patch_state> state;
     InOut<&Streams::skinned> skinned;
   };
 
@@ -65,7 +65,7 @@ struct ShiftChains {
   using Of = ChainStreams<kPoints, kVertexChains>;
   struct Ports {
     Shared<&Streams::layer_origins> origin;
-    In<&Streams::chunk_state> state;
+    In<Of::kState> state;
     InOut<Of::kPosition> position;
     InOut<Of::kPrevious> previous;
   };
@@ -78,20 +78,19 @@ struct ShiftChains {
 };
 
 // Of modal ones, whose state has no places.
-template <class V, uint32_t kPoints, bool kVertexChains>
+template <class V, uint32_t kPoints>
 struct ShiftModal {
   static constexpr std::string_view kName =
-      kVertexChains ? "shift_modal_vertex"
-                    : ByPoints<kPoints>("shift_modal_4", "shift_modal_5", "shift_modal_9");
-  using Of = ChainStreams<kPoints, kVertexChains>;
+      ByPoints<kPoints>("shift_modal_4", "shift_modal_5", "shift_modal_9");
+  using Of = ChainStreams<kPoints, false>;
   struct Ports {
     Shared<&Streams::layer_origins> origin;
-    In<&Streams::chunk_state> state;
+    In<Of::kState> state;
     InOut<Of::kPosition> position;
   };
 
   static void Run(const Ports& ports) {
-    const uint32_t lanes = shift_detail::LanesOf<kVertexChains>(*ports.state);
+    const uint32_t lanes = shift_detail::LanesOf<false>(*ports.state);
     shift_detail::ShiftPoints<V>(*ports.origin, lanes, *ports.position);
   }
 };

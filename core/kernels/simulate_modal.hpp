@@ -283,6 +283,13 @@ struct SimulateModal {
     return taken;
   }
 
+  static PELT_INLINE const void* PointRows(const Ports& ports) {
+    if constexpr (modal::kHasPoints<Ports>)
+      return ports.position->position;
+    else
+      return nullptr;
+  }
+
   // Of the groups to come, in eighths: the state, the groom, the points. What lanes need that were
   // picked is in the cache already.
   template <bool kFetches>
@@ -294,13 +301,13 @@ struct SimulateModal {
     PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
         : state(ports.chain->direction, lane, live),
           rest(ports.rest->offset, lane, live),
-          points(ports.position->position, lane, live) {}
+          points(PointRows(ports), lane, live) {}
     template <uint32_t kEighth>
     PELT_INLINE void Fetch() const {
       if constexpr (!kFetches) return;
       state.template Fetch<kEighth, 8>();
       rest.template Fetch<kEighth, 8>();
-      points.template Fetch<kEighth, 8>();
+      if constexpr (modal::kHasPoints<Ports>) points.template Fetch<kEighth, 8>();
     }
   };
 
@@ -397,17 +404,20 @@ struct SimulateModal {
         }
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {
-        PushOut(params, ports, left, g);
+        if constexpr (modal::kHasPoints<Ports>) PushOut(params, ports, left, g);
         if (state.flags & kChunkSteady) kept = End::FindRestless(ports, at, quiet, motion, clock);
       }
-      const Mask full = strength >= V(1.0f);
-      if (follows || !AllSet(full))
-        Shape(params, ports, at, follows, full, picked, strength, left, g);
+      if constexpr (modal::kHasPoints<Ports>) {
+        const Mask full = strength >= V(1.0f);
+        if (follows || !AllSet(full))
+          Shape(params, ports, at, follows, full, picked, strength, left, g);
+      }
     }
     if (Any(fresh)) {
       const float per_step = carried ? 1.0f / kCarriedFrame_s : ports.table->euler_speed;
       Start::StartAfresh(*ports.table, rest, per_step, fresh, motion);
-      for (uint32_t i = 0; i < kParts; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
+      if constexpr (modal::kHasPoints<Ports>)
+        for (uint32_t i = 0; i < kParts; ++i) g.point[i] = Select<V>(fresh, g.rest[i], g.point[i]);
     }
     const V still = Select(touched, V(modal::kStillTouching), V(modal::kStillTurn));
     // Lanes that do not live keep their bits too: how many of them a group has is the machine's.

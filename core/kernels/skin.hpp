@@ -146,7 +146,7 @@ struct Skin {
   struct Ports {
     Shared<&Streams::palette> palette;
     In<&Streams::mesh> mesh;
-    In<&Streams::chunk_state> state;
+    In<&Streams::patch_state> state;
     InOut<&Streams::skinned> skinned;
   };
 

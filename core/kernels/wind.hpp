@@ -38,11 +38,12 @@ template <class V, bool kVertexChains>
 struct Wind {
   static constexpr std::string_view kName = kVertexChains ? "wind_vertices" : "wind_strands";
   using Params = WindParams;
+  using Of = ChainStreams<4, kVertexChains>;  // those of strands are the same for all points
   struct Ports {
-    In<&Streams::chunk_state> state;
+    In<Of::kState> state;
     Shared<&Streams::layers> layer;
-    In<kVertexChains ? &Streams::anchors : &Streams::roots> roots;
-    Out<&Streams::wind> wind;
+    In<Of::kRoots> roots;
+    Out<Of::kWind> wind;
   };
 
   static void Run(const Params& params, const Ports& ports) {

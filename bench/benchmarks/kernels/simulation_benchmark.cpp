@@ -168,6 +168,7 @@ struct Chunk {
   RestBlock<kPoints> rest;
   RootBlock roots;
   WindBlock wind;
+  LoadBlock loads;
   PointBlock<kPoints> position, previous, strand_points;
   CurveBlock curves;
   RibbonBlock ribbons;
@@ -247,6 +248,7 @@ void* FindBlock(const PortDesc& port, LayerBlock& layer, Chunk<kPoints>& c) {
     case uint32_t(StreamOf<&Streams::layers>):
       return &layer;
     case uint32_t(StreamOf<&Streams::chunk_state>):
+    case uint32_t(StreamOf<&Streams::patch_state>):
       return &c.state;
     case uint32_t(StreamOf<&Streams::strands>):
       return &c.strands;
@@ -258,7 +260,10 @@ void* FindBlock(const PortDesc& port, LayerBlock& layer, Chunk<kPoints>& c) {
     case uint32_t(StreamOf<&Streams::roots>):
       return &c.roots;
     case uint32_t(StreamOf<&Streams::wind>):
+    case uint32_t(StreamOf<&Streams::vertex_wind>):
       return &c.wind;
+    case uint32_t(StreamOf<&Streams::vertex_loads>):
+      return &c.loads;
     case uint32_t(StreamOf<&Streams::vertex_points>):
     case uint32_t(StreamOf<&Streams::strand_points5>):
       return &c.position;
@@ -321,8 +326,11 @@ struct Bench {
   double Limit(const KernelDesc& kernel, const KernelDesc& counting, Isa isa) {
     double bytes = 0.0;
     for (const PortDesc& port : kernel.ports)
-      if (port.access != Access::kShared && port.stream != StreamOf<&Streams::wind>)
-        bytes += port.block_bytes * (port.access == Access::kInOut ? 2.0 : 1.0);
+      if (port.access != Access::kShared && port.stream != StreamOf<&Streams::wind> &&
+          port.stream != StreamOf<&Streams::vertex_wind>)
+        bytes += port.block_bytes * (port.access == Access::kGather  ? double(port.records)
+                                     : port.access == Access::kInOut ? 2.0
+                                                                     : 1.0);
     counted_operations = 0;
     for (Chunk<kPoints>& c : chunks) Run(counting, c);
     const double lane_operations = 4.0 * double(counted_operations) / kChunks;
@@ -369,6 +377,8 @@ void Fit(benchmark::State& run, const char* which, KernelDesc counting, Isa isa,
   const KernelDesc& kernel = *table->Find(which);
   auto bench = std::make_unique<Bench<kPoints>>(clump, 4);
   bench->Shake(*table->Find(kPoints == 4 ? "simulate_pbd_4" : "simulate_pbd_5"), 8);
+  if (kPoints == 4)
+    for (Chunk<kPoints>& c : bench->chunks) bench->Run(*table->Find("chain_displacements"), c);
   for (Chunk<kPoints>& c : bench->chunks) bench->Run(kernel, c);
   const uint64_t digest = bench->Digest();
   uint32_t next = 0;
