@@ -1,4 +1,4 @@
-// Patches and chunks: every limit, every promise of chunk.hpp, full chunks, equal borders.
+// Patches and chunks: every limit, every promise of chunk.hpp, full chunks, shared borders.
 #include "core/groom/chunk_builder.hpp"
 
 #include <gtest/gtest.h>
@@ -51,21 +51,48 @@ std::vector<PatchStrand> SpreadOver(const Mesh& mesh, uint32_t count, uint64_t s
 
 std::array<uint8_t, 4> OneSet(uint32_t) { return {1, 2, 3, 4}; }
 
-void ExpectPatches(const Mesh& mesh, std::span<const PatchStrand> strands,
-                   std::span<const Patch> patches, const PatchLimits& limits) {
+void ExpectChunks(std::span<const PatchStrand> strands, std::span<const ChunkPart> chunks,
+                  const ChunkLimits& limits) {
   std::set<uint32_t> seen;
-  for (const Patch& patch : patches) {
-    ASSERT_FALSE(patch.strands.empty());
-    ASSERT_LE(patch.strands.size(), limits.strands);
-    ASSERT_LE(patch.vertices.size(), limits.vertices);
-    ASSERT_TRUE(std::is_sorted(patch.strands.begin(), patch.strands.end()));
-    std::set<uint32_t> used;
-    for (const uint32_t s : patch.strands) {
+  for (const ChunkPart& chunk : chunks) {
+    ASSERT_FALSE(chunk.strands.empty());
+    ASSERT_LE(chunk.strands.size(), limits.strands);
+    ASSERT_LE(chunk.vertices.size(), limits.vertices);
+    ASSERT_TRUE(std::is_sorted(chunk.strands.begin(), chunk.strands.end()));
+    std::vector<uint32_t> used;  // in the order of the first use
+    for (const uint32_t s : chunk.strands) {
       ASSERT_TRUE(seen.insert(s).second) << "strand " << s << " twice";
-      used.insert(strands[s].vertices.begin(), strands[s].vertices.end());
+      for (const uint32_t v : strands[s].vertices)
+        if (std::ranges::find(used, v) == used.end()) used.push_back(v);
     }
-    ASSERT_EQ(used, std::set<uint32_t>(patch.vertices.begin(), patch.vertices.end()));
-    ASSERT_EQ(used.size(), patch.vertices.size());
+    ASSERT_EQ(chunk.vertices, used);
+  }
+  ASSERT_EQ(seen.size(), strands.size());
+}
+
+// Where each vertex comes in the order in which the chunks use them.
+std::map<uint32_t, size_t> FindOrder(std::span<const ChunkPart> chunks) {
+  std::map<uint32_t, size_t> order;
+  for (const ChunkPart& chunk : chunks)
+    for (const uint32_t v : chunk.vertices) order.emplace(v, order.size());
+  return order;
+}
+
+void ExpectPatches(const Mesh& mesh, std::span<const ChunkPart> chunks,
+                   std::span<const VertexPatch> patches) {
+  const std::map<uint32_t, size_t> order = FindOrder(chunks);
+  std::set<uint32_t> seen;
+  for (const VertexPatch& patch : patches) {
+    ASSERT_FALSE(patch.vertices.empty());
+    ASSERT_LE(patch.vertices.size(), kVerticesPerChunk);
+    const size_t first = seen.size();  // patches follow each other in that order
+    for (const uint32_t v : patch.vertices) {
+      ASSERT_TRUE(seen.insert(v).second) << "vertex " << v << " twice";
+      const auto found = order.find(v);
+      ASSERT_NE(found, order.end()) << "no strand uses vertex " << v;
+      ASSERT_GE(found->second, first);
+      ASSERT_LT(found->second, first + patch.vertices.size());
+    }
     ASSERT_EQ(patch.groups.size(),
               RoundUpToLaneGroups(uint32_t(patch.vertices.size())) / kLaneGroup);
     size_t rows = 0;
@@ -78,81 +105,87 @@ void ExpectPatches(const Mesh& mesh, std::span<const PatchStrand> strands,
       ASSERT_EQ(patch.groups[g].joints, std::vector<uint8_t>(joints.begin(), joints.end()));
       rows += joints.size();
     }
-    ASSERT_LE(rows, limits.rows);
+    ASSERT_LE(rows, kInfluenceRows);
   }
-  ASSERT_EQ(seen.size(), strands.size());
+  ASSERT_EQ(seen.size(), order.size());
 }
 
-TEST(CutPatches, DenseLayersFillEveryChunkButTheLast) {
+TEST(CutChunks, DenseLayersFillEveryChunkButTheLast) {
   const Mesh mesh = MakeSheet(10, OneSet);
   for (const uint32_t count : {1u, 127u, 128u, 129u, 5000u, 12345u}) {
     const auto strands = SpreadOver(mesh, count, 1);
-    const auto patches = CutPatches(mesh, strands);
-    ExpectPatches(mesh, strands, patches, {});
-    EXPECT_EQ(patches.size(), (count + kStrandsPerChunk - 1) / kStrandsPerChunk);
+    const auto chunks = CutChunks(strands);
+    ExpectChunks(strands, chunks, {});
+    EXPECT_EQ(chunks.size(), (count + kStrandsPerChunk - 1) / kStrandsPerChunk);
+    ExpectPatches(mesh, chunks, PackVertices(mesh, strands, chunks));
   }
 }
 
-TEST(CutPatches, SparseLayersFillTheirVertices) {
+TEST(CutChunks, SparseLayersFillTheirVertices) {
   const Mesh mesh = MakeSheet(120, OneSet);
   const auto strands = SpreadOver(mesh, 6000, 2);
-  const auto patches = CutPatches(mesh, strands);
-  ExpectPatches(mesh, strands, patches, {});
+  const auto chunks = CutChunks(strands);
+  ExpectChunks(strands, chunks, {});
   size_t vertices = 0;
-  for (const Patch& patch : patches) vertices += patch.vertices.size();
-  EXPECT_GT(double(vertices) / double(patches.size() * kVerticesPerChunk), 0.95);
+  for (const ChunkPart& chunk : chunks) vertices += chunk.vertices.size();
+  EXPECT_GT(double(vertices) / double(chunks.size() * kVerticesPerChunk), 0.95);
+  ExpectPatches(mesh, chunks, PackVertices(mesh, strands, chunks));
 }
 
-TEST(CutPatches, KeepsToEveryLimit) {
+// A mesh of so many joints that its weights fill patches before its vertices do.
+Mesh MakeSheetOfManyJoints() {
   Random random(3);
-  const Mesh mesh = MakeSheet(40, [&](uint32_t) {
+  return MakeSheet(40, [&](uint32_t) {
     std::array<uint8_t, 4> joints;
     for (size_t i = 0; i < 4; ++i) joints[i] = uint8_t(4 * random.Below(64) + uint32_t(i));
     return joints;
   });
+}
+
+TEST(CutChunks, KeepsToEveryLimit) {
+  const Mesh mesh = MakeSheetOfManyJoints();
   const auto strands = SpreadOver(mesh, 3000, 4);
-  for (const PatchLimits& limits :
-       {PatchLimits{}, PatchLimits{32, 128, 64}, PatchLimits{128, 20, 64}, PatchLimits{128, 3, 12},
-        PatchLimits{1, 128, 64}}) {
-    ExpectPatches(mesh, strands, CutPatches(mesh, strands, limits), limits);
+  for (const ChunkLimits& limits : {ChunkLimits{}, ChunkLimits{32, 128}, ChunkLimits{128, 20},
+                                    ChunkLimits{128, 3}, ChunkLimits{1, 128}}) {
+    ExpectChunks(strands, CutChunks(strands, limits), limits);
   }
 }
 
-TEST(CutPatches, PatchesAreCompact) {
+TEST(CutChunks, ChunksAreCompact) {
   const Mesh mesh = MakeSheet(33, OneSet);
   const auto strands = SpreadOver(mesh, 64 * kStrandsPerChunk, 5);
   double extent = 0.0;
-  const auto patches = CutPatches(mesh, strands);
-  for (const Patch& patch : patches) {
+  const auto chunks = CutChunks(strands);
+  for (const ChunkPart& chunk : chunks) {
     glm::vec3 low(1e9f), high(-1e9f);
-    for (const uint32_t s : patch.strands) {
+    for (const uint32_t s : chunk.strands) {
       low = glm::min(low, strands[s].position);
       high = glm::max(high, strands[s].position);
     }
     extent += double(std::max(high.x - low.x, high.z - low.z));
   }
-  // 64 square patches of a 32 x 32 sheet would have a side of 4.
-  EXPECT_LT(extent / double(patches.size()), 5.0);
+  // 64 square chunks of a 32 x 32 sheet would have a side of 4.
+  EXPECT_LT(extent / double(chunks.size()), 5.0);
 }
 
-TEST(CutPatches, TrianglesStayWhole) {
+TEST(CutChunks, TrianglesStayWhole) {
   const Mesh mesh = MakeSheet(33, OneSet);
   const auto strands = SpreadOver(mesh, 64 * kStrandsPerChunk, 10);
-  const auto patches = CutPatches(mesh, strands);
-  std::map<std::array<uint32_t, 3>, std::set<const Patch*>> patches_of;
-  size_t copies = 0;
-  for (const Patch& patch : patches) {
-    copies += patch.vertices.size();
-    for (const uint32_t s : patch.strands) patches_of[strands[s].vertices].insert(&patch);
+  const auto chunks = CutChunks(strands);
+  std::map<std::array<uint32_t, 3>, std::set<const ChunkPart*>> chunks_of;
+  size_t uses = 0;
+  for (const ChunkPart& chunk : chunks) {
+    uses += chunk.vertices.size();
+    for (const uint32_t s : chunk.strands) chunks_of[strands[s].vertices].insert(&chunk);
   }
   size_t cut = 0;
-  for (const auto& [triangle, of] : patches_of) cut += of.size() - 1;
+  for (const auto& [triangle, of] : chunks_of) cut += of.size() - 1;
   // A halving cuts one triangle at most; 64 squares of 4 have 25 vertices each.
-  EXPECT_LE(cut, patches.size() - 1);
-  EXPECT_LT(double(copies) / double(patches.size()), 30.0);
+  EXPECT_LE(cut, chunks.size() - 1);
+  EXPECT_LT(double(uses) / double(chunks.size()), 30.0);
 }
 
-TEST(CutPatches, TwoSidesOfAThinSheetPart) {
+TEST(CutChunks, TwoSidesOfAThinSheetPart) {
   const Mesh mesh = MakeSheet(33, OneSet);
   auto strands = SpreadOver(mesh, 64 * kStrandsPerChunk, 6);
   for (size_t i = 0; i < strands.size(); ++i) {
@@ -163,50 +196,93 @@ TEST(CutPatches, TwoSidesOfAThinSheetPart) {
     strands[i].radius *= 1.41421356f;  // half as many on each side
   }
   uint32_t mixed = 0;
-  const auto patches = CutPatches(mesh, strands);
-  for (const Patch& patch : patches) {
+  const auto chunks = CutChunks(strands);
+  for (const ChunkPart& chunk : chunks) {
     uint32_t above = 0;
-    for (const uint32_t s : patch.strands) above += strands[s].normal.y > 0.0f;
-    mixed += above > 0 && above < patch.strands.size();
+    for (const uint32_t s : chunk.strands) above += strands[s].normal.y > 0.0f;
+    mixed += above > 0 && above < chunk.strands.size();
   }
-  EXPECT_LE(mixed, patches.size() / 4);
+  EXPECT_LE(mixed, chunks.size() / 4);
 }
 
-TEST(CutPatches, APrefixOfStrandsUsesAPrefixOfVertices) {
+TEST(PackVertices, PatchesAreOfOneSize) {
+  for (const uint32_t side : {4u, 10u, 12u, 20u, 40u}) {
+    const Mesh mesh = MakeSheet(side, OneSet);
+    const auto strands = SpreadOver(mesh, 5000, 11);
+    const auto chunks = CutChunks(strands);
+    const auto patches = PackVertices(mesh, strands, chunks);
+    ExpectPatches(mesh, chunks, patches);
+    const size_t used = FindOrder(chunks).size();
+    const size_t parts = (used + kVerticesPerChunk - 1) / kVerticesPerChunk;
+    ASSERT_EQ(patches.size(), parts) << used;
+    for (size_t p = 0; p + 1 < parts; ++p)
+      EXPECT_EQ(patches[p].vertices.size(),
+                RoundUpToLaneGroups(uint32_t((used + parts - 1) / parts)));
+  }
+}
+
+TEST(PackVertices, KeepsToTheWeightsThatFit) {
+  const Mesh mesh = MakeSheetOfManyJoints();
+  const auto strands = SpreadOver(mesh, 3000, 4);
+  for (const ChunkLimits& limits : {ChunkLimits{}, ChunkLimits{128, 3}}) {
+    const auto chunks = CutChunks(strands, limits);
+    const auto patches = PackVertices(mesh, strands, chunks);
+    ExpectPatches(mesh, chunks, patches);
+    EXPECT_GT(patches.size() * kVerticesPerChunk, 2 * FindOrder(chunks).size());
+  }
+}
+
+// Vertices of the strands of which some lane is worked on where a little less than the share lives.
+std::set<uint32_t> FindUsed(std::span<const PatchStrand> strands, std::span<const ChunkPart> chunks,
+                            double share) {
+  std::set<uint32_t> used;
+  for (const ChunkPart& chunk : chunks) {
+    const size_t n = chunk.strands.size();
+    const auto live = uint32_t(std::ceil(share * (1.0 - 1e-4) * double(n)));
+    for (size_t i = 0; i < std::min<size_t>(RoundUpToLaneGroups(live), n); ++i) {
+      const auto& corners = strands[chunk.strands[i]].vertices;
+      used.insert(corners.begin(), corners.end());
+    }
+  }
+  return used;
+}
+
+TEST(PackVertices, APrefixOfStrandsUsesAPrefixOfVertices) {
   const Mesh mesh = MakeSheet(40, OneSet);
-  const auto strands = SpreadOver(mesh, 4000, 7);
-  for (const Patch& patch : CutPatches(mesh, strands)) {
-    const size_t n = patch.strands.size();
-    for (const size_t part : {(n + 7) / 8, (n + 3) / 4, (n + 1) / 2}) {
-      std::set<uint32_t> used;
-      for (size_t i = 0; i < part; ++i) {
-        used.insert(strands[patch.strands[i]].vertices.begin(),
-                    strands[patch.strands[i]].vertices.end());
-      }
-      const std::set<uint32_t> prefix(patch.vertices.begin(),
-                                      patch.vertices.begin() + long(used.size()));
-      ASSERT_EQ(used, prefix);
+  for (const uint32_t count : {1500u, 4000u}) {
+    const auto strands = SpreadOver(mesh, count, 7);
+    const auto chunks = CutChunks(strands);
+    const auto patches = PackVertices(mesh, strands, chunks);
+    size_t last = 0;
+    for (const double share : {0.125, 0.25, 0.5, 1.0}) {
+      const std::set<uint32_t> used = FindUsed(strands, chunks, share);
+      EXPECT_GT(used.size(), last) << "nothing is told apart";
+      last = used.size();
+      for (const VertexPatch& patch : patches)
+        ASSERT_TRUE(std::ranges::is_partitioned(patch.vertices, [&](uint32_t v) {
+          return used.contains(v);
+        })) << share;
     }
   }
 }
 
-TEST(CutPatches, GroupsShareJoints) {
-  // Eight joint sets of four joints, scattered over the vertices: sorted, 16 vertices need half
-  // of the sets; as they come they would need 28 of the 32 joints.
+TEST(PackVertices, GroupsShareJoints) {
+  // Four joint sets of four joints, scattered over the vertices, which all live from the first
+  // strand on: sorted, 16 vertices need one set or two; as they come they would need nearly all of
+  // the 16 joints.
   Random random(8);
   const Mesh mesh = MakeSheet(40, [&](uint32_t) {
-    const uint8_t set = uint8_t(4 * random.Below(8));
+    const uint8_t set = uint8_t(4 * random.Below(4));
     return std::array<uint8_t, 4>{set, uint8_t(set + 1), uint8_t(set + 2), uint8_t(set + 3)};
   });
   const auto strands = SpreadOver(mesh, 4000, 9);
+  const auto chunks = CutChunks(strands, {kLaneGroup, kVerticesPerChunk});
   size_t rows = 0, groups = 0;
-  PatchLimits limits;
-  limits.rows = 1000;
-  for (const Patch& patch : CutPatches(mesh, strands, limits)) {
+  for (const VertexPatch& patch : PackVertices(mesh, strands, chunks)) {
     for (const VertexGroup& group : patch.groups) rows += group.joints.size();
     groups += patch.groups.size();
   }
-  EXPECT_LT(double(rows) / double(groups), 22.0);
+  EXPECT_LT(double(rows) / double(groups), 11.0);
 }
 
 Groom BakeTorus(const LayerSetup& layer, const test::TorusOptions& options = {}) {
@@ -242,9 +318,43 @@ TEST(Chunks, HoldEveryPromiseForBothKindsOfChains) {
   }
 }
 
-TEST(Chunks, BordersAreSharedAndEqual) {
+TEST(Chunks, HoldEveryPromiseOfSagFreeLayers) {
+  LayerSetup layer = MakeLayer(4000.0f);
+  layer.params.solver = Solver::kModal;
+  layer.params.sag_free = true;
+  const Groom on_vertices = BakeTorus(layer);
+  test::ExpectValidGroom(on_vertices);
+  EXPECT_EQ(on_vertices.vertex_down.size(), on_vertices.mesh.size());
+  EXPECT_TRUE(on_vertices.strand_down.empty());
+  layer.params.chain = ChainKind::kStrand;
+  const Groom of_strands = BakeTorus(layer);
+  test::ExpectValidGroom(of_strands);
+  EXPECT_EQ(of_strands.strand_down.size(), of_strands.strands.size());
+  EXPECT_TRUE(of_strands.vertex_down.empty());
+}
+
+TEST(Chunks, ShareTheVerticesOfTheirBorders) {
   const Groom groom = BakeTorus(MakeLayer(20000.0f));
-  EXPECT_GT(test::ExpectBordersAgree(groom, groom.layers[0], 0), 200u);
+  EXPECT_GT(test::CountShared(groom, groom.layers[0]), 200u);
+}
+
+TEST(Patches, HaveEachVertexOnce) {
+  const Mesh mesh = test::MakeTorus().mesh;
+  for (const float density : {300.0f, 4000.0f, 20000.0f}) {
+    SCOPED_TRACE(density);
+    const Groom groom = BakeTorus(MakeLayer(density));
+    const size_t vertices = test::ExpectEachVertexOnce(groom, groom.layers[0], mesh);
+    if (density == 20000.0f) {
+      EXPECT_EQ(vertices, mesh.position.size());
+    } else {
+      EXPECT_LE(vertices, mesh.position.size());
+    }
+  }
+}
+
+TEST(Patches, AgreeOnBothSidesOfASeam) {
+  const Groom groom = BakeTorus(MakeLayer(20000.0f));
+  EXPECT_EQ(test::ExpectSeamsAgree(groom, groom.layers[0], 0), 48u + 16u - 1u);
 }
 
 TEST(Chunks, DenseLayersAreFull) {
@@ -269,19 +379,26 @@ TEST(Chunks, ClumpControlsAreRoundedUpAndFewerThanAll) {
   EXPECT_EQ(BakeTorus(layer).strands[0].control_count, 64u);
 }
 
+// Where a strand of the only layer stands.
+glm::dvec3 RootOf(const Groom& groom, size_t chunk, uint32_t lane) {
+  const StrandBlock& block = groom.strands[chunk];
+  glm::dvec3 root(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const auto [patch, v] = test::FindCorner(groom, groom.layers[0], chunk, block.vertex[k][lane]);
+    for (int axis = 0; axis < 3; ++axis)
+      root[axis] += double(block.bary[k][lane]) * double(groom.mesh[patch].position[axis][v]);
+  }
+  return root;
+}
+
 // A torus' UVs are its two angles. Between 0 and 1 all the same where a texture repeats.
 TEST(Chunks, StrandsKnowWhereOnTheTextureTheyStand) {
   const Groom groom = BakeTorus(MakeLayer(20000.0f));
   ASSERT_EQ(groom.strand_uv.size(), groom.strands.size());
   const auto apart = [](double a, double b) { return std::abs(std::remainder(a - b, 1.0)); };
   for (size_t c = 0; c < groom.strands.size(); ++c) {
-    const StrandBlock& block = groom.strands[c];
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      double p[3] = {};
-      for (int k = 0; k < 3; ++k)
-        for (int axis = 0; axis < 3; ++axis)
-          p[axis] += double(block.bary[k][lane]) *
-                     double(groom.mesh[c].position[axis][block.vertex[k][lane]]);
+      const glm::dvec3 p = RootOf(groom, c, lane);
       const double turn = 2.0 * exact::kPi, ring = std::hypot(p[0], p[2]) - 0.3;
       const uint32_t uv = groom.strand_uv[c].uv[lane];
       ASSERT_LT(apart((uv & 0xffffu) / 65535.0, std::atan2(p[2], p[0]) / turn), 0.004);
@@ -295,16 +412,7 @@ TEST(Chunks, StrandsKnowWhereOnTheTextureTheyStand) {
 TEST(Chunks, ControlsAreTheNearest) {
   const Groom groom = BakeTorus(MakeLayer(40000.0f));
   const StrandBlock& block = groom.strands[3];
-  const MeshBlock& mesh = groom.mesh[3];
-  auto root = [&](uint32_t lane) {
-    glm::dvec3 p(0.0);
-    for (int k = 0; k < 3; ++k) {
-      for (int axis = 0; axis < 3; ++axis) {
-        p[axis] += double(block.bary[k][lane]) * mesh.position[axis][block.vertex[k][lane]];
-      }
-    }
-    return p;
-  };
+  const auto root = [&](uint32_t lane) { return RootOf(groom, 3, lane); };
   ASSERT_GT(block.control_count, 0u);
   for (uint32_t i = block.control_count; i < block.strand_count; ++i) {
     double nearest = 1e300;
@@ -322,11 +430,11 @@ TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
   layer.offset = Attribute(0.005f);
   const Groom raised = BakeTorus(layer, centimetres);
   ASSERT_EQ(flat.mesh.size(), raised.mesh.size());
-  for (size_t c = 0; c < flat.mesh.size(); ++c) {
-    for (uint32_t v = 0; v < flat.mesh[c].vertex_count; ++v) {
+  for (size_t p = 0; p < flat.mesh.size(); ++p) {
+    for (uint32_t v = 0; v < flat.mesh[p].vertex_count; ++v) {
       for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(raised.mesh[c].position[axis][v] - flat.mesh[c].position[axis][v],
-                    0.5f * flat.mesh[c].normal[axis][v], 2e-5f);
+        EXPECT_NEAR(raised.mesh[p].position[axis][v] - flat.mesh[p].position[axis][v],
+                    0.5f * flat.mesh[p].normal[axis][v], 2e-5f);
       }
     }
   }

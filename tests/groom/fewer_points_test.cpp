@@ -66,6 +66,7 @@ TEST(FewerPoints, IsTheGroomOfABakeWithFewerPoints) {
     ASSERT_EQ(r.to.strand_rest4.size(), r.baked.strand_rest4.size());
     EXPECT_TRUE(SameBytes(r.to.mesh, r.baked.mesh));
     EXPECT_TRUE(SameBytes(r.to.strands, r.baked.strands));
+    EXPECT_TRUE(SameBytes(r.to.halo, r.baked.halo));
     EXPECT_TRUE(SameBytes(r.to.vertex_rest, r.baked.vertex_rest));
     EXPECT_LT(FarthestApart(r.to, r.baked), 0.05);
     for (size_t c = 0; c < r.to.strand_rest4.size(); ++c) {

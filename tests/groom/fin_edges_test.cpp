@@ -42,15 +42,17 @@ Groom BakeTorus(const LayerSetup& layer, const test::TorusOptions& options = {})
 // How often each edge of the groom's triangles is owned, by where it is: 0 too.
 EdgeCounts CountOwned(const Groom& groom) {
   EdgeCounts counts;
-  for (size_t c = 0; c < groom.mesh.size(); ++c) {
-    const auto& p = groom.mesh[c].position;
+  for (size_t c = 0; c < groom.strands.size(); ++c) {
+    const auto place = [&](uint32_t t, uint32_t k) -> Place {
+      const auto [patch, lane] =
+          test::FindCorner(groom, groom.layers[0], c, groom.strands[c].vertex[k][t]);
+      const auto& p = groom.mesh[patch].position;
+      return {p[0][lane], p[1][lane], p[2][lane]};
+    };
     for (uint32_t t = 0; t < groom.strands[c].strand_count; ++t)
-      for (uint32_t k = 0; k < 3; ++k) {
-        const uint32_t a = groom.strands[c].vertex[k][t],
-                       b = groom.strands[c].vertex[(k + 1) % 3][t];
-        counts[Between({p[0][a], p[1][a], p[2][a]}, {p[0][b], p[1][b], p[2][b]})] +=
+      for (uint32_t k = 0; k < 3; ++k)
+        counts[Between(place(t, k), place(t, (k + 1) % 3))] +=
             (groom.fin_edges[c].owned[t] >> 8 * k & 255u) / 255u;
-      }
   }
   return counts;
 }
@@ -60,7 +62,7 @@ EdgeCounts CountOwned(const Groom& groom) {
 TEST(FinEdges, HaveOneOwner) {
   const Groom groom = BakeTorus(MakeFinned());
   test::ExpectValidGroom(groom);
-  ASSERT_GT(groom.mesh.size(), 4u);
+  ASSERT_GT(groom.strands.size(), 4u);
   const EdgeCounts counts = CountOwned(groom);
   EXPECT_EQ(counts.size(), test::MakeTorus().mesh.triangles.size() * 3 / 2);
   for (const auto& [edge, owners] : counts) EXPECT_EQ(owners, 1u);

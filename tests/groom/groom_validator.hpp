@@ -1,5 +1,5 @@
-// What chunk.hpp promises of baked chunks, checked one by one. Stricter than FindGroomFault, which
-// asks only what kernels need to be safe.
+// What chunk.hpp promises of baked patches and chunks, checked one by one. Stricter than
+// FindGroomFault, which asks only what kernels need to be safe.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,8 +9,13 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/block_rows.hpp"
+#include "core/character/character.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt::test {
@@ -103,40 +108,13 @@ inline void ExpectMesh(const MeshBlock& mesh) {
   }
 }
 
-inline void ExpectStrands(const StrandBlock& strands, const MeshBlock& mesh) {
-  const uint32_t n = strands.strand_count;
-  ASSERT_GT(n, 0u);
-  ASSERT_LE(n, kStrandsPerChunk);
-  ASSERT_EQ(strands.vertex_count, mesh.vertex_count);
-  uint32_t highest = 0;
-  for (uint32_t i = 0; i < n; ++i) {
-    ASSERT_NEAR(strands.bary[0][i] + strands.bary[1][i] + strands.bary[2][i], 1.0f, 1e-6f);
-    ASSERT_GT(strands.length[i], 0.0f);
-    for (int k = 0; k < 3; ++k) {
-      ASSERT_GE(strands.bary[k][i], 0.0f);
-      ASSERT_LT(strands.vertex[k][i], mesh.vertex_count);
-      highest = std::max<uint32_t>(highest, strands.vertex[k][i]);
-    }
-    ASSERT_EQ(strands.vertex_prefix[i], highest);
+inline void ExpectDown(const DownBlock& block, uint32_t used) {
+  for (uint32_t lane = 0; lane < used; ++lane) {
+    double square = 0.0;
+    for (const auto& row : block.down) square += double(row[lane]) * double(row[lane]);
+    ASSERT_NEAR(square, 1.0, 1e-5);
   }
-  ASSERT_EQ(highest + 1, mesh.vertex_count);  // no vertex without a strand
-  ASSERT_EQ(strands.control_count % kLaneGroup, 0u);
-  ASSERT_LT(strands.control_count, n);
-  for (uint32_t i = 0; i < n; ++i) {
-    if (strands.control_count == 0 || i < strands.control_count) {
-      ASSERT_EQ(strands.control[i], i);
-    } else {
-      ASSERT_LT(strands.control[i], strands.control_count);
-    }
-  }
-  ExpectAllPadded<kStrandsPerChunk>(strands, n);
-  uint32_t joints[kJointsPerCharacter / 32] = {};
-  for (uint32_t r = 0; r < mesh.group_first_row[kVertexGroups]; ++r) {
-    joints[mesh.row_joint[r] / 32] |= 1u << mesh.row_joint[r] % 32;
-  }
-  for (uint32_t w = 0; w < kJointsPerCharacter / 32; ++w) {
-    ASSERT_EQ(strands.joint_mask[w], joints[w]);
-  }
+  ExpectAllPadded<kStrandsPerChunk>(block, used);
 }
 
 // A vertex's weights as they are summed: joints in ascending order.
@@ -150,10 +128,120 @@ inline std::vector<std::pair<uint32_t, float>> WeightsOf(const MeshBlock& mesh, 
   return weights;
 }
 
-// Vertices at one place with one frame are one vertex: they agree in weights and rest chain in
-// every chunk of the layer. Returns how many lie in more than one.
-inline uint32_t ExpectBordersAgree(const Groom& groom, const GroomLayer& layer,
-                                   size_t first_vertex_rest) {
+// Where the vertex lies that is number `corner` of a chunk's halo.
+struct PatchLane {
+  uint32_t patch;  // of the groom
+  uint32_t lane;
+};
+inline PatchLane FindCorner(const Groom& groom, const GroomLayer& layer, size_t chunk,
+                            uint32_t corner) {
+  const uint32_t place = groom.halo[chunk].vertex[corner];
+  return {layer.first_patch + place / kVerticesPerChunk, place % kVerticesPerChunk};
+}
+
+inline void ExpectHalo(const Groom& groom, const GroomLayer& layer, size_t chunk) {
+  const HaloBlock& halo = groom.halo.at(chunk);
+  const StrandBlock& strands = groom.strands.at(chunk);
+  ASSERT_GT(strands.vertex_count, 0u);
+  ASSERT_LE(strands.vertex_count, kVerticesPerChunk);
+  std::set<uint32_t> distinct;
+  uint32_t joints[kJointsPerCharacter / 32] = {};
+  for (uint32_t i = 0; i < kVerticesPerChunk; ++i) {
+    if (i >= strands.vertex_count) {
+      ASSERT_EQ(halo.vertex[i], ~0u);
+      continue;
+    }
+    ASSERT_TRUE(distinct.insert(halo.vertex[i]).second);
+    const auto [patch, lane] = FindCorner(groom, layer, chunk, i);
+    ASSERT_LT(patch - layer.first_patch, layer.patch_count);
+    ASSERT_LT(lane, groom.mesh.at(patch).vertex_count);
+    for (const auto& [joint, weight] : WeightsOf(groom.mesh[patch], lane))
+      joints[joint / 32] |= 1u << joint % 32;
+  }
+  for (uint32_t w = 0; w < kJointsPerCharacter / 32; ++w) {
+    ASSERT_EQ(strands.joint_mask[w], joints[w]);
+  }
+  uint32_t used = 0;  // in the order of the first use
+  for (uint32_t i = 0; i < strands.strand_count; ++i)
+    for (const auto& corner : strands.vertex) {
+      ASSERT_LE(corner[i], used);
+      used += corner[i] == used;
+    }
+  ASSERT_EQ(used, strands.vertex_count);  // no vertex without a strand
+}
+
+inline void ExpectStrands(const StrandBlock& strands) {
+  const uint32_t n = strands.strand_count;
+  ASSERT_GT(n, 0u);
+  ASSERT_LE(n, kStrandsPerChunk);
+  for (uint32_t i = 0; i < n; ++i) {
+    ASSERT_NEAR(strands.bary[0][i] + strands.bary[1][i] + strands.bary[2][i], 1.0f, 1e-6f);
+    ASSERT_GT(strands.length[i], 0.0f);
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_GE(strands.bary[k][i], 0.0f);
+      ASSERT_LT(strands.vertex[k][i], strands.vertex_count);
+    }
+  }
+  ASSERT_EQ(strands.control_count % kLaneGroup, 0u);
+  ASSERT_LT(strands.control_count, n);
+  for (uint32_t i = 0; i < n; ++i) {
+    if (strands.control_count == 0 || i < strands.control_count) {
+      ASSERT_EQ(strands.control[i], i);
+    } else {
+      ASSERT_LT(strands.control[i], strands.control_count);
+    }
+  }
+  ExpectAllPadded<kStrandsPerChunk>(strands, n);
+}
+
+// Of each place of the layer's patches: how many chunks use the vertex there.
+inline std::vector<uint32_t> CountUses(const Groom& groom, const GroomLayer& layer) {
+  std::vector<uint32_t> uses(size_t(layer.patch_count) * kVerticesPerChunk, 0);
+  for (uint32_t c = layer.first_chunk; c < layer.first_chunk + layer.chunk_count; ++c)
+    for (uint32_t i = 0; i < groom.strands[c].vertex_count; ++i) ++uses.at(groom.halo[c].vertex[i]);
+  return uses;
+}
+
+// Vertices that more than one chunk uses.
+inline uint32_t CountShared(const Groom& groom, const GroomLayer& layer) {
+  const std::vector<uint32_t> uses = CountUses(groom, layer);
+  return uint32_t(std::ranges::count_if(uses, [](uint32_t chunks) { return chunks > 1; }));
+}
+
+inline void ExpectEveryVertexUsed(const Groom& groom, const GroomLayer& layer) {
+  const std::vector<uint32_t> uses = CountUses(groom, layer);
+  for (uint32_t p = 0; p < layer.patch_count; ++p)
+    for (uint32_t v = 0; v < kVerticesPerChunk; ++v)
+      ASSERT_EQ(uses[p * kVerticesPerChunk + v] > 0,
+                v < groom.mesh[layer.first_patch + p].vertex_count);
+}
+
+// No vertex of the mesh lies in two patches: nowhere has the layer more vertices than the mesh has.
+// Of layers that do not raise the skin. Returns how many there are.
+inline size_t ExpectEachVertexOnce(const Groom& groom, const GroomLayer& layer, const Mesh& mesh) {
+  using Place = std::array<uint32_t, 3>;
+  const auto place_of = [](float x, float y, float z) {
+    return Place{std::bit_cast<uint32_t>(x), std::bit_cast<uint32_t>(y),
+                 std::bit_cast<uint32_t>(z)};
+  };
+  std::map<Place, uint32_t> left;
+  for (const glm::vec3& p : mesh.position) ++left[place_of(p.x, p.y, p.z)];
+  size_t count = 0;
+  for (uint32_t p = layer.first_patch; p < layer.first_patch + layer.patch_count; ++p) {
+    const auto& [x, y, z] = groom.mesh[p].position;
+    for (uint32_t v = 0; v < groom.mesh[p].vertex_count; ++v, ++count) {
+      uint32_t& here = left[place_of(x[v], y[v], z[v])];
+      EXPECT_GT(here, 0u) << "patch " << p << ", vertex " << v;
+      if (here > 0) --here;
+    }
+  }
+  return count;
+}
+
+// Vertices at one place with one frame, the two sides of a seam, agree in weights and rest chain.
+// Returns at how many places there is more than one.
+inline uint32_t ExpectSeamsAgree(const Groom& groom, const GroomLayer& layer,
+                                 size_t first_vertex_rest) {
   struct Seen {
     std::vector<std::pair<uint32_t, float>> weights;
     std::vector<uint32_t> rest;
@@ -161,8 +249,8 @@ inline uint32_t ExpectBordersAgree(const Groom& groom, const GroomLayer& layer,
   };
   std::map<std::array<uint32_t, 9>, Seen> seen;
   uint32_t shared = 0;
-  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
-    const MeshBlock& mesh = groom.mesh[layer.first_chunk + c];
+  for (uint32_t p = 0; p < layer.patch_count; ++p) {
+    const MeshBlock& mesh = groom.mesh.at(layer.first_patch + p);
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
       std::array<uint32_t, 9> key;
       for (size_t axis = 0; axis < 3; ++axis) {
@@ -172,7 +260,7 @@ inline uint32_t ExpectBordersAgree(const Groom& groom, const GroomLayer& layer,
       }
       std::vector<uint32_t> rest;
       if (layer.params.chain == ChainKind::kVertex) {
-        const RestBlock<4>& block = groom.vertex_rest[first_vertex_rest + c];
+        const RestBlock<4>& block = groom.vertex_rest.at(first_vertex_rest + p);
         for (int i = 0; i < 9; ++i) {
           rest.push_back(std::bit_cast<uint32_t>(block.offset[i / 3][i % 3][v]));
         }
@@ -197,8 +285,8 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
                               const LayerJointBlock& block) {
   std::array<bool, kJointsPerCharacter> used{};
   std::array<std::array<float, 3>, kJointsPerCharacter> low, high;
-  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
-    const MeshBlock& mesh = groom.mesh[layer.first_chunk + c];
+  for (uint32_t p = layer.first_patch; p < layer.first_patch + layer.patch_count; ++p) {
+    const MeshBlock& mesh = groom.mesh.at(p);
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
       for (const auto& [joint, weight] : WeightsOf(mesh, v)) {
         for (size_t axis = 0; axis < 3; ++axis) {
@@ -226,28 +314,38 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
-  size_t vertex_rest = 0, rest4 = 0, rest5 = 0, rest9 = 0, chunk = 0, shell_skin = 0;
-  size_t fin_edges = 0, rest_down = 0;
+  size_t patch = 0, vertex_rest = 0, vertex_down = 0, shell_skin = 0;
+  size_t chunk = 0, rest4 = 0, rest5 = 0, rest9 = 0, fin_edges = 0, strand_down = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
+    const bool on_vertices = layer.params.chain == ChainKind::kVertex;
     SCOPED_TRACE(layer.name);
+    ASSERT_EQ(layer.first_patch, patch);
     ASSERT_EQ(layer.first_chunk, chunk);
-    ExpectBordersAgree(groom, layer, vertex_rest);
+    ASSERT_GT(layer.patch_count, 0u);
+    ASSERT_LE(patch + layer.patch_count, groom.mesh.size());
+    ExpectSeamsAgree(groom, layer, vertex_rest);
     ExpectLayerJoints(groom, layer, groom.layer_joints[l]);
+    for (uint32_t p = 0; p < layer.patch_count; ++p, ++patch) {
+      SCOPED_TRACE("patch " + std::to_string(p));
+      const MeshBlock& mesh = groom.mesh[patch];
+      ExpectMesh(mesh);
+      if (on_vertices) ExpectRest(groom.vertex_rest.at(vertex_rest++), mesh.vertex_count);
+      if (on_vertices && layer.params.sag_free)
+        ExpectDown(groom.vertex_down.at(vertex_down++), mesh.vertex_count);
+      if (layer.params.output == Output::kShells)
+        ExpectAllPadded<kVerticesPerChunk>(groom.shell_skin.at(shell_skin++), mesh.vertex_count);
+    }
     uint32_t strands = 0;
     float longest = 0.0f;
     for (uint32_t c = 0; c < layer.chunk_count; ++c, ++chunk) {
-      SCOPED_TRACE(c);
-      const StrandBlock& block = groom.strands[chunk];
+      SCOPED_TRACE("chunk " + std::to_string(c));
+      const StrandBlock& block = groom.strands.at(chunk);
       ASSERT_EQ(block.first_strand, c * kStrandsPerChunk);
-      ExpectMesh(groom.mesh[chunk]);
-      ExpectStrands(block, groom.mesh[chunk]);
-      if (layer.params.chain == ChainKind::kVertex) {
-        ExpectRest(groom.vertex_rest.at(vertex_rest++), block.vertex_count);
-      }
+      ExpectStrands(block);
+      ExpectHalo(groom, layer, chunk);
       if (layer.params.output == Output::kShells) {
-        ++shell_skin;
         fin_edges += layer.params.fins;
       } else if (layer.params.points == 5) {
         ExpectRest(groom.strand_rest5.at(rest5++), block.strand_count);
@@ -256,11 +354,13 @@ inline void ExpectValidGroom(const Groom& groom) {
       } else {
         ExpectRest(groom.strand_rest4.at(rest4++), block.strand_count);
       }
-      rest_down += layer.params.sag_free;
+      if (!on_vertices && layer.params.sag_free)
+        ExpectDown(groom.strand_down.at(strand_down++), block.strand_count);
       strands += block.strand_count;
       for (uint32_t i = 0; i < block.strand_count; ++i)
         longest = std::max(longest, block.length[i]);
     }
+    ExpectEveryVertexUsed(groom, layer);
     ASSERT_EQ(layer.strand_count, strands);
     if (layer.params.output == Output::kShells) {
       ASSERT_GE(layer.length_max, 2.0f * longest);  // bent as far again
@@ -268,15 +368,18 @@ inline void ExpectValidGroom(const Groom& groom) {
       ASSERT_EQ(layer.length_max, longest);
     }
   }
-  ASSERT_EQ(groom.mesh.size(), chunk);
+  ASSERT_EQ(groom.mesh.size(), patch);
   ASSERT_EQ(groom.strands.size(), chunk);
+  ASSERT_EQ(groom.halo.size(), chunk);
+  ASSERT_EQ(groom.strand_uv.size(), chunk);
   ASSERT_EQ(groom.vertex_rest.size(), vertex_rest);
+  ASSERT_EQ(groom.vertex_down.size(), vertex_down);
   ASSERT_EQ(groom.strand_rest4.size(), rest4);
   ASSERT_EQ(groom.strand_rest5.size(), rest5);
   ASSERT_EQ(groom.strand_rest9.size(), rest9);
   ASSERT_EQ(groom.shell_skin.size(), shell_skin);
   ASSERT_EQ(groom.fin_edges.size(), fin_edges);
-  ASSERT_EQ(groom.rest_down.size(), rest_down);
+  ASSERT_EQ(groom.strand_down.size(), strand_down);
 }
 
 }  // namespace pelt::test

@@ -203,10 +203,11 @@ TEST(Scatter, EveryPrefixIsFarMoreEvenThanRejectionSampling) {
   const LayerSetup layer = torus.Layer(20000);
   const Growth growth(torus.character, torus.rest, torus.setup, layer);
   const auto points = torus.Scatter(layer);
-  const auto patches =
-      CutPatches(torus.character.mesh, ListPatchStrands(torus.character.mesh, points));
+  const auto strands = ListPatchStrands(torus.character.mesh, points);
+  const auto chunks = CutChunks(strands);
+  const auto patches = PackVertices(torus.character.mesh, strands, chunks);
   const LayerScatterStats stats =
-      MeasureLayerScatter(torus.character, torus.rest, layer, growth, points, patches);
+      MeasureLayerScatter(torus.character, torus.rest, layer, growth, points, chunks, patches);
   ASSERT_EQ(stats.prefix[0].share, 0.125);
   ASSERT_EQ(stats.prefix[3].share, 1.0);
   for (const PrefixStats& prefix : stats.prefix) {
@@ -229,6 +230,15 @@ TEST(Scatter, EveryPrefixIsFarMoreEvenThanRejectionSampling) {
   }
   EXPECT_EQ(stats.name, "coat");
   EXPECT_EQ(stats.prefix[0].share, 0.125);
+  EXPECT_EQ(stats.chunk_count, chunks.size());
+  EXPECT_EQ(stats.patch_count, patches.size());
+  // Of this dense layer every vertex of the mesh is in one patch, and in the halos of some chunks.
+  const auto vertices = double(torus.character.mesh.position.size());
+  EXPECT_NEAR(stats.vertex_fill * double(patches.size() * kVerticesPerChunk), vertices, 1e-6);
+  size_t uses = 0;
+  for (const ChunkPart& chunk : chunks) uses += chunk.vertices.size();
+  EXPECT_NEAR(stats.chunks_per_vertex, double(uses) / vertices, 1e-9);
+  EXPECT_GT(stats.chunks_per_vertex, 1.0);
 }
 
 TEST(Scatter, MaxStrandsThinsEvenly) {
