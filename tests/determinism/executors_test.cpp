@@ -3,6 +3,7 @@
 // scene; this holds `tiny`, some of its ribbons as lines, past its teleport, and says which broke.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/kernels/frame_table.hpp"
@@ -105,6 +106,44 @@ TEST_F(WholeFrame, IsTheSameOnOneTbb) {
   }
 }
 
+// Whatever share of a layer's strands lives, so do the vertices that kernels gather for them: for
+// those of whole lane groups.
+TEST_F(WholeFrame, EveryVertexInUseLives) {
+  Scenario scenario = EveryOutputScenario();
+  RunningScenario running(scenario, OptionsFor(BestIsa()));
+  const FrameMemory& memory = running.scene().memory();
+  const SceneShape& shape = running.scene().shape();
+  SerialExecutor serial;
+  uint32_t used = 0, idle = 0;
+  for (uint32_t f = 0; f < kFrames; ++f) {
+    LodSettings lod;
+    lod.hysteresis = 0.0f;
+    lod.strand_budget = uint32_t(scenario.StrandCount()) * (f % 8 + 1) / 9;
+    running.Begin(f, {.lod = true}, lod);
+    serial.Run(running.scene().CurrentFrame());
+    for (uint32_t c = 0; c < shape.chunk_count; ++c) {
+      const StrandBlock& strands = *memory.Of<&Streams::strands>(c);
+      const uint32_t live = memory.Of<&Streams::chunk_state>(c)->live_strands;
+      const uint32_t touched = std::min(RoundUpToLaneGroups(live), strands.strand_count);
+      for (uint32_t s = 0; s < touched; ++s)
+        for (const auto& corner : strands.vertex) {
+          const VertexPlace place = FindVertex(memory, c, corner[s]);
+          ASSERT_EQ(shape.patch_layer[place.patch], shape.chunk_layer[c]);
+          ASSERT_LT(place.lane, memory.Of<&Streams::patch_state>(place.patch)->live_vertices)
+              << "frame " << f << ", chunk " << c << ", strand " << s;
+          ++used;
+        }
+    }
+    for (uint32_t p = 0; p < shape.patch_count; ++p) {
+      const ChunkStateBlock& state = *memory.Of<&Streams::patch_state>(p);
+      if (state.flags & kChunkVisible)
+        idle += memory.Of<&Streams::patches>(p)->vertex_count - state.live_vertices;
+    }
+  }
+  EXPECT_GT(used, 1000u);
+  EXPECT_GT(idle, 0u) << "and not all do";
+}
+
 // Vertices in strand order are those in draw order, each where the order says.
 TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
   Scenario scenario = EveryOutputScenario();
@@ -126,12 +165,14 @@ TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
     const auto& count = *sorted.memory().Of<&Streams::layer_sort>(l);
     const OutputRow& output = kOutputs[OutputOf(sorted.shape().layer_kind[l])];
     if (!output.OfStrands()) {
-      for (uint32_t c = first; c < sorted.shape().layer_first_chunk[l + 1]; ++c)
-        ASSERT_EQ(std::memcmp(sorted.memory().Block(output.in_draw_order, c),
-                              unsorted.memory().Block(output.in_strand_order, c),
+      const uint32_t first_patch = sorted.shape().layer_first_patch[l];
+      ASSERT_GT(sorted.shape().LayerPatches(l), 0u);
+      for (uint32_t p = first_patch; p < sorted.shape().layer_first_patch[l + 1]; ++p)
+        ASSERT_EQ(std::memcmp(sorted.memory().Block(output.in_draw_order, p),
+                              unsorted.memory().Block(output.in_strand_order, p),
                               sizeof(ShellVertexBlock)),
                   0)
-            << "chunk " << c;
+            << "patch " << p;
       compared += count.visible_count;
       continue;
     }

@@ -1,5 +1,5 @@
-// One call of a chunk's kernel as it comes up in a running scene, to be repeated with the chunk's
-// lanes in other places and on every instruction set.
+// One call of a patch's or chunk's kernel as it comes up in a running scene, to be repeated with
+// its lanes in other places and on every instruction set.
 //
 // The tables say which rows are by lane (core/block_rows.hpp) and whose lanes they are, so a new
 // kernel or stream needs nothing here.
@@ -68,16 +68,13 @@ struct LaneRow {
 
 enum class LanesOf : uint8_t { kNothing, kVertices, kStrands };
 
-// What a stream's lanes are, in layers of that kind.
-inline LanesOf OwnerOf(const StreamDesc& stream, uint32_t kind) {
-  if (stream.domain != Domain::kChunk || stream.name == "chunk_state") return LanesOf::kNothing;
-  const LanesOf chains = kind & kLayerVertexChains ? LanesOf::kVertices : LanesOf::kStrands;
-  if (stream.lanes.count == &streams_detail::CountVertices) return LanesOf::kVertices;
-  if (stream.lanes.count == &streams_detail::CountChains || stream.name == "rest_down")
-    return chains;
-  const bool baked =
-      stream.name == "mesh" || stream.name == "vertex_rest" || stream.name == "shell_skin";
-  return baked ? LanesOf::kVertices : LanesOf::kStrands;
+// What a stream's lanes are. A halo's are places that strands refer to.
+inline LanesOf OwnerOf(const StreamDesc& stream) {
+  if (!IsInLayer(stream.domain)) return LanesOf::kNothing;
+  for (const std::string_view other :
+       {"patches", "patch_state", "chunk_state", "halo", "patch_list"})
+    if (stream.name == other) return LanesOf::kNothing;
+  return stream.domain == Domain::kPatch ? LanesOf::kVertices : LanesOf::kStrands;
 }
 
 constexpr uint32_t SizeOf(ElementType type) {
@@ -119,13 +116,12 @@ class Call {
  public:
   Call(const Frame& frame, const Stage& stage, uint32_t item)
       : memory_(*frame.memory), stage_(stage), item_(item), ports_(stage.kernel.ports.size()) {
-    const uint32_t kind = memory_.shape->layer_kind[memory_.shape->chunk_layer[item]];
     for (const PortDesc& port : stage.kernel.ports)
       if (IsWritten(port.access)) {
-        const LanesOf owner = OwnerOf(DescribeStream(port.stream), kind);
+        const LanesOf owner = OwnerOf(DescribeStream(port.stream));
         if (owner != LanesOf::kNothing) lanes_of_ = owner;
       }
-    for (size_t p = 0; p < ports_.size(); ++p) Load(stage.kernel.ports[p], kind, ports_[p]);
+    for (size_t p = 0; p < ports_.size(); ++p) Load(stage.kernel.ports[p], ports_[p]);
     FindClasses();
   }
 
@@ -184,21 +180,24 @@ class Call {
   }
 
  private:
-  void Load(const PortDesc& desc, uint32_t kind, Port& port) {
+  uint32_t Layer() const { return memory_.shape->LayerOf(stage_.domain, item_); }
+
+  void Load(const PortDesc& desc, Port& port) {
     const StreamDesc& stream = DescribeStream(desc.stream);
     port.stream = stream.name;
-    port.main = BindPort(desc, memory_, Domain::kChunk, item_);
+    port.main = BindPort(desc, memory_, stage_.domain, item_);
     port.written = IsWritten(desc.access);
     const bool gathers = desc.access == Access::kGather;
-    port.moves = gathers || (OwnerOf(stream, kind) == lanes_of_ && HasLanes());
+    // What is gathered lies as its list does.
+    const LanesOf owner = OwnerOf(gathers ? DescribeStream(desc.record_list) : stream);
+    port.moves = owner == lanes_of_ && HasLanes();
     if (!port.moves && !port.written) return;
     port.given.resize((size_t(desc.block_bytes) * port.main.count + sizeof(Line) - 1) /
                       sizeof(Line));
     if (gathers) {
       // As a local store has them: in the order of the list.
       port.rows = {{stream.name, 0, desc.block_bytes, kLanes, 1, kLanes}};
-      const uint32_t records =
-          memory_.shape->LayerChunks(memory_.shape->chunk_layer[item_]) * kLanes;
+      const uint32_t records = memory_.shape->LayerItems(desc.domain, Layer()) * kLanes;
       for (uint32_t i = 0; i < kLanes; ++i)
         if (port.main.index[i] < records)
           std::memcpy(At(port.given) + size_t(i) * desc.block_bytes,
@@ -216,10 +215,11 @@ class Call {
 
   // Lanes that a kernel treats alike: controls, old ones, new ones, and those that do not live.
   void FindClasses() {
-    const auto& state = *memory_.Of<&Streams::chunk_state>(item_);
-    const auto& layer = *memory_.Of<&Streams::layers>(memory_.shape->chunk_layer[item_]);
+    const bool vertices = stage_.domain == Domain::kPatch;
+    const auto& state = vertices ? *memory_.Of<&Streams::patch_state>(item_)
+                                 : *memory_.Of<&Streams::chunk_state>(item_);
+    const auto& layer = *memory_.Of<&Streams::layers>(Layer());
     std::set<uint32_t> ends = {0, kLanes};
-    const bool vertices = lanes_of_ == LanesOf::kVertices;
     ends.insert(std::min(kLanes, vertices ? state.first_new_vertex : state.first_new_strand));
     ends.insert(std::min(kLanes, vertices ? state.live_vertices : state.live_strands));
     for (const Port& port : ports_)
@@ -265,7 +265,7 @@ class Call {
       if (!port.moves) {
         if (whole &&
             std::memcmp(At(port.found), At(port.base), port.found.size() * sizeof(Line)) != 0)
-          ADD_FAILURE() << what << ": what it says of the chunk, " << port.stream;
+          ADD_FAILURE() << what << ": what it says of the whole, " << port.stream;
         continue;
       }
       std::vector<bool> sure(kLanes);

@@ -2,9 +2,10 @@
 // on no width of a vector. A kernel may ask what any lane of a group wants, but only to leave out
 // work (core/kernels/README.md lists where, and why it cannot be seen).
 //
-// Scenes of random layers run with all that touches fur. Before a stage runs, now and then its
-// chunk's lanes are put in another order, or each beside copies of itself alone; every instruction
-// set's kernel runs on that, and each lane gets the bits that it got in its own place.
+// Scenes of random layers run with all that touches fur. Before a stage runs, now and then the
+// lanes of its patch or chunk are put in another order, or each beside copies of itself alone;
+// every instruction set's kernel runs on that, and each lane gets the bits that it got in its own
+// place.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,11 +26,11 @@ namespace {
 
 using namespace testing;
 
-constexpr uint32_t kOrders = 6;        // of a chunk's lanes, each time a stage is looked at
+constexpr uint32_t kOrders = 6;        // of the lanes, each time a stage is looked at
 constexpr uint32_t kAlone = 3;         // and each group made of one of its lanes
 constexpr uint32_t kLeastDraws = 100;  // of the neighbours of each lane, for every kernel
 
-// Serial; looks at each stage on one chunk or none of every frame.
+// Serial; looks at each stage on one patch or chunk or none of every frame.
 class LaneExecutor final : public Executor {
  public:
   explicit LaneExecutor(uint64_t seed, std::string scene)
@@ -56,7 +57,7 @@ class LaneExecutor final : public Executor {
   void RunStage(const Frame& frame, uint32_t number, uint32_t item, Bit&& seen) {
     const Stage& stage = frame.plan->stages[number];
     if (!IsWanted(stage, *frame.memory, item)) return;
-    if (!seen && stage.domain == Domain::kChunk && IsByLane(stage.kernel) &&
+    if (!seen && IsInLayer(stage.domain) && IsByLane(stage.kernel) &&
         !::testing::Test::HasFailure())
       seen = Look(frame, stage, item);
     Binding bindings[kMaxPorts];
@@ -71,8 +72,8 @@ class LaneExecutor final : public Executor {
     uint32_t& draws = Draws()[std::string(stage.kernel.name)];
     // Every kernel often enough, and what every scene has no oftener than need be.
     if (draws >= kLeastDraws && random_.Below(8) != 0) return true;
-    const std::string what =
-        fmt::format("{}, frame {}, {}, chunk {}", scene_, frame_ - 1, stage.kernel.name, item);
+    const std::string what = fmt::format("{}, frame {}, {}, {} {}", scene_, frame_ - 1,
+                                         stage.kernel.name, DomainName(stage.domain), item);
     Places own(kLanes);
     std::iota(own.begin(), own.end(), 0u);
     call.Try(own, true, what + ", as it is");
@@ -145,7 +146,8 @@ TEST(Lanes, DependOnThemselvesAlone) {
 #endif
   if (HasFailure()) return;
   for (const FrameRow& row : FindKernels(Isa::kReference)->rows) {
-    if (row.domain != Domain::kChunk || !IsByLane(row.kernel) || row.kernel.name == "activate")
+    // The three that activate write no lanes.
+    if (!IsInLayer(row.domain) || !IsByLane(row.kernel) || row.kernel.name.starts_with("activate"))
       continue;
     EXPECT_GE(LaneExecutor::Draws()[std::string(row.kernel.name)], kLeastDraws) << row.kernel.name;
   }

@@ -353,7 +353,8 @@ static_assert(CanWriteDereferenced<Out<&Toys::keys>>);
 static_assert(!CanWriteDereferenced<In<&Toys::keys>> && !CanWriteDereferenced<Shared<&Toys::keys>>);
 static_assert(CanWriteIndexed<AllOut<&Toys::keys>> && CanWriteIndexed<AllInOut<&Toys::keys>>);
 static_assert(!CanWriteIndexed<All<&Toys::keys>> &&
-              !CanWriteRecord<Gather<&Toys::pairs_a, &Toys::order>>);
+              !CanWriteRecord<Gather<&Toys::pairs_a, &Toys::order>> &&
+              !CanWriteIndexed<GatherBlocks<&Toys::keys, &Toys::order>>);
 
 }  // namespace
 }  // namespace pelt

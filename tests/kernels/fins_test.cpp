@@ -129,6 +129,30 @@ TEST(SelectFins, SameFadesOnEveryVectorAndNoneOfTrianglesThatDoNotLive) {
   }
 }
 
+// The vertices of a halo lie anywhere in the layer's patches.
+TEST(SelectFins, StandOnVerticesWhereverTheyLie) {
+  constexpr uint32_t kPatches = 3, kPlaces = kPatches * kVerticesPerChunk;
+  Scene scene = MakeScene(64, 9);
+  const FinBlock expected = scene.Run<Ref>();
+  test::Blocks<ShellVertexBlock> patches(kPatches);
+  test::Blocks<HaloBlock> halo(1);
+  for (uint32_t i = 0; i < kVerticesPerChunk; ++i) {
+    const uint32_t place = (i * 101 + 5) % kPlaces;  // each another
+    halo[0].vertex[i] = place;
+    patches[place / kVerticesPerChunk].vertex[place % kVerticesPerChunk] = scene.vertices.vertex[i];
+  }
+  ForEveryVector([&]<class V>(const char* name) {
+    FinBlock found;
+    test::Poison(found);
+    test::RunKernel<SelectFins<V>>(scene.params, {{&scene.state, nullptr, 1},
+                                                  {&scene.triangles, nullptr, 1},
+                                                  {&scene.edges, nullptr, 1},
+                                                  patches.BindList(halo[0].vertex),
+                                                  {&found, nullptr, 1}});
+    EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name;
+  });
+}
+
 // The same on every machine and for ever: a frame's digest is made of these.
 TEST(SelectFins, KeepTheirBits) {
   if (kStrandsPerChunk != 128) GTEST_SKIP() << "the scene is one of 128 lanes";

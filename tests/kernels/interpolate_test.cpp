@@ -1,3 +1,4 @@
+// Interpolate, and the displacements of the chains that its strands follow.
 #include "core/kernels/interpolate.hpp"
 
 #include <gtest/gtest.h>
@@ -5,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/kernels/chain_loads.hpp"
 #include "tests/kernels/chain_scene.hpp"
 
 namespace pelt::test {
@@ -16,6 +18,7 @@ constexpr uint32_t kVertices = kVerticesPerChunk * 3 / 4;
 
 struct Scene {
   ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
+  LoadBlock loads;
 };
 
 // Chains away from their groom by up to `swing` segments.
@@ -25,7 +28,6 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
   std::mt19937 random(seed);
   MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
   s->chains.layer.clump = 0.7f;
-  s->chains.state.live_strands = s->strands.state.live_strands;
   s->chains.state.live_vertices = kVertices;
   StrandBlock& strands = s->strands.strands;
   strands.vertex_count = kVertices;
@@ -48,18 +50,34 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
   return s;
 }
 
-template <class K>
-void RunInterpolate(Scene& s, PointBlock<4>& out) {
+template <class W>
+void RunDisplacements(Scene& s) {
+  std::memset(static_cast<void*>(&s.loads), 0xff, sizeof s.loads);
+  RunKernel<ChainDisplacements<W>>({{&s.chains.layer, nullptr, 1},
+                                    {&s.chains.state, nullptr, 1},
+                                    {&s.chains.rest, nullptr, 1},
+                                    {&s.chains.roots, nullptr, 1},
+                                    {&s.chains.position, nullptr, 1},
+                                    {&s.loads, nullptr, 1}});
+}
+
+template <class W>
+void RunInterpolate(Scene& s, const Binding& loads, PointBlock<4>& out) {
   std::memset(static_cast<void*>(&out), 0xff, sizeof out);
-  RunKernel<K>({{&s.chains.layer, nullptr, 1},
-                {&s.chains.state, nullptr, 1},
-                {&s.strands.strands, nullptr, 1},
-                {&s.strands.rest, nullptr, 1},
-                {&s.chains.rest, nullptr, 1},
-                {&s.strands.roots, nullptr, 1},
-                {&s.chains.roots, nullptr, 1},
-                {&s.chains.position, nullptr, 1},
-                {&out, nullptr, 1}});
+  RunKernel<Interpolate<W>>({{&s.chains.layer, nullptr, 1},
+                             {&s.strands.state, nullptr, 1},
+                             {&s.strands.strands, nullptr, 1},
+                             {&s.strands.rest, nullptr, 1},
+                             {&s.strands.roots, nullptr, 1},
+                             loads,
+                             {&out, nullptr, 1}});
+}
+
+// Of strands whose halo is the patch.
+template <class W>
+void RunKernels(Scene& s, PointBlock<4>& out) {
+  RunDisplacements<W>(s);
+  RunInterpolate<W>(s, {&s.loads, nullptr, 1}, out);
 }
 
 std::vector<D3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
@@ -93,7 +111,7 @@ TEST(Interpolate, MatchesDoubleReference) {
     auto s = MakeScene(seed, 0.4f);
     const bool clump = seed % 2;
     if (clump) s->chains.layer.flags |= kLayerClump;
-    RunInterpolate<Interpolate<V>>(*s, *out);
+    RunKernels<V>(*s, *out);
     for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
       const auto reference = Reference(*s, lane, clump && lane >= 16 ? out.get() : nullptr);
       for (int i = 0; i < 3; ++i)
@@ -104,10 +122,32 @@ TEST(Interpolate, MatchesDoubleReference) {
   }
 }
 
+// How far each point is from the groom, per metre of chain; of the vertices that live, in groups.
+TEST(ChainDisplacements, AreTheDoubleReference) {
+  for (const uint32_t live : {1u, 17u, kVertices}) {
+    auto s = MakeScene(live, 0.4f);
+    s->chains.state.live_vertices = live;
+    RunDisplacements<V>(*s);
+    for (uint32_t vertex = 0; vertex < live; ++vertex) {
+      const auto groom = GroomOf(s->chains.rest, s->chains.roots, vertex);
+      const double length = s->chains.rest.segment_length[vertex];
+      for (int i = 0; i < 3; ++i) {
+        const float(&part)[4] = s->loads.vertex[vertex].part[i];
+        const D3 off = (At(s->chains.position.position[i], vertex) - groom[i]) * (1.0 / length);
+        EXPECT_LT(Length(D3{part[0], part[1], part[2]} - off), 1e-4 + 5e-7 / length)
+            << "vertex " << vertex << " point " << i + 1;
+        EXPECT_EQ(part[3], 0.0f);
+      }
+    }
+    for (uint32_t vertex = RoundUpToLaneGroups(live); vertex < kVerticesPerChunk; ++vertex)
+      EXPECT_TRUE(std::isnan(s->loads.vertex[vertex].part[0][0])) << "wrote a dead lane";
+  }
+}
+
 TEST(Interpolate, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
   auto s = MakeScene(5, 0.0f);
   auto out = std::make_unique<PointBlock<4>>();
-  RunInterpolate<Interpolate<V>>(*s, *out);
+  RunKernels<V>(*s, *out);
   for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane) {
     const auto groom = GroomOf(s->strands.rest, s->strands.roots, lane);
     for (int i = 0; i < 3; ++i)
@@ -120,7 +160,7 @@ TEST(Interpolate, SegmentsKeepTheirLength) {
   for (uint32_t seed = 1; seed <= 10; ++seed) {
     auto s = MakeScene(seed, 1.5f);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
-    RunInterpolate<Interpolate<V>>(*s, *out);
+    RunKernels<V>(*s, *out);
     s->strands.position = *out;
     EXPECT_LT(StretchOf(s->strands).first, 1e-4);
   }
@@ -132,20 +172,44 @@ TEST(Interpolate, DegenerateStrandsStayFinite) {
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
     s->chains.rest.segment_length[lane] = 0.0f;
   auto out = std::make_unique<PointBlock<4>>();
-  RunInterpolate<Interpolate<V>>(*s, *out);
+  RunKernels<V>(*s, *out);
   for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
     for (int i = 0; i < 3; ++i)
       EXPECT_TRUE(std::isfinite(Length(At(out->position[i], lane)))) << lane;
 }
 
+// The vertices of a halo lie anywhere in the layer's patches.
+TEST(Interpolate, FollowsVerticesWhereverTheyLie) {
+  constexpr uint32_t kPatches = 3, kPlaces = kPatches * kVerticesPerChunk;
+  auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
+  for (uint32_t seed = 1; seed <= 4; ++seed) {
+    auto s = MakeScene(seed, 0.5f);
+    RunKernels<V>(*s, *wanted);
+    Blocks<LoadBlock> patches(kPatches);
+    Blocks<HaloBlock> halo(1);
+    for (uint32_t i = 0; i < kVertices; ++i) {
+      const uint32_t place = (i * 101 + seed) % kPlaces;  // each another
+      halo[0].vertex[i] = place;
+      patches[place / kVerticesPerChunk].vertex[place % kVerticesPerChunk] = s->loads.vertex[i];
+    }
+    ForEveryVector([&]<class W>(const char* name) {
+      RunInterpolate<W>(*s, patches.BindList(halo[0].vertex), *got);
+      EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
+    });
+  }
+}
+
 TEST(Interpolate, SameBitsOnEveryVector) {
+  auto loads = std::make_unique<LoadBlock>();
   auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     auto s = MakeScene(seed, 0.5f);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
-    RunInterpolate<Interpolate<V>>(*s, *wanted);
+    RunKernels<V>(*s, *wanted);
+    *loads = s->loads;
     ForEveryVector([&]<class W>(const char* name) {
-      RunInterpolate<Interpolate<W>>(*s, *got);
+      RunKernels<W>(*s, *got);
+      EXPECT_EQ(std::memcmp(loads.get(), &s->loads, sizeof *loads), 0) << name << " " << seed;
       EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
     });
   }

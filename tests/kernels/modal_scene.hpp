@@ -1,4 +1,4 @@
-// One chunk of modal chains driven by hand: what the modal solver's tests share.
+// One chunk or patch of modal chains driven by hand: what the modal solver's tests share.
 #pragma once
 
 #include <algorithm>
@@ -83,7 +83,8 @@ struct ModalScene {
   ModalStateBlock<kNodes> chain;
   PointBlock<kPoints> position;
   FrameTimes times{};
-  uint32_t flags = 0;  // ChunkFlag of frames after the first
+  uint32_t flags = 0;        // ChunkFlag of frames after the first
+  bool at_vertices = false;  // chains of 4 points: a patch's, which are state and no points
 
   explicit ModalScene(const ModalMaterial& m, uint32_t lanes = kStrandsPerChunk)
       : material(MakeModalLayer(m)) {
@@ -137,11 +138,22 @@ struct ModalScene {
   // The kernel as it is built for an instruction set: compiling it again for each test takes
   // minutes.
   void Run(Isa isa) {
+    if (at_vertices) return RunAtVertices(isa);
     const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
     const Binding bindings[] = {one(layer), one(table),   one(state), one(rest),    one(roots),
                                 one(wind),  one(strands), one(chain), one(position)};
     const KernelDesc& kernel = *FindKernels(isa)->Find(
         ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5", "simulate_modal_9"));
+    ASSERT_EQ(kernel.ports.size(), std::size(bindings));
+    kernel.run(&params, bindings);
+  }
+  void RunAtVertices(Isa isa) {
+    state.live_vertices = state.live_strands;
+    state.first_new_vertex = state.first_new_strand;
+    const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
+    const Binding bindings[] = {one(layer), one(table), one(state), one(rest),
+                                one(roots), one(wind),  one(chain)};
+    const KernelDesc& kernel = *FindKernels(isa)->Find("simulate_modal_vertex");
     ASSERT_EQ(kernel.ports.size(), std::size(bindings));
     kernel.run(&params, bindings);
   }
@@ -154,8 +166,9 @@ struct ModalScene {
         for (int k = 0; k < 3; ++k)
           square += double(chain.direction[i][k][lane]) * chain.direction[i][k][lane];
         const double velocity = double(chain.velocity[i][0][lane]) + chain.velocity[i][1][lane] +
-                                chain.velocity[i][2][lane] + position.position[i][0][lane];
-        if (!std::isfinite(velocity)) return INFINITY;
+                                chain.velocity[i][2][lane];
+        const double place = at_vertices ? 0.0 : double(position.position[i][0][lane]);
+        if (!std::isfinite(velocity + place)) return INFINITY;
         worst = std::max(worst, std::fabs(std::sqrt(square) - 1.0));
       }
     return worst;

@@ -19,7 +19,7 @@ using test::RunOnBlocks;
 using test::Uniform;
 
 struct Scene {
-  ChunkStateBlock state{};
+  ChunkStateBlock state{};  // of the chunk, and of its vertices' patch
   StrandBlock strands{};
   SkinnedBlock skinned{};
   RootBlock roots;
@@ -123,6 +123,29 @@ TEST(Roots, SameBitsOnEveryVectorForAnyLiveCount) {
         ASSERT_EQ(BitsOf(scene->roots.position[0][s]), 0xffffffffu) << "wrote a dead lane";
     });
   }
+}
+
+// The vertices of a halo lie anywhere in the layer's patches.
+TEST(Roots, StandOnVerticesWhereverTheyLie) {
+  constexpr uint32_t kPatches = 3, kPlaces = kPatches * kVerticesPerChunk;
+  const auto scene = MakeScene(50, kVerticesPerChunk, 7);
+  scene->RunRoots<ArrayVec<4>>();
+  test::Blocks<SkinnedBlock> patches(kPatches);
+  test::Blocks<HaloBlock> halo(1);
+  for (uint32_t i = 0; i < kVerticesPerChunk; ++i) {
+    const uint32_t place = (i * 101 + 5) % kPlaces;  // each another
+    halo[0].vertex[i] = place;
+    patches[place / kVerticesPerChunk].vertex[place % kVerticesPerChunk] = scene->skinned.vertex[i];
+  }
+  ForEveryVector([&]<class V>(const char* name) {
+    RootBlock found;
+    test::Poison(found);
+    test::RunKernel<Roots<V>>({{&scene->state, nullptr, 1},
+                               {&scene->strands, nullptr, 1},
+                               patches.BindList(halo[0].vertex),
+                               {&found, nullptr, 1}});
+    EXPECT_EQ(std::memcmp(&found, &scene->roots, sizeof found), 0) << name;
+  });
 }
 
 TEST(Roots, CancellingNormalsGiveAUnitFrame) {

@@ -107,9 +107,47 @@ TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
 TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
 TEST(SimulateModal, SameBitsOnEverySet9Points) { ExpectSameOnEverySet<9>(); }
 
-std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0) {
+// Chains at mesh vertices have the state of strands that nobody clumps, and no points.
+void ExpectStrandsStateAtVertices(const BusyLayer& layer, ModalQuality quality) {
+  const auto strands = MakeBusyScene<4>(layer);
+  strands->quality = quality;
+  std::vector<std::pair<Isa, std::unique_ptr<ModalScene<4>>>> sets;
+  for (const Isa isa : kAllIsas) {
+    if (!FindKernels(isa)) continue;
+    sets.emplace_back(isa, MakeBusyScene<4>(layer));
+    sets.back().second->quality = quality;
+    sets.back().second->at_vertices = true;
+  }
+  const PointBlock<4> untouched = strands->position;
+  for (uint32_t frame = 0; frame < 40; ++frame) {
+    RunBusyFrame(frame, Isa::kReference, *strands);
+    for (auto& [isa, s] : sets) {
+      RunBusyFrame(frame, isa, *s);
+      ASSERT_LT(s->Stretch(), 1e-5) << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(0, std::memcmp(&strands->chain, &s->chain, sizeof s->chain))
+          << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(sets[0].second->state.state_changed, s->state.state_changed)
+          << IsaName(isa) << ", frame " << frame;
+      ASSERT_EQ(0, std::memcmp(&untouched, &s->position, sizeof untouched)) << IsaName(isa);
+    }
+  }
+}
+
+TEST(SimulateModal, SameBitsOnEverySetAtVertices) {
+  for (const BusyLayer& layer : kBusyLayers)
+    for (const ModalQuality quality :
+         {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest}) {
+      if (layer.clump) continue;
+      SCOPED_TRACE(testing::Message()
+                   << "layer " << &layer - kBusyLayers << ", quality " << int(quality));
+      ExpectStrandsStateAtVertices(layer, quality);
+    }
+}
+
+std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0, bool at_vertices = false) {
   auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 5.0, 0.05, 6.0));
   s->layer.flags |= layer_flags;
+  s->at_vertices = at_vertices;
   s->params.rest_threshold = kRestThreshold;
   int frames = 0;
   do {
@@ -119,8 +157,8 @@ std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0) {
   return s;
 }
 
-TEST(SimulateModal, StillSceneReachesAFixedPoint) {
-  auto s = RestingScene();
+void ExpectAFixedPoint(bool at_vertices) {
+  auto s = RestingScene(0, at_vertices);
   const auto chain = s->chain;
   const auto position = s->position;
   s->Step(kDt);
@@ -137,6 +175,9 @@ TEST(SimulateModal, StillSceneReachesAFixedPoint) {
   s->Step(kDt);
   EXPECT_EQ(s->state.state_changed, 1u);
 }
+
+TEST(SimulateModal, StillSceneReachesAFixedPoint) { ExpectAFixedPoint(false); }
+TEST(SimulateModal, StillSceneAtVerticesReachesAFixedPoint) { ExpectAFixedPoint(true); }
 
 // Of the lane groups some change whole, some in part, some not at all.
 bool IsTouched(uint32_t lane) { return lane < 32 ? lane % 3 == 0 : lane < 64; }

@@ -158,9 +158,9 @@ TEST(Skin, TouchesOnlyTheLiveGroups) {
     EXPECT_EQ(std::memcmp(&scene->skinned.vertex[v], &before.vertex[v], sizeof(SkinnedVertex)), 0);
 }
 
-// The same vertex in two chunks: other neighbours, so other rows, all of weight 0 for it, in front
+// The same vertex in two patches: other neighbours, so other rows, all of weight 0 for it, in front
 // of, between and behind its own.
-TEST(Skin, BorderVerticesGetTheSameBitsInEveryChunk) {
+TEST(Skin, AVertexDoesNotDependOnWhomItSharesItsPatchWith) {
   ForEveryVector([&]<class V>(const char* name) {
     SCOPED_TRACE(name);
     for (uint32_t round = 0; round < 200; ++round) {
