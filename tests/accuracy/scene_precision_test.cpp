@@ -8,6 +8,8 @@
 #include <string>
 
 #include "bench/accuracy/scene_points.hpp"
+#include "core/character/pose.hpp"
+#include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
 
 namespace pelt::accuracy {
@@ -144,6 +146,43 @@ TEST(ScenePrecision, OwnChainsMakeAGroomWithoutVertices) {
   EXPECT_TRUE(groom.vertex_rest.empty());
   EXPECT_FALSE(GiveOwnChains(groom));
   EXPECT_EQ(FindGroomFault(groom, "tiny"), "");
+}
+
+// Of sag-free layers, which way is down at each strand comes from the vertices: about what a bake
+// of chains of their own gives, layer by layer.
+TEST(ScenePrecision, OwnChainsKnowWhichWayIsDown) {
+  const Scenario scenario = LoadScenario("tiny");
+  const Character& character = scenario.characters[scenario.actors[0].character];
+  const auto layer = [](std::string_view name, std::string_view keys) {
+    return "[[layer]]\nname = '" + std::string(name) + "'\ndensity = 20_000\n" + std::string(keys);
+  };
+  const std::string held = "solver = 'modal'\nsag_free = true\n";
+  FurSetup setup = ReadFurSetup(
+      layer("own", "chain = 'strand'\nmax_strands = 150\n" + held) +
+          layer("coat", "max_strands = 300\n" + held) + layer("shells", "output = 'shells'\n") +
+          layer("loose", "max_strands = 200\n") + layer("ruff", "max_strands = 250\n" + held),
+      "held", ".");
+  const float unit = scenario.grooms[scenario.actors[0].groom].unit_scale;
+  const RestGeometry rest = ComputeRestGeometry(character, unit);
+  Groom groom = BakeGroom(character, rest, setup, unit);
+  ASSERT_FALSE(groom.vertex_down.empty());
+  EXPECT_TRUE(GiveOwnChains(groom));
+  EXPECT_EQ(FindGroomFault(groom, "held"), "");
+  EXPECT_TRUE(groom.vertex_down.empty());
+  for (LayerSetup& own : setup.layers)
+    if (own.params.output != Output::kShells) own.params.chain = ChainKind::kStrand;
+  const Groom baked = BakeGroom(character, rest, setup, unit);
+  ASSERT_EQ(groom.strand_down.size(), baked.strand_down.size());
+  size_t near = 0, all = 0;
+  for (size_t c = 0; c < baked.strand_down.size(); ++c)
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane, ++all) {
+      double cosine = 0.0;
+      for (int axis = 0; axis < 3; ++axis)
+        cosine += double(groom.strand_down[c].down[axis][lane]) *
+                  double(baked.strand_down[c].down[axis][lane]);
+      near += cosine > 0.95;
+    }
+  EXPECT_GT(double(near), 0.9 * double(all));
 }
 
 ScenePrecisionRow Made(double simulate_ns, double frame_ns, double error, SceneWay way = {}) {

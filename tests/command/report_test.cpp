@@ -79,13 +79,17 @@ TEST(Report, RunAccountsForEveryItemOfEveryFrame) {
   uint64_t bytes = 0;
   for (const MemoryRange& range : report.layout.ranges) bytes += range.bytes;
   EXPECT_EQ(bytes, report.layout.total_bytes);
+  double patches = 0.0, chunks = 0.0;
   for (const StageBudget& stage : report.budget.stages) {
-    if (stage.name != "activate") continue;
-    EXPECT_EQ(stage.ran, double(report.chunks));
+    const bool of_patches = stage.name == "activate_patch";
+    if (!of_patches && stage.name != "activate" && stage.name != "activate_followers") continue;
+    (of_patches ? patches : chunks) += stage.ran;
     EXPECT_EQ(stage.skipped, 0.0);
     EXPECT_GT(stage.bytes, 0.0);
     EXPECT_GT(stage.core_ms.median, 0.0);
   }
+  EXPECT_EQ(patches, double(running.scene().shape().patch_count));
+  EXPECT_EQ(chunks, double(report.chunks));
   EXPECT_GE(report.budget.wall_ms.worst, report.budget.wall_ms.median);
 }
 

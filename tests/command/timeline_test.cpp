@@ -117,11 +117,18 @@ TEST_P(TimelineOf, HasEveryItemThatRanOnceAndInItsPass) {
         EXPECT_LE(record.runs[r].end_ticks, item.end_ticks);
       }
     }
-    // activate and write_instances gate nothing and something: the one runs on every chunk.
-    uint32_t activated = 0;
-    for (const FrameRecord::StageRun& stage : record.runs)
-      activated += scene.plan().stages[stage.stage].kernel.name == "activate";
-    EXPECT_EQ(activated, scene.shape().chunk_count);
+    // What activates has no gate: it runs on every patch, and one of the two of chunks on each.
+    uint32_t patches = 0, chunks = 0, followers = 0;
+    for (const FrameRecord::StageRun& stage : record.runs) {
+      const std::string_view name = scene.plan().stages[stage.stage].kernel.name;
+      patches += name == "activate_patch";
+      chunks += name == "activate";
+      followers += name == "activate_followers";
+    }
+    EXPECT_EQ(patches, scene.shape().patch_count);
+    EXPECT_EQ(chunks + followers, scene.shape().chunk_count);
+    EXPECT_GT(chunks, 0u);
+    EXPECT_GT(followers, 0u);
   }
 }
 
@@ -207,6 +214,8 @@ TEST(Timeline, DependenciesFollowThePorts) {
     });
   };
   EXPECT_TRUE(has(found, "joint_palette", "skin", StreamOf<&Streams::palette>));
+  EXPECT_TRUE(has(found, "skin", "roots", StreamOf<&Streams::skinned>));
+  EXPECT_TRUE(has(found, "activate_patch", "activate_followers", StreamOf<&Streams::patch_state>));
   EXPECT_TRUE(has(found, "bound_layer", "order_layers", StreamOf<&Streams::bounds>));
   EXPECT_TRUE(has(found, "collect_changes", "write_instances", StreamOf<&Streams::layer_sort>));
   EXPECT_TRUE(has(found, "sort_layer", "write_instances", StreamOf<&Streams::order>));
@@ -214,7 +223,7 @@ TEST(Timeline, DependenciesFollowThePorts) {
   for (const PassDependency& d : found) {
     EXPECT_LT(d.producer, d.consumer);
     EXPECT_NE(d.stream, StreamOf<&Streams::pose>);
-    EXPECT_NE(d.stream, StreamOf<&Streams::skinned>);
+    EXPECT_NE(d.stream, StreamOf<&Streams::anchors>);
   }
   // A pass that did not run gives and takes nothing.
   std::vector<bool> unsorted = all;

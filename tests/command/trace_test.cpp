@@ -233,7 +233,7 @@ TEST(StageDigests, EveryValueBlockIsInExactlyOneLine) {
       if (desc.role != Role::kValue) continue;
       for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
         std::byte* block = running.scene().memory().Block(Stream(s), i);
-        const uint32_t at = desc.domain == Domain::kChunk ? i : 0;
+        const uint32_t at = IsInLayer(desc.domain) ? i : 0;
         if (!block || running.scene().LiveLanes(Stream(s), at) == 0) continue;
         const uint32_t byte = desc.rows[0].offset_bytes;  // of the first lane
         block[byte] ^= std::byte{1};
@@ -275,6 +275,34 @@ TEST(StageDigests, AFaultIsNamedAtTheStageOfItsLayersKind) {
   const auto found = FindDifference(a, b);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->place[1].second, five ? "simulate_verlet_5" : "simulate_verlet_4");
+}
+
+// What is a patch's belongs to the stage of its layer's kind too, whatever chunk has its number.
+TEST(StageDigests, AFaultOfAPatchIsNamedAtTheStageOfItsLayersKind) {
+  Scenario tiny = LoadScenario("tiny");
+  RunningScenario good(tiny, {}), bad(tiny, {});
+  for (RunningScenario* running : {&good, &bad}) {
+    running->Begin(0);
+    SerialExecutor().Run(running->scene().CurrentFrame());
+  }
+  const SceneShape& shape = bad.scene().shape();
+  const StageDigests stages(good.scene());
+  for (const bool modal : {false, true}) {
+    uint32_t patch = 0;
+    while (!(shape.layer_kind[shape.patch_layer[patch]] & kLayerVertexChains) ||
+           ((shape.layer_kind[shape.patch_layer[patch]] & kLayerModal) != 0) != modal)
+      ++patch;
+    std::byte& spoilt = *bad.scene().memory().Block(StreamOf<&Streams::vertex_loads>, patch);
+    spoilt ^= std::byte{1};
+    DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;
+    stages.AddFrame(good.scene(), a);
+    stages.AddFrame(bad.scene(), b);
+    spoilt ^= std::byte{1};
+    const auto found = FindDifference(a, b);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->place[1].second, modal ? "chain_loads" : "chain_displacements");
+    EXPECT_EQ(found->place[2].second, "vertex_loads");
+  }
 }
 
 // The log of a sort in pieces lists other stages; what both list is the same.

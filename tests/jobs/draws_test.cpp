@@ -56,7 +56,8 @@ TEST(Draws, AreTheDrawListWithVerticesOfEveryOutput) {
       EXPECT_EQ(draw.strand_count, 0u);
       EXPECT_FALSE(draw.shells.shell.empty());
       EXPECT_EQ(draw.vertices.size(), draw.shells.skin.size() * sizeof(ShellVertexBlock));
-      EXPECT_EQ(draw.shells.fins.size(), draw.shells.skin.size());
+      EXPECT_EQ(draw.shells.fins.size(), draw.shells.triangles.size());
+      EXPECT_EQ(draw.shells.halo.size(), draw.shells.triangles.size());
       EXPECT_GT(WriteFins(draw.shells, {}), 0u);
       strands += WriteShellIndices(draw.shells, {}) / 3;
       continue;

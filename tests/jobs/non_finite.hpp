@@ -23,11 +23,14 @@ inline std::string FindNonFinite(const FurScene& scene) {
         const size_t per_record = row.element_count / row.lane_count;
         for (uint32_t e = 0; e < row.element_count; ++e) {
           const size_t lane = row.lane_major ? e / per_record : e % row.lane_count;
-          if (desc.domain == Domain::kChunk && lane >= lanes) continue;
+          if (IsInLayer(desc.domain) && lane >= lanes) continue;
           // Words of records: those that hold a float.
           bool is_float = row.type == ElementType::kFloat;
           const size_t word = e % per_record;
-          if (Stream(s) == StreamOf<&Streams::skinned>) is_float = true;
+          if (Stream(s) == StreamOf<&Streams::skinned> ||
+              Stream(s) == StreamOf<&Streams::vertex_rates> ||
+              Stream(s) == StreamOf<&Streams::vertex_loads>)
+            is_float = true;
           if (Stream(s) == StreamOf<&Streams::curves> || Stream(s) == StreamOf<&Streams::instances>)
             is_float = word < 12 || word == 14;
           if (Stream(s) == StreamOf<&Streams::ribbons>) is_float = word < 15 || word == 17;

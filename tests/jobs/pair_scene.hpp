@@ -24,10 +24,9 @@ inline uint64_t DigestCharacter(const FurScene& scene, uint32_t character) {
     const StreamDesc& desc = DescribeStream(Stream(s));
     if (desc.role != Role::kValue || desc.domain == Domain::kScene) continue;
     for (uint32_t i = 0; i < shape.ItemCount(desc.domain); ++i) {
-      const uint32_t owner = desc.domain == Domain::kCharacter ? i
-                             : desc.domain == Domain::kLayer
-                                 ? shape.layer_character[i]
-                                 : shape.layer_character[shape.chunk_layer[i]];
+      const uint32_t owner = desc.domain == Domain::kCharacter
+                                 ? i
+                                 : shape.layer_character[shape.LayerOf(desc.domain, i)];
       const std::byte* block = scene.memory().Block(Stream(s), i);
       if (owner != character || !block) continue;
       AddBlock(digest, desc, block, scene.LiveLanes(Stream(s), i));

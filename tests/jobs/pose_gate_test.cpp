@@ -140,10 +140,15 @@ TEST(PoseGate, ACharacterWithoutAPoseStandsAsItWasBound) {
   for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
 }
 
-// Chunks of a character that start from their groom in the last frame, and all it has.
+// Patches and chunks of a character that start from their groom in the last frame, and all it has.
 std::pair<uint32_t, uint32_t> CountStarts(const FurScene& scene, uint32_t character) {
   const SceneShape& shape = scene.shape();
   uint32_t starts = 0, all = 0;
+  for (uint32_t p = 0; p < shape.patch_count; ++p) {
+    if (shape.layer_character[shape.patch_layer[p]] != character) continue;
+    ++all;
+    starts += (scene.memory().Of<&Streams::patch_state>(p)->flags & kChunkRestart) != 0;
+  }
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     if (shape.layer_character[shape.chunk_layer[c]] != character) continue;
     ++all;

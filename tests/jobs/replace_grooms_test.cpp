@@ -122,6 +122,45 @@ TEST(ReplaceGrooms, TheSameOnesChangeNoBit) {
   }
 }
 
+// Those that got what they had go on as if they had not slept; those that changed are skinned
+// again.
+TEST(ReplaceGrooms, NoPatchAndNoChunkSleepsThroughIt) {
+  Scenario scenario = RestingScenario(6);
+  RunningScenario running(scenario, {});
+  const FurScene& scene = running.scene();
+  uint32_t f = 0;
+  const auto run = [&] {
+    running.Begin(f++);
+    ASSERT_EQ(SerialExecutor().Run(running.scene().CurrentFrame()), nullptr);
+  };
+  const auto fall_asleep = [&] {
+    for (uint32_t most = f + 2000; f < most;) {
+      run();
+      if (CountAsleep(scene) == scene.shape().chunk_count) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(fall_asleep());
+  ASSERT_EQ(CountPatches(scene, kChunkVisible, kChunkSimulate), scene.shape().patch_count);
+  ASSERT_TRUE(running.scene().ReplaceGrooms(scenario.ActorGrooms()));
+  run();
+  EXPECT_EQ(CountPatches(scene, kChunkSimulate), scene.shape().patch_count);
+  EXPECT_EQ(CountChunks(scene, kChunkSimulate), scene.shape().chunk_count);
+  EXPECT_EQ(CountPatches(scene, kChunkSkin), 0u);
+  EXPECT_EQ(CountChunks(scene, kChunkSkin), 0u);
+
+  ASSERT_TRUE(fall_asleep());
+  Scenario changed = scenario;
+  for (float& strength : changed.grooms[0].vertex_rest[0].strength) strength *= 0.5f;
+  ASSERT_EQ(changed.grooms[0].layers[0].params.chain, ChainKind::kVertex);
+  ASSERT_TRUE(running.scene().ReplaceGrooms(changed.ActorGrooms()));
+  run();
+  EXPECT_EQ(CountPatches(scene, kChunkSimulate), scene.shape().patch_count);
+  EXPECT_EQ(CountPatches(scene, kChunkSkin), 1u);
+  EXPECT_NE(scene.memory().Of<&Streams::patch_state>(0)->flags & kChunkSkin, 0u);
+  EXPECT_EQ(CountChunks(scene, kChunkSkin), 0u);
+}
+
 TEST(ReplaceGrooms, TheUnitScale) {
   EXPECT_TRUE(TryChange("unit_scale", [](Groom& groom) { groom.unit_scale *= 0.5f; }));
 }

@@ -54,26 +54,40 @@ TEST(SagFree, HasTheSameBitsOnEveryInstructionSetAndInLocalStores) {
 
 TEST(SagFree, GroomsKeepWhichWayWasDown) {
   const Groom groom = HeldScenario().grooms[0];
-  uint32_t chunks = 0;
-  for (const GroomLayer& layer : groom.layers)
-    if (layer.params.sag_free) chunks += layer.chunk_count;
-  ASSERT_GT(chunks, 2u);
-  ASSERT_EQ(groom.rest_down.size(), chunks);
+  // Where its chains stand: at the vertices, or at the strands.
+  uint32_t patches = 0, chunks = 0;
+  for (const GroomLayer& layer : groom.layers) {
+    if (!layer.params.sag_free) continue;
+    if (layer.params.chain == ChainKind::kVertex)
+      patches += layer.patch_count;
+    else
+      chunks += layer.chunk_count;
+  }
+  ASSERT_GT(patches, 0u);
+  ASSERT_GT(chunks, 1u);
   const auto bytes = WriteGroom(groom).OrThrow();
   const Groom back = ReadGroom(bytes, "g").OrThrow();
-  ASSERT_EQ(back.rest_down.size(), chunks);
-  EXPECT_EQ(std::memcmp(back.rest_down.data(), groom.rest_down.data(), chunks * sizeof(DownBlock)),
-            0);
+  const auto expect_kept = [&](std::vector<DownBlock> Groom::*downs, uint32_t count,
+                               const char* section) {
+    SCOPED_TRACE(section);
+    ASSERT_EQ((groom.*downs).size(), count);
+    ASSERT_EQ((back.*downs).size(), count);
+    EXPECT_EQ(std::memcmp((back.*downs).data(), (groom.*downs).data(), count * sizeof(DownBlock)),
+              0);
 
-  Groom longer = groom;
-  longer.rest_down[1].down[2][3] = 2.0f;
-  EXPECT_NE(FindGroomFault(longer, "g").find("rest_down"), std::string::npos);
-  Groom shorter = groom;
-  for (auto& row : shorter.rest_down[1].down) row[3] *= 0.5f;
-  EXPECT_NE(FindGroomFault(shorter, "g").find("not a direction"), std::string::npos);
-  Groom fewer = groom;
-  fewer.rest_down.pop_back();
-  EXPECT_NE(FindGroomFault(fewer, "g").find("where the layers need"), std::string::npos);
+    Groom longer = groom;
+    (longer.*downs).back().down[2][3] = 2.0f;
+    EXPECT_NE(FindGroomFault(longer, "g").find(section), std::string::npos);
+    Groom shorter = groom;
+    for (auto& row : (shorter.*downs).back().down) row[3] *= 0.5f;
+    EXPECT_NE(FindGroomFault(shorter, "g").find("not a direction"), std::string::npos);
+    EXPECT_NE(FindGroomFault(shorter, "g").find(section), std::string::npos);
+    Groom fewer = groom;
+    (fewer.*downs).pop_back();
+    EXPECT_NE(FindGroomFault(fewer, "g").find("where the layers need"), std::string::npos);
+  };
+  expect_kept(&Groom::vertex_down, patches, "vertex_down");
+  expect_kept(&Groom::strand_down, chunks, "strand_down");
 }
 
 // Of the layers that stand on the chains of the mesh's vertices: every point of every strand.

@@ -1,6 +1,7 @@
 // Courses of a scene: restarts, weather, falling asleep and waking, and that no skip changes a bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jobs/scene.hpp"
@@ -13,27 +14,18 @@ using namespace testing;
 
 // ---- Restarts -----------------------------------------------------------------------------------
 
-constexpr Stream kRestarted[] = {StreamOf<&Streams::skinned>,
-                                 StreamOf<&Streams::anchors>,
-                                 StreamOf<&Streams::roots>,
-                                 StreamOf<&Streams::vertex_points>,
-                                 StreamOf<&Streams::vertex_previous>,
-                                 StreamOf<&Streams::strand_points4>,
-                                 StreamOf<&Streams::strand_previous4>,
-                                 StreamOf<&Streams::strand_points5>,
-                                 StreamOf<&Streams::strand_previous5>,
-                                 StreamOf<&Streams::vertex_modal>,
-                                 StreamOf<&Streams::strand_modal4>,
-                                 StreamOf<&Streams::strand_modal5>,
-                                 StreamOf<&Streams::strand_points9>,
-                                 StreamOf<&Streams::strand_modal9>,
-                                 StreamOf<&Streams::curves>,
-                                 StreamOf<&Streams::ribbons>,
-                                 StreamOf<&Streams::sort_keys>,
-                                 StreamOf<&Streams::order>,
-                                 StreamOf<&Streams::instances>,
-                                 StreamOf<&Streams::ribbon_vertices>,
-                                 StreamOf<&Streams::line_vertices>};
+constexpr Stream kRestarted[] = {
+    StreamOf<&Streams::skinned>,         StreamOf<&Streams::anchors>,
+    StreamOf<&Streams::vertex_loads>,    StreamOf<&Streams::roots>,
+    StreamOf<&Streams::vertex_points>,   StreamOf<&Streams::vertex_previous>,
+    StreamOf<&Streams::strand_points4>,  StreamOf<&Streams::strand_previous4>,
+    StreamOf<&Streams::strand_points5>,  StreamOf<&Streams::strand_previous5>,
+    StreamOf<&Streams::vertex_modal>,    StreamOf<&Streams::strand_modal4>,
+    StreamOf<&Streams::strand_modal5>,   StreamOf<&Streams::strand_points9>,
+    StreamOf<&Streams::strand_modal9>,   StreamOf<&Streams::curves>,
+    StreamOf<&Streams::ribbons>,         StreamOf<&Streams::sort_keys>,
+    StreamOf<&Streams::order>,           StreamOf<&Streams::instances>,
+    StreamOf<&Streams::ribbon_vertices>, StreamOf<&Streams::line_vertices>};
 
 // Holds `scene` after `frame` against a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {
@@ -55,9 +47,11 @@ TEST(FurSceneRestart, TeleportedCharacterStartsFromItsGroom) {
     serial.Run(running.scene().CurrentFrame());
     if (f + 1 == teleport) {
       EXPECT_EQ(CountChunks(running.scene(), kChunkRestart), 0u);
+      EXPECT_EQ(CountPatches(running.scene(), kChunkRestart), 0u);
     }
   }
   EXPECT_EQ(CountChunks(running.scene(), kChunkRestart), running.scene().shape().chunk_count);
+  EXPECT_EQ(CountPatches(running.scene(), kChunkRestart), running.scene().shape().patch_count);
   ExpectLikeAFirstFrame(scenario, teleport, running.scene());
 }
 
@@ -79,6 +73,7 @@ TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
   for (uint32_t f = 5; f < 9; ++f) run(f, true);
   EXPECT_EQ(scene.DrawnStrands(), 0u);
   EXPECT_EQ(scene.LiveStrands(), 0u);
+  EXPECT_EQ(CountPatches(scene, 0, ~0u), scene.shape().patch_count);
   EXPECT_EQ(scene.memory().Of<&Streams::draw_list>(0)->count, 0u);
   run(9, false);
   ExpectLikeAFirstFrame(scenario, 9, scene);
@@ -173,6 +168,8 @@ TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
   EXPECT_EQ(CountChunks(course.scene(), kChunkVisible,
                         kChunkSkin | kChunkSimulate | kChunkFit | kChunkKeys),
             course.scene().shape().chunk_count);
+  EXPECT_EQ(CountPatches(course.scene(), kChunkVisible, kChunkSkin | kChunkSimulate | kChunkFit),
+            course.scene().shape().patch_count);
   for (uint32_t l = 0; l < course.scene().shape().layer_count; ++l) {
     const auto& sort = *course.scene().memory().Of<&Streams::layer_sort>(l);
     EXPECT_EQ(sort.keys_changed | sort.records_changed, 0u);
@@ -214,6 +211,9 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
     in_force.push_back(change);
     course.Run();
     EXPECT_EQ(course.Awake(), all) << name;
+    EXPECT_EQ(CountPatches(course.scene(), kChunkVisible | kChunkSimulate),
+              course.scene().shape().patch_count)
+        << name;
     ASSERT_TRUE(course.FallAsleep(kLongestToRest)) << name;
   }
   // Wind: only layers that answer to it wake, and they stay awake while it blows.
@@ -228,12 +228,100 @@ TEST(FurSceneSleep, WhateverMovesWakesIt) {
   EXPECT_GT(course.Awake(), 0u);
 }
 
+bool IsMovedBy(const uint32_t (&joint_mask)[kJointsPerCharacter / 32], uint32_t joint) {
+  return joint_mask[joint / 32] >> joint % 32 & 1u;
+}
+
+// A joint without another below it, that moves as few patches as any but some; ~0: there is none.
+uint32_t FindJointOfFewPatches(const FurScene& scene) {
+  const auto& parent = scene.memory().Of<&Streams::skeleton>(0)->parent;
+  uint32_t found = ~0u, least = ~0u;
+  for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
+    if (std::find(std::begin(parent), std::end(parent), int32_t(j)) != std::end(parent)) continue;
+    uint32_t patches = 0;
+    for (uint32_t p = 0; p < scene.shape().patch_count; ++p)
+      patches += IsMovedBy(scene.memory().Of<&Streams::patches>(p)->joint_mask, j);
+    if (patches > 0 && patches < least) {
+      found = j;
+      least = patches;
+    }
+  }
+  return found;
+}
+
+// Of the layer's patches those wake that the joint moves, and its chunks with one of these; the
+// others sleep on, with the bits of a scene where none sleeps.
+TEST(FurSceneSleep, PatchesThatNoJointMovesSleepOnWithTheChunksThatListNoOther) {
+  Course lazy{PatchedScenario()}, eager{PatchedScenario()};
+  const FurScene& scene = lazy.scene();
+  ASSERT_EQ(scene.shape().layer_count, 1u);
+  const uint32_t joint = FindJointOfFewPatches(scene);
+  ASSERT_NE(joint, ~0u);
+  float shift = 0.0f;
+  const auto move = [&](FurScene& moved) { moved.Pose(0).translation_key[0][1][joint] += shift; };
+  lazy.change = [&](FrameInput&, FurScene& moved) { move(moved); };
+  eager.change = [&](FrameInput& input, FurScene& moved) {
+    input.skip.sleep = false;
+    move(moved);
+  };
+  const auto run = [&] {
+    lazy.Run();
+    eager.Run();
+    ASSERT_EQ(lazy.scene().DigestFrame(), eager.scene().DigestFrame())
+        << "frame " << lazy.frame - 1;
+  };
+  const auto fall_asleep = [&] {
+    for (uint32_t i = 0; i < kLongestToRest && !::testing::Test::HasFatalFailure(); ++i) {
+      run();
+      if (lazy.Awake() == 0) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(fall_asleep()) << lazy.Awake() << " chunks still awake";
+
+  shift = 0.005f;
+  run();
+  const FrameMemory& memory = scene.memory();
+  const auto is_awake = [](const ChunkStateBlock& state) {
+    return (state.flags & kChunkSimulate) != 0;
+  };
+  uint32_t awake = 0;
+  for (uint32_t p = 0; p < scene.shape().patch_count; ++p) {
+    const bool reached = IsMovedBy(memory.Of<&Streams::patches>(p)->joint_mask, joint);
+    EXPECT_EQ(is_awake(*memory.Of<&Streams::patch_state>(p)), reached) << "patch " << p;
+    awake += reached;
+  }
+  EXPECT_GT(awake, 0u);
+  EXPECT_LT(awake, scene.shape().patch_count);
+  awake = 0;
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
+    const auto& list = memory.Of<&Streams::patch_list>(c)->patch;
+    ASSERT_EQ(list[kListedPatches], ~0u);
+    bool lists_one = false;
+    for (const uint32_t patch : list)
+      if (patch != ~0u) lists_one |= is_awake(*memory.Of<&Streams::patch_state>(patch));
+    EXPECT_EQ(is_awake(*memory.Of<&Streams::chunk_state>(c)), lists_one) << "chunk " << c;
+    awake += lists_one;
+  }
+  EXPECT_GT(awake, 0u);
+  EXPECT_LT(awake, scene.shape().chunk_count) << "every chunk lists a patch that is awake";
+
+  for (uint32_t f = 0; f < 20; ++f) {
+    shift = 0.005f * float(f % 3);
+    run();
+    EXPECT_LT(CountPatches(scene, kChunkSimulate), scene.shape().patch_count) << f;
+  }
+  shift = 0.0f;
+  EXPECT_TRUE(fall_asleep()) << lazy.Awake() << " chunks still awake";
+}
+
 TEST(FurSceneSleep, ATurnedCameraSortsAgainAndWakesNobody) {
   Course course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest));
   course.change = [](FrameInput& in, FurScene&) { in.camera.eye[0] += 0.3f; };
   course.Run();
   EXPECT_EQ(course.Awake(), 0u);
+  EXPECT_EQ(CountPatches(course.scene(), kChunkSimulate), 0u);
   EXPECT_EQ(CountChunks(course.scene(), kChunkKeys), course.scene().shape().chunk_count);
 }
 

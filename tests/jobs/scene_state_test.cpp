@@ -122,10 +122,12 @@ TEST(FurSceneState, AChangedWeightIsFeltWithoutAJump) {
 
 TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
   Scenario scenario = TinyScenario(), fewer = TinyScenario(), other_kind = TinyScenario();
-  Scenario other_mesh = TinyScenario(), other_root = TinyScenario();
+  Scenario other_mesh = TinyScenario(), other_root = TinyScenario(), other_halo = TinyScenario();
   reinterpret_cast<unsigned char&>(other_mesh.grooms[0].mesh[1]) ^= 1;
   std::swap(other_root.grooms[0].strands[0].vertex[0][0],
             other_root.grooms[0].strands[0].vertex[1][0]);
+  HaloBlock& halo = other_halo.grooms[0].halo[0];
+  std::swap(halo.vertex[0], halo.vertex[1]);
   fewer.grooms[0].strands[0].strand_count -= 1;
   Solver& solver = other_kind.grooms[0].layers[0].params.solver;
   solver = solver == Solver::kModal ? Solver::kPbd : Solver::kModal;
@@ -135,6 +137,7 @@ TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
   EXPECT_FALSE(running.GoOnWith(other_kind));
   EXPECT_FALSE(running.GoOnWith(other_mesh));
   EXPECT_FALSE(running.GoOnWith(other_root));
+  EXPECT_FALSE(running.GoOnWith(other_halo));
   EXPECT_EQ(RunOne(straight, 3), RunOne(running, 3));
 }
 

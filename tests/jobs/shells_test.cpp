@@ -37,7 +37,7 @@ struct ShellRun {
       if (draw.output == Output::kShells) return &draw;
     return nullptr;
   }
-  // Chunks that the stage ran on in the last frame.
+  // Patches or chunks that the stage ran on in the last frame.
   uint32_t CountItems(std::string_view kernel) {
     uint32_t count = 0;
     for (const Stage& stage : scene().plan().stages)
@@ -65,13 +65,16 @@ TEST(Shells, CostNoBarrierAndOthersNothing) {
                               StreamOf<&Streams::shell_lod>, StreamOf<&Streams::shell_vertices>,
                               StreamOf<&Streams::fin_edges>, StreamOf<&Streams::fins>})
     EXPECT_EQ(without.scene().layout().ranges[size_t(stream)].bytes, 0u);
-  // Of strands they have no more than what chunks are cut and woken by.
-  const uint32_t chunk = with.scene().shape().chunk_count - 1;
+  // Of strands and chains they have no more than what chunks are cut and woken by.
+  const SceneShape& shape = with.scene().shape();
   for (const Stream stream :
        {StreamOf<&Streams::roots>, StreamOf<&Streams::curves>, StreamOf<&Streams::sort_keys>,
         StreamOf<&Streams::order>, StreamOf<&Streams::vertex_points>,
-        StreamOf<&Streams::strand_points4>, StreamOf<&Streams::strand_rest4>})
-    EXPECT_EQ(with.scene().memory().Block(stream, chunk), nullptr) << DescribeStream(stream).name;
+        StreamOf<&Streams::vertex_loads>, StreamOf<&Streams::strand_points4>,
+        StreamOf<&Streams::strand_rest4>}) {
+    const uint32_t last = shape.ItemCount(DescribeStream(stream).domain) - 1;
+    EXPECT_EQ(with.scene().memory().Block(stream, last), nullptr) << DescribeStream(stream).name;
+  }
 }
 
 // Every triangle of the mesh that fur grows on, once, with the mesh's own corners.
@@ -93,14 +96,16 @@ TEST(Shells, AreTheMeshsTriangles) {
     }
     known[corners] = 0;
   }
-  const uint32_t first = run.scene().shape().layer_first_chunk[draw.layer];
+  const uint32_t first = run.scene().shape().layer_first_patch[draw.layer];
   for (size_t t = 0; t < indices.size(); t += 3) {
     std::array<Corner, 3> corners;
     for (size_t k = 0; k < 3; ++k) {
-      const uint32_t chunk = indices[t + k] / kVerticesPerChunk,
+      const uint32_t patch = indices[t + k] / kVerticesPerChunk,
                      v = indices[t + k] % kVerticesPerChunk;
-      const auto& block = *run.scene().memory().Of<&Streams::mesh>(first + chunk);
-      const auto& uv = draw.shells.skin[chunk].uv[v];
+      ASSERT_LT(patch, draw.shells.skin.size());
+      const auto& block = *run.scene().memory().Of<&Streams::mesh>(first + patch);
+      ASSERT_LT(v, block.vertex_count);
+      const auto& uv = draw.shells.skin[patch].uv[v];
       corners[k] = {block.position[0][v], block.position[1][v], block.position[2][v], uv[0], uv[1]};
     }
     const auto found = known.find(corners);
@@ -113,8 +118,41 @@ TEST(Shells, AreTheMeshsTriangles) {
   EXPECT_LT(covered, known.size()) << "the mask leaves some bare";
 }
 
-// On a border two chunks have a vertex, with the same bits: shells do not part.
-TEST(Shells, DoNotPartOnBorders) {
+// Where chunks meet they draw the same vertices: the layer has each of the mesh's once.
+TEST(Shells, OfSeveralChunksMeetInTheSameVertices) {
+  Scenario scenario = PatchedScenario();
+  AddShells(scenario);
+  ShellRun run(std::move(scenario));
+  run.Run();
+  const LayerDraw& draw = *run.FindDraw();
+  ASSERT_EQ(draw.shells.halo.size(), draw.shells.triangles.size());
+  ASSERT_GT(draw.shells.halo.size(), 1u);
+  ASSERT_GT(draw.shells.skin.size(), 1u);
+  std::set<uint32_t> places;
+  size_t uses = 0;
+  for (size_t c = 0; c < draw.shells.halo.size(); ++c) {
+    const uint32_t count = draw.shells.triangles[c].vertex_count;
+    places.insert(draw.shells.halo[c].vertex, draw.shells.halo[c].vertex + count);
+    uses += count;
+  }
+  EXPECT_GT(uses, places.size()) << "no chunks meet";
+  std::vector<uint32_t> indices(WriteShellIndices(draw.shells, {}));
+  WriteShellIndices(draw.shells, indices);
+  EXPECT_EQ(std::set<uint32_t>(indices.begin(), indices.end()), places);
+  const uint32_t first = run.scene().shape().layer_first_patch[draw.layer];
+  std::set<std::array<float, 5>> vertices;
+  for (const uint32_t place : places) {
+    const uint32_t patch = place / kVerticesPerChunk, v = place % kVerticesPerChunk;
+    const auto& position = run.scene().memory().Of<&Streams::mesh>(first + patch)->position;
+    const auto& uv = draw.shells.skin[patch].uv[v];
+    vertices.insert({position[0][v], position[1][v], position[2][v], uv[0], uv[1]});
+  }
+  EXPECT_EQ(vertices.size(), places.size());
+}
+
+// Where the texture has a seam two vertices stand at one place, with the same bits: shells do not
+// part.
+TEST(Shells, DoNotPartOnSeams) {
   ShellRun run(ShellScenario());
   for (int f = 0; f < 5; ++f) run.Run();
   const LayerDraw& draw = *run.FindDraw();
@@ -231,12 +269,12 @@ TEST(Shells, StayInTheirBox) {
       run.Run();
       const LayerDraw* draw = run.FindDraw();
       if (!draw) continue;
-      const uint32_t first = run.scene().shape().layer_first_chunk[draw->layer];
+      const uint32_t first = run.scene().shape().layer_first_patch[draw->layer];
       const float reach = run.scene().memory().Of<&Streams::layers>(draw->layer)->length_max;
       for (size_t i = 0; i < draw->As<ShellVertex>().size(); ++i) {
-        const uint32_t chunk = first + uint32_t(i) / kVerticesPerChunk;
+        const uint32_t patch = first + uint32_t(i) / kVerticesPerChunk;
         if (i % kVerticesPerChunk >=
-            run.scene().memory().Of<&Streams::chunk_state>(chunk)->live_vertices)
+            run.scene().memory().Of<&Streams::patch_state>(patch)->live_vertices)
           continue;
         const ShellVertex& vertex = draw->As<ShellVertex>()[i];
         double off = 0.0;

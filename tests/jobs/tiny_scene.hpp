@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "core/character/builtin_character.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "jobs/frame.hpp"
@@ -45,19 +46,22 @@ inline void AddLayers(Scenario& scenario, const char* setup_text) {
     to.insert(to.end(), from.begin(), from.end());
   };
   for (GroomLayer layer : added.layers) {
-    layer.first_chunk += uint32_t(groom.mesh.size());
+    layer.first_patch += uint32_t(groom.mesh.size());
+    layer.first_chunk += uint32_t(groom.strands.size());
     groom.layers.push_back(layer);
   }
   append(groom.layer_joints, added.layer_joints);
   append(groom.mesh, added.mesh);
   append(groom.strands, added.strands);
+  append(groom.halo, added.halo);
   append(groom.strand_uv, added.strand_uv);
   append(groom.vertex_rest, added.vertex_rest);
   append(groom.strand_rest4, added.strand_rest4);
   append(groom.strand_rest5, added.strand_rest5);
   append(groom.shell_skin, added.shell_skin);
   append(groom.fin_edges, added.fin_edges);
-  append(groom.rest_down, added.rest_down);
+  append(groom.vertex_down, added.vertex_down);
+  append(groom.strand_down, added.strand_down);
   append(groom.strand_rest9, added.strand_rest9);
 }
 
@@ -148,6 +152,34 @@ inline Scenario RestingScenario(uint32_t frame) {
   return scenario;
 }
 
+// A larger character, in its rest pose, with a layer on its vertices that takes several patches;
+// nothing else acts on it.
+inline Scenario PatchedScenario() {
+  static const Scenario kBaked = [] {
+    Scenario scenario = RestingScenario(0);
+    scenario.weather_course = {};
+    scenario.spheres.clear();
+    scenario.base.use_ground = false;
+    Actor& actor = scenario.actors[0];
+    actor.clip = -1;
+    Character& character = scenario.characters[actor.character];
+    character = MakeBuiltinCharacter({});
+    const FurSetup setup = ReadFurSetup(
+        "[[layer]]\n"
+        "name = 'patched'\n"
+        "solver = 'modal'\n"
+        "chain = 'vertex'\n"
+        "density = 60_000\n"
+        "max_strands = 4000\n"
+        "length = 0.05\n",
+        "patched", ".");
+    scenario.grooms[actor.groom] = BakeGroom(
+        character, ComputeRestGeometry(character, actor.unit_scale), setup, actor.unit_scale);
+    return scenario;
+  }();
+  return kBaked;
+}
+
 inline SceneOptions OptionsFor(Isa isa) {
   SceneOptions options;
   options.isa = isa;
@@ -188,6 +220,15 @@ inline uint32_t CountChunks(const FurScene& scene, uint32_t set, uint32_t clear 
   uint32_t count = 0;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     const uint32_t flags = scene.memory().Of<&Streams::chunk_state>(c)->flags;
+    count += (flags & set) == set && (flags & clear) == 0;
+  }
+  return count;
+}
+// The same of patches.
+inline uint32_t CountPatches(const FurScene& scene, uint32_t set, uint32_t clear = 0) {
+  uint32_t count = 0;
+  for (uint32_t p = 0; p < scene.shape().patch_count; ++p) {
+    const uint32_t flags = scene.memory().Of<&Streams::patch_state>(p)->flags;
     count += (flags & set) == set && (flags & clear) == 0;
   }
   return count;

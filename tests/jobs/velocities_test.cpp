@@ -36,21 +36,29 @@ Double3 At(const float (&rows)[3][kStrandsPerChunk], uint32_t lane) {
   return {rows[0][lane], rows[1][lane], rows[2][lane]};
 }
 
-// Position, normal and tangent of every root of every chunk of chains with velocities.
+// Calls visit(roots, rates, lanes in use) for every patch and chunk of chains with velocities.
+void VisitRoots(const FurScene& scene, auto&& visit) {
+  const FrameMemory& memory = scene.memory();
+  for (uint32_t p = 0; p < scene.shape().patch_count; ++p)
+    if (const auto* rates = memory.Of<&Streams::anchor_rates>(p))
+      visit(*memory.Of<&Streams::anchors>(p), *rates,
+            scene.LiveLanes(StreamOf<&Streams::anchor_rates>, p));
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
+    if (const auto* rates = memory.Of<&Streams::root_rates>(c))
+      visit(*memory.Of<&Streams::roots>(c), *rates,
+            scene.LiveLanes(StreamOf<&Streams::root_rates>, c));
+}
+
+// Position, normal and tangent of every one of their roots.
 struct RootFrame {
   Double3 place, normal, tangent;
 };
 std::vector<RootFrame> RootsOf(const FurScene& scene) {
   std::vector<RootFrame> all;
-  const FrameMemory& memory = scene.memory();
-  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    if (!memory.Of<&Streams::root_rates>(c)) continue;
-    const RootBlock* roots = memory.Of<&Streams::anchors>(c);
-    if (!roots) roots = memory.Of<&Streams::roots>(c);
-    const uint32_t lanes = scene.LiveLanes(StreamOf<&Streams::root_rates>, c);
+  VisitRoots(scene, [&](const RootBlock& roots, const RootRateBlock&, uint32_t lanes) {
     for (uint32_t l = 0; l < lanes; ++l)
-      all.push_back({At(roots->position, l), At(roots->normal, l), At(roots->tangent, l)});
-  }
+      all.push_back({At(roots.position, l), At(roots.normal, l), At(roots.tangent, l)});
+  });
   return all;
 }
 
@@ -59,10 +67,9 @@ struct RootRate {
 };
 std::vector<RootRate> RatesOf(const FurScene& scene) {
   std::vector<RootRate> all;
-  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    if (const auto* rates = scene.memory().Of<&Streams::root_rates>(c))
-      for (uint32_t l = 0; l < scene.LiveLanes(StreamOf<&Streams::root_rates>, c); ++l)
-        all.push_back({At(rates->velocity, l), At(rates->spin, l)});
+  VisitRoots(scene, [&](const RootBlock&, const RootRateBlock& rates, uint32_t lanes) {
+    for (uint32_t l = 0; l < lanes; ++l) all.push_back({At(rates.velocity, l), At(rates.spin, l)});
+  });
   return all;
 }
 
@@ -201,10 +208,14 @@ TEST(Velocities, WakeAndLetSleepAgain) {
   scenario.rest_from_frame = 0;
   RunningScenario run(scenario, WithVelocities());
   const auto simulated = [&] {
+    const FrameMemory& memory = run.scene().memory();
     uint32_t count = 0;
+    for (uint32_t p = 0; p < run.scene().shape().patch_count; ++p)
+      if (memory.Of<&Streams::anchor_rates>(p))
+        count += (memory.Of<&Streams::patch_state>(p)->flags & kChunkSimulate) != 0;
     for (uint32_t c = 0; c < run.scene().shape().chunk_count; ++c)
-      if (run.scene().memory().Of<&Streams::root_rates>(c))
-        count += (run.scene().memory().Of<&Streams::chunk_state>(c)->flags & kChunkSimulate) != 0;
+      if (memory.Of<&Streams::root_rates>(c))
+        count += (memory.Of<&Streams::chunk_state>(c)->flags & kChunkSimulate) != 0;
     return count;
   };
   uint32_t frame = 0;

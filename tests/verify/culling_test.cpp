@@ -48,18 +48,25 @@ TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
 }
 
 // A layer that returns goes on from where it left instead of starting from its groom.
+template <auto kState>
 void ActivateWithoutRestart(const void* params, const Binding* bindings) {
   healthy.run(params, bindings);
-  auto& state = *healthy.As<ChunkStateBlock>(bindings, StreamOf<&Streams::chunk_state>);
+  auto& state = *healthy.As<ChunkStateBlock>(bindings, StreamOf<kState>);
   state.flags &= ~uint32_t(kChunkRestart);
   state.first_new_strand = state.live_strands;
   state.first_new_vertex = state.live_vertices;
 }
 
 TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
-  const VerifyReport report = RunCulling(Planting("activate", ActivateWithoutRestart));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
-      << DescribeReport(report);
+  const std::pair<const char*, Planted> kPlanted[] = {
+      {"activate", &ActivateWithoutRestart<&Streams::chunk_state>},
+      {"activate_followers", &ActivateWithoutRestart<&Streams::chunk_state>},
+      {"activate_patch", &ActivateWithoutRestart<&Streams::patch_state>}};
+  for (const auto& [stage, planted] : kPlanted) {
+    const VerifyReport report = RunCulling(Planting(stage, planted));
+    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
+        << stage << ": " << DescribeReport(report);
+  }
 }
 
 // Only the flag that says so: all lanes are new in any case.
@@ -70,9 +77,11 @@ void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) 
 }
 
 TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
-  const VerifyReport report = RunCulling(Planting("activate", ActivateWithoutTheRestartFlag));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
-      << DescribeReport(report);
+  for (const char* stage : {"activate", "activate_followers"}) {
+    const VerifyReport report = RunCulling(Planting(stage, ActivateWithoutTheRestartFlag));
+    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
+        << stage << ": " << DescribeReport(report);
+  }
 }
 
 // Keys that are those of the last time in view are reported as unchanged.

@@ -34,6 +34,15 @@ struct HealthyKernel {
       if (ports[p].stream == stream) return static_cast<T*>(bindings[p].block);
     return nullptr;
   }
+  // Of a stream that is gathered: the record that is first in the item's list.
+  template <class Record>
+  const Record* FirstListed(const Binding* bindings, Stream stream) const {
+    for (size_t p = 0; p < ports.size(); ++p)
+      if (ports[p].stream == stream)
+        return static_cast<const Record*>(bindings[p].block) +
+               (bindings[p].index ? bindings[p].index[0] : 0);
+    return nullptr;
+  }
 };
 inline HealthyKernel healthy;
 

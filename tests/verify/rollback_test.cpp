@@ -38,15 +38,16 @@ std::set<std::pair<const void*, float>> places;
 
 TEST(VerifyRollback, AKernelThatRemembersIsNamed) {
   places.clear();
-  const VerifyReport report = RunRollback(
-      Tiny(), Planting("roots", [](const void* params, const Binding* bindings) {
-        healthy.run(params, bindings);
-        const auto* skinned = healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>);
-        auto* roots = healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>);
-        const std::lock_guard lock(mutex);
-        if (!places.emplace(roots, skinned->vertex[0].position[0]).second)
-          roots->position[0][0] += 1.0e-3f;
-      }));
+  const VerifyReport report =
+      RunRollback(Tiny(), Planting("roots", [](const void* params, const Binding* bindings) {
+                    healthy.run(params, bindings);
+                    const auto* vertex =
+                        healthy.FirstListed<SkinnedVertex>(bindings, StreamOf<&Streams::skinned>);
+                    auto* roots = healthy.As<RootBlock>(bindings, StreamOf<&Streams::roots>);
+                    const std::lock_guard lock(mutex);
+                    if (!places.emplace(roots, vertex->position[0]).second)
+                      roots->position[0][0] += 1.0e-3f;
+                  }));
   const auto checks = ChecksOf(report, "rollback");
   EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const CheckResult& c) {
     return !c.passed && c.kind == FindingKind::kRollback && c.stage == "roots";

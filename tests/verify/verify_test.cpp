@@ -133,6 +133,7 @@ TEST(Verify, APlantedFaultIsNamedToTheLane) {
   EXPECT_EQ(m.stage, "roots");
   EXPECT_EQ(m.stream, "roots");
   EXPECT_EQ(m.layer, "vertex");
+  EXPECT_EQ(m.domain, Domain::kChunk);
   EXPECT_EQ(m.place_in_layer, 0u);
   EXPECT_EQ(m.row, "normal");
   EXPECT_EQ(m.component, 1u);
@@ -142,6 +143,36 @@ TEST(Verify, APlantedFaultIsNamedToTheLane) {
   EXPECT_NE(text.find("verdict: DIFFERENT BITS"), std::string::npos);
   EXPECT_NE(text.find("stage roots"), std::string::npos) << text;
   EXPECT_NE(text.find("lane 5"), std::string::npos) << text;
+  const std::string place = DescribeMismatch(m);
+  EXPECT_NE(place.find("layer 'vertex', chunk 0 (item 0)"), std::string::npos) << place;
+}
+
+// In a patch of another layer than the first.
+TEST(Verify, APlantedFaultOfAPatchIsNamedToTheVertex) {
+  Scenario tiny = LoadScenario("tiny");
+  VerifyOptions options = OneCase("serial", 3);
+  constexpr uint32_t kVertex = 5;
+  constexpr uint32_t kByte =
+      uint32_t(offsetof(SkinnedVertex, normal)) + kVertex * uint32_t(sizeof(SkinnedVertex));
+  const uint32_t before = tiny.grooms[0].layers[0].patch_count;
+  fault.from_call = before;  // in the first frame every patch is skinned, in order
+  options.tamper = [&](const VerifyCase&, Plan& plan) {
+    Plant(plan, "skin", StreamOf<&Streams::skinned>, kByte);
+  };
+  const VerifyReport report = Verify(tiny, options);
+  EXPECT_FALSE(report.Passed());
+  const CaseResult& failed = report.cases.back();
+  ASSERT_TRUE(failed.mismatch.has_value()) << failed.reason;
+  const Mismatch& m = *failed.mismatch;
+  EXPECT_EQ(m.stage, "skin");
+  EXPECT_EQ(m.stream, "skinned");
+  EXPECT_EQ(m.domain, Domain::kPatch);
+  EXPECT_EQ(m.item, before);
+  EXPECT_EQ(m.layer_index, 1u);
+  EXPECT_EQ(m.place_in_layer, 0u);
+  EXPECT_EQ(m.lane, kVertex);
+  const std::string place = DescribeMismatch(m);
+  EXPECT_NE(place.find("layer 'strand4', patch 0 (item "), std::string::npos) << place;
 }
 
 TEST(Verify, TheFrameOfALateFaultIsFound) {

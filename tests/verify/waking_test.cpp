@@ -81,6 +81,36 @@ TEST(VerifyWaking, ASceneThatDoesNotRestIsDampedAndOneWithoutSleepersIsMissed) {
   EXPECT_EQ(report.Missing()[0].find("waking, coming to rest: no chunk sleeps"), 0u);
 }
 
+// What the chains at vertices do not see, their strands do not get, whichever input it is.
+TEST(VerifyWaking, FrameInputsHiddenFromSleepingPatchesAreFound) {
+  hidden_param = &ActivateParams::frame_inputs_changed;
+  const VerifyReport report = RunWaking(Planting("activate_patch", ActivateWithout));
+  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, ""))
+      << DescribeReport(report);
+}
+
+// Chains that still swing when nothing changes any more, and chunks that do not see it.
+void ActivateWithoutPatches(const void* params, const Binding* bindings) {
+  Binding hiding[kMaxPorts];
+  std::copy_n(bindings, healthy.ports.size(), hiding);
+  static const PatchListBlock kNone = [] {
+    PatchListBlock list;
+    std::fill(std::begin(list.patch), std::end(list.patch), ~0u);
+    return list;
+  }();
+  for (size_t p = 0; p < healthy.ports.size(); ++p)
+    if (healthy.ports[p].stream == StreamOf<&Streams::patch_list>)
+      hiding[p].block = const_cast<PatchListBlock*>(&kNone);
+  healthy.run(params, hiding);
+}
+
+TEST(VerifyWaking, PatchesThatWakeHiddenFromTheirChunksAreFound) {
+  const VerifyReport report = RunWaking(Planting("activate_followers", ActivateWithoutPatches));
+  EXPECT_TRUE(
+      AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "wetness of character 0, a lot"))
+      << DescribeReport(report);
+}
+
 TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
   hidden_param = &ActivateParams::frame_inputs_changed;
   const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
@@ -94,8 +124,11 @@ TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
 
 TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
   hidden_param = &ActivateParams::view_changed;
-  const VerifyReport report = RunWaking(Planting("activate", ActivateWithout));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.eye[0]"));
+  for (const char* stage : {"activate", "activate_followers"}) {
+    const VerifyReport report = RunWaking(Planting(stage, ActivateWithout));
+    EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.eye[0]"))
+        << stage;
+  }
 }
 
 // Weather and the modal solver's course tables reach a chunk through its layer's `changed`.
@@ -115,6 +148,9 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "wetness of character 0, a lot"));
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "dt_s, less than a float's ulp"))
       << "of the modal tables alone";
+  const VerifyReport of_patches = RunWaking(Planting("activate_patch", ActivateUnchangedLayers));
+  EXPECT_TRUE(AnyFailed(ChecksOf(of_patches, "waking"), FindingKind::kSleep,
+                        "wetness of character 0, a lot"));
 }
 
 // Wind has nobody awake: only its beginning and its end, which change the layer's flags.

@@ -136,17 +136,20 @@ TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
 }
 
 // As much hair as leaves the texture's share of a chunk's skin bare.
-double ShellHairArea(const FurScene& scene, uint32_t layer, const StrandBlock& block,
-                     const ShellVertexBlock& vertices) {
+double ShellHairArea(const FurScene& scene, uint32_t chunk) {
+  const FrameMemory& memory = scene.memory();
+  const StrandBlock& block = *memory.Of<&Streams::strands>(chunk);
   uint32_t side = 0;
-  const std::vector<uint8_t> texels = scene.FurTexture(layer, side);
+  const std::vector<uint8_t> texels = scene.FurTexture(scene.shape().chunk_layer[chunk], side);
   const auto bare = double(std::count(texels.begin(), texels.end(), uint8_t(0)));
   double area = 0.0;
   for (uint32_t t = 0; t < block.strand_count; ++t) {
     glm::dvec3 p[3];
-    for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis)
-        p[k][axis] = double(vertices.vertex[block.vertex[k][t]].position[axis]);
+    for (int k = 0; k < 3; ++k) {
+      const auto [patch, lane] = FindVertex(memory, chunk, block.vertex[k][t]);
+      const ShellVertex& vertex = memory.Of<&Streams::shell_vertices>(patch)->vertex[lane];
+      for (int axis = 0; axis < 3; ++axis) p[k][axis] = double(vertex.position[axis]);
+    }
     area += 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
   }
   return area * -std::log(bare / double(texels.size()));
@@ -318,8 +321,7 @@ TEST(Picture, SkinHasTheAreaOfAllStrands) {
     if (shape.layer_character[shape.chunk_layer[c]] != 0) continue;
     const StrandBlock& block = *scene.memory().Of<&Streams::strands>(c);
     if (shape.layer_kind[shape.chunk_layer[c]] & kLayerShells) {
-      strands += ShellHairArea(scene, shape.chunk_layer[c], block,
-                               *scene.memory().Of<&Streams::shell_vertices>(c));
+      strands += ShellHairArea(scene, c);
       continue;
     }
     for (uint32_t s = 0; s < block.strand_count; ++s) strands += block.length[s] * block.width[s];
