@@ -46,5 +46,6 @@ planted "hidden static" "hidden-state: stage fall, item 0: .*'motion'" \
   '    static float runs = 0.0f; runs += 1.0f; m.velocity[0][0] += 1e-3f * runs;'
 planted "undeclared read of a neighbour" "undeclared-read: stage fall, item 0: reads .* of item 1 of stream 'motion'" \
   '    Motion* volatile next = &m + 1; m.velocity[0][0] += 1e-3f * next->position[0][0];'
+# What lies behind the last one is the next stream, still in the scene's memory.
 planted "undeclared write to a neighbour" "undeclared-write: stage fall, item 0: writes .* of item 1 of stream 'motion'" \
-  '    Motion* volatile next = &m + 1; next->velocity[0][0] = m.velocity[0][1];'
+  '    Motion* volatile next = &m + 1; next->position[0][0] = m.velocity[0][1];'
