@@ -287,7 +287,7 @@ struct SimulateModal {
     if constexpr (modal::kHasPoints<Ports>)
       return ports.position->position;
     else
-      return nullptr;
+      return ports.rest->offset;  // not fetched again
   }
 
   // Of the groups to come, in eighths: the state, the groom, the points. What lanes need that were
