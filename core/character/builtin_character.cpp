@@ -173,7 +173,7 @@ class GlbWriter {
         const int output =
             AddAccessor(first, track.values.size(), 5126, track.rotation ? "VEC4" : "VEC3");
         AddItem("{\"input\":" + std::to_string(input) + ",\"output\":" + std::to_string(output) +
-                    ",\"interpolation\":\"" + (clip.cubic ? "CUBICSPLINE" : "LINEAR") + "\"}",
+                    ",\"interpolation\":\"CUBICSPLINE\"}",
                 samplers);
         AddItem("{\"sampler\":" + std::to_string(t) +
                     ",\"target\":{\"node\":" + std::to_string(track.joint) + ",\"path\":\"" +

@@ -1,4 +1,4 @@
-// Idea: see builtin_clips.hpp. Motions are sums of sines of exact:: functions; cubic tangents are
+// Idea: see builtin_clips.hpp. Motions are sums of sines of exact:: functions; tangents are
 // central differences of the same functions, so the splines are smooth at every key and across the
 // loop.
 #include "core/character/builtin_clips.hpp"
@@ -48,23 +48,16 @@ ShapeTrack SampleTrack(const ClipPlan& plan, std::span<const double> times, size
   for (double t : times) {
     const glm::dvec4 value = ValueOf(plan.motion(t), joint, rotation, shape);
     *moves |= value != rest;
-    glm::dvec4 slope(0.0);
-    if (plan.cubic) {
-      const double e = 1.0 / 8192;
-      slope = (ValueOf(plan.motion(t + e), joint, rotation, shape) -
-               ValueOf(plan.motion(t - e), joint, rotation, shape)) *
-              (0.5 / e);
-      track.values.push_back(glm::vec4(slope));
-    }
-    track.values.push_back(glm::vec4(value));
-    if (plan.cubic) track.values.push_back(glm::vec4(slope));
+    const double e = 1.0 / 8192;
+    const bool holds = plan.held_s > 0.0 && t >= plan.duration_s;  // still, bit for bit
+    const glm::vec4 slope((ValueOf(plan.motion(t + e), joint, rotation, shape) -
+                           ValueOf(plan.motion(t - e), joint, rotation, shape)) *
+                          (holds ? 0.0 : 0.5 / e));
+    track.values.insert(track.values.end(), {slope, glm::vec4(value), slope});
   }
   // The ends of a loop agree to the last bit.
-  if (plan.loops) {
-    const size_t per_key = plan.cubic ? 3 : 1;
-    for (size_t i = 0; i < per_key; ++i)
-      track.values[track.values.size() - per_key + i] = track.values[i];
-  }
+  if (plan.loops)
+    for (size_t i = 0; i < 3; ++i) track.values[track.values.size() - 3 + i] = track.values[i];
   return track;
 }
 
@@ -80,7 +73,7 @@ double Ease(double s) {
 std::vector<ShapeClip> MakeClips(const Shape& shape, std::span<const ClipPlan> plans) {
   std::vector<ShapeClip> clips;
   for (const ClipPlan& plan : plans) {
-    ShapeClip clip{plan.name, plan.cubic, {}, {}};
+    ShapeClip clip{plan.name, {}, {}};
     const std::vector<double> times = TimesOf(plan);
     for (double t : times) clip.time_s.push_back(float(t));
     for (size_t joint = 0; joint < shape.joints.size(); ++joint) {

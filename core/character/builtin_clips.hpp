@@ -22,7 +22,6 @@ struct Motion {
 struct ClipPlan {
   const char* name;
   Motion (*motion)(double time_s);
-  bool cubic;         // splines, else lines
   bool loops;         // its ends agree to the last bit
   double duration_s;  // with `steps` keys at equal times behind the first
   int steps;
@@ -32,12 +31,11 @@ struct ClipPlan {
 struct ShapeTrack {
   size_t joint;
   bool rotation;                  // else translation (local, m)
-  std::vector<glm::vec4> values;  // cubic: in tangent, value, out tangent for each time
+  std::vector<glm::vec4> values;  // in tangent, value, out tangent for each time
 };
 
 struct ShapeClip {
   std::string name;
-  bool cubic;  // else linear
   std::vector<float> time_s;
   std::vector<ShapeTrack> tracks;
 };

@@ -1,4 +1,4 @@
-// How the monster walks, stands and shakes itself.
+// How the monster walks, stands, shakes itself and greets.
 #include "core/character/builtin_monster.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
@@ -70,9 +70,31 @@ Motion Shake(double t) {
   return m;
 }
 
-constexpr ClipPlan kClips[] = {{"walk", Walk, true, true, 1.0, 16},
-                               {"idle", Idle, false, false, 0.5, 15, 60.0},
-                               {"shake", Shake, false, true, 1.6, 64}};
+// Waves with an arm above its head, and nods at each second wave.
+Motion Greet(double t) {
+  Motion m;
+  m.shift = {0.012 * Wave(t / 2), -0.012 - 0.008 * Wave(t), 0.0};
+  m.turn[kHips] = {0.0, 0.05 * Wave(t / 2), 0.04 * Wave(t / 2)};
+  m.turn[kSpine] = {0.03 + 0.02 * Wave(t), 0.06 * Wave(t / 2 + 0.1), -0.05 * Wave(t / 2)};
+  m.turn[kChest] = {0.02 * Wave(t + 0.2), 0.06 * Wave(t / 2 + 0.15), 0.05};
+  m.turn[kNeck] = {0.05 * Wave(t / 2 + 0.3), 0.0, 0.05 * Wave(t / 2)};
+  m.turn[kHeadJoint] = {0.12 * Wave(t / 2 + 0.4), 0.10 * Wave(t / 2), 0.08 * Wave(t / 2 + 0.2)};
+  m.turn[kShoulderR] = {0.10 * Wave(t), 0.0, -1.75 + 0.15 * Wave(t + 0.1)};
+  m.turn[kElbowR] = {0.0, 0.0, -0.45 + 0.35 * Wave(t)};
+  m.turn[kHandR] = {0.0, 0.0, 0.30 * Wave(t - 0.12)};
+  m.turn[kShoulderL] = {0.06 * Wave(t / 2), 0.0, -0.25};
+  m.turn[kElbowL] = {-0.30 - 0.06 * Wave(t / 2 + 0.2), 0.0, 0.0};
+  for (int side = 0; side < 2; ++side)
+    m.turn[side ? kBrowR : kBrowL] = {0.08 * Wave(t / 2 + 0.5), 0.0, 0.0};
+  for (int i = 0; i < 4; ++i)
+    m.turn[size_t(kTail1 + i)] = {0.05 * Wave(t - 0.12 * i), 0.20 * Wave(t / 2 - 0.1 * i), 0.0};
+  return m;
+}
+
+constexpr ClipPlan kClips[] = {{"walk", Walk, true, 1.0, 16},
+                               {"idle", Idle, false, 0.5, 15, 60.0},
+                               {"shake", Shake, true, 1.6, 64},
+                               {"greet", Greet, true, 2.0, 32}};
 
 }  // namespace
 }  // namespace monster

@@ -224,9 +224,9 @@ Motion Strike(double t) {
   return m;
 }
 
-constexpr ClipPlan kClips[] = {{"walk", Walk, true, true, 1.0, 16},
-                               {"idle", Idle, false, false, 0.5, 15, 60.0},
-                               {"strike", Strike, false, true, 1.5, 60}};
+constexpr ClipPlan kClips[] = {{"walk", Walk, true, 1.0, 16},
+                               {"idle", Idle, false, 0.5, 15, 60.0},
+                               {"strike", Strike, true, 1.5, 60}};
 
 }  // namespace
 }  // namespace scorpion
