@@ -35,6 +35,7 @@ constexpr Golden kGoldens[] = {
     {"monster.pbd", "monster", 10, 0, Solver::kPbd},
     {"eyepet", "eyepet", 10},
     {"eyepet.verlet", "eyepet", 10, 0, Solver::kVerlet},
+    {"stage", "stage", 6},
     {"cast", "cast", 3},
     {"cast.pbd", "cast", 3, 0, Solver::kPbd},
     {"scorpion", "scorpion", 10},

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "core/character/builtin_character.hpp"
 #include "core/character/pose.hpp"
@@ -72,6 +74,10 @@ toml::table MakeCoat(const LayerSetup& from, toml::table layer, bool under, uint
   PutLength(layer, from.length, (under ? 0.6 : 1.1) * random.Uniform(0.75, 1.2));
   Put(layer, "elevation", Written(from.elevation.value * random.Uniform(0.8, 1.2)));
   Put(layer, "curl", Written(from.curl.value * random.Uniform(0.5, 1.5)));
+  // Cards, as the originals had: each strand stands for some hairs, which its picture shows.
+  layer.insert_or_assign("width", 0.012);
+  layer.insert_or_assign("tip_width", 0.9);
+  layer.insert_or_assign("film_strips", 8);
   layer.insert_or_assign("sort_bias", Written(from.params.sort_bias + (under ? 0.0f : 0.25f)));
   layer.insert_or_assign("weight", Written(from.params.weight * random.Uniform(0.8, 1.2)));
   const double turn = 3.0 * member / kCastCharacters;
@@ -105,50 +111,93 @@ std::string MakeMemberText(const Monster& monster, uint32_t member, uint64_t see
   return text.str();
 }
 
-glm::mat4 PlaceMember(uint32_t member, double size) {
+// In rows of six, the last one's in its middle.
+glm::vec3 PlaceInCast(uint32_t member) {
   const uint32_t row = member / kPerRow, column = member % kPerRow;
   const uint32_t in_row = std::min(kPerRow, kCastCharacters - row * kPerRow);
-  const glm::vec3 at((float(column) - 0.5f * float(in_row - 1)) * 1.3f, 0.0f, -1.4f * float(row));
-  return glm::scale(glm::translate(glm::mat4(1.0f), at), glm::vec3(float(size)));
+  return {(float(column) - 0.5f * float(in_row - 1)) * 1.3f, 0.0f, -1.4f * float(row)};
+}
+
+// Three before three, so that each is seen.
+glm::vec3 PlaceOnStage(uint32_t member) {
+  const uint32_t row = member / 3, column = member % 3;
+  return {(float(column) - 1.0f) * 1.25f - (row ? 0.62f : 0.0f), 0.0f, 0.5f - 1.0f * float(row)};
+}
+
+// What the members of a scene are and do.
+struct Company {
+  uint32_t count;
+  glm::vec3 (*place)(uint32_t member);
+  std::span<const std::string_view> clips;  // in turn
+};
+
+int32_t FindClip(const Character& character, std::string_view name) {
+  const auto clip = std::ranges::find(character.clips, name, &Clip::name);
+  return int32_t(clip - character.clips.begin());
+}
+
+void AddMember(const Monster& monster, const Company& company, const ScenarioRequest& request,
+               uint32_t m, Scenario& scenario) {
+  Random random(MixSeed(request.seed ^ 0xca57, m));
+  const float size = float(random.Uniform(0.7, 1.15));
+  Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
+  character.name = fmt::format("member {}", m);
+  const std::string_view told = request.SetupText(m);
+  const FurSetup setup =
+      ReadFurSetup(told.empty() ? MakeMemberText(monster, m, request.seed) : told,
+                   fmt::format("cast member {}", m), "");
+  std::vector<std::string> notes;
+  Actor actor{};
+  actor.character = actor.groom = m;
+  actor.clip = FindClip(character, company.clips[m % company.clips.size()]);
+  actor.phase_s = random.Uniform(0.0, 2.0);
+  actor.unit_scale = ChooseUnitScale(setup, character, notes);
+  actor.placement = glm::scale(glm::translate(glm::mat4(1.0f), company.place(m)), glm::vec3(size));
+  scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, actor.unit_scale),
+                                      setup, actor.unit_scale));
+  scenario.setups.push_back(setup);
+  scenario.characters.push_back(std::move(character));
+  scenario.actors.push_back(actor);
+}
+
+Scenario MakeCompany(const Company& company, const ScenarioRequest& request,
+                     const LoadProgress& progress) {
+  Scenario scenario;
+  const FurSetup of_monster = LoadSetup("monster");
+  const Monster monster{of_monster, ParseToml(of_monster.text, "monster")};
+  for (uint32_t m = 0; m < company.count; ++m) {
+    if (progress) progress(m, company.count);
+    AddMember(monster, company, request, m, scenario);
+  }
+  scenario.base.wind.velocity[0] = 1.2f;
+  scenario.base.wind.gust_strength = 0.5f;
+  scenario.base.wind.turbulence = 0.8f;
+  return scenario;
 }
 
 }  // namespace
 
 Scenario MakeCast(const ScenarioRequest& request, const LoadProgress& progress) {
-  const uint64_t seed = request.seed;
-  Scenario scenario;
-  const FurSetup of_monster = LoadSetup("monster");
-  const Monster monster{of_monster, ParseToml(of_monster.text, "monster")};
-  for (uint32_t m = 0; m < kCastCharacters; ++m) {
-    if (progress) progress(m, kCastCharacters);
-    Random random(MixSeed(seed ^ 0xca57, m));
-    const double size = random.Uniform(0.7, 1.15);
-    Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
-    character.name = fmt::format("member {}", m);
-    const std::string_view told = request.SetupText(m);
-    const FurSetup setup = ReadFurSetup(told.empty() ? MakeMemberText(monster, m, seed) : told,
-                                        fmt::format("cast member {}", m), "");
-    std::vector<std::string> notes;
-    Actor actor{};
-    actor.character = actor.groom = m;
-    actor.clip = character.clips.empty() ? -1 : int32_t(m % character.clips.size());
-    actor.phase_s = random.Uniform(0.0, 2.0);
-    actor.unit_scale = ChooseUnitScale(setup, character, notes);
-    actor.placement = PlaceMember(m, size);
-    scenario.grooms.push_back(BakeGroom(character, ComputeRestGeometry(character, actor.unit_scale),
-                                        setup, actor.unit_scale));
-    scenario.setups.push_back(setup);
-    scenario.characters.push_back(std::move(character));
-    scenario.actors.push_back(actor);
-  }
-  scenario.base.wind.velocity[0] = 1.2f;
-  scenario.base.wind.gust_strength = 0.5f;
-  scenario.base.wind.turbulence = 0.8f;
+  constexpr std::string_view kClips[] = {"walk", "idle", "shake"};
+  Scenario scenario = MakeCompany({kCastCharacters, PlaceInCast, kClips}, request, progress);
   scenario.camera.target = {0.0f, 0.55f, -1.4f};
   scenario.camera.radius_m = 8.0;
   scenario.camera.height_m = 1.6;
   scenario.camera.start_rad = -0.2;
   scenario.camera.rate_rad_per_s = 0.05;
+  return scenario;
+}
+
+Scenario MakeStage(const ScenarioRequest& request, const LoadProgress& progress) {
+  constexpr std::string_view kClips[] = {"walk", "greet"};
+  Scenario scenario = MakeCompany({kStageCharacters, PlaceOnStage, kClips}, request, progress);
+  scenario.base.skip.lod = true;
+  scenario.camera.target = {0.0f, 0.5f, 0.0f};
+  scenario.camera.radius_m = 4.5;
+  scenario.camera.height_m = 0.8;
+  scenario.camera.start_rad = -0.15;
+  scenario.camera.rate_rad_per_s = 0.03;
+  scenario.camera.vertical_fov_rad = 0.55;
   return scenario;
 }
 

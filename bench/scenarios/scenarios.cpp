@@ -268,9 +268,10 @@ struct BuiltInScene {
   std::string_view name;
   Scenario (*make)(const ScenarioRequest& request, const LoadProgress& progress);
 };
-constexpr BuiltInScene kScenes[] = {{"monster", MakeMonster}, {"cast", MakeCast},
-                                    {"eyepet", MakeEyePet},   {"scorpion", MakeScorpion},
-                                    {"tiny", MakeTiny},       {"everything", MakeEverything}};
+constexpr BuiltInScene kScenes[] = {
+    {"monster", MakeMonster},      {"stage", MakeStage},       {"cast", MakeCast},
+    {"eyepet", MakeEyePet},        {"scorpion", MakeScorpion}, {"tiny", MakeTiny},
+    {"everything", MakeEverything}};
 
 constexpr auto NamesOfScenes() {
   std::array<std::string_view, std::size(kScenes)> names;
@@ -503,6 +504,7 @@ FrameInput RunningScenario::Prepare(uint32_t frame, const SkipSettings& skip,
                                     const LodSettings& lod) {
   FrameInput input = scenario_->PrepareFrame(frame, *scene_);
   input.skip = skip;
+  input.skip.lod |= scenario_->base.skip.lod;  // of a scene that is meant so
   input.lod = lod;
   return input;
 }

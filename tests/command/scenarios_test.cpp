@@ -63,6 +63,38 @@ TEST(Scenarios, CastIsWhatTheOriginalShipped) {
   EXPECT_EQ(heights.size(), kCastCharacters);
 }
 
+// Before a camera, with level of detail whatever is asked for; nobody's clip jumps.
+TEST(Scenarios, StageIsWhatTheOriginalDrew) {
+  Scenario stage = LoadScenario("stage");
+  ASSERT_EQ(stage.actors.size(), kStageCharacters);
+  EXPECT_GT(stage.StrandCount(), 33'000u);
+  EXPECT_LT(stage.StrandCount(), 40'000u);
+  std::set<std::string> clips;
+  for (const Actor& actor : stage.actors) {
+    EXPECT_EQ(stage.grooms[actor.groom].layers.size(), 10u);
+    EXPECT_FALSE(actor.jumps);
+    clips.insert(stage.characters[actor.character].clips.at(size_t(actor.clip)).name);
+  }
+  EXPECT_EQ(clips, (std::set<std::string>{"greet", "walk"}));
+  RunningScenario running(stage, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < stage.default_frames; f += stage.default_frames / 4) {
+    const FrameInput input = running.Prepare(f, SkipSettings{}, LodSettings{});
+    ASSERT_EQ(running.scene().BeginFrame(input), nullptr);
+    serial.Run(running.scene().CurrentFrame());
+    EXPECT_LT(running.scene().LiveStrands(), stage.StrandCount()) << f;
+    for (const Actor& actor : stage.actors) {
+      float square = 0.0f;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float apart = actor.placement[3][axis] - input.camera.eye[axis];
+        square += apart * apart;
+      }
+      EXPECT_GT(square, 3.8f * 3.8f) << f;
+      EXPECT_LT(square, 5.4f * 5.4f) << f;
+    }
+  }
+}
+
 TEST(Scenarios, EyePetHasFivePointChainsInRibbons) {
   const Scenario eyepet = LoadScenario("eyepet");
   EXPECT_EQ(eyepet.StrandCount(), 8'000u);
