@@ -11,6 +11,7 @@
 #include "bench/consoles/console_report.hpp"
 #include "bench/consoles/console_timeline.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
+#include "bench/report/fit.hpp"
 #include "core/error.hpp"
 #include "platform_sim/frame/what_if.hpp"
 #include "traces/chrome_trace.hpp"
@@ -54,10 +55,22 @@ struct Verdict {
   std::string platform, what = {};
   Spread frame_ms = {};
   double ms = 0.0;  // what it is about
-  bool fits = false;
-  std::string range = {};    // of a console
-  std::string refusal = {};  // why it cannot run there at all
+  Fit fit = Fit::kDoesNotFit;
+  std::string range = {};                      // of a console
+  std::string refusal = {};                    // why it cannot run there at all
+  std::vector<std::string> disturbances = {};  // of the host, which are why it is unsure
+
+  std::string_view Name() const { return refusal.empty() ? FitName(fit) : "CANNOT RUN"; }
 };
+
+ExitCode ExitCodeOf(Fit fit) {
+  return fit == Fit::kUnsure ? kNoAnswer : AnswerOf(fit == Fit::kFits);
+}
+
+// Absent where it is not known.
+void AddFit(Fit fit, ReportTree& tree) {
+  tree.Add(InJson("fits"), fit == Fit::kUnsure ? Value() : Value(fit == Fit::kFits));
+}
 
 class BudgetPrinter {
  public:
@@ -79,16 +92,23 @@ class BudgetPrinter {
         AddHost(entry);
       else
         AddConsoleOrRefusal(platform == "ps3" ? Console::kPs3 : Console::kXbox360, entry);
-      entry.Add(InJson("fits"), verdicts_.back().fits);
+      entry.Add(InJson("verdict"), verdicts_.back().Name());
+      AddFit(verdicts_.back().fit, entry);
     }
-    const bool fits =
-        std::all_of(verdicts_.begin(), verdicts_.end(), [](const Verdict& v) { return v.fits; });
-    tree_.Add(InJson("fits"), fits);
+    std::vector<Fit> fits;
+    for (const Verdict& v : verdicts_) fits.push_back(v.fit);
+    const Fit all = JudgeAll(fits);
+    tree_.Add(InJson("verdict"), FitName(all));
+    AddFit(all, tree_);
     AddVerdicts();
+    if (all == Fit::kUnsure && fault_.empty())
+      tree_.Say(
+          "UNSURE: exit code 2. The times are not the scene's alone; measure again while nothing "
+          "else runs");
     if (!args_.trace.empty()) WriteTrace();
     tree_.Print(args_.json);
     if (!fault_.empty()) throw Error(fault_);
-    return AnswerOf(fits);
+    return ExitCodeOf(all);
   }
 
  private:
@@ -107,13 +127,20 @@ class BudgetPrinter {
     const Spread& ms = report.budget.wall_ms;
     const std::string what =
         fmt::format("{} workers, {}, measured", report.workers, IsaName(options.scene.isa));
-    verdicts_.push_back({"host", what, ms, ms.p95, ms.p95 <= args_.target_ms});
+    const auto disturbances = FindDisturbances(report.use, report.workers);
+    verdicts_.push_back({.platform = "host",
+                         .what = what,
+                         .frame_ms = ms,
+                         .ms = ms.p95,
+                         .fit = JudgeTime(ms.p95, args_.target_ms, !disturbances.empty()),
+                         .disturbances = disturbances});
     entry.Say(fmt::format("host: {} ({} cores), {}; commit {}", report.machine.processor,
                           report.machine.cores, what, report.machine.commit));
     entry.Add(InJson("processor"), report.machine.processor);
     entry.Add(InJson("workers"), report.workers);
     entry.Add(InJson("frame_ms.median"), ms.median).Add(InJson("frame_ms.p95"), ms.p95);
     entry.Add(InJson("frame_ms.worst"), ms.worst);
+    AddMachineUse(report.use, report.workers, entry);
     if (!args_.json) AddBudget(report.budget, report.workers, entry);
   }
 
@@ -149,7 +176,7 @@ class BudgetPrinter {
                                      budget.machine.local_store_bytes ? "SPUs" : "threads"),
                          {s.median_ms, s.p95_ms, s.worst_ms},
                          budget.VerdictMs(),
-                         budget.Fits(args_.target_ms),
+                         JudgeTime(budget.VerdictMs(), args_.target_ms, false),
                          RangeOf(budget)});
     entry.BlankLine();
     AddConsole(budget, run.scene(), entry);
@@ -191,9 +218,14 @@ class BudgetPrinter {
         remarks.push_back(fmt::format("{} CANNOT RUN: {}", v.platform, v.refusal));
         continue;
       }
-      table.Add({v.platform, v.frame_ms.median, v.frame_ms.p95, v.frame_ms.worst, v.ms,
-                 fmt::format("{} {} ms", v.fits ? "FITS" : "DOES NOT FIT", args_.target_ms),
-                 fmt::format("{}; {}", v.what, DescribeFit(v.ms))});
+      table.Add(
+          {v.platform, v.frame_ms.median, v.frame_ms.p95, v.frame_ms.worst, v.ms,
+           v.fit == Fit::kUnsure ? std::string(v.Name())
+                                 : fmt::format("{} {} ms", v.Name(), args_.target_ms),
+           v.fit == Fit::kUnsure ? v.what : fmt::format("{}; {}", v.what, DescribeFit(v.ms))});
+      for (const std::string& why : v.disturbances)
+        remarks.push_back(
+            fmt::format("{} UNSURE, as the machine was not its own: {}", v.platform, why));
       if (!v.range.empty()) remarks.push_back(fmt::format("{}: {}", v.platform, v.range));
     }
     tree_.AddTexts({}, remarks);

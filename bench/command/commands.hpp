@@ -23,7 +23,7 @@ namespace pelt {
 enum ExitCode : int {
   kDone = 0,        // done; of a check: yes
   kNo = 1,          // of a check: no. Nothing else
-  kNoAnswer = 2,    // wrong use, a file that cannot be read, written or understood, no memory
+  kNoAnswer = 2,    // wrong use, a file that cannot be read, written or understood, no memory; UNSURE
   kIncomplete = 3,  // of a check: yes as far as it could look, and it could not look everywhere
 };
 constexpr ExitCode AnswerOf(bool yes) { return yes ? kDone : kNo; }
@@ -199,7 +199,8 @@ struct BudgetArgs {
 };
 // The consoles' numbers as the arguments change them.
 PlatformParameters NumbersOf(const BudgetArgs& args);
-// 0: the scene fits every platform asked for; 1: it does not, and nothing else; 2: no answer.
+// 0: the scene fits every platform asked for; 1: it does not, and nothing else; 2: no answer, which
+// is printed where it is UNSURE.
 ExitCode PrintBudget(const BudgetArgs& args);
 
 struct VerifyArgs {

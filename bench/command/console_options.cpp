@@ -109,7 +109,8 @@ Subcommand SetUpBudget(CLI::App& root) {
   auto* app = root.add_subcommand(
       "budget",
       "Does a scene fit its milliseconds on the host, a PS3 and an Xbox 360? Exit code 1 "
-      "when it does not, 2 when there is no answer");
+      "when it does not, 2 when there is no answer: UNSURE, as others used the host meanwhile, or "
+      "an error");
   AddSource(*app, args.request);
   AddClip(*app, args.request);
   app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")

@@ -105,7 +105,9 @@ std::vector<std::string> FindDisturbances(const MachineUse& use, uint32_t worker
                           "preemptions",
                           *use.wait.waited_ms, use.wall_ms, Cores(threads), use.wait.preemptions)
             : fmt::format("{} preemptions in {:.0f} ms", use.wait.preemptions, use.wall_ms));
-  if (use.load_average && *use.load_average + workers > use.cores_allowed + 0.5)
+  // Of the minute before: a build that ended, or an earlier run of ours. Counted waiting is of the run itself.
+  if (!use.wait.waited_ms && use.load_average &&
+      *use.load_average + workers > use.cores_allowed + 0.5)
     found.push_back(fmt::format(
         "load average {:.2f} before the run: with its {} workers more than {} can run at once",
         *use.load_average, workers, Cores(use.cores_allowed)));

@@ -32,13 +32,14 @@ base_of() {
   esac
 }
 
-# ran ARGS: it ended by itself; with 0, with a verdict (1, and something printed), or with one line of error.
+# ran ARGS: it ended by itself; with 0, with a verdict (1 and something printed, or UNSURE), or with one line of error.
 ran() {
   local code=0
   timeout 1800 "$pelt" "$@" >out.txt 2>err.txt || code=$?
   count=$((count + 1))
   [ "$code" -eq 0 ] && return
   [ "$code" -eq 1 ] && [ -s out.txt ] && [[ "$1" =~ ^(budget|golden|stress|verify)$ ]] && return
+  is_unsure "$code" out.txt err.txt && return
   [ "$code" -le 3 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q '^pelt: ' err.txt && return
   fail "pelt $*: exit $code: $(head -c 400 err.txt)"
 }

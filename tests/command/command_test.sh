@@ -26,7 +26,8 @@ run_examples() {
     while read -r line; do
       eval "words=($line)"  # as a shell reads it: words in quotes are one
       count=$((count + 1))
-      "$pelt" "${words[@]:1}" >out.txt 2>err.txt || fail "${words[*]}: exit $?: $(cat err.txt)"
+      "$pelt" "${words[@]:1}" >out.txt 2>err.txt || is_unsure $? out.txt err.txt ||
+        fail "${words[*]}: failed: $(cat err.txt)"
       [ -s out.txt ] || fail "${words[*]}: printed nothing"
       [ -s err.txt ] && [[ " ${words[*]} " != *" --json "* ]] &&
         fail "${words[*]}: wrote to standard error in a pipe: $(head -c 200 err.txt)"
@@ -589,6 +590,36 @@ check_disturbed() {
   grep -q "NOT THE RUN'S OWN MACHINE: 2 workers had 1 core" line.txt || fail "no word of one core: $(head -n 12 out.txt)"
   grep -q "threads were ready for [0-9]* ms without a core" line.txt || fail "no word of waiting: $(head -n 12 out.txt)"
   [ "$(sed -n 's/.*preemptions \([0-9]*\),.*/\1/p' out.txt)" -gt 0 ] || fail "no preemptions: $(head -n 12 out.txt)"
+  check_unsure "$core"
+}
+
+# On CORE, which another takes too: the host's verdict is UNSURE, whatever was measured, and a sure no outweighs it.
+check_unsure() {
+  local core=$1 other platforms target code says
+  taskset -c "$core" sh -c 'while :; do :; done' &
+  other=$!
+  while IFS='|' read -r platforms target code says; do
+    local got=0 budget=(budget --scene tiny --frames 200 --platform "$platforms" --target-ms "$target")
+    [[ "$platforms" == host ]] || budget+=(--no-advice)
+    taskset -c "$core" "$pelt" "${budget[@]}" >unsure.txt 2>err.txt || got=$?
+    [ "$got" -eq "$code" ] || fail "${budget[*]}, disturbed: exit $got, not $code: $(cat unsure.txt err.txt)"
+    grep -qE '^host( +[0-9.]+){4} +UNSURE ' unsure.txt || fail "no verdict UNSURE: $(cat unsure.txt)"
+    tr '\n' ' ' <unsure.txt | grep -q 'host UNSURE, as the machine was not its own: threads were ready for' ||
+      fail "UNSURE without a reason: $(cat unsure.txt)"
+    grep -q '^UNSURE: exit code 2' unsure.txt && got=says || got=
+    [ "$got" = "$says" ] || fail "${budget[*]}, disturbed: exit code 2 is told or not: $(cat unsure.txt)"
+  done <<'END'
+host|1000|2|says
+host|0.001|2|says
+host,ps3|1000|2|says
+host,ps3|0.001|1|
+END
+  taskset -c "$core" "$pelt" budget --scene tiny --frames 200 --platform host --json >unsure.json 2>err.txt
+  [ $? -eq 2 ] || fail "budget --json, disturbed: exit $?, not 2"
+  [ "$(grep -c '"verdict": "UNSURE"' unsure.json)" -eq 2 ] || fail "no verdict UNSURE: $(cat unsure.json)"
+  grep -q '"fits"' unsure.json && fail "UNSURE fits or does not: $(cat unsure.json)"
+  kill "$other"
+  wait "$other" 2>/dev/null
 }
 
 check_readme() {

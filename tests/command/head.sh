@@ -33,6 +33,16 @@ expect() {
   done
 }
 
+# is_unsure CODE OUT ERR: the answer of a measurement that others disturbed, which no test can keep them from.
+is_unsure() {
+  [ "$1" -eq 2 ] && grep -qE 'UNSURE|"unsure": \[$' "$2" && ! grep -q '^pelt: ' "$3"
+}
+
+# as_own: what pelt run --json prints, as if of a machine of its own.
+as_own() {
+  sed '/"disturbances": \[$/,/^  \]/c"disturbances": []'
+}
+
 # The subcommands that `pelt --help` lists, and those below them.
 subcommands() {
   local name below

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "bench/report/fit.hpp"
 #include "bench/report/json_text.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/verify/verified_scene.hpp"
@@ -108,6 +109,16 @@ TEST(Report, TheDigestDoesNotDependOnWhatRanIt) {
   EXPECT_EQ(digests[0], digests[1]);
 }
 
+TEST(Report, ADisturbedTimeIsNoVerdict) {
+  EXPECT_EQ(JudgeTime(8.0, 8.0, false), Fit::kFits);
+  EXPECT_EQ(JudgeTime(8.1, 8.0, false), Fit::kDoesNotFit);
+  for (const double ms : {1.0, 8.1}) EXPECT_EQ(JudgeTime(ms, 8.0, true), Fit::kUnsure) << ms;
+  const auto all = [](std::initializer_list<Fit> fits) { return JudgeAll(std::vector<Fit>(fits)); };
+  EXPECT_EQ(all({Fit::kFits, Fit::kFits}), Fit::kFits);
+  EXPECT_EQ(all({Fit::kFits, Fit::kUnsure, Fit::kFits}), Fit::kUnsure);
+  EXPECT_EQ(all({Fit::kUnsure, Fit::kDoesNotFit, Fit::kFits}), Fit::kDoesNotFit);
+}
+
 TEST(Report, WhatDisturbsARunIsTold) {
   const MachineUse own{.wait = {.preemptions = 3, .waited_ms = 2.0},
                        .cores_allowed = 4,
@@ -128,6 +139,8 @@ TEST(Report, WhatDisturbsARunIsTold) {
   expect_told(use, 2, "on 2 cores");
   use = own;
   use.load_average = 2.6;
+  EXPECT_TRUE(FindDisturbances(use, 2).empty()) << "who ran before is gone: nothing waited";
+  use.wait.waited_ms = {};
   expect_told(use, 2, "load average 2.60");
   EXPECT_TRUE(FindDisturbances(use, 1).empty()) << "a core was free";
   use = own;
