@@ -113,10 +113,11 @@ ExitCode Diff(const DiffArgs& args);
 struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
   std::vector<std::string> commands;  // two that print such, run in turns
-  uint32_t rounds = 9;
+  uint32_t rounds = 15;  // intervals for up to 819 rows together
   OutputPath page;  // HTML of both, to write
   bool json = false;
 };
+// 2: UNSURE, and printed, as others used the machine in a run; otherwise 0.
 ExitCode Compare(const CompareArgs& args);
 
 struct GoldenArgs {

@@ -101,10 +101,11 @@ ExitCode Compare(const CompareArgs& args) {
   }
   const ReportTree found = CompareRuns(sides[0], sides[1]);
   found.Print(args.json);
-  if (args.page.empty()) return kDone;
+  const ExitCode exit_code = WhyUnsure(sides[0], sides[1]).empty() ? kDone : kNoAnswer;
+  if (args.page.empty()) return exit_code;
   WriteOutput("page", args.page, ComparisonPage(sides[0], sides[1], found));
   if (!args.json) fmt::print("page of both {}\n", args.page.path());
-  return kDone;
+  return exit_code;
 }
 
 }  // namespace pelt

@@ -19,9 +19,10 @@ void CheckWays(const CLI::App& app, const CompareArgs& args) {
 Subcommand SetUpCompare(CLI::App& root) {
   const auto kept = std::make_shared<CompareArgs>();
   CompareArgs& args = *kept;
-  auto* app = root.add_subcommand(
-      "compare",
-      "Two runs: what each stage costs in the one against the other, and how sure that is");
+  auto* app = root.add_subcommand("compare",
+                                  "Two runs: what each stage costs in the one against the other, "
+                                  "and how sure that is. Exit code 2 "
+                                  "when it is UNSURE: others used the machine meanwhile");
   AddInputFile(*app, "left", args.left, "A: what pelt run --json printed");
   AddInputFile(*app, "right", args.right, "B: the same of another commit, setup or option");
   auto* commands =
@@ -40,7 +41,7 @@ Subcommand SetUpCompare(CLI::App& root) {
       "  pelt compare a.json b.json\n"
       "  pelt compare a.json b.json --json\n"
       "  pelt compare a.json b.json --page two.html\n"
-      "  pelt compare --rounds 6 --commands 'pelt run --scene tiny --frames 30 --json' "
+      "  pelt compare --rounds 12 --commands 'pelt run --scene tiny --frames 30 --json' "
       "'pelt run --scene tiny --frames 30 --no-cull --json'");
   return {app, [app, kept] { CheckWays(*app, *kept); }, [kept] { return Compare(*kept); }};
 }

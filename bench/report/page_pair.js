@@ -42,12 +42,13 @@ function drawFrames() {
 }
 
 function fillTables() {
-  const {settings, costs, confidence, pairs} = data.comparison;
+  const {settings, costs, confidence, pairs, rows, unsure} = data.comparison;
   byId('same').hidden = settings.length > 0;
   const text = (value) => ({text: value ?? '', class: 'text'});
   if (settings.length) table(byId('settings'), 'What differs', ['differs', 'A', 'B'], settings.map((s) => [s.differs, text(s.a), text(s.b)]));
   byId('costs-note').textContent = 'Medians, ms: wall time of the frame, core time of stages, layers and characters. ' +
-      (confidence ? `From and to: ${(100 * confidence).toFixed(1)} % intervals of B/A, by ranks of ${pairs} pairs. Of twenty equal rows, one may well be told as slower or faster.` : 'Too few frames for intervals.');
+      (confidence ? `From and to: ${(100 * confidence).toFixed(0)} % intervals of B/A for all ${rows} rows together, by ranks of ${pairs} pairs.` : 'Too few pairs for intervals.') +
+      unsure.map((why) => ` UNSURE: ${why}.`).join('');
   const cell = (value, digits) => value === undefined ? '' : value.toFixed(digits);
   table(byId('costs'), 'Costs of both', ['median ms', 'A', 'B', 'B/A', 'from', 'to', 'B is'], costs.map((c) => [
     c.of, cell(c.a_ms, 4), cell(c.b_ms, 4), cell(c.ratio, 3), cell(c.low, 3), cell(c.high, 3),

@@ -16,9 +16,8 @@ namespace {
 using RunJson = nlohmann::ordered_json;
 using Pairs = std::vector<std::pair<double, double>>;
 
-constexpr size_t kBlocks =
+constexpr size_t kLeastBlocks =
     12;  // of 20, those of 150 frames are still alike: see the test of what intervals hold
-constexpr double kLeastConfidence = 0.95;
 // Of the whole run, but not what it was of.
 constexpr std::string_view kMeasured[] = {"digest", "ns_per_strand", "workers_observed"};
 
@@ -42,6 +41,7 @@ class RunReader {
           Printable(key), Printable(value.is_string() ? value.get<std::string>() : value.dump()));
     }
     AddOptions(json, run);
+    AddDisturbances(json, run);
     if (const auto digest = json.find("digest"); digest != json.end()) {
       if (!digest->is_string()) Fail("'digest' is not a text");
       run.digest = Printable(digest->get<std::string>());
@@ -59,6 +59,16 @@ class RunReader {
       if (!value.is_string()) Fail(fmt::format("'options.{}' is not a text", Printable(option)));
       if (option.starts_with("--") && json.contains(option.substr(2))) continue;
       run.settings.emplace_back(Printable(option), Printable(value.get<std::string>()));
+    }
+  }
+
+  void AddDisturbances(const RunJson& json, MeasuredRun& run) const {
+    const auto use = json.find("machine_use");
+    if (use == json.end()) return;  // of a program that did not say
+    const RunJson& texts = Member(*use, "disturbances", "machine_use.");
+    for (const RunJson& text : texts) {
+      if (!text.is_string()) Fail("'machine_use.disturbances' is no list of texts");
+      run.disturbances.push_back(Printable(text.get<std::string>()));
     }
   }
 
@@ -104,23 +114,20 @@ double MedianOf(std::span<const double> values) {
   return SpreadOf(sorted).median;
 }
 
-// How many of the lowest and of the highest ratios lie outside; the share of all samples of so many
-// pairs in which the median does, too. By the sign test: each pair is above the median or below it.
-struct OutsideRanks {
+// How many of the lowest and of the highest ratios lie outside an interval. By the sign test: each
+// pair is above the median or below it. Of so many rows each may miss its median in an equal part of
+// the samples in which any may, so that they hold together, however they hang together.
+size_t CountOutside(size_t pairs, size_t rows) {
   size_t count = 0;
-  double share = 1.0;
-};
-OutsideRanks FindOutside(size_t pairs) {
-  OutsideRanks outside;
   // The binomial's terms as shares of 2^pairs, from k = 0; of over 1,022 pairs the first would be 0.
   double term = std::exp2(-double(pairs)), sum = 0.0;
   for (size_t k = 0; 2 * (k + 1) <= pairs; ++k) {
     sum += term;
-    if (2.0 * sum > 1.0 - kLeastConfidence) break;
-    outside = {k + 1, 2.0 * sum};
+    if (2.0 * sum * double(rows) > 1.0 - kConfidence) break;
+    count = k + 1;
     term *= double(pairs - k) / double(k + 1);
   }
-  return outside;
+  return count;
 }
 
 const std::vector<double>* FindTimes(const MeasuredRun::Times& of, std::string_view wanted) {
@@ -166,76 +173,125 @@ double MedianOfAll(const Series& series) {
   return MedianOf(all);
 }
 
-Pairs PairSeries(const Series& a, const Series& b) {
-  if (a.size() == 1) return PairBlocks(a.front(), b.front());
+Pairs PairSeries(const Series& a, const Series& b, size_t rows) {
+  if (a.size() == 1) return PairBlocks(a.front(), b.front(), rows);
   Pairs pairs;
   for (size_t r = 0; r < a.size(); ++r) pairs.emplace_back(MedianOf(a[r]), MedianOf(b[r]));
   return pairs;
 }
 
-std::string_view VerdictOf(const RatioInterval& interval) {
-  return interval.low > 1.0 ? "slower" : interval.high < 1.0 ? "faster" : "";
-}
+// A row of the comparison.
+struct Cost {
+  std::string of;
+  Series a, b;
+  bool of_owner = false;  // a layer or character
 
-// Returns whether they differ.
-bool AddCost(ReportTable& table, std::string_view name, const Series& a, const Series& b,
-             bool only_if_they_differ = false) {
-  if (a.empty() || b.empty()) {
-    const Value of_a = a.empty() ? Value() : Value(MedianOfAll(a));
-    const Value of_b = b.empty() ? Value() : Value(MedianOfAll(b));
-    table.Add({name, of_a, of_b, {}, {}, {}, b.empty() ? "only in A" : "only in B"});
-    return true;
-  }
-  const std::optional<RatioInterval> found = RatioOf(PairSeries(a, b));
-  const bool differs = found && !VerdictOf(*found).empty();
-  const Show show = differs || !only_if_they_differ ? Show::kBoth : Show::kJson;
-  if (!found)
-    table.Add({name, MedianOfAll(a), MedianOfAll(b)}, show);
-  else
-    table.Add({name, MedianOfAll(a), MedianOfAll(b), found->ratio, found->low, found->high,
-               VerdictOf(*found)},
-              show);
-  return differs;
-}
-
-// A row for each name that one of the two has: how many rows, and how many of them differ.
-struct CostRows {
-  size_t all = 0, differ = 0;
+  bool InBoth() const { return !a.empty() && !b.empty(); }
 };
-CostRows AddCosts(const ComparedSide& a, const ComparedSide& b, MeasuredRun::Times MeasuredRun::*of,
-                  bool only_those_that_differ, ReportTable& table) {
-  CostRows rows;
+
+// A row for each name that one of the two has.
+void ListTimes(const ComparedSide& a, const ComparedSide& b, MeasuredRun::Times MeasuredRun::*of,
+               bool of_owners, std::vector<Cost>& costs) {
   const auto add = [&](const std::string& name) {
     const auto find = [&](const MeasuredRun& run) { return FindTimes(run.*of, name); };
-    ++rows.all;
-    rows.differ +=
-        AddCost(table, name, SeriesOf(a, find), SeriesOf(b, find), only_those_that_differ);
+    costs.push_back({name, SeriesOf(a, find), SeriesOf(b, find), of_owners});
   };
   for (const auto& [name, times] : a.rounds.front().*of) add(name);
   for (const auto& [name, times] : b.rounds.front().*of)
     if (!FindTimes(a.rounds.front().*of, name)) add(name);
-  return rows;
 }
 
-void AddCosts(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) {
-  ReportTable& table = tree.AddTable("costs", {{"of", "", -1, "median ms"},
-                                               {"a_ms", "", 4, "A"},
-                                               {"b_ms", "", 4, "B"},
-                                               {"ratio", "", 3, "B/A"},
-                                               {"low", "", 3, "from"},
-                                               {"high", "", 3, "to"},
-                                               {"verdict", "", -1, "B is"}});
+std::vector<Cost> ListCosts(const ComparedSide& a, const ComparedSide& b) {
   const auto frame = [](const MeasuredRun& run) { return &run.frame_ms; };
-  AddCost(table, "whole frame", SeriesOf(a, frame), SeriesOf(b, frame));
-  AddCosts(a, b, &MeasuredRun::stages_ms, false, table);
-  for (const ComparedSide* side : {&a, &b})
-    if (side->rounds.front().owners_ms.empty()) {
-      tree.Say(fmt::format("{} does not say what its layers cost.", side == &a ? "A" : "B"));
-      return;
+  std::vector<Cost> costs = {{"whole frame", SeriesOf(a, frame), SeriesOf(b, frame)}};
+  ListTimes(a, b, &MeasuredRun::stages_ms, false, costs);
+  if (!a.rounds.front().owners_ms.empty() && !b.rounds.front().owners_ms.empty())
+    ListTimes(a, b, &MeasuredRun::owners_ms, true, costs);
+  return costs;
+}
+
+// Adds the rows; of layers and characters, text has those that differ.
+class CostTable {
+ public:
+  CostTable(ReportTable& table, size_t rows, bool unsure)
+      : table_(table), rows_(rows), unsure_(unsure) {}
+
+  // Returns whether they differ.
+  bool Add(const Cost& cost) {
+    if (!cost.InBoth()) {
+      const Value of_a = cost.a.empty() ? Value() : Value(MedianOfAll(cost.a));
+      const Value of_b = cost.b.empty() ? Value() : Value(MedianOfAll(cost.b));
+      table_.Add({cost.of, of_a, of_b, {}, {}, {}, cost.b.empty() ? "only in A" : "only in B"});
+      return true;
     }
-  const CostRows rows = AddCosts(a, b, &MeasuredRun::owners_ms, true, table);
-  tree.Say(fmt::format("Of {} layers and characters, {} differ{}.", rows.all, rows.differ,
-                       rows.differ == rows.all ? "" : ": the others are in --json"));
+    const auto found = RatioOf(PairSeries(cost.a, cost.b, rows_), rows_);
+    const std::string_view verdict = found ? VerdictOf(*found) : "";
+    const Show show = !verdict.empty() || !cost.of_owner ? Show::kBoth : Show::kJson;
+    const Value of_a = MedianOfAll(cost.a), of_b = MedianOfAll(cost.b);
+    if (!found)
+      table_.Add({cost.of, of_a, of_b}, show);
+    else
+      table_.Add({cost.of, of_a, of_b, found->ratio, found->low, found->high, verdict}, show);
+    return !verdict.empty();
+  }
+
+ private:
+  std::string_view VerdictOf(const RatioInterval& interval) const {
+    if (interval.low <= 1.0 && interval.high >= 1.0) return "";
+    return unsure_ ? "UNSURE" : interval.low > 1.0 ? "slower" : "faster";
+  }
+
+  ReportTable& table_;
+  size_t rows_;
+  bool unsure_;
+};
+
+void AddCosts(const std::vector<Cost>& costs, size_t rows, bool unsure, ReportTree& tree) {
+  CostTable table(tree.AddTable("costs", {{"of", "", -1, "median ms"},
+                                          {"a_ms", "", 4, "A"},
+                                          {"b_ms", "", 4, "B"},
+                                          {"ratio", "", 3, "B/A"},
+                                          {"low", "", 3, "from"},
+                                          {"high", "", 3, "to"},
+                                          {"verdict", "", -1, "B is"}}),
+                  rows, unsure);
+  size_t owners = 0, differ = 0;
+  for (const Cost& cost : costs) {
+    const bool differs = table.Add(cost);
+    owners += cost.of_owner;
+    differ += cost.of_owner && differs;
+  }
+  if (owners > 0)
+    tree.Say(fmt::format("Of {} layers and characters, {} {}differ{}.", owners, differ,
+                         unsure ? "may " : "",
+                         differ == owners ? "" : ": the others are in --json"));
+}
+
+void AddIntervals(size_t rounds, size_t pairs, size_t rows, ReportTree& tree) {
+  const size_t needed = PairsNeeded(rows);
+  if (pairs < needed)
+    return void(tree.Say(
+        fmt::format("No intervals: of {} pairs, and {} are needed for all {} rows together.", pairs,
+                    needed, rows)));
+  tree.Say(fmt::format(
+      "Intervals: {:.0f} % for all {} rows together, by ranks of {} {}", 100.0 * kConfidence, rows,
+      pairs,
+      rounds > 1 ? "rounds that took turns."
+                 : "parts of the runs. What changed on the machine between the two runs is not in "
+                   "them: --commands takes turns."));
+}
+
+std::string WhyUnsure(std::string_view name, const ComparedSide& side) {
+  size_t disturbed = 0;
+  const std::string* first = nullptr;
+  for (const MeasuredRun& run : side.rounds) {
+    if (run.disturbances.empty()) continue;
+    ++disturbed;
+    if (!first) first = &run.disturbances.front();
+  }
+  return first ? fmt::format("the machine was not {}'s own in {} of {} runs: {}", name, disturbed,
+                             side.rounds.size(), *first)
+               : "";
 }
 
 void AddSettings(const MeasuredRun& a, const MeasuredRun& b, ReportTree& tree) {
@@ -285,11 +341,16 @@ MeasuredRun ReadMeasuredRun(std::string_view from, std::string_view json) {
   return RunReader(from).Read(json);
 }
 
-double ConfidenceOf(size_t pairs) { return 1.0 - FindOutside(pairs).share; }
+size_t PairsNeeded(size_t rows) {
+  size_t pairs = 1;
+  while (CountOutside(pairs, rows) == 0) ++pairs;
+  return pairs;
+}
 
-std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> pairs) {
-  const OutsideRanks outside = FindOutside(pairs.size());
-  if (outside.count == 0) return std::nullopt;
+std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> pairs,
+                                     size_t rows) {
+  const size_t outside = CountOutside(pairs.size(), rows);
+  if (outside == 0) return std::nullopt;
   std::vector<double> ratios;
   for (const auto& [a, b] : pairs) {
     if (!(a > 0.0) || !(b > 0.0)) return std::nullopt;
@@ -299,11 +360,13 @@ std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> 
   const size_t middle = ratios.size() / 2;
   const double median =
       ratios.size() % 2 ? ratios[middle] : 0.5 * (ratios[middle - 1] + ratios[middle]);
-  return RatioInterval{median, ratios[outside.count - 1], ratios[ratios.size() - outside.count]};
+  return RatioInterval{median, ratios[outside - 1], ratios[ratios.size() - outside]};
 }
 
-Pairs PairBlocks(std::span<const double> a, std::span<const double> b) {
-  const size_t count = std::min({kBlocks, a.size(), b.size()});
+Pairs PairBlocks(std::span<const double> a, std::span<const double> b, size_t rows) {
+  // One more than are needed: blocks beside each other are a little alike, which the sign test does not know.
+  const size_t wanted = std::max(kLeastBlocks, PairsNeeded(rows) + 1);
+  const size_t count = std::min({wanted, a.size(), b.size()});
   const auto block = [count](std::span<const double> of, size_t i) {
     const size_t first = of.size() * i / count;
     return of.subspan(first, of.size() * (i + 1) / count - first);
@@ -314,33 +377,33 @@ Pairs PairBlocks(std::span<const double> a, std::span<const double> b) {
   return pairs;
 }
 
+std::vector<std::string> WhyUnsure(const ComparedSide& a, const ComparedSide& b) {
+  std::vector<std::string> found = {WhyUnsure("A", a), WhyUnsure("B", b)};
+  std::erase(found, "");
+  return found;
+}
+
 ReportTree CompareRuns(const ComparedSide& a, const ComparedSide& b) {
   CheckRounds(a);
   CheckRounds(b);
+  const std::vector<Cost> costs = ListCosts(a, b);
+  const size_t rows = size_t(std::ranges::count_if(costs, &Cost::InBoth));
   const size_t rounds = a.rounds.size();
-  const size_t pairs =
-      rounds > 1 ? rounds : PairBlocks(a.rounds[0].frame_ms, b.rounds[0].frame_ms).size();
-  const double confidence = ConfidenceOf(pairs);
+  const size_t pairs = PairSeries(costs.front().a, costs.front().b, rows).size();
+  const std::vector<std::string> why_unsure = WhyUnsure(a, b);
   ReportTree tree;
   tree.Add({"a", "", -1, "A"}, Printable(a.name)).EndLine();
   tree.Add({"b", "", -1, "B"}, Printable(b.name)).EndLine();
-  tree.Add(InJson("rounds"), rounds).Add(InJson("pairs"), pairs);
-  tree.Add(InJson("confidence"), confidence).BlankLine();
+  tree.Add(InJson("rounds"), rounds).Add(InJson("pairs"), pairs).Add(InJson("rows"), rows);
+  tree.Add(InJson("confidence"), pairs < PairsNeeded(rows) ? 0.0 : kConfidence).BlankLine();
   AddSettings(a.rounds.front(), b.rounds.front(), tree);
-  AddCosts(a, b, tree);
-  if (confidence == 0.0)
-    tree.Say(fmt::format("No intervals: of {} pairs, and {} are needed.", pairs, kLeastPairs));
-  else if (rounds > 1)
-    tree.Say(
-        fmt::format("Intervals: {:.1f} %, by ranks of {} rounds that took turns. Of twenty equal "
-                    "stages or layers, one may well be told as slower or faster.",
-                    100.0 * confidence, rounds));
-  else
-    tree.Say(
-        fmt::format("Intervals: {:.1f} %, by ranks of {} parts of the runs. What changed on the "
-                    "machine between the two runs is not in them: --commands takes turns.",
-                    100.0 * confidence, pairs));
+  AddCosts(costs, rows, !why_unsure.empty(), tree);
+  for (const ComparedSide* side : {&a, &b})
+    if (side->rounds.front().owners_ms.empty())
+      tree.Say(fmt::format("{} does not say what its layers cost.", side == &a ? "A" : "B"));
+  AddIntervals(rounds, pairs, rows, tree);
   AddDigests(a, b, tree);
+  tree.AddTexts("unsure", why_unsure, "UNSURE");
   return tree;
 }
 

@@ -5,7 +5,9 @@
 // times are spread but that pairs are independent. A pair is a round of each, or, of one run each,
 // the same twelfth of both runs: frames beside each other are alike, so they are taken in blocks.
 // What changed on the machine between two single runs is in no such interval; rounds that take
-// turns have it in theirs.
+// turns have it in theirs. The intervals of all rows hold together: with each at 95 % for itself, one
+// in twenty rows that are equal would be told as slower or faster. Where others used the machine, no
+// row is told as either.
 #pragma once
 
 #include <optional>
@@ -27,6 +29,7 @@ struct MeasuredRun {
   using Times = std::vector<std::pair<std::string, std::vector<double>>>;
   Times stages_ms;
   Times owners_ms;  // layers, then characters; none of a program that did not say
+  std::vector<std::string> disturbances;  // why its machine was not its own
 };
 
 // `from` names the text in errors: a file, or a round of a command. Throws Error.
@@ -41,15 +44,19 @@ struct ComparedSide {
 struct RatioInterval {
   double ratio, low, high;
 };
-// The least pairs that an interval can be had of.
-inline constexpr size_t kLeastPairs = 6;
-// That the interval of so many pairs holds the median, at least 0.95; 0: there are too few.
-double ConfidenceOf(size_t pairs);
-// None of too few pairs or times that are not above 0.
-std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> pairs);
-// The medians of the same parts of two series, in order; as many as there can be, up to 12.
+// That the intervals of all rows hold their medians, at the least.
+inline constexpr double kConfidence = 0.95;
+// The least pairs that an interval can be had of, if it is one of so many.
+size_t PairsNeeded(size_t rows);
+// One of so many intervals; none of too few pairs or times that are not above 0.
+std::optional<RatioInterval> RatioOf(std::span<const std::pair<double, double>> pairs, size_t rows);
+// The medians of the same parts of two series, in order: 12, or more where so many rows need more;
+// no more than there are times.
 std::vector<std::pair<double, double>> PairBlocks(std::span<const double> a,
-                                                  std::span<const double> b);
+                                                  std::span<const double> b, size_t rows);
+
+// What makes the comparison UNSURE, a sentence for each side that others disturbed; empty: nothing.
+std::vector<std::string> WhyUnsure(const ComparedSide& a, const ComparedSide& b);
 
 // Both have as many rounds. Throws Error when the rounds of a side are not of one thing.
 ReportTree CompareRuns(const ComparedSide& a, const ComparedSide& b);

@@ -413,7 +413,7 @@ test_pair() {
   local width beside out=$work/pair
   "$pelt" run --scene tiny --frames 24 --json >"$work/a.json" 2>/dev/null
   "$pelt" run --scene tiny --frames 30 --isa reference --json >"$work/b.json" 2>/dev/null
-  (cd "$work" && "$pelt" compare a.json b.json --page two.html) >"$work/pair.log" 2>&1 || { fail "compare --page: $(cat "$work/pair.log")"; return; }
+  (cd "$work" && "$pelt" compare a.json b.json --page two.html) >"$work/pair.log" 2>&1 || [ -s "$work/two.html" ] || { fail "compare --page: $(cat "$work/pair.log")"; return; }
   for width in 1280 360; do
     python3 - "$work/two.html" "$out.probed.html" "$pair_probe" "$width" "$out.framed.html" <<'PYTHON'
 import sys

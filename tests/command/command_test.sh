@@ -337,10 +337,10 @@ check_accuracy_errors() {
 
 # Files and commands that are no runs: told by name, place and what the command itself said.
 check_compare_errors() {
-  "$pelt" run --scene tiny --frames 12 --json >a.json 2>/dev/null || fail "run --json"
+  "$pelt" run --scene tiny --frames 12 --json 2>/dev/null | as_own >a.json
   # What was asked for differs, and is said; what is as if not asked for, or only written somewhere, does not.
   "$pelt" run --scene tiny --frames 12 --no-sleep --fps 30 --lod --strand-budget 300 --fast-quality-px 0.5 \
-    --digest-log b.digests --json >b.json 2>/dev/null || fail "run --no-sleep --json"
+    --digest-log b.digests --json 2>/dev/null | as_own >b.json
   "$pelt" compare a.json b.json --json >out.txt || fail "compare of other options"
   local option
   for option in --no-sleep:given --fps:30 --lod:given --strand-budget:300; do
@@ -371,12 +371,21 @@ check_compare_errors() {
   "$pelt" compare a.json escape.json >out.txt || fail "compare escape.json"
   grep -q $'\033' out.txt && fail "an escape character of a run on the terminal"
   grep -qF '\x1b[2Jskin' out.txt || fail "no escaped name of a stage: $(cat out.txt)"
+  # What was measured beside others is no answer, and told.
+  sed 's/"disturbances": \[\]/"disturbances": ["others ran"]/' a.json >unsure.json
+  local left
+  for left in a.json unsure.json; do
+    "$pelt" compare "$left" unsure.json --page unsure.html >out.txt 2>err.txt
+    is_unsure $? out.txt err.txt || fail "compare $left unsure.json: $(cat out.txt err.txt)"
+    grep -q "^UNSURE: the machine was not B's own in 1 of 1 runs: others ran" out.txt || fail "no reason: $(cat out.txt)"
+  done
+  [ -s unsure.html ] || fail "no page of what is unsure"
   # They take turns, and the one that begins changes.
   : >turns
-  "$pelt" compare --rounds 6 --commands 'echo a >>turns; cat a.json' 'echo b >>turns; cat a.json' >out.txt ||
+  "$pelt" compare --rounds 12 --commands 'echo a >>turns; cat a.json' 'echo b >>turns; cat a.json' >out.txt ||
     fail "compare --commands: $(cat out.txt)"
-  [ "$(tr -d '\n' <turns)" = abbaabbaabba ] || fail "turns: $(tr -d '\n' <turns)"
-  grep -q '6 rounds that took turns' out.txt || fail "rounds are not told: $(cat out.txt)"
+  [ "$(tr -d '\n' <turns)" = abbaabbaabbaabbaabbaabba ] || fail "turns: $(tr -d '\n' <turns)"
+  tr '\n' ' ' <out.txt | grep -qE 'Intervals: 95 % for all [0-9]+ rows together, by ranks of 12 rounds that took turns' || fail "rounds are not told: $(cat out.txt)"
 }
 
 check_timing_errors() {

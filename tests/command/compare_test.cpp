@@ -22,25 +22,26 @@ TimePairs PairsOf(std::initializer_list<double> ratios) {
 }
 
 TEST(Compare, IntervalsAreTheRanksOfTheSignTest) {
-  EXPECT_EQ(ConfidenceOf(kLeastPairs - 1), 0.0);
-  EXPECT_DOUBLE_EQ(ConfidenceOf(kLeastPairs), 1.0 - 2.0 / 64);
-  EXPECT_DOUBLE_EQ(ConfidenceOf(9), 1.0 - 2.0 * (1 + 9) / 512);
-  EXPECT_NEAR(ConfidenceOf(20), 0.958611, 1e-6);
-  for (size_t pairs = kLeastPairs; pairs <= 1000; ++pairs) {
-    EXPECT_GE(ConfidenceOf(pairs), 0.95) << pairs;
-    EXPECT_LT(ConfidenceOf(pairs), 1.0) << pairs;
-  }
-  const auto six = RatioOf(PairsOf({1.5, 1.1, 1.2, 1.4, 1.3, 1.6}));
+  EXPECT_EQ(PairsNeeded(1), 6u) << "2 of 64 samples miss the median";
+  EXPECT_EQ(PairsNeeded(2), 7u);
+  EXPECT_EQ(PairsNeeded(819), 15u);
+  EXPECT_EQ(PairsNeeded(820), 16u);
+  const auto six = RatioOf(PairsOf({1.5, 1.1, 1.2, 1.4, 1.3, 1.6}), 1);
   ASSERT_TRUE(six);
   EXPECT_DOUBLE_EQ(six->ratio, 1.35);
   EXPECT_DOUBLE_EQ(six->low, 1.1);
   EXPECT_DOUBLE_EQ(six->high, 1.6);
   // Of nine the outermost on both sides lie outside: one round that went wrong moves nothing.
-  const auto nine = RatioOf(PairsOf({1, 1, 1, 1, 1, 1, 1, 1, 30}));
-  ASSERT_TRUE(nine);
-  EXPECT_EQ(nine->high, 1.0);
-  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1})));
-  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1, 0}))) << "a stage that slept has no ratio";
+  const auto nine = PairsOf({1, 1, 1, 1, 1, 1, 1, 1, 30});
+  ASSERT_TRUE(RatioOf(nine, 1));
+  EXPECT_EQ(RatioOf(nine, 1)->high, 1.0);
+  // With a second row beside it 2 (1 + 9) / 512 is more than it may miss.
+  ASSERT_TRUE(RatioOf(nine, 2));
+  EXPECT_EQ(RatioOf(nine, 2)->high, 30.0);
+  EXPECT_TRUE(RatioOf(nine, 12));
+  EXPECT_FALSE(RatioOf(nine, 13)) << "13 times 2 / 512 is above 0.05";
+  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1}), 1));
+  EXPECT_FALSE(RatioOf(PairsOf({1, 1, 1, 1, 1, 0}), 1)) << "a stage that slept has no ratio";
 }
 
 // A run's frames: dear at its end, spread by a fifth, and each as far off as half of the one before.
@@ -63,7 +64,7 @@ TEST(Compare, IntervalsHoldTheRatioAsOftenAsTheySay) {
   double width = 0.0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto a = DrawFrames(random, 4.0, 150), b = DrawFrames(random, 5.6, 150);
-    const auto found = RatioOf(PairBlocks(a, b));
+    const auto found = RatioOf(PairBlocks(a, b, 1), 1);
     ASSERT_TRUE(found);
     held += found->low <= 1.4 && 1.4 <= found->high;
     seen += found->low > 1.0;
@@ -78,12 +79,64 @@ TEST(Compare, BlocksPairTheSamePartsOfBothRuns) {
   std::vector<double> a(150), b(40);
   for (size_t i = 0; i < a.size(); ++i) a[i] = 1.0 + double(i) / 150;
   for (size_t i = 0; i < b.size(); ++i) b[i] = 1.0 + double(i) / 40;
-  const TimePairs pairs = PairBlocks(a, b);
+  const TimePairs pairs = PairBlocks(a, b, 1);
   ASSERT_EQ(pairs.size(), 12u);
   for (const auto& [of_a, of_b] : pairs) EXPECT_NEAR(of_a, of_b, 0.05);
-  EXPECT_EQ(PairBlocks(std::vector{1.0, 2.0}, b).size(), 2u);
+  EXPECT_EQ(PairBlocks(std::vector{1.0, 2.0}, b, 1).size(), 2u);
+  EXPECT_EQ(PairBlocks(a, b, 819).size(), 16u) << "one more than are needed";
 }
 
+// What is the same for both in every row: `rounds` of each, or one of 150 frames.
+ComparedSide DrawEqualRows(std::mt19937& random, size_t rows, size_t rounds) {
+  ComparedSide side{"side", {}};
+  for (size_t r = 0; r < rounds; ++r) {
+    MeasuredRun& run = side.rounds.emplace_back();
+    const size_t frames = rounds > 1 ? 2 : 150;
+    run.frame_ms = DrawFrames(random, 4.0, frames);
+    for (size_t row = 1; row < rows; ++row)
+      run.stages_ms.emplace_back("stage " + std::to_string(row), DrawFrames(random, 1.0, frames));
+  }
+  return side;
+}
+
+// In how many of the trials a difference of equal rows is told.
+int CountFalse(size_t rows, size_t rounds, int trials) {
+  std::mt19937 random(7);
+  int wrong = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const ComparedSide a = DrawEqualRows(random, rows, rounds);
+    const nlohmann::json found =
+        nlohmann::json::parse(CompareRuns(a, DrawEqualRows(random, rows, rounds)).Json());
+    EXPECT_EQ(found["rows"], rows);
+    EXPECT_EQ(found["confidence"], kConfidence);
+    wrong += std::ranges::any_of(found["costs"], [](const auto& row) {
+      return row.contains("verdict") && row["verdict"] != "";
+    });
+  }
+  return wrong;
+}
+
+TEST(Compare, IntervalsOfAllRowsHoldTogether) {
+  // Of all trials, not of all rows.
+  EXPECT_LE(CountFalse(46, 15, 300), 0.05 * 300);
+  EXPECT_LE(CountFalse(200, 15, 200), 0.05 * 200);
+  EXPECT_LE(CountFalse(100, 1, 200), 0.05 * 200);
+}
+
+TEST(Compare, TooFewRoundsForTheRowsAreTold) {
+  std::mt19937 random(1);
+  const ComparedSide a = DrawEqualRows(random, 46, 10), b = DrawEqualRows(random, 46, 10);
+  const ReportTree tree = CompareRuns(a, b);
+  const nlohmann::json found = nlohmann::json::parse(tree.Json());
+  EXPECT_EQ(found["confidence"], 0.0);
+  for (const auto& row : found["costs"]) EXPECT_FALSE(row.contains("low")) << row;
+  EXPECT_NE(
+      tree.Text().find("No intervals: of 10 pairs, and 11 are needed for all 46 rows together"),
+      std::string::npos)
+      << tree.Text();
+}
+
+// As of a machine of its own: who else used this one is no part of what is tested.
 std::string RunTiny(Isa isa, uint32_t frames, bool digest = true) {
   Scenario tiny = LoadScenario("tiny");
   RunOptions options;
@@ -92,7 +145,10 @@ std::string RunTiny(Isa isa, uint32_t frames, bool digest = true) {
   options.digest = digest;
   options.scene.isa = isa;
   RunningScenario running(tiny, options.scene);
-  return MakeRunTree(RunFrames(tiny, running, options)).Json();
+  RunReport report = RunFrames(tiny, running, options);
+  report.use = MachineUse();
+  report.use.cores_allowed = report.workers;
+  return MakeRunTree(report).Json();
 }
 
 nlohmann::json CompareTexts(const std::string& a, const std::string& b) {
@@ -176,6 +232,36 @@ TEST(Compare, LayersThatChangedAreTold) {
   EXPECT_NE(old.find("A does not say what its layers cost"), old.npos) << old;
 }
 
+TEST(Compare, ARunOnAMachineThatWasNotItsOwnMakesItUnsure) {
+  const nlohmann::json a = nlohmann::json::parse(RunTiny(BestIsa(), 40));
+  nlohmann::json b = a;
+  for (auto& ms : b["samples"]["stages"]["skin"]) ms = 1.5 * double(ms);
+  for (auto& ms : b["samples"]["stages"]["roots"]) ms = 0.5 * double(ms);
+  const MeasuredRun own = ReadMeasuredRun("a", a.dump()), changed = ReadMeasuredRun("b", b.dump());
+  b["machine_use"]["disturbances"] = {"threads were ready for 9 ms"};
+  const MeasuredRun disturbed = ReadMeasuredRun("b", b.dump());
+  EXPECT_TRUE(WhyUnsure({"a", {own}}, {"b", {changed}}).empty());
+
+  const ReportTree tree = CompareRuns({"a", {own}}, {"b", {disturbed}});
+  const nlohmann::json found = nlohmann::json::parse(tree.Json());
+  const auto why = WhyUnsure({"a", {own}}, {"b", {disturbed}});
+  ASSERT_EQ(why.size(), 1u);
+  EXPECT_EQ(why[0], "the machine was not B's own in 1 of 1 runs: threads were ready for 9 ms");
+  EXPECT_EQ(found["unsure"], nlohmann::json(why));
+  int unsure = 0;
+  for (const auto& row : found["costs"]) {
+    EXPECT_NE(row.value("verdict", ""), "slower") << row;
+    EXPECT_NE(row.value("verdict", ""), "faster") << row;
+    unsure += row.value("verdict", "") == "UNSURE";
+  }
+  EXPECT_EQ(unsure, 2);
+  EXPECT_NE(tree.Text().find("UNSURE: the machine was not B's own"), std::string::npos)
+      << tree.Text();
+  EXPECT_EQ(WhyUnsure({"a", {own, disturbed, disturbed}}, {"b", {own, own, own}}),
+            std::vector<std::string>{
+                "the machine was not A's own in 2 of 3 runs: threads were ready for 9 ms"});
+}
+
 // The page is drawn by tests/command/browser_test.sh.
 TEST(Compare, ThePageHasAllFramesAndNoMarkup) {
   const ComparedSide a{"<b>", {ReadMeasuredRun("a", RunTiny(BestIsa(), 12))}}, b{"b", a.rounds};
@@ -220,6 +306,9 @@ TEST(Compare, WhatIsNoRunIsRefusedByItsPlace) {
   ExpectRefused(with("/samples/layers", 1), "'samples.layers' is not an object");
   ExpectRefused(with("/samples/characters/character 0", 1), "'samples.characters.character 0'");
   ExpectRefused(with("/digest", 4), "'digest'");
+  ExpectRefused(with("/machine_use", nlohmann::json::object()),
+                "'machine_use.disturbances' is missing");
+  ExpectRefused(with("/machine_use/disturbances", {1}), "'machine_use.disturbances' is no list");
 }
 
 TEST(Compare, RoundsOfACommandAreOneRun) {

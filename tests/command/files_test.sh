@@ -42,7 +42,7 @@ make_inputs() {
   "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
-  "$pelt" run --scene tiny --frames 6 --json >run.json 2>/dev/null || fail "run --json"
+  "$pelt" run --scene tiny --frames 6 --json 2>/dev/null | as_own >run.json || fail "run --json"
   cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
 }
 
@@ -261,7 +261,7 @@ reader_of() {
 # names. And what a verdict is: 1, or 3 where not all could be looked at.
 check_codes() {
   local subcommand option type line file count=0
-  "$pelt" run --scene tiny --frames 2 --json >run.json 2>/dev/null || fail "run --json"
+  "$pelt" run --scene tiny --frames 2 --json 2>/dev/null | as_own >run.json || fail "run --json"
   printf '\177ELF \1\2\3 garbage\n%.0s' {1..100} >noise
   printf 'nop\n' >nop.s
   mkdir -p heap
