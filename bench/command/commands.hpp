@@ -157,6 +157,9 @@ struct PlanArgs {
   // The plan of `run --executor local-store`, in which every item fits; else that of all other
   // executors, which sort layers of any size whole.
   bool local_store = false;
+  // Instead that of a PS3, whose local stores hold a pass's code, too, as `budget` runs it. Error
+  // where it cannot, the same as `budget` tells.
+  bool ps3 = false;
   bool chunk = false, memory = false, json = false;
 };
 ExitCode PrintPlan(const PlanArgs& args);

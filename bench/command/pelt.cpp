@@ -140,6 +140,11 @@ Subcommand SetUpPlan(CLI::App& root) {
   AddPlanOptions(*app, args.options);
   app->add_flag("--local-store", args.local_store,
                 "The plan for local stores, as pelt run --executor local-store runs it");
+  app->add_option_function<std::string>(
+         "--platform", [&args](const std::string&) { args.ps3 = true; },
+         "The plan for a PS3, as pelt budget runs it: its local stores hold the code, too; refused "
+         "where it cannot run the scene")
+      ->check(OneOf({"ps3"}));
   app->add_flag("--chunk", args.chunk, "Also the blocks of a chunk and their sizes");
   app->add_flag("--memory", args.memory, "Also what every range of the scene's block takes");
   app->add_option_function<double>(
@@ -152,6 +157,7 @@ Subcommand SetUpPlan(CLI::App& root) {
       "Examples:\n"
       "  pelt plan --scene monster\n"
       "  pelt plan --scene monster --local-store\n"
+      "  pelt plan --scene tiny --platform ps3 --quality best\n"
       "  pelt plan --scene tiny --unfused --chunk\n"
       "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
       "  pelt plan --scene eyepet --json");
@@ -159,6 +165,7 @@ Subcommand SetUpPlan(CLI::App& root) {
           [app, kept] {
             CompleteSource(*app, kept->request);
             RefuseBeside(*app, "--json", {"--chunk"});
+            RefuseBeside(*app, "--platform", {"--local-store"});
           },
           [kept] { return PrintPlan(*kept); }};
 }

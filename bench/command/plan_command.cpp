@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "bench/command/commands.hpp"
+#include "bench/consoles/console_budget.hpp"
 #include "bench/report/memory_table.hpp"
 #include "bench/report/report_tree.hpp"
 
@@ -33,8 +34,12 @@ void AddPasses(const FurScene& scene, ReportTree& report) {
   }
 }
 
-// Which of the two plans it is.
+// Which of the plans it is.
 std::string DescribePlace(const PlanOptions& options) {
+  if (options.code_bytes)
+    return fmt::format(
+        "For a PS3's local stores: {} bytes for the data of a pass, its code and parameters.",
+        options.code_and_data_bytes);
   if (options.must_fit)
     return fmt::format(
         "For local stores with {} bytes for data. In main memory passes are longer, and large "
@@ -62,7 +67,9 @@ void AddChunks(ReportTree& report) {
 ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const PlanOptions& options) {
   ReportTree report;
   report.Add(InJson("strands_per_chunk"), kStrandsPerChunk);
-  report.Add(InJson("place"), options.must_fit ? "local store" : "main memory");
+  report.Add(InJson("place"), options.code_bytes ? "PS3"
+                              : options.must_fit ? "local store"
+                                                 : "main memory");
   AddPasses(scene, report);
   report.Add({"stages"}, scene.plan().stages.size());
   report.Add({"barriers"}, scene.plan().passes.size());
@@ -83,6 +90,11 @@ ReportTree MakePlanReport(const FurScene& scene, const PlanArgs& args, const Pla
 ExitCode PrintPlan(const PlanArgs& args) {
   Scenario scenario = LoadScenario(args.request);
   SceneOptions options = args.options;
+  if (args.ps3) {
+    const ConsoleRun run(scenario, {.console = Console::kPs3, .scene = options});
+    MakePlanReport(run.scene(), args, run.plan_options()).Print(args.json);
+    return kDone;
+  }
   options.plan.must_fit = args.local_store;
   const RunningScenario running(scenario, options);
   MakePlanReport(running.scene(), args, options.plan).Print(args.json);

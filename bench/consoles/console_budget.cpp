@@ -120,13 +120,12 @@ ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
   costs_ = Price(scenario_, request_, options_);
   const Plan priced = RunningScenario(scenario_, options_).scene().plan();
   if (request_.console == Console::kPs3) ChargeCode(priced);
-  std::unique_ptr<RunningScenario> planned;
   try {
-    planned = std::make_unique<RunningScenario>(scenario_, options_);
+    running_ = std::make_unique<RunningScenario>(scenario_, options_);
   } catch (const Error& error) {
     throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error.what()));
   }
-  MakeExecutor(planned->scene(), machine_);
+  MakeExecutor(running_->scene(), machine_);
 }
 
 // Plans know the blocks of a pass, not its code: they are made again with what its stages turned out to have.
@@ -154,6 +153,7 @@ std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,
 }
 
 ConsoleBudget ConsoleRun::Run() {
+  running_.reset();  // before there is another
   running_ = std::make_unique<RunningScenario>(scenario_, options_);
   RunningScenario host(scenario_, options_);
   FurScene& scene = running_->scene();

@@ -85,13 +85,13 @@ ConsoleMachine MakeConsole(const ConsoleRequest& request);
 // A scenario on a console, its stages priced.
 class ConsoleRun {
  public:
-  // The scenario must outlive this. Throws Error when the console cannot be.
+  // The scenario must outlive this. Throws Error when the console cannot be, or the scene does not fit
+  // its local stores beside its code.
   ConsoleRun(Scenario& scenario, const ConsoleRequest& request);
   ConsoleRun(const ConsoleRun&) = delete;
   ConsoleRun& operator=(const ConsoleRun&) = delete;
 
-  // Runs the request's frames from the first. Throws Error when the scene does not fit the local
-  // stores, or a frame refuses its input.
+  // Runs the request's frames from the first. Throws Error when a frame refuses its input.
   ConsoleBudget Run();
   // With LOD, timed only: the worst of a few frames, which is quick, or what Run's verdict would
   // be about.
@@ -109,8 +109,9 @@ class ConsoleRun {
   std::string WhyNoChange(WhatIf what_if) const;
 
   const ConsoleRequest& request() const { return request_; }
-  // The scene of the last Run.
+  // Planned for the console; as the last Run left it.
   const FurScene& scene() const { return running_->scene(); }
+  const PlanOptions& plan_options() const { return options_.plan; }
 
  private:
   void ChargeCode(const Plan& priced);

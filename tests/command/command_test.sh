@@ -271,6 +271,8 @@ check_ignored() {
   expect 2 --spus -- budget --scene tiny --platform xbox360 --spus 4
   expect 2 --local-store-kib -- budget --scene tiny --platform host --local-store-kib 128
   expect 2 --gpu-percent -- budget --scene tiny --platform ps3 --gpu-percent 4
+  expect 2 --local-store -- plan --scene tiny --platform ps3 --local-store
+  expect 2 'eyepet on PS3: stage simulate_modal' 'of code' -- plan --scene eyepet --platform ps3 --quality best
   expect 2 --cores -- budget --scene tiny --platform ps3 --cores 2
   expect 2 --no-advice -- budget --scene tiny --platform host --no-advice
   expect 2 --scene -- budget --validate --scene tiny

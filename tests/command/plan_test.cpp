@@ -1,5 +1,5 @@
-// `pelt plan` shows the plans that run: main memory's as every executor but one runs it, and that
-// of local stores.
+// `pelt plan` shows the plans that run: main memory's as every executor but one runs it, that of
+// local stores, and that of a PS3 as `pelt budget` runs it.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/command/commands.hpp"
+#include "core/error.hpp"
 
 namespace pelt {
 namespace {
@@ -70,6 +71,53 @@ TEST(PlanCommand, NamesWhichOfTheTwoItShows) {
   PlanArgs text = MonsterPlan(true);
   text.json = false;
   EXPECT_NE(Printed(text).find("For local stores"), std::string::npos);
+}
+
+json BudgetOnPs3(const ScenarioRequest& request, int exit_code) {
+  BudgetArgs args;
+  args.request = request;
+  args.platforms = {"ps3"};
+  args.frames = 1;
+  args.warm_up = 0;
+  args.target_ms = 1000.0;
+  args.advice = false;
+  args.json = true;
+  testing::internal::CaptureStdout();
+  const int code = PrintBudget(args);
+  const std::string out = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(code, exit_code);
+  return json::parse(out)["platforms"][0];
+}
+
+TEST(PlanCommand, ShowsThePlanThatBudgetRunsOnAPs3) {
+  PlanArgs args;
+  args.request.scene = "tiny";
+  args.request.quality = ModalQuality::kBest;
+  args.ps3 = args.json = true;
+  const json plan = json::parse(Printed(args)), budget = BudgetOnPs3(args.request, 0);
+  EXPECT_EQ(plan["place"], "PS3");
+  EXPECT_EQ(plan["passes"].size(), budget["passes"].size());
+  args.ps3 = false;
+  args.local_store = true;
+  EXPECT_GT(plan["passes"].size(), json::parse(Printed(args))["passes"].size())
+      << "code takes room that longer passes would need";
+}
+
+TEST(PlanCommand, RefusesWhatAPs3CannotRunAsBudgetDoes) {
+  PlanArgs args;
+  args.request.scene = "eyepet";
+  args.request.quality = ModalQuality::kBest;
+  args.ps3 = true;
+  try {
+    PrintPlan(args);
+    ADD_FAILURE() << "a plan for code that does not fit";
+  } catch (const Error& error) {
+    const std::string said = error.what();
+    EXPECT_EQ(said, BudgetOnPs3(args.request, 1)["refused"]);
+    EXPECT_EQ(said.find("eyepet on PS3: stage simulate_modal"), 0u) << said;
+  }
+  args.ps3 = false;
+  EXPECT_NE(Printed(args).find("For main memory"), std::string::npos);
 }
 
 }  // namespace

@@ -44,6 +44,7 @@ hold compare compare one.json two.json
 hold compare compare --rounds 6 --commands 'cat one.json' 'cat two.json'
 hold plan plan --scene tiny
 hold plan plan --scene tiny --local-store --unfused
+hold plan plan --scene tiny --platform ps3
 hold verify verify --scene tiny --frames 1 --isa reference
 hold verify verify --scene tiny --frames 1 --isa reference --shard 1/3 --no-checks
 hold golden golden --check "$source_dir/traces/golden" --scene tiny
