@@ -40,6 +40,7 @@ enum class Air : uint8_t;
 class ModalCourse;
 struct FrameParams;
 struct FrameTable;
+struct ScreenQuality;
 struct SelectLodParams;
 
 struct SceneOptions {
@@ -234,6 +235,9 @@ class FurScene {
 
   uint32_t LiveStrands() const;   // over all visible layers
   uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
+  // Of a layer with the modal solver, after a frame: the quality that ran, and how wrong that may look
+  // from where the frame's camera is (core/modal/quality_on_screen.hpp).
+  ScreenQuality QualityOf(uint32_t layer) const;
 
  private:
   FurScene(const SceneOptions& options, SceneLayout layout);

@@ -211,6 +211,13 @@ ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const 
                          in.lod.fast_quality_px);
 }
 
+ScreenQuality FurScene::QualityOf(uint32_t layer) const {
+  const ModalQuality ran = modal_[layer].quality();
+  return {ran, ErrorOnScreenPx(ran, params_[SetOf(layer)].select_lod.view,
+                               *memory_.Of<&Streams::bounds>(layer),
+                               scales_[shape().layer_character[layer]] * layer_length_max_[layer])};
+}
+
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
 bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams& lod) {
   FrameParams& to = params_[s];

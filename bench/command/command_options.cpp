@@ -212,8 +212,8 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
       ->needs(with_lod)
       ->capture_default_str();
   app.add_option("--fast-quality-px", lod.fast_quality_px,
-                 "Modal layers of quality 'fine' are simulated in 'fast' while its error on the "
-                 "screen is at most this, px; 0: never")
+                 "Modal layers of quality 'fine' are simulated in 'fast' while its typical error on "
+                 "the screen (no bound) is at most this, px; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -73,11 +73,12 @@ function fillCosts() {
   const share = (cost, most) => ({class: 'bar', bar: [[cost.core_ms.median / most.core_ms.median || 0, '']]});
   const part = (cost) => percent(cost.core_ms.median / all || 0);
   const sorted = (costs) => costs.map((cost, i) => ({...cost, i})).sort((a, b) => b.core_ms.median - a.core_ms.median);
+  const quality = (l) => l.ran ? [l.ran.map((frames) => (100 * frames / data.frames).toFixed(0)).join(', '), l.error_px.toFixed(2)] : [l.solver, ''];
   const layers = sorted(data.layer_costs), characters = sorted(data.character_costs);
-  table(byId('layers'), 'Cost by layer', ['layer', 'character', 'strands', 'median ms', 'p95', 'worst', 'ns/strand', 'of all', 'its dearest stage', ''], [
-    ...layers.map((l) => [`${l.i} ${l.name}`, l.character, number(l.strands), ...times(l), perStrand(l), part(l),
+  table(byId('layers'), 'Cost by layer', ['layer', 'character', 'strands', 'median ms', 'p95', 'worst', 'ns/strand', 'of all', 'ran, % fast, fine, best', '99 % within px', 'its dearest stage', ''], [
+    ...layers.map((l) => [`${l.i} ${l.name}`, l.character, number(l.strands), ...times(l), perStrand(l), part(l), ...quality(l),
       {text: `${data.stages[l.most_stage].name} ${percent(l.most_share)}`, class: 'text'}, share(l, layers[0])]),
-    ['all stages', '', number(data.strands), ...times(data.cost), perStrand({...data.cost, strands: data.strands}), part(data.cost), {text: '', class: 'text'}, ''],
+    ['all stages', '', number(data.strands), ...times(data.cost), perStrand({...data.cost, strands: data.strands}), part(data.cost), '', '', {text: '', class: 'text'}, ''],
   ], {wide: true, tall: true});
   table(byId('characters'), 'Cost by character', ['character', 'layers', 'strands', 'median ms', 'p95', 'worst', 'ns/strand', 'of all', 'pose and joints, ms', ''], [
     ...characters.map((c) => [`character ${c.i}`, c.layers, number(c.strands), ...times(c), perStrand(c), part(c), ms(c.own_ms), share(c, characters[0])]),

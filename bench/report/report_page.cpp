@@ -146,10 +146,18 @@ class PageData {
     json_.EndObject();
   }
 
+  void AddQuality(const LayerQuality& layer) {
+    json_.Add("solver", layer.solver);
+    if (layer.asked.empty()) return;
+    json_.Add("ran", std::vector<uint32_t>(layer.frames.begin(), layer.frames.end()));
+    json_.Add("error_px", double(layer.error_px));
+  }
+
   void AddCosts() {
     const CostSplit costs = recorder_.costs_.Summarise(ms_per_tick_, report_.layer_strands);
     json_.BeginArray("layer_costs");
-    for (const LayerCost& layer : costs.layers) {
+    for (size_t l = 0; l < costs.layers.size(); ++l) {
+      const LayerCost& layer = costs.layers[l];
       json_.BeginObject();
       json_.Add("name", layer.name);
       json_.Add("character", layer.character);
@@ -158,6 +166,7 @@ class PageData {
       AddCoreMs(layer.core_ms);
       json_.Add("most_stage", layer.dearest_stage);
       json_.Add("most_share", layer.dearest_share);
+      AddQuality(report_.qualities[l]);
       json_.EndObject();
     }
     json_.EndArray();

@@ -41,6 +41,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.layout = scene.layout();
   for (const Groom* groom : scenario.ActorGrooms())
     for (const auto& layer : groom->layers) report.layer_strands.push_back(layer.strand_count);
+  report.qualities = QualitiesOf(scene, scenario.ActorGrooms());
 
   BudgetRecorder recorder(scene, report.frames);
   Digest fold;
@@ -66,6 +67,7 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
     executor->Run(frame);
     ticks.end = ReadTicks();
     recorder.Finish(caller_ns, ElapsedNs(start));
+    AddFrame(scene, report.qualities);
     if (observed) options.observe({f, ticks, *profile, scene, ReadCoreWait().Since(before)});
     if (options.after_frame) options.after_frame(f, scene);
     if (options.digest) fold.Add64(scene.DigestFrame());
@@ -99,6 +101,7 @@ ReportTree MakeRunTree(const RunReport& r) {
   AddMachineUse(r.use, r.workers, tree);
   AddBudget(r.budget, r.workers, tree);
   AddCostSplit(r.costs, r.budget, tree);
+  AddLayerQuality(r.qualities, tree);
   AddMemory(r.layout, tree);
   tree.BlankLine();
   tree.Add({"live_strands"}, r.live_strands).Add({"drawn_strands"}, r.drawn_strands);

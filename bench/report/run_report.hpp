@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/report/budget.hpp"
+#include "bench/report/layer_quality.hpp"
 #include "bench/report/machine.hpp"
 #include "bench/report/machine_use.hpp"
 #include "bench/report/report_tree.hpp"
@@ -57,6 +58,7 @@ struct RunReport {
   uint32_t live_strands = 0, drawn_strands = 0;  // of the last frame
   Budget budget;
   CostSplit costs;
+  std::vector<LayerQuality> qualities;  // of each layer
   SceneLayout layout;
   uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 
 #include "bench/consoles/console_budget.hpp"
@@ -118,6 +119,11 @@ TEST(ReportPage, CostsOfLayersAndCharactersAreThoseOfStages) {
     EXPECT_GT(double(layer["most_share"]), 0.0);
     EXPECT_LE(double(layer["most_share"]), 1.0);
     EXPECT_EQ(data["stages"].at(size_t(layer["most_stage"]))["domain"] == "character", false);
+    ASSERT_EQ(layer.contains("ran"), layer["solver"] == "modal") << layer;
+    if (!layer.contains("ran")) continue;
+    const auto ran = layer["ran"].get<std::vector<uint32_t>>();
+    EXPECT_EQ(std::accumulate(ran.begin(), ran.end(), 0u), uint32_t(data["frames"])) << layer;
+    EXPECT_GT(double(layer["error_px"]), 0.0) << layer;
   }
   EXPECT_EQ(strands, report.run.strands);
   ASSERT_EQ(data["character_costs"].size(), 2u);

@@ -285,15 +285,20 @@ TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
   const auto quality = [&](float length, float px, ModalQuality last = ModalQuality::kFine) {
     return QualityOnScreen(ModalQuality::kFine, last, view, box, length, px);
   };
-  const float length = 0.1f, error_px = kFastError * length * 1000.0f / 2.0f;
+  const float length = 0.1f, error_px = kFastTypicalError * length * 1000.0f / 2.0f;
   EXPECT_EQ(quality(length, 1.001f * error_px), ModalQuality::kFast);
   EXPECT_EQ(quality(length, 0.999f * error_px), ModalQuality::kFine);
   EXPECT_EQ(quality(length, 0.95f * error_px, ModalQuality::kFast), ModalQuality::kFast);
   EXPECT_EQ(quality(length, 0.90f * error_px, ModalQuality::kFast), ModalQuality::kFine);
   EXPECT_EQ(quality(length, 0.0f), ModalQuality::kFine);
+  EXPECT_NEAR(ErrorOnScreenPx(ModalQuality::kFine, view, box, length),
+              ErrorShare(ModalQuality::kFine) * length * 500.0f, 1e-3f);
   // Nothing is nearer than the near plane.
   view.eye[2] = 0.0f;
-  EXPECT_EQ(quality(length, 1.001f * kFastError * length * 1000.0f / 0.05f), ModalQuality::kFast);
+  EXPECT_NEAR(ErrorOnScreenPx(ModalQuality::kFast, view, box, length),
+              ErrorShare(ModalQuality::kFast) * length * 20000.0f, 0.1f);
+  EXPECT_EQ(quality(length, 1.001f * kFastTypicalError * length * 1000.0f / 0.05f),
+            ModalQuality::kFast);
 }
 
 }  // namespace
