@@ -25,6 +25,12 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 // ---- All of them in lockstep ------------------------------------------------------------------
 
 // What a way cost in every frame: the fastest of the rounds.
+std::vector<SceneWay> WaysOf(const ScenePrecisionOptions& options) {
+  std::vector<SceneWay> ways = AllSceneWays();
+  if (options.planned) ways.push_back({.name = "plan", .label = "as planned", .planned = true});
+  return ways;
+}
+
 struct FrameTimes {
   explicit FrameTimes(size_t frames)
       : simulate_ns(frames, kNone), frame_ns(frames, kNone), simulate_runs(frames, 0) {}
@@ -64,7 +70,7 @@ class Lockstep {
     own_base_ = base_;
     for (Groom& groom : own_base_.grooms) result.has_vertex_chains |= GiveOwnChains(groom);
     own_ = own_base_;
-    for (const SceneWay& way : AllSceneWays()) {
+    for (const SceneWay& way : WaysOf(options)) {
       if (way.own_chains && !result.has_vertex_chains) continue;
       if (SetWay(way, base_, full_)) {
         ways_.push_back(way);
@@ -265,7 +271,7 @@ uint32_t Even(double frames) { return 2 * uint32_t(frames / 2.0); }
 uint64_t DigestOf(const ScenePrecision& result) {
   uint64_t digest = std::bit_cast<uint64_t>(result.self_error);
   // In an order that times have no part in.
-  for (const SceneWay& way : AllSceneWays())
+  for (const SceneWay& way : WaysOf(result.options))
     if (const ScenePrecisionRow* row = result.Find(way.name)) {
       for (const double error : {row->error, row->own_error, row->rod_error.value_or(0.0)})
         digest = MixSeed(digest, std::bit_cast<uint64_t>(error));

@@ -47,6 +47,7 @@ struct ScenePrecisionOptions {
   bool contact = true;  // else no surface, ground or spheres
   bool quick = false;
   std::function<void(size_t done, size_t total)> progress;
+  bool planned = false;  // also with solvers and qualities as the scene's layers have them
 };
 
 struct ScenePrecisionRow {

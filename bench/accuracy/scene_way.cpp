@@ -61,10 +61,12 @@ bool SetWay(const SceneWay& way, const Scenario& base, Scenario& scenario) {
     for (size_t l = 0; l < scenario.grooms[g].layers.size(); ++l) {
       const LayerParams& own = base.grooms[g].layers[l].params;
       LayerParams params = own;
-      params.solver = way.solver;
-      params.quality = way.quality;
+      if (!way.planned) {
+        params.solver = way.solver;
+        params.quality = way.quality;
+      }
       if (FindBadCombination(params)) params.solver = own.solver;
-      any = any || params.solver == way.solver;
+      any = any || way.planned || params.solver == way.solver;
       scenario.grooms[g].layers[l].params = params;
     }
   return any;

@@ -23,11 +23,12 @@ struct SceneWay {
   bool sleep = false;         // chunks that came to rest are skipped
   double strand_share = 1.0;  // LOD's budget
   bool on_screen = false;     // quality `fine`, `fast` where that is not seen, as frames have it
+  bool planned = false;       // solver and quality: each layer's own
   bool own_chains = false;    // a chain for each strand, where the setup has them at vertices
 
   // Else its error is a difference of materials: PBD and Verlet have parameters of their own, which
   // no exact motion belongs to.
-  bool OnReferenceMaterial() const { return !simulate || solver == Solver::kModal; }
+  bool OnReferenceMaterial() const { return !simulate || (solver == Solver::kModal && !planned); }
   // Sleeping is none: it changes no bit, goes with every way, and saves what the scene lets it.
   // Nor are other chains, whose error is against a reference of their own.
   bool IsChoice() const { return OnReferenceMaterial() && !sleep && !own_chains; }

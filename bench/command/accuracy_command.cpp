@@ -85,11 +85,13 @@ ExitCode MeasureScene(const AccuracyArgs& args) {
   options.isa = args.isa;
   options.quick = args.quick;
   options.contact = args.contact;
+  options.planned = !args.plan.empty();
   SceneReport report;
   {
     std::optional<Progress> shown;
     options.progress = ShowOn(shown);
-    report.table = MeasureScenePrecision(options);
+    report.table =
+        MeasureScenePrecision(LoadScenario({.scene = args.scene, .plan = args.plan}), options);
   }
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

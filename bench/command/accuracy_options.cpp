@@ -89,6 +89,10 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
          "With --scene: without surface, ground and spheres, whose impacts no quality follows "
          "more closely than its substeps")
       ->needs(scene);
+  AddInputFile(
+      app, "--plan", args.plan,
+      "With --scene: also the scene with its layers as this file of pelt fit --out has them")
+      ->needs(scene);
   app.add_flag("--order", args.order,
                "With --scene: pictures of it in other drawing orders against every pixel sorted by "
                "itself")
@@ -105,7 +109,7 @@ void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
                 "--json", "--scene", "--features"});
   RefuseBeside(app, "--scene",
                {"--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
-  RefuseBeside(app, "--order", {"--frames", "--no-contact"});
+  RefuseBeside(app, "--order", {"--frames", "--no-contact", "--plan"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--seed", "--tuned"});
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});

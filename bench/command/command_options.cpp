@@ -123,6 +123,14 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
   AddInputFileOrName(app, "--lights", request.lights, lights.c_str());
 }
 
+void AddLayerPlan(CLI::App& app, ScenarioRequest& request) {
+  AddInputFile(
+      app, "--plan", request.plan,
+      "Layers as this file has them, which pelt fit --out wrote: solver and quality of each")
+      ->excludes(app.get_option("--solver"))
+      ->excludes(app.get_option("--quality"));
+}
+
 void AddClip(CLI::App& app, ScenarioRequest& request) {
   app.add_option("--clip", request.clip,
                  "The clip that is played, by name; of several characters, by those that have it")

@@ -53,6 +53,8 @@ std::vector<std::pair<std::string, std::string>> ListGiven(
 
 // What to run, for the subcommands that take a scene or files.
 void AddSource(CLI::App& app, ScenarioRequest& request);
+// For those that run a scene as `pelt fit` chose it.
+void AddLayerPlan(CLI::App& app, ScenarioRequest& request);
 // For those that play clips.
 void AddClip(CLI::App& app, ScenarioRequest& request);
 // The scene is the monster unless something else is named.

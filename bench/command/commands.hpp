@@ -255,6 +255,7 @@ struct AccuracyArgs {
   std::string scene;
   uint32_t frames = 0;  // of the scene; 0: enough
   bool contact = true;  // in the scene
+  std::string plan;     // of the scene's layers; empty: none
   bool features = false;
   bool order = false;  // of drawing, in the scene
 };

@@ -112,6 +112,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "when it does not, 2 when there is no answer: UNSURE, as others used the host meanwhile, or "
       "an error");
   AddSource(*app, args.request);
+  AddLayerPlan(*app, args.request);
   AddClip(*app, args.request);
   app->add_option("--platform", args.platforms, "Only these: host, ps3, xbox360")
       ->check(OneOf({"host", "ps3", "xbox360"}))

@@ -41,6 +41,7 @@ void CompleteRun(const CLI::App& app, const WeatherCourse& weather, RunArgs& arg
 // What runs and how.
 void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddSource(app, args.request);
+  AddLayerPlan(app, args.request);
   AddClip(app, args.request);
   AddFrames(app, args.options.frames);
   AddExecutor(app, args.options.executor, args.options.workers, args.options.order_seed);
@@ -176,6 +177,7 @@ Subcommand SetUpVerify(CLI::App& root) {
   auto* app = root.add_subcommand(
       "verify", "Check that every executor, order, plan and instruction set gives the same bits");
   AddSource(*app, args.request);
+  AddLayerPlan(*app, args.request);
   AddClip(*app, args.request);
   app->add_option("--frames", args.frames, "Frames to compare")
       ->check(CLI::Range(1, 1'000'000))

@@ -111,7 +111,9 @@ std::string DescribeSettings(const RunArgs& args) {
   };
   say(&LayerParams::solver, args.request.solver);
   say(&LayerParams::quality, args.request.quality);
-  // Not by its folder, which is another on another machine.
+  // Files not by their folders, which are others on another machine.
+  if (!args.request.plan.empty())
+    all.push_back("plan " + std::filesystem::path(args.request.plan).filename().string());
   if (!args.request.lights.empty())
     all.push_back("lights " + std::filesystem::path(args.request.lights).filename().string());
   if (args.fps > 0.0) all.push_back(fmt::format("{} fps", args.fps));

@@ -11,6 +11,7 @@
 #include "bench/scenarios/cast.hpp"
 #include "bench/scenarios/embedded_files.hpp"
 #include "bench/scenarios/everything.hpp"
+#include "bench/scenarios/layer_plan.hpp"
 #include "bench/scenarios/scene_lights.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/character/clip_loop.hpp"
@@ -230,37 +231,15 @@ void ChooseClips(const ScenarioRequest& request, Scenario& scenario) {
                             ListClips(scenario.characters.front().clips)));
 }
 
-// What held a sag-free layer up.
-void DropRestDown(Groom& groom, size_t layer) {
-  const ChainKind chain = groom.layers[layer].params.chain;
-  const bool on_vertices = chain == ChainKind::kVertex;
-  const auto count = [&](size_t l) {
-    return on_vertices ? groom.layers[l].patch_count : groom.layers[l].chunk_count;
-  };
-  size_t first = 0;
-  for (size_t l = 0; l < layer; ++l)
-    if (groom.layers[l].params.sag_free && groom.layers[l].params.chain == chain) first += count(l);
-  std::vector<DownBlock>& downs = on_vertices ? groom.vertex_down : groom.strand_down;
-  const auto begin = downs.begin() + ptrdiff_t(first);
-  downs.erase(begin, begin + count(layer));
-}
-
 void OverrideSolver(const ScenarioRequest& request, Scenario& scenario) {
   for (Groom& groom : scenario.grooms)
     for (size_t l = 0; l < groom.layers.size(); ++l) {
+      const auto bad = ChangeSimulation(groom, l, {request.solver, request.quality, {}});
+      if (!bad) continue;
       GroomLayer& layer = groom.layers[l];
-      LayerParams params = layer.params;
-      params.solver = request.solver.value_or(params.solver);
-      params.quality = request.quality.value_or(params.quality);
-      params.sag_free = params.sag_free && params.solver == Solver::kModal;
-      if (const auto bad = FindBadCombination(params)) {
-        scenario.notes.push_back(
-            fmt::format("layer '{}' keeps its {}: {}", layer.name, bad->key, bad->reason));
-        params.solver = layer.params.solver;
-        params.sag_free = layer.params.sag_free;
-      }
-      if (layer.params.sag_free && !params.sag_free) DropRestDown(groom, l);
-      layer.params = params;
+      scenario.notes.push_back(
+          fmt::format("layer '{}' keeps its {}: {}", layer.name, bad->key, bad->reason));
+      layer.params.quality = request.quality.value_or(layer.params.quality);
     }
 }
 
@@ -359,6 +338,8 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   // Before the bake, so that a mistake in them is told at once.
   std::optional<Lighting> lights;
   if (!request.lights.empty()) lights = LoadLights(request.lights);
+  std::vector<LayerChoice> plan;
+  if (!request.plan.empty()) plan = ReadLayerPlan(request.plan);
   Scenario scenario;
   const auto scene = std::ranges::find(kScenes, request.scene, &BuiltInScene::name);
   if (request.scene.empty())
@@ -373,6 +354,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   if (IsOwn(request)) scenario.notes.clear();
   ChooseClips(request, scenario);
   OverrideSolver(request, scenario);
+  ApplyLayerPlan(plan, request.plan, scenario);
   if (lights) LightAll(scenario, *lights);
   CompleteLights(scenario);
   scenario.name = !request.scene.empty() ? request.scene : scenario.characters[0].name;

@@ -154,6 +154,7 @@ struct ScenarioRequest {
   // Instead of what the layers say. A layer that cannot have the solver keeps its own, with a note.
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
+  std::string plan = {};  // path of a layer plan (layer_plan.hpp); empty: none
   // Name or path of lights (scene_lights.hpp): every layer is lit by them, instead of what scene and setup say.
   std::string lights = {};
   CheckFilesReadHook check_files_read = {};

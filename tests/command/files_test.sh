@@ -250,6 +250,7 @@ reader_of() {
     *' --character') echo "$1 --character ./@ --setup tiny $needs" ;;
     *' --setup') echo "$1 --setup ./@ $needs" ;;
     *' --groom') echo "$1 --groom @ $needs" ;;
+    *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
     'show character') echo "$1 ./@" ;;
     *' file') echo "$1 @" ;;

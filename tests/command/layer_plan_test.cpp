@@ -1,0 +1,134 @@
+// A plan gives the layers that it names their solver and quality, and nothing else; what is wrong with one is told with
+// its line.
+#include "bench/scenarios/layer_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bench/scenarios/scenarios.hpp"
+#include "core/error.hpp"
+#include "core/file_bytes.hpp"
+
+namespace pelt {
+namespace {
+
+std::string PathOf(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "pelt_plan_" +
+                           ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+                           ".toml";
+  WriteFileBytes("plan", path, AsBytes(text)).OrThrow();
+  return path;
+}
+
+Scenario Planned(const std::string& text) {
+  return LoadScenario(ScenarioRequest{.scene = "tiny", .plan = PathOf(text)});
+}
+
+const LayerParams& ParamsOf(const Scenario& scenario, std::string_view name) {
+  return std::ranges::find(scenario.grooms[0].layers, name, &GroomLayer::name)->params;
+}
+
+uint64_t DigestOf(Scenario scenario) {
+  RunningScenario running(scenario, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 4; ++f) {
+    running.Begin(f);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  return running.scene().DigestFrame();
+}
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    Planned(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+constexpr const char* kTwo = R"([[layer]]
+character = 0
+name = "strand4"
+solver = "modal"
+quality = "best"
+curl_follows = "root"
+
+[[layer]]
+character = 0
+name = "modal5"
+solver = "verlet"
+)";
+
+TEST(LayerPlan, ChangesTheLayersItNames) {
+  const Scenario own = LoadScenario("tiny"), planned = Planned(kTwo);
+  for (const GroomLayer& layer : own.grooms[0].layers) {
+    const LayerParams& params = ParamsOf(planned, layer.name);
+    if (layer.name == "strand4") {
+      EXPECT_EQ(params.solver, Solver::kModal);
+      EXPECT_EQ(params.quality, ModalQuality::kBest);
+      EXPECT_EQ(params.curl_follows, CurlFollows::kRoot);
+    } else if (layer.name == "modal5") {
+      EXPECT_EQ(params.solver, Solver::kVerlet);
+      EXPECT_EQ(params.quality, layer.params.quality);
+    } else {
+      EXPECT_EQ(params.solver, layer.params.solver) << layer.name;
+      EXPECT_EQ(params.quality, layer.params.quality) << layer.name;
+      EXPECT_EQ(params.curl_follows, layer.params.curl_follows) << layer.name;
+    }
+  }
+}
+
+TEST(LayerPlan, IsReadAsItWasWritten) {
+  const std::vector<LayerChoice> plan = {
+      {0, "strand4", {Solver::kModal, ModalQuality::kFine, CurlFollows::kParent}},
+      {3, "with \"quotes\" and \\", {Solver::kPbd, {}, {}}}};
+  const std::vector<LayerChoice> read = ReadLayerPlan(PathOf(LayerPlanText(plan)));
+  ASSERT_EQ(read.size(), plan.size());
+  for (size_t l = 0; l < plan.size(); ++l) {
+    EXPECT_EQ(read[l].character, plan[l].character);
+    EXPECT_EQ(read[l].name, plan[l].name);
+    EXPECT_EQ(read[l].choice, plan[l].choice);
+  }
+}
+
+// The frames of a plan are those of --solver that says the same.
+TEST(LayerPlan, OfOneSolverIsThatSolver) {
+  std::vector<LayerChoice> plan;
+  const Scenario tiny = LoadScenario("tiny");
+  for (const GroomLayer& layer : tiny.grooms[0].layers)
+    plan.push_back({0, layer.name, {.solver = Solver::kPbd, .quality = {}, .curl_follows = {}}});
+  const uint64_t digest = DigestOf(Planned(LayerPlanText(plan)));
+  EXPECT_EQ(digest,
+            DigestOf(LoadScenario(ScenarioRequest{.scene = "tiny", .solver = Solver::kPbd})));
+  EXPECT_NE(digest, DigestOf(LoadScenario("tiny")));
+}
+
+TEST(LayerPlan, TellsWhatIsWrongAndWhere) {
+  const auto expect = [](const char* text, const char* place, const char* reason) {
+    const std::string error = ErrorOf(text);
+    EXPECT_NE(error.find(place), std::string::npos) << error;
+    EXPECT_NE(error.find(reason), std::string::npos) << error;
+  };
+  expect("[[layer]]\ncharacter = 0\nname = \"stand4\"\n", ".toml:1", "did you mean 'strand4'");
+  expect("\n[[layer]]\ncharacter = 2\nname = \"strand4\"\n", ".toml:2", "no character 2");
+  expect("[[layer]]\ncharacter = 0\nname = \"strand4\"\nsolvr = \"pbd\"\n", ".toml:4",
+         "did you mean 'solver'");
+  expect("[[layer]]\ncharacter = 0\nname = \"strand4\"\nsolver = \"pdb\"\n", ".toml:4", "'pbd'");
+  expect("[[layer]]\ncharacter = 0\nname = \"vertex\"\nsolver = \"verlet\"\n", ".toml:1",
+         "chain for each strand");
+  expect("[[layer]]\ncharacter = 0\nname = \"a\"\nsolver = \"pbd\"\nquality = \"fast\"\n",
+         ".toml:1", "solver = \"modal\"");
+  expect("[[layer]]\ncharacter = 0\nname = \"a\"\n[[layer]]\ncharacter = 0\nname = \"a\"\n",
+         ".toml:4", "twice");
+  expect("[[layer]]\nname = \"strand4\"\n", ".toml:1", "'character'");
+  expect("[[layers]]\n", ".toml:1", "[[layer]]");
+  expect("", ".toml", "[[layer]]");
+  expect("layer = 3\n", ".toml", "[[layer]]");
+  expect("[[layer]\n", ".toml:1", "");
+  EXPECT_THROW(ReadLayerPlan("nowhere.toml"), Error);
+}
+
+}  // namespace
+}  // namespace pelt
