@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "jobs/scene.hpp"
@@ -27,6 +28,15 @@ class ScenePointsLayout {
 
   size_t size() const { return size_; }
   uint64_t strands() const { return strands_; }
+  // The free points of a chunk's strands in a row.
+  struct Piece {
+    uint32_t chunk, strands, free_points;
+    size_t first;
+    size_t PlaceOfTip(uint32_t axis, uint32_t lane) const {
+      return first + size_t((free_points - 1) * 3 + axis) * strands + lane;
+    }
+  };
+  std::span<const Piece> pieces() const { return pieces_; }
 
   // Points of all strands of `scene` after a frame. Those it dropped are carried by `rigid`, the
   // points of the same frame without simulation in the scene `rigid_scene`.
@@ -36,10 +46,6 @@ class ScenePointsLayout {
   void Read(const FurScene& scene, ScenePoints& points) const;
 
  private:
-  struct Piece {
-    uint32_t chunk, strands, free_points;
-    size_t first;  // in a row
-  };
   static const float* PointsOf(const FurScene& scene, const Piece& piece);
   void Carry(const Piece& piece, uint32_t live, const FurScene& rigid_scene,
              const ScenePoints& rigid, ScenePoints& points) const;
