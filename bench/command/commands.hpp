@@ -207,6 +207,17 @@ PlatformParameters NumbersOf(const BudgetArgs& args);
 // is printed where it is UNSURE.
 ExitCode PrintBudget(const BudgetArgs& args);
 
+struct FitArgs {
+  ScenarioRequest request;
+  std::vector<std::string> platforms = {"ps3", "xbox360"};
+  double target_ms = 5.0;
+  uint32_t frames = 60, warm_up = 60;  // as of BudgetArgs
+  OutputPath out;                      // layer plan to write
+  bool json = false;
+};
+// 1: not even the cheapest plan fits; it is printed, and none is written.
+ExitCode PrintFit(const FitArgs& args);
+
 struct VerifyArgs {
   ScenarioRequest request;
   uint32_t frames = 20;

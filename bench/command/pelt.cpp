@@ -365,7 +365,8 @@ ExitCode Main(int argc, char** argv) {
       SetUpBake(app),     SetUpRun(app),    SetUpPlan(app),        SetUpVerify(app),
       SetUpTiming(app),   SetUpBudget(app), SetUpConformance(app), SetUpTrace(app),
       SetUpDiff(app),     SetUpGolden(app), SetUpReport(app),      SetUpView(app),
-      SetUpAccuracy(app), SetUpStress(app), SetUpCompare(app),     SetUpShow(app)};
+      SetUpAccuracy(app), SetUpStress(app), SetUpCompare(app),     SetUpShow(app),
+      SetUpFit(app)};
   try {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),

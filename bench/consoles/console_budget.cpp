@@ -108,6 +108,11 @@ ConsoleMachine MakeConsole(const ConsoleRequest& request) {
   return machine;
 }
 
+PricedScene PriceScene(Scenario& scenario, const ConsoleRequest& request) {
+  const SceneOptions options = OptionsOn(request);
+  return {options, Price(scenario, request, options)};
+}
+
 ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
     : given_(scenario),
       resampled_(request.what_if == WhatIf::kFewerPoints ? std::optional(Resample(scenario))

@@ -82,6 +82,14 @@ struct ConsoleBudget {
 // mean (kernel_rows.hpp). Throws Error for one that cannot be.
 ConsoleMachine MakeConsole(const ConsoleRequest& request);
 
+// What every stage of a scenario costs on a console, and how its scene is made there. Whether the console
+// has room for it is not asked.
+struct PricedScene {
+  SceneOptions options;
+  StageCosts costs;
+};
+PricedScene PriceScene(Scenario& scenario, const ConsoleRequest& request);
+
 // A scenario on a console, its stages priced.
 class ConsoleRun {
  public:
@@ -112,6 +120,7 @@ class ConsoleRun {
   // Planned for the console; as the last Run left it.
   const FurScene& scene() const { return running_->scene(); }
   const PlanOptions& plan_options() const { return options_.plan; }
+  const StageCosts& costs() const { return costs_; }
 
  private:
   void ChargeCode(const Plan& priced);

@@ -16,6 +16,7 @@ base_of() {
     'accuracy --scene') echo --frames 2 --quick ;;
     'budget '*) echo "${scene[@]}" --frames 1 --no-advice ;;
     'conformance '*) echo ;;
+    'fit '*) echo "${scene[@]}" --frames 2 --warm-up 2 ;;
     'golden '*) echo --check "$source_dir/traces/golden" --shard 0/64 ;;
     'plan '*) echo "${scene[@]}" ;;
     'report '*) echo "${scene[@]}" --frames 1 --no-consoles --out out.html ;;
@@ -38,7 +39,7 @@ ran() {
   timeout 1800 "$pelt" "$@" >out.txt 2>err.txt || code=$?
   count=$((count + 1))
   [ "$code" -eq 0 ] && return
-  [ "$code" -eq 1 ] && [ -s out.txt ] && [[ "$1" =~ ^(budget|golden|stress|verify)$ ]] && return
+  [ "$code" -eq 1 ] && [ -s out.txt ] && [[ "$1" =~ ^(budget|fit|golden|stress|verify)$ ]] && return
   is_unsure "$code" out.txt err.txt && return
   [ "$code" -le 3 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q '^pelt: ' err.txt && return
   fail "pelt $*: exit $code: $(head -c 400 err.txt)"

@@ -14,7 +14,7 @@ run_examples() {
   "$pelt" run --scene tiny --frames 20 --json >a.json 2>/dev/null && cp a.json b.json
   PATH=$(dirname "$pelt"):$PATH
   local subcommand line words
-  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show)
+  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show fit)
   # A program without the page's module says so, in the one line of an error.
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)

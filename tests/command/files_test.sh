@@ -24,6 +24,7 @@ base_of() {
     'trace record '*) echo --scene tiny --frames 2 ;;
     'trace replay '*) echo tiny.peltinput ;;
     'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
+    'fit '*) echo --scene tiny --frames 4 --warm-up 4 --platform xbox360 ;;
     'accuracy --out') echo --roots roots.csv --strand strand.toml ;;
     'accuracy --json') echo --features --quick --links 3 ;;
     'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
@@ -32,7 +33,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
-    --out) [ "$2" = show ] && echo .toml || echo .out ;;
+    --out) [[ "$2" =~ ^(show|fit)$ ]] && echo .toml || echo .out ;;
     --picture | --animation | --steps | --flow-map | --height-field | --uv-template) echo .png ;;
     *) echo .out ;;
   esac
@@ -304,6 +305,7 @@ check_codes() {
 0 trace replay tiny.peltinput
 1 golden --check golden --scene tiny
 1 budget --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 0.001
+1 fit --scene tiny --frames 2 --warm-up 2 --platform ps3 --target-ms 0.001
 0 verify --merge whole.json
 3 verify --setup ./off.toml --frames 1 --isa reference --no-skips
 1 verify --merge failed.json

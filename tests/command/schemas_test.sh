@@ -58,6 +58,8 @@ hold budget budget --scene tiny --frames 2
 hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01 --what-if resident-palette
 hold budget budget --scene tiny --frames 2 --platform ps3 --local-store-kib 64
 hold budget_validate budget --validate
+hold fit fit --scene tiny --frames 4 --warm-up 4 --target-ms 0.6
+hold fit fit --scene tiny --frames 4 --warm-up 4 --platform ps3 --target-ms 0.01
 hold timing timing add.s --trip loop=8
 hold timing_pair timing load.s --core ppe --second-thread sum.s
 hold timing_kernel timing --kernel skin

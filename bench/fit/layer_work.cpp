@@ -1,0 +1,40 @@
+#include "bench/fit/layer_work.hpp"
+
+#include "platform_sim/pricing/stage_costs.hpp"
+
+namespace pelt {
+
+void WalkWork(RunningScenario& running, uint32_t warm_up, uint32_t frames,
+              const std::function<void(const StageWork&)>& visit,
+              const std::function<void()>& ended) {
+  SerialExecutor serial;
+  const FurScene& scene = running.scene();
+  const SceneShape& shape = scene.shape();
+  for (uint32_t f = 0; f < warm_up + frames; ++f) {
+    running.Begin(f, {}, {});
+    const Frame frame = scene.CurrentFrame();
+    serial.Run(frame);
+    if (f < warm_up) continue;
+    for (uint32_t s = 0; s < scene.plan().stages.size(); ++s) {
+      const Stage& stage = scene.plan().stages[s];
+      for (uint32_t i = 0; i < shape.ItemCount(stage.domain); ++i) {
+        if (!IsWanted(stage, scene.memory(), i)) continue;
+        const bool has_layer = stage.domain >= Domain::kLayer;
+        visit({.stage = s,
+               .item = i,
+               .layer = has_layer ? shape.LayerOf(stage.domain, i) : kNoLayer,
+               .iterations = CountIterations(frame, s, i)});
+      }
+    }
+    ended();
+  }
+}
+
+std::vector<uint32_t> CountLiveStrands(const FurScene& scene) {
+  std::vector<uint32_t> live(scene.shape().layer_count);
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
+    live[scene.shape().chunk_layer[c]] += scene.memory().Of<&Streams::chunk_state>(c)->live_strands;
+  return live;
+}
+
+}  // namespace pelt

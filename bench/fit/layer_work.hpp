@@ -1,0 +1,30 @@
+// How much work the stages of a scene's frames do for each layer: what is multiplied with the price of a
+// stage, whoever pays it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "bench/scenarios/scenarios.hpp"
+
+namespace pelt {
+
+inline constexpr uint32_t kNoLayer = ~0u;
+
+struct StageWork {
+  uint32_t stage, item;
+  uint32_t layer;       // kNoLayer: of a character, or of the scene
+  uint32_t iterations;  // as CountIterations has them
+};
+
+// Runs the frames behind the warm-up ones, in one thread, and visits what ran in them; after each frame
+// `ended` is called. Both may look at the scene.
+void WalkWork(RunningScenario& running, uint32_t warm_up, uint32_t frames,
+              const std::function<void(const StageWork&)>& visit,
+              const std::function<void()>& ended);
+
+// Of each layer, in the last frame.
+std::vector<uint32_t> CountLiveStrands(const FurScene& scene);
+
+}  // namespace pelt
