@@ -6,6 +6,7 @@
 #include <bit>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "bench/accuracy/scene_points.hpp"
 #include "core/error.hpp"
@@ -24,13 +25,13 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // ---- All of them in lockstep ------------------------------------------------------------------
 
-// What a way cost in every frame: the fastest of the rounds.
 std::vector<SceneWay> WaysOf(const ScenePrecisionOptions& options) {
   std::vector<SceneWay> ways = AllSceneWays();
   if (options.planned) ways.push_back({.name = "plan", .label = "as planned", .planned = true});
   return ways;
 }
 
+// What a way cost in every frame: the fastest of the rounds.
 struct FrameTimes {
   explicit FrameTimes(size_t frames)
       : simulate_ns(frames, kNone), frame_ns(frames, kNone), simulate_runs(frames, 0) {}
@@ -81,6 +82,7 @@ class Lockstep {
     }
     rods_ = std::make_unique<SceneRods>(base_, options.reference_rate, result.warm_up,
                                         options.quick ? kQuickRods : kRods);
+    tips_.emplace(base_, ways_);
     times_.assign(ways_.size(), FrameTimes(options.frames + options.still_frames));
     errors_.resize(ways_.size());
   }
@@ -137,6 +139,8 @@ class Lockstep {
       row.points_digest = errors_[w].digest;
       result_.rows.push_back(row);
     }
+    result_.tips = tips_->Ways();
+    result_.layer_tips = tips_->Layers();
     result_.self_error = self_.Share();
     if (result_.has_vertex_chains) result_.chain_error = chains_.Share();
     result_.secondary_m = self_.MovedRms();
@@ -211,6 +215,7 @@ class Lockstep {
       const ScenePoints& same_chains =
           all_.ways_[w].own_chains ? own_points_ : points_of_reference_;
       errors.sum.Add(points_, same_chains, rigid_points_);
+      all_.tips_->Add(w, run.scene(), *layout_, points_, points_of_reference_);
       if (own_) errors.own.Add(points_, own_points_, rigid_points_);
       errors.live += double(run.scene().LiveStrands()) / double(layout_->strands());
     }
@@ -264,6 +269,7 @@ class Lockstep {
   std::vector<Errors> errors_;
   ErrorSum self_, chains_;
   std::unique_ptr<SceneRods> rods_;
+  std::optional<TipErrors> tips_;
 };
 
 uint32_t Even(double frames) { return 2 * uint32_t(frames / 2.0); }
@@ -317,6 +323,10 @@ ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecision
   };
   for (int round = 0; round < o.rounds; ++round) lockstep.RunRound(round == 0, progress);
   lockstep.CompareWithRods(progress);
+  if (scene.more)
+    result.notes.push_back(
+        "the scene's events are told by frame, and come at other times in the reference: errors "
+        "are of that");
   lockstep.Summarise();
   if (const ScenePrecisionRow* pbd = result.Find("pbd")) {
     const double simulate_ns = pbd->simulate_ns, frame_ns = pbd->frame_ns;

@@ -33,6 +33,7 @@
 
 #include "bench/accuracy/scene_rod.hpp"
 #include "bench/accuracy/scene_way.hpp"
+#include "bench/accuracy/tip_errors.hpp"
 
 namespace pelt::accuracy {
 
@@ -46,8 +47,8 @@ struct ScenePrecisionOptions {
   Isa isa = BestIsa();
   bool contact = true;  // else no surface, ground or spheres
   bool quick = false;
-  std::function<void(size_t done, size_t total)> progress;
   bool planned = false;  // also with solvers and qualities as the scene's layers have them
+  std::function<void(size_t done, size_t total)> progress;
 };
 
 struct ScenePrecisionRow {
@@ -77,10 +78,11 @@ struct ScenePrecision {
   double self_error = 0.0;   // of the reference: its distance to one of half its rate
   double secondary_m = 0.0;  // RMS of reference - rigid
   bool has_vertex_chains = false;
-  double chain_error = 0.0;             // of the reference itself, against a chain for each strand
-  SceneRodErrors rods;                  // its notes are below
-  std::vector<ScenePrecisionRow> rows;  // cheapest first
-  std::vector<std::string> notes;       // ways that the scene has no layer for; layers without rods
+  double chain_error = 0.0;              // of the reference itself, against a chain for each strand
+  SceneRodErrors rods;                   // its notes are below
+  std::vector<TipRow> tips, layer_tips;  // of all layers together; of each
+  std::vector<ScenePrecisionRow> rows;   // cheapest first
+  std::vector<std::string> notes;  // ways that the scene has no layer for; layers without rods
   uint64_t error_digest = 0;
 
   // Nothing as cheap, by that time, is more exact. Only among ways to choose from.

@@ -5,12 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "bench/accuracy/scene_points.hpp"
+#include "bench/accuracy/tip_errors.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/modal/quality_on_screen.hpp"
 
 namespace pelt::accuracy {
 namespace {
@@ -61,6 +64,57 @@ TEST(ScenePrecision, RunsFromNoSimulationToTheReference) {
   }
   EXPECT_EQ(Tiny().rows.size(), AllSceneWays().size());
   EXPECT_GT(Tiny().secondary_m, 1e-3);
+}
+
+TEST(ScenePrecision, TipsAreWithinTheirBound) {
+  uint64_t of_fast = 0;
+  for (const TipRow& layer : Tiny().layer_tips) {
+    EXPECT_TRUE(layer.name.starts_with("modal")) << layer.name << " is of another solver";
+    if (layer.way == "fast") of_fast += layer.tips;
+  }
+  std::map<std::string, TipRow> ways;
+  for (const TipRow& row : Tiny().tips) {
+    ways[row.way] = row;
+    EXPECT_GT(double(row.within), 0.99 * double(row.tips)) << row.way;
+    EXPECT_LT(row.p99, ErrorShare(ModalQuality::kFine)) << row.way;
+  }
+  ASSERT_EQ(ways.size(), 4u);
+  EXPECT_EQ(ways["fast"].tips, of_fast);
+  EXPECT_GT(ways["fast"].p99, 1.2 * ways["fine"].p99);
+  // A tip is off its own strand's motion.
+  EXPECT_GT(ways["fine"].p99, 1e-4);
+}
+
+// Shares of 0.5 % to 99.5 % of the length, one as often as the other.
+TEST(TipErrors, CountTipsByTheirShareOfTheLongestStrand) {
+  Scenario scene = LoadScenario("tiny");
+  for (GroomLayer& layer : scene.grooms[0].layers) layer.params.solver = Solver::kModal;
+  const SceneWay ways[] = {{.name = "fine", .label = ""}};
+  ASSERT_TRUE(SetWay(ways[0], scene, scene));
+  SceneRun run(ways[0], scene, BestIsa());
+  run.RunFrame(0);
+  const ScenePointsLayout layout(run.scene());
+  ScenePoints reference;
+  layout.Read(run.scene(), reference);
+  ScenePoints points = reference;
+  TipErrors errors(scene, ways);
+  uint64_t tips = 0, within = 0;
+  for (const auto& piece : layout.pieces()) {
+    const uint32_t layer = run.scene().shape().chunk_layer[piece.chunk];
+    const float length = run.scene().memory().Of<&Streams::layers>(layer)->length_max;
+    for (uint32_t lane = 0; lane < piece.strands; ++lane, ++tips) {
+      const float share = 0.01f * float(tips % 100) + 0.005f;
+      points[piece.PlaceOfTip(1, lane)] += share * length;
+      within += share < ErrorShare(ModalQuality::kFine);
+    }
+  }
+  errors.Add(0, run.scene(), layout, points, reference);
+  const std::vector<TipRow> rows = errors.Ways();
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].tips, tips);
+  EXPECT_EQ(rows[0].within, within);
+  EXPECT_GE(rows[0].p99, 0.985);
+  EXPECT_LE(rows[0].p99, 1.03);
 }
 
 // Without contacts, which are met once per frame whatever the quality.

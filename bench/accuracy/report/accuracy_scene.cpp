@@ -63,6 +63,31 @@ void AddRods(const SceneRodErrors& rods, ReportTree& tree) {
   layers.Add({"rods in steps twice as long", {}, {}, {}, rods.self_error}, Show::kText);
 }
 
+double WithinOf(const TipRow& row) { return double(row.within) / double(row.tips); }
+
+// In text the worst layer stands for all of them.
+void AddTips(const ScenePrecision& t, ReportTree& tree) {
+  ReportTable& ways = tree.AddTable("tips", {{"way"},
+                                             {"tips"},
+                                             {"p99", "% of length", -3, "99 % of tips off", 100},
+                                             {"within", "%", 2, "within its bound", 100},
+                                             InText("worst layer's", "% of length", -3),
+                                             InText("worst layer")});
+  for (const TipRow& row : t.tips) {
+    const TipRow* worst = nullptr;
+    for (const TipRow& layer : t.layer_tips)
+      if (layer.way == row.way && (!worst || layer.p99 > worst->p99)) worst = &layer;
+    ways.Add({row.way, row.tips, row.p99, WithinOf(row), 100.0 * worst->p99,
+              fmt::format("layer {} {}", worst->layer, worst->name)});
+  }
+  ReportTable layers{.key = {},
+                     .columns = {{"way"}, {"layer"}, {"character"}, {"tips"}, {"p99"}, {"within"}}};
+  for (const TipRow& row : t.layer_tips)
+    layers.Add({row.way, fmt::format("layer {} {}", row.layer, row.name),
+                fmt::format("character {}", row.character), row.tips, row.p99, WithinOf(row)});
+  tree.Add(InJson("layer_tips"), std::move(layers));
+}
+
 void AddRows(const ScenePrecision& t, ReportTree& tree) {
   ReportTable& rows = tree.AddTable("rows", {InJson("way"),
                                              InJson("family"),
@@ -106,6 +131,7 @@ void AddRows(const ScenePrecision& t, ReportTree& tree) {
              Show::kText);
   tree.AddTexts("notes", t.notes);
   AddRods(t.rods, tree);
+  AddTips(t, tree);
 }
 
 void AddFindings(const ScenePrecision& t, ReportTree& tree) {
