@@ -211,12 +211,21 @@ struct FitArgs {
   ScenarioRequest request;
   std::vector<std::string> platforms = {"ps3", "xbox360"};
   double target_ms = 5.0;
+  std::string costs;                   // of the host: what Calibrate wrote
   uint32_t frames = 60, warm_up = 60;  // as of BudgetArgs
   OutputPath out;                      // layer plan to write
   bool json = false;
 };
 // 1: not even the cheapest plan fits; it is printed, and none is written.
 ExitCode PrintFit(const FitArgs& args);
+
+struct CalibrateArgs {
+  OutputPath out;
+  uint32_t workers = 0;  // 0: one for each core
+  uint32_t frames = 30;  // of each scene and tier
+  std::vector<std::string> scenes = {"everything", "eyepet", "stage"};
+};
+ExitCode Calibrate(const CalibrateArgs& args);
 
 struct VerifyArgs {
   ScenarioRequest request;

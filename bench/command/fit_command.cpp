@@ -4,11 +4,14 @@
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "bench/fit/console_price.hpp"
+#include "bench/fit/host_costs.hpp"
 
 namespace pelt {
 namespace {
 
-FitPlatform PlatformOf(const std::string& name, const FitRequest& request) {
+FitPlatform PlatformOf(const std::string& name, const FitArgs& args, const FitRequest& request) {
+  if (name == "host")
+    return OnHost(ReadHostCosts(args.costs), args.costs, request.warm_up, request.frames);
   return OnConsole({.console = name == "ps3" ? Console::kPs3 : Console::kXbox360,
                     .frames = request.frames,
                     .warm_up = request.warm_up});
@@ -33,7 +36,7 @@ ExitCode PrintFit(const FitArgs& args) {
                      .warm_up = args.warm_up,
                      .frames = args.frames ? args.frames : scenario.default_frames};
   for (const std::string& name : args.platforms)
-    request.platforms.push_back(PlatformOf(name, request));
+    request.platforms.push_back(PlatformOf(name, args, request));
   Progress progress("fit", 1);
   request.progress = [&](const std::string& now) { progress.Show(0, now); };
   const SceneFit fit = FitScene(scenario, request);

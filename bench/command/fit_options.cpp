@@ -1,10 +1,24 @@
-// The options of `pelt fit`.
+// The options of `pelt fit` and `pelt calibrate`.
+#include <algorithm>
 #include <memory>
 
 #include "bench/command/command_options.hpp"
 #include "bench/command/file_options.hpp"
+#include "bench/command/usage_error.hpp"
 
 namespace pelt {
+namespace {
+
+void CheckFit(const CLI::App& app, const FitArgs& args) {
+  const bool host = std::ranges::count(args.platforms, "host") != 0;
+  RefuseUnless(app, host, {"--costs"}, "--platform host");
+  if (host && args.costs.empty())
+    throw UsageError(
+        "--platform host needs --costs: what stages cost on this machine, which pelt calibrate "
+        "--out host.toml measures");
+}
+
+}  // namespace
 
 Subcommand SetUpFit(CLI::App& root) {
   const auto kept = std::make_shared<FitArgs>();
@@ -17,10 +31,13 @@ Subcommand SetUpFit(CLI::App& root) {
   // What it is there to choose.
   for (const char* chosen : {"--solver", "--quality"}) app->remove_option(app->get_option(chosen));
   AddClip(*app, args.request);
-  app->add_option("--platform", args.platforms, "That the scene is to fit, each: ps3, xbox360")
-      ->check(OneOf({"ps3", "xbox360"}))
+  app->add_option("--platform", args.platforms,
+                  "That the scene is to fit, each: host, ps3, xbox360")
+      ->check(OneOf({"host", "ps3", "xbox360"}))
       ->delimiter(',')
       ->default_str("ps3,xbox360");
+  AddInputFile(*app, "--costs", args.costs,
+               "With --platform host: what pelt calibrate measured; nothing is measured here");
   app->add_option("--target-ms", args.target_ms, "What a frame may take, by its 95th percentile")
       ->check(InRange(0.001, 1000.0))
       ->capture_default_str();
@@ -40,8 +57,40 @@ Subcommand SetUpFit(CLI::App& root) {
       "--warm-up 8\n"
       "  pelt run --scene tiny --plan plan.toml --frames 10\n"
       "  pelt fit --scene tiny --frames 4 --warm-up 4 --json");
-  return {app, [app, kept] { CompleteSource(*app, kept->request); },
+  return {app,
+          [app, kept] {
+            CompleteSource(*app, kept->request);
+            CheckFit(*app, *kept);
+          },
           [kept] { return PrintFit(*kept); }};
+}
+
+Subcommand SetUpCalibrate(CLI::App& root) {
+  const auto kept = std::make_shared<CalibrateArgs>();
+  CalibrateArgs& args = *kept;
+  auto* app = root.add_subcommand(
+      "calibrate",
+      "Measure what the stages of a frame cost on this machine, for pelt fit --platform host; says "
+      "UNSURE, in the file too, when others used it meanwhile");
+  AddOutputFile(*app, "--out", args.out, "TOML file to write", ".toml")->required();
+  app->add_option("--workers", args.workers, "Threads that share a frame; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app->add_option("--frames", args.frames, "Frames of each scene in each solver and quality")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app->add_option("--scenes", args.scenes,
+                  "Whose stages are measured; the last tells what part of its core time a frame "
+                  "takes")
+      ->check(IsScene())
+      ->delimiter(',')
+      ->default_str("everything,eyepet,stage");
+  app->footer(
+      "Examples:\n"
+      "  pelt calibrate --scenes everything,tiny --frames 4 --out host.toml\n"
+      "  pelt fit --scene tiny --platform host --costs host.toml --frames 4 --warm-up 4 "
+      "--target-ms 500");
+  return {app, [] {}, [kept] { return Calibrate(*kept); }};
 }
 
 }  // namespace pelt

@@ -361,12 +361,12 @@ ExitCode Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
   app.footer("See 'pelt bake --help' and so on for each.");
-  const Subcommand subcommands[] = {
-      SetUpBake(app),     SetUpRun(app),    SetUpPlan(app),        SetUpVerify(app),
-      SetUpTiming(app),   SetUpBudget(app), SetUpConformance(app), SetUpTrace(app),
-      SetUpDiff(app),     SetUpGolden(app), SetUpReport(app),      SetUpView(app),
-      SetUpAccuracy(app), SetUpStress(app), SetUpCompare(app),     SetUpShow(app),
-      SetUpFit(app)};
+  const Subcommand subcommands[] = {SetUpBake(app),        SetUpRun(app),    SetUpPlan(app),
+                                    SetUpVerify(app),      SetUpTiming(app), SetUpBudget(app),
+                                    SetUpConformance(app), SetUpTrace(app),  SetUpDiff(app),
+                                    SetUpGolden(app),      SetUpReport(app), SetUpView(app),
+                                    SetUpAccuracy(app),    SetUpStress(app), SetUpCompare(app),
+                                    SetUpShow(app),        SetUpFit(app),    SetUpCalibrate(app)};
   try {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),

@@ -20,7 +20,7 @@ PlatformCost PriceLayers(Scenario& scenario, const ConsoleRequest& request,
   std::vector<double> cycles(running.scene().shape().layer_count);
   double rest = 0.0;
   WalkWork(
-      running, request.warm_up, request.frames,
+      running, {.warm_up = request.warm_up, .count = request.frames},
       [&](const StageWork& work) {
         const StageCosts::Stage& stage = priced.costs.stages[work.stage];
         const double scheduled = CyclesOf(stage.scheduled, work),

@@ -4,17 +4,18 @@
 
 namespace pelt {
 
-void WalkWork(RunningScenario& running, uint32_t warm_up, uint32_t frames,
+void WalkWork(RunningScenario& running, const WorkFrames& frames,
               const std::function<void(const StageWork&)>& visit,
               const std::function<void()>& ended) {
   SerialExecutor serial;
   const FurScene& scene = running.scene();
   const SceneShape& shape = scene.shape();
-  for (uint32_t f = 0; f < warm_up + frames; ++f) {
-    running.Begin(f, {}, {});
-    const Frame frame = scene.CurrentFrame();
+  for (uint32_t f = 0; f < frames.warm_up + frames.count; ++f) {
+    running.Begin(f, {}, frames.lod);
+    Frame frame = scene.CurrentFrame();
+    frame.profile = frames.profile;
     serial.Run(frame);
-    if (f < warm_up) continue;
+    if (f < frames.warm_up) continue;
     for (uint32_t s = 0; s < scene.plan().stages.size(); ++s) {
       const Stage& stage = scene.plan().stages[s];
       for (uint32_t i = 0; i < shape.ItemCount(stage.domain); ++i) {

@@ -18,9 +18,15 @@ struct StageWork {
   uint32_t iterations;  // as CountIterations has them
 };
 
-// Runs the frames behind the warm-up ones, in one thread, and visits what ran in them; after each frame
-// `ended` is called. Both may look at the scene.
-void WalkWork(RunningScenario& running, uint32_t warm_up, uint32_t frames,
+struct WorkFrames {
+  uint32_t warm_up = 0, count = 0;
+  LodSettings lod = {};
+  const FrameProfile* profile = nullptr;  // to record frames into
+};
+
+// Runs frames in one thread and visits what ran in those that count; after each of them `ended` is called. Both
+// may look at the scene.
+void WalkWork(RunningScenario& running, const WorkFrames& frames,
               const std::function<void(const StageWork&)>& visit,
               const std::function<void()>& ended);
 

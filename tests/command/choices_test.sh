@@ -15,7 +15,9 @@ base_of() {
     'accuracy --links') echo --features --quick ;;
     'accuracy --scene') echo --frames 2 --quick ;;
     'budget '*) echo "${scene[@]}" --frames 1 --no-advice ;;
+    'calibrate '*) echo --frames 1 --out host.toml ;;
     'conformance '*) echo ;;
+    'fit --platform') echo "${scene[@]}" --frames 2 --warm-up 2 --target-ms 1000 ;;
     'fit '*) echo "${scene[@]}" --frames 2 --warm-up 2 ;;
     'golden '*) echo --check "$source_dir/traces/golden" --shard 0/64 ;;
     'plan '*) echo "${scene[@]}" ;;

@@ -14,7 +14,7 @@ run_examples() {
   "$pelt" run --scene tiny --frames 20 --json >a.json 2>/dev/null && cp a.json b.json
   PATH=$(dirname "$pelt"):$PATH
   local subcommand line words
-  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show fit)
+  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show calibrate fit)
   # A program without the page's module says so, in the one line of an error.
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)
@@ -271,6 +271,11 @@ check_ignored() {
   expect 2 --spus -- budget --scene tiny --platform xbox360 --spus 4
   expect 2 --local-store-kib -- budget --scene tiny --platform host --local-store-kib 128
   expect 2 --gpu-percent -- budget --scene tiny --platform ps3 --gpu-percent 4
+  expect 2 'pelt calibrate' --costs -- fit --scene tiny --platform host
+  expect 2 --costs '--platform host' -- fit --scene tiny --costs host.toml
+  expect 2 --solver -- run --scene tiny --solver pbd --plan plan.toml
+  expect 2 --solver -- fit --scene tiny --solver pbd
+  expect 2 --scene -- accuracy --plan plan.toml
   expect 2 --local-store -- plan --scene tiny --platform ps3 --local-store
   expect 2 'eyepet on PS3: stage simulate_modal' 'of code' -- plan --scene eyepet --platform ps3 --quality best
   expect 2 --cores -- budget --scene tiny --platform ps3 --cores 2

@@ -25,6 +25,7 @@ base_of() {
     'trace replay '*) echo tiny.peltinput ;;
     'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
     'fit '*) echo --scene tiny --frames 4 --warm-up 4 --platform xbox360 ;;
+    'calibrate '*) echo --scenes tiny --frames 2 ;;
     'accuracy --out') echo --roots roots.csv --strand strand.toml ;;
     'accuracy --json') echo --features --quick --links 3 ;;
     'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
@@ -33,7 +34,7 @@ base_of() {
 }
 extension_of() {
   case $1 in
-    --out) [[ "$2" =~ ^(show|fit)$ ]] && echo .toml || echo .out ;;
+    --out) [[ "$2" =~ ^(show|fit|calibrate)$ ]] && echo .toml || echo .out ;;
     --picture | --animation | --steps | --flow-map | --height-field | --uv-template) echo .png ;;
     *) echo .out ;;
   esac
@@ -251,6 +252,7 @@ reader_of() {
     *' --character') echo "$1 --character ./@ --setup tiny $needs" ;;
     *' --setup') echo "$1 --setup ./@ $needs" ;;
     *' --groom') echo "$1 --groom @ $needs" ;;
+    'fit --costs') echo "$1 --scene tiny --platform host --costs @" ;;
     *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
     'show character') echo "$1 ./@" ;;

@@ -1,0 +1,276 @@
+#include "bench/fit/host_costs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "bench/fit/layer_work.hpp"
+#include "bench/fit/tiers.hpp"
+#include "bench/report/run_report.hpp"
+#include "core/error.hpp"
+#include "core/file_bytes.hpp"
+#include "core/groom/setup_rows.hpp"
+#include "core/modal/quality_on_screen.hpp"
+#include "jobs/frame_recording.hpp"
+
+namespace pelt {
+namespace {
+
+constexpr uint64_t kCostsBytesLimit = 1u << 20;
+
+// The stages whose iterations cost what the tier of their layer says.
+bool IsByTier(std::string_view stage) { return stage.starts_with("simulate_modal"); }
+
+// Of a layer with the modal solver.
+std::string_view TierOf(ModalQuality quality, CurlFollows curl) {
+  for (const Tier& tier : Tiers())
+    if (tier.choice.solver == Solver::kModal && tier.choice.quality == quality &&
+        tier.choice.curl_follows.value_or(curl) == curl)
+      return tier.name;
+  return {};
+}
+
+// Parameters of the layers in FurScene's order.
+std::vector<const LayerParams*> ListParams(const Scenario& scenario) {
+  std::vector<const LayerParams*> params;
+  for (const Groom* groom : scenario.ActorGrooms())
+    for (const GroomLayer& layer : groom->layers) params.push_back(&layer.params);
+  return params;
+}
+
+using StageKey = std::pair<std::string, std::string>;  // stage, tier
+
+// Of work after its frame, by the quality that ran.
+StageKey KeyOf(const FurScene& scene, const StageWork& work,
+               const std::vector<const LayerParams*>& layers) {
+  const std::string_view name = scene.plan().stages[work.stage].kernel.name;
+  if (work.layer == kNoLayer || !IsByTier(name)) return {std::string(name), {}};
+  return {std::string(name), std::string(TierOf(scene.QualityOf(work.layer).quality,
+                                                layers[work.layer]->curl_follows))};
+}
+
+double P95(std::vector<double> values) {
+  const auto at = values.begin() + ptrdiff_t((values.size() - 1) * 95 / 100);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+double Median(std::vector<double> values) {
+  const auto at = values.begin() + ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// ns of stages and their iterations, over the frames of many runs.
+class Measured {
+ public:
+  // Every frame's price of an iteration counts for its iterations; of a run the median's does.
+  void AddRun(Scenario& scenario, const CalibrationOptions& options) {
+    RunningScenario running(scenario, {});
+    FrameRecording recording(running.scene().plan(), running.scene().shape());
+    const std::vector<const LayerParams*> params = ListParams(scenario);
+    std::map<StageKey, Run> runs;
+    std::map<StageKey, Run::Frame> frame;
+    // Every layer in its tier, seen or not.
+    LodSettings lod;
+    lod.fast_quality_px = 0.0f;
+    WalkWork(
+        running,
+        {.warm_up = options.warm_up,
+         .count = options.frames,
+         .lod = lod,
+         .profile = recording.profile()},
+        [&](const StageWork& work) {
+          const Slice slice = recording.Stage(work.stage, work.item);
+          if (!slice.Ran()) return;
+          Run::Frame& sum = frame[KeyOf(running.scene(), work, params)];
+          sum.ticks += double(slice.Ticks());
+          sum.iterations += work.iterations;
+        },
+        [&] {
+          for (const auto& [key, sum] : frame) runs[key].frames.push_back(sum);
+          frame.clear();
+        });
+    for (const auto& [key, run] : runs) {
+      std::vector<double> prices;
+      double iterations = 0.0;
+      for (const Run::Frame& each : run.frames) {
+        if (each.iterations == 0) continue;
+        prices.push_back(each.ticks * recording.NsPerTick() / double(each.iterations));
+        iterations += double(each.iterations);
+      }
+      if (prices.empty()) continue;
+      ns_[key].first += Median(prices) * iterations;
+      ns_[key].second += iterations;
+    }
+  }
+
+  std::vector<HostCosts::Stage> Stages() const {
+    std::vector<HostCosts::Stage> stages;
+    for (const auto& [key, sum] : ns_)
+      stages.push_back({key.first, key.second, uint32_t(1e3 * sum.first / sum.second + 0.5)});
+    return stages;
+  }
+
+ private:
+  struct Run {
+    struct Frame {
+      double ticks = 0.0;
+      uint64_t iterations = 0;
+    };
+    std::vector<Frame> frames;
+  };
+  std::map<StageKey, std::pair<double, double>> ns_;  // and iterations
+};
+
+PlatformCost PriceOn(const HostCosts& costs, const std::string& path, Scenario& scenario,
+                     uint32_t warm_up, uint32_t frames) {
+  std::map<StageKey, uint32_t> prices;
+  for (const HostCosts::Stage& stage : costs.stages)
+    prices[{stage.name, stage.tier}] = stage.picoseconds;
+  RunningScenario running(scenario, {});
+  const std::vector<const LayerParams*> params = ListParams(scenario);
+  std::vector<uint64_t> layers(params.size()), ended;
+  uint64_t rest = 0, frame = 0;
+  WalkWork(
+      running, {.warm_up = warm_up, .count = frames},
+      [&](const StageWork& work) {
+        if (work.iterations == 0) return;
+        const StageKey key = KeyOf(running.scene(), work, params);
+        const auto price = prices.find(key);
+        if (price == prices.end())
+          throw Error(
+              fmt::format("{}: has no cost of stage {}{}; pelt calibrate measures it with --scenes "
+                          "that have it",
+                          path, key.first, key.second.empty() ? "" : ", " + key.second));
+        const uint64_t picoseconds = uint64_t(price->second) * work.iterations;
+        (work.layer == kNoLayer ? rest : layers[work.layer]) += picoseconds;
+        frame += picoseconds;
+      },
+      [&] {
+        ended.push_back(frame);
+        frame = 0;
+      });
+  PlatformCost cost;
+  for (const uint64_t picoseconds : layers) cost.layer_ns.push_back(picoseconds / 1000 / frames);
+  cost.rest_ns = rest / 1000 / frames;
+  const auto p95 = ended.begin() + ptrdiff_t((ended.size() - 1) * 95 / 100);
+  std::nth_element(ended.begin(), p95, ended.end());
+  cost.frame_ns = (*p95 / 1000) * costs.frame_permille / 1000;
+  cost.live_strands = CountLiveStrands(running.scene());
+  return cost;
+}
+
+}  // namespace
+
+template <>
+std::span<const KeyRow<HostCosts::Stage>> Schema() {
+  using S = HostCosts::Stage;
+  using namespace setup_rows;
+  static const KeyRow<S> kRows[] = {
+      Required(Plain<&S::name>("name", "text", "of the stage")),
+      Plain<&S::tier>("tier", "text", "of pelt fit"),
+      Required(Count<&S::picoseconds>("picoseconds", 0, 4e9, "an iteration")),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<HostCosts>> Schema() {
+  using H = HostCosts;
+  using namespace setup_rows;
+  static const KeyRow<H> kRows[] = {
+      Required(Plain<&H::processor>("processor", "text", "measured")),
+      Required(Plain<&H::commit>("commit", "text", "of the program")),
+      Required(Plain<&H::isa>("isa", "text", "of the kernels")),
+      Required(Count<&H::workers>("workers", 1, 1024, "that shared a frame")),
+      Required(Count<&H::frame_permille>("frame_permille", 1, 1e6, "of its core time")),
+      {{"stage", "tables", "", 0, 1024, "costs"},
+       [](SetupReader& reader, const KeyInfo& info, const toml::node& node, H& costs) {
+         if (!node.is_array_of_tables())
+           reader.FailKey(reader.LineOf(node), info.key, "expected [[stage]] tables");
+         for (const toml::node& each : *node.as_array())
+           reader.ReadTable({}, *each.as_table(), costs.stages.emplace_back());
+       },
+       nullptr},
+  };
+  return kRows;
+}
+
+HostCosts MeasureHost(const CalibrationOptions& options, std::vector<std::string>& disturbances) {
+  const Machine machine = DescribeMachine();
+  HostCosts costs{.processor = machine.processor,
+                  .commit = machine.commit,
+                  .isa = std::string(IsaName(BestIsa())),
+                  .workers = options.workers ? options.workers : machine.cores,
+                  .stages = {}};
+  const auto say = [&](const std::string& now) {
+    if (options.progress) options.progress(now);
+  };
+  Measured measured;
+  for (const std::string& name : options.scenes) {
+    const Scenario scene = LoadScenario(name);
+    for (const Tier& tier : Tiers()) {
+      say(fmt::format("{}, {}", name, tier.name));
+      std::vector<bool> has;
+      Scenario way = AtTier(scene, tier, has);
+      if (std::ranges::count(has, true)) measured.AddRun(way, options);
+    }
+  }
+  costs.stages = measured.Stages();
+  // What is left when workers share the core time: of the last scene as it is.
+  say("frames");
+  Scenario scene = LoadScenario(options.scenes.back());
+  RunningScenario running(scene, {});
+  RunOptions run;
+  run.frames = options.frames;
+  run.warm_up = options.warm_up;
+  run.workers = costs.workers;
+  run.digest = false;
+  const RunReport report = RunFrames(scene, running, run);
+  disturbances = FindDisturbances(report.use, report.workers);
+  costs.frame_permille = 1000;
+  const PlatformCost cost = PriceOn(costs, "calibration", scene, options.warm_up, options.frames);
+  costs.frame_permille = std::max(1u, uint32_t(1e9 * P95(report.budget.samples_ms) /
+                                                   double(std::max<uint64_t>(cost.frame_ns, 1)) +
+                                               0.5));
+  return costs;
+}
+
+std::string HostCostsText(const HostCosts& costs) {
+  const auto quoted = [](const std::string& text) {
+    std::ostringstream out;
+    out << toml::value<std::string>(text);
+    return out.str();
+  };
+  std::string text = fmt::format(
+      "# pelt calibrate: what stages cost, for pelt fit --platform host --costs\n"
+      "processor = {}\ncommit = {}\nisa = {}\nworkers = {}\n"
+      "frame_permille = {}  # a frame over its core time\n",
+      quoted(costs.processor), quoted(costs.commit), quoted(costs.isa), costs.workers,
+      costs.frame_permille);
+  for (const HostCosts::Stage& stage : costs.stages) {
+    text += fmt::format("\n[[stage]]\nname = {}\n", quoted(stage.name));
+    if (!stage.tier.empty()) text += fmt::format("tier = {}\n", quoted(stage.tier));
+    text += fmt::format("picoseconds = {}\n", stage.picoseconds);
+  }
+  return text;
+}
+
+HostCosts ReadHostCosts(const std::string& path) {
+  const auto bytes = ReadFileBytes("costs", path, kCostsBytesLimit).OrThrow();
+  HostCosts costs;
+  SetupReader reader(path, "");
+  reader.ReadTable({}, ParseToml(AsText(bytes), path), costs);
+  return costs;
+}
+
+FitPlatform OnHost(const HostCosts& costs, const std::string& path, uint32_t warm_up,
+                   uint32_t frames) {
+  const auto price = [=](Scenario& scenario) {
+    return PriceOn(costs, path, scenario, warm_up, frames);
+  };
+  return {.name = "host", .price = price, .price_layers = price};
+}
+
+}  // namespace pelt
