@@ -18,6 +18,7 @@
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
 #include "core/character/pose_rates.hpp"
+#include "core/character/smooth_clips.hpp"
 #include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/file_bytes.hpp"
@@ -194,6 +195,7 @@ Scenario MakeFromFiles(const ScenarioRequest& request) {
   FurSetup setup;
   if (request.groom.empty()) setup = LoadSetup(request.setup, request.seed, request.SetupText(0));
   if (request.check_files_read) request.check_files_read(FilesReadFor(character, setup));
+  if (setup.clip_smoothing) SmoothClips(character);
   if (request.groom.empty()) {
     AddActor(scenario, std::move(character), setup, request.clip);
   } else {

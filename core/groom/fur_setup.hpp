@@ -175,6 +175,7 @@ struct FurSetup {
   std::optional<float> unit_scale;    // metres a file unit; default from the bounding box
   float crease_angle = 0.0f;          // degrees up to which edges of the mesh are round
   std::string clip;                   // to play; empty: the first
+  bool clip_smoothing = true;         // of sampled motion (core/character/smooth_clips.hpp)
   std::optional<LightsSetup> lights;  // of the scene that the setup is seen in
   std::vector<LayerSetup> layers;
   std::vector<std::string> files_read;  // besides the setup itself: its maps

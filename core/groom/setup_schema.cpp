@@ -97,6 +97,9 @@ std::span<const KeyRow<FurSetup>> Schema() {
           "crease_angle", "degrees", 0, 180,
           "edges of the mesh up to this sharp are round to the fur, which else parts at facets"),
       Plain<&FurSetup::clip>("clip", "text", "the animation to play; else the file's first"),
+      Plain<&FurSetup::clip_smoothing>(
+          "clip_smoothing", "true or false",
+          "motion sampled in more than 10 linear keys a second goes smoothly through them"),
       Plain<&FurSetup::lights>("lights", "table", "what light there is, for lit layers"),
       {{"defaults", "table", "", 0, 0, "layer keys that hold for every layer that lacks them"},
        nullptr,
