@@ -49,10 +49,11 @@ template <class V, class Group>
 bool RunRange(uint32_t begin, uint32_t end, uint32_t live, bool follows, const Group& group) {
   bool changed = false;
   uint32_t lane = begin;
-  if constexpr (simd_detail::IsRegister<V>)
+  if constexpr (simd_detail::IsRegister<V> || HasManyRegisters<V>)
     for (; lane + Unrolled<V>::kLanes <= end; lane += Unrolled<V>::kLanes)
       changed |= group.template operator()<Unrolled<V>>(lane, live, follows);
-  if constexpr (!simd_detail::IsRegister<V> || V::kLanes == int(kLaneGroup))
+  if constexpr (V::kLanes == int(kLaneGroup) ||
+                !(simd_detail::IsRegister<V> || HasManyRegisters<V>))
     for (; lane < end; lane += V::kLanes)
       changed |= group.template operator()<V>(lane, live, follows);
   return changed;

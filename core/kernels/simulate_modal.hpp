@@ -33,6 +33,24 @@
 
 namespace pelt {
 
+namespace modal {
+
+// What free lanes step on, and what those that were picked do.
+template <class V>
+struct LanesOf {
+  using Free = typename AtMostLanes<V, 16>::Type;
+  using Picked = typename AtMostLanes<V, 4>::Type;
+};
+template <HasManyRegisters V>
+struct LanesOf<V> {
+  using Free = Unrolled<V>;
+  using Picked = V;
+};
+template <HasManyRegisters V>
+struct LanesOf<Unrolled<V>> : LanesOf<V> {};
+
+}  // namespace modal
+
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModal {
   static constexpr std::string_view kName =
@@ -69,8 +87,8 @@ struct SimulateModal {
  private:
   // How many lanes step at once, on a stack as small as a fibre's (jobs/README.md): those that touch
   // something are rare, and take several times as much of it.
-  using Free = typename AtMostLanes<V, 16>::Type;
-  using Picked = typename AtMostLanes<V, 4>::Type;
+  using Free = typename modal::LanesOf<V>::Free;
+  using Picked = typename modal::LanesOf<V>::Picked;
   template <class, uint32_t, bool>
   friend struct SimulateModal;
 
@@ -107,8 +125,8 @@ struct SimulateModal {
     }
   };
 
-  // One group after the other: two at once, as the other solvers have them (chain_step.hpp), do not
-  // fit the registers. Groups without a live lane are left out: chunks of mesh vertices are so short
+  // One group after the other: two at once, as the other solvers have them (chain_step.hpp), fit
+  // only the registers of machines with many. Groups without a live lane are left out: chunks of mesh vertices are so short
   // that they are a tenth of all groups of eight in `monster`.
   // The two kinds of groups are out of line, so that their frames are not on the stack together.
   template <bool kBest>

@@ -81,4 +81,10 @@ struct Unrolled {
   PELT_INLINE friend Unrolled FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
 };
 
+// Machines with registers enough for a modal step of two groups, which other solvers' steps fit everywhere.
+template <class V>
+concept HasManyRegisters = requires {
+  V::kHasManyRegisters;
+};
+
 }  // namespace pelt

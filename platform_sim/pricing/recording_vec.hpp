@@ -103,6 +103,7 @@ struct RecordingWord {
 
 struct RecordingVec {
   static constexpr int kLanes = 4;
+  static constexpr bool kHasManyRegisters = true;  // 128
   using Base = ArrayVec<kLanes>;
   using Kind = RecordedKind;
 
