@@ -194,7 +194,7 @@ struct BudgetArgs {
   // What the consoles have instead of their own; not given: theirs.
   std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
   uint32_t warm_up = 60;            // frames before those that count
-  std::string what_if = "nothing";  // a change of the consoles' data movement, by name
+  std::string what_if = "nothing";  // a change of a console's frame, by name
   OutputPath trace;                 // Chrome trace of the modelled consoles to write
   bool advice = true;
   bool numbers = false;   // only print the platforms' numbers

@@ -38,8 +38,6 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
   RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
   RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice", "--what-if"},
                "--platform ps3 or xbox360");
-  if (args.what_if == WhatIfName(WhatIf::kResidentPalette) && !asks_for("ps3"))
-    throw UsageError("--what-if " + args.what_if + " has an effect only with --platform ps3");
 }
 
 CLI::Validator IsWhatIf() {
@@ -126,7 +124,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       ->capture_default_str();
   AddSkips(*app, args.skip, args.lod);
   app->add_option("--what-if", args.what_if,
-                  "On consoles, in the model: a change of how a frame moves its data")
+                  "On consoles, in the model: a change of how a frame sorts, or of what it draws")
       ->check(IsWhatIf())
       ->capture_default_str();
   app->add_option("--spus", args.spus, "SPUs of the PS3, instead of the 6 that a game has");

@@ -266,10 +266,7 @@ double ConsoleRun::TryWhatIf(WhatIf what_if) {
 std::string ConsoleRun::WhyNoChange(WhatIf what_if) const {
   switch (what_if) {
     case WhatIf::kNothing:
-    case WhatIf::kLivePrefix:
       return {};
-    case WhatIf::kResidentPalette:
-      return machine_.local_store_bytes > 0 ? "" : "caches hold it already";
     case WhatIf::kWiderDigits: {
       const bool pieces = std::ranges::any_of(scene().shape().layer_kind, [](uint32_t kind) {
         return (kind & kLayerSortInPieces) != 0;

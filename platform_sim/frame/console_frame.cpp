@@ -73,17 +73,19 @@ bool CheckMachine(const ConsoleMachine& m, std::string& error) {
 
 struct ConsoleExecutor::State final : WorkSource {
   State(const ConsoleMachine& machine, const StageCosts& stage_costs)
-      : costs(stage_costs), clock(machine), change(machine.what_if, machine) {}
+      : costs(stage_costs), clock(machine), data(machine), change(machine.what_if) {}
 
   const ItemWork& Take(uint32_t unit, uint32_t item) override {
     ItemWork& item_work = work.passes[pass].items[item];
     runner->Run(*frame, unit, pass, item, item_work);
-    change.Apply(*frame, unit, pass, item, item_work);
+    data.Apply(*frame, unit, pass, item, item_work);
+    change.Apply(*frame, data, item_work);
     return item_work;
   }
 
   const StageCosts costs;
   PassClock clock;
+  MovedData data;
   WorkChange change;
   std::unique_ptr<ItemRunner> runner;
   std::vector<PassStore> stores;
@@ -138,7 +140,7 @@ void ConsoleExecutor::RunPasses(const Frame& frame) {
   for (s.pass = 0; s.pass < s.work.passes.size(); ++s.pass) {
     const PassWork& work = s.work.passes[s.pass];
     const auto items = uint32_t(work.items.size());
-    s.change.BeginPass();
+    s.data.BeginPass();
     // Bits are of the whole plan, whatever takes time.
     if (work.left_out)
       for (uint32_t item = 0; item < items; ++item) s.Take(0, item);

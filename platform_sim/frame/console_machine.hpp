@@ -18,8 +18,8 @@
 
 namespace pelt {
 
-// Changes of the frame's data that are tried in the model: what_if.hpp.
-enum class WhatIf : uint8_t { kNothing, kResidentPalette, kLivePrefix, kWiderDigits, kFewerPoints };
+// Changes of a frame that are tried in the model: what_if.hpp.
+enum class WhatIf : uint8_t { kNothing, kWiderDigits, kFewerPoints };
 
 struct ConsoleMachine {
   std::string name;  // "PS3"

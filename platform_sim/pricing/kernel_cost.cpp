@@ -5,6 +5,7 @@
 
 #include "platform_sim/pipeline/issue_walk.hpp"
 #include "platform_sim/pricing/cache_cost.hpp"
+#include "platform_sim/pricing/rolled_code.hpp"
 #include "platform_sim/pricing/written_order.hpp"
 #include "platform_sim/schedule/schedule.hpp"
 
@@ -95,6 +96,7 @@ struct CodeCycles {
 // One stretch of the trace, timed in every way.
 struct Timed {
   double operations = 0.0, instructions = 0.0, bound = 0.0;
+  double own_code = 1.0;  // share of it (rolled_code.hpp)
   CodeCycles as_written, scheduled;
   FinishedCode code;
   IssueChart chart;  // scheduled
@@ -121,6 +123,7 @@ Result<Timed> TimeStretch(const Trace& trace, uint32_t begin, uint32_t end, uint
   Timed out;
   out.operations = std::max(CountSeen(trace, begin, end), 1u);
   out.instructions = double(lowered.code.program.size());
+  out.own_code = ShareOfOwnCode(trace, begin, end, uint32_t(out.operations / iterations));
   const auto in_order =
       TimeCode(AllocateInOrder(lowered.code, core.scheduling), core, out.as_written);
   if (!in_order) return Failure{in_order.error()};
@@ -163,8 +166,9 @@ void NoteWindow(const Timed& window, uint32_t iterations, const PricedCore& core
   cost.spill_stores += window.code.spill_stores;
   cost.spill_loads += window.code.spill_loads;
   const uint64_t bytes = window.code.program.size() * core.scheduling.instruction_bytes;
-  const uint64_t of_loop = bytes * std::min(iterations, kLoopIterations) / std::max(iterations, 1u);
-  cost.code_bytes = std::max(cost.code_bytes, uint32_t(of_loop));
+  const double of_loop =
+      double(bytes) * std::min(iterations, kLoopIterations) / std::max(iterations, 1u);
+  cost.code_bytes = std::max(cost.code_bytes, uint32_t(of_loop * window.own_code));
   cost.window_iterations = std::max(cost.window_iterations, iterations);
 }
 

@@ -66,8 +66,8 @@ struct KernelCost {
   uint32_t spill_stores = 0, spill_loads = 0;  // in the windows' scheduled code
   uint32_t window_iterations = 0;              // that were scheduled together
   // Of a loop over kLoopIterations iterations, which is what is interleaved, at the window's
-  // density. Loops inside an iteration (solver iterations, points of a chain) are written out,
-  // filling and draining is not: the first is far more than the second, so real code is smaller.
+  // density. Loops inside an iteration (solver iterations, points of a chain) are written out where they are short
+  // and there once where they are long (rolled_code.hpp); filling and draining is left out.
   uint32_t code_bytes = 0;
 
   // Of `price`, spread over what was recorded.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "platform_sim/frame/frame_summary.hpp"
+#include "platform_sim/frame/moved_data.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
 #include "tests/determinism/planted_faults.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
@@ -150,6 +151,60 @@ FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double
   return work;
 }
 Cycles StageCycles(const ModelledFrame& frame) { return frame.stage_cycles[0]; }
+
+// A unit with a store fetches a character's palette once a pass, however many of its items it takes.
+TEST(MovedData, APaletteComesOnceAPass) {
+  Scenario scenario = TinyScenario();
+  const ModelledRun run = RunOn(scenario, Ps3(1), 2, kCyclesPerIteration);
+  uint32_t items = 0;
+  for (const PassWork& pass : run.last_work.passes) {
+    const Domain domain = run.plan.passes[pass.pass].domain;
+    if (domain <= Domain::kCharacter) continue;
+    std::vector<uint32_t> fetched(run.shape.character_count);
+    for (uint32_t i = 0; i < pass.items.size(); ++i)
+      for (const ItemWork::StreamBytes& moved : pass.items[i].streams)
+        if (moved.stream == StreamOf<&Streams::palette>) {
+          ++items;
+          fetched[PlaceOf(run.shape, domain, i).first[size_t(Domain::kCharacter)]] +=
+              moved.get_bytes > 0;
+        }
+    for (const uint32_t times : fetched) EXPECT_LE(times, 1u) << "pass " << pass.pass;
+  }
+  EXPECT_GT(items, 2 * run.shape.character_count);
+}
+
+// Of rows of lanes only what lives is moved, in whole quads.
+TEST(MovedData, DeadLanesAreNotMoved) {
+  Scenario scenario = TinyScenario();
+  const ConsoleMachine machine = Ps3(1);
+  RunningScenario running(scenario, OptionsOn(machine));
+  running.Begin(0);
+  SerialExecutor().Run(running.scene().CurrentFrame());
+  const Frame frame = running.scene().CurrentFrame();
+  uint32_t pass = 0;
+  while (frame.plan->passes[pass].domain != Domain::kChunk) ++pass;
+  MovedData data(machine);
+  constexpr Stream kRoots = StreamOf<&Streams::roots>;
+  const uint64_t whole = DescribeStream(kRoots).block_bytes;
+  uint32_t part = 0;
+  for (uint32_t chunk = 0; chunk < running.scene().shape().ItemCount(Domain::kChunk); ++chunk) {
+    ItemWork work;
+    work.streams = {{kRoots, whole, 0}};
+    work.get.bytes = whole;
+    work.get.lines = uint32_t(whole / machine.line_bytes);
+    data.Apply(frame, 0, pass, chunk, work);
+    const uint64_t live = frame.memory->LiveLanes(kRoots, chunk),
+                   rows = whole / 4 / kStrandsPerChunk;
+    const uint64_t of_row = (live * 4 + 15) / 16 * 16;
+    EXPECT_TRUE(work.streams[0].get_bytes == rows * of_row || work.streams[0].get_bytes == whole);
+    EXPECT_EQ(work.get.bytes % machine.line_bytes, 0u);
+    if (of_row * 2 > kStrandsPerChunk * 4) continue;
+    ++part;
+    EXPECT_LT(work.streams[0].get_bytes, whole);
+    EXPECT_LT(work.get.lines, whole / machine.line_bytes);
+  }
+  EXPECT_GT(part, 0u);
+}
 
 TEST(PassClock, DrawingAndMeetingAreAllThatIsLeft) {
   for (const uint32_t units : {1u, 3u, 6u}) {

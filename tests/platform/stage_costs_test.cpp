@@ -7,7 +7,9 @@
 #include <numeric>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "core/random.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
+#include "platform_sim/pricing/rolled_code.hpp"
 #include "tests/platform/check_finished.hpp"
 #include "tests/platform/recording.hpp"
 #include "traces/digest.hpp"
@@ -48,6 +50,39 @@ TEST(KernelCost, AStreamIsBoundByTheOddPipe) {
   // In order each iteration waits for its load, multiply-add and store.
   EXPECT_GT(cost.as_written.cycles_per_iteration, 2.0 * cost.scheduled.cycles_per_iteration);
   EXPECT_GE(cost.scheduled.fixed_cycles, 36.0);  // two mispredicted branches
+}
+
+// `rounds` times the same `length` operations.
+Trace LoopOf(uint32_t length, uint32_t rounds) {
+  constexpr RecordedKind kKinds[] = {RecordedKind::kAdd, RecordedKind::kSubtract,
+                                     RecordedKind::kMultiply, RecordedKind::kLoad};
+  Random random(1);
+  std::vector<RecordedOperation> round(length);
+  for (RecordedOperation& operation : round) operation.kind = kKinds[random.Below(4)];
+  Trace trace;
+  for (uint32_t r = 0; r < rounds; ++r)
+    trace.operations.insert(trace.operations.end(), round.begin(), round.end());
+  return trace;
+}
+
+TEST(RolledCode, ALongLoopIsThereOnce) {
+  const auto share = [](const Trace& trace, uint32_t furthest) {
+    return ShareOfOwnCode(trace, 0, uint32_t(trace.operations.size()), furthest);
+  };
+  const Trace loop = LoopOf(kLongEnough + 40, 5);
+  EXPECT_EQ(share(loop, kLongEnough + 40), 0.2);
+  // The next iteration's code is there beside this one's.
+  EXPECT_EQ(share(loop, kLongEnough + 39), 1.0);
+  EXPECT_EQ(share(LoopOf(kLongEnough + 40, 1), 10'000), 1.0);
+  // A shorter one is written out as often as it takes.
+  EXPECT_EQ(share(LoopOf(kLongEnough / 2, 2), 10'000), 1.0);
+  EXPECT_EQ(share(LoopOf(kLongEnough / 2, 8), 10'000), 0.25);
+  // Where something else comes between, what is left must be as long.
+  Trace parted = loop;
+  for (size_t i = kLongEnough / 2; i < parted.operations.size(); i += kLongEnough)
+    parted.operations[i].kind = RecordedKind::kDivide;
+  EXPECT_EQ(share(parted, 10'000), 1.0);
+  EXPECT_EQ(share({}, 10), 1.0);
 }
 
 TEST(KernelCost, TwoThreadsOfAXenonShareItsDispatch) {
