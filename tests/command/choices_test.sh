@@ -79,7 +79,7 @@ check_solvers() {
     echo "rest = [$(printf '[0.8, 0.6, 0], %.0s' $(seq "$links"))]" >>"strand$links.toml"
     for name in "${names[@]}"; do
       ran accuracy --roots few.csv --strand "strand$links.toml" --out out.csv --solver "$name"
-      if [ "$links" -ne 8 ]; then
+      if [ "$links" -ne 8 ] || [[ "$name" =~ ^modal(-fine|-best)?$ ]]; then
         [ -s out.txt ] || fail "$name does not run $links links: $(cat err.txt)"
       else
         grep -q "strand8.toml.*not of 8" err.txt || fail "$name, 8 links: $(cat out.txt err.txt)"
