@@ -61,10 +61,11 @@ void AddPlatforms(const SceneFit& fit, ReportTree& tree) {
     entry.Add(InJson("platform"), fit.platforms[p]).Add(InJson("frame_ms"), frame_ms);
     entry.Add(InJson("rest_ms"), fit.LayerMs(p, fit.costs[p].rest_ns));
     entry.Add(InJson("fits"), fit.Fits(p));
-    entry.Say(fit.Fits(p)
-                  ? fmt::format("{}: FITS {} ms: {:.3f} ms", fit.platforms[p], target_ms, frame_ms)
-                  : fmt::format("{}: DOES NOT FIT {} ms: the least that fits is {:.3f} ms",
-                                fit.platforms[p], target_ms, frame_ms));
+    entry.Say(
+        fit.Fits(p)
+            ? fmt::format("{}: FITS {:.6g} ms: {:.3f} ms", fit.platforms[p], target_ms, frame_ms)
+            : fmt::format("{}: DOES NOT FIT {:.6g} ms: the least that fits is {:.3f} ms",
+                          fit.platforms[p], target_ms, frame_ms));
   }
 }
 
