@@ -277,7 +277,6 @@ check_ignored() {
   expect 2 --solver -- fit --scene tiny --solver pbd
   expect 2 --scene -- accuracy --plan plan.toml
   expect 2 --local-store -- plan --scene tiny --platform ps3 --local-store
-  expect 2 'eyepet on PS3: stage simulate_modal' 'of code' -- plan --scene eyepet --platform ps3 --quality best
   expect 2 --cores -- budget --scene tiny --platform ps3 --cores 2
   expect 2 --no-advice -- budget --scene tiny --platform host --no-advice
   expect 2 --scene -- budget --validate --scene tiny
@@ -496,7 +495,7 @@ check_budget_errors() {
   # A scene the console cannot run is a verdict, in its place in the table, not an error of the command.
   "$pelt" "${budget[@]}" --platform ps3 --local-store-kib 64 >out.txt 2>&1
   [ $? -eq 1 ] || fail "a scene that does not fit a local store: not exit 1"
-  tr '\n' ' ' <out.txt | grep -q "CANNOT RUN: tiny on PS3: stage sample_pose: .* beside 4096 of code" || fail "no verdict in: $(cat out.txt)"
+  tr '\n' ' ' <out.txt | grep -q "CANNOT RUN: tiny on PS3: stage sample_pose: .* beside 1024 of code" || fail "no verdict in: $(cat out.txt)"
   expect 2 'no core' -- "${budget[@]}" --cores 0
   expect 2 '99 cores' -- "${budget[@]}" --cores 99
   expect 2 '4 cores; an Xbox 360 has 3' -- "${budget[@]}" --cores 4

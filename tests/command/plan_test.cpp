@@ -99,25 +99,18 @@ TEST(PlanCommand, ShowsThePlanThatBudgetRunsOnAPs3) {
   EXPECT_EQ(plan["passes"].size(), budget["passes"].size());
   args.ps3 = false;
   args.local_store = true;
-  EXPECT_GT(plan["passes"].size(), json::parse(Printed(args))["passes"].size())
+  EXPECT_GE(plan["passes"].size(), json::parse(Printed(args))["passes"].size())
       << "code takes room that longer passes would need";
 }
 
-TEST(PlanCommand, RefusesWhatAPs3CannotRunAsBudgetDoes) {
+// The largest code there is: every feature of the coat at the best quality has room beside its blocks.
+TEST(PlanCommand, TheBestQualityHasRoomOnAPs3) {
   PlanArgs args;
   args.request.scene = "eyepet";
   args.request.quality = ModalQuality::kBest;
-  args.ps3 = true;
-  try {
-    PrintPlan(args);
-    ADD_FAILURE() << "a plan for code that does not fit";
-  } catch (const Error& error) {
-    const std::string said = error.what();
-    EXPECT_EQ(said, BudgetOnPs3(args.request, 1)["refused"]);
-    EXPECT_EQ(said.find("eyepet on PS3: stage simulate_modal"), 0u) << said;
-  }
-  args.ps3 = false;
-  EXPECT_NE(Printed(args).find("For main memory"), std::string::npos);
+  args.ps3 = args.json = true;
+  const json plan = json::parse(Printed(args)), budget = BudgetOnPs3(args.request, 0);
+  EXPECT_EQ(plan["passes"].size(), budget["passes"].size());
 }
 
 }  // namespace
