@@ -10,7 +10,7 @@ namespace pelt {
 namespace {
 
 // What a walk may issue one by one: leaps cost nothing.
-constexpr size_t kMaxIssues = 2'000'000;
+constexpr size_t kMaxIssues = 8'000'000;
 // States kept to compare with: the period of a loop is one iteration, or two with two threads; more
 // for the few whose iterations differ.
 constexpr size_t kStatesKept = 16;
