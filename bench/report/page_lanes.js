@@ -1,7 +1,7 @@
 // Lanes over time, as workers in a frame or units of a console: zoom by dragging, by buttons and by keys, and a search.
 'use strict';
 const kMostZoom = 256;
-const kFoundWidth = 24;  // px that what was found is widened to
+const kFoundWidth = 24;  // px that what was found is widened to, and that are left beside it where it is wide
 
 // Of many bars, those of a kind as one path each: what the search does not find is dimmed, what it finds is never too
 // narrow to be seen.
@@ -104,8 +104,9 @@ function fillLanes(parent, {heading, label, names, height, ns, draw, details}) {
     if (event.key !== 'Enter' || !found.length) return;
     shown = (shown + (event.shiftKey ? found.length - 1 : 1) + found.length) % found.length;
     const {begin, end} = found[shown];
-    const wide = kFoundWidth * ns / (Math.max(1, end - begin) * once());
-    zoomTo(Math.max(zoom, wide), (begin + end) / 2 / ns);
+    const zoomOf = (width) => width * ns / (Math.max(1, end - begin) * once());
+    // As it is, unless what is shown would be too narrow to see or wider than what one sees.
+    zoomTo(Math.min(Math.max(zoom, zoomOf(kFoundWidth)), zoomOf(scroll.clientWidth - kFoundWidth)), (begin + end) / 2 / ns);
   });
   return redraw;
 }
