@@ -24,6 +24,8 @@
 // Invariants: a lane that is inside nothing keeps its bits; lanes are independent.
 #pragma once
 
+#include <type_traits>
+
 #include "core/kernels/modal_friction.hpp"
 #include "core/kernels/modal_impulse.hpp"
 #include "core/kernels/modal_notes.hpp"
@@ -36,8 +38,11 @@ inline constexpr int kTouchRounds = 2;
 // And of turning tangents out of what they are inside, without time.
 inline constexpr int kFreeRounds = 3;
 
-// What a group's chains can touch this frame, and what they touched in the present substep.
-template <class W, uint32_t N, uint32_t Q>
+struct NoFriction {};
+
+// What a group's chains can touch this frame, and what they touched in the present substep. kMayRub: on colliders,
+// if the layer has friction.
+template <class W, uint32_t N, uint32_t Q, bool kMayRub>
 struct Touches {
   using Mask = typename W::Mask;
 
@@ -49,9 +54,10 @@ struct Touches {
   Vec3<W> normal[Q];  // of points that were pushed; else 0
   W arrival[Q];       // speed into the obstacle before, parts/s; only where a bounce is wanted
   Obstacle<W> obstacle[Q];
-  Friction<W, N, Q> friction;  // only where the layer has it
-  W overlap[Q];                // what the first substep left inside, parts
-  PushedPlaces<Q> places;      // at which some lane found an obstacle
+  std::conditional_t<kMayRub, Friction<W, N, Q>, NoFriction>
+      friction;            // only where the layer has it
+  W overlap[Q];            // what the first substep left inside, parts
+  PushedPlaces<Q> places;  // at which some lane found an obstacle
 
   // `slow`: parts/s, below which nothing bounces, or a resting strand would never rest.
   template <uint32_t kParts>
@@ -139,6 +145,9 @@ struct Touches {
   }
 
  private:
+  PELT_INLINE bool Rubs() const {
+    return kMayRub && around.friction > 0.0f && around.HasColliders();
+  }
   // The lengths' matrix and |y|^2 of motion's w and y.
   template <bool kBest>
   static PELT_INLINE void Linearise(const ModalTableBlock& t, Motion<W, N>& m, W (&square)[N],
@@ -232,8 +241,9 @@ struct Touches {
       force[q] = {none, none, none};
       obstacle[q].Clear();
     }
-    const bool rubs = eases && around.friction > 0.0f;
-    if (rubs) friction.Clear();
+    const bool rubs = Rubs();
+    if constexpr (kMayRub)
+      if (rubs) friction.Clear();
     const int rounds = rubs ? kRubRounds : kTouchRounds;
     for (int round = 0;; ++round) {
       if (round > 0) {
@@ -271,11 +281,13 @@ struct Touches {
         obstacle[q].Look(obstacle[q].PointOf(from, at[q]), n[q], depth[q]);
       }
       if (round == 0 && around.plane_bounce > 0.0f) FindArrival(t, substep, motion, at, n);
-      if (rubs)
-        friction.template Press<kBest>(t, matrix, around, places, obstacle, n, depth, at, total,
-                                       force, m);
-      else
-        Press<kBest>(t, matrix, n, depth, total, force, m);
+      if constexpr (kMayRub)
+        if (rubs) {
+          friction.template Press<kBest>(t, matrix, around, places, obstacle, n, depth, at, total,
+                                         force, m);
+          continue;
+        }
+      Press<kBest>(t, matrix, n, depth, total, force, m);
     }
     W lever[Q][N];
     for (Vec3<W>& each : normal) each = {none, none, none};
@@ -365,9 +377,14 @@ struct Touches {
       // May pull: pushed points that could leave one by one would never all lie still.
       least[q] = W(-1.0e30f);
     }
-    if (around.friction > 0.0f && around.HasColliders()) {
-      friction.Settle(metric, lever, around, places, obstacle, normal, wanted, slip, all, impulse);
-    } else {
+    bool rubbed = false;
+    if constexpr (kMayRub)
+      if (Rubs()) {
+        friction.Settle(metric, lever, around, places, obstacle, normal, wanted, slip, all,
+                        impulse);
+        rubbed = true;
+      }
+    if (!rubbed) {
       SolvePushes(metric, places, normal, lever, wanted, least, push, all);
       for (const uint32_t q : places) impulse[q] = normal[q] * push[q];
     }

@@ -8,9 +8,10 @@
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside
 // something, and those that the free step fails (modal_fallback.hpp), keep their state, are picked
-// from all groups and take the frame once more, with contact, as full groups; those that something
-// fast strikes in short steps (modal_strike.hpp). A lane's bits depend neither on its neighbours nor
-// on where in a group it stood.
+// from all groups and take the frame once more, with contact, as full groups: those that touch something, more of
+// them at once than those that may rub on it too, or that something fast strikes (in short steps, modal_strike.hpp),
+// as their step takes twice as much of a stack. A lane's bits depend neither on its neighbours nor on where in a
+// group it stood.
 //
 // Invariants, as chain.hpp's:
 //  - From finite input comes finite output; no part of a strand gets longer.
@@ -35,16 +36,22 @@ namespace pelt {
 
 namespace modal {
 
-// What free lanes step on, and what those that were picked do.
+// Lanes that step by one code: all, as if they were free; of those that were picked, what touches something and
+// does no more, where that has a code of its own; the others.
+enum class Lot { kFree, kPlain, kRare };
+
+// How many of them step at once, on a stack as small as a fibre's (jobs/README.md).
 template <class V>
 struct LanesOf {
   using Free = typename AtMostLanes<V, 16>::Type;
-  using Picked = typename AtMostLanes<V, 4>::Type;
+  using Plain = typename AtMostLanes<V, 8>::Type;
+  using Rare = typename AtMostLanes<V, 4>::Type;
 };
 template <HasManyRegisters V>
 struct LanesOf<V> {
   using Free = Unrolled<V>;
-  using Picked = V;
+  using Plain = V;
+  using Rare = V;
 };
 template <HasManyRegisters V>
 struct LanesOf<Unrolled<V>> : LanesOf<V> {};
@@ -62,7 +69,9 @@ struct SimulateModal {
   using Extras = modal::Extras;
   using Group = chain::Group<V, kParts>;
   using Motion = modal::Motion<V, N>;
-  using Touches = modal::Touches<V, N, Q>;
+  using Lot = modal::Lot;
+  template <Lot kLot>
+  using Touches = modal::Touches<V, N, Q, kLot == Lot::kRare>;
   using TouchNotes = modal::TouchNotes<V, N, Q>;
   using Strikes = modal::Strikes<V, N, Q>;
   using Start = modal::FrameStart<V, kPoints, Ports>;
@@ -85,10 +94,11 @@ struct SimulateModal {
   }
 
  private:
-  // How many lanes step at once, on a stack as small as a fibre's (jobs/README.md): those that touch
-  // something are rare, and take several times as much of it.
   using Free = typename modal::LanesOf<V>::Free;
-  using Picked = typename modal::LanesOf<V>::Picked;
+  using Plain = typename modal::LanesOf<V>::Plain;
+  using Rare = typename modal::LanesOf<V>::Rare;
+  // More code is of no use where it steps no more lanes.
+  static constexpr bool kHasPlain = !std::is_same_v<Plain, Rare>;
   template <class, uint32_t, bool>
   friend struct SimulateModal;
 
@@ -101,16 +111,19 @@ struct SimulateModal {
         });
   }
 
+  // A group has lanes of one kind, as it steps by what any of them may do (modal_touch.hpp). Struck lanes are a
+  // kind only where most that touch something have a code of their own.
+  enum Kind : uint32_t { kTouches, kRubs, kStruck, kKinds };
+
   // Lanes of a range that take the frame once more. One for the whole kernel, with all that its
   // functions go through memory for: what a console's price is must not depend on where a compiler
   // puts temporaries.
   struct Picks {
     alignas(64) float is_picked[V::kLanes];
-    PickedLanes<Picked> group;
-    // Those that may rub on a collider are of kind 1. A group has one kind, as it steps by what
-    // any of its lanes may do (modal_touch.hpp).
-    uint32_t count[2];
-    int32_t lane[2][kStrandsPerChunk];
+    PickedLanes<Plain> plain;
+    PickedLanes<Rare> rare;
+    uint32_t count[kKinds];
+    int32_t lane[kKinds][kStrandsPerChunk];
 
     PELT_INLINE void Add(Mask picked, uint32_t first, uint32_t kind) {
       Select(picked, V(1.0f), V(0.0f)).Store(is_picked);
@@ -118,8 +131,9 @@ struct SimulateModal {
         if (is_picked[l] != 0.0f) lane[kind][count[kind]++] = int32_t(first + l);
     }
     // A group of a kind; the last one fills it up.
-    PELT_INLINE const PickedLanes<Picked>& Group(uint32_t first, uint32_t kind) {
-      for (uint32_t l = 0; l < uint32_t(Picked::kLanes); ++l)
+    template <class W>
+    PELT_INLINE const PickedLanes<W>& Group(uint32_t first, uint32_t kind, PickedLanes<W>& group) {
+      for (uint32_t l = 0; l < uint32_t(W::kLanes); ++l)
         group.lane[l] = lane[kind][first + l < count[kind] ? first + l : count[kind] - 1];
       return group;
     }
@@ -128,17 +142,25 @@ struct SimulateModal {
   // One group after the other: two at once, as the other solvers have them (chain_step.hpp), fit
   // only the registers of machines with many. Groups without a live lane are left out: chunks of mesh vertices are so short
   // that they are a tenth of all groups of eight in `monster`.
-  // The two kinds of groups are out of line, so that their frames are not on the stack together.
+  // Each lot is out of line, so that their frames are not on the stack together.
   template <bool kBest>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live, bool follows,
                                    Picks& picks) {
-    picks.count[0] = picks.count[1] = 0;
+    for (uint32_t& count : picks.count) count = 0;
     const uint32_t last = end < live ? end : live;
     bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, follows, picks);
-    if (picks.count[0] + picks.count[1] > 0)
-      changed |= SimulateModal<Picked, kPoints, kVertexChains>::template RunPicked<kBest>(
-          params, ports, extras, live, follows, picks);
+    uint32_t left = kTouches;
+    if constexpr (kHasPlain)
+      if (picks.count[left++] > 0)
+        changed |=
+            SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain, kBest>(
+                params, ports, extras, live, follows, picks, picks.plain, kTouches, left);
+    uint32_t rest = 0;
+    for (uint32_t kind = left; kind < kKinds; ++kind) rest += picks.count[kind];
+    if (rest > 0)
+      changed |= SimulateModal<Rare, kPoints, kVertexChains>::template RunPicked<Lot::kRare, kBest>(
+          params, ports, extras, live, follows, picks, picks.rare, left, kKinds);
     return changed;
   }
 
@@ -148,20 +170,21 @@ struct SimulateModal {
                                                 uint32_t live, bool follows, Picks& picks) {
     bool changed = false;
     for (uint32_t first = begin; first < end; first += uint32_t(V::kLanes))
-      changed |= RunGroup<kBest>(params, ports, extras, first, live, follows, &picks);
+      changed |= RunGroup<Lot::kFree, kBest>(params, ports, extras, first, live, follows, &picks);
     return changed;
   }
 
-  // `picks`: of a kernel whose Picked is V.
-  template <bool kBest, class AnyPicks>
+  // The kinds from `begin` to `end` of what a kernel on other lanes has picked, of which `group` holds one.
+  template <Lot kLot, bool kBest, class OtherPicks>
   static __attribute__((noinline)) bool RunPicked(const Params& params, const Ports& ports,
                                                   const Extras& extras, uint32_t live, bool follows,
-                                                  AnyPicks& picks) {
+                                                  OtherPicks& picks, PickedLanes<V>& group,
+                                                  uint32_t begin, uint32_t end) {
     bool changed = false;
-    for (uint32_t kind = 0; kind < 2; ++kind)
+    for (uint32_t kind = begin; kind < end; ++kind)
       for (uint32_t i = 0; i < picks.count[kind]; i += uint32_t(V::kLanes))
-        changed |= RunGroup<kBest>(params, ports, extras, picks.Group(i, kind), live, follows,
-                                   static_cast<Picks*>(nullptr));
+        changed |= RunGroup<kLot, kBest>(params, ports, extras, picks.Group(i, kind, group), live,
+                                         follows, static_cast<Picks*>(nullptr));
     return changed;
   }
 
@@ -178,7 +201,7 @@ struct SimulateModal {
   // Lanes that failed: once more with a second Newton step, if they follow, then without one that
   // could fail. Kept out of line and of the way: such lanes are rare. Each by itself, as stacks are
   // small (jobs/README.md).
-  template <class At>
+  template <class At, class Touches>
   static PELT_INLINE void FallBack(const Ports& ports, const At& at, Mask good, Mask follows,
                                    const Vec3<V> (&rest)[N], const Vec3<V>* hold, V per_length,
                                    Touches& touches, Motion& motion) {
@@ -191,7 +214,7 @@ struct SimulateModal {
   }
 
   // Returns which of the lanes it could.
-  template <class At>
+  template <class At, class Touches>
   static __attribute__((noinline)) Mask StepAgain(const Ports& ports, const At& at, Mask lanes,
                                                   const Vec3<V> (&rest)[N], Touches& touches,
                                                   Motion& motion) {
@@ -234,13 +257,13 @@ struct SimulateModal {
 
   // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
   // deep points stay inside what they leave slowly, m.
-  template <bool kBest, class At>
+  template <Lot kLot, bool kBest, class At>
   static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
                                        Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
                                        V per_length, const Group& g, V (&left)[kParts],
                                        Motion& motion) {
     const ModalTableBlock& t = *ports.table;
-    Touches touches;
+    Touches<kLot> touches;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, touches);
     const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
     Mask good = fresh;
@@ -258,11 +281,12 @@ struct SimulateModal {
   }
 
   // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
-  // that it fails. `rubs`: those that may touch a collider; set where the layer has friction.
+  // that it fails. `rubs`: those that may touch a collider; set where the layer has friction. `struck`: those that
+  // something fast may reach.
   template <bool kBest>
   static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
                                    const Vec3<V> (&rest)[N], V per_length, const Group& g,
-                                   Mask& rubs, Motion& motion) {
+                                   Mask& rubs, Mask& struck, Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
@@ -275,7 +299,8 @@ struct SimulateModal {
         modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
     const Mask held = notes.inside | !good;
     if (!Colliders<V>::HasMoving(params)) return held;
-    return held | modal::IsInFastWay(params, g, per_length, t.substeps, motion);
+    struck = modal::IsInFastWay(params, g, per_length, t.substeps, motion);
+    return held | struck;
   }
 
   // The frame of lanes that something fast strikes, or has struck: returns those, for which `motion`
@@ -331,10 +356,10 @@ struct SimulateModal {
 
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
-  template <bool kBest, class At>
+  template <Lot kLot, bool kBest, class At>
   static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
                                    const At& at, uint32_t live, bool follows, Picks* picks) {
-    constexpr bool kPicks = std::is_same_v<At, uint32_t>;
+    constexpr bool kPicks = kLot == Lot::kFree;
     const LayerBlock& layer = *ports.layer;
     const ChunkStateBlock& state = *ports.state;
     const auto lanes = NumberLanes<V>(at);
@@ -378,7 +403,7 @@ struct SimulateModal {
     const Mask quiet = calm & !fresh;
 
     const Mask none = V(1.0f) < V(0.0f);
-    Mask touched = none, picked = none, rubs = none, kept = none;
+    Mask touched = none, picked = none, rubs = none, struck = none, kept = none;
     V left[kParts], clock = V(0.0f);
     for (V& depth : left) depth = V(0.0f);
     const bool carried = !restart && ports.table->substeps == 0;
@@ -387,17 +412,20 @@ struct SimulateModal {
     } else if (!restart) {
       ahead.template Fetch<5>();
       if constexpr (kPicks) {
-        picked = StepFree<kBest>(params, ports, at, rest, per_length, g, rubs, motion);
-        picked = picked | (LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f));
+        picked = StepFree<kBest>(params, ports, at, rest, per_length, g, rubs, struck, motion);
+        const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
+        picked = picked | was, struck = struck | was;
+      } else if constexpr (kLot == Lot::kPlain) {
+        touched = StepTouching<kLot, kBest>(params, ports, at, fresh, rest, hold, per_length, g,
+                                            left, motion);
       } else {
         Motion after;
-        Mask struck = none;
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         if (Any(was) || Colliders<V>::HasMoving(params))
           struck = StepStruck(params, ports, at, fresh, rest, per_length, g, motion, clock, after);
         if (!AllSet(struck))
-          touched = StepTouching<kBest>(params, ports, at, fresh, rest, hold, per_length, g, left,
-                                        motion);
+          touched = StepTouching<kLot, kBest>(params, ports, at, fresh, rest, hold, per_length, g,
+                                              left, motion);
         if (Any(struck)) {
           TakeLanes(struck, after, motion);
           touched = touched & !struck;
@@ -414,11 +442,17 @@ struct SimulateModal {
         if (HasObstacles(params, ports))
           picked = picked | modal::IsInside(modal::EndWalls(layer, params, g), g);
         picked = picked & alive & !fresh;
-        if (Any(picked) && layer.friction > 0.0f) {
-          picks->Add(picked & rubs, at, 1);
-          picks->Add(picked & !rubs, at, 0);
-        } else if (Any(picked)) {
-          picks->Add(picked, at, 0);
+        Mask plain = picked;
+        if constexpr (kHasPlain)
+          if (Any(picked & struck)) {
+            picks->Add(picked & struck & !rubs, at, kStruck);
+            plain = plain & (rubs | !struck);
+          }
+        if (Any(plain) && layer.friction > 0.0f) {
+          picks->Add(plain & rubs, at, kRubs);
+          picks->Add(plain & !rubs, at, kTouches);
+        } else if (Any(plain)) {
+          picks->Add(plain, at, kTouches);
         }
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {
