@@ -212,7 +212,11 @@ PELT_BLOCK LayerBlock {
   float darken;      // multiplies the colours (wet, dirty)
   float dirt_colour[3];  // mixed into the colours, sRGB-encoded 0..1
   float dirt;            // how much
-  uint32_t iterations;
+  union {
+    uint32_t iterations;
+    float
+        drawn_hardness;  // modal: of what is drawn off its chain, the same share at any frame rate
+  };
   uint32_t strand_count;
   float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
                        // 0: no limit

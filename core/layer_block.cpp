@@ -88,6 +88,9 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   ForEachLayerParam([&](const auto& row) {
     if (row.frame) b.*row.frame = InFrameOf(params.*row.member, row.how, softer);
   });
+  // After 1/60 s.
+  if (LayerKind(params) & kLayerModal)
+    b.drawn_hardness = b.surface_hardness * (2.0f - b.surface_hardness);
   b.surface_hardness = ShareOfDepth(b.surface_hardness, push_ratio);
   const float weight = params.weight * Mix(1.0f, params.wet_weight, wet);
   // Not -0, to which wind of no speed adds up to 0 where it is not skipped.

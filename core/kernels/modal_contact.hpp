@@ -63,11 +63,13 @@ PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, W allowed, Vec3<W>& d
 }
 
 // Turns part `i`, which starts at `from` and is 1 / `per_length` long, so that its end is beyond none of the
-// walls. The limit comes first: what is solid wins.
+// walls. The limit comes first: what is solid wins. `lanes`: those that may lean out of the surface, which then
+// are those that a collider has turned since.
 template <class W, uint32_t kParts>
 PELT_INLINE void LeanOut(const Walls<W, kParts>& walls, const chain::Group<W, kParts>& g,
-                         uint32_t i, Vec3<W> from, W per_length, Vec3<W>& d) {
-  const W none = W(0.0f);
+                         uint32_t i, Vec3<W> from, W per_length, typename W::Mask& lanes,
+                         Vec3<W>& d) {
+  const W none = W(0.0f), never = W(-2.0f);
   if (walls.max_distance > 0.0f) {
     const Vec3<W> in = (g.rest[i] - from) * per_length;
     const W radius = g.length * per_length * W(walls.max_distance * float(i + 1));
@@ -76,19 +78,21 @@ PELT_INLINE void LeanOut(const Walls<W, kParts>& walls, const chain::Group<W, kP
     // d(distance) = d(u . d) / radius, near enough.
     LeanAlong(in * inverse, least, 1.0f, radius * W(walls.allowed), d);
   }
-  if (walls.hardness > 0.0f) {
+  if (walls.hardness > 0.0f && Any(lanes)) {
     // A share of the depth stays where the surface is soft.
     const W height = Dot(from, g.normal) * per_length, end = height + Dot(d, g.normal);
-    LeanAlong(g.normal, Min(end, none) * W(1.0f - walls.hardness) - height, kReach,
-              W(walls.allowed), d);
+    const W least = Min(end, none) * W(1.0f - walls.hardness) - height;
+    LeanAlong(g.normal, Select(lanes, least, never), kReach, W(walls.allowed), d);
   }
+  if (walls.max_distance == 0.0f) lanes = none < never;
   const Vec3<W> part = d * (W(1.0f) / per_length);
   walls.colliders.ForEach([&](const auto& whole) __attribute__((always_inline)) {
     const auto shape = whole.Less(walls.left[i]);
     const LeanLimit<W> out = shape.Lean(from, d, per_length);
     // By the same rule as IsInside: a part that leads away from what its upper end lies on is not turned.
     const auto inside = IsLinkInside(shape, from, from + part, per_length * per_length);
-    LeanAlong(out.u, Select(inside, out.least, W(-2.0f)), kReach, W(walls.allowed), d);
+    LeanAlong(out.u, Select(inside, out.least, never), kReach, W(walls.allowed), d);
+    lanes = lanes | inside;
   });
 }
 
@@ -132,7 +136,9 @@ PELT_INLINE void LeanPartsOut(const Walls<W, kParts>& walls, typename W::Mask la
     }
     Vec3<W> to = part * inverse;
     const W per_length = W(1.0f) / length;
-    for (int pass = 0; pass < kContactPasses; ++pass) LeanOut(walls, g, i, at, per_length, to);
+    typename W::Mask leaning = lanes;
+    for (int pass = 0; pass < kContactPasses; ++pass)
+      LeanOut(walls, g, i, at, per_length, leaning, to);
     const Vec3<W> end = at + to * length;
     g.point[i] = Select<W>(lanes, end, g.point[i]);
     at = g.point[i];
@@ -203,6 +209,7 @@ PELT_INLINE void KeepOut(const LayerBlock& layer, const SimulateParams& params,
   Walls<W, kParts> walls(layer, params, g);
   for (uint32_t i = 0; i < kParts; ++i) walls.left[i] = left[i];
   walls.max_distance = 0.0f;
+  walls.hardness = layer.drawn_hardness;
   const typename W::Mask inside = IsInside(walls, g) & shaped;
   if (!Any(inside)) return;
   LeanPartsOut(walls, inside, g);
