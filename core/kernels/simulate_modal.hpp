@@ -288,6 +288,9 @@ struct SimulateModal {
                                    const Vec3<V> (&rest)[N], V per_length, const Group& g,
                                    Mask& rubs, Mask& struck, Motion& motion) {
     const ModalTableBlock& t = *ports.table;
+    // Of lanes that do not follow too, whoever is beside them.
+    if (Colliders<V>::HasMoving(params))
+      struck = modal::IsInFastWay(params, g, per_length, t.substeps, motion);
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
       LoadTouches(params, ports, first, rest, g, notes);
@@ -297,10 +300,7 @@ struct SimulateModal {
     if (!Any(follows)) return !follows;
     const Mask good =
         modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
-    const Mask held = notes.inside | !good;
-    if (!Colliders<V>::HasMoving(params)) return held;
-    struck = modal::IsInFastWay(params, g, per_length, t.substeps, motion);
-    return held | struck;
+    return notes.inside | !good | struck;
   }
 
   // The frame of lanes that something fast strikes, or has struck: returns those, for which `motion`

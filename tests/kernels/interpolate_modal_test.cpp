@@ -295,7 +295,10 @@ TEST(InterpolateModal, StrandsStayOutOfTheSkin) {
   s->chains.state.flags = 0;
   const double length = 0.01;  // of a link, about
   EXPECT_GT(deepest(*s), 0.5 * length);
-  s->chains.layer.surface_hardness = 1.0f;
+  s->chains.layer.surface_hardness = s->chains.layer.drawn_hardness = 1.0f;
+  EXPECT_LT(deepest(*s), 1e-4 * length);
+  // What a substep would take is the chains'.
+  s->chains.layer.surface_hardness = 0.01f;
   EXPECT_LT(deepest(*s), 1e-4 * length);
   s->chains.layer.flags |= kLayerClump;
   EXPECT_LT(deepest(*s), 1e-4 * length);

@@ -51,6 +51,21 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
   EXPECT_EQ(b.length_max, 0.05f);
 }
 
+// Chains lose a substep's share of their depth in a soft skin; what is drawn off them is no deeper for it.
+TEST(LayerBlock, WhatIsDrawnLeavesASoftSkinByTheSameShareAtEveryRate) {
+  LayerParams params;
+  params.surface_hardness = 0.5f;
+  const auto at = [&](double push_ratio) {
+    return FillLayerBlock(params, {}, 1.0f / 60.0f, kGravity, Air::kBlows, 100, 0.05f, true,
+                          nullptr, 1.0f, push_ratio);
+  };
+  EXPECT_LT(at(0.1).surface_hardness, 0.2f);
+  EXPECT_EQ(at(0.1).drawn_hardness, 0.75f);
+  EXPECT_EQ(at(2.0).drawn_hardness, 0.75f);
+  params.surface_hardness = 1.0f;
+  EXPECT_EQ(at(0.1).drawn_hardness, 1.0f);
+}
+
 TEST(LayerBlock, EveryKindHasItsFlag) {
   LayerParams params;
   params.enabled = false;
