@@ -11,7 +11,7 @@
 namespace pelt::accuracy {
 namespace {
 
-constexpr int kStrikeRate = 60, kStrikeSettles = 240;
+constexpr int kStrikeRate = 60, kStrikeSettles = 240;  // of a path; its points while it settles
 constexpr double kStrikeGravity = 9.81, kStrikeUnder = 0.5;  // of the radius
 // How far before the place that it hits the ball begins, radii.
 constexpr double kStrikeBefore = 1.2;
@@ -35,7 +35,7 @@ struct Strike {
   }
 };
 
-// The tip frame after frame; the first where it hangs. Lengths.
+// The tip 60 times a second; the first where it hangs. Lengths.
 using TipPath = std::vector<Double3>;
 
 TipPath RodPath(const Strike& strike, int links, int steps_per_second, double seconds) {
@@ -70,7 +70,7 @@ double OffTip(const TipPath& path, const TipPath& rod) {
 
 // It comes to its own rest first; the ball is far off.
 TipPath StrandPath(const Strike& strike, const RestModel& model, const ModalKernels& kernels,
-                   ModalQuality quality, double seconds) {
+                   ModalQuality quality, int rate, double seconds) {
   const double length = strike.from.preset.length;
   const double settled = double(kStrikeSettles) / kStrikeRate;
   ModalFeatures features;
@@ -84,13 +84,13 @@ TipPath StrandPath(const Strike& strike, const RestModel& model, const ModalKern
                                             : ModalFactory(kernels, quality, features);
   const BodyPose pose = StillPose();
   SolverRun run(factory, MakeMaterial(strike.from.preset, model.parts, Coefficients::kCalibrated),
-                1.0 / kStrikeRate, {strand}, std::span(&start, 1), pose);
+                1.0 / rate, {strand}, std::span(&start, 1), pose);
   if (!run.valid()) throw Error("no kernel for " + model.name);
   TipPath path;
-  const int frames = kStrikeSettles + int(std::lround(seconds * kStrikeRate));
-  for (int frame = 1; frame <= frames; ++frame) {
-    run.Step(pose);
-    if (frame >= kStrikeSettles) path.push_back(run.Point(0, model.parts - 1) * (1.0 / length));
+  const int points = kStrikeSettles + int(std::lround(seconds * kStrikeRate));
+  for (int point = 1; point <= points; ++point) {
+    for (int frame = 0; frame < rate / kStrikeRate; ++frame) run.Step(pose);
+    if (point >= kStrikeSettles) path.push_back(run.Point(0, model.parts - 1) * (1.0 / length));
   }
   return path;
 }
@@ -113,7 +113,7 @@ StrikeErrorTable MeasureStrikes(const std::vector<StrikeCase>& cases, Isa isa,
   for (const RestModel& model : options.models)
     for (const ModalQuality quality :
          {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest})
-      table.rows.push_back({model.name, quality, {}});
+      for (const int rate : options.rates) table.rows.push_back({model.name, quality, rate, {}});
   for (const StrikeCase& c : cases) {
     const Strike strike(c);
     const TipPath rod = RodPath(strike, links, steps, options.seconds);
@@ -124,9 +124,9 @@ StrikeErrorTable MeasureStrikes(const std::vector<StrikeCase>& cases, Isa isa,
     }
     auto row = table.rows.begin();
     for (const RestModel& model : options.models)
-      for (int quality = 0; quality < 3; ++quality, ++row)
-        row->errors.push_back(
-            OffTip(StrandPath(strike, model, kernels, row->quality, options.seconds), rod));
+      for (size_t i = 0; i < 3 * options.rates.size(); ++i, ++row)
+        row->errors.push_back(OffTip(
+            StrandPath(strike, model, kernels, row->quality, row->rate, options.seconds), rod));
   }
   return table;
 }

@@ -3,7 +3,7 @@
 // A strand is clamped level and hangs at rest. A ball of kStrikeRadius comes across, its middle half its radius
 // below the place it hits, lifts the strand and goes on; the strand slides off it and swings. An error
 // is the RMS distance of the tip from the rod's (rod_reference.hpp) over the RMS of how far that one has gone from
-// where it hung, at 60 frames a second.
+// where it hung, 60 times a second.
 #pragma once
 
 #include <string>
@@ -26,16 +26,18 @@ std::vector<StrikeCase> StrikeCases();
 struct StrikeErrorRow {
   std::string model;
   ModalQuality quality;
+  int rate;                    // frames a second
   std::vector<double> errors;  // share of the way, case after case
 };
 struct StrikeErrorTable {
-  std::vector<StrikeErrorRow> rows;
+  std::vector<StrikeErrorRow> rows;  // model after model, quality after quality
   // Of each case: how far the rod is from one of steps twice as long, and from one of three quarters of the links.
   std::vector<double> step_errors, link_errors;
 };
 
 struct StrikeOptions {
   std::vector<RestModel> models = RestModels();
+  std::vector<int> rates = {60};  // frames a second, multiples of 60
   int links = 20;
   int steps_per_second = 15360;  // of the rod, a multiple of 120
   double seconds = 0.5;

@@ -1,7 +1,9 @@
 // Frames of chains that something fast strikes.
 //
 // A ball that goes further in a substep than it is large is at a strand for a fraction of that, and
-// what it strikes turns several times faster than substeps can follow. So such a chain takes the
+// what it strikes turns several times faster than substeps can follow. Whose way in 1/60 s is more
+// than a quarter of its radius counts as fast, at any frame rate and of any quality: more frames
+// and more substeps would otherwise take the less accurate way, up to four times faster balls. So such a chain takes the
 // whole frame in short steps instead (modal_short_steps.hpp). It is the same step (modal_step.hpp) but
 // for contact:
 //
@@ -34,14 +36,14 @@ inline constexpr float kMostShortTurn = 0.5f;
 // Substeps follow strands that turn no further in one than this, rad, for this long, s.
 inline constexpr float kFollowedTurn = 0.3f, kFollowedFor = 0.1f;
 
-// What goes further in a substep than this share of its radius is too fast for substeps.
-inline constexpr float kFastShare = 0.25f;
+// What goes further than this share of its radius in this time, s, is too fast for substeps.
+inline constexpr float kFastShare = 0.25f, kFastTime = 1.0f / 60.0f;
 
 // Lanes for which a round shape is that fast; `radius`: 0 where it does not count.
 template <class W>
-PELT_INLINE typename W::Mask IsFast(W radius, const ColliderStep& step, uint32_t substeps) {
+PELT_INLINE typename W::Mask IsFast(W radius, const ColliderStep& step, float frame_s) {
   if (step.moves == 0) return W(1.0f) < W(0.0f);
-  const W way = W(Colliders<W>::FarthestWay(step) / float(substeps));
+  const W way = W(Colliders<W>::FarthestWay(step) * (kFastTime / frame_s));
   return (radius > W(0.0f)) & (radius * W(kFastShare) < way);
 }
 
@@ -50,7 +52,7 @@ inline constexpr int kLooksForWay = 9;
 template <class W, uint32_t N, uint32_t kParts>
 __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& params,
                                                        const chain::Group<W, kParts>& g,
-                                                       W per_length, uint32_t substeps,
+                                                       W per_length, float frame_s,
                                                        const Motion<W, N>& motion) {
   const W none = W(0.0f);
   const Vec3<W> zero = {none, none, none};
@@ -62,7 +64,7 @@ __attribute__((noinline)) typename W::Mask IsInFastWay(const SimulateParams& par
   chain::LoadColliders(params, g, colliders);
   colliders.ForEachStep([&]<class Shape>(const Shape& shape, const ColliderStep& step) {
     if constexpr (Shape::kIsRound) {
-      const auto fast = IsFast(shape.radius, step, substeps);
+      const auto fast = IsFast(shape.radius, step, frame_s);
       if (!Any(fast)) return;
       const W way = W(Colliders<W>::FarthestWay(step)) * per_length + root_way;
       const W range =
@@ -126,7 +128,7 @@ struct Strikes {
     for (uint32_t step = 0; step < steps.count(); ++step) {
       const ModalTableBlock& t = steps.At(step);
       if (use && (around.HasColliders() || around.hardness > 0.0f))
-        struck = struck | Meet(t, frame.substeps, steps.Time(step), motion);
+        struck = struck | Meet(t, frame.frame_s, steps.Time(step), motion);
       Vec3<W> before[N];
       for (uint32_t i = 0; i < N; ++i) before[i] = Row(motion, &Axis<W, N>::d, i);
       const Mask good = RunSubstep<false>(t, 1, wind, none, motion);
@@ -195,7 +197,7 @@ struct Strikes {
   }
 
   template <class Shape>
-  PELT_INLINE void MeetShape(const Shape& shape, const ColliderStep& step, uint32_t substeps,
+  PELT_INLINE void MeetShape(const Shape& shape, const ColliderStep& step, float frame_s,
                              const Way& way, Blow (&blow)[Q]) const {
     const W none = W(0.0f);
     auto first = step.moves ? shape.Before(step, way.begin) : shape;
@@ -212,7 +214,7 @@ struct Strikes {
       const W range = W(float(Q) * around.spacing) + first.radius + Sqrt(Dot(moved, moved));
       near = (Dot(near_first, near_first) < range * range) & (first.radius > none);
       if (!Any(near)) return;
-      fast = IsFast(shape.radius, step, substeps);
+      fast = IsFast(shape.radius, step, frame_s);
     } else {
       const W height = first.height;
       Colliders<W>::LeaveRoot(first);
@@ -264,7 +266,7 @@ struct Strikes {
   }
 
   // Blows of a step. Returns the lanes that something fast struck.
-  __attribute__((noinline)) Mask Meet(const ModalTableBlock& t, uint32_t substeps, float time,
+  __attribute__((noinline)) Mask Meet(const ModalTableBlock& t, float frame_s, float time,
                                       Motion<W, N>& motion) const {
     Mask struck = W(1.0f) < W(0.0f);
     Way way;
@@ -273,12 +275,12 @@ struct Strikes {
     for (int look = 0; look < kLooksForBlows; ++look) {
       way.TakePart(t, around.base, float(look) * part, float(look + 1) * part, 0.0f - time,
                    t.euler_speed);
-      struck = struck | MeetInPart(t, substeps, way, motion);
+      struck = struck | MeetInPart(t, frame_s, way, motion);
     }
     return struck;
   }
 
-  PELT_INLINE Mask MeetInPart(const ModalTableBlock& t, uint32_t substeps, Way& way,
+  PELT_INLINE Mask MeetInPart(const ModalTableBlock& t, float frame_s, Way& way,
                               Motion<W, N>& motion) const {
     const W none = W(0.0f), one = W(1.0f);
     const Mask never = one < none;
@@ -290,7 +292,7 @@ struct Strikes {
       b.fast = never;
     }
     around.colliders.ForEachStep([&](const auto& shape, const ColliderStep& step) {
-      MeetShape(shape, step, substeps, way, blow);
+      MeetShape(shape, step, frame_s, way, blow);
     });
     if (around.hardness > 0.0f)
       for (uint32_t q = 0; q < Q; ++q) {

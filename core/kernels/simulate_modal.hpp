@@ -290,7 +290,7 @@ struct SimulateModal {
     const ModalTableBlock& t = *ports.table;
     // Of lanes that do not follow too, whoever is beside them.
     if (Colliders<V>::HasMoving(params))
-      struck = modal::IsInFastWay(params, g, per_length, t.substeps, motion);
+      struck = modal::IsInFastWay(params, g, per_length, t.frame_s, motion);
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
       LoadTouches(params, ports, first, rest, g, notes);
@@ -316,7 +316,7 @@ struct SimulateModal {
     Strikes strikes;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, strikes);
     const Mask was = (before < none) & !fresh;
-    const Mask may = modal::IsInFastWay(params, g, per_length, t.substeps, start) & !fresh;
+    const Mask may = modal::IsInFastWay(params, g, per_length, t.frame_s, start) & !fresh;
     if (!Any(may | was)) return may;
     motion = start;
     V fastest;
