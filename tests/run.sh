@@ -67,8 +67,9 @@ sanitized() {
   figures+=":Suite.ReferenceConverges:Modal.ErrorOn*:ModelError.Curl*:Collider.ALinkThatLeans*"
   figures+=":SimulateModalContact.ASoftSurfaceIsAsDeep*:SimulateModalContact.KeepsWithinMaxDistance*"
   figures+=":KernelCost.ScheduledWindows*:SharedTransfers.TakesAsLong*:DmaProperties.NoStage*:ConsoleMachines.AreTimed*"
-  figures+=":MeasuredRows.EachIs*:SimulateModal.SameBitsOnEverySet9Points"
-  figures+=":SimulateModalContact.AFastSphereMisses*"
+  figures+=":MeasuredRows.EachIs*:SimulateModal.SameBitsOnEverySet5*:SimulateModal.SameBitsOnEverySet9*"
+  figures+=":SimulateModalContact.AFastSphereMisses*:SimulateModalFriction.HoldsUp*:SimulateModalFriction.MovingGround*"
+  figures+=":SimulateModalRest.StrandsInAndAbout*"
   UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize "${tests[@]}"
   build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread "${threads[@]}"
   # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
