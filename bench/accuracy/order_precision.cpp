@@ -230,15 +230,15 @@ void AddFarRows(const Scenario& near, uint32_t times, OrderPrecision& out) {
 
 }  // namespace
 
-OrderPrecision MeasureOrderPrecision(const OrderOptions& given) {
+OrderPrecision MeasureOrderPrecision(const Scenario& start, const OrderOptions& given) {
   OrderPrecision out;
   out.options = given;
+  out.scene = start.name;
   if (given.quick) {
     out.options.pictures = 2;
     out.options.width_px = 320;
     out.options.height_px = 240;
   }
-  const Scenario start = LoadScenario(out.options.scene);
   out.strands = start.StrandCount();
   Scenario scenario = start;
   RunOptions options = OptionsOf(out.options);

@@ -17,7 +17,6 @@
 namespace pelt::accuracy {
 
 struct OrderOptions {
-  std::string scene = "monster";
   uint32_t pictures = 8;  // eight frames apart, behind a second
   uint32_t width_px = 640, height_px = 480;
   Isa isa = BestIsa();
@@ -36,12 +35,12 @@ struct OrderRow {
 
 struct OrderPrecision {
   OrderOptions options;  // as used
+  std::string scene;     // its name
   uint64_t strands = 0;
   double drawn_strands = 0.0;  // mean of the pictures
   std::vector<OrderRow> rows;
 };
 
-// Throws Error for a scene that is not there.
-OrderPrecision MeasureOrderPrecision(const OrderOptions& options);
+OrderPrecision MeasureOrderPrecision(const Scenario& scene, const OrderOptions& options);
 
 }  // namespace pelt::accuracy

@@ -76,8 +76,7 @@ class Lockstep {
       if (SetWay(way, base_, full_)) {
         ways_.push_back(way);
       } else {
-        result.notes.push_back(
-            fmt::format("no layer of {} can have: {}", options.scene, way.label));
+        result.notes.push_back(fmt::format("no layer of {} can have: {}", base_.name, way.label));
       }
     }
     rods_ = std::make_unique<SceneRods>(base_, options.reference_rate, result.warm_up,
@@ -302,15 +301,12 @@ const ScenePrecisionRow* ScenePrecision::Find(std::string_view way) const {
   return found == rows.end() ? nullptr : &*found;
 }
 
-ScenePrecision MeasureScenePrecision(const ScenePrecisionOptions& options) {
-  return MeasureScenePrecision(LoadScenario(options.scene), options);
-}
-
 ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecisionOptions& wanted) {
   if (scene.StrandCount() == 0)
-    throw Error(fmt::format("{} has no strands, whose errors these would be", wanted.scene));
+    throw Error(fmt::format("{} has no strands, whose errors these would be", scene.name));
   ScenePrecision result;
   result.options = wanted;
+  result.scene = scene.name;
   ScenePrecisionOptions& o = result.options;
   if (o.frames == 0) o.frames = o.quick ? 120 : 240;
   if (o.quick) o.rounds = 1;

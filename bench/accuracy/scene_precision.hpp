@@ -38,8 +38,7 @@
 namespace pelt::accuracy {
 
 struct ScenePrecisionOptions {
-  std::string scene = "monster";
-  uint32_t frames = 0;          // even; 0: by the scene and `quick`
+  uint32_t frames = 0;          // even; 0: by `quick`
   double warm_up_share = 0.5;   // of the frames: not counted
   uint32_t still_frames = 480;  // after them, for ways that sleep
   uint32_t reference_rate = 8;  // frames of the reference for one; a power of two from 2 on
@@ -72,6 +71,7 @@ using SceneTime = double ScenePrecisionRow::*;
 
 struct ScenePrecision {
   ScenePrecisionOptions options;  // as used
+  std::string scene;              // its name
   uint64_t strands = 0;
   uint32_t layers = 0, warm_up = 0;
   double frames_per_second = 0.0;
@@ -90,8 +90,7 @@ struct ScenePrecision {
   const ScenePrecisionRow* Find(std::string_view way) const;
 };
 
-ScenePrecision MeasureScenePrecision(const ScenePrecisionOptions& options);
-// Of a scene that was not made by name.
+// Throws Error for a scene without strands.
 ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecisionOptions& options);
 
 }  // namespace pelt::accuracy

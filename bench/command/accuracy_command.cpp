@@ -77,21 +77,25 @@ void PrintTree(const AccuracyArgs& args, const ReportTree& tree) {
   fmt::print("json {}\n", args.json.path());
 }
 
+Scenario SceneOf(const AccuracyArgs& args) {
+  RunArgs run;
+  run.request = *args.scene;
+  return LoadForRun(run, stdout);
+}
+
 ExitCode MeasureScene(const AccuracyArgs& args) {
   const auto begin = std::chrono::steady_clock::now();
   ScenePrecisionOptions options;
-  options.scene = args.scene;
   options.frames = args.frames;
   options.isa = args.isa;
   options.quick = args.quick;
   options.contact = args.contact;
-  options.planned = !args.plan.empty();
+  options.planned = !args.scene->plan.empty();
   SceneReport report;
   {
     std::optional<Progress> shown;
     options.progress = ShowOn(shown);
-    report.table =
-        MeasureScenePrecision(LoadScenario({.scene = args.scene, .plan = args.plan}), options);
+    report.table = MeasureScenePrecision(SceneOf(args), options);
   }
   report.machine = DescribeMachine();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -100,10 +104,10 @@ ExitCode MeasureScene(const AccuracyArgs& args) {
 }
 
 ExitCode MeasureOrder(const AccuracyArgs& args) {
-  OrderOptions options{.scene = args.scene, .isa = args.isa, .quick = args.quick};
+  OrderOptions options{.isa = args.isa, .quick = args.quick};
   std::optional<Progress> shown;
   options.progress = ShowOn(shown);
-  const OrderPrecision precision = MeasureOrderPrecision(options);
+  const OrderPrecision precision = MeasureOrderPrecision(SceneOf(args), options);
   shown.reset();
   PrintTree(args, MakeOrderTree(precision, DescribeMachine()));
   return kDone;
@@ -204,7 +208,7 @@ ExitCode MeasureAccuracy(const AccuracyArgs& args) {
     throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
   if (!args.write_example.empty()) return WriteExample(args.write_example);
   if (args.order) return MeasureOrder(args);
-  if (!args.scene.empty()) return MeasureScene(args);
+  if (args.scene) return MeasureScene(args);
   if (args.features) return MeasureAllFeatures(args);
   return args.roots.empty() ? MeasureAll(args) : RunRecorded(args);
 }

@@ -1,4 +1,5 @@
 // The options of `pelt accuracy` and `pelt stress`.
+#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -74,41 +75,50 @@ void AddRecorded(CLI::App& app, AccuracyArgs& args) {
 }
 
 void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
-  auto* scene =
-      app.add_option("--scene", args.scene,
-                     "Instead of the benchmark: every way to run the frames of a "
-                     "built-in scene, from cheapest to most exact, and how far each is off "
-                     "the rods that strands stand for")
-          ->check(IsScene());
-  app.add_option("--frames", args.frames, "With --scene: frames to run; 0: enough")
-      ->needs(scene)
+  ScenarioRequest& scene = args.scene.emplace();
+  AddScene(app, scene,
+           "Instead of the benchmark: every way to run the frames of a built-in scene, or of a "
+           "--character of yours, from cheapest to most exact, and how far each is off the rods "
+           "that strands stand for");
+  AddClip(app, scene);
+  app.add_option("--frames", args.frames, "Of a scene: frames to run; 0: enough")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
-  app.add_flag(
-         "!--no-contact", args.contact,
-         "With --scene: without surface, ground and spheres, whose impacts no quality follows "
-         "more closely than its substeps")
-      ->needs(scene);
-  AddInputFile(
-      app, "--plan", args.plan,
-      "With --scene: also the scene with its layers as this file of pelt fit --out has them")
-      ->needs(scene);
+  app.add_flag("!--no-contact", args.contact,
+               "Of a scene: without surface, ground and spheres, whose impacts no quality follows "
+               "more closely than its substeps");
+  AddInputFile(app, "--plan", scene.plan,
+               "Of a scene: also with its layers as this file of pelt fit --out has them");
   app.add_flag("--order", args.order,
-               "With --scene: pictures of it in other drawing orders against every pixel sorted by "
-               "itself")
-      ->needs(scene);
+               "Of a scene: pictures of it in other drawing orders against every pixel sorted by "
+               "itself");
   app.add_flag("--features", args.features,
                "Instead of the benchmark: error, penetration and time of contacts, max_distance, "
                "clumps, strength and wind");
 }
 
+// Which scene, if one is asked for.
+void CompleteScene(const CLI::App& app, std::optional<ScenarioRequest>& scene) {
+  constexpr const char* kScenes[] = {"--scene", "--character", "--setup", "--groom"};
+  const auto given = std::ranges::find_if(kScenes, [&](const char* s) { return app.count(s); });
+  if (given == std::end(kScenes)) {
+    RefuseUnless(app, false,
+                 {"--frames", "--no-contact", "--plan", "--order", "--clip", "--once", "--lights"},
+                 "--scene or --character");
+    scene.reset();
+    return;
+  }
+  CompleteSource(app, *scene);
+  RefuseBeside(app, *given,
+               {"--roots", "--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
+}
+
 // What replaces the benchmark has options of its own.
-void CheckAccuracy(const CLI::App& app, const AccuracyArgs& args) {
+void CheckAccuracy(const CLI::App& app, AccuracyArgs& args) {
+  CompleteScene(app, args.scene);
   RefuseBeside(app, "--roots",
                {"--rates", "--links", "--presets", "--seed", "--tuned", "--calibrated", "--quick",
-                "--json", "--scene", "--features"});
-  RefuseBeside(app, "--scene",
-               {"--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
+                "--json", "--features"});
   RefuseBeside(app, "--order", {"--frames", "--no-contact", "--plan"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--seed", "--tuned"});
   RefuseAllBut(app, "--write-example", {});
@@ -146,6 +156,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "  pelt accuracy --quick --presets soft --tuned --calibrated\n"
       "  pelt accuracy --scene tiny --quick --json scene.json\n"
       "  pelt accuracy --scene tiny --order --quick\n"
+      "  pelt accuracy --character builtin --setup tiny --clip shake --quick --frames 24\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"
       "  pelt accuracy --write-example .\n"
       "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "

@@ -94,8 +94,8 @@ std::vector<std::pair<std::string, std::string>> ListGiven(
   return given;
 }
 
-void AddSource(CLI::App& app, ScenarioRequest& request) {
-  auto* scene = app.add_option("--scene", request.scene, "A built-in scene")->check(IsScene());
+void AddScene(CLI::App& app, ScenarioRequest& request, const char* scene_text) {
+  auto* scene = app.add_option("--scene", request.scene, scene_text)->check(IsScene());
   AddInputFileOrName(app, "--character", request.character,
                      "A .glb or .gltf file, or 'builtin', 'scorpion'")
       ->excludes(scene)
@@ -103,24 +103,31 @@ void AddSource(CLI::App& app, ScenarioRequest& request) {
   auto* setup = AddInputFileOrName(app, "--setup", request.setup,
                                    "A fur setup: a .toml file, or the name of a built-in one")
                     ->excludes(scene);
-  auto* groom = AddInputFile(app, "--groom", request.groom,
-                             "A baked groom instead of a setup; for --character")
-                    ->excludes(scene)
-                    ->excludes(setup);
+  AddInputFile(app, "--groom", request.groom, "A baked groom instead of a setup; for --character")
+      ->excludes(scene)
+      ->excludes(setup);
   request.check_files_read = [&app](const std::vector<std::string>& files) {
     CheckFilesRead(app, files);
   };
-  app.add_option("--seed", request.seed, "Another groom from the same setups")
-      ->excludes(groom)
-      ->capture_default_str();
-  AddWord(app, "--solver", "Of every layer that can have it, instead of its own",
-          &LayerParams::solver, request.solver);
-  AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
-          &LayerParams::quality, request.quality);
   const std::string lights =
       fmt::format("Has every layer lit by [lights] of this .toml file, or by built-in ones: {}",
                   fmt::join(NamesOf(EmbeddedLights()), ", "));
   AddInputFileOrName(app, "--lights", request.lights, lights.c_str());
+}
+
+void AddGroomSeed(CLI::App& app, ScenarioRequest& request) {
+  app.add_option("--seed", request.seed, "Another groom from the same setups")
+      ->excludes(app.get_option("--groom"))
+      ->capture_default_str();
+}
+
+void AddSource(CLI::App& app, ScenarioRequest& request) {
+  AddScene(app, request);
+  AddGroomSeed(app, request);
+  AddWord(app, "--solver", "Of every layer that can have it, instead of its own",
+          &LayerParams::solver, request.solver);
+  AddWord(app, "--quality", "Of every layer with the modal solver, instead of its own",
+          &LayerParams::quality, request.quality);
 }
 
 void AddLayerPlan(CLI::App& app, ScenarioRequest& request) {
@@ -219,9 +226,10 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
                  "With --lod: most strands in all; 0: no budget")
       ->needs(with_lod)
       ->capture_default_str();
-  app.add_option("--fast-quality-px", lod.fast_quality_px,
-                 "Modal layers of quality 'fine' are simulated in 'fast' while its typical error on "
-                 "the screen (no bound) is at most this, px; 0: never")
+  app.add_option(
+         "--fast-quality-px", lod.fast_quality_px,
+         "Modal layers of quality 'fine' are simulated in 'fast' while its typical error on "
+         "the screen (no bound) is at most this, px; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -54,7 +54,11 @@ CLI::Validator InRange(double least, double most);
 std::vector<std::pair<std::string, std::string>> ListGiven(
     const std::vector<const CLI::Option*>& options);
 
-// What to run, for the subcommands that take a scene or files.
+// A scene or files.
+void AddScene(CLI::App& app, ScenarioRequest& request, const char* scene_text = "A built-in scene");
+// That its grooms are drawn from.
+void AddGroomSeed(CLI::App& app, ScenarioRequest& request);
+// Both, and a solver and quality for all of its layers.
 void AddSource(CLI::App& app, ScenarioRequest& request);
 // For those that run a scene as `pelt fit` chose it.
 void AddLayerPlan(CLI::App& app, ScenarioRequest& request);

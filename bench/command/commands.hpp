@@ -21,9 +21,9 @@ namespace pelt {
 // What `pelt` came to, of every subcommand. An Error is kNoAnswer, wherever it is thrown: pelt.cpp alone
 // says so.
 enum ExitCode : int {
-  kDone = 0,        // done; of a check: yes
-  kNo = 1,          // of a check: no. Nothing else
-  kNoAnswer = 2,    // wrong use, a file that cannot be read, written or understood, no memory; UNSURE
+  kDone = 0,      // done; of a check: yes
+  kNo = 1,        // of a check: no. Nothing else
+  kNoAnswer = 2,  // wrong use, a file that cannot be read, written or understood, no memory; UNSURE
   kIncomplete = 3,  // of a check: yes as far as it could look, and it could not look everywhere
 };
 constexpr ExitCode AnswerOf(bool yes) { return yes ? kDone : kNo; }
@@ -113,8 +113,8 @@ ExitCode Diff(const DiffArgs& args);
 struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
   std::vector<std::string> commands;  // two that print such, run in turns
-  uint32_t rounds = 15;  // intervals for up to 819 rows together
-  OutputPath page;  // HTML of both, to write
+  uint32_t rounds = 15;               // intervals for up to 819 rows together
+  OutputPath page;                    // HTML of both, to write
   bool json = false;
 };
 // 2: UNSURE, and printed, as others used the machine in a run; otherwise 0.
@@ -269,13 +269,12 @@ struct AccuracyArgs {
   std::string roots, strand;
   OutputPath out;
   std::string solver = "modal";
-  double stiffness_scale = 1.0;  // for solvers whose stiffness is not the material's
-  bool exact = false;            // the reference integrator instead of a solver
-  OutputPath write_example;      // folder
-  std::string scene;
-  uint32_t frames = 0;  // of the scene; 0: enough
-  bool contact = true;  // in the scene
-  std::string plan;     // of the scene's layers; empty: none
+  double stiffness_scale = 1.0;          // for solvers whose stiffness is not the material's
+  bool exact = false;                    // the reference integrator instead of a solver
+  OutputPath write_example;              // folder
+  std::optional<ScenarioRequest> scene;  // frames of this instead of the benchmark
+  uint32_t frames = 0;                   // of the scene; 0: enough
+  bool contact = true;                   // in the scene
   bool features = false;
   bool order = false;  // of drawing, in the scene
 };

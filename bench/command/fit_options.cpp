@@ -27,9 +27,8 @@ Subcommand SetUpFit(CLI::App& root) {
       "fit",
       "Choose solver and quality of each layer for a frame time: the least error on the screen; "
       "exit code 1 when not even the cheapest choice fits");
-  AddSource(*app, args.request);
-  // What it is there to choose.
-  for (const char* chosen : {"--solver", "--quality"}) app->remove_option(app->get_option(chosen));
+  AddScene(*app, args.request);
+  AddGroomSeed(*app, args.request);
   AddClip(*app, args.request);
   app->add_option("--platform", args.platforms,
                   "That the scene is to fit, each: host, ps3, xbox360")

@@ -20,14 +20,13 @@ namespace {
 
 ScenePrecisionOptions Quick(uint32_t frames) {
   ScenePrecisionOptions options;
-  options.scene = "tiny";
   options.frames = frames;
   options.quick = true;
   return options;
 }
 
 const ScenePrecision& Tiny() {
-  static const ScenePrecision result = MeasureScenePrecision(Quick(120));
+  static const ScenePrecision result = MeasureScenePrecision(LoadScenario("tiny"), Quick(120));
   return result;
 }
 const ScenePrecisionRow& Row(const ScenePrecision& result, std::string_view way) {
@@ -121,7 +120,7 @@ TEST(TipErrors, CountTipsByTheirShareOfTheLongestStrand) {
 TEST(ScenePrecision, QualitiesAreInOrder) {
   ScenePrecisionOptions options = Quick(90);
   options.contact = false;
-  const ScenePrecision result = MeasureScenePrecision(options);
+  const ScenePrecision result = MeasureScenePrecision(LoadScenario("tiny"), options);
   EXPECT_LT(Row(result, "fine").error, Row(result, "fast").error);
   // What these two get wrong is the roots' path between frames, which neither knows.
   EXPECT_LT(Row(result, "best").error, 1.15 * Row(result, "fine").error);
@@ -162,9 +161,9 @@ TEST(ScenePrecision, LodCarriesWhatItDrops) {
 TEST(ScenePrecision, ErrorsAreTheSameOnEveryInstructionSet) {
   ScenePrecisionOptions options = Quick(16);
   options.still_frames = 4;
-  const ScenePrecision wide = MeasureScenePrecision(options);
+  const ScenePrecision wide = MeasureScenePrecision(LoadScenario("tiny"), options);
   options.isa = Isa::kReference;
-  const ScenePrecision reference = MeasureScenePrecision(options);
+  const ScenePrecision reference = MeasureScenePrecision(LoadScenario("tiny"), options);
   EXPECT_EQ(wide.error_digest, reference.error_digest);
   EXPECT_NE(wide.error_digest, Tiny().error_digest);
 }

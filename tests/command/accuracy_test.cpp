@@ -226,11 +226,10 @@ TEST(AccuracySection, RefusesOtherFiles) {
 SceneReport SmallSceneReport() {
   SceneReport report;
   accuracy::ScenePrecisionOptions options;
-  options.scene = "tiny";
   options.frames = 24;
   options.still_frames = 8;
   options.rounds = 1;
-  report.table = accuracy::MeasureScenePrecision(options);
+  report.table = accuracy::MeasureScenePrecision(LoadScenario("tiny"), options);
   // In the same order, but not what was measured: a busy machine's long numbers leave labels less room than they need
   // in one line.
   double ns = 100.0;
@@ -376,7 +375,7 @@ TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
 TEST(AccuracyCommand, RunsAScene) {
   const Folder folder;
   AccuracyArgs args;
-  args.scene = "tiny";
+  args.scene = {.scene = "tiny"};
   args.frames = 12;
   args.quick = true;
   args.contact = false;
@@ -386,7 +385,7 @@ TEST(AccuracyCommand, RunsAScene) {
   EXPECT_EQ(json["frames"], 12);
   EXPECT_EQ(json["contact"], false);
   EXPECT_EQ(SectionMessage(TextOf(args.json.path())), "no error");
-  args.scene = "nowhere";
+  args.scene = {.scene = "nowhere"};
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }
 

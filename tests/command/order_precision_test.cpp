@@ -7,7 +7,7 @@ namespace pelt::accuracy {
 namespace {
 
 TEST(OrderPrecision, AnOlderOrderIsNoBetterAndNoneIsFarWorse) {
-  const OrderPrecision t = MeasureOrderPrecision({.scene = "monster", .quick = true});
+  const OrderPrecision t = MeasureOrderPrecision(LoadScenario("monster"), {.quick = true});
   const auto find = [&](std::string_view begin) {
     for (const OrderRow& row : t.rows)
       if (row.name.starts_with(begin)) return row;

@@ -17,7 +17,7 @@ ReportTree MakeOrderTree(const OrderPrecision& t, const Machine& machine) {
       "fragments by their own depth. {} pictures of {} x {}, one sample a pixel, hair alone. "
       "Wrong: "
       "of the pixels with hair, those off by more than 2 of 255.",
-      o.scene, o.pictures, o.width_px, o.height_px));
+      t.scene, o.pictures, o.width_px, o.height_px));
   ReportTable& rows = tree.AddTable("rows", {{"order", "", -1, "hairs drawn"},
                                              {"psnr_db", "dB", 1, "PSNR"},
                                              {"wrong_pixels", "%", 2, "wrong", 100},
@@ -33,7 +33,7 @@ ReportTree MakeOrderTree(const OrderPrecision& t, const Machine& machine) {
       "all strands and with level of detail, against all strands by depth.",
       t.strands, t.drawn_strands, IsaName(o.isa)));
   AddMachine(machine, tree);
-  tree.Add(InJson("scene"), o.scene).Add(InJson("pictures"), o.pictures);
+  tree.Add(InJson("scene"), t.scene).Add(InJson("pictures"), o.pictures);
   tree.Add(InJson("width_px"), o.width_px).Add(InJson("height_px"), o.height_px);
   tree.Add(InJson("quick"), o.quick).Add(InJson("isa"), IsaName(o.isa));
   tree.Add(InJson("strands"), t.strands).Add(InJson("drawn_strands"), t.drawn_strands);

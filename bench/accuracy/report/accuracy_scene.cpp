@@ -15,7 +15,7 @@ constexpr SceneTime kSimulate = &ScenePrecisionRow::simulate_ns;
 
 void AddHead(const ScenePrecision& t, ReportTree& tree) {
   const ScenePrecisionOptions& o = t.options;
-  tree.Add({"scene"}, o.scene).Add({"strands"}, t.strands).Add({"layers"}, t.layers);
+  tree.Add({"scene"}, t.scene).Add({"strands"}, t.strands).Add({"layers"}, t.layers);
   tree.Add({"frames"}, o.frames)
       .Add({"frames_per_second", "", -4, "a second"}, t.frames_per_second);
   tree.Add({"warm_up_frames", "", -1, "of them to warm up"}, t.warm_up);
