@@ -51,22 +51,23 @@ Motion Idle(double t) {
   return m;
 }
 
-// Five swings a second for one second, swelling and fading, then still.
+// Three swings a second for one second, swelling and fading, then still. Of more, or wider ones, fur is chaotic: no
+// frame rate then shows where a strand belongs.
 Motion Shake(double t) {
   const double s = t < 1.0 ? exact::Sin(exact::kPi * t) : 0.0;
-  const double swell = s * s;
+  const double swell = 0.5 * s * s;
   Motion m;
-  m.turn[kHeadJoint] = {0.15 * swell, 0.50 * swell * Wave(5 * t), 0.30 * swell * Wave(5 * t + 0.1)};
-  m.turn[kNeck] = {0.10 * swell, 0.25 * swell * Wave(5 * t - 0.05), 0.0};
-  m.turn[kChest] = {0.0, 0.18 * swell * Wave(5 * t - 0.12), 0.0};
-  m.turn[kSpine] = {0.08 * swell, 0.14 * swell * Wave(5 * t - 0.2), 0.0};
-  m.turn[kHips] = {0.0, 0.10 * swell * Wave(5 * t - 0.3), 0.0};
-  m.turn[kBrowL] = {0.0, 0.0, 0.35 * swell * Wave(5 * t + 0.2)};
-  m.turn[kBrowR] = {0.0, 0.0, 0.35 * swell * Wave(5 * t + 0.2)};
-  m.turn[kShoulderL] = {0.0, 0.0, swell * (0.15 + 0.20 * Wave(5 * t))};
-  m.turn[kShoulderR] = {0.0, 0.0, swell * (-0.15 + 0.20 * Wave(5 * t))};
+  m.turn[kHeadJoint] = {0.15 * swell, 0.50 * swell * Wave(3 * t), 0.30 * swell * Wave(3 * t + 0.1)};
+  m.turn[kNeck] = {0.10 * swell, 0.25 * swell * Wave(3 * t - 0.05), 0.0};
+  m.turn[kChest] = {0.0, 0.18 * swell * Wave(3 * t - 0.12), 0.0};
+  m.turn[kSpine] = {0.08 * swell, 0.14 * swell * Wave(3 * t - 0.2), 0.0};
+  m.turn[kHips] = {0.0, 0.10 * swell * Wave(3 * t - 0.3), 0.0};
+  m.turn[kBrowL] = {0.0, 0.0, 0.35 * swell * Wave(3 * t + 0.2)};
+  m.turn[kBrowR] = {0.0, 0.0, 0.35 * swell * Wave(3 * t + 0.2)};
+  m.turn[kShoulderL] = {0.0, 0.0, swell * (0.15 + 0.20 * Wave(3 * t))};
+  m.turn[kShoulderR] = {0.0, 0.0, swell * (-0.15 + 0.20 * Wave(3 * t))};
   for (int i = 0; i < 4; ++i)
-    m.turn[size_t(kTail1 + i)] = {0.0, 0.22 * swell * Wave(5 * t - 0.35 - 0.1 * i), 0.0};
+    m.turn[size_t(kTail1 + i)] = {0.0, 0.22 * swell * Wave(3 * t - 0.35 - 0.1 * i), 0.0};
   return m;
 }
 

@@ -179,7 +179,7 @@ TEST(BuiltinCharacter, ShakeShakesThenRests) {
   const Player player;
   const Clip* shake = FindClip(player.character, "shake");
   ASSERT_NE(shake, nullptr);
-  EXPECT_GT(Player::Apart(player.At("shake", 0.45, true), player.At("shake", 0.55, true)), 0.1);
+  EXPECT_GT(Player::Apart(player.At("shake", 0.42, true), player.At("shake", 0.58, true)), 0.1);
   EXPECT_LT(Player::Apart(player.At("shake", 1.1, true), player.At("shake", 1.5, true)), 1e-6);
 }
 
