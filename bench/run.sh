@@ -52,7 +52,10 @@ fi
 is_verdict() { [ "$1" -eq 1 ] || { [ "$1" -eq 2 ] && grep -q '^UNSURE: exit code 2' "$2"; }; }
 for scene in stage cast; do
   echo "measuring: 60 frames of the scene $scene here and on both consoles, with level of detail"
-  "$pelt" budget --scene "$scene" --lod --frames 60 --target-ms 8 >"$build/$scene.txt" ||
+  asked=(--scene "$scene" --lod --frames 60 --target-ms 8)
+  # At which error, and what a millisecond more would buy.
+  if [ "$scene" = stage ]; then asked+=(--qualities); fi
+  "$pelt" budget "${asked[@]}" >"$build/$scene.txt" ||
     is_verdict $? "$build/$scene.txt"
   echo
   sed -n "/^$scene: /,\$p" "$build/$scene.txt"

@@ -11,6 +11,8 @@
 #include "bench/consoles/console_report.hpp"
 #include "bench/consoles/console_timeline.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
+#include "bench/fit/layer_errors.hpp"
+#include "bench/fit/tiers.hpp"
 #include "bench/report/fit.hpp"
 #include "core/error.hpp"
 #include "platform_sim/frame/what_if.hpp"
@@ -72,6 +74,16 @@ void AddFit(Fit fit, ReportTree& tree) {
   tree.Add(InJson("fits"), fit == Fit::kUnsure ? Value() : Value(fit == Fit::kFits));
 }
 
+// Whether all layers have the same solver and quality.
+bool SameSimulation(const Scenario& a, const Scenario& b) {
+  for (size_t g = 0; g < a.grooms.size(); ++g)
+    for (size_t l = 0; l < a.grooms[g].layers.size(); ++l) {
+      const LayerParams &p = a.grooms[g].layers[l].params, &q = b.grooms[g].layers[l].params;
+      if (p.solver != q.solver || p.quality != q.quality) return false;
+    }
+  return true;
+}
+
 class BudgetPrinter {
  public:
   explicit BudgetPrinter(const BudgetArgs& args) : args_(args) {
@@ -101,6 +113,7 @@ class BudgetPrinter {
     tree_.Add(InJson("verdict"), FitName(all));
     AddFit(all, tree_);
     AddVerdicts();
+    if (args_.qualities) AddQualities();
     if (all == Fit::kUnsure && fault_.empty())
       tree_.Say(
           "UNSURE: exit code 2. The times are not the scene's alone; measure again while nothing "
@@ -112,21 +125,24 @@ class BudgetPrinter {
   }
 
  private:
-  void AddHost(ReportTree& entry) {
+  RunReport RunOnHost(Scenario& scenario) const {
     RunOptions options;
     options.frames = frames_;
     options.warm_up = args_.warm_up;
     options.skip = args_.skip;
     options.lod = args_.lod;
     options.digest = false;
-    RunningScenario running(scenario_, options.scene);
+    RunningScenario running(scenario, options.scene);
     Progress progress("host", frames_);
     options.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
-    const RunReport report = RunFrames(scenario_, running, options);
-    progress.Clear();
+    return RunFrames(scenario, running, options);
+  }
+
+  void AddHost(ReportTree& entry) {
+    const RunReport report = RunOnHost(scenario_);
     const Spread& ms = report.budget.wall_ms;
     const std::string what =
-        fmt::format("{} workers, {}, measured", report.workers, IsaName(options.scene.isa));
+        fmt::format("{} workers, {}, measured", report.workers, IsaName(SceneOptions{}.isa));
     const auto disturbances = FindDisturbances(report.use, report.workers);
     verdicts_.push_back({.platform = "host",
                          .what = what,
@@ -154,14 +170,18 @@ class BudgetPrinter {
     }
   }
 
+  ConsoleRequest RequestOf(Console console) const {
+    return {.console = console,
+            .numbers = NumbersOf(args_),
+            .frames = frames_,
+            .warm_up = args_.warm_up,
+            .what_if = *ParseWhatIf(args_.what_if),
+            .skip = args_.skip,
+            .lod = args_.lod};
+  }
+
   void AddConsoleOf(Console console, ReportTree& entry) {
-    ConsoleRequest request{.console = console,
-                           .numbers = NumbersOf(args_),
-                           .frames = frames_,
-                           .warm_up = args_.warm_up,
-                           .what_if = *ParseWhatIf(args_.what_if),
-                           .skip = args_.skip,
-                           .lod = args_.lod};
+    ConsoleRequest request = RequestOf(console);
     Progress progress(ConsoleName(console), frames_);
     request.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     ConsoleRun run(scenario_, request);
@@ -236,6 +256,87 @@ class BudgetPrinter {
       tree_.Say("consoles' verdicts: code " +
                 DescribePlace(std::clamp(MeasuredCodePlace().mean, 0.0, 1.0)));
     if (!args_.trace.empty()) tree_.Say("trace " + args_.trace.path());
+  }
+
+  // One way to simulate the scene.
+  struct Offer {
+    std::string quality;
+    std::vector<std::optional<double>>
+        ms;  // as the verdicts take it, by platform; none: it cannot run there
+    TipError error = {};
+
+    double Px() const { return 1e-6 * error.p99_micropixels; }
+  };
+
+  std::optional<double> MsOf(const std::string& platform, Scenario& scenario) const {
+    if (platform == "host") return RunOnHost(scenario).budget.wall_ms.p95;
+    const ConsoleRequest request = RequestOf(platform == "ps3" ? Console::kPs3 : Console::kXbox360);
+    try {
+      return ConsoleRun(scenario, request).TryWhatIf(request.what_if);
+    } catch (const Error&) {
+      return {};
+    }
+  }
+
+  // The scene as it is first, then what better qualities make of it.
+  std::vector<Offer> MakeOffers() const {
+    std::vector<Offer> offers = {{"as it is", {}}};
+    for (const Verdict& v : verdicts_)
+      offers[0].ms.push_back(v.refusal.empty() ? std::optional(v.ms) : std::nullopt);
+    std::vector<Scenario> ways = {scenario_};
+    for (const Tier& tier : Tiers()) {
+      if (tier.choice.solver != Solver::kModal || tier.choice.curl_follows) continue;
+      std::vector<bool> has;
+      Scenario way = AtTier(scenario_, tier, has);
+      if (SameSimulation(scenario_, way)) continue;
+      Offer& offer = offers.emplace_back(Offer{std::string(tier.name), {}});
+      for (const std::string& platform : args_.platforms) offer.ms.push_back(MsOf(platform, way));
+      ways.push_back(std::move(way));
+    }
+    Progress progress("errors", args_.warm_up + frames_);
+    const auto errors = MeasureTipErrors(
+        scenario_, ways,
+        {.warm_up = args_.warm_up, .frames = frames_, .progress = [&](uint32_t done, uint32_t) {
+           progress.Show(done);
+         }});
+    for (size_t i = 0; i < offers.size(); ++i) offers[i].error = errors[i].back();
+    return offers;
+  }
+
+  void AddQualities() {
+    const std::vector<Offer> offers = MakeOffers();
+    std::vector<Quantity> columns = {
+        {"quality"}, {"off_mm", "mm RMS", 3, "off"}, {"p99_px", "px 99 %", 3, "off on screen"}};
+    for (const std::string& platform : args_.platforms)
+      columns.push_back({"ms." + platform, "ms", 2, platform});
+    tree_.BlankLine();
+    ReportTable& table = tree_.AddTable("qualities", columns);
+    for (const Offer& offer : offers) {
+      std::vector<Value> row = {offer.quality, 1e3 * offer.error.off_m, offer.Px()};
+      for (const auto& ms : offer.ms) row.push_back(ms ? Value(*ms) : Value());
+      table.Add(std::move(row));
+    }
+    tree_.Say(
+        "off: tips from where the modal solver has them at its best, with four frames for one; on "
+        "the screen 99 % of those in view");
+    for (size_t i = 1; i < offers.size(); ++i)
+      tree_.Say(WhatAMillisecondBuys(offers[0], offers[i]));
+  }
+
+  // By the platform on which it is dearest; a host that was not its own does not count.
+  std::string WhatAMillisecondBuys(const Offer& now, const Offer& offer) const {
+    double more = 0.0;
+    for (size_t p = 0; p < offer.ms.size(); ++p) {
+      if (!offer.ms[p])
+        return fmt::format("{} cannot run on {}", offer.quality, args_.platforms[p]);
+      if (now.ms[p] && verdicts_[p].fit != Fit::kUnsure)
+        more = std::max(more, *offer.ms[p] - *now.ms[p]);
+    }
+    const double less = now.Px() - offer.Px();
+    if (offer.error.off_m == now.error.off_m)
+      return offer.quality + " is the same here: so far off, layers of it run in fast";
+    return fmt::format("{}: {:.2f} ms more, {:.3f} px less: {:.3f} px a millisecond", offer.quality,
+                       more, less, less / std::max(more, 1e-3));
   }
 
   void WriteTrace() {

@@ -197,6 +197,8 @@ struct BudgetArgs {
   std::string what_if = "nothing";  // a change of a console's frame, by name
   OutputPath trace;                 // Chrome trace of the modelled consoles to write
   bool advice = true;
+  bool qualities =
+      false;  // also the error of the scene as it is, and other qualities' price and error
   bool numbers = false;   // only print the platforms' numbers
   bool validate = false;  // only hold the models against the measured rows
   bool json = false;

@@ -136,6 +136,10 @@ Subcommand SetUpBudget(CLI::App& root) {
   AddOutputFile(*app, "--trace", args.trace,
                 "Chrome trace of each console's slowest frame, in the console's own time");
   app->add_flag("!--no-advice", args.advice, "Do not look for what would make it fit");
+  app->add_flag(
+      "--qualities", args.qualities,
+      "Also at which error: of the scene as it is, and of better qualities for all of its "
+      "layers, with what they take");
   app->add_flag("--numbers", args.numbers, "Print the consoles' numbers, their sources, and stop");
   app->add_flag("--validate", args.validate,
                 "Hold the models against the measured rows, print the table, and stop");
@@ -145,6 +149,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "  pelt budget --scene tiny --frames 10\n"
       "  pelt budget --scene tiny --frames 10 --platform ps3 --target-ms 5 --trace ps3.json\n"
       "  pelt budget --scene tiny --frames 10 --platform ps3,xbox360 --spus 4 --json\n"
+      "  pelt budget --scene tiny --frames 10 --platform ps3 --qualities\n"
       "  pelt budget --validate\n"
       "  pelt budget --numbers");
   return {app,

@@ -184,6 +184,7 @@ check_errors() {
   check_timing_errors
   check_second_thread
   check_budget_errors
+  check_qualities
   check_compare_errors
   check_what_if
   check_accuracy_errors
@@ -487,6 +488,17 @@ check_what_if() {
     fail "fewer points of a groom file"
   grep -q '"what_if": "fewer-points"' points.json || fail "fewer points of a groom file: $(head -c 300 points.json)"
   grep -q what_if_changes_nothing points.json && fail "fewer points of a groom file change nothing"
+}
+
+# At which error a scene runs, and what better ones cost.
+check_qualities() {
+  "$pelt" budget --scene tiny --solver modal --frames 8 --warm-up 8 --platform ps3 --no-advice --target-ms 1000 \
+    --fast-quality-px 0 --quality fast --qualities >qualities.txt || fail "budget --qualities: exit $?"
+  awk '/^as it is /{off = $4; ms = $6} /^(fine|best) /{n += $2 < 0.8 * off && $4 > 1.2 * ms} /^(fine|best): /{n += /px a millisecond$/}
+    END{exit n != 4}' qualities.txt || fail "budget --qualities: $(tail -n 8 qualities.txt)"
+  # So far off that `fine` runs in `fast`.
+  "$pelt" budget --scene tiny --solver modal --frames 8 --warm-up 8 --platform ps3 --no-advice --target-ms 1000 \
+    --fast-quality-px 1e6 --quality fast --qualities | grep -q '^fine is the same here' || fail "fine is not the same in fast"
 }
 
 check_budget_errors() {

@@ -57,6 +57,7 @@ hold conformance conformance --door inline
 hold budget budget --scene tiny --frames 2
 hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01 --what-if wider-digits
 hold budget budget --scene tiny --frames 2 --platform ps3 --local-store-kib 64
+hold budget budget --scene tiny --frames 2 --platform ps3 --qualities
 hold budget_validate budget --validate
 hold fit fit --scene tiny --frames 4 --warm-up 4 --target-ms 0.6
 hold fit fit --scene tiny --frames 4 --warm-up 4 --platform ps3 --target-ms 0.01
