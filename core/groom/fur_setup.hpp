@@ -67,6 +67,11 @@ struct Mask {
     glm::vec3 low{0.0f}, high{1.0f};
   };
   std::optional<Range> range;
+  struct AwayFrom {  // a margin about eyes, a nose: no root is that near, in the rest pose
+    std::vector<std::string> materials;
+    float distance = 0.02f;  // m
+  };
+  std::optional<AwayFrom> away_from;
   MapChannel uv;    // stencil: density scale; needs UVs
   MapChannel bald;  // 1 = bald; needs UVs
   // No fur where the surface, which is the image of its material if it has one, has one of these colours, 0xAABBGGRR, in

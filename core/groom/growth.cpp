@@ -20,6 +20,28 @@ float SmoothRamp(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+// Of the nearest point of the triangle, m^2.
+float SquaredDistance(const glm::vec3& p, const std::array<glm::vec3, 3>& corner) {
+  const glm::vec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+  const glm::vec3 normal = glm::cross(ab, ac), to = p - corner[0];
+  const float area2 = glm::dot(normal, normal);
+  if (area2 > 0.0f) {
+    const float v = glm::dot(glm::cross(to, ac), normal), w = glm::dot(glm::cross(ab, to), normal);
+    const float height = glm::dot(to, normal);
+    if (v >= 0.0f && w >= 0.0f && v + w <= area2) return height * height / area2;
+  }
+  float least = glm::dot(to, to);
+  for (size_t i = 0; i < 3; ++i) {
+    const glm::vec3 from = corner[i], edge = corner[(i + 1) % 3] - from;
+    const float length2 = glm::dot(edge, edge);
+    const float along =
+        length2 > 0.0f ? std::clamp(glm::dot(p - from, edge) / length2, 0.0f, 1.0f) : 0.0f;
+    const glm::vec3 away = p - (from + edge * along);
+    least = std::min(least, glm::dot(away, away));
+  }
+  return least;
+}
+
 }  // namespace
 
 bool GrowsByImages(const Mesh& mesh, const LayerSetup& layer) {
@@ -48,6 +70,22 @@ Growth::Growth(const Character& character, const RestGeometry& rest, const FurSe
     box_extent_ = high - box_low_;
   }
   material_grows_ = FindMaterials(mesh_, setup, layer);
+  if (const auto& margin = layer.mask.away_from) {
+    const std::vector<uint8_t> found =
+        FindNamedMaterials(mesh_, setup, layer, "mask.away_from.materials", margin->materials);
+    for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (!found[mesh_.triangle_material[t]]) continue;
+      auto& corner = away_.emplace_back();
+      for (size_t i = 0; i < 3; ++i) {
+        corner[i] = rest.position[mesh_.triangles[t][i]];
+        const bool first = away_.size() == 1 && i == 0;
+        away_low_ = first ? corner[i] : glm::min(away_low_, corner[i]);
+        away_high_ = first ? corner[i] : glm::max(away_high_, corner[i]);
+      }
+    }
+    away_low_ -= margin->distance;
+    away_high_ += margin->distance;
+  }
   for (const Mask::JointWeight& mask : layer.mask.joints) {
     const auto counts =
         FindJoints(character.skeleton, setup, layer, "mask.joints.joint", mask.joint, mask.subtree);
@@ -145,6 +183,14 @@ bool Growth::HasMaskedColour(const SurfacePoint& point) const {
   return std::any_of(layer_.mask.colours.begin(), layer_.mask.colours.end(), is_near);
 }
 
+bool Growth::IsInMargin(const glm::vec3& position) const {
+  for (int axis = 0; axis < 3; ++axis)
+    if (position[axis] < away_low_[axis] || position[axis] > away_high_[axis]) return false;
+  const float reach = layer_.mask.away_from->distance;
+  return std::ranges::any_of(
+      away_, [&](const auto& corner) { return SquaredDistance(position, corner) < reach * reach; });
+}
+
 float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
   const Mask& mask = layer_.mask;
   switch (factor) {
@@ -176,6 +222,9 @@ float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
       }
       return 1.0f;
     }
+    case kAwayFrom:
+      if (away_.empty()) return 1.0f;
+      return IsInMargin(Interpolate(rest_.position, mesh_, point)) ? 0.0f : 1.0f;
     case kStencil:
       if (!mask.uv.map) return 1.0f;
       return SampleMap(mask.uv, point);
@@ -201,9 +250,10 @@ float Growth::Share(const SurfacePoint& point) const {
 }
 
 std::string Growth::ExplainEmpty() const {
-  const char* const keys[kFactorCount] = {"density",   "mask.materials",       "mask.joints",
-                                          "mask.box",  "mask.range",           "mask.uv",
-                                          "mask.bald", "its materials' alpha", "mask.colours"};
+  const char* const keys[kFactorCount] = {"density",     "mask.materials", "mask.joints",
+                                          "mask.box",    "mask.range",     "mask.away_from",
+                                          "mask.uv",     "mask.bald",      "its materials' alpha",
+                                          "mask.colours"};
   const glm::vec3 places[] = {{0.34f, 0.33f, 0.33f}, {0.8f, 0.1f, 0.1f},   {0.1f, 0.8f, 0.1f},
                               {0.1f, 0.1f, 0.8f},    {0.45f, 0.45f, 0.1f}, {0.45f, 0.1f, 0.45f},
                               {0.1f, 0.45f, 0.45f}};

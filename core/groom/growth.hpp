@@ -1,5 +1,5 @@
 // Where a layer grows, and how densely: density, its map, and the mask's materials, joint weights,
-// box projection, range, stencil, bald map and colours, multiplied; and nowhere where a material's
+// box projection, range, margin, stencil, bald map and colours, multiplied; and nowhere where a material's
 // alpha leaves no skin.
 //
 // Invariant: Share() never exceeds TriangleLimit() of the same triangle; the scatter draws its
@@ -63,6 +63,7 @@ class Growth {
     kJoints,
     kBox,
     kRange,
+    kAwayFrom,
     kStencil,
     kBald,
     kHoles,
@@ -75,6 +76,7 @@ class Growth {
   float JointLimit(uint32_t triangle) const;
   float SampleMap(const MapChannel&, const SurfacePoint&) const;
   bool HasMaskedColour(const SurfacePoint&) const;
+  bool IsInMargin(const glm::vec3& position) const;
   glm::vec3 BoxShare(const glm::vec3& position) const;
 
   const Mesh& mesh_;
@@ -85,6 +87,9 @@ class Growth {
   glm::vec3 box_low_, box_extent_;
   std::vector<uint8_t> material_grows_;
   std::vector<std::vector<float>> joint_weight_;  // of each joint mask, at each vertex
+  // What mask.away_from keeps away from, and the box about it in which its margin lies.
+  std::vector<std::array<glm::vec3, 3>> away_;
+  glm::vec3 away_low_{0.0f}, away_high_{0.0f};
 };
 
 }  // namespace pelt

@@ -69,20 +69,26 @@ std::vector<uint8_t> FindJoints(const Skeleton& skeleton, const FurSetup& setup,
 
 std::vector<uint8_t> FindMaterials(const Mesh& mesh, const FurSetup& setup,
                                    const LayerSetup& layer) {
+  if (!layer.mask.materials.empty())
+    return FindNamedMaterials(mesh, setup, layer, "mask.materials", layer.mask.materials);
   std::vector<uint8_t> found(mesh.materials.size(), 0);
-  if (layer.mask.materials.empty())
-    for (size_t i = 0; i < found.size(); ++i)
-      found[i] = i >= mesh.looks.size() || !mesh.looks[i].bare;
-  for (const std::string& name : layer.mask.materials) {
+  for (size_t i = 0; i < found.size(); ++i)
+    found[i] = i >= mesh.looks.size() || !mesh.looks[i].bare;
+  return found;
+}
+
+std::vector<uint8_t> FindNamedMaterials(const Mesh& mesh, const FurSetup& setup,
+                                        const LayerSetup& layer, const std::string& key,
+                                        const std::vector<std::string>& names) {
+  std::vector<uint8_t> found(mesh.materials.size(), 0);
+  for (const std::string& name : names) {
     bool any = false;
     for (size_t i = 0; i < found.size(); ++i) {
       if (mesh.materials[i] != name) continue;
       found[i] = 1;
       any = true;
     }
-    if (!any)
-      FailLayerKey(setup, layer, "mask.materials",
-                   DescribeUnknown("material", name, mesh.materials));
+    if (!any) FailLayerKey(setup, layer, key, DescribeUnknown("material", name, mesh.materials));
   }
   return found;
 }

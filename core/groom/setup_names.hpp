@@ -31,6 +31,11 @@ std::vector<uint8_t> FindJoints(const Skeleton&, const FurSetup&, const LayerSet
 // that is unknown.
 std::vector<uint8_t> FindMaterials(const Mesh&, const FurSetup&, const LayerSetup&);
 
+// 1 for each of the mesh's materials that has one of these names. Throws for a name that is unknown.
+std::vector<uint8_t> FindNamedMaterials(const Mesh&, const FurSetup&, const LayerSetup&,
+                                        const std::string& key,
+                                        const std::vector<std::string>& names);
+
 // What the setup's layers leave bare although they name no materials, as a sentence; empty: nothing.
 std::string DescribeBare(const Mesh&, const FurSetup&);
 

@@ -189,6 +189,7 @@ std::span<const KeyRow<Mask>> Schema() {
       Plain<&Mask::joints>("joints", "tables", "grow where joints move the skin; largest counts"),
       Plain<&Mask::box>("box", "table", "a map projected through the rest pose's bounding box"),
       Plain<&Mask::range>("range", "table", "grow inside a part of the bounding box"),
+      Plain<&Mask::away_from>("away_from", "table", "bald about other materials: eyes, a nose"),
       Map<&Mask::uv>("uv", "stencil: scales the density; needs UVs"),
       Map<&Mask::bald>("bald", "1 is bald; needs UVs"),
       Plain<&Mask::colours>("colours", "colours",
@@ -230,6 +231,17 @@ std::span<const KeyRow<Mask::Range>> Schema() {
   static const KeyRow<R> kRows[] = {
       Plain<&R::low>("low", "[x, y, z]", "corner, as a share of the box", 0, 1),
       Plain<&R::high>("high", "[x, y, z]", "other corner", 0, 1),
+  };
+  return kRows;
+}
+
+template <>
+std::span<const KeyRow<Mask::AwayFrom>> Schema() {
+  using A = Mask::AwayFrom;
+  static const KeyRow<A> kRows[] = {
+      Required(Plain<&A::materials>("materials", "texts", "that it keeps away from", 1, 64)),
+      Number<&A::distance>("distance", "m", 0, kReachLimit,
+                           "of the rest pose, to the nearest of them"),
   };
   return kRows;
 }
@@ -309,6 +321,7 @@ std::string DescribeSetupKeys() {
   Describe<Mask::JointWeight>(out, "In mask.joints = [{ ... }]");
   Describe<Mask::Box>(out, "In mask.box");
   Describe<Mask::Range>(out, "In mask.range");
+  Describe<Mask::AwayFrom>(out, "In mask.away_from");
   Describe<CombVector>(out, "In comb = [{ ... }]");
   Describe<LightsSetup>(out, "In [lights]");
   Describe<LightsSetup::Light>(out, "In lights.light = [{ ... }], or [[lights.light]]");

@@ -80,6 +80,8 @@ std::span<const KeyRow<Mask::Box>> Schema();
 template <>
 std::span<const KeyRow<Mask::Range>> Schema();
 template <>
+std::span<const KeyRow<Mask::AwayFrom>> Schema();
+template <>
 std::span<const KeyRow<CombVector>> Schema();
 template <>
 std::span<const KeyRow<LightsSetup>> Schema();
@@ -96,8 +98,8 @@ template <class T, class... Tables>
 concept OneOf = (std::is_same_v<T, Tables> || ...);
 template <class T>
 concept SetupTable =
-    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, CombVector, LightsSetup,
-          LightsSetup::Light, LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
+    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, Mask::AwayFrom, CombVector,
+          LightsSetup, LightsSetup::Light, LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
 
 // toml::parse that throws nothing but Error, with file and line.
 toml::table ParseToml(std::string_view text, const std::string& path);
@@ -214,6 +216,7 @@ class SetupReader {
   // What holds between the keys of one table.
   void Check(const KeyInfo&, const toml::node&, const Mask&) {}
   void Check(const KeyInfo&, const toml::node&, const Mask::Box&) {}
+  void Check(const KeyInfo&, const toml::node&, const Mask::AwayFrom&) {}
   void Check(const KeyInfo&, const toml::node&, const Mask::JointWeight&);
   void Check(const KeyInfo&, const toml::node&, const Mask::Range&);
   void Check(const KeyInfo&, const toml::node&, const CombVector&);

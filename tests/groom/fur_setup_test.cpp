@@ -236,6 +236,7 @@ materials = ["skin"]
 joints = [{ joint = "Head", subtree = false, low = 0.25, high = 0.5 }, { joint = "Tail" }]
 box = { axis = "z", map = "maps/m.png", channel = "a" }
 range = { low = [0.1, 0.2, 0.3], high = [0.4, 0.5, 0.6] }
+away_from = { materials = ["eye"], distance = 0.25 }
 uv = { map = "maps/m.png", channel = "g" }
 bald = "maps/m.png"
 )");
@@ -253,6 +254,9 @@ bald = "maps/m.png"
   EXPECT_EQ(mask.box->map.channel, 3);
   EXPECT_EQ(mask.range->low, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(mask.range->high, glm::vec3(0.4f, 0.5f, 0.6f));
+  ASSERT_TRUE(mask.away_from);
+  EXPECT_EQ(mask.away_from->materials, std::vector<std::string>{"eye"});
+  EXPECT_EQ(mask.away_from->distance, 0.25f);
   EXPECT_EQ(mask.uv.channel, 1);
   ASSERT_TRUE(mask.bald.map);
   EXPECT_EQ(mask.bald.map, mask.uv.map) << "one file is read once";
@@ -437,6 +441,10 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
        "key 'mask.range': low y must be below high y"},
       {"mask = { range = { low = [0, -0.5, 0] } }",
        "key 'mask.range.low': -0.5 is out of bounds; allowed are 0 to 1"},
+      {"mask = { away_from = { distance = 0.1 } }",
+       "key 'mask.away_from.materials': is needed here and missing"},
+      {"mask = { away_from = { materials = [] } }",
+       "key 'mask.away_from.materials': has 0 entries; 1 to 64 are allowed"},
       {"mask = { box = { axis = 'w', map = 'maps/m.png' } }",
        "key 'mask.box.axis': 'w' is not one of x, y, z"},
       {"mask = { box = { axis = 'x' } }", "key 'mask.box.map': is needed here and missing"},
@@ -556,6 +564,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
   expect(Schema<Mask::JointWeight>());
   expect(Schema<Mask::Box>());
   expect(Schema<Mask::Range>());
+  expect(Schema<Mask::AwayFrom>());
   expect(Schema<CombVector>());
   EXPECT_NE(text.find("default 0.03"), std::string::npos);
   EXPECT_NE(text.find("pbd | verlet | modal"), std::string::npos);

@@ -40,6 +40,23 @@ struct Torus {
   std::vector<ScatterPoint> Scatter(const LayerSetup& layer) const {
     return ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
   }
+  // Least distance of a point from the material's triangles, m; from places of a grid on them.
+  double NearestTo(const std::string& material, std::span<const ScatterPoint> points) const {
+    constexpr int kSteps = 12;
+    const Mesh& mesh = character.mesh;
+    double least = 1e300;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (mesh.materials[mesh.triangle_material[t]] != material) continue;
+      for (int i = 0; i <= kSteps; ++i)
+        for (int j = 0; i + j <= kSteps; ++j) {
+          const glm::vec3 bary = glm::vec3(i, j, kSteps - i - j) / float(kSteps);
+          const glm::dvec3 at(Interpolate(rest.position, mesh, {t, bary}));
+          for (const ScatterPoint& p : points)
+            least = std::min(least, glm::length(glm::dvec3(p.position) - at));
+        }
+    }
+    return least;
+  }
   std::string ErrorOf(const LayerSetup& layer) const {
     try {
       Scatter(layer);
@@ -317,6 +334,17 @@ TEST(Mask, MaterialsJointsRangeAndBoxKeepToTheirRegions) {
   EXPECT_NEAR(double(points.size()), 3000.0, 40.0);
   for (const auto& p : points) EXPECT_GE(p.position.y, -1e-4f);
 
+  // Along the seams of `back`, which is half of it, nothing of `front` is nearer than that.
+  layer = torus.Layer(6000);
+  layer.mask.materials = {"front"};
+  const size_t all = torus.Scatter(layer).size();
+  layer.mask.away_from = Mask::AwayFrom{{"back"}, 0.05f};
+  points = torus.Scatter(layer);
+  EXPECT_LT(double(points.size()), 0.97 * double(all));
+  EXPECT_GT(double(points.size()), 0.5 * double(all));
+  EXPECT_GT(torus.NearestTo("back", points), 0.05 - 1e-4);
+  EXPECT_LT(torus.NearestTo("back", points), 0.06);
+
   layer = torus.Layer(6000);  // a picture seen from above: u along x, rows along z
   layer.mask.box =
       Mask::Box{'y', MakeMap([](float u, float v) { return u < 0.5f && v < 0.5f ? 1.0f : 0.0f; })};
@@ -357,6 +385,10 @@ TEST(Mask, UnknownNamesAreErrorsThatListTheKnown) {
   ExpectContains(error, "torus.toml: layer 'coat': key 'mask.materials'");
   ExpectContains(error, "no material 'bakc'");
   EXPECT_LT(error.find("'back'"), error.find("'front'"));
+  layer = torus.Layer(1000);
+  layer.mask.away_from = Mask::AwayFrom{{"bakc"}, 0.1f};
+  ExpectContains(torus.ErrorOf(layer),
+                 "key 'mask.away_from.materials': the character has no material");
   layer = torus.Layer(1000);
   layer.mask.joints = {{"ring2", true, 0.0f, 1.0f}};
   error = torus.ErrorOf(layer);
