@@ -13,10 +13,12 @@ namespace {
 
 // Of the largest extent, as a fox's coat is.
 constexpr double kLengthShare = 0.03;
-constexpr double kWidthShare = 0.02;  // of the length
-// Strands stand a fifth of their length apart: half of it would still cover the skin.
-constexpr double kSpacingsALength = 5.0;
-constexpr double kMostStrands = 40000.0;
+// Cards, each of some hairs, as the originals had: a coat of 5,700 covers as 40,000 single hairs do.
+constexpr double kWidthShare = 0.13;  // of the length
+constexpr double kSpacingsALength = 2.75;
+constexpr double kMostStrands = 8000.0;
+// How far hair keeps away from eyes, so that none crosses one; of the length.
+constexpr double kEyeMarginShare = 0.3;
 // Parts of the surface below this are too small for a coat of their own.
 constexpr double kLeastShare = 0.002;
 
@@ -73,6 +75,22 @@ std::vector<size_t> ChooseMaterials(const Mesh& mesh, const std::vector<Material
   return chosen.size() > 1 ? chosen : std::vector<size_t>{};
 }
 
+// ", away_from = ..." of a mask, if there are eyes that are bare.
+std::string EyeMargin(const Mesh& mesh, double length_m) {
+  std::string eyes;
+  for (size_t m = 0; m < mesh.materials.size(); ++m) {
+    std::string name = mesh.materials[m];
+    if (!mesh.looks[m].bare || !IsPrintable(name)) continue;
+    std::ranges::transform(name, name.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+    if (name.find("eye") == std::string::npos) continue;
+    eyes += (eyes.empty() ? "" : ", ") + Quoted(mesh.materials[m]);
+  }
+  if (eyes.empty()) return "";
+  return fmt::format("away_from = {{ materials = [{}], distance = {} }}", eyes,
+                     Round(kEyeMarginShare * length_m));
+}
+
 std::string LayerText(const std::string& name, size_t seed, const std::string& mask) {
   return fmt::format("\n[[layer]]\nname = {}\nseed = {}\n{}", Quoted(name), seed, mask);
 }
@@ -114,6 +132,7 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
   text += fmt::format(
       "\n[defaults]\nlength = {{ value = {}, randomise = 0.25 }}\nwidth = {{ value = {}, randomise "
       "= 0.2 }}\n"
+      "tip_width = 0.9\nfilm_strips = 8  # cards of 8 kinds: from 4 mm wide on each shows some hairs\n"
       "density = {}  # they stand 1/{} of their length apart\nelevation = {{ value = 35.0, "
       "randomise = "
       "0.3 }}\n"
@@ -121,15 +140,19 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
       Round(coat.length_m), Round(kWidthShare * coat.length_m), RoundWhole(coat.density),
       kSpacingsALength);
   const std::vector<size_t> chosen = ChooseMaterials(mesh, shares);
+  const std::string margin = EyeMargin(mesh, coat.length_m);
   if (chosen.empty()) {
     text += LayerText(
         "coat", 1,
         "# Grows on all that is not bare; mask.joints, mask.range or a map say where instead.\n");
+    if (!margin.empty()) text += fmt::format("mask = {{ {} }}\n", margin);
     return text;
   }
   for (size_t i = 0; i < chosen.size(); ++i) {
     const std::string& name = mesh.materials[chosen[i]];
-    text += LayerText(name, i + 1, fmt::format("mask = {{ materials = [{}] }}\n", Quoted(name)));
+    text += LayerText(name, i + 1,
+                      fmt::format("mask = {{ materials = [{}]{}{} }}\n", Quoted(name),
+                                  margin.empty() ? "" : ", ", margin));
   }
   return text;
 }

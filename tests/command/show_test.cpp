@@ -41,14 +41,18 @@ TEST(Show, SetupsToStartFromCoverTheirCharacters) {
     size_t grown = 0;
     for (const MaterialLook& look : character.mesh.looks) grown += !look.bare;
     EXPECT_EQ(fur.setup.layers.size(), grown) << name;
-    for (const LayerSetup& layer : fur.setup.layers)
+    for (const LayerSetup& layer : fur.setup.layers) {
       EXPECT_EQ(layer.mask.materials, std::vector<std::string>{layer.name});
+      EXPECT_GT(layer.film_strip_count, 1u) << "cards";
+      ASSERT_TRUE(layer.mask.away_from) << "both have eyes";
+      EXPECT_EQ(layer.mask.away_from->materials, std::vector<std::string>{"eye"});
+    }
     for (const LayerDensity& density : fur.densities) {
       EXPECT_LT(density.scatter.spacing_m, 0.5f * density.longest_m) << density.layer;
       EXPECT_FALSE(density.IsCut());
     }
-    EXPECT_GT(CountStrands(fur.groom), 10000u);
-    EXPECT_LT(CountStrands(fur.groom), 44000u);
+    EXPECT_GT(CountStrands(fur.groom), 4000u);
+    EXPECT_LT(CountStrands(fur.groom), 8800u);
     EXPECT_EQ(fur.setup.unit_scale, 1.0f);
   }
 }
