@@ -227,7 +227,7 @@ typedef struct PeltFrame {
    * the share of the living strands that fade out, each 0 to 1. */
   float full_detail_px, min_fraction, hysteresis, fade_share;
   uint32_t strand_budget; /* living strands over all layers in view; 0: no budget */
-  /* Error on the screen, px, up to which modal layers of default quality are simulated in `fast`; 0:
+  /* Typical error on the screen, px, up to which modal layers of quality `fine` are simulated in `fast`; 0:
    * never. */
   float fast_quality_px;
   uint32_t skip; /* PeltSkip */

@@ -1,11 +1,11 @@
 // Frames of chains that something fast strikes.
 //
 // A ball that goes further in a substep than it is large is at a strand for a fraction of that, and
-// what it strikes turns several times faster than substeps can follow. Whose way in 1/60 s is more
-// than a quarter of its radius counts as fast, at any frame rate and of any quality: more frames
-// and more substeps would otherwise take the less accurate way, up to four times faster balls. So such a chain takes the
-// whole frame in short steps instead (modal_short_steps.hpp). It is the same step (modal_step.hpp) but
-// for contact:
+// what it strikes turns several times faster than substeps can follow. So such a chain takes the
+// whole frame in short steps instead (modal_short_steps.hpp). What goes further in 1/60 s than a
+// quarter of its radius counts as fast, at any frame rate and in any quality: by a substep's way,
+// more frames would take the less accurate course with balls up to four times as fast. It is the
+// same step (modal_step.hpp) but for contact:
 //
 // Before a short step every collider is looked at on its way through it, in a few parts, as the
 // chain's points would go on: when it first meets the line to a place, where on that, and with which normal. There
