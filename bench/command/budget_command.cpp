@@ -294,11 +294,12 @@ class BudgetPrinter {
       ways.push_back(std::move(way));
     }
     Progress progress("errors", args_.warm_up + frames_);
-    const auto errors = MeasureTipErrors(
-        scenario_, ways,
-        {.warm_up = args_.warm_up, .frames = frames_, .progress = [&](uint32_t done, uint32_t) {
-           progress.Show(done);
-         }});
+    const auto errors =
+        MeasureTipErrors(scenario_, ways,
+                         {.warm_up = args_.warm_up,
+                          .frames = frames_,
+                          .fast_quality_px = args_.lod.fast_quality_px,
+                          .progress = [&](uint32_t done, uint32_t) { progress.Show(done); }});
     for (size_t i = 0; i < offers.size(); ++i) offers[i].error = errors[i].back();
     return offers;
   }

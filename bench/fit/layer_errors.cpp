@@ -22,7 +22,8 @@ constexpr double kMostMicropixels = 1e9;
 // A run in which every strand lives.
 class Run {
  public:
-  explicit Run(Scenario& scenario) : running_(scenario, {}) {
+  Run(Scenario& scenario, float fast_quality_px) : running_(scenario, {}) {
+    lod_.fast_quality_px = fast_quality_px;
     skip_.cull = skip_.sleep = false;
     lod_.full_detail_px = 0.0f;
     lod_.strand_budget = uint32_t(scenario.StrandCount());
@@ -122,11 +123,11 @@ std::vector<std::vector<TipError>> MeasureTipErrors(const Scenario& scene, std::
   Scenario reference_scenario = accuracy::AtRate(dry, kReferenceRate, 1);
   accuracy::SetWay({.name = "", .label = "", .quality = ModalQuality::kBest}, dry,
                    reference_scenario);
-  Run reference(reference_scenario);
+  Run reference(reference_scenario, frames.fast_quality_px);
   std::vector<std::unique_ptr<Run>> runs;
   for (Scenario& way : ways) {
     way.weather_course = {};
-    runs.push_back(std::make_unique<Run>(way));
+    runs.push_back(std::make_unique<Run>(way, frames.fast_quality_px));
   }
   const FurScene& shown = reference.scene();
   std::vector<std::vector<Sum>> sums(ways.size(), std::vector<Sum>(shown.shape().layer_count + 1));

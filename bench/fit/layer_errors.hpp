@@ -24,6 +24,7 @@ struct TipError {
 
 struct ErrorFrames {
   uint32_t warm_up = 60, frames = 60;
+  float fast_quality_px = LodSettings{}.fast_quality_px;
   std::function<void(uint32_t done, uint32_t total)> progress = {};
 };
 
