@@ -69,7 +69,7 @@ sanitized() {
   figures+=":KernelCost.ScheduledWindows*:SharedTransfers.TakesAsLong*:DmaProperties.NoStage*:ConsoleMachines.AreTimed*"
   figures+=":MeasuredRows.EachIs*:SimulateModal.SameBitsOnEverySet5*:SimulateModal.SameBitsOnEverySet9*"
   figures+=":SimulateModalContact.AFastSphereMisses*:SimulateModalFriction.HoldsUp*:SimulateModalFriction.MovingGround*"
-  figures+=":SimulateModalRest.StrandsInAndAbout*:SimulateModalRest.WhoSettles*:SimulateModalFriction.WhatIsHeld*"
+  figures+=":SimulateModal.SameBitsOnEverySetAt*:SimulateModalRest.StrandsInAndAbout*:SimulateModalRest.WhoSettles*:SimulateModalFriction.WhatIsHeld*"
   UBSAN_OPTIONS=print_stacktrace=1 GTEST_FILTER="-$figures" check clang-sanitize "${tests[@]}"
   build clang-thread clang++ RelWithDebInfo pelt_thread_tests -DPELT_SANITIZE=thread "${threads[@]}"
   # The thread sanitizer wants memory where older ones expect it; not every sandbox lets us ask for that.
