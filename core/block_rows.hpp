@@ -74,7 +74,9 @@ inline constexpr auto kBlockMembers<LodBlock> = std::tuple{
     PELT_MEMBER(LodBlock, fade),
     PELT_MEMBER(LodBlock, visible),
     PELT_MEMBER(LodBlock, was_visible),
-    PELT_MEMBER(LodBlock, wanted)};
+    PELT_MEMBER(LodBlock, wanted),
+    PELT_MEMBER(LodBlock, chain_level),
+    PELT_MEMBER(LodBlock, parent_share)};
 template <>
 inline constexpr auto kBlockMembers<LayerSortBlock> = std::tuple{
     PELT_MEMBER(LayerSortBlock, visible_count),
@@ -85,6 +87,10 @@ inline constexpr auto kBlockMembers<PatchBlock> = std::tuple{
     PELT_MEMBER(PatchBlock, joint_mask),
     PELT_MEMBER(PatchBlock, live_from).Within(0.0f, 1.0f),
     PELT_MEMBER(PatchBlock, vertex_count)};
+template <>
+inline constexpr auto kBlockMembers<ChainParentBlock> = std::tuple{
+    PELT_MEMBER(ChainParentBlock, lanes),
+    PELT_MEMBER(ChainParentBlock, share).Within(0.0f, 1.001f)};
 template <>
 inline constexpr auto kBlockMembers<MeshBlock> = std::tuple{
     PELT_MEMBER(MeshBlock, position).Within(-kLargest, kLargest),
@@ -133,7 +139,11 @@ inline constexpr auto kBlockMembers<ChunkStateBlock> = std::tuple{
     PELT_MEMBER(ChunkStateBlock, keys_changed),
     PELT_MEMBER(ChunkStateBlock, records_changed),
     PELT_MEMBER(ChunkStateBlock, first_place),
-    PELT_MEMBER(ChunkStateBlock, visible_strands)};
+    PELT_MEMBER(ChunkStateBlock, visible_strands),
+    PELT_MEMBER(ChunkStateBlock, live_chains),
+    PELT_MEMBER(ChunkStateBlock, first_new_chain),
+    PELT_MEMBER(ChunkStateBlock, whole_chains),
+    PELT_MEMBER(ChunkStateBlock, parent_share)};
 template <>
 inline constexpr auto kBlockMembers<SkinnedBlock> = std::tuple{PELT_MEMBER(SkinnedBlock, vertex)};
 template <>

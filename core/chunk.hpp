@@ -259,7 +259,9 @@ PELT_BLOCK LodBlock {
   uint32_t visible;      // 0: outside the view; the layer does nothing
   uint32_t was_visible;  // last frame's
   float wanted;          // fraction before hysteresis and budget
-  uint32_t pad[27];
+  uint32_t chain_level;  // of every patch CountChains(vertices, chain_level) chains are simulated
+  float parent_share;    // of the loads of those of them that the next level leaves out
+  uint32_t pad[25];
 };
 
 PELT_BLOCK LayerSortBlock {
@@ -279,6 +281,24 @@ PELT_BLOCK PatchBlock {
   float live_from[kVertexGroups];
   uint32_t vertex_count;
   uint32_t pad[23 - kVertexGroups];
+};
+
+// A patch's chains thin by halves. Those left out at a level follow three that are kept.
+inline constexpr uint32_t kChainLevels = 4;
+
+// The prefix of a patch's chains that is simulated at a level: all, half, a quarter, an eighth, in
+// whole groups of lanes.
+constexpr uint32_t CountChains(uint32_t vertices, uint32_t level) {
+  const uint32_t share = (vertices + (1u << level) - 1) >> level;
+  const uint32_t count = (share + kLaneGroup - 1) / kLaneGroup * kLaneGroup;
+  return count < vertices ? count : vertices;
+}
+
+// Whom a chain follows that its patch's level leaves out: lanes of the coarser prefix that ends before
+// it, byte k of a word and share k, which sum to 1. Of the first prefix 0.
+PELT_BLOCK ChainParentBlock {
+  uint32_t lanes[kVerticesPerChunk];
+  float share[3][kVerticesPerChunk];
 };
 
 // The patch's mesh vertices in mesh (bind) space. Skinning is dense in groups of 16 vertices: a
@@ -378,7 +398,13 @@ PELT_BLOCK ChunkStateBlock {
   uint32_t records_changed;  // fit ran this frame
   uint32_t first_place;      // the chunk's place in its layer * kStrandsPerChunk
   uint32_t visible_strands;  // sort_key: lanes not keyed kCulledKey; of shells all; 0 when culled
-  uint32_t pad[18];
+  // Of a patch: of the living vertices those whose chains are simulated; from which on such start from
+  // the groom; before which all keep their loads, and what share those behind take from their parents.
+  uint32_t live_chains;
+  uint32_t first_new_chain;
+  uint32_t whole_chains;
+  float parent_share;
+  uint32_t pad[14];
 };
 
 // Skinned vertices as four 16-byte records each: position, normal, tangent (unit), motion since

@@ -26,7 +26,10 @@ struct LodSettings {
   float min_fraction = 0.05f;     // least share of a layer in view before the budget, 0 to 1
   float hysteresis = 0.1f;        // change of the share, over the share, that it follows, 0 to 1
   float fade_share = 0.1f;        // of the living strands, the last, that fade out, 0 to 1
-  uint32_t strand_budget = 0;     // living strands over all layers in view; 0: no budget
+  // Least share of a layer's chains at mesh vertices that is simulated, 0 to 1: they thin with the strands
+  // and twice as fast, by halves, to an eighth. 1: never.
+  float least_chains = 0.0f;
+  uint32_t strand_budget = 0;  // living strands over all layers in view; 0: no budget
   // Modal layers of quality `fine` are simulated in `fast` while its typical error is at most this on the
   // screen (modal/quality_on_screen.hpp); whether skip.lod is on or not. 0: never.
   float fast_quality_px = 0.5f;

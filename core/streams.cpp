@@ -16,6 +16,9 @@ uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk) {
 uint32_t CountVertices(const FrameMemory& memory, uint32_t patch) {
   return memory.Of<&Streams::patch_state>(patch)->live_vertices;
 }
+uint32_t CountLiveChains(const FrameMemory& memory, uint32_t patch) {
+  return memory.Of<&Streams::patch_state>(patch)->live_chains;
+}
 uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk) {
   const SceneShape& shape = *memory.shape;
   const uint32_t layer = shape.chunk_layer[chunk];

@@ -17,14 +17,15 @@ using enum Kept;
 
 uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk);   // live ones
 uint32_t CountVertices(const FrameMemory& memory, uint32_t patch);  // live ones
-uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk);    // of the layer's order, drawn
+uint32_t CountLiveChains(const FrameMemory& memory, uint32_t patch);
+uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk);  // of the layer's order, drawn
 uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk);
 uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk);
 
 inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
-    kLiveVertices{&CountVertices, kLaneGroup}, kKeyed{&CountStrands, 1, true},
-    kPainted{&CountStrands, kLaneGroup, true}, kPlaces{&CountPlaces},
-    kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
+    kLiveVertices{&CountVertices, kLaneGroup}, kLiveChains{&CountLiveChains, kLaneGroup},
+    kKeyed{&CountStrands, 1, true}, kPainted{&CountStrands, kLaneGroup, true},
+    kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
 
 inline constexpr uint32_t kFive = kLayerFivePoints, kNine = kLayerNinePoints, kModal = kLayerModal,
                           kShells = kLayerShells;
@@ -67,18 +68,18 @@ struct Streams {
   StreamRow<ChunkStateBlock> chunk_state{"chunk_state", kChunk, kBookkeeping, kAll, {}, kOutput};
   StreamRow<ChunkStateBlock> patch_state{"patch_state", kPatch, kBookkeeping, kAll, {}, kOutput};
   StreamRow<SkinnedBlock> skinned{"skinned", kPatch, kValue, kLiveVertices};
-  StreamRow<RootBlock> anchors{"anchors", kPatch, kValue, kLiveVertices,
+  StreamRow<RootBlock> anchors{"anchors", kPatch, kValue, kLiveChains,
                                kOnVertices};  // of mesh vertices
   StreamRow<RootBlock> roots{"roots", kChunk, kValue, kLiveStrands, kOfStrands};
-  StreamRow<WindBlock> vertex_wind{"vertex_wind", kPatch, kScratch, kLiveVertices, kOnVertices};
+  StreamRow<WindBlock> vertex_wind{"vertex_wind", kPatch, kScratch, kLiveChains, kOnVertices};
   StreamRow<WindBlock> wind{"wind", kChunk, kScratch, kLiveStrands, kStrandChains};
   // Points without a last frame (strands that follow vertex chains) are made anew: no state.
   StreamRow<PointBlock<4>> vertex_points{
-      "vertex_points", kPatch, kValue, kLiveVertices, {kLayerVertexChains, kModal | kShells}};
+      "vertex_points", kPatch, kValue, kLiveChains, {kLayerVertexChains, kModal | kShells}};
   StreamRow<PointBlock<4>> vertex_previous{"vertex_previous",
                                            kPatch,
                                            kValue,
-                                           kLiveVertices,
+                                           kLiveChains,
                                            {kLayerVertexChains, kModal | kShells},
                                            kState};
   StreamRow<PointBlock<4>> strand_points4{"strand_points4", kChunk, kValue, kLiveStrands, kOf4};
@@ -109,7 +110,7 @@ struct Streams {
   StreamRow<ModalTableBlock> modal_tables{"modal_tables", kLayer,      kInput,
                                           kAll,           {kModal, 0}, kState};
   StreamRow<ModalStateBlock<3>> vertex_modal{
-      "vertex_modal", kPatch, kValue, kLiveVertices, {kModal | kLayerVertexChains, 0}, kState};
+      "vertex_modal", kPatch, kValue, kLiveChains, {kModal | kLayerVertexChains, 0}, kState};
   StreamRow<ModalStateBlock<3>> strand_modal4{
       "strand_modal4", kChunk, kValue, kLiveStrands, {kModal, kFive | kNine | kLayerVertexChains},
       kState};
@@ -140,7 +141,7 @@ struct Streams {
   // Of scenes that are told velocities with their poses.
   StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated, kState};
   StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
-  StreamRow<RootRateBlock> anchor_rates{"anchor_rates", kPatch, kScratch, kLiveVertices,
+  StreamRow<RootRateBlock> anchor_rates{"anchor_rates", kPatch, kScratch, kLiveChains,
                                         kRatedVertices};
   StreamRow<VertexRateBlock> vertex_rates{"vertex_rates", kPatch, kScratch, kLiveVertices,
                                           kRatedStrands};
@@ -157,6 +158,8 @@ struct Streams {
                                               kLiveStrands,    kOf9,   kState};
   // Of strands that follow chains: what those do.
   StreamRow<LoadBlock> vertex_loads{"vertex_loads", kPatch, kValue, kLiveVertices, kChains};
+  // Of chains that a level leaves out: whom they follow.
+  StreamRow<ChainParentBlock> chain_parents{"chain_parents", kPatch, kInput, kAll, kChains};
 };
 
 }  // namespace streams_detail

@@ -164,7 +164,7 @@ const char* FindLodFault(const LodSettings& lod) {
     return "full_detail_px is not a number from 0 on";
   if (!std::isfinite(lod.fast_quality_px) || lod.fast_quality_px < 0.0f)
     return "fast_quality_px is not a number from 0 on";
-  const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share};
+  const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share, lod.least_chains};
   for (float share : shares)
     if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";
   return nullptr;

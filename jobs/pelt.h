@@ -224,8 +224,9 @@ typedef struct PeltFrame {
   const float (*weather)[2];
   /* Level of detail, with PELT_LOD. The box diagonal on the screen from which a layer has all its
    * strands, px; the least share of them, the change of the share over the share that it follows, and
-   * the share of the living strands that fade out, each 0 to 1. */
-  float full_detail_px, min_fraction, hysteresis, fade_share;
+   * the share of the living strands that fade out, each 0 to 1; and the least share of its chains at mesh
+   * vertices that is simulated, which thin with its strands: 1 keeps all. */
+  float full_detail_px, min_fraction, hysteresis, fade_share, least_chains;
   uint32_t strand_budget; /* living strands over all layers in view; 0: no budget */
   /* Typical error on the screen, px, up to which modal layers of quality `fine` are simulated in `fast`; 0:
    * never. */

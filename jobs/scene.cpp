@@ -190,6 +190,7 @@ void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t inde
   for (uint32_t i = 0; i < layer.patch_count; ++i) {
     const uint32_t patch = shape().layer_first_patch[index] + i;
     *memory_.Of<&Streams::patches>(patch) = patches.patches[i];
+    if (auto* parents = memory_.Of<&Streams::chain_parents>(patch)) *parents = patches.parents[i];
     const bool moved = CopyPatch(copy, layer, layer.first_patch + i, patch) || changed;
     ChunkStateBlock& state = *memory_.Of<&Streams::patch_state>(patch);
     state.state_changed = 1;

@@ -241,6 +241,7 @@ class FurScene {
 
  private:
   FurScene(const SceneOptions& options, SceneLayout layout);
+  float LongestOnScreenPx(uint32_t layer) const;  // of its strands
   // Both return why not; empty when it is done.
   std::string TakeMemory(const SceneMemory& memory, std::span<std::byte>& block);
   std::string MakePlan(const FrameTable& kernels);

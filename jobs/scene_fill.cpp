@@ -211,11 +211,19 @@ ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const 
                          in.lod.fast_quality_px);
 }
 
+float FurScene::LongestOnScreenPx(uint32_t layer) const {
+  return LengthOnScreenPx(params_[SetOf(layer)].select_lod.view,
+                          *memory_.Of<&Streams::bounds>(layer),
+                          scales_[shape().layer_character[layer]] * layer_length_max_[layer]);
+}
+
 ScreenQuality FurScene::QualityOf(uint32_t layer) const {
   const ModalQuality ran = modal_[layer].quality();
-  return {ran, ErrorOnScreenPx(ran, params_[SetOf(layer)].select_lod.view,
-                               *memory_.Of<&Streams::bounds>(layer),
-                               scales_[shape().layer_character[layer]] * layer_length_max_[layer])};
+  const LodBlock& lod = *memory_.Of<&Streams::lod>(layer);
+  const bool on_vertices = (shape().layer_kind[layer] & kLayerVertexChains) != 0;
+  // One that comes or goes counts as gone.
+  const uint32_t level = on_vertices ? lod.chain_level + (lod.parent_share > 0.0f) : 0;
+  return {ran, level, ErrorShare(ran, level) * LongestOnScreenPx(layer)};
 }
 
 // The view's parameters of every stage. Says whether the view, or `lod`, is not last frame's.
@@ -244,6 +252,7 @@ void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& 
   lod.min_fraction = in.lod.min_fraction;
   lod.hysteresis = in.lod.hysteresis;
   lod.fade_share = in.lod.fade_share;
+  lod.least_chains = in.lod.least_chains;
   lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
   lod.budget_scale =
       BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},

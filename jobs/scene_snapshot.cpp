@@ -129,7 +129,8 @@ void FurScene::MeasureSnapshot(std::span<const Groom* const> grooms) {
     const MeshBlock& mesh = *memory_.Of<&Streams::mesh>(p);
     strands.Add(shape().patch_layer[p]);
     AddVertices(mesh, strands);
-    memory_.Of<&Streams::patch_state>(p)->live_vertices = mesh.vertex_count;
+    ChunkStateBlock& state = *memory_.Of<&Streams::patch_state>(p);
+    state.live_vertices = state.live_chains = mesh.vertex_count;
   }
   for (uint32_t c = 0; c < shape().chunk_count; ++c) {
     const StrandBlock& block = *memory_.Of<&Streams::strands>(c);
@@ -294,9 +295,13 @@ const char* FurScene::FindStateFault(std::span<const std::byte> from) const {
   for (const CarriedBlock& block : carried_.blocks) {
     const auto word = [&](size_t index) { return StateReader(at + 4 * index).Get(); };
     if (block.stream == StreamOf<&Streams::patch_state>) {
-      if (word(offsetof(ChunkStateBlock, live_vertices) / 4) >
-          memory_.Of<&Streams::patches>(block.item)->vertex_count)
-        return kImpossible;
+      const uint32_t vertices = memory_.Of<&Streams::patches>(block.item)->vertex_count;
+      for (const size_t offset :
+           {offsetof(ChunkStateBlock, live_vertices), offsetof(ChunkStateBlock, live_chains),
+            offsetof(ChunkStateBlock, whole_chains)})
+        if (word(offset / 4) > vertices) return kImpossible;
+    } else if (block.stream == StreamOf<&Streams::lod>) {
+      if (word(offsetof(LodBlock, chain_level) / 4) >= kChainLevels) return kImpossible;
     } else if (block.stream == StreamOf<&Streams::chunk_state>) {
       const StrandBlock& strands = *memory_.Of<&Streams::strands>(block.item);
       const auto is_at_most = [&](size_t offset, uint32_t most) {

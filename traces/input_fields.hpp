@@ -52,6 +52,7 @@ void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersi
     archive("rim.exponent", in.lighting.rim_exponent);
   }
   if (version >= 6) archive("lod.fast_quality_px", in.lod.fast_quality_px);
+  if (version >= 8) archive("lod.least_chains", in.lod.least_chains);
   // The counts are last.
   archive("sphere_count", in.sphere_count);
   if (version >= 2) archive("capsule_count", in.capsule_count);

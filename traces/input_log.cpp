@@ -226,7 +226,9 @@ void CheckInputCounts(Reader& reader, const FrameInput& in, uint32_t version) {
 
 void ReadFrame(Reader& reader, uint32_t index, InputLog& log) {
   InputLogFrame frame;
-  if (log.version < 6) frame.input.lod.fast_quality_px = 0.0f;  // what they then had
+  // What they then had.
+  if (log.version < 6) frame.input.lod.fast_quality_px = 0.0f;
+  if (log.version < 8) frame.input.lod.least_chains = 1.0f;
   ListInputFields(reader, frame.input, log.version);
   CheckInputCounts(reader, frame.input, log.version);
   if (reader.failed()) return;

@@ -102,7 +102,7 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   collider_bytes_.clear();
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
   // Without a snapshot it is what earlier programs read too.
-  PutNumber(bytes_, snapshot.empty() ? kInputLogVersion - 1 : kInputLogVersion);
+  PutNumber(bytes_, kInputLogVersion);
   PutNumber(bytes_, kStrandsPerChunk);
   PutNumber(bytes_, (about.index_buffer ? kWithIndexBuffer : 0u) |
                         (about.velocities ? kWithVelocities : 0u) |

@@ -40,7 +40,7 @@ TipErrors::TipErrors(const Scenario& scene, std::span<const SceneWay> ways) {
     for (const GroomLayer& layer : scene.grooms[scene.actors[c].groom].layers)
       layers_.push_back({layer.name, c, layer.params.solver == Solver::kModal});
   for (const SceneWay& way : ways) {
-    const bool one = way.IsChoice() && way.simulate && !way.halved && way.strand_share == 1.0;
+    const bool one = way.IsChoice() && way.simulate && !way.halved;
     ways_.push_back(one ? way.name : "");
   }
   counts_.assign(ways.size(), std::vector<Counts>(layers_.size()));
@@ -53,8 +53,10 @@ void TipErrors::Add(size_t w, const FurScene& scene, const ScenePointsLayout& la
     const uint32_t l = scene.shape().chunk_layer[piece.chunk];
     if (!layers_[l].modal) continue;
     const double length = scene.memory().Of<&Streams::layers>(l)->length_max;
-    const double bound = ErrorShare(scene.QualityOf(l).quality);
-    for (uint32_t lane = 0; lane < piece.strands; ++lane) {
+    const ScreenQuality ran = scene.QualityOf(l);
+    const double bound = ErrorShare(ran.quality, ran.chain_level);
+    const uint32_t live = scene.memory().Of<&Streams::chunk_state>(piece.chunk)->live_strands;
+    for (uint32_t lane = 0; lane < live; ++lane) {
       double off2 = 0.0;
       for (uint32_t axis = 0; axis < 3; ++axis) {
         const size_t at = piece.PlaceOfTip(axis, lane);

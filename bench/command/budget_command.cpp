@@ -125,12 +125,12 @@ class BudgetPrinter {
   }
 
  private:
-  RunReport RunOnHost(Scenario& scenario) const {
+  RunReport RunOnHost(Scenario& scenario, const LodSettings& lod) const {
     RunOptions options;
     options.frames = frames_;
     options.warm_up = args_.warm_up;
     options.skip = args_.skip;
-    options.lod = args_.lod;
+    options.lod = lod;
     options.digest = false;
     RunningScenario running(scenario, options.scene);
     Progress progress("host", frames_);
@@ -139,7 +139,7 @@ class BudgetPrinter {
   }
 
   void AddHost(ReportTree& entry) {
-    const RunReport report = RunOnHost(scenario_);
+    const RunReport report = RunOnHost(scenario_, args_.lod);
     const Spread& ms = report.budget.wall_ms;
     const std::string what =
         fmt::format("{} workers, {}, measured", report.workers, IsaName(SceneOptions{}.isa));
@@ -170,18 +170,18 @@ class BudgetPrinter {
     }
   }
 
-  ConsoleRequest RequestOf(Console console) const {
+  ConsoleRequest RequestOf(Console console, const LodSettings& lod) const {
     return {.console = console,
             .numbers = NumbersOf(args_),
             .frames = frames_,
             .warm_up = args_.warm_up,
             .what_if = *ParseWhatIf(args_.what_if),
             .skip = args_.skip,
-            .lod = args_.lod};
+            .lod = lod};
   }
 
   void AddConsoleOf(Console console, ReportTree& entry) {
-    ConsoleRequest request = RequestOf(console);
+    ConsoleRequest request = RequestOf(console, args_.lod);
     Progress progress(ConsoleName(console), frames_);
     request.progress = [&](uint32_t done, uint32_t) { progress.Show(done); };
     ConsoleRun run(scenario_, request);
@@ -269,8 +269,10 @@ class BudgetPrinter {
   };
 
   std::optional<double> MsOf(const std::string& platform, Scenario& scenario) const {
-    if (platform == "host") return RunOnHost(scenario).budget.wall_ms.p95;
-    const ConsoleRequest request = RequestOf(platform == "ps3" ? Console::kPs3 : Console::kXbox360);
+    const LodSettings& lod = scenario.base.lod;
+    if (platform == "host") return RunOnHost(scenario, lod).budget.wall_ms.p95;
+    const ConsoleRequest request =
+        RequestOf(platform == "ps3" ? Console::kPs3 : Console::kXbox360, lod);
     try {
       return ConsoleRun(scenario, request).TryWhatIf(request.what_if);
     } catch (const Error&) {
@@ -278,28 +280,39 @@ class BudgetPrinter {
     }
   }
 
-  // The scene as it is first, then what better qualities make of it.
+  static constexpr const char* kAllChains = "all chains";
+
+  // The scene as it is first, then what all of its chains, and better qualities, make of it.
   std::vector<Offer> MakeOffers() const {
     std::vector<Offer> offers = {{"as it is", {}}};
     for (const Verdict& v : verdicts_)
       offers[0].ms.push_back(v.refusal.empty() ? std::optional(v.ms) : std::nullopt);
-    std::vector<Scenario> ways = {scenario_};
+    Scenario as_it_is = scenario_;
+    as_it_is.base.lod = args_.lod;
+    as_it_is.base.skip.lod = args_.skip.lod;
+    std::vector<Scenario> ways = {as_it_is};
+    const auto add = [&](std::string name, Scenario way) {
+      Offer& offer = offers.emplace_back(Offer{std::move(name), {}});
+      for (const std::string& platform : args_.platforms) offer.ms.push_back(MsOf(platform, way));
+      ways.push_back(std::move(way));
+    };
+    if (args_.skip.lod && args_.lod.least_chains < 1.0f) {
+      Scenario all_chains = as_it_is;
+      all_chains.base.lod.least_chains = 1.0f;
+      add(kAllChains, std::move(all_chains));
+    }
     for (const Tier& tier : Tiers()) {
       if (tier.choice.solver != Solver::kModal || tier.choice.curl_follows) continue;
       std::vector<bool> has;
-      Scenario way = AtTier(scenario_, tier, has);
-      if (SameSimulation(scenario_, way)) continue;
-      Offer& offer = offers.emplace_back(Offer{std::string(tier.name), {}});
-      for (const std::string& platform : args_.platforms) offer.ms.push_back(MsOf(platform, way));
-      ways.push_back(std::move(way));
+      Scenario way = AtTier(as_it_is, tier, has);
+      if (!SameSimulation(as_it_is, way)) add(std::string(tier.name), std::move(way));
     }
     Progress progress("errors", args_.warm_up + frames_);
-    const auto errors =
-        MeasureTipErrors(scenario_, ways,
-                         {.warm_up = args_.warm_up,
-                          .frames = frames_,
-                          .fast_quality_px = args_.lod.fast_quality_px,
-                          .progress = [&](uint32_t done, uint32_t) { progress.Show(done); }});
+    const auto errors = MeasureTipErrors(
+        scenario_, ways,
+        {.warm_up = args_.warm_up, .frames = frames_, .progress = [&](uint32_t done, uint32_t) {
+           progress.Show(done);
+         }});
     for (size_t i = 0; i < offers.size(); ++i) offers[i].error = errors[i].back();
     return offers;
   }
@@ -334,6 +347,8 @@ class BudgetPrinter {
         more = std::max(more, *offer.ms[p] - *now.ms[p]);
     }
     const double less = now.Px() - offer.Px();
+    if (offer.error.off_m == now.error.off_m && offer.quality == kAllChains)
+      return offer.quality + " are simulated here: so near, they do not thin";
     if (offer.error.off_m == now.error.off_m)
       return offer.quality + " is the same here: so far off, layers of it run in fast";
     return fmt::format("{}: {:.2f} ms more, {:.3f} px less: {:.3f} px a millisecond", offer.quality,

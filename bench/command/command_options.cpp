@@ -227,6 +227,13 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
       ->needs(with_lod)
       ->capture_default_str();
   app.add_option(
+         "--least-chains", lod.least_chains,
+         "With --lod: least share of a layer's chains at mesh vertices that is simulated, 0 to 1; "
+         "they thin with the strands, by halves")
+      ->needs(with_lod)
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option(
          "--fast-quality-px", lod.fast_quality_px,
          "Modal layers of quality 'fine' are simulated in 'fast' while its typical error on "
          "the screen (no bound) is at most this, px; 0: never")

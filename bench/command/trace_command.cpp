@@ -131,6 +131,8 @@ std::string DescribeSettings(const RunArgs& args) {
   if (args.options.skip.lod) all.push_back("lod");
   if (args.options.skip.lod && args.options.lod.strand_budget)
     all.push_back(fmt::format("strand budget {}", args.options.lod.strand_budget));
+  if (args.options.skip.lod && args.options.lod.least_chains != LodSettings{}.least_chains)
+    all.push_back(fmt::format("at least {} of the chains", args.options.lod.least_chains));
   if (args.options.lod.fast_quality_px != LodSettings{}.fast_quality_px)
     all.push_back(fmt::format("fast quality up to {} px", args.options.lod.fast_quality_px));
   if (!args.options.skip.cull) all.push_back("no culling");

@@ -19,14 +19,11 @@ constexpr uint32_t kReferenceRate = 4;
 constexpr uint32_t kComparedEvery = 4;
 constexpr double kMostMicropixels = 1e9;
 
-// A run in which every strand lives.
 class Run {
  public:
-  Run(Scenario& scenario, float fast_quality_px) : running_(scenario, {}) {
-    lod_.fast_quality_px = fast_quality_px;
+  explicit Run(Scenario& scenario) : running_(scenario, {}), lod_(scenario.base.lod) {
     skip_.cull = skip_.sleep = false;
-    lod_.full_detail_px = 0.0f;
-    lod_.strand_budget = uint32_t(scenario.StrandCount());
+    skip_.lod = scenario.base.skip.lod;
   }
 
   void RunFrame(uint32_t frame) {
@@ -91,12 +88,14 @@ struct Sum {
   }
 };
 
+// Of the strands that live in `scene`.
 void Compare(const FurScene& scene, const ScenePointsLayout& layout, const Screen& screen,
              const ScenePoints& points, const ScenePoints& reference, std::vector<Sum>& sums) {
   for (const ScenePointsLayout::Piece& piece : layout.pieces()) {
     const uint32_t layer = scene.shape().chunk_layer[piece.chunk];
     const std::array<double, 3> origin = scene.OriginOfLayer(layer);
-    for (uint32_t lane = 0; lane < piece.strands; ++lane) {
+    const uint32_t live = scene.memory().Of<&Streams::chunk_state>(piece.chunk)->live_strands;
+    for (uint32_t lane = 0; lane < live; ++lane) {
       double at[3], off[3], square = 0.0;
       for (uint32_t k = 0; k < 3; ++k) {
         const size_t place = piece.PlaceOfTip(k, lane);
@@ -123,11 +122,12 @@ std::vector<std::vector<TipError>> MeasureTipErrors(const Scenario& scene, std::
   Scenario reference_scenario = accuracy::AtRate(dry, kReferenceRate, 1);
   accuracy::SetWay({.name = "", .label = "", .quality = ModalQuality::kBest}, dry,
                    reference_scenario);
-  Run reference(reference_scenario, frames.fast_quality_px);
+  reference_scenario.base.skip.lod = false;
+  Run reference(reference_scenario);
   std::vector<std::unique_ptr<Run>> runs;
   for (Scenario& way : ways) {
     way.weather_course = {};
-    runs.push_back(std::make_unique<Run>(way, frames.fast_quality_px));
+    runs.push_back(std::make_unique<Run>(way));
   }
   const FurScene& shown = reference.scene();
   std::vector<std::vector<Sum>> sums(ways.size(), std::vector<Sum>(shown.shape().layer_count + 1));
@@ -144,7 +144,7 @@ std::vector<std::vector<TipError>> MeasureTipErrors(const Scenario& scene, std::
     const Screen screen(reference.input());
     for (size_t w = 0; w < runs.size(); ++w) {
       layout->Read(runs[w]->scene(), points);
-      Compare(shown, *layout, screen, points, exact, sums[w]);
+      Compare(runs[w]->scene(), *layout, screen, points, exact, sums[w]);
     }
   }
   std::vector<std::vector<TipError>> errors;

@@ -3,7 +3,8 @@
 //
 // They belong where the modal solver at its best has them with four frames for one. As in
 // scene_precision.hpp all ways and the reference go through the frames in lockstep, the scene is dry,
-// and nothing is culled or left out by level of detail. A layer's error does not depend on the others.
+// and nothing is culled. A way has the level of detail of its scenario's frames (FrameInput::lod), the
+// reference none; what lives is compared. A layer's error does not depend on the others.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,6 @@ struct TipError {
 
 struct ErrorFrames {
   uint32_t warm_up = 60, frames = 60;
-  float fast_quality_px = LodSettings{}.fast_quality_px;
   std::function<void(uint32_t done, uint32_t total)> progress = {};
 };
 

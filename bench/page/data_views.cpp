@@ -275,7 +275,7 @@ void ShowChains(const FurScene& scene, PictureScene& shown) {
          (kind & kLayerVertexChains) && p < shape.layer_first_patch[layer + 1]; ++p)
       AddChains(*memory.Of<&Streams::anchors>(p),
                 kind & kLayerModal ? FindPoints(memory, p) : *memory.Of<&Streams::vertex_points>(p),
-                memory.Of<&Streams::patch_state>(p)->live_vertices, colour, lines);
+                memory.Of<&Streams::patch_state>(p)->live_chains, colour, lines);
     if (kind & kLayerVertexChains) return lines;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
       const auto& state = *memory.Of<&Streams::chunk_state>(c);

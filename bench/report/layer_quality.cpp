@@ -25,6 +25,7 @@ void AddRow(const LayerQuality& layer, std::vector<Value> named, Show show, Repo
   values.push_back(modal ? Value(layer.asked) : Value());
   for (const auto quality : {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest})
     values.push_back(ShareOf(layer, quality));
+  values.push_back(modal ? Value(1.0 / double(1u << layer.chain_level)) : Value());
   values.push_back(modal ? Value(double(layer.error_px)) : Value());
   table.Add(std::move(values), show);
 }
@@ -54,6 +55,7 @@ void AddFrame(const FurScene& scene, std::vector<LayerQuality>& layers) {
     if (layer.asked.empty()) continue;
     const ScreenQuality ran = scene.QualityOf(l);
     ++layer.frames[size_t(ran.quality)];
+    layer.chain_level = std::max(layer.chain_level, ran.chain_level);
     layer.error_px = std::max(layer.error_px, ran.error_px);
   }
 }
@@ -72,6 +74,7 @@ void AddLayerQuality(const std::vector<LayerQuality>& layers, ReportTree& tree) 
                                                        {"ran.fast", "% ran", 1, "fast", 100},
                                                        {"ran.fine", "% ran", 1, "fine", 100},
                                                        {"ran.best", "% ran", 1, "best", 100},
+                                                       {"least_chains", "%", 1, "chains", 100},
                                                        {"error_px", "px", 2, "99 % within"}});
   for (size_t l = 0; l < layers.size(); ++l) {
     const LayerQuality& layer = layers[l];
@@ -85,6 +88,7 @@ void AddLayerQuality(const std::vector<LayerQuality>& layers, ReportTree& tree) 
       continue;
     }
     for (size_t q = 0; q < layer.frames.size(); ++q) group.sum.frames[q] += layer.frames[q];
+    group.sum.chain_level = std::max(group.sum.chain_level, layer.chain_level);
     group.sum.error_px = std::max(group.sum.error_px, layer.error_px);
   }
   for (const auto& [key, group] : groups)

@@ -20,6 +20,7 @@ struct LayerQuality {
   std::string_view solver,
       asked;  // as in a setup; asked: quality, empty of other solvers than modal
   std::array<uint32_t, 3> frames{};  // by quality
+  uint32_t chain_level = 0;          // coarsest of a frame
   float error_px = 0.0f;             // largest bound of a frame
 };
 

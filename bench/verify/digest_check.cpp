@@ -130,6 +130,8 @@ class DigestCheck {
     const auto counts = desc.lanes.count;
     if (counts == &streams_detail::CountVertices)
       return scene.memory().Of<&Streams::patch_state>(item)->live_vertices;
+    if (counts == &streams_detail::CountLiveChains)
+      return scene.memory().Of<&Streams::patch_state>(item)->live_chains;
     if (counts == &streams_detail::CountStrands || output) return state(item).live_strands;
     const uint32_t layer = shape.chunk_layer[item];
     uint32_t drawn = 0;

@@ -156,6 +156,7 @@ RandomScene DrawFrom(Random random) {
   drawn.skip.lod = random.Below(3) == 0;
   drawn.lod.strand_budget = random.Below(2) ? uint32_t(scenario.StrandCount() / 2) : 0;
   drawn.lod.fast_quality_px = float(random.Below(3));
+  drawn.lod.least_chains = 0.5f * float(random.Below(3));
   DrawCourse(random, scenario);
   size_t layers = 0;
   for (const Groom& groom : scenario.grooms) layers += groom.layers.size();

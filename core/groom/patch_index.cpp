@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/float_rules.hpp"
+#include "core/groom/chain_order.hpp"
 
 namespace pelt {
 namespace {
@@ -24,6 +25,16 @@ PatchBlock DescribePatch(const MeshBlock& mesh, std::span<const double> live_fro
     patch.live_from[group] = float(from);
   }
   return patch;
+}
+
+ChainParentBlock DescribeChains(const MeshBlock& mesh) {
+  std::vector<ChainPlace> places(mesh.vertex_count);
+  for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+    for (int k = 0; k < 3; ++k) {
+      places[v].position[k] = mesh.position[k][v];
+      places[v].normal[k] = mesh.normal[k][v];
+    }
+  return FindChainParents(places);
 }
 
 PatchListBlock ListPatches(const StrandBlock& strands, const HaloBlock& halo) {
@@ -64,10 +75,12 @@ PatchIndex IndexPatches(const Groom& groom, const GroomLayer& layer) {
       }
     index.chunks.push_back(ListPatches(strands, halo));
   }
-  for (uint32_t p = 0; p < layer.patch_count; ++p)
+  for (uint32_t p = 0; p < layer.patch_count; ++p) {
+    const MeshBlock& mesh = groom.mesh[layer.first_patch + p];
     index.patches.push_back(DescribePatch(
-        groom.mesh[layer.first_patch + p],
-        std::span(live_from).subspan(size_t(p) * kVerticesPerChunk, kVerticesPerChunk)));
+        mesh, std::span(live_from).subspan(size_t(p) * kVerticesPerChunk, kVerticesPerChunk)));
+    index.parents.push_back(DescribeChains(mesh));
+  }
   return index;
 }
 

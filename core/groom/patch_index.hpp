@@ -18,8 +18,9 @@ JointSet FindJoints(const MeshBlock&, uint32_t lane);
 double LiveFrom(uint32_t place, uint32_t count);
 
 struct PatchIndex {
-  std::vector<PatchBlock> patches;     // of the layer
-  std::vector<PatchListBlock> chunks;  // of each of its chunks
+  std::vector<PatchBlock> patches;        // of the layer
+  std::vector<ChainParentBlock> parents;  // of each of them
+  std::vector<PatchListBlock> chunks;     // of each of its chunks
 };
 
 // The groom's blocks must agree with each other (FindGroomFault).

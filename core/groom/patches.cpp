@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/float_rules.hpp"
+#include "core/groom/chain_order.hpp"
 #include "core/groom/patch_index.hpp"
 
 namespace pelt {
@@ -216,7 +217,7 @@ class PatchBuilder {
     ListVertices(part);
     if (!NumberJoints()) return false;
     uint64_t group_joints = 0;
-    for (uint32_t bucket = 0; bucket < 4; ++bucket) {
+    for (uint32_t bucket = 0; bucket < kTaken; ++bucket) {
       uint32_t left = 0;
       for (const PatchVertex& v : vertices_) left += v.bucket == bucket;
       for (; left > 0; --left) {
@@ -240,17 +241,22 @@ class PatchBuilder {
  private:
   struct PatchVertex {
     uint32_t vertex;
-    uint32_t bucket;  // 0: used by the first eighth of the strands ... 3: by the second half only
+    uint32_t bucket;  // by level, the coarsest first, and in each by use
     uint64_t joints;
   };
 
   void ListVertices(std::span<const UsedVertex> part) {
-    vertices_.clear();
+    std::vector<ChainPlace> places;
     for (const UsedVertex& used : part) {
       const double from = used.live_from + 1e-5;  // LiveFrom is a little below
-      const uint32_t bucket = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
-      vertices_.push_back({used.vertex, bucket, 0});
+      const uint32_t use = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
+      places.push_back({mesh_.position[used.vertex], mesh_.normal[used.vertex], use});
     }
+    const std::vector<uint32_t> levels = FindChainLevels(places);
+    vertices_.clear();
+    for (size_t i = 0; i < part.size(); ++i)
+      vertices_.push_back(
+          {part[i].vertex, (kChainLevels - 1 - levels[i]) * kUses + places[i].use, 0});
   }
 
   // Ascending numbers for the joints of the patch; false when there are more than fit.
@@ -305,7 +311,7 @@ class PatchBuilder {
     }
   }
 
-  static constexpr uint32_t kTaken = 4;
+  static constexpr uint32_t kUses = 4, kTaken = kChainLevels * kUses;
   const Mesh& mesh_;
   std::vector<PatchVertex> vertices_;
   std::vector<uint8_t> patch_joint_;

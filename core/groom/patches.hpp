@@ -10,9 +10,9 @@
 // Inside a chunk strands keep the layer's progressive order.
 //
 // Vertices are patched in the order in which the chunks use them, each once, in parts of one size. In a
-// patch they are ordered by the share of living strands, 1/8, 1/4, 1/2 and all, from which on some
-// chunk uses them, so that a prefix of strands needs a prefix of vertices, and within that so that
-// groups of 16 share joints.
+// patch they are ordered by how long their chains stay when these thin (chain_order.hpp), then by the
+// share of living strands, 1/8, 1/4, 1/2 and all, from which on some chunk uses them, so that a prefix
+// of strands needs a prefix of vertices, and within that so that groups of 16 share joints.
 #pragma once
 
 #include <array>

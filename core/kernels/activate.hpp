@@ -73,6 +73,20 @@ PELT_INLINE uint32_t CountVertices(const PatchBlock& patch, float fraction) {
   return vertices < patch.vertex_count ? vertices : patch.vertex_count;
 }
 
+// How many of the living vertices' chains are simulated, and from where on they have no last frame.
+PELT_INLINE void WriteChains(const LodBlock& lod, uint32_t vertex_count, bool restart,
+                             ChunkStateBlock& s) {
+  const auto count = [&](uint32_t level) {
+    const uint32_t chains = CountChains(vertex_count, level);
+    return chains < s.live_vertices ? chains : s.live_vertices;
+  };
+  const uint32_t old = restart ? 0 : s.live_chains;
+  s.live_chains = count(lod.chain_level);
+  s.first_new_chain = old < s.live_chains ? old : s.live_chains;
+  s.parent_share = lod.parent_share;
+  s.whole_chains = lod.parent_share > 0.0f ? count(lod.chain_level + 1) : s.live_chains;
+}
+
 PELT_INLINE bool HasMoved(const PaletteBlock& palette,
                           const uint32_t (&joint_mask)[kJointsPerCharacter / 32]) {
   uint32_t moved = 0;
@@ -154,19 +168,26 @@ struct ActivatePatch {
     ChunkStateBlock& s = *ports.state;
     if (!IsSeen(*ports.layer, *ports.lod, patch.vertex_count)) {
       s.flags = s.live_vertices = s.first_new_vertex = 0;
+      s.live_chains = s.first_new_chain = s.whole_chains = 0;
+      s.parent_share = 0.0f;
       s.moved = s.was_moved = s.state_changed = 0;
       return;
     }
-    const LastFrame last = ReadLastFrame(s, s.live_vertices, s.first_new_vertex);
+    const LastFrame last = ReadLastFrame(s, s.live_chains, s.first_new_chain);
+    const uint32_t last_vertices = s.live_vertices;
+    const float last_share = s.parent_share;
     const bool restart = Restarts(p, last, *ports.palette);
     s.was_moved = last.moved ? 1u : 0u;
     s.moved = HasMoved(*ports.palette, patch.joint_mask) ? 1u : 0u;
     s.live_vertices = CountVertices(patch, ports.lod->fraction);
-    const uint32_t old = restart ? 0 : last.live;
+    const uint32_t old = restart ? 0 : last_vertices;
     s.first_new_vertex = old < s.live_vertices ? old : s.live_vertices;
-    const bool grew = s.first_new_vertex < s.live_vertices;
-    const uint32_t stages = DecideStages(
-        p, *ports.layer, s, last, {restart, grew, s.live_vertices != last.live, false, false});
+    WriteChains(*ports.lod, patch.vertex_count, restart, s);
+    const bool grew = s.first_new_vertex < s.live_vertices || s.first_new_chain < s.live_chains;
+    const bool live_changed = s.live_vertices != last_vertices || s.live_chains != last.live ||
+                              s.parent_share != last_share;
+    const uint32_t stages =
+        DecideStages(p, *ports.layer, s, last, {restart, grew, live_changed, false, false});
     s.flags = kChunkVisible | stages | (restart ? kChunkRestart : 0u);
     s.state_changed = 0;
   }

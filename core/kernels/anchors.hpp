@@ -22,7 +22,7 @@ struct Anchors {
   };
 
   static void Run(const Ports& ports) {
-    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_chains);
     RootBlock& anchors = *ports.anchors;
     for (uint32_t v = 0; v < lanes; v += V::kLanes) {
       const SkinnedVertex* const in = ports.skinned->vertex + v;

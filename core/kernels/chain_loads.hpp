@@ -3,7 +3,8 @@
 // are from their groom, for interpolate.hpp.
 //
 // Loads are written times a part's length, so that they do not depend on it: what moves and pulls a coat
-// does so by as many m/s^2 whatever the strand's length.
+// does so by as many m/s^2 whatever the strand's length. So chains that a level leaves out (CountChains)
+// take those of three that are kept, blended.
 #pragma once
 
 #include <string_view>
@@ -13,6 +14,48 @@
 #include "core/streams.hpp"
 
 namespace pelt {
+
+// Loads of the chains that follow others, and of those that come or go, which keep a share of their own.
+// What they follow lies in lanes before their group.
+template <class V>
+struct FollowChains {
+  const ChunkStateBlock& state;
+  const ChainParentBlock& parents;
+  LoadBlock& loads;
+
+  PELT_INLINE void Run() const {
+    const uint32_t end = RoundUpToLaneGroups(state.live_vertices);
+    for (uint32_t lane = RoundUpToLaneGroups(state.whole_chains); lane < end; lane += V::kLanes) {
+      WriteLanes<0>(lane);
+      WriteLanes<1>(lane);
+      WriteLanes<2>(lane);
+      WriteLanes<3>(lane);
+    }
+  }
+
+ private:
+  // Lanes kFirst, kFirst + 4, ...
+  template <int kFirst>
+  PELT_INLINE void WriteLanes(uint32_t lane) const {
+    const bool keeps = lane < state.live_chains;
+    const V from_parents(state.parent_share), own(1.0f - state.parent_share);
+    PELT_UNROLL
+    for (uint32_t i = 0; i < 3; ++i) {
+      V sum(0.0f);
+      PELT_UNROLL
+      for (uint32_t k = 0; k < 3; ++k) {
+        const V share = SplatInFours<kFirst>(V::Load(parents.share[k] + lane));
+        sum = sum + share * LoadRecords<V, kFirst>([&](int l) {
+                      const uint32_t from = parents.lanes[lane + uint32_t(l)] >> 8 * k & 0xffu;
+                      return loads.vertex[from].part[i];
+                    });
+      }
+      const auto to = [&](int l) { return loads.vertex[lane + uint32_t(l)].part[i]; };
+      if (keeps) sum = own * LoadRecords<V, kFirst>(to) + from_parents * sum;
+      StoreRecords<kFirst>(sum, to);
+    }
+  }
+};
 
 template <class V>
 struct ChainLoads {
@@ -25,12 +68,14 @@ struct ChainLoads {
     In<&Streams::vertex_rest> rest;
     In<&Streams::anchors> anchors;
     In<&Streams::vertex_modal> chain;
+    In<&Streams::chain_parents> parents;
     Out<&Streams::vertex_loads> loads;
   };
 
   static void Run(const Ports& ports) {
-    const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_chains);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) WriteGroup(ports, lane);
+    FollowChains<V>{*ports.state, *ports.parents, *ports.loads}.Run();
   }
 
  private:
@@ -69,11 +114,12 @@ struct ChainDisplacements {
     In<&Streams::vertex_rest> rest;
     In<&Streams::anchors> anchors;
     In<&Streams::vertex_points> chains;
+    In<&Streams::chain_parents> parents;
     Out<&Streams::vertex_loads> loads;
   };
 
   static void Run(const Ports& ports) {
-    const uint32_t end = RoundUpToLaneGroups(ports.state->live_vertices);
+    const uint32_t end = RoundUpToLaneGroups(ports.state->live_chains);
     for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
       chain::Group<V, kFree> g;
       chain::LoadGroom<V, 4>(*ports.rest, *ports.anchors, 0.0f, ports.layer->scale, lane, g);
@@ -85,6 +131,7 @@ struct ChainDisplacements {
                           d.x, d.y, d.z, V(0.0f));
       }
     }
+    FollowChains<V>{*ports.state, *ports.parents, *ports.loads}.Run();
   }
 };
 

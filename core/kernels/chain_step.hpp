@@ -64,7 +64,7 @@ bool RunRange(uint32_t begin, uint32_t end, uint32_t live, bool follows, const G
 template <bool kVertexChains, class Ports, class Range>
 PELT_INLINE void RunChunk(const Ports& ports, const Range& range) {
   ChunkStateBlock& state = *ports.state;
-  const uint32_t live = kVertexChains ? state.live_vertices : state.live_strands;
+  const uint32_t live = kVertexChains ? state.live_chains : state.live_strands;
   const uint32_t end = RoundUpToLaneGroups(live);
   uint32_t controls = end;
   if constexpr (!kVertexChains)
@@ -154,7 +154,7 @@ struct Step {
     Solver::Iterate(layer, colliders, !kVertexChains && follows, clump_pull, g);
 
     ahead.template Fetch<3>();
-    const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
+    const uint32_t first_new = kVertexChains ? state.first_new_chain : state.first_new_strand;
     const auto fresh = !(lanes < typename W::Int(int32_t(first_new)));
     return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, colliders, fresh,
                                   lane, g, *ports.position, *ports.previous) &

@@ -91,7 +91,7 @@ struct AnchorRates {
   };
 
   static void Run(const Ports& ports) {
-    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_vertices);
+    const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_chains);
     for (uint32_t v = 0; v < lanes; v += V::kLanes) {
       const auto rates = root_rates_detail::RatesOfVertices<V>(*ports.palette, *ports.palette_rates,
                                                                *ports.mesh, v);

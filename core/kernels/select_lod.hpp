@@ -14,6 +14,13 @@
 // only through the band. The last strands of the prefix fade out; the fade narrows to nothing as
 // the share reaches 1, so it does not jump there either.
 //
+// Chains at mesh vertices thin with the strands and twice as fast, by halves (CountChains): a layer that
+// lacks a strand simulates half of each patch's, with half of its strands a quarter, then an eighth.
+// The others follow three that are kept. The loads of those that go or come are blended over 16 frames,
+// so that nothing jumps: a chain that comes starts from the groom when nothing is seen of it yet. On
+// `cast` with LOD 99 % of tips are 0.53 px off then where all chains leave 0.27, for two thirds of the
+// frame on consoles; thinning like the strands leaves 0.41 and takes four fifths.
+//
 // Shells are of whole layers: of one that is seen every strand (triangle) lives, at any distance
 // that it has a shell at (select_shells.hpp), and the budget does not count them.
 //
@@ -44,6 +51,7 @@ struct SelectLodParams {
   float hysteresis;          // share of the present fraction a change must exceed, 0..1
   float budget_scale;        // from BudgetScale, 0..1
   float fade_share;          // share of the living strands that fade, 0..1
+  float least_chains;        // least share of a layer's chains that are simulated, 0..1
   uint32_t flags;            // SelectLodFlag
 };
 
@@ -88,6 +96,35 @@ PELT_INLINE float WantedFraction(const SelectLodParams& p, const BoundsBlock& bo
   return wanted < p.min_fraction ? p.min_fraction : wanted;
 }
 
+// The coarsest level at which at least half as large a share of the chains is simulated as of the
+// strands live.
+PELT_INLINE uint32_t LevelOf(float fraction, float least_chains) {
+  if (fraction >= 1.0f) return 0;
+  uint32_t level = 0;
+  float share = 0.5f;
+  while (level + 1 < kChainLevels && share >= 0.5f * fraction && share >= least_chains) {
+    ++level;
+    share = share * 0.5f;
+  }
+  return level;
+}
+
+// One step from level to level.
+PELT_INLINE void FollowLevel(uint32_t target, LodBlock& lod) {
+  constexpr float kStep = 1.0f / 16.0f;
+  if (target > lod.chain_level) {  // fewer
+    lod.parent_share = lod.parent_share + kStep;
+    if (lod.parent_share < 1.0f) return;
+    ++lod.chain_level;
+    lod.parent_share = 0.0f;
+  } else if (lod.parent_share > 0.0f) {
+    lod.parent_share = lod.parent_share - kStep;
+  } else if (target < lod.chain_level) {
+    --lod.chain_level;
+    lod.parent_share = 1.0f;
+  }
+}
+
 // `present` is last frame's fraction, 0 when the layer was not visible.
 PELT_INLINE float FollowTarget(float present, float target, float hysteresis) {
   if (present <= 0.0f || target >= 1.0f) return target;
@@ -124,6 +161,19 @@ struct SelectLod {
     InOut<&Streams::lod> lod;
   };
 
+  static PELT_INLINE void SetChains(const Params& p, const Ports& ports) {
+    using namespace select_lod_detail;
+    LodBlock& lod = *ports.lod;
+    const bool thins = (p.flags & kLodOn) && !(ports.layer->flags & kLayerShells);
+    const uint32_t target = thins ? LevelOf(lod.fraction, p.least_chains) : 0;
+    if (thins && lod.was_visible) {
+      FollowLevel(target, lod);
+    } else {
+      lod.chain_level = target;
+      lod.parent_share = 0.0f;
+    }
+  }
+
   static PELT_INLINE void SetFraction(const Params& p, const Ports& ports) {
     using namespace select_lod_detail;
     LodBlock& lod = *ports.lod;
@@ -148,7 +198,12 @@ struct SelectLod {
     lod.was_visible = lod.visible;
     lod.visible = select_lod_detail::IsVisible(p, *ports.layer, *ports.bounds) ? 1u : 0u;
     if (lod.visible) SetFraction(p, ports);
-    if (lod.visible && lod.fraction > 0.0f) return;
+    if (lod.visible && lod.fraction > 0.0f) {
+      SetChains(p, ports);
+      return;
+    }
+    lod.chain_level = 0;
+    lod.parent_share = 0.0f;
     lod.visible = 0;
     lod.fraction = 0.0f;
     lod.fade = 0.0f;

@@ -51,7 +51,7 @@ PELT_INLINE void ShiftPoints(const LayerOriginBlock& origin, uint32_t lanes,
 
 template <bool kVertexChains>
 PELT_INLINE uint32_t LanesOf(const ChunkStateBlock& state) {
-  return RoundUpToLaneGroups(kVertexChains ? state.live_vertices : state.live_strands);
+  return RoundUpToLaneGroups(kVertexChains ? state.live_chains : state.live_strands);
 }
 
 }  // namespace shift_detail

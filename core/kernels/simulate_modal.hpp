@@ -364,7 +364,7 @@ struct SimulateModal {
     const ChunkStateBlock& state = *ports.state;
     const auto lanes = NumberLanes<V>(at);
     const Mask alive = lanes < typename V::Int(int32_t(live));
-    const uint32_t first_new = kVertexChains ? state.first_new_vertex : state.first_new_strand;
+    const uint32_t first_new = kVertexChains ? state.first_new_chain : state.first_new_strand;
     const bool restart = (state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate);
     const V strength = LoadLanes<V>(ports.rest->strength, at);
     const Mask fresh =

@@ -47,7 +47,7 @@ struct Wind {
   };
 
   static void Run(const Params& params, const Ports& ports) {
-    const uint32_t live = kVertexChains ? ports.state->live_vertices : ports.state->live_strands;
+    const uint32_t live = kVertexChains ? ports.state->live_chains : ports.state->live_strands;
     const uint32_t lanes = RoundUpToLaneGroups(live);
     const V response(ports.layer->wind_response);
     const Vec3<V> mean = {V(params.direction_speed[0]), V(params.direction_speed[1]),

@@ -25,10 +25,8 @@ ModalQuality QualityOnScreen(ModalQuality asked, ModalQuality last, const View& 
   return error * error <= allowed * allowed * distance2 ? ModalQuality::kFast : asked;
 }
 
-float ErrorOnScreenPx(ModalQuality quality, const View& view, const BoundsBlock& box,
-                      float length_max) {
-  return ErrorShare(quality) * length_max * view.pixels_per_unit_at_1m /
-         std::sqrt(SquaredDistanceFrom(view, box));
+float LengthOnScreenPx(const View& view, const BoundsBlock& box, float length) {
+  return length * view.pixels_per_unit_at_1m / std::sqrt(SquaredDistanceFrom(view, box));
 }
 
 }  // namespace pelt

@@ -32,18 +32,22 @@ ModalQuality QualityOnScreen(ModalQuality asked, ModalQuality last, const View& 
 
 // 99 % of a scene's tips are at most so far off `best` at 8 times the frame rate, over their layer's longest strand: in
 // every built-in scene that has one at another rate (`pelt accuracy --scene`, "within"). It is `eyepet` that needs it, whose
-// feet stand on the ground; README.md has what others are off.
-constexpr float ErrorShare(ModalQuality quality) {
-  constexpr float kShares[] = {0.08f, 0.06f, 0.06f};
-  return kShares[uint32_t(quality)];
+// feet stand on the ground; README.md has what others are off. Where chains at vertices are thinned (CountChains)
+// it is of the tips that live, and wider: `tiny` needs it, whose patches are small.
+constexpr float ErrorShare(ModalQuality quality, uint32_t chain_level = 0) {
+  constexpr float kShares[] = {0.08f, 0.06f, 0.06f},
+                  kThinned[kChainLevels] = {0, 0.04f, 0.10f, 0.12f};
+  return kShares[uint32_t(quality)] + kThinned[chain_level];
 }
+
+// The most that a length in the box spans on the screen, px: at its nearest place. For reports and what is drawn,
+// not for frames: has a root and a division.
+float LengthOnScreenPx(const View& view, const BoundsBlock& box, float length);
 
 struct ScreenQuality {
   ModalQuality quality;
-  float error_px;  // the bound, at the nearest place of the layer's box
+  uint32_t chain_level;  // of chains at vertices (CountChains)
+  float error_px;        // the bound, at the nearest place of the layer's box
 };
-// For reports: has a root and a division.
-float ErrorOnScreenPx(ModalQuality quality, const View& view, const BoundsBlock& box,
-                      float length_max);
 
 }  // namespace pelt

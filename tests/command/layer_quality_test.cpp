@@ -25,17 +25,18 @@ Scenario MixedScene(double distance_m) {
   return scenario;
 }
 
-ReportTree RunOf(double distance_m, float allowed_px) {
+ReportTree RunOf(double distance_m, float allowed_px, bool lod = false) {
   Scenario scenario = MixedScene(distance_m);
   RunOptions options;
   options.frames = kFrames;
   options.executor = "serial";
   options.lod.fast_quality_px = allowed_px;
+  options.skip.lod = lod;
   RunningScenario running(scenario, options.scene);
   return MakeRunTree(RunFrames(scenario, running, options));
 }
-nlohmann::json QualityOf(double distance_m, float allowed_px) {
-  return nlohmann::json::parse(RunOf(distance_m, allowed_px).Json())["layer_quality"];
+nlohmann::json QualityOf(double distance_m, float allowed_px, bool lod = false) {
+  return nlohmann::json::parse(RunOf(distance_m, allowed_px, lod).Json())["layer_quality"];
 }
 
 TEST(LayerQuality, IsThatOfTheFramesThatRan) {
@@ -65,6 +66,20 @@ TEST(LayerQuality, ItsBoundIsSmallerFromFurther) {
     const double ratio = double(near[l]["error_px"]) / double(far[l]["error_px"]);
     EXPECT_NEAR(ratio, 4.0, 0.5) << near[l];  // boxes are not points
   }
+}
+
+// With LOD an eighth of the chains at vertices is left, and the bound says what that costs.
+TEST(LayerQuality, ChainsThatAreThinnedWidenTheBound) {
+  const nlohmann::json all = QualityOf(40.0, 0.5f), thin = QualityOf(40.0, 0.5f, true);
+  uint32_t thinned = 0;
+  for (size_t l = 1; l < all.size(); ++l) {
+    EXPECT_EQ(all[l]["least_chains"], 1.0);
+    if (thin[l]["least_chains"] == 1.0) continue;  // of strands
+    EXPECT_EQ(thin[l]["least_chains"], 0.125);
+    EXPECT_GT(double(thin[l]["error_px"]), 1.3 * double(all[l]["error_px"]));
+    ++thinned;
+  }
+  EXPECT_GT(thinned, 0u);
 }
 
 TEST(LayerQuality, TextHasOneRowForLayersThatAreAlike) {

@@ -147,7 +147,7 @@ class Call {
     }
     return places;
   }
-  // Each group is lane k of it, many times; controls are as they are.
+  // Each group is lane k of it, many times; those that others follow are as they are.
   Places Alone(uint32_t k) const {
     Places places(kLanes);
     for (uint32_t l = 0; l < kLanes; ++l)
@@ -222,6 +222,16 @@ class Call {
     std::set<uint32_t> ends = {0, kLanes};
     ends.insert(std::min(kLanes, vertices ? state.first_new_vertex : state.first_new_strand));
     ends.insert(std::min(kLanes, vertices ? state.live_vertices : state.live_strands));
+    if (vertices) {
+      const uint32_t count = memory_.Of<&Streams::patches>(item_)->vertex_count;
+      for (const uint32_t end : {state.first_new_chain, state.whole_chains, state.live_chains})
+        ends.insert(std::min(kLanes, end));
+      // Chains that are left out follow those before their level.
+      for (uint32_t level = 1; level < kChainLevels; ++level)
+        ends.insert(CountChains(count, level));
+      if (state.whole_chains < state.live_vertices && FindPort("chain_parents"))
+        controls_ = CountChains(count, 1);
+    }
     for (const Port& port : ports_)
       if (port.written && port.moves) ends.insert(port.live);
     if (!vertices && (layer.flags & kLayerClump))
@@ -233,12 +243,22 @@ class Call {
     return size_t(std::upper_bound(ends_.begin(), ends_.end(), lane) - ends_.begin());
   }
 
-  // `back`: where a control strand is now.
+  const Port* FindPort(std::string_view stream) const {
+    const auto found = std::ranges::find(ports_, stream, &Port::stream);
+    return found == ports_.end() ? nullptr : &*found;
+  }
+
+  // `back`: where a control strand, and a chain that others follow, is now.
   static void Move(const Port& port, Bytes& from, Bytes& to, const Places& places,
                    const Places* back) {
     to = from;
     for (const LaneRow& row : port.rows) {
       row.Move(At(from), At(to), places);
+      if (back && port.stream == "chain_parents" && row.name == "lanes") {
+        auto* lanes = reinterpret_cast<uint8_t*>(At(to) + row.offset);
+        for (uint32_t l = 0; l < 4 * kLanes; ++l)
+          if (const uint32_t c = (*back)[lanes[l]]; c < kLanes) lanes[l] = uint8_t(c);
+      }
       if (!back || row.name != "control") continue;
       auto* control = reinterpret_cast<uint8_t*>(At(to) + row.offset);
       for (uint32_t l = 0; l < kLanes; ++l)

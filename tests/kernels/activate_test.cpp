@@ -245,6 +245,48 @@ TEST(Activate, GrowthStartsOnlyTheNewLanes) {
   ExpectOneStepMoreAfterGrowth(w);
 }
 
+// Of a patch of 100 that lives whole: half are kept, then a quarter.
+TEST(Activate, ChainsThinByTheirLevel) {
+  PatchWorld w(100);
+  Settle(w);
+  const ChunkStateBlock& s = w.state[0];
+  EXPECT_EQ(s.live_chains, 100u);
+  EXPECT_EQ(s.whole_chains, 100u);
+  const auto expect = [&](uint32_t live, uint32_t first_new, uint32_t whole, bool simulates) {
+    w.Run();
+    EXPECT_EQ(s.live_vertices, 100u);
+    EXPECT_EQ(s.live_chains, live);
+    EXPECT_EQ(s.first_new_chain, first_new);
+    EXPECT_EQ(s.whole_chains, whole);
+    EXPECT_EQ((s.flags & kChunkSimulate) != 0, simulates);
+    EXPECT_EQ((s.flags & kChunkSkin) != 0, first_new < live) << "anchors of chains that come";
+    w.state[0].state_changed = 0;
+  };
+  w.lod[0].parent_share = 0.25f;
+  expect(100, 100, 64, true);
+  expect(100, 100, 64, false);  // nothing moves
+  w.lod[0].parent_share = 0.5f;
+  expect(100, 100, 64, true);
+  w.lod[0].chain_level = 1;
+  w.lod[0].parent_share = 0.0f;
+  expect(64, 64, 64, true);
+  expect(64, 64, 64, false);
+  w.lod[0].parent_share = 0.5f;
+  expect(64, 64, 32, true);
+  w.lod[0].chain_level = 0;
+  w.lod[0].parent_share = 1.0f;
+  expect(100, 64, 64, true);
+  expect(100, 100, 64, true);  // its first step was not given what it is compared with
+  expect(100, 100, 64, false);
+  // Of a patch that does not live whole, those that do.
+  w.lod[0].chain_level = 0;
+  w.lod[0].parent_share = 0.0f;
+  w.lod[0].fraction = 0.5f;
+  w.Run();
+  EXPECT_EQ(s.live_vertices, 64u);
+  EXPECT_EQ(s.live_chains, 64u);
+}
+
 template <class W>
 void ExpectNoSleepOnTheFirstReport() {
   W w;

@@ -71,8 +71,8 @@ void MakeOrderly(ChainScene<kPoints>& s, uint32_t seed, uint32_t live = kStrands
   s.layer.iterations = 4;
   s.params.dt = 1.0f / 60.0f;
   s.params.rest_threshold = kRestThreshold;
-  s.state.live_strands = s.state.live_vertices = live;
-  s.state.first_new_strand = s.state.first_new_vertex = live;
+  s.state.live_strands = s.state.live_chains = live;
+  s.state.first_new_strand = s.state.first_new_chain = live;
   s.strands.strand_count = live;
   s.strands.control_count = 16;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
@@ -111,7 +111,7 @@ void MakeRandom(ChainScene<kPoints>& s, uint32_t seed) {
     return pick == 0 ? low : pick == 1 ? high : Uniform(random, low, high);
   };
   s.state.flags = kChunkSimulate;
-  s.state.first_new_strand = s.state.first_new_vertex =
+  s.state.first_new_strand = s.state.first_new_chain =
       random() % 2 ? s.state.live_strands : random() % (s.state.live_strands + 1);
   for (float& g : s.layer.gravity) g = Uniform(random, -10.0f, 10.0f);
   s.layer.velocity_keep = edge(0.8f, 1.0f);
@@ -342,9 +342,9 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
 template <uint32_t kPoints>
 double WorstDifference(const ChainScene<kPoints>& before, const ChainScene<kPoints>& after,
                        ReferenceSolver solver, bool vertex_chains) {
-  const uint32_t live = vertex_chains ? before.state.live_vertices : before.state.live_strands;
+  const uint32_t live = vertex_chains ? before.state.live_chains : before.state.live_strands;
   const uint32_t first_new =
-      vertex_chains ? before.state.first_new_vertex : before.state.first_new_strand;
+      vertex_chains ? before.state.first_new_chain : before.state.first_new_strand;
   double worst = 0.0;
   for (uint32_t lane = 0; lane < live; ++lane) {
     std::vector<D3> control;

@@ -21,6 +21,7 @@ struct Scene {
   ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
   ModalTableBlock table;
   ModalStateBlock<3> modal;
+  ChainParentBlock parents;
   LoadBlock loads;
 };
 
@@ -69,7 +70,8 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, double swing, double tension) {
   s->chains.layer.surface_hardness = 0.0f;
   s->chains.layer.clump = 0.7f;
   s->chains.state = s->strands.state;
-  s->chains.state.live_vertices = kVertices;
+  s->chains.state.live_vertices = s->chains.state.live_chains = kVertices;
+  s->chains.state.whole_chains = kVertices;
   SetFrequency(*s, double(Uniform(random, 1.0f, 5.0f)));
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     Links d = RestOf(s->table, s->chains, lane);
@@ -107,6 +109,7 @@ void RunKernels(Scene& s, PointBlock<4>& out) {
                             {&s.chains.rest, nullptr, 1},
                             {&s.chains.roots, nullptr, 1},
                             {&s.modal, nullptr, 1},
+                            {&s.parents, nullptr, 1},
                             {&s.loads, nullptr, 1}});
   RunKernel<InterpolateModal<W>>(s.strands.params, {{&s.chains.layer, nullptr, 1},
                                                     {&s.table, nullptr, 1},
@@ -246,6 +249,57 @@ TEST(InterpolateModal, MatchesDoubleReference) {
             << "seed " << seed << " lane " << lane << " point " << i + 1;
     }
   }
+}
+
+// Parents in the prefixes that bakes give them, three of different shares.
+void SetParents(Scene& s, std::mt19937& random) {
+  for (uint32_t level = kChainLevels - 1; level > 0; --level)
+    for (uint32_t lane = CountChains(kVertices, level); lane < CountChains(kVertices, level - 1);
+         ++lane) {
+      s.parents.lanes[lane] = 0;
+      float left = 1.0f;
+      for (uint32_t k = 0; k < 3; ++k) {
+        s.parents.lanes[lane] |= uint32_t(random() % CountChains(kVertices, level)) << 8 * k;
+        s.parents.share[k][lane] = k == 2 ? left : left * Uniform(random, 0.2f, 0.6f);
+        left -= s.parents.share[k][lane];
+      }
+    }
+}
+
+TEST(ChainLoads, ChainsLeftOutFollowTheirParents) {
+  auto out = std::make_unique<PointBlock<4>>();
+  for (uint32_t level = 0; level < kChainLevels; ++level)
+    for (const float parent_share : {0.0f, 0.375f, 1.0f}) {
+      if (level == kChainLevels - 1 && parent_share > 0.0f) continue;
+      auto s = MakeScene(level + 7, 0.4, 1.0);
+      std::mt19937 random(level);
+      SetParents(*s, random);
+      RunKernels<V>(*s, *out);
+      const LoadBlock own = s->loads;  // of all chains
+      ChunkStateBlock& state = s->chains.state;
+      state.live_chains = CountChains(kVertices, level);
+      state.parent_share = parent_share;
+      state.whole_chains =
+          parent_share > 0.0f ? CountChains(kVertices, level + 1) : state.live_chains;
+      RunKernels<V>(*s, *out);
+      for (uint32_t v = 0; v < kVertices; ++v)
+        for (uint32_t i = 0; i < N; ++i)
+          for (uint32_t c = 0; c < 4; ++c) {
+            double expected = double(own.vertex[v].part[i][c]);
+            if (v >= state.whole_chains) {
+              double from_parents = 0.0;
+              for (uint32_t k = 0; k < 3; ++k)
+                from_parents +=
+                    double(s->parents.share[k][v]) *
+                    double(s->loads.vertex[s->parents.lanes[v] >> 8 * k & 0xffu].part[i][c]);
+              const double share = v < state.live_chains ? double(parent_share) : 1.0;
+              expected = expected * (1.0 - share) + from_parents * share;
+            }
+            ASSERT_NEAR(double(s->loads.vertex[v].part[i][c]), expected,
+                        1e-5 * (1.0 + std::abs(expected)))
+                << "level " << level << ", share " << parent_share << ", vertex " << v;
+          }
+    }
 }
 
 void ExpectOnGroom(const Scene& s, const PointBlock<4>& out) {

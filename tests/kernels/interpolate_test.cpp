@@ -18,6 +18,7 @@ constexpr uint32_t kVertices = kVerticesPerChunk * 3 / 4;
 
 struct Scene {
   ChainScene<4> chains, strands;  // lanes are vertices; lanes are strands
+  ChainParentBlock parents;
   LoadBlock loads;
 };
 
@@ -28,7 +29,8 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, float swing) {
   std::mt19937 random(seed);
   MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
   s->chains.layer.clump = 0.7f;
-  s->chains.state.live_vertices = kVertices;
+  s->chains.state.live_vertices = s->chains.state.live_chains = kVertices;
+  s->chains.state.whole_chains = kVertices;
   StrandBlock& strands = s->strands.strands;
   strands.vertex_count = kVertices;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
@@ -58,6 +60,7 @@ void RunDisplacements(Scene& s) {
                                     {&s.chains.rest, nullptr, 1},
                                     {&s.chains.roots, nullptr, 1},
                                     {&s.chains.position, nullptr, 1},
+                                    {&s.parents, nullptr, 1},
                                     {&s.loads, nullptr, 1}});
 }
 
@@ -126,7 +129,8 @@ TEST(Interpolate, MatchesDoubleReference) {
 TEST(ChainDisplacements, AreTheDoubleReference) {
   for (const uint32_t live : {1u, 17u, kVertices}) {
     auto s = MakeScene(live, 0.4f);
-    s->chains.state.live_vertices = live;
+    s->chains.state.live_vertices = s->chains.state.live_chains = live;
+    s->chains.state.whole_chains = live;
     RunDisplacements<V>(*s);
     for (uint32_t vertex = 0; vertex < live; ++vertex) {
       const auto groom = GroomOf(s->chains.rest, s->chains.roots, vertex);

@@ -148,8 +148,8 @@ struct ModalScene {
     kernel.run(&params, bindings);
   }
   void RunAtVertices(Isa isa) {
-    state.live_vertices = state.live_strands;
-    state.first_new_vertex = state.first_new_strand;
+    state.live_chains = state.live_strands;
+    state.first_new_chain = state.first_new_strand;
     const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
     const Binding bindings[] = {one(layer), one(table), one(state), one(rest),
                                 one(roots), one(wind),  one(chain)};

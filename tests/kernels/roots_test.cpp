@@ -51,7 +51,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t live_strands, uint32_t live_vertices, 
   auto scene = std::make_unique<Scene>();
   std::mt19937 random(seed);
   scene->state.live_strands = live_strands;
-  scene->state.live_vertices = live_vertices;
+  scene->state.live_chains = live_vertices;
   for (SkinnedVertex& vertex : scene->skinned.vertex) {
     for (int c = 0; c < 3; ++c) {
       vertex.position[c] = Uniform(random, -2.0f, 2.0f);

@@ -334,6 +334,68 @@ TEST(SelectLod, BudgetScaleHoldsTheBudgetAndDoesNotSwing) {
   EXPECT_EQ(BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 1000000), 1.0f);
 }
 
+// A layer that has this share of its strands: of its least, as far off as it is.
+void HoldAt(float fraction, SelectLodParams& p) {
+  p.full_detail_pixels = 1e9f;
+  p.min_fraction = fraction;
+}
+
+TEST(SelectLod, ChainsThinByHalvesTwiceAsFastAsTheStrands) {
+  struct Case {
+    float fraction, least_chains;
+    uint32_t level;
+  };
+  constexpr Case kCases[] = {{1.0f, 0.0f, 0},   {0.99f, 0.0f, 1}, {0.51f, 0.0f, 1},
+                             {0.5f, 0.0f, 2},   {0.26f, 0.0f, 2}, {0.25f, 0.0f, 3},
+                             {0.01f, 0.0f, 3},  {0.01f, 1.0f, 0}, {0.01f, 0.5f, 1},
+                             {0.01f, 0.26f, 1}, {0.01f, 0.25f, 2}};
+  for (const Case& c : kCases) {
+    World world;
+    world.SetBox(0, 1, 0, 0.5f);
+    SelectLodParams p = MakeParams(Camera{});
+    HoldAt(c.fraction, p);
+    p.least_chains = c.least_chains;
+    const LodBlock& lod = world.Run(p);
+    EXPECT_EQ(lod.chain_level, c.level) << c.fraction << ", " << c.least_chains;
+    EXPECT_EQ(lod.parent_share, 0.0f) << "comes into view as it stays";
+    p.flags = kCullOn;
+    EXPECT_EQ(world.Run(p).chain_level, 0u) << "without LOD all live";
+  }
+  World shells;
+  shells.layer[0].flags |= kLayerShells;
+  shells.SetBox(0, 1, 0, 0.5f);
+  SelectLodParams p = MakeParams(Camera{});
+  HoldAt(0.1f, p);
+  EXPECT_EQ(shells.Run(p).chain_level, 0u);
+}
+
+// From level to level what is seen moves by 1/16 a frame, whichever way it goes and when it turns.
+TEST(SelectLod, ChainsComeAndGoSlowly) {
+  World world;
+  world.SetBox(0, 1, 0, 0.5f);
+  SelectLodParams p = MakeParams(Camera{});
+  p.hysteresis = 0.0f;
+  const auto kept = [&](float fraction) {
+    HoldAt(fraction, p);
+    const LodBlock& lod = world.Run(p);
+    EXPECT_TRUE(lod.parent_share >= 0.0f && lod.parent_share <= 1.0f);
+    EXPECT_TRUE(lod.chain_level < kChainLevels - 1 || lod.parent_share == 0.0f);
+    return float(kChainLevels) - float(lod.chain_level) - lod.parent_share;
+  };
+  EXPECT_EQ(kept(1.0f), 4.0f);
+  float last = 4.0f;
+  constexpr std::pair<float, int> kCourse[] = {{0.1f, 48}, {0.3f, 34}, {1.0f, 10},
+                                               {0.1f, 5},  {1.0f, 12}, {0.4f, 40}};
+  for (const auto& [fraction, frames] : kCourse)
+    for (int f = 0; f < frames; ++f) {
+      const float now = kept(fraction);
+      EXPECT_LE(std::abs(now - last), 1.0f / 16.0f) << fraction << ", " << f;
+      last = now;
+    }
+  EXPECT_EQ(last, 2.0f) << "0.4 of the strands, a quarter of the chains";
+  EXPECT_EQ(world.lod[0].parent_share, 0.0f);
+}
+
 TEST(SelectLod, ABoxAroundTheEyeOrWithoutSizeStaysFinite) {
   World world;
   SelectLodParams p = MakeParams(Camera{});

@@ -198,7 +198,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t live_strands, uint32_t live_vertices) 
   auto scene = std::make_unique<Scene>();
   std::mt19937 random(6);
   scene->state.live_strands = live_strands;
-  scene->state.live_vertices = live_vertices;
+  scene->state.live_chains = live_vertices;
   scene->layer.wind_response = 1.75f;
   for (auto& row : scene->roots.position)
     for (float& v : row) v = Uniform(random, -3.0f, 3.0f);

@@ -150,8 +150,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 6, which a log without a snapshot is.
-TEST(InputLog, BytesAreThoseOfVersionSix) {
+// reads version 8.
+TEST(InputLog, BytesAreThoseOfVersionEight) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -161,7 +161,7 @@ TEST(InputLog, BytesAreThoseOfVersionSix) {
                           'N',
                           'P',
                           '\n',
-                          6,
+                          8,
                           0,
                           0,
                           0,
@@ -186,10 +186,10 @@ TEST(InputLog, BytesAreThoseOfVersionSix) {
                           0,
                           0};
   EXPECT_EQ(std::memcmp(bytes.data(), head, sizeof head), 0);
-  ASSERT_EQ(bytes.size(), 222559u);
+  ASSERT_EQ(bytes.size(), 222575u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0x43057def44bc7c28u);
+  EXPECT_EQ(digest.Value(), 0xa9bb1139bbf891b3u);
 }
 
 TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
@@ -207,10 +207,9 @@ TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
   const InputLog log = ReadInputLog(with, "x").OrThrow(),
                  plain = ReadInputLog(without, "x").OrThrow();
   EXPECT_EQ(log.snapshot, snapshot);
-  EXPECT_EQ(log.version, 7u);
-  EXPECT_EQ(plain.version, 6u);
+  EXPECT_EQ(log.version, 8u);
+  EXPECT_EQ(plain.version, 8u);
   std::vector<std::byte> forged = without;
-  input_log::PutNumberAt(forged, 8, 7u);
   input_log::PutNumberAt(forged, 16, 8u);
   EXPECT_NE(ErrorOf(Reseal(forged)).find("snapshot, byte"), std::string::npos);
   EXPECT_EQ(log.FrameCount(), 1u);
@@ -269,7 +268,7 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   }
   const std::vector<std::byte> bytes = writer.Finish();
   const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-  EXPECT_EQ(log.version, 6u);
+  EXPECT_EQ(log.version, 8u);
   EXPECT_TRUE(log.about.velocities);
   EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
   PoseRateBlock found;
@@ -315,7 +314,7 @@ TEST(InputLog, OriginsComeBack) {
     }
     const std::vector<std::byte> bytes = writer.Finish();
     const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-    EXPECT_EQ(log.version, 6u);
+    EXPECT_EQ(log.version, 8u);
     EXPECT_TRUE(log.about.origins);
     EXPECT_EQ(log.about.velocities, velocities);
     for (uint32_t f = 0; f < 4; ++f) {
@@ -380,26 +379,41 @@ TEST(InputLog, VersionThreeIsStillRead) {
   }
 }
 
-// From before the quality went by the size on the screen: it did not.
-TEST(InputLog, VersionFiveIsStillRead) {
+// A log of one frame, without what versions below 8 and 6 lack.
+std::vector<std::byte> WriteAsVersion(uint32_t version) {
   const RecordedFrames recorded = MakeRecordedFrames();
   InputLogWriter writer;
   const std::span<const std::byte> groom = recorded.grooms[0];
-  ASSERT_EQ(writer.Begin(recorded.about, {&groom, 1}), nullptr);
+  EXPECT_EQ(writer.Begin(recorded.about, {&groom, 1}), nullptr);
   FrameInput input;
   input.skip.light = false;
-  ASSERT_EQ(writer.AddFrame(input, std::span(recorded.poses[0]).first(1), 0), nullptr);
+  EXPECT_EQ(writer.AddFrame(input, std::span(recorded.poses[0]).first(1), 0), nullptr);
   std::vector<std::byte> bytes = writer.Finish();
   const InputLog now = ReadInputLog(bytes, "x").OrThrow();
   EXPECT_EQ(now.Input(0).lod.fast_quality_px, 0.5f);
+  EXPECT_EQ(now.Input(0).lod.least_chains, 0.0f);
   // Before the pose: five counts, the weather's, and what pose it is.
-  const auto field = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4 - 4);
-  bytes.erase(field, field + 4);
-  bytes.resize(bytes.size() - 4);  // how many frames have velocities of colliders
-  input_log::PutNumberAt(bytes, 8, 5u);
-  const InputLog then = ReadInputLog(Reseal(bytes), "x").OrThrow();
+  const auto end = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4);
+  bytes.erase(end - (version < 6 ? 8 : 4), end);
+  if (version < 6) bytes.resize(bytes.size() - 4);  // how many frames have velocities of colliders
+  input_log::PutNumberAt(bytes, 8, version);
+  return Reseal(bytes);
+}
+
+// From before chains thinned: all were simulated.
+TEST(InputLog, VersionSevenIsStillRead) {
+  const InputLog then = ReadInputLog(WriteAsVersion(7), "x").OrThrow();
+  EXPECT_EQ(then.version, 7u);
+  EXPECT_EQ(then.Input(0).lod.least_chains, 1.0f);
+  EXPECT_EQ(then.Input(0).lod.fast_quality_px, 0.5f);
+}
+
+// From before the quality went by the size on the screen: it did not.
+TEST(InputLog, VersionFiveIsStillRead) {
+  const InputLog then = ReadInputLog(WriteAsVersion(5), "x").OrThrow();
   EXPECT_EQ(then.version, 5u);
   EXPECT_EQ(then.Input(0).lod.fast_quality_px, 0.0f);
+  EXPECT_EQ(then.Input(0).lod.least_chains, 1.0f);
   EXPECT_FALSE(then.Input(0).skip.light);
   EXPECT_EQ(then.poses.size(), 1u);
 }
@@ -502,9 +516,9 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 8, "byte 8: version 8, this program reads 1 to 7"},
+      {"version", 8, 9, "byte 8: version 9, this program reads 1 to 8"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"unknown options", 16, 8, "byte 16: options are 8, version 6 has none above 7"},
+      {"unknown options", 16, 16, "byte 16: options are 16, version 8 has none above 15"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},

@@ -55,6 +55,7 @@ void ActivateWithoutRestart(const void* params, const Binding* bindings) {
   state.flags &= ~uint32_t(kChunkRestart);
   state.first_new_strand = state.live_strands;
   state.first_new_vertex = state.live_vertices;
+  state.first_new_chain = state.live_chains;
 }
 
 TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {

@@ -146,6 +146,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t rows_a_group) {
     FillStrands(scene->strands[c], random);
     scene->state[c].live_strands = scene->state[c].first_new_strand = kStrandsPerChunk;
     scene->state[c].live_vertices = scene->state[c].first_new_vertex = kVerticesPerChunk;
+    scene->state[c].live_chains = kVerticesPerChunk;
   }
   scene->layer.wind_response = 1.5f;
   scene->layer.length_max = 0.05f;

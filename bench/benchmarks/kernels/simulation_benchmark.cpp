@@ -169,6 +169,7 @@ struct Chunk {
   RootBlock roots;
   WindBlock wind;
   LoadBlock loads;
+  ChainParentBlock parents;
   PointBlock<kPoints> position, previous, strand_points;
   CurveBlock curves;
   RibbonBlock ribbons;
@@ -181,7 +182,8 @@ void FillChunk(uint32_t seed, Chunk<kPoints>& c) {
   uint32_t r = seed * 977u + 1u;
   c.state.flags = kChunkVisible | kChunkSkin | kChunkSimulate | kChunkFit | kChunkRestart;
   c.state.live_strands = c.state.live_vertices = kStrandsPerChunk;
-  c.state.first_new_strand = c.state.first_new_vertex = kStrandsPerChunk;
+  c.state.live_chains = c.state.whole_chains = kStrandsPerChunk;
+  c.state.first_new_strand = c.state.first_new_chain = kStrandsPerChunk;
   c.strands.strand_count = c.strands.vertex_count = kStrandsPerChunk;
   c.strands.control_count = 16;
   c.strands.first_strand = seed * kStrandsPerChunk;
@@ -264,6 +266,8 @@ void* FindBlock(const PortDesc& port, LayerBlock& layer, Chunk<kPoints>& c) {
       return &c.wind;
     case uint32_t(StreamOf<&Streams::vertex_loads>):
       return &c.loads;
+    case uint32_t(StreamOf<&Streams::chain_parents>):
+      return &c.parents;
     case uint32_t(StreamOf<&Streams::vertex_points>):
     case uint32_t(StreamOf<&Streams::strand_points5>):
       return &c.position;

@@ -44,6 +44,7 @@ TESTS = {
     "core/kernels/": ["kernels", "jobs", "determinism"],
     "core/simd/": ["kernels", "jobs", "determinism"],
     "core/exact_math": ["character", "kernels"],
+    "core/groom/": ["groom", "jobs", "determinism"],
     "core/": ["kernels", "jobs", "determinism"],
     "jobs/": ["jobs", "porting", "determinism"],
     "platform_sim/": ["determinism"],

@@ -1,0 +1,94 @@
+#include "core/groom/chain_order.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "core/float_rules.hpp"
+
+namespace pelt {
+namespace {
+
+class Distances {
+ public:
+  explicit Distances(std::span<const ChainPlace> places) : places_(places) {
+    glm::dvec3 low(places[0].position), high = low;
+    for (const ChainPlace& place : places) {
+      low = glm::min(low, glm::dvec3(place.position));
+      high = glm::max(high, glm::dvec3(place.position));
+    }
+    facing_scale_ = glm::dot(high - low, high - low) / 9.0;
+  }
+  double Squared(size_t a, size_t b) const {
+    const glm::dvec3 way = glm::dvec3(places_[a].position) - glm::dvec3(places_[b].position);
+    const double facing = glm::dot(glm::dvec3(places_[a].normal), glm::dvec3(places_[b].normal));
+    return glm::dot(way, way) + facing_scale_ * std::max(0.0, 1.0 - facing);
+  }
+
+ private:
+  std::span<const ChainPlace> places_;
+  double facing_scale_;  // m^2
+};
+
+// The first of those that are as far. Those of another use wait for all of less.
+std::vector<uint32_t> OrderFarthestFirst(std::span<const ChainPlace> places) {
+  const Distances distances(places);
+  std::vector<double> nearest(places.size(), std::numeric_limits<double>::max());
+  std::vector<uint32_t> order, left(places.size());
+  std::iota(left.begin(), left.end(), 0u);
+  while (!left.empty()) {
+    const auto next = std::min_element(left.begin(), left.end(), [&](uint32_t a, uint32_t b) {
+      return std::tuple(places[a].use, -nearest[a], a) < std::tuple(places[b].use, -nearest[b], b);
+    });
+    order.push_back(*next);
+    left.erase(next);
+    for (const uint32_t i : left)
+      nearest[i] = std::min(nearest[i], distances.Squared(i, order.back()));
+  }
+  return order;
+}
+
+// Where the prefix ends that a lane follows: of the first 0.
+uint32_t EndOfParents(uint32_t lane, uint32_t count) {
+  for (uint32_t level = 1; level < kChainLevels; ++level)
+    if (const uint32_t end = CountChains(count, level); lane >= end) return end;
+  return 0;
+}
+
+}  // namespace
+
+std::vector<uint32_t> FindChainLevels(std::span<const ChainPlace> places) {
+  std::vector<uint32_t> levels(places.size());
+  if (places.empty()) return levels;
+  const std::vector<uint32_t> order = OrderFarthestFirst(places);
+  for (uint32_t level = 1; level < kChainLevels; ++level)
+    for (uint32_t i = 0; i < CountChains(uint32_t(places.size()), level); ++i)
+      levels[order[i]] = level;
+  return levels;
+}
+
+ChainParentBlock FindChainParents(std::span<const ChainPlace> places) {
+  constexpr double kSame_m2 = 1.0e-12;
+  ChainParentBlock parents{};
+  if (places.empty()) return parents;
+  const Distances distances(places);
+  for (uint32_t lane = 0; lane < places.size(); ++lane) {
+    const uint32_t end = EndOfParents(lane, uint32_t(places.size()));
+    if (end == 0) continue;
+    std::vector<std::pair<double, uint32_t>> near;
+    for (uint32_t i = 0; i < end; ++i) near.emplace_back(distances.Squared(lane, i), i);
+    const size_t count = std::min<size_t>(3, end);
+    std::partial_sort(near.begin(), near.begin() + std::ptrdiff_t(count), near.end());
+    double weights[3] = {}, sum = 0.0;
+    for (size_t k = 0; k < count; ++k) sum += weights[k] = 1.0 / (near[k].first + kSame_m2);
+    for (size_t k = 0; k < count; ++k) {
+      parents.lanes[lane] |= near[k].second << 8 * k;
+      parents.share[k][lane] = float(weights[k] / sum);
+    }
+  }
+  return parents;
+}
+
+}  // namespace pelt
