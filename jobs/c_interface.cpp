@@ -491,6 +491,7 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .low = {},
           .high = {},
           .tip_width = from.tip_width,
+          .pieces = from.pieces,
           .looks = reinterpret_cast<const PeltLook*>(from.looks.data()),
           .look_count = uint32_t(from.looks.size()),
           .light = reinterpret_cast<const PeltLayerLight*>(from.light),

@@ -60,6 +60,8 @@ struct LayerDraw {
   double origin[3];
   float low[3], high[3];  // box around the layer's strands; m
   float tip_width;        // over the width at the root: instances do not carry it
+  // Straight pieces that instances' curves are drawn with from where the camera is (CurvePieces).
+  uint32_t pieces;
   // Of a lit layer: a record for each place in strand order, found by the strand's number, those of
   // strands that do not live holding anything; and what lights it. Else empty, and null.
   std::span<const LookRecord> looks;
@@ -78,6 +80,16 @@ struct LayerDraw {
     return {reinterpret_cast<const Vertex*>(vertices.data()), vertices.size() / sizeof(Vertex)};
   }
 };
+
+// Straight pieces, 2 to 8, of which strands of up to so many pixels are drawn: a strand that bends by 1.5 rad
+// over all of its length is at most length * 1.5 / (8 n^2) off its n pieces, which is kept to a quarter of a
+// pixel up to 85 px. 99 % of the strands of `monster`, `stage` and `cast` are within 0.3, 0.45 and 0.44 px.
+inline constexpr uint32_t kMostPieces = 8;
+constexpr uint32_t CurvePieces(float longest_px) {
+  uint32_t pieces = 2;
+  while (pieces < kMostPieces && 4.0f * float(pieces * pieces) < 3.0f * longest_px) ++pieces;
+  return pieces;
+}
 
 // Of a frame that has run; `draws` has room for the scene's layers.
 void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<LayerDraw>& draws);

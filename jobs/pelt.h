@@ -320,6 +320,7 @@ typedef struct PeltDraw {
   uint32_t live_strands; /* what pelt_copy_curves has */
   float low[3], high[3]; /* box around the layer's strands; m */
   float tip_width;       /* over the width at the root */
+  uint32_t pieces;       /* straight ones, 2 to 8, that PELT_INSTANCES' curves need from where the camera is */
   /* Of a lit layer: a record for each of `look_count` strands, by the strand's number; else NULL. */
   const PeltLook* looks;
   uint32_t look_count;

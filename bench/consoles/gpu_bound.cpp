@@ -8,9 +8,6 @@
 namespace pelt {
 namespace {
 
-// Straight pieces of a cubic that the GPU deforms.
-constexpr uint32_t kPieces = 8, kShadowPieces = 6;
-
 // Of one strand of an output.
 struct StrandGeometry {
   double vertices, vertex_instructions, triangles;
@@ -22,12 +19,10 @@ StrandGeometry Strip(uint32_t pieces, uint32_t instructions) {
   return {vertices, vertices * instructions, 2.0 * pieces};
 }
 
-StrandGeometry InPicture(Output output, const ShaderNumbers& shaders) {
-  if (output == Output::kInstances) return Strip(kPieces, shaders.curve_vertex);
-  return Strip(kRibbonPoints - 1, shaders.made_vertex);
-}
-StrandGeometry InShadowMap(Output output, const ShaderNumbers& shaders) {
-  if (output == Output::kInstances) return Strip(kShadowPieces, shaders.curve_shadow_vertex);
+// `curve_vertex`: instructions where the GPU deforms a cubic.
+StrandGeometry GeometryOf(const LayerDraw& draw, uint32_t curve_vertex,
+                          const ShaderNumbers& shaders) {
+  if (draw.output == Output::kInstances) return Strip(draw.pieces, curve_vertex);
   return Strip(kRibbonPoints - 1, shaders.made_vertex);
 }
 
@@ -79,8 +74,8 @@ std::vector<DrawPass> FindDrawPasses(const FurScene& scene, const View& view,
   std::vector<StrandCurve> curves;
   for (const LayerDraw& draw : scene.Draws()) {
     if (!draw.format().OfStrands()) continue;
-    AddLayer(draw, InShadowMap(draw.output, shaders), shadows);
-    AddLayer(draw, InPicture(draw.output, shaders), picture);
+    AddLayer(draw, GeometryOf(draw, shaders.curve_shadow_vertex, shaders), shadows);
+    AddLayer(draw, GeometryOf(draw, shaders.curve_vertex, shaders), picture);
     curves.resize(draw.live_strands);
     scene.CopyCurves(draw.layer, curves);
     std::vector<bool> is_drawn;

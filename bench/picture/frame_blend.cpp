@@ -35,8 +35,16 @@ void MixVertex(const ShellVertex& from, float share, ShellVertex& to) {
   Mix(from.force, share, to.force);
 }
 
+// Where a hair was, that may have been drawn with other pieces.
+glm::vec3 PlaceOn(const Hair& hair, float t) {
+  const float at = t * float(hair.knots - 1);
+  const uint32_t k = std::min(uint32_t(at), hair.knots - 2);
+  return glm::mix(hair.knot[k].at, hair.knot[k + 1].at, at - float(k));
+}
+
 void MixHair(const Hair& from, float share, Hair& to) {
-  for (uint32_t k = 0; k < to.knots; ++k) Mix(from.knot[k].at, share, to.knot[k].at);
+  for (uint32_t k = 0; k < to.knots; ++k)
+    Mix(PlaceOn(from, float(k) / float(to.knots - 1)), share, to.knot[k].at);
   Mix(from.root, share, to.root);
   MixUnit(from.normal, share, to.normal);
 }

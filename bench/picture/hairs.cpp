@@ -10,12 +10,12 @@ namespace {
 
 void ReadCurve(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   const CurveRecord& record = draw.As<CurveRecord>()[strand];
-  hair.knots = kCurveKnots;
+  hair.knots = draw.pieces + 1;
   hair.base_colour = record.base_colour;
   hair.tip_colour = record.tip_colour;
   hair.film_strip = record.tag >> 24;
-  for (uint32_t k = 0; k < kCurveKnots; ++k) {
-    const float t = float(k) / float(kCurveKnots - 1);
+  for (uint32_t k = 0; k < hair.knots; ++k) {
+    const float t = float(k) / float(draw.pieces);
     for (int c = 0; c < 3; ++c)
       hair.knot[k].at[c] =
           record.curve[0][c] +

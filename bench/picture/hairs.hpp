@@ -12,7 +12,7 @@
 
 namespace pelt {
 
-inline constexpr uint32_t kCurveKnots = 9;  // a cubic is drawn as eight straight pieces
+inline constexpr uint32_t kCurveKnots = kMostPieces + 1;
 
 // Strands as wide as this when they were baked, m, are cards of several hairs; no hair is, and few tufts are.
 inline constexpr float kCardWidth = 0.004f;

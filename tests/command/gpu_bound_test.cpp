@@ -54,14 +54,17 @@ TEST(GpuBound, PassesCountWhatThereIsToDraw) {
   const View view = MakeView(scenario.PrepareFrame(0, running.scene()).camera);
   const std::vector<DrawPass> passes = FindDrawPasses(running.scene(), view);
   ASSERT_EQ(passes.size(), 2u);
-  double made = 0, curved = 0;
-  for (const LayerDraw& draw : running.scene().Draws())
-    (draw.output == Output::kInstances ? curved : made) += draw.strand_count;
-  ASSERT_GT(made + curved, 0.0);
-  EXPECT_EQ(passes[0].vertices, 14 * curved + 10 * made);
-  EXPECT_EQ(passes[1].vertices, 18 * curved + 10 * made);
-  EXPECT_EQ(passes[0].triangles, 12 * curved + 8 * made);
-  EXPECT_EQ(passes[1].triangles, 16 * curved + 8 * made);
+  double made = 0, curved = 0, pieces = 0;
+  for (const LayerDraw& draw : running.scene().Draws()) {
+    const bool on_gpu = draw.output == Output::kInstances;
+    (on_gpu ? curved : made) += draw.strand_count;
+    pieces += double(draw.strand_count) * (on_gpu ? draw.pieces : 4);
+  }
+  ASSERT_GT(curved, 0.0);
+  for (const DrawPass& pass : passes) {
+    EXPECT_EQ(pass.vertices, 2 * (pieces + curved + made));
+    EXPECT_EQ(pass.triangles, 2 * pieces);
+  }
   EXPECT_EQ(passes[1].vertex_bytes, 64 * curved + 320 * made);
   EXPECT_EQ(passes[0].pixels, 0.0);
   EXPECT_GT(passes[1].pixels, 100.0);
