@@ -75,6 +75,8 @@ hold_file() {
 hold_file stress stress --quick --solvers modal --links 3 --rates 60 --isa reference
 hold_file accuracy accuracy --quick --presets soft
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12
+printf '[[layer]]\ncharacter = 0\nname = "vertex"\nsolver = "modal"\nquality = "fast"\n' >plan.toml
+hold_file accuracy_scene accuracy --quick --scene tiny --frames 12 --plan plan.toml
 hold_file accuracy_order accuracy --quick --scene tiny --order
 hold_file accuracy_features accuracy --quick --features --links 3
 
