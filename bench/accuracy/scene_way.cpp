@@ -35,9 +35,8 @@ std::vector<SceneWay> AllSceneWays() {
   ways.push_back({.name = "fine-sleep", .label = "modal fine, asleep at rest", .sleep = true});
   ways.push_back(
       {.name = "fine-on-screen", .label = "modal fine, fast if unseen", .on_screen = true});
-  ways.push_back({.name = "fine-half-chains",
-                  .label = "modal fine, half the chains at vertices",
-                  .strand_share = 0.99});
+  ways.push_back(
+      {.name = "fine-half-chains", .label = "modal fine, half the chains", .strand_share = 0.99});
   for (const int divisor : {2, 4})
     ways.push_back({.name = fmt::format("fine-lod-{}", divisor),
                     .label = fmt::format("modal fine, LOD to 1/{}", divisor),
