@@ -155,7 +155,7 @@ SceneRun::SceneRun(const SceneWay& way, Scenario& scenario, Isa isa)
   skip_.lod = way.strand_share < 1.0;
   if (!way.on_screen) lod_.fast_quality_px = 0.0f;
   // The budget alone decides.
-  lod_.full_detail_px = 0.0f;
+  lod_.full_detail_px = lod_.hysteresis = 0.0f;
   lod_.strand_budget = uint32_t(way.strand_share * double(scenario.StrandCount()));
   for (uint32_t s = 0; s < plan().stages.size(); ++s) {
     const std::string_view name = plan().stages[s].kernel.name;
