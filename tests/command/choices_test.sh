@@ -24,7 +24,7 @@ base_of() {
     'report '*) echo "${scene[@]}" --frames 1 --no-consoles --out out.html ;;
     'run --light' | 'run --renderer') echo "${scene[@]}" --frames 1 --picture out.png --picture-width 64 --picture-height 48 ;;
     'run '*) echo "${scene[@]}" --frames 1 ;;
-    'stress --links') echo --quick --rates 60 --isa reference ;;  # of the usual solvers those that can
+    'stress --links') echo --quick --rates 60 --isa reference --solvers modal ;;
     'stress '*) echo --quick --solvers modal,xpbd-2 --links 3 --isa reference ;;
     'timing '*) echo --kernel fit_cubic_4 ;;
     'trace record '*) echo "${scene[@]}" --frames 1 --out out.peltinput ;;
