@@ -17,7 +17,9 @@
 //
 // The first digit is spent when the word is made, so with 21 bits of key and 20,000 strands a word
 // is 11 + 15 bits: 32 do, and the scattered writes stay near the first-level cache. Where they do
-// not, words have 64.
+// not (a layer that the eye is within), words are strands alone, and every pass looks up their keys.
+//
+// Words go from the scratch to the order and back, so that the last pass ends in the order.
 //
 // The number of passes is chosen from the bits and the number of keys: a wide digit costs bins to
 // clear and to sum, a narrow one costs passes. Counts and bits only: the choice, like the result,
@@ -37,8 +39,8 @@ namespace pelt {
 
 // Largest layer, in chunks, whose sort fits a local store of `bytes` of data.
 constexpr uint32_t SortableChunks(uint32_t local_store_data_bytes) {
-  constexpr uint32_t kPerChunk = sizeof(SortKeyBlock) + sizeof(OrderBlock) +
-                                 2 * sizeof(SortPairBlock) + sizeof(ChunkStateBlock);
+  constexpr uint32_t kPerChunk =
+      sizeof(SortKeyBlock) + sizeof(OrderBlock) + sizeof(SortPairBlock) + sizeof(ChunkStateBlock);
   constexpr uint32_t kFixed = 4 * 1024;  // layer blocks, parameters, alignment
   return local_store_data_bytes > kFixed ? (local_store_data_bytes - kFixed) / kPerChunk : 0;
 }
@@ -71,8 +73,7 @@ PELT_INLINE DigitPlan PlanDigits(uint32_t bits, uint32_t count) {
 }
 
 // Scratch between passes; the blocks behind it are declared as pairs.
-typedef uint32_t __attribute__((may_alias)) Word32;
-typedef uint64_t __attribute__((may_alias)) Word64;
+typedef uint32_t __attribute__((may_alias)) SortWord;
 
 // Bits that tell `count` things apart.
 PELT_INLINE uint32_t BitsFor(uint32_t count) {
@@ -97,14 +98,13 @@ struct SortLayer {
   static constexpr std::string_view kName = "sort_layer";
   struct Ports {
     All<&Streams::sort_keys> keys;
-    AllOut<&Streams::sort_pairs_a> pairs_a;
-    AllOut<&Streams::sort_pairs_b> pairs_b;
+    AllOut<&Streams::sort_pairs_a> scratch;
     AllOut<&Streams::order> order;
   };
   // Blocks of a layer lie back to back, so a stream is one array over the layer's lanes.
   static_assert(sizeof(SortKeyBlock) == sizeof(uint32_t) * kStrandsPerChunk);
   static_assert(sizeof(OrderBlock) == sizeof(uint32_t) * kStrandsPerChunk);
-  static_assert(sizeof(SortPairBlock) == sizeof(uint64_t) * kStrandsPerChunk);
+  static_assert(sizeof(SortPairBlock) >= sizeof(uint32_t) * kStrandsPerChunk);
 
   static_assert(kStrandsPerChunk % kLaneGroup == 0);
 
@@ -152,17 +152,18 @@ struct SortLayer {
     return !Any(!(bits == I(-1)));
   }
 
-  // One layer's sort, once its digits are chosen: kPasses digits of digit_bits each. Loops work on
-  // copies of members: scattered words may alias them.
-  template <class Word, uint32_t kPasses>
+  // One layer's sort, once its digits are chosen: kPasses digits of digit_bits each; kHoldsKeys: words hold what is
+  // left of their keys. Loops work on copies of members: scattered words may alias them.
+  template <uint32_t kPasses, bool kHoldsKeys>
   struct Sorter {
     using Scalar = WordOf<V>;
+    using Word = sort_layer_detail::SortWord;
 
     const uint32_t* keys;
     uint32_t lanes;
     Range range;
     uint32_t digit_bits, index_bits;
-    uint32_t* order;
+    Word* order;
     // 32-bit keys: 4 passes of 8 bits, 3 of 11, 2 or 1 of 12.
     alignas(64) uint32_t bins[kPasses == 4 ? 4 << 8 : kPasses == 3 ? 3 << 11 : kPasses << 12];
 
@@ -209,64 +210,41 @@ struct SortLayer {
     }
 
     // The pass that reads keys: visible strands to their place by the first digit, culled ones
-    // behind all visible. What is written is make(key, strand), and just the strand for a culled
-    // one.
-    template <class Out, class Make>
-    PELT_INLINE void ScatterKeys(Out* to, Make make) {
-      const uint32_t mask = BinCount() - 1;
+    // behind all visible. A word is made of the key without that digit, and of a culled one just the strand.
+    PELT_INLINE void ScatterKeys(Word* to) {
+      const uint32_t mask = BinCount() - 1, bits = digit_bits, shift = index_bits;
       uint32_t* const next = bins;
       Scalar culled = range.count;
-      using Made = WordOf<V, Out>;
       ForEachLane(
           [&](uint32_t i, Scalar key, Scalar seen) __attribute__((always_inline)) {
             const Scalar bin = key & mask, place = LoadWord<V>(next, bin), keep = 0u - seen;
-            const Made made = (make(key) & (Made(0) - Made(seen))) | Made(i);
-            StoreWord<V>(to, (place & keep) | (culled & ~keep), made);
+            Scalar word = i;
+            if constexpr (kHoldsKeys) word = (((key >> bits) << shift) & keep) | word;
+            StoreWord<V>(to, (place & keep) | (culled & ~keep), word);
             StoreWord<V>(next, bin, place + seen);
             culled += 1u - seen;
           },
           [&](uint32_t first) __attribute__((always_inline)) {
-            for (uint32_t l = 0; l < kLaneGroup; ++l) StoreWord<V>(to, culled + l, Made(first + l));
+            for (uint32_t l = 0; l < kLaneGroup; ++l)
+              StoreWord<V>(to, culled + l, Scalar(first + l));
             culled += kLaneGroup;
           });
     }
-
-    // Words hold the key without its first digit.
-    PELT_INLINE void ScatterToWords(Word* to) {
-      const uint32_t bits = digit_bits, shift = index_bits;
-      ScatterKeys(
-          to, [&](Scalar key)
-                  __attribute__((always_inline)) { return WordOf<V, Word>(key >> bits) << shift; });
-      for (uint32_t i = range.count; i < lanes; ++i)
-        StoreWord<V>(order, i, Scalar(LoadWord<V>(to, i)));
-    }
-    PELT_INLINE void ScatterToOrder() {
-      ScatterKeys(
-          order, [](Scalar) __attribute__((always_inline)) { return Scalar(0u); });
-    }
+    // The last pass leaves strands.
+    template <bool kLast>
     PELT_INLINE void ScatterWords(uint32_t pass, const Word* from, Word* to) {
-      const uint32_t count = range.count, mask = BinCount() - 1;
-      const uint32_t shift = index_bits + (pass - 1) * digit_bits;
+      const uint32_t count = range.count, mask = BinCount() - 1, least = range.least;
+      const uint32_t shift = kHoldsKeys ? index_bits + (pass - 1) * digit_bits : pass * digit_bits;
+      const uint32_t strand = kHoldsKeys ? (1u << index_bits) - 1 : ~0u;
+      const uint32_t* const key_of = keys;
       uint32_t* const next = Bins(pass);
       for (uint32_t i = 0; i < count; ++i) {
-        const WordOf<V, Word> word = LoadWord<V>(from, i);
-        const Scalar bin = Scalar(word >> shift) & mask, place = LoadWord<V>(next, bin);
+        const Scalar word = LoadWord<V>(from, i);
+        Scalar key = word;
+        if constexpr (!kHoldsKeys) key = LoadWord<V>(key_of, word) - least;
+        const Scalar bin = (key >> shift) & mask, place = LoadWord<V>(next, bin);
         StoreWord<V>(next, bin, place + 1u);
-        StoreWord<V>(to, place, word);
-      }
-    }
-    // The last pass: strands into the order.
-    PELT_INLINE void PlaceWords(uint32_t pass, const Word* from) {
-      const uint32_t count = range.count, mask = BinCount() - 1;
-      const uint32_t shift = index_bits + (pass - 1) * digit_bits;
-      const Word strand = (Word(1) << index_bits) - 1;
-      uint32_t* const next = Bins(pass);
-      uint32_t* const to = order;
-      for (uint32_t i = 0; i < count; ++i) {
-        const WordOf<V, Word> word = LoadWord<V>(from, i);
-        const Scalar bin = Scalar(word >> shift) & mask, place = LoadWord<V>(next, bin);
-        StoreWord<V>(next, bin, place + 1u);
-        StoreWord<V>(to, place, Scalar(word & strand));
+        StoreWord<V>(to, place, kLast ? Scalar(word & strand) : word);
       }
     }
 
@@ -274,53 +252,57 @@ struct SortLayer {
     // here.
     PELT_INLINE bool Differs(uint32_t pass) { return Bins(pass)[0] != range.count; }
 
-    PELT_INLINE void Run(Word* from, Word* to) {
+    PELT_INLINE void Run(Word* scratch) {
       CountDigits();
       bool needed[kPasses];
-      uint32_t last = 0;
+      uint32_t last = 0, scatters = 1;
       for (uint32_t pass = 0; pass < kPasses; ++pass) {
         needed[pass] = Differs(pass);
         if (needed[pass]) last = pass;
+        if (pass > 0) scatters += needed[pass] ? 1 : 0;
         sort_layer_detail::SumBins<V>(Bins(pass), BinCount());
       }
       // The first pass makes the words, so it runs even where all keys agree on its digit.
-      if (last == 0) return ScatterToOrder();
-      ScatterToWords(from);
-      for (uint32_t pass = 1; pass < last; ++pass) {
+      Word *to = scatters % 2 != 0 ? order : scratch, *from = to == scratch ? order : scratch;
+      ScatterKeys(to);
+      if (to == scratch)
+        for (uint32_t i = range.count; i < lanes; ++i)
+          StoreWord<V>(order, i, Scalar(LoadWord<V>(to, i)));
+      for (uint32_t pass = 1; pass <= last; ++pass) {
         if (!needed[pass]) continue;
-        ScatterWords(pass, from, to);
-        Word* const swapped = from;
-        from = to;
-        to = swapped;
+        Word* const made = to;
+        to = from;
+        from = made;
+        if (pass == last)
+          ScatterWords<true>(pass, from, to);
+        else
+          ScatterWords<false>(pass, from, to);
       }
-      PlaceWords(last, from);
     }
   };
 
-  template <class Word, uint32_t kPasses>
+  template <uint32_t kPasses, bool kHoldsKeys>
   static PELT_INLINE void SortWords(const Ports& ports, const Range& range, uint32_t digit_bits,
                                     uint32_t index_bits) {
-    Sorter<Word, kPasses> sorter;
+    Sorter<kPasses, kHoldsKeys> sorter;
     sorter.keys = ports.keys.blocks->key;
     sorter.lanes = ports.keys.count * kStrandsPerChunk;
     sorter.range = range;
     sorter.digit_bits = digit_bits;
     sorter.index_bits = index_bits;
     sorter.order = ports.order.blocks->strand;
-    sorter.Run(reinterpret_cast<Word*>(ports.pairs_a.blocks),
-               reinterpret_cast<Word*>(ports.pairs_b.blocks));
+    sorter.Run(reinterpret_cast<sort_layer_detail::SortWord*>(ports.scratch.blocks));
   }
 
   template <uint32_t kPasses>
   static void SortDigits(const Ports& ports, const Range& range, uint32_t key_bits,
                          uint32_t digit_bits) {
-    using namespace sort_layer_detail;
-    const uint32_t index_bits = BitsFor(ports.keys.count * kStrandsPerChunk);
+    const uint32_t index_bits = sort_layer_detail::BitsFor(ports.keys.count * kStrandsPerChunk);
     const uint32_t kept_bits = key_bits > digit_bits ? key_bits - digit_bits : 0;
     if (kept_bits + index_bits <= 32)
-      SortWords<Word32, kPasses>(ports, range, digit_bits, index_bits);
+      SortWords<kPasses, true>(ports, range, digit_bits, index_bits);
     else
-      SortWords<Word64, kPasses>(ports, range, digit_bits, 32);
+      SortWords<kPasses, false>(ports, range, digit_bits, index_bits);
   }
 
   static void Run(const Ports& ports) {

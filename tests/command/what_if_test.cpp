@@ -76,12 +76,12 @@ TEST_P(ConsoleOf, AdviceOnAChangeIsWhatARunWithItTakes) {
 
 // Where layers are sorted in pieces: three rounds instead of four.
 TEST(WhatIf, WiderDigitsLeaveARoundOfTheSortOut) {
-  Scenario eyepet = LoadScenario("eyepet");
+  Scenario monster = LoadScenario("monster");
   ConsoleRequest request{.console = Console::kPs3, .frames = 3};
-  ConsoleRun run(eyepet, request);
+  ConsoleRun run(monster, request);
   const ConsoleBudget was = run.Run();
   request.what_if = WhatIf::kWiderDigits;
-  ConsoleRun changed(eyepet, request);
+  ConsoleRun changed(monster, request);
   const ConsoleBudget is = changed.Run();
   EXPECT_FALSE(is.differs_at);
   EXPECT_EQ(is.digest, was.digest);

@@ -44,7 +44,7 @@ struct World {
 
   template <class V>
   std::vector<uint32_t> SortWhole() {
-    test::RunKernel<SortLayer<V>>({keys.Bind(), a.Bind(), b.Bind(), order.Bind()});
+    test::RunKernel<SortLayer<V>>({keys.Bind(), a.Bind(), order.Bind()});
     return Order();
   }
 
