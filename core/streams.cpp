@@ -19,6 +19,10 @@ uint32_t CountVertices(const FrameMemory& memory, uint32_t patch) {
 uint32_t CountLiveChains(const FrameMemory& memory, uint32_t patch) {
   return memory.Of<&Streams::patch_state>(patch)->live_chains;
 }
+uint32_t CountFollowing(const FrameMemory& memory, uint32_t patch) {
+  const ChunkStateBlock& state = *memory.Of<&Streams::patch_state>(patch);
+  return state.whole_chains < state.live_vertices ? state.live_vertices : 0;
+}
 uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk) {
   const SceneShape& shape = *memory.shape;
   const uint32_t layer = shape.chunk_layer[chunk];

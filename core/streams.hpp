@@ -18,14 +18,17 @@ using enum Kept;
 uint32_t CountStrands(const FrameMemory& memory, uint32_t chunk);   // live ones
 uint32_t CountVertices(const FrameMemory& memory, uint32_t patch);  // live ones
 uint32_t CountLiveChains(const FrameMemory& memory, uint32_t patch);
+uint32_t CountFollowing(const FrameMemory& memory,
+                        uint32_t patch);  // live ones, if chains follow others
 uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk);  // of the layer's order, drawn
 uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk);
 uint32_t CountInEitherOrder(const FrameMemory& memory, uint32_t chunk);
 
 inline constexpr Lanes kAll{}, kLiveStrands{&CountStrands, kLaneGroup},
     kLiveVertices{&CountVertices, kLaneGroup}, kLiveChains{&CountLiveChains, kLaneGroup},
-    kKeyed{&CountStrands, 1, true}, kPainted{&CountStrands, kLaneGroup, true},
-    kPlaces{&CountPlaces}, kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
+    kFollowing{&CountFollowing, kLaneGroup}, kKeyed{&CountStrands, 1, true},
+    kPainted{&CountStrands, kLaneGroup, true}, kPlaces{&CountPlaces},
+    kInDrawOrder{&CountInDrawOrder}, kInEitherOrder{&CountInEitherOrder};
 
 inline constexpr uint32_t kFive = kLayerFivePoints, kNine = kLayerNinePoints, kModal = kLayerModal,
                           kShells = kLayerShells;
@@ -35,8 +38,9 @@ inline constexpr KindMask kOnVertices{kLayerVertexChains, 0}, kStrandChains{0, k
 inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibbons, 0},
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
-    kOfPaint{kLayerPainted | kLayerLit, kShells}, kFinned{kShells | kLayerFins, 0},
-    kRated{kModal | kLayerRates, 0}, kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0},
+    kOfPaint{kLayerPainted | kLayerLit, kShells}, kInPieces{kLayerSortInPieces, kShells},
+    kFinned{kShells | kLayerFins, 0}, kRated{kModal | kLayerRates, 0},
+    kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0},
     kRatedVertices{kModal | kLayerRates | kLayerVertexChains, 0},
     kRatedStrands{kModal | kLayerRates, kLayerVertexChains},
     kHeldVertices{kModal | kLayerSagFree | kLayerVertexChains, 0},
@@ -51,14 +55,14 @@ struct Streams {
   StreamRow<LayerBlock> layers{"layers", kLayer, kInput, kAll, {}, kState};
   StreamRow<LayerJointBlock> layer_joints{"layer_joints", kLayer, kInput};
   StreamRow<PatchBlock> patches{"patches", kPatch, kInput};
-  StreamRow<MeshBlock> mesh{"mesh", kPatch, kInput};
-  StreamRow<StrandBlock> strands{"strands", kChunk, kInput};
+  StreamRow<MeshBlock> mesh{"mesh", kPatch, kInput, kLiveVertices};
+  StreamRow<StrandBlock> strands{"strands", kChunk, kInput, kLiveStrands};
   StreamRow<HaloBlock> halo{"halo", kChunk, kInput};
   StreamRow<PatchListBlock> patch_list{"patch_list", kChunk, kInput, kAll, kOnVertices};
   // Of chains at mesh vertices; of strands that follow them, and chains of 4 and 5 points.
-  StreamRow<RestBlock<4>> vertex_rest{"vertex_rest", kPatch, kInput, kAll, kOnVertices};
-  StreamRow<RestBlock<4>> strand_rest4{"strand_rest4", kChunk, kInput, kAll, kOf4};
-  StreamRow<RestBlock<5>> strand_rest5{"strand_rest5", kChunk, kInput, kAll, kOf5};
+  StreamRow<RestBlock<4>> vertex_rest{"vertex_rest", kPatch, kInput, kLiveChains, kOnVertices};
+  StreamRow<RestBlock<4>> strand_rest4{"strand_rest4", kChunk, kInput, kLiveStrands, kOf4};
+  StreamRow<RestBlock<5>> strand_rest5{"strand_rest5", kChunk, kInput, kLiveStrands, kOf5};
 
   // Written in the frame.
   StreamRow<LocalPoseBlock> local_pose{"local_pose", kCharacter, kValue};
@@ -96,8 +100,8 @@ struct Streams {
   StreamRow<RibbonBlock> ribbons{"ribbons", kChunk, kValue, kLiveStrands, kRibboned};
   StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue, kKeyed, kOfStrands};
   StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch, kAll, kOfStrands};
-  StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch, kAll, kOfStrands};
-  StreamRow<DigitBlock> digits{"digits", kChunk, kScratch, kAll, kOfStrands};
+  StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch, kAll, kInPieces};
+  StreamRow<DigitBlock> digits{"digits", kChunk, kScratch, kAll, kInPieces};
   StreamRow<OrderBlock> order{"order", kChunk, kValue, kPlaces, kOfStrands, kOutput};
   StreamRow<LayerSortBlock> layer_sort{"layer_sort", kLayer, kBookkeeping, kAll, {}, kOutput};
   StreamRow<DrawListBlock> draw_list{"draw_list", kScene, kValue, kAll, {}, kOutput};
@@ -152,14 +156,14 @@ struct Streams {
   StreamRow<DownBlock> vertex_down{"vertex_down", kPatch, kInput, kAll, kHeldVertices};
   StreamRow<DownBlock> strand_down{"strand_down", kChunk, kInput, kAll, kHeldStrands};
   // Of chains of 9 points, which the modal solver alone moves.
-  StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kAll, kOf9};
+  StreamRow<RestBlock<9>> strand_rest9{"strand_rest9", kChunk, kInput, kLiveStrands, kOf9};
   StreamRow<PointBlock<9>> strand_points9{"strand_points9", kChunk, kValue, kLiveStrands, kOf9};
   StreamRow<ModalStateBlock<4>> strand_modal9{"strand_modal9", kChunk, kValue,
                                               kLiveStrands,    kOf9,   kState};
   // Of strands that follow chains: what those do.
   StreamRow<LoadBlock> vertex_loads{"vertex_loads", kPatch, kValue, kLiveVertices, kChains};
   // Of chains that a level leaves out: whom they follow.
-  StreamRow<ChainParentBlock> chain_parents{"chain_parents", kPatch, kInput, kAll, kChains};
+  StreamRow<ChainParentBlock> chain_parents{"chain_parents", kPatch, kInput, kFollowing, kChains};
 };
 
 }  // namespace streams_detail

@@ -24,6 +24,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/lane_list.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_load.hpp"
 #include "core/kernels/vertex_records.hpp"
@@ -55,16 +56,32 @@ struct InterpolateModal {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
-    for (uint32_t lane = 0; lane < controls; lane += V::kLanes)
-      WriteGroup(params, ports, bare, lane, end, false);
-    for (uint32_t lane = controls; lane < end; lane += V::kLanes)
-      WriteGroup(params, ports, bare, lane, end, true);
+    Inside inside;
+    WriteRange(params, ports, bare, 0, controls, end, false, inside);
+    WriteRange(params, ports, bare, controls, end, end, true, inside);
   }
 
  private:
+  using Few = typename AtMostLanes<V, 8>::Type;
+
+  // Few lanes of many groups are inside of what they keep out of.
+  struct Inside {
+    PickedLanes<Few> group;
+    LaneList<V> lanes;
+  };
+
+  PELT_INLINE static void WriteRange(const Params& params, const Ports& ports,
+                                     const modal::BarePivots& bare, uint32_t begin, uint32_t end,
+                                     uint32_t last, bool follows, Inside& inside) {
+    inside.lanes.count = 0;
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes)
+      WriteGroup(params, ports, bare, lane, last, follows, inside);
+    if (inside.lanes.count > 0) KeepOut(params, ports, inside);
+  }
+
   PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports,
                                      const modal::BarePivots& bare, uint32_t lane, uint32_t end,
-                                     bool follows) {
+                                     bool follows, Inside& inside) {
     const BlockAhead<RestBlock<N + 1>, V::kLanes> rest_ahead(ports.rest->offset, lane, end);
     const BlockAhead<PointBlock<N + 1>, V::kLanes> points_ahead(ports.points->position, lane, end);
     const LayerBlock& layer = *ports.layer;
@@ -96,28 +113,47 @@ struct InterpolateModal {
         control[i] = Load3<V>(ports.points->position[i], controls) - g.root;
       modal::Gather(layer.clump, control, g);
     }
-    if (MayBeInside(params, ports, g)) KeepOut(params, layer, strength, g);
     for (uint32_t i = 0; i < N; ++i) Store3(ports.points->position[i], lane, g.root + g.point[i]);
+    // Chains that start afresh lie on their groom wherever that is, and their strands too.
+    if ((layer.flags & kLayerSimulate) == 0 || (ports.state->flags & kChunkRestart)) return;
+    if (!chain::HasSurface(layer) && !Colliders<V>::HasAny(params)) return;
+    const typename V::Mask is_inside = IsInside(params, layer, g) & (strength > V(0.0f));
+    if (Any(is_inside)) inside.lanes.Add(is_inside, lane);
   }
 
-  // Chains that start afresh lie on their groom wherever that is, and their strands too.
-  PELT_INLINE static bool MayBeInside(const Params& params, const Ports& ports,
-                                      const chain::Group<V, N>& g) {
-    const LayerBlock& layer = *ports.layer;
-    if ((layer.flags & kLayerSimulate) == 0 || (ports.state->flags & kChunkRestart)) return false;
-    if (Colliders<V>::HasAny(params)) return true;
-    if (!chain::HasSurface(layer)) return false;
+  PELT_INLINE static typename V::Mask IsInside(const Params& params, const LayerBlock& layer,
+                                               const chain::Group<V, N>& g) {
+    if (Colliders<V>::HasAny(params)) return IsInsideAny(params, layer, g);
     V lowest = Dot(g.point[0], g.normal);
     PELT_UNROLL
     for (uint32_t i = 1; i < N; ++i) lowest = Min(lowest, Dot(g.point[i], g.normal));
-    return Any(lowest < V(0.0f));
+    return lowest < V(0.0f);
   }
 
-  static __attribute__((noinline)) void KeepOut(const Params& params, const LayerBlock& layer,
-                                                V strength, chain::Group<V, N>& g) {
-    V left[N];
-    for (V& depth : left) depth = V(0.0f);
-    modal::KeepOut(layer, params, strength > V(0.0f), left, g);
+  static __attribute__((noinline)) typename V::Mask IsInsideAny(const Params& params,
+                                                                const LayerBlock& layer,
+                                                                const chain::Group<V, N>& g) {
+    return modal::IsInside(modal::DrawnWalls(layer, params, g), g);
+  }
+
+  static __attribute__((noinline)) void KeepOut(const Params& params, const Ports& ports,
+                                                Inside& inside) {
+    PointBlock<N + 1>& points = *ports.points;
+    for (uint32_t first = 0; first < inside.lanes.count; first += uint32_t(Few::kLanes)) {
+      const PickedLanes<Few>& at = inside.lanes.Group(first, inside.group);
+      chain::Group<Few, N> g;
+      g.root = Load3<Few>(ports.roots->position, at);
+      g.normal = Load3<Few>(ports.roots->normal, at);
+      g.length = chain::LinkLength<Few>(*ports.rest, ports.layer->scale, at);
+      for (uint32_t i = 0; i < N; ++i) g.point[i] = Load3<Few>(points.position[i], at) - g.root;
+      modal::LeanPartsOut(modal::DrawnWalls(*ports.layer, params, g), Few(0.0f) < Few(1.0f), g);
+      for (uint32_t i = 0; i < N; ++i) {
+        const Vec3<Few> to = g.root + g.point[i];
+        StoreLanes(to.x, points.position[i][0], at);
+        StoreLanes(to.y, points.position[i][1], at);
+        StoreLanes(to.z, points.position[i][2], at);
+      }
+    }
   }
 };
 

@@ -195,21 +195,30 @@ PELT_INLINE void Gather(float clump, const Vec3<W> (&control)[kParts], chain::Gr
         g.point[i] + (control[i] - g.point[i]) * W(chain::ClumpShare(clump, i, kParts));
     const Vec3<W> way = to - (kParts > 4 ? gathered : at);
     gathered = to;
-    const W length = Sqrt(Dot(part, part)), square = Dot(way, way);
-    g.point[i] = at + way * (length * Rsqrt(Max(square, W(1.0e-12f))));
+    // |part| / |way| by one root.
+    const W square = Dot(part, part), way2 = Max(Dot(way, way), W(1.0e-12f));
+    g.point[i] = at + way * (square * Rsqrt(Max(square * way2, W(1.0e-30f))));
     at = g.point[i];
   }
 }
 
-// Points of shaped lanes keep out of what is solid; where clumping may take them is not limited.
+// What is solid to drawn points that were shaped; where clumping may take them is not limited.
+template <class W, uint32_t kParts>
+PELT_INLINE Walls<W, kParts> DrawnWalls(const LayerBlock& layer, const SimulateParams& params,
+                                        const chain::Group<W, kParts>& g) {
+  Walls<W, kParts> walls(layer, params, g);
+  walls.max_distance = 0.0f;
+  walls.hardness = layer.drawn_hardness;
+  return walls;
+}
+
+// Points of shaped lanes keep out of that. `left`: Walls'.
 template <class W, uint32_t kParts>
 PELT_INLINE void KeepOut(const LayerBlock& layer, const SimulateParams& params,
                          typename W::Mask shaped, const W (&left)[kParts],
                          chain::Group<W, kParts>& g) {
-  Walls<W, kParts> walls(layer, params, g);
+  Walls<W, kParts> walls = DrawnWalls(layer, params, g);
   for (uint32_t i = 0; i < kParts; ++i) walls.left[i] = left[i];
-  walls.max_distance = 0.0f;
-  walls.hardness = layer.drawn_hardness;
   const typename W::Mask inside = IsInside(walls, g) & shaped;
   if (!Any(inside)) return;
   LeanPartsOut(walls, inside, g);

@@ -27,6 +27,7 @@
 
 #include "core/kernels/chain_step.hpp"
 #include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/lane_list.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_end.hpp"
 #include "core/kernels/modal_fallback.hpp"
@@ -47,15 +48,6 @@ struct LanesOf {
   using Plain = typename AtMostLanes<V, 8>::Type;
   using Rare = typename AtMostLanes<V, 4>::Type;
 };
-template <HasManyRegisters V>
-struct LanesOf<V> {
-  using Free = Unrolled<V>;
-  using Plain = V;
-  using Rare = V;
-};
-template <HasManyRegisters V>
-struct LanesOf<Unrolled<V>> : LanesOf<V> {};
-
 }  // namespace modal
 
 template <class V, uint32_t kPoints, bool kVertexChains>
@@ -115,28 +107,11 @@ struct SimulateModal {
   // kind only where most that touch something have a code of their own.
   enum Kind : uint32_t { kTouches, kRubs, kStruck, kKinds };
 
-  // Lanes of a range that take the frame once more. One for the whole kernel, with all that its
-  // functions go through memory for: what a console's price is must not depend on where a compiler
-  // puts temporaries.
+  // Lanes of a range that take the frame once more, and a group of them. One for the whole kernel.
   struct Picks {
-    alignas(64) float is_picked[V::kLanes];
     PickedLanes<Plain> plain;
     PickedLanes<Rare> rare;
-    uint32_t count[kKinds];
-    int32_t lane[kKinds][kStrandsPerChunk];
-
-    PELT_INLINE void Add(Mask picked, uint32_t first, uint32_t kind) {
-      Select(picked, V(1.0f), V(0.0f)).Store(is_picked);
-      for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l)
-        if (is_picked[l] != 0.0f) lane[kind][count[kind]++] = int32_t(first + l);
-    }
-    // A group of a kind; the last one fills it up.
-    template <class W>
-    PELT_INLINE const PickedLanes<W>& Group(uint32_t first, uint32_t kind, PickedLanes<W>& group) {
-      for (uint32_t l = 0; l < uint32_t(W::kLanes); ++l)
-        group.lane[l] = lane[kind][first + l < count[kind] ? first + l : count[kind] - 1];
-      return group;
-    }
+    LaneList<V> of[kKinds];
   };
 
   // One group after the other: two at once, as the other solvers have them (chain_step.hpp), fit
@@ -147,17 +122,17 @@ struct SimulateModal {
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live, bool follows,
                                    Picks& picks) {
-    for (uint32_t& count : picks.count) count = 0;
+    for (LaneList<V>& list : picks.of) list.count = 0;
     const uint32_t last = end < live ? end : live;
     bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, follows, picks);
     uint32_t left = kTouches;
     if constexpr (kHasPlain)
-      if (picks.count[left++] > 0)
+      if (picks.of[left++].count > 0)
         changed |=
             SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain, kBest>(
                 params, ports, extras, live, follows, picks, picks.plain, kTouches, left);
     uint32_t rest = 0;
-    for (uint32_t kind = left; kind < kKinds; ++kind) rest += picks.count[kind];
+    for (uint32_t kind = left; kind < kKinds; ++kind) rest += picks.of[kind].count;
     if (rest > 0)
       changed |= SimulateModal<Rare, kPoints, kVertexChains>::template RunPicked<Lot::kRare, kBest>(
           params, ports, extras, live, follows, picks, picks.rare, left, kKinds);
@@ -182,9 +157,9 @@ struct SimulateModal {
                                                   uint32_t begin, uint32_t end) {
     bool changed = false;
     for (uint32_t kind = begin; kind < end; ++kind)
-      for (uint32_t i = 0; i < picks.count[kind]; i += uint32_t(V::kLanes))
-        changed |= RunGroup<kLot, kBest>(params, ports, extras, picks.Group(i, kind, group), live,
-                                         follows, static_cast<Picks*>(nullptr));
+      for (uint32_t i = 0; i < picks.of[kind].count; i += uint32_t(V::kLanes))
+        changed |= RunGroup<kLot, kBest>(params, ports, extras, picks.of[kind].Group(i, group),
+                                         live, follows, static_cast<Picks*>(nullptr));
     return changed;
   }
 
@@ -445,14 +420,14 @@ struct SimulateModal {
         Mask plain = picked;
         if constexpr (kHasPlain)
           if (Any(picked & struck)) {
-            picks->Add(picked & struck & !rubs, at, kStruck);
+            picks->of[kStruck].Add(picked & struck & !rubs, at);
             plain = plain & (rubs | !struck);
           }
         if (Any(plain) && layer.friction > 0.0f) {
-          picks->Add(plain & rubs, at, kRubs);
-          picks->Add(plain & !rubs, at, kTouches);
+          picks->of[kRubs].Add(plain & rubs, at);
+          picks->of[kTouches].Add(plain & !rubs, at);
         } else if (Any(plain)) {
-          picks->Add(plain, at, kTouches);
+          picks->of[kTouches].Add(plain, at);
         }
         if (AllSet(picked | !alive)) return false;
       } else if (HasObstacles(params, ports)) {

@@ -39,11 +39,32 @@ struct Unrolled {
     PELT_INLINE static Int Iota(int32_t first) {
       return {V::Int::Iota(first), V::Int::Iota(first + kHalf)};
     }
+    template <class T>
+    PELT_INLINE static Int Load(const T* p) {
+      return {V::Int::Load(p), V::Int::Load(p + kHalf)};
+    }
+    PELT_INLINE static Int LoadBytes(const uint8_t* p) {
+      return {V::Int::LoadBytes(p), V::Int::LoadBytes(p + kHalf)};
+    }
+    template <class T>
+    PELT_INLINE void Store(T* p) const {
+      a.Store(p);
+      b.Store(p + kHalf);
+    }
+    PELT_INLINE int32_t operator[](int lane) const {
+      return lane < kHalf ? a[lane] : b[lane - kHalf];
+    }
+    PELT_INLINE friend Int operator+(Int x, Int y) { return {x.a + y.a, x.b + y.b}; }
     PELT_INLINE friend Int operator-(Int x, Int y) { return {x.a - y.a, x.b - y.b}; }
+    PELT_INLINE friend Int operator*(Int x, Int y) { return {x.a * y.a, x.b * y.b}; }
     PELT_INLINE friend Int operator&(Int x, Int y) { return {x.a & y.a, x.b & y.b}; }
     PELT_INLINE friend Int operator|(Int x, Int y) { return {x.a | y.a, x.b | y.b}; }
     PELT_INLINE friend Int operator^(Int x, Int y) { return {x.a ^ y.a, x.b ^ y.b}; }
+    PELT_INLINE friend Int operator<<(Int x, int n) { return {x.a << n, x.b << n}; }
     PELT_INLINE friend Int operator>>(Int x, int n) { return {x.a >> n, x.b >> n}; }
+    PELT_INLINE friend Int Select(Mask m, Int x, Int y) {
+      return {Select(m.a, x.a, y.a), Select(m.b, x.b, y.b)};
+    }
     PELT_INLINE friend Mask operator==(Int x, Int y) { return {x.a == y.a, x.b == y.b}; }
     PELT_INLINE friend Mask operator<(Int x, Int y) { return {x.a < y.a, x.b < y.b}; }
   };
@@ -77,14 +98,48 @@ struct Unrolled {
   }
   PELT_INLINE friend Unrolled Min(Unrolled x, Unrolled y) { return {Min(x.a, y.a), Min(x.b, y.b)}; }
   PELT_INLINE friend Unrolled Max(Unrolled x, Unrolled y) { return {Max(x.a, y.a), Max(x.b, y.b)}; }
+  PELT_INLINE friend Int Truncate(Unrolled x) { return {Truncate(x.a), Truncate(x.b)}; }
+  PELT_INLINE friend Unrolled ToFloat(Int x) { return {ToFloat(x.a), ToFloat(x.b)}; }
+  // What core/simd/maths.hpp asks for.
+  PELT_INLINE static Unrolled ReciprocalRoot(Unrolled x) requires requires {
+    V::ReciprocalRoot(x.a);
+  }
+  { return {V::ReciprocalRoot(x.a), V::ReciprocalRoot(x.b)}; }
+  // What core/simd/records.hpp asks for.
+  template <int kFirst, class AddressOfLane>
+  PELT_INLINE static Unrolled LoadHalves(const AddressOfLane& address) {
+    return {LoadRecords<V, kFirst>(address),
+            LoadRecords<V, kFirst>([&](int lane) { return address(lane + kHalf); })};
+  }
+  template <int kFirst>
+  PELT_INLINE static Unrolled SplatHalves(Unrolled x) {
+    return {SplatInFours<kFirst>(x.a), SplatInFours<kFirst>(x.b)};
+  }
+  PELT_INLINE static void Transpose(Unrolled& a, Unrolled& b, Unrolled& c, Unrolled& d) {
+    TransposeFours(a.a, b.a, c.a, d.a);
+    TransposeFours(a.b, b.b, c.b, d.b);
+  }
   PELT_INLINE friend Int Bits(Unrolled x) { return {Bits(x.a), Bits(x.b)}; }
   PELT_INLINE friend Unrolled FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
 };
 
-// Machines with registers enough for a modal step of two groups, which other solvers' steps fit everywhere.
+template <class V, int kMost>
+requires(Unrolled<V>::kLanes > kMost) struct AtMostLanes<Unrolled<V>, kMost>
+    : AtMostLanes<V, kMost> {
+};
+
+// As many groups at once as a machine's registers hold of any kernel's: where there are many, four.
 template <class V>
 concept HasManyRegisters = requires {
   V::kHasManyRegisters;
+};
+template <class V>
+struct AtOnce {
+  using Type = V;
+};
+template <HasManyRegisters V>
+struct AtOnce<V> {
+  using Type = Unrolled<Unrolled<V>>;
 };
 
 }  // namespace pelt

@@ -25,8 +25,9 @@
 
 namespace pelt {
 
-// Types that are not bare registers go through memory, but for one that names what they do there
-// (V::LoadRecord, V::SplatLane, V::Transpose, V::Record): a recording type.
+// Types that are not bare registers go through memory, but for those that name what they do there: a recording
+// type (V::LoadRecord, V::SplatLane, V::Transpose, V::Record), and two vectors side by side (V::LoadHalves,
+// V::SplatHalves, V::Transpose).
 struct Record4 {
   simd_detail::F4 r;
 };
@@ -174,6 +175,8 @@ template <class V, int kFirst, class AddressOfLane>
 PELT_INLINE V LoadRecords(AddressOfLane address) {
   if constexpr (requires { V::LoadRecord(address(0)); })
     return V::LoadRecord(address(kFirst));
+  else if constexpr (requires { V::template LoadHalves<kFirst>(address); })
+    return V::template LoadHalves<kFirst>(address);
   else
     return simd_detail::JoinRecords<V>([&](int g) { return LoadRecord(address(kFirst + 4 * g)); });
 }
@@ -194,6 +197,8 @@ PELT_INLINE V SplatInFours(V a) {
         a.v, a.v, std::make_index_sequence<size_t(V::kLanes)>{}));
   } else if constexpr (requires { V::SplatLane(a, kFirst); }) {
     return V::SplatLane(a, kFirst);
+  } else if constexpr (requires { V::template SplatHalves<kFirst>(a); }) {
+    return V::template SplatHalves<kFirst>(a);
   } else {
     alignas(64) float lanes[V::kLanes];
     a.Store(lanes);

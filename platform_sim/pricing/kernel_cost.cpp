@@ -47,9 +47,7 @@ std::vector<Window> PlaceWindows(const Trace& trace, uint32_t iterations, const 
   const auto count = uint32_t(trace.operations.size());
   iterations = std::max(iterations, 1u);
   const uint32_t iteration = std::max(count / iterations, 1u);
-  const uint32_t half_iterations =
-      std::clamp(rules.window_operations / 2 / iteration, kIterationsTogether,
-                 std::max(rules.iterations / 2, kIterationsTogether));
+  const uint32_t half_iterations = rules.iterations / 2;
   const uint32_t half = half_iterations * iteration;
   if (count < 3 * half) {
     const uint32_t end = std::min(count, 2 * rules.window_operations);

@@ -31,10 +31,9 @@ namespace pelt {
 struct PriceRules {
   LoweringRules lowering;
   uint32_t windows = 3;
-  // Iterations of the long one, or as many as `window_operations` hold, but four at least: the
-  // short one has two, which may be interleaved. More overlap better and need more code and
-  // registers.
-  uint32_t iterations = 4;
+  // Of the long one: two groups of as many strands as a kernel may work on at once (core/kernels/unrolled.hpp). More
+  // overlap better and need more code and registers.
+  uint32_t iterations = 8;
   uint32_t window_operations = 3000;
 };
 
