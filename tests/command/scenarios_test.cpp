@@ -96,15 +96,16 @@ TEST(Scenarios, StageIsWhatTheOriginalDrew) {
   }
 }
 
-TEST(Scenarios, EyePetHasFivePointChainsInRibbons) {
+TEST(Scenarios, EyePetHasFivePointChainsInRibbonsOverShells) {
   const Scenario eyepet = LoadScenario("eyepet");
   EXPECT_EQ(eyepet.StrandCount(), 8'000u);
   EXPECT_TRUE(eyepet.base.use_ground);
-  for (const GroomLayer& layer : eyepet.grooms[0].layers) {
-    EXPECT_EQ(layer.params.points, 5u);
-    EXPECT_EQ(layer.params.output, Output::kRibbons);
-    EXPECT_GT(layer.params.clump, 0.0f);
-  }
+  const std::vector<GroomLayer>& layers = eyepet.grooms[0].layers;
+  ASSERT_EQ(layers.size(), 2u);
+  EXPECT_EQ(layers[0].params.points, 5u);
+  EXPECT_EQ(layers[0].params.output, Output::kRibbons);
+  EXPECT_GT(layers[0].params.clump, 0.0f);
+  EXPECT_EQ(layers[1].params.output, Output::kShells);
 }
 
 // Frames of ten seconds in which the pose is torn from where it was. Idle takes a minute and ends in
