@@ -76,14 +76,14 @@ constexpr double kMatrixFlops = 2e-9 * kMatrixSide * kMatrixSide * kMatrixSide;
 
 constexpr KernelRowDefinition kKernelRows[] = {
     {"K1", "N-body, 4,080 bodies: the pull on one", "Mpairs/s", "spu-gcc 4.1 -O2 -funroll-loops",
-     2195.0, 6, 1e-6 * kBodies, true, RowClass::kIndependent, RecordBodies},
+     true, 2195.0, 6, 1e-6 * kBodies, true, RowClass::kIndependent, RecordBodies},
     {"K2", "FFT of 1,024 points, radix 2, 4 in lanes", "Mpoints/s",
-     "spu-gcc 4.1 -O2 -funroll-loops", 184.82, 6, 4e-6 * kFftPoints, true, RowClass::kIndependent,
-     RecordFft},
-    {"C5", "Newton reciprocal and root, 6 wide", "Gop/s", "assembly in the order as written", 56.43,
-     6, kNewtonOperations, true, RowClass::kDerived, RecordNewton},
+     "spu-gcc 4.1 -O2 -funroll-loops", true, 184.82, 6, 4e-6 * kFftPoints, true,
+     RowClass::kIndependent, RecordFft},
+    {"C5", "Newton reciprocal and root, 6 wide", "Gop/s", "assembly in the order as written", false,
+     56.43, 6, kNewtonOperations, true, RowClass::kDerived, RecordNewton},
     {"C13", "SGEMM of 64 x 64 in one local store, our own source", "GFLOP/s",
-     "assembly, scheduled by a tool", 25.55, 1, kMatrixFlops, false, RowClass::kPlausibility,
+     "assembly, scheduled by a tool", false, 25.55, 1, kMatrixFlops, false, RowClass::kPlausibility,
      RecordMatrices},
 };
 
@@ -133,7 +133,7 @@ std::vector<KernelRow> PriceKernelRows(const PlatformParameters& platform) {
 MeasuredPlace PlaceOf(std::span<const KernelRow> rows) {
   MeasuredPlace place;
   for (const KernelRow& row : rows) {
-    if (!row.failure.empty()) continue;
+    if (!row.failure.empty() || !row.row->is_compiled) continue;
     place.least = place.rows ? std::min(place.least, row.place) : row.place;
     place.most = place.rows ? std::max(place.most, row.place) : row.place;
     place.mean += row.place;

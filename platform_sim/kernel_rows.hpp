@@ -8,8 +8,8 @@
 //   place = (measured cycles - scheduled) / (as written - scheduled)     0 best schedule, 1 as
 //   written
 //
-// and a frame's verdict uses the mean place of all rows (kernel_rows: MeasuredPlace), its ends, the
-// two ends of the price.
+// and a frame's verdict uses the mean place of the rows that a compiler made (MeasuredPlace), as an engine's code is
+// a compiler's; its ends are the two ends of the price.
 //
 // Invariant: no row has a number of its own in the models.
 #pragma once
@@ -36,7 +36,8 @@ struct KernelPart {
 
 struct KernelRowDefinition {
   std::string_view id, work, unit, built_by;
-  double measured;  // units of all SPUs together
+  bool is_compiled;  // by a compiler, from source in no order of its own
+  double measured;   // units of all SPUs together
   uint32_t spus;
   double units_per_pass;  // of one SPU, in giga, or what `unit` says
   bool has_availability;  // measured on a retail PS3, as a rate (cell_system.hpp)
@@ -60,13 +61,13 @@ std::span<const KernelRowDefinition> KernelRows();
 KernelRow PriceKernelRow(const KernelRowDefinition& row, const PlatformParameters& platform);
 std::vector<KernelRow> PriceKernelRows(const PlatformParameters& platform = {});
 
-// Where measured kernels lay in their prices.
+// Where compiled kernels that were measured lay in their prices.
 struct MeasuredPlace {
   double mean = 0.0, least = 0.0, most = 0.0;
   uint32_t rows = 0;
 };
 MeasuredPlace PlaceOf(std::span<const KernelRow> rows);
-// Of all rows on the standard platforms; made once.
+// Of the rows on the standard platforms; made once.
 const MeasuredPlace& MeasuredCodePlace();
 
 }  // namespace pelt

@@ -64,7 +64,7 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
 // Cycles a strand: an iteration is four.
 double PerStrand(double cycles_per_iteration) { return cycles_per_iteration / 4.0; }
 
-// Where measured kernels lay in their range.
+// Where a compiler's kernels lay in their range.
 double ExpectedCycles(const KernelCost& c) {
   const double least = c.scheduled.cycles_per_iteration, most = c.as_written.cycles_per_iteration;
   return least + MeasuredCodePlace().mean * (most - least);

@@ -78,7 +78,7 @@ struct ConsoleBudget {
   }
 };
 
-// The machine of a request, checked, its code as well scheduled as measured kernels were in the
+// The machine of a request, checked, its code as well scheduled as a compiler's were in the
 // mean (kernel_rows.hpp). Throws Error for one that cannot be.
 ConsoleMachine MakeConsole(const ConsoleRequest& request);
 

@@ -63,7 +63,8 @@ bool AllPass(std::span<const KernelRow> rows) {
 std::string DescribePlace(double code_order) {
   const MeasuredPlace& measured = MeasuredCodePlace();
   return fmt::format(
-      "{:.2f} of the way from the best schedule to the order as written (measured kernels: {:.2f} "
+      "{:.2f} of the way from the best schedule to the order as written (a compiler's kernels: "
+      "{:.2f} "
       "to {:.2f})",
       code_order, measured.least, measured.most);
 }

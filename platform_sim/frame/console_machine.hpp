@@ -35,7 +35,7 @@ struct ConsoleMachine {
   double Available(double ms) const { return ms / availability; }
   bool compute_is_free = false;  // computing takes no time: a question, not a machine
   // Where the code lies in the range of its price: 0 the best schedule, 1 the order it was written
-  // in. What measured kernels reached: measured_kernels.hpp.
+  // in. What a compiler reached: kernel_rows.hpp.
   double code_order = 0.0;
   WhatIf what_if = WhatIf::kNothing;
 
