@@ -146,7 +146,9 @@ struct InterpolateModal {
       g.normal = Load3<Few>(ports.roots->normal, at);
       g.length = chain::LinkLength<Few>(*ports.rest, ports.layer->scale, at);
       for (uint32_t i = 0; i < N; ++i) g.point[i] = Load3<Few>(points.position[i], at) - g.root;
-      modal::LeanPartsOut(modal::DrawnWalls(*ports.layer, params, g), Few(0.0f) < Few(1.0f), g);
+      const auto walls = modal::DrawnWalls(*ports.layer, params, g);
+      const typename Few::Mask all = Few(0.0f) < Few(1.0f);
+      modal::LeanPartsOut(walls, all, g);
       for (uint32_t i = 0; i < N; ++i) {
         const Vec3<Few> to = g.root + g.point[i];
         StoreLanes(to.x, points.position[i][0], at);

@@ -111,6 +111,11 @@ struct Unrolled {
     return {LoadRecords<V, kFirst>(address),
             LoadRecords<V, kFirst>([&](int lane) { return address(lane + kHalf); })};
   }
+  template <int kFirst, class AddressOfLane>
+  PELT_INLINE static void StoreHalves(Unrolled x, const AddressOfLane& address) {
+    StoreRecords<kFirst>(x.a, address);
+    StoreRecords<kFirst>(x.b, [&](int lane) { return address(lane + kHalf); });
+  }
   template <int kFirst>
   PELT_INLINE static Unrolled SplatHalves(Unrolled x) {
     return {SplatInFours<kFirst>(x.a), SplatInFours<kFirst>(x.b)};
@@ -121,11 +126,6 @@ struct Unrolled {
   }
   PELT_INLINE friend Int Bits(Unrolled x) { return {Bits(x.a), Bits(x.b)}; }
   PELT_INLINE friend Unrolled FromBits(Int x) { return {FromBits(x.a), FromBits(x.b)}; }
-};
-
-template <class V, int kMost>
-requires(Unrolled<V>::kLanes > kMost) struct AtMostLanes<Unrolled<V>, kMost>
-    : AtMostLanes<V, kMost> {
 };
 
 // As many groups at once as a machine's registers hold of any kernel's: where there are many, four.
@@ -140,6 +140,10 @@ struct AtOnce {
 template <HasManyRegisters V>
 struct AtOnce<V> {
   using Type = Unrolled<Unrolled<V>>;
+};
+template <HasManyRegisters V, int kMost>
+requires(4 * V::kLanes > kMost) struct AtMostLanes<Unrolled<Unrolled<V>>, kMost> {
+  using Type = V;
 };
 
 }  // namespace pelt

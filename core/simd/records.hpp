@@ -27,7 +27,7 @@ namespace pelt {
 
 // Types that are not bare registers go through memory, but for those that name what they do there: a recording
 // type (V::LoadRecord, V::SplatLane, V::Transpose, V::Record), and two vectors side by side (V::LoadHalves,
-// V::SplatHalves, V::Transpose).
+// V::StoreHalves, V::SplatHalves, V::Transpose).
 struct Record4 {
   simd_detail::F4 r;
 };
@@ -184,6 +184,8 @@ template <int kFirst, class V, class AddressOfLane>
 PELT_INLINE void StoreRecords(V a, AddressOfLane address) {
   if constexpr (requires { V::LoadRecord(address(0)); })
     a.Store(address(kFirst));
+  else if constexpr (requires { V::template StoreHalves<kFirst>(a, address); })
+    V::template StoreHalves<kFirst>(a, address);
   else
     simd_detail::SplitRecords(a,
                               [&](int g, Record4 r) { StoreRecord(address(kFirst + 4 * g), r); });

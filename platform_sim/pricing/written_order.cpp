@@ -14,11 +14,66 @@ bool IsConstant(const RecordedOperation& operation) {
   return operation.kind == RecordedKind::kSplat || operation.kind == RecordedKind::kIota;
 }
 
+// Operations that one operation on several vectors side by side has made (core/kernels/unrolled.hpp), which is one
+// node in the source: four or two of a kind, one behind the other, whose operands are those of one such node each, or
+// the same.
+class Nodes {
+ public:
+  explicit Nodes(const Trace& trace)
+      : old_(trace.operations), maker_(trace.value_count), first_(old_.size()), end_(old_.size()) {
+    for (uint32_t o = 0; o < old_.size(); ++o)
+      for (uint32_t r = 0; r < old_[o].result_count; ++r) maker_[old_[o].result + r] = o;
+    for (uint32_t o = 0; o < old_.size(); o = end_[o]) {
+      const uint32_t count = AreTogether(o, 4) ? 4 : AreTogether(o, 2) ? 2 : 1;
+      end_[o] = o + count;
+      for (uint32_t i = 0; i < count; ++i) first_[o + i] = o;
+    }
+  }
+
+  // The operation that a node begins with, which stands for it; and where the next one begins.
+  uint32_t Of(uint32_t operation) const { return first_[operation]; }
+  uint32_t End(uint32_t node) const { return end_[node]; }
+  uint32_t MakerOf(uint32_t value) const { return maker_[value]; }
+
+ private:
+  bool AreTogether(uint32_t o, uint32_t count) const {
+    if (o + count > old_.size()) return false;
+    const RecordedOperation& first = old_[o];
+    if (IsConstant(first) || first.kind == RecordedKind::kAny ||
+        first.kind == RecordedKind::kAllSet)
+      return false;
+    for (uint32_t i = 1; i < count; ++i) {
+      const RecordedOperation& other = old_[o + i];
+      if (other.kind != first.kind || other.size_bytes != first.size_bytes ||
+          other.operand_count != first.operand_count)
+        return false;
+      // Records lie anywhere, rows side by side.
+      const bool is_row = first.kind == RecordedKind::kLoad || first.kind == RecordedKind::kStore;
+      if (is_row && other.address != first.address + int32_t(i * first.size_bytes)) return false;
+      for (uint32_t k = 0; k < first.operand_count; ++k)
+        if (!AreSides(first.operand[k], other.operand[k], i)) return false;
+    }
+    return true;
+  }
+  bool AreSides(uint32_t value, uint32_t other, uint32_t place) const {
+    if (value == other) return true;
+    if (value == kNoValue || other == kNoValue) return false;
+    const uint32_t maker = maker_[value];
+    if (IsConstant(old_[maker])) return IsConstant(old_[maker_[other]]);
+    return first_[maker] == maker && maker_[other] == maker + place && end_[maker] > maker + place;
+  }
+
+  const std::vector<RecordedOperation>& old_;
+  std::vector<uint32_t> maker_;  // of each value
+  std::vector<uint32_t> first_;  // of each operation's node
+  std::vector<uint32_t> end_;    // of a node's first operation
+};
+
 class WrittenOrder {
  public:
   explicit WrittenOrder(const Trace& trace)
       : old_(trace.operations),
-        maker_(trace.value_count),
+        nodes_(trace),
         renamed_(trace.value_count, kNoValue),
         last_reader_(trace.operations.size(), kNever),
         is_placed_(trace.operations.size()) {}
@@ -26,8 +81,8 @@ class WrittenOrder {
   Trace Take() {
     FindReaders();
     std::vector<uint32_t> kept;
-    for (uint32_t o = 0; o < old_.size(); ++o)
-      if (IsNeeded(o) && !IsConstant(old_[o])) kept.push_back(o);
+    for (uint32_t n = 0; n < old_.size(); n = nodes_.End(n))
+      if (IsNeeded(n) && !IsConstant(old_[n])) kept.push_back(n);
     // Each stretch, from the last: where it begins.
     std::vector<size_t> begins;
     for (size_t end = kept.size(); end > 0; end = begins.back()) begins.push_back(Begin(kept, end));
@@ -41,24 +96,24 @@ class WrittenOrder {
 
  private:
   struct Visit {
-    uint32_t operation, next_operand;
+    uint32_t node, next_operand;
   };
 
-  bool IsNeeded(uint32_t o) const { return HasEffect(old_[o].kind) || last_reader_[o] != kNever; }
+  bool IsNeeded(uint32_t n) const { return HasEffect(old_[n].kind) || last_reader_[n] != kNever; }
 
+  // Of one operation: the nodes that its operands come from.
   template <class Function>
   void ForMakers(uint32_t o, Function visit) const {
     for (uint32_t i = 0; i < old_[o].operand_count; ++i)
-      if (old_[o].operand[i] != kNoValue) visit(maker_[old_[o].operand[i]]);
+      if (const uint32_t value = old_[o].operand[i]; value != kNoValue)
+        visit(nodes_.Of(nodes_.MakerOf(value)));
   }
 
   void FindReaders() {
-    for (uint32_t o = 0; o < old_.size(); ++o)
-      for (uint32_t r = 0; r < old_[o].result_count; ++r) maker_[old_[o].result + r] = o;
     for (auto o = uint32_t(old_.size()); o-- > 0;)
-      if (IsNeeded(o))
+      if (const uint32_t node = nodes_.Of(o); IsNeeded(node))
         ForMakers(o, [&](uint32_t maker) {
-          if (last_reader_[maker] == kNever) last_reader_[maker] = o;
+          if (last_reader_[maker] == kNever) last_reader_[maker] = node;
         });
   }
 
@@ -72,37 +127,44 @@ class WrittenOrder {
     return begin;
   }
 
-  // `root` and what it needs from `first` on, operands first.
+  // `root` and what it needs from `first` on, operands first. A node's first operation speaks for all: the others'
+  // operands come from the same nodes.
   void Walk(uint32_t root, uint32_t first) {
     visits_.push_back({root, 0});
     while (!visits_.empty()) {
-      const uint32_t o = visits_.back().operation;
+      const uint32_t n = visits_.back().node;
       const uint32_t next = visits_.back().next_operand++;
-      if (next == old_[o].operand_count) {
+      if (next == old_[n].operand_count) {
         visits_.pop_back();
-        Append(o);
+        Append(n);
         continue;
       }
-      const uint32_t value = old_[o].operand[next];
+      const uint32_t value = old_[n].operand[next];
       if (value == kNoValue) continue;
-      const uint32_t maker = maker_[value];
+      const uint32_t maker = nodes_.Of(nodes_.MakerOf(value));
       if (maker >= first && !is_placed_[maker] && !IsConstant(old_[maker]))
         visits_.push_back({maker, 0});
     }
   }
 
   // With the constants that it is the first to read.
-  void Append(uint32_t o) {
-    if (is_placed_[o]) return;
-    ForMakers(o, [&](uint32_t maker) {
-      if (IsConstant(old_[maker])) Append(maker);
-    });
-    is_placed_[o] = true;
-    RecordedOperation operation = old_[o];
+  void Append(uint32_t n) {
+    if (is_placed_[n]) return;
+    is_placed_[n] = true;
+    const uint32_t end = nodes_.End(n);
+    for (uint32_t o = n; o < end; ++o)
+      ForMakers(o, [&](uint32_t maker) {
+        if (IsConstant(old_[maker])) Append(maker);
+      });
+    for (uint32_t o = n; o < end; ++o) AppendOne(old_[o]);
+  }
+
+  void AppendOne(RecordedOperation operation) {
+    const uint32_t result = operation.result;
     for (uint32_t i = 0; i < operation.operand_count; ++i)
       if (operation.operand[i] != kNoValue) operation.operand[i] = renamed_[operation.operand[i]];
     for (uint32_t r = 0; r < operation.result_count; ++r)
-      renamed_[operation.result + r] = new_.value_count + r;
+      renamed_[result + r] = new_.value_count + r;
     if (operation.result_count) operation.result = new_.value_count;
     new_.value_count += operation.result_count;
     operation.address = PlaceOf(operation);
@@ -121,9 +183,9 @@ class WrittenOrder {
   }
 
   const std::vector<RecordedOperation>& old_;
-  std::vector<uint32_t> maker_;        // of each old value
+  const Nodes nodes_;
   std::vector<uint32_t> renamed_;      // old values to new ones
-  std::vector<uint32_t> last_reader_;  // of each old operation
+  std::vector<uint32_t> last_reader_;  // of each node
   std::vector<bool> is_placed_;
   std::vector<Visit> visits_;
   std::map<int32_t, int32_t> lines_;  // of temporaries, old to new

@@ -1,9 +1,11 @@
 // One order, whichever operand a compiler computed first.
 #include "platform_sim/pricing/written_order.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
+#include "core/kernels/unrolled.hpp"
 #include "tests/platform/recording.hpp"
 
 namespace pelt {
@@ -29,8 +31,8 @@ void ExpectSame(const Trace& a, const Trace& b) {
 
 // Both operands, the left or the right one first, as a compiler may.
 template <class Left, class Right>
-std::pair<V, V> Both(bool right_first, Left left, Right right) {
-  std::pair<V, V> out;
+auto Both(bool right_first, Left left, Right right) {
+  std::pair<decltype(left()), decltype(right())> out;
   if (right_first) out.second = right();
   out.first = left();
   if (!right_first) out.second = right();
@@ -57,6 +59,32 @@ TEST(WrittenOrder, IsTheSameWhicheverOperandCameFirst) {
   const RecordedOperation &l = left.operations[0], &r = right.operations[0];
   ASSERT_FALSE(l.kind == r.kind && l.address == r.address) << "recorded in one order";
   ExpectSame(InWrittenOrder(left), InWrittenOrder(right));
+}
+
+// What one operation does to vectors side by side is one operation.
+template <class W>
+void ExpectOneOrder() {
+  const auto record = [](bool right_first) {
+    return Record([=](Rows& rows) {
+      const auto load = [&](int row) { return W::Load(rows.row[row]); };
+      const auto [a, b] = Both(
+          right_first, [&] { return load(0) * W(3.0f); },
+          [&] { return Select(W(1.0f) < load(1), Rsqrt(load(2)), W(5.0f)); });
+      (a - b).Store(rows.row[3]);
+    });
+  };
+  const Trace left = record(false), right = record(true);
+  const auto first_load = [](const Trace& trace) {
+    return std::ranges::find(trace.operations, Kind::kLoad, &RecordedOperation::kind)->address;
+  };
+  ASSERT_NE(first_load(left), first_load(right)) << "recorded in one order";
+  ExpectSame(InWrittenOrder(left), InWrittenOrder(right));
+}
+
+TEST(WrittenOrder, TakesVectorsSideBySideAsOne) {
+  ExpectOneOrder<V>();
+  ExpectOneOrder<Unrolled<V>>();
+  ExpectOneOrder<Unrolled<Unrolled<V>>>();
 }
 
 TEST(WrittenOrder, IsTheSameTheSecondTime) {
