@@ -281,7 +281,9 @@ std::vector<Stage> SortInPieces() {
 // Sorts a scene with many ties and returns the order's digest; `first_unstable` is the first place
 // of layer 0 that does not follow (key, strand), or the number of places.
 uint64_t SortScene(const std::vector<Stage>& stages, uint32_t* first_unstable) {
-  SyntheticSceneOf<Streams> scene(kLayers);
+  std::vector<LayerSpec> layers = kLayers;
+  for (LayerSpec& layer : layers) layer.kind |= kLayerSortInPieces;  // has the scratch of both ways
+  SyntheticSceneOf<Streams> scene(layers);
   const SceneShape& shape = scene.shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
     for (uint32_t& key : scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key)
