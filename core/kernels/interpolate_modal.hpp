@@ -117,7 +117,8 @@ struct InterpolateModal {
     // Chains that start afresh lie on their groom wherever that is, and their strands too.
     if ((layer.flags & kLayerSimulate) == 0 || (ports.state->flags & kChunkRestart)) return;
     if (!chain::HasSurface(layer) && !Colliders<V>::HasAny(params)) return;
-    const typename V::Mask is_inside = IsInside(params, layer, g) & (strength > V(0.0f));
+    const typename V::Mask keeps_out = strength > V(0.0f);
+    const typename V::Mask is_inside = IsInside(params, layer, g) & keeps_out;
     if (Any(is_inside)) inside.lanes.Add(is_inside, lane);
   }
 

@@ -41,7 +41,7 @@ struct JointPalette {
     for (uint32_t& word : palette.moved) word = 0;
     for (uint32_t j = 0; j < joint_count; ++j) {
       const int32_t parent = skeleton.parent[j];
-      alignas(16) float matrix[12];
+      alignas(64) float matrix[12];
       Concatenate(parent < 0 ? ports.pose->root : world[parent], world[j], world[j]);
       Concatenate(world[j], skeleton.inverse_bind[j], matrix);
       StoreIfMoved(palette, j, matrix);

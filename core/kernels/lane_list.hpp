@@ -17,14 +17,16 @@ template <class V>
 struct LaneList {
   alignas(64) float is_picked[V::kLanes];
   uint32_t count;
-  int32_t lane[kStrandsPerChunk + 1];  // and one that is written in vain
+  // And one that is written in vain. Bytes: it lies on a worker's stack.
+  uint8_t lane[kStrandsPerChunk + 1];
+  static_assert(kStrandsPerChunk <= 256);
 
   // Of the lanes from `first` on.
   PELT_INLINE void Add(typename V::Mask picked, uint32_t first) {
     Select(picked, V(1.0f), V(0.0f)).Store(is_picked);
     uint32_t end = count;
     for (uint32_t l = 0; l < uint32_t(V::kLanes); ++l) {
-      lane[end] = int32_t(first + l);
+      lane[end] = uint8_t(first + l);
       end += is_picked[l] != 0.0f ? 1 : 0;
     }
     count = end;

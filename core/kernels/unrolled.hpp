@@ -17,6 +17,28 @@
 
 namespace pelt {
 
+// For a type that records (V::SideBySide): what made `b` is the operation that made `a`, on the vector beside it.
+namespace simd_detail {
+template <class T>
+PELT_INLINE uint32_t FirstOf(const T& a) {
+  if constexpr (requires { a.id; })
+    return a.id;
+  else
+    return FirstOf(a.a);
+}
+template <class T>
+PELT_INLINE uint32_t LastOf(const T& a) {
+  if constexpr (requires { a.id; })
+    return a.id;
+  else
+    return LastOf(a.b);
+}
+template <class V, class T>
+PELT_INLINE void NoteSides([[maybe_unused]] const T& a, [[maybe_unused]] const T& b) {
+  if constexpr (requires { V::SideBySide(0u, 0u); }) V::SideBySide(LastOf(a), FirstOf(b));
+}
+}  // namespace simd_detail
+
 template <class V>
 struct Unrolled {
   static constexpr int kHalf = V::kLanes;
@@ -24,6 +46,10 @@ struct Unrolled {
 
   struct Mask {
     typename V::Mask a, b;
+    PELT_INLINE Mask() = default;
+    PELT_INLINE Mask(typename V::Mask first, typename V::Mask second) : a(first), b(second) {
+      simd_detail::NoteSides<V>(a, b);
+    }
     PELT_INLINE friend Mask operator&(Mask x, Mask y) { return {x.a & y.a, x.b & y.b}; }
     PELT_INLINE friend Mask operator|(Mask x, Mask y) { return {x.a | y.a, x.b | y.b}; }
     PELT_INLINE friend Mask operator!(Mask x) { return {!x.a, !x.b}; }
@@ -35,7 +61,9 @@ struct Unrolled {
     typename V::Int a, b;
     PELT_INLINE Int() = default;
     PELT_INLINE Int(int32_t scalar) : a(scalar), b(scalar) {}
-    PELT_INLINE Int(typename V::Int first, typename V::Int second) : a(first), b(second) {}
+    PELT_INLINE Int(typename V::Int first, typename V::Int second) : a(first), b(second) {
+      simd_detail::NoteSides<V>(a, b);
+    }
     PELT_INLINE static Int Iota(int32_t first) {
       return {V::Int::Iota(first), V::Int::Iota(first + kHalf)};
     }
@@ -72,7 +100,7 @@ struct Unrolled {
   V a, b;
   PELT_INLINE Unrolled() = default;
   PELT_INLINE Unrolled(float scalar) : a(scalar), b(scalar) {}
-  PELT_INLINE Unrolled(V first, V second) : a(first), b(second) {}
+  PELT_INLINE Unrolled(V first, V second) : a(first), b(second) { simd_detail::NoteSides<V>(a, b); }
   PELT_INLINE static Unrolled LoadPicked(const float* row, const int32_t* lanes) {
     PickedLanes<V> first, second;
     std::copy_n(lanes, kHalf, first.lane);
@@ -100,6 +128,10 @@ struct Unrolled {
   PELT_INLINE friend Unrolled Max(Unrolled x, Unrolled y) { return {Max(x.a, y.a), Max(x.b, y.b)}; }
   PELT_INLINE friend Int Truncate(Unrolled x) { return {Truncate(x.a), Truncate(x.b)}; }
   PELT_INLINE friend Unrolled ToFloat(Int x) { return {ToFloat(x.a), ToFloat(x.b)}; }
+  PELT_INLINE static void SideBySide(uint32_t a, uint32_t b) requires requires {
+    V::SideBySide(a, b);
+  }
+  { V::SideBySide(a, b); }
   // What core/simd/maths.hpp asks for.
   PELT_INLINE static Unrolled ReciprocalRoot(Unrolled x) requires requires {
     V::ReciprocalRoot(x.a);

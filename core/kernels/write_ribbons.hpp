@@ -66,7 +66,10 @@ template <class V>
 PELT_INLINE Vec3<V> TangentAt(const Hairs<V>& h, uint32_t i) {
   const uint32_t last = kRibbonPoints - 1;
   Vec3<V> d = h.point[i < last ? i + 1 : last] - h.point[i > 0 ? i - 1 : 0];
-  if (i == 0) d = d * V(4.0f) - (h.point[2] - h.point[0]);
+  if (i == 0) {
+    const Vec3<V> over_two = h.point[2] - h.point[0];
+    d = d * V(4.0f) - over_two;
+  }
   const Vec3<V> up{V(0.0f), V(1.0f), V(0.0f)};
   const V squared = Dot(d, d);
   const Vec3<V> tangent = d * Rsqrt(squared);

@@ -88,6 +88,7 @@ struct RecordedOperation {
   uint8_t size_bytes = 0;     // of what is loaded or stored, of a word
   uint8_t operand_count = 0;  // of `operand`
   uint8_t result_count = 0;   // results are `result`, `result` + 1, ...
+  bool is_side = false;       // one operation of the source with the one before it (recorder.hpp)
   uint32_t result = kNoValue;
   std::array<uint32_t, 4> operand{kNoValue, kNoValue, kNoValue, kNoValue};
   int32_t address = 0;

@@ -1,5 +1,7 @@
 #include "platform_sim/pricing/recorder.hpp"
 
+#include <algorithm>
+
 namespace pelt {
 namespace {
 
@@ -129,6 +131,15 @@ void Recorder::Store(RecordedKind kind, const void* to, uint32_t bytes, uint32_t
     Append(store, {value}, 0);
   else
     Append(store, {value, index}, 0);
+}
+
+void Recorder::SideBySide(uint32_t a, uint32_t b) {
+  if (keep_ == Keep::kCounts) return;
+  constexpr size_t kMostSides = 4;
+  const auto end = trace_.operations.end();
+  const auto made = end - std::min(kMostSides, trace_.operations.size());
+  for (auto o = made; o != end; ++o)
+    if (o != made && o->result == b) o->is_side |= (o - 1)->result == a;
 }
 
 uint32_t Recorder::Word(RecordedKind kind, uint32_t bytes, uint32_t a, uint32_t b) {

@@ -59,6 +59,8 @@ class Recorder {
   uint32_t Load(RecordedKind kind, const void* from, uint32_t bytes, uint32_t index = kNoValue);
   void Store(RecordedKind kind, const void* to, uint32_t bytes, uint32_t value,
              uint32_t index = kNoValue);
+  // `b` was just made by the operation that made `a`, on the vector beside it: one operation of the source.
+  void SideBySide(uint32_t a, uint32_t b);
   // Of a scalar word of `bytes`; kNoValue operands are constants.
   uint32_t Word(RecordedKind kind, uint32_t bytes, uint32_t a, uint32_t b = kNoValue);
 

@@ -236,6 +236,11 @@ struct RecordingVec {
     return {ToFloat(a.i), recording::Make(Kind::kToFloat, {a.id})};
   }
 
+  // What core/kernels/unrolled.hpp asks for.
+  static void SideBySide(uint32_t a, uint32_t b) {
+    if (Recorder::installed) Recorder::installed->SideBySide(a, b);
+  }
+
   // What core/simd/maths.hpp and records.hpp ask for.
   static RecordingVec ReciprocalRoot(RecordingVec a) {
     return {Rsqrt(a.v), recording::Make(Kind::kReciprocalRoot, {a.id})};

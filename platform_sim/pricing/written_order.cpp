@@ -15,18 +15,16 @@ bool IsConstant(const RecordedOperation& operation) {
 }
 
 // Operations that one operation on several vectors side by side has made (core/kernels/unrolled.hpp), which is one
-// node in the source: four or two of a kind, one behind the other, whose operands are those of one such node each, or
-// the same.
+// node in the source.
 class Nodes {
  public:
   explicit Nodes(const Trace& trace)
-      : old_(trace.operations), maker_(trace.value_count), first_(old_.size()), end_(old_.size()) {
-    for (uint32_t o = 0; o < old_.size(); ++o)
-      for (uint32_t r = 0; r < old_[o].result_count; ++r) maker_[old_[o].result + r] = o;
-    for (uint32_t o = 0; o < old_.size(); o = end_[o]) {
-      const uint32_t count = AreTogether(o, 4) ? 4 : AreTogether(o, 2) ? 2 : 1;
-      end_[o] = o + count;
-      for (uint32_t i = 0; i < count; ++i) first_[o + i] = o;
+      : maker_(trace.value_count), first_(trace.operations.size()), end_(trace.operations.size()) {
+    for (uint32_t o = 0; o < first_.size(); ++o) {
+      const RecordedOperation& operation = trace.operations[o];
+      for (uint32_t r = 0; r < operation.result_count; ++r) maker_[operation.result + r] = o;
+      first_[o] = operation.is_side ? first_[o - 1] : o;
+      end_[first_[o]] = o + 1;
     }
   }
 
@@ -36,34 +34,6 @@ class Nodes {
   uint32_t MakerOf(uint32_t value) const { return maker_[value]; }
 
  private:
-  bool AreTogether(uint32_t o, uint32_t count) const {
-    if (o + count > old_.size()) return false;
-    const RecordedOperation& first = old_[o];
-    if (IsConstant(first) || first.kind == RecordedKind::kAny ||
-        first.kind == RecordedKind::kAllSet)
-      return false;
-    for (uint32_t i = 1; i < count; ++i) {
-      const RecordedOperation& other = old_[o + i];
-      if (other.kind != first.kind || other.size_bytes != first.size_bytes ||
-          other.operand_count != first.operand_count)
-        return false;
-      // Records lie anywhere, rows side by side.
-      const bool is_row = first.kind == RecordedKind::kLoad || first.kind == RecordedKind::kStore;
-      if (is_row && other.address != first.address + int32_t(i * first.size_bytes)) return false;
-      for (uint32_t k = 0; k < first.operand_count; ++k)
-        if (!AreSides(first.operand[k], other.operand[k], i)) return false;
-    }
-    return true;
-  }
-  bool AreSides(uint32_t value, uint32_t other, uint32_t place) const {
-    if (value == other) return true;
-    if (value == kNoValue || other == kNoValue) return false;
-    const uint32_t maker = maker_[value];
-    if (IsConstant(old_[maker])) return IsConstant(old_[maker_[other]]);
-    return first_[maker] == maker && maker_[other] == maker + place && end_[maker] > maker + place;
-  }
-
-  const std::vector<RecordedOperation>& old_;
   std::vector<uint32_t> maker_;  // of each value
   std::vector<uint32_t> first_;  // of each operation's node
   std::vector<uint32_t> end_;    // of a node's first operation
@@ -127,19 +97,19 @@ class WrittenOrder {
     return begin;
   }
 
-  // `root` and what it needs from `first` on, operands first. A node's first operation speaks for all: the others'
-  // operands come from the same nodes.
+  // `root` and what it needs from `first` on, operands first: of a node the first ones of all its operations, then the
+  // second ones.
   void Walk(uint32_t root, uint32_t first) {
     visits_.push_back({root, 0});
     while (!visits_.empty()) {
       const uint32_t n = visits_.back().node;
-      const uint32_t next = visits_.back().next_operand++;
-      if (next == old_[n].operand_count) {
+      const uint32_t next = visits_.back().next_operand++, sides = nodes_.End(n) - n;
+      if (next == old_[n].operand_count * sides) {
         visits_.pop_back();
         Append(n);
         continue;
       }
-      const uint32_t value = old_[n].operand[next];
+      const uint32_t value = old_[n + next % sides].operand[next / sides];
       if (value == kNoValue) continue;
       const uint32_t maker = nodes_.Of(nodes_.MakerOf(value));
       if (maker >= first && !is_placed_[maker] && !IsConstant(old_[maker]))

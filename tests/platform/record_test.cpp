@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "core/kernels/unrolled.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
 #include "tests/platform/recording.hpp"
 
@@ -32,6 +33,23 @@ TEST(RecordingVec, SeesEveryOperationAndItsOperands) {
   EXPECT_EQ(store.operand[0], sum.result);
   EXPECT_EQ(trace.operations[1].address - trace.operations[0].address,
             int32_t(sizeof Rows{}.row[0]));
+}
+
+// Four vectors side by side: one operation of the source is four, one behind the other.
+TEST(RecordingVec, KnowsWhatIsOneOperationOfTheSource) {
+  using W = Unrolled<Unrolled<V>>;
+  const Trace trace = Record([](Rows& rows) {
+    const W a = W::Load(rows.row[0]), b = W::Load(rows.row[1]);
+    const W product = a * b, sum = a + b;
+    Select(product < sum, a, b).Store(rows.row[2]);
+  });
+  uint32_t node = 0;
+  for (size_t o = 0; o < trace.operations.size(); ++o) {
+    const RecordedOperation& operation = trace.operations[o];
+    if (IsStore(operation.kind)) continue;  // each has its place in the order
+    EXPECT_EQ(operation.is_side, node++ % 4 != 0) << o;
+  }
+  EXPECT_EQ(node, 6u * 4);
 }
 
 TEST(RecordingVec, GreaterIsLessTurnedRound) {

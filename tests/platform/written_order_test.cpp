@@ -26,6 +26,7 @@ void ExpectSame(const Trace& a, const Trace& b) {
     EXPECT_EQ(x.operand, y.operand);
     EXPECT_EQ(x.address, y.address);
     EXPECT_EQ(x.bits, y.bits);
+    EXPECT_EQ(x.is_side, y.is_side);
   }
 }
 
@@ -68,8 +69,15 @@ void ExpectOneOrder() {
     return Record([=](Rows& rows) {
       const auto load = [&](int row) { return W::Load(rows.row[row]); };
       const auto [a, b] = Both(
-          right_first, [&] { return load(0) * W(3.0f); },
-          [&] { return Select(W(1.0f) < load(1), Rsqrt(load(2)), W(5.0f)); });
+          right_first,
+          [&] {
+            const W loaded = load(0) * W(3.0f);
+            return loaded + W(2.0f) * W(3.0f);
+          },
+          [&] {
+            const W constant = W(5.0f) * W(3.0f);  // beside another of constants
+            return Select(W(1.0f) < load(1), Rsqrt(load(2)), constant);
+          });
       (a - b).Store(rows.row[3]);
     });
   };
