@@ -8,6 +8,7 @@
 
 #include "core/chunk.hpp"
 #include "core/lighting.hpp"
+#include "core/paint_brush.hpp"
 #include "core/view.hpp"
 #include "core/wind_setup.hpp"
 
@@ -21,6 +22,17 @@ struct Weather {
 
 // Level of detail: a layer's share of strands follows the size of its box on the screen, where
 // skip.lod is on (core/kernels/select_lod.hpp).
+// What is simulated how: PBD, Verlet, and the modal solver by ModalQuality.
+inline constexpr uint32_t kSolverTiers = 5;
+
+// Core time that fur in view takes, ns: of a machine (`pelt calibrate`), or of an engine's own profile.
+struct FurCosts {
+  float chunk_ns = 0.0f;   // of a chunk of strands and of a patch of vertices, whatever lives of it
+  float vertex_ns = 0.0f;  // of a mesh vertex under fur: skinning, air
+  float strand_ns = 0.0f;  // of a living strand: all but its chain
+  float node_ns[kSolverTiers] = {};  // of a chain, for each of its points but the root
+};
+
 struct LodSettings {
   float full_detail_px = 400.0f;  // box diagonal on the screen from which all strands live, px
   float min_fraction = 0.05f;     // least share of a layer in view before the budget, 0 to 1
@@ -33,6 +45,11 @@ struct LodSettings {
   // Modal layers of quality `fine` are simulated in `fast` while its typical error is at most this on the
   // screen (modal/quality_on_screen.hpp); whether skip.lod is on or not. 0: never.
   float fast_quality_px = 0.5f;
+  // Core time of the fur in view, us; 0: no budget. What `costs` say is over it is taken from what is least seen:
+  // `fast` for `fine`, beginning with the smallest error, while that is at most worst_px; then, with skip.lod, strands.
+  uint32_t budget_us = 0;
+  float worst_px = 2.0f;
+  FurCosts costs;
 };
 
 // What may be left out. LOD changes the picture. Culling changes it for a layer that comes back
@@ -66,15 +83,6 @@ struct CapsuleCollider {
 // By PaintChannel.
 inline constexpr std::string_view kPaintChannelNames[kPaintChannels] = {"mud", "snow", "wet",
                                                                         "dust"};
-
-// A ball that paints the strands whose roots it holds, in every frame it is there.
-struct PaintBrush {
-  float centre[3] = {};   // m, world
-  float radius = 0.0f;    // m
-  float hardness = 0.0f;  // 0 to 1: share of the radius within which it paints all of `amount`
-  uint32_t channel = 0;   // PaintChannel
-  float amount = 0.0f;    // -1 to 1, of the most that a strand can have; below 0: takes away
-};
 
 // Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value
 // is beyond 1e6; BeginFrame says which one is. jobs/README.md has all, with their names in C.

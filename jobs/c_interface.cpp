@@ -236,8 +236,12 @@ const char* Translate(const PeltFrame& from, std::vector<pelt::Weather>& weather
       weather[c] = {from.weather[c][0], from.weather[c][1]};
     to.weather = weather;
   }
-  to.lod = {from.full_detail_px, from.min_fraction,  from.hysteresis,     from.fade_share,
-            from.least_chains,   from.strand_budget, from.fast_quality_px};
+  to.lod = {from.full_detail_px,  from.min_fraction,
+            from.hysteresis,      from.fade_share,
+            from.least_chains,    from.strand_budget,
+            from.fast_quality_px, from.budget_us,
+            from.worst_px,        {from.chunk_ns, from.vertex_ns, from.strand_ns, {}}};
+  Copy(from.node_ns, to.lod.costs.node_ns);
   for (const SkipBit& skip : kSkips) to.skip.*skip.member = (from.skip & skip.bit) != 0;
   return nullptr;
 }
@@ -393,6 +397,7 @@ void pelt_default_frame(PeltFrame* frame) {
   frame->fade_share = in.lod.fade_share;
   frame->least_chains = in.lod.least_chains;
   frame->fast_quality_px = in.lod.fast_quality_px;
+  frame->worst_px = in.lod.worst_px;
   for (const SkipBit& skip : kSkips)
     if (in.skip.*skip.member) frame->skip |= skip.bit;
 }

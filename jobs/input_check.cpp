@@ -164,6 +164,15 @@ const char* FindLodFault(const LodSettings& lod) {
     return "full_detail_px is not a number from 0 on";
   if (!std::isfinite(lod.fast_quality_px) || lod.fast_quality_px < 0.0f)
     return "fast_quality_px is not a number from 0 on";
+  if (!(lod.worst_px >= 0.0f && lod.worst_px <= kLargestInput))
+    return "worst_px is not a number from 0 on";
+  const FurCosts& costs = lod.costs;
+  const auto is_cost = [](float ns) { return ns >= 0.0f && ns <= kLargestInput; };
+  if (!is_cost(costs.chunk_ns) || !is_cost(costs.vertex_ns) || !is_cost(costs.strand_ns) ||
+      !std::ranges::all_of(costs.node_ns, is_cost))
+    return "a cost is not a number from 0 on";
+  if (lod.budget_us > 0 && !(costs.strand_ns > 0.0f))
+    return "budget_us is given without costs: strand_ns is 0";
   const float shares[] = {lod.min_fraction, lod.hysteresis, lod.fade_share, lod.least_chains};
   for (float share : shares)
     if (!(share >= 0.0f && share <= 1.0f)) return "a share is not in [0, 1]";

@@ -231,6 +231,11 @@ typedef struct PeltFrame {
   /* Typical error on the screen, px, up to which modal layers of quality `fine` are simulated in `fast`; 0:
    * never. */
   float fast_quality_px;
+  /* Core time of the fur in view, us; 0: no budget. What is over it by the costs below, ns of a chunk or patch,
+   * of a mesh vertex, of a living strand, and of each point but the root of a chain by PBD, Verlet, fast, fine, best, is taken from
+   * what is seen least: `fast` for `fine` up to a typical error of worst_px, then, with PELT_LOD, strands. */
+  uint32_t budget_us;
+  float worst_px, chunk_ns, vertex_ns, strand_ns, node_ns[5];
   uint32_t skip; /* PeltSkip */
   /* What the places above are relative to, world, m; not 0 only in a scene that has origins. */
   double origin[3];

@@ -164,7 +164,10 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   layer_params_.clear();
   layer_length_max_.clear();
   layer_strands_.clear();
+  layer_vertices_.clear();
   modal_.resize(shape().layer_count);
+  demands_.resize(shape().layer_count);
+  demand_order_.reserve(shape().layer_count);
   layer_simulates_.assign(shape().layer_count, 0);
   layer_curled_.assign(shape().layer_count, 0);
   uint32_t index = 0;
@@ -183,6 +186,9 @@ void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t inde
   layer_params_.push_back(layer.params);
   layer_length_max_.push_back(layer.length_max);
   layer_strands_.push_back(layer.strand_count);
+  layer_vertices_.push_back(0);
+  for (uint32_t p = 0; p < layer.patch_count; ++p)
+    layer_vertices_.back() += copy.groom.mesh[layer.first_patch + p].vertex_count;
   const bool shells = layer.params.output == Output::kShells;
   const bool changed =
       shells && Put(*memory_.Of<&Streams::shell_layers>(index), FillShellLayer(layer.params));
@@ -307,6 +313,7 @@ bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
   modal_ = other.modal_;
   layer_length_max_ = other.layer_length_max_;
   layer_strands_ = other.layer_strands_;
+  layer_vertices_ = other.layer_vertices_;
   layer_simulates_ = other.layer_simulates_;
   layer_curled_ = other.layer_curled_;
   pose_gate_.CopyStateFrom(other.pose_gate_);
@@ -361,16 +368,16 @@ bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** 
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
-                 bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
-                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
-                 bytes(shape.patch_layer) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
-                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
-                 bytes(layer_names_) + bytes(layer_params_) + bytes(modal_) +
-                 bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_simulates_) +
-                 bytes(layer_curled_) + bytes(draws_) + bytes(fault_) + carried_.HeapBytes() +
-                 pose_gate_.HeapBytes();
+  uint64_t sum =
+      sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
+      bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
+      bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
+      bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) + bytes(shape.patch_layer) +
+      bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
+      bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) + bytes(layer_params_) +
+      bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_vertices_) +
+      bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) + bytes(layer_curled_) +
+      bytes(draws_) + bytes(fault_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
   for (const std::string& name : layer_names_) sum += bytes(name);

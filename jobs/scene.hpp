@@ -30,6 +30,7 @@
 #include "jobs/collider_course.hpp"
 #include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
+#include "jobs/lod_budget.hpp"
 #include "jobs/origins.hpp"
 #include "jobs/pose_gate.hpp"
 #include "traces/digest.hpp"
@@ -238,6 +239,8 @@ class FurScene {
   // Of a layer with the modal solver, after a frame: the quality that ran, and how wrong that may look
   // from where the frame's camera is (core/modal/quality_on_screen.hpp).
   ScreenQuality QualityOf(uint32_t layer) const;
+  // What LodSettings::budget_us made of the last frame.
+  const LodBudget& budget() const { return budget_; }
 
  private:
   FurScene(const SceneOptions& options, SceneLayout layout);
@@ -262,6 +265,8 @@ class FurScene {
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, Air air);
   ModalQuality LayerQuality(uint32_t layer, const FrameInput& input) const;
+  View LayerView(uint32_t layer, const FrameInput& input) const;
+  void FindBudget(const FrameInput& input);
   // Calls fill(s, input) for each set, with the input as it is told there.
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;
@@ -297,7 +302,7 @@ class FurScene {
   std::vector<LayerParams> layer_params_;
   std::vector<ModalCourse> modal_;  // of every layer; used by those with the modal solver
   std::vector<float> layer_length_max_;
-  std::vector<uint32_t> layer_strands_;
+  std::vector<uint32_t> layer_strands_, layer_vertices_;
   std::vector<uint8_t> layer_simulates_;
   std::vector<uint8_t> layer_curled_;  // some chain rests bent
   PoseGate pose_gate_;
@@ -308,6 +313,9 @@ class FurScene {
   CarriedState carried_;
   uint64_t snapshot_bytes_ = 0, value_words_ = 0, strands_digest_ = 0;
   uint32_t state_layout_ = 0;
+  std::vector<LayerDemand> demands_;  // of each layer
+  std::vector<uint32_t> demand_order_;
+  LodBudget budget_;  // of the last frame
   mutable std::vector<LayerDraw> draws_;
   std::string fault_;
 };

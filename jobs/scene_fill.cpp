@@ -72,6 +72,7 @@ void FurScene::FillFrame(const FrameInput& input) {
     params_[s].paint_strands = MakePaintStrandsParams({in.brush, in.brush_count});
     relights_[s] = FillLights(s, in);
   });
+  FindBudget(input);
   FillLayers(input, air);
   ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, air); });
   first_frame_ = false;
@@ -197,18 +198,45 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
   }
 }
 
-// As this frame's eye sees last frame's box: that of this one comes with its poses, in the frame. Of the last
-// eye nothing is asked, or a pause's would change what comes after it.
-ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const {
-  const ModalQuality asked = layer_params_[layer].quality;
-  if (first_frame_) return asked;
+// This frame's, where last frame's boxes are told from: those of this one come with its poses, in the frame. Of the
+// last eye nothing is asked, or a pause's would change what comes after it.
+View FurScene::LayerView(uint32_t layer, const FrameInput& in) const {
   const uint32_t set = SetOf(layer);
   View view = ViewFrom(set, in);
   if (!origins_.empty())
     for (int k = 0; k < 3; ++k) view.eye[k] = view.eye[k] + origins_[set].shift[k];
-  return QualityOnScreen(asked, modal_[layer].quality(), view, *memory_.Of<&Streams::bounds>(layer),
+  return view;
+}
+
+ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const {
+  const ModalQuality asked = layer_params_[layer].quality, last = modal_[layer].quality();
+  if (first_frame_) return asked;
+  return QualityOnScreen(asked, last, LayerView(layer, in), *memory_.Of<&Streams::bounds>(layer),
                          scales_[shape().layer_character[layer]] * layer_length_max_[layer],
-                         in.lod.fast_quality_px);
+                         last == ModalQuality::kFast ? budget_.keep_fast_px : budget_.fast_px);
+}
+
+// Of layers in view in the last frame; shells have no strands that could be fewer.
+void FurScene::FindBudget(const FrameInput& in) {
+  if (in.lod.budget_us > 0)
+    for (uint32_t l = 0; l < shape().layer_count; ++l) {
+      const LodBlock& lod = *memory_.Of<&Streams::lod>(l);
+      const LayerParams& params = layer_params_[l];
+      demands_[l] = {.patches = shape().LayerItems(Domain::kPatch, l),
+                     .chunks = shape().LayerItems(Domain::kChunk, l),
+                     .vertices = layer_vertices_[l],
+                     .strands = StrandCount(l),
+                     .nodes = params.points - 1,
+                     .on_vertices = params.chain == ChainKind::kVertex,
+                     .solver = params.solver,
+                     .quality = params.quality,
+                     .wanted = lod.visible ? lod.wanted : 0.0f};
+      if (lod.visible && params.quality == ModalQuality::kFine)
+        demands_[l].fast_px2 =
+            FastErrorPx2(LayerView(l, in), *memory_.Of<&Streams::bounds>(l),
+                         scales_[shape().layer_character[l]] * layer_length_max_[l]);
+    }
+  budget_ = FindLodBudget(demands_, in.lod, in.skip.lod, demand_order_);
 }
 
 float FurScene::LongestOnScreenPx(uint32_t layer) const {
@@ -255,8 +283,9 @@ void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& 
   lod.least_chains = in.lod.least_chains;
   lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
   lod.budget_scale =
-      BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
-                  {memory_.Of<&Streams::layers>(0), shape().layer_count}, in.lod.strand_budget);
+      std::min(budget_.scale, BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
+                                          {memory_.Of<&Streams::layers>(0), shape().layer_count},
+                                          in.lod.strand_budget));
   const bool view_changed = FillView(s, in, lod);
   std::copy_n(lod.view.eye, 3, to.select_shells.eye);
   to.select_shells.all = in.skip.lod ? 0 : 1;

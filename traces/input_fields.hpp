@@ -53,6 +53,14 @@ void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersi
   }
   if (version >= 6) archive("lod.fast_quality_px", in.lod.fast_quality_px);
   if (version >= 8) archive("lod.least_chains", in.lod.least_chains);
+  if (version >= 9) {
+    archive("lod.budget_us", in.lod.budget_us);
+    archive("lod.worst_px", in.lod.worst_px);
+    archive("lod.costs.chunk_ns", in.lod.costs.chunk_ns);
+    archive("lod.costs.vertex_ns", in.lod.costs.vertex_ns);
+    archive("lod.costs.strand_ns", in.lod.costs.strand_ns);
+    archive("lod.costs.node_ns", in.lod.costs.node_ns);
+  }
   // The counts are last.
   archive("sphere_count", in.sphere_count);
   if (version >= 2) archive("capsule_count", in.capsule_count);

@@ -42,7 +42,7 @@ namespace pelt {
 // 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without
 // origins, a modal quality by size on the screen and velocities of colliders, 6: without a snapshot,
 // 7: all chains simulated; all still read.
-inline constexpr uint32_t kInputLogVersion = 8;
+inline constexpr uint32_t kInputLogVersion = 9;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {

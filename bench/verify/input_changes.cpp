@@ -31,7 +31,9 @@ namespace {
   [[maybe_unused]] const auto& [sample_at, falloff, sky, below, above] = sample[0];
   static_assert(sizeof(camera) == 14 * sizeof(float));  // its eye has two names, and so no binding
   [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
-  [[maybe_unused]] const auto& [detail, least, hysteresis, fade, chains, budget, fast] = lod;
+  [[maybe_unused]] const auto& [detail, least, hysteresis, fade, chains, budget, fast, micros,
+                                worst, costs] = lod;
+  [[maybe_unused]] const auto& [of_chunk, of_vertex, of_strand, of_node] = costs;
   [[maybe_unused]] const auto& [sleep, unmoved, sort, cull, wind_too, light_too, lod_too] = skip;
   [[maybe_unused]] const auto& [wetness, dirt] = Weather{};
 }

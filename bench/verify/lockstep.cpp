@@ -43,6 +43,8 @@ FrameSettings FrameSettingsOf(Settings settings, const Scenario& scenario) {
   if (settings == Settings::kLod) {
     all.skip.lod = true;
     all.lod.strand_budget = uint32_t(scenario.StrandCount() / 2);
+    all.lod.costs = {0.0f, 0.0f, 1000.0f, {}};
+    all.lod.budget_us = std::max(1u, all.lod.strand_budget * 4 / 5);
   }
   return all;
 }

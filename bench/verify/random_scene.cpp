@@ -156,6 +156,8 @@ RandomScene DrawFrom(Random random) {
   drawn.skip.lod = random.Below(3) == 0;
   drawn.lod.strand_budget = random.Below(2) ? uint32_t(scenario.StrandCount() / 2) : 0;
   drawn.lod.fast_quality_px = float(random.Below(3));
+  drawn.lod.budget_us = 50 * random.Below(4);
+  drawn.lod.costs = {400.0f, 5.0f, 100.0f, {20.0f, 10.0f, 40.0f, 80.0f, 160.0f}};
   drawn.lod.least_chains = 0.5f * float(random.Below(3));
   DrawCourse(random, scenario);
   size_t layers = 0;

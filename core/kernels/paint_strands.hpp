@@ -20,8 +20,8 @@
 #include <span>
 #include <string_view>
 
-#include "core/frame_input.hpp"
 #include "core/kernel.hpp"
+#include "core/paint_brush.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

@@ -25,6 +25,11 @@ ModalQuality QualityOnScreen(ModalQuality asked, ModalQuality last, const View& 
   return error * error <= allowed * allowed * distance2 ? ModalQuality::kFast : asked;
 }
 
+double FastErrorPx2(const View& view, const BoundsBlock& box, float length_max) {
+  const double error = double(kFastTypicalError) * length_max * view.pixels_per_unit_at_1m;
+  return error * error / double(SquaredDistanceFrom(view, box));
+}
+
 float LengthOnScreenPx(const View& view, const BoundsBlock& box, float length) {
   return length * view.pixels_per_unit_at_1m / std::sqrt(SquaredDistanceFrom(view, box));
 }

@@ -9,7 +9,7 @@
 // Layers whose author asked for `fast` or `best` have that at any distance.
 //
 // Invariant: a function of the view and the layer's box, both computed alike on every machine, with
-// comparisons of squares: no root, no division.
+// comparisons of squares: no root.
 #pragma once
 
 #include "core/chunk.hpp"
@@ -29,6 +29,9 @@ inline constexpr float kFastHysteresis = 1.1f;
 // strands, m. `allowed_px`: 0 or more; 0 keeps `asked`.
 ModalQuality QualityOnScreen(ModalQuality asked, ModalQuality last, const View& view,
                              const BoundsBlock& box, float length_max, float allowed_px);
+
+// Of `fast`, typical, at the nearest place of the box, px^2.
+double FastErrorPx2(const View& view, const BoundsBlock& box, float length_max);
 
 // 99 % of a scene's tips are at most so far off `best` at 8 times the frame rate, over their layer's longest strand: in
 // every built-in scene that has one at another rate (`pelt accuracy --scene`, "within"). It is `eyepet` that needs it, whose

@@ -193,7 +193,8 @@ TEST_P(ConsoleOf, NoAdviceForWhatFits) { EXPECT_TRUE(Advise(on().run, on().budge
 // The budget that the advice names is set, and the scene fits.
 TEST_P(ConsoleOf, AStrandBudgetThatIsAdvisedFits) {
   Modelled& on = this->on();
-  const double least_ms = on.run.TryLod({.strand_budget = 16}, ConsoleRun::Trial::kAllFrames).ms;
+  const double least_ms =
+      on.run.TryLod({.strand_budget = 16, .costs = {}}, ConsoleRun::Trial::kAllFrames).ms;
   const double most_ms = on.run.TryLod({}, ConsoleRun::Trial::kAllFrames).ms;
   ASSERT_LT(least_ms, most_ms);
   const double target_ms = (least_ms + most_ms) / 2;
@@ -221,8 +222,10 @@ TEST_P(ConsoleOf, SaysWhenFewerStrandsDoNotHelp) {
 }
 
 TEST_P(ConsoleOf, FewerStrandsTakeLess) {
-  const auto all = on().run.TryLod({.strand_budget = 1000}, ConsoleRun::Trial::kFewFrames);
-  const auto less = on().run.TryLod({.strand_budget = 200}, ConsoleRun::Trial::kFewFrames);
+  const auto all =
+      on().run.TryLod({.strand_budget = 1000, .costs = {}}, ConsoleRun::Trial::kFewFrames);
+  const auto less =
+      on().run.TryLod({.strand_budget = 200, .costs = {}}, ConsoleRun::Trial::kFewFrames);
   EXPECT_LT(less.live_strands, all.live_strands);
   EXPECT_LT(less.ms, all.ms);
 }

@@ -54,6 +54,28 @@ uint64_t RunOne(PeltScene* scene, uint32_t frame) {
   return pelt_digest(scene);
 }
 
+TEST(CInterface, ABudgetNeedsCostsAndIsKeptTo) {
+  const auto digest_within = [](uint32_t us) {
+    const OwnScene scene = MakeScene();
+    for (uint32_t f = 0; f < 3; ++f) {
+      PeltFrame input = FrameOf(f);
+      input.skip |= PELT_LOD;
+      input.budget_us = us;
+      if (us > 0 && f == 0) {
+        const std::string fault = Text(pelt_begin(scene.get(), &input));
+        EXPECT_NE(fault.find("budget_us is given without costs"), std::string::npos) << fault;
+      }
+      input.strand_ns = input.node_ns[3] = 20.0f;
+      SetPose(scene.get(), f);
+      EXPECT_EQ(Text(pelt_begin(scene.get(), &input)), "");
+      EXPECT_EQ(Text(pelt_run(scene.get(), nullptr)), "");
+    }
+    return pelt_digest(scene.get());
+  };
+  EXPECT_EQ(digest_within(1'000'000), digest_within(0));
+  EXPECT_NE(digest_within(1), digest_within(0));
+}
+
 // Everything that writes what a frame reads, called while one is begun, and from its door.
 struct Intruder {
   PeltScene* scene;

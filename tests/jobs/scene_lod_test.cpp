@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstring>
+#include <tuple>
 
 #include "core/modal/quality_on_screen.hpp"
 #include "jobs/scene.hpp"
@@ -312,6 +313,43 @@ TEST(QualityByScreen, AnotherOneWakesWhatSleeps) {
     if (f + 1 == kOther) still = DigestOfPoints(awake.scene());
   }
   EXPECT_NE(DigestOfPoints(awake.scene()), still);
+}
+
+// The whole scene: the frame after one that has boxes has what the budget leaves.
+TEST(QualityByScreen, ABudgetTakesFastFirstAndThenStrands) {
+  Scenario scenario = ModalScenario(ModalQuality::kFine);
+  scenario.base.lod.fast_quality_px = 0.0f;
+  scenario.base.lod.costs = {0.0f, 2.0f, 50.0f, {10.0f, 8.0f, 20.0f, 60.0f, 90.0f}};
+  const auto run = [&](uint32_t us, bool with_lod) {
+    scenario.base.lod.budget_us = us;
+    scenario.base.lod.worst_px = 1.0e5f;
+    scenario.base.lod.full_detail_px = 0.0f;
+    RunningScenario running(scenario, {});
+    SerialExecutor serial;
+    for (uint32_t f = 0; f < 4; ++f) {
+      running.Begin(f, {.cull = false, .lod = with_lod}, scenario.base.lod);
+      serial.Run(running.scene().CurrentFrame());
+    }
+    uint32_t fast = 0;
+    for (uint32_t l = 0; l < running.scene().shape().layer_count; ++l)
+      fast += running.scene().QualityOf(l).quality == ModalQuality::kFast;
+    return std::tuple(fast, running.scene().LiveStrands(), running.scene().budget().ns);
+  };
+  const auto layers = uint32_t(scenario.grooms[0].layers.size());
+  const auto [none, all, free_ns] = run(1'000'000, true);
+  EXPECT_EQ(none, 0u);
+  const auto [some, same, less_ns] = run(uint32_t(0.9e-3 * free_ns), true);
+  EXPECT_GT(some, 0u);
+  EXPECT_LT(some, layers);
+  EXPECT_EQ(same, all);
+  EXPECT_LE(less_ns, 0.9 * free_ns);
+  const auto [every, few, least_ns] = run(uint32_t(0.1e-3 * free_ns), true);
+  EXPECT_EQ(every, layers);
+  EXPECT_LT(few, all / 2);
+  EXPECT_GT(few, 0u);
+  EXPECT_LE(least_ns, 0.1 * free_ns);
+  // Without --lod no strand goes.
+  EXPECT_EQ(std::get<1>(run(uint32_t(0.1e-3 * free_ns), false)), all);
 }
 
 TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {

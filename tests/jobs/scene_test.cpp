@@ -279,6 +279,10 @@ const std::vector<BadInput> kBadInputs = {
     {"lod", [](FrameInput& in, FurScene&) { in.lod.min_fraction = kNaN; }},
     {"lod", [](FrameInput& in, FurScene&) { in.lod.hysteresis = -1.0f; }},
     {"lod", [](FrameInput& in, FurScene&) { in.lod.fade_share = 2.0f; }},
+    {"lod: worst_px", [](FrameInput& in, FurScene&) { in.lod.worst_px = kNaN; }},
+    {"lod: budget_us is given without costs",
+     [](FrameInput& in, FurScene&) { in.lod.budget_us = 1; }},
+    {"lod: a cost", [](FrameInput& in, FurScene&) { in.lod.costs.node_ns[4] = -1.0f; }},
 };
 
 TEST(FurSceneInput, BadInputIsRefusedAndLeavesNoTrace) {

@@ -61,6 +61,9 @@ TEST(InputLog, WhatIsRecordedComesBack) {
     EXPECT_EQ(input.use_ground, recorded.inputs[f].use_ground);
     EXPECT_EQ(input.skip.lod, recorded.inputs[f].skip.lod);
     EXPECT_EQ(input.lod.strand_budget, 100 * f);
+    EXPECT_EQ(input.lod.budget_us, 250 * f);
+    EXPECT_EQ(input.lod.worst_px, 1.5f);
+    EXPECT_EQ(std::memcmp(&input.lod.costs, &recorded.inputs[f].lod.costs, sizeof(FurCosts)), 0);
     ASSERT_EQ(input.sphere_count, f);
     for (uint32_t s = 0; s < f; ++s) EXPECT_EQ(input.sphere[s][3], 0.5f + float(s));
     ASSERT_EQ(input.capsule_count, f);
@@ -150,8 +153,8 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 8.
-TEST(InputLog, BytesAreThoseOfVersionEight) {
+// reads version 9.
+TEST(InputLog, BytesAreThoseOfVersionNine) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const uint8_t head[] = {'P',
                           'E',
@@ -161,7 +164,7 @@ TEST(InputLog, BytesAreThoseOfVersionEight) {
                           'N',
                           'P',
                           '\n',
-                          8,
+                          9,
                           0,
                           0,
                           0,
@@ -186,10 +189,10 @@ TEST(InputLog, BytesAreThoseOfVersionEight) {
                           0,
                           0};
   EXPECT_EQ(std::memcmp(bytes.data(), head, sizeof head), 0);
-  ASSERT_EQ(bytes.size(), 222575u);
+  ASSERT_EQ(bytes.size(), 222735u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0xa9bb1139bbf891b3u);
+  EXPECT_EQ(digest.Value(), 0x445f61f5d90b7317u);
 }
 
 TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
@@ -207,8 +210,8 @@ TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
   const InputLog log = ReadInputLog(with, "x").OrThrow(),
                  plain = ReadInputLog(without, "x").OrThrow();
   EXPECT_EQ(log.snapshot, snapshot);
-  EXPECT_EQ(log.version, 8u);
-  EXPECT_EQ(plain.version, 8u);
+  EXPECT_EQ(log.version, kInputLogVersion);
+  EXPECT_EQ(plain.version, kInputLogVersion);
   std::vector<std::byte> forged = without;
   input_log::PutNumberAt(forged, 16, 8u);
   EXPECT_NE(ErrorOf(Reseal(forged)).find("snapshot, byte"), std::string::npos);
@@ -268,7 +271,7 @@ TEST(InputLog, VelocitiesComeBackAndAreNotWrittenTwice) {
   }
   const std::vector<std::byte> bytes = writer.Finish();
   const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-  EXPECT_EQ(log.version, 8u);
+  EXPECT_EQ(log.version, kInputLogVersion);
   EXPECT_TRUE(log.about.velocities);
   EXPECT_EQ(log.rates.size(), 3u + 2u);  // the third's again after a frame without
   PoseRateBlock found;
@@ -314,7 +317,7 @@ TEST(InputLog, OriginsComeBack) {
     }
     const std::vector<std::byte> bytes = writer.Finish();
     const InputLog log = ReadInputLog(bytes, "x").OrThrow();
-    EXPECT_EQ(log.version, 8u);
+    EXPECT_EQ(log.version, kInputLogVersion);
     EXPECT_TRUE(log.about.origins);
     EXPECT_EQ(log.about.velocities, velocities);
     for (uint32_t f = 0; f < 4; ++f) {
@@ -379,7 +382,7 @@ TEST(InputLog, VersionThreeIsStillRead) {
   }
 }
 
-// A log of one frame, without what versions below 8 and 6 lack.
+// A log of one frame, without what versions below 9, 8 and 6 lack.
 std::vector<std::byte> WriteAsVersion(uint32_t version) {
   const RecordedFrames recorded = MakeRecordedFrames();
   InputLogWriter writer;
@@ -387,6 +390,7 @@ std::vector<std::byte> WriteAsVersion(uint32_t version) {
   EXPECT_EQ(writer.Begin(recorded.about, {&groom, 1}), nullptr);
   FrameInput input;
   input.skip.light = false;
+  input.lod.budget_us = 100;
   EXPECT_EQ(writer.AddFrame(input, std::span(recorded.poses[0]).first(1), 0), nullptr);
   std::vector<std::byte> bytes = writer.Finish();
   const InputLog now = ReadInputLog(bytes, "x").OrThrow();
@@ -394,10 +398,20 @@ std::vector<std::byte> WriteAsVersion(uint32_t version) {
   EXPECT_EQ(now.Input(0).lod.least_chains, 0.0f);
   // Before the pose: five counts, the weather's, and what pose it is.
   const auto end = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4);
-  bytes.erase(end - (version < 6 ? 8 : 4), end);
+  constexpr ptrdiff_t kBudget = 4 + 4 + sizeof(FurCosts);
+  const ptrdiff_t before = version < 6 ? 8 : version < 8 ? 4 : 0;
+  bytes.erase(end - before - kBudget, end);
   if (version < 6) bytes.resize(bytes.size() - 4);  // how many frames have velocities of colliders
   input_log::PutNumberAt(bytes, 8, version);
   return Reseal(bytes);
+}
+
+// From before there were budgets of time.
+TEST(InputLog, VersionEightIsStillRead) {
+  const InputLog then = ReadInputLog(WriteAsVersion(8), "x").OrThrow();
+  EXPECT_EQ(then.version, 8u);
+  EXPECT_EQ(then.Input(0).lod.budget_us, 0u);
+  EXPECT_EQ(then.Input(0).lod.least_chains, 0.0f);
 }
 
 // From before chains thinned: all were simulated.
@@ -516,9 +530,9 @@ struct Forgery {
 TEST(InputLog, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 9, "byte 8: version 9, this program reads 1 to 8"},
+      {"version", 8, 10, "byte 8: version 10, this program reads 1 to 9"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"unknown options", 16, 16, "byte 16: options are 16, version 8 has none above 15"},
+      {"unknown options", 16, 16, "byte 16: options are 16, version 9 has none above 15"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},

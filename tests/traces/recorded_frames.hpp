@@ -84,6 +84,9 @@ inline RecordedFrames MakeRecordedFrames() {
     input.skip.light = f != 1;
     input.skip.lod = f == 2;
     input.lod.strand_budget = 100 * f;
+    input.lod.budget_us = 250 * f;
+    input.lod.worst_px = 1.5f;
+    input.lod.costs = {0.5f, 1.0f, 2.0f, {3.0f, 4.0f, 5.0f, 6.0f, 7.0f + float(f)}};
     all.inputs.push_back(input);
     all.weather.push_back(f == 0 ? std::vector<Weather>()
                                  : std::vector<Weather>(3, Weather{0.5f, 0.1f * float(f)}));
