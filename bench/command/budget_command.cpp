@@ -11,6 +11,7 @@
 #include "bench/consoles/console_report.hpp"
 #include "bench/consoles/console_timeline.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
+#include "bench/fit/console_price.hpp"
 #include "bench/fit/layer_errors.hpp"
 #include "bench/fit/tiers.hpp"
 #include "bench/report/fit.hpp"
@@ -171,13 +172,15 @@ class BudgetPrinter {
   }
 
   ConsoleRequest RequestOf(Console console, const LodSettings& lod) const {
-    return {.console = console,
-            .numbers = NumbersOf(args_),
-            .frames = frames_,
-            .warm_up = args_.warm_up,
-            .what_if = *ParseWhatIf(args_.what_if),
-            .skip = args_.skip,
-            .lod = lod};
+    ConsoleRequest request{.console = console,
+                           .numbers = NumbersOf(args_),
+                           .frames = frames_,
+                           .warm_up = args_.warm_up,
+                           .what_if = *ParseWhatIf(args_.what_if),
+                           .skip = args_.skip,
+                           .lod = lod};
+    if (lod.budget_us > 0) request.lod.costs = FurCostsOnConsole(scenario_, request);
+    return request;
   }
 
   void AddConsoleOf(Console console, ReportTree& entry) {

@@ -241,6 +241,20 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
       ->capture_default_str();
 }
 
+CLI::Option* AddFurBudget(CLI::App& app, LodSettings& lod) {
+  auto* budget = app.add_option("--budget-us", lod.budget_us,
+                                "Core time of the fur in view, us: what is over it by its costs is "
+                                "taken from what is least seen; 0: no budget")
+                     ->capture_default_str();
+  app.add_option("--worst-px", lod.worst_px,
+                 "With --budget-us: typical error on the screen up to which 'fine' is simulated in "
+                 "'fast' for it, px; then, with --lod, strands go")
+      ->needs(budget)
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  return budget;
+}
+
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed) {
   app.add_option_function<std::string>(
          "--executor", [&executor](const std::string& name) { executor = ExecutorKind(name); },

@@ -76,6 +76,8 @@ void AddVelocities(CLI::App& app, bool& velocities);
 void AddOrigins(CLI::App& app, bool& origins);
 void AddPlanOptions(CLI::App& app, SceneOptions& options);
 void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod);
+// Of LodSettings::budget_us, whose costs are the command's matter; --budget-us.
+CLI::Option* AddFurBudget(CLI::App& app, LodSettings& lod);
 void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint64_t& order_seed);
 // Refuses an option that the executor has no use for.
 void CheckExecutor(const CLI::App& app, ExecutorKind executor);

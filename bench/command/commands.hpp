@@ -63,6 +63,7 @@ struct RunArgs {
   RunOptions options;
   std::optional<WeatherCourse> weather;  // the scenario's own if not given
   double fps = 0.0;                      // 0: the scenario's own
+  std::string costs;                     // file of pelt calibrate, for options.lod.budget_us
   CameraChoice camera;
   PaintAmounts paint = {};  // of all of every character; none: as the scenario has it
   PictureArgs picture;

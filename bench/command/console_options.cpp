@@ -38,6 +38,7 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
   RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
   RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice", "--what-if"},
                "--platform ps3 or xbox360");
+  RefuseUnless(app, !asks_for("host"), {"--budget-us"}, "--platform ps3, xbox360 or both");
 }
 
 CLI::Validator IsWhatIf() {
@@ -123,6 +124,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   AddSkips(*app, args.skip, args.lod);
+  AddFurBudget(*app, args.lod);
   app->add_option("--what-if", args.what_if,
                   "On consoles, in the model: a change of how a frame sorts, or of what it draws")
       ->check(IsWhatIf())
@@ -150,6 +152,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "  pelt budget --scene tiny --frames 10 --platform ps3 --target-ms 5 --trace ps3.json\n"
       "  pelt budget --scene tiny --frames 10 --platform ps3,xbox360 --spus 4 --json\n"
       "  pelt budget --scene tiny --frames 10 --platform ps3 --qualities\n"
+      "  pelt budget --scene tiny --frames 10 --platform ps3 --lod --budget-us 500\n"
       "  pelt budget --validate\n"
       "  pelt budget --numbers");
   return {app,

@@ -63,6 +63,9 @@ Subcommand SetUpRun(CLI::App& root) {
   AddRun(*app, args, *weather);
   // All there are so far; the others say what is written.
   const std::vector<const CLI::Option*> of_run = std::as_const(*app).get_options();
+  auto* costs = AddInputFile(*app, "--costs", args.costs,
+                             "For --budget-us: what stages cost here, as pelt calibrate wrote it");
+  costs->needs(AddFurBudget(*app, args.options.lod)->needs(costs));
   AddPictures(*app, args.picture);
   auto* trace = AddOutputFile(
       *app, "--trace", args.trace,
@@ -97,7 +100,9 @@ Subcommand SetUpRun(CLI::App& root) {
       "  pelt run --scene monster --frames 1 --picture relief.png --relief body,arms\n"
       "  pelt run --scene cast --frames 1 --lights night --picture night.png\n"
       "  pelt run --scene tiny --frames 5 --mud 0.6 --wet 1 --picture muddy.png\n"
-      "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000");
+      "  pelt run --groom monster.groom --frames 10 --lod --strand-budget 10000\n"
+      "  pelt calibrate --scenes everything,tiny --frames 4 --out host.toml\n"
+      "  pelt run --scene tiny --frames 60 --lod --budget-us 150 --costs host.toml");
   return {app,
           [app, kept, weather, of_run] {
             CompleteRun(*app, *weather, *kept);

@@ -6,6 +6,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
+#include "bench/fit/host_costs.hpp"
 #include "bench/report/timeline.hpp"
 #include "bench/verify/stage_digests.hpp"
 #include "core/error.hpp"
@@ -113,6 +114,8 @@ ExitCode Run(const RunArgs& args) {
   Scenario scenario = LoadForRun(args, args.json ? stderr : stdout);
   RunOptions options = args.options;
   options.scene.plan.must_fit = options.executor->local_store;
+  if (!args.costs.empty())
+    options.lod.costs = FurCostsOnHost(ReadHostCosts(args.costs), args.costs, scenario);
   RunningScenario running(scenario, options.scene);
   const uint32_t frames = options.frames ? options.frames : scenario.default_frames;
   PictureShots pictures(args.picture, scenario, running.scene(), frames,

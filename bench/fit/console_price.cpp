@@ -1,8 +1,11 @@
 #include "bench/fit/console_price.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "bench/fit/fur_costs.hpp"
 #include "bench/fit/layer_work.hpp"
+#include "bench/fit/tiers.hpp"
 
 namespace pelt {
 namespace {
@@ -40,6 +43,36 @@ PlatformCost PriceLayers(Scenario& scenario, const ConsoleRequest& request,
 }
 
 }  // namespace
+
+FurCosts FurCostsOnConsole(const Scenario& scenario, ConsoleRequest request) {
+  request.lod.budget_us = 0;  // whose costs they are to be
+  const ConsoleMachine machine = MakeConsole(request);
+  const double ns = 1e9 / double(machine.clock_hz);
+  FurCostSums sums;
+  std::vector<bool> has;
+  const auto fast = std::ranges::find(Tiers(), "fast", &Tier::name);
+  for (Scenario way : {scenario, AtTier(scenario, *fast, has)}) {
+    const PricedScene priced = PriceScene(way, request);
+    sums.Add(
+        way,
+        [&](const FurScene&, const StageWork& work) {
+          const StageCosts::Stage& stage = priced.costs.stages[work.stage];
+          const auto between = [&](double scheduled, double as_written) {
+            return ns * (scheduled + machine.code_order * (as_written - scheduled));
+          };
+          // Of a core with two threads, beside another.
+          const auto each = [&](const StageCosts::Stage::Price& price) {
+            return (machine.threads_per_core > 1 ? price.shared_cycles_per_iteration
+                                                 : price.cycles_per_iteration)[work.item];
+          };
+          return StagePrice{
+              between(stage.scheduled.fixed_cycles, stage.as_written.fixed_cycles),
+              work.iterations * between(each(stage.scheduled), each(stage.as_written))};
+        },
+        priced.options);
+  }
+  return sums.Take();
+}
 
 FitPlatform OnConsole(const ConsoleRequest& request) {
   return {.name = std::string(ConsoleName(request.console)),

@@ -8,4 +8,7 @@ namespace pelt {
 
 FitPlatform OnConsole(const ConsoleRequest& request);
 
+// LodSettings::costs: what the scene's layers take there in the solver and quality that they have, and in `fast`.
+FurCosts FurCostsOnConsole(const Scenario& scenario, ConsoleRequest request);
+
 }  // namespace pelt

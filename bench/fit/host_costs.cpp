@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "bench/fit/fur_costs.hpp"
 #include "bench/fit/layer_work.hpp"
 #include "bench/fit/tiers.hpp"
 #include "bench/report/run_report.hpp"
@@ -31,14 +32,6 @@ std::string_view TierOf(ModalQuality quality, CurlFollows curl) {
   return {};
 }
 
-// Parameters of the layers in FurScene's order.
-std::vector<const LayerParams*> ListParams(const Scenario& scenario) {
-  std::vector<const LayerParams*> params;
-  for (const Groom* groom : scenario.ActorGrooms())
-    for (const GroomLayer& layer : groom->layers) params.push_back(&layer.params);
-  return params;
-}
-
 using StageKey = std::pair<std::string, std::string>;  // stage, tier
 
 // Of work after its frame, by the quality that ran.
@@ -61,73 +54,133 @@ double Median(std::vector<double> values) {
   return *at;
 }
 
-// ns of stages and their iterations, over the frames of many runs.
+// ns = item * items + iteration * iterations, through runs that weigh alike, with nothing below 0.
+class CostLine {
+ public:
+  void Add(double items, double iterations, double ns) {
+    const double weight = 1.0 / (ns * ns);
+    items_[0] += weight * items * items;
+    items_[1] += weight * items * iterations;
+    iterations_ += weight * iterations * iterations;
+    ns_[0] += weight * items * ns;
+    ns_[1] += weight * iterations * ns;
+  }
+  struct Costs {
+    double item = 0.0, iteration = 0.0;
+  };
+  Costs Solve() const {
+    const double determinant = items_[0] * iterations_ - items_[1] * items_[1];
+    const Costs by_iteration{0.0, iterations_ > 0.0 ? ns_[1] / iterations_ : 0.0};
+    // As many iterations an item in all runs: none is known for itself.
+    if (!(determinant > 1e-6 * items_[0] * iterations_)) return by_iteration;
+    const Costs line{(ns_[0] * iterations_ - ns_[1] * items_[1]) / determinant,
+                     (ns_[1] * items_[0] - ns_[0] * items_[1]) / determinant};
+    if (line.iteration < 0.0) return {ns_[0] / items_[0], 0.0};
+    return line.item < 0.0 ? by_iteration : line;
+  }
+
+ private:
+  double items_[2] = {}, iterations_ = 0.0, ns_[2] = {};
+};
+
+// What stages take, over the frames of many runs.
 class Measured {
  public:
-  // Every frame's price of an iteration counts for its iterations; of a run the median's does.
-  void AddRun(Scenario& scenario, const CalibrationOptions& options) {
+  // The median of a run's frames counts.
+  void AddRun(Scenario& scenario, const CalibrationOptions& options, bool thins) {
     RunningScenario running(scenario, {});
     FrameRecording recording(running.scene().plan(), running.scene().shape());
     const std::vector<const LayerParams*> params = ListParams(scenario);
     std::map<StageKey, Run> runs;
-    std::map<StageKey, Run::Frame> frame;
+    std::map<StageKey, Run> frame;
     // Every layer in its tier, seen or not.
     LodSettings lod;
     lod.fast_quality_px = 0.0f;
+    lod.full_detail_px = 1e9f;  // where strands thin: to an eighth
+    lod.min_fraction = 0.125f;
     WalkWork(
         running,
         {.warm_up = options.warm_up,
          .count = options.frames,
          .lod = lod,
+         .thins = thins,
          .profile = recording.profile()},
         [&](const StageWork& work) {
           const Slice slice = recording.Stage(work.stage, work.item);
           if (!slice.Ran()) return;
-          Run::Frame& sum = frame[KeyOf(running.scene(), work, params)];
+          Run& sum = frame[KeyOf(running.scene(), work, params)];
           sum.ticks += double(slice.Ticks());
+          sum.items += 1.0;
           sum.iterations += work.iterations;
         },
         [&] {
-          for (const auto& [key, sum] : frame) runs[key].frames.push_back(sum);
+          for (const auto& [key, sum] : frame) runs[key].Add(sum);
           frame.clear();
         });
     for (const auto& [key, run] : runs) {
-      std::vector<double> prices;
-      double iterations = 0.0;
-      for (const Run::Frame& each : run.frames) {
-        if (each.iterations == 0) continue;
-        prices.push_back(each.ticks * recording.NsPerTick() / double(each.iterations));
-        iterations += double(each.iterations);
-      }
-      if (prices.empty()) continue;
-      ns_[key].first += Median(prices) * iterations;
-      ns_[key].second += iterations;
+      const auto frames = double(run.frame_ticks.size());
+      const double ns = Median(run.frame_ticks) * recording.NsPerTick();
+      if (ns > 0.0) lines_[key].Add(run.items / frames, run.iterations / frames, ns);
     }
   }
 
   std::vector<HostCosts::Stage> Stages() const {
+    const auto picoseconds = [](double ns) { return uint32_t(1e3 * ns + 0.5); };
     std::vector<HostCosts::Stage> stages;
-    for (const auto& [key, sum] : ns_)
-      stages.push_back({key.first, key.second, uint32_t(1e3 * sum.first / sum.second + 0.5)});
+    for (const auto& [key, line] : lines_) {
+      const CostLine::Costs costs = line.Solve();
+      stages.push_back(
+          {key.first, key.second, picoseconds(costs.iteration), picoseconds(costs.item)});
+    }
     return stages;
   }
 
  private:
   struct Run {
-    struct Frame {
-      double ticks = 0.0;
-      uint64_t iterations = 0;
-    };
-    std::vector<Frame> frames;
+    double ticks = 0.0, items = 0.0, iterations = 0.0;
+    std::vector<double> frame_ticks = {};
+
+    void Add(const Run& frame) {
+      frame_ticks.push_back(frame.ticks);
+      items += frame.items;
+      iterations += frame.iterations;
+    }
   };
-  std::map<StageKey, std::pair<double, double>> ns_;  // and iterations
+  std::map<StageKey, CostLine> lines_;
+};
+
+// What each stage costs.
+class Prices {
+ public:
+  struct Price {
+    uint64_t item = 0, iterations = 0;  // ps
+    uint64_t All() const { return item + iterations; }
+  };
+  Prices(const HostCosts& costs, const std::string& path) : path_(path) {
+    for (const HostCosts::Stage& stage : costs.stages)
+      prices_[{stage.name, stage.tier}] = {stage.item_picoseconds, stage.picoseconds};
+  }
+  // Throws Error for what was not measured.
+  Price Of(const FurScene& scene, const StageWork& work,
+           const std::vector<const LayerParams*>& layers) const {
+    const StageKey key = KeyOf(scene, work, layers);
+    const auto price = prices_.find(key);
+    if (price == prices_.end())
+      throw Error(
+          fmt::format("{}: has no cost of stage {}{}; pelt calibrate measures it with --scenes "
+                      "that have it",
+                      path_, key.first, key.second.empty() ? "" : ", " + key.second));
+    return {price->second.item, price->second.iterations * work.iterations};
+  }
+
+ private:
+  std::map<StageKey, Price> prices_;
+  const std::string path_;
 };
 
 PlatformCost PriceOn(const HostCosts& costs, const std::string& path, Scenario& scenario,
                      uint32_t warm_up, uint32_t frames) {
-  std::map<StageKey, uint32_t> prices;
-  for (const HostCosts::Stage& stage : costs.stages)
-    prices[{stage.name, stage.tier}] = stage.picoseconds;
+  const Prices prices(costs, path);
   RunningScenario running(scenario, {});
   const std::vector<const LayerParams*> params = ListParams(scenario);
   std::vector<uint64_t> layers(params.size()), ended;
@@ -135,15 +188,7 @@ PlatformCost PriceOn(const HostCosts& costs, const std::string& path, Scenario& 
   WalkWork(
       running, {.warm_up = warm_up, .count = frames},
       [&](const StageWork& work) {
-        if (work.iterations == 0) return;
-        const StageKey key = KeyOf(running.scene(), work, params);
-        const auto price = prices.find(key);
-        if (price == prices.end())
-          throw Error(
-              fmt::format("{}: has no cost of stage {}{}; pelt calibrate measures it with --scenes "
-                          "that have it",
-                          path, key.first, key.second.empty() ? "" : ", " + key.second));
-        const uint64_t picoseconds = uint64_t(price->second) * work.iterations;
+        const uint64_t picoseconds = prices.Of(running.scene(), work, params).All();
         (work.layer == kNoLayer ? rest : layers[work.layer]) += picoseconds;
         frame += picoseconds;
       },
@@ -171,6 +216,7 @@ std::span<const KeyRow<HostCosts::Stage>> Schema() {
       Required(Plain<&S::name>("name", "text", "of the stage")),
       Plain<&S::tier>("tier", "text", "of pelt fit"),
       Required(Count<&S::picoseconds>("picoseconds", 0, 4e9, "an iteration")),
+      Count<&S::item_picoseconds>("item_picoseconds", 0, 4e9, "an item"),
   };
   return kRows;
 }
@@ -214,7 +260,8 @@ HostCosts MeasureHost(const CalibrationOptions& options, std::vector<std::string
       say(fmt::format("{}, {}", name, tier.name));
       std::vector<bool> has;
       Scenario way = AtTier(scene, tier, has);
-      if (std::ranges::count(has, true)) measured.AddRun(way, options);
+      if (std::ranges::count(has, true))
+        for (const bool thins : {false, true}) measured.AddRun(way, options, thins);
     }
   }
   costs.stages = measured.Stages();
@@ -252,7 +299,8 @@ std::string HostCostsText(const HostCosts& costs) {
   for (const HostCosts::Stage& stage : costs.stages) {
     text += fmt::format("\n[[stage]]\nname = {}\n", quoted(stage.name));
     if (!stage.tier.empty()) text += fmt::format("tier = {}\n", quoted(stage.tier));
-    text += fmt::format("picoseconds = {}\n", stage.picoseconds);
+    text += fmt::format("picoseconds = {}\nitem_picoseconds = {}\n", stage.picoseconds,
+                        stage.item_picoseconds);
   }
   return text;
 }
@@ -263,6 +311,21 @@ HostCosts ReadHostCosts(const std::string& path) {
   SetupReader reader(path, "");
   reader.ReadTable({}, ParseToml(AsText(bytes), path), costs);
   return costs;
+}
+
+FurCosts FurCostsOnHost(const HostCosts& costs, const std::string& path, const Scenario& scene) {
+  const Prices prices(costs, path);
+  FurCostSums sums;
+  std::vector<bool> has;
+  const auto fast = std::ranges::find(Tiers(), "fast", &Tier::name);
+  for (Scenario way : {scene, AtTier(scene, *fast, has)}) {
+    const std::vector<const LayerParams*> params = ListParams(way);
+    sums.Add(way, [&](const FurScene& fur, const StageWork& work) {
+      const Prices::Price price = prices.Of(fur, work, params);
+      return StagePrice{1e-3 * double(price.item), 1e-3 * double(price.iterations)};
+    });
+  }
+  return sums.Take();
 }
 
 FitPlatform OnHost(const HostCosts& costs, const std::string& path, uint32_t warm_up,

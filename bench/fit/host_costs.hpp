@@ -1,8 +1,8 @@
 // What the stages of a frame cost on this machine, measured once and kept in a file: `pelt calibrate` writes it, and
 // `pelt fit --platform host --costs` takes it in place of a clock.
 //
-// A stage costs so much for each iteration (CountIterations), of the modal solver by tier. A frame takes a part
-// of its core time, as workers share it.
+// A stage costs so much for each item and for each iteration (CountIterations), of the modal solver by tier: the line
+// through frames with all strands and with an eighth of them. A frame takes a part of its core time, as workers share it.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,9 @@ namespace pelt {
 struct HostCosts {
   struct Stage {
     std::string name;
-    std::string tier = {};     // of Tiers(); empty: the same in all of them
-    uint32_t picoseconds = 0;  // an iteration
+    std::string tier = {};          // of Tiers(); empty: the same in all of them
+    uint32_t picoseconds = 0;       // an iteration
+    uint32_t item_picoseconds = 0;  // an item
   };
   std::string processor, commit, isa;
   uint32_t workers = 0;
@@ -39,6 +40,10 @@ HostCosts MeasureHost(const CalibrationOptions& options, std::vector<std::string
 std::string HostCostsText(const HostCosts& costs);
 // Throws Error with path and line.
 HostCosts ReadHostCosts(const std::string& path);
+
+// LodSettings::costs: what the scene's layers take on this machine in the solver and quality that they have, and in
+// `fast`. 0 for others. `path`: of the costs, for messages.
+FurCosts FurCostsOnHost(const HostCosts& costs, const std::string& path, const Scenario& scene);
 
 // `path`: of the costs, for messages.
 FitPlatform OnHost(const HostCosts& costs, const std::string& path, uint32_t warm_up,

@@ -11,7 +11,7 @@ void WalkWork(RunningScenario& running, const WorkFrames& frames,
   const FurScene& scene = running.scene();
   const SceneShape& shape = scene.shape();
   for (uint32_t f = 0; f < frames.warm_up + frames.count; ++f) {
-    running.Begin(f, {}, frames.lod);
+    running.Begin(f, {.lod = frames.thins}, frames.lod);
     Frame frame = scene.CurrentFrame();
     frame.profile = frames.profile;
     serial.Run(frame);
@@ -29,6 +29,13 @@ void WalkWork(RunningScenario& running, const WorkFrames& frames,
     }
     ended();
   }
+}
+
+std::vector<const LayerParams*> ListParams(const Scenario& scenario) {
+  std::vector<const LayerParams*> params;
+  for (const Groom* groom : scenario.ActorGrooms())
+    for (const GroomLayer& layer : groom->layers) params.push_back(&layer.params);
+  return params;
 }
 
 std::vector<uint32_t> CountLiveStrands(const FurScene& scene) {

@@ -21,6 +21,7 @@ struct StageWork {
 struct WorkFrames {
   uint32_t warm_up = 0, count = 0;
   LodSettings lod = {};
+  bool thins = false;                     // by them
   const FrameProfile* profile = nullptr;  // to record frames into
 };
 
@@ -29,6 +30,9 @@ struct WorkFrames {
 void WalkWork(RunningScenario& running, const WorkFrames& frames,
               const std::function<void(const StageWork&)>& visit,
               const std::function<void()>& ended);
+
+// Of the layers in FurScene's order.
+std::vector<const LayerParams*> ListParams(const Scenario& scenario);
 
 // Of each layer, in the last frame.
 std::vector<uint32_t> CountLiveStrands(const FurScene& scene);

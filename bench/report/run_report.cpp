@@ -76,11 +76,41 @@ RunReport RunFrames(Scenario& scenario, RunningScenario& running, const RunOptio
   report.budget = recorder.Summarise();
   report.costs = recorder.SplitCosts(report.layer_strands);
   if (options.digest) report.digest = fold.Value();
+  report.fur_budget = scene.budget();
   report.live_strands = scene.LiveStrands();
   report.drawn_strands = scene.DrawnStrands();
   report.faults = executor->Faults();
   return report;
 }
+
+namespace {
+
+// What the last frame's choice is said to take.
+void AddFurBudget(const RunReport& r, ReportTree& tree) {
+  const LodSettings& lod = r.options.lod;
+  if (lod.budget_us == 0) return;
+  const LodBudget& found = r.fur_budget;
+  ReportTree& section = tree.AddSection("fur_budget");
+  section.Add(InJson("budget_us"), lod.budget_us).Add(InJson("estimate_us"), 1e-3 * found.ns);
+  section.Add(InJson("fast_px"), found.fast_px).Add(InJson("share"), found.scale);
+  section.Add(InJson("chunk_ns"), lod.costs.chunk_ns);
+  section.Add(InJson("vertex_ns"), lod.costs.vertex_ns);
+  section.Add(InJson("strand_ns"), lod.costs.strand_ns);
+  std::vector<std::string> nodes;
+  for (const float ns : lod.costs.node_ns) nodes.push_back(fmt::format("{:.1f}", ns));
+  section.Say(
+      fmt::format("{}: fur for {} us of core time, by its costs {:.0f}: 'fine' in 'fast' up to "
+                  "{:.2f} px, {:.1f} % of the "
+                  "strands that are asked for",
+                  1e-3 * found.ns <= 1.001 * lod.budget_us ? "IN BUDGET" : "OVER BUDGET",
+                  lod.budget_us, 1e-3 * found.ns, found.fast_px, 100.0 * found.scale));
+  section.Say(fmt::format(
+      "costs: {:.0f} ns a chunk, {:.1f} a vertex, {:.1f} a strand, {} a chain's point by PBD, "
+      "Verlet, fast, fine, best",
+      lod.costs.chunk_ns, lod.costs.vertex_ns, lod.costs.strand_ns, fmt::join(nodes, ", ")));
+}
+
+}  // namespace
 
 ReportTree MakeRunTree(const RunReport& r) {
   ReportTree tree;
@@ -102,6 +132,7 @@ ReportTree MakeRunTree(const RunReport& r) {
   AddBudget(r.budget, r.workers, tree);
   AddCostSplit(r.costs, r.budget, tree);
   AddLayerQuality(r.qualities, tree);
+  AddFurBudget(r, tree);
   AddMemory(r.layout, tree);
   tree.BlankLine();
   tree.Add({"live_strands"}, r.live_strands).Add({"drawn_strands"}, r.drawn_strands);

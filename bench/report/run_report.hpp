@@ -59,6 +59,7 @@ struct RunReport {
   Budget budget;
   CostSplit costs;
   std::vector<LayerQuality> qualities;  // of each layer
+  LodBudget fur_budget;                 // of the last frame, where there is one
   SceneLayout layout;
   uint64_t digest = 0;              // of all frames, folded; 0 when not taken
   std::vector<std::string> faults;  // of the local store

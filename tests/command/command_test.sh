@@ -273,6 +273,9 @@ check_ignored() {
   expect 2 --local-store-kib -- budget --scene tiny --platform host --local-store-kib 128
   expect 2 --gpu-percent -- budget --scene tiny --platform ps3 --gpu-percent 4
   expect 2 'pelt calibrate' --costs -- fit --scene tiny --platform host
+  expect 2 '--budget-us requires --costs' -- run --scene tiny --budget-us 100
+  expect 2 '--budget-us has an effect only with --platform ps3, xbox360 or both' -- budget --scene tiny --budget-us 100
+  expect 2 '--worst-px requires --budget-us' -- run --scene tiny --worst-px 1
   expect 2 --costs '--platform host' -- fit --scene tiny --costs host.toml
   expect 2 --solver -- run --scene tiny --solver pbd --plan plan.toml
   expect 2 --solver -- fit --scene tiny --solver pbd

@@ -252,6 +252,7 @@ reader_of() {
     *' --character') echo "$1 --character ./@ --setup tiny $needs" ;;
     *' --setup') echo "$1 --setup ./@ $needs" ;;
     *' --groom') echo "$1 --groom @ $needs" ;;
+    'run --costs') echo "$1 --scene tiny --frames 1 --budget-us 100 --costs @" ;;
     'fit --costs') echo "$1 --scene tiny --platform host --costs @" ;;
     *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;

@@ -93,6 +93,27 @@ TEST(HostCosts, OfTheModalSolverAreOfTheTierThatRan) {
   }
 }
 
+// What the scene's own frames are said to cost (LodSettings::costs) is what its stages cost.
+TEST(HostCosts, GiveWhatFurCosts) {
+  HostCosts costs = Flat(100'000);
+  for (size_t s = 0; s < costs.stages.size(); ++s)
+    costs.stages[s].picoseconds += uint32_t(1000 * s);
+  Scenario tiny = testing::TinyScenario();
+  LodSettings lod;
+  lod.fast_quality_px = 0.0f;
+  lod.budget_us = 1'000'000;
+  lod.costs = FurCostsOnHost(costs, "host.toml", tiny);
+  RunningScenario running(tiny, {});
+  SerialExecutor serial;
+  for (uint32_t f = 0; f < 10; ++f) {
+    running.Begin(f, {}, lod);
+    serial.Run(running.scene().CurrentFrame());
+  }
+  double ns = 0.0;
+  for (const uint64_t layer : PriceTiny(costs).layer_ns) ns += double(layer);
+  EXPECT_NEAR(running.scene().budget().ns, ns, 0.1 * ns);
+}
+
 TEST(HostCosts, TellWhatIsWrongAndWhere) {
   const std::string good = HostCostsText(Flat(1));
   EXPECT_EQ(ErrorOf(good), "");

@@ -35,6 +35,8 @@ hold bake bake --setup tiny --flow-map flow.png --height-field hairs.png --flow-
 hold show show scorpion
 hold run run --scene tiny --frames 2
 hold run run --scene tiny --frames 1 --executor local-store
+"$pelt" calibrate --scenes everything,tiny --frames 2 --out host.toml >calibrate.txt || fail "calibrate: exit $?"
+hold run run --scene tiny --frames 2 --lod --budget-us 100 --costs host.toml
 hold run run --scene tiny --frames 1 --no-sleep --fps 30 --mud 0.5
 hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48
 "$pelt" run --scene tiny --frames 20 --json >one.json 2>/dev/null
