@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/float_rules.hpp"
 #include "core/kernels/select_lod.hpp"
 
 namespace pelt {
