@@ -130,23 +130,5 @@ TEST(FitScene, PlansCostWhatWasSaid) {
   EXPECT_NEAR(parts, budget.VerdictMs(), 1e-5);
 }
 
-// What a frame's choice goes by is what the frame's layers cost.
-TEST(FurCosts, OfAConsoleAreItsLayers) {
-  const ConsoleRequest request{.console = Console::kPs3, .frames = 6, .warm_up = 4};
-  Scenario tiny = testing::TinyScenario();
-  LodSettings lod;
-  lod.budget_us = 1'000'000;
-  lod.costs = FurCostsOnConsole(tiny, request);
-  RunningScenario running(tiny, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 10; ++f) {
-    running.Begin(f, {}, lod);
-    serial.Run(running.scene().CurrentFrame());
-  }
-  double ns = 0.0;
-  for (const uint64_t layer : OnConsole(request).price_layers(tiny).layer_ns) ns += double(layer);
-  EXPECT_NEAR(running.scene().budget().ns, ns, 0.15 * ns);
-}
-
 }  // namespace
 }  // namespace pelt

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
+#include "bench/fit/console_price.hpp"
 #include "bench/fit/tiers.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
@@ -93,25 +96,37 @@ TEST(HostCosts, OfTheModalSolverAreOfTheTierThatRan) {
   }
 }
 
-// What the scene's own frames are said to cost (LodSettings::costs) is what its stages cost.
-TEST(HostCosts, GiveWhatFurCosts) {
-  HostCosts costs = Flat(100'000);
-  for (size_t s = 0; s < costs.stages.size(); ++s)
-    costs.stages[s].picoseconds += uint32_t(1000 * s);
+// ns of tiny's fur, by LodSettings::costs.
+double EstimateOfTiny(const FurCosts& costs) {
   Scenario tiny = testing::TinyScenario();
   LodSettings lod;
-  lod.fast_quality_px = 0.0f;
   lod.budget_us = 1'000'000;
-  lod.costs = FurCostsOnHost(costs, "host.toml", tiny);
+  lod.costs = costs;
   RunningScenario running(tiny, {});
   SerialExecutor serial;
   for (uint32_t f = 0; f < 10; ++f) {
     running.Begin(f, {}, lod);
     serial.Run(running.scene().CurrentFrame());
   }
-  double ns = 0.0;
-  for (const uint64_t layer : PriceTiny(costs).layer_ns) ns += double(layer);
-  EXPECT_NEAR(running.scene().budget().ns, ns, 0.1 * ns);
+  return running.scene().budget().ns;
+}
+double SumOf(const std::vector<uint64_t>& layers) {
+  return std::accumulate(layers.begin(), layers.end(), 0.0);
+}
+
+// What a frame's choice goes by is what the frame's layers cost, here and on a console.
+TEST(FurCosts, AreThoseOfItsLayers) {
+  HostCosts costs = Flat(100'000);
+  for (size_t s = 0; s < costs.stages.size(); ++s)
+    costs.stages[s].picoseconds += uint32_t(1000 * s);
+  const Scenario tiny = testing::TinyScenario();
+  const double here = SumOf(PriceTiny(costs).layer_ns);
+  EXPECT_NEAR(EstimateOfTiny(FurCostsOnHost(costs, "host.toml", tiny)), here, 0.1 * here);
+
+  const ConsoleRequest request{.console = Console::kPs3, .frames = 6, .warm_up = 4};
+  Scenario priced = tiny;
+  const double there = SumOf(OnConsole(request).price_layers(priced).layer_ns);
+  EXPECT_NEAR(EstimateOfTiny(FurCostsOnConsole(tiny, request)), there, 0.15 * there);
 }
 
 TEST(HostCosts, TellWhatIsWrongAndWhere) {
