@@ -52,6 +52,10 @@ std::vector<Course> Courses() {
   };
   LodSettings budget;
   budget.strand_budget = 500;
+  LodSettings time_budget;
+  time_budget.budget_us = 60;
+  time_budget.worst_px = 1e5f;
+  time_budget.costs = {200.0f, 5.0f, 50.0f, {20.0f, 10.0f, 40.0f, 80.0f, 160.0f}};
   SceneOptions apart, rated, indexed;
   apart.origins = true;
   rated.velocities = true;
@@ -69,7 +73,8 @@ std::vector<Course> Courses() {
           {"index buffer", everything, indexed},
           {"origins", with(true, false), apart},
           {"velocities", with(false, true), rated},
-          {"level of detail", everything, {}, {.lod = true}, budget}};
+          {"level of detail", everything, {}, {.lod = true}, budget},
+          {"a budget of time", everything, {}, {.lod = true}, time_budget}};
 }
 
 constexpr uint32_t kFrames = 24;  // the teleport of frame 20 is in it
