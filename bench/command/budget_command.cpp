@@ -16,7 +16,6 @@
 #include "bench/fit/tiers.hpp"
 #include "bench/report/fit.hpp"
 #include "core/error.hpp"
-#include "platform_sim/frame/what_if.hpp"
 #include "traces/chrome_trace.hpp"
 
 namespace pelt {
@@ -176,7 +175,6 @@ class BudgetPrinter {
                            .numbers = NumbersOf(args_),
                            .frames = frames_,
                            .warm_up = args_.warm_up,
-                           .what_if = *ParseWhatIf(args_.what_if),
                            .skip = args_.skip,
                            .lod = lod};
     if (lod.budget_us > 0) request.lod.costs = FurCostsOnConsole(scenario_, request);
@@ -277,7 +275,7 @@ class BudgetPrinter {
     const ConsoleRequest request =
         RequestOf(platform == "ps3" ? Console::kPs3 : Console::kXbox360, lod);
     try {
-      return ConsoleRun(scenario, request).TryWhatIf(request.what_if);
+      return ConsoleRun(scenario, request).TimeVerdictMs();
     } catch (const Error&) {
       return {};
     }

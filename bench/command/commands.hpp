@@ -194,9 +194,8 @@ struct BudgetArgs {
   LodSettings lod;
   // What the consoles have instead of their own; not given: theirs.
   std::optional<uint32_t> spus, local_store_kib, cores, gpu_percent;
-  uint32_t warm_up = 60;            // frames before those that count
-  std::string what_if = "nothing";  // a change of a console's frame, by name
-  OutputPath trace;                 // Chrome trace of the modelled consoles to write
+  uint32_t warm_up = 60;  // frames before those that count
+  OutputPath trace;       // Chrome trace of the modelled consoles to write
   bool advice = true;
   bool qualities =
       false;  // also the error of the scene as it is, and other qualities' price and error

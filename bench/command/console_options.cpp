@@ -5,7 +5,6 @@
 #include "bench/command/command_options.hpp"
 #include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
-#include "platform_sim/frame/what_if.hpp"
 
 namespace pelt {
 namespace {
@@ -36,15 +35,9 @@ void CheckBudget(const CLI::App& app, const BudgetArgs& args) {
   RefuseAllBut(app, "--numbers", {"--spus", "--local-store-kib", "--cores", "--gpu-percent"});
   RefuseUnless(app, asks_for("ps3"), {"--spus", "--local-store-kib"}, "--platform ps3");
   RefuseUnless(app, asks_for("xbox360"), {"--cores", "--gpu-percent"}, "--platform xbox360");
-  RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice", "--what-if"},
+  RefuseUnless(app, asks_for("ps3") || asks_for("xbox360"), {"--trace", "--no-advice"},
                "--platform ps3 or xbox360");
   RefuseUnless(app, !asks_for("host"), {"--budget-us"}, "--platform ps3, xbox360 or both");
-}
-
-CLI::Validator IsWhatIf() {
-  std::vector<std::string> names = {std::string(WhatIfName(WhatIf::kNothing))};
-  for (const WhatIf what_if : kAllWhatIfs) names.emplace_back(WhatIfName(what_if));
-  return OneOf(names);
 }
 
 // A machine that cannot be is refused before anything runs.
@@ -125,10 +118,6 @@ Subcommand SetUpBudget(CLI::App& root) {
       ->capture_default_str();
   AddSkips(*app, args.skip, args.lod);
   AddFurBudget(*app, args.lod);
-  app->add_option("--what-if", args.what_if,
-                  "On consoles, in the model: a change of how a frame sorts, or of what it draws")
-      ->check(IsWhatIf())
-      ->capture_default_str();
   app->add_option("--spus", args.spus, "SPUs of the PS3, instead of the 6 that a game has");
   app->add_option("--local-store-kib", args.local_store_kib, "Of an SPU, instead of 256");
   app->add_option("--cores", args.cores, "Cores of the Xbox 360, instead of 3");

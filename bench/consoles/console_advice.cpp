@@ -6,7 +6,6 @@
 #include <array>
 
 #include "bench/report/timeline.hpp"
-#include "platform_sim/frame/what_if.hpp"
 
 namespace pelt {
 namespace {
@@ -59,32 +58,6 @@ std::string AdviseLod(ConsoleRun& run, const ConsoleBudget& budget, double targe
       most * fits / kSteps, found.ms, found.live_strands, budget.strands);
 }
 
-constexpr double kLeastGain = 0.01;  // of the frame, to be named
-
-// What moves less data, each tried in the model; for frames that wait for memory.
-void AdviseMemory(ConsoleRun& run, const ConsoleBudget& budget, double target_ms,
-                  std::vector<std::string>& lines) {
-  const double now_ms = budget.VerdictMs();
-  std::string vain, nothing;
-  for (const WhatIf what_if : kAllWhatIfs) {
-    if (what_if == budget.machine.what_if) continue;
-    if (const std::string why = run.WhyNoChange(what_if); !why.empty()) {
-      nothing += fmt::format("{}{} ({})", nothing.empty() ? "" : ", ", WhatIfName(what_if), why);
-      continue;
-    }
-    const double ms = run.TryWhatIf(what_if);
-    if (ms > now_ms * (1.0 - kLeastGain)) {
-      vain += fmt::format("{}{} ({:.2f} ms)", vain.empty() ? "" : ", ", WhatIfName(what_if), ms);
-      continue;
-    }
-    lines.push_back(fmt::format("memory: {}: {:.2f} ms instead of {:.2f}{} (--what-if {})",
-                                DescribeWhatIf(what_if), ms, now_ms,
-                                ms <= target_ms ? ", and fits" : "", WhatIfName(what_if)));
-  }
-  if (!vain.empty()) lines.push_back("memory: less than 1 % by " + vain);
-  if (!nothing.empty()) lines.push_back("memory: nothing by " + nothing);
-}
-
 // What one item costs beside its work shrinks with larger chunks, until two of them no longer fit.
 std::string AdviseChunks(const ConsoleRun& run, const ConsoleBudget& budget) {
   const FrameSummary& s = budget.summary;
@@ -129,7 +102,6 @@ std::string AdviseLimits(const ConsoleRun& run, const ConsoleBudget& budget) {
 std::vector<std::string> Advise(ConsoleRun& run, const ConsoleBudget& budget, double target_ms) {
   if (budget.Fits(target_ms)) return {};
   std::vector<std::string> lines = {AdviseLod(run, budget, target_ms)};
-  AdviseMemory(run, budget, target_ms, lines);
   lines.push_back(AdviseChunks(run, budget));
   lines.push_back(AdviseLimits(run, budget));
   return lines;

@@ -1,8 +1,8 @@
-// What would make a scene fit a console's milliseconds: fewer strands, moving less data, other
-// chunks, or what binds where none of it helps.
+// What would make a scene fit a console's milliseconds: fewer strands, other chunks, or what binds
+// where none of it helps.
 //
-// Invariant: a figure of strands or of a change (what_if.hpp) is the 95th percentile of a run of
-// the model with it, over the frames of the budget: asking for the same run gives the same figure.
+// Invariant: a figure of strands is the 95th percentile of a run of the model with them, over the
+// frames of the budget: asking for the same run gives the same figure.
 #pragma once
 
 #include <string>

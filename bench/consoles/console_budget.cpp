@@ -8,7 +8,6 @@
 
 #include "bench/consoles/gpu_bound.hpp"
 #include "core/error.hpp"
-#include "core/groom/fewer_points.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
 #include "platform_sim/kernel_rows.hpp"
 #include "platform_sim/memory/spu_program.hpp"
@@ -76,12 +75,6 @@ class OtherOrder {
   FrameStatistics statistics_;
 };
 
-Scenario Resample(const Scenario& scenario) {
-  Scenario out = scenario;
-  std::ranges::transform(out.grooms, out.grooms.begin(), ResampleToFewestPoints);
-  return out;
-}
-
 std::vector<std::string> Describe(const std::vector<LocalStoreFault>& faults) {
   std::vector<std::string> out;
   for (const LocalStoreFault& fault : faults)
@@ -104,7 +97,6 @@ ConsoleMachine MakeConsole(const ConsoleRequest& request) {
                                 : MakeCell(cell, AtomicDispatch(uint32_t(draw_ns + 0.5))))
                                .OrThrow();
   machine.code_order = std::clamp(MeasuredCodePlace().mean, 0.0, 1.0);
-  machine.what_if = request.what_if;
   return machine;
 }
 
@@ -114,10 +106,7 @@ PricedScene PriceScene(Scenario& scenario, const ConsoleRequest& request) {
 }
 
 ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
-    : given_(scenario),
-      resampled_(request.what_if == WhatIf::kFewerPoints ? std::optional(Resample(scenario))
-                                                         : std::nullopt),
-      scenario_(resampled_ ? *resampled_ : given_),
+    : scenario_(scenario),
       request_(request),
       options_(OptionsOn(request)),
       machine_(MakeConsole(request)) {  // before pricing: what cannot be needs none
@@ -130,7 +119,7 @@ ConsoleRun::ConsoleRun(Scenario& scenario, const ConsoleRequest& request)
   } catch (const Error& error) {
     throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, error.what()));
   }
-  MakeExecutor(running_->scene(), machine_);
+  MakeExecutor(running_->scene());
 }
 
 // Plans know the blocks of a pass, not its code: they are made again with what its stages turned out to have.
@@ -149,9 +138,8 @@ void ConsoleRun::ChargeCode(const Plan& priced) {
   };
 }
 
-std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene,
-                                                          const ConsoleMachine& machine) const {
-  auto console = ConsoleExecutor::Make(machine, costs_, scene.CurrentFrame());
+std::unique_ptr<ConsoleExecutor> ConsoleRun::MakeExecutor(const FurScene& scene) const {
+  auto console = ConsoleExecutor::Make(machine_, costs_, scene.CurrentFrame());
   if (!console)
     throw Error(fmt::format("{} on {}: {}", scenario_.name, machine_.name, console.error()));
   return *std::move(console);
@@ -162,7 +150,7 @@ ConsoleBudget ConsoleRun::Run() {
   running_ = std::make_unique<RunningScenario>(scenario_, options_);
   RunningScenario host(scenario_, options_);
   FurScene& scene = running_->scene();
-  const auto console = MakeExecutor(scene, machine_);
+  const auto console = MakeExecutor(scene);
   console->KeepTimelines(true);
   ConsoleBudget budget;
   budget.scene = scenario_.name;
@@ -204,7 +192,6 @@ ConsoleBudget ConsoleRun::Run() {
   budget.scheduled_ms = scheduled.Summarise();
   budget.as_written_ms = as_written.Summarise();
   budget.warm_up = request_.warm_up;
-  budget.why_no_change = WhyNoChange(request_.what_if);
   budget.live_strands = scene.LiveStrands();
   budget.drawn_strands = scene.DrawnStrands();
   budget.faults = Describe(console->faults());
@@ -216,12 +203,11 @@ ConsoleBudget ConsoleRun::Run() {
   return budget;
 }
 
-FrameSummary ConsoleRun::Time(const ConsoleMachine& machine, const SkipSettings& skip,
-                              const LodSettings& lod, uint32_t warm_up, uint32_t frames,
-                              uint32_t* live_strands) const {
+FrameSummary ConsoleRun::Time(const SkipSettings& skip, const LodSettings& lod, uint32_t warm_up,
+                              uint32_t frames, uint32_t* live_strands) const {
   RunningScenario running(scenario_, options_);
-  const auto console = MakeExecutor(running.scene(), machine);
-  FrameStatistics statistics(machine, running.scene().plan());
+  const auto console = MakeExecutor(running.scene());
+  FrameStatistics statistics(machine_, running.scene().plan());
   SerialExecutor serial;
   for (uint32_t f = 0; f < warm_up + frames; ++f) {
     running.Begin(f, skip, lod);
@@ -243,42 +229,15 @@ ConsoleRun::LodTrial ConsoleRun::TryLod(const LodSettings& lod, Trial trial) {
   // Of few frames the first, in which all starts afresh, would be too many.
   const uint32_t warm_up = std::max(request_.warm_up, all ? 0 : kTrialFrames / 2);
   LodTrial out;
-  const FrameSummary summary = Time(machine_, skip, lod, warm_up,
-                                    all ? request_.frames : kTrialFrames / 2, &out.live_strands);
+  const FrameSummary summary =
+      Time(skip, lod, warm_up, all ? request_.frames : kTrialFrames / 2, &out.live_strands);
   out.ms = machine_.Available(all ? summary.p95_ms : summary.worst_ms);
   return out;
 }
 
-double ConsoleRun::TryWhatIf(WhatIf what_if) {
-  // Another scene is priced and planned anew.
-  if ((what_if == WhatIf::kFewerPoints) != (request_.what_if == WhatIf::kFewerPoints)) {
-    ConsoleRequest request = request_;
-    request.what_if = what_if;
-    return ConsoleRun(given_, request).TryWhatIf(what_if);
-  }
-  ConsoleMachine machine = machine_;
-  machine.what_if = what_if;
-  return machine.Available(
-      Time(machine, request_.skip, request_.lod, request_.warm_up, request_.frames, nullptr)
-          .p95_ms);
-}
-
-std::string ConsoleRun::WhyNoChange(WhatIf what_if) const {
-  switch (what_if) {
-    case WhatIf::kNothing:
-      return {};
-    case WhatIf::kWiderDigits: {
-      const bool pieces = std::ranges::any_of(scene().shape().layer_kind, [](uint32_t kind) {
-        return (kind & kLayerSortInPieces) != 0;
-      });
-      return pieces ? "" : "no layer is sorted in pieces";
-    }
-    case WhatIf::kFewerPoints:
-      return std::ranges::any_of(given_.grooms, HasMorePoints)
-                 ? ""
-                 : fmt::format("no strand has more than {} points", FewestPoints());
-  }
-  return {};
+double ConsoleRun::TimeVerdictMs() const {
+  return machine_.Available(
+      Time(request_.skip, request_.lod, request_.warm_up, request_.frames, nullptr).p95_ms);
 }
 
 }  // namespace pelt

@@ -39,7 +39,6 @@ struct ConsoleRequest {
   PlatformParameters numbers = {};
   uint32_t frames = 0;   // 0: the scenario's own
   uint32_t warm_up = 0;  // frames before them, which no figure counts
-  WhatIf what_if = WhatIf::kNothing;
   SceneOptions scene = {};
   SkipSettings skip = {};
   LodSettings lod = {};
@@ -65,7 +64,6 @@ struct ConsoleBudget {
   uint32_t digests_compared = 0;
   std::optional<uint32_t> differs_at;  // the first frame whose digest is not the host's
   uint64_t digest = 0;                 // of the last frame
-  std::string why_no_change = {};      // that the request's what-if makes; empty: it makes one
   std::vector<std::string> faults;     // of the local stores
 
   // What the verdict is about: the 95th percentile, with the console's availability.
@@ -110,11 +108,8 @@ class ConsoleRun {
   };
   LodTrial TryLod(const LodSettings& lod, Trial trial);
 
-  // What Run's verdict would be about with this change instead of the request's.
-  double TryWhatIf(WhatIf what_if);
-  // Why it would change nothing in Run's frames: "no strand has more than 4 points". Empty: it
-  // would change something.
-  std::string WhyNoChange(WhatIf what_if) const;
+  // What Run's verdict would be about; timed only.
+  double TimeVerdictMs() const;
 
   const ConsoleRequest& request() const { return request_; }
   // Planned for the console; as the last Run left it.
@@ -124,15 +119,12 @@ class ConsoleRun {
 
  private:
   void ChargeCode(const Plan& priced);
-  std::unique_ptr<ConsoleExecutor> MakeExecutor(const FurScene& scene,
-                                                const ConsoleMachine& machine) const;
+  std::unique_ptr<ConsoleExecutor> MakeExecutor(const FurScene& scene) const;
   // All frames of the request, timed only.
-  FrameSummary Time(const ConsoleMachine& machine, const SkipSettings& skip, const LodSettings& lod,
-                    uint32_t warm_up, uint32_t frames, uint32_t* live_strands) const;
+  FrameSummary Time(const SkipSettings& skip, const LodSettings& lod, uint32_t warm_up,
+                    uint32_t frames, uint32_t* live_strands) const;
 
-  Scenario& given_;
-  std::optional<Scenario> resampled_;  // with fewer points, where those are asked for
-  Scenario& scenario_;                 // the one of the two that runs
+  Scenario& scenario_;
   ConsoleRequest request_;
   SceneOptions options_;
   ConsoleMachine machine_;

@@ -9,7 +9,6 @@
 #include "bench/consoles/gpu_bound.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/report/timeline.hpp"
-#include "platform_sim/frame/what_if.hpp"
 
 namespace pelt {
 namespace {
@@ -172,9 +171,6 @@ void AddHead(const ConsoleBudget& b, ReportTree& tree) {
       m.name, m.units, m.local_store_bytes ? "SPUs" : "hardware threads", double(m.clock_hz) * 1e-9,
       s.median_ms, s.p95_ms, s.worst_ms, s.worst_frame, s.frames, b.warm_up));
   tree.Say(DescribeVerdictTime(b));
-  if (m.what_if != WhatIf::kNothing)
-    tree.Say(fmt::format("what if: {}", DescribeWhatIf(m.what_if)));
-  if (!b.why_no_change.empty()) tree.Say("CHANGES NOTHING: " + b.why_no_change);
   tree.Say("its range, availability in it:").Say(DescribeRange(b));
   tree.Say("all else here is " + DescribePlace(m.code_order));
   tree.Add(InJson("machine"), m.name).Add(InJson("units"), m.units);
@@ -195,9 +191,6 @@ void AddHead(const ConsoleBudget& b, ReportTree& tree) {
   range.Add(InJson("code_order_least"), MeasuredCodePlace().least);
   range.Add(InJson("code_order_most"), MeasuredCodePlace().most);
   tree.Add(InJson("warm_up_frames"), b.warm_up);
-  tree.Add(InJson("what_if"), WhatIfName(m.what_if));
-  tree.Add(InJson("what_if_changes_nothing"),
-           b.why_no_change.empty() ? Value{} : Value(b.why_no_change));
   tree.Add(InJson("worst_frame"), s.worst_frame);
 }
 

@@ -82,7 +82,7 @@ FitPlatform OnConsole(const ConsoleRequest& request) {
                 SceneOptions options = request.scene;
                 options.plan = run.plan_options();
                 PlatformCost cost = PriceLayers(scenario, request, {options, run.costs()});
-                cost.frame_ns = uint64_t(std::ceil(run.TryWhatIf(request.what_if) * 1e6));
+                cost.frame_ns = uint64_t(std::ceil(run.TimeVerdictMs() * 1e6));
                 return cost;
               },
           .price_layers =

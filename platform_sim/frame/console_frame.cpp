@@ -4,8 +4,8 @@
 
 #include "core/format.hpp"
 #include "platform_sim/frame/item_runner.hpp"
+#include "platform_sim/frame/moved_data.hpp"
 #include "platform_sim/frame/pass_clock.hpp"
-#include "platform_sim/frame/what_if.hpp"
 #include "platform_sim/memory/local_store_budget.hpp"
 
 namespace pelt {
@@ -73,20 +73,18 @@ bool CheckMachine(const ConsoleMachine& m, std::string& error) {
 
 struct ConsoleExecutor::State final : WorkSource {
   State(const ConsoleMachine& machine, const StageCosts& stage_costs)
-      : costs(stage_costs), clock(machine), data(machine), change(machine.what_if) {}
+      : costs(stage_costs), clock(machine), data(machine) {}
 
   const ItemWork& Take(uint32_t unit, uint32_t item) override {
     ItemWork& item_work = work.passes[pass].items[item];
     runner->Run(*frame, unit, pass, item, item_work);
     data.Apply(*frame, unit, pass, item, item_work);
-    change.Apply(*frame, data, item_work);
     return item_work;
   }
 
   const StageCosts costs;
   PassClock clock;
   MovedData data;
-  WorkChange change;
   std::unique_ptr<ItemRunner> runner;
   std::vector<PassStore> stores;
   FrameWork work;
@@ -113,7 +111,6 @@ Result<std::unique_ptr<ConsoleExecutor>> ConsoleExecutor::Make(const ConsoleMach
     const Pass& pass = plan.passes[p];
     PassWork& work = state->work.passes.emplace_back();
     work.pass = p;
-    work.left_out = !state->change.KeepsPass(plan, p);
     // The blocks of the next items must not drive those of these out of the cache.
     work.double_buffered = has_stores
                                ? pass.double_buffered
@@ -139,12 +136,8 @@ void ConsoleExecutor::RunPasses(const Frame& frame) {
   s.clock.BeginFrame(s.work, s.timelines, s.modelled);
   for (s.pass = 0; s.pass < s.work.passes.size(); ++s.pass) {
     const PassWork& work = s.work.passes[s.pass];
-    const auto items = uint32_t(work.items.size());
     s.data.BeginPass();
-    // Bits are of the whole plan, whatever takes time.
-    if (work.left_out)
-      for (uint32_t item = 0; item < items; ++item) s.Take(0, item);
-    s.clock.Run(work, work.left_out ? 0 : items, s, s.modelled);
+    s.clock.Run(work, uint32_t(work.items.size()), s, s.modelled);
   }
 }
 

@@ -18,9 +18,6 @@
 
 namespace pelt {
 
-// Changes of a frame that are tried in the model: what_if.hpp.
-enum class WhatIf : uint8_t { kNothing, kWiderDigits, kFewerPoints };
-
 struct ConsoleMachine {
   std::string name;  // "PS3"
   uint64_t clock_hz = 0;
@@ -37,7 +34,6 @@ struct ConsoleMachine {
   // Where the code lies in the range of its price: 0 the best schedule, 1 the order it was written
   // in. What a compiler reached: kernel_rows.hpp.
   double code_order = 0.0;
-  WhatIf what_if = WhatIf::kNothing;
 
   SharedMemory memory;
   Cycles command_cycles = 0;            // of the unit, for a command (a list is one)

@@ -40,7 +40,6 @@ struct PassWork {
   uint64_t code_bytes = 0;  // that a unit must have to run it
   uint64_t parameter_bytes = 0;
   std::vector<ItemWork> items;
-  bool left_out = false;  // they take no time
 };
 
 // All that the timing of a frame depends on, beside the machine.

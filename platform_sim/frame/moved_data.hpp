@@ -31,15 +31,14 @@ class MovedData {
   // Of what `unit` has just run, `work` with whole blocks.
   void Apply(const Frame& frame, uint32_t unit, uint32_t pass, uint32_t item, ItemWork& work);
 
-  // Of a block that is moved as it lies.
-  MovedPieces Whole(uint64_t bytes) const;
-  // `shape` moves `is` in place of `was`.
-  void Replace(const MovedPieces& was, const MovedPieces& is, TransferShape& shape) const;
-
  private:
   void DropResident(const Frame& frame, uint32_t unit, Domain domain, uint32_t item,
                     ItemWork& work);
   void MoveLivePrefix(const Frame& frame, Domain domain, uint32_t item, ItemWork& work) const;
+  // Of a block that is moved as it lies.
+  MovedPieces Whole(uint64_t bytes) const;
+  // `shape` moves `is` in place of `was`.
+  void Replace(const MovedPieces& was, const MovedPieces& is, TransferShape& shape) const;
 
   const uint32_t line_bytes_, largest_bytes_;
   const bool has_stores_;

@@ -393,7 +393,7 @@ ModelledFrame TimeFrame(const FrameWork& work, const ConsoleMachine& machine) {
   clock.BeginFrame(work, false, frame);
   for (const PassWork& pass : work.passes) {
     source.pass = &pass;
-    clock.Run(pass, pass.left_out ? 0 : uint32_t(pass.items.size()), source, frame);
+    clock.Run(pass, uint32_t(pass.items.size()), source, frame);
   }
   return frame;
 }

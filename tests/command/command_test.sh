@@ -97,7 +97,6 @@ check_meant() {
   expect 2 "did you mean 'backlit'?" -- run --scene tiny --picture x.png --light baklit
   expect 2 "did you mean 'software'?" -- run --scene tiny --picture x.png --renderer sofware
   expect 2 "did you mean 'xbox360'?" -- budget --scene tiny --platform xbox630
-  expect 2 "did you mean 'wider-digits'?" -- budget --scene tiny --what-if wider-digts
   expect 2 "did you mean 'xenon'?" -- timing --kernel skin --core xenom
   expect 2 "did you mean 'simulate_pbd_4'?" -- timing --kernel simulat_pbd_4
   expect 2 "did you mean 'threads'?" -- conformance --door thread
@@ -186,7 +185,6 @@ check_errors() {
   check_budget_errors
   check_qualities
   check_compare_errors
-  check_what_if
   check_accuracy_errors
 }
 
@@ -456,41 +454,6 @@ check_second_thread() {
   "$pelt" "${pair[@]}" chain.s --json | tr -d ' \n' |
     grep -q '"listing":"chain.s","loop":"iteration","cycles_per_iteration_alone":12' ||
     fail "timing --second-thread --json"
-}
-
-# p95 of a tiny frame on CONSOLE with a change, and what is said of the change.
-what_if() {
-  "$pelt" budget --scene tiny --frames 2 --platform "$1" --what-if "$2" --no-advice --target-ms 1000 >"$2.txt" ||
-    fail "budget --what-if $2: exit $?"
-  awk -v console="$1" '$1 == console {print $3; exit}' "$2.txt"
-}
-check_what_if() {
-  local budget=(budget --scene tiny --frames 2) fits=(--no-advice --target-ms 1000) name names now
-  expect 2 '{nothing,wider-digits,fewer-points}' -- "${budget[@]}" --what-if magic
-  expect 2 --what-if -- "${budget[@]}" --what-if ''
-  expect 2 --what-if -- "${budget[@]}" --what-if
-  expect 2 '--platform ps3 or xbox360' -- "${budget[@]}" --platform host --what-if wider-digits
-  expect 2 --validate -- budget --validate --what-if wider-digits
-  now=$(what_if ps3 nothing)
-  grep -q '^what if' nothing.txt && fail "--what-if nothing is told as a change"
-  names=$("$pelt" "${budget[@]}" --what-if magic 2>&1 | sed 's/.*{nothing,\(.*\)}.*/\1/' | tr , ' ')
-  [ "$(wc -w <<<"$names")" -ge 2 ] || fail "the changes that --what-if takes: $names"
-  for name in $names; do
-    what_if ps3 "$name" >"$name.p95"
-    grep -q '^what if: ' "$name.txt" || fail "--what-if $name is not told: $(head -n 4 "$name.txt")"
-    grep -q "digests equal the host's in" "$name.txt" || fail "--what-if $name: other bits than the host's"
-    awk -v now="$now" '{exit !($1 <= now)}' "$name.p95" || fail "--what-if $name: $(cat "$name.p95") ms, $now without"
-  done
-  awk -v now="$now" '{exit !($1 < 0.95 * now)}' fewer-points.p95 ||
-    fail "fewer points: $(cat fewer-points.p95) ms of $now"
-  grep -q '^CHANGES NOTHING: no layer is sorted in pieces' wider-digits.txt ||
-    fail "wider digits on tiny change something"
-  # A groom file needs no setup for it.
-  "$pelt" bake --setup tiny --out points.groom >/dev/null || fail "bake"
-  "$pelt" budget --groom points.groom --frames 2 --platform ps3 --what-if fewer-points "${fits[@]}" --json >points.json ||
-    fail "fewer points of a groom file"
-  grep -q '"what_if": "fewer-points"' points.json || fail "fewer points of a groom file: $(head -c 300 points.json)"
-  grep -q what_if_changes_nothing points.json && fail "fewer points of a groom file change nothing"
 }
 
 # At which error a scene runs, and what better ones cost.

@@ -57,7 +57,7 @@ hold trace_show trace show tiny.peltinput
 hold trace_replay trace replay tiny.peltinput
 hold conformance conformance --door inline
 hold budget budget --scene tiny --frames 2
-hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01 --what-if wider-digits
+hold budget budget --scene tiny --frames 2 --platform ps3 --target-ms 0.01
 hold budget budget --scene tiny --frames 2 --platform ps3 --local-store-kib 64
 hold budget budget --scene tiny --frames 2 --platform ps3 --qualities
 hold budget_validate budget --validate
