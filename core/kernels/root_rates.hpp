@@ -163,11 +163,11 @@ struct RootRates {
     const V w = SplatInFours<k>(weight);
     const auto& rates = ports.vertex_rates;
     const auto& skinned = ports.skinned;
-    return {LoadRecords<V, k>([&](int lane) { return rates[index[lane]].velocity; }) * w,
-            LoadRecords<V, k>([&](int lane) { return skinned[index[lane]].normal; }) * w,
-            LoadRecords<V, k>([&](int lane) { return skinned[index[lane]].tangent; }) * w,
-            LoadRecords<V, k>([&](int lane) { return rates[index[lane]].normal; }) * w,
-            LoadRecords<V, k>([&](int lane) { return rates[index[lane]].tangent; }) * w};
+    return {LoadParts<V, k>(rates, index, &VertexRates::velocity) * w,
+            LoadParts<V, k>(skinned, index, &SkinnedVertex::normal) * w,
+            LoadParts<V, k>(skinned, index, &SkinnedVertex::tangent) * w,
+            LoadParts<V, k>(rates, index, &VertexRates::normal) * w,
+            LoadParts<V, k>(rates, index, &VertexRates::tangent) * w};
   }
 
   static PELT_INLINE Weighed Add(const Weighed& a, const Weighed& b) {

@@ -61,11 +61,10 @@ struct Roots {
   static PELT_INLINE VertexRecords WeighVertex(const Vertices& vertices, const uint8_t* index,
                                                V weight) {
     const V w = SplatInFours<k>(weight);
-    const auto vertex = [&](int lane) -> const SkinnedVertex& { return vertices[index[lane]]; };
-    return {LoadRecords<V, k>([&](int lane) { return vertex(lane).position; }) * w,
-            LoadRecords<V, k>([&](int lane) { return vertex(lane).normal; }) * w,
-            LoadRecords<V, k>([&](int lane) { return vertex(lane).tangent; }) * w,
-            LoadRecords<V, k>([&](int lane) { return vertex(lane).motion; }) * w};
+    return {LoadParts<V, k>(vertices, index, &SkinnedVertex::position) * w,
+            LoadParts<V, k>(vertices, index, &SkinnedVertex::normal) * w,
+            LoadParts<V, k>(vertices, index, &SkinnedVertex::tangent) * w,
+            LoadParts<V, k>(vertices, index, &SkinnedVertex::motion) * w};
   }
 
   static PELT_INLINE VertexRecords Add(VertexRecords a, VertexRecords b) {

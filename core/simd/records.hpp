@@ -178,7 +178,17 @@ PELT_INLINE V LoadRecords(AddressOfLane address) {
   else if constexpr (requires { V::template LoadHalves<kFirst>(address); })
     return V::template LoadHalves<kFirst>(address);
   else
-    return simd_detail::JoinRecords<V>([&](int g) { return LoadRecord(address(kFirst + 4 * g)); });
+    return simd_detail::JoinRecords<V>([&](int g) __attribute__((always_inline)) {
+      return LoadRecord(address(kFirst + 4 * g));
+    });
+}
+// One part of records[index[kFirst]], records[index[kFirst + 4]], ...
+template <class V, int kFirst, class Records, class T>
+PELT_INLINE V LoadParts(const Records& records, const uint8_t* index, float (T::*part)[4]) {
+  // Left to the compiler, a wide register gets a call for each record.
+  return LoadRecords<V, kFirst>([&](int lane) __attribute__((always_inline)) {
+    return records[index[lane]].*part;
+  });
 }
 template <int kFirst, class V, class AddressOfLane>
 PELT_INLINE void StoreRecords(V a, AddressOfLane address) {
@@ -187,8 +197,9 @@ PELT_INLINE void StoreRecords(V a, AddressOfLane address) {
   else if constexpr (requires { V::template StoreHalves<kFirst>(a, address); })
     V::template StoreHalves<kFirst>(a, address);
   else
-    simd_detail::SplitRecords(a,
-                              [&](int g, Record4 r) { StoreRecord(address(kFirst + 4 * g), r); });
+    simd_detail::SplitRecords(
+        a, [&](int g, Record4 r)
+               __attribute__((always_inline)) { StoreRecord(address(kFirst + 4 * g), r); });
 }
 
 // Lane 4 g + kFirst of each group g, on all four lanes of the group.
