@@ -87,6 +87,7 @@ bool SameSimulation(const Scenario& a, const Scenario& b) {
 class BudgetPrinter {
  public:
   explicit BudgetPrinter(const BudgetArgs& args) : args_(args) {
+    for (auto& known : known_) known = std::make_shared<KnownPrices>();
     RunArgs run;
     run.request = args.request;
     scenario_ = LoadForRun(run, args.json ? stderr : stdout);
@@ -176,7 +177,8 @@ class BudgetPrinter {
                            .frames = frames_,
                            .warm_up = args_.warm_up,
                            .skip = args_.skip,
-                           .lod = lod};
+                           .lod = lod,
+                           .known = known_[size_t(console)]};
     if (lod.budget_us > 0) request.lod.costs = FurCostsOnConsole(scenario_, request);
     return request;
   }
@@ -364,6 +366,7 @@ class BudgetPrinter {
 
   const BudgetArgs& args_;
   Scenario scenario_;
+  std::shared_ptr<KnownPrices> known_[std::size(kAllConsoles)];
   uint32_t frames_ = 0;
   ReportTree tree_;
   std::vector<Verdict> verdicts_;

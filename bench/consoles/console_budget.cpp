@@ -50,7 +50,9 @@ StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneO
   running.Begin(kPricedFrame, all, request.lod);
   const CoreKind kind = request.console == Console::kPs3 ? CoreKind::kSpu : CoreKind::kXenon;
   const PricedCore core = MakePricedCore(kind, request.numbers);
-  return PriceStages(running.scene().CurrentFrame(), RecordingKernels(), core, {}).OrThrow();
+  return PriceStages(running.scene().CurrentFrame(), RecordingKernels(), core, {},
+                     request.known.get())
+      .OrThrow();
 }
 
 // Frames whose work was done, timed again with other code.

@@ -25,6 +25,7 @@
 #include "platform_sim/frame/frame_summary.hpp"
 #include "platform_sim/gpu/draw_bound.hpp"
 #include "platform_sim/platforms/platform.hpp"
+#include "platform_sim/pricing/kernel_cost.hpp"
 
 namespace pelt {
 
@@ -43,6 +44,8 @@ struct ConsoleRequest {
   SkipSettings skip = {};
   LodSettings lod = {};
   std::function<void(uint32_t done, uint32_t total)> progress = {};
+  // Of the console with these numbers; shared by requests that price much the same.
+  std::shared_ptr<KnownPrices> known = std::make_shared<KnownPrices>();
 };
 
 struct ConsoleBudget {

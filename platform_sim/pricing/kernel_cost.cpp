@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/random.hpp"
 #include "platform_sim/pipeline/issue_walk.hpp"
 #include "platform_sim/pricing/cache_cost.hpp"
 #include "platform_sim/pricing/rolled_code.hpp"
@@ -235,6 +236,28 @@ Result<KernelCost> PriceTrace(const Trace& recorded, uint32_t iterations, const 
   cost.busiest_unit_share =
       double(*std::max_element(totals.pipe_cycles.begin(), totals.pipe_cycles.end())) /
       double(totals.cycles);
+  return cost;
+}
+
+Result<KernelCost> KnownPrices::Find(const Trace& trace, uint32_t iterations,
+                                     const PricedCore& core, const PriceRules& rules) {
+  std::array<uint64_t, 2> key = {iterations, trace.value_count};
+  const auto add = [&](uint32_t high, uint32_t low) {
+    const uint64_t words = uint64_t(high) << 32 | low;
+    for (uint64_t& half : key) half = MixSeed(half, words);
+  };
+  for (const RecordedOperation& op : trace.operations) {
+    add(uint32_t(op.kind) << 24 | uint32_t(op.size_bytes) << 16 | uint32_t(op.operand_count) << 8 |
+            op.result_count,
+        op.result);
+    add(op.operand[0], op.operand[1]);
+    add(op.operand[2], op.operand[3]);
+    add(uint32_t(op.address), op.bits ^ (op.is_side ? ~0u : 0u));
+  }
+  const auto known = costs_.find(key);
+  if (known != costs_.end()) return known->second;
+  const auto cost = PriceTrace(trace, iterations, core, rules);
+  if (cost) costs_.emplace(key, *cost);
   return cost;
 }
 

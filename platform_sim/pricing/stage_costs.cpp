@@ -84,11 +84,12 @@ bool IsOneKind(const Profile& a, const Profile& b) {
 class Pricing {
  public:
   Pricing(const Frame& frame, std::span<const KernelDesc> kernels, const PricedCore& core,
-          const PriceRules& rules)
+          const PriceRules& rules, KnownPrices& known)
       : frame_(frame),
         kernels_(kernels),
         core_(core),
         rules_(rules),
+        known_(known),
         work_(frame.plan->stages.size()) {
     costs_.clock_hz = core.clock_hz;
     for (const Stage& stage : frame.plan->stages) {
@@ -121,7 +122,7 @@ class Pricing {
     const bool is_known = std::ranges::any_of(
         work.profiles, [&](const Profile& known) { return IsOneKind(profile, known); });
     if (!keep || is_known) return Done{};
-    const auto cost = PriceTrace(recorder.trace(), iterations, core_, rules_);
+    const auto cost = known_.Find(recorder.trace(), iterations, core_, rules_);
     if (!cost) return Failure{Format("{}: {}", costs_.stages[stage].name, cost.error())};
     work.profiles.push_back(profile);
     costs_.stages[stage].kinds.push_back(*cost);
@@ -214,6 +215,7 @@ class Pricing {
   const std::span<const KernelDesc> kernels_;
   const PricedCore& core_;
   const PriceRules& rules_;
+  KnownPrices& known_;
   std::vector<StageWork> work_;
   StageCosts costs_;
 };
@@ -221,8 +223,10 @@ class Pricing {
 }  // namespace
 
 Result<StageCosts> PriceStages(const Frame& frame, std::span<const KernelDesc> kernels,
-                               const PricedCore& core, const PriceRules& rules) {
-  Pricing pricing(frame, kernels, core, rules);
+                               const PricedCore& core, const PriceRules& rules,
+                               KnownPrices* known) {
+  KnownPrices none;
+  Pricing pricing(frame, kernels, core, rules, known ? *known : none);
   Result<> recorded = Done{};
   RecordFrame(frame, [&](uint32_t, uint32_t stage, uint32_t item) {
     recorded = pricing.Record(stage, item);

@@ -59,8 +59,9 @@ uint32_t CountIterations(const Frame& frame, uint32_t stage, uint32_t item);
 
 // Prices a frame that has been begun, with every skip off so that every stage wants to run, by
 // running it on recording kernels (record_stage.hpp): it is run afterwards. Refused
-// when a stage cannot be recorded or does not fit the core's registers.
+// when a stage cannot be recorded or does not fit the core's registers. `known`: of this core and these rules.
 Result<StageCosts> PriceStages(const Frame& frame, std::span<const KernelDesc> kernels,
-                               const PricedCore& core, const PriceRules& rules);
+                               const PricedCore& core, const PriceRules& rules,
+                               KnownPrices* known = nullptr);
 
 }  // namespace pelt

@@ -218,6 +218,23 @@ uint64_t DigestOf(const StageCosts& costs) {
 // Whatever compiler built the kernels, in whatever build, and wherever in memory they ran. What
 // changes a kernel, a core or a schedule changes these: put in what the test prints, once the costs
 // themselves have been looked at.
+TEST(KnownPrices, AreThoseOfEachTrace) {
+  const PricedCore core = MakePricedCore(CoreKind::kSpu, kPlatforms);
+  KnownPrices known;
+  Trace other = Saxpy(64);
+  other.operations.back().address += 16;
+  for (int again = 0; again < 2; ++again)
+    for (const auto& [trace, iterations] :
+         {std::pair{Saxpy(64), 64u}, {Saxpy(64), 32u}, {Saxpy(32), 32u}, {other, 64u}}) {
+      const KernelCost is = PriceTrace(trace, iterations, core, {}).OrThrow();
+      const KernelCost found = known.Find(trace, iterations, core, {}).OrThrow();
+      EXPECT_EQ(found.scheduled.cycles_per_iteration, is.scheduled.cycles_per_iteration);
+      EXPECT_EQ(found.as_written.fixed_cycles, is.as_written.fixed_cycles);
+      EXPECT_EQ(found.operations, is.operations);
+      EXPECT_EQ(found.code_bytes, is.code_bytes);
+    }
+}
+
 TEST(StageCosts, AreTheSameFromEveryCompilerAndInEveryPlace) {
   constexpr uint64_t kOnSpu = 843148766791539228u, kOnXenon = 14502620547879481461u;
   EXPECT_EQ(DigestOf(OnSpu().costs), kOnSpu);
