@@ -143,7 +143,9 @@ enum LayerFlag : uint32_t {
   kLayerNinePoints = 1u << 21,  // 9 points per chain; only with kLayerModal, a chain per strand
   kLayerBlows = 1u << 22,       // wind blows and the layer responds, whatever is left out
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
+  kLayerChainLevel = 3u << 25,  // the least of its LodBlock::chain_level
 };
+inline constexpr uint32_t kLayerChainLevelShift = 25;
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and

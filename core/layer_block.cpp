@@ -76,6 +76,13 @@ uint32_t LayerKind(const LayerParams& p) {
   return kind;
 }
 
+uint32_t LeastChainLevel(const LayerParams& params) {
+  uint32_t level = 0;
+  for (float share = 0.5f; level + 1 < kChainLevels && share >= params.chain_share; share *= 0.5f)
+    ++level;
+  return level;
+}
+
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], Air air, uint32_t strand_count, float length_max,
                           bool any_strength, const LayerBlock* last, float scale,
@@ -117,7 +124,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
     b.darken = 1.0f;
   }
   b.strand_count = strand_count;
-  b.flags = LayerKind(params);
+  b.flags = LayerKind(params) | LeastChainLevel(params) << kLayerChainLevelShift;
   if (b.flags & kLayerModal) SetModal(params, dt, last, b);
   const auto set = [&](bool condition, uint32_t flag) { b.flags |= condition ? flag : 0u; };
   set(params.enabled, kLayerEnabled);

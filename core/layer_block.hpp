@@ -19,6 +19,9 @@ namespace pelt {
 // The layer's kind: its flags that are fixed when the scene is made (kLayerKindFlags).
 uint32_t LayerKind(const LayerParams& params);
 
+// The finest of LodBlock::chain_level that the layer's share of its chains allows.
+uint32_t LeastChainLevel(const LayerParams& params);
+
 // Still air is left out of a frame, or computed all the same.
 enum class Air : uint8_t { kLeftOut, kStill, kBlows };
 

@@ -27,7 +27,8 @@ double NsOf(const LayerDemand& layer, ModalQuality quality, const LodSettings& l
   if (!(layer.wanted > 0.0f)) return 0.0;
   const float share = std::min(layer.wanted * scale, 1.0f);
   const bool chains_thin = thins && layer.on_vertices;
-  const uint32_t level = chains_thin ? select_lod_detail::LevelOf(share, lod.least_chains) : 0;
+  const uint32_t level = std::max(
+      chains_thin ? select_lod_detail::LevelOf(share, lod.least_chains) : 0, layer.chain_level);
   const double strands = LanesOf(layer.strands, layer.chunks,
                                  [&](uint32_t n) { return uint32_t(std::ceil(float(n) * share)); });
   const double vertices =

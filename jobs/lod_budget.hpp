@@ -30,6 +30,7 @@ struct LayerDemand {
   uint32_t vertices = 0, strands = 0;
   uint32_t nodes = 0;        // of a chain
   bool on_vertices = false;  // its chains
+  uint32_t chain_level = 0;  // the least that it has
   Solver solver = Solver::kModal;
   ModalQuality quality = ModalQuality::kFast;  // that it asks for
   float wanted = 0.0f;    // share of its strands, by its size on the screen; 0: out of view

@@ -228,6 +228,7 @@ void FurScene::FindBudget(const FrameInput& in) {
                      .strands = StrandCount(l),
                      .nodes = params.points - 1,
                      .on_vertices = params.chain == ChainKind::kVertex,
+                     .chain_level = LeastChainLevel(params),
                      .solver = params.solver,
                      .quality = params.quality,
                      .wanted = lod.visible ? lod.wanted : 0.0f};

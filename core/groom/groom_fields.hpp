@@ -29,9 +29,17 @@ requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& arch
       [&](const auto& member) { archive(member.name, block.*member.member); });
 }
 
+// Whether files of that version have a layer's parameter.
+constexpr bool HasParam(uint32_t version, std::string_view key) {
+  return version > 8 || key != "chain_share";
+}
+
+// An archive of an older file says so: version().
 void ListFields(auto&& archive, Like<LayerParams> auto& params) {
   ForEachLayerParam([&](const auto& row) {
     auto& value = params.*row.member;
+    if constexpr (requires { archive.version(); })
+      if (!HasParam(archive.version(), row.key)) return;
     if constexpr (requires { value.size(); }) {
       for (size_t i = 0; i < value.size(); ++i) archive(row.in_file[i], value[i]);
     } else {
@@ -105,7 +113,9 @@ constexpr uint64_t ElementBytes() {
 
 // Bytes of an item in the file; texts count as their length prefix alone.
 struct ByteCounter {
+  uint32_t file_version = ~0u;
   uint64_t bytes = 0;
+  uint32_t version() const { return file_version; }
   template <class T>
   void operator()(std::string_view, const T&) {
     using Element = std::remove_all_extents_t<T>;
@@ -143,9 +153,10 @@ struct FieldLocator {
   }
 };
 
+// In a file of that version; if not given, of this program's.
 template <class T>
-uint64_t CountItemBytes(const T& item) {
-  ByteCounter counter;
+uint64_t CountItemBytes(const T& item, uint32_t version = ~0u) {
+  ByteCounter counter{version};
   ListFields(counter, item);
   return counter.bytes;
 }

@@ -77,6 +77,8 @@ class Reader {
          uint64_t begin, uint64_t end, std::string& error)
       : file_(file), name_(name), section_(section), at_(begin), end_(end), error_(error) {}
 
+  // Of a file whose header was read.
+  uint32_t version() const { return LoadNumber<uint32_t>(file_.data() + sizeof kMagic); }
   bool ok() const { return error_.empty(); }
   // Keeps the first reason; returns false, for the caller to return.
   bool Fail(uint64_t at, const std::string& reason) {
@@ -144,7 +146,7 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
   if (!magic) return false;
   if (std::memcmp(magic, kMagic, sizeof(kMagic)) != 0) return header.Fail(0, "not a groom file");
   const auto version = header.Get<uint32_t>();
-  if (version != kGroomVersion) {
+  if (version < kOldestGroomVersion || version > kGroomVersion) {
     header.Fail(8, Format("version {}, this program reads {}; bake the character again with "
                           "`pelt bake`",
                           version, kGroomVersion));
@@ -207,12 +209,12 @@ bool ReadSection(std::span<const std::byte> file, const std::string& name, uint3
                  const Section& section, std::vector<T>& items, std::string& error) {
   Reader reader(file, name, kSectionNames[index], section.offset, section.offset + section.bytes,
                 error);
-  static const uint64_t kItemBytes = CountItemBytes(*std::make_unique<T>());
-  if (section.item_bytes != kItemBytes) {
+  const uint64_t item_bytes = CountItemBytes(*std::make_unique<T>(), reader.version());
+  if (section.item_bytes != item_bytes) {
     return reader.Fail(section.offset, Format("items of {} bytes; this program has {}",
-                                              section.item_bytes, kItemBytes));
+                                              section.item_bytes, item_bytes));
   }
-  const uint64_t least = uint64_t(section.items) * kItemBytes;
+  const uint64_t least = uint64_t(section.items) * item_bytes;
   if (kHasText<T> ? section.bytes < least : section.bytes != least) {
     return reader.Fail(section.offset, Format("{} items do not fit the section's {} bytes",
                                               section.items, section.bytes));

@@ -29,6 +29,11 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
     return BadKey{"points",
                   "chains at mesh vertices have 4 points; chain = \"strand\" has 4, 5 or 9"};
   }
+  if (params.chain_share < 1.0f &&
+      (params.chain != ChainKind::kVertex || params.output == Output::kShells)) {
+    return BadKey{"chain_share",
+                  "of chains at mesh vertices alone: chain = \"vertex\", and no shells"};
+  }
   if (params.points == 9 && params.solver != Solver::kModal) {
     return BadKey{"points", "only solver = \"modal\" has chains of 9; the others have 4 or 5"};
   }

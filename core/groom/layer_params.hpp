@@ -39,6 +39,9 @@ struct LayerParams {
   float sort_bias = 0.0f;
   Solver solver = Solver::kModal;
   ChainKind chain = ChainKind::kVertex;
+  // Vertex chains: share of them that is simulated, rounded up to a half, a quarter or an eighth; the others
+  // follow three of those.
+  float chain_share = 1.0f;
   uint32_t points = 4;  // 4, 5 or 9; vertex chains have 4
   Output output = Output::kInstances;
   // Modal: the material, the same at every frame rate. The layer's drag is velocity_damping.
@@ -150,6 +153,8 @@ inline constexpr auto kRows = std::tuple{
     WordRow(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
     WordRow(&P::chain, kLayer, "chain", kChainWords,
             "chains at mesh vertices, or one for each strand"),
+    Row(&P::chain_share, kLayer, "chain_share", "", 0.125, 1,
+        "vertex: share of its chains that is simulated, by halves; the others follow them"),
     Row(&P::points, kLayer, "points", "", 4, 9,
         "points per chain, the fixed one too: 4, 5 or 9; vertex: 4, strand: 5 if unset"),
     WordRow(&P::output, kLayer, "output", kOutputNames, "what vertex generation writes"),

@@ -19,7 +19,8 @@
 // The others follow three that are kept. The loads of those that go or come are blended over 16 frames,
 // so that nothing jumps: a chain that comes starts from the groom when nothing is seen of it yet. On
 // `cast` with LOD 99 % of tips are 0.56 px off then where all chains leave 0.27, for two thirds of the
-// frame on consoles; thinning like the strands leaves 0.41 and takes four fifths.
+// frame on consoles; thinning like the strands leaves 0.41 and takes four fifths. A layer's own share of
+// its chains (`chain_share`) is a level that it never falls below, with LOD or without.
 //
 // Shells are of whole layers: of one that is seen every strand (triangle) lives, at any distance
 // that it has a shell at (select_shells.hpp), and the budget does not count them.
@@ -165,7 +166,9 @@ struct SelectLod {
     using namespace select_lod_detail;
     LodBlock& lod = *ports.lod;
     const bool thins = (p.flags & kLodOn) && !(ports.layer->flags & kLayerShells);
-    const uint32_t target = thins ? LevelOf(lod.fraction, p.least_chains) : 0;
+    const uint32_t least = (ports.layer->flags & kLayerChainLevel) >> kLayerChainLevelShift;
+    uint32_t target = thins ? LevelOf(lod.fraction, p.least_chains) : 0;
+    if (target < least) target = least;
     if (thins && lod.was_visible) {
       FollowLevel(target, lod);
     } else {

@@ -12,7 +12,8 @@
 namespace pelt::fuzz {
 namespace {
 
-constexpr size_t kSizeAt = 32, kHashAt = 40, kHeaderBytes = 48;  // core/groom/groom_file.hpp
+constexpr size_t kVersionAt = 8, kSizeAt = 32, kHashAt = 40,
+                 kHeaderBytes = 48;  // core/groom/groom_file.hpp
 
 void StoreU64(std::vector<std::byte>& bytes, size_t at, uint64_t value) {
   for (size_t i = 0; i < 8; ++i) bytes[at + i] = std::byte(value >> (8 * i));
@@ -42,7 +43,9 @@ void ReadOnce(std::span<const std::byte> bytes) {
   try {
     const Groom groom = ReadGroom(bytes, "fuzz").OrThrow();
     const std::vector<std::byte> again = WriteGroom(groom).OrThrow();
-    if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) std::abort();
+    // What an older file says is written as a new one.
+    const bool older = bytes[kVersionAt] != std::byte{kGroomVersion};
+    if (!older && !std::ranges::equal(again, bytes)) std::abort();
     RunOneFrame(groom);
   } catch (const Error&) {
   }

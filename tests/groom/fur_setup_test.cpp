@@ -122,6 +122,7 @@ std::vector<KeyCase> ListKeyCases() {
       {"colour_map", "'maps/m.png'",
        [](L l) { return l.colour_map.map && l.colour_map.channel == 0; }},
       {"film_strips", "7", [](L l) { return l.film_strip_count == 7; }},
+      {"chain_share", "0.5", [](L l) { return l.params.chain_share == 0.5f; }},
       {"strength", "0.5", [](L l) { return l.strength.value == 0.5f; }},
       {"frequency", "2.5", [](L l) { return l.params.frequency_hz == 2.5f; }},
       {"damping_ratio", "0.25", [](L l) { return l.params.damping_ratio == 0.25f; }},

@@ -340,6 +340,20 @@ void HoldAt(float fraction, SelectLodParams& p) {
   p.min_fraction = fraction;
 }
 
+// With LOD or without.
+TEST(SelectLod, ALayerSimulatesItsOwnShareOfItsChains) {
+  for (const float fraction : {1.0f, 0.51f, 0.01f}) {
+    World world;
+    world.SetBox(0, 1, 0, 0.5f);
+    world.layer[0].flags |= 2u << kLayerChainLevelShift;
+    SelectLodParams p = MakeParams(Camera{});
+    HoldAt(fraction, p);
+    EXPECT_EQ(world.Run(p).chain_level, fraction < 0.25f ? 3u : 2u) << fraction;
+    p.flags = kCullOn;
+    EXPECT_EQ(world.Run(p).chain_level, 2u) << fraction;
+  }
+}
+
 TEST(SelectLod, ChainsThinByHalvesTwiceAsFastAsTheStrands) {
   struct Case {
     float fraction, least_chains;
