@@ -32,6 +32,7 @@ ExitCode PrintFit(const FitArgs& args) {
   run.request = args.request;
   const Scenario scenario = LoadForRun(run, args.json ? stderr : stdout);
   FitRequest request{.target_ns = uint64_t(args.target_ms * 1e6 + 0.5),
+                     .worst_px = args.worst_px,
                      .platforms = {},
                      .warm_up = args.warm_up,
                      .frames = args.frames ? args.frames : scenario.default_frames};

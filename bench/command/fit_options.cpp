@@ -23,10 +23,10 @@ void CheckFit(const CLI::App& app, const FitArgs& args) {
 Subcommand SetUpFit(CLI::App& root) {
   const auto kept = std::make_shared<FitArgs>();
   FitArgs& args = *kept;
-  auto* app = root.add_subcommand(
-      "fit",
-      "Choose solver and quality of each layer for a frame time: the least error on the screen; "
-      "exit code 1 when not even the cheapest choice fits");
+  auto* app = root.add_subcommand("fit",
+                                  "Choose solver, quality and share of the chains of each layer "
+                                  "for a frame time: the least error on the screen; "
+                                  "exit code 1 when not even the cheapest choice fits");
   AddScene(*app, args.request);
   AddGroomSeed(*app, args.request);
   AddClip(*app, args.request);
@@ -39,6 +39,12 @@ Subcommand SetUpFit(CLI::App& root) {
                "With --platform host: what pelt calibrate measured; nothing is measured here");
   app->add_option("--target-ms", args.target_ms, "What a frame may take, by its 95th percentile")
       ->check(InRange(0.001, 1000.0))
+      ->capture_default_str();
+  app->add_option("--worst-px", args.worst_px,
+                  "Error on the screen that no layer exceeds which can do better: the strands of "
+                  "all get fewer "
+                  "before that")
+      ->check(InRange(0.0, 1e6))
       ->capture_default_str();
   AddFrames(*app, args.frames);
   app->add_option("--warm-up", args.warm_up, "Frames before those that count")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "bench/fit/fur_costs.hpp"
 #include "bench/fit/layer_work.hpp"
@@ -9,6 +10,8 @@
 
 namespace pelt {
 namespace {
+
+constexpr uint32_t kEstimateFrames = 12;
 
 double CyclesOf(const StageCosts::Stage::Price& price, const StageWork& work) {
   return double(price.fixed_cycles) +
@@ -86,8 +89,14 @@ FitPlatform OnConsole(const ConsoleRequest& request) {
                 return cost;
               },
           .price_layers =
-              [request](Scenario& scenario) {
-                return PriceLayers(scenario, request, PriceScene(scenario, request));
+              [request](std::span<Scenario> scenes) {
+                const PricedScene priced = PriceScene(scenes[0], request);
+                ConsoleRequest few = request;
+                few.warm_up = std::min(few.warm_up, kEstimateFrames);
+                few.frames = std::min(few.frames, kEstimateFrames);
+                std::vector<PlatformCost> costs;
+                for (Scenario& scene : scenes) costs.push_back(PriceLayers(scene, few, priced));
+                return costs;
               }};
 }
 

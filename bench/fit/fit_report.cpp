@@ -14,8 +14,13 @@ Value Word(auto LayerParams::*param, const auto& value) {
 
 // Whose part of a frame is told a platform in a column of its own.
 std::vector<Quantity> Columns(const SceneFit& fit) {
-  std::vector<Quantity> columns = {{"character"},    {"layer"},         {"tier"},
-                                   InJson("solver"), InJson("quality"), InJson("curl_follows"),
+  std::vector<Quantity> columns = {{"character"},
+                                   {"layer"},
+                                   {"tier"},
+                                   InJson("solver"),
+                                   InJson("quality"),
+                                   InJson("curl_follows"),
+                                   {"chain_share", "", 3, "chains"},
                                    {"strands"}};
   for (const std::string& platform : fit.platforms)
     columns.push_back({"ms." + platform, "ms", 3, platform});
@@ -35,6 +40,7 @@ void AddLayers(const SceneFit& fit, ReportTree& tree) {
                               Word(&LayerParams::solver, choice.solver),
                               Word(&LayerParams::quality, choice.quality),
                               Word(&LayerParams::curl_follows, choice.curl_follows),
+                              choice.chain_share ? Value(*choice.chain_share) : Value(),
                               layer.strands};
     for (size_t p = 0; p < fit.costs.size(); ++p)
       row.push_back(fit.LayerMs(p, fit.costs[p].layer_ns[l]));
@@ -44,7 +50,7 @@ void AddLayers(const SceneFit& fit, ReportTree& tree) {
     table.Add(std::move(row));
   }
   const auto add = [&](const char* what, const auto& ms_of) {
-    std::vector<Value> row = {{}, what, {}, {}, {}, {}, {}};
+    std::vector<Value> row = {{}, what, {}, {}, {}, {}, {}, {}};
     for (size_t p = 0; p < fit.costs.size(); ++p) row.push_back(ms_of(p));
     row.insert(row.end(), 2, Value());
     table.Add(std::move(row), Show::kText);
@@ -99,6 +105,11 @@ ReportTree MakeFitTree(const SceneFit& fit) {
       "A layer's ms are its part of the frame, by core time; off: its tips from where the modal "
       "solver has them at its best, with four frames for one.");
   tree.AddTexts("notes", fit.notes, "note");
+  tree.Add(InJson("strand_share"), fit.strand_share);
+  if (fit.strand_share < 1.0f)
+    tree.Say(
+        fmt::format("{:.4g} % of the strands: with all of them not even the cheapest plan fits",
+                    100.0f * fit.strand_share));
   AddPlatforms(fit, tree);
   tree.Add(InJson("fits"), fit.Fits());
   AddNext(fit, tree);

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <numeric>
 
+#include "bench/fit/layer_work.hpp"
 #include "bench/fit/purchases.hpp"
 #include "bench/fit/tiers.hpp"
 #include "core/error.hpp"
@@ -17,6 +19,30 @@ namespace {
 // found by halves.
 constexpr uint32_t kMostPlans = 48;
 constexpr uint32_t kOwn = ~0u;  // in place of a tier
+// Shares of the strands that are tried, in sixteenths: with less than a quarter it is another coat.
+constexpr uint32_t kAllStrands = 16, kFewestStrands = 4;
+constexpr std::string_view kThinnedTier = "fast";
+
+bool HasStrands(const LayerParams& layer) { return layer.output != Output::kShells; }
+
+// Of a tier with fewer chains: what that adds to another tier is added in squares, as if they had nothing to do with
+// each other.
+uint32_t WithFewerChains(const TipError& tier, const TipError& other, const TipError& thinned) {
+  const auto square = [](const TipError& error) {
+    return double(error.p99_micropixels) * double(error.p99_micropixels);
+  };
+  const double added = std::max(square(thinned) - square(other), 0.0);
+  return uint32_t(std::min(std::sqrt(square(tier) + added), double(UINT32_MAX)));
+}
+
+// Where something is within it.
+void DropWorse(uint32_t most_micropixels, LayerOptions& options) {
+  const auto is_within = [&](const LayerOption& option) {
+    return option.micropixels <= most_micropixels;
+  };
+  if (std::ranges::any_of(options, is_within))
+    std::erase_if(options, [&](const LayerOption& option) { return !is_within(option); });
+}
 
 class SceneFitter {
  public:
@@ -24,6 +50,7 @@ class SceneFitter {
       : scene_(scene),
         request_(request),
         layers_(ListLayers(scene)),
+        params_(ListParams(scene)),
         purchases_(MeasureOptions()) {}
 
   SceneFit Find() {
@@ -35,23 +62,24 @@ class SceneFitter {
     fit.frames = request_.frames;
     for (const FitPlatform& platform : request_.platforms) fit.platforms.push_back(platform.name);
     fit.costs = best.costs;
+    fit.strand_share = float(best.sixteenths) / float(kAllStrands);
     fit.notes = notes_;
     fit.plans_priced = uint32_t(tried_.size());
     for (uint32_t l = 0; l < layers_.size(); ++l) {
       SceneFit::Layer& layer = fit.layers.emplace_back();
-      const uint32_t tier = TierOf(best.choice, l);
-      layer.choice = ChoiceOf(l, tier);
-      layer.tier = NameOf(tier);
+      layer.choice = ChoiceOf(l, best);
+      layer.tier = NameOf(OptionOf(best.choice, l).tier);
       layer.strands = best.costs[0].live_strands[l];
     }
     MeasurePlan(fit, best);
-    if (fit.Fits()) AddNext(best, fit);
+    if (fit.Fits() && best.sixteenths == kAllStrands) AddNext(best, fit);
     return fit;
   }
 
  private:
   struct Tried {
     Purchases::Choice choice;
+    uint32_t sixteenths = kAllStrands;
     std::vector<PlatformCost> costs = {};
     std::string refusal = {};
   };
@@ -62,58 +90,87 @@ class SceneFitter {
   static std::string NameOf(uint32_t tier) {
     return tier == kOwn ? "own" : std::string(Tiers()[tier].name);
   }
-  uint32_t TierOf(const Purchases::Choice& choice, uint32_t layer) const {
-    return purchases_.layers()[layer][choice[layer]].tier;
+  const LayerOption& OptionOf(const Purchases::Choice& choice, uint32_t layer) const {
+    return purchases_.layers()[layer][choice[layer]];
   }
-  LayerChoice ChoiceOf(uint32_t layer, uint32_t tier) const {
+  LayerChoice ChoiceOf(uint32_t layer, const Tried& plan) const {
     LayerChoice choice = layers_[layer];
-    if (tier != kOwn) choice.choice = Tiers()[tier].choice;
+    const LayerOption& option = OptionOf(plan.choice, layer);
+    if (option.tier != kOwn) choice.choice = Tiers()[option.tier].choice;
+    if (option.level > 0) choice.choice.chain_share = ChainShareOf(option.level);
+    if (plan.sixteenths < kAllStrands && HasStrands(*params_[layer]))
+      choice.choice.strand_share = float(plan.sixteenths) / float(kAllStrands);
     return choice;
   }
 
-  using PriceFunction = std::function<PlatformCost(Scenario&)> FitPlatform::*;
-  std::vector<PlatformCost> PriceOn(PriceFunction price, Scenario& scenario,
-                                    const std::string& what) const {
-    std::vector<PlatformCost> costs;
+  // A tier on every layer that can have it.
+  struct Way {
+    uint32_t tier;
+    std::vector<bool> has;
+    std::vector<std::vector<PlatformCost>> costs;  // [platform][level of chains]
+  };
+
+  std::vector<std::vector<PlatformCost>> PriceLevels(const Scenario& way,
+                                                     const std::string& name) const {
+    std::vector<Scenario> levels(kChainLevels, way);
+    for (uint32_t level = 1; level < kChainLevels; ++level) ThinChains(levels[level], level);
+    std::vector<std::vector<PlatformCost>> costs;
     for (const FitPlatform& platform : request_.platforms) {
-      Say(fmt::format("{}: {}", platform.name, what));
-      costs.push_back((platform.*price)(scenario));
+      Say(fmt::format("{}: {}", platform.name, name));
+      costs.push_back(platform.price_layers(levels));
     }
     return costs;
   }
 
-  // Every tier on every layer that can have it.
   std::vector<LayerOptions> MeasureOptions() {
-    std::vector<Scenario> ways;
-    std::vector<uint32_t> tiers;
-    std::vector<std::vector<bool>> has;
-    std::vector<std::vector<PlatformCost>> costs;
+    std::vector<Way> ways;
+    std::vector<Scenario> measured;
+    size_t other = 0;  // that is thinned
     for (uint32_t t = 0; t < Tiers().size(); ++t) {
-      std::vector<bool> has_it;
-      Scenario way = AtTier(scene_, Tiers()[t], has_it);
-      if (std::ranges::count(has_it, true) == 0) continue;
-      costs.push_back(PriceOn(&FitPlatform::price_layers, way, NameOf(t)));
-      ways.push_back(std::move(way));
-      tiers.push_back(t);
-      has.push_back(std::move(has_it));
+      std::vector<bool> has;
+      Scenario way = AtTier(scene_, Tiers()[t], has);
+      if (std::ranges::count(has, true) == 0) continue;
+      if (Tiers()[t].name == kThinnedTier) other = ways.size();
+      ways.push_back({t, std::move(has), PriceLevels(way, NameOf(t))});
+      measured.push_back(std::move(way));
     }
     if (ways.empty())
       throw Error(fmt::format("{}: no layer can be simulated in another way", scene_.name));
-    const auto errors = MeasureTipErrors(scene_, ways, ErrorFramesOf("errors"));
-    std::vector<LayerOptions> options(layers_.size());
-    for (size_t l = 0; l < layers_.size(); ++l) {
-      const auto add = [&](size_t way, uint32_t tier) {
-        LayerOption& option = options[l].emplace_back();
-        option.tier = tier;
-        option.error = uint64_t(errors[way][l].p99_micropixels) * costs[0][0].live_strands[l];
-        for (const PlatformCost& cost : costs[way]) option.ns.push_back(cost.layer_ns[l]);
-      };
-      for (size_t w = 0; w < ways.size(); ++w)
-        if (has[w][l] && errors[w][l].tips > 0) add(w, tiers[w]);
-      if (options[l].empty()) add(0, kOwn);
+    for (uint32_t level = 1; level < kChainLevels; ++level) {
+      measured.push_back(measured[other]);
+      ThinChains(measured.back(), level);
     }
-    errors_.assign(Tiers().size(), {});
-    for (size_t w = 0; w < ways.size(); ++w) errors_[tiers[w]] = errors[w];
+    const auto errors = MeasureTipErrors(scene_, measured, ErrorFramesOf("errors"));
+    std::vector<LayerOptions> options;
+    for (size_t l = 0; l < layers_.size(); ++l) {
+      const auto error = [&](size_t w, uint32_t level) {
+        if (level == 0) return errors[w][l].p99_micropixels;
+        return WithFewerChains(errors[w][l], errors[other][l], errors[ways.size() + level - 1][l]);
+      };
+      options.push_back(OptionsOf(
+          l, ways, [&](size_t w) { return errors[w][l].tips > 0; }, error));
+    }
+    return options;
+  }
+
+  template <class IsMeasured, class ErrorOf>
+  LayerOptions OptionsOf(size_t l, const std::vector<Way>& ways, const IsMeasured& is_measured,
+                         const ErrorOf& error_of) const {
+    LayerOptions options;
+    const auto add = [&](size_t w, uint32_t tier, uint32_t level) {
+      LayerOption& option = options.emplace_back();
+      option.tier = tier;
+      option.level = level;
+      option.micropixels = error_of(w, level);
+      option.error = uint64_t(option.micropixels) * ways[0].costs[0][0].live_strands[l];
+      for (const auto& levels : ways[w].costs) option.ns.push_back(levels[level].layer_ns[l]);
+    };
+    for (size_t w = 0; w < ways.size(); ++w)
+      for (uint32_t level = 0; level < kChainLevels; ++level)
+        if (ways[w].has[l] && is_measured(w) && (level == 0 || CanThin(*params_[l], level)))
+          add(w, ways[w].tier, level);
+    if (options.empty()) add(0, kOwn, 0);
+    DropWorse(uint32_t(std::min(1e6 * double(request_.worst_px), double(UINT32_MAX))), options);
     return options;
   }
 
@@ -125,24 +182,29 @@ class SceneFitter {
             }};
   }
 
-  Scenario Planned(const Purchases::Choice& choice) const {
-    std::vector<LayerChoice> plan;
-    for (uint32_t l = 0; l < layers_.size(); ++l) plan.push_back(ChoiceOf(l, TierOf(choice, l)));
+  Scenario Planned(const Tried& plan) const {
+    std::vector<LayerChoice> choices;
+    for (uint32_t l = 0; l < layers_.size(); ++l) choices.push_back(ChoiceOf(l, plan));
     Scenario scenario = scene_;
-    ApplyLayerPlan(plan, "plan", scenario);
+    ApplyLayerPlan(choices, "plan", scenario);
     return scenario;
   }
 
   // Without costs: it cannot run. References stay good.
-  const Tried& Price(const Purchases::Choice& choice) {
-    const auto known = std::ranges::find(tried_, choice, &Tried::choice);
+  const Tried& Price(const Purchases::Choice& choice, uint32_t sixteenths = kAllStrands) {
+    const auto known = std::ranges::find_if(tried_, [&](const Tried& tried) {
+      return tried.choice == choice && tried.sixteenths == sixteenths;
+    });
     if (known != tried_.end()) return *known;
-    Scenario scenario = Planned(choice);
-    Tried& tried = tried_.emplace_back(Tried{choice});
+    Tried& tried = tried_.emplace_back(Tried{choice, sixteenths});
+    Scenario scenario = Planned(tried);
     try {
-      const std::string what = fmt::format("plan {}", tried_.size());
-      tried.costs = PriceOn(&FitPlatform::price, scenario, what);
+      for (const FitPlatform& platform : request_.platforms) {
+        Say(fmt::format("{}: plan {}", platform.name, tried_.size()));
+        tried.costs.push_back(platform.price(scenario));
+      }
     } catch (const Error& error) {
+      tried.costs.clear();
       tried.refusal = error.what();
     }
     return tried;
@@ -199,12 +261,23 @@ class SceneFitter {
     return budget;
   }
 
+  // The most that fit; the fewest where those do not.
+  Tried WithFewerStrands(const Purchases::Choice& cheapest) {
+    uint32_t fits = kFewestStrands, over = kAllStrands;
+    if (!Fits(Price(cheapest, fits))) return Price(cheapest, fits);
+    while (over - fits > 1) {
+      const uint32_t middle = (fits + over) / 2;
+      (Fits(Price(cheapest, middle)) ? fits : over) = middle;
+    }
+    return Price(cheapest, fits);
+  }
+
   Tried Search() {
     const Purchases::Costs targets(request_.platforms.size(), request_.target_ns);
     const Purchases::Choice cheapest = purchases_.Cheapest(targets);
     Tried best = Price(cheapest);
     if (!best.refusal.empty()) throw Error(best.refusal);
-    if (!Fits(best)) return best;
+    if (!Fits(best)) return WithFewerStrands(cheapest);
     Purchases::Costs most(targets.size(), ~0ull);  // less than what was too much
     Purchases::Costs budget = Estimate(best);
     while (tried_.size() < kMostPlans) {
@@ -225,7 +298,7 @@ class SceneFitter {
   }
 
   void MeasurePlan(SceneFit& fit, const Tried& best) const {
-    std::vector<Scenario> plan = {Planned(best.choice)};
+    std::vector<Scenario> plan = {Planned(best)};
     const auto errors = MeasureTipErrors(scene_, plan, ErrorFramesOf("error of the plan"));
     for (size_t l = 0; l < fit.layers.size(); ++l) fit.layers[l].error = errors[0][l];
     fit.error = errors[0].back();
@@ -236,11 +309,13 @@ class SceneFitter {
     if (!next) return;
     const LayerOptions& options = purchases_.layers()[next->layer];
     const LayerOption &from = options[best.choice[next->layer]], &to = options[next->option];
-    const auto px = [&](const LayerOption& option) {
-      return 1e-6 * double(errors_[option.tier][next->layer].p99_micropixels);
-    };
-    fit.next = {
-        .layer = next->layer, .tier = NameOf(to.tier), .less_px = px(from) - px(to), .more_ms = {}};
+    std::string tier = NameOf(to.tier);
+    if (from.level != to.level)
+      tier += fmt::format(" with {} of its chains", ChainShareOf(to.level));
+    fit.next = {.layer = next->layer,
+                .tier = tier,
+                .less_px = 1e-6 * (double(from.micropixels) - double(to.micropixels)),
+                .more_ms = {}};
     for (size_t p = 0; p < fit.costs.size(); ++p)
       fit.next->more_ms.push_back(fit.LayerMs(p, to.ns[p]) - fit.LayerMs(p, from.ns[p]));
   }
@@ -248,8 +323,8 @@ class SceneFitter {
   const Scenario& scene_;
   const FitRequest& request_;
   const std::vector<LayerChoice> layers_;
+  const std::vector<const LayerParams*> params_;
   std::vector<std::string> notes_;
-  std::vector<std::vector<TipError>> errors_;  // [tier][layer]; empty: no layer has the tier
   Purchases purchases_;
   std::deque<Tried> tried_;
 };

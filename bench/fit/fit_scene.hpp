@@ -1,8 +1,12 @@
-// A scene fitted to a frame time: each layer gets the solver and quality that the time pays for.
+// A scene fitted to a frame time: each layer gets the solver, quality and share of its chains that the time pays for.
 //
 //   every tier on every layer  -> what each layer costs and how wrong it is (layer_errors.hpp)
 //   from the cheapest on       -> what takes most of the error on the screen away for its price (purchases.hpp)
 //   the plan as a whole        -> priced, and bought less or more until it fits and can run
+//   not even the cheapest fits -> fewer strands of all layers
+//
+// As at run time (LodSettings::budget_us), strands go before motion gets worse than worst_px. A tier's error with
+// fewer chains is not measured for each: what thinning adds to one tier is added to all, in squares.
 //
 // Core times of layers add up; what a frame takes of them is a matter of the platform. So the core time that
 // a frame may have is estimated from a plan whose frame was priced, and what is found for it is priced again.
@@ -13,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,13 +41,16 @@ struct FitPlatform {
   std::string name;
   // Throws Error for what cannot run there.
   std::function<PlatformCost(Scenario& scenario)> price;
-  // The same were there room for any code, of which all layers in one tier may need more than a plan
-  // does. Its frames are not looked at.
-  std::function<PlatformCost(Scenario& scenario)> price_layers;
+  // Of scenes that differ from the first in their shares of chains and strands alone, whose stages are priced. As if
+  // there were room for any code, of which all layers in one tier may need more than a plan does. Estimates; frames
+  // are not looked at.
+  std::function<std::vector<PlatformCost>(std::span<Scenario> scenes)> price_layers;
 };
 
 struct FitRequest {
   uint64_t target_ns = 5'000'000;
+  float worst_px =
+      LodSettings{}.worst_px;  // what no layer's error on the screen is over that can have better
   std::vector<FitPlatform> platforms;
   uint32_t warm_up = 60, frames = 60;
   std::function<void(const std::string& now)> progress = {};
@@ -67,6 +75,7 @@ struct SceneFit {
   std::vector<std::string> platforms;
   std::vector<Layer> layers;
   std::vector<PlatformCost> costs;  // of the plan, by platform
+  float strand_share = 1.0f;        // of each layer's, because nothing else fits
   TipError error;                   // of all tips, of the plan
   std::optional<Step> next;         // none: all is bought, or nothing fits
   uint32_t plans_priced = 0;

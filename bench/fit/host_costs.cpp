@@ -333,7 +333,12 @@ FitPlatform OnHost(const HostCosts& costs, const std::string& path, uint32_t war
   const auto price = [=](Scenario& scenario) {
     return PriceOn(costs, path, scenario, warm_up, frames);
   };
-  return {.name = "host", .price = price, .price_layers = price};
+  const auto price_layers = [=](std::span<Scenario> scenes) {
+    std::vector<PlatformCost> layers;
+    for (Scenario& scene : scenes) layers.push_back(price(scene));
+    return layers;
+  };
+  return {.name = "host", .price = price, .price_layers = price_layers};
 }
 
 }  // namespace pelt

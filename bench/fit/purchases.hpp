@@ -12,9 +12,11 @@
 namespace pelt {
 
 struct LayerOption {
-  uint32_t tier = 0;         // what it stands for: the caller's
-  uint64_t error = 0;        // of the layer, weighed against other layers'
-  std::vector<uint64_t> ns;  // core time of the layer, by platform
+  uint32_t tier = 0;              // what it stands for: the caller's
+  uint64_t error = 0;             // of the layer, weighed against other layers'
+  std::vector<uint64_t> ns = {};  // core time of the layer, by platform
+  uint32_t level = 0;             // as `tier`; but a tier that is closed is so at every level
+  uint32_t micropixels = 0;       // what `error` is made of
 };
 using LayerOptions = std::vector<LayerOption>;  // of one layer, at least one
 

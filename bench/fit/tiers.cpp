@@ -1,5 +1,7 @@
 #include "bench/fit/tiers.hpp"
 
+#include "core/layer_block.hpp"
+
 namespace pelt {
 
 std::span<const Tier> Tiers() {
@@ -31,6 +33,17 @@ Scenario AtTier(const Scenario& scenario, const Tier& tier, std::vector<bool>& h
     }
   }
   return out;
+}
+
+bool CanThin(const LayerParams& layer, uint32_t level) {
+  return layer.chain == ChainKind::kVertex && layer.output != Output::kShells &&
+         level > LeastChainLevel(layer) && level < kChainLevels;
+}
+
+void ThinChains(Scenario& scenario, uint32_t level) {
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers)
+      if (CanThin(layer.params, level)) layer.params.chain_share = ChainShareOf(level);
 }
 
 std::vector<LayerChoice> ListLayers(const Scenario& scenario) {

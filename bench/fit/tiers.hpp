@@ -20,6 +20,13 @@ std::span<const Tier> Tiers();
 // whether it is; the others keep their own.
 Scenario AtTier(const Scenario& scenario, const Tier& tier, std::vector<bool>& has);
 
+// The share of its chains that a layer has at a level (LodBlock::chain_level).
+constexpr float ChainShareOf(uint32_t level) { return 1.0f / float(1u << level); }
+// Whether a layer can have fewer chains than it has, at that level.
+bool CanThin(const LayerParams& layer, uint32_t level);
+// The scene with all that can at that level.
+void ThinChains(Scenario& scenario, uint32_t level);
+
 // The layers of a scene in the order of FurScene's, as a plan that changes nothing.
 std::vector<LayerChoice> ListLayers(const Scenario& scenario);
 

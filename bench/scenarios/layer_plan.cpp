@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -25,6 +26,11 @@ KeyRow<LayerChoice> Word(Enum LayerParams::*param) {
       {row.key, "word", "", row.low, row.high, row.text, row.words});
 }
 
+template <auto kMember>
+KeyRow<LayerChoice> Share(std::string_view key, double low, std::string_view doc) {
+  return setup_rows::MakeRow<&LayerChoice::choice, kMember>({key, "number", "", low, 1, doc});
+}
+
 // What held a sag-free layer up.
 void DropRestDown(Groom& groom, size_t layer) {
   const ChainKind chain = groom.layers[layer].params.chain;
@@ -38,6 +44,20 @@ void DropRestDown(Groom& groom, size_t layer) {
   std::vector<DownBlock>& downs = on_vertices ? groom.vertex_down : groom.strand_down;
   const auto begin = downs.begin() + ptrdiff_t(first);
   downs.erase(begin, begin + count(layer));
+}
+
+// The first of each chunk's strands, which are spread over all of it; control strands among them.
+void KeepStrands(Groom& groom, GroomLayer& layer, float share) {
+  layer.strand_count = 0;
+  layer.length_max = 0.0f;
+  for (uint32_t c = 0; c < layer.chunk_count; ++c) {
+    StrandBlock& block = groom.strands[layer.first_chunk + c];
+    const auto kept = uint32_t(std::ceil(double(share) * block.strand_count));
+    block.strand_count = std::min(std::max(kept, block.control_count), block.strand_count);
+    layer.strand_count += block.strand_count;
+    for (uint32_t s = 0; s < block.strand_count; ++s)
+      layer.length_max = std::max(layer.length_max, block.length[s]);
+  }
 }
 
 template <class Enum>
@@ -59,6 +79,8 @@ std::span<const KeyRow<LayerChoice>> Schema() {
       Word<&S::solver>(&LayerParams::solver),
       Word<&S::quality>(&LayerParams::quality),
       Word<&S::curl_follows>(&LayerParams::curl_follows),
+      Share<&S::chain_share>("chain_share", 0.125, "of its chains at mesh vertices"),
+      Share<&S::strand_share>("strand_share", 0.01, "of its strands"),
   };
   return kRows;
 }
@@ -125,6 +147,8 @@ std::string LayerPlanText(std::span<const LayerChoice> plan) {
     if (choice.solver) text += WordOf(&LayerParams::solver, *choice.solver);
     if (choice.quality) text += WordOf(&LayerParams::quality, *choice.quality);
     if (choice.curl_follows) text += WordOf(&LayerParams::curl_follows, *choice.curl_follows);
+    if (choice.chain_share) text += fmt::format("chain_share = {}\n", *choice.chain_share);
+    if (choice.strand_share) text += fmt::format("strand_share = {}\n", *choice.strand_share);
   }
   return text;
 }
@@ -134,10 +158,12 @@ std::optional<BadKey> ChangeSimulation(Groom& groom, size_t l, const SimulationC
   params.solver = choice.solver.value_or(params.solver);
   params.quality = choice.quality.value_or(params.quality);
   params.curl_follows = choice.curl_follows.value_or(params.curl_follows);
+  params.chain_share = choice.chain_share.value_or(params.chain_share);
   params.sag_free = params.sag_free && params.solver == Solver::kModal;
   if (const auto bad = FindBadCombination(params)) return bad;
   if (groom.layers[l].params.sag_free && !params.sag_free) DropRestDown(groom, l);
   groom.layers[l].params = params;
+  if (choice.strand_share) KeepStrands(groom, groom.layers[l], *choice.strand_share);
   return std::nullopt;
 }
 

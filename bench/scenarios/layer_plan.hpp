@@ -5,6 +5,8 @@
 //   name = "head under"    # the setup's
 //   solver = "modal"
 //   quality = "fine"       # and curl_follows: of the modal solver, not given: the layer's own
+//   chain_share = 0.5      # of its chains at mesh vertices that are simulated
+//   strand_share = 0.75    # of its strands, as if it had been baked with fewer
 //
 // Layers that the file does not name stay as they are.
 #pragma once
@@ -26,6 +28,8 @@ struct SimulationChoice {
   std::optional<Solver> solver;
   std::optional<ModalQuality> quality;
   std::optional<CurlFollows> curl_follows;
+  std::optional<float> chain_share = {};
+  std::optional<float> strand_share = {};  // above 0
   friend bool operator==(const SimulationChoice&, const SimulationChoice&) = default;
 };
 

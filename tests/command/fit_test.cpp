@@ -33,13 +33,46 @@ FitPlatform MadeUp(uint64_t per_million) {
     cost.frame_ns = core / 4 + core * core / 1'000'000 * per_million / 1'000'000;
     return cost;
   };
-  return {.name = "made up", .price = price, .price_layers = price};
+  const auto price_layers = [=](std::span<Scenario> scenes) {
+    std::vector<PlatformCost> costs;
+    for (Scenario& scene : scenes) costs.push_back(price(scene));
+    return costs;
+  };
+  return {.name = "made up", .price = price, .price_layers = price_layers};
 }
 
 SceneFit Fit(uint64_t target_ns, uint64_t per_million = 1'000'000) {
-  return FitScene(
-      testing::TinyScenario(),
-      {.target_ns = target_ns, .platforms = {MadeUp(per_million)}, .warm_up = 4, .frames = 8});
+  return FitScene(testing::TinyScenario(), {.target_ns = target_ns,
+                                            .worst_px = 1e9f,
+                                            .platforms = {MadeUp(per_million)},
+                                            .warm_up = 4,
+                                            .frames = 8});
+}
+
+// As Fit's, where layers of chains at mesh vertices cost as many as they have, and all layers by their strands.
+SceneFit FitShares(uint64_t target_ns, float worst_px) {
+  FitPlatform platform = MadeUp(1'000'000);
+  const auto whole = platform.price;
+  platform.price = [whole](Scenario& scenario) {
+    PlatformCost cost = whole(scenario);
+    for (size_t l = 0; l < cost.layer_ns.size(); ++l) {
+      const GroomLayer& layer = scenario.grooms[0].layers[l];
+      cost.layer_ns[l] = uint64_t(double(cost.layer_ns[l]) * layer.params.chain_share);
+      cost.layer_ns[l] += 10 * layer.strand_count;
+    }
+    cost.frame_ns = cost.CoreNs();
+    return cost;
+  };
+  platform.price_layers = [price = platform.price](std::span<Scenario> scenes) {
+    std::vector<PlatformCost> costs;
+    for (Scenario& scene : scenes) costs.push_back(price(scene));
+    return costs;
+  };
+  return FitScene(testing::TinyScenario(), {.target_ns = target_ns,
+                                            .worst_px = worst_px,
+                                            .platforms = {platform},
+                                            .warm_up = 4,
+                                            .frames = 8});
 }
 
 TEST(FitScene, IsWithinTheTargetAndBuysWhatItPaysFor) {
@@ -109,6 +142,59 @@ TEST(FitScene, ATierGetsAsManyLayersAsAPlatformCanRun) {
   ASSERT_EQ(fit.notes.size(), 1u);
   EXPECT_NE(fit.notes[0].find("best: no room for it"), std::string::npos) << fit.notes[0];
   EXPECT_EQ(std::ranges::count(fit.layers, "best", &SceneFit::Layer::tier), 2);
+}
+
+TEST(FitScene, FewerChainsAreAChoiceOfLayersThatHaveThem) {
+  const Scenario tiny = testing::TinyScenario();
+  const SceneFit fit = FitShares(50'000, 1e9f);
+  ASSERT_TRUE(fit.Fits()) << fit.costs[0].frame_ns;
+  EXPECT_EQ(fit.strand_share, 1.0f);
+  uint32_t thinned = 0;
+  for (size_t l = 0; l < fit.layers.size(); ++l) {
+    const auto share = fit.layers[l].choice.choice.chain_share;
+    if (!share) continue;
+    ++thinned;
+    EXPECT_EQ(tiny.grooms[0].layers[l].params.chain, ChainKind::kVertex)
+        << fit.layers[l].choice.name;
+    EXPECT_LT(*share, 1.0f);
+  }
+  EXPECT_GT(thinned, 0u);
+}
+
+// Then as many as fit: with a sixteenth more they would not.
+TEST(FitScene, StrandsGoWhereNothingElseFits) {
+  const SceneFit whole = FitShares(1'000'000, 1e9f);
+  ASSERT_TRUE(whole.Fits());
+  uint64_t strands = 0;
+  for (const SceneFit::Layer& layer : whole.layers) strands += layer.strands;
+  const SceneFit least = FitShares(1, 1e9f);
+  EXPECT_FALSE(least.Fits());
+  EXPECT_EQ(least.strand_share, 0.25f);
+  const uint64_t target_ns = least.costs[0].frame_ns + 10 * strands / 3;
+  const SceneFit fit = FitShares(target_ns, 1e9f);
+  ASSERT_TRUE(fit.Fits());
+  EXPECT_FALSE(fit.next);
+  EXPECT_GT(fit.strand_share, 0.25f);
+  EXPECT_LT(fit.strand_share, 1.0f);
+  EXPECT_GT(fit.costs[0].frame_ns + 10 * strands / 16, target_ns);
+  for (const SceneFit::Layer& layer : fit.layers)
+    EXPECT_EQ(layer.choice.choice.strand_share, fit.strand_share) << layer.choice.name;
+  uint64_t kept = 0;
+  for (const SceneFit::Layer& layer : fit.layers) kept += layer.strands;
+  EXPECT_NEAR(double(kept), double(strands) * double(fit.strand_share), 0.1 * double(strands));
+}
+
+// A layer that can be within it is, whatever it costs.
+TEST(FitScene, NoLayerIsWorseThanItMustBe) {
+  const auto worst = [](const SceneFit& fit) {
+    uint32_t most = 0;
+    for (const SceneFit::Layer& layer : fit.layers)
+      most = std::max(most, layer.error.p99_micropixels);
+    return most;
+  };
+  // What fewer chains add is estimated, so the plan may be over it.
+  const uint32_t any = worst(FitShares(1, 1e9f));
+  EXPECT_LT(worst(FitShares(1, 0.25e-6f * float(any))), any / 2);
 }
 
 // What `pelt fit` states of a console is what `pelt budget --plan` will state.

@@ -125,7 +125,7 @@ TEST(FurCosts, AreThoseOfItsLayers) {
 
   const ConsoleRequest request{.console = Console::kPs3, .frames = 6, .warm_up = 4};
   Scenario priced = tiny;
-  const double there = SumOf(OnConsole(request).price_layers(priced).layer_ns);
+  const double there = SumOf(OnConsole(request).price_layers({&priced, 1})[0].layer_ns);
   EXPECT_NEAR(EstimateOfTiny(FurCostsOnConsole(tiny, request)), there, 0.15 * there);
 }
 

@@ -9,6 +9,7 @@
 #include "bench/scenarios/scenarios.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/groom/groom_file.hpp"
 
 namespace pelt {
 namespace {
@@ -83,7 +84,7 @@ TEST(LayerPlan, ChangesTheLayersItNames) {
 TEST(LayerPlan, IsReadAsItWasWritten) {
   const std::vector<LayerChoice> plan = {
       {0, "strand4", {Solver::kModal, ModalQuality::kFine, CurlFollows::kParent}},
-      {3, "with \"quotes\" and \\", {Solver::kPbd, {}, {}}}};
+      {3, "with \"quotes\" and \\", {Solver::kPbd, {}, {}, 0.125f, 0.3f}}};
   const std::vector<LayerChoice> read = ReadLayerPlan(PathOf(LayerPlanText(plan)));
   ASSERT_EQ(read.size(), plan.size());
   for (size_t l = 0; l < plan.size(); ++l) {
@@ -91,6 +92,33 @@ TEST(LayerPlan, IsReadAsItWasWritten) {
     EXPECT_EQ(read[l].name, plan[l].name);
     EXPECT_EQ(read[l].choice, plan[l].choice);
   }
+}
+
+// The first strands of each chunk, and nothing else: the groom is one that a file may hold, and runs.
+TEST(LayerPlan, KeepsAShareOfTheStrands) {
+  const Scenario own = LoadScenario("tiny");
+  for (const GroomLayer& layer : own.grooms[0].layers) {
+    const Scenario planned =
+        Planned("[[layer]]\ncharacter = 0\nname = \"" + layer.name + "\"\nstrand_share = 0.4\n");
+    for (const GroomLayer& is : planned.grooms[0].layers) {
+      if (is.name != layer.name) {
+        const auto was = std::ranges::find(own.grooms[0].layers, is.name, &GroomLayer::name);
+        EXPECT_EQ(is.strand_count, was->strand_count) << is.name;
+        continue;
+      }
+      EXPECT_GE(is.strand_count, uint32_t(0.4 * layer.strand_count)) << is.name;
+      EXPECT_LT(is.strand_count, layer.strand_count) << is.name;
+    }
+    EXPECT_EQ(FindGroomFault(planned.grooms[0], "planned"), "") << layer.name;
+    EXPECT_NE(DigestOf(planned), DigestOf(own)) << layer.name;
+  }
+}
+
+TEST(LayerPlan, KeepsAShareOfTheChains) {
+  const char* half = "[[layer]]\ncharacter = 0\nname = \"vertex\"\nchain_share = 0.5\n";
+  const Scenario planned = Planned(half);
+  EXPECT_EQ(ParamsOf(planned, "vertex").chain_share, 0.5f);
+  EXPECT_NE(DigestOf(planned), DigestOf(LoadScenario("tiny")));
 }
 
 // The frames of a plan are those of --solver that says the same.
@@ -122,6 +150,10 @@ TEST(LayerPlan, TellsWhatIsWrongAndWhere) {
          ".toml:1", "solver = \"modal\"");
   expect("[[layer]]\ncharacter = 0\nname = \"a\"\n[[layer]]\ncharacter = 0\nname = \"a\"\n",
          ".toml:4", "twice");
+  expect("[[layer]]\ncharacter = 0\nname = \"strand4\"\nchain_share = 0.5\n", ".toml:1",
+         "chains at mesh vertices");
+  expect("[[layer]]\ncharacter = 0\nname = \"strand4\"\nstrand_share = 0\n", ".toml:4",
+         "strand_share");
   expect("[[layer]]\nname = \"strand4\"\n", ".toml:1", "'character'");
   expect("[[layers]]\n", ".toml:1", "[[layer]]");
   expect("", ".toml", "[[layer]]");
