@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -340,20 +341,23 @@ class BudgetPrinter {
       tree_.Say(WhatAMillisecondBuys(offers[0], offers[i]));
   }
 
-  // By the platform on which it is dearest; a host that was not its own does not count.
+  // By the platform on which it is dearest, or saves least; a host that was not its own does not count.
   std::string WhatAMillisecondBuys(const Offer& now, const Offer& offer) const {
-    double more = 0.0;
+    std::optional<double> change;
     for (size_t p = 0; p < offer.ms.size(); ++p) {
       if (!offer.ms[p])
         return fmt::format("{} cannot run on {}", offer.quality, args_.platforms[p]);
       if (now.ms[p] && verdicts_[p].fit != Fit::kUnsure)
-        more = std::max(more, *offer.ms[p] - *now.ms[p]);
+        change = std::max(change.value_or(-HUGE_VAL), *offer.ms[p] - *now.ms[p]);
     }
+    const double more = change.value_or(0.0);
     const double less = now.Px() - offer.Px();
     if (offer.error.off_m == now.error.off_m && offer.quality == kAllChains)
       return offer.quality + " are simulated here: so near, they do not thin";
     if (offer.error.off_m == now.error.off_m)
       return offer.quality + " is the same here: so far off, layers of it run in fast";
+    if (more < 0.0)
+      return fmt::format("{}: {:.2f} ms less, {:.3f} px more", offer.quality, -more, -less);
     return fmt::format("{}: {:.2f} ms more, {:.3f} px less: {:.3f} px a millisecond", offer.quality,
                        more, less, less / std::max(more, 1e-3));
   }

@@ -465,6 +465,9 @@ check_qualities() {
   # So far off that `fine` runs in `fast`.
   "$pelt" budget --scene tiny --solver modal --frames 8 --warm-up 8 --platform ps3 --no-advice --target-ms 1000 \
     --fast-quality-px 1e6 --quality fast --qualities | grep -q '^fine is the same here' || fail "fine is not the same in fast"
+  "$pelt" budget --scene tiny --solver modal --frames 8 --warm-up 8 --platform xbox360 --no-advice --target-ms 1000 \
+    --fast-quality-px 0 --quality fine --qualities >qualities.txt || fail "budget --qualities of fine: exit $?"
+  grep -qE '^fast: [0-9.]+ ms less, [0-9.]+ px more$' qualities.txt || fail "what is cheaper: $(cat qualities.txt)"
 }
 
 check_budget_errors() {
