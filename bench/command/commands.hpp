@@ -214,6 +214,7 @@ struct FitArgs {
   std::vector<std::string> platforms = {"ps3", "xbox360"};
   double target_ms = 5.0;
   float worst_px = LodSettings{}.worst_px;
+  bool lod = false;
   std::string costs;                   // of the host: what Calibrate wrote
   uint32_t frames = 60, warm_up = 60;  // as of BudgetArgs
   OutputPath out;                      // layer plan to write

@@ -30,7 +30,8 @@ std::string PlanText(const FitArgs& args, const SceneFit& fit) {
 ExitCode PrintFit(const FitArgs& args) {
   RunArgs run;
   run.request = args.request;
-  const Scenario scenario = LoadForRun(run, args.json ? stderr : stdout);
+  Scenario scenario = LoadForRun(run, args.json ? stderr : stdout);
+  scenario.base.skip.lod |= args.lod;
   FitRequest request{.target_ns = uint64_t(args.target_ms * 1e6 + 0.5),
                      .worst_px = args.worst_px,
                      .platforms = {},

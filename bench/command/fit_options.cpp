@@ -46,6 +46,7 @@ Subcommand SetUpFit(CLI::App& root) {
                   "before that")
       ->check(InRange(0.0, 1e6))
       ->capture_default_str();
+  app->add_flag("--lod", args.lod, "Of frames with level of detail, as stage always has it");
   AddFrames(*app, args.frames);
   app->add_option("--warm-up", args.warm_up, "Frames before those that count")
       ->check(CLI::Range(0, 100'000))
@@ -61,7 +62,7 @@ Subcommand SetUpFit(CLI::App& root) {
       "  pelt budget --scene tiny --plan plan.toml --platform ps3 --target-ms 0.7 --frames 8 "
       "--warm-up 8\n"
       "  pelt run --scene tiny --plan plan.toml --frames 10\n"
-      "  pelt fit --scene tiny --frames 4 --warm-up 4 --json");
+      "  pelt fit --scene tiny --lod --frames 4 --warm-up 4 --json");
   return {app,
           [app, kept] {
             CompleteSource(*app, kept->request);
