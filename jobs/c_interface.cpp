@@ -437,7 +437,7 @@ const char* pelt_run(PeltScene* scene, const PeltDoor* door) {
   // Ours before the executor is touched: another thread's frame may be running in it.
   if (const char* fault = frame.phase->StartRun()) return fault;
   if (!scene->executor || !SameDoor(scene->door, *door))
-    scene->executor.emplace(scene->door = *door, uint32_t(frame.plan->passes.size()));
+    scene->executor.emplace(scene->door = *door);
   scene->executor->Run({frame.plan, frame.memory});
   frame.phase->EndRun();
   return nullptr;
@@ -455,7 +455,11 @@ const char* pelt_open(PeltScene* scene) {
   return scene->pull.Begin(scene->scene->CurrentFrame(), &why) ? nullptr : why;
 }
 
-int pelt_pull(PeltScene* scene) { return scene ? int(scene->pull.TryRun()) : PELT_IDLE; }
+int pelt_pull(PeltScene* scene) { return pelt_pull_as(scene, 0); }
+
+int pelt_pull_as(PeltScene* scene, uint32_t worker) {
+  return scene ? int(scene->pull.TryRun(worker)) : PELT_IDLE;
+}
 
 uint64_t pelt_snapshot_bytes(const PeltScene* scene) {
   return scene ? scene->scene->SnapshotBytes() : 0;

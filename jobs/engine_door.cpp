@@ -8,13 +8,7 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kNoPass = ~0u;
 constexpr uint32_t kMostWorkers = 4096;
-
-// How often a helper asks again when nothing is ready, before it gives its thread back: about as
-// long as the end of one pass and the opening of the next take. Longer would keep the engine's
-// workers from other jobs, shorter would cost a task for every pass.
-constexpr uint32_t kHelperPolls = 64;
 
 // Says whether the engine's function returned. An exception out of it would leave the frame half
 // run and its tasks with the engine. (Where Pelt is built without exceptions, none may come.)
@@ -72,25 +66,22 @@ struct alignas(64) DoorExecutor::Task {
   std::atomic<bool> returned{true};
 };
 
-DoorExecutor::DoorExecutor(const EngineDoor& door, uint32_t max_passes)
+DoorExecutor::DoorExecutor(const EngineDoor& door, uint32_t spare_frames)
     : door_(door),
+      pull_(FindDoorFault(door) ? 1 : door.worker_count),
       helper_count_(FindDoorFault(door) ? 0 : door.worker_count - 1),
-      task_capacity_(helper_count_ * std::max(1u, max_passes)) {
+      task_capacity_(helper_count_ * std::max(1u, spare_frames)) {
   faults_.unusable = FindDoorFault(door);
   tasks_ = std::make_unique<Task[]>(task_capacity_);
-  helpers_ = std::make_unique<Task*[]>(helper_count_);
   for (uint32_t t = 0; t < task_capacity_; ++t) tasks_[t].executor = this;
 }
 
 DoorExecutor::~DoorExecutor() = default;
 
-uint64_t DoorExecutor::MaxTasks(const Plan& plan, const SceneShape& shape) const {
-  uint64_t tasks = 0;
-  for (const Pass& pass : plan.passes) {
-    const uint32_t items = shape.ItemCount(pass.domain);
-    if (items > 0) tasks += std::min(helper_count_, items - 1);
-  }
-  return tasks;
+uint32_t DoorExecutor::MaxTasks(const Plan& plan, const SceneShape& shape) const {
+  uint32_t most = 1;  // one item is the caller's
+  for (const Pass& pass : plan.passes) most = std::max(most, shape.ItemCount(pass.domain));
+  return std::min(helper_count_, most - 1);
 }
 
 DoorFaults DoorExecutor::faults() const {
@@ -106,59 +97,32 @@ void DoorExecutor::RunPasses(const Frame& frame) {
     SerialExecutor().Run(frame);
     return;
   }
-  uint32_t asked_pass = kNoPass;
+  const uint32_t helpers = MaxTasks(*frame.plan, *frame.memory->shape);
+  // A task that ran in Enqueue may have done all of it.
+  for (uint32_t h = 1; h <= helpers && !pull_.IsIdle() && Enqueue(h); ++h) {
+  }
   SpinWait wait;
-  do {
-    AskForHelp(frame, asked_pass);
-    if (pull_.TryRun() == PullResult::kRan) {
-      wait.Reset();
-    } else {
-      wait.Once();
-    }
-  } while (!pull_.IsIdle());
+  while (!pull_.IsIdle()) wait.After(pull_.TryRun() == PullResult::kRan);
   FinishTasks();
   running_.store(false, std::memory_order_release);
 }
 
-void DoorExecutor::AskForHelp(const Frame& frame, uint32_t& asked_pass) {
-  auto open = pull_.Peek();
-  if (open.pass == asked_pass || open.unclaimed < 2) return;
-  asked_pass = open.pass;
-  const auto busy = [](const Task* task) {
-    return task && !task->returned.load(std::memory_order_acquire);
-  };
-  // One item is the caller's.
-  const uint32_t useful = std::min(helper_count_, open.unclaimed - 1);
-  auto present = uint32_t(std::count_if(helpers_.get(), helpers_.get() + helper_count_, busy));
-  const Plan& plan = *frame.plan;
-  const char* name = plan.stages[plan.passes[asked_pass].first_stage].kernel.name.data();
-  for (uint32_t h = 0; h < helper_count_ && present < useful; ++h) {
-    if (busy(helpers_[h])) continue;
-    if (!Enqueue(h, name)) return;
-    ++present;
-    // The pass goes on meanwhile; a task that ran inline may have taken all of it.
-    open = pull_.Peek();
-    if (open.pass != asked_pass || open.unclaimed < 2) return;
-  }
-}
-
-bool DoorExecutor::Enqueue(uint32_t helper, const char* name) {
+bool DoorExecutor::Enqueue(uint32_t worker) {
   while (tasks_lent_ < task_capacity_ && tasks_[tasks_lent_].retired) ++tasks_lent_;
   if (tasks_lent_ == task_capacity_) return false;
   Task& task = tasks_[tasks_lent_];
   task.started.store(false, std::memory_order_relaxed);
   task.returned.store(false, std::memory_order_relaxed);
-  task.worker.store(helper + 1, std::memory_order_relaxed);
+  task.worker.store(worker, std::memory_order_relaxed);
   ++tasks_enqueued_;
   task.handle = nullptr;
-  if (!Returns([&] { task.handle = door_.enqueue(&RunTask, &task, door_.user, name); })) {
+  if (!Returns([&] { task.handle = door_.enqueue(&RunTask, &task, door_.user, "pelt"); })) {
     ++faults_.threw;
     // Most likely nobody has it. Should it come all the same, it helps, or is called again.
     task.returned.store(true, std::memory_order_relaxed);
     return false;
   }
   if (task.handle) {
-    helpers_[helper] = &task;
     ++tasks_lent_;
   } else {
     CheckReturned(task);
@@ -175,7 +139,6 @@ void DoorExecutor::FinishTasks() {
     CheckReturned(task);
   }
   tasks_lent_ = 0;
-  std::fill_n(helpers_.get(), helper_count_, nullptr);
 }
 
 void DoorExecutor::CheckReturned(Task& task) {
@@ -195,16 +158,9 @@ void DoorExecutor::RunTask(void* context) {
 }
 
 void DoorExecutor::Help(uint32_t worker) {
-  for (uint32_t polls = 0; polls < kHelperPolls;) {
-    const PullResult result = pull_.TryRun(worker);
-    if (result == PullResult::kIdle) return;
-    if (result == PullResult::kRan) {
-      polls = 0;
-    } else {
-      ++polls;
-      PauseCore();
-    }
-  }
+  SpinWait wait;
+  for (PullResult result; (result = pull_.TryRun(worker)) != PullResult::kIdle;)
+    wait.After(result == PullResult::kRan);
 }
 
 }  // namespace pelt

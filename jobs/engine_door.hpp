@@ -5,10 +5,10 @@
 //   helper 1              └─> item item item item ─ return
 //   helper 2                       └─ (starts late, or never in time: nobody waits for it)
 //
-// A helper is one task of the engine: it pulls items (jobs/pull_scheduler.hpp) until none is ready.
-// The caller pulls too, so a frame is done even if no helper ever starts; it waits only for items
-// that a helper is running at that moment. Helpers are asked for once per pass, as many as the pass
-// has use for beyond those that are still there.
+// A helper is one task of the engine: it pulls items (jobs/frame_scheduler.hpp) until the frame is
+// done. The caller pulls too, so a frame is done even if no helper ever starts; it waits only for
+// items that a helper is running at that moment. Helpers are asked for once, when the frame begins:
+// as many as there are workers and its largest pass has use for.
 //
 // Invariants: nothing here throws. `enqueue` and `finish` are called by the thread that called Run
 // and by no other; every handle is finished before Run returns; nothing here allocates, locks or
@@ -51,17 +51,16 @@ struct DoorFaults {
 
 class DoorExecutor final : public Executor {
  public:
-  // Passes a frame has at most, for the memory that is reserved here; in a longer frame the passes
-  // beyond get no helpers of their own.
-  static constexpr uint32_t kDefaultPasses = 64;
+  // Frames whose tasks an engine may all lose (never return) before it is asked for no more.
+  static constexpr uint32_t kDefaultSpareFrames = 16;
 
-  // Reserves 64 bytes for each task of a frame: (worker_count - 1) * max_passes. A door that lacks
-  // a function, or has no workers, is not used: faults() says so.
-  explicit DoorExecutor(const EngineDoor& door, uint32_t max_passes = kDefaultPasses);
+  // Reserves 64 bytes for each task: (worker_count - 1) * spare_frames. A door that lacks a
+  // function, or has no workers, is not used: faults() says so.
+  explicit DoorExecutor(const EngineDoor& door, uint32_t spare_frames = kDefaultSpareFrames);
   ~DoorExecutor() override;
 
   // Most tasks one frame of this plan enqueues.
-  uint64_t MaxTasks(const Plan& plan, const SceneShape& shape) const;
+  uint32_t MaxTasks(const Plan& plan, const SceneShape& shape) const;
   // Tasks enqueued since the executor was made.
   uint64_t TasksEnqueued() const { return tasks_enqueued_; }
   DoorFaults faults() const;
@@ -72,9 +71,8 @@ class DoorExecutor final : public Executor {
   static void RunTask(void* context);
   void Help(uint32_t worker);
 
-  void AskForHelp(const Frame& frame, uint32_t& asked_pass);
-  // False when the reserved tasks are used up.
-  bool Enqueue(uint32_t helper, const char* name);
+  // False when the reserved tasks are used up, or the engine threw.
+  bool Enqueue(uint32_t worker);
   void FinishTasks();
   // The door said that the task has returned.
   void CheckReturned(Task& task);
@@ -86,8 +84,6 @@ class DoorExecutor final : public Executor {
   uint32_t helper_count_;
   uint32_t task_capacity_;
   std::unique_ptr<Task[]> tasks_;
-  // The task each helper was last given: a helper has one at a time.
-  std::unique_ptr<Task*[]> helpers_;
   uint32_t tasks_lent_ = 0;  // those before this one are with the engine, or retired
   uint64_t tasks_enqueued_ = 0;
   DoorFaults faults_;

@@ -1,6 +1,7 @@
 #include "jobs/frame.hpp"
 
-#include <numeric>
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include "core/float_environment.hpp"
@@ -100,6 +101,15 @@ Slice FrameProfile::Stage(const Plan& plan, uint32_t pass, uint32_t item, uint32
   return {begin, ends[stage]};
 }
 
+Slice FrameProfile::Pass(uint32_t pass, uint32_t item_count) const {
+  Slice all;
+  for (const ItemSlice& item : std::span(items + item_first[pass], item_count)) {
+    all.begin_ticks = all.Ran() ? std::min(all.begin_ticks, item.begin_ticks) : item.begin_ticks;
+    all.end_ticks = std::max(all.end_ticks, item.end_ticks);
+  }
+  return all;
+}
+
 void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t worker) {
   const FloatEnvironment float_environment;
   if (frame.profile) return RunItemProfiled(frame, pass_index, item, worker);
@@ -131,17 +141,25 @@ void SerialExecutor::RunPasses(const Frame& frame) {
 }
 
 void PermutedExecutor::RunPasses(const Frame& frame) {
-  ForEachPass(frame, [&](uint32_t pass, uint32_t count) {
-    order_.resize(count);
-    std::iota(order_.begin(), order_.end(), 0u);
-    if (seed_ == 0) {
-      for (uint32_t i = 0; i < count; ++i) order_[i] = count - 1 - i;
-    } else {
-      Random random(state_++);
-      for (uint32_t i = count; i > 1; --i) std::swap(order_[i - 1], order_[random.Below(i)]);
-    }
-    for (uint32_t i : order_) RunItem(frame, pass, i);
+  const FrameGraph& graph = frame.plan->graph;
+  waits_for_.clear();
+  for (const FrameGraph::Node& node : graph.nodes) waits_for_.push_back(node.waits_for);
+  Random random(state_++);
+  for (Fire(graph, 0); !ready_.empty();) {
+    if (seed_ != 0) std::swap(ready_.back(), ready_[random.Below(uint32_t(ready_.size()))]);
+    const Item run = ready_.back();
+    ready_.pop_back();
+    RunItem(frame, run.pass, run.item);
+    if (--waits_for_[run.node] == 0) Fire(graph, run.node);
+  }
+}
+
+void PermutedExecutor::Fire(const FrameGraph& graph, uint32_t node) {
+  graph.ForEachOpened(node, [&](uint32_t pass, uint32_t item, uint32_t at) {
+    ready_.push_back({pass, item, graph.item_node[at]});
   });
+  for (uint32_t n = graph.nodes[node].first_next; n < graph.nodes[node + 1].first_next; ++n)
+    if (--waits_for_[graph.next[n]] == 0) Fire(graph, graph.next[n]);
 }
 
 }  // namespace pelt

@@ -1,5 +1,5 @@
-// One frame ready to run: a plan over memory. Everything an executor may do is RunItem over every
-// item of a pass, in any order, on any thread, and a barrier between passes.
+// One frame ready to run: a plan over memory. Everything an executor may do is RunItem once for each
+// item of each pass, on any thread, in any order that keeps the waits of the plan.
 #pragma once
 
 #include <cstddef>
@@ -31,13 +31,14 @@ struct FrameProfile {
   // when it ended, having begun when the one before it did; 0 if it did not run.
   const uint32_t* stage_first;
   uint64_t* stage_ends;
-  Slice* passes;
   // Off: of a stage only that it ran (its end is the item's begin). Reading the clock after every
   // stage is most of what a profile costs.
   bool stage_times = true;
 
   // When stage `stage` of `pass` (0: the pass's first) ran on `item`.
   Slice Stage(const Plan& plan, uint32_t pass, uint32_t item, uint32_t stage) const;
+  // From the first begin to the last end of the pass's `item_count` items; passes may overlap.
+  Slice Pass(uint32_t pass, uint32_t item_count) const;
 };
 
 struct Frame {
@@ -95,8 +96,8 @@ class Executor {
   const char* Run(const Frame& frame);
 
  private:
-  // All passes in order, all items of each. The frame comes without its phase, so that an executor
-  // may hand it on to another.
+  // All items of all passes. The frame comes without its phase, so that an executor may hand it on
+  // to another.
   virtual void RunPasses(const Frame& frame) = 0;
 };
 
@@ -104,18 +105,23 @@ class SerialExecutor final : public Executor {
   void RunPasses(const Frame& frame) override;
 };
 
-// Serial, with the items of every pass in a seeded order: finds what an item wrongly takes from
-// another without waiting for an unlucky thread. Seed 0 runs backwards. Allocates on its first
-// frame only.
+// Serial, in a seeded one of all orders that the plan's waits allow: finds what an item wrongly takes
+// from another without waiting for an unlucky thread. Seed 0 runs what became ready last first.
+// Allocates on its first frame only.
 class PermutedExecutor final : public Executor {
  public:
   explicit PermutedExecutor(uint64_t seed) : seed_(seed), state_(seed) {}
 
  private:
   void RunPasses(const Frame& frame) override;
+  void Fire(const FrameGraph& graph, uint32_t node);
 
+  struct Item {
+    uint32_t pass, item, node;
+  };
   uint64_t seed_, state_;
-  std::vector<uint32_t> order_;
+  std::vector<uint32_t> waits_for_;  // of nodes
+  std::vector<Item> ready_;
 };
 
 }  // namespace pelt

@@ -9,14 +9,13 @@ FrameRecording::FrameRecording(const Plan& plan, const SceneShape& shape) : plan
     stage_pass_.insert(stage_pass_.end(), pass.stage_count, p);
     item_first_.push_back(items);
     stage_first_.push_back(stage_ends);
-    items += shape.ItemCount(pass.domain);
-    stage_ends += shape.ItemCount(pass.domain) * pass.stage_count;
+    item_count_.push_back(shape.ItemCount(pass.domain));
+    items += item_count_[p];
+    stage_ends += item_count_[p] * pass.stage_count;
   }
   items_.resize(items);
   stage_ends_.resize(stage_ends);
-  passes_.resize(plan.passes.size());
-  profile_ = {item_first_.data(), items_.data(), stage_first_.data(), stage_ends_.data(),
-              passes_.data()};
+  profile_ = {item_first_.data(), items_.data(), stage_first_.data(), stage_ends_.data()};
 }
 
 }  // namespace pelt

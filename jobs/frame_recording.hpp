@@ -29,16 +29,15 @@ class FrameRecording {
   const ItemSlice& Item(uint32_t pass, uint32_t item) const {
     return items_[item_first_[pass] + item];
   }
-  const Slice& Pass(uint32_t pass) const { return passes_[pass]; }
+  Slice Pass(uint32_t pass) const { return profile_.Pass(pass, item_count_[pass]); }
   // Better the longer the recording lives.
   double NsPerTick() const { return scale_.NsPerTick(); }
 
  private:
   const Plan& plan_;
-  std::vector<uint32_t> stage_pass_, item_first_, stage_first_;
+  std::vector<uint32_t> stage_pass_, item_first_, item_count_, stage_first_;
   std::vector<uint64_t> stage_ends_;
   std::vector<ItemSlice> items_;
-  std::vector<Slice> passes_;
   FrameProfile profile_;
   TickScale scale_;
 };

@@ -1,11 +1,10 @@
-// The loop every executor shares: pass after pass, timed when asked.
+// The loop of executors that run pass after pass, and a clock.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 
 #include "jobs/frame.hpp"
-#include "jobs/tick_clock.hpp"
 
 namespace pelt {
 
@@ -19,11 +18,8 @@ inline uint64_t ElapsedNs(TimePoint from) {
 template <class RunPass>
 void ForEachPass(const Frame& frame, RunPass run) {
   const Plan& plan = *frame.plan;
-  for (uint32_t p = 0; p < plan.passes.size(); ++p) {
-    if (frame.profile) frame.profile->passes[p].begin_ticks = ReadTicks();
+  for (uint32_t p = 0; p < plan.passes.size(); ++p)
     run(p, frame.memory->shape->ItemCount(plan.passes[p].domain));
-    if (frame.profile) frame.profile->passes[p].end_ticks = ReadTicks();
-  }
 }
 
 }  // namespace pelt

@@ -270,6 +270,10 @@ enum PeltPull {
 };
 const char* pelt_open(PeltScene* scene);
 int pelt_pull(PeltScene* scene);
+/* The same by a thread that says its number, from 0 on, each a different one: it is given what it was
+ * given in the frame before, as far as that costs nothing, and finds that in its core's cache. A wrong
+ * number costs time and nothing else. */
+int pelt_pull_as(PeltScene* scene, uint32_t worker);
 
 /* ---- The state as bytes ---- */
 

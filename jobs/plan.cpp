@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/format.hpp"
+#include "jobs/waits.hpp"
 
 namespace pelt {
 namespace {
@@ -190,7 +191,7 @@ std::vector<uint32_t> RepresentativeLayers(const SceneShape& shape) {
 
 Pass MeasurePass(const Plan& plan, uint32_t first, uint32_t count, const SceneShape& shape,
                  bool double_buffered, const std::vector<StreamUse>& uses) {
-  Pass pass{first, count, plan.stages[first].domain, {}, 0, 0, 0, double_buffered};
+  Pass pass{first, count, plan.stages[first].domain, {}, 0, 0, 0, double_buffered, {}};
   for (uint32_t layer : RepresentativeLayers(shape)) {
     auto streams = CollectStreams(plan, first, count, shape, layer, uses);
     const uint32_t resident = ResidentBytes(streams, double_buffered);
@@ -250,17 +251,16 @@ const char* DomainName(Domain domain) {
 
 Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
                          const PlanOptions& options) {
-  Plan plan{nullptr, std::move(stages), {}};
-  if (plan.stages.empty()) return plan;
-  plan.table = &plan.stages.front().kernel.table();
+  Plan plan{nullptr, std::move(stages), {}, {}, {}};
+  if (!plan.stages.empty()) plan.table = &plan.stages.front().kernel.table();
   for (Stage& stage : plan.stages) {
     if (std::string fault = FindStageFault(*plan.table, shape, stage); !fault.empty())
       return Failure{std::move(fault)};
     AddStreamKinds(*plan.table, stage);
   }
-  // A stage for kinds of layer that the scene has none of would only cost barriers.
+  // A stage for kinds of layer that the scene has none of would only cost waits.
   std::erase_if(plan.stages, [&](const Stage& s) { return !IsAdmitted(s, shape); });
-  const auto uses = FindUses(plan.stages, plan.table->streams.size());
+  const auto uses = FindUses(plan.stages, plan.table ? plan.table->streams.size() : 0);
   uint32_t first = 0;
   while (first < plan.stages.size()) {
     uint32_t count = 1;
@@ -287,6 +287,8 @@ Result<Plan> CompilePlan(std::vector<Stage> stages, const SceneShape& shape,
     plan.passes.push_back(std::move(pass));
     first += count;
   }
+  DeriveWaits(plan, shape);
+  plan.graph = BuildGraph(plan, shape);
   return plan;
 }
 

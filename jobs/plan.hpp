@@ -2,8 +2,9 @@
 //
 // A frame is a list of stages (of fur: core/kernels/frame_table.cpp). CompilePlan derives passes
 // from it: neighbouring stages of one domain run back to back on an item while it is in cache, or
-// in local store. Between passes every item of the one must be done before any item of the next
-// starts: that is the only synchronisation of a frame.
+// in local store. An item of a pass waits for those items of earlier passes that touch what it
+// touches: the waits of its pass say which (jobs/waits.hpp). That is the only synchronisation of a
+// frame; to do all of a pass before any of the next keeps every wait.
 //
 // Invariant: stages of one pass touch only what belongs to their item, except for reading blocks no
 // stage of the pass writes. If that broke, items of a pass would race.
@@ -19,6 +20,7 @@
 
 #include "core/error.hpp"
 #include "core/stage.hpp"
+#include "jobs/frame_graph.hpp"
 
 namespace pelt {
 
@@ -33,6 +35,16 @@ struct PassStream {
   bool transient;  // written first and used nowhere else in the frame: a console need not put it
 };
 
+// Which items of an earlier pass an item waits for.
+struct Wait {
+  uint32_t pass;
+  // All that are in the same scene, character or layer; the pass's own domain: the same item alone.
+  Domain within;
+  // Of those, when not kNone, only the ones that this list of the waiting item names.
+  Stream list = Stream::kNone;
+  friend bool operator==(const Wait&, const Wait&) = default;
+};
+
 struct Pass {
   uint32_t first_stage;
   uint32_t stage_count;
@@ -43,6 +55,7 @@ struct Pass {
   uint32_t get_bytes;
   uint32_t put_bytes;
   bool double_buffered;
+  std::vector<Wait> waits = {};  // none that follows from the others; by pass, then list
 };
 
 struct PlanOptions {
@@ -66,6 +79,8 @@ struct Plan {
   const StreamTable* table = nullptr;  // that its stages' ports are of
   std::vector<Stage> stages;
   std::vector<Pass> passes;
+  std::vector<Wait> waits_of_end;  // the frame is done when these are
+  FrameGraph graph;  // what the waits mean for the items of the shape it was compiled for
 };
 
 // Stages that no layer of the scene has the kind for are left out. Fails, naming the stage: when it

@@ -1,29 +1,27 @@
 #include "jobs/pull_executor.hpp"
 
+#include <algorithm>
+
 #include "jobs/spin_wait.hpp"
-#include "jobs/tick_clock.hpp"
 
 namespace pelt {
 namespace {
 
-// A frame as the scheduler sees it.
-struct FramePasses {
-  const Frame& frame;
+// Room for about a million strands.
+constexpr uint32_t kWords = 1024, kNodes = 16384;
 
-  uint32_t Count() const { return uint32_t(frame.plan->passes.size()); }
-  uint32_t Items(uint32_t pass) const {
-    return frame.memory->shape->ItemCount(frame.plan->passes[pass].domain);
-  }
-  void OnBegin(uint32_t pass) const {
-    if (frame.profile) frame.profile->passes[pass].begin_ticks = ReadTicks();
-  }
-  void OnEnd(uint32_t pass) const {
-    if (frame.profile) frame.profile->passes[pass].end_ticks = ReadTicks();
-    if (frame.phase && pass + 1 == Count()) frame.phase->EndRun();
-  }
-};
+uint32_t CoreCount() {
+#if defined(__wasi__)
+  return 1;
+#else
+  return std::max(1u, std::thread::hardware_concurrency());
+#endif
+}
 
 }  // namespace
+
+PullExecutor::PullExecutor(uint32_t workers)
+    : scheduler_(workers ? workers : CoreCount(), kWords, kNodes) {}
 
 bool PullExecutor::Begin(const Frame& frame, const char** why) {
   const char* fault = frame.phase ? frame.phase->StartRun() : nullptr;
@@ -34,32 +32,30 @@ bool PullExecutor::Begin(const Frame& frame, const char** why) {
   if (why) *why = fault;
   if (fault) return false;
   frame_ = frame;
-  scheduler_.Open(FramePasses{frame_});
+  scheduler_.Start(frame_.plan->graph, [this] { EndRun(); });
   return true;
 }
 
 PullResult PullExecutor::TryRun(uint32_t worker) {
-  PullScheduler<std::atomic>::Item item;
-  const PullResult result = scheduler_.TryClaim(item);
+  FrameScheduler<std::atomic>::Claim claim;
+  const PullResult result = scheduler_.TryClaim(worker, claim);
   if (result != PullResult::kRan) return result;
-  const FramePasses passes{frame_};
-  RunItem(frame_, item.pass, passes.Items(item.pass) - item.unclaimed, worker);
-  scheduler_.Finish(item.pass, passes);
+  const FrameGraph& graph = frame_.plan->graph;
+  const FrameGraph::Word& word = graph.words[claim.word];
+  RunItem(frame_, word.pass, graph.items[word.first + claim.bit], worker);
+  scheduler_.Finish(graph, graph.item_node[graph.AtItem(claim.word, claim.bit)],
+                    [this] { EndRun(); });
   return result;
+}
+
+void PullExecutor::EndRun() {
+  if (frame_.phase) frame_.phase->EndRun();
 }
 
 void PullExecutor::RunPasses(const Frame& frame) {
   SpinWait wait;
-  const auto help = [&] {
-    const PullResult result = TryRun();
-    if (result == PullResult::kRan) {
-      wait.Reset();
-    } else {
-      wait.Once();
-    }
-  };
-  while (!Begin(frame)) help();
-  while (!IsIdle()) help();
+  while (!Begin(frame)) wait.After(TryRun() == PullResult::kRan);
+  while (!IsIdle()) wait.After(TryRun() == PullResult::kRan);
 }
 
 }  // namespace pelt

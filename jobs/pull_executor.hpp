@@ -14,31 +14,35 @@
 #pragma once
 
 #include "jobs/frame.hpp"
-#include "jobs/pull_scheduler.hpp"
+#include "jobs/frame_scheduler.hpp"
 
 namespace pelt {
 
 class PullExecutor final : public Executor {
  public:
+  // Items have homes with `workers` threads; 0: as many as the machine has cores. Any number may
+  // come. Memory is allocated here and, for a frame with more items than all before, in Begin.
+  explicit PullExecutor(uint32_t workers = 0);
+
   // Opens a frame. False, and nothing done, while this executor has another one open, or when the
   // frame was not begun, was run already or is running; `why`, unless null, gets a text.
   [[nodiscard]] bool Begin(const Frame& frame, const char** why = nullptr);
 
-  // `worker` is for the profile only.
+  // `worker` says whose items to look for first, and is noted in the profile: threads that keep
+  // their numbers find in their caches what they left there. Any number is right.
   PullResult TryRun(uint32_t worker = 0);
 
   bool IsIdle() const { return scheduler_.IsIdle(); }
-  // Pass and unclaimed items a moment ago: a hint for how much help is worth asking for.
-  PullScheduler<std::atomic>::Item Peek() const { return scheduler_.Peek(); }
 
  private:
   // Run begins the frame and works on it until it is done; other threads may help by TryRun. Waits
   // only for items that other threads are running. While another frame is open it works on that
   // first.
   void RunPasses(const Frame& frame) override;
+  void EndRun();
 
-  PullScheduler<std::atomic> scheduler_;
-  Frame frame_{};  // written between TakeForFrame and Open, read between a claim and its Finish
+  FrameScheduler<std::atomic> scheduler_;
+  Frame frame_{};  // written between TakeForFrame and Start, read between a claim and its Finish
 };
 
 }  // namespace pelt

@@ -179,6 +179,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
       CopyLayer(copy, copy.groom.layers[l], index);
     }
   }
+  plan_.graph = BuildGraph(plan_, shape(), &memory_);  // lists of other grooms name other patches
 }
 
 void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t index) {
@@ -374,12 +375,12 @@ uint64_t FurScene::HeapBytes() const {
       bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
       bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) + bytes(shape.patch_layer) +
       bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
-      bytes(plan_.stages) + bytes(plan_.passes) + bytes(layer_names_) + bytes(layer_params_) +
+      bytes(plan_.stages) + bytes(plan_.passes) + plan_.graph.HeapBytes() + bytes(layer_names_) + bytes(layer_params_) +
       bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_vertices_) +
       bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) + bytes(layer_curled_) +
       bytes(draws_) + bytes(fault_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
-  for (const Pass& pass : plan_.passes) sum += bytes(pass.streams);
+  for (const Pass& pass : plan_.passes) sum += bytes(pass.streams) + bytes(pass.waits);
   for (const std::string& name : layer_names_) sum += bytes(name);
   return sum;
 }

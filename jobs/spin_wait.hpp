@@ -31,6 +31,14 @@ class SpinWait {
     }
   }
   void Reset() { spins_ = 0; }
+  // After a poll that found something, or nothing.
+  void After(bool found) {
+    if (found) {
+      Reset();
+    } else {
+      Once();
+    }
+  }
 
  private:
   static constexpr uint32_t kSpins = 64;

@@ -2,7 +2,7 @@
 //
 //   door/task      ns that DoorExecutor adds to a task, over the door's own enqueue and finish of a
 //                  task that does nothing (target: at most 300)
-//   door/item      ns that the pull scheduler adds to an item
+//   door/item      ns that the scheduler adds to an item
 //   tbb/monster    TbbExecutor over a hand-written tbb::parallel_for of the same passes (target: a
 //                  ratio of at most 1.05)
 //   door/monster   DoorExecutor on the same oneTBB arena over the same hand-written loop
@@ -32,16 +32,16 @@
 namespace pelt {
 namespace {
 
-// A plan of many passes whose items do nothing: what is left is scheduling.
+// A plan of one pass whose items do nothing: what is left is scheduling.
 class NothingFrame {
  public:
-  NothingFrame(uint32_t passes, uint32_t items) {
+  explicit NothingFrame(uint32_t items) {
     shape_.AddLayer(0, 0, items);
     memory_.shape = &shape_;
     plan_.stages.push_back({{"nothing", nullptr, {}, 0, nullptr}, nullptr, Domain::kChunk});
-    Pass pass{};
-    pass.domain = Domain::kChunk;
-    plan_.passes.assign(passes, pass);
+    plan_.passes.push_back({0, 1, Domain::kChunk, {}, 0, 0, 0, false, {}});
+    plan_.waits_of_end = {{0, Domain::kScene}};
+    plan_.graph = BuildGraph(plan_, shape_);
   }
   Frame frame() const { return {&plan_, &memory_}; }
 
@@ -74,8 +74,8 @@ EngineDoor LateDoor() {
 
 void DoorTask(benchmark::State& state, const EngineDoor& engine) {
   constexpr uint32_t kFrames = 200;
-  // One pass of as many items as there are workers: every task is asked for.
-  NothingFrame frames(1, engine.worker_count);
+  // As many items as there are workers: every task is asked for.
+  NothingFrame frames(engine.worker_count);
   DoorExecutor executor(engine);
   SerialExecutor serial;
   std::vector<double> added, bare;
@@ -111,7 +111,7 @@ void DoorTask(benchmark::State& state, const EngineDoor& engine) {
 
 void DoorItem(benchmark::State& state) {
   constexpr uint32_t kItems = 10'000;
-  NothingFrame frames(1, kItems);
+  NothingFrame frames(kItems);
   PullExecutor pull;
   SerialExecutor serial;
   std::vector<double> added;

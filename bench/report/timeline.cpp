@@ -199,12 +199,13 @@ FrameRecord RecordFrame(const FurScene& scene, const FrameProfile& profile, uint
   FrameRecord record;
   record.frame = frame;
   record.ticks = ticks;
-  record.passes.assign(profile.passes, profile.passes + plan.passes.size());
   record.live_strands = scene.LiveStrands();
   record.drawn_strands = scene.DrawnStrands();
   for (uint32_t p = 0; p < plan.passes.size(); ++p) {
     const Pass& pass = plan.passes[p];
-    for (uint32_t i = 0; i < scene.shape().ItemCount(pass.domain); ++i) {
+    const uint32_t items = scene.shape().ItemCount(pass.domain);
+    record.passes.push_back(profile.Pass(p, items));
+    for (uint32_t i = 0; i < items; ++i) {
       FrameRecord::Item item{profile.items[profile.item_first[p] + i], p, i,
                              uint32_t(record.runs.size()), 0};
       for (uint32_t s = 0; s < pass.stage_count; ++s) {

@@ -15,7 +15,7 @@ namespace pelt {
 class PullPool final : public Executor {
  public:
   // `workers` counts the thread that calls Run: workers - 1 threads are started.
-  explicit PullPool(uint32_t workers) {
+  explicit PullPool(uint32_t workers) : pull_(workers) {
     for (uint32_t w = 1; w < workers; ++w) threads_.emplace_back([this, w] { Poll(w); });
   }
   ~PullPool() override {
@@ -59,13 +59,8 @@ class PullPool final : public Executor {
         met_.fetch_add(1);
       }
       SpinWait wait;
-      while (frame_open_.load(std::memory_order_relaxed)) {
-        if (pull_.TryRun(worker) == PullResult::kRan) {
-          wait.Reset();
-        } else {
-          wait.Once();
-        }
-      }
+      while (frame_open_.load(std::memory_order_relaxed))
+        wait.After(pull_.TryRun(worker) == PullResult::kRan);
     }
   }
 

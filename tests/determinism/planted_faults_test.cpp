@@ -8,8 +8,8 @@
 //   static state                           execution order
 //   reads what it declared Out             local store
 //   writes past its block                  local store (named)
-//   reaches across the layer undeclared    execution order (declared: the plan's barrier)
-//   a plan that lost a barrier             execution order
+//   reaches across the layer undeclared    execution order (declared: the plan's wait)
+//   a plan that lost a wait                execution order
 //   two chunks scatter to one place        execution order
 //   scatters outside its layer             local store (named)
 //   lane-count-dependent sum               instruction sets
@@ -51,7 +51,7 @@ struct Verdict {
 };
 
 uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fuse,
-                   void (*tamper)(Plan&) = nullptr) {
+                   void (*tamper)(Plan&, const SceneShape&) = nullptr) {
   SyntheticScene scene(kLayers);
   // Record lists of the gather: lane i of the layer's first chunk.
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
@@ -59,7 +59,7 @@ uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fu
     for (uint32_t i = 0; i < kToyLanes; ++i) list[i] = i;
   }
   Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse}).OrThrow();
-  if (tamper) tamper(plan);
+  if (tamper) tamper(plan, scene.shape());
   Digest digest;
   for (uint32_t f = 0; f < kFrames; ++f) {
     executor.Run({&plan, &scene.memory()});
@@ -153,27 +153,26 @@ TEST(PlantedFaults, ReachingAcrossTheLayerIsCaughtByOrder) {
   EXPECT_TRUE(Judge(FrameOf<ReachesAcrossTheLayer>(), false).order_matters);
 }
 
-TEST(PlantedFaults, ReachingAcrossTheLayerDeclaredGetsItsBarrier) {
+TEST(PlantedFaults, ReachingAcrossTheLayerDeclaredGetsItsWait) {
   const auto stages = FrameOf<GathersAcrossTheLayer>();
   EXPECT_EQ(CompilePlan(stages, MakeShape(kLayers), {}).OrThrow().passes.size(), 2u);
   ExpectHealthy(Judge(stages));
 }
 
-// Both stages in one pass: what an executor without the barrier would do at worst.
-void DropBarrier(Plan& plan) {
-  plan.passes[0].stage_count += plan.passes[1].stage_count;
-  plan.passes.pop_back();
+void DropWait(Plan& plan, const SceneShape& shape) {
+  plan.passes[1].waits.clear();
+  plan.graph = BuildGraph(plan, shape);
 }
 
-TEST(PlantedFaults, AMissingBarrierIsCaughtByOrder) {
+TEST(PlantedFaults, AMissingWaitIsCaughtByOrder) {
   const auto stages = FrameOf<GathersAcrossTheLayer>();
   SerialExecutor serial;
   const uint64_t truth = RunFrames(stages, serial, true);
   bool caught = false;
   for (uint64_t seed = 0; seed < 4; ++seed) {
     PermutedExecutor permuted(seed), again(seed);
-    EXPECT_EQ(RunFrames(stages, permuted, true), truth) << "with its barrier";
-    caught |= RunFrames(stages, again, true, DropBarrier) != truth;
+    EXPECT_EQ(RunFrames(stages, permuted, true), truth) << "with its wait";
+    caught |= RunFrames(stages, again, true, DropWait) != truth;
   }
   EXPECT_TRUE(caught);
 }

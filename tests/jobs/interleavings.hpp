@@ -76,11 +76,12 @@ class Model {
       return uint64_t{0};
     });
   }
-  // Adds `delta`; returns the value before.
-  static uint64_t FetchAdd(uint32_t at, uint64_t delta, std::memory_order order) {
+  // Stores change(the value before); returns that one.
+  template <class F>
+  static uint64_t FetchModify(uint32_t at, F change, std::memory_order order) {
     return current_model->Operation([&](State& s, ThreadState& self) {
       const uint64_t before = s.atomics[at].value;
-      current_model->Modify(s.atomics[at], self, before + delta, order);
+      current_model->Modify(s.atomics[at], self, change(before), order);
       return before;
     });
   }
@@ -101,8 +102,8 @@ class Model {
   static void Pause() {
     current_model->Operation([](State&, ThreadState&) { return uint64_t{0}; });
   }
-  // Goes on when another thread has written an atomic since this thread's last operation: stands
-  // for polling in a loop.
+  // Goes on when another thread has written an atomic since this thread waited last: stands for
+  // polling in a loop.
   static void AwaitWrite() {
     Model& model = *current_model;
     if (!model.Replays() && model.performed_) model.self().waits = true;  // it is left here
@@ -112,12 +113,13 @@ class Model {
   // A loop that remembers nothing from one round to the next:
   //   for (const size_t start = Model::LoopStart();;) { ...; Model::Repeat(start, after_write); }
   // Forgets the round's results, so that any number of fruitless rounds is one state. The next
-  // round begins at once, or after another thread has written an atomic since this one's last
-  // operation.
+  // round begins at once, or after another thread has written an atomic since this one began.
   static size_t LoopStart() { return current_model->replayed_; }
   [[noreturn]] static void Repeat(size_t start, bool after_write) {
-    current_model->self().results.resize(start);
-    current_model->self().waits = after_write;
+    ThreadState& self = current_model->self();
+    self.results.resize(start);
+    self.waits = after_write && !self.changed;
+    self.changed = false;
     throw Repeated{};
   }
 
@@ -164,8 +166,8 @@ class Model {
   struct ThreadState {
     std::vector<uint64_t> results;
     Clock clock{};
-    bool waits = false;    // its next operation is AwaitWrite
-    bool changed = false;  // somebody wrote since its last operation
+    bool waits = false;    // its next operation comes after another thread's write
+    bool changed = false;  // somebody wrote since it waited last, or began its present round
     bool ended = false;
   };
   struct State {
@@ -211,8 +213,7 @@ class Model {
     if (performed_) throw Left{};
     performed_ = true;
     ThreadState& thread = self();
-    thread.waits = false;
-    thread.changed = false;
+    if (thread.waits) thread.waits = thread.changed = false;
     return Record(perform(state_, thread));
   }
   // Something only this thread notices now: goes along with the operation before it.
@@ -294,22 +295,28 @@ class Model {
 template <class T>
 class ModelAtomic {
  public:
-  explicit ModelAtomic(T value) : at_(Model::NewAtomic(value)) {}
+  explicit ModelAtomic(T value = {}) : at_(Model::NewAtomic(uint64_t(value))) {}
   T load(std::memory_order order) const { return T(Model::Load(at_, order)); }
-  void store(T value, std::memory_order order) { Model::Store(at_, value, order); }
+  void store(T value, std::memory_order order) { Model::Store(at_, uint64_t(value), order); }
   T fetch_sub(T value, std::memory_order order) {
-    return T(Model::FetchAdd(at_, uint64_t(0) - value, order));
+    return T(Model::FetchModify(
+        at_, [&](uint64_t v) { return uint64_t(T(v) - value); }, order));
+  }
+  T fetch_and(T value, std::memory_order order) {
+    return T(Model::FetchModify(
+        at_, [&](uint64_t v) { return v & value; }, order));
+  }
+  T fetch_or(T value, std::memory_order order) {
+    return T(Model::FetchModify(
+        at_, [&](uint64_t v) { return v | value; }, order));
   }
   bool compare_exchange_strong(T& expected, T desired, std::memory_order success,
                                std::memory_order failure) {
-    const T before = T(Model::CompareExchange(at_, expected, desired, success, failure));
+    const T before =
+        T(Model::CompareExchange(at_, uint64_t(expected), uint64_t(desired), success, failure));
     const bool exchanged = before == expected;
     expected = before;
     return exchanged;
-  }
-  bool compare_exchange_weak(T& expected, T desired, std::memory_order success,
-                             std::memory_order failure) {
-    return compare_exchange_strong(expected, desired, success, failure);
   }
 
  private:

@@ -1,11 +1,14 @@
-// The plan is derived: barriers, fusion, residency and who takes part follow from the ports alone.
+// The plan is derived: passes, waits, residency and who takes part follow from the ports alone.
 // Kernels here do little; what counts is what they declare.
 #include "jobs/plan.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
@@ -104,6 +107,43 @@ struct UseBounds {
   static void Run(const Ports&) {}
 };
 
+struct UseBox {
+  static constexpr std::string_view kName = "use_box";
+  struct Ports {
+    InOut<&Toys::box> box;
+  };
+  static void Run(const Ports&) {}
+};
+struct SumBoxes {
+  static constexpr std::string_view kName = "sum_boxes";
+  struct Ports {
+    AllInOut<&Toys::box> boxes;
+  };
+  static void Run(const Ports&) {}
+};
+struct SetState {
+  static constexpr std::string_view kName = "set_state";
+  struct Ports {
+    Out<&Toys::state> state;
+  };
+  static void Run(const Ports&) {}
+};
+struct UseSum {
+  static constexpr std::string_view kName = "use_sum";
+  struct Ports {
+    Shared<&Toys::sum> sum;
+    InOut<&Toys::keys> keys;
+  };
+  static void Run(const Ports&) {}
+};
+struct SumSums {
+  static constexpr std::string_view kName = "sum_sums";
+  struct Ports {
+    AllInOut<&Toys::sum> sums;
+  };
+  static void Run(const Ports&) {}
+};
+
 struct MakeParts {
   static constexpr std::string_view kName = "make_parts";
   struct Ports {
@@ -190,7 +230,7 @@ TEST(Plan, UnfusedHasOnePassAStage) {
   EXPECT_EQ(PassNames(plan), Names({"make_keys", "keys_to_order"}));
 }
 
-TEST(Plan, PutsABarrierWhereTheDomainChanges) {
+TEST(Plan, EndsAPassWhereTheDomainChanges) {
   const Plan plan =
       CompilePlan({Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()},
                   kShape, {})
@@ -199,32 +239,32 @@ TEST(Plan, PutsABarrierWhereTheDomainChanges) {
   EXPECT_EQ(plan.passes[1].domain, Domain::kLayer);
 }
 
-TEST(Plan, PutsABarrierBetweenScatterAndReader) {
+TEST(Plan, EndsAPassBetweenScatterAndReader) {
   const Plan plan =
       CompilePlan({Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {}).OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"scatter_pairs", "read_scattered"}));
 }
 
 // Also where it is not the first of its pass that scatters.
-TEST(Plan, PutsABarrierBehindAnyStageOfAPassThatScatters) {
+TEST(Plan, EndsAPassBehindAnyStageOfAPassThatScatters) {
   const Plan plan =
       CompilePlan({Chunk<MakeKeys>(), Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {})
           .OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"make_keys scatter_pairs", "read_scattered"}));
 }
 
-TEST(Plan, PutsABarrierBetweenReaderAndScatter) {
+TEST(Plan, EndsAPassBetweenReaderAndScatter) {
   const Plan plan =
       CompilePlan({Chunk<ReadScattered>(), Chunk<ScatterPairs>()}, kShape, {}).OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"read_scattered", "scatter_pairs"}));
 }
 
-TEST(Plan, PutsABarrierBetweenWriterAndGather) {
+TEST(Plan, EndsAPassBetweenWriterAndGather) {
   const Plan plan = CompilePlan({Chunk<MakeCurves>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"make_curves", "gather_curves"}));
 }
 
-TEST(Plan, PutsABarrierBetweenARecordListAndItsGather) {
+TEST(Plan, EndsAPassBetweenARecordListAndItsGather) {
   const Plan plan =
       CompilePlan({Chunk<KeysToOrder>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
   EXPECT_EQ(PassNames(plan), Names({"keys_to_order", "gather_curves"}));
@@ -241,7 +281,7 @@ Stage Patch() {
 }
 
 // Chunks reach any patch of their layer, so all of these are done before.
-TEST(Plan, PutsABarrierBetweenPatchesAndTheChunksThatGatherThem) {
+TEST(Plan, EndsAPassBetweenPatchesAndTheChunksThatGatherThem) {
   const Plan plan =
       CompilePlan({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<GatherParts>()}, kPatched, {})
           .OrThrow();
@@ -278,6 +318,105 @@ TEST(Plan, GatheredBlocksAreAsManyAsTheirList) {
   EXPECT_EQ(port.records, kToyListed);
   EXPECT_EQ(port.block_bytes, sizeof(WordBlock));
   EXPECT_EQ(port.record_list, StreamOf<&Toys::list>);
+}
+
+using Waits = std::vector<Wait>;
+
+// Of an unfused plan: a pass a stage.
+Plan Unfused(std::vector<Stage> stages, const SceneShape& shape = kPatched) {
+  return CompilePlan(std::move(stages), shape, {.fuse = false}).OrThrow();
+}
+
+TEST(PlanWaits, AreForTheItemWhereBothSidesHaveOnlyTheirOwn) {
+  const Plan plan = Unfused({Chunk<MakeKeys>(), Chunk<KeysToOrder>()});
+  EXPECT_EQ(plan.passes[0].waits, Waits());
+  EXPECT_EQ(plan.passes[1].waits, Waits({{0, Domain::kChunk}}));
+  EXPECT_EQ(plan.waits_of_end, Waits({{1, Domain::kScene}}));
+}
+
+TEST(PlanWaits, AreForTheLayerWhereOneSideReachesAcrossIt) {
+  const Plan sum = Unfused({Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer)});
+  EXPECT_EQ(sum.passes[1].waits, Waits({{0, Domain::kLayer}}));
+  const Plan scatter = Unfused({Chunk<ScatterPairs>(), Chunk<ReadScattered>()});
+  EXPECT_EQ(scatter.passes[1].waits, Waits({{0, Domain::kLayer}}));
+  const Plan before = Unfused({Chunk<ReadScattered>(), Chunk<ScatterPairs>()});
+  EXPECT_EQ(before.passes[1].waits, Waits({{0, Domain::kLayer}})) << "reading comes first";
+}
+
+TEST(PlanWaits, AreForWhatABakedListNames) {
+  const Plan listed = Unfused({Patch<MakeParts>(), Chunk<GatherMarks>()});
+  EXPECT_EQ(listed.passes[1].waits, Waits({{0, Domain::kLayer, StreamOf<&Toys::list>}}));
+  EXPECT_EQ(listed.waits_of_end, Waits({{0, Domain::kScene}, {1, Domain::kScene}}))
+      << "a list may leave some out";
+  const Plan made = Unfused({Patch<MakeParts>(), Chunk<GatherParts>()});
+  EXPECT_EQ(made.passes[1].waits, Waits({{0, Domain::kLayer}})) << "the frame makes the list";
+}
+
+TEST(PlanWaits, AreForTheUnitThatIsShared) {
+  const Plan plan = Unfused({MakeStage<UseBox>(Domain::kLayer), Chunk<UseBounds>()});
+  EXPECT_EQ(plan.passes[1].waits, Waits({{0, Domain::kLayer}}));
+  const Plan scene =
+      Unfused({MakeStage<UseBox>(Domain::kLayer), MakeStage<SumBoxes>(Domain::kScene)});
+  EXPECT_EQ(scene.passes[1].waits, Waits({{0, Domain::kScene}}));
+}
+
+TEST(PlanWaits, AreForWhatAConditionLooksAt) {
+  const Gate gate{kWithToyFlags<1>};
+  const Plan plan = Unfused({Chunk<SetState>(), Chunk<MakeKeys>(gate)});
+  EXPECT_EQ(plan.passes[1].waits, Waits({{0, Domain::kChunk}}));
+}
+
+// The last one reads the keys as well; but it waits for a sum that was made of them.
+TEST(PlanWaits, LeaveOutWhatFollows) {
+  const std::vector<Stage> stages = {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer),
+                                     Chunk<UseSum>()};
+  EXPECT_EQ(Unfused(stages).passes[2].waits, Waits({{1, Domain::kLayer}}));
+  // Where a character has no layers at all nothing follows.
+  const SceneShape gap = MakeShape({{0, 0, 1, 1}, {2, 0, 1, 1}});
+  EXPECT_EQ(Unfused(stages, gap).passes[2].waits,
+            Waits({{0, Domain::kChunk}, {1, Domain::kLayer}}));
+}
+
+// Found without the graph: every item once, and none before what it waits for.
+TEST(FrameGraph, OpensEveryItemAfterWhatItWaitsFor) {
+  const SceneShape shape = MakeShape({{0, 0, 3, 4}, {0, 0, 0, 2}, {1, 0, 70, 1}, {1, 0, 2, 0}});
+  const Plan plan = Unfused({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<GatherMarks>(),
+                             MakeStage<SumLayer>(Domain::kLayer), Chunk<UseSum>(),
+                             Chunk<KeysToOrder>(), MakeStage<SumSums>(Domain::kScene)},
+                            shape);
+  const FrameGraph& graph = plan.graph;
+  std::vector<uint32_t> left;
+  for (const FrameGraph::Node& node : graph.nodes) left.push_back(node.waits_for);
+  std::vector<std::pair<uint32_t, uint32_t>> ran;
+  const std::function<void(uint32_t)> fire = [&](uint32_t node) {
+    std::vector<std::pair<uint32_t, uint32_t>> opened;
+    graph.ForEachOpened(
+        node, [&](uint32_t pass, uint32_t item, uint32_t) { opened.emplace_back(pass, item); });
+    for (const auto& [pass, item] : opened) {
+      for (const Wait& wait : plan.passes[pass].waits)
+        for (uint32_t i = 0; i < shape.ItemCount(plan.passes[wait.pass].domain); ++i) {
+          const bool awaited =
+              PlaceOf(shape, plan.passes[wait.pass].domain, i).first[size_t(wait.within)] ==
+              PlaceOf(shape, plan.passes[pass].domain, item).first[size_t(wait.within)];
+          if (!awaited) continue;
+          EXPECT_EQ(std::count(ran.begin(), ran.end(), std::pair(wait.pass, i)), 1)
+              << "item " << item << " of pass " << pass << " runs before item " << i << " of pass "
+              << wait.pass;
+        }
+    }
+    for (const auto& [pass, item] : opened) {
+      ran.emplace_back(pass, item);
+      const uint32_t counts = graph.item_node[graph.pass_first[pass] + item];
+      if (--left[counts] == 0) fire(counts);
+    }
+    for (uint32_t n = graph.nodes[node].first_next; n < graph.nodes[node + 1].first_next; ++n)
+      if (--left[graph.next[n]] == 0) fire(graph.next[n]);
+  };
+  fire(0);
+  EXPECT_EQ(left[graph.LastNode()], 0u) << "the frame has no end";
+  std::sort(ran.begin(), ran.end());
+  EXPECT_EQ(std::unique(ran.begin(), ran.end()), ran.end());
+  EXPECT_EQ(ran.size(), graph.items.size());
 }
 
 TEST(Plan, ALayerTakesAllItsPatches) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "jobs/conformance.hpp"
 #include "jobs/frame_recording.hpp"
 
@@ -66,8 +68,8 @@ TEST(PullExecutor, RunWorksOffAnOpenFrameFirst) {
 
 // A pass of no items, and a frame of none at all.
 TEST(PullExecutor, PassesOfNoItemsAreSkipped) {
-  Plan plan = *SyntheticFrames().frame().plan;
   const SceneShape shape;
+  const Plan plan = CompilePlan(SyntheticFrames().frame().plan->stages, shape, {}).OrThrow();
   conformance::SumBlock scene{};
   const FrameMemory memory = PlaceStreams(*plan.table, shape, reinterpret_cast<std::byte*>(&scene));
   PullExecutor pull;
@@ -76,9 +78,8 @@ TEST(PullExecutor, PassesOfNoItemsAreSkipped) {
   EXPECT_FALSE(pull.IsIdle()) << "the scene has one item";
   EXPECT_EQ(pull.TryRun(), PullResult::kRan);
   EXPECT_TRUE(pull.IsIdle());
-  for (uint32_t p = 0; p < plan.passes.size(); ++p) EXPECT_TRUE(recording.Pass(p).Ran()) << p;
-  plan.passes.clear();
-  ASSERT_TRUE(pull.Begin({&plan, &memory}));
+  const Plan none = CompilePlan({}, shape, {}).OrThrow();
+  ASSERT_TRUE(pull.Begin({&none, &memory}));
   EXPECT_TRUE(pull.IsIdle());
 }
 
@@ -91,19 +92,19 @@ TEST(PullExecutor, ProfilesPassesItemsAndWorkers) {
   ASSERT_TRUE(pull.Begin(frame));
   for (uint32_t call = 0; pull.TryRun(call % 3) == PullResult::kRan; ++call) {
   }
-  uint32_t call = 0;
+  std::array<uint32_t, 3> ran{};  // by worker
   for (uint32_t p = 0; p < frame.plan->passes.size(); ++p) {
     ASSERT_TRUE(recording.Pass(p).Ran());
-    const uint64_t before = p > 0 ? recording.Pass(p - 1).end_ticks : 0;
-    EXPECT_GE(recording.Pass(p).begin_ticks, before);
     const uint32_t items = frame.memory->shape->ItemCount(frame.plan->passes[p].domain);
-    for (uint32_t i = 0; i < items; ++i, ++call) {
+    for (uint32_t i = 0; i < items; ++i) {
       const ItemSlice& item = recording.Item(p, i);
-      EXPECT_EQ(item.worker, call % 3) << "items go out in order";
+      ASSERT_LT(item.worker, 3u);
+      ++ran[item.worker];
       EXPECT_GE(item.begin_ticks, recording.Pass(p).begin_ticks);
       EXPECT_LE(item.end_ticks, recording.Pass(p).end_ticks);
     }
   }
+  EXPECT_LE(ran[0] - ran[2], 1u) << "they took turns";
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <deque>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "jobs/adapters/pull_pool.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
@@ -27,25 +30,34 @@ class EmptyFrames {
  public:
   explicit EmptyFrames(const std::vector<uint32_t>& chunks) {
     for (const uint32_t count : chunks) {
-      shapes_.emplace_back().AddLayer(0, 0, count);
+      SceneShape& shape = shapes_.emplace_back();
+      shape.AddLayer(0, 0, count);
+      shape.AddLayer(0, 0, count / 2);
+      memory_.emplace_back().shape = &shape;
+      plans_.push_back(MakePlan(shape));
     }
-    memory_.resize(chunks.size());
-    for (size_t f = 0; f < chunks.size(); ++f) memory_[f].shape = &shapes_[f];
-    for (uint32_t p = 0; p < 6; ++p) {
-      Pass pass{};
-      pass.domain = p % 3 == 1 ? Domain::kLayer : Domain::kChunk;
-      pass.first_stage = 0;
-      pass.stage_count = 1;
-      plan_.passes.push_back(pass);
-    }
-    const KernelDesc yield{"yield", nullptr, {}, 0, &YieldSometimes};
-    plan_.stages.push_back({yield, nullptr, Domain::kScene});
   }
-  Frame frame(size_t f) const { return {&plan_, &memory_[f % memory_.size()]}; }
+  Frame frame(size_t f) const { return {&plans_[f % plans_.size()], &memory_[f % memory_.size()]}; }
 
  private:
-  Plan plan_;
-  std::vector<SceneShape> shapes_;
+  // Waits of every kind.
+  static Plan MakePlan(const SceneShape& shape) {
+    const Domain chunk = Domain::kChunk, layer = Domain::kLayer, scene = Domain::kScene;
+    const std::pair<Domain, std::vector<Wait>> passes[] = {
+        {chunk, {}},           {layer, {{0, layer}}}, {chunk, {{1, layer}}},
+        {chunk, {{2, chunk}}}, {layer, {{3, scene}}}, {chunk, {{3, layer}, {4, layer}}}};
+    Plan plan;
+    for (const auto& [domain, waits] : passes)
+      plan.passes.push_back({0, 1, domain, {}, 0, 0, 0, false, waits});
+    const KernelDesc yield{"yield", nullptr, {}, 0, &YieldSometimes};
+    plan.stages.push_back({yield, nullptr, scene});
+    plan.waits_of_end = {{5, scene}};
+    plan.graph = BuildGraph(plan, shape);
+    return plan;
+  }
+
+  std::vector<Plan> plans_;
+  std::deque<SceneShape> shapes_;
   std::vector<FrameMemory> memory_;
 };
 

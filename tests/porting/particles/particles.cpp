@@ -84,8 +84,8 @@ template <class V>
 struct FindMiddle {
   static constexpr std::string_view kName = "find_middle";
   struct Ports {
-    All<&Sparks::alive> alive;    // of a fountain's chunks, all of them: a barrier before this
-    All<&Sparks::motion> motion;  // and behind it
+    All<&Sparks::alive> alive;  // of a fountain's chunks, all of them: a wait for these
+    All<&Sparks::motion> motion;
     Out<&Sparks::middle> middle;
   };
   static void Run(const Ports& ports) {
