@@ -161,6 +161,8 @@ struct PlanArgs {
   // Instead that of a PS3, whose local stores hold a pass's code, too, as `budget` runs it. Error
   // where it cannot, the same as `budget` tells.
   bool ps3 = false;
+  uint32_t workers = 0;  // not 0: also how the frame spreads over 2 to so many
+  std::string times;     // for that: a file that `run --json` wrote; empty: by bytes
   bool chunk = false, memory = false, json = false;
 };
 ExitCode PrintPlan(const PlanArgs& args);

@@ -141,7 +141,8 @@ Subcommand SetUpReport(CLI::App& root) {
 Subcommand SetUpPlan(CLI::App& root) {
   const auto kept = std::make_shared<PlanArgs>();
   PlanArgs& args = *kept;
-  auto* app = root.add_subcommand("plan", "Print the passes, barriers and bytes of a frame");
+  auto* app = root.add_subcommand(
+      "plan", "Print the passes, waits and bytes of a frame, and how far it spreads");
   AddSource(*app, args.request);
   AddPlanOptions(*app, args.options);
   app->add_flag("--local-store", args.local_store,
@@ -151,6 +152,16 @@ Subcommand SetUpPlan(CLI::App& root) {
          "The plan for a PS3, as pelt budget runs it: its local stores hold the code, too; refused "
          "where it cannot run the scene")
       ->check(OneOf({"ps3"}));
+  auto* workers =
+      app->add_option(
+             "--workers", args.workers,
+             "Also how much faster 2 to so many workers are, simulated: the same on every machine")
+          ->check(CLI::Range(2, 64));
+  AddInputFile(
+      *app, "--times", args.times,
+      "With --workers: stages take what they took in this run, which pelt run --json wrote, "
+      "by the bytes of each item; without: as long as their bytes are many")
+      ->needs(workers);
   app->add_flag("--chunk", args.chunk, "Also the blocks of a chunk and their sizes");
   app->add_flag("--memory", args.memory, "Also what every range of the scene's block takes");
   app->add_option_function<double>(
@@ -164,6 +175,7 @@ Subcommand SetUpPlan(CLI::App& root) {
       "  pelt plan --scene monster\n"
       "  pelt plan --scene monster --local-store\n"
       "  pelt plan --scene tiny --platform ps3 --quality best\n"
+      "  pelt plan --scene monster --workers 16\n"
       "  pelt plan --scene tiny --unfused --chunk\n"
       "  pelt plan --scene monster --memory --memory-budget-mb 64\n"
       "  pelt plan --scene eyepet --json");
@@ -171,7 +183,7 @@ Subcommand SetUpPlan(CLI::App& root) {
           [app, kept] {
             CompleteSource(*app, kept->request);
             RefuseBeside(*app, "--json", {"--chunk"});
-            RefuseBeside(*app, "--platform", {"--local-store"});
+            RefuseBeside(*app, "--platform", {"--local-store", "--workers"});
           },
           [kept] { return PrintPlan(*kept); }};
 }
