@@ -1,7 +1,6 @@
 // The whole frame, and each stage of it held against what the machine could do at most.
 //
 //   frame/serial/SCENE        the whole frame on one core, ns per strand
-//   frame/workers/SCENE       one and two workers in turn, 10 frames each, and their ratio
 //   stage/NAME/SCENE          a stage inside the frame: ns per strand, its limit and the ratio to it
 //
 // A stage's limit is the larger of its ports' bytes at the rate of the second-level cache (where a
@@ -24,7 +23,6 @@
 #include "bench/benchmarks/limits.hpp"
 #include "bench/report/budget.hpp"
 #include "bench/scenarios/scenarios.hpp"
-#include "jobs/tbb_executor.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {
@@ -88,44 +86,6 @@ void RunSerialFrames(benchmark::State& state, const std::string& scene) {
   }
   state.counters["ns_per_strand"] = seconds * 1e9 / (double(state.iterations()) * warm.strands());
   state.SetLabel(warm.Label());
-}
-
-// Seconds of `frames` frames on `workers` workers. oneTBB's limit on threads holds for as long as
-// an executor lives, so each slice has its own; making it is not timed.
-double TimeSlice(WarmScenario& warm, uint32_t workers, uint32_t frames) {
-  TbbExecutor tbb(workers);
-  if (tbb.ObservedWorkers() != workers) return -1.0;
-  const auto start = Clock::now();
-  for (uint32_t f = 0; f < frames; ++f) {
-    warm.running.Begin(warm.frame++);
-    tbb.Run(warm.running.scene().CurrentFrame());
-  }
-  return SecondsSince(start);
-}
-
-void RunWorkers(benchmark::State& state, const std::string& scene) {
-  constexpr uint32_t kSlice = 10;
-  WarmScenario one(scene), two(scene);
-  std::vector<double> ratio;
-  double one_s = 0.0, two_s = 0.0;
-  for (auto _ : state) {
-    const double a = TimeSlice(one, 1, kSlice), b = TimeSlice(two, 2, kSlice);
-    if (a < 0.0 || b < 0.0) {
-      state.SkipWithError("oneTBB gave fewer workers than asked for");
-      return;
-    }
-    state.SetIterationTime(a + b);
-    ratio.push_back(a / b);
-    one_s += a;
-    two_s += b;
-  }
-  const double frames = double(state.iterations()) * kSlice;
-  state.counters["one_ms"] = one_s * 1e3 / frames;
-  state.counters["two_ms"] = two_s * 1e3 / frames;
-  state.counters["ratio"] = SpreadOf(ratio).median;
-  const bool same = one.running.scene().DigestFrame() == two.running.scene().DigestFrame();
-  if (!same) return state.SkipWithError("one and two workers differ in the last frame's digest");
-  state.SetLabel(one.Label());
 }
 
 void RunStage(benchmark::State& state, const std::string& scene_name, uint32_t stage_index) {
@@ -195,11 +155,6 @@ void RegisterAll() {
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond)
         ->Iterations(100);
-    benchmark::RegisterBenchmark(("frame/workers/" + scene).c_str(),
-                                 [scene](benchmark::State& s) { RunWorkers(s, scene); })
-        ->UseManualTime()
-        ->Unit(benchmark::kMillisecond)
-        ->Iterations(10);
   }
   RegisterStages("cast");
   RegisterStages("eyepet");
