@@ -14,13 +14,9 @@
 #include "bench/command/progress.hpp"
 #include "bench/report/comparison_page.hpp"
 #include "core/error.hpp"
-#include "core/file_bytes.hpp"
 
 namespace pelt {
 namespace {
-
-// 10,000 frames of a scene with all stages there are make a tenth of it.
-constexpr uint64_t kRunBytesLimit = 64 << 20;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -84,17 +80,13 @@ void RunInTurns(uint32_t rounds, std::span<ComparedSide, 2> sides) {
   }
 }
 
-ComparedSide ReadSide(const std::string& path) {
-  const std::vector<std::byte> bytes = ReadFileBytes("run", path, kRunBytesLimit).OrThrow();
-  return {path, {ReadMeasuredRun(fmt::format("run '{}'", path), AsText(bytes))}};
-}
-
 }  // namespace
 
 ExitCode Compare(const CompareArgs& args) {
   std::array<ComparedSide, 2> sides;
   if (args.commands.empty()) {
-    sides = {ReadSide(args.left), ReadSide(args.right)};
+    sides = {ComparedSide{args.left, {ReadRunFile(args.left)}},
+             ComparedSide{args.right, {ReadRunFile(args.right)}}};
   } else {
     sides = {ComparedSide{args.commands[0], {}}, ComparedSide{args.commands[1], {}}};
     RunInTurns(args.rounds, sides);

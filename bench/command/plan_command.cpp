@@ -95,7 +95,9 @@ void AddForecast(RunningScenario& running, const PlanArgs& args, ReportTree& rep
     frame.profile = recording.profile();
     serial.Run(frame);
   }
-  const StageTimes times = args.times.empty() ? StageTimes() : ReadStageTimes(args.times, plan);
+  StageTimes times;
+  if (!args.times.empty())
+    times = StageTimesOf(ReadRunFile(args.times), fmt::format("run '{}'", args.times), plan);
   const FrameForecast forecast(frame, times);
   const char* unit = times.empty() ? "MB moved" : "ms";
   const double scale = times.empty() ? 1e-6 : 1.0;

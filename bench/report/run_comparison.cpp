@@ -8,6 +8,7 @@
 
 #include "bench/report/budget.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/printable.hpp"
 
 namespace pelt {
@@ -339,6 +340,11 @@ void AddDigests(const ComparedSide& a, const ComparedSide& b, ReportTree& tree) 
 
 MeasuredRun ReadMeasuredRun(std::string_view from, std::string_view json) {
   return RunReader(from).Read(json);
+}
+
+MeasuredRun ReadRunFile(const std::string& path) {
+  const std::vector<std::byte> bytes = ReadFileBytes("run", path, kRunBytesLimit).OrThrow();
+  return ReadMeasuredRun(fmt::format("run '{}'", path), AsText(bytes));
 }
 
 size_t PairsNeeded(size_t rows) {

@@ -32,8 +32,11 @@ struct MeasuredRun {
   std::vector<std::string> disturbances;  // why its machine was not its own
 };
 
+// 10,000 frames of a scene with all stages there are make a tenth of it.
+inline constexpr uint64_t kRunBytesLimit = 64 << 20;
 // `from` names the text in errors: a file, or a round of a command. Throws Error.
 MeasuredRun ReadMeasuredRun(std::string_view from, std::string_view json);
+MeasuredRun ReadRunFile(const std::string& path);
 
 struct ComparedSide {
   std::string name;

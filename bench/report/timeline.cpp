@@ -11,11 +11,6 @@
 namespace pelt {
 namespace {
 
-// A processor may read its clock a little before the instructions around it are done, so an item on
-// another core can seem to begin before its pass. What is further off is a fault, and stays to be
-// seen.
-constexpr uint64_t kClockSlackNs = 1000;
-
 bool IsAnyPort(const Stage& stage, Stream stream, bool (*is)(Access)) {
   return std::any_of(stage.kernel.ports.begin(), stage.kernel.ports.end(),
                      [&](const PortDesc& p) { return p.stream == stream && is(p.access); });
@@ -57,17 +52,16 @@ class TimelineBuilder {
     AddSlice(0, Name(fmt::format("frame {}", record.frame)), 0, Ns(record.ticks.begin),
              Ns(record.ticks.end));
     AddSlice(0, prepare_name_, 1, Ns(record.ticks.begin), Ns(record.ticks.prepared));
-    pass_ends_.assign(plan_.passes.size(), {});
+    pass_items_.assign(plan_.passes.size(), {});
+    std::vector<PortTraffic> of_passes(plan_.passes.size());
+    AddItems(record, of_passes);
     PortTraffic of_frame{};
-    size_t item = 0;
     for (uint32_t p = 0; p < plan_.passes.size(); ++p) {
-      const size_t first = item;
-      while (item < record.items.size() && record.items[item].pass == p) ++item;
-      const PortTraffic traffic =
-          AddPass(record, p, std::span(record.items).subspan(first, item - first));
-      of_frame.in_bytes += traffic.in_bytes;
-      of_frame.out_bytes += traffic.out_bytes;
+      AddTraffic(2, record.passes[p].begin_ticks, of_passes[p]);
+      of_frame.in_bytes += of_passes[p].in_bytes;
+      of_frame.out_bytes += of_passes[p].out_bytes;
     }
+    std::ranges::stable_sort(timeline_.counters[2].samples, {}, &Timeline::Sample::at_ns);
     AddFlows();
     AddSample(0, record.ticks.begin, record.live_strands, record.drawn_strands);
     AddTraffic(1, record.ticks.begin, of_frame);
@@ -77,12 +71,6 @@ class TimelineBuilder {
   Timeline Take() { return std::move(timeline_); }
 
  private:
-  // The item of a pass that started first, and the one that finished last.
-  struct PassEnds {
-    bool ran = false;
-    Timeline::Place first, last;
-  };
-
   uint64_t Ns(uint64_t ticks) const {
     return ticks <= origin_ticks_ ? 0
                                   : uint64_t(double(ticks - origin_ticks_) * ns_per_tick_ + 0.5);
@@ -104,60 +92,46 @@ class TimelineBuilder {
     return timeline_.tracks[place.track].slices[place.slice];
   }
 
-  // On the caller's track every pass, on the others those they had a part in.
-  PortTraffic AddPass(const FrameRecord& record, uint32_t pass,
-                      std::span<const FrameRecord::Item> items) {
-    const uint64_t begin_ns = Ns(record.passes[pass].begin_ticks);
-    const uint64_t end_ns = Ns(record.passes[pass].end_ticks);
-    AddSlice(0, pass_names_[pass], 1, begin_ns, end_ns);
-    PortTraffic traffic{};
-    uint32_t worker = 0;
-    for (const FrameRecord::Item& item : items) {
-      if (item.worker != worker) {
-        worker = item.worker;
-        AddSlice(worker, pass_names_[pass], 0, begin_ns, end_ns);
-      }
-      const PortTraffic of_item = AddItem(record, item, begin_ns, end_ns);
-      traffic.in_bytes += of_item.in_bytes;
-      traffic.out_bytes += of_item.out_bytes;
+  // Of each worker what it ran one after the other of one pass, and the items in it.
+  void AddItems(const FrameRecord& record, std::vector<PortTraffic>& of_passes) {
+    std::vector<const FrameRecord::Item*> items;
+    for (const FrameRecord::Item& item : record.items) items.push_back(&item);
+    std::ranges::stable_sort(items, {}, [](const FrameRecord::Item* item) {
+      return std::pair(item->worker, item->begin_ticks);
+    });
+    for (size_t first = 0, end = 0; first < items.size(); first = end) {
+      const FrameRecord::Item& head = *items[first];
+      while (end < items.size() && items[end]->worker == head.worker &&
+             items[end]->pass == head.pass)
+        ++end;
+      AddSlice(head.worker, pass_names_[head.pass], head.worker == 0 ? 1 : 0, Ns(head.begin_ticks),
+               Ns(items[end - 1]->end_ticks));
+      for (size_t i = first; i < end; ++i) AddItem(record, *items[i], of_passes[head.pass]);
     }
-    AddTraffic(2, record.passes[pass].begin_ticks, traffic);
-    return traffic;
   }
 
-  PortTraffic AddItem(const FrameRecord& record, const FrameRecord::Item& item, uint64_t low_ns,
-                      uint64_t high_ns) {
-    const auto inside = [&](uint64_t ticks) {
-      const uint64_t ns = Ns(ticks);
-      if (ns < low_ns && ns + kClockSlackNs >= low_ns) return low_ns;
-      if (ns > high_ns && ns <= high_ns + kClockSlackNs) return high_ns;
-      return ns;
-    };
+  void AddItem(const FrameRecord& record, const FrameRecord::Item& item, PortTraffic& of_pass) {
     const Domain domain = plan_.passes[item.pass].domain;
     const uint32_t depth = item.worker == 0 ? 2 : 1;
-    const Timeline::Place place = AddSlice(item.worker, Name(ItemName(scene_, domain, item.item)),
-                                           depth, inside(item.begin_ticks), inside(item.end_ticks));
-    PortTraffic traffic{};
+    pass_items_[item.pass].push_back(AddSlice(item.worker,
+                                              Name(ItemName(scene_, domain, item.item)), depth,
+                                              Ns(item.begin_ticks), Ns(item.end_ticks)));
     for (const FrameRecord::StageRun& run :
          std::span(record.runs).subspan(item.first_run, item.run_count)) {
       if (run.Ticks() != 0)
-        AddSlice(item.worker, stage_names_[run.stage], depth + 1, inside(run.begin_ticks),
-                 inside(run.end_ticks));
+        AddSlice(item.worker, stage_names_[run.stage], depth + 1, Ns(run.begin_ticks),
+                 Ns(run.end_ticks));
       const PortTraffic of_stage = StageTraffic(plan_.stages[run.stage], scene_.shape(), item.item);
-      traffic.in_bytes += of_stage.in_bytes;
-      traffic.out_bytes += of_stage.out_bytes;
+      of_pass.in_bytes += of_stage.in_bytes;
+      of_pass.out_bytes += of_stage.out_bytes;
     }
-    PassEnds& ends = pass_ends_[item.pass];
-    if (!ends.ran || At(place).begin_ns < At(ends.first).begin_ns) ends.first = place;
-    if (!ends.ran || At(place).end_ns > At(ends.last).end_ns) ends.last = place;
-    ends.ran = true;
-    return traffic;
   }
 
-  // One arrow a pair of passes, named by all streams between them.
+  // One arrow a pair of passes, named by all streams between them: to the consumer's first item, from
+  // the producer's that was done last before it began.
   void AddFlows() {
     std::vector<bool> ran;
-    for (const PassEnds& ends : pass_ends_) ran.push_back(ends.ran);
+    for (const auto& items : pass_items_) ran.push_back(!items.empty());
     const std::vector<PassDependency> dependencies = FindDependencies(plan_, ran);
     for (size_t i = 0; i < dependencies.size();) {
       const auto [producer, consumer, first] = dependencies[i];
@@ -168,8 +142,13 @@ class TimelineBuilder {
         if (!streams.empty()) streams += ", ";
         streams += DescribeStream(dependencies[i].stream).name;
       }
-      timeline_.flows.push_back(
-          {Name(streams), pass_ends_[producer].last, pass_ends_[consumer].first});
+      const auto begin = [&](Timeline::Place place) { return At(place).begin_ns; };
+      const Timeline::Place to = *std::ranges::min_element(pass_items_[consumer], {}, begin);
+      const Timeline::Place* from = nullptr;
+      for (const Timeline::Place& place : pass_items_[producer])
+        if (At(place).end_ns <= At(to).begin_ns && (!from || At(place).end_ns > At(*from).end_ns))
+          from = &place;
+      if (from) timeline_.flows.push_back({Name(streams), *from, to});
     }
   }
 
@@ -188,7 +167,7 @@ class TimelineBuilder {
   std::map<std::string, uint32_t> name_of_;
   uint32_t prepare_name_ = 0;
   std::vector<uint32_t> pass_names_, stage_names_;
-  std::vector<PassEnds> pass_ends_;
+  std::vector<std::vector<Timeline::Place>> pass_items_;  // of the present frame
 };
 
 }  // namespace

@@ -62,9 +62,10 @@ std::string ItemName(const FurScene& scene, Domain domain, uint32_t item);
 // "worker 0 (caller)"
 std::string WorkerName(uint32_t worker);
 
-// A track for each worker; frames on the caller's, passes over items over stages on all; an arrow
-// for each pair of passes that a stream connects, from the item that finished last to the one that
-// started first; counters of strands and of bytes moved. Frames must be in the order they ran.
+// A track for each worker; frames on the caller's, passes over items over stages on all: a worker's
+// items of one pass that follow each other are one slice of the pass. An arrow for each pair of passes
+// that a stream connects, to the item that started first from the one that was done last before it;
+// counters of strands and of bytes moved. Frames must be in the order they ran.
 Timeline BuildTimeline(const FurScene& scene, std::span<const FrameRecord> frames, uint32_t workers,
                        double ns_per_tick);
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <queue>
 #include <tuple>
 
@@ -132,24 +130,13 @@ WorkerForecast FrameForecast::On(uint32_t workers) const {
   return {workers, total_ / best, total_ / ours};
 }
 
-StageTimes ReadStageTimes(const std::string& path, const Plan& plan) {
-  std::ifstream file(path);
-  if (!file) throw Error(fmt::format("{}: cannot be read", path));
-  const auto json = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
-  const auto fail = [&](std::string_view why) {
-    return Error(fmt::format("{}: {}: want what 'pelt run --json' wrote", path, why));
-  };
-  if (json.is_discarded()) throw fail("no JSON");
+StageTimes StageTimesOf(const MeasuredRun& run, std::string_view from, const Plan& plan) {
   StageTimes times;
-  try {
-    for (const auto& stage : json.at("stages"))
-      times[stage.at("stage")] = stage.at("core_ms").at("median");
-  } catch (const nlohmann::json::exception&) {
-    throw fail("no stages with core_ms");
-  }
+  for (auto [stage, ms] : run.stages_ms) times[stage] = SpreadOf(ms).median;
   for (const Stage& stage : plan.stages)
     if (!times.contains(stage.kernel.name))
-      throw fail(fmt::format("of another scene or plan, without stage '{}'", stage.kernel.name));
+      throw Error(fmt::format("{}: has no stage '{}': it is of another scene or plan", from,
+                              stage.kernel.name));
   return times;
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/run_comparison.hpp"
 #include "jobs/frame.hpp"
 
 namespace pelt {
@@ -44,8 +45,7 @@ class FrameForecast {
   double total_ = 0.0;
 };
 
-// The stage times of a file that `pelt run --json` wrote. Throws Error where it is none, or of
-// another plan.
-StageTimes ReadStageTimes(const std::string& path, const Plan& plan);
+// What the stages of the plan took in a run. Throws Error where it is of another plan; `from` names it.
+StageTimes StageTimesOf(const MeasuredRun& run, std::string_view from, const Plan& plan);
 
 }  // namespace pelt

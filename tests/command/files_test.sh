@@ -254,6 +254,7 @@ reader_of() {
     *' --groom') echo "$1 --groom @ $needs" ;;
     'run --costs') echo "$1 --scene tiny --frames 1 --budget-us 100 --costs @" ;;
     'fit --costs') echo "$1 --scene tiny --platform host --costs @" ;;
+    'plan --times') echo "$1 --scene tiny --workers 2 --times @" ;;
     *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
     'show character') echo "$1 ./@" ;;

@@ -2,6 +2,7 @@
 // local stores, and that of a PS3 as `pelt budget` runs it.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -110,6 +111,61 @@ TEST(PlanCommand, TheBestQualityHasRoomOnAPs3) {
   args.ps3 = args.json = true;
   const json plan = json::parse(Printed(args)), budget = BudgetOnPs3(args.request, 0);
   EXPECT_EQ(plan["passes"].size(), budget["passes"].size());
+}
+
+json SpreadOfMonster(const std::string& times = {}) {
+  PlanArgs args = MonsterPlan(false);
+  args.workers = 16;
+  args.times = times;
+  return json::parse(Printed(args));
+}
+
+TEST(PlanCommand, ForecastsTheSameOnEveryMachine) {
+  const json plan = SpreadOfMonster();
+  EXPECT_EQ(plan, SpreadOfMonster());
+  EXPECT_LT(plan["critical_path"], plan["cost"]);
+  double before = 1.0;
+  for (const json& row : plan["spread"]) {
+    EXPECT_GT(row["ours"], before) << "more workers are faster";
+    EXPECT_LE(row["ours"], double(row["best"]) * 1.000001);
+    EXPECT_LE(row["best"], row["workers"]);
+    before = row["ours"];
+  }
+  EXPECT_EQ(plan["spread"].back()["workers"], 16);
+  // Bytes, not times: half of the best is what no wait of a graph may cost.
+  EXPECT_GT(plan["spread"].back()["ours"], 8.0);
+}
+
+TEST(PlanCommand, WaitsAreBesideThePasses) {
+  const json passes = json::parse(Printed(MonsterPlan(false)))["passes"];
+  EXPECT_EQ(passes[0]["waits_for"], json::array());
+  EXPECT_EQ(passes[3]["waits_for"], json({"1 layer", "2 by patch_list", "2 by halo"}));
+  EXPECT_EQ(passes[4]["waits_for"], json({"3 layer"}));
+  EXPECT_EQ(passes[6]["waits_for"], json({"4 layer"})) << "and not for the order of the layers";
+}
+
+TEST(PlanCommand, ForecastsByTheTimesOfARun) {
+  RunArgs run;
+  run.request.scene = "monster";
+  run.options.executor = "serial";
+  run.options.frames = 4;
+  run.options.digest = false;
+  run.json = true;
+  testing::internal::CaptureStdout();
+  ASSERT_EQ(pelt::Run(run), 0);
+  const std::string text = testing::internal::GetCapturedStdout();
+  const std::string path = testing::TempDir() + "plan_times.json";
+  std::ofstream(path) << text;
+  double stages_ms = 0.0;
+  const json ran = json::parse(text);
+  for (const json& stage : ran["stages"]) stages_ms += double(stage["core_ms"]["median"]);
+  const json plan = SpreadOfMonster(path);
+  EXPECT_NEAR(plan["cost"], stages_ms, 0.05 * stages_ms);
+  PlanArgs other = MonsterPlan(false);
+  other.request.scene = "eyepet";
+  other.workers = 2;
+  other.times = path;
+  EXPECT_THROW(PrintPlan(other), Error) << "the times of another scene";
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // What runs on which item: gates, kinds, belonging, and the two executors that need no thread.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <vector>
 
@@ -423,6 +425,41 @@ TEST(PermutedExecutor, SeedsGiveOrdersThatVisitAllAndCanBeRepeated) {
     EXPECT_EQ(sorted, Counts({0, 1, 2, 3, 4, 5}));
   }
   EXPECT_GE(orders.size(), 7u) << "8 seeds, 720 orders";
+}
+
+struct MarkPatch {
+  static constexpr std::string_view kName = "mark_patch";
+  struct Ports {
+    Out<&Toys::marks> mark;
+  };
+  static void Run(const Ports& ports) { ports.mark->word = 1; }
+};
+
+// A chunk whose list names one patch of three waits for that one.
+TEST(FrameGraph, ListsThatCanBeReadSayWhichItemsAreAwaited) {
+  SyntheticScene scene({{0, 0, 2, 3}});
+  const uint32_t named[] = {1, 2};  // by chunks 0 and 1
+  for (uint32_t c = 0; c < 2; ++c) {
+    auto& list = scene.Block<ListBlock>(StreamOf<&Toys::list>, c);
+    std::fill(std::begin(list.patch), std::end(list.patch), ~0u);
+    list.patch[0] = named[c];
+  }
+  const Plan plan =
+      CompilePlan({MakeStage<MarkPatch>(Domain::kPatch), MakeStage<SumMarks>(Domain::kChunk)},
+                  scene.shape(), {})
+          .OrThrow();
+  const FrameGraph graph = BuildGraph(plan, scene.shape(), &scene.memory());
+  std::vector<uint32_t> opened_by(2, ~0u);  // of chunks: the patch after which they are open
+  for (uint32_t patch = 0; patch < 3; ++patch) {
+    const uint32_t end = graph.item_node[graph.pass_first[0] + patch];
+    for (uint32_t n = graph.nodes[end].first_next; n < graph.nodes[end + 1].first_next; ++n)
+      graph.ForEachOpened(graph.next[n], [&](uint32_t pass, uint32_t chunk, uint32_t) {
+        ASSERT_EQ(pass, 1u);
+        EXPECT_EQ(graph.nodes[graph.next[n]].waits_for, 1u);
+        opened_by[chunk] = patch;
+      });
+  }
+  EXPECT_EQ(opened_by, std::vector<uint32_t>(std::begin(named), std::end(named)));
 }
 
 }  // namespace
