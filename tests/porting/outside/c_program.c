@@ -152,6 +152,7 @@ static void TryNulls(void) {
   ExpectRefused(pelt_door_faults(NULL), "null");
   ExpectRefused(pelt_note(NULL), "null");
   Expect(pelt_pull(NULL) == PELT_IDLE, "pull", "null");
+  Expect(pelt_pull_as(NULL, 1) == PELT_IDLE, "pull_as", "null");
   Expect(pelt_draws(NULL, NULL, 0) == 0 && pelt_copy_curves(NULL, 0, NULL, 0) == 0 &&
              pelt_digest(NULL) == 0 && pelt_layer_count(NULL) == 0 && !pelt_layer_name(NULL, 0) &&
              pelt_strand_count(NULL, 0) == 0 && pelt_unit_scale(NULL, 0) == 0.0f &&
@@ -346,7 +347,8 @@ static uint64_t RunFrames(PeltBytes groom, int how, const PeltCapsule* capsule, 
     if (how == 1) ExpectDone(pelt_run(scene, &door), "runs through the door");
     if (how == 2) {
       ExpectDone(pelt_open(scene), "opens");
-      while (pelt_pull(scene) != PELT_IDLE) continue;
+      for (uint32_t call = 0; pelt_pull_as(scene, call) != PELT_IDLE; ++call) continue;
+      Expect(pelt_pull(scene) == PELT_IDLE, "pull", "behind the frame");
     }
     if (f == 0) *first = pelt_digest(scene);
   }
