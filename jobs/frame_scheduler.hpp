@@ -75,10 +75,14 @@ class FrameScheduler {
     const auto layout = WordLayout::Unpack(phase >> 1);
     const auto home = [&](uint32_t w) { return uint32_t(uint64_t(w) * layout.places / workers_); };
     const uint32_t from = home(worker % workers_), to = home(worker % workers_ + 1);
+    Atomic<uint32_t>& before = room.before[from].word;
     const bool claimed = ClaimCommon(room, layout, claim) ||
+                         ClaimAsBefore(room, layout, from, to, claim) ||
                          ClaimFirst(room, layout, from, to, claim) ||
                          ClaimLast(room, layout, to, layout.places, claim) ||
                          ClaimLast(room, layout, 0, from, claim);
+    if (claimed && claim.word != before.load(std::memory_order_relaxed))
+      before.store(claim.word, std::memory_order_relaxed);
     return claimed ? PullResult::kRan : PullResult::kNothingReady;
   }
 
@@ -99,19 +103,24 @@ class FrameScheduler {
   struct alignas(64) Line {
     Atomic<uint64_t> word[WordLayout::kPerLine];
   };
+  struct alignas(64) Hint {
+    Atomic<uint32_t> word{0};
+  };
   // What any thread may read at any time.
   struct Room {
     Room(uint32_t word_count, uint32_t node_count)
         : words(word_count),
           nodes(node_count),
           lines(std::make_unique<Line[]>(word_count / WordLayout::kPerLine + 1)),
-          pending(std::make_unique<Atomic<uint32_t>[]>(node_count)) {}
+          pending(std::make_unique<Atomic<uint32_t>[]>(node_count)),
+          before(std::make_unique<Hint[]>(FrameGraph::kMostPlaces)) {}
     Atomic<uint64_t>& Word(uint32_t word) {
       return lines[word / WordLayout::kPerLine].word[word % WordLayout::kPerLine];
     }
     const uint32_t words, nodes;
     const std::unique_ptr<Line[]> lines;
     const std::unique_ptr<Atomic<uint32_t>[]> pending;  // of nodes: what each still waits for
+    const std::unique_ptr<Hint[]> before;  // of homes' first places: where the last item was
   };
 
   void Reserve(uint32_t words, uint32_t nodes) {
@@ -142,6 +151,18 @@ class FrameScheduler {
       if (TakeFirst(room, w, claim)) return true;
     return false;
   }
+  static bool TakeLast(Room& room, uint32_t word, Claim& claim) {
+    for (uint64_t bits = room.Word(word).load(std::memory_order_relaxed); bits;)
+      if (Take(room, word, bits, 63 - uint32_t(std::countl_zero(bits)), claim)) return true;
+    return false;
+  }
+  // Most often there is more where the last one was; in places [from, to) its owner begins at the front.
+  static bool ClaimAsBefore(Room& room, const WordLayout& layout, uint32_t from, uint32_t to,
+                            Claim& claim) {
+    const uint32_t word = room.before[from].word.load(std::memory_order_relaxed);
+    const bool own = word >= layout.Word(from, 0) && word < layout.Word(to, 0);
+    return own ? TakeFirst(room, word, claim) : TakeLast(room, word, claim);
+  }
   // Of places [from, to): word by word, in each place after place.
   static bool ClaimFirst(Room& room, const WordLayout& layout, uint32_t from, uint32_t to,
                          Claim& claim) {
@@ -155,10 +176,7 @@ class FrameScheduler {
                         Claim& claim) {
     for (uint32_t place = from; place < to; ++place)
       for (uint32_t w = 0; w < layout.in_place; ++w)
-        for (uint64_t bits = room.Word(layout.Word(place, w)).load(std::memory_order_relaxed);
-             bits;)
-          if (Take(room, layout.Word(place, w), bits, 63 - uint32_t(std::countl_zero(bits)), claim))
-            return true;
+        if (TakeLast(room, layout.Word(place, w), claim)) return true;
     return false;
   }
 

@@ -39,7 +39,7 @@ class NothingFrame {
     shape_.AddLayer(0, 0, items);
     memory_.shape = &shape_;
     plan_.stages.push_back({{"nothing", nullptr, {}, 0, nullptr}, nullptr, Domain::kChunk});
-    plan_.passes.push_back({0, 1, Domain::kChunk, {}, 0, 0, 0, false, {}});
+    plan_.passes.push_back({0, 0, Domain::kChunk, {}, 0, 0, 0, false, {}});  // no stage
     plan_.waits_of_end = {{0, Domain::kScene}};
     plan_.graph = BuildGraph(plan_, shape_);
   }

@@ -152,9 +152,8 @@ constexpr Domain kScene = Domain::kScene, kLayer = Domain::kLayer, kChunk = Doma
 
 // A pass that waits for all of the one before, as a barrier would.
 const Case kBarrier{{{{2}, {{kChunk, {}}, {kChunk, {{0, kScene}}}}, {{1, kScene}}}}, 1};
-// Chunks, their layers, and the chunks again, each layer by itself.
-const Case kLayers{
-    {{{1, 1}, {{kChunk, {}}, {kLayer, {{0, kLayer}}}, {kChunk, {{1, kLayer}}}}, {{2, kScene}}}}, 1};
+// Chunks and their layers, each layer by itself.
+const Case kLayers{{{{1, 1}, {{kChunk, {}}, {kLayer, {{0, kLayer}}}}, {{1, kScene}}}}, 1};
 const Case kEachItem{{{{2}, {{kChunk, {}}, {kChunk, {{0, kChunk}}}}, {{1, kScene}}}}, 1};
 const Case kThreeThreads{{{{1}, {{kChunk, {}}, {kLayer, {{0, kLayer}}}}, {{1, kScene}}}}, 2};
 const Case kTwoFrames{{{{1}, {{kChunk, {}}, {kLayer, {{0, kLayer}}}}, {{1, kScene}}},
