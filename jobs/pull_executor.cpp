@@ -48,7 +48,7 @@ PullResult PullExecutor::TryRun(uint32_t worker) {
   return result;
 }
 
-void PullExecutor::EndRun() {
+void PullExecutor::EndRun() const {
   if (frame_.phase) frame_.phase->EndRun();
 }
 

@@ -39,7 +39,7 @@ class PullExecutor final : public Executor {
   // only for items that other threads are running. While another frame is open it works on that
   // first.
   void RunPasses(const Frame& frame) override;
-  void EndRun();
+  void EndRun() const;
 
   FrameScheduler<std::atomic> scheduler_;
   Frame frame_{};  // written between TakeForFrame and Start, read between a claim and its Finish
