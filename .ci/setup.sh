@@ -4,7 +4,7 @@
 set -euo pipefail
 packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libtinygltf-dev libstb-dev
   nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libbullet-dev glslang-tools
-  libegl-dev libgl-dev libcpp-httplib-dev "$@")
+  libegl-dev libgl-dev libcpp-httplib-dev relacy-dev "$@")
 missing=()
 for package in "${packages[@]}"; do
   if ! command -v dpkg-query >/dev/null || ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed'; then

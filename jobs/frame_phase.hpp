@@ -8,7 +8,7 @@
 // else gets the reason as a text. What breaks without it: a frame begun twice has forgotten what
 // the first one changed (sleepers then sleep through it), a frame run twice steps its chains twice,
 // and parameters filled while a frame runs are read half old and half new. None of that crashes; it
-// gives other bits.
+// gives other bits. (The atomic type is a parameter for tests/thread/model_test.cpp.)
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,8 @@
 
 namespace pelt {
 
-class FramePhase {
+template <template <class> class Atomic>
+class FramePhaseOf {
  public:
   // done -> filling, for BeginFrame. Null, or why not; then nothing has changed.
   const char* StartFilling() {
@@ -56,8 +57,9 @@ class FramePhase {
     return was == kFilling ? filling : was == kBegun ? begun : running;
   }
 
-  std::atomic<Phase> phase_{kDone};
+  Atomic<Phase> phase_{kDone};
 };
+using FramePhase = FramePhaseOf<std::atomic>;
 
 // Keeps a scene between two frames while it lives; or, where it is not between two, says why.
 class BetweenFrames {

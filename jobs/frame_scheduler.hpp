@@ -12,8 +12,8 @@
 // belongs to the frame, its graph too, may be read then and only then; Finish reads nothing of it
 // after the last bit it sets or count it takes. Memory that words were in is kept for late threads.
 // No thread identity, no thread-local state, no lock; memory is allocated for a frame larger than
-// all before alone. tests/jobs/scheduler_model_test.cpp runs all interleavings of small frames over
-// this source, which is why the atomic type is a parameter.
+// all before alone. tests/thread/model_test.cpp runs small frames over this source on a
+// simulated weak memory, which is why the atomic type is a parameter.
 #pragma once
 
 #include <algorithm>
@@ -209,7 +209,7 @@ class FrameScheduler {
 
   const uint32_t workers_;
   Atomic<uint64_t> phase_{kIdle};
-  std::atomic<Room*> room_{nullptr};
+  Atomic<Room*> room_{nullptr};
   std::vector<std::unique_ptr<Room>> rooms_;
 };
 

@@ -46,7 +46,7 @@ TESTS = {
     "core/exact_math": ["character", "kernels"],
     "core/groom/": ["groom", "jobs", "determinism"],
     "core/": ["kernels", "jobs", "determinism"],
-    "jobs/": ["jobs", "porting", "determinism"],
+    "jobs/": ["jobs", "porting", "determinism", "model"],
     "platform_sim/": ["determinism"],
     "traces/": ["traces", "jobs", "determinism"],
     "bench/": ["command"],
