@@ -1,14 +1,16 @@
 // The pull interface and the door on plain threads, many frames of many short passes, under the
 // thread sanitizer where it is on: late threads crossing frames, helpers leaving and coming, tasks
-// called twice. (OpenMP and oneTBB synchronise in ways the sanitizer does not know: not here.)
+// called late, twice or never. (OpenMP and oneTBB synchronise in ways the sanitizer does not know: not here.)
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <deque>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "core/random.hpp"
 #include "jobs/adapters/pull_pool.hpp"
 #include "jobs/adapters/thread_pool_door.hpp"
 #include "jobs/conformance.hpp"
@@ -19,10 +21,11 @@ namespace {
 
 using namespace testing;
 
+std::atomic<uint64_t> items_run{0};
+
 // Gives the core away now and then, in the middle of an item.
 void YieldSometimes(const void*, const Binding*) {
-  static std::atomic<uint32_t> calls{0};
-  if (calls.fetch_add(1, std::memory_order_relaxed) % 5 == 0) std::this_thread::yield();
+  if (items_run.fetch_add(1, std::memory_order_relaxed) % 5 == 0) std::this_thread::yield();
 }
 
 // Frames in which an item is next to nothing: all that happens is scheduling.
@@ -38,6 +41,12 @@ class EmptyFrames {
     }
   }
   Frame frame(size_t f) const { return {&plans_[f % plans_.size()], &memory_[f % memory_.size()]}; }
+  // Runs frame f; every item must run once.
+  void Run(Executor& executor, size_t f) const {
+    const uint64_t before = items_run;
+    executor.Run(frame(f));
+    ASSERT_EQ(items_run - before, frame(f).plan->graph.items.size()) << "frame " << f;
+  }
 
  private:
   // Waits of every kind.
@@ -66,15 +75,96 @@ constexpr uint32_t kSoakFrames = 20'000;
 TEST(DoorSoak, PollingThreadsCrossFrames) {
   EmptyFrames frames({5, 1, 0, 17});
   PullPool pool(4);
-  for (uint32_t f = 0; f < kSoakFrames; ++f) pool.Run(frames.frame(f));
+  for (uint32_t f = 0; f < kSoakFrames; ++f) frames.Run(pool, f);
 }
 
 TEST(DoorSoak, HelpersComeAndGo) {
   EmptyFrames frames({5, 1, 0, 17});
   ThreadPoolDoor pool(4);
   DoorExecutor executor(pool.door());
-  for (uint32_t f = 0; f < kSoakFrames; ++f) executor.Run(frames.frame(f));
+  for (uint32_t f = 0; f < kSoakFrames; ++f) frames.Run(executor, f);
   EXPECT_FALSE(executor.faults().Any()) << executor.faults().Text();
+}
+
+TEST(DoorSoak, SixteenThreads) {
+  EmptyFrames frames({5, 1, 0, 170});
+  PullPool polling(16);
+  ThreadPoolDoor pool(16);
+  DoorExecutor executor(pool.door());
+  for (uint32_t f = 0; f < kSoakFrames / 40; ++f) {
+    frames.Run(polling, f);
+    frames.Run(executor, f);
+  }
+  EXPECT_FALSE(executor.faults().Any()) << executor.faults().Text();
+}
+
+// By a seed, an engine that calls a task as it should, late on another thread, before enqueue
+// returns, when its frame is over, twice, or never.
+class UnreliableEngine {
+ public:
+  UnreliableEngine(EngineDoor threads, uint64_t seed) : threads_(threads), random_(seed) {}
+  EngineDoor door() { return {&Enqueue, &Finish, this, threads_.worker_count}; }
+
+  uint64_t repeated = 0, unreturned = 0;
+
+ private:
+  enum Fate : uint32_t { kGood, kDelayed, kInline, kKept, kRepeated, kDropped, kFates };
+  struct Given {
+    PeltTask task;
+    void* context;
+    Fate fate;
+    uint32_t delay;
+    void* handle = nullptr;
+  };
+
+  static void* Enqueue(PeltTask task, void* context, void* user, const char* name) {
+    auto& self = *static_cast<UnreliableEngine*>(user);
+    self.CallKept();
+    const uint64_t bits = self.random_.U64();
+    Given& given = self.given_.emplace_back(
+        Given{task, context, Fate(bits % kFates), uint32_t(bits >> 8) % 16});
+    self.repeated += given.fate == kRepeated;
+    if (given.fate == kKept || given.fate == kDropped) return &given;
+    if (given.fate == kInline) return task(context), nullptr;
+    given.handle = self.threads_.enqueue(&Call, &given, self.threads_.user, name);
+    return &given;
+  }
+  static void Call(void* context) {
+    const Given given = *static_cast<Given*>(context);
+    for (uint32_t d = 0; given.fate == kDelayed && d < given.delay; ++d) std::this_thread::yield();
+    for (uint32_t calls = given.fate == kRepeated ? 2 : 1; calls; --calls)
+      given.task(given.context);
+  }
+  static void Finish(void* handle, void* user) {
+    auto& self = *static_cast<UnreliableEngine*>(user);
+    const Given& given = *static_cast<Given*>(handle);
+    self.unreturned += given.fate == kKept || given.fate == kDropped;
+    if (given.handle) self.threads_.finish(given.handle, self.threads_.user);
+  }
+  // Some that were kept, those of frames that are over and those of this one.
+  void CallKept() {
+    for (Given& given : given_)
+      if (given.fate == kKept && random_.U64() % 4 == 0) given.fate = kGood, Call(&given);
+  }
+
+  EngineDoor threads_;
+  Random random_;
+  std::deque<Given> given_;
+};
+
+TEST(DoorSoak, AnEngineThatKeepsNoPromise) {
+  constexpr uint32_t kFrames = 5;
+  EmptyFrames frames({5, 1, 0, 17});
+  ThreadPoolDoor pool(3);
+  const char* asked = std::getenv("PELT_SCHEDULES");
+  const uint32_t seeds = asked ? uint32_t(std::atoi(asked)) : 2000;
+  for (uint32_t seed = 0; seed < seeds; ++seed) {
+    UnreliableEngine engine(pool.door(), seed);
+    DoorExecutor executor(engine.door(), kFrames);
+    for (uint32_t f = 0; f < kFrames; ++f) frames.Run(executor, seed + f);
+    EXPECT_EQ(executor.faults().started_again, engine.repeated) << "seed " << seed;
+    EXPECT_EQ(executor.faults().not_returned, engine.unreturned) << "seed " << seed;
+  }
 }
 
 TEST(DoorSoak, ConformanceOnThreads) {
