@@ -8,7 +8,8 @@
 #                              runs without oneTBB (whose own synchronisation the sanitizer does not understand)
 #   bash tests/run.sh release  before a release: besides that clang Release, g++ Debug, chunks of another size, other
 #                              processors, Windows, the kernel tests compiled for AVX-512, sanitizers on all but the slow tests,
-#                              each file compiled by itself, and every instruction set in every build
+#                              each file compiled by itself, a million schedules of the frame's scheduler, and every
+#                              instruction set wherever kernels are optimised by another compiler or sanitized
 # Needs no terminal, no input and no network once the packages are there. The last lines are ctest's.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -51,8 +52,9 @@ launcher=(env)
 
 mkdir -p build
 # What the compiler makes of every kernel is seen in the build of everything; the others need one instruction set.
-narrow=()
-if [ "$what" != release ] && grep -qsw avx2 /proc/cpuinfo; then narrow=(-DPELT_ISAS=avx2); fi
+one_set=() narrow=()
+if grep -qsw avx2 /proc/cpuinfo; then one_set=(-DPELT_ISAS=avx2); fi
+if [ "$what" != release ]; then narrow=(${one_set[@]+"${one_set[@]}"}); fi
 
 sanitized() {
   # Before a release every program but the slow ones, and each file by itself, as a parent's build compiles it: what a
@@ -80,12 +82,13 @@ before_a_release() {
   programs() { printf 'pelt_%s_test ' "$@"; }
   pattern() { (IFS='|'; echo "golden_[a-z]+\$|pelt_($*)_test\$"); }
   # What g++ makes of the frame without optimisation; asserts everywhere else are the sanitizer build's.
-  build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF
+  build gcc-debug g++ Debug "pelt pelt_determinism_test" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" -DPELT_TEST_WIDE_KERNELS=OFF \
+    ${one_set[@]+"${one_set[@]}"}
   check gcc-debug -R 'golden_[a-z]+$|determinism_test'
   # The other capacity: its bits are its own, and the same whatever runs it.
   local chunk64=(jobs determinism kernels) clang_release=(determinism kernels platform accuracy)
   build gcc-chunk64 g++ Debug "$(programs "${chunk64[@]}")" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" \
-    -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF
+    -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF ${one_set[@]+"${one_set[@]}"}
   check gcc-chunk64 -R "$(pattern "${chunk64[@]}")" -E golden
   # The other compiler, optimised: the bits that are kept.
   build clang-release clang++ Release "pelt $(programs "${clang_release[@]}")" -DPELT_TEST_WIDE_KERNELS=OFF
@@ -116,6 +119,9 @@ if [ "$what" != one ]; then
   trap - EXIT
   cat build/sanitized.log
 fi
-if [ "$what" = release ]; then before_a_release; fi
+if [ "$what" = release ]; then
+  before_a_release
+  export PELT_SCHEDULES=200000
+fi
 # Last, because it has most tests: its summary is the closing line.
 check gcc ${left_out[@]+"${left_out[@]}"}
