@@ -57,11 +57,12 @@ ReportTable BufferTable(const Pass& pass) {
   return buffers;
 }
 
-// Where the unit that all others waited for spent each pass; and what lies in the local stores.
+// What units did in each pass, in the mean; the critical path; and what lies in the local stores.
 void AddPasses(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
   const FrameSummary& s = b.summary;
   std::vector<Quantity> columns = {InText("pass"), InJson("name"), {"items", "", 1}, {"ms", "", 3}};
-  for (Quantity& column : WorkColumns("critical_ms")) columns.push_back(std::move(column));
+  for (Quantity& column : WorkColumns("unit_ms")) columns.push_back(std::move(column));
+  for (const Quantity& column : WorkColumns("critical_ms")) columns.push_back(InJson(column.key));
   columns.push_back(InJson("bound_by"));
   for (uint32_t l = 0; l < kPassLimitCount; ++l)
     columns.push_back(InJson(fmt::format("gain_ms.{}", PassLimitName(PassLimit(l)))));
@@ -69,7 +70,9 @@ void AddPasses(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
     columns.push_back(InJson(fmt::format("local_store_bytes.{}", key)));
   columns.push_back(InJson("buffer_bytes"));
   tree.BlankLine();
-  tree.Say("passes, by what the critical unit did; all: the critical path");
+  tree.Say(
+      "passes, which run side by side, by what units did, in the mean; path: what the frame's end "
+      "waited for");
   ReportTable& passes = tree.AddTable("passes", columns);
   ReportTable& bounds = tree.AddTable(
       {}, {InText("pass"), InText("bound by"), InText("without, less", "ms", 3), InText("stages")});
@@ -79,6 +82,7 @@ void AddPasses(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
     all_ms += pass.ms;
     all_items += pass.items;
     std::vector<Value> row = {p, PassName(plan, p), pass.items, pass.ms};
+    AddWork(pass.unit_ms, row);
     AddWork(pass.critical_ms, row);
     row.push_back(PassLimitName(pass.binds));
     for (uint32_t l = 0; l < kPassLimitCount; ++l) row.push_back(pass.GainMs(PassLimit(l)));
@@ -94,8 +98,11 @@ void AddPasses(const ConsoleBudget& b, const Plan& plan, ReportTree& tree) {
     bounds.Add({p, PassLimitName(pass.binds), pass.GainMs(pass.binds), PassName(plan, p)});
   }
   std::vector<Value> all = {"all", {}, all_items, all_ms};
-  AddWork(s.critical_ms, all);
+  AddWork(s.unit_ms, all);
   passes.Add(std::move(all), Show::kText);
+  std::vector<Value> path = {"path", {}, {}, all_ms};
+  AddWork(s.critical_ms, path);
+  passes.Add(std::move(path), Show::kText);
 }
 
 void AddWorkSection(const std::string& key, const WorkMs& work, ReportTree& tree) {

@@ -24,11 +24,11 @@ class TrackWriter {
         Timeline::Counter{machine_.name + " transfers of a pass, MB", {"in", "out"}, {}});
     for (uint32_t p = 0; p < frame.passes.size(); ++p) {
       const ModelledPass& pass = frame.passes[p];
-      if (pass.Length() == 0) continue;
-      Add(track, PassName(scene_.plan(), p), 1, pass.begin, pass.end);
+      if (pass.begin == pass.end) continue;
       moved.samples.push_back(
           {Ns(pass.begin), {double(pass.get_bytes) * 1e-6, double(pass.put_bytes) * 1e-6}});
     }
+    std::ranges::sort(moved.samples, {}, &Timeline::Sample::at_ns);
     for (uint32_t u = 0; u < frame.units.size(); ++u)
       AddUnit(UnitName(machine_, u), frame.units[u]);
   }
@@ -56,12 +56,20 @@ class TrackWriter {
 
   void AddUnit(const std::string& name, const UnitTimeline& unit) {
     const size_t work = AddTrack(name);
-    for (const UnitSlice& slice : unit.slices)
-      if (slice.end > slice.begin)
-        Add(work,
-            slice.work == UnitWork::kCompute ? Item(slice.pass, slice.item)
-                                             : std::string(UnitWorkName(slice.work)),
-            0, slice.begin, slice.end);
+    for (size_t first = 0, s = 0; s < unit.slices.size(); ++s) {
+      const UnitSlice& slice = unit.slices[s];
+      // What it does for a pass without another between.
+      if (s == first) {
+        size_t last = s;
+        while (last + 1 < unit.slices.size() && unit.slices[last + 1].pass == slice.pass) ++last;
+        Add(work, PassName(scene_.plan(), slice.pass), 0, slice.begin, unit.slices[last].end);
+        first = last + 1;
+      }
+      Add(work,
+          slice.work == UnitWork::kCompute ? Item(slice.pass, slice.item)
+                                           : std::string(UnitWorkName(slice.work)),
+          1, slice.begin, slice.end);
+    }
     for (const bool put : {false, true}) AddTransfers(name, unit, put);
   }
 

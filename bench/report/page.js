@@ -174,6 +174,26 @@ const kLane = {first: 22, height: 26, step: 32, axis: 20};
 
 const runText = (run) => data.stages[run.stage].name + ' ' + data.items[data.stages[run.stage].domain][run.item];
 
+// Passes run side by side: each in the first row that is free when it begins. `times`: begin and end of each.
+function passRows(times) {
+  const rows = [], ends = [], passes = Array.from({length: times.length / 2}, (_, p) => p);
+  for (const p of passes.sort((a, b) => times[2 * a] - times[2 * b])) {
+    const free = ends.findIndex((end) => end <= times[2 * p]);
+    rows[p] = free < 0 ? ends.length : free;
+    ends[rows[p]] = times[2 * p + 1];
+  }
+  return {rows, height: 16 / Math.max(1, ends.length)};
+}
+
+function drawPasses(svg, times, x) {
+  const {rows, height} = passRows(times);
+  rows.forEach((row, p) => {
+    const from = x(times[2 * p]), to = x(times[2 * p + 1]), y = row * height;
+    add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y, width: to - from, height});
+    if (to - from > 16 && height > 5) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: y + height / 2 + 4}, p);
+  });
+}
+
 function drawTimeline(timeline, scroll, zoom, query) {
   scroll.replaceChildren();
   const width = Math.floor(Math.max(kLeastWidth, scroll.clientWidth) * zoom);
@@ -183,11 +203,7 @@ function drawTimeline(timeline, scroll, zoom, query) {
     width, height, role: 'img', 'data-picture': 'timeline',
     'aria-label': `What each worker did in the ${timeline.title}, frame ${timeline.frame}, ${ms(timeline.ns / 1e6)} ms. The table below has the sums.`,
   });
-  data.passes.forEach((pass, p) => {
-    const from = x(timeline.passes[2 * p]), to = x(timeline.passes[2 * p + 1]);
-    add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
-    if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
-  });
+  drawPasses(svg, timeline.passes, x);
   const bars = new Bars(x, query, (run) => run.stage === undefined ? 'poses and parameters' : runText(run));
   timeline.workers.forEach((worker, w) => {
     const y = kLane.first + kLane.step * w;
@@ -209,15 +225,16 @@ function drawTimeline(timeline, scroll, zoom, query) {
     const box = svg.getBoundingClientRect();
     const ns = (event.clientX - box.left) / width * timeline.ns, down = event.clientY - box.top;
     const lane = Math.floor((down - kLane.first) / kLane.step);
-    showTip(event, lane < 0 ? passText(timeline, data.passes, ns) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
+    showTip(event, lane < 0 ? passText(timeline, data.passes, ns, down) : workerText(timeline, lane, ns, 1.5 / width * timeline.ns));
   });
   svg.addEventListener('pointerleave', () => showTip());
   return bars.found;
 }
 
-function passText(timeline, passes, ns) {
-  const p = passes.findIndex((pass, i) => ns >= timeline.passes[2 * i] && ns <= timeline.passes[2 * i + 1]);
-  return p < 0 ? '' : `${passes[p].name}\n${((timeline.passes[2 * p + 1] - timeline.passes[2 * p]) / 1e3).toFixed(1)} µs`;
+function passText(timeline, passes, ns, down) {
+  const {height, rows} = passRows(timeline.passes), row = Math.floor(down / height);
+  const p = rows.findIndex((of, i) => of === row && ns >= timeline.passes[2 * i] && ns <= timeline.passes[2 * i + 1]);
+  return p < 0 ? '' : `${passes[p].name}\n${((timeline.passes[2 * p + 1] - timeline.passes[2 * p]) / 1e3).toFixed(1)} µs, from its first item to its last`;
 }
 
 function workerText(timeline, lane, ns, slack) {
@@ -293,11 +310,7 @@ function drawConsole(frame, scroll, zoom, query) {
     width, height, role: 'img', 'data-picture': 'console',
     'aria-label': `What each unit of the ${frame.name} does in frame ${frame.frame}, ${ms(frame.ns / 1e6)} ms. The table below has the sums.`,
   });
-  frame.plan.forEach((pass, p) => {
-    const from = x(frame.passes[2 * p]), to = x(frame.passes[2 * p + 1]);
-    add(svg, 'rect', {class: 'pass-' + p % 2, x: from, y: 0, width: to - from, height: 16});
-    if (to - from > 16) add(svg, 'text', {class: 'pass-text', x: (from + to) / 2, y: 12}, p);
-  });
+  drawPasses(svg, frame.passes, x);
   const bars = new Bars(x, query, (slice) => sliceText(frame, slice, slice.work));
   frame.units.forEach((unit, u) => {
     const y = unitTop(u);
@@ -330,7 +343,7 @@ function sliceText(frame, slice, work) {
 }
 
 function consoleText(frame, ns, down) {
-  if (down < kUnit.first) return passText(frame, frame.plan, ns);
+  if (down < kUnit.first) return passText(frame, frame.plan, ns, down);
   const u = Math.floor((down - kUnit.first) / kUnit.step), unit = frame.units[u];
   if (!unit) return '';
   const inside = down - unitTop(u);

@@ -123,7 +123,7 @@ Result<ConsoleMachine> MakeCell(const CellMemoryParameters& p, const DispatchPar
 
   m.draw_cycles = FromNanoseconds(m, dispatch.spe_job_ns);
   m.dispatcher_cycles = FromNanoseconds(m, dispatch.ppe_job_ns);
-  // The last unit counts itself on the atomic line, and the line goes to those that watch it.
+  // The item is counted on an atomic line, and the line goes to those that watch it.
   m.barrier_cycles = 2 * AtomicBounceCycles(p);
   return m;
 }

@@ -1,11 +1,15 @@
 #include "platform_sim/frame/console_frame.hpp"
 
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "core/format.hpp"
+#include "platform_sim/frame/frame_clock.hpp"
 #include "platform_sim/frame/item_runner.hpp"
 #include "platform_sim/frame/moved_data.hpp"
-#include "platform_sim/frame/pass_clock.hpp"
 #include "platform_sim/memory/local_store_budget.hpp"
 
 namespace pelt {
@@ -69,13 +73,29 @@ bool CheckMachine(const ConsoleMachine& m, std::string& error) {
   return false;
 }
 
+// Of each item how many come before it: a character's come together, as units keep its palette; of them those of
+// layers of more chunks come first, as they have most to wait for.
+std::vector<uint32_t> LargestLayersFirst(const SceneShape& shape, Domain domain) {
+  if (domain < Domain::kLayer) return {};
+  std::vector<uint32_t> of_character(shape.character_count, 0);
+  for (const uint32_t layer : shape.chunk_layer) ++of_character[shape.layer_character[layer]];
+  std::vector<uint32_t> items(shape.ItemCount(domain)), rank(items.size());
+  std::iota(items.begin(), items.end(), 0u);
+  std::ranges::stable_sort(items, std::greater{}, [&](uint32_t item) {
+    const uint32_t layer = shape.LayerOf(domain, item), character = shape.layer_character[layer];
+    return std::tuple(of_character[character], character, shape.LayerChunks(layer));
+  });
+  for (uint32_t i = 0; i < items.size(); ++i) rank[items[i]] = i;
+  return rank;
+}
+
 }  // namespace
 
 struct ConsoleExecutor::State final : WorkSource {
   State(const ConsoleMachine& machine, const StageCosts& stage_costs)
       : costs(stage_costs), clock(machine), data(machine) {}
 
-  const ItemWork& Take(uint32_t unit, uint32_t item) override {
+  const ItemWork& Take(uint32_t unit, uint32_t pass, uint32_t item) override {
     ItemWork& item_work = work.passes[pass].items[item];
     runner->Run(*frame, unit, pass, item, item_work);
     data.Apply(*frame, unit, pass, item, item_work);
@@ -83,7 +103,7 @@ struct ConsoleExecutor::State final : WorkSource {
   }
 
   const StageCosts costs;
-  PassClock clock;
+  FrameClock clock;
   MovedData data;
   std::unique_ptr<ItemRunner> runner;
   std::vector<PassStore> stores;
@@ -91,9 +111,7 @@ struct ConsoleExecutor::State final : WorkSource {
   ModelledFrame modelled;
   bool timelines = false;
 
-  // While a frame runs.
-  const Frame* frame = nullptr;
-  uint32_t pass = 0;
+  const Frame* frame = nullptr;  // that runs
 };
 
 Result<std::unique_ptr<ConsoleExecutor>> ConsoleExecutor::Make(const ConsoleMachine& machine,
@@ -116,6 +134,7 @@ Result<std::unique_ptr<ConsoleExecutor>> ConsoleExecutor::Make(const ConsoleMach
                                ? pass.double_buffered
                                : uint64_t(pass.resident_bytes) * machine.units <= machine.l2_bytes;
     work.items.resize(frame.memory->shape->ItemCount(pass.domain));
+    work.rank = LargestLayersFirst(*frame.memory->shape, pass.domain);
     if (!has_stores) continue;
     PassStore& store = state->stores.emplace_back();
     if (!FitPass(machine, plan, costs, p, store, error)) return Failure{error};
@@ -133,12 +152,9 @@ ConsoleExecutor::~ConsoleExecutor() = default;
 void ConsoleExecutor::RunPasses(const Frame& frame) {
   State& s = *state_;
   s.frame = &frame;
-  s.clock.BeginFrame(s.work, s.timelines, s.modelled);
-  for (s.pass = 0; s.pass < s.work.passes.size(); ++s.pass) {
-    const PassWork& work = s.work.passes[s.pass];
-    s.data.BeginPass();
-    s.clock.Run(work, uint32_t(work.items.size()), s, s.modelled);
-  }
+  s.work.graph = frame.plan->graph;
+  s.data.BeginFrame();
+  s.clock.Run(s.work, s, s.timelines, s.modelled);
 }
 
 void ConsoleExecutor::KeepTimelines(bool keep) { state_->timelines = keep; }

@@ -3,7 +3,7 @@
 // The frame is executed for real while it is timed: an item runs when a unit draws it, in the
 // unit's own poisoned local store on a Cell, in main memory on a Xenon; so gates see what ran, work
 // counts are those of the run, and the digests must be the host's. When things happen is
-// pass_clock.hpp's matter, what they cost stage_costs.hpp's, what the console is
+// frame_clock.hpp's matter, what they cost stage_costs.hpp's, what the console is
 // console_machine.hpp's.
 //
 // Times are whole cycles of the console's clock; a frame begins at cycle 0. Two runs of one frame
@@ -47,7 +47,7 @@ class ConsoleExecutor final : public Executor {
 
   const ConsoleMachine& machine() const;
   const ModelledFrame& modelled() const;
-  // Of the last frame: to time it again on another machine (TimeFrame, pass_clock.hpp).
+  // Of the last frame: to time it again on another machine (TimeFrame, frame_clock.hpp).
   const FrameWork& work() const;
   // [pass]; empty on caches.
   const std::vector<PassStore>& stores() const;

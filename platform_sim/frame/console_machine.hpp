@@ -50,7 +50,7 @@ struct ConsoleMachine {
   // PPE), which takes items one after another, each for `dispatcher_cycles`, beside the units.
   Cycles draw_cycles = 0;
   Cycles dispatcher_cycles = 0;
-  Cycles barrier_cycles = 0;  // from the last unit's end to the next pass
+  Cycles barrier_cycles = 0;  // from an item's end until units that wait for it see that
 
   double Milliseconds(double cycles) const { return cycles * 1e3 / double(clock_hz); }
 };

@@ -1,8 +1,9 @@
 #include "platform_sim/frame/frame_summary.hpp"
 
 #include <algorithm>
+#include <numeric>
 
-#include "platform_sim/frame/pass_clock.hpp"
+#include "platform_sim/frame/frame_clock.hpp"
 
 namespace pelt {
 namespace {
@@ -53,22 +54,25 @@ FrameStatistics::FrameStatistics(const ConsoleMachine& machine, const Plan& plan
     stage_pass_.insert(stage_pass_.end(), plan.passes[p].stage_count, p);
 }
 
+double FrameStatistics::CyclesOf(const ModelledPass& pass) const {
+  return double(std::accumulate(pass.unit_cycles.begin(), pass.unit_cycles.end(), Cycles{0})) /
+         machine_.units;
+}
+
 void FrameStatistics::Add(const ModelledFrame& frame) {
-  if (lengths_.empty() || frame.cycles > *std::max_element(lengths_.begin(), lengths_.end())) {
+  if (lengths_.empty() || frame.cycles > *std::max_element(lengths_.begin(), lengths_.end()))
     sum_.worst_frame = uint32_t(lengths_.size());
-    sum_.worst_passes = frame.passes;
-  }
   lengths_.push_back(frame.cycles);
   cycles_ += double(frame.cycles);
   for (size_t p = 0; p < frame.passes.size(); ++p) {
     const ModelledPass& pass = frame.passes[p];
     FrameSummary::Pass& sum = sum_.passes[p];
-    sum.ms += double(pass.Length());
+    sum.ms += CyclesOf(pass);
     sum.items += pass.items;
     for (WorkMs* total : {&sum.unit_ms, &sum_.unit_ms})
       AddCycles(*total, pass.unit_cycles, 1.0 / machine_.units);
     for (WorkMs* total : {&sum.critical_ms, &sum_.critical_ms})
-      AddCycles(*total, pass.last_unit_cycles, 1.0);
+      AddCycles(*total, pass.critical_cycles, 1.0);
     sum_.code_bytes += double(pass.code_bytes);
     sum_.wasted_bytes += double(pass.wasted_bytes);
     bytes_ += double(pass.get_bytes + pass.put_bytes + pass.code_bytes + pass.wasted_bytes);
@@ -78,7 +82,7 @@ void FrameStatistics::Add(const ModelledFrame& frame) {
     const auto compute = double(pass.unit_cycles[size_t(UnitWork::kCompute)]);
     const auto cycles = double(frame.stage_cycles[s]);
     sum_.stages[s].core_ms += cycles;
-    if (compute > 0.0) sum_.stages[s].wall_ms += double(pass.Length()) * cycles / compute;
+    if (compute > 0.0) sum_.stages[s].wall_ms += CyclesOf(pass) * cycles / compute;
     sum_.stages[s].items += frame.stage_items[s];
   }
   for (size_t s = 0; s < frame.stream_get_bytes.size(); ++s) {
@@ -92,14 +96,14 @@ void FrameStatistics::AddLimits(const ModelledFrame& frame, const FrameWork& wor
   for (const PassLimit limit : {PassLimit::kCompute, PassLimit::kMemory, PassLimit::kDispatch}) {
     const ModelledFrame without = TimeFrame(work, WithoutLimit(machine_, limit));
     for (size_t p = 0; p < without.passes.size(); ++p)
-      sum_.passes[p].without_ms[size_t(limit)] += double(without.passes[p].Length());
+      sum_.passes[p].without_ms[size_t(limit)] += CyclesOf(without.passes[p]);
   }
   for (size_t p = 0; p < frame.passes.size(); ++p) {
     const ModelledPass& pass = frame.passes[p];
     const auto idle = double(pass.unit_cycles[size_t(UnitWork::kImbalance)]);
-    sum_.passes[p].limited_ms += double(pass.Length());
+    sum_.passes[p].limited_ms += CyclesOf(pass);
     sum_.passes[p].without_ms[size_t(PassLimit::kImbalance)] +=
-        double(pass.Length()) - idle / machine_.units;
+        CyclesOf(pass) - idle / machine_.units;
   }
 }
 

@@ -1,7 +1,8 @@
 // Many modelled frames as a few numbers: how long, on what, limited by what.
 //
-// A pass's limits are answers to "what if": its frame is timed again on a machine where one thing
-// costs nothing. What shrinks a pass most binds it.
+// Passes run side by side: a pass's time is that of all units on it over their number, so that passes
+// add up to the frame. A pass's limits are answers to "what if": its frame is timed again on a
+// machine where one thing costs nothing. What shrinks a pass most binds it.
 #pragma once
 
 #include <array>
@@ -30,7 +31,7 @@ struct FrameSummary {
 
   struct Stage {
     double core_ms = 0.0;  // compute, summed over units
-    double wall_ms = 0.0;  // its part of its pass's length, by compute
+    double wall_ms = 0.0;  // its part of its pass's time, by compute
     double items = 0.0;
   };
   std::vector<Stage> stages;  // as in the plan
@@ -38,7 +39,7 @@ struct FrameSummary {
   struct Pass {
     double ms = 0.0, items = 0.0;
     WorkMs unit_ms{};      // of a unit in the mean: adds up to `ms`
-    WorkMs critical_ms{};  // of the unit that all others waited for: adds up to `ms`
+    WorkMs critical_ms{};  // of the critical path: over all passes it adds up to the frame
     // If this cost nothing; over the frames whose limits were added.
     std::array<double, kPassLimitCount> without_ms{};
     double limited_ms = 0.0;                // over the same frames, as it is
@@ -53,8 +54,7 @@ struct FrameSummary {
   double bus_use = 0.0;             // bytes moved over what the memory could have moved meanwhile
   WorkMs unit_ms{}, critical_ms{};  // of the whole frame
 
-  uint32_t worst_frame = 0;                // of those added, from 0
-  std::vector<ModelledPass> worst_passes;  // its passes: last units, their items and times
+  uint32_t worst_frame = 0;  // of those added, from 0
 };
 
 class FrameStatistics {
@@ -68,6 +68,8 @@ class FrameStatistics {
   FrameSummary Summarise() const;
 
  private:
+  double CyclesOf(const ModelledPass& pass) const;
+
   const ConsoleMachine machine_;
   std::vector<uint32_t> stage_pass_;
   std::vector<Cycles> lengths_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/stream_table.hpp"
+#include "jobs/frame_graph.hpp"
 #include "platform_sim/frame/shared_transfers.hpp"
 
 namespace pelt {
@@ -40,12 +41,14 @@ struct PassWork {
   uint64_t code_bytes = 0;  // that a unit must have to run it
   uint64_t parameter_bytes = 0;
   std::vector<ItemWork> items;
+  std::vector<uint32_t> rank;  // of open items the least is taken first; empty: the item itself
 };
 
 // All that the timing of a frame depends on, beside the machine.
 struct FrameWork {
   uint32_t stage_count = 0, stream_count = 0;
   std::vector<PassWork> passes;
+  FrameGraph graph;
 };
 
 }  // namespace pelt

@@ -1,10 +1,10 @@
 // What a frame on a console came out as: which unit did what when, bytes, and who waited for whom.
 //
-//   unit 0  |dispatch|get|  compute   |  compute  |put|imbalance|barrier
+//   unit 0  |dispatch|get|  compute   |  compute  |put|imbalance|barrier|dispatch|get| ...
 //   unit 1  |dispatch|get|    compute    |  compute       |put|barrier
 //
-// Invariant: the slices of a unit have no gaps, so the cycles of every kind of work, summed, are
-// units x cycles of the pass; and the times of each pass's last unit, summed, are the frame.
+// Invariant: the slices of a unit have no gaps, so the cycles of every kind of work, summed over
+// passes, are units x cycles of the frame; and those of the critical path are the frame.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ enum class UnitWork : uint8_t {
   kGetStall,  // standing until blocks are here
   kCompute,
   kPutStall,   // standing until a buffer is free again, or until all is put
-  kImbalance,  // done, while others are not
-  kBarrier,    // the meeting itself
+  kImbalance,  // nothing is open: others work on what it waits for
+  kBarrier,    // until it sees that they are done
 };
 inline constexpr uint32_t kUnitWorkCount = 8;
 std::string_view UnitWorkName(UnitWork work);
@@ -51,19 +51,16 @@ struct UnitTimeline {
 };
 
 struct ModelledPass {
-  Cycles begin = 0, end = 0;
+  Cycles begin = 0, end = 0;              // of its first and its last item; others run meanwhile
   uint32_t items = 0;                     // on which a stage ran
   uint64_t get_bytes = 0, put_bytes = 0;  // of streams
   uint64_t code_bytes = 0;                // and parameters, brought to every unit that needs it
   // Bytes that lines carry beyond what was asked for: small list elements, bad alignment.
   uint64_t wasted_bytes = 0;
-  WorkCycles unit_cycles{};  // summed over units
-  // That all others waited for: what it did with the time, on which items.
-  uint32_t last_unit = 0;
-  WorkCycles last_unit_cycles{};
-  std::vector<uint32_t> last_unit_items;
-
-  Cycles Length() const { return end - begin; }
+  // Summed over units. That nothing is open belongs to the pass that comes next.
+  WorkCycles unit_cycles{};
+  // Of the chain of items that the frame's end waited for, and of those that run no others.
+  WorkCycles critical_cycles{};
 };
 
 struct ModelledFrame {

@@ -20,13 +20,13 @@ MovedData::MovedData(const ConsoleMachine& machine)
       has_stores_(machine.local_store_bytes > 0),
       held_(machine.units) {}
 
-void MovedData::BeginPass() {
-  for (std::vector<uint32_t>& streams : held_) std::ranges::fill(streams, kNoBlock);
-}
+void MovedData::BeginFrame() { std::ranges::fill(held_, Held{}); }
 
 void MovedData::Apply(const Frame& frame, uint32_t unit, uint32_t pass, uint32_t item,
                       ItemWork& work) {
   const Domain domain = frame.plan->passes[pass].domain;
+  if (held_[unit].pass != pass)
+    held_[unit] = {pass, std::vector<uint32_t>(frame.plan->table->streams.size(), kNoBlock)};
   // Caches hold it already; a character's own pass makes it.
   if (has_stores_ && domain > Domain::kCharacter) DropResident(frame, unit, domain, item, work);
   if (IsInLayer(domain)) MoveLivePrefix(frame, domain, item, work);
@@ -35,12 +35,11 @@ void MovedData::Apply(const Frame& frame, uint32_t unit, uint32_t pass, uint32_t
 void MovedData::DropResident(const Frame& frame, uint32_t unit, Domain domain, uint32_t item,
                              ItemWork& work) {
   const StreamTable& table = *frame.plan->table;
-  held_[unit].resize(table.streams.size(), kNoBlock);
   const uint32_t character =
       PlaceOf(*frame.memory->shape, domain, item).first[size_t(Domain::kCharacter)];
   for (ItemWork::StreamBytes& moved : work.streams) {
     if (table[moved.stream].domain != Domain::kCharacter || moved.get_bytes == 0) continue;
-    uint32_t& held = held_[unit][size_t(moved.stream)];
+    uint32_t& held = held_[unit].character[size_t(moved.stream)];
     if (held == character) {
       Replace(Whole(moved.get_bytes), {0, 0, 0}, work.get);
       moved.get_bytes = 0;

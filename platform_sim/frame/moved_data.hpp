@@ -3,7 +3,7 @@
 //
 //   live prefix        of rows, only the lanes that live
 //   resident palette   a unit with a store keeps what items of a character read of it (its joints' matrices) from
-//                      item to item of a pass
+//                      item to item, until it runs another pass
 //
 // All that is timed from there on is of what is moved.
 #pragma once
@@ -27,7 +27,7 @@ class MovedData {
  public:
   explicit MovedData(const ConsoleMachine& machine);
 
-  void BeginPass();
+  void BeginFrame();
   // Of what `unit` has just run, `work` with whole blocks.
   void Apply(const Frame& frame, uint32_t unit, uint32_t pass, uint32_t item, ItemWork& work);
 
@@ -42,8 +42,11 @@ class MovedData {
 
   const uint32_t line_bytes_, largest_bytes_;
   const bool has_stores_;
-  std::vector<std::vector<uint32_t>>
-      held_;  // [unit][stream]: of which character; kNoBlock: of none
+  struct Held {
+    uint32_t pass = kNoBlock;
+    std::vector<uint32_t> character;  // [stream]; kNoBlock: none's
+  };
+  std::vector<Held> held_;  // [unit]
 };
 
 }  // namespace pelt

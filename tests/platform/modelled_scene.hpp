@@ -49,6 +49,19 @@ inline ConsoleMachine Xbox() {
   return made;
 }
 
+// Of passes over as many items as the first has, each of which waits for all of the one before.
+inline FrameGraph PassAfterPass(const FrameWork& work) {
+  SceneShape shape;
+  shape.AddLayer(0, 0, uint32_t(work.passes[0].items.size()));
+  Plan plan;
+  for (uint32_t p = 0; p < work.passes.size(); ++p) {
+    plan.passes.push_back({0, 1, Domain::kChunk, {}, 0, 0, 0, false, {}});
+    if (p > 0) plan.passes.back().waits = {{p - 1, Domain::kScene}};
+  }
+  plan.waits_of_end = {{uint32_t(work.passes.size()) - 1, Domain::kScene}};
+  return BuildGraph(plan, shape);
+}
+
 struct ModelledRun {
   std::vector<ModelledFrame> frames;
   std::vector<uint64_t> digests;

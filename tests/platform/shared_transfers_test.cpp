@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "platform_sim/frame/console_machine.hpp"
-#include "platform_sim/frame/pass_clock.hpp"
+#include "platform_sim/frame/frame_clock.hpp"
 #include "platform_sim/memory/spu_program.hpp"
 #include "platform_sim/memory/xenon_memory.hpp"
+#include "tests/platform/modelled_scene.hpp"
 #include "tests/platform/platform_rows.hpp"
 
 namespace pelt {
@@ -124,8 +125,9 @@ Cycles Fluid(const Items& items, const ConsoleMachine& machine) {
   item.put = Shape(items.put_elements, items.element_bytes);
   FrameWork work;
   work.stage_count = 1;
-  work.passes.push_back({0, true, 0, 0, {}});
+  work.passes.push_back({0, true, 0, 0, {}, {}});
   work.passes[0].items.assign(size_t(items.spus) * items.each, item);
+  work.graph = testing::PassAfterPass(work);
   return TimeFrame(work, machine).cycles;
 }
 
