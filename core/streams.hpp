@@ -39,8 +39,8 @@ inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibb
     kLined{kLayerLines, 0}, kCubic{0, kLayerRibbons | kShells},  // instances, and lines along them
     kLit{kLayerLit, 0}, kLitStrands{kLayerLit, kShells}, kShelled{kShells, 0},
     kOfPaint{kLayerPainted | kLayerLit, kShells}, kInPieces{kLayerSortInPieces, kShells},
-    kFinned{kShells | kLayerFins, 0}, kRated{kModal | kLayerRates, 0},
-    kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0},
+    kSortedWhole{0, kLayerSortInPieces | kShells}, kFinned{kShells | kLayerFins, 0},
+    kRated{kModal | kLayerRates, 0}, kHeld{kModal | kLayerSagFree, 0}, kApart{kLayerApart, 0},
     kRatedVertices{kModal | kLayerRates | kLayerVertexChains, 0},
     kRatedStrands{kModal | kLayerRates, kLayerVertexChains},
     kHeldVertices{kModal | kLayerSagFree | kLayerVertexChains, 0},
@@ -99,7 +99,8 @@ struct Streams {
   StreamRow<CurveBlock> curves{"curves", kChunk, kValue, kLiveStrands, kCubic, kOutput};
   StreamRow<RibbonBlock> ribbons{"ribbons", kChunk, kValue, kLiveStrands, kRibboned};
   StreamRow<SortKeyBlock> sort_keys{"sort_keys", kChunk, kValue, kKeyed, kOfStrands};
-  StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch, kAll, kOfStrands};
+  StreamRow<OrderBlock> sort_words{"sort_words", kChunk, kScratch, kAll, kSortedWhole};
+  StreamRow<SortPairBlock> sort_pairs_a{"sort_pairs_a", kChunk, kScratch, kAll, kInPieces};
   StreamRow<SortPairBlock> sort_pairs_b{"sort_pairs_b", kChunk, kScratch, kAll, kInPieces};
   StreamRow<DigitBlock> digits{"digits", kChunk, kScratch, kAll, kInPieces};
   StreamRow<OrderBlock> order{"order", kChunk, kValue, kPlaces, kOfStrands, kOutput};

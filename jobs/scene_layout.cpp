@@ -25,12 +25,17 @@ void AddLayers(const Groom& groom, uint32_t character, uint32_t piecewise_chunks
   }
 }
 
+// What the sort of a layer has of a local store.
+uint32_t SortBytes(const PlanOptions& plan) {
+  const uint32_t code = plan.code_bytes ? plan.code_bytes("sort_layer") : 0;
+  return code > 0 ? plan.code_and_data_bytes - code : plan.local_store_data_bytes;
+}
+
 SceneShape ShapeOf(std::span<const Groom* const> grooms, const SceneOptions& options) {
   SceneShape shape;
   const uint32_t piecewise = options.piecewise_sort_chunks ? options.piecewise_sort_chunks
-                             : options.plan.must_fit
-                                 ? SortableChunks(options.plan.local_store_data_bytes)
-                                 : ~0u;
+                             : options.plan.must_fit       ? SortableChunks(SortBytes(options.plan))
+                                                           : ~0u;
   for (uint32_t c = 0; c < grooms.size(); ++c) AddLayers(*grooms[c], c, piecewise, options, shape);
   shape.character_count = uint32_t(grooms.size());  // the last may have no layers
   return shape;

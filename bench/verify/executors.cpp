@@ -85,7 +85,7 @@ constexpr ExecutorRow kRows[] = {
     {"door", "an engine's jobs, here of a thread pool", ItemOrder::kThreads,
      Make<PooledDoor, &S::workers>},
     {"pull", "threads that poll", ItemOrder::kThreads, Make<PullPool, &S::workers>},
-    {"permuted", "one item after another, in another order every pass", ItemOrder::kSeeded,
+    {"permuted", "one item after another, in any order that its waits allow", ItemOrder::kSeeded,
      Make<PermutedExecutor, &S::order_seed>},
     {.name = "local-store",
      .text = "one item after another, on copies in a console's local store",

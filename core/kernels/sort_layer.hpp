@@ -26,7 +26,7 @@
 // is the same on every machine. A digit on which all keys agree is skipped.
 //
 // Invariant: the whole order is written: first the visible strands, then all others of the layer's
-// lanes in index order. Pairs are scratch. core/kernels/sort_pieces.hpp gives the same order for
+// lanes in index order. core/kernels/sort_pieces.hpp gives the same order for
 // layers that do not fit a local store.
 // What breaks if ignored: an order that is not stable flickers where strands are equally far.
 #pragma once
@@ -37,11 +37,10 @@
 
 namespace pelt {
 
-// Largest layer, in chunks, whose sort fits a local store of `bytes` of data.
+// Largest layer, in chunks, whose sort fits a local store of so many bytes of data.
 constexpr uint32_t SortableChunks(uint32_t local_store_data_bytes) {
-  constexpr uint32_t kPerChunk =
-      sizeof(SortKeyBlock) + sizeof(OrderBlock) + sizeof(SortPairBlock) + sizeof(ChunkStateBlock);
-  constexpr uint32_t kFixed = 4 * 1024;  // layer blocks, parameters, alignment
+  constexpr uint32_t kPerChunk = sizeof(SortKeyBlock) + 2 * sizeof(OrderBlock);
+  constexpr uint32_t kFixed = 33 * 1024;  // bins, alignment
   return local_store_data_bytes > kFixed ? (local_store_data_bytes - kFixed) / kPerChunk : 0;
 }
 
@@ -72,9 +71,6 @@ PELT_INLINE DigitPlan PlanDigits(uint32_t bits, uint32_t count) {
   return best;
 }
 
-// Scratch between passes; the blocks behind it are declared as pairs.
-typedef uint32_t __attribute__((may_alias)) SortWord;
-
 // Bits that tell `count` things apart.
 PELT_INLINE uint32_t BitsFor(uint32_t count) {
   return count < 2 ? 1u : 32u - uint32_t(__builtin_clz(count - 1));
@@ -98,13 +94,12 @@ struct SortLayer {
   static constexpr std::string_view kName = "sort_layer";
   struct Ports {
     All<&Streams::sort_keys> keys;
-    AllOut<&Streams::sort_pairs_a> scratch;
+    AllOut<&Streams::sort_words> scratch;
     AllOut<&Streams::order> order;
   };
   // Blocks of a layer lie back to back, so a stream is one array over the layer's lanes.
   static_assert(sizeof(SortKeyBlock) == sizeof(uint32_t) * kStrandsPerChunk);
   static_assert(sizeof(OrderBlock) == sizeof(uint32_t) * kStrandsPerChunk);
-  static_assert(sizeof(SortPairBlock) >= sizeof(uint32_t) * kStrandsPerChunk);
 
   static_assert(kStrandsPerChunk % kLaneGroup == 0);
 
@@ -157,7 +152,7 @@ struct SortLayer {
   template <uint32_t kPasses, bool kHoldsKeys>
   struct Sorter {
     using Scalar = WordOf<V>;
-    using Word = sort_layer_detail::SortWord;
+    using Word = uint32_t;
 
     const uint32_t* keys;
     uint32_t lanes;
@@ -291,7 +286,7 @@ struct SortLayer {
     sorter.digit_bits = digit_bits;
     sorter.index_bits = index_bits;
     sorter.order = ports.order.blocks->strand;
-    sorter.Run(reinterpret_cast<sort_layer_detail::SortWord*>(ports.scratch.blocks));
+    sorter.Run(ports.scratch.blocks->strand);
   }
 
   template <uint32_t kPasses>

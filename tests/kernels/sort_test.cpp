@@ -20,7 +20,7 @@ struct World {
   Blocks<ChunkStateBlock> state;
   Blocks<SortPairBlock> a, b;
   Blocks<DigitBlock> digits;
-  Blocks<OrderBlock> order;
+  Blocks<OrderBlock> words, order;
 
   explicit World(uint32_t chunk_count)
       : chunks(chunk_count),
@@ -29,6 +29,7 @@ struct World {
         a(chunk_count),
         b(chunk_count),
         digits(chunk_count),
+        words(chunk_count),
         order(chunk_count) {
     for (uint32_t c = 0; c < chunks; ++c) state[c].first_place = c * kStrandsPerChunk;
   }
@@ -44,7 +45,7 @@ struct World {
 
   template <class V>
   std::vector<uint32_t> SortWhole() {
-    test::RunKernel<SortLayer<V>>({keys.Bind(), a.Bind(), order.Bind()});
+    test::RunKernel<SortLayer<V>>({keys.Bind(), words.Bind(), order.Bind()});
     return Order();
   }
 
@@ -219,7 +220,8 @@ TEST(Sort, DigitPlansCoverTheKeyAndFitTheBins) {
 // What a small store leaves for blocks is nothing, not a number that wrapped round.
 TEST(Sort, AStoreSmallerThanItsFixedPartSortsNoChunk) {
   EXPECT_EQ(SortableChunks(0), 0u);
-  EXPECT_EQ(SortableChunks(4 * 1024), 0u);
+  EXPECT_EQ(SortableChunks(33 * 1024), 0u);
+  EXPECT_EQ(SortableChunks(33 * 1024 + 10 * kStrandsPerChunk * 12), 10u);
   EXPECT_GT(SortableChunks(176 * 1024), 32u);
   EXPECT_LT(SortableChunks(176 * 1024), 176u);
 }
