@@ -127,7 +127,7 @@ function drawFrames() {
       });
     },
   });
-  const notes = ['In ms. A stage stands for its core time divided by the workers; what is left of the frame is waiting at barriers and handing out work.'];
+  const notes = ['In ms. A stage stands for its core time divided by the workers; what is left of the frame is waiting and handing out work.'];
   if (data.frames_a_column > 1) notes.push(`Each column is the slowest of ${data.frames_a_column} frames.`);
   if (cut) notes.push(`${cut} of the columns are cut off at ${+top.toFixed(1)} ms, with what the slowest took above them.`);
   const disturbed = columns.filter((column) => column.disturbed).length;
@@ -392,7 +392,7 @@ function fillConsole(frame) {
 
 function fillConsoles() {
   byId('consoles-section').hidden = data.consoles.length === 0;
-  const kinds = [['get', 'transfer in'], ['s0', 'compute'], ['put', 'transfer out'], ['stall', 'waiting for a transfer'], ['code', 'loading code'], ['dispatch', 'taking an item'], ['commands', 'giving transfers'], ['waiting', 'done before others'], ['caller', 'meeting at the barrier']];
+  const kinds = [['get', 'transfer in'], ['s0', 'compute'], ['put', 'transfer out'], ['stall', 'waiting for a transfer'], ['code', 'loading code'], ['dispatch', 'taking an item'], ['commands', 'giving transfers'], ['waiting', 'nothing is open'], ['caller', 'an end that is not yet seen']];
   for (const [kind, name] of kinds) {
     const item = add(byId('consoles-legend'), 'li');
     add(item, 'span', {class: 'swatch ' + kind, 'aria-hidden': 'true'});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 #include "jobs/frame.hpp"
 
@@ -24,6 +25,7 @@ void FrameClock::Run(const FrameWork& work, WorkSource& source, bool timelines,
       for (uint32_t u = 0; u < units_.size(); ++u)
         if (IsDue(units_[u])) {
           Step(u);
+          OpenDue();
           again = true;
         }
     }
@@ -108,12 +110,9 @@ void FrameClock::OpenDue() {
   while (!openings_.empty() && openings_.front().at <= now_) {
     const Ready ready = openings_.front().ready;
     openings_.pop_front();
-    const std::vector<uint32_t>& rank = work_->passes[ready.pass].rank;
     auto& heap = ready_[ready.pass];
     heap.push_back(ready);
-    std::ranges::push_heap(heap, [&](const Ready& a, const Ready& b) {
-      return rank.empty() ? a.item > b.item : rank[a.item] > rank[b.item];
-    });
+    std::ranges::push_heap(heap, std::greater{}, RankIn(ready.pass));
     ++ready_count_;
   }
   for (uint32_t place = 0; place < 2; ++place)
@@ -125,11 +124,8 @@ FrameClock::Ready FrameClock::TakeReady(const Unit& unit) {
   while (ready_[pass].empty()) --pass;
   const bool is_last = units_.size() > 1 && &unit == &units_.back();
   if (!is_last && !ready_[unit.pass].empty()) pass = unit.pass;
-  const std::vector<uint32_t>& rank = work_->passes[pass].rank;
   auto& heap = ready_[pass];
-  std::ranges::pop_heap(heap, [&](const Ready& a, const Ready& b) {
-    return rank.empty() ? a.item > b.item : rank[a.item] > rank[b.item];
-  });
+  std::ranges::pop_heap(heap, std::greater{}, RankIn(pass));
   const Ready ready = heap.back();
   heap.pop_back();
   --ready_count_;

@@ -25,6 +25,7 @@
 #pragma once
 
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "platform_sim/frame/console_machine.hpp"
@@ -128,6 +129,11 @@ class FrameClock {
   void FinishPuts();
   void OpenDue();
   bool HasReady() const { return ready_count_ > 0; }
+  auto RankIn(uint32_t pass) const {
+    return [rank = std::span(work_->passes[pass].rank)](const Ready& ready) {
+      return rank.empty() ? ready.item : rank[ready.item];
+    };
+  }
   Ready TakeReady(const Unit& unit);
   void Request(Unit& unit);
   bool StartDraw(Unit& unit);
