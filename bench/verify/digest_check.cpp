@@ -74,6 +74,8 @@ class DigestCheck {
   void CheckRoles(VerifyReport& report) {
     CheckResult result = NewResult("streams that outlive the frame");
     for (uint32_t s = 0; s < kStreamCount; ++s) {
+      // Working storage of one stage.
+      if (Stream(s) == StreamOf<&Streams::sort_words>) continue;
       bool written = false, read = false, carried = false;
       for (const Stage& stage : run_.plan().stages)
         for (const PortDesc& port : stage.kernel.ports) {
