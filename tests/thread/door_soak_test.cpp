@@ -177,9 +177,9 @@ TEST(DoorSoak, WholeFrameGivesTheSerialBits) {
   Scenario scenario = TinyScenario();
   SerialExecutor serial;
   const auto truth = RunDigests(scenario, {}, serial, 22);
-  PullPool polling(3);
+  PullPool polling(16);
   ExpectSameFrames(truth, RunDigests(scenario, {}, polling, 22), "polling threads");
-  ThreadPoolDoor pool(3);
+  ThreadPoolDoor pool(16);
   DoorExecutor executor(pool.door());
   ExpectSameFrames(truth, RunDigests(scenario, {}, executor, 22), "door");
 }
