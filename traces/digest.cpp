@@ -1,16 +1,24 @@
 #include "traces/digest.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <span>
+#include <vector>
+
+#include "core/simd/vec.hpp"
 
 namespace pelt {
 namespace {
 
+uint32_t LanesOf(const StreamDesc& stream, const RowDesc& row, uint32_t live_lanes) {
+  return stream.lanes.AllHoldValues() ? row.lane_count : std::min(row.lane_count, live_lanes);
+}
+
 // Calls visit(element index) for every element in a live lane; stops when it returns false.
 template <class Visit>
 bool ForEachLive(const StreamDesc& stream, const RowDesc& row, uint32_t live_lanes, Visit visit) {
-  const uint32_t lanes =
-      stream.lanes.AllHoldValues() ? row.lane_count : std::min(row.lane_count, live_lanes);
+  const uint32_t lanes = LanesOf(stream, row, live_lanes);
   const uint32_t components = row.element_count / row.lane_count;
   if (row.lane_major) {
     for (uint32_t e = 0; e < lanes * components; ++e)
@@ -69,30 +77,146 @@ BlockDifference FindDifference(const StreamDesc& stream, const void* left, const
   return found;
 }
 
+namespace {
+
+// The digest of a stream in the making: of each block the number of its live lanes, then its rows,
+// as runs of words that lie together.
+class StreamDigest {
+ public:
+  // Of the items [first, end), behind what `digest` has.
+  StreamDigest(const FrameMemory& memory, Stream stream, uint32_t first, uint32_t end,
+               Digest digest)
+      : memory_(&memory),
+        stream_(stream),
+        desc_(&(*memory.table)[stream]),
+        digest_(digest),
+        item_(first),
+        end_(end) {}
+  StreamDigest(const FrameMemory& memory, Stream stream)
+      : StreamDigest(memory, stream, 0, memory.shape->ItemCount((*memory.table)[stream].domain),
+                     {}) {}
+
+  // Sees to a run that is not empty; false at the end.
+  bool FindRun() {
+    while (left_ == 0)
+      if (!NextRun()) return false;
+    return true;
+  }
+  // All of it, where nothing else is digested.
+  Digest Finish() {
+    while (FindRun()) AddTogether<1>({this});
+    return digest_;
+  }
+  uint64_t Value() const { return digest_.Value(); }
+  Stream stream() const { return stream_; }
+
+  // Each word waits for the one before it, of the same stream: several streams' do not.
+  template <size_t kCount>
+  static void AddTogether(std::array<StreamDigest*, kCount> streams) {
+    size_t words = SIZE_MAX;
+    std::array<Digest, kCount> digests;
+    std::array<const std::byte*, kCount> from;
+    for (size_t k = 0; k < kCount; ++k) {
+      words = std::min(words, streams[k]->left_);
+      digests[k] = streams[k]->digest_;
+      from[k] = streams[k]->words_;
+    }
+    for (size_t w = 0; w < words; ++w) {
+      PELT_UNROLL
+      for (size_t k = 0; k < kCount; ++k) {
+        uint32_t word;
+        std::memcpy(&word, from[k] + 4 * w, 4);
+        digests[k].Add(word);
+      }
+    }
+    for (size_t k = 0; k < kCount; ++k) {
+      streams[k]->digest_ = digests[k];
+      streams[k]->words_ += 4 * words;
+      streams[k]->left_ -= words;
+    }
+  }
+
+ private:
+  bool NextRun() {
+    if (!block_ || row_ == desc_->rows.size()) return NextBlock();
+    const RowDesc& row = desc_->rows[row_];
+    const uint32_t lanes = LanesOf(*desc_, row, lanes_), parts = row.element_count / row.lane_count;
+    const uint32_t first = part_ * row.lane_count;
+    left_ = row.lane_major ? lanes * parts : lanes;
+    words_ = block_ + row.offset_bytes + 4 * size_t(first);
+    if (row.type == ElementType::kU8 || row.type == ElementType::kU16) {
+      widened_.resize(left_);
+      for (uint32_t i = 0; i < left_; ++i) widened_[i] = RowElement(block_, row, first + i);
+      words_ = reinterpret_cast<const std::byte*>(widened_.data());
+    }
+    if (row.lane_major || ++part_ == parts) {
+      ++row_;
+      part_ = 0;
+    }
+    return true;
+  }
+  bool NextBlock() {
+    for (block_ = nullptr; !block_ && item_ < end_; ++item_)
+      if ((block_ = memory_->Block(stream_, item_))) lanes_ = memory_->LiveLanes(stream_, item_);
+    row_ = part_ = 0;
+    if (block_) digest_.Add(lanes_);
+    return block_;
+  }
+
+  const FrameMemory* memory_;
+  Stream stream_;
+  const StreamDesc* desc_;
+  Digest digest_;
+  uint32_t item_, end_;
+  const std::byte *block_ = nullptr, *words_ = nullptr;
+  uint32_t row_ = 0, part_ = 0, lanes_ = 0;
+  size_t left_ = 0;                // words of the run
+  std::vector<uint32_t> widened_;  // where its elements are narrower
+};
+
+}  // namespace
+
 void AddItem(Digest& digest, const FrameMemory& memory, Stream stream, uint32_t item) {
-  const std::byte* block = memory.Block(stream, item);
-  if (!block) return;
-  const uint32_t lanes = memory.LiveLanes(stream, item);
-  digest.Add(lanes);
-  AddBlock(digest, (*memory.table)[stream], block, lanes);
+  digest = StreamDigest(memory, stream, item, item + 1, digest).Finish();
 }
 
 uint64_t DigestStream(const FrameMemory& memory, Stream stream) {
-  const StreamDesc& desc = (*memory.table)[stream];
-  if (desc.role != Role::kValue) return 0;
-  Digest digest;
-  for (uint32_t i = 0; i < memory.shape->ItemCount(desc.domain); ++i)
-    AddItem(digest, memory, stream, i);
-  return digest.Value();
+  if ((*memory.table)[stream].role != Role::kValue) return 0;
+  return StreamDigest(memory, stream).Finish().Value();
 }
 
 uint64_t DigestFrame(const FrameMemory& memory) {
-  Digest digest;
   // A stream that the scene does not have counts for nothing, so that a new kind of stream leaves
   // the digests of other scenes alone.
+  std::vector<Stream> streams;
   for (uint32_t s = 0; s < memory.streams.size(); ++s)
     if (memory.table->streams[s].role == Role::kValue && memory.streams[s].block_count != 0)
-      digest.Add64(DigestStream(memory, Stream(s)));
+      streams.push_back(Stream(s));
+  // The largest first, four side by side; a stream that ends gives its place to the next.
+  const auto bytes = [&](Stream s) {
+    return size_t((*memory.table)[s].block_bytes) * memory.streams[size_t(s)].block_count;
+  };
+  std::vector<Stream> left = streams;
+  std::ranges::stable_sort(left, {}, bytes);
+  std::vector<uint64_t> values(memory.streams.size());
+  std::vector<StreamDigest> open;
+  for (;;) {
+    for (; open.size() < 4 && !left.empty(); left.pop_back())
+      open.emplace_back(memory, left.back());
+    std::erase_if(open, [&](StreamDigest& digest) {
+      if (digest.FindRun()) return false;
+      values[size_t(digest.stream())] = digest.Value();
+      return true;
+    });
+    if (open.size() == 4)
+      StreamDigest::AddTogether<4>({&open[0], &open[1], &open[2], &open[3]});
+    else if (left.empty() && !open.empty())
+      StreamDigest::AddTogether<1>({&open[0]});
+    else if (left.empty())
+      break;
+  }
+  Digest digest;
+  for (const Stream stream : streams) digest.Add64(values[size_t(stream)]);
   return digest.Value();
 }
 

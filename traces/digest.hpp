@@ -49,7 +49,8 @@ struct BlockDifference {
 BlockDifference FindDifference(const StreamDesc& stream, const void* left, const void* right,
                                uint32_t live_lanes);
 
-// Of everything of one stream that has the role kValue; 0 for other streams.
+// Of all blocks of one stream that has the role kValue, of each the number of its live lanes first; 0
+// for other streams.
 uint64_t DigestStream(const FrameMemory& memory, Stream stream);
 // Of all of them.
 uint64_t DigestFrame(const FrameMemory& memory);

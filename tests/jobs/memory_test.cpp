@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "traces/digest.hpp"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -85,6 +86,30 @@ TEST(MemoryReport, TellsWhatTheSceneTakesOutsideTheBlock) {
   EXPECT_LT(said, taken + taken / 2 + 16384);
 }
 #endif
+
+// Streams are digested side by side: it must be what their blocks give one after another.
+TEST(FrameDigest, IsThatOfItsBlocksInOrder) {
+  Scenario scenario = EveryOutputScenario();
+  RunningScenario running(scenario, {});
+  running.Begin(0);
+  SerialExecutor().Run(running.scene().CurrentFrame());
+  const FrameMemory& memory = *running.scene().CurrentFrame().memory;
+  Digest frame;
+  for (uint32_t s = 0; s < memory.streams.size(); ++s) {
+    const StreamDesc& stream = (*memory.table)[Stream(s)];
+    if (stream.role != Role::kValue || memory.streams[s].block_count == 0) continue;
+    Digest digest;
+    for (uint32_t i = 0; i < memory.shape->ItemCount(stream.domain); ++i) {
+      const std::byte* block = memory.Block(Stream(s), i);
+      if (!block) continue;
+      digest.Add(memory.LiveLanes(Stream(s), i));
+      AddBlock(digest, stream, block, memory.LiveLanes(Stream(s), i));
+    }
+    EXPECT_EQ(DigestStream(memory, Stream(s)), digest.Value()) << stream.name;
+    frame.Add64(digest.Value());
+  }
+  EXPECT_EQ(running.scene().DigestFrame(), frame.Value());
+}
 
 }  // namespace
 }  // namespace pelt
