@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <span>
-#include <vector>
+#include <optional>
 
 #include "core/simd/vec.hpp"
 
@@ -141,13 +140,12 @@ class StreamDigest {
     if (!block_ || row_ == desc_->rows.size()) return NextBlock();
     const RowDesc& row = desc_->rows[row_];
     const uint32_t lanes = LanesOf(*desc_, row, lanes_), parts = row.element_count / row.lane_count;
-    const uint32_t first = part_ * row.lane_count;
-    left_ = row.lane_major ? lanes * parts : lanes;
-    words_ = block_ + row.offset_bytes + 4 * size_t(first);
-    if (row.type == ElementType::kU8 || row.type == ElementType::kU16) {
-      widened_.resize(left_);
-      for (uint32_t i = 0; i < left_; ++i) widened_[i] = RowElement(block_, row, first + i);
-      words_ = reinterpret_cast<const std::byte*>(widened_.data());
+    const uint32_t first = part_ * row.lane_count, count = row.lane_major ? lanes * parts : lanes;
+    if (row.type == ElementType::kU8 || row.type == ElementType::kU16) {  // few are
+      for (uint32_t i = 0; i < count; ++i) digest_.Add(RowElement(block_, row, first + i));
+    } else {
+      words_ = block_ + row.offset_bytes + 4 * size_t(first);
+      left_ = count;
     }
     if (row.lane_major || ++part_ == parts) {
       ++row_;
@@ -170,8 +168,7 @@ class StreamDigest {
   uint32_t item_, end_;
   const std::byte *block_ = nullptr, *words_ = nullptr;
   uint32_t row_ = 0, part_ = 0, lanes_ = 0;
-  size_t left_ = 0;                // words of the run
-  std::vector<uint32_t> widened_;  // where its elements are narrower
+  size_t left_ = 0;  // words of the run
 };
 
 }  // namespace
@@ -185,38 +182,41 @@ uint64_t DigestStream(const FrameMemory& memory, Stream stream) {
   return StreamDigest(memory, stream).Finish().Value();
 }
 
+// Four streams side by side; one that ends gives its place to the next. Frames are digested where
+// nothing may allocate.
 uint64_t DigestFrame(const FrameMemory& memory) {
+  constexpr size_t kTogether = 4, kMostStreams = size_t(Stream::kNone);
+  uint64_t values[kMostStreams];
+  std::array<std::optional<StreamDigest>, kTogether> open;
+  uint32_t next = 0;
   // A stream that the scene does not have counts for nothing, so that a new kind of stream leaves
   // the digests of other scenes alone.
-  std::vector<Stream> streams;
-  for (uint32_t s = 0; s < memory.streams.size(); ++s)
-    if (memory.table->streams[s].role == Role::kValue && memory.streams[s].block_count != 0)
-      streams.push_back(Stream(s));
-  // The largest first, four side by side; a stream that ends gives its place to the next.
-  const auto bytes = [&](Stream s) {
-    return size_t((*memory.table)[s].block_bytes) * memory.streams[size_t(s)].block_count;
+  const auto is_counted = [&](uint32_t s) {
+    return memory.table->streams[s].role == Role::kValue && memory.streams[s].block_count != 0;
   };
-  std::vector<Stream> left = streams;
-  std::ranges::stable_sort(left, {}, bytes);
-  std::vector<uint64_t> values(memory.streams.size());
-  std::vector<StreamDigest> open;
+  const auto find_run = [&](std::optional<StreamDigest>& place) {
+    for (;;) {
+      if (place && place->FindRun()) return true;
+      if (place) values[size_t(place->stream())] = place->Value();
+      place.reset();
+      while (next < memory.streams.size() && !is_counted(next)) ++next;
+      if (next == memory.streams.size()) return false;
+      place.emplace(memory, Stream(next++));
+    }
+  };
   for (;;) {
-    for (; open.size() < 4 && !left.empty(); left.pop_back())
-      open.emplace_back(memory, left.back());
-    std::erase_if(open, [&](StreamDigest& digest) {
-      if (digest.FindRun()) return false;
-      values[size_t(digest.stream())] = digest.Value();
-      return true;
-    });
-    if (open.size() == 4)
-      StreamDigest::AddTogether<4>({&open[0], &open[1], &open[2], &open[3]});
-    else if (left.empty() && !open.empty())
-      StreamDigest::AddTogether<1>({&open[0]});
-    else if (left.empty())
-      break;
+    size_t running = 0;
+    for (auto& place : open) running += find_run(place);
+    if (running == 0) break;
+    if (running == kTogether)
+      StreamDigest::AddTogether<kTogether>({&*open[0], &*open[1], &*open[2], &*open[3]});
+    else
+      for (auto& place : open)
+        if (place) StreamDigest::AddTogether<1>({&*place});
   }
   Digest digest;
-  for (const Stream stream : streams) digest.Add64(values[size_t(stream)]);
+  for (uint32_t s = 0; s < memory.streams.size(); ++s)
+    if (is_counted(s)) digest.Add64(values[s]);
   return digest.Value();
 }
 

@@ -281,7 +281,8 @@ std::vector<Stage> SortInPieces() {
 // of layer 0 that does not follow (key, strand), or the number of places.
 uint64_t SortScene(const std::vector<Stage>& stages, uint32_t* first_unstable) {
   std::vector<LayerSpec> layers = kLayers;
-  for (LayerSpec& layer : layers) layer.kind |= kLayerSortInPieces;  // has the scratch of both ways
+  if (stages.size() > 1)  // each way has scratch of its own
+    for (LayerSpec& layer : layers) layer.kind |= kLayerSortInPieces;
   SyntheticSceneOf<Streams> scene(layers);
   const SceneShape& shape = scene.shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
