@@ -130,7 +130,8 @@ class UnreliableEngine {
     return &given;
   }
   static void Call(void* context) {
-    const Given given = *static_cast<Given*>(context);
+    // Not a copy: `handle` is being written by the thread that enqueued it.
+    const Given& given = *static_cast<Given*>(context);
     for (uint32_t d = 0; given.fate == kDelayed && d < given.delay; ++d) std::this_thread::yield();
     for (uint32_t calls = given.fate == kRepeated ? 2 : 1; calls; --calls)
       given.task(given.context);
