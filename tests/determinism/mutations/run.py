@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The mutation suite: each small fault is noticed by whom of `pelt verify`, `pelt golden` and the unit tests must.
 
-    run.py check                     every site of mutations.toml still stands in the sources, once
+    run.py check                     every site of mutations.txt still stands in the sources, once
     run.py build  [--build DIR]      a copy of the tree with every mutant in it, built once
     run.py run    [--build DIR] [--shard I/N] [--only NAME]... [--detector verify|golden|tests]... [--results FILE]
     run.py table  FILE...            the counts of ../README.md, from one results file or of all shards
@@ -29,7 +29,7 @@ import sites  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-SUITE = HERE / "mutations.toml"
+SUITE = HERE / "mutations.txt"
 # What is run on each mutant, cheapest first; a detector stops at its first failure.
 VERIFY = ["bench/pelt", "verify", "--scene", "tiny", "--frames", "5", "--stop-at-failure"]
 # A first look at what needs none of verify's checks: a twentieth of the time.

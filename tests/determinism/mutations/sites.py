@@ -1,4 +1,4 @@
-"""Where the mutations of mutations.toml go in the sources, and the text with all of them in.
+"""Where the mutations of mutations.txt go in the sources, and the text with all of them in.
 
 Every mutation is one or more sites: a file, the exact text that stands there (`at`; inside the longer text `within`
 where it is not alone) and what takes its place (`be`). The mutated copy holds both, and a number chooses:
@@ -11,10 +11,9 @@ that overlaps another, would silently mutate something else; it is an error.
 """
 
 import pathlib
-import tomllib
+import re
 from dataclasses import dataclass, field
 
-FORMS = ("expression", "statement")
 AREAS = ("determinism", "skips", "access", "other")
 # Besides these a mutation may name the test that must notice it, as "jobs:CallOrder.*".
 DETECTORS = ("verify", "golden", "tests")
@@ -27,10 +26,24 @@ class SiteError(Exception):
 @dataclass
 class Site:
     file: str
-    at: str
-    be: str
     within: str = ""
-    form: str = "expression"
+    at: str = ""
+    be: str = ""
+
+    @property
+    def form(self) -> str:
+        return "statement" if self.ends() <= {";", "}", ""} else "expression"
+
+    def ends(self) -> set[str]:
+        return {text.rstrip()[-1:] for text in (self.at, self.be)}
+
+    def fault(self) -> str:
+        """Why its texts cannot take each other's place: a suite that does not compile proves nothing."""
+        if self.at == self.be:
+            return "nothing is changed"
+        balanced = all(t.count(a) == t.count(b) for t in (self.at, self.be) for a, b in ("()", "[]", "{}"))
+        whole = balanced and (self.form == "statement" or not self.ends() & {";", ""})
+        return "" if whole else f"not a whole {self.form}: {self.at.strip()} or {self.be.strip()}"
 
 
 @dataclass
@@ -38,60 +51,67 @@ class Mutation:
     number: int
     name: str
     area: str
-    sites: list[Site]
-    seen: tuple[str, ...]  # the detectors that must notice it
-    equivalent: str = ""  # why no run can tell: then nobody must
-
-
-@dataclass
-class Helper:
-    """Code that mutants of a file need, put in behind the text `after`."""
-
-    file: str
-    after: str
-    code: str
+    seen: tuple[str, ...]  # the detectors that must notice it; none where no run can tell
+    sites: list[Site] = field(default_factory=list)
+    equivalent: str = ""  # why no run can tell
 
 
 @dataclass
 class Suite:
     mutations: list[Mutation] = field(default_factory=list)
-    helpers: list[Helper] = field(default_factory=list)
+    helpers: list[Site] = field(default_factory=list)  # code `be`, put in behind `at`
+
+
+HEADER = re.compile(r"(\w+) ((?:\S*[^\s:] ?)+?): (.+)")
 
 
 def read_suite(path: pathlib.Path) -> Suite:
-    with open(path, "rb") as file:
-        data = tomllib.load(file)
-    suite = Suite()
-    names = set()
-    for number, entry in enumerate(data.get("mutation", []), 1):
-        name = entry["name"]
-        if name in names:
-            raise SiteError(f"{name}: the name is there twice")
-        names.add(name)
-        if entry["area"] not in AREAS:
-            raise SiteError(f"{name}: area '{entry['area']}' is none of {', '.join(AREAS)}")
-        parts = entry.get("site", [entry])
-        sites = [Site(p["file"], p["at"], p["be"], p.get("within", ""), p.get("form", "expression")) for p in parts]
-        for site in sites:
-            if site.form not in FORMS:
-                raise SiteError(f"{name}: form '{site.form}' is none of {', '.join(FORMS)}")
-            if not is_whole(site):
-                raise SiteError(f"{name}: {site.file}: not a whole {site.form}: {site.at.strip()} or {site.be.strip()}")
-            if site.at == site.be:
-                raise SiteError(f"{name}: nothing is changed")
-        seen, equivalent = tuple(entry.get("seen", ())), entry.get("equivalent", "")
-        if bool(seen) == bool(equivalent) or any(s not in DETECTORS and ":" not in s for s in seen):
-            raise SiteError(f"{name}: `seen` names {', '.join(DETECTORS)} or a test, or it is equivalent")
-        suite.mutations.append(Mutation(number, name, entry["area"], sites, seen, equivalent))
-    suite.helpers = [Helper(h["file"], h["after"], h["code"]) for h in data.get("helper", [])]
+    """The format stands at the head of mutations.txt."""
+    suite, file, sites, last = Suite(), "", [], ""
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        mark, text = line[:1], line[2:]
+        if mark in "#":  # or an empty line
+            continue
+        if line.startswith("== "):
+            file, last = line[3:], ""
+        elif mark in "@-+":
+            if not last or "@-+".index(mark) < "@-+".index(last):
+                sites.append(Site(file))
+            part = {"@": "within", "-": "at", "+": "be"}[mark]
+            setattr(sites[-1], part, getattr(sites[-1], part) + "\n" + text if mark == last else text)
+            last = mark
+        elif mark == "=":
+            suite.mutations[-1].equivalent = f"{suite.mutations[-1].equivalent} {text}".strip()
+        elif line == "helper":
+            sites, last = suite.helpers, ""
+        elif header := HEADER.fullmatch(line):
+            area, seen, name = header.groups()
+            seen = () if seen == "equivalent" else tuple(seen.split())
+            suite.mutations.append(Mutation(len(suite.mutations) + 1, name, area, seen))
+            sites, last = suite.mutations[-1].sites, ""
+        else:
+            raise SiteError(f"{path.name}:{number}: neither a head nor a site: {line}")
+    check_suite(suite)
     return suite
 
 
-def is_whole(site: Site) -> bool:
-    """Whether its texts can stand in the form: a suite that does not compile proves nothing."""
-    balanced = all(t.count(a) == t.count(b) for t in (site.at, site.be) for a, b in ("()", "[]", "{}"))
-    ends = {t.rstrip()[-1:] for t in (site.at, site.be)}
-    return balanced and (ends <= {";", "}", ""} if site.form == "statement" else "" not in ends and ";" not in ends)
+def check_suite(suite: Suite):
+    names = set()
+    for mutation in suite.mutations:
+        name = mutation.name
+        if name in names:
+            raise SiteError(f"{name}: the name is there twice")
+        names.add(name)
+        if mutation.area not in AREAS:
+            raise SiteError(f"{name}: area '{mutation.area}' is none of {', '.join(AREAS)}")
+        if bool(mutation.seen) == bool(mutation.equivalent) or any(
+                s not in DETECTORS and ":" not in s for s in mutation.seen):
+            raise SiteError(f"{name}: names {', '.join(DETECTORS)} or a test, or says why it is equivalent")
+        if not mutation.sites:
+            raise SiteError(f"{name}: no site")
+        for site in mutation.sites:
+            if fault := site.fault():
+                raise SiteError(f"{name}: {site.file}: {fault}")
 
 
 def find_once(text: str, part: str, where: str) -> int:
@@ -153,8 +173,8 @@ def mutate(suite: Suite, root: pathlib.Path) -> dict[str, str]:
             edits.setdefault(file, []).append((start, end, chain(form, texts[file][start:end], mutants), name))
     for helper in suite.helpers:
         text = read(helper.file, "helper")
-        at = find_once(text, helper.after, f"helper: {helper.file}") + len(helper.after)
-        edits.setdefault(helper.file, []).append((at, at, "\n" + helper.code, "helper"))
+        at = find_once(text, helper.at, f"helper: {helper.file}") + len(helper.at)
+        edits.setdefault(helper.file, []).append((at, at, "\n" + helper.be, "helper"))
     out = {}
     for file, changes in edits.items():
         text = texts[file]

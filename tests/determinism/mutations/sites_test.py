@@ -9,7 +9,7 @@ sys.dont_write_bytecode = True
 import sites  # noqa: E402
 
 TEXT = "float f() {\n  return a + b;\n}\nfloat g() {\n  x = y;\n  return a + c;\n}\n"
-HEAD = '[[mutation]]\nname = "{name}"\narea = "other"\nseen = ["tests"]\nfile = "f.cpp"\n'
+HEAD = "== f.cpp\nother tests: {name}\n"
 
 
 class Sites(unittest.TestCase):
@@ -23,7 +23,7 @@ class Sites(unittest.TestCase):
 
     def mutate(self, *bodies):
         text = "".join(HEAD.format(name=f"m{i}") + body + "\n" for i, body in enumerate(bodies, 1))
-        path = self.root / "suite.toml"
+        path = self.root / "suite.txt"
         path.write_text(text)
         return sites.mutate(sites.read_suite(path), self.root)["f.cpp"]
 
@@ -33,38 +33,43 @@ class Sites(unittest.TestCase):
         self.assertIn(word, str(caught.exception))
 
     def test_an_expression_is_chosen_by_number(self):
-        out = self.mutate("at = 'a + b'\nbe = 'a - b'")
+        out = self.mutate("- a + b\n+ a - b")
         self.assertEqual(out, TEXT.replace("a + b", "(PeltMutated(1) ? (a - b) : (a + b))"))
 
     def test_a_statement_is_chosen_by_number(self):
-        out = self.mutate("at = 'x = y;'\nbe = ''\nform = 'statement'")
+        out = self.mutate("- x = y;\n+")
         self.assertEqual(out, TEXT.replace("x = y;", "if (PeltMutated(1)) {  } else { x = y; }"))
 
     def test_several_of_one_site_become_a_chain(self):
-        out = self.mutate("at = 'a + b'\nbe = '1'", "at = 'a + b'\nbe = '2'")
+        out = self.mutate("- a + b\n+ 1", "- a + b\n+ 2")
         self.assertIn("(PeltMutated(1) ? (1) : ((PeltMutated(2) ? (2) : (a + b))))", out)
 
     def test_one_of_two_is_told_by_what_stands_round_it(self):
-        out = self.mutate("within = 'return a + c'\nat = 'a'\nbe = 'b'")
+        out = self.mutate("@ return a + c\n- a\n+ b")
         self.assertEqual(out, TEXT.replace("return a + c", "return (PeltMutated(1) ? (b) : (a)) + c"))
 
+    def test_a_fault_may_have_several_sites_of_several_lines(self):
+        out = self.mutate("- a + b\n+ 1\n-   x = y;\n-   return a + c;\n+")
+        self.assertIn("return (PeltMutated(1) ? (1) : (a + b));", out)
+        self.assertIn("if (PeltMutated(1)) {  } else {   x = y;\n  return a + c; }", out)
+
     def test_what_is_not_there_once_is_refused(self):
-        self.assert_refused("stands 0 times", "at = 'a * b'\nbe = 'a'")
-        self.assert_refused("stands 2 times", "at = 'return a'\nbe = 'return b'")
-        self.assert_refused("stands 2 times", "within = 'return'\nat = 'r'\nbe = 's'")
-        self.assert_refused("no file", "site = [{file = 'g.cpp', at = 'a', be = 'b'}]")
+        self.assert_refused("stands 0 times", "- a * b\n+ a")
+        self.assert_refused("stands 2 times", "- return a\n+ return b")
+        self.assert_refused("stands 2 times", "@ return\n- r\n+ s")
+        self.assert_refused("no file", "== g.cpp\n- a\n+ b")
 
     def test_overlaps_and_mistakes_are_refused(self):
-        self.assert_refused("overlap", "at = 'a + b'\nbe = '1'", "at = 'a + b;'\nbe = '2;'\nform = 'statement'")
-        self.assert_refused("not a whole expression", "at = 'x = y;'\nbe = 'x = 0;'")
-        self.assert_refused("not a whole expression", "at = 'a + c'\nbe = ''")
-        self.assert_refused("not a whole expression", "at = 'f()'\nbe = 'f('")
-        self.assert_refused("not a whole statement", "at = 'x = y;'\nbe = 'x = z'\nform = 'statement'")
-        self.assert_refused("nothing is changed", "at = 'a + b'\nbe = 'a + b'")
-        self.assert_refused("form 'line'", "at = 'a + b'\nbe = 'a'\nform = 'line'")
+        self.assert_refused("overlap", "- a + b\n+ 1", "- a + b;\n+ 2;")
+        self.assert_refused("not a whole expression", "- a + c\n+")
+        self.assert_refused("not a whole expression", "- f()\n+ f(")
+        self.assert_refused("not a whole expression", "- x = y;\n+ x = z")
+        self.assert_refused("nothing is changed", "- a + b\n+ a + b")
+        self.assert_refused("neither a head nor a site", "* a + b")
+        self.assert_refused("no site", "")
         with self.assertRaises(sites.SiteError):
-            path = self.root / "suite.toml"
-            path.write_text((HEAD.format(name="m") + "at = 'a + b'\nbe = 'a'\n") * 2)
+            path = self.root / "suite.txt"
+            path.write_text((HEAD.format(name="m") + "- a + b\n+ a\n") * 2)
             sites.read_suite(path)
 
 
