@@ -118,10 +118,13 @@ PELT_INLINE typename W::Mask IsInside(const Walls<W, kParts>& walls,
   return inside;
 }
 
-// Turns the lanes' parts out of what they may not enter, root to tip.
+// Turns parts of `lanes` that have a point beyond a wall out of what they may not enter, root to tip. Out of line:
+// points that are shaped are kept out once more.
 template <class W, uint32_t kParts>
-PELT_INLINE void LeanPartsOut(const Walls<W, kParts>& walls, typename W::Mask lanes,
-                              chain::Group<W, kParts>& g) {
+__attribute__((noinline)) void LeanPartsOut(const Walls<W, kParts>& walls, typename W::Mask lanes,
+                                            chain::Group<W, kParts>& g) {
+  lanes = IsInside(walls, g) & lanes;
+  if (!Any(lanes)) return;
   Vec3<W> before = {W(0.0f), W(0.0f), W(0.0f)}, at = before;
   for (uint32_t i = 0; i < kParts; ++i) {
     const Vec3<W> part = g.point[i] - before;
@@ -169,8 +172,7 @@ PELT_INLINE void PushOut(const LayerBlock& layer, const SimulateParams& params,
                          const W (&left)[kParts], chain::Group<W, kParts>& g) {
   Walls<W, kParts> walls = EndWalls(layer, params, g);
   for (uint32_t i = 0; i < kParts; ++i) walls.left[i] = left[i];
-  const auto touching = IsInside(walls, g);
-  if (Any(touching)) LeanPartsOut(walls, touching, g);
+  LeanPartsOut(walls, W(0.0f) < W(1.0f), g);
 }
 
 // A point goes the share `strength` of the way from its groomed place, all of it in lanes `full`.
@@ -219,9 +221,7 @@ PELT_INLINE void KeepOut(const LayerBlock& layer, const SimulateParams& params,
                          chain::Group<W, kParts>& g) {
   Walls<W, kParts> walls = DrawnWalls(layer, params, g);
   for (uint32_t i = 0; i < kParts; ++i) walls.left[i] = left[i];
-  const typename W::Mask inside = IsInside(walls, g) & shaped;
-  if (!Any(inside)) return;
-  LeanPartsOut(walls, inside, g);
+  LeanPartsOut(walls, shaped, g);
 }
 
 }  // namespace pelt::modal

@@ -1,6 +1,8 @@
 // What a modal frame leaves: state and points, but for lanes at rest, which keep their bits.
 #pragma once
 
+#include <type_traits>
+
 #include "core/kernels/modal_start.hpp"
 
 namespace pelt::modal {
@@ -112,7 +114,8 @@ struct FrameEnd {
           });
       return moved;
     }
-    if (may_rest && AllSet(moved | picked)) {
+    // Not of lanes that were picked from several groups: those that keep their bits are few, and the code is long.
+    if (std::is_same_v<At, uint32_t> && may_rest && AllSet(moved | picked)) {
       const auto put = [&](float* row, W value) __attribute__((always_inline)) {
         const W old = LoadLanes<W>(row, at);
         StoreLanes(Select(picked, old, value), row, at);

@@ -87,15 +87,15 @@ inline constexpr float kMostWeight = 1.25f, kMostWeightBest = 0.75f;
 
 // Lanes whose swings the substeps follow. The others are too short for them, and
 // take the step that settles (modal_fallback.hpp). `per_length`: parts a metre.
-template <bool kBest, class W, uint32_t N>
+template <class W, uint32_t N>
 PELT_INLINE typename W::Mask FollowsWeight(const ModalTableBlock& t, const float (&gravity)[3],
                                            W per_length) {
   float pull = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < N; ++i) pull += t.pull[i] * t.response[i][i];
   for (const float g : gravity) square += g * g;
-  constexpr float kMost = kBest ? kMostWeightBest : kMostWeight;
+  const float most = t.use_slope != 0 ? kMostWeightBest : kMostWeight;
   const W weight = per_length * W(pull);
-  return weight * weight * W(square) <= W(kMost * kMost);
+  return weight * weight * W(square) <= W(most * most);
 }
 
 // The share of the last multipliers that LookAhead takes.
@@ -367,6 +367,14 @@ __attribute__((noinline)) typename W::Mask StepFrame(const ModalTableBlock& t, b
     touches.Settle(t, k, motion);
   }
   return good;
+}
+
+// By the table's quality.
+template <class W, uint32_t N, class Touches>
+PELT_INLINE typename W::Mask StepFrame(const ModalTableBlock& t, bool wind, Touches& touches,
+                                       Motion<W, N>& motion) {
+  return t.use_slope != 0 ? StepFrame<true>(t, wind, touches, motion)
+                          : StepFrame<false>(t, wind, touches, motion);
 }
 
 }  // namespace pelt::modal

@@ -79,10 +79,8 @@ struct SimulateModal {
                                                 const Extras& extras) {
     if constexpr (!std::is_same_v<V, Free>)
       SimulateModal<Free, kPoints, kVertexChains>::RunWith(params, ports, extras);
-    else if (ports.table->use_slope != 0)
-      RunAs<true>(params, ports, extras);
     else
-      RunAs<false>(params, ports, extras);
+      RunAs(params, ports, extras);
   }
 
  private:
@@ -94,12 +92,11 @@ struct SimulateModal {
   template <class, uint32_t, bool>
   friend struct SimulateModal;
 
-  template <bool kBest>
   PELT_INLINE static void RunAs(const Params& params, const Ports& ports, const Extras& extras) {
     Picks picks;
     chain::RunChunk<kVertexChains>(
         ports, [&](uint32_t begin, uint32_t end, uint32_t live, bool follows) {
-          return RunRange<kBest>(params, ports, extras, begin, end, live, follows, picks);
+          return RunRange(params, ports, extras, begin, end, live, follows, picks);
         });
   }
 
@@ -118,39 +115,37 @@ struct SimulateModal {
   // only the registers of machines with many. Groups without a live lane are left out: chunks of mesh vertices are so short
   // that they are a tenth of all groups of eight in `monster`.
   // Each lot is out of line, so that their frames are not on the stack together.
-  template <bool kBest>
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live, bool follows,
                                    Picks& picks) {
     for (LaneList<V>& list : picks.of) list.count = 0;
     const uint32_t last = end < live ? end : live;
-    bool changed = RunFree<kBest>(params, ports, extras, begin, last, live, follows, picks);
+    bool changed = RunFree(params, ports, extras, begin, last, live, follows, picks);
     uint32_t left = kTouches;
     if constexpr (kHasPlain)
       if (picks.of[left++].count > 0)
         changed |=
-            SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain, kBest>(
+            SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain>(
                 params, ports, extras, live, follows, picks, picks.plain, kTouches, left);
     uint32_t rest = 0;
     for (uint32_t kind = left; kind < kKinds; ++kind) rest += picks.of[kind].count;
     if (rest > 0)
-      changed |= SimulateModal<Rare, kPoints, kVertexChains>::template RunPicked<Lot::kRare, kBest>(
+      changed |= SimulateModal<Rare, kPoints, kVertexChains>::template RunPicked<Lot::kRare>(
           params, ports, extras, live, follows, picks, picks.rare, left, kKinds);
     return changed;
   }
 
-  template <bool kBest>
   static __attribute__((noinline)) bool RunFree(const Params& params, const Ports& ports,
                                                 const Extras& extras, uint32_t begin, uint32_t end,
                                                 uint32_t live, bool follows, Picks& picks) {
     bool changed = false;
     for (uint32_t first = begin; first < end; first += uint32_t(V::kLanes))
-      changed |= RunGroup<Lot::kFree, kBest>(params, ports, extras, first, live, follows, &picks);
+      changed |= RunGroup<Lot::kFree>(params, ports, extras, first, live, follows, &picks);
     return changed;
   }
 
   // The kinds from `begin` to `end` of what a kernel on other lanes has picked, of which `group` holds one.
-  template <Lot kLot, bool kBest, class OtherPicks>
+  template <Lot kLot, class OtherPicks>
   static __attribute__((noinline)) bool RunPicked(const Params& params, const Ports& ports,
                                                   const Extras& extras, uint32_t live, bool follows,
                                                   OtherPicks& picks, PickedLanes<V>& group,
@@ -158,7 +153,7 @@ struct SimulateModal {
     bool changed = false;
     for (uint32_t kind = begin; kind < end; ++kind)
       for (uint32_t i = 0; i < picks.of[kind].count; i += uint32_t(V::kLanes))
-        changed |= RunGroup<kLot, kBest>(params, ports, extras, picks.of[kind].Group(i, group),
+        changed |= RunGroup<kLot>(params, ports, extras, picks.of[kind].Group(i, group),
                                          live, follows, static_cast<Picks*>(nullptr));
     return changed;
   }
@@ -232,7 +227,7 @@ struct SimulateModal {
 
   // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
   // deep points stay inside what they leave slowly, m.
-  template <Lot kLot, bool kBest, class At>
+  template <Lot kLot, class At>
   static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
                                        Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
                                        V per_length, const Group& g, V (&left)[kParts],
@@ -240,11 +235,11 @@ struct SimulateModal {
     const ModalTableBlock& t = *ports.table;
     Touches<kLot> touches;
     if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, touches);
-    const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
+    const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
     Mask good = fresh;
     if (Any(follows))
       good =
-          good | (modal::StepFrame<kBest>(t, Start::WindChanges(ports), touches, motion) & follows);
+          good | (modal::StepFrame(t, Start::WindChanges(ports), touches, motion) & follows);
     const Mask touched = touches.Touched() & good;
     V deep[Q];
     touches.Left(deep);
@@ -258,7 +253,6 @@ struct SimulateModal {
   // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
   // that it fails. `rubs`: those that may touch a collider; set where the layer has friction. `struck`: those that
   // something fast may reach.
-  template <bool kBest>
   static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
                                    const Vec3<V> (&rest)[N], V per_length, const Group& g,
                                    Mask& rubs, Mask& struck, Motion& motion) {
@@ -271,10 +265,10 @@ struct SimulateModal {
       LoadTouches(params, ports, first, rest, g, notes);
       if (ports.layer->friction > 0.0f) rubs = notes.around.colliders.any;
     }
-    const Mask follows = modal::FollowsWeight<kBest, V, N>(t, ports.layer->gravity, per_length);
+    const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
     if (!Any(follows)) return !follows;
     const Mask good =
-        modal::StepFrame<kBest>(t, Start::WindChanges(ports), notes, motion) & follows;
+        modal::StepFrame(t, Start::WindChanges(ports), notes, motion) & follows;
     return notes.inside | !good | struck;
   }
 
@@ -331,7 +325,7 @@ struct SimulateModal {
 
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
-  template <Lot kLot, bool kBest, class At>
+  template <Lot kLot, class At>
   static PELT_INLINE bool RunGroup(const Params& params, const Ports& ports, const Extras& extras,
                                    const At& at, uint32_t live, bool follows, Picks* picks) {
     constexpr bool kPicks = kLot == Lot::kFree;
@@ -387,11 +381,11 @@ struct SimulateModal {
     } else if (!restart) {
       ahead.template Fetch<5>();
       if constexpr (kPicks) {
-        picked = StepFree<kBest>(params, ports, at, rest, per_length, g, rubs, struck, motion);
+        picked = StepFree(params, ports, at, rest, per_length, g, rubs, struck, motion);
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         picked = picked | was, struck = struck | was;
       } else if constexpr (kLot == Lot::kPlain) {
-        touched = StepTouching<kLot, kBest>(params, ports, at, fresh, rest, hold, per_length, g,
+        touched = StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g,
                                             left, motion);
       } else {
         Motion after;
@@ -399,7 +393,7 @@ struct SimulateModal {
         if (Any(was) || Colliders<V>::HasMoving(params))
           struck = StepStruck(params, ports, at, fresh, rest, per_length, g, motion, clock, after);
         if (!AllSet(struck))
-          touched = StepTouching<kLot, kBest>(params, ports, at, fresh, rest, hold, per_length, g,
+          touched = StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g,
                                               left, motion);
         if (Any(struck)) {
           TakeLanes(struck, after, motion);
