@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bench/accuracy/comparison/chunk_rows.hpp"
-#include "bench/accuracy/packing.hpp"
 #include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/modal/modal_block.hpp"
@@ -19,33 +18,6 @@ struct Blocks : ChunkRows<kPoints> {
   Owned<ModalStateBlock<NodesOf(kPoints)>> chain;
   Owned<RootRateBlock> rates;
 };
-
-// Rounded as shares of `unit`, a power of two.
-template <class Row>
-void RoundRows(Row& rows, float (*round)(float), float unit = 1.0f) {
-  float* first = reinterpret_cast<float*>(&rows);
-  for (size_t i = 0; i < sizeof rows / sizeof(float); ++i) first[i] = round(first[i] / unit) * unit;
-}
-
-// As if it had been written in that format and read back. Forces, up to 10^6 1/s^2, are stored as
-// shares of the layer's hardest spring: binary16 ends at 65504.
-template <uint32_t kNodes>
-void PackState(StateFormat format, const ModalTableBlock& table, ModalStateBlock<kNodes>& chain) {
-  if (format == StateFormat::kFloat) return;
-  float hardest = 1.0f;
-  for (const auto& row : table.bend)
-    for (const float k : row) hardest = std::max(hardest, std::abs(k));
-  const float force = std::exp2(std::ceil(std::log2(hardest)));
-  if (format == StateFormat::kHalf) RoundRows(chain.direction, RoundHalf);
-  if (format == StateFormat::kSignedAndHalf) RoundRows(chain.direction, RoundSigned16);
-  if (format != StateFormat::kHalfHistory) RoundRows(chain.velocity, RoundHalf);
-  RoundRows(chain.multiplier, RoundHalf, force);
-  for (auto* rows : {&chain.bend, &chain.bend_step, &chain.bend_turn})
-    RoundRows(*rows, RoundHalf, force);
-  for (auto* rows : {&chain.root_step, &chain.root_turn, &chain.wind, &chain.normal})
-    RoundRows(*rows, RoundHalf);
-  RoundRows(chain.quiet_s, RoundHalf);
-}
 
 template <uint32_t kPoints>
 class ModalSolver final : public StrandSolver {
@@ -103,7 +75,6 @@ class ModalSolver final : public StrandSolver {
   // A layer's table is made once per frame, on the caller's thread: not the kernel's time.
   void Prepare(const FrameRows& frame) override {
     MoveColliders();
-    for (auto& c : chunks_) PackState(features_.state, *table_.block, *c->chain.block);
     if (next_dt_ > 0.0) {
       times_ = NextTimes(times_, next_dt_);
       params_.dt = float(next_dt_);

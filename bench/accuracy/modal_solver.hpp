@@ -25,14 +25,6 @@ struct ModalKernels {
 // As built for an instruction set. Throws Error when this program or processor lacks it.
 ModalKernels ModalKernelsOf(Isa isa);
 
-// How the state is kept from frame to frame (quantisation.hpp). Pelt's is floats.
-enum class StateFormat : uint8_t {
-  kFloat,
-  kHalf,           // all of it binary16
-  kSignedAndHalf,  // directions 16 bits signed normalised, the rest binary16
-  kHalfHistory     // directions and speeds floats, the rest binary16
-};
-
 // What acts on the strands besides their material, gravity and wind. As it stands here: nothing.
 struct ModalFeatures {
   bool wind = true;               // the layer reads the wind
@@ -54,7 +46,6 @@ struct ModalFeatures {
   float clump = 0.0f;         // towards the first strands of a chunk
   float strength = 1.0f;      // of every strand
   bool velocities = false;    // of the root are given with its poses
-  StateFormat state = StateFormat::kFloat;
 };
 // How far sphere and capsule have gone, the runs beginning at 0 s, and how fast they go.
 Double3 ColliderWay(const ModalFeatures& features, double seconds);

@@ -8,7 +8,6 @@
 
 #include "bench/accuracy/recorded_run.hpp"
 #include "bench/accuracy/report/accuracy_features.hpp"
-#include "bench/accuracy/report/accuracy_order.hpp"
 #include "bench/accuracy/report/accuracy_report.hpp"
 #include "bench/accuracy/report/accuracy_scene.hpp"
 #include "bench/command/commands.hpp"
@@ -103,16 +102,6 @@ ExitCode MeasureScene(const AccuracyArgs& args) {
   return kDone;
 }
 
-ExitCode MeasureOrder(const AccuracyArgs& args) {
-  OrderOptions options{.isa = args.isa, .quick = args.quick};
-  std::optional<Progress> shown;
-  options.progress = ShowOn(shown);
-  const OrderPrecision precision = MeasureOrderPrecision(SceneOf(args), options);
-  shown.reset();
-  PrintTree(args, MakeOrderTree(precision, DescribeMachine()));
-  return kDone;
-}
-
 ExitCode MeasureAllFeatures(const AccuracyArgs& args) {
   FeatureReport report = MeasureFeatureReport(args.isa, args.links, args.quick);
   report.machine = DescribeMachine();
@@ -133,10 +122,6 @@ ExitCode MeasureAll(const AccuracyArgs& args) {
   report.cantilever = MeasureCantilever(args.isa);
   report.model_options = ModelOptionsOf(options);
   report.model_error = MeasureModelError(report.model_options);
-  report.quantisation_options.presets = options.presets;
-  report.quantisation_options.drawn.seed = options.seed;
-  if (options.quick) report.quantisation_options.drawn.motions = 2;
-  report.quantisation = MeasureQuantisation(report.quantisation_options, args.isa);
   report.pendulum = MeasurePendulum(args.isa, args.quick);
   report.stability = MeasureStability(args.isa, args.quick);
   report.machine = DescribeMachine();
@@ -207,7 +192,6 @@ ExitCode MeasureAccuracy(const AccuracyArgs& args) {
   if (!FindKernels(args.isa))
     throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
   if (!args.write_example.empty()) return WriteExample(args.write_example);
-  if (args.order) return MeasureOrder(args);
   if (args.scene) return MeasureScene(args);
   if (args.features) return MeasureAllFeatures(args);
   return args.roots.empty() ? MeasureAll(args) : RunRecorded(args);

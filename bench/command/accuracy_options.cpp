@@ -89,9 +89,6 @@ void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
                "more closely than its substeps");
   AddInputFile(app, "--plan", scene.plan,
                "Of a scene: also with its layers as this file of pelt fit --out has them");
-  app.add_flag("--order", args.order,
-               "Of a scene: pictures of it in other drawing orders against every pixel sorted by "
-               "itself");
   app.add_flag("--features", args.features,
                "Instead of the benchmark: error, penetration and time of contacts, max_distance, "
                "clumps, strength and wind");
@@ -103,7 +100,7 @@ void CompleteScene(const CLI::App& app, std::optional<ScenarioRequest>& scene) {
   const auto given = std::ranges::find_if(kScenes, [&](const char* s) { return app.count(s); });
   if (given == std::end(kScenes)) {
     RefuseUnless(app, false,
-                 {"--frames", "--no-contact", "--plan", "--order", "--clip", "--once", "--lights"},
+                 {"--frames", "--no-contact", "--plan", "--clip", "--once", "--lights"},
                  "--scene or --character");
     scene.reset();
     return;
@@ -119,7 +116,6 @@ void CheckAccuracy(const CLI::App& app, AccuracyArgs& args) {
   RefuseBeside(app, "--roots",
                {"--rates", "--links", "--presets", "--seed", "--tuned", "--calibrated", "--quick",
                 "--json", "--features"});
-  RefuseBeside(app, "--order", {"--frames", "--no-contact", "--plan"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--seed", "--tuned"});
   RefuseAllBut(app, "--write-example", {});
   RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
@@ -155,7 +151,6 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "  pelt accuracy --quick --presets soft --seed 7\n"
       "  pelt accuracy --quick --presets soft --tuned --calibrated\n"
       "  pelt accuracy --scene tiny --quick --json scene.json\n"
-      "  pelt accuracy --scene tiny --order --quick\n"
       "  pelt accuracy --character builtin --setup tiny --clip shake --quick --frames 24\n"
       "  pelt accuracy --features --quick --links 3 --json features.json\n"
       "  pelt accuracy --write-example .\n"

@@ -282,7 +282,6 @@ struct AccuracyArgs {
   uint32_t frames = 0;                   // of the scene; 0: enough
   bool contact = true;                   // in the scene
   bool features = false;
-  bool order = false;  // of drawing, in the scene
 };
 ExitCode MeasureAccuracy(const AccuracyArgs& args);
 

@@ -318,11 +318,9 @@ check_accuracy_errors() {
   expect 2 --presets -- accuracy --scene tiny --presets soft
   expect 2 --scene -- accuracy --frames 10
   expect 2 --features -- accuracy --scene tiny --features
-  expect 2 --scene -- accuracy --order
   expect 2 --clip -- accuracy --clip walk
   expect 2 --features -- accuracy --setup tiny --features
   expect 2 'walk, idle, shake' -- accuracy --character builtin --setup tiny --clip run
-  expect 2 --no-contact -- accuracy --scene tiny --order --no-contact
   expect 2 /nowhere/ -- accuracy --scene tiny --quick --frames 12 --json /nowhere/x.json
   "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   local run=(accuracy --out points.csv --strand strand.toml --roots)

@@ -79,7 +79,6 @@ hold_file accuracy accuracy --quick --presets soft
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12
 printf '[[layer]]\ncharacter = 0\nname = "vertex"\nsolver = "modal"\nquality = "fast"\n' >plan.toml
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12 --plan plan.toml
-hold_file accuracy_order accuracy --quick --scene tiny --order
 hold_file accuracy_features accuracy --quick --features --links 3
 
 # A key that nobody documented, and one that went missing, are seen.

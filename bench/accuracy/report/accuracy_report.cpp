@@ -162,25 +162,6 @@ void AddCantilever(const std::vector<CantileverRow>& rows, ReportTree& tree) {
                std::vector<double>(std::begin(row.strand_miss), std::end(row.strand_miss))});
 }
 
-void AddQuantisation(const AccuracyReport& report, ReportTree& tree) {
-  const QuantisationOptions& options = report.quantisation_options;
-  tree.BlankLine();
-  tree.Say(fmt::format(
-      "What 16 bits would cost, or do, against the same without them: {} links, quality fine, "
-      "60 Hz, {} motions of {} strands drawn for each material, ill-conditioned ones too. Bytes: "
-      "of "
-      "a strand's state, of a place or of a tangent; secondary: of the secondary motion.",
-      options.links, options.drawn.motions, options.strands));
-  ReportTable& table = tree.AddTable("quantisation", {{"what"},
-                                                      {"bytes"},
-                                                      {"rms_m", "mm", -2, "off, RMS", 1000},
-                                                      {"worst_m", "mm", -2, "worst", 1000},
-                                                      {"of_length", "", -2, "of length"},
-                                                      {"of_secondary", "%", -2, "secondary", 100}});
-  for (const QuantisationRow& row : report.quantisation)
-    table.Add({row.what, row.bytes, row.rms_m, row.worst_m, row.of_length, row.of_secondary});
-}
-
 void AddPendulum(const std::vector<PendulumRow>& rows, ReportTree& tree) {
   tree.BlankLine();
   tree.Say("Pendulum challenge, third point at 1 s");
@@ -265,7 +246,6 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
   for (const WorkPrecisionPanel& panel : table.panels)
     AddPanel(table, panel, tree.AddEntry("panels"));
   AddCantilever(report.cantilever, tree);
-  AddQuantisation(report, tree);
   AddPendulum(report.pendulum, tree);
   AddStability(report.stability, tree);
   tree.BlankLine();

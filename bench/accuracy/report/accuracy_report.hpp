@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bench/accuracy/model_error.hpp"
-#include "bench/accuracy/quantisation.hpp"
 #include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/work_precision.hpp"
 #include "bench/report/machine.hpp"
@@ -21,8 +20,6 @@ struct AccuracyReport {
   accuracy::WorkPrecision table;
   accuracy::ModelErrorOptions model_options;
   accuracy::ModelErrorTable model_error;
-  accuracy::QuantisationOptions quantisation_options;
-  std::vector<accuracy::QuantisationRow> quantisation;
   std::vector<accuracy::CantileverRow> cantilever;
   std::vector<accuracy::PendulumRow> pendulum;
   std::vector<accuracy::StabilityRow> stability;
