@@ -133,8 +133,8 @@ struct Entrant {
 };
 
 constexpr std::string_view kModal[] = {"modal", "modal-fine", "modal-best"};
-constexpr std::string_view kRivals[] = {"pbd-4",  "verlet-4", "textbook-pbd-4",
-                                        "xpbd-8", "rod4-4",   "trapezoid-2"};
+constexpr std::string_view kRivals[] = {"pbd-4", "verlet-4", "textbook-pbd-4", "xpbd-8",
+                                        "trapezoid-2"};
 
 // What layers have first, the rod's own convergence last.
 std::vector<Entrant> Entrants(bool by_solvers) {

@@ -41,18 +41,6 @@ std::string_view NameStem(Family family) {
       return "xpbd16";
     case Family::kXpbdCubic:
       return "xpbd-cubic";
-    case Family::kRod:
-      return "rod";
-    case Family::kRodIterated:
-      return "rod4";
-    case Family::kRodSwept:
-      return "rod16";
-    case Family::kDescent:
-      return "descent";
-    case Family::kDescentIterated:
-      return "descent4";
-    case Family::kDescentSwept:
-      return "descent16";
     case Family::kImplicitEuler:
       return "euler";
     case Family::kTrapezoid:
@@ -77,18 +65,6 @@ MethodSettings MethodOf(Family family, int spent) {
       return {Method::kXpbd, spent, 16};
     case Family::kXpbdCubic:
       return {Method::kXpbdCubic, spent, 1};
-    case Family::kRod:
-      return {Method::kCosseratRod, spent, 1};
-    case Family::kRodIterated:
-      return {Method::kCosseratRod, spent, 4};
-    case Family::kRodSwept:
-      return {Method::kCosseratRod, spent, 16};
-    case Family::kDescent:
-      return {Method::kChainDescent, spent, 1};
-    case Family::kDescentIterated:
-      return {Method::kChainDescent, spent, 4};
-    case Family::kDescentSwept:
-      return {Method::kChainDescent, spent, 16};
     case Family::kImplicitEuler:
       return {Method::kImplicitEuler, spent, kNewtonSteps};
     default:
@@ -136,12 +112,6 @@ const std::vector<Members>& AllMembers() {
       {Family::kXpbdIterated, {1, 2, 4, 8, 16}, {4}},
       {Family::kXpbdSwept, {1, 2, 4}, {}},
       {Family::kXpbdCubic, {1, 2, 4, 8, 16, 32, 64}, {8, 32}},
-      {Family::kRod, {4, 16}, {}},
-      {Family::kRodIterated, {1, 2, 4, 8, 16}, {2}},
-      {Family::kRodSwept, {1, 4}, {}},
-      {Family::kDescent, {4, 16}, {}},
-      {Family::kDescentIterated, {1, 2, 4, 8, 16, 32}, {2}},
-      {Family::kDescentSwept, {1, 4}, {}},
       {Family::kImplicitEuler, {1, 2, 4, 8}, {1}},
       {Family::kTrapezoid, {1, 2, 4, 8}, {1, 2}}};
   return members;
@@ -149,14 +119,6 @@ const std::vector<Members>& AllMembers() {
 
 constexpr double kStiffnessScales[] = {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7,
                                        1.0,  1.4,  2.0, 3.0, 5.0,  8.0};
-// Rods' lengths: what is best is flat, and a score of a rod takes long.
-constexpr double kStretchScales[] = {0.35, 1.0, 3.0, 8.0};
-
-std::span<const double> ScalesOf(Family family) {
-  if (family >= Family::kRod && family <= Family::kDescentSwept) return kStretchScales;
-  return kStiffnessScales;
-}
-
 }  // namespace
 
 std::string_view FamilyName(Family family) {
@@ -168,12 +130,6 @@ std::string_view FamilyName(Family family) {
                                                          "XPBD, 4 iterations",
                                                          "XPBD, 16 iterations",
                                                          "XPBD, cubic root",
-                                                         "Cosserat rod",
-                                                         "Cosserat rod, 4 iterations",
-                                                         "Cosserat rod, 16 iterations",
-                                                         "block descent",
-                                                         "block descent, 4 iterations",
-                                                         "block descent, 16 iterations",
                                                          "implicit Euler",
                                                          "trapezoid",
                                                          "modal, Pelt's"};
@@ -181,8 +137,7 @@ std::string_view FamilyName(Family family) {
 }
 
 bool NamedSolver::Tuned() const {
-  return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader ||
-         (family >= Family::kRod && family <= Family::kDescentSwept);
+  return IsCore(family) || family == Family::kPbd || family == Family::kFollowTheLeader;
 }
 
 double NamedSolver::stiffness_scale() const {
@@ -258,7 +213,7 @@ std::vector<NamedSolver> TuningCandidates(const NamedSolver& solver) {
   std::vector<NamedSolver> candidates;
   for (const bool one_sided : {false, true}) {
     if (one_sided && solver.family != Family::kPbd) continue;
-    for (const double scale : ScalesOf(solver.family)) {
+    for (const double scale : kStiffnessScales) {
       NamedSolver& candidate = candidates.emplace_back(solver);
       candidate.method.one_sided = one_sided;
       candidate.method.stiffness_scale = candidate.core.stiffness_scale = scale;

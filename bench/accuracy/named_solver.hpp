@@ -25,17 +25,11 @@ enum class Family : uint8_t {
   kXpbdIterated,  // four
   kXpbdSwept,     // sixteen
   kXpbdCubic,     // one, the root on a cubic
-  kRod,           // Cosserat, one iteration a substep
-  kRodIterated,   // four
-  kRodSwept,      // sixteen
-  kDescent,       // of the chain's own energy, one
-  kDescentIterated,
-  kDescentSwept,
   kImplicitEuler,
   kTrapezoid,
   kModal,  // ours
 };
-inline constexpr size_t kFamilies = 17;
+inline constexpr size_t kFamilies = 11;
 std::string_view FamilyName(Family family);  // "implicit Euler"
 
 struct NamedSolver {
@@ -49,8 +43,7 @@ struct NamedSolver {
   ModalQuality quality = ModalQuality::kFine;
   bool velocities = false;  // modal: takes the root's, where a motion has them
 
-  // Its stiffness, or that of its lengths, is not the material's but found by trying
-  // (TuningCandidates).
+  // Its stiffness is not the material's but found by trying (TuningCandidates).
   bool Tuned() const;
   double stiffness_scale() const;
 };

@@ -27,9 +27,9 @@ using namespace accuracy;
 
 namespace {
 
-constexpr std::string_view kUsualSolvers[] = {"modal",       "modal-fine", "modal-best", "pbd",
-                                              "verlet",      "xpbd-8",     "rod4-4",     "euler-1",
-                                              "trapezoid-2", "trapezoid-4"};
+constexpr std::string_view kUsualSolvers[] = {"modal",   "modal-fine",  "modal-best",
+                                              "pbd",     "verlet",      "xpbd-8",
+                                              "euler-1", "trapezoid-2", "trapezoid-4"};
 
 struct StressRow {
   int links;

@@ -99,51 +99,6 @@ TEST(Comparison, ErrorsFallWithTheStep) {
   EXPECT_GT(error(Method::kXpbd, 8, 1) / error(Method::kXpbd, 32, 1), 4.0);
 }
 
-// Motions that are short, strands that are few: sweeps take their time.
-Suite SmallSuite(CurlModel curl) {
-  SuiteOptions options;
-  options.strands = 2;
-  options.seconds = 2.5;
-  options.curl = curl;
-  options.presets = {kPresets[2]};
-  options.motions = {Motion::kWalk, Motion::kHeadshake};
-  return SolveSuite(options);
-}
-
-// Block descent on the chain's own energy goes to the exact motion of the chain, with the order of
-// implicit Euler: its lengths harden like 1 / h, which vanishes as fast.
-TEST(Comparison, BlockDescentGoesToTheExactMotion) {
-  const Suite suite = SmallSuite(CurlModel::kRoot);
-  double last = 0.0;
-  for (const int substeps : {4, 16, 64}) {
-    const Score score = ScoreSolver(suite, 0, Fixed({Method::kChainDescent, substeps, 16}), 120);
-    std::printf("block descent, %2d substeps of 16 sweeps at 120 Hz: %.2f %%, stretch %.0e\n",
-                substeps, 100.0 * score.error, score.stretch);
-    if (last > 0.0) {
-      EXPECT_GT(last / score.error, 3.0);
-    }
-    last = score.error;
-  }
-  EXPECT_LT(last, 0.01);
-}
-
-// The Cosserat rod goes to the motion of a rod whose curl turns with the segment above, near the
-// chain's of that kind; from one whose curl turns with the root the models part it, not the steps.
-TEST(Comparison, CosseratRodsAreOffByTheirModelOfTheCurl) {
-  const auto error = [](CurlModel curl, int substeps) {
-    const Suite suite = SmallSuite(curl);
-    return ScoreSolver(suite, 0, Fixed({Method::kCosseratRod, substeps, 16}), 120).error;
-  };
-  const double parent = error(CurlModel::kParent, 16), root = error(CurlModel::kRoot, 16);
-  std::printf(
-      "Cosserat rod, 16 substeps of 16 sweeps at 120 Hz: %.2f %% of a curl that turns with "
-      "the parent, %.2f %% with the root\n",
-      100.0 * parent, 100.0 * root);
-  EXPECT_LT(parent, 0.1);
-  EXPECT_GT(root, 2.0 * parent);
-  EXPECT_GT(error(CurlModel::kParent, 4) / parent, 2.0);
-}
-
 // The line that users draw between two poses of the root is the smaller part of XPBD's error.
 TEST(Comparison, ACubicRootTakesSomeOfTheErrorOfXpbd) {
   const Suite& suite = SharedSuite();
@@ -178,8 +133,6 @@ const MethodSettings kAll[] = {kLeader,
                                {.method = Method::kPbd, .iterations = 2, .one_sided = true},
                                {Method::kXpbd, 8, 2},
                                {Method::kXpbdCubic, 8, 1},
-                               {Method::kCosseratRod, 4, 2},
-                               {Method::kChainDescent, 4, 2},
                                kEuler,
                                kTrapezoid2};
 

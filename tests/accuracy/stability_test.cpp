@@ -205,19 +205,6 @@ TEST(Stress, ImplicitEulerSettlesOnEveryRow) {
   }
 }
 
-// Springs for lengths stretch, and that is all that they do: only where hard joints follow soft
-// ones sweeps on the chain's own energy still creep in the end.
-TEST(Stress, RodsByBlockDescentSettle) {
-  for (const StressProblem& row : StressProblems({.random_starts = 80})) {
-    const bool creeps = row.name.find("harder to the tip") != std::string::npos;
-    for (const Method method : {Method::kCosseratRod, Method::kChainDescent}) {
-      const StressResult r = RunStress(row, Solver(method, 4, 4));
-      EXPECT_EQ(r.non_finite, 0) << row.name;
-      EXPECT_LE(r.unsettled, creeps && method == Method::kChainDescent ? 8 : 0) << row.name;
-    }
-  }
-}
-
 // Why it is not our best tier: bare as it is, strands are lost for good.
 TEST(Stress, TheTrapezoidLosesStrands) {
   for (const int substeps : {2, 4}) {

@@ -115,9 +115,6 @@ TEST(NamedSolver, NamesLeadBack) {
   EXPECT_EQ(FindSolver("xpbd-50")->method.substeps, 50);
   EXPECT_EQ(FindSolver("xpbd16-2")->method.iterations, 16);
   EXPECT_EQ(FindSolver("xpbd-cubic-8")->method.method, Method::kXpbdCubic);
-  EXPECT_EQ(FindSolver("rod-8")->method.method, Method::kCosseratRod);
-  EXPECT_EQ(FindSolver("rod16-4")->method.iterations, 16);
-  EXPECT_EQ(FindSolver("descent4-8")->method.method, Method::kChainDescent);
   EXPECT_EQ(FindSolver("pbd")->core.iterations, 4u);
   EXPECT_EQ(FindSolver("verlet")->core.method, CoreMethod::kVerlet);
   for (const char* wrong : {"", "xpbd", "xpbd-", "xpbd-0", "xpbd-65", "xpbd-8x", "xpbd--8", "pbdx",

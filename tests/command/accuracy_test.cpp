@@ -130,7 +130,7 @@ TEST(AccuracyReport, JsonBeginsWithTheRod) {
       models.insert(rows[r]["model"]);
     }
     for (const char* mover : {"exactly", "modal", "modal-fine", "modal-best", "pbd-4", "verlet-4",
-                              "textbook-pbd-4", "xpbd-8", "rod4-4", "trapezoid-2"})
+                              "textbook-pbd-4", "xpbd-8", "trapezoid-2"})
       EXPECT_TRUE(movers.contains(mover)) << mover;
     for (const char* model : {"3 nodes", "4 nodes", "3 links", "4 links", "rod, 8 nodes"})
       EXPECT_TRUE(models.contains(model)) << model;

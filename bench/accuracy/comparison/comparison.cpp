@@ -72,12 +72,6 @@ std::string MethodLabel(const MethodSettings& settings) {
     case Method::kXpbdCubic:
       return fmt::format("XPBD, cubic root, {}, {}", count(settings.substeps, "substep"),
                          count(settings.iterations, "iteration"));
-    case Method::kCosseratRod:
-      return fmt::format("Cosserat rod, {}, {}", count(settings.substeps, "substep"),
-                         count(settings.iterations, "iteration"));
-    case Method::kChainDescent:
-      return fmt::format("block descent, {}, {}", count(settings.substeps, "substep"),
-                         count(settings.iterations, "iteration"));
     case Method::kImplicitEuler:
       return fmt::format("implicit Euler, {}, {}", count(settings.substeps, "substep"),
                          count(settings.iterations, "Newton step"));

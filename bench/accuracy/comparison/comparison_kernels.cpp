@@ -6,7 +6,6 @@
 #include "bench/accuracy/comparison/direct_methods.hpp"
 #include "bench/accuracy/comparison/lane_batch.hpp"
 #include "bench/accuracy/comparison/point_methods.hpp"
-#include "bench/accuracy/comparison/rod_methods.hpp"
 #include "core/kernels/unrolled.hpp"
 
 namespace pelt::accuracy {
@@ -53,10 +52,6 @@ StrandSolver* PELT_COMPARISON(const ComparisonTables& tables, const ChainMateria
       return Make<Xpbd, Pair, Pair>(tables, material, make, lanes);
     case Method::kXpbdCubic:
       return Make<XpbdCubic, Pair, Pair>(tables, material, make, lanes);
-    case Method::kCosseratRod:
-      return Make<CosseratRod, V, V>(tables, material, make, lanes);
-    case Method::kChainDescent:
-      return Make<ChainDescent, Pair, Pair>(tables, material, make, lanes);
     case Method::kImplicitEuler:
       return Make<ImplicitEuler, Direct3, V>(tables, material, make, lanes);
     case Method::kTrapezoid:

@@ -26,7 +26,6 @@ PELT_INLINE const PointTable& TableOf(const ComparisonTables& t, const PointTabl
   return t.point;
 }
 PELT_INLINE const XpbdTable& TableOf(const ComparisonTables& t, const XpbdTable*) { return t.xpbd; }
-PELT_INLINE const RodTable& TableOf(const ComparisonTables& t, const RodTable*) { return t.rod; }
 PELT_INLINE const DirectTable& TableOf(const ComparisonTables& t, const DirectTable*) {
   return t.direct;
 }

@@ -88,33 +88,6 @@ void FillXpbd(const ChainMaterial& m, const MethodSettings& settings, double fra
   FillCubicRoot(settings.substeps, t.root);
 }
 
-// How hard a length's spring may be depends on how far sweeps carry: over what inertia resists with
-// in a substep it is best about as many times as there are iterations, and may grow like 1 / h
-// only. What is best lies within a factor of 10 of this, and is found by trying.
-void FillRod(const ChainMaterial& m, const MethodSettings& settings, double frame_seconds,
-             RodTable& t) {
-  constexpr double kStretch = 0.6, kLeastBend = 1e-6;
-  t.step = MakeStep(m, settings, frame_seconds);
-  const double h = frame_seconds / settings.substeps, square = Dot(m.gravity, m.gravity);
-  t.gravity_inverse_square = float(square > 0.0 ? 1.0 / square : 0.0);
-  const double hardness =
-      settings.stiffness_scale * kStretch * settings.iterations / (h * frame_seconds);
-  double below = 0.0, lower = 0.0;
-  for (int i = m.links - 1; i >= 0; --i) {
-    below += m.mass[i];
-    const double stretch = hardness * below;
-    t.inertia[i] = float(m.mass[i] / (h * h));
-    t.stretch[i] = float(stretch);
-    t.response[i] = float(1.0 / (m.mass[i] / (h * h) + stretch + lower));
-    // An orientation that nothing bends still has to be found.
-    const double bend = std::max(m.stiffness[i], kLeastBend * stretch * m.length[i] * m.length[i]);
-    t.bend[i] = float(bend * (1.0 + m.bending_damping / h));
-    lower = stretch;
-  }
-  t.keep_strain = float(m.bending_damping / h / (1.0 + m.bending_damping / h));
-  FillCubicRoot(settings.substeps, t.root);
-}
-
 void Store(int n, const ChainMatrix& a, float (&out)[kMaxTableLinks][kMaxTableLinks]) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) out[i][j] = float(a[i][j]);
@@ -201,9 +174,6 @@ void MakeTables(const ChainMaterial& material, const MethodSettings& settings, d
     case Method::kXpbd:
     case Method::kXpbdCubic:
       return FillXpbd(material, settings, frame_seconds, tables.xpbd);
-    case Method::kCosseratRod:
-    case Method::kChainDescent:
-      return FillRod(material, settings, frame_seconds, tables.rod);
     case Method::kImplicitEuler:
     case Method::kTrapezoid:
       return FillDirect(material, settings, frame_seconds, tables.direct);

@@ -4,9 +4,7 @@
 // All methods use the same physics (mass, gravity, drag towards the wind, bending energy and
 // damping of chain_problem.hpp, curl model L); they differ in how they step it. Two of them cannot
 // take the stiffness as it is: PBD and follow-the-leader move towards the rest shape by a share,
-// and `stiffness_scale` tunes that share as their users do, by trying. Rods keep lengths by springs
-// whose hardness it tunes instead; the Cosserat rod has a bending energy of its own
-// (rod_methods.hpp).
+// and `stiffness_scale` tunes that share as their users do, by trying.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +21,6 @@ enum class Method : uint8_t {
   kPbd,              // Mueller, Heidelberger, Hennix, Ratcliff, "Position Based Dynamics", 2007
   kXpbd,             // Macklin, Mueller, Chentanez 2016, with the substeps of Macklin et al. 2019
   kXpbdCubic,        // the same, the root on a cubic through its last four samples
-  kCosseratRod,      // Hsu, Wang, Wu, Yuksel, "Stable Cosserat Rods", 2025
-  kChainDescent,     // the same descent on the chain's own bending energy
   kImplicitEuler,    // what XPBD converges to with a direct solver
   kTrapezoid,        // second order, direct, velocities projected
 };
@@ -33,7 +29,7 @@ struct MethodSettings {
   Method method = Method::kPbd;
   int substeps = 1;
   int iterations = 1;            // Gauss-Seidel sweeps or Newton steps
-  double stiffness_scale = 1.0;  // follow-the-leader, PBD; of rods' lengths
+  double stiffness_scale = 1.0;  // follow-the-leader, PBD
   double correction = 0.9;       // follow-the-leader: share of the correction given to velocities
   bool one_sided = false;        // PBD: bending moves the lower point only
 };
@@ -72,17 +68,6 @@ struct XpbdTable {
   CubicRootTable root;                                                     // kXpbdCubic
 };
 
-struct RodTable {
-  StepTable step;
-  float gravity_inverse_square;    // 0: no gravity
-  float inertia[kMaxTableLinks];   // m / h^2
-  float stretch[kMaxTableLinks];   // K, N/m
-  float response[kMaxTableLinks];  // one over the point's Hessian
-  float bend[kMaxTableLinks];      // k (1 + beta / h)
-  float keep_strain;               // beta / h over 1 + beta / h
-  CubicRootTable root;
-};
-
 // d+ = to_direction d + to_rate d' + to_rest z + pull (g + c u - ...) + response Lambda d
 struct DirectTable {
   StepTable step;
@@ -105,7 +90,6 @@ struct ComparisonTables {
   MethodSettings settings;
   PointTable point;
   XpbdTable xpbd;
-  RodTable rod;
   DirectTable direct;
 };
 

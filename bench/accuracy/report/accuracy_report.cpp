@@ -233,14 +233,8 @@ ReportTree MakeAccuracyTree(const AccuracyReport& report) {
       "Part of the secondary motion that is wrong (100 %: no better than a rigid strand), and "
       "ns per strand and frame (+-: half of what their quartiles lie apart). *: nothing as cheap "
       "is more exact at the rate nearest 60 Hz; "
-      "stretch is of that rate. Position-based solvers, follow-the-leader and the lengths of rods "
-      "are tuned on these very cases.");
-  tree.Say(
-      "Cosserat rod: vertex block descent on points and frames. A joint's stiffness k becomes 4 k "
-      "of bend and twist (the chain's energy for small angles), damping and drag are the chain's, "
-      "the lengths are springs, the root is on a cubic. Its curl turns with the frame above, the "
-      "reference's with the root: that difference of models is in its error. Block descent: the "
-      "same on the chain's own bending energy.");
+      "stretch is of that rate. Position-based solvers and follow-the-leader are tuned on these "
+      "very cases.");
   tree.Add(InJson("quick"), table.options.quick).Add(InJson("calibrated"), calibrated);
   tree.Add(InJson("rates"), table.options.rates);
   for (const WorkPrecisionPanel& panel : table.panels)
