@@ -3,7 +3,7 @@
 // A frame is a list of stages (of fur: core/kernels/frame_table.cpp). CompilePlan derives passes
 // from it: neighbouring stages of one domain run back to back on an item while it is in cache, or
 // in local store. An item of a pass waits for those items of earlier passes that touch what it
-// touches: the waits of its pass say which (jobs/waits.hpp). That is the only synchronisation of a
+// touches: the waits of its pass say which (plan.cpp). That is the only synchronisation of a
 // frame; to do all of a pass before any of the next keeps every wait.
 //
 // Invariant: stages of one pass touch only what belongs to their item, except for reading blocks no

@@ -1,18 +1,161 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
 
 #include "bench/command/commands.hpp"
 #include "bench/command/modelled_consoles.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/command/view_serving.hpp"
 #include "bench/page/page_request.hpp"
 #include "bench/page/page_server.hpp"
 #include "bench/page/replay_viewer.hpp"
+#include "bench/page/scene_watch.hpp"
 #include "core/error.hpp"
+#include "core/printable.hpp"
+
+#if !defined(_WIN32)
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+
+extern char** environ;
+#endif
 
 namespace pelt {
 namespace {
+
+// `pelt view --open` and `--watch`: the page at an address of this machine, until a signal ends it.
+
+// ---- Has this machine's user shown an address ----
+
+#if !defined(_WIN32)
+// On its own: what it prints is not ours, and Ctrl-C here does not end a browser that it began. No shell reads the
+// address.
+bool StartAlone(const char* program, const std::string& argument) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t how;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&how);
+  for (const int stream : {0, 1, 2})
+    posix_spawn_file_actions_addopen(&files, stream, "/dev/null", stream ? O_WRONLY : O_RDONLY, 0);
+  // The server has this one ignored, which a program that is started keeps.
+  sigset_t broken_pipe;
+  sigemptyset(&broken_pipe);
+  sigaddset(&broken_pipe, SIGPIPE);
+  posix_spawnattr_setsigdefault(&how, &broken_pipe);
+  posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  std::string name = program, given = argument;
+  char* words[] = {name.data(), given.data(), nullptr};
+  pid_t process = 0;
+  const bool started = posix_spawnp(&process, program, &files, &how, words, environ) == 0;
+  posix_spawnattr_destroy(&how);
+  posix_spawn_file_actions_destroy(&files);
+  return started;
+}
+
+bool IsSet(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && *value;
+}
+#endif
+
+// False: there is no desktop or no program for it here, or it could not be started.
+bool OpenBrowser(const std::string& address) {
+#if defined(_WIN32)
+  return std::system(("start \"\" \"" + address + "\"").c_str()) == 0;
+#elif defined(__APPLE__)
+  return StartAlone("open", address);
+#else
+  const bool has_own = IsSet("BROWSER");
+  // Without a desktop it would run a browser of the terminal, in this one.
+  if ((has_own || IsSet("DISPLAY") || IsSet("WAYLAND_DISPLAY")) && StartAlone("xdg-open", address))
+    return true;
+  return has_own && StartAlone(std::getenv("BROWSER"), address);
+#endif
+}
+
+using namespace std::chrono_literals;
+
+constexpr auto kLookEvery = 150ms;
+
+volatile std::sig_atomic_t end_asked = 0;
+extern "C" void AskForEnd(int) { end_asked = 1; }
+
+void PrintLine(const std::string& text) {
+  fmt::print("{}\n", Printable(text));
+  std::fflush(stdout);
+}
+
+uint32_t VersionOf(const std::string& text) {
+  uint32_t version = 0;
+  std::from_chars(text.data(), text.data() + text.size(), version);
+  return version;
+}
+
+void PrintNews(const SceneWatch& scene) {
+  if (!scene.error().empty())
+    PrintLine(scene.error());
+  else
+    PrintLine(fmt::format("taken: {}", scene.changed().empty()
+                                           ? "as it was before"
+                                           : fmt::format("{}", fmt::join(scene.changed(), ", "))));
+}
+
+// Looks at the files now and then; in between it takes the digests of what changed, a frame at a time, so that what is
+// saved meanwhile waits for no run.
+void WatchUntilEnd(SceneWatch& scene, std::mutex& guard) {
+  auto looked = std::chrono::steady_clock::now();
+  while (!end_asked) {
+    bool runs = false;
+    {
+      const std::lock_guard lock(guard);
+      if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
+        looked = now;
+        if (scene.Look()) PrintNews(scene);
+      }
+      runs = scene.StepDigest();
+    }
+    // Even then the page's questions get their turn.
+    std::this_thread::sleep_for(runs ? 1ms : kLookEvery / 3);
+  }
+}
+
+// `content`: of the page that is asked for next. `watched`: with what changes in it; or null.
+ExitCode ServePage(uint16_t port, const std::function<PageContent()>& content,
+                   SceneWatch* watched) {
+  std::mutex guard;  // the server's threads read what this one changes
+  const auto page = [&](const std::string&) {
+    const std::lock_guard lock(guard);
+    PageContent shown = content();
+    if (watched) shown.watched_from = watched->version();
+    return MakePage(shown);
+  };
+  const auto changes = [&](const std::string& since) {
+    const std::lock_guard lock(guard);
+    return watched->ChangesSince(VersionOf(since));
+  };
+  std::vector<ServedPath> paths = {{"/", "text/html; charset=utf-8", page}};
+  if (watched) paths.push_back({"/changes", "application/json", changes});
+  end_asked = 0;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, AskForEnd);
+  const PageServer server(port, std::move(paths));
+  PrintLine(fmt::format("page at {} (Ctrl-C ends it)", server.address()));
+  if (!OpenBrowser(server.address()))
+    PrintLine("no browser to open here: open that address in one");
+  if (watched)
+    WatchUntilEnd(*watched, guard);
+  else
+    while (!end_asked) std::this_thread::sleep_for(kLookEvery);
+  return kDone;
+}
 
 std::string CommandOf(const ScenarioRequest& request) {
   std::string command = "pelt run";

@@ -6,12 +6,14 @@
 // Source: glTF 2.0, 3.7.2 (geometry), 3.7.3 (skins).
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <span>
+#include <vector>
 
+#include "core/character/character.hpp"
 #include "core/character/gltf_accessor.hpp"
 #include "core/character/gltf_bare.hpp"
-#include "core/character/gltf_corners.hpp"
 #include "core/character/gltf_read.hpp"
 #include "core/character/gltf_triangles.hpp"
 #include "core/character/gltf_weights.hpp"
@@ -20,6 +22,25 @@
 
 namespace pelt::gltf {
 namespace {
+
+// What a primitive's vertices have that is kept by corner of its triangles, so that vertices which differ in it alone are
+// still one to fur.
+
+// For triangles that have none yet, whose vertices begin at `first`. `size` numbers for each vertex, of which three are
+// the colour and a fourth alpha; what is not there, or not finite, is white.
+void StoreCornerColours(const std::vector<float>& colours, size_t size, size_t first, Mesh& mesh) {
+  const auto colour_of = [&](size_t v) {
+    glm::vec4 colour(1.0f);
+    for (size_t c = 0; c < size && !colours.empty(); ++c)
+      if (const float value = colours[(v - first) * size + c]; std::isfinite(value))
+        colour[int(c)] = std::clamp(value, 0.0f, 1.0f);
+    return colour;
+  };
+  for (size_t t = mesh.corner_colour.size(); t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    mesh.corner_colour.push_back({colour_of(v[0]), colour_of(v[1]), colour_of(v[2])});
+  }
+}
 
 constexpr float kLargestCoordinate = 1e15f;  // beyond, a float has no room for the sums of skinning
 constexpr Wanted kUvsWanted{2, kSetF32 | kSetI8 | kSetU8 | kSetI16 | kSetU16, Scaling::kAsFlagged,

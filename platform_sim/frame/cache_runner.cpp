@@ -1,11 +1,103 @@
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "core/float_environment.hpp"
-#include "platform_sim/frame/block_cache.hpp"
+#include "jobs/frame.hpp"
 #include "platform_sim/frame/item_runner.hpp"
 
 namespace pelt {
 namespace {
+
+// Which blocks of a frame lie in a shared L2: whole blocks, least recently used goes first.
+//
+// Between the passes of a frame, and between items that share a block (the pose of a character, the
+// records of a layer), a cache saves what a local store brings anew. At the size of blocks that is
+// a matter of capacity; sets, ways and single lines belong to memory/xenon_memory.hpp.
+//
+// Invariant: every dirty block that leaves, or is still here, was written once; what came is what
+// was not here.
+
+class BlockCache {
+ public:
+  // Of the blocks of this frame's memory.
+  BlockCache(uint64_t bytes, const FrameMemory& memory);
+
+  struct Evicted {
+    Stream stream;
+    uint32_t bytes;
+  };
+  // Block `block` (a number, not an item) of `stream` is used; `whole`: it is written without being
+  // read. Returns the bytes that memory must bring; what must be written back is added to
+  // `evicted`.
+  uint32_t Touch(Stream stream, uint32_t block, bool written, bool whole,
+                 std::vector<Evicted>& evicted);
+
+ private:
+  static constexpr uint32_t kNone = ~0u;
+  struct Entry {
+    uint32_t newer = kNone, older = kNone;
+    Stream stream = Stream::kNone;
+    bool here = false, dirty = false;
+  };
+  void Unlink(uint32_t e);
+  void LinkNewest(uint32_t e);
+
+  const uint64_t capacity_;
+  uint64_t used_ = 0;
+  const StreamTable& table_;
+  std::vector<uint32_t> first_;  // entry of a stream's block 0
+  std::vector<Entry> entries_;
+  uint32_t newest_ = kNone, oldest_ = kNone;
+};
+
+BlockCache::BlockCache(uint64_t bytes, const FrameMemory& memory)
+    : capacity_(bytes), table_(*memory.table) {
+  for (uint32_t s = 0; s < memory.streams.size(); ++s) {
+    first_.push_back(uint32_t(entries_.size()));
+    Entry entry;
+    entry.stream = Stream(s);
+    entries_.insert(entries_.end(), memory.streams[s].block_count, entry);
+  }
+}
+
+void BlockCache::Unlink(uint32_t e) {
+  Entry& entry = entries_[e];
+  (entry.newer == kNone ? newest_ : entries_[entry.newer].older) = entry.older;
+  (entry.older == kNone ? oldest_ : entries_[entry.older].newer) = entry.newer;
+  entry.newer = entry.older = kNone;
+}
+
+void BlockCache::LinkNewest(uint32_t e) {
+  entries_[e].older = newest_;
+  (newest_ == kNone ? oldest_ : entries_[newest_].newer) = e;
+  newest_ = e;
+}
+
+uint32_t BlockCache::Touch(Stream stream, uint32_t block, bool written, bool whole,
+                           std::vector<Evicted>& evicted) {
+  const uint32_t e = first_[size_t(stream)] + block;
+  const uint32_t bytes = table_[stream].block_bytes;
+  Entry& entry = entries_[e];
+  entry.dirty |= written;
+  if (entry.here) {
+    Unlink(e);
+    LinkNewest(e);
+    return 0;
+  }
+  entry.here = true;
+  LinkNewest(e);
+  used_ += bytes;
+  while (used_ > capacity_ && oldest_ != e) {
+    Entry& old = entries_[oldest_];
+    const uint32_t old_bytes = table_[old.stream].block_bytes;
+    if (old.dirty) evicted.push_back({old.stream, old_bytes});
+    used_ -= old_bytes;
+    old.here = old.dirty = false;
+    Unlink(oldest_);
+  }
+  return whole ? 0 : bytes;
+}
 
 class CacheRunner final : public ItemRunner {
  public:

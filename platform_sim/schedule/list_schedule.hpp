@@ -4,7 +4,7 @@
 // Idea: code of several lane groups, one behind the other, becomes a software pipeline by itself.
 // Work of younger groups fills what an older one leaves free, and how far it runs ahead is bounded
 // twice: by a window that begins at the oldest instruction that has not issued, and by the
-// registers (register_guard.hpp). Urgency is the instruction's turn, if all went at the resources'
+// registers (RegisterGuard). Urgency is the instruction's turn, if all went at the resources'
 // pace, less the cycles that still hang on it:
 //
 //   urgency = turn x pace - height        lowest first; equal: program order

@@ -3,8 +3,8 @@
 //
 // Idea: first the code is made to fit the registers (fit_registers.hpp), with spills if it must;
 // then it is ordered (list_schedule.hpp) with several windows, since a wide one hides latency and a
-// narrow one saves registers. Iterations of a loop are tried side by side as well
-// (interleave_iterations.hpp), fitted to fewer registers than there are. The best order by the
+// narrow one saves registers. Iterations of a loop are tried side by side as well,
+// fitted to fewer registers than there are. The best order by the
 // core's own issue model wins, and program order is one of those that run.
 //
 // Invariant: a schedule never costs more cycles than program order, by the issue model.
