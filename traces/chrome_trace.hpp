@@ -14,10 +14,20 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "traces/timeline.hpp"
 
 namespace pelt {
+
+// A JSON string that every reader takes, whatever bytes are in it: names of layers and files come
+// from outside.
+//
+// Invariant: what is appended is valid JSON and valid UTF-8. A byte that is no UTF-8 becomes the
+// replacement character; if it went through, a viewer would refuse the whole file.
+
+// Appends `text` with its quotation marks.
+void AppendJsonString(std::string& out, std::string_view text);
 
 std::string ChromeTrace(const Timeline& timeline);
 

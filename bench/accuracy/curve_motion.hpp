@@ -10,14 +10,39 @@
 // 0.1 % of itself, and a Runge-Kutta method that shares nothing with it must agree (tests/accuracy).
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include "bench/accuracy/body_motion.hpp"
 #include "bench/accuracy/chain_problem.hpp"
 #include "bench/accuracy/curve_strand.hpp"
-#include "bench/accuracy/rest_shape.hpp"
 #include "core/modal/modal_response.hpp"
 
 namespace pelt::accuracy {
+
+// How a strand lies on its body, as a curve.
+
+// How a strand grows from its body; s from 0, its root, to 1, its tip.
+struct RestShape {
+  Double3 root;                                          // m
+  std::function<Double3(double s)> tangent_at, bend_at;  // unit; its change per length
+};
+
+// A helix, whose tangent turns about an axis that it leans towards.
+struct RestCurve {
+  Double3 root, tangent, axis;  // m; unit
+  double turn;                  // from root to tip, rad
+
+  Double3 TangentAt(double s) const { return Unit(TurnAbout(tangent, axis, turn * s)); }
+  Double3 BendAt(double s) const { return Cross(axis, TangentAt(s)) * turn; }  // per length
+  operator RestShape() const {
+    return {root, [rest = *this](double s) { return rest.TangentAt(s); },
+            [rest = *this](double s) { return rest.BendAt(s); }};
+  }
+};
+
+// A cubic spline through points at equal steps along the strand, the root first; its root is 0.
+RestShape ThroughPoints(const std::vector<Double3>& points);
 
 // What a strand weighs, m/s^2.
 struct StrandWeight {

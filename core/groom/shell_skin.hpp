@@ -9,7 +9,7 @@
 //
 // Invariant: a triangle is in the layer if fur grows at one of its corners or in its middle, and in
 // exactly one chunk. Vertices that differ in texture coordinates alone have one chain
-// (vertex_chains.hpp), so that shells do not part along a seam.
+// (chunk_builder.hpp), so that shells do not part along a seam.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@
 //   Velocity(...)  what moves at the point of its core nearest to p, for such a way
 //   Less(depth)    smaller by that much on every side, but never less than nothing
 //   Lean(...)      how far a link must lean for its end to be outside; of a sphere: all of it
-//   kLooks         how often to look for a link's nearest point (collider_link.hpp); round ones alone
+//   kLooks         how often to look for a link's nearest point (modal_obstacle.hpp); round ones alone
 //   kIsRound       stood for, near a point, by the ball of `radius` about Core(p); else by a plane
 //   kBounces       gives speed back
 //

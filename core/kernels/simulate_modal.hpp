@@ -3,7 +3,7 @@
 // the root did (by its last poses, or its velocities), who starts afresh, who falls back, strength,
 // contacts, rest, and the report to `activate`.
 //
-// A frame that is too long to be stepped only carries them (modal_carry.hpp).
+// A frame that is too long to be stepped only carries them (modal_start.hpp).
 //
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside

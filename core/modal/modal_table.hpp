@@ -24,10 +24,33 @@
 #pragma once
 
 #include "core/modal/modal_block.hpp"
-#include "core/modal/modal_modes.hpp"
+#include "core/modal/modal_material.hpp"
 #include "core/modal/modal_quality.hpp"
 
 namespace pelt {
+
+// The bending modes of a strand: the coordinates in which the linear part of its equation
+// (modal_material.hpp) falls apart into single oscillators. Phi^T M Phi = 1, Phi^T K Phi = diag(omega^2).
+//
+// Invariant: plus, minus, times, divide and square root alone, a fixed order of rotations: the same
+// bits everywhere. Modes are in ascending order of frequency and the largest component of each is
+// positive. What breaks if ignored: tables, and with them every digest, depend on the machine.
+//
+// Source: Jacobi's rotations on L^-1 K L^-T, M = L L^T.
+
+struct ModalModes {
+  using Matrix = ModalMaterial::Matrix;
+
+  uint32_t nodes;
+  Matrix inverse_mass;
+  Matrix shape;              // Phi: [node][mode]
+  Matrix image;              // Phi^T M: [mode][node]
+  double omega2[kMaxNodes];  // 1/s^2, >= 0
+  double pull[kMaxNodes];    // Phi^T b: of each mode
+  double root[kMaxNodes];    // M^-1 b: how the root's place enters each vector
+};
+
+ModalModes FindModes(const ModalMaterial& material);
 
 // ModalQuality at 60 frames per second: kFast takes one substep, kFine three, kBest three with
 // three Newton steps and a constraint force that turns with its tangent. Substeps are kept short (1/48 s
@@ -41,7 +64,7 @@ struct FrameTimes {
   bool velocities = false;  // of the root are known in this frame; then only its own length counts
 };
 
-// A frame longer than this is not stepped: strands are carried (kernels/modal_carry.hpp).
+// A frame longer than this is not stepped: strands are carried (kernels/modal_start.hpp).
 inline constexpr double kLongestModalFrame_s = 0.075;  // kModalSubsteps of the longest there are
 // The frame that it then counts as where later ones look back.
 inline constexpr double FrameInHistory(double dt_s) {

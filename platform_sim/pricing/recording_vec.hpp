@@ -245,7 +245,7 @@ struct RecordingVec {
   static RecordingVec ReciprocalRoot(RecordingVec a) {
     return {Rsqrt(a.v), recording::Make(Kind::kReciprocalRoot, {a.id})};
   }
-  // What pricing/machine_operations.hpp asks for.
+  // What rows/measured_kernels.hpp asks for.
   static RecordingVec ReciprocalEstimate(RecordingVec a) {
     return {Base(1.0f) / a.v, recording::Make(Kind::kReciprocalEstimate, {a.id})};
   }

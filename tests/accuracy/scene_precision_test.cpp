@@ -9,7 +9,6 @@
 #include <string>
 
 #include "bench/accuracy/scene_points.hpp"
-#include "bench/accuracy/tip_errors.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"

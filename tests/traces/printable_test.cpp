@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "traces/json_string.hpp"
+#include "traces/chrome_trace.hpp"
 
 namespace pelt {
 namespace {

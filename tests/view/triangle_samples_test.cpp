@@ -1,4 +1,3 @@
-#include "bench/picture/triangle_samples.hpp"
 
 #include <gtest/gtest.h>
 
