@@ -7,7 +7,6 @@
 #include "core/error.hpp"
 
 namespace pelt::accuracy {
-
 namespace {
 
 // A cubic spline through points at equal steps of s, whose first two and last two parts are one cubic each.

@@ -16,7 +16,6 @@
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
-
 namespace {
 
 constexpr uint32_t kBinBits = 18;  // of a float, that a bin leaves out

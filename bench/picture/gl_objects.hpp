@@ -5,10 +5,14 @@
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "bench/view/gl_context.hpp"
+#include "bench/view/paint_shading.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "core/outputs.hpp"
 
 namespace pelt {
 
@@ -100,5 +104,79 @@ class GlProgram {
   const GlApi* gl_;
   GLuint program_;
 };
+
+// The renderer's programs, from bench/view/shaders/passes, and the texture units that they share.
+
+// What lies where as long as something is drawn.
+enum GlUnit : GLint {
+  kVerticesUnit,
+  kRootsUnit,
+  kLooksUnit,
+  kShadowMapsUnit,
+  kCharactersUnit,
+  kSoftMapsUnit,
+  kLightingUnit,
+  kSurfaceUnit,
+  kSourceUnit,
+  kHeightsUnit,
+  kStripsUnit,
+  kCoversUnit,
+  kGrowthUnit,
+  kMakingUnit  // where textures are made
+};
+
+struct GlPrograms {
+  // For each output of strands, in kOutputs' order; once MakeCards was called, as many again for layers with cards.
+  std::vector<GlProgram> strand_light, strand_buffered, strand_depth, strand_shadow;
+  std::vector<GlProgram> others;
+
+  enum Other {
+    kBody,
+    kBodyShadow,
+    kEye,
+    kLighting,
+    kSoften,
+    kResolve,
+    kShell,
+    kShellShadow,
+    kRelief,
+    kFin
+  };
+  const GlProgram& operator[](Other other) const { return others[other]; }
+
+  static Result<GlPrograms> Make(const GlApi& gl);
+  // Unless it was called before. Throws Error with the driver's words.
+  void MakeCards(const GlApi& gl);
+  // Calls set(program), in use, for each.
+  template <class Set>
+  void ForEach(const Set& set) const {
+    for (const auto* list :
+         {&strand_light, &strand_buffered, &strand_depth, &strand_shadow, &others})
+      for (const GlProgram& program : *list) {
+        program.Use();
+        set(program);
+      }
+  }
+
+ private:
+  // Words of the driver, if it refuses; `defines` come before each text.
+  std::string AddStrands(const GlApi& gl, std::string_view defines);
+  void SetUnits() const;
+};
+
+// What passes/painted.glsl is told; of a program in use.
+void SetPaint(const GlProgram& program, const PaintLook& paint);
+
+// Blurring on the graphics card.
+
+struct GlLayer {
+  GLuint texture;  // an array
+  GLint layer;
+};
+
+// Running means of 2 `reach` + 1 texels, `turns` times along each side, of `from` times `scale` and at most 1. Both
+// are of this size. By GlPrograms' `soften`, into the framebuffer that is bound, which needs no depth.
+void Soften(const GlApi& gl, const GlProgram& program, GlLayer from, GlLayer to,
+            const glm::ivec2& size, int reach, int turns, float scale);
 
 }  // namespace pelt

@@ -9,10 +9,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
-#include "bench/picture/gl_lighting.hpp"
-#include "bench/picture/gl_relief.hpp"
+#include "bench/picture/gl_bodies.hpp"
+#include "bench/picture/gl_shadows.hpp"
 #include "bench/picture/gl_shells.hpp"
-#include "bench/picture/gl_strips.hpp"
+#include "bench/picture/gl_strands.hpp"
 #include "bench/picture/scene_shadows.hpp"
 
 namespace pelt {

@@ -9,6 +9,7 @@
 #include "bench/picture/gl_bodies.hpp"
 #include "bench/picture/gl_shells.hpp"
 #include "bench/picture/gl_strands.hpp"
+#include "bench/picture/picture.hpp"
 
 namespace pelt {
 
@@ -37,5 +38,19 @@ class GlShadows {
 
 // Columns: along a map's x and y, to the sun.
 glm::mat3 SunAxes(const glm::vec3& to_sun);
+
+// EyePet's lighting buffer: what light does at the skin, in half of the picture's width and height, blurred so that
+// hair takes it from where it is seen; a hair then costs no light of its own. What is behind everything has rim light,
+// which blurring brings in over the outline.
+
+class GlLighting {
+ public:
+  // Draws it, and leaves it bound where passes look for it.
+  GlLighting(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene,
+             const GlBodies& bodies, const GlShadows& shadows, const PictureOptions& options);
+
+ private:
+  GlTexture coefficients_;
+};
 
 }  // namespace pelt

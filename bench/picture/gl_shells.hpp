@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "bench/picture/gl_programs.hpp"
+#include "bench/picture/gl_objects.hpp"
 #include "bench/picture/picture_scene.hpp"
 
 namespace pelt {

@@ -1,12 +1,28 @@
 // A frame's draw list on the graphics card: vertices as they are, and the roots that they do not know of.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "bench/picture/gl_programs.hpp"
+#include "bench/picture/gl_objects.hpp"
 #include "bench/picture/picture_scene.hpp"
 
 namespace pelt {
+
+// Film strips on the graphics card: strip_texture.hpp's levels, a layer of one texture for each strip.
+
+class GlStrips {
+ public:
+  explicit GlStrips(const GlApi& gl) : gl_(&gl), texture_(gl) {}
+
+  // At least so many strips, where passes look for them. Those that there are stay for the next picture.
+  void Bind(uint32_t strips);
+
+ private:
+  const GlApi* gl_;
+  GlTexture texture_;
+  uint32_t strips_ = 0;
+};
 
 class GlStrands {
  public:

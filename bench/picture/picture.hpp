@@ -19,7 +19,7 @@ namespace pelt {
 struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
   uint32_t samples = 0;  // a side of each pixel; 0: what the renderer has if nobody says otherwise
-  bool lighting_buffer = false;  // OpenGL alone: hair lit by gl_lighting.hpp
+  bool lighting_buffer = false;  // OpenGL alone: hair lit by GlLighting
 };
 
 class PictureRenderer {

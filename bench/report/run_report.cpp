@@ -16,7 +16,6 @@
 #include "traces/digest.hpp"
 
 namespace pelt {
-
 namespace {
 
 Value ShareOf(const LayerQuality& layer, ModalQuality quality) {

@@ -8,7 +8,6 @@
 #include "core/groom/growth.hpp"
 
 namespace pelt {
-
 namespace {
 
 constexpr uint32_t kNoSlot = 0xffffffffu;

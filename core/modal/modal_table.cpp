@@ -9,7 +9,6 @@
 #include "core/modal/modal_response.hpp"
 
 namespace pelt {
-
 namespace {
 
 using Matrix = ModalMaterial::Matrix;

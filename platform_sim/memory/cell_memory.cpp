@@ -5,7 +5,6 @@
 #include "core/format.hpp"
 
 namespace pelt {
-
 namespace {
 
 constexpr bool IsSmall(uint32_t bytes) {
