@@ -158,7 +158,7 @@ struct FurScene::GroomCopy {
 };
 
 // Nobody sleeps through it. Patches and chunks that changed are taken to have moved; those that get what
-// they have are not, as their strands' clocks go on (modal_end.hpp).
+// they have are not, as their strands' clocks go on (modal_frame.hpp).
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   layer_names_.clear();
   layer_params_.clear();

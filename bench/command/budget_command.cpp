@@ -8,14 +8,14 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/consoles/console_advice.hpp"
+#include "bench/consoles/console_budget.hpp"
 #include "bench/consoles/console_report.hpp"
 #include "bench/consoles/console_timeline.hpp"
 #include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/fit/console_price.hpp"
 #include "bench/fit/layer_errors.hpp"
 #include "bench/fit/tiers.hpp"
-#include "bench/report/fit.hpp"
+#include "bench/report/machine_use.hpp"
 #include "core/error.hpp"
 #include "traces/chrome_trace.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/report/comparison_page.hpp"
+#include "bench/report/report_page.hpp"
 #include "core/error.hpp"
 
 namespace pelt {

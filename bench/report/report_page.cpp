@@ -4,12 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "bench/report/embedded_page.hpp"
-#include "bench/report/preempted_items.hpp"
+#include "bench/report/timeline.hpp"
 
 namespace pelt {
+
+std::string ComparisonPage(const ComparedSide& a, const ComparedSide& b, const ReportTree& found) {
+  nlohmann::ordered_json data;
+  data["comparison"] = nlohmann::ordered_json::parse(found.Json());
+  for (const auto& [key, side] : {std::pair("a", &a), std::pair("b", &b)}) {
+    auto& frames = data["frame_ms"][key] = nlohmann::ordered_json::array();
+    for (const MeasuredRun& run : side->rounds)
+      for (const double ms : run.frame_ms) frames.push_back(ms);
+  }
+  return FillPage(EmbeddedPair(), data.dump());
+}
+
 namespace {
 
 // More columns than this are not to be told apart in a picture.

@@ -13,10 +13,16 @@
 
 #include "bench/report/json_text.hpp"
 #include "bench/report/layer_costs.hpp"
+#include "bench/report/run_comparison.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/report/timeline.hpp"
 
 namespace pelt {
+
+// Two runs side by side as one HTML page: their frames to one scale, and what `pelt compare` finds.
+
+// `found`: CompareRuns() of the two.
+std::string ComparisonPage(const ComparedSide& a, const ComparedSide& b, const ReportTree& found);
 
 // Gathers what the page shows of each frame.
 class ReportRecorder {

@@ -128,7 +128,7 @@ struct VerifyOptions {
 VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options);
 
 // Scenes drawn from `seed` and the seeds after it, a check each: the same bits on every instruction set, executors and
-// orders taking turns, with all skips and with what may stand between two frames (interludes.hpp).
+// orders taking turns, with all skips and with what may stand between two frames (course_check.hpp).
 VerifyReport VerifyRandom(uint32_t count, uint64_t seed, const VerifyOptions& options);
 
 // Every case of the full matrix for instruction sets this processor has.

@@ -13,7 +13,7 @@
 // together, and give a strand that lies as the chain does the chain's own bend.
 //
 // Of a sag-free layer the force that holds its groom has a part M s r that does not follow from the
-// place, s what of the weight is along the tangent and M its lever (modal_start.hpp); with it the
+// place, s what of the weight is along the tangent and M its lever (modal_frame.hpp); with it the
 // lengths' lambda is -M s where the groom rests. Both are set aside:
 //
 //     F = (K + M s) u - l d,   l = lambda + M s,

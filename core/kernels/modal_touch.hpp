@@ -120,7 +120,7 @@ struct Touches {
   }
 
   // Turns tangents of lanes whose step has failed so that no place is inside anything: the step that cannot fail
-  // (modal_fallback.hpp) knows of nothing in its way, and what it leaves inside would count as an overlap from before.
+  // (modal_step.hpp) knows of nothing in its way, and what it leaves inside would count as an overlap from before.
   __attribute__((noinline)) void FreeAtOnce(const ModalTableBlock& t, Mask lanes,
                                             Motion<W, N>& motion) {
     const W none = W(0.0f);

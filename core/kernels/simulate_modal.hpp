@@ -3,11 +3,11 @@
 // the root did (by its last poses, or its velocities), who starts afresh, who falls back, strength,
 // contacts, rest, and the report to `activate`.
 //
-// A frame that is too long to be stepped only carries them (modal_start.hpp).
+// A frame that is too long to be stepped only carries them (modal_frame.hpp).
 //
 // Few lanes of many groups touch something, and a step with contact takes several times as long as
 // one without. So every lane first steps as if it were free; those that end a substep inside
-// something, and those that the free step fails (modal_fallback.hpp), keep their state, are picked
+// something, and those that the free step fails (modal_step.hpp), keep their state, are picked
 // from all groups and take the frame once more, with contact, as full groups: those that touch something, more of
 // them at once than those that may rub on it too, or that something fast strikes (in short steps, modal_strike.hpp),
 // as their step takes twice as much of a stack. A lane's bits depend neither on its neighbours nor on where in a
@@ -29,8 +29,8 @@
 #include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/lane_list.hpp"
 #include "core/kernels/modal_contact.hpp"
-#include "core/kernels/modal_end.hpp"
-#include "core/kernels/modal_fallback.hpp"
+#include "core/kernels/modal_frame.hpp"
+#include "core/kernels/modal_step.hpp"
 #include "core/kernels/modal_strike.hpp"
 
 namespace pelt {
@@ -124,9 +124,8 @@ struct SimulateModal {
     uint32_t left = kTouches;
     if constexpr (kHasPlain)
       if (picks.of[left++].count > 0)
-        changed |=
-            SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain>(
-                params, ports, extras, live, follows, picks, picks.plain, kTouches, left);
+        changed |= SimulateModal<Plain, kPoints, kVertexChains>::template RunPicked<Lot::kPlain>(
+            params, ports, extras, live, follows, picks, picks.plain, kTouches, left);
     uint32_t rest = 0;
     for (uint32_t kind = left; kind < kKinds; ++kind) rest += picks.of[kind].count;
     if (rest > 0)
@@ -153,8 +152,8 @@ struct SimulateModal {
     bool changed = false;
     for (uint32_t kind = begin; kind < end; ++kind)
       for (uint32_t i = 0; i < picks.of[kind].count; i += uint32_t(V::kLanes))
-        changed |= RunGroup<kLot>(params, ports, extras, picks.of[kind].Group(i, group),
-                                         live, follows, static_cast<Picks*>(nullptr));
+        changed |= RunGroup<kLot>(params, ports, extras, picks.of[kind].Group(i, group), live,
+                                  follows, static_cast<Picks*>(nullptr));
     return changed;
   }
 
@@ -238,8 +237,7 @@ struct SimulateModal {
     const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
     Mask good = fresh;
     if (Any(follows))
-      good =
-          good | (modal::StepFrame(t, Start::WindChanges(ports), touches, motion) & follows);
+      good = good | (modal::StepFrame(t, Start::WindChanges(ports), touches, motion) & follows);
     const Mask touched = touches.Touched() & good;
     V deep[Q];
     touches.Left(deep);
@@ -267,8 +265,7 @@ struct SimulateModal {
     }
     const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
     if (!Any(follows)) return !follows;
-    const Mask good =
-        modal::StepFrame(t, Start::WindChanges(ports), notes, motion) & follows;
+    const Mask good = modal::StepFrame(t, Start::WindChanges(ports), notes, motion) & follows;
     return notes.inside | !good | struck;
   }
 
@@ -385,16 +382,16 @@ struct SimulateModal {
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         picked = picked | was, struck = struck | was;
       } else if constexpr (kLot == Lot::kPlain) {
-        touched = StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g,
-                                            left, motion);
+        touched =
+            StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
       } else {
         Motion after;
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         if (Any(was) || Colliders<V>::HasMoving(params))
           struck = StepStruck(params, ports, at, fresh, rest, per_length, g, motion, clock, after);
         if (!AllSet(struck))
-          touched = StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g,
-                                              left, motion);
+          touched =
+              StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
         if (Any(struck)) {
           TakeLanes(struck, after, motion);
           touched = touched & !struck;

@@ -233,7 +233,7 @@ void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, M
   const uint32_t n = layer.modes.nodes;
   // A change of force over the substep, 0 in its middle. Where every step turns the force, not of modes that it does not
   // follow: they hardly answer to the force itself, and soft strands that drag alone damps then never rest. What is
-  // stepped again because it failed needs it (modal_fallback.hpp).
+  // stepped again because it failed needs it (modal_step.hpp).
   const auto slope_of = [&](uint32_t m, double constant, double linear) {
     const bool turns = t->use_slope == 0 || Follows(layer.modes.omega2[m], h);
     return turns ? linear / h - 0.5 * constant : 0.0;

@@ -64,7 +64,7 @@ struct FrameTimes {
   bool velocities = false;  // of the root are known in this frame; then only its own length counts
 };
 
-// A frame longer than this is not stepped: strands are carried (kernels/modal_start.hpp).
+// A frame longer than this is not stepped: strands are carried (kernels/modal_frame.hpp).
 inline constexpr double kLongestModalFrame_s = 0.075;  // kModalSubsteps of the longest there are
 // The frame that it then counts as where later ones look back.
 inline constexpr double FrameInHistory(double dt_s) {

@@ -25,7 +25,6 @@
 #include "core/error.hpp"
 #include "platform_sim/memory/bus.hpp"
 #include "platform_sim/memory/event_queue.hpp"
-#include "platform_sim/memory/memory_controller.hpp"
 #include "platform_sim/platforms/cell_memory.hpp"
 
 namespace pelt {

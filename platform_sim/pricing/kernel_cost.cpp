@@ -2,15 +2,149 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
 
 #include "core/random.hpp"
+#include "platform_sim/memory/xenon_memory.hpp"
 #include "platform_sim/pipeline/issue_walk.hpp"
-#include "platform_sim/pricing/cache_cost.hpp"
-#include "platform_sim/pricing/rolled_code.hpp"
 #include "platform_sim/pricing/written_order.hpp"
 #include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {
+
+namespace {
+
+using Accesses = std::vector<MemoryAccess>;
+
+constexpr uint64_t kThreadSpace = uint64_t{1} << 32;  // threads share no line
+constexpr uint32_t kFreeMilliBytesPerCycle = 1'000'000'000;
+
+// Every line is in the second level: whoever misses the first waits for no longer way than that.
+CacheMemoryParameters AllInSecondLevel(CacheMemoryParameters p) {
+  p.l2_milli_bytes_per_cycle =
+      std::max(p.l2_milli_bytes_per_cycle / p.cores, 1u);  // a core's share
+  p.cores = 1;
+  p.memory_cycles = p.l2_hit_cycles;
+  p.bus_milli_bytes_per_cycle = p.memory_milli_bytes_per_cycle = kFreeMilliBytesPerCycle;
+  p.gpu_permille = 0;
+  return p;
+}
+
+Accesses AccessesOf(const Trace& trace, double cycles, uint64_t space) {
+  Accesses out;
+  const double pace = cycles / double(std::max<size_t>(trace.operations.size(), 1));
+  for (size_t o = 0; o < trace.operations.size(); ++o) {
+    const RecordedOperation& operation = trace.operations[o];
+    if (!IsLoad(operation.kind) && !IsStore(operation.kind)) continue;
+    MemoryAccess access;
+    access.kind = IsStore(operation.kind) ? AccessKind::kStore : AccessKind::kLoad;
+    access.bytes = operation.size_bytes;
+    access.address = space + uint64_t(operation.address);
+    access.cycle = Cycles(double(o) * pace);
+    out.push_back(access);
+  }
+  return out;
+}
+
+// A dcbt ahead of the first load of each line.
+Accesses WithPrefetches(const Accesses& accesses, const CacheMemoryParameters& p, uint64_t& lines) {
+  std::unordered_set<uint64_t> seen;  // asked only, never walked
+  Accesses out;
+  for (const MemoryAccess& access : accesses) {
+    const uint64_t line = access.address / p.line_bytes;
+    if (access.kind != AccessKind::kLoad || !seen.insert(line).second) continue;
+    MemoryAccess fetch;
+    fetch.kind = AccessKind::kPrefetch;
+    fetch.address = line * p.line_bytes;
+    fetch.bytes = p.line_bytes;
+    fetch.cycle = std::max<Cycles>(access.cycle - 2 * Cycles(p.l2_hit_cycles), 0);
+    out.push_back(fetch);
+  }
+  lines = out.size();
+  const auto fetches = Accesses::difference_type(out.size());
+  out.insert(out.end(), accesses.begin(), accesses.end());
+  std::inplace_merge(out.begin(), out.begin() + fetches, out.end(),
+                     [](const auto& a, const auto& b) { return a.cycle < b.cycle; });
+  return out;
+}
+
+Cycles Waits(const CacheMemoryRun& run) {
+  Cycles most = 0;
+  for (const ThreadMemoryTimes& thread : run.threads)
+    most = std::max(most, thread.Stall() - thread.load_hit_store_stall);
+  return most;
+}
+
+}  // namespace
+
+Result<CacheCost> PriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
+                              uint32_t threads, const CacheMemoryParameters& caches) {
+  const CacheMemoryParameters p = AllInSecondLevel(caches);
+  std::vector<Accesses> bare, fetched;
+  uint64_t lines = 0;
+  for (uint32_t t = 0; t < threads; ++t) {
+    bare.push_back(AccessesOf(trace, cycles_per_iteration * iterations, t * kThreadSpace));
+    fetched.push_back(WithPrefetches(bare.back(), p, lines));
+  }
+  CacheMemoryRun bare_run, fetched_run;
+  std::string error;
+  if (!RunCacheMemory(p, bare, bare_run, error) || !RunCacheMemory(p, fetched, fetched_run, error))
+    return Failure{error};
+  const double per_iteration = 1.0 / std::max(iterations, 1u);
+  CacheCost cost;
+  cost.lines_per_iteration = double(lines) * per_iteration;
+  // Each dcbt takes a cycle of the unit that loads and stores.
+  cost.wait_cycles_per_iteration = double(Waits(fetched_run) + Cycles(lines)) * per_iteration;
+  cost.unfetched_wait_cycles_per_iteration = double(Waits(bare_run)) * per_iteration;
+  return cost;
+}
+
+namespace {
+
+constexpr uint64_t kFnvPrime = 0x100000001b3;
+
+// Hashes of all runs of kLongEnough kinds, by where they begin.
+std::vector<uint64_t> HashRuns(const std::vector<uint8_t>& kinds) {
+  std::vector<uint64_t> hashes;
+  uint64_t hash = 0, leaves = 1;
+  for (uint32_t i = 0; i < kLongEnough; ++i) leaves *= kFnvPrime;
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    hash = hash * kFnvPrime + kinds[i] + 1;
+    if (i >= kLongEnough) hash -= leaves * (kinds[i - kLongEnough] + 1u);
+    if (i + 1 >= kLongEnough) hashes.push_back(hash);
+  }
+  return hashes;
+}
+
+}  // namespace
+
+double ShareOfOwnCode(const Trace& trace, uint32_t begin, uint32_t end, uint32_t furthest) {
+  std::vector<uint8_t> kinds;
+  for (uint32_t i = begin; i < end; ++i)
+    if (const RecordedKind kind = trace.operations[i].kind; kind != RecordedKind::kSplat)
+      kinds.push_back(uint8_t(kind));
+  const std::vector<uint64_t> hashes = HashRuns(kinds);
+  std::unordered_map<uint64_t, size_t> latest;
+  size_t again = 0;
+  for (size_t i = 0, entered = 0; i < hashes.size();) {
+    for (; entered + kLongEnough <= i; ++entered) latest[hashes[entered]] = entered;
+    const auto found = latest.find(hashes[i]);
+    size_t length = 0;
+    if (found != latest.end() && i - found->second <= furthest)
+      while (i + length < kinds.size() && kinds[found->second + length] == kinds[i + length])
+        ++length;
+    if (length < kLongEnough) {
+      ++i;
+      continue;
+    }
+    again += length;
+    i += length;
+  }
+  return kinds.empty() ? 1.0 : double(kinds.size() - again) / double(kinds.size());
+}
+
 namespace {
 
 struct Window {
@@ -95,7 +229,7 @@ struct CodeCycles {
 // One stretch of the trace, timed in every way.
 struct Timed {
   double operations = 0.0, instructions = 0.0, bound = 0.0;
-  double own_code = 1.0;  // share of it (rolled_code.hpp)
+  double own_code = 1.0;  // share of it (RolledCode)
   CodeCycles as_written, scheduled;
   FinishedCode code;
   IssueChart chart;  // scheduled

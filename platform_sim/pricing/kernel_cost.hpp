@@ -25,10 +25,52 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "platform_sim/platforms/caches.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
+#include "platform_sim/pricing/recorded_operation.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
 
 namespace pelt {
+
+// What first-level caches add to a kernel's price, from the addresses that its recording touched.
+//
+// A frame brings an item's blocks into the second level while the item before it is worked on
+// (frame/xenon_console.cpp). From there a kernel brings each line into the first level by a dcbt,
+// as early as two times the way takes: that is one more instruction on the load/store unit for each
+// line, and what waiting is left where lines come faster than misses may be outstanding, or than
+// the second level gives them. Without the dcbt the first load of every line waits: both are told.
+//
+// Invariant: the trace runs at the pace of its scheduled code, evenly. Load-hit-stores are not in
+// it: the core's issue model has counted them.
+
+struct CacheCost {
+  double lines_per_iteration = 0.0;                  // that come into the first level
+  double wait_cycles_per_iteration = 0.0;            // with a dcbt for each line: what is added
+  double unfetched_wait_cycles_per_iteration = 0.0;  // without
+};
+
+// One item of `iterations` iterations that takes `cycles_per_iteration` when every access hits the
+// first level.
+// `threads`: that do the same on one core at the same time, each on data of its own. Caches
+// that cannot be are refused.
+Result<CacheCost> PriceCaches(const Trace& trace, uint32_t iterations, double cycles_per_iteration,
+                              uint32_t threads, const CacheMemoryParameters& caches);
+
+// How much of a trace is code of its own: loops inside an iteration are in it once for every time round.
+//
+// Idea: operations of the same kinds, in the same order, so many of them that it is no chance, are the same code run
+// again: a loop of the source over substeps or short steps of a strike, or a function that is called from two places.
+// A local store holds it once.
+//
+// Invariant: code that comes again within kLongEnough operations counts each time. Loops as short as that are priced
+// as written out, so that their rounds overlap.
+
+// Fewer are not told from chance, and gain more written out than their code is worth.
+inline constexpr uint32_t kLongEnough = 256;
+
+// The share of the operations [begin, end) that did not come before. What is up to `furthest` operations back is
+// looked at: an iteration, because iterations are interleaved, whose code is there for each.
+double ShareOfOwnCode(const Trace& trace, uint32_t begin, uint32_t end, uint32_t furthest);
 
 struct PriceRules {
   LoweringRules lowering;
@@ -55,7 +97,7 @@ struct KernelCost {
   double instructions_per_iteration = 0.0;
   // In the order of the source, one iteration after the other; and the best schedule that is found.
   CodePrice as_written, scheduled;
-  // Of a core with caches (cache_cost.hpp), in the cycles above: as written nothing is fetched
+  // Of a core with caches (below), in the cycles above: as written nothing is fetched
   // ahead, in the scheduled code every line is.
   double lines_per_iteration = 0.0;
   double wait_cycles_per_iteration = 0.0, unfetched_wait_cycles_per_iteration = 0.0;
@@ -68,7 +110,7 @@ struct KernelCost {
   uint32_t window_iterations = 0;              // that were scheduled together
   // Of a loop over kLoopIterations iterations, which is what is interleaved, at the window's
   // density. Loops inside an iteration (solver iterations, points of a chain) are written out where they are short
-  // and there once where they are long (rolled_code.hpp); filling and draining is left out.
+  // and there once where they are long (below); filling and draining is left out.
   uint32_t code_bytes = 0;
 
   // Of `price`, spread over what was recorded.

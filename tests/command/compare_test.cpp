@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "bench/report/comparison_page.hpp"
+#include "bench/report/report_page.hpp"
 #include "bench/report/run_report.hpp"
 #include "core/error.hpp"
 

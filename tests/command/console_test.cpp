@@ -5,7 +5,6 @@
 #include <numeric>
 #include <sstream>
 
-#include "bench/consoles/console_advice.hpp"
 #include "bench/consoles/console_budget.hpp"
 #include "bench/consoles/console_report.hpp"
 #include "bench/report/run_report.hpp"

@@ -1,7 +1,7 @@
 // Where in a frame others had a core: what took far longer than usual while threads waited, and nothing else.
-#include "bench/report/preempted_items.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bench/report/timeline.hpp"
 
 namespace pelt {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "bench/report/fit.hpp"
 #include "bench/report/json_text.hpp"
+#include "bench/report/machine_use.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/verify/verified_scene.hpp"
 

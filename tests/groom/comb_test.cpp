@@ -1,11 +1,10 @@
 // The comb field: what vectors, joints and angles make of a strand's direction.
-#include "core/groom/comb.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/groom/attributes.hpp"
 #include "tests/groom/torus_character.hpp"
 
 namespace pelt {

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "platform_sim/frame/console_frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
-#include "platform_sim/memory/local_store_budget.hpp"
 #include "tests/platform/cell_work.hpp"
 
 namespace pelt {

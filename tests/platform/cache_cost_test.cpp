@@ -1,9 +1,8 @@
 // What caches add to a price: lines, waits with and without fetching ahead.
-#include "platform_sim/pricing/cache_cost.hpp"
-
 #include <gtest/gtest.h>
 
 #include "platform_sim/platforms/xenon_memory.hpp"
+#include "platform_sim/pricing/kernel_cost.hpp"
 
 namespace pelt {
 namespace {

@@ -1,5 +1,4 @@
 // What the caches of the PPE and the Xenon must do. Their rows are in measured_rows_test.cpp.
-#include "platform_sim/memory/cache.hpp"
 
 #include <gtest/gtest.h>
 

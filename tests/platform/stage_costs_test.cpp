@@ -8,8 +8,8 @@
 
 #include "bench/scenarios/scenarios.hpp"
 #include "core/random.hpp"
+#include "platform_sim/pricing/kernel_cost.hpp"
 #include "platform_sim/pricing/record_stage.hpp"
-#include "platform_sim/pricing/rolled_code.hpp"
 #include "tests/platform/check_finished.hpp"
 #include "tests/platform/recording.hpp"
 #include "traces/digest.hpp"

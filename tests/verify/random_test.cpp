@@ -2,8 +2,8 @@
 #include <set>
 #include <string>
 
+#include "bench/verify/course_check.hpp"
 #include "bench/verify/random_course.hpp"
-#include "bench/verify/random_scene.hpp"
 #include "tests/verify/planting.hpp"
 
 namespace pelt {
