@@ -12,7 +12,7 @@
 #include "bench/picture/growth_sheets.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/view/default_look.hpp"
-#include "bench/view/paint_shading.hpp"
+#include "bench/view/shading.hpp"
 #include "core/groom/surface_colour.hpp"
 
 namespace pelt {

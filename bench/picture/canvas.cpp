@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/view/studio.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

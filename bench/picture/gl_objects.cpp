@@ -157,8 +157,8 @@ std::string StrandText(std::string_view file, std::string_view output) {
   const std::string whole = PassText(file);
   const std::string_view pass = OwnText(fmt::format("passes/{}", file));
   const size_t before = whole.size() - pass.size();
-  return whole.substr(0, before) + PassText(fmt::format("readers/{}.glsl", output)) +
-         whole.substr(before);
+  return whole.substr(0, before) +
+         std::string(OwnText(fmt::format("passes/readers/{}.glsl", output))) + whole.substr(before);
 }
 
 // Into `to`, unless the driver refuses: then what it says.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/view/gl_context.hpp"
-#include "bench/view/paint_shading.hpp"
+#include "bench/view/shading.hpp"
 #include "core/groom/fur_setup.hpp"
 #include "core/outputs.hpp"
 

@@ -5,8 +5,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/shell_shadow.hpp"
-#include "bench/view/shell_shading.hpp"
-#include "bench/view/strand_shading.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -6,8 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "bench/view/film_strip.hpp"
-#include "bench/view/paint_shading.hpp"
+#include "bench/view/shading.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {

@@ -10,9 +10,7 @@
 #include "bench/picture/png.hpp"
 #include "bench/picture/scene_shadows.hpp"
 #include "bench/picture/shade_hair.hpp"
-#include "bench/view/shell_shading.hpp"
-#include "bench/view/strand_shading.hpp"
-#include "bench/view/studio.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "bench/picture/frame_light.hpp"
 #include "bench/picture/relief_coat.hpp"
-#include "bench/view/shell_shading.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/relief_shading.hpp"
+#include "bench/view/shading.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/groom/height_field.hpp"
@@ -128,7 +128,7 @@ glm::vec3 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const Sur
                           .repeat = layer.repeat[sheet],
                           .flow = texel,
                           .longest = layer.longest_m,
-                          .floor = look.depth_floor,
+                          .floor_light = look.depth_floor,
                           .sun_share = sun_share,
                           .to_eye = to_eye};
   const auto height = [&](const glm::vec2& place) { return tile_.Sample(place, 0); };

@@ -3,7 +3,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/hairs.hpp"
-#include "bench/view/strand_light.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/view/shell_shading.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

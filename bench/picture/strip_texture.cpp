@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/film_strip.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

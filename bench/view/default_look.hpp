@@ -2,8 +2,7 @@
 // a cool light behind.
 #pragma once
 
-#include "bench/view/paint_shading.hpp"
-#include "bench/view/strand_light.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compiles every shader in jobs/shaders, and holds that each output of core/outputs.hpp has one in GLSL
 # and one in HLSL, which jobs/DRAWING.md names. Compiles the functions in bench/view/shaders as GLSL 3.30 core and
-# as ES 3.00, the passes that use them too, and holds that a C++ header has each of them by its name.
+# as ES 3.00 (bench/view/shading.hpp compiles the same text as C++), and the passes that use them.
 # Arguments: glslangValidator (empty: not here), the source directory.
 set -uo pipefail
 glslang=$1 source=$2
@@ -18,14 +18,6 @@ for output in $outputs; do
   for shader in "$output.vert" "$output.vs.hlsl"; do
     [ -f "$source/jobs/shaders/$shader" ] || fail "the output $output has no jobs/shaders/$shader"
     grep -q "shaders/$shader" "$source/jobs/DRAWING.md" || fail "jobs/DRAWING.md does not name $shader"
-  done
-done
-for functions in "$source"/bench/view/shaders/*.glsl; do
-  header=$source/bench/view/$(basename "$functions" .glsl).hpp
-  names=$(sed -nE 's/^[a-z]+[0-9]? ([A-Z][A-Za-z0-9]*)\(.*/\1/p' "$functions")
-  [ -n "$names" ] || fail "$functions has no functions"
-  for name in $names; do
-    grep -qE "^inline .*\b$name\(" "$header" || fail "$(basename "$header") has no function $name"
   done
 done
 [ -n "$glslang" ] || { echo "glslang is not here: shaders are not compiled"; exit $((failed ? 1 : 77)); }
@@ -47,13 +39,14 @@ own() {
   for version in "330 core" "300 es" "330 core|#define CARDS" "300 es|#define CARDS"; do
     [[ $version != *CARDS || $file == */strand* ]] || continue
     { echo "#version ${version/|/$'\n'}"
+      cat "$shaders/dialect.glsl"
       for before in $(sed -n 's,^// After: ,,p' "$file"); do cat "$shaders/$before"; done
       [ -z "$reader" ] || cat "$reader"
       cat "$file"; } >"$work/whole.$stage"
     "$glslang" "$work/whole.$stage" >"$work/log" 2>&1 || { cat "$work/log"; fail "$file $reader as $version"; }
   done
 }
-for functions in "$shaders"/*.glsl; do own "$functions" frag; done
+for functions in "$shaders"/*_*.glsl "$shaders"/{relief,studio}.glsl; do own "$functions" frag; done
 for pass in "$shaders"/passes/*.vert "$shaders"/passes/*.frag; do
   case $pass in
     */strand*.vert)

@@ -1,7 +1,5 @@
 // Film strips: silhouettes keep their coverage from the function to the smallest level of the texture, and strands show
 // the ones that they were baked with.
-#include "bench/view/film_strip.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 #include "bench/picture/hairs.hpp"
 #include "bench/picture/picture.hpp"
 #include "bench/picture/strip_texture.hpp"
+#include "bench/view/shading.hpp"
 #include "core/random.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 

@@ -1,9 +1,8 @@
 // What paint does to a colour and to the light on hair, at values that can be told by hand.
-#include "bench/view/paint_shading.hpp"
-
 #include <gtest/gtest.h>
 
 #include "bench/view/default_look.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -1,10 +1,9 @@
-// bench/view/relief.hpp against values that were worked out apart from it, and against what it stands for.
-#include "bench/view/relief.hpp"
-
+// bench/view/shaders/relief.glsl against values that were worked out apart from it, and against what it stands for.
 #include <gtest/gtest.h>
 
 #include <array>
 
+#include "bench/view/shading.hpp"
 #include "core/groom/fur_setup.hpp"
 #include "core/groom/height_field.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "bench/view/shell_shading.hpp"
+#include "bench/view/shading.hpp"
 #include "core/random.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 

@@ -1,9 +1,11 @@
 // bench/view/spherical_harmonics.hpp against values that were worked out apart from it.
-#include "bench/view/spherical_harmonics.hpp"
-
 #include <gtest/gtest.h>
 
+#include <glm/gtc/constants.hpp>
+
 #include <array>
+
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

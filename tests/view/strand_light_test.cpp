@@ -1,9 +1,10 @@
 // bench/view/strand_light.hpp: what the terms are for when they are put together.
-#include "bench/view/strand_light.hpp"
-
 #include <gtest/gtest.h>
 
+#include <glm/gtc/constants.hpp>
+
 #include "bench/view/default_look.hpp"
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

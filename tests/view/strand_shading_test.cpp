@@ -1,9 +1,9 @@
 // bench/view/strand_shading.hpp against values that were worked out apart from it.
-#include "bench/view/strand_shading.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "bench/view/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -1,17 +1,27 @@
-// The functions of shell_shading.hpp, which says what they are.
-// GLSL 3.30 core and ES 3.00; the host puts the version line.
-precision highp float;
-precision highp int;
+// What a renderer of shells works out for a vertex and a sample (jobs/DRAWING.md, core/chunk.hpp).
+// Shells are lit as hair is, strand_light.glsl: along ShellDirection, with a shell's `shadow` as the
+// light that the coat leaves at its depth.
 
-vec3 ShellPosition(vec3 position, vec3 groom, vec3 force, float height) {
+// Where a vertex is at a height of 0, the skin, to 1, the tips.
+FN vec3 ShellPosition(vec3 position, vec3 groom, vec3 force, float height) {
   return position + height * (groom + height * force);
 }
 
-vec3 ShellDirection(vec3 groom, vec3 force, float height) {
-  vec3 along = groom + 2.0 * height * force;
-  return along / max(length(along), 1e-9);
+// Which way the hairs there go: ShellPosition's derivative, unit.
+FN vec3 ShellDirection(vec3 groom, vec3 force, float height) {
+  vec3 along = groom + 2.0f * height * force;
+  return along / max(length(along), 1e-9f);
 }
 
-float ShellCoverage(float hair, float stencil, float threshold) {
-  return hair * stencil > threshold ? 1.0 : 0.0;
+// Whether a hair of this length, of the longest, where this share of the fur stands, reaches past the
+// shell's threshold: 1, or 0.
+FN float ShellCoverage(float hair, float stencil, float threshold) {
+  return hair * stencil > threshold ? 1.0f : 0.0f;
 }
+
+// A fin, an edge of the skin drawn out along its hairs, is a strip of kFinSteps quads that follow their bend. Its ends
+// are at ShellPosition; a hair at a share of the edge covers it up to its height, by ShellCoverage with the height as
+// threshold.
+CONST uint kFinSteps = 4u;
+
+FN float FinHeight(uint at) { return float(at) / float(kFinSteps); }

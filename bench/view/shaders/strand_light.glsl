@@ -1,75 +1,79 @@
-// The functions of strand_light.hpp, which says what they are.
-// GLSL 3.30 core and ES 3.00; the host puts the version line and these files before it:
+// A hair and the skin below it under a whole set of lights: the terms of strand_shading.glsl put together.
 // After: spherical_harmonics.glsl
 // After: strand_shading.glsl
-precision highp float;
-precision highp int;
 
+// Colours are radiance: what a white Lambert patch that faces the light reflects.
 struct LightSet {
   vec3 to_sun, sun;
-  vec3 to_rim, rim;
-  vec3 sky[16];
+  vec3 to_rim, rim;  // a light behind what is seen; a negative one darkens outlines
+  vec3 sky[16];      // spherical harmonics
 };
 
+// How a coat of hair takes light.
 struct HairLook {
-  float primary, primary_exponent, primary_shift;
-  float secondary, secondary_exponent, secondary_shift;
-  float noise;
-  float wrap;
+  float primary, primary_exponent, primary_shift;        // in the light's colour, shifted to the root
+  float secondary, secondary_exponent, secondary_shift;  // in the hair's, to the tip
+  float noise;                                           // how far noise breaks the secondary one up, 0 to 1
+  float wrap;                                            // of light round the body
   float rim_exponent, rim_from;
   float backlight, backlight_exponent;
-  float scatter, scatter_depth;
+  float scatter, scatter_depth;  // share of light kept inside the coat, and how fast it takes on colour
 };
 
+// A place on a hair.
 struct HairPoint {
   vec3 colour, tangent;
-  vec3 normal;
+  vec3 normal;  // of the skin at the root
   vec3 to_eye;
-  float depth_light;
-  float sun_share;
-  float noise;
+  float depth_light;  // DepthShadow
+  float sun_share;    // SelfShadow
+  float noise;        // StrandNoise
 };
 
-vec3 CoatColour(HairLook look, vec3 colour, float share) {
-  float inside = 1.0 - share;
+// Colour of hair where this share of light comes straight, the rest by way of other hairs.
+FN vec3 CoatColour(HairLook look, vec3 colour, float share) {
+  float inside = 1.0f - share;
   return colour * share +
          MultipleScatter(colour, inside, look.scatter_depth) * (look.scatter * inside);
 }
 
-vec3 Highlights(HairLook look, HairPoint p, vec3 to_light) {
+// Both highlights, without the light's colour.
+FN vec3 Highlights(HairLook look, HairPoint p, vec3 to_light) {
   vec3 halfway = Halfway(to_light, p.to_eye);
   vec3 to_root = ShiftTangent(p.tangent, p.normal, look.primary_shift);
   vec3 to_tip = ShiftTangent(p.tangent, p.normal, -look.secondary_shift);
   float first = look.primary * HairLobe(to_root, halfway, look.primary_exponent);
   float second = look.secondary * HairLobe(to_tip, halfway, look.secondary_exponent) *
-                 mix(1.0, 2.0 * p.noise, look.noise);
+                 mix(1.0f, 2.0f * p.noise, look.noise);
   return vec3(first) + p.colour * second;
 }
 
-vec3 OutlineLight(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye) {
+// What the light behind adds at the outline, of hair or skin of this colour.
+FN vec3 OutlineLight(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye) {
   float rim = Rim(normal, to_eye, look.rim_exponent) * RimFrom(normal, light.to_rim, look.rim_from);
-  return light.rim * mix(colour, vec3(1.0), 0.25) * rim;
+  return light.rim * mix(colour, vec3(1.0f), 0.25f) * rim;
 }
 
-vec3 ShadeHair(LightSet light, HairLook look, HairPoint p) {
+FN vec3 ShadeHair(LightSet light, HairLook look, HairPoint p) {
   vec3 deep = CoatColour(look, p.colour, p.depth_light);
   vec3 sunlit = CoatColour(look, p.colour, p.depth_light * p.sun_share);
   vec3 sun = light.sun * WrapDiffuse(dot(p.normal, light.to_sun), look.wrap);
   vec3 through = TransmittedColour(p.colour) * (look.backlight * p.depth_light);
   vec3 sum = sunlit * sun * HairDiffuse(p.tangent, light.to_sun);
-  sum += deep * 0.5 *
+  sum += deep * 0.5f *
          (ShLight(light.sky, p.normal, kShLambert) + ShLight(light.sky, p.tangent, kShHair));
   sum += Highlights(look, p, light.to_sun) * sun * (p.sun_share * p.depth_light);
   sum += through * light.sun *
          (p.sun_share * Backlight(p.tangent, light.to_sun, p.to_eye, look.backlight_exponent));
-  sum += through * max(light.rim, vec3(0.0)) *
+  sum += through * max(light.rim, vec3(0.0f)) *
          Backlight(p.tangent, light.to_rim, p.to_eye, look.backlight_exponent);
   return AddRim(sum, OutlineLight(light, look, p.colour, p.normal, p.to_eye) * p.depth_light);
 }
 
-vec3 ShadeSkin(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye,
+// Skin, of its own or below hair that leaves `depth_light` of the light there.
+FN vec3 ShadeSkin(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye,
                float depth_light, float sun_share) {
-  float facing = max(dot(normal, light.to_sun), 0.0);
+  float facing = max(dot(normal, light.to_sun), 0.0f);
   vec3 sum = CoatColour(look, colour, depth_light * sun_share) * light.sun * facing +
              CoatColour(look, colour, depth_light) * ShLight(light.sky, normal, kShLambert);
   return AddRim(sum, OutlineLight(light, look, colour, normal, to_eye) * depth_light);

@@ -1,91 +1,117 @@
-// The functions of strand_shading.hpp, which says what they are and where they come from.
-// GLSL 3.30 core and ES 3.00; the host puts the version line.
-precision highp float;
-precision highp int;
+// The terms that hair is lit by, each a function of its own; strand_light.glsl puts them together.
+// Directions are unit and point away from the place; lengths are metres, colours linear radiance.
+//
+// Source: Kajiya & Kay, "Rendering Fur with Three Dimensional Textures", 1989; Scheuermann, "Practical Real-Time
+// Hair Rendering and Shading", 2004; Marschner et al., "Light Scattering from Human Hair Fibers", 2003 (what passes
+// through); Zinke et al., "Dual Scattering Approximation", 2008 (what is scattered on). The shadow terms are those of
+// Once Upon a Monster.
 
-const float kNoiseKnots = 3.0;
+// Of noise along a hair, as pictures have it.
+CONST float kNoiseKnots = 3.0f;
 
-float Saturate(float x) { return clamp(x, 0.0, 1.0); }
+FN float Saturate(float x) { return clamp(x, 0.0f, 1.0f); }
 
-float HairDiffuse(vec3 tangent, vec3 to_light) {
+// sin(T, L) for unit tangent and direction to the light; 1 across the hair. It has no back face: shadow has to be its own.
+FN float HairDiffuse(vec3 tangent, vec3 to_light) {
   float along = dot(tangent, to_light);
-  return sqrt(max(0.0, 1.0 - along * along));
+  return sqrt(max(0.0f, 1.0f - along * along));
 }
 
-vec3 ShiftTangent(vec3 tangent, vec3 normal, float shift) {
+// The tangent of the hair's scales: leaning by `shift` along the skin's normal at the root.
+FN vec3 ShiftTangent(vec3 tangent, vec3 normal, float shift) {
   return normalize(tangent + shift * normal);
 }
 
-vec3 Halfway(vec3 a, vec3 b) {
+// Halfway between two directions; short, but no NaN, where they are opposite.
+FN vec3 Halfway(vec3 a, vec3 b) {
   vec3 sum = a + b;
-  return sum / max(length(sum), 1e-6);
+  return sum / max(length(sum), 1e-6f);
 }
 
-float HairLobe(vec3 tangent, vec3 halfway, float exponent) {
+// A highlight: sin(T, H)^exponent, H halfway between light and eye, none where H looks down the hair.
+FN float HairLobe(vec3 tangent, vec3 halfway, float exponent) {
   float along = dot(tangent, halfway);
-  float across = max(1.0 - along * along, 1e-12);  // pow of 0 is not defined everywhere
-  return smoothstep(-1.0, 0.0, along) * pow(across, 0.5 * exponent);
+  float across = max(1.0f - along * along, 1e-12f);  // pow of 0 is not defined everywhere
+  return smoothstep(-1.0f, 0.0f, along) * pow(across, 0.5f * exponent);
 }
 
-float WrapDiffuse(float n_dot_l, float wrap) { return Saturate((n_dot_l + wrap) / (1.0 + wrap)); }
+// (n.l + wrap) / (1 + wrap): light that reaches round a rounded thing.
+FN float WrapDiffuse(float n_dot_l, float wrap) { return Saturate((n_dot_l + wrap) / (1.0f + wrap)); }
 
-float Rim(vec3 normal, vec3 to_eye, float exponent) {
-  return pow(Saturate(1.0 - abs(dot(normal, to_eye))), exponent);
+// (1 - |n.v|)^exponent: what glows at the outline.
+FN float Rim(vec3 normal, vec3 to_eye, float exponent) {
+  return pow(Saturate(1.0f - abs(dot(normal, to_eye))), exponent);
 }
 
-float RimFrom(vec3 normal, vec3 axis, float from) {
-  return mix(1.0, 0.5 + 0.5 * dot(normal, axis), from);
+// Share of the rim that a place has whose normal is off the rim's axis; `from` 0: all of it everywhere.
+FN float RimFrom(vec3 normal, vec3 axis, float from) {
+  return mix(1.0f, 0.5f + 0.5f * dot(normal, axis), from);
 }
 
-vec3 AddRim(vec3 light, vec3 rim) { return max(light + rim, vec3(0.0)); }
+// Light with a rim, which may be negative: it darkens the outline, but light stays 0 or more.
+FN vec3 AddRim(vec3 light, vec3 rim) { return max(light + rim, vec3(0.0f)); }
 
-float DepthShadow(vec3 position, vec3 root, vec3 normal, float depth, float floor_light) {
+// Light dies away towards the skin: `floor_light` of it is left there, all of it `depth` above. Skin below hair is as
+// dark as the floor.
+FN float DepthShadow(vec3 position, vec3 root, vec3 normal, float depth, float floor_light) {
   float height = Saturate(dot(position - root, normal) / depth);
-  return floor_light + (1.0 - floor_light) * pow(height, 0.8);
+  return floor_light + (1.0f - floor_light) * pow(height, 0.8f);
 }
 
-float SelfShadow(float coverage, float behind, float bias, float falloff, float strength) {
-  float thick = 1.0 - exp(-falloff * max(0.0, behind - bias));
-  return 1.0 - strength * min(coverage, 1.0) * thick;
+// Share of light that gets through what a shadow map has before a place: `behind` is how far the place lies behind
+// the nearest thing, `coverage` the sum of what covers the texel (above 1 counts as 1), `falloff` is 1/m.
+FN float SelfShadow(float coverage, float behind, float bias, float falloff, float strength) {
+  float thick = 1.0f - exp(-falloff * max(0.0f, behind - bias));
+  return 1.0f - strength * min(coverage, 1.0f) * thick;
 }
 
-float Backlight(vec3 tangent, vec3 to_light, vec3 to_eye, float exponent) {
+// Seen against the light, hair glows: sin(T, L) (-l.v)^exponent.
+FN float Backlight(vec3 tangent, vec3 to_light, vec3 to_eye, float exponent) {
   float against = Saturate(-dot(to_light, to_eye));
   return HairDiffuse(tangent, to_light) * pow(against, exponent);
 }
 
-vec3 TransmittedColour(vec3 colour) { return sqrt(colour); }
+// Colour of light that went through a hair, half the way that reflected light goes.
+FN vec3 TransmittedColour(vec3 colour) { return sqrt(colour); }
 
-vec3 MultipleScatter(vec3 colour, float occlusion, float k) {
-  return pow(colour, vec3(1.0 + k * occlusion));
+// Colour of light that many hairs passed on: the deeper inside, `occlusion` 0 to 1, the more often it met the
+// colour. White stays white.
+FN vec3 MultipleScatter(vec3 colour, float occlusion, float k) {
+  return pow(colour, vec3(1.0f + k * occlusion));
 }
 
-vec3 Over(vec3 colour, float coverage, vec3 below) {
-  return colour * coverage + below * (1.0 - coverage);
+// A hair of this coverage over what is there.
+FN vec3 Over(vec3 colour, float coverage, vec3 below) {
+  return colour * coverage + below * (1.0f - coverage);
 }
 
-float LinearFromSrgb(float v) {
-  return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+// Between sRGB and linear, 0 to 1 (IEC 61966-2-1).
+FN float LinearFromSrgb(float v) {
+  return v <= 0.04045f ? v / 12.92f : pow((v + 0.055f) / 1.055f, 2.4f);
 }
-float SrgbFromLinear(float v) {
-  return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+FN float SrgbFromLinear(float v) {
+  return v <= 0.0031308f ? 12.92f * v : 1.055f * pow(v, 1.0f / 2.4f) - 0.055f;
 }
 
-float Snorm16(uint word) { return max(float(int(word << 16u) >> 16) / 32767.0, -1.0); }
+// Signed normalised: the low half of a word.
+FN float Snorm16(uint word) { return max(float(int(word << 16u) >> 16) / 32767.0f, -1.0f); }
 
-vec3 OctahedralNormal(uint packed_normal) {
+// A unit vector from LookRecord::normal.
+FN vec3 OctahedralNormal(uint packed_normal) {
   float x = Snorm16(packed_normal), y = Snorm16(packed_normal >> 16u);
-  float z = 1.0 - abs(x) - abs(y), fold = max(-z, 0.0);
-  return normalize(vec3(x >= 0.0 ? x - fold : x + fold, y >= 0.0 ? y - fold : y + fold, z));
+  float z = 1.0f - abs(x) - abs(y), fold = max(-z, 0.0f);
+  return normalize(vec3(x >= 0.0f ? x - fold : x + fold, y >= 0.0f ? y - fold : y + fold, z));
 }
 
-float HashShare(uint x) {
+// Even in [0, 1), by whole numbers alone (Wellons' lowbias32): the same on each machine.
+FN float HashShare(uint x) {
   x = (x ^ (x >> 16u)) * 0x7feb352du;
   x = (x ^ (x >> 15u)) * 0x846ca68bu;
-  return float((x ^ (x >> 16u)) >> 8u) * (1.0 / 16777216.0);
+  return float((x ^ (x >> 16u)) >> 8u) * (1.0f / 16777216.0f);
 }
 
-float StrandNoise(uint strand, float t, float knots) {
+// Noise along a hair, 0 to 1, of `knots` values from root (t 0) to tip (t 1), to break highlights up.
+FN float StrandNoise(uint strand, float t, float knots) {
   float at = t * knots, low = floor(at);
   uint place = strand * 64u + uint(low);
   return mix(HashShare(place), HashShare(place + 1u), at - low);

@@ -1,9 +1,6 @@
 // What of a card of hairs is seen: its silhouettes, in a texture with a layer for each film strip (bench/picture/
 // strip_texture.hpp). The host defines CARDS for layers that have any: others do without reading a
 // texture for every fragment.
-precision highp float;
-precision highp int;
-precision highp sampler2DArray;
 
 #ifdef CARDS
 uniform sampler2DArray strips;

@@ -1,9 +1,4 @@
 // What each pass is told. Light and look are blocks of floats in the order of their structs in C++.
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-precision highp sampler2DArray;
-precision highp usampler2D;
 
 layout(std140) uniform Look {
   LightSet light;

@@ -1,6 +1,5 @@
 // b: how much of the rim; only what is behind everything has it, and blurring brings it in over the
 // outline.
-precision highp float;
 
 in vec2 sun_and_sky;
 out vec4 coefficients;

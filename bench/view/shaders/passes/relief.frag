@@ -6,6 +6,7 @@
 // After: relief.glsl
 // After: relief_shading.glsl
 uniform sampler2D surface;  // the layer's flow map
+uniform sampler2D relief_heights;
 uniform vec2 repeat;        // of the tile of hairs
 uniform float longest;      // m
 uniform float depth_floor;
@@ -30,5 +31,5 @@ void main() {
   point.floor_light = depth_floor;
   point.sun_share = relief_sun;
   point.to_eye = normalize(eye - relief_at);
-  colour = vec4(ShadeRelief(light, look, point) * point.flow.a, point.flow.a);
+  colour = vec4(ShadeRelief(relief_heights, light, look, point) * point.flow.a, point.flow.a);
 }

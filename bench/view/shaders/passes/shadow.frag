@@ -1,6 +1,5 @@
 // Blended by MIN and ADD. Coverage is whole numbers, whose sums are exact: no order of drawing
 // gives other bits.
-precision highp float;
 
 in float from_front;
 in float covered;

@@ -1,5 +1,4 @@
 // shadow.frag, but that where no hair is there is no distance either.
-precision highp float;
 
 in float from_front;
 in float covered;

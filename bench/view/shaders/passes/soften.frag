@@ -1,8 +1,5 @@
 // Running means along one direction, of what is at most 1 when scaled; the edge goes on beyond the
 // edge.
-precision highp float;
-precision highp int;
-precision highp sampler2DArray;
 
 uniform sampler2DArray source;
 uniform int layer, reach;

@@ -1,6 +1,4 @@
 // How much of the fur stands at a place: where the layer's map is known, as it says, else as the vertices do.
-precision highp sampler2D;
-precision highp sampler2DArray;
 
 uniform sampler2DArray growth;
 uniform float growth_scale;  // from the fur texture's coordinates to the skin's; 0: there is no map
