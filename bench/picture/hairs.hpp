@@ -27,7 +27,7 @@ struct Hair {
   uint32_t base_colour, tip_colour;  // 0xAABBGGRR
   uint32_t actor;
   uint32_t number;         // of the strand among all of the scene
-  uint32_t film_strip;     // of bench/view/film_strip.hpp
+  uint32_t film_strip;     // of bench/view/shaders/film_strip.glsl
   bool is_card;            // wide enough to show silhouettes
   glm::vec3 root, normal;  // on the skin
   glm::vec4 paint;         // amounts, none of a layer that is not lit

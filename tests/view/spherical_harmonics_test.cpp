@@ -1,4 +1,4 @@
-// bench/view/spherical_harmonics.hpp against values that were worked out apart from it.
+// bench/view/shaders/spherical_harmonics.glsl against values that were worked out apart from it.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/constants.hpp>

@@ -1,4 +1,4 @@
-// bench/view/strand_light.hpp: what the terms are for when they are put together.
+// bench/view/shaders/strand_light.glsl: what the terms are for when they are put together.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/constants.hpp>

@@ -1,4 +1,4 @@
-// bench/view/strand_shading.hpp against values that were worked out apart from it.
+// bench/view/shaders/strand_shading.glsl against values that were worked out apart from it.
 #include <gtest/gtest.h>
 
 #include <array>
