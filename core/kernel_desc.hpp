@@ -11,15 +11,15 @@
 namespace pelt {
 
 enum class Access : uint8_t {
-  kIn,        // own block, read
-  kOut,       // own block, every byte the readers use is written: costs no DMA get
-  kInOut,     // own block, read and written
-  kShared,    // the one block of a coarser domain that the item belongs to, read
-  kAll,       // every block of a finer domain inside the item, read: implies a barrier
+  kIn,      // own block, read
+  kOut,     // own block, every byte the readers use is written: costs no DMA get
+  kInOut,   // own block, read and written
+  kShared,  // the one block of a coarser domain that the item belongs to, read
+  kAll,  // every block of a finer domain inside the item, read: the item waits for all that write one
   kAllOut,    // the same, written
   kAllInOut,  // the same, read and written
-  kGather,    // records anywhere in the layer, read by index: implies a barrier
-  kScatter,   // records anywhere in the layer, written by index, each index by one chunk only
+  kGather,  // records anywhere in the layer, read by index: the item waits for those blocks, or the layer
+  kScatter,  // records anywhere in the layer, written by index, each index by one chunk only
 };
 
 constexpr bool IsWritten(Access access) {
