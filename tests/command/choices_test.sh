@@ -11,7 +11,8 @@ base_of() {
   local scene=(--scene tiny)
   [ "$2" = --scene ] && scene=()
   case "$1 $2" in
-    'accuracy --rates' | 'accuracy --presets' | 'accuracy --isa') echo --quick ;;
+    'accuracy --presets') echo --quick ;;
+    'accuracy --rates' | 'accuracy --isa') echo --quick --presets soft ;;
     'accuracy --links') echo --features --quick ;;
     'accuracy --scene') echo --frames 2 --quick ;;
     'budget '*) echo "${scene[@]}" --frames 1 --no-advice ;;
@@ -58,7 +59,7 @@ check_values() {
       base=$(base_of "$subcommand" "$option") || { fail "nothing is known of $subcommand $option"; continue; }
       for value in ${values//,/ }; do
         # Minutes each, under sanitizers an hour, and the scenes themselves are run.
-        [[ "$subcommand $value" =~ ^(budget|fit|calibrate)\ (stage|cast|everything)$ ]] && continue
+        [[ "$subcommand $value" =~ ^(accuracy|budget|fit|calibrate)\ (monster|stage|cast|everything)$ ]] && continue
         # shellcheck disable=SC2086
         ran $subcommand $base "$option" "$value"
       done
