@@ -49,8 +49,6 @@ class FrameForecast {
   double TotalCost() const { return total_; }  // ms, or bytes
   // What the longest chain of items that wait for each other costs.
   double CriticalPath() const;
-  // The passes' share of the sum, 0 to 1.
-  std::vector<double> PassShares() const;
   WorkerForecast On(uint32_t workers) const;
 
  private:
@@ -156,16 +154,6 @@ double FrameForecast::CriticalPath() const {
       count(graph.next[n], fires[node]);
   }
   return fires[graph.LastNode()];
-}
-
-std::vector<double> FrameForecast::PassShares() const {
-  std::vector<double> shares(plan_.passes.size(), 0.0);
-  for (size_t p = 0; p < shares.size(); ++p) {
-    const size_t end =
-        p + 1 < shares.size() ? plan_.graph.pass_first[p + 1] : plan_.graph.item_node.size();
-    for (size_t i = plan_.graph.pass_first[p]; i < end; ++i) shares[p] += costs_[i] / total_;
-  }
-  return shares;
 }
 
 WorkerForecast FrameForecast::On(uint32_t workers) const {
