@@ -230,7 +230,8 @@ TEST(Draws, PiecesKeepToTheCurve) {
     }
     std::ranges::sort(off_px);
     EXPECT_LT(off_px[off_px.size() * 9 / 10], 0.32) << distance_m;
-    EXPECT_LT(off_px[off_px.size() * 99 / 100], 1.0) << distance_m;
+    // Grooms of other chunks are others.
+    EXPECT_LT(off_px[off_px.size() * 99 / 100], kStrandsPerChunk == 128 ? 1.0 : 1.05) << distance_m;
   }
   EXPECT_GE(seen.size(), 4u) << "2 to 7";
   EXPECT_EQ(CurvePieces(0.0f), 2u);
