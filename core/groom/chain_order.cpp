@@ -11,20 +11,25 @@
 namespace pelt {
 namespace {
 
+double Squared(double x, double y, double z) { return x * x + y * y + z * z; }
+
 class Distances {
  public:
   explicit Distances(std::span<const ChainPlace> places) : places_(places) {
-    glm::dvec3 low(places[0].position), high = low;
-    for (const ChainPlace& place : places) {
-      low = glm::min(low, glm::dvec3(place.position));
-      high = glm::max(high, glm::dvec3(place.position));
+    double size[3];
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::ranges::minmax(
+          places, {}, [k](const ChainPlace& place) { return place.position[k]; });
+      size[k] = double(high.position[k]) - double(low.position[k]);
     }
-    facing_scale_ = glm::dot(high - low, high - low) / 9.0;
+    facing_scale_ = pelt::Squared(size[0], size[1], size[2]) / 9.0;
   }
   double Squared(size_t a, size_t b) const {
-    const glm::dvec3 way = glm::dvec3(places_[a].position) - glm::dvec3(places_[b].position);
-    const double facing = glm::dot(glm::dvec3(places_[a].normal), glm::dvec3(places_[b].normal));
-    return glm::dot(way, way) + facing_scale_ * std::max(0.0, 1.0 - facing);
+    const ChainPlace &from = places_[a], &to = places_[b];
+    const auto way = [&](int k) { return double(from.position[k]) - double(to.position[k]); };
+    const auto along = [&](int k) { return double(from.normal[k]) * double(to.normal[k]); };
+    const double facing = along(0) + along(1) + along(2);
+    return pelt::Squared(way(0), way(1), way(2)) + facing_scale_ * std::max(0.0, 1.0 - facing);
   }
 
  private:

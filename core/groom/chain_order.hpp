@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -16,9 +15,9 @@
 namespace pelt {
 
 struct ChainPlace {
-  glm::vec3 position;  // rest pose, m
-  glm::vec3 normal;    // unit
-  uint32_t use = 0;    // places of less use are left out first: 0 is of the most
+  float position[3];  // rest pose, m
+  float normal[3];    // unit
+  uint32_t use = 0;   // places of less use are left out first: 0 is of the most
 };
 
 // Of each place its level: how many times chains may be halved (CountChains) before it goes; the

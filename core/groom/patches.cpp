@@ -144,7 +144,7 @@ class Path {
     return std::abs(high - here) < std::abs(low - here);
   }
 
-  // Strand order: a rule that is complete, whatever the standard library's partition left.
+  // Strand order: a complete rule, so it does not matter in which order the standard library's partition left them.
   void SortPart(uint32_t first, uint32_t last) {
     std::sort(order_.begin() + first, order_.begin() + last,
               [](const Item& a, const Item& b) { return a.strand < b.strand; });
@@ -250,7 +250,8 @@ class PatchBuilder {
     for (const UsedVertex& used : part) {
       const double from = used.live_from + 1e-5;  // LiveFrom is a little below
       const uint32_t use = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
-      places.push_back({mesh_.position[used.vertex], mesh_.normal[used.vertex], use});
+      const glm::vec3 p = mesh_.position[used.vertex], n = mesh_.normal[used.vertex];
+      places.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, use});
     }
     const std::vector<uint32_t> levels = FindChainLevels(places);
     vertices_.clear();

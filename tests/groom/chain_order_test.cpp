@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 
 #include "core/random.hpp"
@@ -12,8 +13,12 @@
 namespace pelt {
 namespace {
 
+glm::vec3 PlaceOf(const ChainPlace& place) {
+  return {place.position[0], place.position[1], place.position[2]};
+}
+
 // A sheet, 1 m wide.
-std::vector<ChainPlace> MakeSheet(uint32_t side) {
+std::vector<ChainPlace> MakePlaces(uint32_t side) {
   std::vector<ChainPlace> places;
   const float step = 1.0f / float(side - 1);
   for (uint32_t i = 0; i < side * side; ++i)
@@ -36,7 +41,7 @@ double FarthestFrom(const std::vector<ChainPlace>& places, uint32_t prefix) {
   for (const ChainPlace& place : places) {
     double nearest = std::numeric_limits<double>::max();
     for (uint32_t i = 0; i < prefix; ++i)
-      nearest = std::min(nearest, double(glm::distance(place.position, places[i].position)));
+      nearest = std::min(nearest, double(glm::distance(PlaceOf(place), PlaceOf(places[i]))));
     worst = std::max(worst, nearest);
   }
   return worst;
@@ -44,7 +49,7 @@ double FarthestFrom(const std::vector<ChainPlace>& places, uint32_t prefix) {
 
 TEST(ChainOrder, LevelsAreWholeGroupsOfHalves) {
   for (const uint32_t count : {0u, 1u, 15u, 16u, 17u, 40u, kVerticesPerChunk}) {
-    std::vector<ChainPlace> places = MakeSheet(12);
+    std::vector<ChainPlace> places = MakePlaces(12);
     places.resize(std::min<size_t>(count, places.size()));
     const std::vector<uint32_t> levels = FindChainLevels(places);
     ASSERT_EQ(levels.size(), places.size());
@@ -62,7 +67,7 @@ TEST(ChainOrder, LevelsAreWholeGroupsOfHalves) {
 
 // As few squares of the sheet cover it: no hole is wider than two of their diagonals.
 TEST(ChainOrder, EveryPrefixCoversTheSheet) {
-  std::vector<ChainPlace> places = MakeSheet(11);
+  std::vector<ChainPlace> places = MakePlaces(11);
   const std::vector<ChainPlace> ordered = InOrder(places);
   for (uint32_t level = 1; level < kChainLevels; ++level) {
     const uint32_t kept = CountChains(uint32_t(places.size()), level);
@@ -71,7 +76,7 @@ TEST(ChainOrder, EveryPrefixCoversTheSheet) {
 }
 
 TEST(ChainOrder, VerticesOfTheFirstStrandsStay) {
-  std::vector<ChainPlace> places = MakeSheet(10);
+  std::vector<ChainPlace> places = MakePlaces(10);
   for (uint32_t i = 0; i < 60; ++i) places[i].use = 2;
   const std::vector<uint32_t> levels = FindChainLevels(places);
   for (uint32_t i = 60; i < 100; ++i) EXPECT_GE(levels[i], 1u) << i;  // 40 of the 64 that stay
@@ -79,7 +84,7 @@ TEST(ChainOrder, VerticesOfTheFirstStrandsStay) {
 
 TEST(ChainOrder, ParentsLieInTheCoarserPrefix) {
   for (const uint32_t side : {3u, 5u, 8u, 11u}) {
-    const std::vector<ChainPlace> places = InOrder(MakeSheet(side));
+    const std::vector<ChainPlace> places = InOrder(MakePlaces(side));
     const uint32_t count = uint32_t(places.size());
     const ChainParentBlock parents = FindChainParents(places);
     for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
@@ -100,29 +105,31 @@ TEST(ChainOrder, ParentsLieInTheCoarserPrefix) {
 
 // What changes evenly over the sheet is found again, to some of what lies between neighbours.
 TEST(ChainOrder, ParentsLieAbout) {
-  const std::vector<ChainPlace> places = InOrder(MakeSheet(11));
+  const std::vector<ChainPlace> places = InOrder(MakePlaces(11));
   const uint32_t count = uint32_t(places.size());
   const ChainParentBlock parents = FindChainParents(places);
   for (uint32_t lane = CountChains(count, kChainLevels - 1); lane < count; ++lane) {
     glm::vec3 there(0.0f);
     for (uint32_t k = 0; k < 3; ++k)
-      there += parents.share[k][lane] * places[parents.lanes[lane] >> 8 * k & 0xffu].position;
-    EXPECT_LT(glm::distance(there, places[lane].position), 0.16f) << lane;
+      there += parents.share[k][lane] * PlaceOf(places[parents.lanes[lane] >> 8 * k & 0xffu]);
+    EXPECT_LT(glm::distance(there, PlaceOf(places[lane])), 0.16f) << lane;
   }
 }
 
 // Two sides of a thing 1 mm thick: a vertex follows its own.
 TEST(ChainOrder, SidesOfAnEarAreNoNeighbours) {
-  std::vector<ChainPlace> places = MakeSheet(8);
-  for (size_t i = 0; i < 64; ++i)
-    places.push_back({places[i].position - glm::vec3(0.0f, 0.001f, 0.0f), {0.0f, -1.0f, 0.0f}});
+  std::vector<ChainPlace> places = MakePlaces(8);
+  for (size_t i = 0; i < 64; ++i) {
+    const float* p = places[i].position;
+    places.push_back({{p[0], p[1] - 0.001f, p[2]}, {0.0f, -1.0f, 0.0f}});
+  }
   const std::vector<ChainPlace> ordered = InOrder(places);
   const ChainParentBlock parents = FindChainParents(ordered);
   for (uint32_t lane = 16; lane < 128; ++lane) {
     float same = 0.0f;
     for (uint32_t k = 0; k < 3; ++k) {
       const ChainPlace& parent = ordered[parents.lanes[lane] >> 8 * k & 0xffu];
-      if (parent.normal.y == ordered[lane].normal.y) same += parents.share[k][lane];
+      if (parent.normal[1] == ordered[lane].normal[1]) same += parents.share[k][lane];
     }
     EXPECT_GT(same, 0.7f) << lane;
   }
