@@ -2,9 +2,9 @@
 """The pictures that pages show are what their commands draw.
   pictures.py PELT SOURCE_DIR      (in a folder where it may write)
 
-Each command in a code block of bench/picture/README.md is run and what it draws held against the file of that name there.
-Of an animation the first frame. Another compiler or driver rounds otherwise: a mean difference of kMostMean is let pass,
-where other hairs make 1 to 10.
+Runs each command below "The pictures above" of bench/picture/README.md and compares what it draws with the file of that
+name there; of an animation the first frame. Another compiler or driver rounds otherwise: a mean difference of kMostMean
+is let pass, where other hairs make 1 to 10.
 """
 import os
 import re
@@ -18,7 +18,7 @@ kMostMean = 0.4
 
 
 def pixels(path):
-    """Width, height, bytes of a picture of 8 bits a channel."""
+    """Width, height, bytes of a picture of 8 bits per channel."""
     with open(path, 'rb') as file:
         data = file.read()
     at, packed = 8, b''
@@ -58,8 +58,8 @@ def difference(is_path, shown_path):
 
 pelt, folder = sys.argv[1], os.path.join(sys.argv[2], 'bench', 'picture')
 with open(os.path.join(folder, 'README.md'), encoding='utf-8') as readme:
-    commands = re.findall(r'^    pelt (run .*)$', readme.read(), re.MULTILINE)
-faults, held = [], set()
+    commands = re.findall(r'^    pelt (run .*)$', readme.read().partition('## The pictures above')[2], re.MULTILINE)
+faults, held = ([] if commands else ['bench/picture/README.md: no commands']), set()
 os.makedirs('looks', exist_ok=True)
 for command in commands:
     file = re.search(r'--(?:picture|animation|steps) (\S+\.png)', command)[1]
