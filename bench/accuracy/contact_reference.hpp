@@ -6,7 +6,7 @@
 // freedom dynamics", 1988): speeds live between the steps (leapfrog), the chain's own forces come
 // from ChainDynamics, and each step the impulses are found that keep every link's nearest point from
 // entering by the step's end, each within its cone of friction. There is no stiffness to choose: the
-// step is all that can be wrong, and halving it tells by how much (feature_errors_test.cpp). What
+// step is all that can be wrong, and halving it shows by how much (feature_errors_test.cpp). What
 // overlaps from the start has no motion that is right, and leaves as the solver says it does.
 //
 // Nothing of this is shared with core: neither shapes, nor nearest points, nor the solve.

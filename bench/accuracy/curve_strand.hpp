@@ -1,5 +1,5 @@
-// A strand as n unit vectors, whatever they stand for: links of a chain, or tangents at nodes of a
-// curve. What models of a hair are compared as.
+// A strand as n unit vectors. They stand for the links of a chain, or for tangents at the nodes of a
+// curve. Models of a hair are compared in this form.
 //
 //     M d'' + c M d' + beta K (d' - r') + K (d - r) = b (g + c u - x0'' - c x0') - m (r0'' + c r0')
 //                                                     + Lambda d,   |d_i| = 1

@@ -12,7 +12,7 @@
 //
 // Invariant: what is drawn depends on the seed and the place in the list alone, so that a longer
 // list begins with the shorter one. The seed is renewed with a release, and no constant of a solver
-// may be chosen on it: an error on these problems is then what somebody else's problems will see.
+// may be chosen on it: an error on these problems is then what a user's own problems will see.
 #pragma once
 
 #include "bench/accuracy/chain_problem.hpp"

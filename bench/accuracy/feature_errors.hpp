@@ -2,8 +2,8 @@
 // sphere that stands or moves, and the ground, bounce, a limit to the motion, clumps, strength, wind.
 //
 // One measure is the kernel itself, best quality, with sixteen times the frames and the exact pose
-// at each; the same again with half as many frames tells what that reference is good to
-// (self_error). It knows all features, but what contact is from nobody else. So where strands touch
+// at each; the same again with half as many frames shows what that reference is good to
+// (self_error). It knows all features, but its contact is the kernel's own. So where strands touch
 // spheres, capsules and the ground there is another, which shares nothing with the kernel
 // (contact_reference.hpp). As with free strands, an error is a share of the secondary motion:
 // RMS(x - reference) / RMS(reference - rigid). What overlaps from the start has no motion that is
@@ -52,7 +52,7 @@ struct FeatureError {
   ModalQuality quality;
   double error;        // at 60 Hz, share of the secondary motion
   double penetration;  // deepest point inside what it may not enter, over the strand's length
-  double nanoseconds;  // a strand and frame, more than the same motion without the feature
+  double nanoseconds;  // per strand and frame, more than the same motion without the feature
   double self_error;   // of the reference: its distance to one with half the frames
   // Against the reference of contact, and that against one with half the steps.
   std::optional<double> contact_error, contact_self_error;

@@ -60,7 +60,7 @@ std::vector<FeatureProblem> FeatureProblems(int links) {
   problems.push_back({"bare", medium, straight, Motion::kHeadshake, bare});
   problems.push_back({"surface", medium, curled, Motion::kHeadshake, with(surface)});
   // In the way of the tips, from the side. (Head on, a strand may pass a sphere on either side, and
-  // no solver can tell which.)
+  // no solver can know which.)
   problems.push_back({"sphere", medium, straight, Motion::kHeadshake, with([](ModalFeatures& f) {
                         f.sphere_radius = 0.1;
                         f.sphere_centre = {0.16, 0.0, 0.16};
@@ -101,7 +101,7 @@ std::vector<FeatureProblem> FeatureProblems(int links) {
   Double3 tip = upright[0].root;
   for (int i = 0; i < links; ++i) tip = tip + rests[size_t(i)] * medium.length[size_t(i)];
   // 3 cm at 10 m/s after half a second, past the lower side of all of them: where it meets a strand
-  // in the middle nobody can tell on which side that gets out of its way.
+  // in the middle, no solver can know on which side the strand gets out of its way.
   problems.push_back({"fast sphere", medium, Tuft(links, side, 0.02, 0.1), Motion::kStill,
                       with([=](ModalFeatures& f) {
                         f.sphere_radius = 0.015;

@@ -37,7 +37,7 @@ struct ModalFeatures {
   double capsule_radius = 0.0;  // 0: no capsule
   Double3 capsule_from = kZero3, capsule_to = kZero3;
   // Sphere and capsule go this far to either side, as a sine, and on at this speed, m/s; their velocity is
-  // told.
+  // passed to the solver.
   Double3 swing = kZero3, going = kZero3;
   double swing_period = 1.0;  // s
   float bounce = 0.0f;

@@ -176,6 +176,7 @@ std::vector<Case> SolveCases(const ModelErrorOptions& options, MotionFamily fami
     Problem problem{DrawRodProblem(family, options.seed, index), preset,
                     int(options.seconds * kFramesPerSecond), options.curl};
     if (options.rest_turn) problem.drawn.rest.turn = *options.rest_turn;
+    if (options.motion) problem.drawn.motion = options.motion;
     problem.preset.length *= problem.drawn.length_scale;
     Track track = MoveExactly(rod, problem);
     const bool posed = Distance(MoveExactly(links, problem), track) < kPosedError;

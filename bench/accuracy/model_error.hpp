@@ -8,7 +8,7 @@
 //
 //     error = RMS((x - rigid) - (rod - rod's rigid)) / RMS(rod - rod's rigid)
 //
-// The rod has polynomials of degree 10; two rows tell how far it has converged, one of degree 8 and one in half steps.
+// The rod has polynomials of degree 10; two rows show how far it has converged, one of degree 8 and one in half steps.
 // Cases are well posed where a rod of kPosedLinks agrees with it to kPosedError: under wild motions soft strands are
 // chaotic, and nothing follows them.
 //
@@ -36,6 +36,7 @@ struct ModelErrorOptions {
   uint64_t seed = kDrawnSeed;
   int problems = 4;  // of a family
   double seconds = kRodSeconds;
+  BodyMotion motion = {};  // of every problem, from standing still; none: as drawn
   CurlModel curl = CurlModel::kRoot;
   std::optional<double> rest_turn = {};  // rad from root to tip, of every strand; none: as drawn
   // Also by solvers, with these kernels; none: only exactly.
@@ -48,7 +49,7 @@ struct ModelErrorRow {
   std::string model;
   std::optional<NamedSolver> solver;        // that moved it, as tuned on TimedPreset; none: exactly
   std::vector<std::vector<double>> errors;  // [preset][case], 1 = 100 %; not finite: infinity
-  double ns = 0.0;                          // a strand and frame, median of slices; 0: not timed
+  double ns = 0.0;                          // per strand and frame, median of slices; 0: not timed
 };
 
 struct ModelErrorPanel {

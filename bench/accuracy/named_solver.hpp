@@ -1,7 +1,7 @@
 // Every solver under its name: one list for the work-precision table, the stress table and
 // `--solver`.
 //
-// A family is one method; its members differ in what they spend a frame (substeps, iterations,
+// A family is one method; its members differ in what they spend per frame (substeps, iterations,
 // quality), so a family is one curve of the diagram and a member one point on it.
 #pragma once
 

@@ -185,21 +185,13 @@ ReferenceIntegrator::ReferenceIntegrator(std::span<const ChainProblem> problems,
 }
 
 void ReferenceIntegrator::Step() {
-  StepFrom(seconds(), 1.0 / double(rate_));
-  ++steps_;
-}
-
-void ReferenceIntegrator::StepAcross(double begin, double end, int steps) {
-  const double h = (end - begin) / steps;
-  for (int s = 0; s < steps; ++s) StepFrom(begin + s * h, h);
-}
-
-void ReferenceIntegrator::StepFrom(double t, double h) {
+  const double t = seconds(), h = 1.0 / double(rate_);
   BodyPose pose[dop853::kStages];
   for (int k = 0; k < dop853::kStages; ++k) pose[k] = motion_(t + h * dop853::kC[k]);
   for (size_t c = 0; c < chains_.size(); ++c)
     ForLinks(chains_[c].material().links,
              [&]<int n>() { RungeKuttaStep<n>(chains_[c], pose, h, states_[c]); });
+  ++steps_;
 }
 
 void ReferenceIntegrator::Kick(size_t problem, Double3 velocity_jump) {
@@ -225,7 +217,7 @@ void ReferenceIntegrator::Points(size_t problem, Double3* points) const {
 }
 
 int ReferenceRate(const ChainMaterial& material) {
-  // Whips turn a link at up to some 100 rad/s whatever the material, so 1/1920 s at least.
+  // Whips turn a link at up to some 100 rad/s in any material, so the rate is at least 1920 Hz.
   const auto modes = MatricesOf(material).omega;
   const double fastest = modes[material.links - 1];
   int rate = 1920;

@@ -57,9 +57,6 @@ class ReferenceIntegrator {
   // the motion is to be compared at.
   ReferenceIntegrator(std::span<const ChainProblem> problems, int steps_per_second);
   void Step();
-  // `steps` equal ones from `begin` to `end`, s, instead: for frames of any length. Not counted by
-  // seconds().
-  void StepAcross(double begin, double end, int steps);
   // The motion from the present time on.
   void SetMotion(BodyMotion motion) { motion_ = std::move(motion); }
   // The root's velocity jumps: an impulse on the first link, lengths kept.
@@ -71,7 +68,6 @@ class ReferenceIntegrator {
   void Points(size_t problem, Double3* points) const;
 
  private:
-  void StepFrom(double t, double h);
 
   BodyMotion motion_;
   std::vector<ChainDynamics> chains_;

@@ -229,7 +229,7 @@ class Least {
         space[i][j] -= across * chain_.Reach(i, c.s) * chain_.Reach(j, c.s);
   }
 
-  // The energy's second derivative by turns along side_.
+  // The energy's second derivative with respect to turns (rotations) along side_.
   LowerMatrix Curvature(const Vectors& slope) const {
     LowerMatrix space = matrix_, turns(2 * n_);
     for (const Contact& c : contacts_) AddContact(c, turns, space);

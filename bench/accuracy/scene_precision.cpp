@@ -422,7 +422,7 @@ ScenePrecision MeasureScenePrecision(const Scenario& scene, const ScenePrecision
   lockstep.CompareWithRods(progress);
   if (scene.more)
     result.notes.push_back(
-        "the scene's events are told by frame, and come at other times in the reference: errors "
+        "the scene's events are given by frame, and come at other times in the reference: errors "
         "are of that");
   lockstep.Summarise();
   if (const ScenePrecisionRow* pbd = result.Find("pbd")) {

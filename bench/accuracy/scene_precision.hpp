@@ -2,7 +2,7 @@
 // all to the best quality: what each costs and how wrong it is.
 //
 // The measure is the scene itself, modal solver at its best, with more frames per second and so the
-// exact pose in between; the same with half as many tells what that reference is good to
+// exact pose in between; the same with half as many shows what that reference is good to
 // (self_error). An error is a share of the secondary motion, over all strands, free points and
 // frames after the warm-up (the first frames start from the groom): RMS(x - reference) /
 // RMS(reference - rigid), rigid being the scene with simulation switched off, whose error is
@@ -24,7 +24,7 @@
 //
 // After the frames that are compared nothing moves. Ways that sleep go on through still frames,
 // which count in their time: what they save is a matter of how many there are. That they do the
-// same as the way that does not sleep is told by the digests of all points of all frames.
+// same as the way that does not sleep is shown by the digests of all points of all frames.
 #pragma once
 
 #include <cstdint>
@@ -39,13 +39,13 @@
 
 namespace pelt::accuracy {
 
-// How far the tips of a scene's strands are off the reference, held against the bound that their quality states
+// How far the tips of a scene's strands are off the reference, compared with the bound that their quality states
 // (ErrorShare, core/modal/quality_on_screen.hpp).
 //
 // Both are shares of the layer's longest strand, as the bound is a length before it is in pixels: no tip is nearer to
 // the eye than its layer's box, so what holds in shares holds on the screen.
 //
-// Only of layers whose setup has the modal solver: what PBD's or Verlet's parameters do in another is nobody's fur.
+// Only of layers whose setup has the modal solver: no setup runs PBD's or Verlet's parameters in another solver.
 
 struct TipRow {
   std::string way;  // SceneWay::name
@@ -102,7 +102,7 @@ struct ScenePrecisionOptions {
 
 struct ScenePrecisionRow {
   SceneWay way;
-  double simulate_ns = 0.0;  // a strand of the scene and frame, in wind and simulation stages
+  double simulate_ns = 0.0;  // per strand of the scene and frame, in wind and simulation stages
   double frame_ns = 0.0;     // the same of the whole frame
   double of_pbd = 0.0, frame_of_pbd = 0.0;  // over the same of PBD in every frame
   double error = 0.0;                       // share of the secondary motion
@@ -112,7 +112,7 @@ struct ScenePrecisionRow {
   std::optional<double> rod_error =
       {};                      // of the rods' (scene_rod.hpp); none: no rod, or not compared
   double live_share = 1.0;     // of the strands
-  double simulate_runs = 0.0;  // of those stages on a chunk, a frame
+  double simulate_runs = 0.0;  // of those stages on a chunk, per frame
   uint64_t points_digest = 0;  // of all points of all frames
 };
 

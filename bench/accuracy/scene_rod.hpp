@@ -1,10 +1,10 @@
 // How far the strands of a scene are off the rods that they stand for (curve_strand.hpp's), each clamped in its own
-// root: what no frame rate of the scene's own solver can tell.
+// root: what no frame rate of the scene's own solver can show.
 //
 // Roots of a sample of strands are recorded from the reference's run; each one's rod has its layer's material, the
 // strand's length and a smooth rest curve through its groomed points, starts on the groom when the strand does, and is
 // moved exactly (curve_motion.hpp) in steps of the recording's frames. Every second of them is a measure of what steps
-// are good to (self_error), and tells rods that are chaotic: nothing can follow those, and they are left out.
+// are good to (self_error), and shows which rods are chaotic: nothing can follow those, and they are left out.
 //
 // A rod touches nothing, is in no wind and in no clump. So the ways to run the scene go through its frames once more
 // without those, every strand at full strength. The error is a share of the rod's secondary motion, over

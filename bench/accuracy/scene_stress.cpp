@@ -114,8 +114,7 @@ void Inspect(const std::vector<Strand>& strands, SceneStressResult& result) {
         break;
       }
       const double links = double(strand.point.size());
-      result.worst_stretch =
-          std::max(result.worst_stretch, Length(p - upper) * links - 1.0);
+      result.worst_stretch = std::max(result.worst_stretch, Length(p - upper) * links - 1.0);
       upper = p;
     }
   }
@@ -294,8 +293,8 @@ SceneStressResult Far(double far_m, bool origins, Isa isa) {
 }
 
 // A bar that goes through the whole character and away; the other scene has none.
-// `told`: with its velocity.
-SceneStressResult Bar(double metres_per_s, bool told, Isa isa) {
+// `has_velocity`: the frames' input has its velocity.
+SceneStressResult Bar(double metres_per_s, bool has_velocity, Isa isa) {
   Course course = Plain(), without = Plain();
   course.change = [=](FrameInput& input, FurScene&, int frame) {
     CapsuleCollider& bar = input.capsule[0];
@@ -307,11 +306,12 @@ SceneStressResult Bar(double metres_per_s, bool told, Isa isa) {
     const float from[3] = {x, -0.5f, 0.05f}, to[3] = {x, 2.0f, 0.05f};
     std::copy_n(from, 3, bar.from);
     std::copy_n(to, 3, bar.to);
-    if (told && frame > 0) bar.from_velocity[0] = bar.to_velocity[0] = float(metres_per_s);
+    if (has_velocity && frame > 0) bar.from_velocity[0] = bar.to_velocity[0] = float(metres_per_s);
   };
-  SceneStressResult result = RunBeside(fmt::format("a bar that goes through at {} m/s{}",
-                                                   metres_per_s, told ? ", its velocity told" : ""),
-                                       std::move(course), &without, isa);
+  SceneStressResult result =
+      RunBeside(fmt::format("a bar that goes through at {} m/s{}", metres_per_s,
+                            has_velocity ? ", with its velocity" : ""),
+                std::move(course), &without, isa);
   result.most_at_end = 0.01;
   return result;
 }
@@ -341,7 +341,7 @@ std::vector<SceneStressResult> RunSceneStress(Isa isa) {
   for (const double far_m : {1.0e3, 1.0e4})
     for (const bool origins : {false, true}) all.push_back(Far(far_m, origins, isa));
   for (const double speed : {1.0, 5.0, 10.0})
-    for (const bool told : {false, true}) all.push_back(Bar(speed, told, isa));
+    for (const bool has_velocity : {false, true}) all.push_back(Bar(speed, has_velocity, isa));
   return all;
 }
 

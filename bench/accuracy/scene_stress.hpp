@@ -21,7 +21,7 @@ struct SceneStressResult {
   uint64_t strands = 0;
   uint64_t non_finite = 0;     // values of points, over all frames
   double worst_stretch = 0.0;  // of a link over its length, less 1
-  uint64_t unsettled = 0;  // strands that move by more than 1e-4 of their length a frame at the end
+  uint64_t unsettled = 0;  // strands that move by over 1e-4 of their length per frame at the end
   // From the scene as it should have been, RMS over all points of the half second from the
   // disturbance on, shares of the strands' lengths; of strands that lie on their groom likewise.
   std::optional<double> apart, rigid_apart;

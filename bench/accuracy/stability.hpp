@@ -40,12 +40,12 @@ struct ModeResponse {
   double omega;  // rad/s
   double exact_first, exact_sum, exact_product;
   double first, sum, product;  // of the solver; sum and product by least squares
-  bool gone;                   // died away within two frames: sum and product cannot be told
+  bool gone;                   // died away within two frames: sum and product are unknown
 };
 // Without gravity; `amplitude` in rad.
 std::vector<ModeResponse> MeasureModes(const SolverFactory& factory, const ChainMaterial& material,
                                        double frame_seconds, double amplitude = 1e-3);
-// Frequency (1/s) and decay (rad/s) of a measured mode, where they can be told from `sum` and
+// Frequency (1/s) and decay (rad/s) of a measured mode, where they can be found from `sum` and
 // `product` (w h < pi).
 struct ModeRate {
   double frequency, decay;

@@ -61,7 +61,7 @@ struct StressResult {
 inline constexpr double kMostPromisedStretch = 1.5e-4;
 std::vector<std::string> BrokenPromises(const StressResult& result);
 
-// `links`: the solver moves the material's links, so that what is stuck can be told from their balance.
+// `links`: the solver moves the material's links, so that the balance of their forces shows which strands are stuck.
 StressResult RunStress(const StressProblem& problem, const SolverFactory& factory,
                        bool links = true);
 

@@ -1,4 +1,4 @@
-// The work-precision table: what each solver costs a strand, and which part of the secondary motion
+// The work-precision table: what each solver costs per strand, and which part of the secondary motion
 // it gets wrong, on every preset, frame rate and kind of chain.
 //
 // Errors depend on nothing but the arithmetic, which is the same on every instruction set: their
@@ -18,7 +18,7 @@
 
 namespace pelt::accuracy {
 
-// kDrawn has the calibrated coefficients of layers whatever the options say.
+// kDrawn uses the calibrated coefficients of layers, regardless of the options.
 enum class Problems : uint8_t { kDrawn, kTuned };
 
 struct WorkPrecisionOptions {

@@ -1,19 +1,17 @@
 // `pelt accuracy`: the whole benchmark of error against run time; the same of a scene's frames; the
-// features; or one strand under a recorded root.
+// features.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "bench/accuracy/recorded_run.hpp"
 #include "bench/accuracy/report/accuracy_features.hpp"
 #include "bench/accuracy/report/accuracy_report.hpp"
 #include "bench/accuracy/report/accuracy_scene.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "core/error.hpp"
-#include "core/groom/nearest_word.hpp"
 
 namespace pelt {
 
@@ -130,71 +128,14 @@ ExitCode MeasureAll(const AccuracyArgs& args) {
   return kDone;
 }
 
-NamedSolver SolverOf(const AccuracyArgs& args) {
-  std::optional<NamedSolver> solver = FindSolver(args.solver);
-  if (!solver)
-    throw Error(fmt::format("--solver {}: no such solver; there are {}{}", args.solver,
-                            SolverNames(), DidYouMean(args.solver, SolverStems())));
-  solver->method.stiffness_scale = solver->core.stiffness_scale = args.stiffness_scale;
-  return *std::move(solver);
-}
-
-ExitCode RunRecorded(const AccuracyArgs& args) {
-  const std::vector<RootSample> samples = ReadRootsFile(args.roots);
-  const StrandFile strand = ReadStrandFile(args.strand);
-  NamedSolver solver = SolverOf(args);
-  const int links = strand.material.links;
-  if (!args.exact && !(strand.rod ? RunsParts(solver, links) : links <= kMostLinks))
-    throw Error(fmt::format("--solver {} with {}: {}", solver.name, args.strand,
-                            WhyNotLinks(solver, links)));
-  solver.velocities = samples[0].rated && solver.family == Family::kModal;
-  const PointTrack exact = RunExact(strand, samples);
-  const PointTrack track = args.exact ? exact : RunSolver(strand, samples, solver, args.isa);
-  if (track.links == 0)
-    throw Error(fmt::format("{}: {} does not run such a strand", args.strand, solver.label));
-  WriteOutput("points", args.out, PointsText(track));
-  fmt::print("{} frames in {:.4g} s, {} links, {} points per frame: {}\n", samples.size() - 1,
-             samples.back().seconds - samples.front().seconds, track.links, track.links + 1,
-             args.out.path());
-  if (args.exact) {
-    fmt::print("the {}'s exact motion, the root between samples by {}\n",
-               strand.rod ? "rod" : "chain",
-               samples[0].rated ? "their velocities" : "cubic splines");
-    return kDone;
-  }
-  const TrackError error = CompareTracks(samples, track, exact);
-  fmt::print("{}{} ({} kernels): ", solver.label, solver.velocities ? ", with velocities" : "",
-             IsaName(args.isa));
-  if (!std::isfinite(error.share) && std::isfinite(error.worst))
-    fmt::print("no secondary motion to compare\n");
-  else
-    fmt::print("{:.2f} % of the secondary motion differs from the {}'s, by {:.3g} mm at most\n",
-               100.0 * error.share, strand.rod ? "rod" : "chain", 1e3 * error.worst);
-  return kDone;
-}
-
-ExitCode WriteExample(const OutputPath& folder) {
-  MakeFolder(folder);
-  const std::pair<OutputPath, std::string> files[] = {
-      {folder.Inside("roots.csv"), RootsText(ExampleRoots())},
-      {folder.Inside("strand.toml"), ExampleStrand()}};
-  for (const auto& [path, text] : files) CheckOutput("example", path);
-  for (const auto& [path, text] : files) {
-    WriteOutput("example", path, text);
-    fmt::print("{}\n", path.path());
-  }
-  return kDone;
-}
-
 }  // namespace
 
 ExitCode MeasureAccuracy(const AccuracyArgs& args) {
   if (!FindKernels(args.isa))
     throw Error(fmt::format("no {} kernels in this program or processor", IsaName(args.isa)));
-  if (!args.write_example.empty()) return WriteExample(args.write_example);
   if (args.scene) return MeasureScene(args);
   if (args.features) return MeasureAllFeatures(args);
-  return args.roots.empty() ? MeasureAll(args) : RunRecorded(args);
+  return MeasureAll(args);
 }
 
 }  // namespace pelt

@@ -46,34 +46,6 @@ void AddBenchmark(CLI::App& app, AccuracyArgs& args) {
                 "JSON file to write; pelt report --accuracy draws the benchmark's and a scene's");
 }
 
-void AddRecorded(CLI::App& app, AccuracyArgs& args) {
-  auto* roots = AddInputFile(app, "--roots", args.roots,
-                             "Instead of the benchmark: CSV file with a pose of the root a frame");
-  auto* strand =
-      AddInputFile(app, "--strand", args.strand, "TOML file with the strand that it drives");
-  auto* out = AddOutputFile(app, "--out", args.out, "CSV file to write: its points at every frame");
-  roots->needs(strand)->needs(out);
-  strand->needs(roots);
-  out->needs(roots);
-  auto* solver =
-      app.add_option("--solver", args.solver,
-                     "modal, modal-fine, modal-best, pbd, verlet, xpbd-8, trapezoid-2, ...")
-          ->needs(roots)
-          ->capture_default_str();
-  app.add_option("--stiffness-scale", args.stiffness_scale,
-                 "For pbd, verlet, textbook-pbd and dftl, which have no stiffness of their own")
-      ->needs(roots)
-      ->check(CLI::Range(1e-6, 1e6))
-      ->capture_default_str();
-  app.add_flag("--exact", args.exact,
-               "The exact motion of the rod, or of a chain of links, instead of a solver's")
-      ->needs(roots)
-      ->excludes(solver);
-  AddOutputFolder(app, "--write-example", args.write_example,
-                  "Write roots.csv and strand.toml to this folder, to try it")
-      ->excludes(roots);
-}
-
 void AddSceneAndFeatures(CLI::App& app, AccuracyArgs& args) {
   ScenarioRequest& scene = args.scene.emplace();
   AddScene(app, scene,
@@ -99,30 +71,19 @@ void CompleteScene(const CLI::App& app, std::optional<ScenarioRequest>& scene) {
   constexpr const char* kScenes[] = {"--scene", "--character", "--setup", "--groom"};
   const auto given = std::ranges::find_if(kScenes, [&](const char* s) { return app.count(s); });
   if (given == std::end(kScenes)) {
-    RefuseUnless(app, false,
-                 {"--frames", "--no-contact", "--plan", "--clip", "--once", "--lights"},
+    RefuseUnless(app, false, {"--frames", "--no-contact", "--plan", "--clip", "--once", "--lights"},
                  "--scene or --character");
     scene.reset();
     return;
   }
   CompleteSource(app, *scene);
-  RefuseBeside(app, *given,
-               {"--roots", "--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
+  RefuseBeside(app, *given, {"--rates", "--links", "--presets", "--seed", "--tuned", "--features"});
 }
 
 // What replaces the benchmark has options of its own.
 void CheckAccuracy(const CLI::App& app, AccuracyArgs& args) {
   CompleteScene(app, args.scene);
-  RefuseBeside(app, "--roots",
-               {"--rates", "--links", "--presets", "--seed", "--tuned", "--calibrated", "--quick",
-                "--json", "--features"});
   RefuseBeside(app, "--features", {"--rates", "--presets", "--seed", "--tuned"});
-  RefuseAllBut(app, "--write-example", {});
-  RefuseBeside(app, "--exact", {"--isa", "--stiffness-scale"});
-  const auto solver = accuracy::FindSolver(args.solver);
-  if (solver)
-    RefuseUnless(app, solver->Tuned(), {"--stiffness-scale"},
-                 "pbd, verlet, textbook-pbd and dftl, which have no stiffness of their own");
 }
 
 }  // namespace
@@ -132,19 +93,11 @@ Subcommand SetUpAccuracy(CLI::App& root) {
   AccuracyArgs& args = *kept;
   auto* app = root.add_subcommand("accuracy",
                                   "Error off a rod against run time, of layers and every strand "
-                                  "solver; or a strand under your own motion");
+                                  "solver");
   AddBenchmark(*app, args);
   AddSceneAndFeatures(*app, args);
-  AddRecorded(*app, args);
   app->footer(
-      "All of it takes some minutes, --scene monster about one and a half. With --roots: columns "
-      "time,x,y,z,qx,qy,qz,qw "
-      "and\n"
-      "wind_x,wind_y,wind_z or no wind, and velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z\n"
-      "or no velocities; a row a frame, in s, m, m/s and rad/s. For --exact the root moves "
-      "between\n"
-      "them on cubics of position and quaternion: with the velocities there are, or else splines\n"
-      "that begin at rest; wind is linear.\n"
+      "All of it takes some minutes, --scene monster about one and a half.\n"
       "Examples:\n"
       "  pelt accuracy --quick\n"
       "  pelt accuracy --quick --presets soft,stiff --json accuracy.json\n"
@@ -152,11 +105,7 @@ Subcommand SetUpAccuracy(CLI::App& root) {
       "  pelt accuracy --quick --presets soft --tuned --calibrated\n"
       "  pelt accuracy --scene tiny --quick --json scene.json\n"
       "  pelt accuracy --character builtin --setup tiny --clip shake --quick --frames 24\n"
-      "  pelt accuracy --features --quick --links 3 --json features.json\n"
-      "  pelt accuracy --write-example .\n"
-      "  pelt accuracy --roots roots.csv --strand strand.toml --out points.csv --solver "
-      "modal-best\n"
-      "  pelt accuracy --roots roots.csv --strand strand.toml --out exact.csv --exact");
+      "  pelt accuracy --features --quick --links 3 --json features.json");
   return {app, [app, kept] { CheckAccuracy(*app, *kept); },
           [kept] { return MeasureAccuracy(*kept); }};
 }
@@ -166,7 +115,7 @@ Subcommand SetUpStress(CLI::App& root) {
   StressArgs& args = *kept;
   auto* app = root.add_subcommand(
       "stress",
-      "What strand solvers come out of: teleports, white noise, violent motion; exit code 1 "
+      "Numerical stability of strand solvers: teleports, white noise, violent motion; exit code 1 "
       "when the modal solver is not finite, settled and unstretched on every row");
   app->add_option("--solvers", args.solvers, "Only these: modal, pbd, xpbd-8, euler-1, ...")
       ->delimiter(',');

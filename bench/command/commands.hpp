@@ -1,5 +1,5 @@
 // What the `pelt` command can do. Each function does one subcommand, writes its result to standard
-// output and returns the exit code; whatever keeps it from an answer is thrown as Error.
+// output and returns the exit code; what keeps it from an answer is thrown as Error.
 #pragma once
 
 #include <cstdint>
@@ -113,7 +113,7 @@ ExitCode Diff(const DiffArgs& args);
 
 struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
-  std::vector<std::string> commands;  // two that print such, run in turns
+  std::vector<std::string> commands;  // two that print such, run alternately
   uint32_t rounds = 15;               // intervals for up to 819 rows together
   OutputPath page;                    // HTML of both, to write
   bool json = false;
@@ -159,7 +159,7 @@ struct PlanArgs {
   // executors, which sort layers of any size whole.
   bool local_store = false;
   // Instead that of a PS3, whose local stores hold a pass's code, too, as `budget` runs it. Error
-  // where it cannot, the same as `budget` tells.
+  // where it cannot, the same as `budget` reports.
   bool ps3 = false;
   uint32_t workers = 0;  // not 0: also how the frame spreads over 2 to so many
   std::string times;     // for that: a file that `run --json` wrote; empty: by bytes
@@ -202,7 +202,7 @@ struct BudgetArgs {
   bool qualities =
       false;  // also the error of the scene as it is, and other qualities' price and error
   bool numbers = false;   // only print the platforms' numbers
-  bool validate = false;  // only hold the models against the measured rows
+  bool validate = false;  // only compare the models with the measured rows
   bool json = false;
 };
 // The consoles' numbers as the arguments change them.
@@ -272,12 +272,6 @@ struct AccuracyArgs {
   Isa isa = BestIsa();
   bool quick = false;  // few solvers, cases and rounds
   OutputPath json;     // file to write
-  std::string roots, strand;
-  OutputPath out;
-  std::string solver = "modal";
-  double stiffness_scale = 1.0;          // for solvers whose stiffness is not the material's
-  bool exact = false;                    // the reference integrator instead of a solver
-  OutputPath write_example;              // folder
   std::optional<ScenarioRequest> scene;  // frames of this instead of the benchmark
   uint32_t frames = 0;                   // of the scene; 0: enough
   bool contact = true;                   // in the scene

@@ -126,7 +126,7 @@ TEST(Suite, CurlModelsDifferMoreWithMoreCurl) {
 }
 
 // Soft hair that curls by 30 degrees turns right round and model F loses its way: such a case must
-// not be scored, whatever came out.
+// not be scored, regardless of the result.
 TEST(Suite, AMotionThatIsNotFiniteIsNotScored) {
   SuiteOptions options;
   options.presets = {kPresets[0]};

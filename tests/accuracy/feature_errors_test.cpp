@@ -10,7 +10,7 @@ namespace {
 
 ModalKernels Kernels() { return ModalKernelsOf(BestIsa()); }
 
-// Per cent, whatever the quality. Impacts are met at the end of their substep, those of what is fast when
+// Per cent, for every quality. Impacts are met at the end of their substep, those of what is fast when
 // they are: `best` in steps a quarter as long (core/kernels/modal_short_steps.hpp). `contact`: of links, against the
 // reference of contact. In `fast` a frame whose step failed ends where another one puts it, up to 2 % inside what moves.
 struct Most {

@@ -247,7 +247,7 @@ TEST(RestingLayers, SagFreeGroomsHangWhenSoaked) {
   EXPECT_EQ(wet, 3u);
 }
 
-// And it is gravity that it is held against, not the world: upside down it hangs.
+// It is held up against gravity as groomed, and not fixed in the world: upside down it hangs.
 TEST(RestingLayers, SagFreeGroomsHangWhenTurnedOver) {
   Scenario held = HeldScenario(true, 2.0f, CurlFollows::kParent);
   held.actors[0].placement = glm::rotate(glm::mat4(1.0f), 3.1f, glm::vec3(1.0f, 0.0f, 0.0f));

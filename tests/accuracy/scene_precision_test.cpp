@@ -123,7 +123,7 @@ TEST(TipErrors, CountTipsByTheirShareOfTheLongestStrand) {
   EXPECT_LE(rows[0].p99, 1.03);
 }
 
-// Without contacts, which are met once per frame whatever the quality.
+// Without contacts, which are resolved once per frame in every quality.
 TEST(ScenePrecision, QualitiesAreInOrder) {
   ScenePrecisionOptions options = Quick(90);
   options.contact = false;

@@ -1,4 +1,4 @@
-// What whole scenes survive: every promise of every row, and that the rows can tell.
+// What whole scenes survive: every promise of every row, and that the rows detect a broken one.
 #include "bench/accuracy/scene_stress.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ TEST(SceneStress, PromisesAreKept) {
     if (row.name.starts_with("a bar")) {
       EXPECT_GT(*row.apart, 0.03) << row.name << " that touches nothing";
     }
-    // In the world's floats the same strands are off by what a float is: the row tells.
+    // In the world's floats the same strands are off by what a float is: the row shows it.
     if (row.promised) continue;
     EXPECT_GT(row.worst_stretch, 1e-3) << row.name;
     EXPECT_GT(*row.apart, 5e-3) << row.name;

@@ -67,7 +67,7 @@ TEST(WorkPrecision, PanelsHoldEverySolverAndRate) {
       EXPECT_EQ(row.ratio, 1.0);
     }
     pareto_optimal = pareto_optimal || panel.IsParetoOptimal(row, 1);
-    // Nobody is more exact than the root is known, by much.
+    // No solver is much more exact than the root is known.
     EXPECT_GT(row.scores[1].error, 0.5 * panel.input_errors[1]) << row.solver.name;
   }
   EXPECT_TRUE(pareto_optimal);
@@ -122,7 +122,7 @@ TEST(NamedSolver, NamesLeadBack) {
     EXPECT_FALSE(FindSolver(wrong)) << wrong;
 }
 
-// A clock that only the solvers move: Step takes as long as it was told, half as long in the first
+// A clock that only the solvers move: Step takes the time it was given, half as long in the first
 // round and nine times in the last, everything else an hour.
 double clock_s = 0.0;
 

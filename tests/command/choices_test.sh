@@ -64,32 +64,26 @@ check_values() {
         ran $subcommand $base "$option" "$value"
       done
     # shellcheck disable=SC2086
-    done < <("$pelt" $subcommand --help | sed -nE 's/^  (--[a-z-]+) [A-Z]+:\{([^}]*)\}.*/\1 \2/p')
+    done < <("$pelt" $subcommand --help-all | sed -nE 's/^  (--[a-z-]+) [A-Z]+:\{([^}]*)\}.*/\1 \2/p')
   done < <(subcommands '')
   [ "$count" -ge 100 ] || fail "only $count values in the help texts"
   echo "$count values"
 }
 
-# A strand of so many links, and what is wrong with it told before anything is computed.
+# Every solver with strands of 3, 4 and 8 links; what it cannot run is reported before anything is computed.
 check_solvers() {
   local count=0 links name
-  "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
-  head -n 40 roots.csv >few.csv
-  "$pelt" accuracy --roots few.csv --strand strand.toml --out out.csv --solver none 2>err.txt
+  "$pelt" stress --solvers none 2>err.txt
   # "... there are modal, modal-fine, pbd, pbd-N (N from 1 to 64)"
   read -ra names < <(sed -n 's/.*there are \(.*\) (N from.*/\1/p' err.txt | tr -d ',' | sed 's/-N\b/-2/g')
   [ "${#names[@]}" -ge 15 ] || fail "only ${#names[@]} solvers in: $(cat err.txt)"
   for links in 3 4 8; do
-    grep -v '^rest' strand.toml | sed "s/^links = .*/links = $links/" >"strand$links.toml"
-    echo "rest = [$(printf '[0.8, 0.6, 0], %.0s' $(seq "$links"))]" >>"strand$links.toml"
     for name in "${names[@]}"; do
-      ran accuracy --roots few.csv --strand "strand$links.toml" --out out.csv --solver "$name"
+      ran stress --quick --solvers "$name" --links "$links" --rates 60 --isa reference
       if [ "$links" -ne 8 ] || [[ "$name" =~ ^modal(-fine|-best)?$ ]]; then
         [ -s out.txt ] || fail "$name does not run $links links: $(cat err.txt)"
       else
-        grep -q "strand8.toml.*not of 8" err.txt || fail "$name, 8 links: $(cat out.txt err.txt)"
-        [[ "$name" == modal* ]] ||
-          expect 2 "--solvers" 'not of 8' -- stress --quick --solvers "$name" --links 8
+        grep -q -- "--solvers.*not of 8" err.txt || fail "$name, 8 links: $(cat out.txt err.txt)"
       fi
     done
   done

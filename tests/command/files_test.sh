@@ -10,7 +10,7 @@ set -uo pipefail
 # options_of SUBCOMMAND TYPE: the names of its options and positionals of that type.
 options_of() {
   # shellcheck disable=SC2086
-  "$pelt" $1 --help | grep -oE "^  (-{0,2}[a-z][a-z-]*) $2( |$)" | awk '{print $1}'
+  "$pelt" $1 --help-all | grep -oE "^  (-{0,2}[a-z][a-z-]*) $2( |$)" | awk '{print $1}'
 }
 
 # What a subcommand needs besides the output, and how much of it: as little as there is.
@@ -26,7 +26,6 @@ base_of() {
     'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
     'fit '*) echo --scene tiny --frames 4 --warm-up 4 --platform xbox360 ;;
     'calibrate '*) echo --scenes tiny --frames 2 ;;
-    'accuracy --out') echo --roots roots.csv --strand strand.toml ;;
     'accuracy --json') echo --features --quick --links 3 ;;
     'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
     *) return 1 ;;
@@ -42,7 +41,6 @@ extension_of() {
 
 make_inputs() {
   "$pelt" trace record --scene tiny --frames 2 --out tiny.peltinput >/dev/null || fail "trace record"
-  "$pelt" accuracy --write-example . >/dev/null || fail "accuracy --write-example"
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
   "$pelt" run --scene tiny --frames 6 --json 2>/dev/null | as_own >run.json || fail "run --json"
   cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
@@ -106,7 +104,6 @@ check_outputs() {
   [ -L dangling ] && [ -s new.groom ] || fail "a link without an end was replaced"
   expect 2 'the path is empty' -- bake --setup tiny --out ''
   expect 2 .png -- run --scene tiny --picture x.jpg
-  expect 2 'not a folder' -- accuracy --write-example tiny.toml
   expect 2 'not a folder' -- golden --renew tiny.toml/x --scene tiny
   if [ "$(id -u)" -ne 0 ]; then
     mkdir locked && chmod 500 locked
@@ -155,8 +152,6 @@ check_conflicts() {
   expect 2 --trace --lights -- run --scene tiny --lights ./night.toml --trace night.toml
   expect 2 --out --groom -- trace record --groom tiny.groom --frames 1 --out tiny.groom
   expect 2 --digest-log file -- trace replay tiny.peltinput --digest-log ./tiny.peltinput
-  expect 2 --out --roots -- accuracy --roots roots.csv --strand strand.toml --out roots.csv
-  expect 2 --out --strand -- accuracy --roots roots.csv --strand strand.toml --out strand.toml
   printf '{}' >accuracy.json
   expect 2 --out --accuracy -- report --scene tiny --accuracy accuracy.json --out accuracy.json
   cp accuracy.json report.html
@@ -207,8 +202,6 @@ check_inputs() {
   check_input diff right tiny.groom diff tiny.groom in
   check_input compare left run.json compare in run.json
   check_input compare right run.json compare run.json in
-  check_input accuracy --roots roots.csv accuracy --roots in --strand strand.toml --out points.csv
-  check_input accuracy --strand strand.toml accuracy --roots roots.csv --strand in --out points.csv
   printf 'nop\n' >nop.s
   check_input timing file nop.s timing in
   # A byte more than is read of each: it is not read at all. Holes take no room.
@@ -219,7 +212,6 @@ check_inputs() {
     expect 2 "larger than $limit bytes" -- $words
   done <<<"$((256 << 20)) verify --merge huge
 $((16 << 20)) report --scene tiny --frames 1 --accuracy huge --out page.html
-$((1 << 20)) accuracy --roots roots.csv --strand huge --out points.csv
 $((64 << 20)) timing huge
 $((64 << 20)) compare huge huge
 $((4 << 20)) bake --setup ./huge
@@ -240,8 +232,6 @@ reader_of() {
   esac
   case "$1 $2" in
     'report --accuracy') echo "$1 --scene tiny --accuracy @ $needs" ;;
-    'accuracy --roots') echo "$1 --roots @ --strand strand.toml --out points.csv" ;;
-    'accuracy --strand') echo "$1 --roots roots.csv --strand @ --out points.csv" ;;
     'diff left' | 'compare left') echo "$1 @ tiny.groom" ;;
     'diff right') echo "$1 tiny.groom @" ;;
     'compare right') echo "$1 run.json @" ;;
@@ -317,7 +307,7 @@ check_codes() {
 EOF
 }
 
-# Standard output with no room: whatever is printed, the exit code says that it was lost.
+# Standard output with no room: for all that prints, the exit code says that the output was lost.
 check_full() {
   local count=0 words
   while read -r -a words; do
@@ -344,10 +334,9 @@ check_full() {
     echo budget --numbers
     echo budget --validate
     echo conformance --door inline
-    echo accuracy --write-example .
     echo stress --quick --solvers modal --links 3 --rates 60 --isa reference
   )
-  [ "$count" -ge 32 ] || fail "only $count commands"
+  [ "$count" -ge 31 ] || fail "only $count commands"
   echo "$count commands with a full standard output"
   "$pelt" diff tiny.groom tiny.groom >&- 2>/dev/null && fail "exit 0 on a closed standard output"
   "$pelt" nonsense 2>&-

@@ -48,7 +48,7 @@ ReportTree MakeFeatureTree(const FeatureReport& report) {
       "Error of the modal solver at 60 Hz where something acts on strands: part of the secondary "
       "motion that is wrong, against the solver at its best with {} times the frames; self: what "
       "that differs by from one with half as many. Penetration: deepest point inside what it may "
-      "not enter, over the strand's length; ! marks more than {:g} %. More: a strand and frame "
+      "not enter, over the strand's length; ! marks more than {:g} %. More: per strand and frame "
       "beyond the same strands without the feature. Contact: the error against a reference of its "
       "own, {} steps a second (16 times as many for what is fast) that share nothing with the "
       "solver, and what that differs by from one with half as many. Fastest: where strands overlap "

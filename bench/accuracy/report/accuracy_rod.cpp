@@ -92,7 +92,8 @@ void AddRodTables(const ModelErrorTable& table, const ModelErrorOptions& options
   if (table.panels.empty()) return tree.BeginList("model_error");
   tree.Say(fmt::format(
       "all: RMS over materials but the stiff; posed: of the cases where a rod of {} links agrees "
-      "to {:.0f} %; each material: median (90 % are below). ns a strand and frame: {}, the motion "
+      "to {:.0f} %; each material: median (90 % are below). ns per strand and frame: {}, the "
+      "motion "
       "of a shaken head. *: nothing as cheap is nearer. Position-based solvers and the lengths of "
       "rods are tuned for each family and material on these very cases.",
       kPosedLinks, 100.0 * kPosedError, options.presets[TimedPreset(options)].name));
