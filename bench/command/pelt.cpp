@@ -39,6 +39,45 @@ std::string DescribeVersion() {
   return text;
 }
 
+// What `--help` shows of a subcommand with many options; `--help-all` shows all.
+constexpr std::string_view kFirstOptions[] = {
+    "help",     "help-all",  "scene",     "character", "setup",  "frames", "workers",
+    "executor", "quality",   "lod",       "picture",   "trace",  "json",   "out",
+    "platform", "target-ms", "qualities", "validate",  "random", "shard",  "merge",
+    "memory",   "times",     "kernel",    "core",      "trip",   "open",   "watch",
+    "replay",   "quick",     "features",  "presets",   "costs",  "stats",  "keys"};
+constexpr const char* kMore = "More options";
+constexpr size_t kFew = 12;
+
+class HelpText : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    shows_all_ = mode == CLI::AppFormatMode::All;
+    return Formatter::make_help(app, std::move(name), mode);
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (group == kMore && !shows_all_)
+      return fmt::format("\n{} options more: --help-all\n", options.size());
+    return Formatter::make_group(std::move(group), is_positional, std::move(options));
+  }
+
+ private:
+  mutable bool shows_all_ = false;
+};
+
+void PutFirstOptionsFirst(CLI::App& app) {
+  for (CLI::App* sub : app.get_subcommands([](CLI::App*) { return true; }))
+    PutFirstOptionsFirst(*sub);
+  const std::vector<CLI::Option*> options = app.get_options();
+  if (options.size() <= kFew) return;
+  for (CLI::Option* option : options)
+    if (option->nonpositional() &&
+        std::ranges::find(kFirstOptions, option->get_single_name()) == std::end(kFirstOptions))
+      option->group(kMore);
+}
+
 // What is said to arguments that make no sense: with the word that was meant, where one is near.
 
 // The subcommand, or subcommand of a subcommand, that the arguments got to.
@@ -94,7 +133,7 @@ std::string DescribeUsage(const CLI::App& root, const CLI::ParseError& error) {
   return fmt::format("{} (see {} --help)", message, FullName(app));
 }
 
-// One line, whatever the message quotes. Not by fmt, which throws where standard error is closed.
+// One line, for any text that the message quotes. Not by fmt, which throws where standard error is closed.
 void PrintError(const std::string& message) {
   std::fputs(("pelt: " + Printable(message) + "\n").c_str(), stderr);
 }
@@ -288,7 +327,7 @@ Subcommand SetUpVerify(CLI::App& root) {
       ->excludes(no_checks)
       ->capture_default_str();
   app->add_flag("--full", args.every_executor,
-                "Every changed input under every executor, which take turns otherwise");
+                "Every changed input under every executor; otherwise they rotate");
   app->add_flag("--json", args.json, "Machine-readable output");
   AddShards(*app, args.shard, args.merge);
   app->footer(
@@ -328,8 +367,8 @@ Subcommand SetUpTrace(CLI::App& root) {
   const auto kept = std::make_shared<TraceArgs>();
   const auto weather = std::make_shared<WeatherCourse>();
   TraceArgs& args = *kept;
-  auto* app = root.add_subcommand(
-      "trace", "Record all that a scene is told; replay it bit for bit, anywhere");
+  auto* app =
+      root.add_subcommand("trace", "Record all input of a scene; replay it bit for bit, anywhere");
   app->require_subcommand(1);
   app->footer(
       "Examples:\n"
@@ -444,6 +483,8 @@ Subcommand SetUpConformance(CLI::App& root) {
 ExitCode Main(int argc, char** argv) {
   CLI::App app("Pelt: character fur on the CPU, to profile, verify and port", "pelt");
   app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpText>());
+  app.set_help_all_flag("--help-all", "Print this help message with all options and exit");
   app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
   app.footer("See 'pelt bake --help' and so on for each.");
   const Subcommand subcommands[] = {SetUpBake(app),        SetUpRun(app),    SetUpPlan(app),
@@ -452,6 +493,7 @@ ExitCode Main(int argc, char** argv) {
                                     SetUpGolden(app),      SetUpReport(app), SetUpView(app),
                                     SetUpAccuracy(app),    SetUpStress(app), SetUpCompare(app),
                                     SetUpShow(app),        SetUpFit(app),    SetUpCalibrate(app)};
+  PutFirstOptionsFirst(app);
   try {
     app.parse(argc, argv);
     const Subcommand& chosen = *std::find_if(std::begin(subcommands), std::end(subcommands),

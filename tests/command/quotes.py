@@ -98,10 +98,10 @@ def check(pelt, source_dir):
                     faults.append(f'{place}:{first + at}: pelt {" ".join(words)}: {fault}')
             for at, subcommand, options in commands(lines):
                 if subcommand not in helps:
-                    helps[subcommand] = run(subcommand, '--help')
+                    helps[subcommand] = run(subcommand, '--help-all')
                 known = helps[subcommand]
                 if subcommand == 'trace':  # its options are those of the subcommands below it
-                    known = ''.join(run('trace', word, '--help') for word in ('record', 'replay', 'show'))
+                    known = ''.join(run('trace', word, '--help-all') for word in ('record', 'replay', 'show'))
                 named += 1
                 faults += [f'{place}:{first + at}: pelt {subcommand} has no {option}' for option in options
                            if not re.search(re.escape(option) + r'(?![\w-])', known)]
