@@ -22,15 +22,15 @@ targets=(pelt)
 [ "$what" = all ] && targets+=(pelt_benchmarks)
 # What is built of how much, and for how long: on one line of a terminal, else every 15 seconds.
 progress() {
-  local line told=0
+  local line shown=0
   while IFS= read -r line; do
     echo "$line" >&3
     [[ $line == \[*/*\]* ]] || continue
     if [ -t 1 ]; then
       printf '\r%s] %d s ' "${line%%]*}" "$SECONDS"
-    elif ((SECONDS - told >= 15)); then
+    elif ((SECONDS - shown >= 15)); then
       printf '%s] %d s\n' "${line%%]*}" "$SECONDS"
-      told=$SECONDS
+      shown=$SECONDS
     fi
   done
   if [ -t 1 ]; then echo; fi

@@ -141,7 +141,7 @@ enum LayerFlag : uint32_t {
   kLayerRatesGiven = 1u << 19,  // the character's pose came with velocities in this frame
   kLayerSagFree = 1u << 20,     // modal, and has a DownBlock
   kLayerNinePoints = 1u << 21,  // 9 points per chain; only with kLayerModal, a chain per strand
-  kLayerBlows = 1u << 22,       // wind blows and the layer responds, whatever is left out
+  kLayerBlows = 1u << 22,       // wind blows and the layer responds, regardless of what is left out
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
   kLayerChainLevel = 3u << 25,  // the least of its LodBlock::chain_level
 };

@@ -1,7 +1,7 @@
 // Elementary functions that give the same bits on every machine: sine, exponential, logarithm and
 // their relatives, made from IEEE-754 double addition, multiplication, division and square root.
 //
-// libm is allowed to differ between versions in the last bits, and does; whatever reaches the groom
+// libm is allowed to differ between versions in the last bits, and does; what reaches the groom
 // file or a frame goes through here instead. Every function reduces its argument to a short
 // interval and sums the Taylor series there to below one unit in the last place.
 //

@@ -55,7 +55,7 @@ File Open(const fs::path& path, int flags, mode_t mode = 0) {
   return File(descriptor < 0 ? nullptr : fdopen(descriptor, "wb"));
 }
 
-// What replaces a file is nobody else's to read before it has that file's mode.
+// Until what replaces a file has that file's mode, only its owner can read it.
 File OpenNew(const fs::path& path, const OutputPlace& place) {
   return Open(path, O_CREAT | O_EXCL, place.is_there ? 0600 : 0666);
 }

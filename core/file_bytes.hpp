@@ -45,7 +45,7 @@ Result<> TryOutput(std::string_view what, const std::string& path);
 bool IsThere(const std::string& path);
 // Why the path is none of a regular file, "a folder, not a file"; empty: it is.
 std::string WhyNoFile(const std::string& path);
-// The folder that holds the path, empty where it names none; and a name told from a folder, unless it is absolute.
+// The folder that holds the path, empty where it names none; and a name relative to a folder, unless it is absolute.
 std::string FolderOf(const std::string& path);
 std::string InFolder(const std::string& folder, const std::string& name);
 // The name without folder and ending.

@@ -1,4 +1,4 @@
-// All that a frame is told besides the poses: time, camera, wind, obstacles, weather, lights,
+// All input of a frame besides the poses: time, camera, wind, obstacles, weather, lights,
 // brushes, and what may be left out. Plain data, so that it can be recorded and replayed (traces/).
 #pragma once
 
@@ -27,7 +27,7 @@ inline constexpr uint32_t kSolverTiers = 5;
 
 // Core time that fur in view takes, ns: of a machine (`pelt calibrate`), or of an engine's own profile.
 struct FurCosts {
-  float chunk_ns = 0.0f;   // of a chunk of strands and of a patch of vertices, whatever lives of it
+  float chunk_ns = 0.0f;   // of a chunk of strands and of a patch of vertices, alive or not
   float vertex_ns = 0.0f;  // of a mesh vertex under fur: skinning, air
   float strand_ns = 0.0f;  // of a living strand: all but its chain
   float node_ns[kSolverTiers] = {};  // of a chain, for each of its points but the root
@@ -62,7 +62,7 @@ struct SkipSettings {
   bool cull = true;     // layers outside the view are not computed
   bool wind = true;     // still air is not computed
   bool light = true;    // layers are not lit again where nothing changed
-  bool lod = false;     // strands, and shells, that are too far to be told apart (LodSettings)
+  bool lod = false;     // strands, and shells, that are too far to be distinguished (LodSettings)
 };
 
 // An arm, a collar, a hand: what a ball covers on its way from one point to another. Free, or bound
@@ -87,7 +87,7 @@ inline constexpr std::string_view kPaintChannelNames[kPaintChannels] = {"mud", "
 // Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value
 // is beyond 1e6; BeginFrame says which one is. jobs/README.md has all, with their names in C.
 struct FrameInput {
-  // The time that passes in the frame, which ends in what it is told: 1e-6 to 1 s; or 0: a pause.
+  // The time that passes in the frame, at whose end its input holds: 1e-6 to 1 s; or 0: a pause.
   double dt_s = 1.0 / 60.0;
   double time_s = 0.0;  // at its end, 0 to 1e9 s: where the wind is in its course
   // What the places below are relative to, world, m. Not 0 only in scenes whose characters have

@@ -1,5 +1,5 @@
 // What lights a scene's fur: point and sphere lights, irradiance samples, a sun and a rim light.
-// Plain data; no light unless it is told of one.
+// Plain data; no light unless one is given.
 //
 // Lights and samples are gathered for each layer as spherical harmonics
 // (core/kernels/light_layer.hpp); sun and rim are handed on to the renderer, which shades with them

@@ -1,5 +1,5 @@
 // What was read from a file, for a person to read: messages and tables quote names and lines of
-// files that anybody may have made. Raw, a control character in one could move a terminal's cursor,
+// files from unknown sources. Raw, a control character in one could move a terminal's cursor,
 // rewrite what was printed before or answer in the user's place.
 #pragma once
 

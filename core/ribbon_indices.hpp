@@ -1,4 +1,4 @@
-// Triangle lists for ribbon vertices (RibbonVertexBlock): four quads a hair, two triangles a quad,
+// Triangle lists for ribbon vertices (RibbonVertexBlock): four quads per hair, two triangles per quad,
 // counter-clockwise as the camera sees them.
 //
 //   2i+2 --- 2i+3     vertices of a hair, in memory order: left and right of point 0, of point 1,

@@ -34,7 +34,7 @@ constexpr bool IsPartOf(Domain fine, Domain coarse) { return coarse < fine && !I
 // What a stream is to the frame, and so to a digest.
 enum class Role : uint8_t {
   kInput,        // constant, or filled by the caller before the frame
-  kValue,        // what the frame computes: the same bits whatever runs it and whatever is skipped
+  kValue,        // what the frame computes: the same bits on every executor, with any skip switches
   kBookkeeping,  // what ran and why: the same on every executor, but not with other skip switches
   kScratch,      // meaningless after the pass that wrote it
 };
@@ -50,7 +50,7 @@ inline constexpr uint32_t kBlockAlignment = 128;
 struct FrameMemory;  // core/frame_memory.hpp
 
 // Which lanes of a patch's or chunk's block live: kernels work on these, and they hold values after a frame.
-// Lanes beyond are whatever was there before.
+// Lanes beyond are what was there before.
 struct Lanes {
   uint32_t (*count)(const FrameMemory&, uint32_t item) = nullptr;  // those below; null: all
   uint32_t group = 1;   // kernels go over them in whole groups of so many
@@ -70,7 +70,7 @@ struct KindMask {
 enum class Kept : uint8_t {
   kNot,     // what is not read within the frame need not be there after it
   kOutput,  // read after the frame, by whoever draws or measures it
-  // The next frame begins with it. A snapshot has these, and whatever else a stage reads before one
+  // The next frame begins with it. A snapshot has these, and all else that a stage reads before one
   // has written it (jobs/carried_state.hpp); of inputs these alone, the others being baked.
   kState,
 };

@@ -30,7 +30,7 @@ uint32_t CountPlaces(const FrameMemory& memory, uint32_t chunk) {
   const uint32_t first = (chunk - shape.layer_first_chunk[layer]) * kStrandsPerChunk;
   return visible > first ? std::min(visible - first, kStrandsPerChunk) : 0;
 }
-// In strand order nobody writes them.
+// In strand order no stage writes them.
 uint32_t CountInDrawOrder(const FrameMemory& memory, uint32_t chunk) {
   return memory.marks & kInStrandOrder ? 0 : CountPlaces(memory, chunk);
 }

@@ -143,7 +143,7 @@ struct Streams {
   // Shells' fins.
   StreamRow<FinEdgeBlock> fin_edges{"fin_edges", kChunk, kInput, kAll, kFinned};
   StreamRow<FinBlock> fins{"fins", kChunk, kValue, kKeyed, kFinned, kOutput};
-  // Of scenes that are told velocities with their poses.
+  // Of scenes that are given velocities with their poses.
   StreamRow<PoseRateBlock> pose_rates{"pose_rates", kCharacter, kInput, kAll, kRated, kState};
   StreamRow<PaletteRateBlock> palette_rates{"palette_rates", kCharacter, kValue, kAll, kRated};
   StreamRow<RootRateBlock> anchor_rates{"anchor_rates", kPatch, kScratch, kLiveChains,

@@ -28,7 +28,7 @@ struct PeltScene {
   const pelt::Groom* GroomOf(uint32_t character) const {
     return character < character_groom.size() ? &grooms[character_groom[character]] : nullptr;
   }
-  // What a frame is told is not written while it runs on it.
+  // The input of a frame is not written while the frame runs on it.
   pelt::FramePhase& Phase() const { return *scene->CurrentFrame().phase; }
 };
 

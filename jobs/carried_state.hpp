@@ -5,7 +5,7 @@
 //   inputs that are filled before the frame               (Kept::kState; the others are baked)
 //   state of the simulation                               (Kept::kState)
 //   what a stage reads before one has written it over     (by the plan, for each kind of layer)
-//   values of which all lanes count, whatever ran         (else a skipped block would keep its own)
+//   values of which all lanes count, run or skipped       (else a skipped block would keep its own)
 //
 // Everything else follows from these in the next frame, if that leaves out nothing.
 #pragma once

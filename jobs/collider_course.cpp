@@ -29,7 +29,7 @@ bool Differ(const float (&a)[kCount], const float (&b)[kCount]) {
 }
 
 // By velocity, or as something that is where it was not.
-ColliderStep Told(const float (&from)[3], const float (&to)[3], float dt, bool elsewhere) {
+ColliderStep StepBy(const float (&from)[3], const float (&to)[3], float dt, bool elsewhere) {
   ColliderStep step = StepOf(from, to, dt);
   step.at_once = step.moves == 0 && elsewhere ? 1 : 0;
   return step;
@@ -53,7 +53,7 @@ ColliderStep Carried(const CapsuleParams& now, const CapsuleParams& last, float 
   return fastest <= kFastestJoint ? StepOf(from, to, dt) : ColliderStep{};
 }
 
-// Told from where an origin moved to.
+// Relative to where an origin moved to.
 CapsuleParams Shifted(CapsuleParams capsule, const float* shift) {
   for (int k = 0; k < 3; ++k) capsule.from[k] -= shift[k];
   return capsule;
@@ -78,17 +78,18 @@ void ColliderCourse::Advance(const FrameInput& in, const FrameMemory& memory,
   const float dt = params.dt;
   const bool compares = last && std::equal(in.origin, in.origin + 3, origin_);
   if (params.use_ground)
-    params.ground_step = Told(in.ground_velocity, in.ground_velocity, dt,
-                              compares && use_ground_ && Differ(ground_, in.ground));
+    params.ground_step = StepBy(in.ground_velocity, in.ground_velocity, dt,
+                                compares && use_ground_ && Differ(ground_, in.ground));
   for (uint32_t s = 0; s < params.sphere_count; ++s)
-    params.sphere_step[s] = Told(in.sphere_velocity[s], in.sphere_velocity[s], dt,
-                                 compares && s < sphere_count_ && Differ(sphere_[s], in.sphere[s]));
+    params.sphere_step[s] =
+        StepBy(in.sphere_velocity[s], in.sphere_velocity[s], dt,
+               compares && s < sphere_count_ && Differ(sphere_[s], in.sphere[s]));
   for (uint32_t c = 0; c < params.capsule_count; ++c) {
     const CapsuleCollider &now = in.capsule[sources[c]], &was = capsule_[sources[c]];
     const CapsuleParams* before = last ? LastOf(sources[c], *last) : nullptr;
     if (now.joint == CapsuleCollider::kFree)
       params.capsule_step[c] =
-          Told(now.from_velocity, now.to_velocity, dt, compares && before && !IsSame(now, was));
+          StepBy(now.from_velocity, now.to_velocity, dt, compares && before && !IsSame(now, was));
     else if (before && IsSame(now, was) &&
              memory.Of<&Streams::pose>(now.character)->teleported == 0)
       params.capsule_step[c] =

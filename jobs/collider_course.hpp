@@ -14,9 +14,9 @@ namespace pelt {
 
 class ColliderCourse {
  public:
-  // Fills the steps of `params`, where the colliders are placed already. `input`: as the caller told
-  // it. `last`: the parameters of the last frame, or null. `shift`: of what they are told from, since
-  // then; or null. In a frame whose own origin moves, what has no velocity stands.
+  // Fills the steps of `params`, where the colliders are placed already. `input`: as the caller gave
+  // it. `last`: the parameters of the last frame, or null. `shift`: how far the origin that they
+  // are relative to has moved since then; or null. In a frame whose own origin moves, what has no velocity stands.
   void Advance(const FrameInput& input, const FrameMemory& memory, const CapsuleSources& sources,
                const SimulateParams* last, const float* shift, SimulateParams& params);
 

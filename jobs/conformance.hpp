@@ -12,7 +12,7 @@
 // purpose, in front of the engine, and want the executor to find out.
 //
 // A check that hangs is given up after a time limit; the thread it hangs on is left behind, and
-// with it whatever it points to: end the process after a report that says so. Every check runs on a
+// with it all that it points to: end the process after a report that says so. Every check runs on a
 // thread of its own. This is a test tool: it allocates, starts threads and reads clocks as it
 // likes.
 #pragma once

@@ -118,7 +118,7 @@ bool DoorExecutor::Enqueue(uint32_t worker) {
   task.handle = nullptr;
   if (!Returns([&] { task.handle = door_.enqueue(&RunTask, &task, door_.user, "pelt"); })) {
     ++faults_.threw;
-    // Most likely nobody has it. Should it come all the same, it helps, or is called again.
+    // Most likely the engine does not have the task. Should it come all the same, it helps, or is called again.
     task.returned.store(true, std::memory_order_relaxed);
     return false;
   }

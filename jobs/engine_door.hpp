@@ -3,7 +3,7 @@
 //
 //   caller       Run: begin ─ enqueue helpers ─ item item item ─ ... ─ finish every helper ─ return
 //   helper 1              └─> item item item item ─ return
-//   helper 2                       └─ (starts late, or never in time: nobody waits for it)
+//   helper 2                       └─ (starts late, or never in time: the frame does not wait for it)
 //
 // A helper is one task of the engine: it pulls items (jobs/frame_scheduler.hpp) until the frame is
 // done. The caller pulls too, so a frame is done even if no helper ever starts; it waits only for

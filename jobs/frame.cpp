@@ -123,7 +123,7 @@ void RunItem(const Frame& frame, uint32_t pass_index, uint32_t item, uint32_t wo
 const char* Executor::Run(const Frame& frame) {
   if (!frame.phase) return RunPasses(frame), nullptr;
   if (const char* fault = frame.phase->StartRun()) return fault;
-  struct EndRun {  // also when an executor of somebody else's throws
+  struct EndRun {  // also when a user's own executor throws
     FramePhase* phase;
     ~EndRun() { phase->EndRun(); }
   };

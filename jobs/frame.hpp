@@ -45,7 +45,7 @@ struct Frame {
   const Plan* plan;
   const FrameMemory* memory;
   const FrameProfile* profile = nullptr;
-  FramePhase* phase = nullptr;  // of the scene the frame is of; null: nobody watches the order
+  FramePhase* phase = nullptr;  // of the scene the frame is of; null: call order is not checked
 };
 
 ItemPlace PlaceOf(const SceneShape& shape, Domain domain, uint32_t item);

@@ -4,8 +4,8 @@
 //             └── refused: back to done
 //   done ── a call that changes the scene, or reads all of it ──> filling ──> done
 //
-// Any thread may make any call at any time: one atomic word decides who is in turn, and everybody
-// else gets the reason as a text. What breaks without it: a frame begun twice has forgotten what
+// Any thread may make any call at any time: one atomic word decides which is in turn, and every
+// other call gets the reason as a text. What breaks without it: a frame begun twice has forgotten what
 // the first one changed (sleepers then sleep through it), a frame run twice steps its chains twice,
 // and parameters filled while a frame runs are read half old and half new. None of that crashes; it
 // gives other bits. (The atomic type is a parameter for tests/thread/model_test.cpp.)

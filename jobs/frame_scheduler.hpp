@@ -1,4 +1,4 @@
-// Who runs which item of a frame: any thread may ask at any time, nobody waits for anybody.
+// Who runs which item of a frame: any thread may ask at any time, no thread waits for another.
 //
 // An open item is a bit of an atomic word, and one atomic operation takes it. Nothing but atomics of the
 // scheduler's own is read before that has succeeded, and what the bit says is true at the moment it
@@ -54,7 +54,7 @@ class FrameScheduler {
                                           std::memory_order_relaxed);
   }
   // Opens what waits for nothing; only after TakeForFrame. `on_end` is called when all is done,
-  // before anybody can see that the scheduler is idle.
+  // before any thread can see that the scheduler is idle.
   template <class OnEnd>
   void Start(const FrameGraph& graph, const OnEnd& on_end) {
     Reserve(uint32_t(graph.words.size()), uint32_t(graph.nodes.size()));

@@ -1,4 +1,4 @@
-// What a frame may be told, poses apart: everything finite, and small enough that no kernel can
+// What the input of a frame may be, poses apart: everything finite, and small enough that no kernel can
 // make an infinity of it. Poses have a door of their own (jobs/pose_gate.hpp).
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace pelt {
 
-// Metres, and whatever else comes in: far more than fur can use, far less than would overflow when
+// For metres and all other input: far more than fur can use, far less than would overflow when
 // squared. A larger value would not be refused by arithmetic, only turned into infinities.
 inline constexpr float kLargestInput = 1.0e6f;
 bool AreUsable(const float* values, size_t count);

@@ -1,9 +1,9 @@
 // Characters with origins of their own: where each is, by how much it moved, and what the rest of a
-// frame is, told from there.
+// frame is, relative to it.
 //
 // The idea: floats are as fine as a hundredth of a hair's width within metres of where they are
 // measured from, and 1 mm at 10 km. So a character's pose, state and vertices are relative to an
-// origin near it, told in double; all else that a frame is told is moved there in double and rounded
+// origin near it, given in double; all other input of a frame is moved there in double and rounded
 // once. A frame may have an origin too, which its own places are relative to.
 //
 // Invariant: where the frame's origin is the character's, everything keeps its bits.
@@ -43,7 +43,7 @@ bool IsOriginUsable(const double* origin);
 struct Offset {
   double step[3];
   bool IsNone() const { return step[0] == 0.0 && step[1] == 0.0 && step[2] == 0.0; }
-  // A place that is told from where the step begins, told from where it ends.
+  // A place that is relative to where the step begins, made relative to where it ends.
   float Place(float place, int axis) const {
     return step[axis] == 0.0 ? place : float(double(place) - step[axis]);
   }
@@ -52,7 +52,7 @@ inline Offset OffsetBetween(const double (&from)[3], const double (&to)[3]) {
   return {{to[0] - from[0], to[1] - from[1], to[2] - from[2]}};
 }
 
-// Obstacles, lights and brushes. Capsules that are bound to joints are told from their character's
+// Obstacles, lights and brushes. Capsules that are bound to joints are relative to their character's
 // origin, and stay; the camera's place among floats is too coarse to be moved: MoveView.
 void MovePlaces(const Offset& offset, FrameInput& input);
 void MoveView(const Offset& offset, View& view);

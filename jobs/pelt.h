@@ -185,7 +185,7 @@ typedef struct PeltBrush {
 } PeltBrush;
 
 /* Places and directions are the world's: right-handed, metres. jobs/README.md has a table of all that
- * a frame is told. */
+ * a frame is given. */
 typedef struct PeltFrame {
   double dt_s;   /* the time that passes in the frame: 1e-6 to 1; or 0: a pause */
   double time_s; /* at its end, 0 or later: where the wind is in its course */
@@ -241,7 +241,7 @@ typedef struct PeltFrame {
   double origin[3];
 } PeltFrame;
 
-/* Fills in what a frame has unless it is told otherwise. */
+/* Fills in what a frame has unless the caller sets it otherwise. */
 void pelt_default_frame(PeltFrame* frame);
 
 /* Takes poses and input. The frame must then be run, once. */
@@ -250,7 +250,7 @@ const char* pelt_begin(PeltScene* scene, const PeltFrame* frame);
  * was. */
 const char* pelt_refused_pose(PeltScene* scene, uint32_t character);
 /* What looks like a mistake in frames that were begun and is computed all the same: that a character
- * is placed over 10 times larger or smaller than its groom was baked for. Told once for each
+ * is placed over 10 times larger or smaller than its groom was baked for. Reported once for each
  * character; NULL: nothing more. */
 const char* pelt_note(PeltScene* scene);
 

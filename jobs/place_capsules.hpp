@@ -25,7 +25,7 @@ using CapsuleSources = std::array<uint32_t, kCapsulesPerScene>;
 
 // For an input without fault, after the gate has judged the frame's poses. Does nothing, and costs
 // nothing, where there are no capsules.
-// `origins`: of the characters, where they have some; places are then told from `character`'s.
+// `origins`: of the characters, where they have some; places are then relative to `character`'s.
 CapsuleSources PlaceCapsules(const FrameInput& input, const FrameMemory& memory,
                              const PoseGate& gate, SimulateParams& params,
                              std::span<const CharacterOrigin> origins = {}, uint32_t character = 0);

@@ -268,7 +268,7 @@ std::vector<StreamUse> FindUses(const std::vector<Stage>& stages, size_t stream_
 }
 
 // Whether no stage of [first, first + count) that uses the stream runs in a frame that leaves out
-// the one which writes it: then nobody reads in one what was not written in it.
+// the one which writes it: then no stage reads in such a frame what was not written in it.
 bool ShareFrameGate(const std::vector<Stage>& stages, uint32_t first, uint32_t count, Stream stream,
                     FrameGate gate) {
   for (uint32_t s = first; s < first + count; ++s)

@@ -79,7 +79,7 @@ bool IsNear(const PoseGate::Reach& reach, double mesh_reach_m) {
   return reach.linear * std::max(1.0, mesh_reach_m) + reach.translation <= kFarthest_m;
 }
 
-// Of one component of a joint's blended keys, whatever their signs.
+// Of one component of a joint's blended keys, regardless of their signs.
 double LargestBlend(const float (&key)[4][3][kJointsPerCharacter],
                     const float (&weight)[4][kJointsPerCharacter], int component, uint32_t joint) {
   double sum = 0.0;

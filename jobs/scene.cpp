@@ -157,7 +157,7 @@ struct FurScene::GroomCopy {
   uint32_t strand_rest[kMostStrandPoints + 1] = {};  // taken, by points
 };
 
-// Nobody sleeps through it. Patches and chunks that changed are taken to have moved; those that get what
+// No patch or chunk sleeps through it. Patches and chunks that changed are taken to have moved; those that get what
 // they have are not, as their strands' clocks go on (modal_frame.hpp).
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   layer_names_.clear();
@@ -369,16 +369,17 @@ bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** 
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum =
-      sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-      bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
-      bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
-      bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) + bytes(shape.patch_layer) +
-      bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
-      bytes(plan_.stages) + bytes(plan_.passes) + plan_.graph.HeapBytes() + bytes(layer_names_) + bytes(layer_params_) +
-      bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) + bytes(layer_vertices_) +
-      bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) + bytes(layer_curled_) +
-      bytes(draws_) + bytes(fault_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
+  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
+                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
+                 bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
+                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
+                 bytes(shape.patch_layer) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
+                 plan_.graph.HeapBytes() + bytes(layer_names_) + bytes(layer_params_) +
+                 bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
+                 bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) +
+                 bytes(layer_simulates_) + bytes(layer_curled_) + bytes(draws_) + bytes(fault_) +
+                 carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams) + bytes(pass.waits);
   for (const std::string& name : layer_names_) sum += bytes(name);

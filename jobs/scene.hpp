@@ -159,7 +159,7 @@ class FurScene {
   // was begun and not run, or is running. The scene is then as it was. The text lives until the
   // next call.
   //
-  // A pose that cannot be used stops nobody but its character: see RefusedPoses.
+  // A pose that cannot be used stops only its own character: see RefusedPoses.
   //
   // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles,
   // lights, brushes and level of detail are not looked at, and the frame after it is what it would have been
@@ -175,7 +175,7 @@ class FurScene {
 
   // What looks like a mistake in frames that were begun and is computed all the same: that a character
   // is placed over 10 times larger or smaller than its groom was baked for, as one is whose placement
-  // forgets the groom's unit_scale. Told once for each character; null: nothing more. The text lives
+  // forgets the groom's unit_scale. Reported once for each character; null: nothing more. The text lives
   // until the next call.
   const char* NextNote();
 
@@ -259,15 +259,15 @@ class FurScene {
   bool HasRootsOf(std::span<const Groom* const> grooms) const;
   void FillFrame(const FrameInput& input);
   void FillPausedFrame(const FrameInput& input);
-  // Of set `s` of parameters, for an input that is told from its characters' origin.
+  // Of set `s` of parameters, for an input that is relative to its characters' origin.
   bool FillLights(uint32_t s, const FrameInput& input);
-  void FillParams(uint32_t s, const FrameInput& told, const FrameInput& input, Air air);
+  void FillParams(uint32_t s, const FrameInput& given, const FrameInput& input, Air air);
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, Air air);
   ModalQuality LayerQuality(uint32_t layer, const FrameInput& input) const;
   View LayerView(uint32_t layer, const FrameInput& input) const;
   void FindBudget(const FrameInput& input);
-  // Calls fill(s, input) for each set, with the input as it is told there.
+  // Calls fill(s, input) for each set, with the input relative to the set's origin.
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;
   void FillOrigins();
@@ -296,7 +296,7 @@ class FurScene {
   std::vector<double> given_origins_;      // of characters, three each; empty: they have none
   std::vector<CharacterOrigin> origins_;   // likewise
   std::vector<float> scales_;              // of each character, over its groom's
-  std::vector<float> scale_notes_;         // of each: the scale to tell of; 0: none; below: told
+  std::vector<float> scale_notes_;         // of each: the scale to report; 0: none; below: reported
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;

@@ -1,5 +1,5 @@
-// What a frame is told: every parameter of its kernels, from the caller's input and what the scene
-// was told before.
+// What a frame is given: every parameter of its kernels, from the caller's input and what the scene
+// was given before.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -99,7 +99,7 @@ View FurScene::ViewFrom(uint32_t s, const FrameInput& input) const {
   return view;
 }
 
-// Where the characters' poses are told from in this frame.
+// What the characters' poses are relative to in this frame.
 void FurScene::FillOrigins() {
   if (origins_.empty()) return;
   for (uint32_t c = 0; c < origins_.size(); ++c)
@@ -198,8 +198,8 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
   }
 }
 
-// This frame's, where last frame's boxes are told from: those of this one come with its poses, in the frame. Of the
-// last eye nothing is asked, or a pause's would change what comes after it.
+// This frame's view, relative to last frame's origin, as the last boxes are: this frame's come with its poses, in
+// the frame. The last eye is not used, or a pause's would change what comes after it.
 View FurScene::LayerView(uint32_t layer, const FrameInput& in) const {
   const uint32_t set = SetOf(layer);
   View view = ViewFrom(set, in);
@@ -273,7 +273,7 @@ bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams&
   return changed;
 }
 
-void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& in, Air air) {
+void FurScene::FillParams(uint32_t s, const FrameInput& given, const FrameInput& in, Air air) {
   FrameParams& to = params_[s];
   SelectLodParams lod{};
   lod.view = ViewFrom(s, in);
@@ -299,7 +299,7 @@ void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& 
   simulate.sphere_count = in.sphere_count;
   std::copy_n(in.sphere[0], 4 * in.sphere_count, simulate.sphere[0]);
   const CapsuleSources sources = PlaceCapsules(in, memory_, pose_gate_, simulate, origins_, s);
-  colliders_[s].Advance(told, memory_, sources, first_frame_ ? nullptr : &to.simulate,
+  colliders_[s].Advance(given, memory_, sources, first_frame_ ? nullptr : &to.simulate,
                         origins_.empty() ? nullptr : origins_[s].shift, simulate);
   const bool simulate_changed = Replace(to.simulate, simulate);
 
@@ -307,8 +307,8 @@ void FurScene::FillParams(uint32_t s, const FrameInput& told, const FrameInput& 
   if (air != Air::kLeftOut)
     to.wind = apart ? MakeWindParams(in.wind, in.time_s, origins_[s].used)
                     : MakeWindParams(in.wind, in.time_s);
-  // A character may stand still where its origin moves, and what is left out of a frame is told from
-  // last frame's.
+  // A character may stand still where its origin moves, and what is left out of a frame is relative to
+  // last frame's origin.
   const bool shifts = apart && (origins_[s].shifted || origins_[s].was_shifted);
   const uint32_t kept = shifts ? ~uint32_t(kSwitchSleep | kSwitchSkipUnmoved) : ~0u;
   to.activate = {SwitchesOf(in.skip) & kept, simulate_changed, view_changed, first_frame_};

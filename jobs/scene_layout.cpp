@@ -114,7 +114,7 @@ std::string DescribeMemory(const SceneLayout& layout) {
     if (range.bytes)
       out += Format("{:<18} {:>8} {:>12}  {}\n", range.name, range.blocks, range.bytes,
                     RoleName(range.role));
-  out += Format("{:<18} {:>8} {:>12}  {:.0f} a strand, {:.1f} of them simulation state\n", "all",
+  out += Format("{:<18} {:>8} {:>12}  {:.0f} per strand, {:.1f} of them simulation state\n", "all",
                 "", layout.total_bytes, double(layout.total_bytes) / double(layout.strand_count),
                 layout.StateBytesPerStrand());
   return out;

@@ -30,7 +30,7 @@ namespace pelt {
 namespace {
 
 constexpr std::string_view kMagic = "PELTSNP\n";
-// Goes up with what the values are; of streams the layout tells.
+// Goes up when the meaning of values changes; changes of streams show in the layout.
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderBytes = 64, kChecksumAt = 48;
 static_assert(sizeof(FrameParams) % 4 == 0 && alignof(FrameParams) == 4,
@@ -122,7 +122,7 @@ void FurScene::MeasureSnapshot(std::span<const Groom* const> grooms) {
   }
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
     strands.Add(shape().layer_character[l]);
-    strands.Add(shape().layer_kind[l] & ~kLayerSortInPieces);  // how it is sorted is nobody's state
+    strands.Add(shape().layer_kind[l] & ~kLayerSortInPieces);  // how it is sorted is not state
   }
   // As if all of it lived: room for the most there can be.
   for (uint32_t p = 0; p < shape().patch_count; ++p) {

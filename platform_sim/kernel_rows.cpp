@@ -71,7 +71,7 @@ Result<> RecordMatrices(std::vector<KernelPart>& parts) {
       kMatrixIterations, 1.0, parts);
 }
 
-constexpr double kNewtonOperations = 2112e-9;  // of an iteration, as the row counts
+constexpr double kNewtonOperations = 2112e-9;  // per iteration, as the row counts
 constexpr double kMatrixFlops = 2e-9 * kMatrixSide * kMatrixSide * kMatrixSide;
 
 constexpr KernelRowDefinition kKernelRows[] = {

@@ -1,6 +1,6 @@
 // Kernels that were measured on a console, through all of the back end: written on the vector type
 // (rows/measured_kernels.hpp), recorded, simplified, lowered, put on registers, scheduled, timed.
-// What every kernel figure rests on, held against what hardware did.
+// What every kernel figure rests on, compared with what hardware did.
 //
 // A price is a range: the order of the source at one end, the best schedule that is found at the
 // other. A row says where in it the measurement lies,

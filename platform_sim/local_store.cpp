@@ -126,7 +126,7 @@ void LocalStoreExecutor::RunStage(const Frame& frame, const Stage& stage, uint32
     }
     block.writable = false;
     block.written = true;
-    // Gates look at what ran in main memory; a console's PPU would be told the same by mailbox.
+    // Gates look at what ran in main memory; a console's PPU would get the same by mailbox.
     if (Describe(frame, block.stream).role == Role::kBookkeeping) {
       Store(frame, stage, item, block, false);
       block.written = false;
@@ -224,7 +224,7 @@ void LocalStoreExecutor::Store(const Frame& frame, const Stage& stage, uint32_t 
     return;
   }
   CountTransfer(block.bytes, false);
-  block.moved.put_bytes = block.bytes;  // however often gates had to be told
+  block.moved.put_bytes = block.bytes;  // once, however often it was stored for gates
 }
 
 void LocalStoreExecutor::Scatter(const Frame& frame, const Stage& stage, uint32_t item,

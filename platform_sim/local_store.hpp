@@ -57,7 +57,7 @@ struct LocalStoreItem {
   }
 };
 
-// Told of each stage that is about to run, while main memory stands as its gate saw it.
+// Called for each stage that is about to run, while main memory stands as its gate saw it.
 class StageObserver {
  public:
   virtual ~StageObserver() = default;
@@ -109,7 +109,7 @@ class LocalStoreExecutor final : public Executor {
   std::unique_ptr<Buffer> buffer_;
   std::vector<std::byte> snapshot_;
   std::vector<Resident> resident_;
-  std::vector<uint32_t> stages_ran_;  // on the item, when somebody observes
+  std::vector<uint32_t> stages_ran_;  // on the item, when there is an observer
   uint32_t top_ = 0;                  // first byte behind the last guard
   uint32_t data_used_ = 0;            // of it, without guards
   LocalStoreCounts counts_;

@@ -26,7 +26,7 @@ constexpr std::string_view kOwnNumber = "the models' own number";
 constexpr std::string_view kManualsUpperEnd =
     "picks 6 of the 4 to 6 cycles that the PPE's manual gives a load";
 constexpr std::string_view kRepeatsC23 = "repeats C23: the same listing, cycle by cycle";
-constexpr std::string_view kRepeatsD3 = "repeats D3: the memory's rate, whatever the piece";
+constexpr std::string_view kRepeatsD3 = "repeats D3: the memory's rate, for pieces of any size";
 constexpr std::string_view kIntercept =
     "what a job costs beyond its length was read off these rows";
 

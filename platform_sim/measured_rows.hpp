@@ -5,7 +5,7 @@
 // Idea: a row is its work (rows/), what was measured, how far off a prediction may be, and of which
 // kind it is, because one rule says where a platform's availability counts (cell_system.hpp): on
 // what was held up over many iterations, not on single ways. Both predictions are in the result;
-// `Predicted()` is the one that the rule picks and that is held against the measurement.
+// `Predicted()` is the one that the rule picks and that is compared with the measurement.
 //
 // Invariant: no row has a number of its own in the models. Each row says of which class it is, and
 // only independent ones count as predictions: a row that repeats another, that holds a loop of our
@@ -70,7 +70,7 @@ struct RowResult {
   std::string failure;  // why there is no prediction; empty
   bool passes = false;
 
-  // Missed, and nobody has said why, or said to be missed, and is not.
+  // Missed without a reason given, or given a reason and not missed.
   bool Surprises() const { return passes != missed_because.empty(); }
 
   double Predicted() const {

@@ -20,7 +20,7 @@
 
 namespace pelt {
 
-// A JSON string that every reader takes, whatever bytes are in it: names of layers and files come
+// A JSON string that every reader takes, for any bytes in it: names of layers and files come
 // from outside.
 //
 // Invariant: what is appended is valid JSON and valid UTF-8. A byte that is no UTF-8 becomes the

@@ -143,7 +143,7 @@ void ReadFrames(Reader& reader, uint32_t frames, DigestLog& log) {
       const Entry entry = ParseEntry(reader, line);
       // The first frame says which lines every frame has; it ends with the whole frame's.
       if (f == 0) {
-        if (c == kColumnsLimit) reader.Fail(Format("more than {} lines a frame", c));
+        if (c == kColumnsLimit) reader.Fail(Format("more than {} lines per frame", c));
         if (!reader.failed())
           log.columns.push_back({std::string(entry.stage), std::string(entry.stream)});
       }

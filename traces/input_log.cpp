@@ -1,4 +1,4 @@
-// Reads the input log; the layout is told in input_log.hpp, the fields of a frame in
+// Reads the input log; the layout is described in input_log.hpp, the fields of a frame in
 // input_fields.hpp.
 #include "traces/input_log.hpp"
 

@@ -1,4 +1,4 @@
-// The input log: everything a run was told, so that it can be run again bit for bit, elsewhere.
+// The input log: all input of a run, so that it can be run again bit for bit, elsewhere.
 //
 //      header      magic "PELTINP\n", version, strands per chunk, options (bit 0: index buffer,
 //                  bit 1: velocities, bit 2: origins, bit 3: snapshot), number of grooms, characters and
@@ -21,7 +21,7 @@
 // their bits; of a pose only the joints in use. A pose that is the last frame's is not written
 // again, nor are its velocities. The hash covers all bytes but its own.
 //
-// A file is read as hostile input: a count is held against the bytes that are left before anything
+// A file is read as hostile input: a count is checked against the bytes that are left before anything
 // is allocated for it, and poses stay packed as they lie in the file. The hash finds damage; it is
 // not what safety rests on. Values are not judged here: FurScene::BeginFrame does.
 #pragma once

@@ -1,4 +1,4 @@
-// Writes the input log; the layout is told in input_log.hpp.
+// Writes the input log; the layout is described in input_log.hpp.
 //
 // No exceptions: this is the half that runs inside an engine.
 #include <algorithm>

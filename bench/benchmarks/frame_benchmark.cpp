@@ -1,4 +1,4 @@
-// The whole frame, and each stage of it held against what the machine could do at most.
+// The whole frame, and each stage of it compared with what the machine could do at most.
 //
 //   frame/serial/SCENE        the whole frame on one core, ns per strand
 //   stage/NAME/SCENE          a stage inside the frame: ns per strand, its limit and the ratio to it

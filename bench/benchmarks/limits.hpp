@@ -1,5 +1,5 @@
-// What this machine can do at most, measured in the same run as the figures that are held against
-// it: memory and cache bandwidth, and vector operations.
+// What this machine can do at most, measured in the same run as the figures that are compared
+// with it: memory and cache bandwidth, and vector operations.
 #pragma once
 
 #include <cstdint>

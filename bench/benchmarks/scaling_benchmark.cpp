@@ -5,7 +5,7 @@
 //
 // BeginFrame is beside it (begin_ms): it runs on the caller's thread. All executors of a scene run in
 // turn on one course of frames, a slice each, in rounds of alternating direction, so that other work on the
-// machine hits all. Their last digest is held against the serial executor's.
+// machine hits all. Their last digest is compared with the serial executor's.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

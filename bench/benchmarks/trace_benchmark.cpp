@@ -1,4 +1,4 @@
-// What recording costs a frame.
+// What recording costs per frame.
 //
 //   trace/EXECUTOR/SCENE   frames with and without a profile, in turn, of one scene in one run
 //

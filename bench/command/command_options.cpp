@@ -194,10 +194,9 @@ void AddVelocities(CLI::App& app, bool& velocities) {
 }
 
 void AddOrigins(CLI::App& app, bool& origins) {
-  app.add_flag(
-      "--origins", origins,
-      "Each character told from an origin of its own, which moves about: for worlds of many "
-      "kilometres");
+  app.add_flag("--origins", origins,
+               "Each character relative to a moving origin of its own: for worlds of many "
+               "kilometres");
 }
 
 void AddPlanOptions(CLI::App& app, SceneOptions& options) {
@@ -219,7 +218,7 @@ void AddSkips(CLI::App& app, SkipSettings& skip, LodSettings& lod) {
                                                  {"cull", &skip.cull},   {"light", &skip.light}};
   for (const auto& [name, value] : skips)
     app.add_flag(fmt::format("!--no-{}", name), *value,
-                 fmt::format("Do not skip what '{}' finds needless", name));
+                 fmt::format("Do not skip what '{}' finds redundant", name));
   auto* with_lod =
       app.add_flag("--lod", skip.lod, "Fewer strands for layers that are small on screen");
   app.add_option("--strand-budget", lod.strand_budget,

@@ -33,7 +33,7 @@ Subcommand SetUpBudget(CLI::App& root);
 // Of what a scene's layers get (fit_options.cpp).
 Subcommand SetUpFit(CLI::App& root);
 Subcommand SetUpCalibrate(CLI::App& root);
-// Two runs held against each other (compare_options.cpp).
+// Two runs compared with each other (compare_options.cpp).
 Subcommand SetUpCompare(CLI::App& root);
 // A page of a scene (view_options.cpp).
 Subcommand SetUpView(CLI::App& root);

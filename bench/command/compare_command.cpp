@@ -36,7 +36,7 @@ std::string ReadBack(const OpenFile& file) {
   return std::string(AsText(ReadToEnd(file.get(), kRunBytesLimit).OrThrow()));
 }
 
-// The shell's exit code; a signal as shells tell it.
+// The shell's exit code; a signal as shells report it.
 int RunInShell(const std::string& command, std::FILE* out, std::FILE* err) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);

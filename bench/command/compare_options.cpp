@@ -27,7 +27,7 @@ Subcommand SetUpCompare(CLI::App& root) {
   AddInputFile(*app, "right", args.right, "B: the same of another commit, setup or option");
   auto* commands =
       app->add_option("--commands", args.commands,
-                      "Instead: two commands that print such, for the shell, which take turns");
+                      "Instead: two commands that print such, for the shell, run alternately");
   commands->expected(2)->type_name("TEXT TEXT");
   app->add_option("--rounds", args.rounds, "With --commands: how often each runs")
       ->needs(commands)

@@ -133,7 +133,7 @@ Subcommand SetUpBudget(CLI::App& root) {
       "layers, with what they take");
   app->add_flag("--numbers", args.numbers, "Print the consoles' numbers, their sources, and stop");
   app->add_flag("--validate", args.validate,
-                "Hold the models against the measured rows, print the table, and stop");
+                "Compare the models with the measured rows, print the table, and stop");
   app->add_flag("--json", args.json, "Machine-readable output");
   app->footer(
       "Examples:\n"

@@ -86,7 +86,7 @@ Subcommand SetUpCalibrate(CLI::App& root) {
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
   app->add_option("--scenes", args.scenes,
-                  "Whose stages are measured; the last tells what part of its core time a frame "
+                  "Whose stages are measured; the last gives what part of its core time a frame "
                   "takes")
       ->check(IsScene())
       ->delimiter(',')

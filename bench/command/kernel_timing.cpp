@@ -61,7 +61,7 @@ void RecordStages(const Frame& frame, std::vector<TimedStage>& stages) {
   });
 }
 
-// Cycles a strand: an iteration is four.
+// Cycles per strand: one iteration is four strands.
 double PerStrand(double cycles_per_iteration) { return cycles_per_iteration / 4.0; }
 
 // Where a compiler's kernels lay in their range.
@@ -70,7 +70,7 @@ double ExpectedCycles(const KernelCost& c) {
   return least + MeasuredCodePlace().mean * (most - least);
 }
 
-// Cycles and operations of an iteration are in text those of a strand.
+// In text, cycles and operations per iteration are given per strand.
 void AddCosts(const std::vector<TimedStage>& stages, const PricedCore& core, ReportTree& tree) {
   const Show if_cached = core.caches ? Show::kBoth : Show::kJson;
   const double strand = PerStrand(1.0);

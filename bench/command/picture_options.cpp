@@ -100,7 +100,7 @@ void CompletePictures(const CLI::App& app, const PictureArgs& args) {
   RefuseUnless(app, args.renderer == "gl", {"--lighting-buffer"}, "--renderer gl");
   RefuseBeside(app, "--time", {"--picture-every"});
   RefuseBeside(app, "--lights", {"--light"});
-  // What is drawn lies where the characters' origins are told apart, and pictures know of one world.
+  // What is drawn lies relative to each character's own origin, and pictures know of one world.
   if (args.Any() && app.count("--origins"))
     throw UsageError("--origins: pictures cannot be made of characters with origins of their own");
 }

@@ -12,7 +12,7 @@
 namespace pelt {
 ExitCode Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
-  // Read first: a mistake in it should not be told after a long run.
+  // Read first: a mistake in it should not be reported only after a long run.
   std::vector<std::byte> accuracy;
   if (!args.accuracy.empty()) {
     accuracy = ReadFileBytes("accuracy", args.accuracy, kAccuracyBytesLimit).OrThrow();

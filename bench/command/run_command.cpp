@@ -33,7 +33,7 @@ std::string TraceText(const FurScene& scene, const RunReport& report,
   return ChromeTrace(timeline);
 }
 
-// The frames that a trace is of, told one after the other.
+// The frames that a trace is of, passed in one after the other.
 class TracedFrames {
  public:
   explicit TracedFrames(const RunArgs& args) : most_(args.trace_frames), worst_(args.trace_worst) {}

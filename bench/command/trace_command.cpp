@@ -1,4 +1,4 @@
-// `pelt trace`: record what a scene is told, replay it anywhere, show what a recording holds.
+// `pelt trace`: record what a scene is given, replay it anywhere, show what a recording holds.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Arguments that do not go together, told in our own words: CLI11's own errors end in words of
+// Arguments that do not go together, reported in our own words: CLI11's own errors end in words of
 // theirs ("... is required").
 #pragma once
 

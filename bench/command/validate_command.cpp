@@ -109,7 +109,7 @@ ReportTree MakeTree(const std::vector<RowResult>& rows, const std::vector<Kernel
     count.AddSection(name, name).Add({"rows"}, of.rows).Add({"missed"}, of.missed);
   }
   tree.Say(
-      "* is held against the measurement: rates with the console's availability, single ways "
+      "* is compared with the measurement: rates with the console's availability, single ways "
       "without.");
   tree.BlankLine();
   AddKernelRows(kernels, tree);

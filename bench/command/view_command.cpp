@@ -183,7 +183,7 @@ void WritePage(const ViewArgs& args, const PageContent& content, const std::stri
   fmt::print("page {}: {:.1f} MB; {}\n", args.out.path(), double(page.size()) * 1e-6, held_against);
 }
 
-// The page of a recording. What would not open there is told here.
+// The page of a recording. What would not open there is reported here.
 ExitCode ViewRecording(const ViewArgs& args) {
   const std::vector<std::byte> bytes = ReadFileBytes("input log", args.replay).OrThrow();
   ReplayViewer::Open(bytes, args.replay).OrThrow();
@@ -193,7 +193,7 @@ ExitCode ViewRecording(const ViewArgs& args) {
   content.recording = std::filesystem::path(args.replay).filename().string();
   content.files[content.recording] = bytes;
   WritePage(args, content,
-            fmt::format("its frames are held against the digests recorded in {}", args.replay));
+            fmt::format("its frames are compared with the digests recorded in {}", args.replay));
   return args.open ? ServePage(
                          args.port, [&] { return content; }, nullptr)
                    : kDone;
@@ -218,7 +218,7 @@ ExitCode View(const ViewArgs& args) {
   if (args.consoles) scene.TakeConsoles(ModelConsoles(args.request));
   WritePage(
       args, scene.Content(command),
-      fmt::format("its first {} frames are held against this machine's digests", args.frames));
+      fmt::format("its first {} frames are compared with this machine's digests", args.frames));
   if (!serves) return kDone;
   return ServePage(
       args.port, [&] { return scene.Content(command); }, args.watch ? &scene : nullptr);

@@ -18,10 +18,9 @@ void AddSetupFile(CLI::App& app, std::string& setup) {
 void AddReplay(CLI::App& app, std::string& replay) {
   const std::set<const CLI::Option*> shared = {app.get_option("--out"), app.get_option("--open"),
                                                app.get_option("--port"), app.get_help_ptr()};
-  auto* option =
-      AddInputFile(app, "--replay", replay,
-                   "A recording (.peltinput) instead of a scene: its frames as they were told, "
-                   "each digest held against the recorded one");
+  auto* option = AddInputFile(app, "--replay", replay,
+                              "A recording (.peltinput) instead of a scene: its recorded frames, "
+                              "each digest compared with the recorded one");
   for (CLI::Option* other : app.get_options())
     if (other != option && !shared.contains(other)) option->excludes(other);
 }
@@ -54,7 +53,7 @@ Subcommand SetUpView(CLI::App& root) {
   app->add_option("--port", args.port, "On this machine alone; a free one if not given")
       ->check(CLI::Range(1, 65535));
   app->add_option("--frames", args.frames,
-                  "Frames whose digests go along, for the page to hold its own against")
+                  "Frames whose digests go along, for the page to compare its own with")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
   app->add_flag("--consoles", args.consoles,

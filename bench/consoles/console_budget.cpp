@@ -33,7 +33,7 @@ SceneOptions OptionsOn(const ConsoleRequest& request) {
 }
 
 // What every stage costs there, from a frame that skips nothing; of all strands, so that it is the
-// same whatever LOD leaves, each layer in the quality that the request's frames have it in.
+// same however many LOD leaves, each layer in the quality that the request's frames have it in.
 StageCosts Price(Scenario& scenario, const ConsoleRequest& request, const SceneOptions& options) {
   RunningScenario running(scenario, options);
   SerialExecutor serial;
@@ -259,7 +259,7 @@ constexpr uint32_t kSteps = 64;
 using Trial = ConsoleRun::Trial;
 using LodTrial = ConsoleRun::LodTrial;
 
-// A strand budget in kSteps-ths of `most`, found on few frames and then held against all of them,
+// A strand budget in kSteps-ths of `most`, found on few frames and then checked against all of them,
 // less by an eighth as long as they do not fit; `found` is of those.
 uint32_t FindSteps(ConsoleRun& run, uint64_t most, double target_ms, LodTrial& found) {
   LodSettings lod = run.request().lod;

@@ -1,4 +1,4 @@
-// A scene's frame budget on a console: the scenario run on the console's model, held against a
+// A scene's frame budget on a console: the scenario run on the console's model, compared with a
 // target.
 //
 //   host, some frames in   one frame with every skip off, recorded    -> what each stage costs

@@ -120,7 +120,7 @@ void AddMemory(const ConsoleBudget& b, ReportTree& tree) {
   tree.Add(InText("main memory: in", "MB", 2), Mb(sum(s.stream_get_bytes)));
   tree.Add(InText("out", "MB", 2), Mb(sum(s.stream_put_bytes)));
   tree.Add({"code_bytes", "MB", 2, "code", 1e-6}, s.code_bytes);
-  tree.Add({"wasted_bytes", "MB", 2, "lines nobody asked for", 1e-6}, s.wasted_bytes);
+  tree.Add({"wasted_bytes", "MB", 2, "lines that were not requested", 1e-6}, s.wasted_bytes);
   tree.Add({"bus_use", "% of what the memory could move", 0, "together", 100}, s.bus_use);
   std::vector<uint32_t> order(kStreamCount);
   std::iota(order.begin(), order.end(), 0u);

@@ -12,7 +12,7 @@ Value Word(auto LayerParams::*param, const auto& value) {
   return value ? Value(LayerParamRowOf(param).words[size_t(*value)]) : Value();
 }
 
-// Whose part of a frame is told a platform in a column of its own.
+// Of the table of layers: each platform has a column for a layer's part of its frame.
 std::vector<Quantity> Columns(const SceneFit& fit) {
   std::vector<Quantity> columns = {{"character"},
                                    {"layer"},

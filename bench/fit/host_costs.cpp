@@ -215,7 +215,7 @@ std::span<const KeyRow<HostCosts::Stage>> Schema() {
   static const KeyRow<S> kRows[] = {
       Required(Plain<&S::name>("name", "text", "of the stage")),
       Plain<&S::tier>("tier", "text", "of pelt fit"),
-      Required(Count<&S::picoseconds>("picoseconds", 0, 4e9, "an iteration")),
+      Required(Count<&S::picoseconds>("picoseconds", 0, 4e9, "per iteration")),
       Count<&S::item_picoseconds>("item_picoseconds", 0, 4e9, "an item"),
   };
   return kRows;
@@ -293,7 +293,7 @@ std::string HostCostsText(const HostCosts& costs) {
   std::string text = fmt::format(
       "# pelt calibrate: what stages cost, for pelt fit --platform host --costs\n"
       "processor = {}\ncommit = {}\nisa = {}\nworkers = {}\n"
-      "frame_permille = {}  # a frame over its core time\n",
+      "frame_permille = {}  # frame time over its core time\n",
       quoted(costs.processor), quoted(costs.commit), quoted(costs.isa), costs.workers,
       costs.frame_permille);
   for (const HostCosts::Stage& stage : costs.stages) {

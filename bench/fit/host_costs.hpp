@@ -19,8 +19,8 @@ struct HostCosts {
   struct Stage {
     std::string name;
     std::string tier = {};          // of Tiers(); empty: the same in all of them
-    uint32_t picoseconds = 0;       // an iteration
-    uint32_t item_picoseconds = 0;  // an item
+    uint32_t picoseconds = 0;       // per iteration
+    uint32_t item_picoseconds = 0;  // per item
   };
   std::string processor, commit, isa;
   uint32_t workers = 0;
@@ -31,7 +31,7 @@ struct HostCosts {
 struct CalibrationOptions {
   uint32_t workers = 0;  // 0: one for each core
   uint32_t warm_up = 10, frames = 30;
-  std::vector<std::string> scenes;  // at least one; the last tells frame_permille
+  std::vector<std::string> scenes;  // at least one; the last gives frame_permille
   std::function<void(const std::string& now)> progress = {};
 };
 // `disturbances`: what makes the times doubtful, a sentence each.

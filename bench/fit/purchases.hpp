@@ -40,7 +40,7 @@ class Purchases {
   Choice Cheapest(const Costs& budget_ns) const;
   // What is bought one after the other until the budget is spent; nothing, if `from` cannot be paid for.
   std::vector<Purchase> Fill(Choice from, const Costs& budget_ns) const;
-  // The best purchase, whatever there is to pay it with; none: all is bought.
+  // The best purchase, regardless of what is left to pay it with; none: all is bought.
   std::optional<Purchase> Next(const Choice& choice, const Costs& budget_ns) const;
   // From now on only layers that have a tier in `choice` can have it.
   void Close(uint32_t tier, const Choice& choice);

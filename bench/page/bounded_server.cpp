@@ -127,7 +127,7 @@ bool BoundedServer::process_and_close_socket(socket_t socket) {
   BoundedStream stream(socket);
   Answer(stream);
   ::shutdown(socket, SHUT_RDWR);
-  const std::lock_guard lock(guard_);  // nobody ends another connection of the same number
+  const std::lock_guard lock(guard_);  // no thread ends another connection of the same number
   std::erase(open_, socket);
   ::close(socket);
   closed_.notify_all();

@@ -1,4 +1,4 @@
-// A cpp-httplib server that nobody on this machine can stop by asking slowly, much or never.
+// A cpp-httplib server that no program on this machine can stop by asking slowly, much or never.
 //
 // The library bounds a line of a request but not their number, waits five seconds for each byte, and has eight threads
 // for all who do. Here a request has 64 KiB and kAskS seconds in all, an answer kAnswerS, each connection a thread of

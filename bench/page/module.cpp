@@ -1,6 +1,6 @@
 // What the page's module exports: a Viewer and the renderer behind plain functions. The caller is bench/page/worker.js.
 //
-// Texts go in as UTF-8 in memory that Allocate gave, and come out as a pointer whose size TextSize tells, good until the
+// Texts go in as UTF-8 in memory that Allocate gave, and come out as a pointer to TextSize() bytes, good until the
 // next call. What a call throws is said on standard error, and ends the module (wasm/throw.cpp).
 #include <cstdlib>
 #include <cstring>

@@ -1,4 +1,4 @@
-// What is said alike of whatever the page shows.
+// What is described in the same way for all that the page shows.
 #pragma once
 
 #include <nlohmann/json.hpp>

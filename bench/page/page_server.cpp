@@ -22,7 +22,7 @@ namespace {
 constexpr const char* kHost = "127.0.0.1";
 constexpr const char* kHost6 = "::1";
 
-// A name that somebody else's page had changed to this machine's address would be asked for what is here.
+// Else another site could point its own name at this machine's address, and its page would read what is here.
 bool IsAskedByOwnName(const httplib::Request& request, uint16_t port) {
   std::string host = request.get_header_value("Host");
   for (char& c : host) c = char(std::tolower(uint8_t(c)));
@@ -111,7 +111,7 @@ PageServer::PageServer(uint16_t port, std::vector<ServedPath> paths)
                                         port, kHost));
   port_ = uint16_t(bound);
   four.Start();
-  // Not every machine has it; the address that is told is the other.
+  // Not every machine has IPv6; address() is the IPv4 one.
   if (six.server.bind_to_port(kHost6, port_)) six.Start();
 }
 

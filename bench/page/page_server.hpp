@@ -1,4 +1,4 @@
-// A server of a few texts to the browser of the machine that it runs on, and to nobody else: it listens on 127.0.0.1
+// A server of a few texts to the browser of its own machine, and to no other machine or site: it listens on 127.0.0.1
 // and ::1, answers GETs of the paths that it was given, and refuses those that a page of another name sends here.
 //
 //   PageServer server(0, {{"/", "text/html", [&](const std::string&) { return page; }}});

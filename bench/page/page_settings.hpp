@@ -45,7 +45,7 @@ struct PageRow {
 std::span<const PageRow> PageRows();
 // The row of a key. Throws Error where there is none, or the value is out of its bounds.
 const PageRow& PageRowFor(std::string_view key, double value);
-// Whether it changes how frames are shown alone, and nothing of what they are told.
+// Whether it only changes how frames are shown, and nothing of the frames' input.
 bool IsOfShowing(const PageRow& row);
 
 // Whether a display shows more pictures than there are frames of this length, and those in between are wanted.

@@ -153,8 +153,8 @@ void ReplayViewer::Look() {
   SerialExecutor().Run(replay_->scene().CurrentFrame());
 }
 
-// So that the user goes on from where the recorded camera is, round the fur that it looks at; or, where that is
-// nobody's or looks elsewhere, stands so that all of the fur is in sight.
+// So that the user goes on from where the recorded camera is, round the fur that it looks at; or, where none was
+// recorded or it looks elsewhere, stands so that all of the fur is in sight.
 PageCamera ReplayViewer::OrbitFrom(const Camera& own) const {
   const glm::vec3 centre = 0.5f * (box_.low + box_.high);
   const float radius = std::max(0.5f * glm::length(box_.high - box_.low), 0.05f);

@@ -1,7 +1,7 @@
-// What the page shows of a recording (.peltinput): its grooms, and frame by frame what they were told then. Every
-// frame's digest is held against the recorded one. There is no character in a recording: fur alone is drawn.
+// What the page shows of a recording (.peltinput): its grooms, and for each frame the input of that frame. Every
+// frame's digest is compared with the recorded one. There is no character in a recording: fur alone is drawn.
 //
-// What frames are told stays as it is. The user may stand elsewhere: the frame that ran is then drawn from there, by a
+// The frames' input stays as it is. The user may stand elsewhere: the frame that ran is then drawn from there, by a
 // frame of no time, which changes no bit of the next. Layers that the recorded camera did not have in sight, and strands
 // that were too far from it, are left out all the same.
 #pragma once

@@ -1,11 +1,11 @@
-// A scene and every file that its request leads to: what a page is given, and what changes in it while somebody works
+// A scene and every file that its request leads to: what a page is given, and what changes in it while the user works
 // on the setup, its maps or the model.
 //
 // A file is taken once it holds still for two looks: editors write in pieces and rename. What does not load is an error
 // with its place, and the last scene that did stays. Not for several threads at once.
 //
 //   SceneWatch scene({.setup = "my_fur.toml"}, 120);
-//   while (going_on) if (scene.Look()) Tell(scene.ChangesSince(told));
+//   while (going_on) if (scene.Look()) Tell(scene.ChangesSince(shown));
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ class SceneWatch {
   // Throws Error as LoadScenario does. `frames`: how many a run has that digests are taken of.
   SceneWatch(ScenarioRequest request, uint32_t frames);
 
-  // Whether ChangesSince has more to tell than before.
+  // Whether ChangesSince has more to report than before.
   bool Look();
-  // Runs a frame for its digest; false: all are taken. The last one of a scene that changed is told as a change. Throws
+  // Runs a frame for its digest; false: all are taken. The last of a scene that changed is reported as a change. Throws
   // Error where the first scene's frame is refused; one that changed has none from there on, and its page says why.
   bool StepDigest();
 

@@ -1,5 +1,5 @@
 'use strict';
-// Runs the module: simulates, draws, and tells the page. Of messages, each is {name: arguments}.
+// Runs the module: simulates, draws, and reports to the page. Of messages, each is {name: arguments}.
 let exported, renderer = '', canvas, gl, api, compiled, request, playing = false, due_s = 0, last_ms = 0, dirty = true;
 let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
 // What was set since the page opened, for a module that has to begin again; and the recording that is shown, {name, bytes}.
@@ -67,7 +67,7 @@ const openRecording = ({name, bytes: file}) => result(call('OpenRecording', name
 async function start() {
   const env = {};
   gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
-  // What a module before had is nobody's.
+  // No module uses the GL objects that the one before it made.
   api?.DeleteAll();
   api = gl && WebGl(gl, memory);
   for (const {module: from, name} of WebAssembly.Module.imports(compiled))
@@ -155,7 +155,7 @@ async function guarded(run) {
 }
 
 const next = self.requestAnimationFrame ? (run) => self.requestAnimationFrame(run) : (run) => setTimeout(() => run(performance.now()), 16);
-// What the page says and the frames that pass take turns: a module that begins again is left alone until it has.
+// Messages of the page and frames run one after the other: a module that begins again is left alone until it has.
 let queue = Promise.resolve();
 const enqueue = (run) => {
   queue = queue.then(() => guarded(run));

@@ -19,8 +19,8 @@ namespace pelt {
 // Which samples of a picture a triangle covers, four of a row at once: what time software spends on triangles it
 // spends here, and most of the samples are hidden or outside.
 //
-// Invariant: which samples, their shares and their depth are the same bits whatever is left out. A row's ends are found
-// by the edges' slopes, wider than rounding can be wrong; each sample between them is judged by itself.
+// Invariant: which samples, their shares and their depth are the same bits whichever samples are left out. A row's ends
+// are found by the edges' slopes, wider than rounding can be wrong; each sample between them is judged by itself.
 
 class TriangleSamples {
  public:

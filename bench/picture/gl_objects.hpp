@@ -164,7 +164,7 @@ struct GlPrograms {
   void SetUnits() const;
 };
 
-// What passes/painted.glsl is told; of a program in use.
+// Sets the uniforms of passes/painted.glsl; of a program in use.
 void SetPaint(const GlProgram& program, const PaintLook& paint);
 
 // Blurring on the graphics card.

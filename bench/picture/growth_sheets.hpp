@@ -34,7 +34,7 @@ class GrowthSheets {
 };
 using SharedGrowth = std::shared_ptr<const GrowthSheets>;
 
-// Null where it would tell no more than the vertices: for layers of strands that neither maps nor the character's own
+// Null where it would hold no more than the vertices: for layers of strands that neither maps nor the character's own
 // images, `surface`, thin out, and where density is one everywhere. Null with a sentence in `notes` where the mesh's UVs allow none.
 SharedGrowth MakeGrowthSheets(const Character& character, const RestGeometry& rest,
                               const FurSetup& setup, const LayerSetup& layer,

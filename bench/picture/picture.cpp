@@ -130,7 +130,7 @@ class ShellPainter {
     const auto shade = [&](const glm::vec3& bary, glm::vec4& colour) {
       const glm::vec2 uv = a.uv * bary.x + b.uv * bary.y + c.uv * bary.z;
       const float hair = HairAt(uv);
-      if (hair <= shell.threshold) return false;  // whatever the stencil, and most are
+      if (hair <= shell.threshold) return false;  // for any stencil; most places end here
       const float covered =
           ShellCoverage(hair, StencilAt(a, b, c, bary), shell.threshold) * shell.fade;
       if (covered <= 0.0f) return false;

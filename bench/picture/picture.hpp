@@ -18,7 +18,7 @@ namespace pelt {
 
 struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
-  uint32_t samples = 0;  // a side of each pixel; 0: what the renderer has if nobody says otherwise
+  uint32_t samples = 0;          // a side of each pixel; 0: the renderer's default
   bool lighting_buffer = false;  // OpenGL alone: hair lit by GlLighting
 };
 

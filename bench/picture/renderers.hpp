@@ -11,7 +11,7 @@
 
 namespace pelt {
 
-// The first is what draws if nobody says otherwise.
+// The first is the default.
 std::vector<std::string> RendererNames();
 
 // Fails where what it needs is not here, and says what to install. A renderer belongs to the thread that opened it.

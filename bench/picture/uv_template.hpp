@@ -1,6 +1,6 @@
 // The character's UV layout as lines over the place of its image, to paint a map on. Rows from v = 0 at the top, as maps
 // are read, so that what is painted there lies where the lines are. Black but for the lines, a colour for each material,
-// which have no red: maps are read from that channel if not told otherwise, and may be painted right over them.
+// which have no red: maps are read from that channel by default, and may be painted right over them.
 #pragma once
 
 #include <cstdint>

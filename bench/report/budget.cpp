@@ -28,7 +28,7 @@ uint32_t LayerOfItem(const SceneShape& shape, Domain domain, uint32_t item) {
   return domain >= Domain::kLayer ? shape.LayerOf(domain, item) : 0;
 }
 
-// A nanosecond is less than what a clock can tell, and digits take room.
+// A nanosecond is less than what a clock can resolve, and digits take room.
 std::vector<double> Rounded(std::vector<double> ms) {
   for (double& value : ms) value = std::round(value * 1e6) * 1e-6;
   return ms;

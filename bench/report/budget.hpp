@@ -29,9 +29,9 @@ PortTraffic StageTraffic(const Stage& stage, const SceneShape& shape, uint32_t i
 struct StageBudget {
   std::string_view name;
   Domain domain;
-  Spread core_ms;  // summed over all threads, a frame
+  Spread core_ms;  // summed over all threads, per frame
   double ns_per_strand = 0.0;
-  double bytes = 0.0;               // moved, a frame
+  double bytes = 0.0;               // moved, per frame
   double ran = 0.0, skipped = 0.0;  // items per frame; those of other kinds are in neither
   std::vector<double> samples_ms;   // core_ms of each frame that stages were timed in
 };
@@ -90,7 +90,7 @@ class BudgetRecorder {
 
 // "stages", "passes", "caller_ms", "frame_ms" and "ns_per_strand".
 void AddBudget(const Budget& budget, uint32_t workers, ReportTree& tree);
-// "layer_costs" and "character_costs", in JSON only: of 166 layers nobody reads a table in a terminal.
+// "layer_costs" and "character_costs", in JSON only: a table of 166 layers is of no use in a terminal.
 void AddCostSplit(const CostSplit& costs, const Budget& budget, ReportTree& tree);
 // "samples": what the medians are of, for `pelt compare`; in JSON only.
 void AddSamples(const Budget& budget, const CostSplit& costs, ReportTree& tree);

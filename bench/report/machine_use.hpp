@@ -16,7 +16,7 @@ namespace pelt {
 
 // Whether a time is within a target, and what the answers for several platforms come to.
 
-// The later outweighs the earlier: what surely does not fit stays a no, whatever is unsure beside it.
+// A later value outweighs an earlier one: kDoesNotFit stays so, even if other answers are unsure.
 enum class Fit : uint8_t { kFits, kUnsure, kDoesNotFit };
 
 constexpr std::string_view FitName(Fit fit) {

@@ -403,7 +403,7 @@ function fillConsoles() {
 
 // ---- error against run time ------------------------------------------------------------------------
 
-// Around (0, 0); by a family's place, so that colour is not all that tells them apart.
+// Around (0, 0); by a family's place, so that not only colour distinguishes them.
 const kMarks = [
   'M-4 0A4 4 0 1 0 4 0A4 4 0 1 0-4 0Z', 'M-4-4L4 4M4-4L-4 4', 'M-1.5-4H1.5V4H-1.5Z', 'M-4-1.5H4V1.5H-4Z',
   'M0-5L5 0L0 5L-5 0Z', 'M0 5L5-4H-5Z', 'M0-5L5 4H-5Z', 'M-4-4H4V4H-4Z',
@@ -567,7 +567,7 @@ function fillShipped(accuracy, links) {
         {tall: true});
 }
 
-// A button for each value; returns what tells the chosen one's place.
+// A button for each value; returns a function that gives the chosen one's place.
 function chooser(parent, values, name, chosen, redraw) {
   const buttons = values.map((value, i) => {
     const button = add(parent, 'button', {type: 'button', 'aria-pressed': i === chosen}, name(value));

@@ -25,7 +25,7 @@ std::string ComparisonPage(const ComparedSide& a, const ComparedSide& b, const R
 
 namespace {
 
-// More columns than this are not to be told apart in a picture.
+// More columns than this cannot be distinguished in a picture.
 constexpr size_t kColumns = 600;
 // Stages with a colour of their own, the most costly first.
 constexpr size_t kColours = 8;
@@ -221,7 +221,7 @@ class PageData {
     json_.EndArray();
   }
 
-  // What the picture over the frames shows: a column a frame, or, of many frames, the slowest of a
+  // What the picture over the frames shows: one column per frame, or, of many frames, the slowest of a
   // few. The coloured stages' core time is divided by the workers; what is left of the frame's wall
   // time is waiting.
   void AddColumns() {

@@ -28,8 +28,8 @@ JsonValue ValueJson(const Value& value) {
       value.any());
 }
 
-// Texts may hold what somebody named a layer: bytes that are no UTF-8 are replaced, and whatever
-// could move a terminal's cursor is escaped.
+// Texts may hold the name that a user gave a layer: bytes that are no UTF-8 are replaced, and all
+// that could move a terminal's cursor is escaped.
 std::string Printed(const JsonValue& value, int indent) {
   return value.dump(indent, ' ', true, JsonValue::error_handler_t::replace);
 }

@@ -277,9 +277,9 @@ void AddIntervals(size_t rounds, size_t pairs, size_t rows, ReportTree& tree) {
   tree.Say(fmt::format(
       "Intervals: {:.0f} % for all {} rows together, by ranks of {} {}", 100.0 * kConfidence, rows,
       pairs,
-      rounds > 1 ? "rounds that took turns."
+      rounds > 1 ? "alternate rounds."
                  : "parts of the runs. What changed on the machine between the two runs is not in "
-                   "them: --commands takes turns."));
+                   "them: --commands alternates."));
 }
 
 std::string WhyUnsure(std::string_view name, const ComparedSide& side) {

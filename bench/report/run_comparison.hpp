@@ -1,13 +1,13 @@
-// Two ways to run held against each other: what `pelt compare` prints. It reads what `pelt run
-// --json` printed, of one run each or of many rounds that took turns.
+// Two ways to run compared with each other: what `pelt compare` prints. It reads what `pelt run
+// --json` printed, of one run each or of many rounds that ran alternately.
 //
 // How sure a ratio is comes from ranks: no bootstrap, no random numbers, no assumption about how
 // times are spread but that pairs are independent. A pair is a round of each, or, of one run each,
 // the same twelfth of both runs: frames beside each other are alike, so they are taken in blocks.
-// What changed on the machine between two single runs is in no such interval; rounds that take
-// turns have it in theirs. The intervals of all rows hold together: with each at 95 % for itself, one
-// in twenty rows that are equal would be told as slower or faster. Where others used the machine, no
-// row is told as either.
+// What changed on the machine between two single runs is in no such interval; rounds that
+// alternate have it in theirs. The intervals of all rows hold together: with each at 95 % for itself, one
+// in twenty rows that are equal would be reported as slower or faster. Where others used the machine,
+// no row is reported as either.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What is told of many values of one kind.
+// What is reported of many values of one kind.
 #pragma once
 
 #include <span>

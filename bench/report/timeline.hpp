@@ -1,7 +1,7 @@
 // Recorded frames, kept and turned into what viewers and reports show.
 //
 // A frame's profile (jobs/frame_recording.hpp) is overwritten by the next frame. RecordFrame copies
-// what ran out of it, between frames, where nobody is timed.
+// what ran out of it, between frames, where nothing is timed.
 //
 // Invariant: a record holds every item on which a stage ran, by pass, worker and time; and every
 // stage that ran on it, of 0 ticks when stages were not timed in that frame.
@@ -78,7 +78,7 @@ struct PreemptedItem {
   uint32_t at;          // in FrameRecord::items
   uint64_t over_ticks;  // more than it usually takes
 };
-// `others`: frames of the same run to hold it against; `record` may be one of them.
+// `others`: frames of the same run to compare it with; `record` may be one of them.
 std::vector<PreemptedItem> FindPreempted(const FrameRecord& record,
                                          std::span<const FrameRecord> others, double ms_per_tick);
 

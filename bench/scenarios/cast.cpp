@@ -142,9 +142,9 @@ void AddMember(const Monster& monster, const Company& company, const ScenarioReq
   const float size = float(random.Uniform(0.7, 1.15));
   Character character = MakeBuiltinCharacter({.seed = m, .detail = kDetail});
   character.name = fmt::format("member {}", m);
-  const std::string_view told = request.SetupText(m);
+  const std::string_view text = request.SetupText(m);
   const FurSetup setup =
-      ReadFurSetup(told.empty() ? MakeMemberText(monster, m, request.seed) : told,
+      ReadFurSetup(text.empty() ? MakeMemberText(monster, m, request.seed) : text,
                    fmt::format("cast member {}", m), "");
   std::vector<std::string> notes;
   Actor actor{};

@@ -33,7 +33,7 @@ void Strike(uint32_t frame, const glm::vec3& at, double dt_s, FrameInput& in) {
   in.sphere_velocity[in.sphere_count++][2] = speed;
 }
 
-// Of the one character, told from its scene's course.
+// What happens to one character, called from its scene's course.
 void ActOn(uint32_t character, const glm::vec3& at, uint32_t frame, FurScene& scene,
            FrameInput& in) {
   Strike(frame, at, in.dt_s, in);

@@ -337,7 +337,7 @@ void CheckGroomFits(const Groom& groom, const std::string& path, const Character
 }
 
 Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progress) {
-  // Before the bake, so that a mistake in them is told at once.
+  // Before the bake, so that a mistake in them is reported at once.
   std::optional<Lighting> lights;
   if (!request.lights.empty()) lights = LoadLights(request.lights);
   std::vector<LayerChoice> plan;
@@ -352,7 +352,7 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
     throw Error(fmt::format("no scene '{}'; there are: {}{}", request.scene,
                             fmt::join(ScenarioNames(), ", "),
                             DidYouMean(request.scene, ScenarioNames())));
-  // What is guessed and bare in our own is as it is meant; what somebody writes instead is not ours.
+  // What is guessed and bare in our own is as it is meant; a setup that the user gives keeps its notes.
   if (IsOwn(request)) scenario.notes.clear();
   ChooseClips(request, scenario);
   OverrideSolver(request, scenario);

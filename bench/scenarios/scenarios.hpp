@@ -9,7 +9,7 @@
 //   tiny     every solver and chain, instances and ribbons, in under a thousand strands: for tests
 //   everything  every kind of layer, and all that may happen to it: for tests
 //
-// Invariant: frame f of a scenario has the same input whatever was run before it, on every machine
+// Invariant: frame f of a scenario has the same input regardless of what ran before it, on every machine
 // (no clock, no libm); preparing a frame does not allocate.
 #pragma once
 
@@ -130,7 +130,7 @@ struct Scenario {
 
  private:
   double ClipTime(const Actor& actor, uint32_t frame) const;
-  // Where character `actor`'s pose is told from in a frame.
+  // The origin that the pose of character `actor` is relative to in a frame.
   glm::dvec3 OriginOf(uint32_t actor, uint32_t frame) const;
   void Place();
 

@@ -43,7 +43,7 @@ Plan PlanCoat(double extent_m, double area_m2) {
   return {length_m, density()};
 }
 
-// Two digits: what somebody is to change looks like it.
+// Two digits: a value that the user is to change looks like it.
 std::string Round(double value) { return fmt::format("{:.2g}", value); }
 std::string RoundWhole(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
@@ -132,7 +132,8 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
   text += fmt::format(
       "\n[defaults]\nlength = {{ value = {}, randomise = 0.25 }}\nwidth = {{ value = {}, randomise "
       "= 0.2 }}\n"
-      "tip_width = 0.9\nfilm_strips = 8  # cards of 8 kinds: from 4 mm wide on each shows some hairs\n"
+      "tip_width = 0.9\nfilm_strips = 8  # cards of 8 kinds: from 4 mm wide on each shows some "
+      "hairs\n"
       "density = {}  # they stand 1/{} of their length apart\nelevation = {{ value = 35.0, "
       "randomise = "
       "0.3 }}\n"

@@ -204,7 +204,7 @@ std::string DescribeDrawn(const LayerParams& params) {
 
 namespace {
 
-// What the scene is told in it is that of another frame, so that what is taken from it shows.
+// An interlude's input is that of another frame, so that anything that is taken from it shows.
 constexpr uint32_t kElsewhere = 7;
 constexpr std::string_view kNames[] = {"a refused frame", "a pause", "the same grooms again",
                                        "another scene goes on"};

@@ -1,4 +1,4 @@
-// A scene's course in lock-step on every instruction set, executors taking turns, with what may stand between two
+// A scene's course in lock-step on every instruction set, executors in rotation, with what may stand between two
 // frames and with other grooms from some frame on.
 //
 // The reference leaves out nothing but what changes the picture, and has no interludes.

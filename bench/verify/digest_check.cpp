@@ -1,6 +1,6 @@
 // Whether the digests see everything.
 //
-// All else that a verification says rests on digests, so they are held against the frame itself:
+// All else that a verification says rests on digests, so they are checked against the frame itself:
 // what the plan's stages leave behind must be of a stream that is digested; what a stream's rows do
 // not cover must hold nothing; and one flipped bit in any stream, item, row or live lane must
 // change the stream's digest, the frame's, and a column of the digest log. So must two values that
@@ -128,7 +128,7 @@ class DigestCheck {
     };
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
     const OutputRow* output = unsorted ? FindOutputIn(stream) : nullptr;
-    if (output && output->in_strand_order != stream) return 0;  // nobody writes it
+    if (output && output->in_strand_order != stream) return 0;  // nothing writes it
     const auto counts = desc.lanes.count;
     if (counts == &streams_detail::CountVertices)
       return scene.memory().Of<&Streams::patch_state>(item)->live_vertices;

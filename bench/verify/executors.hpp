@@ -1,8 +1,8 @@
-// The executors of a frame, one row each: what `--executor` offers, what `pelt verify` holds
-// against the reference, what every report names.
+// The executors of a frame, one row each: what `--executor` offers, what `pelt verify` compares
+// with the reference, what every report names.
 //
 // Invariant: what a caller wants to know of an executor is a property of its row, and what an
-// executor has to say of its runs it says through WatchedExecutor; nobody asks which one it is.
+// executor has to say of its runs it says through WatchedExecutor; no caller asks which one it is.
 // Only a check that is about one executor (closed pages) names it.
 #pragma once
 
@@ -30,7 +30,7 @@ class WatchedExecutor : public Executor {
   virtual uint64_t StagesRun() const = 0;
 };
 
-// How the items of a pass follow each other, and so what the executor has to be told.
+// How the items of a pass follow each other, and so which settings the executor needs.
 enum class ItemOrder : uint8_t { kAscending, kSeeded, kThreads };
 
 struct ExecutorSettings {

@@ -16,7 +16,7 @@
 namespace pelt {
 namespace {
 
-// A number added to what a frame is told is listed in input_fields.hpp or below, or this does not
+// A number added to a frame's input is listed in input_fields.hpp or below, or this does not
 // compile.
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,

@@ -1,4 +1,4 @@
-// Every single number that a frame is told, and how to change it.
+// Every single number of a frame's input, and how to change it.
 //
 // The list is made from what a recording holds (traces/input_fields.hpp, the rows of the pose), not
 // written down again, and a field that is added to FrameInput stops this from compiling until it is
@@ -29,12 +29,12 @@ struct InputChange {
   enum class Type : uint8_t { kFloat, kDouble, kWhole, kOneWay } type = Type::kFloat;
   // Changes the input before the frame begins; poses lie in the scene.
   std::function<void(FrameInput&, FurScene&, Amount)> apply;
-  // What the frames around it are told, from a few before it on; empty: the course's input.
+  // The input of the frames around it, from a few before it on; empty: the course's input.
   std::function<void(FrameInput&)> around = {};
 };
 
 // For inputs like `input` in a scene like `scene`. Of the pose, every row with one of the joints
-// that move hair, characters and joints taking turns, and every such joint at least once, and once
+// that move hair, characters and joints in rotation, and every such joint at least once, and once
 // as it turns and does nothing else. Besides single numbers: spheres and capsules that come and go,
 // one over an edge of each layer's box, lights that leave, origins that move, wind that grows from
 // next to none, an eye that moves where no depth changes. Left out are the switches that change the

@@ -80,8 +80,7 @@ void CheckSameRun(const Part& first, const Part& other) {
     throw Error(fmt::format("{} and {} are not of one run: {} is {} in the one and {} in the other",
                             first.name, other.name, what, x.dump(), y.dump()));
   };
-  if (!b.is_object() || a.size() != b.size())
-    differ("the number of what tells runs apart", a.size(), b.size());
+  if (!b.is_object() || a.size() != b.size()) differ("the number of values", a.size(), b.size());
   for (const auto& [key, value] : a.items())
     if (const Json& there = other.Member(b, key.c_str()); there != value)
       differ("'" + key + "'", value, there);

@@ -83,7 +83,7 @@ void DrawColliders(Random& random, Scenario& scenario) {
     for (int c = 0; c < 3; ++c) Draw(random, -0.4, 0.4, sphere.swing[c]);
     sphere.period_s = random.Uniform(0.1, 4.0);
     Draw(random, 0.01, 0.4, sphere.radius);
-    // What it is told to be, which is not how it swings.
+    // The velocity in the input, which is not that of its swing.
     if (random.Below(2)) Draw(random, -8.0, 8.0, base.sphere_velocity[scenario.spheres.size()]);
     scenario.spheres.push_back(sphere);
   }

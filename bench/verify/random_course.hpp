@@ -1,4 +1,4 @@
-// What a drawn scene (course_check.hpp) is told from frame to frame: every member of FrameInput but time, and the
+// What a drawn scene (course_check.hpp) is given from frame to frame: every member of FrameInput but time, and the
 // poses' velocities, origins and teleports. Most of it holds for some frames, begins and ends.
 #pragma once
 

@@ -1,6 +1,6 @@
 // Runs an input log again, and checks that the bits are those recorded.
 //
-// Needs the core, the groom reader, jobs and traces, and whatever executor it is given: nothing
+// Needs the core, the groom reader, jobs and traces, and the executor that it is given: nothing
 // here sees oneTBB, glTF or the command line, so that the same file replays in a program for
 // another machine (tests/) or inside an engine.
 #pragma once

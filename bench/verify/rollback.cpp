@@ -3,7 +3,7 @@
 // A scene runs, is taken as bytes at a random place, runs on, gets the bytes back and runs on from
 // there again, under every executor: the frames must have the bits of a scene that never went back.
 // Every second time a pause comes first, which has to show the frame before. The scene itself is put
-// back, so whatever a stage, the scene or an executor kept of the frames in between shows, and the
+// back, so anything that a stage, the scene or an executor kept of the frames in between shows, and the
 // first stage is named whose values differ.
 //
 // What breaks if ignored: rollback netcode drifts apart, and recordings that begin with a snapshot

@@ -1,7 +1,7 @@
 // A share of a long matrix: of `count` processes that each go through the same list of cases, the
 // one with number `index` runs every case whose place in the list leaves that remainder.
 //
-// Cases need no messages, so whatever starts processes carries the matrix: a CI matrix, a Slurm
+// Cases need no messages, so all that starts processes can carry the matrix: a CI matrix, a Slurm
 // array, GNU parallel, mpirun. What says that the shares belong together and leave no gap is the
 // merge (bench/verify/merge_shards.hpp), not the launcher.
 //

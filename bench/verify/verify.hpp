@@ -1,9 +1,9 @@
-// Whether a scene gives the same bits whatever runs it.
+// Whether a scene gives the same bits regardless of what runs it.
 //
 // The reference is the serial executor with the reference kernels. Every case differs from it in
 // executor, workers, order, fusion, instruction set, sort, settings (LOD, skips) or the calling
 // threads' rounding; after each frame the digests of all value streams, and of the bookkeeping,
-// are held against those of the reference with the same settings. On a mismatch both are run
+// are compared with those of the reference with the same settings. On a mismatch both are run
 // again in lock-step and the first differing stage, block, row and lane is named. A second section
 // switches each skip off and wants the same digests again. The checks of a third section judge by
 // other means than a second run of the same code: see bench/verify/.
@@ -30,7 +30,7 @@
 
 namespace pelt {
 
-// What a frame is told to leave out. LOD is its own picture, so each has a reference of its own.
+// What a frame is set to leave out. LOD is its own picture, so each has a reference of its own.
 enum class Settings : uint8_t { kSkips, kNoSkips, kLod };
 std::string_view SettingsName(Settings settings);  // "skips", "no-skips", "lod"
 
@@ -120,7 +120,7 @@ struct VerifyOptions {
   bool checks = true;
   uint32_t rollback = 5;  // frames that the check of rollback goes back; 0: it is left out
   std::vector<std::string> sections;  // of the checks, by name; empty: all
-  bool every_executor = false;  // in the checks, where one executor each takes turns otherwise
+  bool every_executor = false;  // in the checks; otherwise the first one and, in rotation, another
   // Instead of FurScene's: how tests plant a digest that leaves something out.
   std::function<uint64_t(const FurScene&, Stream)> digest_stream;
 };
@@ -128,7 +128,7 @@ struct VerifyOptions {
 VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options);
 
 // Scenes drawn from `seed` and the seeds after it, a check each: the same bits on every instruction set, executors and
-// orders taking turns, with all skips and with what may stand between two frames (course_check.hpp).
+// orders in rotation, with all skips and with what may stand between two frames (course_check.hpp).
 VerifyReport VerifyRandom(uint32_t count, uint64_t seed, const VerifyOptions& options);
 
 // Every case of the full matrix for instruction sets this processor has.

@@ -3,7 +3,7 @@
 // The scene comes to rest until most of its chunks sleep, damped where it does not by itself. From
 // there one number of its input changes, is held for a frame and goes back; every executor must give
 // the bits of a scene with all skips off, which came to rest without ever sleeping. What a pose gives at once (the palette, the
-// roots) is also held against a scene that sees this pose in its first frame: a change that is
+// roots) is also compared with a scene that sees this pose in its first frame: a change that is
 // hidden from the one that never sleeps too is found so.
 //
 // What breaks if ignored: skips are compared where nothing sleeps, or where nothing wakes.

@@ -1,4 +1,4 @@
-// The light and the hair that a picture has if nobody says otherwise: a warm sun, a pale sky over a darker floor,
+// The light and the hair that a picture has by default: a warm sun, a pale sky over a darker floor,
 // a cool light behind.
 #pragma once
 

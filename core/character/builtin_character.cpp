@@ -1,4 +1,4 @@
-// Writes a built-in character as GLB, byte by byte: numbers are little-endian whatever the host, JSON
+// Writes a built-in character as GLB, byte by byte: numbers are little-endian on every host, JSON
 // numbers are the shortest that read back the same (std::to_chars), so the file's bytes are fixed.
 // Source: glTF 2.0, 4 (GLB).
 #include "core/character/builtin_character.hpp"

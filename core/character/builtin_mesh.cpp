@@ -291,7 +291,7 @@ class Dresser {
 
 constexpr size_t kTinyVertices = 200;
 
-// Around it, so that whatever is farther is not asked.
+// With a sphere around it, so that a primitive that is too far away need not be evaluated.
 Primitive Bounded(Primitive p) {
   if (p.radius_b < 0.0) {
     p.centre = p.a;

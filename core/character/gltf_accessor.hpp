@@ -51,7 +51,7 @@ struct Fault {
   }
 };
 
-// Elements of the accessor; 0 for a bad one, of which `fault` then tells.
+// Elements of the accessor; 0 for a bad one, which `fault` then describes.
 uint64_t CountElements(const Document& document, int accessor, const std::string& place,
                        Fault& fault);
 
@@ -62,7 +62,7 @@ std::vector<int> FindSameAccessors(const Document& document);
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
                               const std::string& place, Fault& fault);
 
-// The same of unsigned integers, whatever the type says of their sign.
+// The same of unsigned integers, regardless of what the type says of their sign.
 std::vector<uint32_t> ReadIntegers(const Document& document, int accessor, const Wanted& wanted,
                                    const std::string& place, Fault& fault);
 

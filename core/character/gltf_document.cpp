@@ -1,5 +1,5 @@
-// JSON to plain data, and nothing else: what an index, a number or a name should be, it is held
-// against where it is used. A library that reads glTF refuses a file for what nobody uses, so it is
+// JSON to plain data, and nothing else: an index, a number or a name is checked where it is used.
+// A library that reads glTF also refuses a file for faults in parts that no code of ours uses, so it is
 // read here, with nlohmann's JSON.
 //
 // What breaks if ignored: `extras` and unknown members can be most of a file; they are dropped while
@@ -28,7 +28,7 @@ constexpr std::string_view kMembers[] = {
 
 // Extensions without which the accessors mean something else. They are named with the command that
 // undoes them, not decoded: no codec of theirs is packaged where Pelt is built, one of our own would
-// have nothing here to be held against, and a file has to be undone but once.
+// have nothing here to be compared with, and a file has to be undone only once.
 constexpr std::string_view kCompressions[] = {"KHR_draco_mesh_compression",
                                               "EXT_meshopt_compression", "KHR_meshopt_compression"};
 // Of materials, lights and pictures, none of which is looked at; or read.

@@ -1,6 +1,6 @@
 // A glTF file as plain data, before anything in it is believed: indices may point anywhere and
-// counts may lie. What is not what it should be is -2, empty or too large here, and nobody's fault
-// until it is used: whatever reads a document goes through the checks of gltf_accessor.hpp and
+// counts may lie. What is not what it should be is -2, empty or too large here, and no fault
+// until it is used: all code that reads a document goes through the checks of gltf_accessor.hpp and
 // gltf_read.hpp. So what is broken and of no use refuses no character.
 //
 // Invariant: a document's memory is bounded by a constant times the bytes of the file and of the

@@ -17,7 +17,7 @@
 namespace pelt {
 namespace {
 
-// A terminal's few lines: names and paths of files may be as long as anybody likes.
+// A terminal's few lines: names and paths of files may have any length.
 constexpr size_t kLongestMessage = 300, kMostNotes = 64;
 
 // Without its middle, where it is too long.
@@ -41,7 +41,7 @@ void ShortenNotes(std::vector<std::string>& notes) {
   for (std::string& note : notes) note = Shorten(note);
 }
 
-// Whatever the file, a character that has a size and ends somewhere.
+// Throws unless the character's rest pose has a size and stays within finite bounds.
 void CheckRestPose(const gltf::Document& document, const Character& character) {
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   glm::vec3 low = rest.position.front(), high = low;

@@ -1,7 +1,7 @@
 // glTF 2.0 in: a skinned, animated character from .glb or .gltf bytes.
 //
 // What comes out is whole: finite, weights summing to 1, joints parent-first, key times ascending.
-// What had to be repaired, left out or guessed is in Character::notes, one sentence each: whatever
+// What had to be repaired, left out or guessed is in Character::notes, one sentence each: all that
 // three.js, Blender and the like repair or drop. What leaves no character to read is one Error:
 // "<file>: <place>: <reason>". Neither is longer than 300 bytes. Hostile bytes neither crash nor
 // hang it, and its memory is bounded by the file's size.

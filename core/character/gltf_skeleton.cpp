@@ -217,7 +217,7 @@ class SkeletonReader {
                         " shared joints differently; it got joints of its own.");
   }
 
-  // The largest numbers of matrices that are held against each other: files are in millimetres as
+  // The largest numbers of matrices that are compared with each other: files are in millimetres as
   // in metres, and a difference counts by the size of what differs.
   struct Largest {
     float turn = 0.0f, place = 0.0f;
@@ -241,7 +241,7 @@ class SkeletonReader {
     return true;
   }
 
-  // Whether it is, whatever the units.
+  // Whether it is, independent of the units.
   static bool IsInvertible(const glm::dmat4& m) {
     double largest = 0.0;
     for (int c = 0; c < 3; ++c)

@@ -6,7 +6,7 @@
 // fur ends.
 //
 // Invariant: every edge of the layer is owned once. An edge between a vertex and itself, of a
-// triangle that is none, is owned by nobody.
+// triangle that is none, has no owner.
 #pragma once
 
 #include <cstdint>

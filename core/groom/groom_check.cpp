@@ -9,7 +9,7 @@
 // Indices are held to their range in every entry of their array, behind the live ones too: no count
 // that comes from elsewhere (a pose's joints, a level of detail) can then make a kernel follow one
 // out of its table. What breaks if only live entries are checked: a recorded pose of more joints
-// than its groom walks parents that nobody looked at.
+// than its groom walks parents that no check looked at.
 //
 // Every check returns whether all is well, and stops at the first fault: later ones trust what
 // earlier ones found. Long, because the rules of one block lean on those of the others and are read

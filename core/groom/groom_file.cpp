@@ -1,4 +1,4 @@
-// Writes and reads the groom file; the layout is told in groom_file.hpp, the fields in
+// Writes and reads the groom file; the layout is described in groom_file.hpp, the fields in
 // groom_fields.hpp.
 //
 // Reading never trusts a count: an item list is allocated only when the section is large enough to

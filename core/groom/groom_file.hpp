@@ -11,7 +11,7 @@
 // bytes depend on the groom alone: not on the machine's byte order, nor on padding. The hash covers
 // all that follows the header.
 //
-// A file is read as hostile input: counts are held against the file's size before anything is
+// A file is read as hostile input: counts are checked against the file's size before anything is
 // allocated, and then every index, range and number against what the frame assumes
 // (FindGroomFault). The hash finds damage; it is not what safety rests on.
 #pragma once

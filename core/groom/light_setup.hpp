@@ -9,7 +9,7 @@
 
 namespace pelt {
 
-// Colours are linear: what they mean is told in core/lighting.hpp.
+// Colours are linear: what they mean is described in core/lighting.hpp.
 struct LightsSetup {
   struct Light {
     glm::vec3 position{0.0f};
@@ -38,7 +38,7 @@ struct LightsSetup {
   Rim rim;
 };
 
-// As a frame is told of them.
+// In the form that a frame takes them.
 Lighting MakeLighting(const LightsSetup& setup);
 
 }  // namespace pelt

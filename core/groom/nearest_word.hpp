@@ -1,4 +1,4 @@
-// What somebody meant who mistyped a word: for messages.
+// What a user meant who mistyped a word: for messages.
 #pragma once
 
 #include <cstddef>

@@ -7,7 +7,7 @@
 namespace pelt {
 namespace {
 
-// Of a place that the parser told, in lines and characters from 1.
+// Of a place that the parser reported, in lines and characters from 1.
 size_t OffsetOf(std::string_view text, const toml::source_position& place) {
   size_t at = 0;
   for (toml::source_index line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;

@@ -1,4 +1,4 @@
-// What the keys of a layer name on a character, and what is told when it is not there: the part of
+// What the keys of a layer name on a character, and the error when it is not there: the part of
 // reading a setup that needs the character.
 #pragma once
 

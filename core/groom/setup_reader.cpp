@@ -1,4 +1,4 @@
-// How a value of each kind is read from TOML, and how a mistake is told.
+// How a value of each kind is read from TOML, and how a mistake is reported.
 //
 // Invariant: no value leaves this file unchecked: every number is finite and within its row's
 // bounds, every word is known, every list has a bounded length. The frame relies on it.

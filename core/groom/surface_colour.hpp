@@ -24,7 +24,7 @@ class SurfaceColour {
 
   // Whether the file says anything of the triangle's colour.
   bool Knows(uint32_t triangle) const;
-  // Whether it is to be shown as it is, whatever light falls on it (KHR_materials_unlit).
+  // Whether it is to be shown as it is, independent of the light that falls on it (KHR_materials_unlit).
   bool IsUnlit(uint32_t triangle) const;
   // Whether it differs within the triangle by an image.
   bool HasImage(uint32_t triangle) const;

@@ -15,7 +15,7 @@
 //   was not given the stored state, so whether state_changed is 0 says nothing after a restart or
 //   after new lanes; a changed live count moves the border of lanes that restart; wind varies with
 //   time, so what is in wind never sleeps. A layer without kLayerSimulate lies on its groom
-//   whatever the wind, dt, ground and spheres do: it sleeps as soon as its roots rest.
+//   regardless of wind, dt, ground and spheres: it sleeps as soon as its roots rest.
 // - Fit is a function of roots, chain state, layer parameters and the LOD fade. It can be left out
 //   when none of those was written or changed. Strands that follow chains at vertices wake with the
 //   patches that those lie in.

@@ -13,7 +13,7 @@
 // Invariants:
 //  - A lane's result depends on that lane only (and, clumping, on its control strand's).
 //  - From finite input comes finite output, and no predicted point is further from its root than
-//    kBoxReach times its distance along the strand, whatever the root did.
+//    kBoxReach times its distance along the strand, however the root moved.
 //  - A lane without strength, a lane that is new, and every lane of a chunk that restarts lie
 //    exactly on the groom, at rest.
 //  - A chain that hardly moved keeps its bits, so a still scene reaches a state that a step leaves

@@ -3,7 +3,7 @@
 // are from their groom, for interpolate.hpp.
 //
 // Loads are written times a part's length, so that they do not depend on it: what moves and pulls a coat
-// does so by as many m/s^2 whatever the strand's length. So chains that a level leaves out (CountChains)
+// does so by the same m/s^2 for any length of the strand. So chains that a level leaves out (CountChains)
 // take those of three that are kept, blended.
 #pragma once
 

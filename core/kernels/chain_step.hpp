@@ -1,10 +1,10 @@
-// One frame of a patch's or chunk's chains, whatever the solver: ports, order of the groups, who starts
+// One frame of a patch's or chunk's chains, for any solver: ports, order of the groups, who starts
 // afresh, and the report to `activate`. A solver adds only its iterations (simulate_pbd.hpp,
 // simulate_verlet.hpp).
 //
 // Invariants:
 //  - Control strands are the first lanes, a whole number of kLaneGroups; they are solved first and
-//    never clump. A follower therefore reads control points of this frame, whatever the lane count.
+//    never clump. A follower therefore reads control points of this frame, for any lane count.
 //  - state_changed is 0 only if position and previous of every live lane kept all their bits.
 //  - Ports that a layer does not use (wind, strands) are not read.
 #pragma once

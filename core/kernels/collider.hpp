@@ -127,7 +127,7 @@ struct Sphere : Round<W, Sphere<W>> {
     const W beyond = square - reach * reach;
     const W near = (W(-1.0f) - beyond) * (W(0.5f) * inverse);
     const W tangent = W(0.0f) - Sqrt(Max(beyond, W(0.0f))) * inverse;
-    // From on the sphere too, whatever was rounded.
+    // Also for a link that starts on the sphere, with room for rounding.
     const auto touches = (beyond > W(-1.0e-3f)) & (beyond < W(1.0f));
     const W least = Select(touches, tangent, near);
     return {out * inverse, Select(reach > W(0.0f), least, W(-2.0f))};

@@ -1,4 +1,4 @@
-// Fit cubic: one polynomial P(t) = c0 + t (c1 + t (c2 + t c3)) a strand, from its chain.
+// Fit cubic: one polynomial P(t) = c0 + t (c1 + t (c2 + t c3)) per strand, from its chain.
 //
 // The curve leaves the root exactly (c0 is the root) and meets point i of n free points at t = i /
 // n in the least-squares sense: three are interpolated, four missed by little, eight by the bends

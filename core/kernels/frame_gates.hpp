@@ -34,7 +34,7 @@ using enum Domain;
 inline constexpr Gate kAlways{};
 inline constexpr Gate kPosed{.frame = FrameGate::kNotHeld};
 inline constexpr Gate kSkinned{kWithFlags<kPatch, kChunkSkin>};
-// The same of what is told from skinned vertices.
+// The same of what is derived from skinned vertices.
 template <Domain kDomain>
 inline constexpr Gate kRooted{kWithFlags<kDomain, kChunkSkin>, FrameGate::kFollows};
 // Skinned or simulated from what the last frame left, and the character's origin moved.
@@ -43,7 +43,7 @@ inline constexpr Gate kShifted{
     {&IsShifted<kDomain>, kDomain, {kStateOf<kDomain>, StreamOf<&Streams::layer_origins>}}};
 template <Domain kDomain>
 inline constexpr Gate kSimulated{kWithFlags<kDomain, kChunkSimulate>};
-// And of what is told from simulated chains.
+// And of what is derived from simulated chains.
 inline constexpr Gate kLoaded{kWithFlags<kPatch, kChunkSimulate>, FrameGate::kFollows};
 template <Domain kDomain>
 inline constexpr Gate kBlown{

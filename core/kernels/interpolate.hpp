@@ -16,7 +16,7 @@
 // The displacements are made once for each vertex (chain_loads.hpp).
 //
 // Invariant: control strands are the first lanes; they are written first and never clump, so a
-// follower reads points of this frame whatever the lane count. Where chains lie on their groom and
+// follower reads points of this frame for any lane count. Where chains lie on their groom and
 // nothing clumps, a strand lies on its groom (to rounding).
 #pragma once
 

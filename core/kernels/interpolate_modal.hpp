@@ -15,7 +15,7 @@
 // contact puts on a chain is not what a strand beside it needs.
 //
 // Invariant: control strands are the first lanes; they are written first and never clump, so a
-// follower reads points of this frame whatever the lane count. Where chains lie on their groom,
+// follower reads points of this frame for any lane count. Where chains lie on their groom,
 // start there or are sag-free and at rest, and nothing clumps, a strand lies on its groom (to
 // rounding).
 #pragma once

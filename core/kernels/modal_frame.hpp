@@ -98,7 +98,7 @@ struct FrameStart {
     return HasWind(ports) ? LoadLanes<W>(ports.wind->acceleration[axis], at) : W(0.0f);
   }
 
-  // What a strand feels of its root's motion, told in `unit` a metre.
+  // What a strand feels of its root's motion. `unit`: the units of `motion` in a metre.
   static PELT_INLINE Vec3<W> Felt(const LayerBlock& layer, Vec3<W> motion, W unit) {
     if (layer.motion_follow > 0.0f) motion = motion * W(1.0f - layer.motion_follow);
     if (layer.fastest_felt > 0.0f) {
@@ -287,7 +287,7 @@ struct FrameStart {
   }
 };
 
-// Radians a frame below which a tangent is still: a few roundings of it. What a strand is
+// Radians per frame below which a tangent is still: a few roundings of it. What a strand is
 // pressed against multiplies them.
 inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
 
@@ -385,7 +385,7 @@ struct FrameEnd {
     ModalStateBlock<NodesOf(kPoints)>& to = *ports.chain;
     const bool may_rest = params.rest_threshold > 0.0f;
     const Mask moved = !(quiet | fresh | picked);
-    // Nobody may be at rest: whether bits changed need not be looked at.
+    // No lane may be at rest: whether bits changed need not be looked at.
     if (may_rest && AllSet(moved)) {
       StoreLanes(clock, to.quiet_s, at);
       ForEachRow(

@@ -11,7 +11,7 @@
 // speed round.
 //
 // A point that comes from outside slips only from where it touches: the share of its way that it did
-// before is not held against it.
+// before does not count as slip.
 //
 // The points act on each other through the strand, so they are solved one after the other, in sweeps.
 //

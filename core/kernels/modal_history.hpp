@@ -1,4 +1,4 @@
-// What of the last frames a modal chain is told otherwise: where it does not feel all of what its
+// Changes to what a modal chain is given of the last frames: where it does not feel all of what its
 // root does, and where it grew.
 //
 // The idea: a strand that feels a share of its root's turns is simulated in axes that make the rest

@@ -1,7 +1,7 @@
 // What bends a modal chain, apart from how it was combed.
 //
 // With u = d - r what the tangents are bent by, K the stiffness and lambda the multipliers of the
-// lengths, whatever else acts on a chain at this moment (weight, wind, the inertia of its own motion
+// lengths, all else that acts on a chain at this moment (weight, wind, the inertia of its own motion
 // and of its root's, contacts) is
 //
 //     F = K u - lambda d,

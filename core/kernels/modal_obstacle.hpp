@@ -2,8 +2,8 @@
 // colliders (collider.hpp), and the ball around its groomed place that a point may not leave
 // (max_distance).
 //
-// The idea: near a point each is a plane, or a ball that the point stays out of or within. Whatever
-// it is, a point that is beyond it has a normal that leads back, and a depth. Of several, the
+// The idea: near a point each is a plane, or a ball that the point stays out of or within. In
+// either case a point that is beyond it has a normal that leads back, and a depth. Of several, the
 // deepest counts. The point is one of the strand's places (modal_material.hpp); of round colliders, the nearest
 // point of the line from the place before it.
 //

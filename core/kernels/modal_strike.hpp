@@ -11,7 +11,7 @@
 // chain's points would go on: when it first meets the line to a place, where on that, and with which normal. There
 // the point gets what it lacks of the collider's own speed along the normal, as an impulse that keeps
 // the lengths, and friction its share of that; then it flies on. That is a hard collider's blow,
-// whatever became of the collider by the frame's end. What slides along a strand gives one in each
+// regardless of where the collider is at the frame's end. What slides along a strand gives one in each
 // part, as it is in the middle of it.
 //
 // What was struck is taken so until it turns slowly enough for substeps. The memory of that is

@@ -124,7 +124,7 @@ struct Touches {
   __attribute__((noinline)) void FreeAtOnce(const ModalTableBlock& t, Mask lanes,
                                             Motion<W, N>& motion) {
     const W none = W(0.0f);
-    around.Advance(t, t.substeps - 1, motion);  // where nobody follows, no substep did
+    around.Advance(t, t.substeps - 1, motion);  // where no lane took a step, no substep did
     for (int round = 0; round < kFreeRounds; ++round) {
       Vec3<W> d[N], at[Q], away[Q];
       W depth[Q], least[Q], push[Q], lever[Q][N];

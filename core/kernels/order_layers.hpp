@@ -67,7 +67,7 @@ struct OrderLayers {
     RunFrom(p, ports, [&](uint32_t) -> const float(&)[3] { return p.eye; });
   }
 
-  // eye_of(layer): where the eye is, told as the layer's bounds are.
+  // eye_of(layer): where the eye is, relative to the same origin as the layer's bounds.
   template <class EyeOf>
   static PELT_INLINE void RunFrom(const Params& p, const auto& ports, const EyeOf& eye_of) {
     Entry a[kLayersPerScene], b[kLayersPerScene];

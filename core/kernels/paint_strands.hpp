@@ -6,7 +6,7 @@
 // and (1 - d^2) / (1 - h^2) of it beyond (d and h as shares of the radius), 0 at the radius. What
 // one brush adds, the same brush below 0 takes away again; an amount stays within 0 and 255.
 //
-// Brushes act one after the other, each on what the one before has left, so their order tells where
+// Brushes act one after the other, each on what the one before has left, so their order matters where
 // an amount meets 0 or 255: of a full brush and one that takes all away, the last has its way.
 //
 // A strand that does not live has no root, and is not painted: it keeps what it has. A brush too

@@ -33,7 +33,7 @@ PELT_INLINE uint32_t CountShells(float squared_distance, uint32_t most) {
 
 struct SelectShellsParams {
   float eye[3];  // m
-  uint32_t all;  // not 0: as many as there may be, whatever the distance
+  uint32_t all;  // not 0: as many as there may be, at any distance
 };
 
 template <class V>

@@ -1,4 +1,4 @@
-// A character's origin moved: what the last frame left is told from the new one.
+// A character's origin moved: what the last frame left is made relative to the new one.
 //
 // Places of a character that has an origin are relative to it. Of last frame's, only those that this
 // frame takes up again are moved, by the same step each: skinned vertices, whose difference to this

@@ -464,7 +464,7 @@ struct SimulateModal {
   }
 
   // What is seen of the chain: the points, not the state. Lanes at full strength that follow
-  // nobody keep theirs; what those get that were picked is of no use.
+  // no control strand keep theirs; what those get that were picked is of no use.
   template <class At>
   static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
                                               const At& at, bool follows, Mask full, Mask picked,

@@ -1,4 +1,4 @@
-// What every layer's solver is told about the scene this frame.
+// What every layer's solver is given about the scene this frame.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct ColliderStep {
   float from[3];     // its way in the world, m; of a capsule, that of its first end
   float to[3];       // of a capsule's other end; else the same
   uint32_t moves;    // 0: none of it; it stands still
-  uint32_t at_once;  // not 0: it moved, nobody knows how: what it overlaps gets out in one substep
+  uint32_t at_once;  // not 0: it moved in an unknown way: what it overlaps gets out in one substep
 };
 
 struct SimulateParams {

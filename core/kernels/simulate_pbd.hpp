@@ -18,7 +18,7 @@
 // doing it with a share of 0.
 //
 // Invariants: see chain.hpp. Control strands come first and never clump, so a follower reads points
-// of this frame whatever the lane count.
+// of this frame for any lane count.
 #pragma once
 
 #include <string_view>

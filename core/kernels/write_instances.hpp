@@ -1,4 +1,4 @@
-// Instances in draw order: one compact record a strand, gathered from wherever in the layer the
+// Instances in draw order: one compact record per strand, gathered from wherever in the layer the
 // order points. The renderer evaluates the curve (P(t) = c0 + t (c1 + t (c2 + t c3))) and widens
 // it.
 //

@@ -12,7 +12,7 @@
 // strand order, for drawing through the order as an index buffer.
 //
 // Invariant: the whole piece is written; strands that are not drawn are zero vertices (no width).
-// Work is across strands, a lane a strand; lanes behind the last repeat it and are cleared.
+// Work is across strands, one lane per strand; lanes behind the last repeat it and are cleared.
 #pragma once
 
 #include "core/chunk.hpp"
@@ -25,7 +25,7 @@ namespace pelt {
 
 namespace write_lines_detail {
 
-// One strand a lane.
+// One strand per lane.
 template <class V>
 struct Strands {
   Vec3<V> c[4];

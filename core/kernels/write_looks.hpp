@@ -1,8 +1,8 @@
-// What a shader is told of a strand that its curve does not say: which way the skin under it faces,
+// What a shader is given of a strand besides its curve: which way the skin under it faces,
 // where on the skin it stands, what is on it, and a number of its own. Shading fur needs the skin's
 // normal, and a record of curves has none.
 //
-// Records lie in strand order whatever the vertices do: a shader finds one by the strand's number,
+// Records lie in strand order, independent of the order of the vertices: a shader finds one by the strand's number,
 // which every vertex format carries. So they are written when the strands' curves are, or when
 // brushes changed what is on one of them, and not when only their order changes.
 #pragma once

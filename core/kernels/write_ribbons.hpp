@@ -17,7 +17,7 @@
 // order would be the chunk's own block, so it takes that as a plain port.
 //
 // Invariant: the whole piece is written; hairs that are not drawn are zero vertices (no area). Work
-// is across hairs, a lane a hair; lanes behind the last drawn hair repeat it and are cleared.
+// is across hairs, one lane per hair; lanes behind the last drawn hair repeat it and are cleared.
 #pragma once
 
 #include "core/chunk.hpp"
@@ -33,7 +33,7 @@ struct WriteRibbonsParams {
 
 namespace write_ribbons_detail {
 
-// One hair a lane.
+// One hair per lane.
 template <class V>
 struct Hairs {
   Vec3<V> point[kRibbonPoints];

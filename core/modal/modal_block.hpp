@@ -1,11 +1,11 @@
-// The blocks of the modal solver: one table a layer and frame, one state block a chunk.
+// The blocks of the modal solver: one table per layer and frame, one state block per chunk.
 //
 // Lengths are in parts of the strand (a lane's own segment length), so that one table serves every lane. Q and
 // Z below are modal coordinates of D and dD/dt, where D_i is the tangent at node i, and the root's place X is
 // in it: Q = Phi^T M (d + e X), e = M^-1 b, X in parts, measured from where the root is at the end of the frame
 // (floats stay small however far the character is from the origin).
 //
-// Bytes a strand: 244 with 3 nodes, 308 with 4 (state; 275 and 347 with the rows' padding), besides the 36, 48
+// Bytes per strand: 244 with 3 nodes, 308 with 4 (state; 275 and 347 with the rows' padding), besides the 36, 48
 // or 96 of its points.
 #pragma once
 

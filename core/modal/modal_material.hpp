@@ -9,7 +9,7 @@
 // an equation are as good, links of a chain for one.
 //
 // The idea: lengths scale out. A strand is as many parts long as it has free points, and its mass is arbitrary,
-// so one material serves all strands of a layer whatever their length; a stiffness then has the unit 1/s^2. All
+// so one material serves all strands of a layer, independent of their length; a stiffness then has the unit 1/s^2. All
 // strands of a layer share their frequencies, as the hair of one coat visibly does; RodFrequency says which one
 // a real fibre of some length has.
 #pragma once

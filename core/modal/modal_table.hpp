@@ -16,7 +16,7 @@
 // another. D2 is the second difference of the quadratic that has S, S1 and e: frames that know
 // velocities and frames that do not can follow each other.
 //
-// Cost: some 5 microseconds a layer and frame (dt varies), nothing a
+// Cost: some 5 microseconds per layer and frame (dt varies), nothing per
 // strand.
 //
 // Invariant: double precision and exact arithmetic throughout (core/exact_math.hpp), rounded to

@@ -31,7 +31,7 @@ class PullPool final : public Executor {
     meeting_round_.store(round_.load() + 1);
     Wake();
     rendezvous.Arrive();
-    // Nobody may still be looking at it when it goes.
+    // No thread may still be looking at it when it goes.
     while (met_.load() != threads_.size()) std::this_thread::yield();
     met_.store(0);
     return rendezvous.Together();

@@ -135,7 +135,7 @@ struct NeverRun final : Schedule {
 class Starved final : public Schedule {
  public:
   using Schedule::Schedule;
-  // Blockers end by themselves after this long; then somebody has waited for them.
+  // Blockers end by themselves after this long; then the caller has waited for them.
   void SetLimit(double limit_s) { limit_ = std::chrono::duration<double>(limit_s); }
   const char* Fault() const override {
     for (const Blockade& blockade : blockades_)
@@ -153,7 +153,7 @@ class Starved final : public Schedule {
 
     void Block() {
       inside.fetch_add(1);
-      // On the caller's own thread nobody would be left to lift it.
+      // If the caller's own thread waited here, no thread would be left to lift it.
       while (!lifted.load() && std::this_thread::get_id() != caller) {
         if (std::chrono::steady_clock::now() > deadline) gave_up = lifted = true;
         std::this_thread::yield();

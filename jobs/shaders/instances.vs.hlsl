@@ -1,4 +1,4 @@
-// Instances (jobs/DRAWING.md): 64 bytes a strand. A strand is drawn as a triangle strip of two
+// Instances (jobs/DRAWING.md): 64 bytes per strand. A strand is drawn as a triangle strip of two
 // vertices at each of `knots` places along its curve; no index buffer and no vertex buffer.
 //   DrawInstanced(2 * knots, strand_count, 0, 0)
 // The input layout, each per instance: R32G32B32A32_FLOAT at 0, 16 and 32, R8G8B8A8_UNORM at 48 and

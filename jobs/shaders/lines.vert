@@ -1,4 +1,4 @@
-// Lines (jobs/DRAWING.md): five points of 32 bytes a strand, widened here into a strip of four quads
+// Lines (jobs/DRAWING.md): five points of 32 bytes per strand, widened here into a strip of four quads
 // that faces the camera. No vertex buffer and no index buffer: points are read as a storage buffer.
 //   vkCmdDraw(10, strand_count, 0, 0), glDrawArraysInstanced with GL_TRIANGLE_STRIP
 #version 450

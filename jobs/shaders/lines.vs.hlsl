@@ -1,4 +1,4 @@
-// Lines (jobs/DRAWING.md): five points of 32 bytes a strand, widened here into a strip of four quads
+// Lines (jobs/DRAWING.md): five points of 32 bytes per strand, widened here into a strip of four quads
 // that faces the camera. No input layout and no index buffer: points are read as a structured buffer.
 //   DrawInstanced(10, strand_count, 0, 0) with D3D_PRIMITIVE_TOPOLOGY_TRIANGLESTRIP
 

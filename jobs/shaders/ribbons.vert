@@ -1,4 +1,4 @@
-// Ribbons (jobs/DRAWING.md): a vertex of 32 bytes, four quads a hair, already turned to the camera.
+// Ribbons (jobs/DRAWING.md): a vertex of 32 bytes, four quads per hair, already turned to the camera.
 #version 450
 
 layout(location = 0) in vec3 position;  // offset 0, three floats; m, world

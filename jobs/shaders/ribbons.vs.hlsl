@@ -1,4 +1,4 @@
-// Ribbons (jobs/DRAWING.md): a vertex of 32 bytes, four quads a hair, already turned to the camera.
+// Ribbons (jobs/DRAWING.md): a vertex of 32 bytes, four quads per hair, already turned to the camera.
 // The input layout: R32G32B32_FLOAT at 0, R32G32B32_FLOAT at 12, R8G8B8A8_UNORM at 24, R32_UINT at 28.
 
 cbuffer Frame : register(b0) {

@@ -1,4 +1,4 @@
-// What kind of fault a verification found: the first thing somebody wants to know who has to mend
+// What kind of fault a verification found: the first thing to know for a programmer who has to mend
 // it.
 #pragma once
 

@@ -1,8 +1,8 @@
-// Runs every stage alone between pages that nobody may touch.
+// Runs every stage alone between pages that no code may touch.
 //
 // Each block that the stage's ports declare is copied to a place of its own, with closed pages
-// around it; read-only ports lie on pages that cannot be written. Whatever else a kernel touches
-// stops it at that instruction, whatever value stands there, and the address says which block of
+// around it; read-only ports lie on pages that cannot be written. Any other access of a kernel
+// stops it at that instruction, regardless of the value there, and the address says which block of
 // which stream it would have been. Every stage runs twice: with its blocks against the page behind
 // them, then against the page in front, and with two different contents of what it declares Out.
 // Both runs must give the same bytes, so nothing a kernel writes may come from what it promised not

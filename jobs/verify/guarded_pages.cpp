@@ -38,7 +38,7 @@ bool IsWriteFault([[maybe_unused]] void* context) {
 #if defined(__linux__) && defined(__x86_64__)
   return (static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_ERR] & 2) != 0;
 #else
-  return false;  // not told apart: reported as a read
+  return false;  // not known here: reported as a read
 #endif
 }
 

@@ -1,4 +1,4 @@
-// Where two runs of the same frames part: stage, stream, item, row and lane, of anybody's table of
+// Where two runs of the same frames part: stage, stream, item, row and lane, of any table of
 // streams.
 #pragma once
 

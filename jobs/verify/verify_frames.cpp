@@ -48,7 +48,7 @@ std::vector<Finding> VerifyFrames(const std::function<NextFrame()>& make, uint32
     for (uint32_t f = 0; f < frames; ++f) guarded.Run(next());
     findings.insert(findings.end(), guarded.findings().begin(), guarded.findings().end());
   }
-  // Held against what is another truth every time, they would all be found at fault.
+  // Compared with a reference that differs every time, they would all be found at fault.
   for (size_t e = 0; e < executors.size() && !never_same; ++e) {
     const std::optional<Mismatch> first = FindParting(make, frames, *executors[e]);
     if (!first) continue;

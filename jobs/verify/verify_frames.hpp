@@ -1,5 +1,5 @@
-// The proof that frames of one's own give the same bits whatever runs them, and the name of what
-// keeps them from it: what `pelt verify` does to fur, for anybody's table of streams and kernels.
+// The proof that frames of one's own give the same bits on every executor, and the name of what
+// keeps them from it: what `pelt verify` does to fur, for any table of streams and kernels.
 //
 //   const auto make = [] {                          // the same beginning every time
 //     const auto sparks = std::make_shared<Fountains>();

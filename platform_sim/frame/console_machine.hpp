@@ -26,7 +26,7 @@ struct ConsoleMachine {
   // Of what the models say: what measured kernels and streams reach. No model applies it, and the
   // times of a frame and of its parts are without it. A verdict takes the frame's time with it, the
   // same on every console: what a budget must hold is the slower of the two, and a console that
-  // nobody measured must not win by that.
+  // was never measured must not win by that.
   double availability = 1.0;
   std::string availability_from = {};
   double Available(double ms) const { return ms / availability; }

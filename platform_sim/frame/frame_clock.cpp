@@ -19,7 +19,7 @@ void FrameClock::Run(const FrameWork& work, WorkSource& source, bool timelines,
   Fire(0, kNone);
   for (;;) {
     OpenDue();
-    // One step each in turn, so that in one cycle nobody takes two items before another has one.
+    // One step each in turn, so that in one cycle no unit takes two items before another has one.
     for (bool again = true; again;) {
       again = false;
       for (uint32_t u = 0; u < units_.size(); ++u)
@@ -216,7 +216,7 @@ bool FrameClock::Drains(Unit& unit) {
 
 // ---- Handing out --------------------------------------------------------------------------------
 
-// A place that is free, told to the dispatcher.
+// Reports a free place to the dispatcher.
 void FrameClock::Request(Unit& unit) {
   if (machine_.dispatcher_cycles == 0 || !HasReady()) return;
   const size_t held = unit.grants.size() + unit.current.any() + unit.next.any() + unit.drawn.any();
@@ -428,13 +428,13 @@ void FrameClock::EndCompute(uint32_t u) {
   // Stages take their shares of the whole; rounded so that they add up to it.
   const Cycles length = now_ - unit.compute_begin;
   double done = 0.0;
-  Cycles told = 0;
+  Cycles counted = 0;
   for (const ItemWork::StageTime& stage : held.work->stages) {
     done += TimeOf(stage).cycles;
     const Cycles until =
         unit.cycles > 0.0 ? Cycles(std::llround(double(length) * done / unit.cycles)) : 0;
-    frame_->stage_cycles[stage.stage] += until - told;
-    told = until;
+    frame_->stage_cycles[stage.stage] += until - counted;
+    counted = until;
   }
   EndSlice(unit, UnitWork::kCompute, held.pass, held.item);
   const Cycles says_so = HasStores() ? machine_.command_cycles : machine_.draw_cycles;
@@ -443,7 +443,7 @@ void FrameClock::EndCompute(uint32_t u) {
   ReclockCore(u);
 }
 
-// ---- What is told of it -------------------------------------------------------------------------
+// ---- What is reported of it ---------------------------------------------------------------------
 
 void FrameClock::EndSlice(Unit& unit, UnitWork work, uint32_t pass, uint32_t item, uint32_t cause) {
   if (now_ == unit.since) return;

@@ -15,7 +15,7 @@
 //
 // Rules: who draws holds the line that says what is open; a unit that finds nothing looks once, and
 // is then called. With a dispatcher items come from it instead, one after another, to the units that
-// have room, and nobody stands for it who has work. That an item is done is one small command behind
+// have room, and a unit that has work does not stand waiting for one. That an item is done is one small command behind
 // its put (on caches a count like a draw), and seen by others after `barrier_cycles`. A unit brings
 // the pass's parameters with its first item, and the code unless it is what it ran last. Threads
 // that share a core slow each other down while both compute.

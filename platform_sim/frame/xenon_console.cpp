@@ -74,7 +74,7 @@ SharedMemory MeasureMemory(const CacheMemoryParameters& p, Bench& bench) {
   m.read_rate = bench.Rate(p.cores, false);
   m.port_read_rate = bench.Rate(1, false);
   m.mixed_rate = bench.Rate(p.cores, true);
-  // Lines leave the L2 by themselves: nobody waits for them but the next that come.
+  // Lines leave the L2 by themselves: only the lines that come next wait for them.
   m.write_rate = std::min(p.bus_milli_bytes_per_cycle / 1000.0,
                           p.memory_milli_bytes_per_cycle / 1000.0 * (1000 - p.gpu_permille) / 1000);
   m.port_write_rate = m.write_rate;

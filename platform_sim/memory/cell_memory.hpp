@@ -32,7 +32,7 @@ namespace pelt {
 // A DMA command as a program gives it to the MFC, and what the hardware demands of it.
 //
 // 1, 2, 4, 8 bytes at their own alignment, or a multiple of 16 bytes up to 16 KiB at 16; both
-// addresses agree in their low four bits. Whatever is refused here raises an alignment interrupt on
+// addresses agree in their low four bits. A command that is refused here raises an alignment interrupt on
 // the console and stops the game: an error here says which rule it was. Memory and the bus move
 // whole 128-byte lines, so a command whose addresses are not at 128 costs the lines it touches.
 //

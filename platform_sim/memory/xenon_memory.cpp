@@ -296,7 +296,7 @@ class Machine {
 
   const CacheMemoryParameters& p_;
   std::vector<Core> cores_;
-  std::vector<uint32_t> busy_threads_;  // of each core: those that take turns
+  std::vector<uint32_t> busy_threads_;  // of each core: those that issue in rotation
   Cache l2_;
   Channel l2_rate_, bus_read_, bus_write_, memory_;
   std::vector<Thread> threads_;

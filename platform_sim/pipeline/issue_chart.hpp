@@ -105,7 +105,7 @@ IssueTotals operator*(IssueTotals totals, uint64_t times);
 struct LoopTiming {
   uint32_t head, branch;            // instructions
   uint64_t iterations = 0;          // of the first time it ran
-  bool iterations_assumed = false;  // nobody said how often
+  bool iterations_assumed = false;  // no trip count was given
   bool steady = false;              // false: it ended before
   uint64_t period_iterations = 0;
   int64_t period_cycles = 0;

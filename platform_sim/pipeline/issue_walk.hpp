@@ -37,7 +37,7 @@ class IssueModel {
   virtual uint32_t PipeCount() const = 0;
 };
 
-// Iterations of a loop whose trip count nobody gave.
+// Iterations of a loop whose trip count was not given.
 inline constexpr uint64_t kAssumedIterations = 1000;
 // The most iterations of one loop.
 inline constexpr uint64_t kMaxIterations = 1'000'000'000'000;
@@ -60,7 +60,7 @@ bool RunWalk(Program program, std::span<const TripCount> trips, IssueModel& mode
 std::vector<uint32_t> LoopHeads(Program program);
 
 // The most registers that hold a value still needed, of `count` from `first` on, at any place of
-// the program, whatever way its branches go.
+// the program, for any way that its branches go.
 uint32_t MostLiveRegisters(Program program, uint32_t first, uint32_t count);
 
 }  // namespace pelt

@@ -2,7 +2,7 @@
 // hand is written so.
 //
 // Invariant: every statement keeps the line that it stands on, and there are never more than
-// kMaxListingStatements, whatever the counts multiply to.
+// kMaxListingStatements, regardless of what the counts multiply to.
 #pragma once
 
 #include <cstdint>

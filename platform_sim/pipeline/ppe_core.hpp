@@ -7,7 +7,7 @@
 // divide are not pipelined. A load whose address (the same base and index registers, unchanged, and
 // overlapping offsets) a store wrote less than 40 cycles ago waits for that store to get out.
 //
-// With SMT the two threads take turns, a cycle each: this thread dispatches in every other one.
+// With SMT the two threads alternate, one cycle each: this thread dispatches in every other one.
 // That is what a thread has beside one that never waits; two listings beside each other:
 // ppe_pair.hpp.
 //

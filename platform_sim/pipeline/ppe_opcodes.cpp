@@ -2,7 +2,7 @@
 // short forms. Class and operands only.
 //
 // Not in it: string and multiple loads and stores (microcoded), privileged instructions, and the
-// Xenon core's own VMX128 encodings, whose timings nobody published.
+// Xenon core's own VMX128 encodings, whose timings are not published.
 #include "platform_sim/pipeline/instruction_set.hpp"
 #include "platform_sim/platforms/ppe.hpp"
 

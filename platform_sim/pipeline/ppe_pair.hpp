@@ -3,10 +3,10 @@
 // Idea: a cycle's dispatch, one or two instructions, is one thread's. Who could dispatch earlier
 // does; when both could, the one that did not dispatch last. So two threads that never wait have
 // every other cycle each, and what a thread waits for (a result, a divide, a branch) is the other's
-// to use. Instructions that are not pipelined hold their unit against both (GCC: "stall point").
+// to use. Instructions that are not pipelined block their unit for both threads (GCC: "stall point").
 // Source: CBE handbook as quoted by cellmark (one thread a cycle, alternating); that a cycle which
 // its thread cannot use goes to the other is how this model reads "stall only one thread" (GCC,
-// IB2), class L: no measured pair tells it from strict alternation.
+// IB2), class L: no measured pair distinguishes it from strict alternation.
 //
 // Not modelled: caches. Both threads hit L1 throughout; what a miss of one leaves to the other is
 // not in it.

@@ -17,7 +17,7 @@ namespace pelt {
 
 inline constexpr std::string_view kXenonTalks = "IBM, Microsoft talks, as reported";
 
-// What L1 and L2 are, whatever lies around them: a Xenon's, where nothing else is said.
+// What L1 and L2 are, independent of what lies around them: a Xenon's, where nothing else is said.
 struct CacheParameters {
   Number<uint32_t> l1_bytes = {32 * 1024, "L1 data", "B", kXenonTalks, Sureness::kSecondHand};
   Number<uint32_t> l1_ways = {4, "L1 ways", "ways", kXenonTalks, Sureness::kSecondHand};

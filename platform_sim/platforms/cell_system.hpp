@@ -7,7 +7,7 @@
 //
 // Availability: measured throughput kernels reach this part of what the exact issue model says, the
 // same for every kernel, cause unknown (cellmark; P, derived). No model applies it: cores, memory
-// and frames are timed without. It is applied in two places, and both tell their figures with and
+// and frames are timed without. It is applied in two places, and both report their figures with and
 // without: to the measured rows of work held up over many iterations (RowKind), and to a frame, for
 // the verdict whether it fits (ConsoleMachine::Available), on every console alike.
 #pragma once

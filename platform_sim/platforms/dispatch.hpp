@@ -26,7 +26,7 @@ struct DispatchParameters : DispatchNumbers {
   std::string_view name = {};
 };
 
-// GNU Radio's gcell (2007): jobs through shared queues, completion told through the OS.
+// GNU Radio's gcell (2007): jobs through shared queues, completion reported through the OS.
 inline constexpr DispatchParameters kGcellDispatch = {
     {.ppe_job_ns = {22000, "PPE, for a job", "ns", "gcell, 2007, derived: row J4"},
      .spe_job_ns = {1000, "SPE, for a job", "ns", "gcell, 2007, derived: row J4"}},

@@ -1,4 +1,4 @@
-// A number of a platform: its value, and how it is told. The member of a platform's struct is the
+// A number of a platform: its value, and how it is reported. The member of a platform's struct is the
 // whole of it, so that a number cannot be used without being listed, or listed with another's
 // source:
 //
@@ -34,7 +34,7 @@ struct Number {
   T value;
   std::string_view name, unit, source;
   Sureness sure = Sureness::kPublished;
-  double scale = 1.0;  // from the value to what is told: 0.001 for thousandths
+  double scale = 1.0;  // from the value to what is reported: 0.001 for thousandths
 
   constexpr operator T() const { return value; }
   constexpr Number& operator=(T other) {

@@ -1,5 +1,5 @@
-// What of an SPU's local store belongs to nobody's kernel: the numbers of a program that was never
-// shipped, so class L all of them. Numbers only; cell_memory.cpp tells them with the rest.
+// What of an SPU's local store belongs to no kernel: the numbers of a program that was never
+// shipped, so class L all of them. Numbers only; cell_memory.cpp lists them with the rest.
 #pragma once
 
 #include "platform_sim/platforms/number.hpp"

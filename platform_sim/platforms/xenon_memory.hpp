@@ -19,7 +19,7 @@ inline constexpr uint32_t kMostXenonCores = 3;
 
 struct XenonParameters : CacheMemoryParameters {
   Number<uint64_t> clock_hz = {3'200'000'000, "clock", "Hz", kXenonTalks, Sureness::kSecondHand};
-  // Nobody measured an Xbox 360's. The PS3's stands in for it (class L): with 1 here a verdict
+  // No measurement of an Xbox 360's is known. The PS3's stands in for it (class L): with 1 here a verdict
   // would favour the Xbox 360 by 8.7 % for want of a measurement.
   Number<uint32_t> availability_permille = {CellSystem{}.availability_permille,
                                             "availability",

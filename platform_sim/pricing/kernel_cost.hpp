@@ -1,6 +1,6 @@
 // What a kernel costs on a core, from one item's trace.
 //
-// The trace is put in the order its source was written in, whatever compiler built the kernels
+// The trace is put in the order its source was written in, regardless of which compiler built the kernels
 // (written_order.hpp). A few windows of it, spread over it, are lowered, put on registers and
 // timed, as they are written and scheduled: the two ends of every price. What compilers and hands
 // reached lies between (measured_kernels.hpp). A window begins and ends where the
@@ -38,7 +38,7 @@ namespace pelt {
 // (frame/xenon_console.cpp). From there a kernel brings each line into the first level by a dcbt,
 // as early as two times the way takes: that is one more instruction on the load/store unit for each
 // line, and what waiting is left where lines come faster than misses may be outstanding, or than
-// the second level gives them. Without the dcbt the first load of every line waits: both are told.
+// the second level gives them. Without the dcbt the first load of every line waits: both are reported.
 //
 // Invariant: the trace runs at the pace of its scheduled code, evenly. Load-hit-stores are not in
 // it: the core's issue model has counted them.
@@ -65,11 +65,11 @@ Result<CacheCost> PriceCaches(const Trace& trace, uint32_t iterations, double cy
 // Invariant: code that comes again within kLongEnough operations counts each time. Loops as short as that are priced
 // as written out, so that their rounds overlap.
 
-// Fewer are not told from chance, and gain more written out than their code is worth.
+// Fewer cannot be distinguished from chance, and gain more written out than their code is worth.
 inline constexpr uint32_t kLongEnough = 256;
 
-// The share of the operations [begin, end) that did not come before. What is up to `furthest` operations back is
-// looked at: an iteration, because iterations are interleaved, whose code is there for each.
+// The share of the operations [begin, end) that did not come before. Only what is up to `furthest` operations back
+// counts: one iteration, because iterations are interleaved, and each has code of its own.
 double ShareOfOwnCode(const Trace& trace, uint32_t begin, uint32_t end, uint32_t furthest);
 
 struct PriceRules {

@@ -1,6 +1,6 @@
 // What a compiler does with a kernel before it thinks of a machine's instructions: computes equal
 // things once (what does not change from iteration to iteration leaves the loop with that), drops
-// what nobody reads, and, where the machine has it, makes multiply-adds of products that one sum
+// what nothing reads, and, where the machine has it, makes multiply-adds of products that one sum
 // reads.
 //
 // Invariant: what remains reads and writes the same memory in the same order, but for loads of what

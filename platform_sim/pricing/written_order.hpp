@@ -1,4 +1,4 @@
-// A trace in the order its source was written in, whatever compiler the kernels were built by.
+// A trace in the order its source was written in, regardless of which compiler built the kernels.
 //
 // C++ leaves one thing open: which operand of an expression is computed first. Of a * b + c * d one
 // compiler records the left product first, another the right one. Costs must not depend on that, so
@@ -16,9 +16,9 @@
 //
 // What stays open are operands of several values, such as the vectors of a * s + b * t: no single
 // operation is their last. Kernels give such operands names, or use Combine (core/simd/maths.hpp);
-// a test holds the prices of every compiler against the same digest.
+// a test compares the prices of every compiler with the same digest.
 //
-// Nobody's needs are left out. Constants come right before their first reader: which expression
+// Operations that nothing needs are left out. Constants come right before their first reader: which expression
 // names one first is open as well.
 //
 // Invariant: the same values, from the same operands; what has an effect stays in its order, and

@@ -22,7 +22,7 @@ bool JobsOnOneSpe(const PlatformParameters& p, double availability, uint32_t job
   return MicrosecondsPerJob(p.cell.jobs, 1, job_us / availability, predicted, error);
 }
 
-// The mean over 2 to 6 SPEs, whatever the length of the job.
+// The mean over 2 to 6 SPEs, for a job of any length.
 bool FloorOfShortJobs(const PlatformParameters& p, double availability, uint32_t job_us,
                       double& predicted, std::string& error) {
   double sum = 0.0;

@@ -1,4 +1,4 @@
-// C13: two blocks of 8 x 16 of C by turns, 32 registers each, all 64 steps of k written out; what a
+// C13: two blocks of 8 x 16 of C alternately, 32 registers each, all 64 steps of k written out; what a
 // multiply-add needs is loaded and spread on the odd pipe under the multiply-adds of the step
 // before, and one block is stored and loaded under the other's.
 

@@ -55,7 +55,7 @@ struct alignas(128) Pulls {
   float lanes[3][16];
 };
 
-// What all bodies pull on one, an iteration for each vector of them; sums stay in lanes.
+// What all bodies pull on one, one iteration per vector of them; sums stay in lanes.
 template <class V>
 void PullOnBody(const Bodies& bodies, uint32_t body, Pulls& out) {
   const V x = LoadSplat<V>(bodies.x, body), y = LoadSplat<V>(bodies.y, body),
@@ -94,7 +94,7 @@ struct alignas(128) FftTables {
   uint32_t zero;
 };
 
-// An iteration for each butterfly.
+// One iteration per butterfly.
 template <class V>
 void FftButterflies(const FftTables& tables, FftData& data) {
   static_assert(V::kLanes == 4);
@@ -120,7 +120,7 @@ void FftButterflies(const FftTables& tables, FftData& data) {
     }
 }
 
-// An iteration for each swap. Points that stay are a scalar compare and a branch each: not seen.
+// One iteration per swap. Points that stay are a scalar compare and a branch each: not seen.
 template <class V>
 uint32_t FftReversal(const FftTables& tables, FftData& data) {
   uint32_t swaps = 0;
@@ -166,7 +166,7 @@ void NewtonIterations(V (&x)[kNewtonChains], uint32_t iterations) {
 // ---- Matrix product --------------------------------------------------------------------------
 
 // Row C13: C -= A * B, 64 x 64 each. The row's source is not published; this is the plain blocking
-// of a machine with 128 registers: 4 x 16 of C in registers, an iteration for every four k.
+// of a machine with 128 registers: 4 x 16 of C in registers, one iteration for every four k.
 inline constexpr uint32_t kMatrixSide = 64, kBlockRows = 4, kBlockColumns = 4,
                           kStepsPerIteration = 4;
 inline constexpr uint32_t kMatrixIterations = kMatrixSide / kBlockRows *

@@ -21,7 +21,7 @@ std::string HintedBranch();             // C10
 // C13: no listing of the row's kernel is published; this is a schedule of our own for the same
 // work.
 std::string MatrixMultiply();
-inline constexpr uint32_t kMatrixMultiplyFmas = 2 * 64 * 32;  // of an iteration
+inline constexpr uint32_t kMatrixMultiplyFmas = 2 * 64 * 32;  // per iteration
 std::string PublishedListing();                               // C23
 
 // ---- PPE and Xenon listings ------------------------------------------------------------------

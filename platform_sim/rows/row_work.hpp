@@ -1,7 +1,7 @@
 // Running the measured rows' work: listings through the cores and caches, transfers through the
 // Cell's memory. Nothing here knows what was measured.
 //
-// Invariant: a row's work is the same whatever platform it is run on; what changes is how long the
+// Invariant: a row's work is the same on every platform that it is run on; what changes is how long the
 // models say it takes.
 #pragma once
 

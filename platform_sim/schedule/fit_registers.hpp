@@ -9,7 +9,7 @@
 // scheduled like any other, its spills too.
 //
 //   gap p lies before instruction p; a value written by d and last read by u fills gaps d+1 .. u,
-//   one that nobody reads gap d+1. What an instruction reads last leaves its register to what the
+//   one that nothing reads gap d+1. What an instruction reads last leaves its register to what the
 //   same instruction writes.
 //
 // Invariant: in no gap of the result are more values of a file live than it has registers.

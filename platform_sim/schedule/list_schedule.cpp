@@ -29,7 +29,7 @@ namespace {
 // An instruction may issue when no gap then overflows. So the order that was fitted to the
 // registers always remains as a way out, and no choice can end without a register.
 //
-// Invariant: Fits() is true for the first instruction that has not issued, whatever went before.
+// Invariant: Fits() is true for the first instruction that has not issued, regardless of what went before.
 
 // Numbers in a row, changed by ranges; both ends of a range belong to it. Small numbers: the
 // registers of a file (kMostSchedulingRegisters), so that a block's maximum is a few operations.
@@ -196,7 +196,7 @@ void RegisterGuard::Issue(uint32_t instruction) {
     if (instruction == head_) continue;
     PressureProfile& pressure = pressure_[uint32_t(code_.file[value])];
     if (readers_left_[value] == 0)
-      pressure.Add(instruction + 1, instruction + 1, -1);  // nobody reads it: gone at once
+      pressure.Add(instruction + 1, instruction + 1, -1);  // nothing reads it: gone at once
     else
       pressure.Add(head_, instruction, 1);
   }
@@ -343,7 +343,7 @@ class Scheduling {
       if (tries > kMostTries) continue;  // wrapped: gave up
       if (found != kNoInstruction) best = found;
     }
-    // The oldest one always fits, whatever its urgency.
+    // The oldest one always fits, regardless of its urgency.
     const uint32_t head = guard_.head();
     if (best == kNoInstruction && head < size_ && is_ready_[head] &&
         !(ClassOf(head).units & used) && suits(ClassOf(head).units) && !IsHeld(head))

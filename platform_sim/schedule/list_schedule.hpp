@@ -9,7 +9,7 @@
 //
 //   urgency = turn x pace - height        lowest first; equal: program order
 //
-// so an older lane group goes first, and a chain's beginning before work that nobody waits for.
+// so an older lane group goes first, and a chain's beginning before work that nothing waits for.
 //
 // Source: list scheduling as in any compiler book; the window, as an out-of-order machine has one.
 #pragma once

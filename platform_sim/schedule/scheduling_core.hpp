@@ -80,7 +80,7 @@ SchedulingCore SpuForScheduling(const SpuParameters& spu);
 // One hardware thread, the other one silent. Vector registers as `ppe` says: 32, or a Xenon's 128.
 SchedulingCore PpeForScheduling(const PpeParameters& ppe);
 
-// The fewest cycles in which the core can issue `program`, whatever its dependences are: what its
+// The fewest cycles in which the core can issue `program`, regardless of its dependences: what its
 // busiest unit needs, or its width.
 int64_t ResourceBoundCycles(Program program, const SchedulingCore& core);
 

@@ -24,7 +24,7 @@ TEST(BareNames, AreFoundByTheirWords) {
     EXPECT_TRUE(gltf::IsBareName(name)) << name;
   for (const char* name : {"",           "fur",       "eyebrow",    "EyeBrows",     "eye_lid",
                            "nosering",   "Main",      "mousey",     "cornflower",   "thumbnail",
-                           "whatever",   "Hatchling", "shoebill",   "coat",         "undercoat",
+                           "chatter",    "Hatchling", "shoebill",   "coat",         "undercoat",
                            "beltfish",   "nose_fur",  "noseBridge", "whisker pads", "eyeSockets",
                            "capybara",   "splash",    "tiger",      "dusk",         "hornet",
                            "zippy",      "buttoned",  "address",    "paw",          "lipstick",

@@ -297,7 +297,7 @@ std::vector<Case> Cases() {
       {"UnknownRequired", WithMore(R"(,"extensionsRequired":["ACME_rig","MSFT_lod"])"), 2,
        "The file requires ACME_rig"},
   };
-  // Accessors and the like that nobody uses.
+  // Accessors and the like that nothing uses.
   GltfBuilder unused = MakeQuad();
   unused.Accessor(999, 1, 7, "VEC9");
   unused.Floats("VEC3", {nan, nan, nan});

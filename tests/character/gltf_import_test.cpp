@@ -342,7 +342,7 @@ TEST(GltfImport, DoubleNamesBecomeUnique) {
   EXPECT_EQ(Import(b).skeleton.name, (std::vector<std::string>{"bone", "bone 2"}));
 }
 
-// An animation of the tip with one sampler a channel.
+// An animation of the tip with one sampler per channel.
 std::string Animate(const std::string& name, int input, int output, const std::string& how,
                     const std::string& path, int node = 1) {
   return "{\"name\":\"" + name + "\",\"samplers\":[{\"input\":" + std::to_string(input) +

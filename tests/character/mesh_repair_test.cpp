@@ -204,9 +204,9 @@ TEST(MeshRepair, LostWeightsAreBorrowed) {
     EXPECT_EQ(m.joints[v], m.joints[v < 4 ? 0 : v > 4 ? 8 : (m.joints[4][0] == 3 ? 0 : 8)]) << v;
     EXPECT_EQ(m.weights[v], m.weights[m.joints[v][0] == 3 ? 0 : 8]) << v;
   }
-  EXPECT_EQ(m.joints[9][0], 0) << "nobody to borrow from";
+  EXPECT_EQ(m.joints[9][0], 0) << "no vertex to borrow from";
   EXPECT_EQ(BorrowWeights(&m, std::vector<uint8_t>(10, 0)), 0u);
-  EXPECT_EQ(BorrowWeights(&m, std::vector<uint8_t>(10, 1)), 0u) << "nobody has any";
+  EXPECT_EQ(BorrowWeights(&m, std::vector<uint8_t>(10, 1)), 0u) << "no vertex has any";
 }
 
 // A seam's other side is at the same place, nearer than any corner.

@@ -42,7 +42,7 @@ open() {
 }
 
 # ---- the report ------------------------------------------------------------------------------------
-# Written into a copy of the page: tells the page around it what only a running page knows. That one holds it in a
+# Written into a copy of the page: reports to the page around it what only a running page knows. That one holds it in a
 # frame of the wanted width, as a window has a least width.
 probe='<script>
 addEventListener("error", (e) => parent.postMessage({error: e.message}, "*"));
@@ -73,7 +73,7 @@ function rodFaults() {
   check("y", at.map((a) => -a[1]), rows.map((r) => r.pooled));
   return faults;
 }
-// What is wrong with the diagrams of the ways to run a scene, held against what the page was given.
+// What is wrong with the diagrams of the ways to run a scene, compared with what the page was given.
 function waysFaults() {
   const ways = JSON.parse(document.getElementById("data").textContent).accuracy.find((a) => a.rows);
   const section = document.getElementById("ways-section");
@@ -120,7 +120,7 @@ function waysFaults() {
   });
   return faults;
 }
-// What is wrong with the picture of the frames: lines that cannot be told apart, slow frames without a mark.
+// What is wrong with the picture of the frames: lines that cannot be distinguished, slow frames without a mark.
 function framesFaults() {
   const data = JSON.parse(document.getElementById("data").textContent), faults = [];
   const svg = document.querySelector("svg[data-picture=frames]"), top = Number(svg?.dataset.top);
@@ -509,7 +509,7 @@ find_viewer() {
   command -v npm >/dev/null || skip "no npm to get the viewer with"
   (cd "$work" && mkdir -p "speedscope-$viewer_version" && timeout 45 npm pack --silent "speedscope@$viewer_version" &&
     tar -xzf "speedscope-$viewer_version.tgz" -C "speedscope-$viewer_version" &&
-    # What it says in a dialog, nobody would answer.
+    # There is no user to answer a dialog: its text goes to the console.
     sed 's|<head>|<head><script>alert = (text) => console.error("alert: " + text);</script>|' \
       "$(dirname "$viewer")/index.html" >"$viewer") >"$work/npm.log" 2>&1
   [ -s "$viewer" ] || skip "npm could not get speedscope $viewer_version: $(tail -n 1 "$work/npm.log")"

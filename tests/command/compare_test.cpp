@@ -1,4 +1,4 @@
-// Two runs held against each other: the intervals hold what they promise, and what cannot be
+// Two runs compared with each other: the intervals hold what they promise, and what cannot be
 // compared is refused by its place.
 #include <gtest/gtest.h>
 
@@ -99,7 +99,7 @@ ComparedSide DrawEqualRows(std::mt19937& random, size_t rows, size_t rounds) {
   return side;
 }
 
-// In how many of the trials a difference of equal rows is told.
+// In how many of the trials a difference of equal rows is reported.
 int CountFalse(size_t rows, size_t rounds, int trials) {
   std::mt19937 random(7);
   int wrong = 0;

@@ -184,7 +184,7 @@ TEST(FitScene, StrandsGoWhereNothingElseFits) {
   EXPECT_NEAR(double(kept), double(strands) * double(fit.strand_share), 0.1 * double(strands));
 }
 
-// A layer that can be within it is, whatever it costs.
+// A layer that can be within the allowed error is, regardless of what that costs.
 TEST(FitScene, NoLayerIsWorseThanItMustBe) {
   const auto worst = [](const SceneFit& fit) {
     uint32_t most = 0;

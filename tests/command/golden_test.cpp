@@ -1,4 +1,4 @@
-// Golden digests: what is kept is what is computed, and a change is found and told.
+// Golden digests: what is kept is what is computed, and a change is found and reported.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 # Head of the shell tests of the `pelt` command, to be sourced with their arguments:
 #   . head.sh PELT SOURCE_DIR [PART]...
 # Leaves the test in a folder of its own that goes when it ends, with $pelt, $source_dir and the
-# `parts` asked for; a failure is told and counted, and does not end the test.
+# `parts` asked for; a failure is reported and counted, and does not end the test.
 pelt=$(realpath "$1")
 source_dir=$(realpath "$2")
 parts=("${@:3}")

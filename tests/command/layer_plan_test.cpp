@@ -1,5 +1,5 @@
-// A plan gives the layers that it names their solver and quality, and nothing else; what is wrong with one is told with
-// its line.
+// A plan gives the layers that it names their solver and quality, and nothing else; what is wrong with one is reported
+// with its line.
 #include "bench/scenarios/layer_plan.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a run says of the quality that its layers ran in, against a scene whose every layer is told from the camera.
+// What a run says of the quality that its layers ran in. In the scene here the camera decides each layer's quality.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // One place opens outputs, and the command line alone says where they go. The compiler sees to half
-// of it (OutputPath); that nobody goes round it is read here, in the sources.
+// of it (OutputPath); that no code goes round it is read here, in the sources.
 #include <gtest/gtest.h>
 
 #include <filesystem>

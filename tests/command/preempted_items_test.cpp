@@ -46,8 +46,8 @@ TEST(PreemptedItems, WhatTookLongerWhileThreadsWaitedIsFound) {
 }
 
 TEST(PreemptedItems, NoMoreIsTakenForItThanThreadsWaited) {
-  EXPECT_TRUE(Found(FrameOf(1, 40, {0, 0.0})).empty()) << "nobody waited";
-  EXPECT_TRUE(Found(FrameOf(1, 40, {0, {}})).empty()) << "nobody was preempted";
+  EXPECT_TRUE(Found(FrameOf(1, 40, {0, 0.0})).empty()) << "no thread waited";
+  EXPECT_TRUE(Found(FrameOf(1, 40, {0, {}})).empty()) << "no thread was preempted";
   EXPECT_TRUE(Found(FrameOf(1, 40, {1, 2.0})).empty()) << "half of it is something else";
   FrameRecord two = FrameOf(1, 40, {2, 5.0});
   two.items[0].end_ticks += 60;  // 6 ms and 4 ms more, of 5

@@ -1,4 +1,4 @@
-// The report's page as text and data: complete, consistent, and harmless whatever things are named.
+// The report's page as text and data: complete, consistent, and harmless for any names of things.
 #include "bench/report/report_page.hpp"
 
 #include <fmt/format.h>
@@ -73,7 +73,7 @@ TEST(ReportPage, FiguresAgreeWithEachOther) {
   ASSERT_EQ(data["columns"].size(), 20u);
   double worst = 0.0;
   for (const auto& column : data["columns"]) {
-    // The bands of a column fill the frame, whatever ran beside what.
+    // The bands of a column fill the frame, regardless of what ran beside what.
     double sum = double(column["caller"]) + double(column["others"]) + double(column["waiting"]);
     for (const auto& ms : column["stages"]) sum += double(ms);
     EXPECT_NEAR(sum, column["ms"], 0.001 + 0.02 * double(column["ms"]));

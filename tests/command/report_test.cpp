@@ -126,14 +126,14 @@ TEST(Report, WhatDisturbsARunIsTold) {
                        .wall_ms = 1000.0};
   EXPECT_TRUE(FindDisturbances(own, 4).empty());
   const auto expect_told = [](const MachineUse& use, uint32_t workers, const std::string& word) {
-    const std::vector<std::string> told = FindDisturbances(use, workers);
-    ASSERT_EQ(told.size(), 1u) << word;
-    EXPECT_NE(told[0].find(word), std::string::npos) << told[0];
+    const std::vector<std::string> found = FindDisturbances(use, workers);
+    ASSERT_EQ(found.size(), 1u) << word;
+    EXPECT_NE(found[0].find(word), std::string::npos) << found[0];
   };
   MachineUse use = own;
   use.wait.waited_ms = 81.0;  // of 4 s of cores
   expect_told(use, 4, "ready for 81 ms without a core");
-  use.cores_allowed = 2;  // whatever waits, the same share of half the cores is more
+  use.cores_allowed = 2;  // half as much waiting is the same share of half the cores
   use.wait.waited_ms = 41.0;
   use.load_average = 0.0;
   expect_told(use, 2, "on 2 cores");

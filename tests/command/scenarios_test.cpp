@@ -63,7 +63,7 @@ TEST(Scenarios, CastIsWhatTheOriginalShipped) {
   EXPECT_EQ(heights.size(), kCastCharacters);
 }
 
-// Before a camera, with level of detail whatever is asked for; nobody's clip jumps.
+// Before a camera, with level of detail even if not asked for; no character's clip jumps.
 TEST(Scenarios, StageIsWhatTheOriginalDrew) {
   Scenario stage = LoadScenario("stage");
   ASSERT_EQ(stage.actors.size(), kStageCharacters);
@@ -241,19 +241,19 @@ TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
   const Scenario lit = LoadText(layer + "lit = true\n" + lights);
   EXPECT_EQ(lit.base.lighting.sun_rgb[0], 3.0f);
   EXPECT_EQ(lit.base.lighting.light_count, 0u);
-  const auto told = [](const Scenario& scenario) {
+  const auto has_lights = [](const Scenario& scenario) {
     for (const std::string& note : scenario.notes)
       if (note.find("light no layer") != std::string::npos) return true;
     return false;
   };
-  EXPECT_FALSE(told(lit));
-  EXPECT_TRUE(told(LoadText(layer + lights)));
+  EXPECT_FALSE(has_lights(lit));
+  EXPECT_TRUE(has_lights(LoadText(layer + lights)));
   // A studio's, if it says nothing; none where nothing is lit.
   EXPECT_GT(LoadText(layer + "lit = true\n").base.lighting.light_count, 0u);
   EXPECT_EQ(LoadText(layer).base.lighting.light_count, 0u);
 }
 
-// Its layers are as bare as they are meant to be; the same written by somebody else is told.
+// Its layers are as bare as they are meant to be; the same in a setup of the user is reported.
 TEST(Scenarios, OwnScenesSayNothingOfThemselves) {
   for (const std::string_view name : ScenarioNames())
     EXPECT_TRUE(LoadScenario(std::string(name)).notes.empty()) << name;

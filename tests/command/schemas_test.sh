@@ -81,7 +81,7 @@ printf '[[layer]]\ncharacter = 0\nname = "vertex"\nsolver = "modal"\nquality = "
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12 --plan plan.toml
 hold_file accuracy_features accuracy --quick --features --links 3
 
-# A key that nobody documented, and one that went missing, are seen.
+# A key that the schema does not document, and one that went missing, are seen.
 sed 's/"scene": /"scenery": /' <("$pelt" run --scene tiny --frames 1 --json 2>/dev/null) >renamed.json
 python3 "$check" "$schemas/run.json" renamed.json >faults.txt && fail "a renamed key passes"
 grep -q "'scenery' is not documented" faults.txt || fail "the renamed key is not named: $(cat faults.txt)"

@@ -282,9 +282,9 @@ TEST(MergeShards, GapsAndOverlapsAreRefused) {
 TEST(MergeShards, OtherBuildsAndOptionsAreRefused) {
   for (const char* key : {"commit", "frames"})
     ExpectRefused(With(1, [&](Json& json) { json["fingerprint"][key] = "other"; }), key);
-  ExpectRefused(With(1, [](Json& json) { json["fingerprint"]["more"] = "1"; }), "tells runs apart");
+  ExpectRefused(With(1, [](Json& json) { json["fingerprint"]["more"] = "1"; }), "number of values");
   ExpectRefused(With(1, [](Json& json) { json["fingerprint"].erase("commit"); }),
-                "tells runs apart");
+                "number of values");
   ExpectRefused(With(2, [](Json& json) { json["places"] = 12; }), "places");
   ExpectRefused(With(0, [](Json& json) { json["fingerprint"]["command"] = "golden"; }),
                 "printed by pelt golden");

@@ -1,4 +1,4 @@
-// The setup to start from: it can be read, covers its character, and whatever materials are named.
+// The setup to start from: it can be read and covers its character, for any names of materials.
 #include <gtest/gtest.h>
 
 #include <algorithm>

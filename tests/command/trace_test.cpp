@@ -277,7 +277,7 @@ TEST(StageDigests, AFaultIsNamedAtTheStageOfItsLayersKind) {
   EXPECT_EQ(found->place[1].second, five ? "simulate_verlet_5" : "simulate_verlet_4");
 }
 
-// What is a patch's belongs to the stage of its layer's kind too, whatever chunk has its number.
+// What is a patch's belongs to the stage of its layer's kind too, regardless of which chunk has its number.
 TEST(StageDigests, AFaultOfAPatchIsNamedAtTheStageOfItsLayersKind) {
   Scenario tiny = LoadScenario("tiny");
   RunningScenario good(tiny, {}), bad(tiny, {});

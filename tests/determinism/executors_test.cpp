@@ -1,4 +1,4 @@
-// The whole fur frame gives the same bits whatever runs it: execution orders, local store, oneTBB,
+// The whole fur frame gives the same bits in every way to run it: execution orders, local store, oneTBB,
 // fusion, instruction sets, the sort in pieces. `pelt verify` goes through the full product on any
 // scene; this holds `tiny`, some of its ribbons as lines, past its teleport, and says which broke.
 #include <gtest/gtest.h>
@@ -106,8 +106,8 @@ TEST_F(WholeFrame, IsTheSameOnOneTbb) {
   }
 }
 
-// Whatever share of a layer's strands lives, so do the vertices that kernels gather for them: for
-// those of whole lane groups.
+// For any share of a layer's strands that lives, the vertices that kernels gather for them live too:
+// for the strands of whole lane groups.
 TEST_F(WholeFrame, EveryVertexInUseLives) {
   Scenario scenario = EveryOutputScenario();
   RunningScenario running(scenario, OptionsFor(BestIsa()));

@@ -159,7 +159,7 @@ TEST(NoAllocation, OneTbbFrameOnceItsPoolsAreWarm) {
   RecordProperty("allocator_calls_in_22_frames", int(calls));
   std::printf("oneTBB: %llu allocator calls in 22 frames\n",
               static_cast<unsigned long long>(calls));
-  EXPECT_LT(calls, 22u) << "less than one a frame";
+  EXPECT_LT(calls, 22u) << "less than one per frame";
 }
 
 }  // namespace

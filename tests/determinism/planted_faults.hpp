@@ -79,7 +79,7 @@ struct ReadsMovingNeighbour {
   }
 };
 
-// Reads the next chunk's baked rows, which nobody writes: no order of execution shows it.
+// Reads the next chunk's baked rows, which nothing writes: no order of execution shows it.
 struct ReadsConstantNeighbour {
   static constexpr std::string_view kName = "reads_constant_neighbour";
   using Params = FaultParams;
@@ -188,7 +188,7 @@ struct ScatterStrands {
 };
 
 // Sums all lanes of a row. In single floats a sum depends on its order, and so on the lane count;
-// the healthy kernel adds one strand after the other whatever V is.
+// the healthy kernel adds one strand after the other for every V.
 template <class V, bool kByLanes>
 struct SumRow {
   static constexpr std::string_view kName = kByLanes ? "sum_by_lanes" : "sum_in_order";

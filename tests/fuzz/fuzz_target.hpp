@@ -2,7 +2,7 @@
 // user would use it. Targets are linked to libFuzzer (tests/fuzz/run.sh) and, as ordinary tests, to
 // corpus_test.cpp, which runs the seed corpus and seeded mutations of it.
 //
-// Invariant: whatever the bytes, a target neither crashes nor hangs, throws nothing but pelt::Error
+// Invariant: for any bytes, a target neither crashes nor hangs, throws nothing but pelt::Error
 // (which it catches), and holds at most MemoryBound(size) of heap at a time.
 #pragma once
 

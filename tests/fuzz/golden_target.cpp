@@ -1,4 +1,4 @@
-// Golden digests: a hostile file in the place of kept ones, held against those of `tiny`. A log
+// Golden digests: a hostile file in the place of kept ones, compared with those of `tiny`. A log
 // that is found the same must hold the same digests.
 #include <cstdlib>
 

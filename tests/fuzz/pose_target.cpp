@@ -1,4 +1,4 @@
-// Poses and frame input, given to a scene frame by frame: whatever comes, BeginFrame refuses it or
+// Poses and frame input, given to a scene frame by frame: for any input, BeginFrame refuses it or
 // the frame runs, inside its blocks, to finite values.
 //
 //   record    kind (1 byte), payload
@@ -52,7 +52,7 @@ struct Reader {
   }
 };
 
-// Of all that there may be, whatever the counts say.
+// Of all that there may be, regardless of the counts.
 void ReadVelocities(Reader& reader, FrameInput& input) {
   const uint32_t spheres = input.sphere_count, capsules = input.capsule_count;
   input.sphere_count = kSpheresPerScene;

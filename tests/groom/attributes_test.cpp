@@ -62,7 +62,7 @@ TEST(RestShape, WithoutCurlIsStraightAndWithItBendsTowardsTheSurface) {
   const glm::dvec3 direction(0.6, 0.0, 0.8);
   const RestShape straight = MakeRestShape(direction, 0.1, 0.0, 7.0, 5);
   EXPECT_NEAR(glm::length(straight.offset[3] - direction * 0.1), 0.0, 1e-15);
-  const double curl = 8.0;  // radians per metre: 0.2 a segment
+  const double curl = 8.0;  // radians per metre: 0.2 per segment
   const RestShape bent = MakeRestShape(direction, 0.1, curl, 0.0, 5);
   double angle = std::atan2(0.8, 0.6);
   glm::dvec3 end(0.0);
@@ -79,7 +79,7 @@ TEST(RestShape, TwistTurnsThePlaneOfTheCurl) {
   EXPECT_NEAR(shape.offset[3].y, 0.0, 1e-15);
   const RestShape twisted = MakeRestShape({1.0, 0.0, 0.0}, 0.1, 10.0, 20.0, 5);
   EXPECT_GT(std::abs(twisted.offset[3].y), 1e-3);
-  // Curl bends as much per segment, whatever the plane.
+  // Curl bends as much per segment in any plane.
   glm::dvec3 before = twisted.offset[0];
   for (int i = 1; i < 4; ++i) {
     const glm::dvec3 step = twisted.offset[i] - twisted.offset[i - 1];

@@ -197,16 +197,16 @@ TEST(Bake, LayersDoNotInfluenceEachOther) {
 
 TEST(Bake, TellsProgressAndStats) {
   const Character character = test::MakeTorus({.around = 24, .across = 8});
-  std::vector<std::pair<std::string, float>> told;
+  std::vector<std::pair<std::string, float>> reported;
   const BakeProgress progress = [&](std::string_view layer, float share) {
-    told.emplace_back(layer, share);
+    reported.emplace_back(layer, share);
   };
   ScatterStats stats;
   const Groom groom = BakeGroom(character, ComputeRestGeometry(character, 1.0f), MakeTinySetup(),
                                 1.0f, &progress, &stats);
-  ASSERT_GE(told.size(), 3u);
-  EXPECT_EQ(told.front(), (std::pair<std::string, float>("coat", 0.0f)));
-  EXPECT_EQ(told.back(), (std::pair<std::string, float>("ruff", 1.0f)));
+  ASSERT_GE(reported.size(), 3u);
+  EXPECT_EQ(reported.front(), (std::pair<std::string, float>("coat", 0.0f)));
+  EXPECT_EQ(reported.back(), (std::pair<std::string, float>("ruff", 1.0f)));
   ASSERT_EQ(stats.layers.size(), 2u);
   EXPECT_EQ(stats.layers[1].strand_count, groom.layers[1].strand_count);
   EXPECT_EQ(stats.layers[0].chunk_count, groom.layers[0].chunk_count);

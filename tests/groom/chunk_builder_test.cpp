@@ -257,7 +257,7 @@ TEST(PackVertices, APrefixOfStrandsUsesAPrefixOfVertices) {
     size_t last = 0;
     for (const double share : {0.125, 0.25, 0.5, 1.0}) {
       const std::set<uint32_t> used = FindUsed(strands, chunks, share);
-      EXPECT_GT(used.size(), last) << "nothing is told apart";
+      EXPECT_GT(used.size(), last) << "nothing is distinguished";
       last = used.size();
       for (const VertexPatch& patch : patches)
         ASSERT_TRUE(std::ranges::is_partitioned(patch.vertices, [&](uint32_t v) {

@@ -1,4 +1,4 @@
-// The fur setup: each key lands in its field, and each mistake is told with file, line, key and
+// The fur setup: each key lands in its field, and each mistake is reported with file, line, key and
 // reason. Over 400 lines because every key of the schema has its row here; one without fails.
 #include "core/groom/fur_setup.hpp"
 
@@ -471,7 +471,7 @@ TEST_F(FurSetupTest, WrongValuesAreTold) {
   EXPECT_NE(LayerError("\"a\\u001b[2J\" = 1").find("unknown key 'a\\x1b[2J'"), std::string::npos);
   EXPECT_NE(LayerError("solver = \"m\\u001b[1m\"").find("'m\\x1b[1m' is not one of"),
             std::string::npos);
-  // A rule between keys is told at the key, wherever it stands.
+  // A broken rule between keys is reported at the key, wherever that stands.
   EXPECT_EQ(ErrorOf("[defaults]\n\npoints = 5\n[[layer]]\nname = 'x'"),
             "fur.toml:3: layer 'x': key 'points': chains at mesh vertices have 4 points; chain = "
             "\"strand\" has 4, 5 or 9");

@@ -1,4 +1,4 @@
-// [lights] of a fur setup: every key lands, mistakes are told at their line, and a frame takes it.
+// [lights] of a fur setup: every key lands, mistakes are reported at their line, and a frame takes it.
 #include "core/groom/light_setup.hpp"
 
 #include <gtest/gtest.h>
@@ -110,7 +110,7 @@ TEST(LightSetup, NoMoreThanASceneHolds) {
             std::string::npos);
 }
 
-// With the layers around them or without, whatever those say.
+// With the layers around them or without, regardless of what those say.
 TEST(LightSetup, IsReadWithoutTheLayers) {
   const std::string broken = "[[layer]]\nlenght = { map = 'missing.png' }\n";
   for (const std::string& text : {std::string(kAll), broken + kAll}) {

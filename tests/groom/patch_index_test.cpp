@@ -1,4 +1,4 @@
-// What a scene finds out about patches: whatever share of the strands lives, every vertex that a
+// What a scene finds out about patches: for any share of living strands, every vertex that a
 // kernel reads is among those that are skinned, and hardly more are.
 #include "core/groom/patch_index.hpp"
 

@@ -140,7 +140,7 @@ TEST(SurfaceMasks, DamagedImagesAreToldByTheBake) {
   setup.layers[0].base_colour = setup.layers[0].tip_colour = 0xff112233u;
   notes.clear();
   BakeGroom(c, ComputeRestGeometry(c, 1.0f), setup, 1.0f, nullptr, nullptr, nullptr, &notes);
-  EXPECT_TRUE(notes.empty()) << "nobody looked at it";
+  EXPECT_TRUE(notes.empty()) << "nothing read it";
 }
 
 LayerSetup WithColours(const std::vector<uint32_t>& colours, float tolerance) {

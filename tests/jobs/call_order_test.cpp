@@ -141,7 +141,7 @@ TEST(CallOrder, WhatChangesASceneComesBetweenFrames) {
   EXPECT_TRUE(scene.ReplaceGrooms(grooms));
 }
 
-// The pull interface without Run: a frame is in flight from Begin until somebody's last TryRun.
+// The pull interface without Run: a frame is in flight from Begin until the last TryRun of any thread.
 TEST(CallOrder, IsHeldWhilePullersWork) {
   Scenario scenario = TinyScenario();
   SerialExecutor serial;
@@ -202,7 +202,7 @@ TEST(CallOrder, AFrameWhoseInputWasRefusedCannotBeRun) {
   EXPECT_EQ(scene.DigestFrame(), truth);
 }
 
-// Many threads, one frame: one of them runs it, all others are told.
+// Many threads, one frame: one of them runs it, all others get an error.
 TEST(CallOrder, OneOfManyThreadsRunsTheFrame) {
   Scenario scenario = TinyScenario();
   SerialExecutor serial;

@@ -120,7 +120,7 @@ TEST(Draws, OfLitLayersHaveALookForEveryStrand) {
         ASSERT_LT(strand, draw.looks.size());
         const uint32_t chunk = first + strand / kStrandsPerChunk, lane = strand % kStrandsPerChunk;
         EXPECT_EQ(draw.looks[strand].uv, memory.Of<&Streams::strand_uv>(chunk)->uv[lane]);
-        // Up and down are told apart by the word's fold: the skin's own z.
+        // Up and down are distinguished by the word's fold: the skin's own z.
         const float z = memory.Of<&Streams::roots>(chunk)->normal[2][lane];
         const auto part = [](uint32_t bits) { return float(int16_t(uint16_t(bits))) / 32767.0f; };
         const uint32_t normal = draw.looks[strand].normal;

@@ -1,5 +1,5 @@
 // A groom that no file was read for is held to the rules of one that was, with the same words: no
-// kernel follows an index that nobody looked at, no memory is asked for by a wild count.
+// kernel follows an index that was not checked, no memory is asked for by a wild count.
 #include <gtest/gtest.h>
 
 #include <cmath>

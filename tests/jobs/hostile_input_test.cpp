@@ -1,4 +1,4 @@
-// Input at the limits of what the frame's door lets through, drawn at random: whatever comes, every
+// Input at the limits of what the frame's door lets through, drawn at random: for all of it, every
 // value that a frame computes is finite, and a scene that is put back in order has its fur near its
 // skin again.
 #include <gtest/gtest.h>

@@ -119,7 +119,7 @@ TEST(LitLayers, AreLeftAloneWhileNothingMoves) {
   }
 }
 
-// What lies behind the counts is nobody's.
+// Nothing uses what lies behind the counts.
 TEST(LitLayers, EntriesThatDoNotCountAreNotLookedAt) {
   LitRun run({}, 1);
   for (uint32_t f = 0; f < 4; ++f) run.Run();

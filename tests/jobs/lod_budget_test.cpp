@@ -90,7 +90,7 @@ TEST(LodBudget, CountsNoLayerOutOfView) {
   EXPECT_NEAR(found.ns, 1e3 * kFineUs, 0.1);
 }
 
-// Chains at vertices thin by halves, to an eighth or what is told.
+// Chains at vertices thin by halves, to an eighth or to LodSettings::least_chains.
 TEST(LodBudget, ChainsAtVerticesThinWithTheStrandsDownToTheirLeast) {
   LayerDemand layer = Layer(9.0);
   layer.on_vertices = true;

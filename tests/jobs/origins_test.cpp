@@ -65,7 +65,7 @@ double Quantile(std::vector<double>& values, double share) {
 }
 
 // Of all points of all frames of two scenarios that are the same but for where they are and how that
-// is told: what `share` of them are within. (Some strands stand on edges, and fall either way.)
+// is given: what `share` of them are within. (Some strands stand on edges, and fall either way.)
 double Apart(Scenario a, Scenario b, uint32_t frames, double share) {
   RunningScenario first(a, {}), second(b, {});
   std::vector<double> apart;
@@ -143,7 +143,7 @@ int PaintApart(uint32_t a, uint32_t b) {
   return most;
 }
 
-// Brushes are told from the frame's origin, and hold the strands that are there.
+// Brushes are given relative to the frame's origin, and hold the strands that are there.
 TEST(Origins, ThatMovePaintTheSameStrands) {
   Scenario still = Calm(LitScenario()), moving = still;
   moving.origins = true;
@@ -230,7 +230,7 @@ TEST(Origins, ARestingSceneSleepsAgain) {
   EXPECT_LT(Quantile(apart, 0.99), 1e-4);
 }
 
-// The pose is told as before, so the character goes along with its origin: its fur is dragged after it.
+// The pose is given as before, so the character goes along with its origin: its fur is dragged after it.
 TEST(Origins, ThatMoveUnderAStillPoseWakeEverybody) {
   Scenario scenario = RestingScenario(20);
   RunningScenario run(scenario, WithOrigins());

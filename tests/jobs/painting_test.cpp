@@ -153,7 +153,7 @@ TEST(PaintedLayers, SleepersArePaintedAndSleepOn) {
   EXPECT_EQ(run.CountItems("write_painted_looks"), 0u);
 }
 
-// Brushes that come and go and move, the same whatever is skipped.
+// Brushes that come and go and move, the same regardless of what is skipped.
 std::vector<PaintBrush> BrushesOf(uint32_t frame) {
   if (frame % 5 == 4) return {};
   std::vector<PaintBrush> brushes = {
@@ -188,7 +188,7 @@ TEST(PaintedLayers, PaintIsState) {
   copy.Run();
   EXPECT_GT(copy.CountPainted(PaintChannel::kMud), 0u);
   EXPECT_EQ(copy.scene().DigestFrame(), run.scene().DigestFrame());
-  // A pause paints nobody, and nobody is cleaned by where they are moved to.
+  // A pause paints no strand, and a teleport cleans none.
   const uint64_t paint = run.scene().DigestStream(kPaint);
   FrameInput pause = run.input;
   pause.dt_s = 0.0;

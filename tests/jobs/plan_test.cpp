@@ -322,7 +322,7 @@ TEST(Plan, GatheredBlocksAreAsManyAsTheirList) {
 
 using Waits = std::vector<Wait>;
 
-// Of an unfused plan: a pass a stage.
+// Of an unfused plan: one pass per stage.
 Plan Unfused(std::vector<Stage> stages, const SceneShape& shape = kPatched) {
   return CompilePlan(std::move(stages), shape, {.fuse = false}).OrThrow();
 }

@@ -1,4 +1,4 @@
-// A pose that cannot be used stops its character and nobody else: the others keep the bits of a
+// A pose that cannot be used stops its character and no other: the others keep the bits of a
 // scene in which nothing was wrong, and the character those of one whose pose was given again.
 #include "jobs/pose_gate.hpp"
 

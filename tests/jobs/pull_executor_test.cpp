@@ -104,7 +104,7 @@ TEST(PullExecutor, ProfilesPassesItemsAndWorkers) {
       EXPECT_LE(item.end_ticks, recording.Pass(p).end_ticks);
     }
   }
-  EXPECT_LE(ran[0] - ran[2], 1u) << "they took turns";
+  EXPECT_LE(ran[0] - ran[2], 1u) << "they alternated";
 }
 
 }  // namespace

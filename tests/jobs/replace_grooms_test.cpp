@@ -1,5 +1,5 @@
 // A scene that goes on with other grooms is, once its fur starts afresh, a scene that was made of them:
-// whatever of a groom may be replaced.
+// for all of a groom that may be replaced.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -164,8 +164,8 @@ TEST(Scale, OverTenTimesWhatWasBakedIsToldOnce) {
     Scale(scenario, placement, glm::vec3(100.0f));
     RunFrame(run, frame++);
     // As it was when it was found, whenever one asks.
-    const std::string told = note_of(1.0f);
-    EXPECT_EQ(told.find("character 0 is placed 100 times larger") == 0, !meant) << told;
+    const std::string note = note_of(1.0f);
+    EXPECT_EQ(note.find("character 0 is placed 100 times larger") == 0, !meant) << note;
     for (const float far : {100.0f, 0.01f, 1.0f}) EXPECT_EQ(note_of(far), "") << far;
   }
 }

@@ -27,7 +27,7 @@ constexpr Stream kRestarted[] = {
     StreamOf<&Streams::order>,           StreamOf<&Streams::instances>,
     StreamOf<&Streams::ribbon_vertices>, StreamOf<&Streams::line_vertices>};
 
-// Holds `scene` after `frame` against a scene whose first frame it was.
+// Compares `scene` after `frame` with a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {
   RunningScenario fresh(scenario, {});
   fresh.Begin(frame);

@@ -211,7 +211,7 @@ TEST(Snapshot, OfAnotherSceneOrDamagedIsRefusedAndNothingIsDone) {
     ASSERT_EQ(RunOne(running, f, tiny, serial), RunOne(straight, f, tiny, serial)) << "frame " << f;
 }
 
-// Bytes that are not damaged by chance: a checksum that holds, over counts that nobody can have.
+// Bytes that are not damaged by chance: a checksum that holds, over counts that no scene can have.
 TEST(Snapshot, CountsThatKernelsWouldFollowAreLookedAt) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, {});

@@ -26,7 +26,7 @@ using namespace testing;
 constexpr size_t kStackBytes = 4u << 20;
 constexpr unsigned char kPaint = 0xA5;
 
-// A stack whose bytes are known until somebody wrote there.
+// A stack whose bytes are known until they are written to.
 class PaintedStack {
  public:
   PaintedStack()

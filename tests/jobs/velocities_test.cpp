@@ -236,7 +236,7 @@ TEST(Velocities, WakeAndLetSleepAgain) {
   EXPECT_EQ(simulated(), 0u);
 }
 
-// Whatever is let through, however large, and bodies that are flattened while they spin.
+// All velocities that are let through, however large, and bodies that are flattened while they spin.
 TEST(Velocities, OfAnySizeLeaveEverythingFinite) {
   Scenario scenario = TinyScenario();
   RunningScenario run(scenario, WithVelocities());
@@ -343,7 +343,7 @@ TEST(Velocities, ComeInByTheCInterface) {
   pelt_destroy(plain);
 }
 
-// A character whose pose is refused stands still, whatever is said of how it moves: as one that is
+// A character whose pose is refused stands still, regardless of the velocities given for it: as one that is
 // given its last pose again, and no velocity.
 TEST(Velocities, OfAPoseThatIsHeldDoNotCount) {
   Scenario scenario = TinyScenario();

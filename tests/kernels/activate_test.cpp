@@ -85,7 +85,7 @@ constexpr uint32_t kEverything =
 
 // Strands that follow chains at the vertices of the layer's patches 2, 5 and 9, which sleep; those
 // beside them do not. kFetched: the listed states lie as a local store has them, one behind the
-// other, and behind them what nobody fetched.
+// other, and behind them what was not fetched.
 template <bool kFetched>
 struct FollowerWorldOf : ChunkWorld {
   Blocks<PatchListBlock> list{1};
@@ -205,8 +205,8 @@ TEST(Activate, WhatIsHiddenDoesNothingAndStartsAfreshWhenSeenAgain) {
   ExpectAfreshWhenSeenAgain<FollowerWorld>();
 }
 
-// The step after new lanes was not given the state it is compared with: no sleep, whatever it
-// reports.
+// The step after new lanes was not given the state it is compared with: no sleep, regardless
+// of what it reports.
 template <class W>
 void ExpectOneStepMoreAfterGrowth(W& w) {
   EXPECT_EQ(w.state[0].flags, kEverything);
@@ -302,7 +302,7 @@ TEST(Activate, WhatRestartedDoesNotSleepOnItsFirstReport) {
   ExpectNoSleepOnTheFirstReport<FollowerWorld>();
 }
 
-// Nobody looks at the keys of triangles of the skin; of other strands it is for sort_key to say.
+// No kernel reads keys of shells, triangles of the skin. Of other strands sort_key decides what is visible.
 TEST(Activate, AllLivingStrandsOfShellsAreVisible) {
   FollowerWorld shells(100), others(100);
   shells.layer[0].flags |= kLayerShells;
@@ -331,7 +331,7 @@ struct Event {
   const char* name;
   std::function<void(W&)> act;
   // Expected of what has settled, besides kChunkVisible. kChunkSteady: what simulate reads is as it
-  // was, whatever is run all the same.
+  // was, even if stages run all the same.
   uint32_t flags;
 };
 
@@ -751,7 +751,7 @@ class ToyLayer {
     if (!(flags & kChunkVisible)) return;
     skin_skipped += !(flags & kChunkSkin);
     if (flags & kChunkSkin) patch.Skin(scene);
-    if (!follows_) return;  // nobody has chains at vertices
+    if (!follows_) return;  // no strand follows chains at vertices
     slept += !(flags & kChunkSimulate);
     if (flags & kChunkSimulate) patch.Simulate(scene);
   }

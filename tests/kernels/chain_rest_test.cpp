@@ -1,6 +1,6 @@
 // Which chains rest: those none of whose points moved by the limit, and no others. Nothing acts on
 // the chains here, so that each goes on as fast as it came and only the limit decides. Sleeping
-// stands on the limit: a smaller one leaves chains awake that nobody sees move, a larger one stops
+// stands on the limit: a smaller one leaves chains awake that no viewer sees move, a larger one stops
 // them where it is seen.
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace pelt::test {
 namespace {
 
-// What a lane of a scene does: how far one of its points moves a frame along x, and whether that
+// What a lane of a scene does: how far one of its points moves per frame along x, and whether that
 // is below the limit.
 struct Pace {
   float step_m;

@@ -195,7 +195,7 @@ TEST(Collider, ACapsuleWithoutLengthIsASphere) {
   }
 }
 
-// Of a sphere, all of a link is told to be outside.
+// Whether Lean puts all of a link outside, not only its end: it does for a sphere.
 template <class Shape>
 inline constexpr bool kIsWhole = false;
 template <class V>

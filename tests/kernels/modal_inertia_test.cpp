@@ -191,7 +191,7 @@ TEST(ModalInertia, GrowingLinksFeelNothingOfAnEvenMotion) {
   EXPECT_LT(worst, 2e-3);
 }
 
-// Whatever the root does.
+// For any motion of the root.
 TEST(ModalInertia, StaysFiniteAndKeepsItsLength) {
   for (const float follow : {0.3f, 1.0f}) {
     auto s = MakeScene();

@@ -51,7 +51,7 @@ TEST(ModalMaterial, SwingsAsTheRod) {
                 points == 4 ? 0.4 : 0.2)
         << points;
   }
-  // A fibre as stiff as that: it is as heavy for its stiffness whatever the unit of its length.
+  // A fibre as stiff as that: it is as heavy for its stiffness in any unit of length.
   const double bending = 1.0e-9, density = 3.0e-5, length = 0.07;
   const double hz = RodFrequency(bending, density, length);
   EXPECT_NEAR(GammaOf(hz, length, 9.81), density * 9.81 * length * length * length / bending, 1e-9);

@@ -166,7 +166,7 @@ TEST(PaintStrands, ABrushElsewhereTouchesNothing) {
   Scene scene = MakeScene(kStrandsPerChunk, 7);
   scene.brushes = {{{2.0f, 0, 0}, 1.5f, 1.0f, 0, 1.0f}};  // a decimetre off
   scene.bounds.high[0] = 0.4f;
-  // Who looks at roots all the same is told by those that no box would have.
+  // These roots lie in the brush though their box does not: a kernel that read them would paint.
   std::fill_n(scene.roots.position[0], kStrandsPerChunk, 2.0f);
   const PaintBlock before = scene.paint;
   scene.Run<ArrayVec<4>>();

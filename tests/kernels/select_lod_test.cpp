@@ -383,7 +383,7 @@ TEST(SelectLod, ChainsThinByHalvesTwiceAsFastAsTheStrands) {
   EXPECT_EQ(shells.Run(p).chain_level, 0u);
 }
 
-// From level to level what is seen moves by 1/16 a frame, whichever way it goes and when it turns.
+// From level to level what is seen moves by 1/16 per frame, whichever way it goes and when it turns.
 TEST(SelectLod, ChainsComeAndGoSlowly) {
   World world;
   world.SetBox(0, 1, 0, 0.5f);

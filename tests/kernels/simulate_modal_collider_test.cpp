@@ -186,8 +186,8 @@ Passed Pass(const Passage& p) {
   return passed;
 }
 
-// A ball of 3 cm at 10 m/s goes 17 to 4 cm in a frame, through strands of 3 cm: it moves whatever it
-// grazes by a tenth of a millimetre. Beside its way nothing moves at all.
+// A ball of 3 cm at 10 m/s goes 17 to 4 cm in a frame, through strands of 3 cm: it moves every strand
+// that it grazes by a tenth of a millimetre. Beside its way nothing moves at all.
 TEST(SimulateModalContact, AFastSphereMissesNothingInItsWay) {
   std::mt19937 random(11);
   for (const double rate : {15.0, 30.0, 60.0, 120.0, 240.0})

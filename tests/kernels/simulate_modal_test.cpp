@@ -68,7 +68,7 @@ void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
   s.Step(frame % 7 == 3 ? 1.0 / 30.0 : kDt, isa);
 }
 
-// What was struck in frame 26 goes on in short steps, of which the better qualities take up to 133 a frame: one quality
+// What was struck in frame 26 goes on in short steps, up to 133 per frame in the better qualities: one quality
 // sees the end of that.
 uint32_t BusyFrames(ModalQuality quality) { return quality == ModalQuality::kFast ? 40 : 30; }
 
@@ -111,7 +111,7 @@ TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
 TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
 TEST(SimulateModal, SameBitsOnEverySet9Points) { ExpectSameOnEverySet<9>(); }
 
-// Chains at mesh vertices have the state of strands that nobody clumps, and no points.
+// Chains at mesh vertices have the state of strands without clumping, and no points.
 void ExpectStrandsStateAtVertices(const BusyLayer& layer, ModalQuality quality) {
   const auto strands = MakeBusyScene<4>(layer);
   strands->quality = quality;

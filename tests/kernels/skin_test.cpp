@@ -226,7 +226,7 @@ TEST(Skin, NothingMovesWithoutALastFrame) {
     if (cause == kRestartFlag) scene->state.flags |= kChunkRestart;
     if (cause == kTeleport) scene->palette.teleported = 1;
     if (cause == kNewVertices) scene->state.first_new_vertex = first_new = 21;
-    // Last frame's values of a vertex without a last frame are whatever memory held.
+    // Last frame's values of a vertex without a last frame are what memory happened to hold.
     for (uint32_t v = first_new; v < kVerticesPerChunk; ++v) test::Poison(scene->skinned.vertex[v]);
     scene->Run<ArrayVec<8>>();
     for (uint32_t v = 0; v < 64; ++v) {

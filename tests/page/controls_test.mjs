@@ -110,7 +110,7 @@ async function keys() {
     const wrong = found.filter((tried) => !tried.fault && !kEither.has(tried.key) && acts(tried, values) !== (tried.digest !== own)).map(({key, to}) => `${key} = ${to}`);
     check(found.length > 60 && wrong.length === 0, `layer ${name}: each of ${found.length} keys changes bits where it acts, and there alone ${wrong.join(', ')}`);
     const untold = found.filter(({key, fault}) => fault && !fault.includes(`layer '${name}': key '`)).map(({key, fault}) => `${key}: ${fault}`);
-    check(untold.length === 0, `what the layer cannot be (${found.filter(({fault}) => fault).map(({key}) => key).join(', ')}) is told with its reason ${untold.join('; ')}`);
+    check(untold.length === 0, `what the layer cannot be (${found.filter(({fault}) => fault).map(({key}) => key).join(', ')}) is reported with its reason ${untold.join('; ')}`);
     check(back === own, 'and each can be put back');
   }
   // The one that artists ask for first.
@@ -123,7 +123,7 @@ async function keys() {
   tests.noErrors(page);
 }
 
-// A finger, or two, as a touch screen tells of them: places in shares of the canvas.
+// A finger, or two, as a touch screen reports them: places in shares of the canvas.
 async function touches(page, ...steps) {
   const at = await page.evaluate(`(({x, y, width, height}) => [x, y, width, height])(document.getElementById('picture').getBoundingClientRect())`);
   const send = (type, places) => page.send('Input.dispatchTouchEvent', {type, touchPoints: places.map(([x, y], id) => ({x: at[0] + x * at[2], y: at[1] + y * at[3], id}))});
@@ -149,7 +149,7 @@ async function fingers() {
   const by = Math.hypot(...moved.target.map((v, i) => v - near.target[i]));
   check(Math.abs(moved.distance / near.distance - 1) < 0.02 && moved.target[1] > near.target[1] && by > 0.05, `two that go on together move it (${by.toFixed(2)} m)`);
 
-  // The first stroke makes another scene, of lit layers: one without paint is what the next is held against.
+  // The first stroke makes another scene, of lit layers: the next picture is compared with one without paint.
   await set(page, 'brush_radius', 0.3);
   await settled(page, {camera: null});
   await page.evaluate("document.getElementById('tool').value = 'paint 1'");

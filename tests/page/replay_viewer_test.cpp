@@ -1,5 +1,5 @@
 // A recording on the page: its digests are those that were recorded, wherever the user stands, and what is wrong with it
-// is told.
+// is reported.
 #include "bench/page/replay_viewer.hpp"
 
 #include <gtest/gtest.h>

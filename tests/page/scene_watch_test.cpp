@@ -1,4 +1,4 @@
-// What `pelt view --watch` sees of files that change, and what it tells of them.
+// What `pelt view --watch` sees of files that change, and what it reports of them.
 #include "bench/page/scene_watch.hpp"
 
 #include <gtest/gtest.h>
@@ -157,7 +157,7 @@ TEST_F(SceneWatchTest, AMistypedKeyIsToldWithItsLineAndTheLastSceneStays) {
   EXPECT_EQ(Changes(scene, 0)["error"], scene.error());
   EXPECT_FALSE(Changes(scene, 0).contains("files"));
   EXPECT_EQ(scene.files(), before);
-  EXPECT_EQ(Looks(scene, 12), 0u) << "it is told once";
+  EXPECT_EQ(Looks(scene, 12), 0u) << "it is reported once";
 
   SaveByRename("fur.toml", good);
   EXPECT_EQ(Looks(scene), 1u);

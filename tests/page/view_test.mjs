@@ -1,7 +1,7 @@
 // The page of `pelt view` in headless Chromium: node view_test.mjs PELT CHROMIUM WORK_DIR
 //
 // Its digests are the program's, its picture is that of the headless OpenGL renderer, its controls do what they say and
-// can be taken back, and what is wrong is told. Exit code 77: this program has no module.
+// can be taken back, and what is wrong is reported. Exit code 77: this program has no module.
 import {spawnSync} from 'node:child_process';
 import fs from 'node:fs';
 import {PageTests, click, differing, frame, pixels, pixelsOfPng, psnr, set, settled, step, textOf, verdict} from './shown_page.mjs';
@@ -72,14 +72,14 @@ async function tiny() {
   check((await page.evaluate('setups[0]')).includes('weight = 4.0'), 'and stands in the setup');
   check(await page.evaluate('location.hash.length') > 10, 'and in the link');
   await settled(page, {key: [layer, 'weight', '"heavy"', 0]});
-  check((await textOf(page, 'fault')).includes('weight'), 'a value of the wrong kind is told');
+  check((await textOf(page, 'fault')).includes('weight'), 'a value of the wrong kind is reported');
   check(await page.evaluate('described.strands') > 0, 'and the page goes on');
   await click(page, 'reset');
   await frame(page, 0);
   await step(page, 5);
   check(await verdict(page) === 'same', `reset takes everything back (${await textOf(page, 'digest')})`);
 
-  // The first stroke makes another scene, of lit layers: one without paint is what the next is held against.
+  // The first stroke makes another scene, of lit layers: the next picture is compared with one without paint.
   await set(page, 'brush_radius', 0.3);
   const paintedWith = async (amount) => {
     await set(page, 'brush_amount', amount);
@@ -218,7 +218,7 @@ async function recording() {
   const bytes = fs.readFileSync(log);
   await drop(scene, 'cut.peltinput', bytes.subarray(0, bytes.length >> 1));
   await scene.until("!document.getElementById('fault').hidden", 'a truncated recording');
-  check(/input log 'cut.peltinput': header, byte \d+: .* it was cut/.test(await fault(scene)), `a truncated recording is told: ${await fault(scene)}`);
+  check(/input log 'cut.peltinput': header, byte \d+: .* it was cut/.test(await fault(scene)), `a truncated recording is reported: ${await fault(scene)}`);
   await step(scene, 1);
   check(await scene.evaluate('document.body.dataset.frame') === '4' && await verdict(scene) === 'same', 'and the scene goes on where it was');
   await drop(scene, 'bug.peltinput', bytes);
@@ -266,8 +266,8 @@ async function broken() {
   const at = page.indexOf('id="module">') + 12;
   fs.writeFileSync(file, page.slice(0, at + 4000) + page.slice(page.indexOf('</script>', at)));
   const shown = await tests.browser.open(`file://${file}?still`, 800, 600);
-  await shown.until("!document.getElementById('fault').hidden", 'a truncated module is told');
-  check(true, 'a truncated module is told');
+  await shown.until("!document.getElementById('fault').hidden", 'a truncated module is reported');
+  check(true, 'a truncated module is reported');
 }
 
 await tests.end([tiny, sliders, recording, monster, plain, consoles, broken]);

@@ -332,13 +332,13 @@ TEST(Viewer, APictureIsGatheredAgainWhereMoreThanCameraAndLightChanged) {
 }
 
 TEST(Viewer, CastHasASetupForEachCharacter) {
-  ScenarioRequest told{.scene = "cast"};
-  Viewer viewer(told);
+  ScenarioRequest request{.scene = "cast"};
+  Viewer viewer(request);
   ASSERT_EQ(viewer.setup_count(), 17u);
   const uint64_t native = RunFor(viewer, 2);
   for (size_t s = 0; s < viewer.setup_count(); ++s)
-    told.setup_texts.push_back(viewer.setup_text(s));
-  EXPECT_EQ(RunDigests(told, 2).back(), native);
+    request.setup_texts.push_back(viewer.setup_text(s));
+  EXPECT_EQ(RunDigests(request, 2).back(), native);
   const Json described = Json::parse(viewer.Describe());
   ASSERT_EQ(described["setups"].size(), 17u);
   EXPECT_EQ(described["setups"][16]["layers"].size(), 9u);

@@ -1,7 +1,7 @@
 // `pelt view --watch` with headless Chromium as the artist's browser: node watch_test.mjs PELT CHROMIUM WORK_DIR
 //
 // A setup, a map that it names and a mistyped key are saved, and the open page takes them: frame, camera and settings
-// stay, an error is told at its line, and the digests are those of the changed files. Exit code 77: no module or server.
+// stay, an error shows at its line, and the digests are those of the changed files. Exit code 77: no module or server.
 import fs from 'node:fs';
 import {PageTests, click, pixels, psnr, set, settled, step, textOf, verdict} from './shown_page.mjs';
 
@@ -21,7 +21,7 @@ async function watch() {
   const served = await tests.serve('view', '--watch', kSetup, '--frames', String(kFrames));
   const page = await tests.openAt(served.address, 'still&width=320&height=240&samples=1');
   const frame = async () => Number(await page.evaluate('document.body.dataset.frame'));
-  const told = () => textOf(page, 'watch');
+  const reported = () => textOf(page, 'watch');
   // Until the page has the version in which this is true.
   const taken = async (what, condition) => {
     await page.until(condition, what);
@@ -63,7 +63,7 @@ async function watch() {
 
   save('max_strnds = 50');
   await page.until("document.getElementById('watch').textContent !== ''", 'an error');
-  check(/my_fur\.toml:5: .*max_strands/.test(await told()), `a mistyped key is told at its line: ${await told()}`);
+  check(/my_fur\.toml:5: .*max_strands/.test(await reported()), `a mistyped key is reported at its line: ${await reported()}`);
   check(await page.evaluate("document.getElementById('fault').hidden"), 'the page itself is well');
   const wrong = await frame();
   await step(page, 1);

@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// Makes `count` values of one that is loaded, then reads them in turns.
+// Makes `count` values of one that is loaded, then reads them one after another.
 StraightCode ManyLive(const CoreUnderTest& on, uint32_t count) {
   StraightBuilder b;
   std::vector<uint32_t> values = {b.Load(on.load, 0)};

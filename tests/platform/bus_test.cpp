@@ -160,15 +160,15 @@ TEST(Platforms, ANumberIsToldByItsMember) {
   CellMemoryNumbers numbers;
   numbers.tags = 7;
   numbers.os_call_ns = 1;
-  std::vector<PlatformNumber> told;
-  TellNumbers(numbers, told, "MFC: ");
-  ASSERT_EQ(told.size(), sizeof numbers / sizeof numbers.tags) << "one left out";
-  EXPECT_EQ(told[3].name, "MFC: tags");
-  EXPECT_EQ(told[3].value, 7.0);
-  EXPECT_EQ(told[3].unit, numbers.tags.unit);
-  EXPECT_EQ(told[3].source, numbers.tags.source);
-  EXPECT_EQ(told.back().value, 1.0);
-  // Thousandths are told as the rate they are.
+  std::vector<PlatformNumber> described;
+  TellNumbers(numbers, described, "MFC: ");
+  ASSERT_EQ(described.size(), sizeof numbers / sizeof numbers.tags) << "one left out";
+  EXPECT_EQ(described[3].name, "MFC: tags");
+  EXPECT_EQ(described[3].value, 7.0);
+  EXPECT_EQ(described[3].unit, numbers.tags.unit);
+  EXPECT_EQ(described[3].source, numbers.tags.source);
+  EXPECT_EQ(described.back().value, 1.0);
+  // A rate in thousandths is reported as the rate itself.
   EXPECT_EQ(TellNumber(CacheParameters{}.l2_milli_bytes_per_cycle).value, 16.0);
 }
 
@@ -184,8 +184,8 @@ TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
   CellParameters deep;
   deep.runtime.stack_bytes = 1234;
   EXPECT_EQ(MakeCell(deep, deep.jobs).OrThrow().runtime.stack_bytes, 1234u);
-  const std::vector<PlatformNumber> told = DescribeCell(deep);
-  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const PlatformNumber& n) {
+  const std::vector<PlatformNumber> described = DescribeCell(deep);
+  EXPECT_TRUE(std::any_of(described.begin(), described.end(), [](const PlatformNumber& n) {
     return n.name == "stack" && n.value == 1234.0;
   }));
   std::string error;

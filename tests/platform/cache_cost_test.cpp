@@ -7,7 +7,7 @@
 namespace pelt {
 namespace {
 
-// An iteration: `arithmetic` operations, then the next 16 bytes of each of `rows` rows.
+// Each iteration: `arithmetic` operations, then the next 16 bytes of each of `rows` rows.
 Trace Rows(uint32_t iterations, uint32_t rows, uint32_t arithmetic, RecordedKind kind) {
   Trace trace;
   for (uint32_t t = 0; t < iterations; ++t) {

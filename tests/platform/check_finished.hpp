@@ -3,7 +3,7 @@
 //
 // Checked: every instruction is there once, or more often if it only makes a value; each reads,
 // operand by operand, the value it should, and writes registers of the right file; a spill slot
-// holds what is loaded from it and is nobody else's; every byte is loaded and overwritten behind
+// holds what is loaded from it and nothing else; every byte is loaded and overwritten behind
 // the same store as in the straight code; no store is ahead of a branch that it was behind; padding
 // has no operands; locations follow on each other; the counts are right. Not checked: cycles.
 //

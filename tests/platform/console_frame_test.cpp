@@ -154,7 +154,7 @@ FrameWork MadeWork(uint32_t items, double cycles, uint32_t kib = 16, bool double
 }
 Cycles StageCycles(const ModelledFrame& frame) { return frame.stage_cycles[0]; }
 
-// A unit with a store fetches a character's palette once a pass, however many of its items it takes.
+// A unit with a store fetches a character's palette once per pass, however many of its items it takes.
 TEST(MovedData, APaletteComesOnceAPass) {
   Scenario scenario = TinyScenario();
   const ModelledRun run = RunOn(scenario, Ps3(1), 2, kCyclesPerIteration);
@@ -242,7 +242,7 @@ TEST(FrameClock, ComputeAloneIsItemsOverUnits) {
   EXPECT_EQ(machine.Available(10.0), 20.0);
 }
 
-// Neither console is favoured: what nobody measured on the one is taken from the other.
+// Neither console is favoured: what was not measured on the one is taken from the other.
 TEST(ConsoleMachines, HaveOneAvailability) {
   EXPECT_EQ(Ps3().availability, 0.92);
   EXPECT_EQ(Xbox().availability, Ps3().availability);
@@ -250,7 +250,7 @@ TEST(ConsoleMachines, HaveOneAvailability) {
   EXPECT_NE(Xbox().availability_from.find("none was measured"), std::string::npos);
 }
 
-// The same machine whatever its availability: rates of memory and compute are the models' own.
+// The same machine for any availability: rates of memory and compute are the models' own.
 TEST(ConsoleMachines, AreTimedWithoutTheirAvailability) {
   CellParameters cell;
   XenonParameters xenon;
@@ -292,7 +292,7 @@ TEST(FrameClock, CodeComesWhenAnotherPassRanBetween) {
   EXPECT_EQ(TimeFrame(work, machine).passes[1].code_bytes, 2 * 64u);
   work.passes[1].pass = 1;
   EXPECT_EQ(TimeFrame(work, machine).passes[1].code_bytes, 2 * (4096u + 64u));
-  // Nobody brings code who finds no item.
+  // A unit that finds no item fetches no code.
   EXPECT_EQ(TimeFrame(MadeWork(1, 5000.0), machine).passes[0].code_bytes, 4096u + 64u);
 }
 
@@ -435,7 +435,7 @@ TEST(ConsoleFrame, NoticesAFaultyKernel) {
 }
 
 // Costs that a stage has the wrong way round move the frame: nothing of it is lost in transfers.
-// The cheaper, the more of a frame is moving data and the modal kernels' code, whatever they cost: a
+// The cheaper, the more of a frame is moving data and the modal kernels' code, regardless of their cost: a
 // PS3's takes 0.15 ms at least.
 TEST(ConsoleFrame, ADearerStageMakesALongerFrame) {
   Scenario scenario = TinyScenario();

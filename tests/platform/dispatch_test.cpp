@@ -14,7 +14,7 @@ double PerJob(const DispatchParameters& p, uint32_t spes, double job_us) {
   return run.MicrosecondsPerJob(kJobs);
 }
 
-// Row J4 says so of gcell: 19 to 25 us, whatever the SPE count and the job.
+// Row J4 says so of gcell: 19 to 25 us, for any SPE count and any job.
 TEST(DispatchProperties, ShortJobsHaveTheDispatchersFloor) {
   for (uint32_t spes = 2; spes <= 6; ++spes)
     for (const double us : {1.0, 5.0, 10.0}) {

@@ -38,7 +38,7 @@ TEST(KernelRows, EveryMeasurementLiesInTheRangeOfItsPrice) {
   }
 }
 
-// An iteration of N-body: 4 loads, 3 differences, 3 multiply-adds, estimate and interpolation, 3
+// One iteration of N-body: 4 loads, 3 differences, 3 multiply-adds, estimate and interpolation, 3
 // products, 3 multiply-adds, counter, hint, branch. 13 of the even pipe and the counter bound it;
 // written one after the other, each of ten dependent steps waits for the one before.
 TEST(KernelRows, NBodyIsBoundByItsEvenPipeAndByItsChain) {

@@ -107,7 +107,7 @@ TEST(LowerToSpu, AScalarStoreReadsMergesAndWrites) {
                  })),
                  0, {});
   EXPECT_EQ(Text(code), "lqd rotqbyi andi shli lqx rotqby ai lqx cwx shufb stqx");
-  // Quadwords, whatever the word: stores are ordered behind the loads they overlap.
+  // Quadwords, regardless of the word: stores are ordered behind the loads they overlap.
   for (const Instruction& instruction : code.code.program)
     if (instruction.address.size_bytes) {
       EXPECT_EQ(instruction.address.size_bytes, 16u);

@@ -34,7 +34,7 @@ TEST(PpeCore, TwoOnOneUnitNeverPair) {
   EXPECT_EQ(Cycles("lfs 1,0(4); vperm 2,3,4,5"), (V{0, 1}));  // both VSU2
   EXPECT_EQ(Cycles("vaddfp 1,2,3; vperm 4,5,6,7"), (V{0, 0}));
   EXPECT_EQ(Cycles("vaddfp 1,2,3; fadd 4,5,6"), (V{0, 1}));                // both VSU1
-  EXPECT_EQ(Cycles("add 3,4,5; lwz 6,0(7); vaddfp 1,2,3"), (V{0, 0, 1}));  // two a cycle
+  EXPECT_EQ(Cycles("add 3,4,5; lwz 6,0(7); vaddfp 1,2,3"), (V{0, 0, 1}));  // two per cycle
 }
 
 TEST(PpeCore, NothingGoesBehindABranchAMultiplyOrADivide) {
@@ -121,7 +121,7 @@ TEST(PpePair, ThreadsThatNeverWaitHaveEveryOtherCycle) {
   EXPECT_EQ(unequal.CyclesPerIteration(1), 24.0);
 }
 
-// One thread a cycle, even where the two want different units.
+// One thread per cycle, even where the two want different units.
 TEST(PpePair, TwoThreadsDoNotShareACycle) {
   std::string loads = "loop:\n";
   for (int i = 0; i < 8; ++i) loads += "lwz " + std::to_string(3 + i) + ",0(20)\n";

@@ -66,7 +66,7 @@ class LineProgram {
   // Draws an item and gets it, into a buffer that its last put has left.
   void Draw(uint32_t item) {
     if (item > items_.each) return;
-    // The line goes round once before anybody has an item; one draw more finds that there is none.
+    // The line goes round once before any SPU has an item; one draw more finds that there is none.
     steps_.push_back(Compute(kDraw * (item == 0 ? spu_ + 1 : 1)));
     if (item == items_.each || items_.get_elements == 0) return;
     steps_.push_back(Dma(List(DmaKind::kGet, item)));

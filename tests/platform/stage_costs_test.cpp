@@ -215,7 +215,7 @@ uint64_t DigestOf(const StageCosts& costs) {
   return digest.Value();
 }
 
-// Whatever compiler built the kernels, in whatever build, and wherever in memory they ran. What
+// For any compiler and any build of the kernels, and wherever in memory they ran. What
 // changes a kernel, a core or a schedule changes these: put in what the test prints, once the costs
 // themselves have been looked at.
 TEST(KnownPrices, AreThoseOfEachTrace) {

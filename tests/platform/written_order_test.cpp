@@ -153,7 +153,7 @@ TEST(WrittenOrder, AStoreOfTheSecondIterationDoesNotTakeTheFirstIterationsLoad) 
 }
 
 // No work of a later statement goes before an earlier one's, and no iteration of a loop into
-// another, whatever hangs on what: that is a scheduler's doing.
+// another, regardless of what depends on what: that is a scheduler's doing.
 TEST(WrittenOrder, StatementsAndIterationsStayOneAfterAnother) {
   const Trace trace = InWrittenOrder(Record([](Rows& rows) {
     V sum(0.0f), product(1.0f);

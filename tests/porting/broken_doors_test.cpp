@@ -76,7 +76,7 @@ TEST(BrokenDoors, StartsTasksTwice) {
 TEST(BrokenDoors, ReturnsNullForQueuedTasks) {
   BrokenDoor broken;
   const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
-    // Starts when it is too late for everybody.
+    // Starts the task when no caller waits for it any more.
     BrokenDoor::Of(user).threads.emplace_back([=] {
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
       task(context);

@@ -2,8 +2,8 @@
 # The same bits on another machine: a Linux under qemu (the case below says which: two byte orders, 32 and 64 bits, with
 # vectors and without), Windows (another ABI, C library and thread library) under wine, WebAssembly in Node; and by
 # clang for this one. Builds tests/porting/cross with Debian's cross compilers, compares what it prints with the host's,
-# and holds what it computes from recordings of SCENES against their golden digests, and the recordings that are kept
-# beside those against their own. Exit code 77 if the machine's compiler or emulator is missing.
+# what it computes from recordings of SCENES with their golden digests, and the recordings that are kept
+# beside those with their own. Exit code 77 if the machine's compiler or emulator is missing.
 #   cross_test.sh MACHINE BUILD_DIR SOURCE_DIR COMPILER PELT HOST_DIR SCENES...
 # COMPILER is the host's; PELT bakes the groom; HOST_DIR has the host's cross_frames and cross_golden. WebAssembly's are
 # built where BUILD_DIR has the module of the page (PELT_WASM), clang's where clang-sanitize stands beside BUILD_DIR: all

@@ -1,6 +1,6 @@
 // The whole frame under the thread sanitizer, on plain std::threads: oneTBB's own synchronisation
 // is unknown to the sanitizer, so it is not in this program. In builds without the sanitizer the
-// same frames are held against the serial bits.
+// same frames are compared with the serial bits.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -115,7 +115,7 @@ TEST(ThreadsDeathTest, PlantedRaceIsCaught) {
       "data race");
 #else
   RunPlantedRace();
-  GTEST_SKIP() << "no thread sanitizer in this build: nobody looks for the race";
+  GTEST_SKIP() << "no thread sanitizer in this build: nothing detects the race";
 #endif
 }
 

@@ -1,4 +1,4 @@
-// What happens to whatever is at the path that is written, and what may be read.
+// What happens to all that may be at a path that is written, and what may be read.
 #include "core/file_bytes.hpp"
 
 #include <fcntl.h>
@@ -136,7 +136,7 @@ TEST_F(FileBytes, FifoIsWrittenToAndNotReplaced) {
 TEST_F(FileBytes, TryingLeavesAFifoAlone) {
   const std::string fifo = Path("fifo");
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  EXPECT_EQ(Try(fifo), "");  // nobody reads
+  EXPECT_EQ(Try(fifo), "");  // no reader
   std::string got;
   std::thread reader([&] { got = Get(fifo); });
   for (int i = 0; i < 50; ++i) EXPECT_EQ(Try(fifo), "");
@@ -248,7 +248,7 @@ TEST_F(FileBytes, FifosAreRead) {
   }
 }
 
-// Control characters in a path are told, not printed.
+// Control characters in a path are shown as escapes, not printed.
 TEST_F(FileBytes, PathsInErrorsArePrintable) {
   const std::string error = Write(Path("no\x1b[2J/x"), "x");
   EXPECT_NE(error.find("no\\x1b[2J"), std::string::npos) << error;

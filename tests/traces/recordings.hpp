@@ -12,7 +12,7 @@
 
 namespace pelt {
 
-// A built-in scene as it is run if nobody says otherwise. `change(frame, input)` first, for what it is told.
+// A built-in scene as it runs by default. `change(frame, input)` is called on the input of each frame first.
 template <class Change>
 std::vector<std::byte> RecordScene(const std::string& name, uint32_t frames, Change change) {
   Scenario scenario = LoadScenario(name);

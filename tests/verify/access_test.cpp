@@ -1,4 +1,4 @@
-// Reads and writes that no port declares, and state that is nobody's, are found and named.
+// Reads and writes that no port declares, and state that belongs to no block, are found and named.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -161,7 +161,7 @@ TEST(VerifyAccess, HealthyScenePassesAtRest) {
   EXPECT_TRUE(report.Passed()) << DescribeReport(report);
 }
 
-// Lanes that do not live, of the last group that is worked on, read vertices that nobody skins:
+// Lanes that do not live, of the last group that is worked on, read vertices that no kernel skins:
 // vertices live from the last strand of such a group on, and not from its first.
 void ActivateWithoutTheLastLaneGroup(const void* params, const Binding* bindings) {
   healthy.run(params, bindings);

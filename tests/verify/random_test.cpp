@@ -12,7 +12,7 @@ namespace {
 using testing::healthy;
 using testing::Planting;
 
-// What a scene is, and is told in its first frames.
+// What a scene is, and what input it gets in its first frames.
 std::string BytesOf(RandomScene& drawn) {
   std::string bytes;
   const auto add = [&](const auto& value) {

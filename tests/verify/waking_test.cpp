@@ -1,4 +1,4 @@
-// What a change of the input hides from those that sleep is found, whatever the input.
+// A fault that hides a change of the input from what sleeps is found, for any input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -153,7 +153,7 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
                         "wetness of character 0, a lot"));
 }
 
-// Wind has nobody awake: only its beginning and its end, which change the layer's flags.
+// Wind keeps no chunk awake: only its beginning and its end wake, which change the layer's flags.
 void ActivateWithoutWind(const void* params, const Binding* bindings) {
   Binding hiding[kMaxPorts];
   std::copy_n(bindings, healthy.ports.size(), hiding);

@@ -108,7 +108,7 @@ TEST_F(GlCardPicture, CastsTheShadowOfItsSilhouettes) {
   EXPECT_NEAR(share, wanted / count, 0.04);
 }
 
-// Below kCardWidth a strand is one hair, whatever its strip.
+// Below kCardWidth a strand is one hair, for any strip.
 TEST_F(GlCardPicture, ThinHairsAreAsBefore) {
   const Shown thin(Cards(BakedMonster(), 0.0039f), VertexOrder::kSorted);
   Scenario other = Cards(BakedMonster(), 0.0039f);

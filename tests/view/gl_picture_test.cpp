@@ -60,7 +60,7 @@ TEST_F(GlPicture, IsThatOfTheSoftwareForEveryOutputInBothOrders) {
   EXPECT_GE(db, kTwinDb);
 }
 
-// Whatever comes first, what is in front hides it.
+// What is in front hides the rest in any order of drawing.
 TEST_F(GlPicture, LayersHideEachOtherInAnyOrder) {
   PictureScene scene = Monster();
   std::ranges::reverse(scene.draws);

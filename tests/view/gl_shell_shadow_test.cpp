@@ -1,4 +1,4 @@
-// Shells in the sun's map by OpenGL: texel by texel what the software adds, whatever the order. Skipped, and says why,
+// Shells in the sun's map by OpenGL: texel by texel what the software adds, in any order. Skipped, and says why,
 // where there is no OpenGL.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What paint does to a colour and to the light on hair, at values that can be told by hand.
+// What paint does to a colour and to the light on hair, at values that can be computed by hand.
 #include <gtest/gtest.h>
 
 #include "bench/view/default_look.hpp"
@@ -27,7 +27,7 @@ TEST(PaintShading, NoPaintChangesNothing) {
   EXPECT_EQ(look.scatter, kDefaultHair.scatter);
 }
 
-// All of it hides what is below, whatever the noise.
+// All of it hides what is below, for any noise.
 TEST(PaintShading, AllMudIsMud) {
   for (const float noise : {0.0f, 0.4f, 1.0f}) {
     const glm::vec4 seen = SeenPaint({1.0f, 0, 0, 0}, kUp, noise);

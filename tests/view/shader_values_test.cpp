@@ -1,5 +1,5 @@
 // The shaders' functions as a driver compiles them against the same text in C++ (bench/view/shading.hpp), value by value:
-// a pixel for each case of random arguments, drawn into floats by whatever OpenGL is here. One of each kind is asked: the
+// a pixel for each case of random arguments, drawn into floats by the OpenGL found here. One of each kind is asked: the
 // text is one. Skipped, and says why, where there is none.
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Speed of the first half of the frame on one core: pose, palette, bounds, skin, anchors, roots,
 // wind, the vertices of shells; and paint, by brushes that hold every strand.
 //
-// Prints the time a lane (joint, vertex or strand) as the counter `each`, with the digest of what
-// was computed beside it: instruction sets must agree on the digest, whatever their speed. 64
+// Prints the time per lane (joint, vertex or strand) as the counter `each`, with the digest of what
+// was computed beside it: instruction sets must agree on the digest, regardless of their speed. 64
 // chunks go round, about 2 MB, so blocks come from the second-level cache as they do in a frame.
 //
 // Skin has two costs: `realistic` lets a group of 16 vertices share 5 joints (what patches of the

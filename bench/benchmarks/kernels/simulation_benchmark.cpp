@@ -1,4 +1,4 @@
-// Simulation and fitting on one core: nanoseconds a strand, with the digest of what was computed
+// Simulation and fitting on one core: nanoseconds per strand, with the digest of what was computed
 // beside it, and what the machine allows.
 //
 // 64 full chunks (8,192 strands) are stepped in turn, so that blocks come from L2 or L3 as in a
@@ -326,7 +326,7 @@ struct Bench {
     }
     return hash;
   }
-  // Seconds a strand the machine could not beat.
+  // Seconds per strand that the machine could not beat.
   double Limit(const KernelDesc& kernel, const KernelDesc& counting, Isa isa) {
     double bytes = 0.0;
     for (const PortDesc& port : kernel.ports)

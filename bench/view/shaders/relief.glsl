@@ -4,7 +4,7 @@
 //
 // Directions are in the tangent space of the texture: x along u, y along v, z along the normal. A flow is the direction
 // of a hair, root to tip, and need not be unit. Heights are 0 at the skin and 1 at the longest hair's tip; what is seen
-// of the mesh is where the ray enters at 1. Hairs are told apart by where their roots are: a place at height h on a
+// of the mesh is where the ray enters at 1. Hairs are distinguished by where their roots are: a place at height h on a
 // hair that leans is above another root, which is why flow and view act as one shift.
 //
 // Source: Tatarchuk, "Dynamic Parallax Occlusion Mapping with Approximate Soft Shadows", 2006; Estevez & Kulla,

@@ -227,7 +227,7 @@ def run(args, suite):
             print(f"unmutated: {detector} {'FAILS: ' + result['how'] if result['caught'] else 'passes'}"
                   f" in {result['seconds']} s", flush=True)
             if result["caught"]:
-                fail("the copy does not pass as it is; nothing is told apart from that")
+                fail("the copy does not pass as it is; nothing can be distinguished from that")
         bench.reached()
         for mutation in wanted:
             for detector in args.detector or mutation.seen:

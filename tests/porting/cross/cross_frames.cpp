@@ -41,7 +41,7 @@ void MoveOn(uint32_t frame, const pelt::Groom& groom, pelt::PoseBlock& pose) {
   pose.translation_key[0][1][last] += float(frame % 4) / 128.0f;
 }
 
-// Vectors keep denormals while a kernel runs, whatever the thread had before.
+// Vectors keep denormals while a kernel runs, regardless of the mode that the thread had before.
 bool KeepsDenormals() {
   typedef float Four __attribute__((vector_size(16)));
   volatile float a = 0x1p-100f, b = 0x1p-40f;

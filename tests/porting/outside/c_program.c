@@ -1,4 +1,4 @@
-/* An engine in C: it makes a scene, is told what is wrong with bad input, runs the same frame on
+/* An engine in C: it makes a scene, gets the faults of bad input reported, runs the same frame on
  * the caller, on a job system of two functions and by polling, and draws what comes out. Prints the
  * picture and the digest of the README's example; returns the number of checks that failed.
  *
@@ -111,7 +111,7 @@ static void TryBadScenes(PeltBytes good) {
   ExpectRefused(why, "vertex order");
 }
 
-/* A character is placed in its file's units; one that forgets them is told of, once. */
+/* A character is placed in its file's units; one that is not is reported, once. */
 static void TryScales(PeltBytes groom) {
   char why[200] = "";
   const float factors[] = {1.0f, 9.9f, 0.11f, 100.0f, 0.01f};

@@ -1,5 +1,5 @@
-// What an engine without exceptions and RTTI does with Pelt: reads a groom, is told what is wrong
-// with bad input, and runs frames. Prints the digest of the README's example, which runs the first
+// What an engine without exceptions and RTTI does with Pelt: reads a groom, gets the faults of bad
+// input reported, and runs frames. Prints the digest of the README's example, which runs the first
 // of them; returns the number of checks that failed.
 //
 //   no_exceptions GROOM

@@ -1,4 +1,4 @@
-// What each pass is told. Light and look are blocks of floats in the order of their structs in C++.
+// What each pass is given. Light and look are blocks of floats in the order of their structs in C++.
 
 layout(std140) uniform Look {
   LightSet light;
