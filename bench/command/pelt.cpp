@@ -22,6 +22,7 @@
 #include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/picture/renderers.hpp"
+#include "bench/report/embedded_page.hpp"
 #include "bench/report/machine.hpp"
 #include "bench/verify/merge_shards.hpp"
 #include "core/error.hpp"
@@ -485,6 +486,12 @@ ExitCode Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.formatter(std::make_shared<HelpText>());
   app.set_help_all_flag("--help-all", "Print this help message with all options and exit");
+  app.add_flag_callback(
+      "--json-keys",
+      [] {
+        throw CLI::CallForVersion(std::string(JsonKeys().substr(0, JsonKeys().size() - 1)), 0);
+      },
+      "What every key of every command's --json is");
   app.set_version_flag("--version", DescribeVersion, "What this program is and was built with");
   app.footer("See 'pelt bake --help' and so on for each.");
   const Subcommand subcommands[] = {SetUpBake(app),        SetUpRun(app),    SetUpPlan(app),
@@ -502,7 +509,8 @@ ExitCode Main(int argc, char** argv) {
     CheckFiles(*chosen.app);
     return chosen.run();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error), kDone;  // --help, --version
+    if (error.get_exit_code() == 0)
+      return app.exit(error), kDone;  // --help, --version, --json-keys
     PrintError(DescribeUsage(app, error));
     return kNoAnswer;
   }

@@ -15,6 +15,8 @@ struct EmbeddedPage {
 };
 EmbeddedPage EmbeddedReport();
 EmbeddedPage EmbeddedPair();
+// The text of json_keys.txt.
+std::string_view JsonKeys();
 
 // One file that needs nothing else; `json` as printed.
 std::string FillPage(const EmbeddedPage& parts, std::string json);

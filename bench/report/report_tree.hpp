@@ -7,8 +7,8 @@
 // most kReportColumns wide: paragraphs wrap, and so does the last column of a table when it holds
 // texts.
 //
-// Breaks if ignored: keys are what other people's programs read. Each has its entry in
-// bench/report/schemas, and a test holds what is printed to them.
+// Breaks if ignored: keys are what other people's programs read. Each has its line in
+// bench/report/json_keys.txt, and a test checks what is printed by it.
 #pragma once
 
 #include <concepts>

@@ -1,24 +1,25 @@
 #!/usr/bin/env bash
-# What the commands print with --json is as bench/report/schemas says: every key documented, of the type that it
-# says, and no key missing.
-#   schemas_test.sh PELT SOURCE_DIR
+# What the commands print with --json is as bench/report/json_keys.txt says: every key documented, of the type that it
+# says, and no key missing; and `pelt --json-keys` prints that list.
+#   json_keys_test.sh PELT SOURCE_DIR
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 command -v python3 >/dev/null || { echo "SKIPPED: no python3"; exit 77; }
-schemas=$source_dir/bench/report/schemas
-check=$source_dir/tests/command/json_schema.py
+check=$source_dir/tests/command/json_keys.py
 declare -A seen
 python3 "$check" --self-test || fail "the checker itself"
+"$pelt" --json-keys >keys.txt || fail "pelt --json-keys: exit $?"
+cmp keys.txt "$source_dir/bench/report/json_keys.txt" || fail "pelt --json-keys is another list"
 
-# hold SCHEMA arguments...: what pelt prints is JSON by that schema; the exit code may be a verdict.
+# hold SECTION arguments...: what pelt prints is JSON by that section; the exit code may be a verdict.
 hold() {
-  local schema=$1
+  local section=$1
   shift
-  seen[$schema]=1
+  seen[$section]=1
   "$pelt" "$@" --json >out.json 2>err.txt
   local code=$?
   [ "$code" -le 1 ] || is_unsure "$code" out.json err.txt || fail "pelt $* --json: $(cat err.txt)"
-  python3 "$check" "$schemas/$schema.json" out.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
+  python3 "$check" keys.txt "$section" out.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
 }
 
 printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
@@ -66,13 +67,13 @@ hold fit fit --scene tiny --frames 4 --warm-up 4 --platform ps3 --target-ms 0.01
 hold timing timing add.s --trip loop=8
 hold timing_pair timing load.s --core ppe --second-thread sum.s
 hold timing_kernel timing --kernel skin
-# hold_file SCHEMA arguments...: commands that write their JSON to a file.
+# hold_file SECTION arguments...: commands that write their JSON to a file.
 hold_file() {
-  local schema=$1
+  local section=$1
   shift
-  seen[$schema]=1
+  seen[$section]=1
   "$pelt" "$@" --json file.json >/dev/null 2>err.txt || fail "pelt $* --json: $(cat err.txt)"
-  python3 "$check" "$schemas/$schema.json" file.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
+  python3 "$check" keys.txt "$section" file.json >faults.txt || fail "pelt $* --json: $(cat faults.txt)"
 }
 hold_file stress stress --quick --solvers modal --links 3 --rates 60 --isa reference
 hold_file accuracy accuracy --quick --presets soft
@@ -81,15 +82,14 @@ printf '[[layer]]\ncharacter = 0\nname = "vertex"\nsolver = "modal"\nquality = "
 hold_file accuracy_scene accuracy --quick --scene tiny --frames 12 --plan plan.toml
 hold_file accuracy_features accuracy --quick --features --links 3
 
-# A key that the schema does not document, and one that went missing, are seen.
+# A key that the list does not document, and one that went missing, are seen.
 sed 's/"scene": /"scenery": /' <("$pelt" run --scene tiny --frames 1 --json 2>/dev/null) >renamed.json
-python3 "$check" "$schemas/run.json" renamed.json >faults.txt && fail "a renamed key passes"
+python3 "$check" keys.txt run renamed.json >faults.txt && fail "a renamed key passes"
 grep -q "'scenery' is not documented" faults.txt || fail "the renamed key is not named: $(cat faults.txt)"
 grep -q "has no 'scene'" faults.txt || fail "the missing key is not named: $(cat faults.txt)"
 
-for schema in "$schemas"/*.json; do
-  name=$(basename "$schema" .json)
-  [ -n "${seen[$name]:-}" ] || fail "no output is held to $name.json"
+for section in $(python3 "$check" keys.txt); do
+  [ -n "${seen[$section]:-}" ] || fail "no output is checked by the section $section"
 done
 [ "$failures" -eq 0 ] || exit 1
-echo "all passed: ${#seen[@]} schemas"
+echo "all passed: ${#seen[@]} sections"
