@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
 # The `pelt` command as a user meets it: the examples of every help text work, errors are one line
 # with the right exit code, pipes get no progress bar, and the README shows the real plan.
-#   command_test.sh PELT SOURCE_DIR [examples|errors|serving|output|disturbed|readme|pictures]...   (all, if none is named)
+#   command_test.sh PELT SOURCE_DIR [examples|quick_examples|errors|serving|output|disturbed|readme|pictures]...   (all, if none is named)
 set -uo pipefail
 . "$(dirname "$0")/head.sh" "$@"
 
-# Every line of a help text that starts with two blanks and "pelt".
+# Every line of a help text that starts with two blanks and "pelt"; quick: but for those that measure or prove for long.
 run_examples() {
-  local count=0
+  run_examples_of bake run plan report trace diff golden timing budget conformance compare show verify accuracy stress calibrate fit
+}
+run_quick_examples() { run_examples_of bake run plan report trace diff golden timing budget conformance compare show; }
+run_examples_of() {
+  local count=0 subcommands=("$@")
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
   # What `pelt compare --help` compares, and runs by the name of the command.
   "$pelt" run --scene tiny --frames 20 --json >a.json 2>/dev/null && cp a.json b.json
   PATH=$(dirname "$pelt"):$PATH
   local subcommand line words
-  local subcommands=(bake run plan verify report trace diff golden timing budget conformance accuracy stress compare show calibrate fit)
   # A program without the page's module says so, in the one line of an error.
   if "$pelt" view --scene tiny --frames 1 --out tiny.html >/dev/null 2>&1; then
     subcommands+=(view)
@@ -619,5 +622,5 @@ check_pictures() {
   grep SKIPPED pictures.txt
 }
 
-run_parts examples=run_examples errors=check_errors serving=check_serving output=check_output disturbed=check_disturbed readme=check_readme \
+run_parts examples=run_examples quick_examples=run_quick_examples errors=check_errors serving=check_serving output=check_output disturbed=check_disturbed readme=check_readme \
   pictures=check_pictures
