@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what building Pelt needs, if it is missing. Where apt or the rights are not there it says exactly what
-# to install and stops. Arguments: extra packages a caller needs.
+# to install and stops; with PELT_NO_INSTALL=1 it always does. Arguments: extra packages a caller needs.
 set -euo pipefail
 packages=(g++ cmake ninja-build libglm-dev libtbb-dev libbenchmark-dev libgtest-dev libtinygltf-dev libstb-dev
   nlohmann-json3-dev libtomlplusplus-dev libcli11-dev libfmt-dev libbullet-dev glslang-tools
@@ -16,6 +16,10 @@ if ! command -v apt-get >/dev/null; then
   echo "Pelt needs these Debian packages, and there is no apt-get here to install them: ${missing[*]}" >&2
   exit 1
 fi
+if [ -n "${PELT_NO_INSTALL:-}" ]; then
+  echo "missing Debian packages: ${missing[*]}" >&2
+  exit 1
+fi
 root=()
 if [ "$(id -u)" -ne 0 ]; then
   if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
@@ -26,7 +30,7 @@ if [ "$(id -u)" -ne 0 ]; then
     exit 1
   fi
 fi
-echo "installing: ${missing[*]}"
+echo "installing Debian packages, about a minute: ${missing[*]}"
 apt() { "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=120 -qq "$@" </dev/null; }
 if ! { apt update && apt install -y --no-install-recommends "${missing[@]}" >/dev/null; }; then
   echo "apt-get could not install what Pelt needs (no network, or no Debian 12 package sources?). Missing:" >&2

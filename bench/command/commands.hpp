@@ -150,7 +150,7 @@ struct ViewArgs {
   std::string replay;     // a recording to show instead of a scene
 };
 // A page that runs the scene in a browser.
-ExitCode View(const ViewArgs& args);
+ExitCode ViewScene(const ViewArgs& args);
 
 struct PlanArgs {
   ScenarioRequest request;

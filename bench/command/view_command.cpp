@@ -201,7 +201,7 @@ ExitCode ViewRecording(const ViewArgs& args) {
 
 }  // namespace
 
-ExitCode View(const ViewArgs& args) {
+ExitCode ViewScene(const ViewArgs& args) {
   const bool serves = args.open || args.watch;
   if (!args.replay.empty()) return ViewRecording(args);
   if (EmbeddedModule().empty()) throw Error(WhyNoModule());

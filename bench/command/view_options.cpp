@@ -68,7 +68,7 @@ Subcommand SetUpView(CLI::App& root) {
       "  pelt view --replay bug.peltinput --out bug.html\n"
       "To see it: pelt view --scene monster --open, or --replay bug.peltinput --open\n"
       "To work on a setup: pelt view --watch my_fur.toml --character my_animal.glb");
-  return {app, [app, kept] { CompleteView(*app, *kept); }, [kept] { return View(*kept); }};
+  return {app, [app, kept] { CompleteView(*app, *kept); }, [kept] { return ViewScene(*kept); }};
 }
 
 }  // namespace pelt
