@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "bench/accuracy/solver_timing.hpp"
+#include "core/groom/layer_params.hpp"
+#include "core/modal/modal_material.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {
@@ -12,6 +14,7 @@ namespace {
 
 constexpr int kTimedRate = 60;
 constexpr std::string_view kYardstick = "pbd-4";
+constexpr double kDefaultLength_m = 0.03;  // LayerSetup's, as a test holds it
 
 SuiteOptions SuiteFor(const WorkPrecisionOptions& options, int links) {
   SuiteOptions suite;
@@ -119,6 +122,35 @@ size_t MiddleRate(const std::vector<int>& rates) {
   for (size_t r = 1; r < rates.size(); ++r)
     if (std::abs(rates[r] - kTimedRate) < std::abs(rates[middle] - kTimedRate)) middle = r;
   return middle;
+}
+
+Preset DefaultLayer(int links) {
+  const LayerParams params;
+  const double frequency =
+      FrequencyOfHardness(uint32_t(links), double(params.angular_hardness_middle),
+                          double(params.angular_hardness_end), params.iterations);
+  return {kDefaultLayer, kDefaultLength_m, frequency, double(params.velocity_damping),
+          double(params.damping_ratio)};
+}
+
+std::vector<Preset> ShippedPresets(std::vector<Preset> presets, int links) {
+  presets.push_back(DefaultLayer(links));
+  return presets;
+}
+
+std::vector<ShippedRow> MeasureShipped(const Suite& suite, const std::vector<int>& rates, Isa isa) {
+  std::vector<ShippedRow> rows;
+  for (const char* name : {"modal-fine", "modal", "modal-best"})
+    for (size_t preset = 0; preset < suite.options.presets.size(); ++preset)
+      for (const bool velocities : {false, true}) {
+        ShippedRow row{preset, *FindSolver(name), {}};
+        row.solver.velocities = velocities;
+        const SolverFactory factory = FactoryOf(row.solver, isa);
+        for (const int rate : rates)
+          row.scores.push_back(ScoreSolver(suite, preset, factory, rate));
+        rows.push_back(std::move(row));
+      }
+  return rows;
 }
 
 WorkPrecision MeasureWorkPrecision(const WorkPrecisionOptions& options) {

@@ -13,8 +13,8 @@
 #include <functional>
 #include <vector>
 
+#include "bench/accuracy/error_metric.hpp"
 #include "bench/accuracy/named_solver.hpp"
-#include "bench/accuracy/shipped_layer.hpp"
 
 namespace pelt::accuracy {
 
@@ -57,12 +57,31 @@ struct WorkPrecisionPanel {
   bool IsParetoOptimal(const WorkPrecisionRow& row, size_t rate) const;
 };
 
+// What time steps alone cost the modal solver: on chains of links, at every frame rate, on drawn problems
+// (drawn_problem.hpp).
+
+// A layer whose setup says nothing about its material.
+inline constexpr std::string_view kDefaultLayer = "default layer";
+Preset DefaultLayer(int links);
+// Those that are asked for, and the default layer.
+std::vector<Preset> ShippedPresets(std::vector<Preset> presets, int links);
+
+// One material, quality and knowledge of the root.
+struct ShippedRow {
+  size_t preset;  // of the suite's
+  NamedSolver solver;
+  std::vector<Score> scores;  // [rate]
+};
+
 struct ShippedPanel {
   int links;
   std::vector<Preset> presets;
   int strands = 0, motions = 0;  // for each preset: strands a motion
   std::vector<ShippedRow> rows;
 };
+
+// Rows of quality `fine` first, without and with velocities, then the other qualities.
+std::vector<ShippedRow> MeasureShipped(const Suite& suite, const std::vector<int>& rates, Isa isa);
 
 struct WorkPrecision {
   WorkPrecisionOptions options;

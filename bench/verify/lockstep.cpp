@@ -1,12 +1,47 @@
 #include "bench/verify/lockstep.hpp"
 
 #include <algorithm>
+#include <cfenv>
+#include <cstdint>
 #include <thread>
 
-#include "bench/verify/odd_floats.hpp"
 #include "core/error.hpp"
 
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
 namespace pelt {
+namespace {
+
+// The worst that a thread may bring along: it rounds upwards, flushes denormal results to zero and
+// takes denormal operands for zero. Threads started meanwhile inherit it. Put back on the way out.
+class OddFloats {
+ public:
+  explicit OddFloats(bool on) : on_(on) {
+    if (!on_) return;
+    std::fegetenv(&saved_);
+    std::fesetround(FE_UPWARD);
+#if defined(__SSE__)
+    _mm_setcsr(_mm_getcsr() | 0x8040u);
+#elif defined(__aarch64__)
+    uint64_t control;
+    asm volatile("mrs %0, fpcr" : "=r"(control));
+    asm volatile("msr fpcr, %0" : : "r"(control | (uint64_t{1} << 24)));
+#endif
+  }
+  ~OddFloats() {
+    if (on_) std::fesetenv(&saved_);
+  }
+  OddFloats(const OddFloats&) = delete;
+  OddFloats& operator=(const OddFloats&) = delete;
+
+ private:
+  bool on_;
+  std::fenv_t saved_;
+};
+
+}  // namespace
 
 SceneOptions SceneOptionsOf(const VerifyCase& what) {
   SceneOptions options;

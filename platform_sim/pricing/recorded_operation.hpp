@@ -78,7 +78,7 @@ inline constexpr uint32_t kRecordedKindCount = uint32_t(RecordedKind::kCount);
 std::string_view RecordedKindName(RecordedKind kind);
 
 // Arithmetic, compare, select, logic or conversion on lanes, as many as one is: what
-// bench/benchmarks/limits.hpp counts. A reciprocal root is the 16 of its exact sequence.
+// bench/benchmarks/frame_benchmark.cpp counts. A reciprocal root is the 16 of its exact sequence.
 uint32_t LaneArithmetic(RecordedKind kind);
 
 inline constexpr uint32_t kNoValue = 0xFFFFFFFF;
