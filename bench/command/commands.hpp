@@ -270,8 +270,8 @@ struct AccuracyArgs {
   bool tuned = false;                    // instead: the suite that chose the constants
   bool calibrated = false;  // there: strands as layers have them, not equal masses and joints
   Isa isa = BestIsa();
-  bool quick = false;  // few solvers, cases and rounds
-  OutputPath json;     // file to write
+  bool quick = false;                    // few solvers, cases and rounds
+  OutputPath json;                       // file to write
   std::optional<ScenarioRequest> scene;  // frames of this instead of the benchmark
   uint32_t frames = 0;                   // of the scene; 0: enough
   bool contact = true;                   // in the scene

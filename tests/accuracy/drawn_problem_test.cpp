@@ -8,7 +8,7 @@
 
 #include "bench/accuracy/error_metric.hpp"
 #include "bench/accuracy/rod_problem.hpp"
-#include "bench/accuracy/shipped_layer.hpp"
+#include "bench/accuracy/work_precision.hpp"
 
 namespace pelt::accuracy {
 namespace {

@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/accuracy/body_angles.hpp"
 #include "bench/accuracy/body_motion.hpp"
-#include "bench/accuracy/jet.hpp"
 #include "core/error.hpp"
 
 namespace pelt::accuracy {

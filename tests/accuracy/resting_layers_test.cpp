@@ -166,7 +166,7 @@ TEST(RestingLayers, CurlThatFollowsTheRootDoesWhenAskedTo) {
 // ---- Grooms held up ----------------------------------------------------------------------------
 
 // Of every layer, how far points get from where they began, over the length.
-std::vector<Off> Sag(Scenario& scenario, float wetness) {
+std::vector<Off> FindSag(Scenario& scenario, float wetness) {
   scenario.weather_course = {wetness, 0.0f, 0};
   RunningScenario run(scenario, {});
   RunFrames(run, 0, 1);
@@ -221,7 +221,7 @@ TEST(RestingLayers, SagFreeGroomsRestAsTheyWereGroomed) {
     for (const CurlFollows follows : {CurlFollows::kParent, CurlFollows::kRoot}) {
       Scenario held = HeldScenario(true, frequency, follows);
       Scenario loose = HeldScenario(false, frequency, follows);
-      const std::vector<Off> sag = Sag(held, 0.0f), before = Sag(loose, 0.0f);
+      const std::vector<Off> sag = FindSag(held, 0.0f), before = FindSag(loose, 0.0f);
       uint32_t layers = 0;
       for (size_t l = 0; l < sag.size(); ++l) {
         if (before[l].worst == 0.0) continue;
@@ -241,7 +241,7 @@ TEST(RestingLayers, SagFreeGroomsRestAsTheyWereGroomed) {
 // Held up against its dry weight: what water adds, pulls it down.
 TEST(RestingLayers, SagFreeGroomsHangWhenSoaked) {
   Scenario held = HeldScenario(true, 2.0f, CurlFollows::kParent);
-  const std::vector<Off> sag = Sag(held, 1.0f);
+  const std::vector<Off> sag = FindSag(held, 1.0f);
   uint32_t wet = 0;
   for (const Off& off : sag) wet += off.rms > 0.03;
   EXPECT_EQ(wet, 3u);
@@ -252,7 +252,7 @@ TEST(RestingLayers, SagFreeGroomsHangWhenTurnedOver) {
   Scenario held = HeldScenario(true, 2.0f, CurlFollows::kParent);
   held.actors[0].placement = glm::rotate(glm::mat4(1.0f), 3.1f, glm::vec3(1.0f, 0.0f, 0.0f));
   uint32_t hanging = 0;
-  for (const Off& off : Sag(held, 0.0f)) hanging += off.rms > 0.1;
+  for (const Off& off : FindSag(held, 0.0f)) hanging += off.rms > 0.1;
   EXPECT_EQ(hanging, 3u);
 }
 

@@ -34,7 +34,7 @@ struct Errors {
   }
 };
 
-Errors Measure(const Scenario& scene) {
+Errors ErrorsOf(const Scenario& scene) {
   SceneRods rods(scene, kRate, kWarmUp, 16);
   Scenario recorded = AtRate(scene, kRate, 1);
   SetWay(RigidWay(), scene, recorded);
@@ -49,7 +49,7 @@ Errors Measure(const Scenario& scene) {
 }
 
 TEST(SceneRods, FourNodesAreNearTheirRodAndPbdIsNot) {
-  const Errors errors = Measure(OnlyLayer("modal5"));
+  const Errors errors = ErrorsOf(OnlyLayer("modal5"));
   std::printf("modal5 off its rods: fast %.4f, fine %.4f, best %.4f, pbd %.3f; the rods %.5f\n",
               *errors.Of("fast"), *errors.Of("fine"), *errors.Of("best"), *errors.Of("pbd"),
               errors.found.self_error);
@@ -75,16 +75,16 @@ TEST(SceneRods, AWrongFrequencyIsSeen) {
   params.wet_weight = 1.0f;
   params.wet_clump = 0.0f;
   params.wet_hardness = 0.8f;
-  const Errors right = Measure(scene);
+  const Errors right = ErrorsOf(scene);
   scene.weather_course = {1.0f, 0.0f, 0};
-  const Errors wrong = Measure(scene);
+  const Errors wrong = ErrorsOf(scene);
   EXPECT_GT(*wrong.Of("best"), 2.0 * *right.Of("best"));
 }
 
 TEST(SceneRods, LayersWithoutRodsAreNamed) {
   Scenario scene = OnlyLayer("modal5");
   ParamsOf(scene, "modal5").max_distance = 0.5f;
-  const Errors errors = Measure(scene);
+  const Errors errors = ErrorsOf(scene);
   EXPECT_TRUE(std::ranges::none_of(errors.found.ways, [](const auto& e) { return e.has_value(); }));
   ASSERT_EQ(errors.found.notes.size(), 1u);
   EXPECT_EQ(errors.found.notes[0], "no rod to be off for modal5: max_distance");

@@ -137,7 +137,7 @@ TEST(Stability, StaticShape) {
   EXPECT_LT(std::abs(error(euler, 60, 2.0)), 1e-4);
 }
 
-const StressProblem& Row(const std::vector<StressProblem>& rows, std::string_view name) {
+const StressProblem& FindProblem(const std::vector<StressProblem>& rows, std::string_view name) {
   for (const StressProblem& row : rows)
     if (row.name.find(name) != std::string::npos) return row;
   ADD_FAILURE() << name;
@@ -158,7 +158,7 @@ TEST(Stress, RowsAreThereAndSeeded) {
     }
   }
   // The teleport is one frame long.
-  const StressProblem& teleport = Row(rows, "teleport");
+  const StressProblem& teleport = FindProblem(rows, "teleport");
   const BodyPose before = teleport.pose(0.499, 0), after = teleport.pose(0.5, 0);
   EXPECT_NEAR(Length(after.position - before.position), 5.0, 1e-12);
   EXPECT_NEAR(after.axis[0].x, -1.0, 1e-12);
@@ -166,7 +166,7 @@ TEST(Stress, RowsAreThereAndSeeded) {
 
 TEST(Stress, PublishedStretches) {
   const auto rows = StressProblems({.random_starts = 4});
-  const StressProblem& teleport = Row(rows, "teleport");
+  const StressProblem& teleport = FindProblem(rows, "teleport");
   const StressResult pbd = RunStress(teleport, Solver(Method::kPbd, 1, 4));
   const StressResult xpbd = RunStress(teleport, Solver(Method::kXpbd, 8, 1));
   std::printf("teleport: PBD stretches %.0fx (86 published), XPBD %.0fx (15)\n", pbd.worst_stretch,
@@ -251,7 +251,7 @@ class Spoiled final : public StrandSolver {
 
 TEST(Stress, FaultsAreSeen) {
   const auto rows = StressProblems({.random_starts = 4});
-  StressProblem problem = Row(rows, "violent motion, 60 fps");
+  StressProblem problem = FindProblem(rows, "violent motion, 60 fps");
   problem.strands.resize(4);
   problem.start.resize(4);
   const auto run = [&](Spoiled::Fault fault) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/character/gltf_import.hpp"
+
 namespace pelt::test {
 
 inline constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126;
@@ -131,6 +133,24 @@ inline GltfBuilder MakeQuad(const QuadParts& parts = {}) {
         "{\"name\":\"rig\",\"joints\":[0,1],\"inverseBindMatrices\":" + std::to_string(bind) + "}";
   }
   return b;
+}
+
+inline Character Import(const GltfBuilder& builder) {
+  return ImportGltf(builder.Glb(), "quad.glb");
+}
+
+// `last_two`: the digits 62 and 63, which are "-_" in a URL.
+inline std::string Base64(const std::vector<uint8_t>& bytes, const char* last_two = "+/") {
+  const std::string digits =
+      std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789") + last_two;
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
 }
 
 }  // namespace pelt::test

@@ -484,19 +484,6 @@ TEST(GltfField, NormalsFitTheRestPose) {
   EXPECT_NE(Join(c.notes).find("stretch the skin unevenly"), std::string::npos);
 }
 
-std::string Base64(const std::vector<uint8_t>& bytes, const char* last_two) {
-  const std::string digits =
-      std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789") + last_two;
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0);
-    for (size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 TEST(GltfField, DataUrisOfEveryKind) {
   const GltfBuilder b = MakeQuad();
   std::string percent;
@@ -504,13 +491,13 @@ TEST(GltfField, DataUrisOfEveryKind) {
     constexpr const char* kHex = "0123456789abcdef";
     percent += std::string("%") + kHex[byte >> 4] + kHex[byte & 15];
   }
-  const std::string base64 = Base64(b.binary, "+/");
+  const std::string base64 = test::Base64(b.binary);
   std::string broken = base64;
   for (size_t i = 64; i < broken.size(); i += 66) broken.insert(i, "\\r\\n");
   for (const std::string& uri :
        {"data:;base64," + base64, "data:application/octet-stream;base64," + base64,
         "data:model/x-anything;charset=utf-8;base64," + base64, "DATA:;BASE64," + base64,
-        "data:application/gltf-buffer;base64," + Base64(b.binary, "-_"),
+        "data:application/gltf-buffer;base64," + test::Base64(b.binary, "-_"),
         "data:;base64," + base64.substr(0, base64.find('=')), "data:;base64," + broken,
         "data:application/octet-stream," + percent}) {
     const std::string json = b.Json(true, uri);
@@ -616,7 +603,7 @@ TEST(GltfField, Lookalikes) {
   }
   // A byte order mark, and text that is not UTF-8, are no reason to refuse one.
   const GltfBuilder b = MakeQuad();
-  const std::string json = b.Json(true, "data:;base64," + Base64(b.binary, "+/"));
+  const std::string json = b.Json(true, "data:;base64," + test::Base64(b.binary));
   const std::string marked = "\xef\xbb\xbf" + json;
   EXPECT_EQ(ImportGltf(std::as_bytes(std::span(marked)), "quad").mesh.triangles.size(), 2u);
   std::string latin = json;

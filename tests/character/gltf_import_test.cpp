@@ -26,8 +26,6 @@ using test::kU8;
 using test::MakeQuad;
 using test::QuadParts;
 
-Character Import(const GltfBuilder& builder) { return ImportGltf(builder.Glb(), "quad.glb"); }
-
 bool HasNote(const Character& c, const std::string& part) {
   for (const std::string& note : c.notes)
     if (note.find(part) != std::string::npos) return true;

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <limits>
 
-#include "core/character/gltf_import.hpp"
 #include "core/groom/surface_colour.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "tests/groom/png.hpp"
@@ -37,8 +36,6 @@ GltfBuilder MakeLook(const std::string& material, const std::string& more = "",
   b.more = more;
   return b;
 }
-
-Character Import(const GltfBuilder& builder) { return ImportGltf(builder.Glb(), "quad.glb"); }
 
 TEST(GltfLook, FactorIsTheColour) {
   const Character c = Import(MakeLook(Material(R"("baseColorFactor":[0.5,0.25,2,1])")));
@@ -87,20 +84,8 @@ TEST(GltfLook, ImageIsMultipliedWithTheFactor) {
   ExpectNear(surface.At({0, {0.25f, 0.75f, 0.0f}}), {0.0f, 0.5f, 0.0f});
 }
 
-std::string Base64(const std::vector<uint8_t>& bytes) {
-  static const char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t three = 0;
-    for (size_t k = i; k < i + 3; ++k) three = three << 8 | (k < bytes.size() ? bytes[k] : 0u);
-    for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[three >> shift & 63u];
-  }
-  for (size_t i = 0; i < (3 - bytes.size() % 3) % 3; ++i) text[text.size() - 1 - i] = '=';
-  return text;
-}
-
 TEST(GltfLook, ImagesWithinTheTextAreRead) {
-  const std::string uri = "data:image/png;base64," + Base64(TwoTexels());
+  const std::string uri = "data:image/png;base64," + test::Base64(TwoTexels());
   // The two materials have one image.
   const std::string material = Material(R"("baseColorTexture":{"index":0})");
   const Character c =

@@ -11,7 +11,7 @@ namespace pelt {
 namespace {
 
 // Vertices without normals, tangents or UVs, all on joint 0.
-Mesh Bare(std::vector<glm::vec3> position, std::vector<std::array<uint32_t, 3>> triangles) {
+Mesh MakeMesh(std::vector<glm::vec3> position, std::vector<std::array<uint32_t, 3>> triangles) {
   Mesh m;
   m.position = std::move(position);
   m.normal.assign(m.position.size(), glm::vec3(0.0f));
@@ -24,8 +24,9 @@ Mesh Bare(std::vector<glm::vec3> position, std::vector<std::array<uint32_t, 3>> 
 }
 
 TEST(MeshRepair, WeldMergesEqualsOnly) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, -0.0f}, {9, 9, 9}},
-                {{0, 1, 2}, {3, 4, 5}});
+  Mesh m =
+      MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, -0.0f}, {9, 9, 9}},
+               {{0, 1, 2}, {3, 4, 5}});
   m.normal[3] = {0, 0, 1};          // vertex 3 differs from 1
   EXPECT_EQ(WeldVertices(&m), 2u);  // 5 is 2; 6 is unused
   ASSERT_EQ(m.position.size(), 5u);
@@ -38,7 +39,7 @@ TEST(MeshRepair, WeldMergesEqualsOnly) {
 
 TEST(MeshRepair, WeldLooksAtJointsWeightsAndUvs) {
   for (int what = 0; what < 3; ++what) {
-    Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, {{0, 1, 2}, {3, 2, 1}});
+    Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, {{0, 1, 2}, {3, 2, 1}});
     m.uv.assign(4, {0, 0});
     if (what == 0) m.joints[3][1] = 5;
     if (what == 1) m.weights[3] = {0.5f, 0.5f, 0, 0};
@@ -48,8 +49,8 @@ TEST(MeshRepair, WeldLooksAtJointsWeightsAndUvs) {
 }
 
 TEST(MeshRepair, DegenerateTrianglesGo) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}},
-                {{0, 0, 1}, {0, 1, 2}, {0, 1, 3}, {3, 1, 3}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}},
+                    {{0, 0, 1}, {0, 1, 2}, {0, 1, 3}, {3, 1, 3}});
   m.triangle_material = {0, 1, 2, 3};
   EXPECT_EQ(DropDegenerateTriangles(&m), 3u);
   EXPECT_EQ(m.triangles, (std::vector<std::array<uint32_t, 3>>{{0, 1, 3}}));
@@ -58,8 +59,8 @@ TEST(MeshRepair, DegenerateTrianglesGo) {
 
 TEST(MeshRepair, NormalsWeighByAreaAcrossSeams) {
   // A large triangle facing +z and a small one facing +x share an edge, but not its vertices.
-  Mesh m = Bare({{0, 0, 0}, {-4, 0, 0}, {0, -1, 0}, {0, 0, 0}, {0, -1, 0}, {0, 0, -1}},
-                {{0, 1, 2}, {3, 4, 5}});
+  Mesh m = MakeMesh({{0, 0, 0}, {-4, 0, 0}, {0, -1, 0}, {0, 0, 0}, {0, -1, 0}, {0, 0, -1}},
+                    {{0, 1, 2}, {3, 4, 5}});
   EXPECT_EQ(GenerateNormals(&m), 6u);
   // Areas 2 and 0.5; the first faces +z, the second +x.
   const double length = std::sqrt(4.0 + 0.25);
@@ -72,13 +73,13 @@ TEST(MeshRepair, NormalsWeighByAreaAcrossSeams) {
 }
 
 TEST(MeshRepair, NormalsOfAFoldedSheet) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}});
   EXPECT_EQ(GenerateNormals(&m), 3u);
   for (const glm::vec3& n : m.normal) EXPECT_EQ(n, glm::vec3(0, 0, 1));
 }
 
 TEST(MeshRepair, GivenNormalsStay) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   m.normal[1] = {1, 0, 0};
   EXPECT_EQ(GenerateNormals(&m), 2u);
   EXPECT_EQ(m.normal[1], glm::vec3(1, 0, 0));
@@ -89,8 +90,8 @@ TEST(MeshRepair, GivenNormalsStay) {
 Mesh Roof(double degrees) {
   const float c = float(std::cos(degrees * 3.14159265358979 / 180.0)),
               s = float(std::sin(degrees * 3.14159265358979 / 180.0));
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {-3 * c, 0, -3 * s}},
-                {{0, 1, 2}, {3, 4, 5}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {-3 * c, 0, -3 * s}},
+                    {{0, 1, 2}, {3, 4, 5}});
   const glm::vec3 left(-s, 0.0f, c);
   m.normal = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, left, left, left};
   GenerateTangents(&m);
@@ -113,7 +114,7 @@ TEST(MeshRepair, CreasesUpToAnAngleAreRound) {
 
 TEST(MeshRepair, TinyAndHugeTrianglesHaveNormals) {
   for (float size : {1e-18f, 1e-10f, 1e10f, 1e15f}) {
-    Mesh m = Bare({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
+    Mesh m = MakeMesh({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
     EXPECT_EQ(DropDegenerateTriangles(&m), 0u);
     GenerateNormals(&m);
     EXPECT_EQ(m.normal[0], glm::vec3(0, 0, 1)) << size;
@@ -121,7 +122,7 @@ TEST(MeshRepair, TinyAndHugeTrianglesHaveNormals) {
 }
 
 TEST(MeshRepair, TangentsFollowU) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   m.uv = {{0, 0}, {0, 1}, {2, 0}};  // u grows along +y, v along +x: mirrored
   GenerateNormals(&m);
   EXPECT_EQ(GenerateTangents(&m), 3u);
@@ -140,7 +141,7 @@ TEST(MeshRepair, TangentsAreUnitAndAcrossWhateverComesIn) {
     return v;
   };
   for (int with_uv = 0; with_uv < 2; ++with_uv) {
-    Mesh m = Bare(std::vector<glm::vec3>(300), {});
+    Mesh m = MakeMesh(std::vector<glm::vec3>(300), {});
     for (auto& p : m.position) p = draw(1.0);
     for (int i = 0; i < 500; ++i)
       m.triangles.push_back({random.Below(300), random.Below(300), random.Below(300)});
@@ -193,7 +194,7 @@ TEST(MeshRepair, LostWeightsAreBorrowed) {
   for (uint32_t i = 0; i < 9; ++i) position.push_back({float(i), float(i % 2), 0});
   for (uint32_t i = 0; i + 2 < 9; ++i) triangles.push_back({i, i + 1, i + 2});
   position.push_back({0, 9, 0});  // of no triangle
-  Mesh m = Bare(position, triangles);
+  Mesh m = MakeMesh(position, triangles);
   std::vector<uint8_t> lost(10, 1);
   lost[0] = lost[8] = 0;
   m.joints[0] = {3, 4, 0, 0};
@@ -211,8 +212,8 @@ TEST(MeshRepair, LostWeightsAreBorrowed) {
 
 // A seam's other side is at the same place, nearer than any corner.
 TEST(MeshRepair, LostWeightsAreBorrowedAcrossSeams) {
-  Mesh m = Bare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
-                {{0, 1, 2}, {3, 5, 4}});
+  Mesh m = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                    {{0, 1, 2}, {3, 5, 4}});
   m.joints[3] = {7, 0, 0, 0};
   EXPECT_EQ(BorrowWeights(&m, {0, 1, 0, 0, 0, 0}), 1u);
   EXPECT_EQ(m.joints[1][0], 7);

@@ -19,7 +19,7 @@
 namespace pelt {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 // A folder of its own, gone afterwards.
 class Folder {
@@ -32,15 +32,15 @@ class Folder {
 
  private:
   static std::string Name() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     return std::string(test->test_suite_name()) + "_" + test->name() + "_" +
-           std::to_string(testing::UnitTest::GetInstance()->random_seed()) + "_" +
+           std::to_string(::testing::UnitTest::GetInstance()->random_seed()) + "_" +
            std::to_string(reinterpret_cast<uintptr_t>(&test));
   }
   std::filesystem::path path_;
 };
 
-std::string TextOf(const std::string& path) {
+std::string ReadText(const std::string& path) {
   const std::vector<std::byte> bytes = ReadFileBytes("test", path).OrThrow();
   return std::string(AsText(bytes));
 }
@@ -381,10 +381,10 @@ TEST(AccuracyCommand, RunsAScene) {
   args.contact = false;
   args.json = OutputPath::Of(folder / "scene.json");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  const Json json = Json::parse(TextOf(args.json.path()));
+  const Json json = Json::parse(ReadText(args.json.path()));
   EXPECT_EQ(json["frames"], 12);
   EXPECT_EQ(json["contact"], false);
-  EXPECT_EQ(SectionMessage(TextOf(args.json.path())), "no error");
+  EXPECT_EQ(SectionMessage(ReadText(args.json.path())), "no error");
   args.scene = {.scene = "nowhere"};
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }
@@ -399,7 +399,7 @@ TEST(StressCommand, WritesItsRows) {
   args.quick = true;
   args.json = OutputPath::Of(folder / "stress.json");
   EXPECT_EQ(StressSolvers(args), 0);
-  const Json json = Json::parse(TextOf(args.json.path()));
+  const Json json = Json::parse(ReadText(args.json.path()));
   EXPECT_EQ(json["broken"], 0);
   ASSERT_GT(json["rows"].size(), 2u * 12);
   double worst = 0.0;

@@ -8,7 +8,7 @@
 
 #include "bench/report/report_page.hpp"
 #include "bench/report/run_report.hpp"
-#include "core/error.hpp"
+#include "tests/error_from.hpp"
 
 namespace pelt {
 namespace {
@@ -277,38 +277,33 @@ TEST(Compare, ThePageHasAllFramesAndNoMarkup) {
   EXPECT_EQ(data["frame_ms"]["b"], data["frame_ms"]["a"]);
 }
 
-void ExpectRefused(const std::string& text, const std::string& place) {
-  try {
-    ReadMeasuredRun("run 'a.json'", text);
-    ADD_FAILURE() << "read: " << text.substr(0, 60);
-  } catch (const Error& error) {
-    const std::string said = error.what();
-    EXPECT_EQ(said.find("run 'a.json'"), 0u) << said;
-    EXPECT_NE(said.find(place), said.npos) << said;
-  }
+void ExpectNoRun(const std::string& text, const std::string& place) {
+  const std::string said = test::ErrorFrom([&] { ReadMeasuredRun("run 'a.json'", text); });
+  EXPECT_EQ(said.find("run 'a.json'"), 0u) << said << " of " << text.substr(0, 60);
+  EXPECT_NE(said.find(place), said.npos) << said;
 }
 
 TEST(Compare, WhatIsNoRunIsRefusedByItsPlace) {
   const std::string whole = RunTiny(BestIsa(), 4);
-  ExpectRefused(whole.substr(0, whole.size() / 2), "not one whole JSON value: line ");
-  ExpectRefused("", "not one whole JSON value: line 1");
-  ExpectRefused("[1]", "'samples' is missing");
+  ExpectNoRun(whole.substr(0, whole.size() / 2), "not one whole JSON value: line ");
+  ExpectNoRun("", "not one whole JSON value: line 1");
+  ExpectNoRun("[1]", "'samples' is missing");
   nlohmann::json run = nlohmann::json::parse(whole);
   const auto with = [&](const char* pointer, nlohmann::json value) {
     nlohmann::json other = run;
     other[nlohmann::json::json_pointer(pointer)] = std::move(value);
     return other.dump();
   };
-  ExpectRefused(with("/samples", nlohmann::json::object()), "'samples.frame_ms' is missing");
-  ExpectRefused(with("/samples/frame_ms/1", "x"), "'samples.frame_ms[1]' is no time: \"x\"");
-  ExpectRefused(with("/samples/frame_ms/1", -1), "'samples.frame_ms[1]' is no time: -1");
-  ExpectRefused(with("/samples/stages/skin", nlohmann::json::array()), "'samples.stages.skin'");
-  ExpectRefused(with("/samples/layers", 1), "'samples.layers' is not an object");
-  ExpectRefused(with("/samples/characters/character 0", 1), "'samples.characters.character 0'");
-  ExpectRefused(with("/digest", 4), "'digest'");
-  ExpectRefused(with("/machine_use", nlohmann::json::object()),
-                "'machine_use.disturbances' is missing");
-  ExpectRefused(with("/machine_use/disturbances", {1}), "'machine_use.disturbances' is no list");
+  ExpectNoRun(with("/samples", nlohmann::json::object()), "'samples.frame_ms' is missing");
+  ExpectNoRun(with("/samples/frame_ms/1", "x"), "'samples.frame_ms[1]' is no time: \"x\"");
+  ExpectNoRun(with("/samples/frame_ms/1", -1), "'samples.frame_ms[1]' is no time: -1");
+  ExpectNoRun(with("/samples/stages/skin", nlohmann::json::array()), "'samples.stages.skin'");
+  ExpectNoRun(with("/samples/layers", 1), "'samples.layers' is not an object");
+  ExpectNoRun(with("/samples/characters/character 0", 1), "'samples.characters.character 0'");
+  ExpectNoRun(with("/digest", 4), "'digest'");
+  ExpectNoRun(with("/machine_use", nlohmann::json::object()),
+              "'machine_use.disturbances' is missing");
+  ExpectNoRun(with("/machine_use/disturbances", {1}), "'machine_use.disturbances' is no list");
 }
 
 TEST(Compare, RoundsOfACommandAreOneRun) {
@@ -317,14 +312,9 @@ TEST(Compare, RoundsOfACommandAreOneRun) {
   };
   const ComparedSide same{"same", {read(8), read(8)}}, other{"other", {read(8), read(9)}};
   EXPECT_NO_THROW(CompareRuns(same, same));
-  try {
-    CompareRuns(same, other);
-    ADD_FAILURE() << "8 and 9 frames are compared";
-  } catch (const Error& error) {
-    const std::string said = error.what();
-    EXPECT_NE(said.find("'other'"), said.npos) << said;
-    EXPECT_NE(said.find("'frames' is 8 in round 1 and 9 in round 2"), said.npos) << said;
-  }
+  const std::string said = test::ErrorFrom([&] { CompareRuns(same, other); });
+  EXPECT_NE(said.find("'other'"), said.npos) << said;
+  EXPECT_NE(said.find("'frames' is 8 in round 1 and 9 in round 2"), said.npos) << said;
   // A digest that changes is a finding, not an error.
   ComparedSide changed = same;
   changed.rounds[1].digest = "0";

@@ -22,7 +22,7 @@ using namespace testing;
 // As the page reads it: no gaps in what a unit does, transfers inside the frame, sums as modelled.
 TEST_P(ConsoleOf, ThePagesFrameHasNoGaps) {
   const ConsoleBudget& b = on().budget;
-  const auto json = Json([&](JsonText& text) { AddConsoleFrame(text, b, on().scene()); });
+  const auto json = JsonOf([&](JsonText& text) { AddConsoleFrame(text, b, on().scene()); });
   ASSERT_TRUE(json.is_object());
   EXPECT_EQ(json["frame"], b.summary.worst_frame);
   EXPECT_NEAR(double(json["ns"]) * 1e-6, b.summary.worst_ms, 1e-6);

@@ -249,7 +249,8 @@ TEST_P(ConsoleOf, AFrameLiesInTheRangeOfItsCode) {
   EXPECT_EQ(json["range"]["scheduled_ms"]["p95"], b.scheduled_ms.p95);
   EXPECT_EQ(json["range"]["as_written_ms"]["median"], b.as_written_ms.median);
   EXPECT_EQ(json["range"]["code_order"], b.machine.code_order);
-  const auto page = Json([&](JsonText& page_text) { AddConsoleFrame(page_text, b, on().scene()); });
+  const auto page =
+      JsonOf([&](JsonText& page_text) { AddConsoleFrame(page_text, b, on().scene()); });
   EXPECT_NE(std::string(page["verdict"]).find(DescribeRange(b)), std::string::npos);
 }
 

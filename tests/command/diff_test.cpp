@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class DiffCommand : public testing::Test {
+class DiffCommand : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
@@ -28,7 +28,7 @@ class DiffCommand : public testing::Test {
   }
   // Exit code; what was printed is in `out_`.
   int Run(const std::string& left, const std::string& right, bool json = false) {
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     int code = -1;
     std::string error;
     try {
@@ -36,15 +36,15 @@ class DiffCommand : public testing::Test {
     } catch (const Error& e) {
       error = e.what();
     }
-    out_ = testing::internal::GetCapturedStdout() + error;
+    out_ = ::testing::internal::GetCapturedStdout() + error;
     return code;
   }
   bool Said(const std::string& words) const { return out_.find(words) != std::string::npos; }
 
   std::string out_;
   fs::path folder_ =
-      fs::path(testing::TempDir()) /
-      (std::string("diff_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+      fs::path(::testing::TempDir()) /
+      (std::string("diff_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 DigestLog MakeLog() {

@@ -41,7 +41,7 @@ FitPlatform MadeUp(uint64_t per_million) {
   return {.name = "made up", .price = price, .price_layers = price_layers};
 }
 
-SceneFit Fit(uint64_t target_ns, uint64_t per_million = 1'000'000) {
+SceneFit FitTiny(uint64_t target_ns, uint64_t per_million = 1'000'000) {
   return FitScene(testing::TinyScenario(), {.target_ns = target_ns,
                                             .worst_px = 1e9f,
                                             .platforms = {MadeUp(per_million)},
@@ -49,7 +49,7 @@ SceneFit Fit(uint64_t target_ns, uint64_t per_million = 1'000'000) {
                                             .frames = 8});
 }
 
-// As Fit's, where layers of chains at mesh vertices cost as many as they have, and all layers by their strands.
+// As FitTiny's, where layers of chains at mesh vertices cost as many as they have, and all layers by their strands.
 SceneFit FitShares(uint64_t target_ns, float worst_px) {
   FitPlatform platform = MadeUp(1'000'000);
   const auto whole = platform.price;
@@ -78,7 +78,7 @@ SceneFit FitShares(uint64_t target_ns, float worst_px) {
 TEST(FitScene, IsWithinTheTargetAndBuysWhatItPaysFor) {
   double least_px = 1e30;
   for (const uint64_t target_ns : {13'000, 20'000, 30'000}) {
-    const SceneFit fit = Fit(target_ns);
+    const SceneFit fit = FitTiny(target_ns);
     ASSERT_TRUE(fit.Fits()) << target_ns;
     EXPECT_LE(fit.costs[0].frame_ns, target_ns);
     EXPECT_LE(fit.plans_priced, 20u);
@@ -89,26 +89,26 @@ TEST(FitScene, IsWithinTheTargetAndBuysWhatItPaysFor) {
     least_px = px;
   }
   // All that can be bought.
-  const SceneFit rich = Fit(1'000'000'000);
+  const SceneFit rich = FitTiny(1'000'000'000);
   ASSERT_TRUE(rich.Fits());
   EXPECT_FALSE(rich.next);
 }
 
 TEST(FitScene, SaysTheLeastThatFits) {
-  const SceneFit poor = Fit(1'000);
+  const SceneFit poor = FitTiny(1'000);
   EXPECT_FALSE(poor.Fits());
   EXPECT_FALSE(poor.next);
   const uint64_t least = poor.costs[0].frame_ns;
   EXPECT_GT(least, 1'000u);
-  EXPECT_TRUE(Fit(least).Fits());
-  EXPECT_FALSE(Fit(least - 1).Fits());
+  EXPECT_TRUE(FitTiny(least).Fits());
+  EXPECT_FALSE(FitTiny(least - 1).Fits());
 }
 
 // The error that was measured of the plan is that of its tiers by themselves: layers have nothing to do
 // with each other.
 TEST(FitScene, LayersErrorsAreTheirTiers) {
   const Scenario tiny = testing::TinyScenario();
-  const SceneFit fit = Fit(20'000);
+  const SceneFit fit = FitTiny(20'000);
   std::vector<Scenario> ways;
   std::vector<bool> has;
   for (const Tier& tier : Tiers()) ways.push_back(AtTier(tiny, tier, has));

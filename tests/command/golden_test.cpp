@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 const std::string kKept = test::SourceFolder() + "/traces/golden";
 
-class GoldenCommand : public testing::Test {
+class GoldenCommand : public ::testing::Test {
  protected:
   void SetUp() override {
     if (kStrandsPerChunk != 128)
@@ -29,7 +29,7 @@ class GoldenCommand : public testing::Test {
   int Check(const std::string& folder) { return Run({folder, {}, "tiny"}); }
   int Renew() { return Run({"", OutputPath::Of(folder_.string()), "tiny"}); }
   int Run(const GoldenArgs& args) {
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     int code = -1;
     std::string error;
     try {
@@ -37,7 +37,7 @@ class GoldenCommand : public testing::Test {
     } catch (const Error& e) {
       error = e.what();
     }
-    out_ = testing::internal::GetCapturedStdout() + error;
+    out_ = ::testing::internal::GetCapturedStdout() + error;
     return code;
   }
   bool Said(const std::string& words) const { return out_.find(words) != std::string::npos; }
@@ -55,8 +55,8 @@ class GoldenCommand : public testing::Test {
 
   std::string out_;
   fs::path folder_ =
-      fs::path(testing::TempDir()) /
-      (std::string("golden_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+      fs::path(::testing::TempDir()) /
+      (std::string("golden_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(GoldenCommand, KeptIsComputed) {

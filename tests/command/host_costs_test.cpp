@@ -7,14 +7,14 @@
 
 #include "bench/fit/console_price.hpp"
 #include "bench/fit/tiers.hpp"
-#include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt {
 namespace {
 
-std::string PathOf(const std::string& text) {
+std::string CostsFile(const std::string& text) {
   const std::string path = ::testing::TempDir() + "pelt_host_" +
                            ::testing::UnitTest::GetInstance()->current_test_info()->name() +
                            ".toml";
@@ -49,17 +49,12 @@ PlatformCost PriceTiny(const HostCosts& costs) {
   return OnHost(costs, "host.toml", 4, 6).price(tiny);
 }
 
-std::string ErrorOf(const std::string& text) {
-  try {
-    ReadHostCosts(PathOf(text));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string CostsError(const std::string& text) {
+  return test::ErrorFrom([&] { ReadHostCosts(CostsFile(text)); });
 }
 
 TEST(HostCosts, AreReadAsTheyWereWritten) {
-  const HostCosts costs = Flat(1234), read = ReadHostCosts(PathOf(HostCostsText(costs)));
+  const HostCosts costs = Flat(1234), read = ReadHostCosts(CostsFile(HostCostsText(costs)));
   EXPECT_EQ(read.processor, costs.processor);
   EXPECT_EQ(read.workers, 2u);
   EXPECT_EQ(read.frame_permille, 1000u);
@@ -110,7 +105,7 @@ double EstimateOfTiny(const FurCosts& costs) {
   }
   return running.scene().budget().ns;
 }
-double SumOf(const std::vector<uint64_t>& layers) {
+double TotalOf(const std::vector<uint64_t>& layers) {
   return std::accumulate(layers.begin(), layers.end(), 0.0);
 }
 
@@ -120,36 +115,31 @@ TEST(FurCosts, AreThoseOfItsLayers) {
   for (size_t s = 0; s < costs.stages.size(); ++s)
     costs.stages[s].picoseconds += uint32_t(1000 * s);
   const Scenario tiny = testing::TinyScenario();
-  const double here = SumOf(PriceTiny(costs).layer_ns);
+  const double here = TotalOf(PriceTiny(costs).layer_ns);
   EXPECT_NEAR(EstimateOfTiny(FurCostsOnHost(costs, "host.toml", tiny)), here, 0.1 * here);
 
   const ConsoleRequest request{.console = Console::kPs3, .frames = 6, .warm_up = 4};
   Scenario priced = tiny;
-  const double there = SumOf(OnConsole(request).price_layers({&priced, 1})[0].layer_ns);
+  const double there = TotalOf(OnConsole(request).price_layers({&priced, 1})[0].layer_ns);
   EXPECT_NEAR(EstimateOfTiny(FurCostsOnConsole(tiny, request)), there, 0.15 * there);
 }
 
 TEST(HostCosts, TellWhatIsWrongAndWhere) {
   const std::string good = HostCostsText(Flat(1));
-  EXPECT_EQ(ErrorOf(good), "");
-  const std::string typo = ErrorOf(good + "\n[[stage]]\nname = \"x\"\npicosecond = 1\n");
+  EXPECT_EQ(CostsError(good), "");
+  const std::string typo = CostsError(good + "\n[[stage]]\nname = \"x\"\npicosecond = 1\n");
   EXPECT_NE(typo.find("did you mean 'picoseconds'"), std::string::npos) << typo;
-  const std::string lacks = ErrorOf("processor = \"x\"\n");
+  const std::string lacks = CostsError("processor = \"x\"\n");
   EXPECT_NE(lacks.find("'commit'"), std::string::npos) << lacks;
-  EXPECT_NE(ErrorOf("stage = 3\n").find("[[stage]]"), std::string::npos);
-  EXPECT_NE(ErrorOf("[[stage]\n").find(".toml:1"), std::string::npos);
+  EXPECT_NE(CostsError("stage = 3\n").find("[[stage]]"), std::string::npos);
+  EXPECT_NE(CostsError("[[stage]\n").find(".toml:1"), std::string::npos);
   // Of another program, whose stages are others.
   HostCosts few = Flat(1);
   std::erase_if(few.stages, [](const auto& stage) { return stage.name == "skin"; });
-  try {
-    PriceTiny(few);
-    ADD_FAILURE() << "no cost of a stage, and nothing said";
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("host.toml"), std::string::npos) << text;
-    EXPECT_NE(text.find("stage skin"), std::string::npos) << text;
-    EXPECT_NE(text.find("pelt calibrate"), std::string::npos) << text;
-  }
+  const std::string text = test::ErrorFrom([&] { PriceTiny(few); });
+  EXPECT_NE(text.find("host.toml"), std::string::npos) << text;
+  EXPECT_NE(text.find("stage skin"), std::string::npos) << text;
+  EXPECT_NE(text.find("pelt calibrate"), std::string::npos) << text;
 }
 
 // That it measures all that the scene has, not what.

@@ -7,14 +7,14 @@
 #include <algorithm>
 
 #include "bench/scenarios/scenarios.hpp"
-#include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
+#include "tests/error_from.hpp"
 
 namespace pelt {
 namespace {
 
-std::string PathOf(const std::string& text) {
+std::string PlanFile(const std::string& text) {
   const std::string path = ::testing::TempDir() + "pelt_plan_" +
                            ::testing::UnitTest::GetInstance()->current_test_info()->name() +
                            ".toml";
@@ -23,7 +23,7 @@ std::string PathOf(const std::string& text) {
 }
 
 Scenario Planned(const std::string& text) {
-  return LoadScenario(ScenarioRequest{.scene = "tiny", .plan = PathOf(text)});
+  return LoadScenario(ScenarioRequest{.scene = "tiny", .plan = PlanFile(text)});
 }
 
 const LayerParams& ParamsOf(const Scenario& scenario, std::string_view name) {
@@ -40,13 +40,8 @@ uint64_t DigestOf(Scenario scenario) {
   return running.scene().DigestFrame();
 }
 
-std::string ErrorOf(const std::string& text) {
-  try {
-    Planned(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string PlanError(const std::string& text) {
+  return test::ErrorFrom([&] { Planned(text); });
 }
 
 constexpr const char* kTwo = R"([[layer]]
@@ -85,7 +80,7 @@ TEST(LayerPlan, IsReadAsItWasWritten) {
   const std::vector<LayerChoice> plan = {
       {0, "strand4", {Solver::kModal, ModalQuality::kFine, CurlFollows::kParent}},
       {3, "with \"quotes\" and \\", {Solver::kPbd, {}, {}, 0.125f, 0.3f}}};
-  const std::vector<LayerChoice> read = ReadLayerPlan(PathOf(LayerPlanText(plan)));
+  const std::vector<LayerChoice> read = ReadLayerPlan(PlanFile(LayerPlanText(plan)));
   ASSERT_EQ(read.size(), plan.size());
   for (size_t l = 0; l < plan.size(); ++l) {
     EXPECT_EQ(read[l].character, plan[l].character);
@@ -135,7 +130,7 @@ TEST(LayerPlan, OfOneSolverIsThatSolver) {
 
 TEST(LayerPlan, TellsWhatIsWrongAndWhere) {
   const auto expect = [](const char* text, const char* place, const char* reason) {
-    const std::string error = ErrorOf(text);
+    const std::string error = PlanError(text);
     EXPECT_NE(error.find(place), std::string::npos) << error;
     EXPECT_NE(error.find(reason), std::string::npos) << error;
   };

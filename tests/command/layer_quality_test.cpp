@@ -9,8 +9,6 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kFrames = 4;
-
 // All layers `fine` but one in `best` and one of PBD.
 Scenario MixedScene(double distance_m) {
   Scenario scenario = LoadScenario("tiny");
@@ -28,7 +26,7 @@ Scenario MixedScene(double distance_m) {
 ReportTree RunOf(double distance_m, float allowed_px, bool lod = false) {
   Scenario scenario = MixedScene(distance_m);
   RunOptions options;
-  options.frames = kFrames;
+  options.frames = 4;
   options.executor = "serial";
   options.lod.fast_quality_px = allowed_px;
   options.skip.lod = lod;

@@ -50,7 +50,7 @@ inline std::string ProseOf(const ConsoleBudget& budget, const FurScene& scene) {
 
 // What `add` writes, parsed.
 template <class Add>
-nlohmann::json Json(Add add) {
+nlohmann::json JsonOf(Add add) {
   JsonText json;
   add(json);
   return nlohmann::json::parse(json.text(), nullptr, false);

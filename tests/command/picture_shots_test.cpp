@@ -9,10 +9,10 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/picture/png_chunks.hpp"
-#include "core/error.hpp"
 #include "core/exact_math.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/png.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
@@ -94,12 +94,9 @@ TEST_F(PictureShotsTest, ATimeThatNoFrameHasSaysHowManyWouldDo) {
   args_.last = Path("late.png");
   args_.times_s = {1.0};
   RunningScenario running(scenario_, {});
-  try {
-    PictureShots(args_, scenario_, running.scene(), 60, VertexOrder::kSorted);
-    FAIL() << "taken";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("--frames 61"), std::string::npos) << error.what();
-  }
+  const std::string error = test::ErrorFrom(
+      [&] { PictureShots(args_, scenario_, running.scene(), 60, VertexOrder::kSorted); });
+  EXPECT_NE(error.find("--frames 61"), std::string::npos) << error;
   EXPECT_NO_THROW(PictureShots(args_, scenario_, running.scene(), 61, VertexOrder::kSorted));
 }
 

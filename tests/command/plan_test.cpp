@@ -16,9 +16,9 @@ namespace {
 using nlohmann::json;
 
 std::string Printed(const PlanArgs& args) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const int code = PrintPlan(args);
-  const std::string out = testing::internal::GetCapturedStdout();
+  const std::string out = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(code, 0);
   return out;
 }
@@ -31,9 +31,9 @@ std::vector<json> PassesOfRun(ExecutorKind executor) {
   args.options.frames = 1;
   args.options.digest = false;
   args.json = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const int code = Run(args);
-  const std::string out = testing::internal::GetCapturedStdout();
+  const std::string out = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(code, 0);
   return json::parse(out)["passes"];
 }
@@ -82,9 +82,9 @@ json BudgetOnPs3(const ScenarioRequest& request, int exit_code) {
   args.target_ms = 1000.0;
   args.advice = false;
   args.json = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const int code = PrintBudget(args);
-  const std::string out = testing::internal::GetCapturedStdout();
+  const std::string out = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(code, exit_code);
   return json::parse(out)["platforms"][0];
 }
@@ -151,10 +151,10 @@ TEST(PlanCommand, ForecastsByTheTimesOfARun) {
   run.options.frames = 4;
   run.options.digest = false;
   run.json = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   ASSERT_EQ(pelt::Run(run), 0);
-  const std::string text = testing::internal::GetCapturedStdout();
-  const std::string path = testing::TempDir() + "plan_times.json";
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  const std::string path = ::testing::TempDir() + "plan_times.json";
   std::ofstream(path) << text;
   double stages_ms = 0.0;
   const json ran = json::parse(text);

@@ -45,7 +45,7 @@ Report MakeReport(Scenario& scenario, uint32_t frames, ExecutorKind executor, ui
   return report;
 }
 
-size_t Count(const std::string& text, const std::string& what) {
+size_t CountTags(const std::string& text, const std::string& what) {
   size_t count = 0;
   for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
   return count;
@@ -58,8 +58,8 @@ TEST(ReportPage, HoldsAllPartsAndNothingFromOutside) {
   EXPECT_EQ(report.page.find("@PELT_"), std::string::npos);
   for (const char* outside : {" src=", " href=", "@import", "url(", "fetch(", "https:"})
     EXPECT_EQ(report.page.find(outside), std::string::npos) << outside;
-  EXPECT_EQ(Count(report.page, "<script"), 2u);
-  EXPECT_EQ(Count(report.page, "</script>"), 2u);
+  EXPECT_EQ(CountTags(report.page, "<script"), 2u);
+  EXPECT_EQ(CountTags(report.page, "</script>"), 2u);
   EXPECT_EQ(report.data["scene"], "tiny");
   EXPECT_EQ(report.data["digest"], fmt::format("{:016x}", report.run.digest));
   EXPECT_EQ(report.data["commit"], report.run.machine.commit);
@@ -188,9 +188,9 @@ TEST(ReportPage, HostileNamesStayText) {
     for (auto& layer : groom.layers) layer.name = hostile;
   const Report report = MakeReport(tiny, 3, "serial", 1);
   ASSERT_TRUE(report.data.is_object()) << "the name ended the data";
-  EXPECT_EQ(Count(report.page, "<script"), 2u);
-  EXPECT_EQ(Count(report.page, "</script>"), 2u);
-  EXPECT_EQ(Count(report.page, "<!--"), 0u);
+  EXPECT_EQ(CountTags(report.page, "<script"), 2u);
+  EXPECT_EQ(CountTags(report.page, "</script>"), 2u);
+  EXPECT_EQ(CountTags(report.page, "<!--"), 0u);
   const std::string scene = report.data["scene"];
   EXPECT_EQ(scene.substr(0, 9), "</script>");
   EXPECT_NE(scene.find("@PELT_SCRIPT@"), std::string::npos);

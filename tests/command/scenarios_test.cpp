@@ -9,22 +9,17 @@
 #include "bench/scenarios/cast.hpp"
 #include "bench/scenarios/embedded_files.hpp"
 #include "core/character/builtin_character.hpp"
-#include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
+#include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt {
 namespace {
 
-std::string ErrorOf(const ScenarioRequest& request) {
-  try {
-    LoadScenario(request);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string LoadError(const ScenarioRequest& request) {
+  return test::ErrorFrom([&] { LoadScenario(request); });
 }
 
 uint64_t DigestAfter(Scenario& scenario, uint32_t frames, const SceneOptions& options = {}) {
@@ -133,7 +128,7 @@ TEST(Scenarios, FurStartsAnewWhereAClipJumps) {
 TEST(Scenarios, PlayTheClipThatIsAskedFor) {
   const Scenario tiny = LoadScenario(ScenarioRequest{.scene = "tiny", .clip = "shake"});
   EXPECT_EQ(tiny.characters[0].clips[size_t(tiny.actors[0].clip)].name, "shake");
-  const std::string error = ErrorOf({.scene = "tiny", .clip = "fly"});
+  const std::string error = LoadError({.scene = "tiny", .clip = "fly"});
   EXPECT_NE(error.find("no clip 'fly'"), std::string::npos) << error;
   EXPECT_NE(error.find("walk, idle, shake"), std::string::npos) << error;
 }
@@ -303,7 +298,7 @@ TEST(Scenarios, EveryBuiltInLightLights) {
 
 TEST(Scenarios, MistakesInLightsAreTold) {
   const auto error_of = [](const std::string& lights) {
-    return ErrorOf({.scene = "tiny", .lights = lights});
+    return LoadError({.scene = "tiny", .lights = lights});
   };
   EXPECT_NE(error_of("lamp").find("no built-in lights 'lamp' (there are: lamps, night)"),
             std::string::npos);
@@ -369,11 +364,11 @@ TEST(Scenarios, WetFurDiffersFromDryWithoutAReset) {
 }
 
 TEST(Scenarios, UnknownNamesSayWhatThereIs) {
-  EXPECT_NE(ErrorOf({.scene = "monstre"}).find("monster"), std::string::npos);
-  EXPECT_NE(ErrorOf({.setup = "monstre"}).find("eyepet"), std::string::npos);
-  EXPECT_NE(ErrorOf({.character = "no/such.glb", .setup = "tiny"}).find("no/such.glb"),
+  EXPECT_NE(LoadError({.scene = "monstre"}).find("monster"), std::string::npos);
+  EXPECT_NE(LoadError({.setup = "monstre"}).find("eyepet"), std::string::npos);
+  EXPECT_NE(LoadError({.character = "no/such.glb", .setup = "tiny"}).find("no/such.glb"),
             std::string::npos);
-  EXPECT_NE(ErrorOf({.groom = "no/such.groom"}).find("no/such.groom"), std::string::npos);
+  EXPECT_NE(LoadError({.groom = "no/such.groom"}).find("no/such.groom"), std::string::npos);
 }
 
 TEST(Scenarios, AGroomOfOtherJointsIsRefusedByName) {
@@ -381,15 +376,11 @@ TEST(Scenarios, AGroomOfOtherJointsIsRefusedByName) {
   Groom groom = tiny.grooms[0];
   ASSERT_NO_THROW(CheckGroomFits(groom, "x.groom", tiny.characters[0]));
   groom.joint_names[3] = "rump";
-  try {
-    CheckGroomFits(groom, "x.groom", tiny.characters[0]);
-    FAIL() << "a groom for another skeleton was accepted";
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("x.groom"), std::string::npos);
-    EXPECT_NE(text.find("joint 3"), std::string::npos);
-    EXPECT_NE(text.find("'rump'"), std::string::npos);
-  }
+  const std::string text =
+      test::ErrorFrom([&] { CheckGroomFits(groom, "x.groom", tiny.characters[0]); });
+  EXPECT_NE(text.find("x.groom"), std::string::npos);
+  EXPECT_NE(text.find("joint 3"), std::string::npos);
+  EXPECT_NE(text.find("'rump'"), std::string::npos);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "bench/verify/merge_shards.hpp"
 #include "bench/verify/verify.hpp"
-#include "core/error.hpp"
+#include "tests/error_from.hpp"
 
 namespace pelt {
 namespace {
@@ -26,14 +26,9 @@ Shard Parse(std::string_view text, std::map<std::string, std::string> variables 
   return ParseShard(text, ReadVariable);
 }
 
-template <class Call>
-void ExpectError(Call call, std::string_view word) {
-  try {
-    call();
-    ADD_FAILURE() << "no error with '" << word << "'";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string_view(error.what()).find(word), std::string_view::npos) << error.what();
-  }
+void ExpectError(const auto& call, std::string_view word) {
+  const std::string error = test::ErrorFrom(call);
+  EXPECT_NE(error.find(word), std::string::npos) << "'" << word << "': " << error;
 }
 
 TEST(Shard, EveryPlaceIsTakenOnce) {

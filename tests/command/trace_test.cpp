@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A folder for one test.
-class TraceCommand : public testing::Test {
+class TraceCommand : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
@@ -36,14 +36,14 @@ class TraceCommand : public testing::Test {
     args.run.options.lod.strand_budget = lod ? 400 : 0;
     args.run.options.scene.vertex_order = order;
     args.out = OutputPath::Of(Path(name));
-    testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStdout();
     EXPECT_EQ(Record(args), 0);
-    testing::internal::GetCapturedStdout();
+    ::testing::internal::GetCapturedStdout();
     return args.out.path();
   }
 
-  fs::path folder_ =
-      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::path folder_ = fs::path(::testing::TempDir()) /
+                     ::testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 ReplayResult ReplayAs(const InputLog& log, const VerifyCase& what) {
@@ -78,9 +78,9 @@ TEST_F(TraceCommand, ARecordingMayBeginAnywhere) {
   args.run.options.frames = 24;
   args.from = 17;
   args.out = OutputPath::Of(Path("end.peltinput"));
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   ASSERT_EQ(Record(args), 0);
-  testing::internal::GetCapturedStdout();
+  ::testing::internal::GetCapturedStdout();
   InputLog end = ReadInputLogFile(args.out.path()).OrThrow();
   ASSERT_EQ(end.FrameCount(), 7u);
   EXPECT_FALSE(end.snapshot.empty());
@@ -136,9 +136,9 @@ TEST_F(TraceCommand, ATamperedPoseBitIsFoundAtItsFrame) {
   WriteFileBytes("input log", Path("bad.peltinput"), tampered).OrThrow();
   ReplayArgs args;
   args.path = Path("bad.peltinput");
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(ReplayRecording(args), 1);
-  EXPECT_NE(testing::internal::GetCapturedStdout().find("DIFFERENT BITS"), std::string::npos);
+  EXPECT_NE(::testing::internal::GetCapturedStdout().find("DIFFERENT BITS"), std::string::npos);
 }
 
 TEST_F(TraceCommand, UnchangedRewritingIsTheSameFile) {
@@ -177,7 +177,7 @@ TEST_F(TraceCommand, ARecordingOfAnotherChunkCapacityIsToldFirst) {
 
 TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
   const std::string path = RecordTiny("a.peltinput", 5);
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   RunArgs run;
   run.request.scene = "tiny";
   run.options.frames = 5;
@@ -188,10 +188,10 @@ TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
   replay.as = {.isa = Isa::kReference};
   replay.digest_log = OutputPath::Of(Path("replay.digests"));
   replay.json = true;
-  testing::internal::GetCapturedStdout();
-  testing::internal::CaptureStdout();
+  ::testing::internal::GetCapturedStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(ReplayRecording(replay), 0);
-  const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  const auto json = nlohmann::json::parse(::testing::internal::GetCapturedStdout());
   EXPECT_EQ(json["same"], true);
   EXPECT_EQ(json["frames"], 5);
   EXPECT_EQ(ReadFileBytes("log", run.digest_log.path()).OrThrow(),
@@ -201,16 +201,16 @@ TEST_F(TraceCommand, AReplaysDigestLogIsTheRunsOne) {
 TEST_F(TraceCommand, ShowTellsWhatIsInside) {
   ShowArgs args;
   args.path = RecordTiny("a.peltinput", 3);
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(ShowRecording(args), 0);
-  const std::string text = testing::internal::GetCapturedStdout();
+  const std::string text = ::testing::internal::GetCapturedStdout();
   EXPECT_NE(text.find("scene tiny"), std::string::npos);
   EXPECT_NE(text.find("frames 3, characters 1,"), std::string::npos) << text;
   EXPECT_NE(text.find("8 layers, 1410 strands, 24 joints"), std::string::npos) << text;
   args.json = true;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(ShowRecording(args), 0);
-  const auto json = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  const auto json = nlohmann::json::parse(::testing::internal::GetCapturedStdout());
   EXPECT_EQ(json["frames"].size(), 3u);
 }
 

@@ -103,13 +103,13 @@ TEST(FloatEnvironment, IsPlainInsideAndAsItWasOutside) {
   EXPECT_TRUE(OddThread::IsStillOdd());
 }
 
-constexpr Fragile::Params kParams{0.7f};
+constexpr Fragile::Params kFragile{0.7f};
 
 // One frame of a scene that was filled on an ordinary thread.
 uint64_t RunFragile(Executor& executor, bool on_odd_thread) {
   SyntheticScene scene({{0, 0, 3}});
   const Plan plan =
-      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {}).OrThrow();
+      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kFragile)}, scene.shape(), {}).OrThrow();
   if (on_odd_thread) {
     const OddThread odd;
     executor.Run({&plan, &scene.memory()});
@@ -136,7 +136,7 @@ TEST(FloatEnvironment, EveryWorkersItemsAreProtected) {
   const uint64_t truth = RunFragile(serial, false);
   SyntheticScene scene({{0, 0, 3}});
   const Plan plan =
-      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kParams)}, scene.shape(), {}).OrThrow();
+      CompilePlan({MakeStage<Fragile>(Domain::kChunk, kFragile)}, scene.shape(), {}).OrThrow();
   const Frame frame{&plan, &scene.memory()};
   for (uint32_t worker = 0; worker < 256; ++worker) {
     for (uint32_t chunk = 0; chunk < 3; ++chunk) RunItem(frame, 0, chunk, worker);
@@ -152,7 +152,7 @@ TEST(FloatEnvironment, UnprotectedTheKernelGivesOtherBits) {
     for (uint32_t c = 0; c < 3; ++c) {
       const Binding bindings[] = {{scene.memory().Block(StreamOf<&Toys::baked>, c), nullptr, 1},
                                   {scene.memory().Block(StreamOf<&Toys::made>, c), nullptr, 1}};
-      MakeKernelDesc<Fragile>().run(&kParams, bindings);
+      MakeKernelDesc<Fragile>().run(&kFragile, bindings);
     }
   }
   EXPECT_NE(scene.DigestOf({StreamOf<&Toys::made>}), RunFragile(serial, false));

@@ -34,7 +34,6 @@ namespace {
 
 using namespace testing;
 
-constexpr uint32_t kFrames = 3;
 const std::vector<LayerSpec> kLayers = {{0, 0, 4}, {0, 0, 3}};
 
 struct Verdict {
@@ -61,7 +60,7 @@ uint64_t RunFrames(const std::vector<Stage>& stages, Executor& executor, bool fu
   Plan plan = CompilePlan(stages, scene.shape(), {.fuse = fuse}).OrThrow();
   if (tamper) tamper(plan, scene.shape());
   Digest digest;
-  for (uint32_t f = 0; f < kFrames; ++f) {
+  for (uint32_t f = 0; f < 3; ++f) {
     executor.Run({&plan, &scene.memory()});
     digest.Add64(
         scene.DigestOf({StreamOf<&Toys::keys>, StreamOf<&Toys::order>, StreamOf<&Toys::made>}));

@@ -8,13 +8,14 @@
 #include <map>
 #include <set>
 
-#include "core/groom/bake.hpp"
 #include "core/random.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
 namespace pelt {
 namespace {
+
+using test::BakeTorus;
 
 // A sheet of quads whose vertices follow `joints_of(vertex)`.
 template <class F>
@@ -286,15 +287,7 @@ TEST(PackVertices, GroupsShareJoints) {
   EXPECT_LT(double(rows) / double(groups), 13.0);
 }
 
-Groom BakeTorus(const LayerSetup& layer, const test::TorusOptions& options = {}) {
-  const Character character = test::MakeTorus(options);
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f / options.scale);
-  FurSetup setup;
-  setup.layers = {layer};
-  return BakeGroom(character, rest, setup, 1.0f / options.scale);
-}
-
-LayerSetup MakeLayer(float density) {
+LayerSetup MakeCoat(float density) {
   LayerSetup layer;
   layer.name = "coat";
   layer.density = density;
@@ -309,7 +302,7 @@ LayerSetup MakeLayer(float density) {
 
 TEST(Chunks, HoldEveryPromiseForBothKindsOfChains) {
   for (const float density : {300.0f, 4000.0f, 40000.0f}) {
-    LayerSetup layer = MakeLayer(density);
+    LayerSetup layer = MakeCoat(density);
     test::ExpectValidGroom(BakeTorus(layer));
     layer.params.chain = ChainKind::kStrand;
     test::ExpectValidGroom(BakeTorus(layer));
@@ -320,7 +313,7 @@ TEST(Chunks, HoldEveryPromiseForBothKindsOfChains) {
 }
 
 TEST(Chunks, HoldEveryPromiseOfSagFreeLayers) {
-  LayerSetup layer = MakeLayer(4000.0f);
+  LayerSetup layer = MakeCoat(4000.0f);
   layer.params.solver = Solver::kModal;
   layer.params.sag_free = true;
   const Groom on_vertices = BakeTorus(layer);
@@ -335,7 +328,7 @@ TEST(Chunks, HoldEveryPromiseOfSagFreeLayers) {
 }
 
 TEST(Chunks, ShareTheVerticesOfTheirBorders) {
-  const Groom groom = BakeTorus(MakeLayer(20000.0f));
+  const Groom groom = BakeTorus(MakeCoat(20000.0f));
   EXPECT_GT(test::CountShared(groom, groom.layers[0]), 200u);
 }
 
@@ -343,7 +336,7 @@ TEST(Patches, HaveEachVertexOnce) {
   const Mesh mesh = test::MakeTorus().mesh;
   for (const float density : {300.0f, 4000.0f, 20000.0f}) {
     SCOPED_TRACE(density);
-    const Groom groom = BakeTorus(MakeLayer(density));
+    const Groom groom = BakeTorus(MakeCoat(density));
     const size_t vertices = test::ExpectEachVertexOnce(groom, groom.layers[0], mesh);
     if (density == 20000.0f) {
       EXPECT_EQ(vertices, mesh.position.size());
@@ -354,18 +347,18 @@ TEST(Patches, HaveEachVertexOnce) {
 }
 
 TEST(Patches, AgreeOnBothSidesOfASeam) {
-  const Groom groom = BakeTorus(MakeLayer(20000.0f));
+  const Groom groom = BakeTorus(MakeCoat(20000.0f));
   EXPECT_EQ(test::ExpectSeamsAgree(groom, groom.layers[0], 0), 48u + 16u - 1u);
 }
 
 TEST(Chunks, DenseLayersAreFull) {
-  const Groom groom = BakeTorus(MakeLayer(40000.0f));
+  const Groom groom = BakeTorus(MakeCoat(40000.0f));
   const double lanes = double(groom.strands.size()) * kStrandsPerChunk;
   EXPECT_GT(double(groom.layers[0].strand_count) / lanes, 0.95);
 }
 
 TEST(Chunks, ClumpControlsAreRoundedUpAndFewerThanAll) {
-  LayerSetup layer = MakeLayer(40000.0f);
+  LayerSetup layer = MakeCoat(40000.0f);
   layer.clump_controls = 17;
   EXPECT_EQ(BakeTorus(layer).strands[0].control_count, 32u);
   layer.clump_controls = 64;
@@ -394,7 +387,7 @@ glm::dvec3 RootOf(const Groom& groom, size_t chunk, uint32_t lane) {
 
 // A torus' UVs are its two angles. Between 0 and 1 all the same where a texture repeats.
 TEST(Chunks, StrandsKnowWhereOnTheTextureTheyStand) {
-  const Groom groom = BakeTorus(MakeLayer(20000.0f));
+  const Groom groom = BakeTorus(MakeCoat(20000.0f));
   ASSERT_EQ(groom.strand_uv.size(), groom.strands.size());
   const auto apart = [](double a, double b) { return std::abs(std::remainder(a - b, 1.0)); };
   for (size_t c = 0; c < groom.strands.size(); ++c) {
@@ -406,12 +399,12 @@ TEST(Chunks, StrandsKnowWhereOnTheTextureTheyStand) {
       ASSERT_LT(apart((uv >> 16) / 65535.0, std::atan2(p[1], ring) / turn), 0.01);
     }
   }
-  for (const StrandUvBlock& block : BakeTorus(MakeLayer(2000.0f), {.uvs = false}).strand_uv)
+  for (const StrandUvBlock& block : BakeTorus(MakeCoat(2000.0f), {.uvs = false}).strand_uv)
     for (const uint32_t uv : block.uv) ASSERT_EQ(uv, 0u);
 }
 
 TEST(Chunks, ControlsAreTheNearest) {
-  const Groom groom = BakeTorus(MakeLayer(40000.0f));
+  const Groom groom = BakeTorus(MakeCoat(40000.0f));
   const StrandBlock& block = groom.strands[3];
   const auto root = [&](uint32_t lane) { return RootOf(groom, 3, lane); };
   ASSERT_GT(block.control_count, 0u);
@@ -425,7 +418,7 @@ TEST(Chunks, ControlsAreTheNearest) {
 }
 
 TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
-  LayerSetup layer = MakeLayer(4000.0f);
+  LayerSetup layer = MakeCoat(4000.0f);
   const test::TorusOptions centimetres{.scale = 100.0f};
   const Groom flat = BakeTorus(layer, centimetres);
   layer.offset = Attribute(0.005f);
@@ -447,7 +440,7 @@ TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
   const Mesh& mesh = character.mesh;
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   const FurSetup setup;
-  const LayerSetup layer = MakeLayer(4000.0f);
+  const LayerSetup layer = MakeCoat(4000.0f);
   const AttributeMaker maker(character, rest, setup, layer);
   const auto points =
       ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
@@ -491,7 +484,7 @@ TEST(VertexChains, ASeamDoesNotPartTheFur) {
   EXPECT_EQ(duplicates[16], 0u);  // once around the tube
   EXPECT_EQ(duplicates[17], 17u);
   const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
-  LayerSetup layer = MakeLayer(20000.0f);
+  LayerSetup layer = MakeCoat(20000.0f);
   layer.offset = Attribute(0.01f);
   layer.offset.randomise = 0.5f;
   const AttributeMaker maker(character, rest, {}, layer);

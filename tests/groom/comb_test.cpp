@@ -10,12 +10,12 @@
 namespace pelt {
 namespace {
 
-struct Fixture {
+struct Combed {
   Character character = test::MakeTorus();
   RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   FurSetup setup;
   LayerSetup layer;
-  Fixture() { layer.name = "coat"; }
+  Combed() { layer.name = "coat"; }
   Comb Make() const { return Comb(character, rest, setup, layer); }
 };
 
@@ -44,7 +44,7 @@ TEST(RootFrame, IsOrthonormalAndRightHanded) {
 }
 
 TEST(Comb, AzimuthAndElevationAreInTangentSpace) {
-  const Fixture f;
+  const Combed f;
   const Comb comb = f.Make();
   for (const double azimuth : {-170.0, -30.0, 0.0, 45.0, 90.0}) {
     for (const double elevation : {0.0, 10.0, 45.0, 90.0}) {
@@ -57,12 +57,12 @@ TEST(Comb, AzimuthAndElevationAreInTangentSpace) {
 }
 
 TEST(Comb, AVectorRulesAtItsPlaceAndFadesToNothingAtItsReach) {
-  Fixture f;
+  Combed f;
   f.layer.comb = {{kTop, {0.0f, 0.0f, -3.0f}, 0.1f}};
   const Comb comb = f.Make();
   const glm::dvec3 drawn = kTopFrame.ToFrame({0, 0, -1});
   EXPECT_NEAR(AngleDegrees(comb.Direction(kTop, kTopFrame, 0, 60), drawn), 0.0, 1e-6);
-  const glm::dvec3 fallback = Fixture().Make().Direction(kTop, kTopFrame, 0, 60);
+  const glm::dvec3 fallback = Combed().Make().Direction(kTop, kTopFrame, 0, 60);
   for (const float outside : {0.1f, 0.11f, 5.0f}) {
     const glm::vec3 there = kTop + glm::vec3(outside, 0, 0);
     EXPECT_EQ(comb.Direction(there, kTopFrame, 0, 60), fallback);
@@ -80,7 +80,7 @@ TEST(Comb, AVectorRulesAtItsPlaceAndFadesToNothingAtItsReach) {
 }
 
 TEST(Comb, BetweenTwoEqualVectorsIsTheirMean) {
-  Fixture f;
+  Combed f;
   f.layer.comb = {{kTop + glm::vec3(0.02f, 0, 0), {0, 0, 1}, 0.1f},
                   {kTop - glm::vec3(0.02f, 0, 0), {0, 1, 0}, 0.1f}};
   f.layer.comb_normal_weight = 0.0f;
@@ -88,16 +88,16 @@ TEST(Comb, BetweenTwoEqualVectorsIsTheirMean) {
   // Mean of the vectors, with a little of the fallback: weight w each leaves (1 - w)^2.
   const double w = std::pow(1.0 - 0.04, 2);
   const glm::dvec3 mean = glm::normalize(kTopFrame.ToFrame({0, 1, 1}));
-  const glm::dvec3 fallback = Fixture().Make().Direction(kTop, kTopFrame, 180, 30);
+  const glm::dvec3 fallback = Combed().Make().Direction(kTop, kTopFrame, 180, 30);
   const double left = (1 - w) * (1 - w);
   EXPECT_NEAR(glm::length(got - glm::normalize(mean * (1 - left) + fallback * left)), 0.0, 1e-6);
 }
 
 TEST(Comb, NormalsThatDisagreeWeakenAVector) {
-  Fixture f;
+  Combed f;
   f.layer.comb = {{kTop, {0, 0, -1}, 1.0f}};
   const RootFrame below = MakeRootFrame({0, -1, 0}, {0, 0, 1});
-  const glm::dvec3 fallback = Fixture().Make().Direction(kTop, below, 0, 60);
+  const glm::dvec3 fallback = Combed().Make().Direction(kTop, below, 0, 60);
   auto share_taken = [&](float weight) {
     f.layer.comb_normal_weight = weight;
     return AngleDegrees(f.Make().Direction(kTop, below, 0, 60), fallback);
@@ -109,7 +109,7 @@ TEST(Comb, NormalsThatDisagreeWeakenAVector) {
 }
 
 TEST(Comb, OutsideEveryReachTheJointGivesTheHeadingAndElevationRaisesIt) {
-  Fixture f;
+  Combed f;
   f.layer.comb_joint = "ring_2";  // at +z; its child ring_3 lies towards -x and a little -z
   const glm::dvec3 along = glm::normalize(glm::dvec3(test::TorusPoint(3.0 / 8, 0, 0)) -
                                           glm::dvec3(test::TorusPoint(2.0 / 8, 0, 0)));
@@ -128,7 +128,7 @@ TEST(Comb, OutsideEveryReachTheJointGivesTheHeadingAndElevationRaisesIt) {
 }
 
 TEST(Comb, UnknownAndPointlessJointsAreErrors) {
-  Fixture f;
+  Combed f;
   f.layer.comb_joint = "ring_9";
   try {
     f.Make();

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <random>
 
-#include "core/error.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/png.hpp"
 
 namespace pelt {
 namespace {
 
-ControlMap MakeMap(uint32_t width, uint32_t height, uint32_t seed) {
+ControlMap DrawMap(uint32_t width, uint32_t height, uint32_t seed) {
   ControlMap map{width, height, std::vector<uint8_t>(size_t(width) * height * 4)};
   std::mt19937 random(seed);
   for (uint8_t& byte : map.rgba) byte = uint8_t(random());
@@ -46,7 +46,7 @@ double SampleSlowly(const ControlMap& map, double u, double v, int channel,
 TEST(ControlMap, SamplesLikeItsReference) {
   std::mt19937 random(5);
   for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 7u}, {5u, 3u}, {64u, 32u}}) {
-    const ControlMap map = MakeMap(width, height, width + height);
+    const ControlMap map = DrawMap(width, height, width + height);
     for (int i = 0; i < 2000; ++i) {
       const glm::vec2 uv{float(random() % 4000001) / 1e6f - 2.0f,
                          float(random() % 4000001) / 1e6f - 2.0f};
@@ -63,7 +63,7 @@ TEST(ControlMap, GoesOnBeyondItsEdgesAsItIsTold) {
   std::mt19937 random(6);
   constexpr Wrap kWraps[] = {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp};
   for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 7u}, {5u, 3u}, {64u, 32u}}) {
-    const ControlMap map = MakeMap(width, height, width + height);
+    const ControlMap map = DrawMap(width, height, width + height);
     for (int i = 0; i < 3000; ++i) {
       const std::array<Wrap, 2> wrap{kWraps[random() % 3], kWraps[random() % 3]};
       const glm::vec2 uv{float(random() % 6000001) / 1e6f - 3.0f,
@@ -78,7 +78,7 @@ TEST(ControlMap, GoesOnBeyondItsEdgesAsItIsTold) {
 }
 
 TEST(ControlMap, StaysInsideForAnyCoordinate) {
-  const ControlMap map = MakeMap(3, 5, 9);
+  const ControlMap map = DrawMap(3, 5, 9);
   const float values[] = {0.0f, -0.0f, 1.0f,  -1.0f,  -1e-9f,   -1e-30f,   0.99999994f,
                           1e9f, -1e9f, 3e38f, -3e38f, INFINITY, -INFINITY, NAN};
   for (float u : values) {
@@ -107,27 +107,22 @@ TEST(ControlMap, ReadsPngOfEveryChannelCount) {
   EXPECT_EQ(c.rgba, (std::vector<uint8_t>{9, 8, 7, 6}));
 }
 
-std::string ErrorOf(const std::vector<uint8_t>& png) {
-  try {
-    ReadControlMap(png, "x.png");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string PngError(const std::vector<uint8_t>& png) {
+  return test::ErrorFrom([&] { ReadControlMap(png, "x.png"); });
 }
 
 TEST(ControlMap, RefusesWhatIsNoPicture) {
-  EXPECT_NE(ErrorOf({}).find("x.png"), std::string::npos);
-  EXPECT_NE(ErrorOf({'G', 'I', 'F', '8', '9', 'a'}).find("a GIF picture, not a PNG"),
+  EXPECT_NE(PngError({}).find("x.png"), std::string::npos);
+  EXPECT_NE(PngError({'G', 'I', 'F', '8', '9', 'a'}).find("a GIF picture, not a PNG"),
             std::string::npos);
-  EXPECT_NE(ErrorOf({'R', 'I', 'F', 'F', 9, 0, 0, 0, 'W', 'E', 'B', 'P'}).find("a WebP picture"),
+  EXPECT_NE(PngError({'R', 'I', 'F', 'F', 9, 0, 0, 0, 'W', 'E', 'B', 'P'}).find("a WebP picture"),
             std::string::npos);
   auto huge = test::MakePng(1, 1, 4, {1, 2, 3, 4});
   huge[16] = 0x7f;  // width
-  EXPECT_NE(ErrorOf(huge).find("8192"), std::string::npos);
+  EXPECT_NE(PngError(huge).find("8192"), std::string::npos);
   auto wide = test::MakePng(9000, 1, 1, std::vector<uint8_t>(9000));
-  EXPECT_NE(ErrorOf(wide).find("8192"), std::string::npos);
-  EXPECT_EQ(ErrorOf(test::MakePng(8192, 1, 1, std::vector<uint8_t>(8192))), "");
+  EXPECT_NE(PngError(wide).find("8192"), std::string::npos);
+  EXPECT_EQ(PngError(test::MakePng(8192, 1, 1, std::vector<uint8_t>(8192))), "");
   EXPECT_THROW(ReadControlMapFile("/nowhere/at/all.png"), Error);
   EXPECT_THROW(ReadControlMapFile("/"), Error);
 }
@@ -137,7 +132,7 @@ TEST(ControlMap, DamagedPicturesNeverCrash) {
   std::mt19937 random(77);
   for (uint8_t& byte : pixels) byte = uint8_t(random());
   const auto good = test::MakePng(16, 16, 4, pixels);
-  ASSERT_EQ(ErrorOf(good), "");
+  ASSERT_EQ(PngError(good), "");
   int refused = 0;
   for (int i = 0; i < 4000; ++i) {
     auto bad = good;
@@ -147,7 +142,7 @@ TEST(ControlMap, DamagedPicturesNeverCrash) {
       // Mostly the headers, where it hurts.
       bad[random() % (kind == 1 ? 64 : bad.size())] = uint8_t(random());
     }
-    refused += !ErrorOf(bad).empty();
+    refused += !PngError(bad).empty();
   }
   EXPECT_GT(refused, 1000);
 }

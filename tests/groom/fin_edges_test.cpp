@@ -7,7 +7,6 @@
 #include <cstring>
 #include <map>
 
-#include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
@@ -15,6 +14,7 @@
 namespace pelt {
 namespace {
 
+using test::BakeTorus;
 using Place = std::array<float, 3>;
 using EdgeCounts = std::map<std::array<Place, 2>, uint32_t>;  // ends in order
 
@@ -29,14 +29,6 @@ LayerSetup MakeFinned() {
   layer.params.fins = true;
   layer.length = Attribute(0.02f);
   return layer;
-}
-
-Groom BakeTorus(const LayerSetup& layer, const test::TorusOptions& options = {}) {
-  const Character character = test::MakeTorus(options);
-  FurSetup setup;
-  setup.path = "torus.toml";
-  setup.layers.push_back(layer);
-  return BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
 }
 
 // How often each edge of the groom's triangles is owned, by where it is: 0 too.

@@ -11,6 +11,7 @@
 #include "core/groom/groom_file.hpp"
 #include "core/groom/height_field.hpp"
 #include "core/random.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"
 
 namespace pelt {
@@ -219,13 +220,8 @@ TEST(FlowMap, TheSameBytesEverywhere) {
 }
 
 TEST(FlowMap, RefusesWhatHasNoPlaceInTheTexture) {
-  const auto reason = [](const Plane& plane, uint32_t side) -> std::string {
-    try {
-      plane.Make(side);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  const auto reason = [](const Plane& plane, uint32_t side) {
+    return test::ErrorFrom([&] { plane.Make(side); });
   };
   Plane plane(AsItIs);
   EXPECT_EQ(reason(plane, 0),

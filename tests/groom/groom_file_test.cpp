@@ -26,7 +26,7 @@ namespace {
 
 constexpr size_t kHashAt = 40;
 
-float Random(std::mt19937& random, float low, float high) {
+float DrawFloat(std::mt19937& random, float low, float high) {
   return low + (high - low) * float(random() % 65536) / 65536.0f;
 }
 
@@ -35,7 +35,7 @@ void FillMesh(MeshBlock& mesh, uint32_t vertices, uint32_t joints, std::mt19937&
   for (uint32_t v = 0; v < kVerticesPerChunk; ++v) {
     for (int axis = 0; axis < 3; ++axis) {
       mesh.position[axis][v] =
-          v < vertices ? Random(random, -1.0f, 1.0f) : mesh.position[axis][vertices - 1];
+          v < vertices ? DrawFloat(random, -1.0f, 1.0f) : mesh.position[axis][vertices - 1];
       mesh.normal[axis][v] = axis == 2 ? 1.0f : 0.0f;
       mesh.tangent[axis][v] = axis == 0 ? 1.0f : 0.0f;
     }
@@ -46,7 +46,7 @@ void FillMesh(MeshBlock& mesh, uint32_t vertices, uint32_t joints, std::mt19937&
     if (g * kLaneGroup < vertices) {
       const uint8_t first = uint8_t(random() % (joints - 1));
       for (uint32_t lane = 0; lane < kLaneGroup; ++lane) {
-        const float share = Random(random, 0.0f, 1.0f);
+        const float share = DrawFloat(random, 0.0f, 1.0f);
         mesh.weight[row][lane] = share;
         mesh.weight[row + 1][lane] = 1.0f - share;
       }
@@ -78,11 +78,11 @@ void FillStrands(StrandBlock& block, uint32_t strands, uint32_t vertices, uint32
   block.control_count = strands >= kLaneGroup ? kLaneGroup : 0;
   block.first_strand = place * kStrandsPerChunk;
   for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
-    const float u = Random(random, 0.0f, 0.5f), v = Random(random, 0.0f, 0.5f);
+    const float u = DrawFloat(random, 0.0f, 0.5f), v = DrawFloat(random, 0.0f, 0.5f);
     block.bary[0][i] = u;
     block.bary[1][i] = v;
     block.bary[2][i] = 1.0f - u - v;
-    block.length[i] = Random(random, 0.01f, 0.05f);
+    block.length[i] = DrawFloat(random, 0.01f, 0.05f);
     block.width[i] = 0.001f;
     block.base_colour[i] = uint32_t(random());
     block.tip_colour[i] = uint32_t(random());
@@ -107,11 +107,11 @@ template <class T>
 void FillRest(T& rest, std::mt19937& random) {
   for (auto& point : rest.offset) {
     for (auto& axis : point) {
-      for (float& value : axis) value = Random(random, -0.05f, 0.05f);
+      for (float& value : axis) value = DrawFloat(random, -0.05f, 0.05f);
     }
   }
-  for (float& value : rest.segment_length) value = Random(random, 0.001f, 0.02f);
-  for (float& value : rest.strength) value = Random(random, 0.0f, 1.0f);
+  for (float& value : rest.segment_length) value = DrawFloat(random, 0.001f, 0.02f);
+  for (float& value : rest.strength) value = DrawFloat(random, 0.0f, 1.0f);
 }
 
 // Four layers: chains at vertices (2 patches, 2 chunks), chains of 4 points (1, 1), of 5 (1, 2) and
@@ -124,7 +124,7 @@ Groom MakeGroom() {
   for (uint32_t j = 0; j < groom.joint_count; ++j) {
     groom.skeleton.parent[j] = int32_t(j) - 1;
     groom.joint_names.push_back("joint " + std::to_string(j));
-    for (float& value : groom.skeleton.inverse_bind[j]) value = Random(random, -1.0f, 1.0f);
+    for (float& value : groom.skeleton.inverse_bind[j]) value = DrawFloat(random, -1.0f, 1.0f);
   }
   const uint32_t patches[] = {2, 1, 1, 2}, chunks[] = {2, 1, 2, 2};
   for (uint32_t l = 0; l < 4; ++l) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "tests/error_from.hpp"
 
 namespace pelt {
 namespace {
@@ -15,17 +15,8 @@ namespace {
 FurSetup Read(const std::string& lights) {
   return ReadFurSetup("[[layer]]\nname = 'x'\n" + lights, "fur.toml", "");
 }
-template <class Reading>
-std::string ErrorFrom(const Reading& reading) {
-  try {
-    reading();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
-std::string ErrorOf(const std::string& lights) {
-  return ErrorFrom([&] { Read(lights); });
+std::string ReadError(const std::string& lights) {
+  return test::ErrorFrom([&] { Read(lights); });
 }
 
 constexpr const char* kAll = R"([lights]
@@ -99,14 +90,14 @@ TEST(LightSetup, MistakesAreToldAtTheirLine) {
        "fur.toml:5: key 'lights.sample[0].falloff': 0 is out of bounds"},
   };
   for (const auto& [text, wanted] : cases)
-    EXPECT_NE(ErrorOf(text).find(wanted), std::string::npos) << text << "\n" << ErrorOf(text);
+    EXPECT_NE(ReadError(text).find(wanted), std::string::npos) << text << "\n" << ReadError(text);
 }
 
 TEST(LightSetup, NoMoreThanASceneHolds) {
   std::string lights = "[lights]\nlight = [";
   for (uint32_t l = 0; l < kLightsPerScene; ++l) lights += "{ position = [0, 0, 0] }, ";
-  EXPECT_EQ(ErrorOf(lights + "]"), "");
-  EXPECT_NE(ErrorOf(lights + "{ position = [0, 0, 0] }]").find("has 9 entries; 0 to 8"),
+  EXPECT_EQ(ReadError(lights + "]"), "");
+  EXPECT_NE(ReadError(lights + "{ position = [0, 0, 0] }]").find("has 9 entries; 0 to 8"),
             std::string::npos);
 }
 
@@ -121,7 +112,7 @@ TEST(LightSetup, IsReadWithoutTheLayers) {
     EXPECT_EQ(lights.sun.colour, glm::vec3(1.8f, 1.6f, 1.4f));
   }
   const auto error_of = [](const std::string& text) {
-    return ErrorFrom([&] { ReadLights(text, "lights.toml"); });
+    return test::ErrorFrom([&] { ReadLights(text, "lights.toml"); });
   };
   EXPECT_EQ(error_of(broken), "lights.toml:1: there is no [lights] in it");
   EXPECT_EQ(error_of(""), "lights.toml:1: there is no [lights] in it");

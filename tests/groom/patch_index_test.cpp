@@ -11,7 +11,6 @@
 #include <set>
 #include <span>
 
-#include "core/groom/bake.hpp"
 #include "core/kernels/activate.hpp"
 #include "core/random.hpp"
 #include "tests/groom/groom_validator.hpp"
@@ -99,7 +98,7 @@ void ExpectCounts(const Groom& groom, const GroomLayer& layer, const PatchIndex&
   }
 }
 
-void ExpectPatches(const Groom& groom, const GroomLayer& layer, const PatchIndex& index) {
+void ExpectBlocks(const Groom& groom, const GroomLayer& layer, const PatchIndex& index) {
   for (uint32_t p = 0; p < layer.patch_count; ++p) {
     SCOPED_TRACE(p);
     const MeshBlock& mesh = groom.mesh[layer.first_patch + p];
@@ -138,20 +137,13 @@ PatchIndex ExpectIndex(const Groom& groom, const GroomLayer& layer) {
   EXPECT_EQ(index.patches.size(), layer.patch_count);
   EXPECT_EQ(index.chunks.size(), layer.chunk_count);
   if (testing::Test::HasFailure()) return index;
-  ExpectPatches(groom, layer, index);
+  ExpectBlocks(groom, layer, index);
   ExpectLists(groom, layer, index);
   ExpectCounts(groom, layer, index);
   return index;
 }
 
-Groom BakeTorus(std::span<const LayerSetup> layers) {
-  const Character character = test::MakeTorus();
-  FurSetup setup;
-  setup.layers.assign(layers.begin(), layers.end());
-  return BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
-}
-
-LayerSetup MakeLayer(const char* name, float density) {
+LayerSetup NewLayer(const char* name, float density) {
   LayerSetup layer;
   layer.name = name;
   layer.density = density;
@@ -159,11 +151,11 @@ LayerSetup MakeLayer(const char* name, float density) {
 }
 
 TEST(PatchIndex, AgreesWithBakedGrooms) {
-  std::vector<LayerSetup> layers = {MakeLayer("sparse", 300.0f), MakeLayer("mean", 4000.0f),
-                                    MakeLayer("dense", 20000.0f), MakeLayer("shells", 1.0f)};
+  std::vector<LayerSetup> layers = {NewLayer("sparse", 300.0f), NewLayer("mean", 4000.0f),
+                                    NewLayer("dense", 20000.0f), NewLayer("shells", 1.0f)};
   layers[1].params.chain = ChainKind::kStrand;
   layers[3].params.output = Output::kShells;
-  const Groom groom = BakeTorus(layers);
+  const Groom groom = test::BakeTorus(layers);
   ASSERT_EQ(groom.layers.size(), layers.size());
   for (const GroomLayer& layer : groom.layers) {
     SCOPED_TRACE(layer.name);
@@ -172,7 +164,7 @@ TEST(PatchIndex, AgreesWithBakedGrooms) {
 }
 
 TEST(PatchIndex, FewStrandsNeedFewVertices) {
-  const Groom groom = BakeTorus(std::array{MakeLayer("sparse", 300.0f)});
+  const Groom groom = test::BakeTorus(NewLayer("sparse", 300.0f));
   const PatchIndex index = IndexPatches(groom, groom.layers[0]);
   uint32_t all = 0, few = 0;
   for (const PatchBlock& patch : index.patches) {
@@ -209,7 +201,7 @@ enum class Order { kByShare, kDrawn };
 
 // Behind a layer of one patch and one chunk one whose chunks have so many strands. Each group of a
 // chunk's lanes has two vertices of its own, and uses some of the group before.
-Groom MakeGroom(std::span<const uint32_t> counts, Order order) {
+Groom MakeByHand(std::span<const uint32_t> counts, Order order) {
   constexpr uint32_t kEach = kVerticesPerChunk - 11;  // of a patch: not whole groups
   Random random(17);
   struct Vertex {
@@ -261,7 +253,7 @@ TEST(PatchIndex, AgreesWithChunksOfEverySize) {
   for (uint32_t count = 1; count <= kStrandsPerChunk; ++count) counts.push_back(count);
   for (const Order order : {Order::kByShare, Order::kDrawn}) {
     SCOPED_TRACE(order == Order::kByShare);
-    const Groom groom = MakeGroom(counts, order);
+    const Groom groom = MakeByHand(counts, order);
     ExpectIndex(groom, groom.layers[1]);
   }
 }
@@ -270,7 +262,7 @@ TEST(PatchIndex, AgreesWithChunksOfOneSize) {
   for (const uint32_t count : {1u, 15u, 16u, 17u, 49u, 63u, kStrandsPerChunk}) {
     SCOPED_TRACE(count);
     const std::vector<uint32_t> counts(40, count);
-    const Groom groom = MakeGroom(counts, Order::kByShare);
+    const Groom groom = MakeByHand(counts, Order::kByShare);
     const PatchIndex index = ExpectIndex(groom, groom.layers[1]);
     // Nothing is behind the last vertex.
     const PatchBlock& last = index.patches.back();
@@ -281,7 +273,7 @@ TEST(PatchIndex, AgreesWithChunksOfOneSize) {
 
 // Weights of lanes that no vertex has do not count.
 TEST(PatchIndex, JointsAreThoseOfVertices) {
-  Groom groom = MakeGroom(std::array{33u}, Order::kByShare);
+  Groom groom = MakeByHand(std::array{33u}, Order::kByShare);
   MeshBlock& mesh = groom.mesh[1];
   ASSERT_EQ(mesh.vertex_count, 6u);
   mesh.row_joint[0] = 3;

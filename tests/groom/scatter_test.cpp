@@ -7,10 +7,10 @@
 #include <cmath>
 #include <set>
 
-#include "core/error.hpp"
 #include "core/groom/sample_elimination.hpp"
 #include "core/groom/scatter_stats.hpp"
 #include "core/random.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"
 
 namespace pelt {
@@ -58,12 +58,7 @@ struct Torus {
     return least;
   }
   std::string ErrorOf(const LayerSetup& layer) const {
-    try {
-      Scatter(layer);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return test::ErrorFrom([&] { Scatter(layer); });
   }
 };
 

@@ -7,15 +7,15 @@
 #include <map>
 #include <set>
 
-#include "core/error.hpp"
-#include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
 namespace pelt {
 namespace {
 
+using test::BakeTorus;
 using test::ExpectValidGroom;
 using test::TorusOptions;
 
@@ -27,14 +27,6 @@ LayerSetup MakeShells() {
   layer.base_colour = 0xff102030u;
   layer.tip_colour = 0xff405060u;
   return layer;
-}
-
-Groom BakeTorus(const LayerSetup& layer, const TorusOptions& options = {}) {
-  const Character character = test::MakeTorus(options);
-  FurSetup setup;
-  setup.path = "torus.toml";
-  setup.layers.push_back(layer);
-  return BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
 }
 
 // Calls visit(patch, vertex in it) for each vertex of each patch.
@@ -144,12 +136,7 @@ TEST(ShellSkin, AMaterialAloneIsTakenWhole) {
 
 TEST(ShellSkin, SaysWhyItCannotBe) {
   const auto error_of = [](const LayerSetup& layer, const TorusOptions& options) {
-    try {
-      BakeTorus(layer, options);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return test::ErrorFrom([&] { BakeTorus(layer, options); });
   };
   EXPECT_EQ(
       error_of(MakeShells(), {.uvs = false}),

@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/character/character.hpp"
 #include "core/character/pose.hpp"
 #include "core/exact_math.hpp"
+#include "core/groom/bake.hpp"
 #include "core/groom/fur_setup.hpp"
 
 namespace pelt::test {
@@ -92,6 +94,19 @@ inline Character MakeTorus(const TorusOptions& options = {}) {
     skeleton.inverse_bind.push_back(inverse);
   }
   return character;
+}
+
+inline Groom BakeTorus(const std::vector<LayerSetup>& layers, const TorusOptions& options = {}) {
+  const Character character = MakeTorus(options);
+  const float unit = 1.0f / options.scale;
+  FurSetup setup;
+  setup.path = "torus.toml";
+  setup.layers = layers;
+  return BakeGroom(character, ComputeRestGeometry(character, unit), setup, unit);
+}
+
+inline Groom BakeTorus(const LayerSetup& layer, const TorusOptions& options = {}) {
+  return BakeTorus(std::vector{layer}, options);
 }
 
 // Area of the rest pose, m^2.

@@ -46,7 +46,7 @@ void SetPose(PeltScene* scene, uint32_t frame) {
   ASSERT_EQ(Text(pelt_place(scene, 0, root, 0)), "");
 }
 
-uint64_t RunOne(PeltScene* scene, uint32_t frame) {
+uint64_t PlaceAndRun(PeltScene* scene, uint32_t frame) {
   SetPose(scene, frame);
   const PeltFrame input = FrameOf(frame);
   EXPECT_EQ(Text(pelt_begin(scene, &input)), "");
@@ -112,7 +112,7 @@ TEST(CInterface, NothingThatAFrameReadsIsSetWhileItRuns) {
   const OwnScene straight = MakeScene(options), disturbed = MakeScene(options);
   ASSERT_TRUE(straight && disturbed);
   for (uint32_t f = 0; f < 3; ++f) {
-    const uint64_t truth = RunOne(straight.get(), f);
+    const uint64_t truth = PlaceAndRun(straight.get(), f);
     SetPose(disturbed.get(), f);
     const PeltFrame input = FrameOf(f);
     ASSERT_EQ(Text(pelt_begin(disturbed.get(), &input)), "");
@@ -154,12 +154,12 @@ TEST(CInterface, GoesBackToASnapshot) {
     if (f == 4) {
       ASSERT_EQ(Text(pelt_snapshot(straight.get(), bytes.data(), bytes.size())), "");
     }
-    truth.push_back(RunOne(straight.get(), f));
+    truth.push_back(PlaceAndRun(straight.get(), f));
   }
   for (PeltScene* scene : {straight.get(), other.get()}) {
     ASSERT_EQ(Text(pelt_restore(scene, bytes.data(), bytes.size())), "");
     EXPECT_EQ(pelt_draws(scene, nullptr, 0), 0u);
-    for (uint32_t f = 4; f < 9; ++f) EXPECT_EQ(RunOne(scene, f), truth[f]) << "frame " << f;
+    for (uint32_t f = 4; f < 9; ++f) EXPECT_EQ(PlaceAndRun(scene, f), truth[f]) << "frame " << f;
     EXPECT_GT(pelt_draws(scene, nullptr, 0), 0u);
   }
   EXPECT_NE(Text(pelt_snapshot(straight.get(), bytes.data(), bytes.size() - 1)), "");

@@ -11,7 +11,7 @@
 namespace pelt {
 namespace {
 
-class Course {
+class Colliders {
  public:
   const SimulateParams& Next(const FrameInput& in) {
     SimulateParams params{};
@@ -46,7 +46,7 @@ TEST(ColliderCourse, VelocitiesAreWaysInTheFrame) {
   in.sphere_count = in.capsule_count = 2;
   in.sphere_velocity[1][0] = -8.0f;
   in.capsule[1].to_velocity[2] = 4.0f;
-  Course course;
+  Colliders course;
   for (int frame = 0; frame < 2; ++frame) {
     const SimulateParams& p = course.Next(in);
     EXPECT_EQ(p.ground_step.from[1], 0.25f);
@@ -67,7 +67,7 @@ TEST(ColliderCourse, WhatMovesWithoutAVelocityPushesAtOnce) {
   FrameInput in;
   in.use_ground = true;
   in.sphere_count = in.capsule_count = 1;
-  Course course;
+  Colliders course;
   const auto pushes = [&](uint32_t ground, uint32_t sphere, uint32_t capsule, const char* when) {
     const SimulateParams& p = course.Next(in);
     EXPECT_EQ(p.ground_step.at_once, ground) << when;

@@ -21,10 +21,7 @@ using namespace testing;
 struct Drawn {
   explicit Drawn(VertexOrder order) : running(scenario, Options(order)) { Run(0); }
 
-  void Run(uint32_t frame) {
-    running.Begin(frame);
-    SerialExecutor().Run(running.scene().CurrentFrame());
-  }
+  void Run(uint32_t frame) { RunFrame(running, frame); }
   static SceneOptions Options(VertexOrder order) {
     SceneOptions options;
     options.vertex_order = order;
@@ -213,11 +210,7 @@ TEST(Draws, PiecesKeepToTheCurve) {
     Scenario scenario = TinyScenario();
     scenario.camera.radius_m = distance_m;
     RunningScenario running(scenario, {});
-    SerialExecutor serial;
-    for (uint32_t f = 0; f < 40; ++f) {
-      running.Begin(f);
-      serial.Run(running.scene().CurrentFrame());
-    }
+    for (uint32_t f = 0; f < 40; ++f) RunFrame(running, f);
     FurScene& scene = running.scene();
     const View view = MakeView(scenario.PrepareFrame(39, scene).camera);
     std::vector<double> off_px;

@@ -50,16 +50,7 @@ struct FetchParents {
     ports.order->place[1] = ports.box->word;
   }
 };
-struct UseVertexPoints {
-  static constexpr std::string_view kName = "use_vertex_points";
-  using Params = AddParams;
-  struct Ports {
-    InOut<&Toys::of_long> points;
-  };
-  static void Run(const Params& p, const Ports& ports) { ports.points->a[0][0] = float(p.add); }
-};
-
-// The same of a patch's mark.
+// As AddToKey, to a patch's mark.
 struct AddToMark {
   static constexpr std::string_view kName = "add_to_mark";
   using Params = AddParams;
@@ -67,14 +58,6 @@ struct AddToMark {
     InOut<&Toys::marks> mark;
   };
   static void Run(const Params& p, const Ports& ports) { ports.mark->word += p.add; }
-};
-struct UseLongParts {
-  static constexpr std::string_view kName = "use_long_parts";
-  using Params = AddParams;
-  struct Ports {
-    InOut<&Toys::long_parts> parts;
-  };
-  static void Run(const Params& p, const Ports& ports) { ports.parts->a[0][0] = float(p.add); }
 };
 struct CopyParts {
   static constexpr std::string_view kName = "copy_parts";
@@ -186,9 +169,7 @@ TEST(Frame, KindsExcludeLayers) {
 
 TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
   SyntheticScene scene(kLayers);
-  const AddParams seven{7};
-  const Plan plan =
-      CompilePlan({MakeStage<UseVertexPoints>(Domain::kChunk, seven)}, scene.shape(), {}).OrThrow();
+  const Plan plan = CompilePlan({Chunk<UseVertexPoints>()}, scene.shape(), {}).OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
   EXPECT_EQ(scene.memory().Block(StreamOf<&Toys::of_long>, 0), nullptr);
   for (uint32_t c = 2; c < 6; ++c)
@@ -299,9 +280,8 @@ TEST(Frame, PatchStagesRunOnEveryPatchThatTheirGateAndKindsLet) {
 
 TEST(Frame, StreamsThatAPatchLacksKeepItsStageAway) {
   SyntheticScene scene(kLayers);
-  const AddParams seven{7};
   const Plan plan =
-      CompilePlan({MakeStage<UseLongParts>(Domain::kPatch, seven)}, scene.shape(), {}).OrThrow();
+      CompilePlan({MakeStage<UseLongParts>(Domain::kPatch)}, scene.shape(), {}).OrThrow();
   SerialExecutor().Run({&plan, &scene.memory()});
   for (uint32_t p = 1; p < 6; ++p)
     EXPECT_EQ(scene.Block<RowBlock>(StreamOf<&Toys::long_parts>, p).a[0][0], 7.0f);

@@ -83,12 +83,9 @@ TEST(LitLayers, CostNoBarrierAndOthersNothing) {
   EXPECT_EQ(without.scene().layout().ranges[size_t(kStream)].bytes, 0u);
   EXPECT_EQ(without.scene().memory().Block(kStream, 0), nullptr);
   // Light and paint change nothing else.
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 3; ++f) {
-    with.Begin(f);
-    serial.Run(with.scene().CurrentFrame());
-    without.Begin(f);
-    serial.Run(without.scene().CurrentFrame());
+    RunFrame(with, f);
+    RunFrame(without, f);
     for (uint32_t s = 0; s < kStreamCount; ++s)
       if (!IsOfLight(Stream(s))) {
         EXPECT_EQ(with.scene().DigestStream(Stream(s)), without.scene().DigestStream(Stream(s)))

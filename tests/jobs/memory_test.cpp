@@ -18,7 +18,7 @@ namespace {
 
 using namespace testing;
 
-bool Holds(const std::string& text, const std::string& part) {
+bool Says(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
@@ -41,9 +41,9 @@ TEST(MemoryBudget, OneByteLessIsRefusedAndSaysWhy) {
   SceneOptions options;
   options.memory_budget_bytes = m.layout.total_bytes - 1;
   const std::string error = MeasureScene(m.grooms, options).error();
-  EXPECT_TRUE(Holds(error, std::to_string(m.layout.total_bytes) + " bytes, 1 more")) << error;
-  EXPECT_TRUE(Holds(error, "strands would fit")) << error;
-  EXPECT_TRUE(Holds(error, "max_strands")) << error;
+  EXPECT_TRUE(Says(error, std::to_string(m.layout.total_bytes) + " bytes, 1 more")) << error;
+  EXPECT_TRUE(Says(error, "strands would fit")) << error;
+  EXPECT_TRUE(Says(error, "max_strands")) << error;
   EXPECT_THROW(MeasureScene(m.grooms, options).OrThrow(), Error);
   EXPECT_EQ(FurScene::Create(m.grooms, options).error(), error);
 }
@@ -62,15 +62,15 @@ TEST(MemoryBudget, NamesTheLargestRangesLargestFirst) {
   EXPECT_NE(b, std::string::npos) << fault;
   // Half the memory: half the strands.
   const std::string half = "about " + std::to_string(m.layout.strand_count / 2);
-  EXPECT_TRUE(Holds(fault, half.substr(0, half.size() - 1))) << fault;
+  EXPECT_TRUE(Says(fault, half.substr(0, half.size() - 1))) << fault;
 }
 
 TEST(MemoryReport, HasEveryRangeAndTheSum) {
   const Measured m;
   const std::string table = DescribeMemory(m.layout);
   for (const MemoryRange& range : m.layout.ranges)
-    EXPECT_EQ(Holds(table, std::string(range.name) + " "), range.bytes != 0) << range.name;
-  EXPECT_TRUE(Holds(table, std::to_string(m.layout.total_bytes))) << table;
+    EXPECT_EQ(Says(table, std::string(range.name) + " "), range.bytes != 0) << range.name;
+  EXPECT_TRUE(Says(table, std::to_string(m.layout.total_bytes))) << table;
 }
 
 #if defined(__GLIBC__)
@@ -91,8 +91,7 @@ TEST(MemoryReport, TellsWhatTheSceneTakesOutsideTheBlock) {
 TEST(FrameDigest, IsThatOfItsBlocksInOrder) {
   Scenario scenario = EveryOutputScenario();
   RunningScenario running(scenario, {});
-  running.Begin(0);
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  RunFrame(running, 0);
   const FrameMemory& memory = *running.scene().CurrentFrame().memory;
   Digest frame;
   for (uint32_t s = 0; s < memory.streams.size(); ++s) {

@@ -13,18 +13,11 @@ namespace {
 
 using namespace testing;
 
-const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
-
-template <class K>
-Stage Chunk() {
-  return MakeStage<K>(Domain::kChunk);
-}
-
 std::string ErrorOf(std::vector<Stage> stages) {
-  return CompilePlan(std::move(stages), kShape, {}).error();
+  return CompilePlan(std::move(stages), MakeShape({{0, 0, 3}, {0, 0, 2}}), {}).error();
 }
 
-struct SumLayer {
+struct SumOfLayer {
   static constexpr std::string_view kName = "sum_layer";
   struct Ports {
     All<&Toys::keys> keys;
@@ -85,7 +78,7 @@ struct OwnPatch {
   };
   static void Run(const Ports&) {}
 };
-struct GatherParts {
+struct GatherPartsAlone {
   static constexpr std::string_view kName = "gather_parts";
   struct Ports {
     Gather<&Toys::parts, &Toys::order> parts;
@@ -125,7 +118,7 @@ TEST(PlanErrors, RefusesPortsThatCannotBeBound) {
   EXPECT_TRUE(Has(shared, "coarser domain")) << shared;
   const std::string list = ErrorOf({Chunk<GatherWithoutList>()});
   EXPECT_TRUE(Has(list, "no record list")) << list;
-  const std::string all = ErrorOf({Chunk<SumLayer>()});
+  const std::string all = ErrorOf({Chunk<SumOfLayer>()});
   EXPECT_TRUE(Has(all, "stage sum_layer: port 'keys'")) << all;
   const std::string race = ErrorOf({Chunk<ReadsAndScatters>()});
   EXPECT_TRUE(Has(race, "two ports are of stream pairs_a")) << race;
@@ -143,8 +136,8 @@ TEST(PlanErrors, RefusesPatchesWhereTheyAreNotPartOfTheItem) {
   EXPECT_TRUE(Has(own, "own blocks are of one domain")) << own;
   EXPECT_EQ(ErrorOf({MakeStage<OwnPatch>(Domain::kPatch)}), "");
 
-  EXPECT_EQ(ErrorOf({Chunk<GatherParts>()}), "");
-  const std::string gather = ErrorOf({MakeStage<GatherParts>(Domain::kPatch)});
+  EXPECT_EQ(ErrorOf({Chunk<GatherPartsAlone>()}), "");
+  const std::string gather = ErrorOf({MakeStage<GatherPartsAlone>(Domain::kPatch)});
   EXPECT_TRUE(Has(gather, "gathered and scattered by chunks")) << gather;
   const std::string list = ErrorOf({Chunk<GatherPartsByPatch>()});
   EXPECT_TRUE(Has(list, "no record list")) << list;
@@ -174,19 +167,20 @@ struct UseOtherTable {
 };
 
 TEST(PlanErrors, RefusesStagesOfTwoTables) {
-  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer), Chunk<UseOtherTable>()});
+  const std::string error =
+      ErrorOf({MakeStage<SumOfLayer>(Domain::kLayer), Chunk<UseOtherTable>()});
   EXPECT_NE(error.find("stage use_other_table: its ports are of another table"), std::string::npos)
       << error;
   EXPECT_EQ(ErrorOf({Chunk<UseOtherTable>()}), "");
 }
 
 TEST(PlanErrors, RefusesGatesOfAnotherDomain) {
-  const std::string error = ErrorOf({MakeStage<SumLayer>(Domain::kLayer, {kWithToyFlags<1>})});
+  const std::string error = ErrorOf({MakeStage<SumOfLayer>(Domain::kLayer, {kWithToyFlags<1>})});
   EXPECT_NE(error.find("stage sum_layer: its gate is for a chunk"), std::string::npos) << error;
   const Condition of_patches{[](const FrameMemory&, const ItemPlace&) { return true; },
                              Domain::kPatch,
                              {StreamOf<&Toys::marks>, Stream::kNone}};
-  const std::string patch = ErrorOf({MakeStage<GatherParts>(Domain::kChunk, {of_patches})});
+  const std::string patch = ErrorOf({MakeStage<GatherPartsAlone>(Domain::kChunk, {of_patches})});
   EXPECT_TRUE(Has(patch, "stage gather_parts: its gate is for a patch")) << patch;
   EXPECT_EQ(ErrorOf({MakeStage<OwnPatch>(Domain::kPatch, {of_patches})}), "");
 }

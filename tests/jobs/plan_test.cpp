@@ -91,13 +91,6 @@ struct SumLayer {
   };
   static void Run(const Ports&) {}
 };
-struct UseVertexPoints {
-  static constexpr std::string_view kName = "use_vertex_points";
-  struct Ports {
-    InOut<&Toys::of_long> points;
-  };
-  static void Run(const Ports&) {}
-};
 struct UseBounds {
   static constexpr std::string_view kName = "use_bounds";
   struct Ports {
@@ -152,13 +145,6 @@ struct MakeParts {
   };
   static void Run(const Ports&) {}
 };
-struct UseLongParts {
-  static constexpr std::string_view kName = "use_long_parts";
-  struct Ports {
-    InOut<&Toys::long_parts> parts;
-  };
-  static void Run(const Ports&) {}
-};
 struct GatherParts {
   static constexpr std::string_view kName = "gather_parts";
   struct Ports {
@@ -189,11 +175,6 @@ struct SumParts {
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
 const SceneShape kPatched = MakeShape({{0, 0, 3, 4}, {0, 0, 2, 1}});
 
-template <class K>
-Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
-  return MakeStage<K>(Domain::kChunk, gate, kinds);
-}
-
 std::vector<std::string> PassNames(const Plan& plan) {
   std::vector<std::string> names;
   for (const Pass& pass : plan.passes) {
@@ -215,7 +196,7 @@ const PassStream& FindStream(const Pass& pass, Stream stream) {
   return pass.streams.front();
 }
 
-std::string ErrorOf(std::vector<Stage> stages, const SceneShape& shape, PlanOptions options = {}) {
+std::string Refusal(std::vector<Stage> stages, const SceneShape& shape, PlanOptions options = {}) {
   return CompilePlan(std::move(stages), shape, options).error();
 }
 
@@ -470,9 +451,9 @@ TEST(Plan, CodeTakesOfItsOwnPassAlone) {
   ++code["use_pairs"];
   EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), cut);
   code["sum_layer"] = 100'000;
-  EXPECT_NE(ErrorOf(stages, kShape, options).find("the 0 there are beside 100000 of code"),
+  EXPECT_NE(Refusal(stages, kShape, options).find("the 0 there are beside 100000 of code"),
             std::string::npos)
-      << ErrorOf(stages, kShape, options);
+      << Refusal(stages, kShape, options);
 }
 
 TEST(Plan, InMainMemoryStagesFuseWhileTheyFitACacheTwiceOver) {
@@ -536,7 +517,7 @@ TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
 TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
   const uint32_t once = 3 * sizeof(KeyBlock) + sizeof(WordBlock);
   const std::string error =
-      ErrorOf({MakeStage<SumLayer>(Domain::kLayer)}, kShape, {.local_store_data_bytes = once - 1});
+      Refusal({MakeStage<SumLayer>(Domain::kLayer)}, kShape, {.local_store_data_bytes = once - 1});
   EXPECT_NE(error.find("stage sum_layer"), std::string::npos) << error;
   EXPECT_NE(error.find("one layer needs " + std::to_string(once) + " bytes"), std::string::npos)
       << error;

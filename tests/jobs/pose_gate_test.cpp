@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -20,9 +19,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 struct BadPose {
   const char* says;
@@ -119,8 +115,7 @@ TEST(PoseGate, LeavesTheOthersAsTheyWere) {
     bad.scene().Pose(1).rotation_key[0][0][0] = kNaN;
     ASSERT_EQ(BeginError(bad.scene(), input), "");
     serial.Run(bad.scene().CurrentFrame());
-    good.Begin(f);
-    serial.Run(good.scene().CurrentFrame());
+    RunFrame(good, f);
     ASSERT_EQ(DigestCharacter(bad.scene(), 0), DigestCharacter(good.scene(), 0)) << f;
     ASSERT_NE(DigestCharacter(bad.scene(), 1), DigestCharacter(good.scene(), 1)) << f;
   }
@@ -169,7 +164,7 @@ const StartCase kStartCases[] = {
     {"a teleport that happened does not happen again", {3, 4}, {2}, {0, 2}},
 };
 
-bool Holds(const std::vector<uint32_t>& frames, uint32_t f) {
+bool Lists(const std::vector<uint32_t>& frames, uint32_t f) {
   return std::find(frames.begin(), frames.end(), f) != frames.end();
 }
 
@@ -184,15 +179,15 @@ void ExpectStarts(const StartCase& start, uint32_t character) {
     ASSERT_TRUE(copied.scene().CopyStateFrom(running.scene()));
     for (FurScene* scene : {&running.scene(), &copied.scene()}) {
       const FrameInput input = Prepare(scenario, f, *scene);
-      scene->Pose(character).teleported = Holds(start.teleports, f);
-      if (Holds(start.refused, f)) scene->Pose(character).root[0] = kInf;
+      scene->Pose(character).teleported = Lists(start.teleports, f);
+      if (Lists(start.refused, f)) scene->Pose(character).root[0] = kInf;
       ASSERT_EQ(BeginError(*scene, input), "");
-      ASSERT_EQ(scene->RefusedPoses().size(), Holds(start.refused, f) ? 1u : 0u);
+      ASSERT_EQ(scene->RefusedPoses().size(), Lists(start.refused, f) ? 1u : 0u);
       serial.Run(scene->CurrentFrame());
     }
     const auto [starts, all] = CountStarts(running.scene(), character);
     EXPECT_GT(all, 0u);
-    EXPECT_EQ(starts, Holds(start.starts, f) ? all : 0u) << "frame " << f;
+    EXPECT_EQ(starts, Lists(start.starts, f) ? all : 0u) << "frame " << f;
     const auto [others, all_others] = CountStarts(running.scene(), 1 - character);
     EXPECT_EQ(others, f == 0 ? all_others : 0u) << "frame " << f;
     EXPECT_EQ(copied.scene().DigestFrame(), running.scene().DigestFrame()) << "frame " << f;

@@ -60,11 +60,7 @@ bool TryChange(const std::string& what, const std::function<void(Groom&)>& chang
   Scenario scenario = PlainScenario(), changed = PlainScenario();
   change(changed.grooms[0]);
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < kBefore; ++f) {
-    running.Begin(f);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < kBefore; ++f) RunFrame(running, f);
   const char* why = nullptr;
   if (!running.scene().ReplaceGrooms(changed.ActorGrooms(), &why)) {
     EXPECT_NE(why, nullptr);
@@ -129,10 +125,7 @@ TEST(ReplaceGrooms, NoPatchAndNoChunkSleepsThroughIt) {
   RunningScenario running(scenario, {});
   const FurScene& scene = running.scene();
   uint32_t f = 0;
-  const auto run = [&] {
-    running.Begin(f++);
-    ASSERT_EQ(SerialExecutor().Run(running.scene().CurrentFrame()), nullptr);
-  };
+  const auto run = [&] { RunFrame(running, f++); };
   const auto fall_asleep = [&] {
     for (uint32_t most = f + 2000; f < most;) {
       run();

@@ -24,11 +24,6 @@ void Scale(Scenario& scenario, const glm::mat4& placement, glm::vec3 by) {
   for (int c = 0; c < 3; ++c) scenario.actors[0].placement[c] *= by[c];
 }
 
-void RunFrame(RunningScenario& run, uint32_t frame) {
-  run.Begin(frame);
-  ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
-}
-
 struct Sizes {
   double length = 0.0, width = 0.0, shell = 0.0;  // sums over all strands, m
   uint32_t strands = 0;

@@ -30,8 +30,7 @@ constexpr Stream kRestarted[] = {
 // Compares `scene` after `frame` with a scene whose first frame it was.
 void ExpectLikeAFirstFrame(Scenario& scenario, uint32_t frame, const FurScene& scene) {
   RunningScenario fresh(scenario, {});
-  fresh.Begin(frame);
-  SerialExecutor().Run(fresh.scene().CurrentFrame());
+  RunFrame(fresh, frame);
   for (const Stream stream : kRestarted)
     EXPECT_EQ(scene.DigestStream(stream), fresh.scene().DigestStream(stream))
         << DescribeStream(stream).name;
@@ -41,10 +40,8 @@ TEST(FurSceneRestart, TeleportedCharacterStartsFromItsGroom) {
   Scenario scenario = TinyScenario();
   const auto teleport = uint32_t(scenario.actors[0].teleport_frame);
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f <= teleport; ++f) {
-    running.Begin(f);
-    serial.Run(running.scene().CurrentFrame());
+    RunFrame(running, f);
     if (f + 1 == teleport) {
       EXPECT_EQ(CountChunks(running.scene(), kChunkRestart), 0u);
       EXPECT_EQ(CountPatches(running.scene(), kChunkRestart), 0u);
@@ -86,12 +83,9 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
   dry_course.weather_course = {};
   const uint32_t from = wet_course.weather_course.from_frame;
   RunningScenario wet(wet_course, {}), dry(dry_course, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 20; ++f) {
-    wet.Begin(f);
-    serial.Run(wet.scene().CurrentFrame());
-    dry.Begin(f);
-    serial.Run(dry.scene().CurrentFrame());
+    RunFrame(wet, f);
+    RunFrame(dry, f);
     const bool same = wet.scene().DigestFrame() == dry.scene().DigestFrame();
     EXPECT_EQ(same, f < from) << "frame " << f;
     if (f > 0) {
@@ -117,7 +111,7 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
 // ---- Sleep --------------------------------------------------------------------------------------
 
 // Runs until every visible chunk sleeps; the number of frames it took, or `most`.
-struct Course {
+struct SleepCourse {
   Scenario scenario = RestingScenario(6);
   RunningScenario running{scenario, {}};
   SerialExecutor serial = {};
@@ -151,7 +145,7 @@ TEST(FurSceneSleep, ASceneSunkInTheGroundSleepsToo) {
     for (Groom& groom : sunk.grooms)
       for (GroomLayer& layer : groom.layers)
         if (layer.params.solver == Solver::kModal) layer.params.friction = friction;
-    Course course{std::move(sunk)};
+    SleepCourse course{std::move(sunk)};
     course.change = [](FrameInput& input, FurScene&) { input.ground[3] = -0.05f; };
     EXPECT_TRUE(course.FallAsleep(kLongestToRest))
         << course.Awake() << " chunks still awake, friction " << friction;
@@ -160,7 +154,7 @@ TEST(FurSceneSleep, ASceneSunkInTheGroundSleepsToo) {
 }
 
 TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
-  Course course;
+  SleepCourse course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest)) << course.Awake() << " chunks still awake";
   EXPECT_EQ(CountAsleep(course.scene()), course.scene().shape().chunk_count);
   course.Run();
@@ -178,7 +172,7 @@ TEST(FurSceneSleep, AStillSceneSleepsAndDoesNothing) {
 }
 
 TEST(FurSceneSleep, WhateverMovesWakesIt) {
-  Course course;
+  SleepCourse course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest));
   const uint32_t all = course.scene().shape().chunk_count;
   using Change = std::function<void(FrameInput&, FurScene&)>;
@@ -252,7 +246,7 @@ uint32_t FindJointOfFewPatches(const FurScene& scene) {
 // Of the layer's patches those wake that the joint moves, and its chunks with one of these; the
 // others sleep on, with the bits of a scene where none sleeps.
 TEST(FurSceneSleep, PatchesThatNoJointMovesSleepOnWithTheChunksThatListNoOther) {
-  Course lazy{PatchedScenario()}, eager{PatchedScenario()};
+  SleepCourse lazy{PatchedScenario()}, eager{PatchedScenario()};
   const FurScene& scene = lazy.scene();
   ASSERT_EQ(scene.shape().layer_count, 1u);
   const uint32_t joint = FindJointOfFewPatches(scene);
@@ -316,7 +310,7 @@ TEST(FurSceneSleep, PatchesThatNoJointMovesSleepOnWithTheChunksThatListNoOther) 
 }
 
 TEST(FurSceneSleep, ATurnedCameraSortsAgainAndWakesNobody) {
-  Course course;
+  SleepCourse course;
   ASSERT_TRUE(course.FallAsleep(kLongestToRest));
   course.change = [](FrameInput& in, FurScene&) { in.camera.eye[0] += 0.3f; };
   course.Run();

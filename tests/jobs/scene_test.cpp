@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "core/error.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -14,9 +13,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // ---- Memory -------------------------------------------------------------------------------------
 
@@ -288,14 +284,10 @@ const std::vector<BadInput> kBadInputs = {
 TEST(FurSceneInput, BadInputIsRefusedAndLeavesNoTrace) {
   Scenario scenario = TinyScenario();
   RunningScenario clean(scenario, {}), tried(scenario, {});
-  SerialExecutor serial;
   uint32_t frame = 0;
   const auto run_both = [&] {
-    clean.Begin(frame);
-    serial.Run(clean.scene().CurrentFrame());
-    tried.Begin(frame);
-    serial.Run(tried.scene().CurrentFrame());
-    ++frame;
+    RunFrame(clean, frame);
+    RunFrame(tried, frame++);
     return clean.scene().DigestFrame() == tried.scene().DigestFrame();
   };
   ASSERT_TRUE(run_both());
@@ -315,22 +307,15 @@ TEST(FurSceneInput, AbsurdButFiniteInputDoesNoLastingHarm) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, {});
   FurScene& scene = running.scene();
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 3; ++f) {
-    running.Begin(f);
-    serial.Run(scene.CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 3; ++f) RunFrame(running, f);
   FrameInput input = scenario.PrepareFrame(3, scene);
   for (int i : {3, 7, 11}) scene.Pose(0).root[i] = 9e5f;
   input.gravity[1] = -9e5f;
   input.wind.velocity[0] = 9e5f;
   input.dt_s = 1.0;
   ASSERT_EQ(BeginError(scene, input), "");
-  serial.Run(scene.CurrentFrame());
-  for (uint32_t f = 4; f < 30; ++f) {
-    running.Begin(f);
-    serial.Run(scene.CurrentFrame());
-  }
+  SerialExecutor().Run(scene.CurrentFrame());
+  for (uint32_t f = 4; f < 30; ++f) RunFrame(running, f);
   const auto finite = [&](Stream stream, uint32_t points) {
     for (uint32_t i = 0; i < scene.shape().ItemCount(DescribeStream(stream).domain); ++i) {
       const float* p = scene.memory().As<float>(stream, i);

@@ -21,7 +21,7 @@ namespace {
 
 using namespace testing;
 
-constexpr uint32_t kFirst = 30, kFrames = 36;
+constexpr uint32_t kFirst = 30, kEnd = 36;
 constexpr const char* kSetup =
     "[[layer]]\n"
     "name = 'coat'\n"
@@ -55,7 +55,7 @@ std::string RecordingPath() {
   return test::SourceFolder() + "/traces/golden/from_frame_30.peltinput";
 }
 
-Scenario MakeScene() {
+Scenario RecordedScenario() {
   Scenario scenario = TinyScenario();
   scenario.spheres.clear();
   scenario.actors[0].teleport_frame = -1;
@@ -72,13 +72,13 @@ Scenario MakeScene() {
 }
 
 // The first frame that is recorded is a pause: what follows from the state has to be made there.
-std::vector<std::byte> Record(Isa isa) {
-  Scenario scenario = MakeScene();
+std::vector<std::byte> RecordOn(Isa isa) {
+  Scenario scenario = RecordedScenario();
   RunningScenario running(scenario, OptionsFor(isa));
   FurScene& scene = running.scene();
   SerialExecutor serial;
   InputLogWriter writer;
-  for (uint32_t f = 0; f < kFrames; ++f) {
+  for (uint32_t f = 0; f < kEnd; ++f) {
     FrameInput input = running.Prepare(f, scenario.base.skip, scenario.base.lod);
     if (f == kFirst) {
       const std::vector<std::byte> groom = WriteGroom(scenario.grooms[0]).OrThrow();
@@ -98,7 +98,7 @@ std::vector<std::byte> Record(Isa isa) {
 
 TEST(SnapshotRecording, IsTheSameOnEveryInstructionSet) {
   if (kStrandsPerChunk != 128) GTEST_SKIP() << "it is kept for 128 strands per chunk";
-  const std::vector<std::byte> made = Record(BestIsa());
+  const std::vector<std::byte> made = RecordOn(BestIsa());
   if (std::getenv("PELT_RENEW"))
     std::ofstream(RecordingPath(), std::ios::binary)
         .write(reinterpret_cast<const char*>(made.data()), std::streamsize(made.size()));
@@ -106,7 +106,7 @@ TEST(SnapshotRecording, IsTheSameOnEveryInstructionSet) {
       << "other bits than recorded, or state is kept otherwise: if it is meant, PELT_RENEW=1";
   for (const Isa isa : kAllIsas)
     if (FindKernels(isa)) {
-      EXPECT_TRUE(Record(isa) == made) << IsaName(isa);
+      EXPECT_TRUE(RecordOn(isa) == made) << IsaName(isa);
     }
 }
 

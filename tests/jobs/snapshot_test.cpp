@@ -77,10 +77,9 @@ std::vector<Course> Courses() {
           {"a budget of time", everything, {}, {.lod = true}, time_budget}};
 }
 
-constexpr uint32_t kFrames = 24;  // the teleport of frame 20 is in it
+constexpr uint32_t kUntil = 24;  // the teleport of frame 20 is in it
 
-uint64_t RunOne(RunningScenario& running, uint32_t frame, const Course& course,
-                Executor& executor) {
+uint64_t RunAs(RunningScenario& running, uint32_t frame, const Course& course, Executor& executor) {
   running.Begin(frame, course.skip, course.lod);
   executor.Run(running.scene().CurrentFrame());
   return running.scene().DigestFrame();
@@ -96,17 +95,17 @@ TEST(Snapshot, GoesOnAsIfNothingHadBeen) {
     PermutedExecutor permuted(3);
     std::vector<Bytes> kept;
     std::vector<uint64_t> truth;
-    for (uint32_t f = 0; f < kFrames; ++f) {
+    for (uint32_t f = 0; f < kUntil; ++f) {
       kept.push_back(Taken(running.scene()));
-      truth.push_back(RunOne(running, f, course, serial));
+      truth.push_back(RunAs(running, f, course, serial));
     }
     for (const uint32_t from : {0u, 1u, 7u, 19u, 21u}) {
       for (RunningScenario* scene : {&running, &other}) {
         ASSERT_EQ(scene->scene().Restore(kept[from]), nullptr);
         EXPECT_TRUE(scene->scene().Draws().empty());
         EXPECT_EQ(Taken(scene->scene()), kept[from]) << "put back and taken again";
-        for (uint32_t f = from; f < std::min(from + 4, kFrames); ++f) {
-          ASSERT_EQ(RunOne(*scene, f, course, permuted), truth[f])
+        for (uint32_t f = from; f < std::min(from + 4, kUntil); ++f) {
+          ASSERT_EQ(RunAs(*scene, f, course, permuted), truth[f])
               << "frame " << f << " from " << from;
         }
         EXPECT_FALSE(scene->scene().Draws().empty());
@@ -122,11 +121,11 @@ TEST(Snapshot, SleepersAreThereAtOnceAndSleepOn) {
   RunningScenario running(scenario, {}), fresh(second, {});
   SerialExecutor serial;
   uint32_t f = 0;
-  while (f < 400 && CountAsleep(running.scene()) < 3) RunOne(running, f++, rest, serial);
+  while (f < 400 && CountAsleep(running.scene()) < 3) RunAs(running, f++, rest, serial);
   ASSERT_GE(CountAsleep(running.scene()), 3u);
   ASSERT_EQ(fresh.scene().Restore(Taken(running.scene())), nullptr);
   for (const uint32_t end = f + 3; f < end; ++f)
-    ASSERT_EQ(RunOne(running, f, rest, serial), RunOne(fresh, f, rest, serial)) << "frame " << f;
+    ASSERT_EQ(RunAs(running, f, rest, serial), RunAs(fresh, f, rest, serial)) << "frame " << f;
   EXPECT_EQ(CountAsleep(fresh.scene()), CountAsleep(running.scene()));
 }
 
@@ -144,7 +143,7 @@ TEST(Snapshot, IsSeenInAPause) {
     Scenario scenario = course.make(), second = course.make();
     RunningScenario running(scenario, course.options), other(second, course.options);
     SerialExecutor serial;
-    for (uint32_t f = 0; f < 14; ++f) RunOne(other, f, course, serial);
+    for (uint32_t f = 0; f < 14; ++f) RunAs(other, f, course, serial);
     const auto pause = [&](RunningScenario& scene, uint32_t f) {
       FrameInput input = scene.Prepare(f, course.skip, course.lod);
       input.dt_s = 0.0;
@@ -153,7 +152,7 @@ TEST(Snapshot, IsSeenInAPause) {
       return scene.scene().DigestFrame();
     };
     for (uint32_t f = 0; f < 9; ++f) {
-      const uint64_t truth = RunOne(running, f, course, serial);
+      const uint64_t truth = RunAs(running, f, course, serial);
       const Bytes kept = Taken(running.scene());
       ASSERT_EQ(other.scene().Restore(kept), nullptr);
       ASSERT_EQ(pause(other, f), truth)
@@ -161,8 +160,8 @@ TEST(Snapshot, IsSeenInAPause) {
       EXPECT_FALSE(other.scene().Draws().empty());
       ASSERT_EQ(pause(other, f), truth) << "second pause after frame " << f;
     }
-    const uint64_t next = RunOne(running, 9, course, serial);
-    EXPECT_EQ(RunOne(other, 9, course, serial), next);
+    const uint64_t next = RunAs(running, 9, course, serial);
+    EXPECT_EQ(RunAs(other, 9, course, serial), next);
   }
 }
 
@@ -179,8 +178,8 @@ TEST(Snapshot, OfAnotherSceneOrDamagedIsRefusedAndNothingIsDone) {
       other_corners(elsewhere_on_skin, {}), other_options(scenario, apart), straight(scenario, {});
   SerialExecutor serial;
   const Course tiny{"tiny", {}};
-  for (uint32_t f = 0; f < 3; ++f) RunOne(running, f, tiny, serial);
-  for (uint32_t f = 0; f < 3; ++f) RunOne(straight, f, tiny, serial);
+  for (uint32_t f = 0; f < 3; ++f) RunAs(running, f, tiny, serial);
+  for (uint32_t f = 0; f < 3; ++f) RunAs(straight, f, tiny, serial);
   const auto refused = [&](std::span<const std::byte> bytes, const char* reason) {
     const char* fault = running.scene().Restore(bytes);
     ASSERT_NE(fault, nullptr) << reason;
@@ -208,7 +207,7 @@ TEST(Snapshot, OfAnotherSceneOrDamagedIsRefusedAndNothingIsDone) {
     refused(changed(64 + random.Below(uint32_t(good.size()) - 64), 1 + int(random.Below(255))),
             "damaged");
   for (uint32_t f = 3; f < 6; ++f)
-    ASSERT_EQ(RunOne(running, f, tiny, serial), RunOne(straight, f, tiny, serial)) << "frame " << f;
+    ASSERT_EQ(RunAs(running, f, tiny, serial), RunAs(straight, f, tiny, serial)) << "frame " << f;
 }
 
 // Bytes that are not damaged by chance: a checksum that holds, over counts that no scene can have.
@@ -217,7 +216,7 @@ TEST(Snapshot, CountsThatKernelsWouldFollowAreLookedAt) {
   RunningScenario running(scenario, {});
   SerialExecutor serial;
   const Course tiny{"tiny", {}};
-  RunOne(running, 0, tiny, serial);
+  RunAs(running, 0, tiny, serial);
   FurScene& scene = running.scene();
   Bytes bytes(scene.SnapshotBytes());
   // Why a snapshot is refused in which the number has this value; empty where it is not.
@@ -264,7 +263,7 @@ TEST(Snapshot, InputsThatFramesFillAreCarried) {
     Scenario scenario = course.make(), second = course.make();
     RunningScenario running(scenario, course.options), fresh(second, course.options);
     SerialExecutor serial;
-    for (uint32_t f = 0; f < 5; ++f) RunOne(running, f, course, serial);
+    for (uint32_t f = 0; f < 5; ++f) RunAs(running, f, course, serial);
     const FrameMemory &a = running.scene().memory(), &b = fresh.scene().memory();
     for (uint32_t s = 0; s < kStreamCount; ++s) {
       const StreamDesc& desc = DescribeStream(Stream(s));
@@ -284,10 +283,10 @@ TEST(Snapshot, IsOfThePlatformsThatSortInPiecesToo) {
   SerialExecutor serial;
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   const Course tiny{"tiny", {}};
-  for (uint32_t f = 0; f < 5; ++f) RunOne(whole, f, tiny, serial);
+  for (uint32_t f = 0; f < 5; ++f) RunAs(whole, f, tiny, serial);
   ASSERT_EQ(in_pieces.scene().Restore(Taken(whole.scene())), nullptr);
   for (uint32_t f = 5; f < 9; ++f)
-    ASSERT_EQ(RunOne(whole, f, tiny, serial), RunOne(in_pieces, f, tiny, local)) << "frame " << f;
+    ASSERT_EQ(RunAs(whole, f, tiny, serial), RunAs(in_pieces, f, tiny, local)) << "frame " << f;
 }
 
 // What the README states: after a frame, as an engine takes them, and with the bytes in the cache.
@@ -298,12 +297,12 @@ TEST(Snapshot, BytesAndTimes) {
     FurScene& scene = running.scene();
     SerialExecutor serial;
     const Course course{name, {}};
-    for (uint32_t f = 0; f < 4; ++f) RunOne(running, f, course, serial);
+    for (uint32_t f = 0; f < 4; ++f) RunAs(running, f, course, serial);
     Bytes bytes = Taken(scene), copy = bytes;
     const auto best = [&](bool after_a_frame, auto&& work) {
       double least = 1e9;
       for (uint32_t i = 0; i < 12; ++i) {
-        if (after_a_frame) RunOne(running, 4 + i, course, serial);
+        if (after_a_frame) RunAs(running, 4 + i, course, serial);
         const auto start = std::chrono::steady_clock::now();
         work();
         const std::chrono::duration<double, std::milli> took =

@@ -24,7 +24,7 @@ namespace {
 using namespace testing;
 
 constexpr size_t kStackBytes = 4u << 20;
-constexpr unsigned char kPaint = 0xA5;
+constexpr unsigned char kPaintByte = 0xA5;
 
 // A stack whose bytes are known until they are written to.
 class PaintedStack {
@@ -38,7 +38,7 @@ class PaintedStack {
 
   // Runs task() on it; returns how deep it went below the caller's frame.
   size_t DepthOf(const std::function<void()>& task) {
-    std::memset(bytes_, kPaint, kStackBytes);
+    std::memset(bytes_, kPaintByte, kStackBytes);
     Call call{&task, nullptr};
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
@@ -49,7 +49,7 @@ class PaintedStack {
     if (error == 0) pthread_join(thread, nullptr);
     pthread_attr_destroy(&attributes);
     const unsigned char* lowest =
-        std::find_if(bytes_, bytes_ + kStackBytes, [](unsigned char b) { return b != kPaint; });
+        std::find_if(bytes_, bytes_ + kStackBytes, [](unsigned char b) { return b != kPaintByte; });
     return size_t(call.top - lowest);
   }
 

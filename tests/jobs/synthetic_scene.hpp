@@ -130,5 +130,25 @@ template <class K>
 Stage MakeStage(Domain domain, Gate gate = {}, KindMask kinds = {}) {
   return {MakeKernelDesc<K>(), nullptr, domain, gate, kinds};
 }
+template <class K>
+Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
+  return MakeStage<K>(Domain::kChunk, gate, kinds);
+}
+
+// Put 7 first in what only long layers have.
+struct UseVertexPoints {
+  static constexpr std::string_view kName = "use_vertex_points";
+  struct Ports {
+    InOut<&Toys::of_long> points;
+  };
+  static void Run(const Ports& ports) { ports.points->a[0][0] = 7.0f; }
+};
+struct UseLongParts {
+  static constexpr std::string_view kName = "use_long_parts";
+  struct Ports {
+    InOut<&Toys::long_parts> parts;
+  };
+  static void Run(const Ports& ports) { ports.parts->a[0][0] = 7.0f; }
+};
 
 }  // namespace pelt::testing

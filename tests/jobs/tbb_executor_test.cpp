@@ -17,18 +17,18 @@ using namespace testing;
 constexpr FaultParams kParams{77};
 
 template <class K>
-Stage Chunk() {
+Stage FaultStage() {
   return MakeStage<K>(Domain::kChunk, kParams);
 }
 
 // Five passes that all depend on each other across chunks: a missing barrier would show.
 std::vector<Stage> CrossingFrame() {
-  return {Chunk<Advance>(),
-          Chunk<GathersAcrossTheLayer>(),
-          Chunk<Advance>(),
-          Chunk<ScatterStrands<false>>(),
-          Chunk<GathersAcrossTheLayer>(),
-          Chunk<Advance>()};
+  return {FaultStage<Advance>(),
+          FaultStage<GathersAcrossTheLayer>(),
+          FaultStage<Advance>(),
+          FaultStage<ScatterStrands<false>>(),
+          FaultStage<GathersAcrossTheLayer>(),
+          FaultStage<Advance>()};
 }
 
 uint64_t RunFrames(Executor& executor) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@
 #include "jobs/frame.hpp"
 
 namespace pelt::testing {
+
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // A copy of the scenario that a test may change.
 inline Scenario TinyScenario() {
@@ -190,6 +194,11 @@ inline SceneOptions OptionsFor(Isa isa) {
 inline std::string BeginError(FurScene& scene, const FrameInput& input) {
   const char* fault = scene.BeginFrame(input);
   return fault ? fault : "";
+}
+
+inline void RunFrame(RunningScenario& run, uint32_t frame) {
+  run.Begin(frame);
+  ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
 }
 
 // The digest of every frame.

@@ -27,11 +27,6 @@ SceneOptions WithVelocities(Isa isa = BestIsa()) {
   return options;
 }
 
-void RunFrame(RunningScenario& run, uint32_t frame) {
-  run.Begin(frame);
-  ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
-}
-
 Double3 At(const float (&rows)[3][kStrandsPerChunk], uint32_t lane) {
   return {rows[0][lane], rows[1][lane], rows[2][lane]};
 }

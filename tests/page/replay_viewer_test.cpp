@@ -15,10 +15,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr uint32_t kFrames = 12;
+constexpr uint32_t kRecorded = 12;
 
 const std::vector<std::byte>& Tiny() {
-  static const std::vector<std::byte> tiny = RecordScene("tiny", kFrames);
+  static const std::vector<std::byte> tiny = RecordScene("tiny", kRecorded);
   return tiny;
 }
 
@@ -40,7 +40,7 @@ glm::vec3 FirstRoot(const PictureScene& shown) { return shown.layers.front().fro
 
 TEST(ReplayViewer, EveryFrameIsAsRecorded) {
   const auto viewer = OpenViewer(Tiny());
-  for (uint32_t f = 0; f < kFrames; ++f) {
+  for (uint32_t f = 0; f < kRecorded; ++f) {
     ASSERT_FALSE(viewer->AtEnd());
     ASSERT_EQ(viewer->Step(), nullptr);
     const Json frame = Json::parse(viewer->LastFrame());
@@ -50,7 +50,7 @@ TEST(ReplayViewer, EveryFrameIsAsRecorded) {
   }
   EXPECT_TRUE(viewer->AtEnd());
   EXPECT_TRUE(viewer->result().Same());
-  EXPECT_EQ(viewer->result().digest, RunDigests({.scene = "tiny"}, kFrames).back());
+  EXPECT_EQ(viewer->result().digest, RunDigests({.scene = "tiny"}, kRecorded).back());
 }
 
 TEST(ReplayViewer, BehindTheLastFrameItBeginsAgain) {
@@ -206,7 +206,7 @@ TEST(ReplayViewer, WhatIsDamagedIsToldWithItsPlace) {
 TEST(ReplayViewer, HasTheSettingsOfPicturesAlone) {
   const auto viewer = OpenViewer(Tiny());
   const Json described = Json::parse(viewer->Describe());
-  EXPECT_EQ(described["frames"], kFrames);
+  EXPECT_EQ(described["frames"], kRecorded);
   EXPECT_EQ(described["recording"]["file"], "x.peltinput");
   EXPECT_TRUE(described["setups"].empty());
   EXPECT_EQ(described["strands"], LoadScenario("tiny").StrandCount());

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr uint32_t kFrames = 2;
+constexpr uint32_t kWatched = 2;
 
 // A model, a setup for it and the setup's one map.
 class SceneWatchTest : public testing::Test {
@@ -56,7 +56,7 @@ class SceneWatchTest : public testing::Test {
     ScenarioRequest request;
     request.character = Path("my.glb");
     request.setup = Path("fur.toml");
-    SceneWatch scene(request, kFrames);
+    SceneWatch scene(request, kWatched);
     while (scene.StepDigest()) {
     }
     EXPECT_EQ(Looks(scene), 0u) << "nothing changed yet";
@@ -80,7 +80,7 @@ TEST_F(SceneWatchTest, KnowsEveryFileThatTheSetupAndTheModelLeadTo) {
   EXPECT_EQ(scene.files().size(), 3u);
   for (const char* name : {"my.glb", "fur.toml", "map.png"})
     EXPECT_TRUE(scene.files().contains(Path(name))) << name;
-  EXPECT_EQ(scene.digests().size(), kFrames);
+  EXPECT_EQ(scene.digests().size(), kWatched);
   EXPECT_EQ(scene.Content("").files, scene.files());
 }
 
@@ -113,9 +113,9 @@ TEST_F(SceneWatchTest, ASetupThatIsSavedIsToldOnceWithItsTextAndThenItsDigests) 
   EXPECT_EQ(changes["digests"], Json::array());
   while (scene.StepDigest()) {
   }
-  ASSERT_EQ(scene.digests().size(), kFrames);
+  ASSERT_EQ(scene.digests().size(), kWatched);
   EXPECT_NE(scene.digests(), before);
-  EXPECT_EQ(Changes(scene, version)["digests"].size(), kFrames);
+  EXPECT_EQ(Changes(scene, version)["digests"].size(), kWatched);
   EXPECT_FALSE(Changes(scene, version).contains("files"));
   EXPECT_FALSE(Changes(scene, scene.version()).contains("digests"));
 }

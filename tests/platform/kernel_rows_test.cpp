@@ -13,20 +13,20 @@
 namespace pelt {
 namespace {
 
-const std::vector<KernelRow>& Rows() {
+const std::vector<KernelRow>& PricedRows() {
   static const std::vector<KernelRow> rows = PriceKernelRows();
   return rows;
 }
 
 const KernelRow& Row(std::string_view id) {
-  for (const KernelRow& row : Rows())
+  for (const KernelRow& row : PricedRows())
     if (row.row->id == id) return row;
   ADD_FAILURE() << "no row " << id;
-  return Rows()[0];
+  return PricedRows()[0];
 }
 
 TEST(KernelRows, EveryMeasurementLiesInTheRangeOfItsPrice) {
-  for (const KernelRow& row : Rows()) {
+  for (const KernelRow& row : PricedRows()) {
     SCOPED_TRACE(row.row->id);
     EXPECT_TRUE(row.failure.empty()) << row.failure;
     EXPECT_TRUE(row.passes) << row.scheduled_cycles << " " << row.measured_cycles << " "
@@ -73,7 +73,7 @@ TEST(KernelRows, PlantedLatenciesMoveTheEnds) {
 }
 
 TEST(KernelRows, ThePlaceIsTheMeanOfWhatACompilerMadeAndSaysHowFarItSpreads) {
-  const MeasuredPlace place = PlaceOf(Rows());
+  const MeasuredPlace place = PlaceOf(PricedRows());
   EXPECT_EQ(place.rows, 2u);
   EXPECT_NEAR(place.mean, 0.5 * (Row("K1").place + Row("K2").place), 1e-12);
   EXPECT_LT(place.least, place.mean);

@@ -11,8 +11,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-using Kind = RecordedKind;
-using V = RecordingVec;
 
 Trace DotProduct() {
   return Record([](Rows& rows) {
@@ -235,7 +233,7 @@ TEST(Lowering, RecordedNewtonStepsTakeTheListingsCycles) {
   const IssueChart chart = TimeOnSpu(program, {}, {}, SpuParameters{}).OrThrow();
   std::vector<int64_t> cycles;
   for (const IssueSlot& slot : chart.first_pass) cycles.push_back(slot.cycle);
-  EXPECT_EQ(cycles, Cycles(text.text));
+  EXPECT_EQ(cycles, CyclesOf(text.text));
 }
 
 }  // namespace

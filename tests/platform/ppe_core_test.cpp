@@ -19,9 +19,8 @@ IssueChart TimeOnPpe(const std::string& text, const PpeParameters& ppe = {},
   return pelt::TimeOnPpe(listing.program, trips, rules, ppe).OrThrow();
 }
 
-using V = std::vector<int64_t>;
-V Cycles(const std::string& text, const PpeParameters& ppe = {}, const PpeRules& rules = {}) {
-  V out;
+At Issued(const std::string& text, const PpeParameters& ppe = {}, const PpeRules& rules = {}) {
+  At out;
   for (const IssueSlot& slot : TimeOnPpe(text, ppe, rules).first_pass) out.push_back(slot.cycle);
   return out;
 }
@@ -29,29 +28,29 @@ V Cycles(const std::string& text, const PpeParameters& ppe = {}, const PpeRules&
 // ---- rules -----------------------------------------------------------------------------------
 
 TEST(PpeCore, TwoOnOneUnitNeverPair) {
-  EXPECT_EQ(Cycles("add 3,4,5; add 6,7,8"), (V{0, 1}));
-  EXPECT_EQ(Cycles("add 3,4,5; lwz 6,0(7)"), (V{0, 0}));
-  EXPECT_EQ(Cycles("lfs 1,0(4); vperm 2,3,4,5"), (V{0, 1}));  // both VSU2
-  EXPECT_EQ(Cycles("vaddfp 1,2,3; vperm 4,5,6,7"), (V{0, 0}));
-  EXPECT_EQ(Cycles("vaddfp 1,2,3; fadd 4,5,6"), (V{0, 1}));                // both VSU1
-  EXPECT_EQ(Cycles("add 3,4,5; lwz 6,0(7); vaddfp 1,2,3"), (V{0, 0, 1}));  // two per cycle
+  EXPECT_EQ(Issued("add 3,4,5; add 6,7,8"), (At{0, 1}));
+  EXPECT_EQ(Issued("add 3,4,5; lwz 6,0(7)"), (At{0, 0}));
+  EXPECT_EQ(Issued("lfs 1,0(4); vperm 2,3,4,5"), (At{0, 1}));  // both VSU2
+  EXPECT_EQ(Issued("vaddfp 1,2,3; vperm 4,5,6,7"), (At{0, 0}));
+  EXPECT_EQ(Issued("vaddfp 1,2,3; fadd 4,5,6"), (At{0, 1}));                // both VSU1
+  EXPECT_EQ(Issued("add 3,4,5; lwz 6,0(7); vaddfp 1,2,3"), (At{0, 0, 1}));  // two per cycle
 }
 
 TEST(PpeCore, NothingGoesBehindABranchAMultiplyOrADivide) {
-  EXPECT_EQ(Cycles("beq cr0,out; lwz 3,0(4); out:"), (V{0, 1}));
-  EXPECT_EQ(Cycles("lwz 3,0(4); beq cr0,out; add 5,6,7; out:"), (V{0, 0, 1}));
-  EXPECT_EQ(Cycles("lwz 3,0(4); mullw 5,6,7"), (V{0, 0}));
+  EXPECT_EQ(Issued("beq cr0,out; lwz 3,0(4); out:"), (At{0, 1}));
+  EXPECT_EQ(Issued("lwz 3,0(4); beq cr0,out; add 5,6,7; out:"), (At{0, 0, 1}));
+  EXPECT_EQ(Issued("lwz 3,0(4); mullw 5,6,7"), (At{0, 0}));
   // A taken branch and what lies at its target are never one group.
   EXPECT_EQ(CyclesPerIteration(TimeOnPpe("loop: lwz 3,0(4); add 5,6,7; bdnz loop")), 2.0);
 }
 
 TEST(PpeCore, ResultsAreLaterForAddresses) {
-  EXPECT_EQ(Cycles("lwz 3,0(4); add 5,3,3").back(), 2);
-  EXPECT_EQ(Cycles("lwz 3,0(4); lwz 5,0(3)").back(), 6);
-  EXPECT_EQ(Cycles("addi 3,3,4; dcbt 0,3").back(), 5);
-  EXPECT_EQ(Cycles("addi 3,3,4; lvx 5,0,3").back(), 5);
-  EXPECT_EQ(Cycles("addi 3,3,4; stw 3,0(4)").back(), 2);    // data, not address
-  EXPECT_EQ(Cycles("lwzu 3,4(4); lwzu 3,4(4)").back(), 5);  // the address that it counted up
+  EXPECT_EQ(Issued("lwz 3,0(4); add 5,3,3").back(), 2);
+  EXPECT_EQ(Issued("lwz 3,0(4); lwz 5,0(3)").back(), 6);
+  EXPECT_EQ(Issued("addi 3,3,4; dcbt 0,3").back(), 5);
+  EXPECT_EQ(Issued("addi 3,3,4; lvx 5,0,3").back(), 5);
+  EXPECT_EQ(Issued("addi 3,3,4; stw 3,0(4)").back(), 2);    // data, not address
+  EXPECT_EQ(Issued("lwzu 3,4(4); lwzu 3,4(4)").back(), 5);  // the address that it counted up
 }
 
 TEST(PpeCore, LatenciesAreThoseOfTheClasses) {
@@ -68,33 +67,33 @@ TEST(PpeCore, LatenciesAreThoseOfTheClasses) {
       {"fcmpu cr7,1,2; beq cr7,out; out:", 6}, {"cmpw 3,4; beq out; out:", 1},
       {"add. 3,4,5; beq out; out:", 2},        {"mtctr 3; bctr", 10},
   };
-  for (const auto& c : kCases) EXPECT_EQ(Cycles(c.text).back(), c.cycles) << c.text;
+  for (const auto& c : kCases) EXPECT_EQ(Issued(c.text).back(), c.cycles) << c.text;
 }
 
 TEST(PpeCore, MultiplyAndDivideAreNotPipelined) {
-  EXPECT_EQ(Cycles("mullw 3,4,5; mullw 6,7,8"), (V{0, 9}));
-  EXPECT_EQ(Cycles("fdiv 3,4,5; fdiv 6,7,8"), (V{0, 74}));
-  EXPECT_EQ(Cycles("fdiv 3,4,5; add 6,7,8; add 9,10,11"), (V{0, 1, 2}));  // only its unit
+  EXPECT_EQ(Issued("mullw 3,4,5; mullw 6,7,8"), (At{0, 9}));
+  EXPECT_EQ(Issued("fdiv 3,4,5; fdiv 6,7,8"), (At{0, 74}));
+  EXPECT_EQ(Issued("fdiv 3,4,5; add 6,7,8; add 9,10,11"), (At{0, 1, 2}));  // only its unit
 }
 
 TEST(PpeCore, ALoadThatHitsAStoreWaitsForIt) {
-  EXPECT_EQ(Cycles("stfs 1,8(1); lwz 3,8(1)").back(), 40);
-  EXPECT_EQ(Cycles("stfs 1,8(1); lwz 3,12(1)").back(), 1);  // beside it
-  EXPECT_EQ(Cycles("stvx 1,3,4; lwzx 3,3,4").back(), 40);
-  EXPECT_EQ(Cycles("std 5,8(1); lwz 3,12(1)").back(), 40);            // in it
-  EXPECT_EQ(Cycles("stw 5,8(1); addi 1,1,8; lwz 3,8(1)").back(), 5);  // elsewhere by now
-  EXPECT_EQ(Cycles("stwu 5,8(4); lwz 3,0(4)").back(), 40);            // the new base is its address
+  EXPECT_EQ(Issued("stfs 1,8(1); lwz 3,8(1)").back(), 40);
+  EXPECT_EQ(Issued("stfs 1,8(1); lwz 3,12(1)").back(), 1);  // beside it
+  EXPECT_EQ(Issued("stvx 1,3,4; lwzx 3,3,4").back(), 40);
+  EXPECT_EQ(Issued("std 5,8(1); lwz 3,12(1)").back(), 40);            // in it
+  EXPECT_EQ(Issued("stw 5,8(1); addi 1,1,8; lwz 3,8(1)").back(), 5);  // elsewhere by now
+  EXPECT_EQ(Issued("stwu 5,8(4); lwz 3,0(4)").back(), 40);            // the new base is its address
   std::string late = "stw 5,8(1)";
   for (int i = 0; i < 50; ++i) late += "; add 6,6,6";
-  const V cycles = Cycles(late + "; lwz 3,8(1)");
+  const At cycles = Issued(late + "; lwz 3,8(1)");
   EXPECT_EQ(cycles.back(), cycles[cycles.size() - 2]);  // long out
   const IssueTotals totals = TimeOnPpe("stfs 1,8(1); lwz 3,8(1)").totals;
   EXPECT_EQ(totals.stall_cycles[uint32_t(StallCause::kLoadHitStore)], 39u);
 }
 
 TEST(PpeCore, WithTwoThreadsEveryOtherCycleIsItsOwn) {
-  EXPECT_EQ(Cycles("add 3,4,5; add 6,7,8; lwz 9,0(10); lwz 3,0(9)", {}, {.smt = true}),
-            (V{0, 2, 2, 8}));
+  EXPECT_EQ(Issued("add 3,4,5; add 6,7,8; lwz 9,0(10); lwz 3,0(9)", {}, {.smt = true}),
+            (At{0, 2, 2, 8}));
 }
 
 // ---- two threads -----------------------------------------------------------------------------

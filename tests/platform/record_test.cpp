@@ -13,8 +13,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-using Kind = RecordedKind;
-using V = RecordingVec;
 
 TEST(RecordingVec, SeesEveryOperationAndItsOperands) {
   const Trace trace = Record([](Rows& rows) {

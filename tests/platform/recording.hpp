@@ -12,6 +12,9 @@
 
 namespace pelt::testing {
 
+using Kind = RecordedKind;
+using V = RecordingVec;
+
 // Rows of a block, aligned as blocks are.
 struct alignas(128) Rows {
   float row[16][64];

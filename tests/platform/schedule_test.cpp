@@ -18,8 +18,8 @@ void ExpectGood(const StraightCode& code, const CoreUnderTest& on, const std::st
   const FinishedCode plain = InOrder(code, on.core), fast = Scheduled(code, on.core);
   EXPECT_TRUE(IsRight(code, plain, on.core)) << what;
   EXPECT_TRUE(IsRight(code, fast, on.core)) << what;
-  const int64_t cycles = Cycles(fast, on.core);
-  EXPECT_LE(cycles, Cycles(plain, on.core)) << what;
+  const int64_t cycles = CyclesOf(fast, on.core);
+  EXPECT_LE(cycles, CyclesOf(plain, on.core)) << what;
   EXPECT_GE(cycles, ResourceBoundCycles(code.program, on.core)) << what;
   // The issue model counts live registers on its own.
   const IssueChart chart = on.core.time(fast.program).OrThrow();
@@ -65,7 +65,7 @@ TEST(Scheduling, TheSchedulersOwnCountIsTheIssueModels) {
       const FittedCode fitted = FitRegisters(code, on.core).OrThrow();
       const IssueOrder order = ScheduleWithin(512, ScheduleInput(fitted.code, on.core));
       const FinishedCode finished = Finish(fitted, order, on.core).OrThrow();
-      EXPECT_EQ(order.cycles(), Cycles(finished, on.core)) << on.name << ", " << groups;
+      EXPECT_EQ(order.cycles(), CyclesOf(finished, on.core)) << on.name << ", " << groups;
     }
 }
 
@@ -77,14 +77,14 @@ TEST(Scheduling, LaneGroupsComeNearTheResourceBound) {
   };
   for (const Case& c : {Case{SpuUnderTest(), 1.10}, Case{PpeUnderTest(128), 1.20}}) {
     const StraightCode few = ChainSweep(c.on, 8, 4, 4), many = ChainSweep(c.on, 24, 4, 4);
-    const int64_t few_cycles = Cycles(Scheduled(few, c.on.core), c.on.core);
-    const int64_t many_cycles = Cycles(Scheduled(many, c.on.core), c.on.core);
+    const int64_t few_cycles = CyclesOf(Scheduled(few, c.on.core), c.on.core);
+    const int64_t many_cycles = CyclesOf(Scheduled(many, c.on.core), c.on.core);
     const double bound = double(ResourceBoundCycles(many.program, c.on.core));
     const double bound_between = bound - double(ResourceBoundCycles(few.program, c.on.core));
     fmt::print(
         "{}: 24 lane groups in {} cycles, {} in order, {:.1f} % over the units' bound; "
         "a group more, {:.1f} %\n",
-        c.on.name, many_cycles, Cycles(InOrder(many, c.on.core), c.on.core),
+        c.on.name, many_cycles, CyclesOf(InOrder(many, c.on.core), c.on.core),
         100.0 * (double(many_cycles) / bound - 1.0),
         100.0 * (double(many_cycles - few_cycles) / bound_between - 1.0));
     EXPECT_LT(double(many_cycles), c.most_over_bound * bound) << c.on.name;
@@ -120,7 +120,7 @@ TEST(Scheduling, OnlyPairsArePadded) {
       bare.program.back().location_bytes = 4 * (bare.program.size() - 1);
     }
   EXPECT_GT(padded.padding, 0u);
-  EXPECT_GT(Cycles(bare, on.core), Cycles(padded, on.core));
+  EXPECT_GT(CyclesOf(bare, on.core), CyclesOf(padded, on.core));
 }
 
 // Row C13's work: C -= A B on tiles of 64 x 64 in a local store, eight rows by four quadwords of C
@@ -163,11 +163,11 @@ TEST(Scheduling, AMatrixMultiplyComesNearTheMeasuredRow) {
   const StraightCode code = MatrixMultiplyBlocks(on, kBlocks);
   const FinishedCode fast = Scheduled(code, on.core);
   EXPECT_TRUE(IsRight(code, fast, on.core));
-  const double of_peak = kBlocks * 2048 / double(Cycles(fast, on.core));
+  const double of_peak = kBlocks * 2048 / double(CyclesOf(fast, on.core));
   fmt::print(
       "C13: {:.2f} % of peak by the scheduler, filling and draining included; 99.8 % "
       "measured for a schedule by hand; in order {:.1f} %\n",
-      100.0 * of_peak, kBlocks * 2048 * 100.0 / double(Cycles(InOrder(code, on.core), on.core)));
+      100.0 * of_peak, kBlocks * 2048 * 100.0 / double(CyclesOf(InOrder(code, on.core), on.core)));
   EXPECT_GT(of_peak, 0.995);
   EXPECT_EQ(fast.spill_stores + fast.spill_loads, 0u);
 }

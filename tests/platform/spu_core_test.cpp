@@ -11,28 +11,26 @@ namespace {
 
 using namespace testing;
 
-using V = std::vector<int64_t>;
-
 // ---- rules -----------------------------------------------------------------------------------
 
 TEST(SpuCore, PairsEvenFirstInOneFetchGroup) {
-  EXPECT_EQ(Cycles("ai 3,4,1; lnop; ai 5,6,1; lqd 7,0(8)"), (V{0, 0, 1, 1}));
+  EXPECT_EQ(CyclesOf("ai 3,4,1; lnop; ai 5,6,1; lqd 7,0(8)"), (At{0, 0, 1, 1}));
 }
 
 TEST(SpuCore, OddFirstWaits) {
-  EXPECT_EQ(Cycles("lnop; ai 3,4,1; ai 5,6,1; lnop"), (V{0, 1, 2, 2}));
+  EXPECT_EQ(CyclesOf("lnop; ai 3,4,1; ai 5,6,1; lnop"), (At{0, 1, 2, 2}));
 }
 
 TEST(SpuCore, APairAcrossFetchGroupsPairsOnlyByOrder) {
   const std::string text = "lnop; ai 3,4,1; lqd 5,0(6); ai 7,8,1";
-  EXPECT_EQ(Cycles(text), (V{0, 1, 2, 3}));
-  EXPECT_EQ(Cycles(text, {}, {.pair_by_order = true}), (V{0, 1, 1, 2}));
+  EXPECT_EQ(CyclesOf(text), (At{0, 1, 2, 3}));
+  EXPECT_EQ(CyclesOf(text, {}, {.pair_by_order = true}), (At{0, 1, 1, 2}));
   EXPECT_EQ(TimeOnSpu(text).first_pass[2].unpaired, Unpaired::kAddress);
 }
 
 TEST(SpuCore, TheSecondOfAGroupWaitsForItsOperandAndHoldsTheNextGroup) {
   // lqd reads what ai wrote: 2 cycles; the next group waits though it is ready.
-  EXPECT_EQ(Cycles("ai 3,4,1; lqd 5,0(3); ai 6,6,1; lnop"), (V{0, 2, 3, 3}));
+  EXPECT_EQ(CyclesOf("ai 3,4,1; lqd 5,0(3); ai 6,6,1; lnop"), (At{0, 2, 3, 3}));
   const IssueSlot slot = TimeOnSpu("ai 3,4,1; lqd 5,0(3)").first_pass[1];
   EXPECT_EQ(slot.unpaired, Unpaired::kNotReady);
   ASSERT_EQ(slot.stall_count, 1);
@@ -56,27 +54,27 @@ TEST(SpuCore, LatenciesAreThoseOfTheClasses) {
       {"rotqbyi 3,4,1; lnop; or 5,3,3", 4}, {"cwd 3,4(1); lnop; or 5,3,3", 4},
       {"orx 3,4; lnop; or 5,3,3", 4},       {"mpya 3,4,5,6; nop; or 5,3,3", 7},
   };
-  for (const auto& c : kCases) EXPECT_EQ(Cycles(c.text).back(), c.cycles) << c.text;
+  for (const auto& c : kCases) EXPECT_EQ(CyclesOf(c.text).back(), c.cycles) << c.text;
 }
 
 TEST(SpuCore, StoresReadWhatTheyStoreAndAccumulatorsWhatTheyWrite) {
-  EXPECT_EQ(Cycles("lqd 3,0(4); lnop; stqd 3,0(5)").back(), 6);
-  EXPECT_EQ(Cycles("fa 3,4,5; lnop; addx 3,6,7").back(), 6);
-  EXPECT_EQ(Cycles("fa 3,4,5; lnop; iohl 3,1").back(), 6);
+  EXPECT_EQ(CyclesOf("lqd 3,0(4); lnop; stqd 3,0(5)").back(), 6);
+  EXPECT_EQ(CyclesOf("fa 3,4,5; lnop; addx 3,6,7").back(), 6);
+  EXPECT_EQ(CyclesOf("fa 3,4,5; lnop; iohl 3,1").back(), 6);
   // A plain write of the same register does not wait.
-  EXPECT_EQ(Cycles("fa 3,4,5; lnop; a 3,6,7").back(), 1);
+  EXPECT_EQ(CyclesOf("fa 3,4,5; lnop; a 3,6,7").back(), 1);
 }
 
 TEST(SpuCore, AnFp6RightAfterAnFp7LosesOneCycle) {
-  EXPECT_EQ(Cycles("mpy 3,4,5; lnop; fa 6,7,8; lnop"), (V{0, 0, 2, 2}));
-  EXPECT_EQ(Cycles("mpy 3,4,5; lnop; ai 9,9,1; lnop; fa 6,7,8; lnop"), (V{0, 0, 1, 1, 2, 2}));
-  EXPECT_EQ(Cycles("mpy 3,4,5; lnop; mpy 6,7,8; lnop"), (V{0, 0, 1, 1}));
+  EXPECT_EQ(CyclesOf("mpy 3,4,5; lnop; fa 6,7,8; lnop"), (At{0, 0, 2, 2}));
+  EXPECT_EQ(CyclesOf("mpy 3,4,5; lnop; ai 9,9,1; lnop; fa 6,7,8; lnop"), (At{0, 0, 1, 1, 2, 2}));
+  EXPECT_EQ(CyclesOf("mpy 3,4,5; lnop; mpy 6,7,8; lnop"), (At{0, 0, 1, 1}));
   const IssueTotals totals = TimeOnSpu("mpy 3,4,5; lnop; fa 6,7,8").totals;
   EXPECT_EQ(totals.stall_cycles[uint32_t(StallCause::kAfterFp7)], 1u);
 }
 
 TEST(SpuCore, DoublePrecisionStopsBothPipesAndNeverPairs) {
-  EXPECT_EQ(Cycles("dfa 3,4,5; lnop; dfa 6,7,8; lnop"), (V{0, 7, 8, 15}));
+  EXPECT_EQ(CyclesOf("dfa 3,4,5; lnop; dfa 6,7,8; lnop"), (At{0, 7, 8, 15}));
   EXPECT_EQ(TimeOnSpu("dfa 3,4,5; lnop").first_pass[1].unpaired, Unpaired::kNever);
 }
 

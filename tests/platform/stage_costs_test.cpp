@@ -18,7 +18,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-using V = RecordingVec;
 
 const PlatformParameters kPlatforms;
 

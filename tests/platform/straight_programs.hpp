@@ -200,7 +200,7 @@ inline FinishedCode InOrder(const StraightCode& code, const SchedulingCore& core
 inline FinishedCode Scheduled(const StraightCode& code, const SchedulingCore& core) {
   return Schedule(code, core).OrThrow();
 }
-inline int64_t Cycles(const FinishedCode& code, const SchedulingCore& core) {
+inline int64_t CyclesOf(const FinishedCode& code, const SchedulingCore& core) {
   return core.time(code.program).OrThrow().totals.cycles;
 }
 inline ::testing::AssertionResult IsRight(const StraightCode& code, const FinishedCode& finished,

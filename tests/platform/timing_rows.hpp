@@ -41,10 +41,11 @@ inline std::string ReadListingFile(const std::string& name) {
   return text.str();
 }
 
-// Of the first pass.
-inline std::vector<int64_t> Cycles(const std::string& text, const SpuParameters& spu = {},
-                                   const SpuRules& rules = {}) {
-  std::vector<int64_t> out;
+// The cycles at which the instructions of the first pass are issued.
+using At = std::vector<int64_t>;
+inline At CyclesOf(const std::string& text, const SpuParameters& spu = {},
+                   const SpuRules& rules = {}) {
+  At out;
   for (const IssueSlot& slot : TimeOnSpu(text, spu, rules).first_pass) out.push_back(slot.cycle);
   return out;
 }

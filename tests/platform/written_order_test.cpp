@@ -12,8 +12,6 @@ namespace pelt {
 namespace {
 
 using namespace testing;
-using Kind = RecordedKind;
-using V = RecordingVec;
 
 void ExpectSame(const Trace& a, const Trace& b) {
   EXPECT_EQ(a.value_count, b.value_count);

@@ -10,7 +10,7 @@
 namespace pelt {
 namespace {
 
-std::string ErrorOf(const std::string& text) { return ReadDigestLog(text, "x").error(); }
+std::string ReadError(const std::string& text) { return ReadDigestLog(text, "x").error(); }
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const size_t at = text.find(from);
@@ -55,7 +55,7 @@ TEST(DigestLog, ControlCharactersCannotBreakALine) {
 TEST(DigestLog, EveryTruncationIsAnError) {
   const std::string text = WriteDigestLog(MakeDigestLog());
   for (size_t size = 0; size < text.size(); ++size) {
-    const std::string error = ErrorOf(text.substr(0, size));
+    const std::string error = ReadError(text.substr(0, size));
     ASSERT_TRUE(error.starts_with("digest log 'x', line ")) << size << ": " << error;
   }
 }
@@ -90,7 +90,7 @@ TEST(DigestLog, FaultsAreNamedByLine) {
       {"end 12\n", "end 12\nmore\n", "behind the 'end' line"},
   };
   for (const auto& fault : faults) {
-    const std::string error = ErrorOf(Replaced(text, fault.from, fault.to));
+    const std::string error = ReadError(Replaced(text, fault.from, fault.to));
     EXPECT_NE(error.find(fault.expected), std::string::npos)
         << fault.from << " -> " << fault.to << ": " << error;
   }
@@ -101,7 +101,7 @@ TEST(DigestLog, ThousandsOfColumnsAreRefused) {
   log.columns.assign(3000, {"a", "b"});
   log.columns.push_back({"whole_frame", "all"});
   log.digests.assign(3001, 1);
-  EXPECT_NE(ErrorOf(WriteDigestLog(log)).find("more than 1024 lines"), std::string::npos);
+  EXPECT_NE(ReadError(WriteDigestLog(log)).find("more than 1024 lines"), std::string::npos);
 }
 
 TEST(DigestLog, RandomDamageNeverCrashes) {
@@ -116,7 +116,7 @@ TEST(DigestLog, RandomDamageNeverCrashes) {
 }
 
 TEST(DigestLog, FilesAreReadAndWritten) {
-  const std::string path = testing::TempDir() + "pelt_digest_log_test.digests";
+  const std::string path = ::testing::TempDir() + "pelt_digest_log_test.digests";
   WriteDigestLogFile(MakeDigestLog(), path).OrThrow();
   EXPECT_EQ(ReadDigestLogFile(path).OrThrow().digests, MakeDigestLog().digests);
   std::remove(path.c_str());

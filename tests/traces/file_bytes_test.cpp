@@ -21,16 +21,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class FileBytes : public testing::Test {
+class FileBytes : public ::testing::Test {
  protected:
-  FileBytes() : folder_(fs::path(testing::TempDir()) / ("pelt_file_bytes_" + Unique())) {
+  FileBytes() : folder_(fs::path(::testing::TempDir()) / ("pelt_file_bytes_" + Unique())) {
     fs::create_directories(folder_);
   }
   ~FileBytes() override { fs::remove_all(folder_); }
 
   static std::string Unique() {
     return std::to_string(getpid()) + "_" +
-           testing::UnitTest::GetInstance()->current_test_info()->name();
+           ::testing::UnitTest::GetInstance()->current_test_info()->name();
   }
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }
   std::string Put(const std::string& name, const std::string& text) const {

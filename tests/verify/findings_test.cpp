@@ -4,10 +4,13 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "bench/verify/odd_floats.hpp"
 #include "bench/verify/verified_scene.hpp"
 #include "core/groom/groom_file.hpp"
 #include "tests/verify/planting.hpp"
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
 
 namespace pelt {
 namespace {

@@ -16,8 +16,8 @@ namespace {
 
 using namespace testing;
 
-enum class Fault { kNone, kStatic, kReadsNext, kWritesNext, kReadsOut, kOrder };
-Fault planted;
+enum class ToyFault { kNone, kStatic, kReadsNext, kWritesNext, kReadsOut, kOrder };
+ToyFault planted;
 std::atomic<uint32_t> runs{0};
 
 // Keys from what was baked, and from the last frame's.
@@ -32,9 +32,9 @@ struct MakeKeys {
     for (uint32_t i = 0; i < kToyLanes; ++i)
       keys.key[i] = 5 * keys.key[i] + uint32_t(int32_t(1000.0f * ports.baked->a[0][i]));
     KeyBlock* volatile next = &keys + 1;
-    if (planted == Fault::kStatic) keys.key[7] += runs++;
-    if (planted == Fault::kReadsNext) keys.key[7] += next->key[3];
-    if (planted == Fault::kWritesNext) next->key[3] = keys.key[7];
+    if (planted == ToyFault::kStatic) keys.key[7] += runs++;
+    if (planted == ToyFault::kReadsNext) keys.key[7] += next->key[3];
+    if (planted == ToyFault::kWritesNext) next->key[3] = keys.key[7];
   }
 };
 
@@ -45,11 +45,11 @@ struct Sum {
     Out<&Toys::box> box;
   };
   static void Run(const Ports& ports) {
-    uint32_t sum = planted == Fault::kReadsOut ? ports.box->word : 0;
+    uint32_t sum = planted == ToyFault::kReadsOut ? ports.box->word : 0;
     for (uint32_t c = 0; c < ports.keys.count; ++c)
       for (const uint32_t key : ports.keys[c].key) sum += key;
     // What a pointer to main memory would let it see: how many ran before it.
-    ports.box->word = planted == Fault::kOrder ? sum + runs++ % 3 : sum;
+    ports.box->word = planted == ToyFault::kOrder ? sum + runs++ % 3 : sum;
   }
 };
 
@@ -68,7 +68,7 @@ class ToyFrames {
   Plan plan_;
 };
 
-std::vector<Finding> Verified(Fault fault) {
+std::vector<Finding> Verified(ToyFault fault) {
   planted = fault;
   PermutedExecutor permuted(0);
   ThreadPoolDoor pool(3);
@@ -94,28 +94,28 @@ bool Names(const std::vector<Finding>& findings, FindingKind kind, std::string_v
 }
 
 TEST(VerifyFrames, WhatHasNoFaultHasNoFinding) {
-  for (const Finding& f : Verified(Fault::kNone)) ADD_FAILURE() << DescribeFinding(f);
+  for (const Finding& f : Verified(ToyFault::kNone)) ADD_FAILURE() << DescribeFinding(f);
 }
 
 TEST(VerifyFrames, FaultsOfOwnKernelsAreNamed) {
   if (!GuardedExecutor::IsAvailable()) GTEST_SKIP() << "no pages to close";
-  EXPECT_TRUE(Names(Verified(Fault::kStatic), FindingKind::kHiddenState, "make_keys", "keys",
+  EXPECT_TRUE(Names(Verified(ToyFault::kStatic), FindingKind::kHiddenState, "make_keys", "keys",
                     "item 0: run twice"));
-  EXPECT_TRUE(Names(Verified(Fault::kReadsNext), FindingKind::kUndeclaredRead, "make_keys", "keys",
-                    "byte 12 of item 1 of stream 'keys'"));
-  EXPECT_TRUE(Names(Verified(Fault::kWritesNext), FindingKind::kUndeclaredWrite, "make_keys",
+  EXPECT_TRUE(Names(Verified(ToyFault::kReadsNext), FindingKind::kUndeclaredRead, "make_keys",
                     "keys", "byte 12 of item 1 of stream 'keys'"));
-  EXPECT_TRUE(Names(Verified(Fault::kReadsOut), FindingKind::kReadsOut, "sum", "box",
+  EXPECT_TRUE(Names(Verified(ToyFault::kWritesNext), FindingKind::kUndeclaredWrite, "make_keys",
+                    "keys", "byte 12 of item 1 of stream 'keys'"));
+  EXPECT_TRUE(Names(Verified(ToyFault::kReadsOut), FindingKind::kReadsOut, "sum", "box",
                     "reads stream 'box', which it declares Out"));
 }
 
 // Without closed pages too: which value it is, where the order of items is another.
 TEST(VerifyFrames, WhatDependsOnTheOrderIsLocated) {
-  EXPECT_TRUE(Names(Verified(Fault::kOrder), FindingKind::kOrder, "sum", "box",
+  EXPECT_TRUE(Names(Verified(ToyFault::kOrder), FindingKind::kOrder, "sum", "box",
                     "executors[0]: frame 0, stage sum, stream box, layer 0, row "
                     "word[0], lane 0: expected"));
   EXPECT_TRUE(
-      Names(Verified(Fault::kReadsNext), FindingKind::kOrder, "make_keys", "keys",
+      Names(Verified(ToyFault::kReadsNext), FindingKind::kOrder, "make_keys", "keys",
             "executors[0]: frame 0, stage make_keys, stream keys, layer 0, chunk 0 (item 0), "
             "row key[0], lane 7: expected"));
 }

@@ -36,7 +36,7 @@ void RunWithFault(const void* params, const Binding* bindings) {
 }
 
 // Replaces the first stage of that name by its faulty copy; its faulty port is `stream`'s.
-void Plant(Plan& plan, std::string_view stage, Stream stream, uint32_t byte) {
+void PlantBit(Plan& plan, std::string_view stage, Stream stream, uint32_t byte) {
   for (Stage& s : plan.stages) {
     if (s.kernel.name != stage) continue;
     fault.run = s.kernel.run;
@@ -121,7 +121,7 @@ TEST(Verify, APlantedFaultIsNamedToTheLane) {
                              4 * (1 * kStrandsPerChunk + kLane);  // normal y of lane 5
   fault.from_call = 0;
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "roots", StreamOf<&Streams::roots>, kByte);
+    PlantBit(plan, "roots", StreamOf<&Streams::roots>, kByte);
   };
   const VerifyReport report = Verify(tiny, options);
   EXPECT_FALSE(report.Passed());
@@ -157,7 +157,7 @@ TEST(Verify, APlantedFaultOfAPatchIsNamedToTheVertex) {
   const uint32_t before = tiny.grooms[0].layers[0].patch_count;
   fault.from_call = before;  // in the first frame every patch is skinned, in order
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "skin", StreamOf<&Streams::skinned>, kByte);
+    PlantBit(plan, "skin", StreamOf<&Streams::skinned>, kByte);
   };
   const VerifyReport report = Verify(tiny, options);
   EXPECT_FALSE(report.Passed());
@@ -182,7 +182,7 @@ TEST(Verify, TheFrameOfALateFaultIsFound) {
   const uint32_t characters = uint32_t(tiny.actors.size()) + 1;
   fault.from_call = 3 * characters;  // the pose is sampled once per frame and character
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "sample_pose", StreamOf<&Streams::local_pose>, 0);
+    PlantBit(plan, "sample_pose", StreamOf<&Streams::local_pose>, 0);
   };
   const VerifyReport report = Verify(tiny, options);
   ASSERT_TRUE(report.cases.back().mismatch.has_value());
@@ -195,7 +195,7 @@ TEST(Verify, AWriteThroughAReadOnlyPortIsALocalStoreFault) {
   VerifyOptions options = OneCase("local-store", 2);
   fault.from_call = 0;
   options.tamper = [&](const VerifyCase&, Plan& plan) {
-    Plant(plan, "skin", StreamOf<&Streams::mesh>, uint32_t(offsetof(MeshBlock, tangent)));
+    PlantBit(plan, "skin", StreamOf<&Streams::mesh>, uint32_t(offsetof(MeshBlock, tangent)));
   };
   const VerifyReport report = Verify(tiny, options);
   EXPECT_FALSE(report.cases.back().passed);

@@ -5,17 +5,14 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bench/picture/gl_renderer.hpp"
-#include "bench/picture/order_error.hpp"
-#include "bench/picture/picture.hpp"
-#include "tests/jobs/tiny_scene.hpp"
+#include "tests/view/gl_pictures.hpp"
 
 namespace pelt {
 namespace {
 
 using namespace testing;
 
-constexpr PictureOptions kSmall{240, 240, 2};
+constexpr PictureOptions kSquare{240, 240, 2};
 
 // The layer of shells of `tiny` alone, near enough that one sees between its few shells.
 class Head {
@@ -97,15 +94,6 @@ std::vector<int> Differences(const Pixels& a, const Pixels& b) {
   return differs;
 }
 
-double PsnrDb(const Pixels& a, const Pixels& b) {
-  double squares = 0.0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double off = (double(a[i]) - double(b[i])) / 255.0;
-    squares += off * off;
-  }
-  return PictureError{.mean_square = squares / double(a.size())}.PsnrDb();
-}
-
 // How much fur there is before the background, beside the skin: by how many whole pixels it differs.
 struct Outline {
   uint32_t pixels = 0;
@@ -137,10 +125,10 @@ void ExpectFullerOutline(const Outline& outline, const char* renderer) {
 
 template <class Renderer>
 Outline OutlineBy(Renderer& renderer) {
-  return FindOutline(renderer.Draw(TheHead().scene(), kSmall),
-                     renderer.Draw(TheHead().WithoutFins(), kSmall),
-                     renderer.Draw(TheHead().WithoutShells(), kSmall),
-                     renderer.Draw(TheHead().WithoutAnything(), kSmall));
+  return FindOutline(renderer.Draw(TheHead().scene(), kSquare),
+                     renderer.Draw(TheHead().WithoutFins(), kSquare),
+                     renderer.Draw(TheHead().WithoutShells(), kSquare),
+                     renderer.Draw(TheHead().WithoutAnything(), kSquare));
 }
 
 TEST(FinPicture, HasAFullerOutline) {
@@ -153,10 +141,10 @@ TEST(FinPicture, IsTheSameByOpenGl) {
   if (!opened) GTEST_SKIP() << opened.error();
   ExpectFullerOutline(OutlineBy(*opened), "OpenGL");
   SoftwareRenderer software;
-  const Pixels twin = software.Draw(TheHead().scene(), kSmall);
-  const Pixels without = opened->Draw(TheHead().WithoutFins(), kSmall);
-  const double shells = PsnrDb(without, software.Draw(TheHead().WithoutFins(), kSmall));
-  const double fins = PsnrDb(opened->Draw(TheHead().scene(), kSmall), twin);
+  const Pixels twin = software.Draw(TheHead().scene(), kSquare);
+  const Pixels without = opened->Draw(TheHead().WithoutFins(), kSquare);
+  const double shells = PsnrDb(without, software.Draw(TheHead().WithoutFins(), kSquare));
+  const double fins = PsnrDb(opened->Draw(TheHead().scene(), kSquare), twin);
   const double missing = PsnrDb(without, twin);
   std::printf(
       "between OpenGL and software: %.1f dB with shells, %.1f with fins, %.1f where one "

@@ -31,7 +31,7 @@ const PictureScene& Coat() {
   return kNear;
 }
 
-PictureScene ByVertex(PictureScene scene) {
+PictureScene CutByVertex(PictureScene scene) {
   scene.growth.assign(scene.draws.size(), {});
   return scene;
 }
@@ -65,7 +65,7 @@ Hidden FindHidden(const std::vector<uint8_t>& skin, const std::vector<uint8_t>& 
 void ExpectSharpEdges(PictureRenderer& renderer) {
   const std::vector<uint8_t> skin = renderer.Draw(Skin(Coat()), kSmall);
   const Hidden cut = FindHidden(skin, renderer.Draw(Coat(), kSmall)),
-               by_vertex = FindHidden(skin, renderer.Draw(ByVertex(Coat()), kSmall));
+               by_vertex = FindHidden(skin, renderer.Draw(CutByVertex(Coat()), kSmall));
   std::printf(
       "%s: fur on %.1f %% of the bald skin and %.1f %% of the other, by vertices on "
       "%.1f %% and %.1f %%\n",
@@ -108,9 +108,9 @@ TEST_F(GlPicture, StencilIsThatOfTheSoftware) {
   const std::vector<uint8_t> picture = renderer_->Draw(Coat(), kSmall);
   SoftwareRenderer software;
   const double db = PsnrDb(picture, software.Draw(Coat(), kSmall));
-  const double both =
-      PsnrDb(renderer_->Draw(ByVertex(Coat()), kSmall), software.Draw(ByVertex(Coat()), kSmall));
-  const double fault = PsnrDb(picture, software.Draw(ByVertex(Coat()), kSmall));
+  const double both = PsnrDb(renderer_->Draw(CutByVertex(Coat()), kSmall),
+                             software.Draw(CutByVertex(Coat()), kSmall));
+  const double fault = PsnrDb(picture, software.Draw(CutByVertex(Coat()), kSmall));
   std::printf(
       "stencil: %.1f dB between OpenGL and software, %.1f by vertices, %.1f where one "
       "goes by vertices\n",

@@ -14,8 +14,8 @@
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
 #include "bench/view/default_look.hpp"
-#include "core/error.hpp"
 #include "core/groom/surface_colour.hpp"
+#include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt {
@@ -114,13 +114,8 @@ TEST(Picture, ReliefTakesThePlaceOfShellsToo) {
 
 TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {
   Drawn drawn(VertexOrder::kSorted);
-  const auto reason = [&](const std::vector<std::string>& names) -> std::string {
-    try {
-      CheckRelief(drawn.scenario, names);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  const auto reason = [&](const std::vector<std::string>& names) {
+    return test::ErrorFrom([&] { CheckRelief(drawn.scenario, names); });
   };
   EXPECT_EQ(reason({}), "");
   EXPECT_EQ(reason({"all"}), "");

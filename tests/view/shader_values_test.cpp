@@ -33,7 +33,7 @@ glm::vec4 Wide(float x) { return {x, 0.0f, 0.0f, 0.0f}; }
 glm::vec4 Wide(const glm::vec3& x) { return glm::vec4(x, 0.0f); }
 
 constexpr GLsizei kCases = 256, kRows = 4;
-constexpr float kNear = 1e-3f;  // of values above 1, as a share
+constexpr float kClose = 1e-3f;  // of values above 1, as a share
 
 uint32_t BitsOf(float v) {
   uint32_t bits = 0;
@@ -52,8 +52,8 @@ LightSet LightOf(const Arguments& a) {
   ShAddZonal(Unit(a.d), ShDelta(), glm::vec3(a.u) * a.u.w, light.sky);
   return light;
 }
-constexpr HairLook kLook{0.1f, 90.0f, 0.1f, 0.55f, 28.0f, 0.1f, 0.7f,
-                         0.4f, 3.0f,  0.8f, 0.35f, 6.0f,  0.6f, 1.0f};
+constexpr HairLook kHairLook{0.1f, 90.0f, 0.1f, 0.55f, 28.0f, 0.1f, 0.7f,
+                             0.4f, 3.0f,  0.8f, 0.35f, 6.0f,  0.6f, 1.0f};
 HairPoint PointOf(const Arguments& a) {
   const glm::vec3 normal = Unit(a.d), tangent = Unit(a.e);
   return {glm::vec3(a.u), tangent, normal, glm::normalize(normal + 0.7f * glm::vec3(a.v)),
@@ -120,11 +120,11 @@ std::vector<Function> ListFunctions() {
        }},
       // All that is lit, tinted and looked up.
       {"ShadeHair", "LIGHT vec4(ShadeHair(light, PaintedHair(look, u), point), 0.0)",
-       [](A a) { return Wide(ShadeHair(LightOf(a), PaintedHair(kLook, a.u), PointOf(a))); }},
+       [](A a) { return Wide(ShadeHair(LightOf(a), PaintedHair(kHairLook, a.u), PointOf(a))); }},
       {"ShadeEye", "LIGHT vec4(ShadeEye(light, look, -point.to_eye, e.xyz, point.to_eye), 0.0)",
        [](A a) {
          const glm::vec3 to_eye = PointOf(a).to_eye;
-         return Wide(ShadeEye(LightOf(a), kLook, -to_eye, Unit(a.e), to_eye));
+         return Wide(ShadeEye(LightOf(a), kHairLook, -to_eye, Unit(a.e), to_eye));
        }},
       {"StudioColour", "vec4(StudioColour(d.xyz, u.x), Tone(3.0 * u.y))",
        [](A a) { return glm::vec4(StudioColour(Unit(a.d), a.u.x), Tone(3.0f * a.u.y)); }},
@@ -135,7 +135,7 @@ std::vector<Function> ListFunctions() {
          return Wide(PaintedColour(PaintOf(a), glm::abs(glm::vec3(a.v)), seen));
        }},
       {"ShadeRelief", "LIGHT vec4(ShadeRelief(0, light, look, p), 0.0)",
-       [](A a) { return Wide(ShadeRelief(HeightOf, LightOf(a), kLook, ReliefPointOf(a))); }},
+       [](A a) { return Wide(ShadeRelief(HeightOf, LightOf(a), kHairLook, ReliefPointOf(a))); }},
       {"ShellPosition",
        "vec4(ShellPosition(u.xyz, d.xyz, v.xyz, u.w), ShellCoverage(u.x, u.y, u.z))",
        [](A a) {
@@ -248,7 +248,8 @@ TEST(ShaderValues, AreThoseOfTheFunctionsInCpp) {
     for (GLsizei i = 0; i < kCases; ++i) {
       const glm::vec4 wanted = function.wanted(arguments[size_t(i)]);
       for (int c = 0; c < 4; ++c)
-        ASSERT_NEAR((*values)[size_t(i)][c], wanted[c], kNear * std::max(1.0f, std::abs(wanted[c])))
+        ASSERT_NEAR((*values)[size_t(i)][c], wanted[c],
+                    kClose * std::max(1.0f, std::abs(wanted[c])))
             << function.name << ", case " << i << ", component " << c << ", "
             << context->Renderer();
     }
@@ -268,7 +269,7 @@ TEST(ShaderValues, APlantedFaultIsSeen) {
   float most = 0.0f;
   for (size_t i = 0; i < values.size(); ++i)
     most = std::max(most, std::abs(values[i].x - faulty.wanted(arguments[i]).x));
-  EXPECT_GT(most, kNear);
+  EXPECT_GT(most, kClose);
 }
 
 TEST(ShaderValues, ABrokenShaderIsToldInTheDriversWords) {

@@ -9,7 +9,7 @@
 namespace pelt {
 namespace {
 
-const glm::vec3 kUp = glm::normalize(glm::vec3(0.1f, 1.0f, 0.2f));
+const glm::vec3 kToSun = glm::normalize(glm::vec3(0.1f, 1.0f, 0.2f));
 
 struct Piece {
   glm::vec3 a, b, c;
@@ -28,8 +28,8 @@ std::vector<Piece> SomePieces() {
   return pieces;
 }
 
-ShadowMap Draw(const std::vector<Piece>& pieces) {
-  ShadowMap map(kUp, glm::vec3(0.0f), 0.7f, 128);
+ShadowMap MapOf(const std::vector<Piece>& pieces) {
+  ShadowMap map(kToSun, glm::vec3(0.0f), 0.7f, 128);
   for (const Piece& piece : pieces) {
     if (piece.width > 0.0f)
       map.AddHair(piece.a, piece.b, piece.width, 0.8f);
@@ -41,7 +41,7 @@ ShadowMap Draw(const std::vector<Piece>& pieces) {
 
 TEST(ShadowMap, OrderLeavesNoTrace) {
   std::vector<Piece> pieces = SomePieces();
-  const ShadowMap forwards = Draw(pieces);
+  const ShadowMap forwards = MapOf(pieces);
   const auto empty = [](const ShadowMap::Texel& texel) { return texel.coverage == 0; };
   const auto full = [](const ShadowMap::Texel& t) { return t.coverage == ShadowMap::kFull; };
   const auto count = [&](auto is) {
@@ -51,9 +51,9 @@ TEST(ShadowMap, OrderLeavesNoTrace) {
   ASSERT_GT(count(full), 1000);
   ASSERT_LT(count(empty) + count(full), 128 * 128 - 1000);
   std::reverse(pieces.begin(), pieces.end());
-  EXPECT_TRUE(std::ranges::equal(Draw(pieces).texels(), forwards.texels()));
+  EXPECT_TRUE(std::ranges::equal(MapOf(pieces).texels(), forwards.texels()));
   std::shuffle(pieces.begin(), pieces.end(), std::mt19937(11));
-  EXPECT_TRUE(std::ranges::equal(Draw(pieces).texels(), forwards.texels()));
+  EXPECT_TRUE(std::ranges::equal(MapOf(pieces).texels(), forwards.texels()));
 }
 
 TEST(ShadowMap, KeepsLightFromWhatLiesBehind) {

@@ -9,8 +9,6 @@
 namespace pelt {
 namespace {
 
-constexpr float kNear = 1e-5f;
-
 // A hair that lies on the ground of the z axis, seen from above.
 HairPoint SomePoint() {
   return {.colour = glm::vec3(0.5f, 0.2f, 0.05f),
@@ -35,26 +33,26 @@ LightSet NoLight() {
   return light;
 }
 
-void ExpectNear(const glm::vec3& got, const glm::vec3& wanted) {
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], kNear) << "rgb"[c];
+void ExpectColour(const glm::vec3& got, const glm::vec3& wanted) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 1e-5f) << "rgb"[c];
 }
 
 TEST(StrandLight, SunAcrossTheHairGivesItsColour) {
   LightSet light = NoLight();
   light.sun = {1.0f, 0.5f, 2.0f};
   const HairPoint point = SomePoint();
-  ExpectNear(ShadeHair(light, NoLook(), point), point.colour * light.sun);
-  ExpectNear(ShadeSkin(light, NoLook(), point.colour, point.normal, point.to_eye, 1.0f, 1.0f),
-             point.colour * light.sun);
+  ExpectColour(ShadeHair(light, NoLook(), point), point.colour * light.sun);
+  ExpectColour(ShadeSkin(light, NoLook(), point.colour, point.normal, point.to_eye, 1.0f, 1.0f),
+               point.colour * light.sun);
 }
 
 TEST(StrandLight, EvenSkyGivesTheColour) {
   LightSet light = NoLight();
   light.sky[0] = glm::vec3(std::sqrt(4.0f * glm::pi<float>()));
   const HairPoint point = SomePoint();
-  ExpectNear(ShadeHair(light, NoLook(), point), point.colour);
-  ExpectNear(ShadeSkin(light, NoLook(), point.colour, point.normal, point.to_eye, 1.0f, 1.0f),
-             point.colour);
+  ExpectColour(ShadeHair(light, NoLook(), point), point.colour);
+  ExpectColour(ShadeSkin(light, NoLook(), point.colour, point.normal, point.to_eye, 1.0f, 1.0f),
+               point.colour);
 }
 
 TEST(StrandLight, ShadowTakesTheSunAndLeavesTheSky) {
@@ -63,9 +61,9 @@ TEST(StrandLight, ShadowTakesTheSunAndLeavesTheSky) {
   light.sky[0] = glm::vec3(std::sqrt(4.0f * glm::pi<float>()));
   HairPoint point = SomePoint();
   point.sun_share = 0.0f;
-  ExpectNear(ShadeHair(light, NoLook(), point), point.colour);
+  ExpectColour(ShadeHair(light, NoLook(), point), point.colour);
   point.depth_light = 0.25f;
-  ExpectNear(ShadeHair(light, NoLook(), point), point.colour * 0.25f);
+  ExpectColour(ShadeHair(light, NoLook(), point), point.colour * 0.25f);
 }
 
 TEST(StrandLight, PaleFurStaysPaleInside) {
@@ -74,23 +72,23 @@ TEST(StrandLight, PaleFurStaysPaleInside) {
   const glm::vec3 pale = CoatColour(kDefaultHair, white, share);
   const glm::vec3 dark = CoatColour(kDefaultHair, brown, share);
   EXPECT_GT(pale.x, 0.65f);
-  EXPECT_NEAR(pale.x, pale.z, kNear);
+  EXPECT_NEAR(pale.x, pale.z, 1e-5f);
   for (int c = 0; c < 3; ++c) EXPECT_LT(dark[c] / brown[c], pale[c]);
   EXPECT_GT(dark.x / dark.z, brown.x / brown.z);  // and colours deepen
-  ExpectNear(CoatColour(kDefaultHair, brown, 1.0f), brown);
+  ExpectColour(CoatColour(kDefaultHair, brown, 1.0f), brown);
 }
 
 TEST(StrandLight, PrimaryHasTheLightsColourSecondaryTheHairs) {
   HairLook look = NoLook();
   HairPoint point = SomePoint();
   look.primary = 1.0f;
-  ExpectNear(Highlights(look, point, point.normal), glm::vec3(1.0f));
+  ExpectColour(Highlights(look, point, point.normal), glm::vec3(1.0f));
   look.primary = 0.0f;
   look.secondary = 1.0f;
-  ExpectNear(Highlights(look, point, point.normal), point.colour);
+  ExpectColour(Highlights(look, point, point.normal), point.colour);
   look.noise = 1.0f;
   point.noise = 0.0f;
-  ExpectNear(Highlights(look, point, point.normal), glm::vec3(0.0f));
+  ExpectColour(Highlights(look, point, point.normal), glm::vec3(0.0f));
 }
 
 // The middle of a highlight, by the tilt of a hair that stands along x on a round body.
@@ -127,13 +125,13 @@ TEST(StrandLight, RimGlowsOrDarkensAndNeverGoesBelow0) {
   light.rim = glm::vec3(1.0f);
   HairPoint point = SomePoint();
   point.to_eye = {1.0f, 0.0f, 0.0f};
-  ExpectNear(ShadeHair(light, NoLook(), point), glm::mix(point.colour, glm::vec3(1.0f), 0.25f));
+  ExpectColour(ShadeHair(light, NoLook(), point), glm::mix(point.colour, glm::vec3(1.0f), 0.25f));
   light.sun = glm::vec3(1.0f);
   light.rim = glm::vec3(-0.2f);
   const glm::vec3 dark = ShadeHair(light, NoLook(), point);
   for (int c = 0; c < 3; ++c) EXPECT_LT(dark[c], point.colour[c]);
   light.rim = glm::vec3(-9.0f);
-  ExpectNear(ShadeHair(light, NoLook(), point), glm::vec3(0.0f));
+  ExpectColour(ShadeHair(light, NoLook(), point), glm::vec3(0.0f));
 }
 
 TEST(StrandLight, BacklightGlowsThroughTheHairInItsOwnColour) {
@@ -145,7 +143,7 @@ TEST(StrandLight, BacklightGlowsThroughTheHairInItsOwnColour) {
   HairLook look = NoLook();
   const glm::vec3 without = ShadeHair(light, look, point);
   look.backlight = 0.5f;
-  ExpectNear(ShadeHair(light, look, point) - without, glm::sqrt(point.colour) * 0.5f);
+  ExpectColour(ShadeHair(light, look, point) - without, glm::sqrt(point.colour) * 0.5f);
 }
 
 // The default look, on hair of any direction: light is a finite number, and no less than none.
