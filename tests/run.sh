@@ -89,7 +89,7 @@ before_a_release() {
     ${one_set[@]+"${one_set[@]}"}
   check gcc-debug -R 'golden_[a-z]+$|determinism_test'
   # The other capacity: its bits are its own, and the same for all that runs it.
-  local chunk64=(jobs determinism kernels) clang_release=(determinism kernels platform accuracy)
+  local chunk64=(jobs determinism kernels) clang_release=(determinism kernels platform_sim accuracy)
   build gcc-chunk64 g++ Debug "$(programs "${chunk64[@]}")" "-DCMAKE_CXX_FLAGS_DEBUG=-g1" \
     -DPELT_CHUNK_STRANDS=64 -DPELT_TEST_WIDE_KERNELS=OFF ${one_set[@]+"${one_set[@]}"}
   check gcc-chunk64 -R "$(pattern "${chunk64[@]}")" -E golden

@@ -5,7 +5,7 @@
 #include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/picture/light_steps.hpp"
-#include "bench/view/named_lights.hpp"
+#include "bench/shading/named_lights.hpp"
 
 namespace pelt {
 namespace {

@@ -12,7 +12,7 @@
 #include "bench/picture/png.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/report/budget.hpp"
-#include "bench/view/named_lights.hpp"
+#include "bench/shading/named_lights.hpp"
 #include "core/error.hpp"
 
 namespace pelt {

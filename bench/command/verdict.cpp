@@ -3,6 +3,7 @@
 //   pelt_verdict SCENE host|ps3|xbox360
 // Exit code 0: fits 8 ms; 1: does not; 2: no answer, others used the machine, or an error.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <exception>
@@ -30,11 +31,11 @@ int Print(std::string_view platform, double ms, Fit fit, const std::string& what
   for (const auto& [stage_ms, name] : stages) all += stage_ms;
   std::ranges::sort(stages, std::greater<>());
   stages.resize(std::min(stages.size(), kDearest));
-  std::string dearest;
+  std::vector<std::string> dearest;
   for (const auto& [stage_ms, name] : stages)
-    dearest += fmt::format("{} {:.0f} %, ", name, all > 0.0 ? 100.0 * stage_ms / all : 0.0);
+    dearest.push_back(fmt::format("{} {:.0f} %", name, all > 0.0 ? 100.0 * stage_ms / all : 0.0));
   fmt::print("{:<8} {:6.2f} ms  {} {} ms; {}\n", platform, ms, FitName(fit), kTargetMs, what);
-  fmt::print("         {}of its core time\n", dearest);
+  fmt::print("         of its core time {}\n", fmt::join(dearest, ", "));
   return fit == Fit::kUnsure ? 2 : fit == Fit::kDoesNotFit;
 }
 

@@ -8,7 +8,7 @@
 
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -11,8 +11,8 @@
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/growth_sheets.hpp"
 #include "bench/scenarios/scenarios.hpp"
-#include "bench/view/default_look.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/default_look.hpp"
+#include "bench/shading/shading.hpp"
 #include "core/groom/surface_colour.hpp"
 
 namespace pelt {

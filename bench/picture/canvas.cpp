@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

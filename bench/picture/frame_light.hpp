@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "bench/view/default_look.hpp"
+#include "bench/shading/default_look.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {

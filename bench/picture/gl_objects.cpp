@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "bench/view/gl_program.hpp"
+#include "bench/shading/gl_program.hpp"
 
 namespace pelt {
 namespace {

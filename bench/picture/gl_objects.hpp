@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/view/gl_context.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/gl_context.hpp"
+#include "bench/shading/shading.hpp"
 #include "core/groom/fur_setup.hpp"
 #include "core/outputs.hpp"
 
@@ -105,7 +105,7 @@ class GlProgram {
   GLuint program_;
 };
 
-// The renderer's programs, from bench/view/shaders/passes, and the texture units that they share.
+// The renderer's programs, from bench/shading/shaders/passes, and the texture units that they share.
 
 // What lies where as long as something is drawn.
 enum GlUnit : GLint {

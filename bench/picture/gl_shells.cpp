@@ -5,7 +5,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/shell_shadow.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

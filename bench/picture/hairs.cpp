@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/view/default_look.hpp"
+#include "bench/shading/default_look.hpp"
 #include "core/ribbon_indices.hpp"
 
 namespace pelt {

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {
@@ -27,7 +27,7 @@ struct Hair {
   uint32_t base_colour, tip_colour;  // 0xAABBGGRR
   uint32_t actor;
   uint32_t number;         // of the strand among all of the scene
-  uint32_t film_strip;     // of bench/view/shaders/film_strip.glsl
+  uint32_t film_strip;     // of bench/shading/shaders/film_strip.glsl
   bool is_card;            // wide enough to show silhouettes
   glm::vec3 root, normal;  // on the skin
   glm::vec4 paint;         // amounts, none of a layer that is not lit

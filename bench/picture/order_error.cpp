@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "bench/picture/shade_hair.hpp"
-#include "bench/view/default_look.hpp"
+#include "bench/shading/default_look.hpp"
 
 namespace pelt {
 namespace {

@@ -1,4 +1,4 @@
-// Hair and skin are lit by the functions of bench/view, as shaders on a graphics card would.
+// Hair and skin are lit by the functions of bench/shading, as shaders on a graphics card would.
 #include "bench/picture/picture.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "bench/picture/png.hpp"
 #include "bench/picture/scene_shadows.hpp"
 #include "bench/picture/shade_hair.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "bench/picture/frame_light.hpp"
 #include "bench/picture/relief_coat.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -9,7 +9,7 @@
 #include "bench/picture/body.hpp"
 #include "bench/picture/hairs.hpp"
 #include "bench/picture/picture_maps.hpp"
-#include "bench/view/default_look.hpp"
+#include "bench/shading/default_look.hpp"
 
 namespace pelt {
 

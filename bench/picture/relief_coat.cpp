@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/groom/height_field.hpp"

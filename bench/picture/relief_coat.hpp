@@ -1,4 +1,4 @@
-// Layers of fur that are drawn as relief on the skin instead of as hairs: bench/view/shaders/relief.glsl with the layers' own
+// Layers of fur that are drawn as relief on the skin instead of as hairs: bench/shading/shaders/relief.glsl with the layers' own
 // flow maps and a tile of hairs.
 #pragma once
 

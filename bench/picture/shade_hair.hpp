@@ -3,7 +3,7 @@
 
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/hairs.hpp"
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/view/default_look.hpp"
+#include "bench/shading/default_look.hpp"
 
 namespace pelt {
 

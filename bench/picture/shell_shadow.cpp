@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/view/shading.hpp"
+#include "bench/shading/shading.hpp"
 
 namespace pelt {
 namespace {

@@ -20,7 +20,7 @@ class StripTexture {
   // Of a level: strips side by side, rows from root to tip.
   const std::vector<uint8_t>& texels(uint32_t level) const { return level_[level]; }
 
-  // Mixed between texels and levels, at a place of bench/view/shaders/film_strip.glsl.
+  // Mixed between texels and levels, at a place of bench/shading/shaders/film_strip.glsl.
   float Sample(uint32_t strip, float across, float along, float footprint) const;
 
  private:

@@ -15,7 +15,7 @@
 //
 // Invariant: every transfer flows all its bytes, once. All numbers of SharedMemory are measured on
 // the line-level models (cell_console.cpp, xenon_console.cpp); what they lose is documented in
-// tests/platform/shared_transfers_test.cpp: both run the same streams.
+// tests/platform_sim/shared_transfers_test.cpp: both run the same streams.
 //
 // Not modelled: the 16 places of an MFC's queue (blocks of an item go as one list, which takes one
 // place), addresses: banks, alignment and rings do not matter here.

@@ -87,7 +87,7 @@ windows)
     -DCMAKE_EXE_LINKER_FLAGS=-static) ;;
 wasm)
   has "nodejs" node
-  folder=$build/bench/page/module programs=$build/bench/page/module/cross prefix=(node --no-warnings "$source_dir/tests/porting/wasi.mjs") ;;
+  folder=$build/bench/viewer/module programs=$build/bench/viewer/module/cross prefix=(node --no-warnings "$source_dir/tests/porting/wasi.mjs") ;;
 clang) folder=$build/../clang-sanitize programs=$build/../clang-sanitize/tests/porting/cross ;;
 *) echo "no machine '$machine'" >&2; exit 2 ;;
 esac

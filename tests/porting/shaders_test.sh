@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compiles every shader in jobs/shaders, and holds that each output of core/outputs.hpp has one in GLSL
-# and one in HLSL, which jobs/DRAWING.md names. Compiles the functions in bench/view/shaders as GLSL 3.30 core and
-# as ES 3.00 (bench/view/shading.hpp compiles the same text as C++), and the passes that use them.
+# and one in HLSL, which jobs/DRAWING.md names. Compiles the functions in bench/shading/shaders as GLSL 3.30 core and
+# as ES 3.00 (bench/shading/shading.hpp compiles the same text as C++), and the passes that use them.
 # Arguments: glslangValidator (empty: not here), the source directory.
 set -uo pipefail
 glslang=$1 source=$2
@@ -31,7 +31,7 @@ for shader in "$source"/jobs/shaders/*.vert; do
   compile -G "$shader"
 done
 for shader in "$source"/jobs/shaders/*.hlsl; do compile -V -D -e main -S vert "$shader"; done
-shaders=$source/bench/view/shaders
+shaders=$source/bench/shading/shaders
 # own FILE: behind what it names, and READER where there is one, as a whole of that stage in both versions; what is
 # otherwise with cards, in both ways.
 own() {
@@ -55,5 +55,5 @@ for pass in "$shaders"/passes/*.vert "$shaders"/passes/*.frag; do
   esac
 done
 [ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source/jobs/shaders" | wc -l) files;" \
-  "for OpenGL and OpenGL ES: $(find "$source/bench/view/shaders" -type f | wc -l)"
+  "for OpenGL and OpenGL ES: $(find "$source/bench/shading/shaders" -type f | wc -l)"
 exit "$failed"

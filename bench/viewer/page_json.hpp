@@ -1,0 +1,21 @@
+// What is described in the same way for all that the page shows.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "bench/viewer/page_settings.hpp"
+#include "bench/viewer/page_view.hpp"
+#include "jobs/frame_recording.hpp"
+
+namespace pelt {
+
+using PageJson = nlohmann::ordered_json;
+
+PageJson DescribeRow(const PageRow& row, const PageSettings& settings);
+PageJson DescribeOrbit(const PageCamera& camera);
+PageJson DescribeViews();  // DataViews()
+PageJson DescribePasses(const FurScene& scene);
+// Times and items of each stage, of the last frame that was profiled.
+PageJson DescribeStages(const FurScene& scene, const FrameRecording& times);
+
+}  // namespace pelt

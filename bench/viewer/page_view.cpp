@@ -1,0 +1,95 @@
+#include "bench/viewer/page_view.hpp"
+
+#include "bench/viewer/data_views.hpp"
+#include "bench/viewer/page_json.hpp"
+#include "core/exact_math.hpp"
+
+namespace pelt {
+
+Camera StandAt(const PageCamera& user, const Camera& own) {
+  Camera camera = own;
+  const double level = user.distance_m * exact::Cos(user.elevation_rad);
+  const glm::vec3 from(float(level * exact::Sin(user.yaw_rad)),
+                       float(user.distance_m * exact::Sin(user.elevation_rad)),
+                       float(level * exact::Cos(user.yaw_rad)));
+  for (int c = 0; c < 3; ++c) {
+    camera.target[c] = user.target[c];
+    camera.eye[c] = user.target[c] + from[c];
+  }
+  return camera;
+}
+
+const PictureScene& PageView::Picture(float share) {
+  // Of all views, as one renderer may show several.
+  static uint64_t gathered = 0;
+  if (is_kept_ && share == 1.0f) {
+    Light(kept_);
+    return kept_;
+  }
+  kept_ = Gather(share);
+  kept_.content = ++gathered;
+  // In between, nothing is where the frame has it.
+  is_kept_ = share == 1.0f;
+  if (is_kept_ && posed_.empty()) posed_ = kept_.bodies;
+  return kept_;
+}
+
+PageJson DescribeRow(const PageRow& row, const PageSettings& settings) {
+  return {{"key", row.key},          {"group", row.group}, {"unit", row.unit},
+          {"low", row.low},          {"high", row.high},   {"text", row.text},
+          {"switch", row.is_switch}, {"words", row.words}, {"value", row.get(settings)}};
+}
+
+PageJson DescribeOrbit(const PageCamera& camera) {
+  return {{"target", {camera.target.x, camera.target.y, camera.target.z}},
+          {"yaw", camera.yaw_rad},
+          {"elevation", camera.elevation_rad},
+          {"distance", camera.distance_m}};
+}
+
+PageJson DescribeViews() {
+  PageJson views = PageJson::array();
+  for (const DataView& view : DataViews())
+    views.push_back({{"name", view.name}, {"text", view.text}});
+  return views;
+}
+
+PageJson DescribePasses(const FurScene& scene) {
+  PageJson passes = PageJson::array();
+  for (const Pass& pass : scene.plan().passes) {
+    PageJson stages = PageJson::array();
+    for (uint32_t s = 0; s < pass.stage_count; ++s)
+      stages.push_back(scene.plan().stages[pass.first_stage + s].kernel.name);
+    passes.push_back({{"domain", DomainName(pass.domain)},
+                      {"items", scene.shape().ItemCount(pass.domain)},
+                      {"stages", stages},
+                      {"resident_bytes", pass.resident_bytes},
+                      {"get_bytes", pass.get_bytes},
+                      {"put_bytes", pass.put_bytes}});
+  }
+  return passes;
+}
+
+PageJson DescribeStages(const FurScene& scene, const FrameRecording& times) {
+  const Plan& plan = scene.plan();
+  const double ms_per_tick = times.NsPerTick() * 1e-6;
+  PageJson stages = PageJson::array();
+  for (uint32_t s = 0; s < plan.stages.size(); ++s) {
+    uint64_t ticks = 0;
+    uint32_t ran = 0;
+    const uint32_t items = scene.shape().ItemCount(plan.stages[s].domain);
+    for (uint32_t i = 0; i < items; ++i) {
+      const Slice slice = times.Stage(s, i);
+      if (!slice.Ran()) continue;
+      ++ran;
+      ticks += slice.Ticks();
+    }
+    stages.push_back({{"name", plan.stages[s].kernel.name},
+                      {"ms", double(ticks) * ms_per_tick},
+                      {"ran", ran},
+                      {"of", items}});
+  }
+  return stages;
+}
+
+}  // namespace pelt

@@ -1,0 +1,325 @@
+#include "bench/viewer/viewer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/viewer/data_views.hpp"
+#include "bench/viewer/page_json.hpp"
+#include "core/groom/setup_edit.hpp"
+#include "core/groom/setup_schema.hpp"
+#include "jobs/pass_loop.hpp"
+
+namespace pelt {
+namespace {
+
+using Json = PageJson;
+
+glm::vec3 VecOfPlace(const float* p) { return {p[0], p[1], p[2]}; }
+
+// Once for all layers, which have the values alone.
+Json DescribeKeys() {
+  Json keys = Json::array();
+  for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>()) {
+    const KeyInfo& info = row.info;
+    Json& key = keys.emplace_back(Json{{"key", info.key},
+                                       {"type", info.type},
+                                       {"unit", info.unit},
+                                       {"low", info.low},
+                                       {"high", info.high},
+                                       {"text", info.doc}});
+    if (!info.words.empty()) key["words"] = info.words;
+  }
+  return keys;
+}
+
+Json DescribeSetups(const Scenario& scenario) {
+  Json setups = Json::array();
+  for (size_t s = 0; s < scenario.setups.size(); ++s) {
+    Json layers = Json::array();
+    for (const LayerSetup& layer : scenario.setups[s].layers) {
+      Json values = Json::array();
+      for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>())
+        values.push_back(row.show(row.info, layer));
+      layers.push_back({{"name", layer.name}, {"values", values}});
+    }
+    setups.push_back({{"name", scenario.characters[s].name}, {"layers", layers}});
+  }
+  return setups;
+}
+
+Json DescribeSettings(const PageSettings& settings) {
+  Json rows = Json::array();
+  for (const PageRow& row : PageRows()) rows.push_back(DescribeRow(row, settings));
+  return rows;
+}
+
+// Where the ray meets the triangle: how far on, or less than 0.
+float Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ray.along, ac);
+  const float volume = glm::dot(ab, across);
+  if (std::abs(volume) < 1e-12f) return -1.0f;
+  const glm::vec3 from = ray.from - a, over = glm::cross(from, ab);
+  const float u = glm::dot(from, across) / volume, v = glm::dot(ray.along, over) / volume;
+  return u < 0.0f || v < 0.0f || u + v > 1.0f ? -1.0f : glm::dot(ac, over) / volume;
+}
+
+}  // namespace
+
+Viewer::Viewer(ScenarioRequest request) : request_(std::move(request)) { Load(); }
+
+void Viewer::Load() {
+  auto scenario = std::make_unique<Scenario>(LoadScenario(request_));
+  if (painted_) PaintAll(*scenario, {});
+  auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
+  for (const auto& [row, value] : set_) row->set(*settings, value);
+  auto maps = std::make_unique<PictureMaps>(*scenario);
+  if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario, settings->isa);
+  maps_ = std::move(maps);
+  settings_ = std::move(settings);
+  scenario_ = std::move(scenario);
+  last_input_.reset();
+  ForgetPoses();
+}
+
+// On its groom, at the frame that is next.
+void Viewer::Begin(Scenario& scenario, Isa isa) {
+  auto running = std::make_unique<RunningScenario>(scenario, SceneOptions{.isa = isa});
+  times_ = std::make_unique<FrameRecording>(running->scene().plan(), running->scene().shape());
+  running_ = std::move(running);
+  run_digest_ = {};
+  is_begun_ = is_stale_ = false;
+  last_input_.reset();
+  ForgetPoses();
+  before_.Forget();
+}
+
+// In the middle of the run: not a bit of it is another.
+void Viewer::ChangeKernels() {
+  const std::unique_ptr<RunningScenario> before = std::move(running_);
+  const Digest digest = run_digest_;
+  const bool is_begun = is_begun_;
+  Begin(*scenario_, settings_->isa);
+  running_->scene().CopyStateFrom(before->scene());
+  run_digest_ = digest;
+  is_begun_ = is_begun;
+}
+
+void Viewer::Restart() {
+  Begin(*scenario_, settings_->isa);
+  next_frame_ = 0;
+}
+
+void Viewer::ChangeKey(size_t setup, std::string_view layer, std::string_view key,
+                       std::string_view value) {
+  ReplaceSetup(setup, ChangeLayerKey(setup_text(setup), "setup", layer, key, value));
+}
+
+void Viewer::ReplaceSetup(size_t setup, std::string text) {
+  std::vector<std::string> kept = request_.setup_texts;
+  request_.setup_texts.resize(std::max(kept.size(), setup + 1));
+  request_.setup_texts[setup] = std::move(text);
+  try {
+    Load();
+  } catch (const Error&) {
+    request_.setup_texts = std::move(kept);
+    throw;
+  }
+}
+
+void Viewer::Set(std::string_view key, double value) {
+  const PageRow& row = PageRowFor(key, value);
+  const double dt_s = scenario_->dt_s;
+  const Isa isa = settings_->isa;
+  row.set(*settings_, value);
+  is_stale_ |= !IsOfShowing(row);
+  if (!IsOfLight(row)) ForgetPicture();
+  set_[&row] = value;
+  if (settings_->isa != isa) ChangeKernels();
+  // Time goes on where it is, to the next of the new frames.
+  if (scenario_->dt_s != dt_s)
+    next_frame_ = uint32_t(std::lround(next_frame_ * dt_s / scenario_->dt_s));
+}
+
+void Viewer::SetViewport(uint32_t width_px, uint32_t height_px) {
+  width_px_ = width_px;
+  height_px_ = height_px;
+}
+
+void Viewer::Paint(uint32_t channel, const glm::vec3& centre) {
+  if (!painted_) {
+    painted_ = true;
+    Load();
+  }
+  PaintBrush brush;
+  for (int c = 0; c < 3; ++c) brush.centre[c] = centre[c];
+  brush.radius = float(settings_->brush_radius);
+  brush.hardness = 0.5f;
+  brush.channel = channel;
+  brush.amount = float(settings_->brush_amount);
+  brush_ = brush;
+}
+
+void Viewer::SetCamera(std::optional<PageCamera> camera) {
+  camera_ = camera;
+  if (settings_->hold_view && last_input_)
+    StandFor(last_input_->camera);
+  else
+    is_stale_ = true;
+}
+
+// Where the user stands; returns where the frame is seen from, which may be held.
+const Camera& Viewer::StandFor(const Camera& own) {
+  last_camera_ = camera_ ? StandAt(*camera_, own) : own;
+  if (!settings_->hold_view || !held_camera_) held_camera_ = last_camera_;
+  return *held_camera_;
+}
+
+void Viewer::Look() {
+  if (!is_stale_ || !last_input_) return;
+  is_stale_ = false;
+  FrameInput input = *last_input_;
+  input.camera = StandFor(input.camera);
+  ForgetPicture();
+  input.skip = scenario_->base.skip;
+  input.lod = scenario_->base.lod;
+  input.dt_s = 0.0;
+  input.brush_count = 0;
+  if (const char* fault = scene().BeginFrame(input)) throw Error(fault);
+  SerialExecutor().Run(scene().CurrentFrame());
+}
+
+// What the page adds to the scenario's own input.
+void Viewer::AddOwn(FrameInput& input) {
+  if (settings_->sphere_radius > 0.0 && sphere_centre_ && input.sphere_count < kSpheresPerScene) {
+    const uint32_t s = input.sphere_count++;
+    for (int c = 0; c < 3; ++c) {
+      input.sphere[s][c] = (*sphere_centre_)[c];
+      if (last_sphere_)
+        input.sphere_velocity[s][c] =
+            float(((*sphere_centre_)[c] - (*last_sphere_)[c]) / input.dt_s);
+    }
+    input.sphere[s][3] = float(settings_->sphere_radius);
+    last_sphere_ = sphere_centre_;
+  } else {
+    last_sphere_.reset();
+  }
+  if (brush_ && input.brush_count < kBrushesPerScene) input.brush[input.brush_count++] = *brush_;
+  brush_.reset();
+}
+
+// The last frame, before the next one takes its memory.
+void Viewer::KeepForBlend() {
+  before_.Forget();
+  if (is_begun_ && IsShownBetween(scenario_->dt_s, *settings_)) before_.Keep(GatherFrame());
+}
+
+const char* Viewer::Step() {
+  KeepForBlend();
+  const TimePoint start = Now();
+  FrameInput input = running_->Prepare(next_frame_, scenario_->base.skip, scenario_->base.lod);
+  AddOwn(input);
+  last_input_ = input;
+  input.camera = StandFor(input.camera);
+  is_stale_ = false;
+  ForgetPoses();
+  if (const char* fault = scene().BeginFrame(input)) return fault;
+  caller_ms_ = double(ElapsedNs(start)) * 1e-6;
+  Frame frame = scene().CurrentFrame();
+  if (next_frame_ % kFramesAProfile == 0) frame.profile = times_->profile();
+  SerialExecutor executor;
+  executor.Run(frame);
+  frame_ms_ = double(ElapsedNs(start)) * 1e-6;
+  is_begun_ = true;
+  if (next_frame_ < digest_frames_) run_digest_.Add64(scene().DigestFrame());
+  ++next_frame_;
+  return nullptr;
+}
+
+PageRay Viewer::RayAt(double x, double y) const {
+  const glm::vec3 eye = VecOfPlace(last_camera_.eye);
+  const glm::vec3 ahead = glm::normalize(VecOfPlace(last_camera_.target) - eye);
+  const glm::vec3 right = glm::normalize(glm::cross(ahead, VecOfPlace(last_camera_.up)));
+  const glm::vec3 up = glm::cross(right, ahead);
+  const double height = std::tan(0.5 * double(last_camera_.vertical_fov_rad));
+  const double width = height * width_px_ / height_px_;
+  return {eye, glm::normalize(ahead + right * float((2.0 * x - 1.0) * width) +
+                              up * float((1.0 - 2.0 * y) * height))};
+}
+
+std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
+  float nearest = 1e30f;
+  for (uint32_t a = 0; a < scenario_->actors.size(); ++a) {
+    const Body body =
+        PoseBody(*scenario_, running_->scene(), a, maps_->SurfaceOf(scenario_->actors[a].character),
+                 nullptr, {}, &maps_->SkinOf(*scenario_, running_->scene(), a));
+    for (const auto& triangle : body.character->mesh.triangles) {
+      const float at = Meet(ray, body.position[triangle[0]], body.position[triangle[1]],
+                            body.position[triangle[2]]);
+      if (at > 0.0f && at < nearest) nearest = at;
+    }
+  }
+  if (nearest == 1e30f) return std::nullopt;
+  return ray.from + nearest * ray.along;
+}
+
+PictureScene Viewer::GatherFrame() const {
+  return GatherPicture(*scenario_, *maps_, running_->scene(), last_camera_, VertexOrder::kSorted,
+                       posed());
+}
+
+void Viewer::Light(PictureScene& shown) const {
+  shown.camera = last_camera_;
+  LightPicture(running_->scene(), shown);
+  ApplyLight(*settings_, shown);
+}
+
+PictureScene Viewer::Gather(float share) const {
+  PictureScene shown = GatherFrame();
+  if (const auto show = DataViews()[settings_->show].show)
+    show(running_->scene(), shown);
+  else if (share < 1.0f)
+    before_.Blend(share, shown);
+  ApplyLight(*settings_, shown);
+  ApplyRenderFur(*settings_, shown);
+  return shown;
+}
+
+std::string Viewer::Describe() const {
+  Json json;
+  json["name"] = scenario_->name;
+  json["strands"] = scenario_->StrandCount();
+  json["characters"] = scenario_->actors.size();
+  json["frames"] = scenario_->default_frames;
+  json["dt_s"] = scenario_->dt_s;
+  const CameraOrbit& orbit = scenario_->camera;
+  json["camera"] =
+      DescribeOrbit({orbit.target, orbit.start_rad, std::atan2(orbit.height_m, orbit.radius_m),
+                     std::hypot(orbit.height_m, orbit.radius_m)});
+  json["keys"] = DescribeKeys();
+  json["setups"] = DescribeSetups(*scenario_);
+  json["settings"] = DescribeSettings(*settings_);
+  json["channels"] = kPaintChannelNames;
+  json["views"] = DescribeViews();
+  json["passes"] = DescribePasses(running_->scene());
+  json["notes"] = scenario_->notes;
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string Viewer::LastFrame() const {
+  const FurScene& scene = running_->scene();
+  const Json json = {
+      {"frame", next_frame_ == 0 ? 0 : next_frame_ - 1},
+      {"run_digest",
+       next_frame_ <= digest_frames_ ? fmt::format("{:016x}", run_digest_.Value()) : std::string()},
+      {"ms", frame_ms_},
+      {"caller_ms", caller_ms_},
+      {"drawn", scene.DrawnStrands()},
+      {"live", scene.LiveStrands()},
+      {"stages", DescribeStages(scene, *times_)}};
+  return json.dump();
+}
+
+}  // namespace pelt
