@@ -12,8 +12,7 @@
 // than its groom walks parents that no check looked at.
 //
 // Every check returns whether all is well, and stops at the first fault: later ones trust what
-// earlier ones found. Long, because the rules of one block lean on those of the others and are read
-// against core/chunk.hpp in one go.
+// earlier ones found.
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +32,10 @@ using namespace groom_file;
 constexpr float kUnitTolerance = 0.05f;
 constexpr float kSumTolerance = 1.0e-3f;
 constexpr uint32_t kStrandsPerLayer = 1u << 24;
+
+using Has = bool (*)(const LayerParams&);
+using LayerCount = uint32_t GroomLayer::*;
+constexpr LayerCount kPatches = &GroomLayer::patch_count, kChunks = &GroomLayer::chunk_count;
 
 class Checker {
  public:
@@ -135,9 +138,7 @@ class Checker {
   [[nodiscard]] bool CheckRest(const std::vector<T>& items, size_t index, uint32_t lanes);
   [[nodiscard]] bool CheckFinEdges(size_t index, uint32_t strands);
   [[nodiscard]] bool CheckDown(const std::vector<DownBlock>& items, size_t index, uint32_t lanes);
-  using Has = bool (*)(const LayerParams&);
-  size_t PatchesBefore(const GroomLayer& layer, Has has) const;
-  size_t ChunksBefore(const GroomLayer& layer, Has has) const;
+  size_t Count(LayerCount what, Has has, const GroomLayer* end = nullptr) const;
 
   const Groom& groom_;
   const std::string& name_;
@@ -199,8 +200,7 @@ bool Checker::CheckLayout() {
     return FailSection(layers,
                        Format("{} layers; 1 to {} are allowed", layers.size(), kLayersPerScene));
   }
-  uint64_t patches = 0, vertex_rest = 0, shell_skin = 0, vertex_down = 0;
-  uint64_t chunks = 0, rest4 = 0, rest5 = 0, rest9 = 0, fin_edges = 0, strand_down = 0;
+  uint64_t patches = 0, chunks = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name)) {
@@ -208,30 +208,18 @@ bool Checker::CheckLayout() {
     }
     const std::string bad = FindBadParam(layer.params);
     if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
-    if (layer.first_patch != patches) {
-      return Fail(layers, i, &layer.first_patch,
-                  Format("patches begin at {}, expected {}", layer.first_patch, patches));
-    }
-    if (layer.patch_count > kStrandsPerLayer / kVerticesPerChunk) {
-      return Fail(layers, i, &layer.patch_count, Format("{} patches", layer.patch_count));
-    }
-    patches += layer.patch_count;
-    if (layer.first_chunk != chunks) {
-      return Fail(layers, i, &layer.first_chunk,
-                  Format("chunks begin at {}, expected {}", layer.first_chunk, chunks));
-    }
-    if (layer.chunk_count > kStrandsPerLayer / kStrandsPerChunk) {
-      return Fail(layers, i, &layer.chunk_count, Format("{} chunks", layer.chunk_count));
-    }
-    chunks += layer.chunk_count;
-    if (HasVertexRest(layer.params)) vertex_rest += layer.patch_count;
-    if (HasShells(layer.params)) shell_skin += layer.patch_count;
-    if (HasVertexDown(layer.params)) vertex_down += layer.patch_count;
-    if (HasStrandRest<4>(layer.params)) rest4 += layer.chunk_count;
-    if (HasStrandRest<5>(layer.params)) rest5 += layer.chunk_count;
-    if (HasStrandRest<9>(layer.params)) rest9 += layer.chunk_count;
-    if (HasFins(layer.params)) fin_edges += layer.chunk_count;
-    if (HasStrandDown(layer.params)) strand_down += layer.chunk_count;
+    const auto follow = [&](std::string_view kind, const uint32_t& first, const uint32_t& count,
+                            uint32_t size, uint64_t& before) {
+      if (first != before)
+        return Fail(layers, i, &first, Format("{} begin at {}, expected {}", kind, first, before));
+      if (count > kStrandsPerLayer / size)
+        return Fail(layers, i, &count, Format("{} {}", count, kind));
+      before += count;
+      return true;
+    };
+    if (!follow("patches", layer.first_patch, layer.patch_count, kVerticesPerChunk, patches) ||
+        !follow("chunks", layer.first_chunk, layer.chunk_count, kStrandsPerChunk, chunks))
+      return false;
   }
   const auto expect = [&](const auto& items, uint64_t count) {
     return items.size() == count ||
@@ -239,25 +227,25 @@ bool Checker::CheckLayout() {
   };
   return expect(groom_.layer_joints, layers.size()) && expect(groom_.mesh, patches) &&
          expect(groom_.strands, chunks) && expect(groom_.halo, chunks) &&
-         expect(groom_.vertex_rest, vertex_rest) && expect(groom_.strand_rest4, rest4) &&
-         expect(groom_.strand_rest5, rest5) && expect(groom_.strand_uv, chunks) &&
-         expect(groom_.shell_skin, shell_skin) && expect(groom_.fin_edges, fin_edges) &&
-         expect(groom_.vertex_down, vertex_down) && expect(groom_.strand_down, strand_down) &&
-         expect(groom_.strand_rest9, rest9);
+         expect(groom_.vertex_rest, Count(kPatches, HasVertexRest)) &&
+         expect(groom_.strand_rest4, Count(kChunks, HasStrandRest<4>)) &&
+         expect(groom_.strand_rest5, Count(kChunks, HasStrandRest<5>)) &&
+         expect(groom_.strand_uv, chunks) &&
+         expect(groom_.shell_skin, Count(kPatches, HasShells)) &&
+         expect(groom_.fin_edges, Count(kChunks, HasFins)) &&
+         expect(groom_.vertex_down, Count(kPatches, HasVertexDown)) &&
+         expect(groom_.strand_down, Count(kChunks, HasStrandDown)) &&
+         expect(groom_.strand_rest9, Count(kChunks, HasStrandRest<9>));
 }
 
-// Patches and chunks before the layer's whose layer has the block in question: its place among such
-// blocks.
-size_t Checker::PatchesBefore(const GroomLayer& layer, Has has) const {
+// Patches or chunks of the layers that have the block in question. Of the layers before `end`: the
+// place among such blocks of the first that `end` has.
+size_t Checker::Count(LayerCount what, Has has, const GroomLayer* end) const {
   size_t count = 0;
-  for (const GroomLayer* l = groom_.layers.data(); l != &layer; ++l)
-    if (has(l->params)) count += l->patch_count;
-  return count;
-}
-size_t Checker::ChunksBefore(const GroomLayer& layer, Has has) const {
-  size_t count = 0;
-  for (const GroomLayer* l = groom_.layers.data(); l != &layer; ++l)
-    if (has(l->params)) count += l->chunk_count;
+  for (const GroomLayer& layer : groom_.layers) {
+    if (&layer == end) break;
+    if (has(layer.params)) count += layer.*what;
+  }
   return count;
 }
 
@@ -265,7 +253,7 @@ bool Checker::CheckPatch(const GroomLayer& layer, uint32_t place, JointSet& used
   const size_t patch = layer.first_patch + place;
   if (!CheckMesh(patch, used)) return false;
   const uint32_t vertices = groom_.mesh[patch].vertex_count;
-  const auto index = [&](Has has) { return PatchesBefore(layer, has) + place; };
+  const auto index = [&](Has has) { return Count(kPatches, has, &layer) + place; };
   if (HasVertexRest(layer.params) && !CheckRest(groom_.vertex_rest, index(HasVertexRest), vertices))
     return false;
   if (HasVertexDown(layer.params) && !CheckDown(groom_.vertex_down, index(HasVertexDown), vertices))
@@ -282,7 +270,7 @@ bool Checker::CheckChunk(const GroomLayer& layer, uint32_t place) {
     return Fail(groom_.strands, chunk, &block.first_strand,
                 Format("{}, expected {}", block.first_strand, place * kStrandsPerChunk));
   }
-  const auto index = [&](Has has) { return ChunksBefore(layer, has) + place; };
+  const auto index = [&](Has has) { return Count(kChunks, has, &layer) + place; };
   if (!HasShells(layer.params) && !WithPoints(layer.params.points, [&]<uint32_t kPoints> {
         // Among blocks of as many points.
         return CheckRest(StrandRestOf<kPoints>(groom_), index(HasStrandRest<kPoints>),
