@@ -15,12 +15,7 @@ namespace {
 
 void AddSize(const Character& character, const RestGeometry& rest, float unit_scale,
              ReportTree& tree) {
-  glm::vec3 low(rest.position.front()), high(low);
-  for (const glm::vec3& at : rest.position) {
-    low = glm::min(low, at);
-    high = glm::max(high, at);
-  }
-  const glm::vec3 size = high - low;
+  const glm::vec3 size = BoundPlaces(rest.position).Size();
   tree.Add({"unit_scale", "m", -1, "a unit is"}, double(unit_scale));
   tree.Add({"size_m", "m", 3, "size x, y, z"}, std::vector<double>{size.x, size.y, size.z})
       .EndLine();

@@ -99,66 +99,56 @@ void AddActor(Scenario& scenario, Character character, const FurSetup& setup,
 }
 
 WindSetup Breeze() {
-  WindSetup wind;
-  wind.velocity[0] = 1.6f;
-  wind.velocity[2] = 0.7f;
-  wind.gust_strength = 0.6f;
-  wind.gust_period_s = 3.0f;
-  wind.turbulence = 1.0f;
-  wind.turbulence_scale_m = 0.5f;
-  return wind;
+  return {.velocity = {1.6f, 0.0f, 0.7f},
+          .gust_strength = 0.6f,
+          .gust_period_s = 3.0f,
+          .turbulence = 1.0f,
+          .turbulence_scale_m = 0.5f};
 }
 
-CameraOrbit MonsterCamera() {
-  CameraOrbit camera;
-  camera.target = {0.0f, 0.63f, 0.0f};
-  camera.radius_m = 2.5;
-  camera.height_m = 0.25;
-  camera.start_rad = -0.35;
-  camera.vertical_fov_rad = 0.62;
-  return camera;
-}
+constexpr CameraOrbit kMonsterCamera{.target = {0.0f, 0.63f, 0.0f},
+                                     .radius_m = 2.5,
+                                     .height_m = 0.25,
+                                     .start_rad = -0.35,
+                                     .vertical_fov_rad = 0.62};
 
-FurSetup BuiltInSetup(const std::string& name, const ScenarioRequest& request) {
-  return LoadSetup(name, request.seed, request.SetupText(0));
+// One of our characters, which walks in a breeze.
+Scenario MakeWalk(Character character, const std::string& setup, const ScenarioRequest& request) {
+  Scenario scenario;
+  AddActor(scenario, std::move(character), LoadSetup(setup, request.seed, request.SetupText(0)),
+           "walk");
+  scenario.base.wind = Breeze();
+  return scenario;
 }
 
 Scenario MakeMonster(const ScenarioRequest& request, const LoadProgress&) {
-  Scenario scenario;
-  AddActor(scenario, LoadCharacter("builtin"), BuiltInSetup("monster", request), "walk");
-  scenario.base.wind = Breeze();
-  scenario.camera = MonsterCamera();
+  Scenario scenario = MakeWalk(LoadCharacter("builtin"), "monster", request);
+  scenario.camera = kMonsterCamera;
   return scenario;
 }
 
 Scenario MakeEyePet(const ScenarioRequest& request, const LoadProgress&) {
-  Scenario scenario;
-  AddActor(scenario, LoadCharacter("builtin"), BuiltInSetup("eyepet", request), "walk");
-  scenario.base.wind = Breeze();
+  Scenario scenario = MakeWalk(LoadCharacter("builtin"), "eyepet", request);
   scenario.base.use_ground = true;
-  scenario.camera = MonsterCamera();
+  scenario.camera = kMonsterCamera;
   scenario.spheres.push_back({{0.0f, 0.75f, 0.42f}, {0.3f, 0.0f, 0.0f}, 2.5, 0.15f});
   return scenario;
 }
 
 Scenario MakeScorpion(const ScenarioRequest& request, const LoadProgress&) {
-  Scenario scenario;
-  AddActor(scenario, LoadCharacter("scorpion"), BuiltInSetup("scorpion", request), "walk");
-  scenario.base.wind = Breeze();
+  Scenario scenario = MakeWalk(LoadCharacter("scorpion"), "scorpion", request);
   scenario.base.use_ground = true;
-  scenario.camera.target = {0.0f, 0.34f, 0.0f};
-  scenario.camera.radius_m = 2.1;
-  scenario.camera.height_m = 0.75;
-  scenario.camera.start_rad = 0.6;
-  scenario.camera.vertical_fov_rad = 0.62;
+  scenario.camera = {.target = {0.0f, 0.34f, 0.0f},
+                     .radius_m = 2.1,
+                     .height_m = 0.75,
+                     .start_rad = 0.6,
+                     .vertical_fov_rad = 0.62};
   return scenario;
 }
 
 Scenario MakeTiny(const ScenarioRequest& request, const LoadProgress&) {
-  Scenario scenario;
-  AddActor(scenario, MakeBuiltinCharacter({.tiny = true}), BuiltInSetup("tiny", request), "walk");
+  Scenario scenario = MakeWalk(MakeBuiltinCharacter({.tiny = true}), "tiny", request);
   scenario.default_frames = 60;
-  scenario.base.wind = Breeze();
   scenario.base.use_ground = true;
   scenario.spheres.push_back({{0.0f, 0.9f, 0.3f}, {0.25f, 0.0f, 0.1f}, 0.7, 0.2f});
   scenario.weather_course = {0.7f, 0.4f, 8};
@@ -171,14 +161,9 @@ Scenario MakeTiny(const ScenarioRequest& request, const LoadProgress&) {
 void PointCameraAt(Scenario& scenario) {
   const RestGeometry rest =
       ComputeRestGeometry(scenario.characters[0], scenario.actors[0].unit_scale);
-  glm::vec3 low = rest.position[0], high = low;
-  for (const glm::vec3& p : rest.position) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const glm::vec3 extent = high - low;
-  scenario.camera.target = (low + high) * 0.5f;
-  scenario.camera.radius_m = 1.8 * double(std::max({extent.x, extent.y, extent.z, 1e-3f}));
+  const BoundingBox box = BoundPlaces(rest.position);
+  scenario.camera.target = (box.low + box.high) * 0.5f;
+  scenario.camera.radius_m = 1.8 * std::max(box.LargestSide(), double(1e-3f));
   scenario.camera.height_m = 0.2 * scenario.camera.radius_m;
 }
 
@@ -324,9 +309,7 @@ float ChooseUnitScale(const FurSetup& setup, const Character& character,
 void CheckGroomFits(const Groom& groom, const std::string& path, const Character& character) {
   const std::vector<std::string>& have = character.skeleton.name;
   if (groom.joint_names == have) return;
-  size_t at = 0;
-  while (at < groom.joint_names.size() && at < have.size() && groom.joint_names[at] == have[at])
-    ++at;
+  const auto at = size_t(std::ranges::mismatch(groom.joint_names, have).in2 - have.begin());
   const auto name = [&](const std::vector<std::string>& names) {
     return at < names.size() ? fmt::format("'{}'", names[at]) : std::string("nothing");
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/printable.hpp"
 
@@ -25,15 +26,6 @@ constexpr double kLeastShare = 0.002;
 struct Plan {
   double length_m, density;
 };
-
-double LargestExtent(const RestGeometry& rest) {
-  glm::vec3 low(rest.position.front()), high(low);
-  for (const glm::vec3& at : rest.position) {
-    low = glm::min(low, at);
-    high = glm::max(high, at);
-  }
-  return double(std::max({high.x - low.x, high.y - low.y, high.z - low.z}));
-}
 
 // Longer strands where there would be too many: fewer of them cover as well.
 Plan PlanCoat(double extent_m, double area_m2) {
@@ -116,7 +108,7 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
   double area_m2 = 0.0;
   for (size_t m = 0; m < shares.size(); ++m)
     if (!mesh.looks[m].bare) area_m2 += shares[m].area_m2;
-  const double extent_m = LargestExtent(rest);
+  const double extent_m = BoundPlaces(rest.position).LargestSide();
   if (!(area_m2 > 1e-12 * extent_m * extent_m))
     throw Error(fmt::format("{}: its surface has no area in the rest pose: nothing grows on it",
                             Printable(character.name)));

@@ -65,15 +65,6 @@ double LargestStep(const std::vector<glm::vec3>& from, const std::vector<glm::ve
   return largest;
 }
 
-double ExtentOf(const std::vector<glm::vec3>& places) {
-  glm::vec3 low = places.front(), high = low;
-  for (const glm::vec3& at : places) {
-    low = glm::min(low, at);
-    high = glm::max(high, at);
-  }
-  return double(std::max({high.x - low.x, high.y - low.y, high.z - low.z}));
-}
-
 }  // namespace
 
 bool JumpsWhereItLoops(const Character& character, const Clip& clip) {
@@ -81,7 +72,7 @@ bool JumpsWhereItLoops(const Character& character, const Clip& clip) {
   if (clip.tracks.empty() || !(end_s > 0.0)) return false;
   Character few = TakeFew(character);
   const Skeleton& skeleton = character.skeleton;
-  const double extent = ExtentOf(ComputeRestGeometry(few, 1.0f).position);
+  const double extent = BoundPlaces(ComputeRestGeometry(few, 1.0f).position).LargestSide();
   const double jump =
       LargestStep(PlacesAt(few, skeleton, clip, end_s), PlacesAt(few, skeleton, clip, 0.0));
   if (!(jump > kShare * extent)) return false;

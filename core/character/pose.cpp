@@ -236,6 +236,20 @@ RestGeometry ComputeRestGeometry(const Character& character, float unit_scale) {
   return rest;
 }
 
+double BoundingBox::LargestSide() const {
+  const glm::vec3 size = Size();
+  return double(std::max({size.x, size.y, size.z}));
+}
+
+BoundingBox BoundPlaces(std::span<const glm::vec3> places) {
+  BoundingBox box{places.front(), places.front()};
+  for (const glm::vec3& at : places) {
+    box.low = glm::min(box.low, at);
+    box.high = glm::max(box.high, at);
+  }
+  return box;
+}
+
 size_t FitNormalsToRest(Character* character) {
   const FloatEnvironment guard;
   constexpr double kLeastTurn = 1e-5;  // 1 - cosine: a quarter of a degree

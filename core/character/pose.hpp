@@ -7,6 +7,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 #include <string>
 
 #include "core/character/character.hpp"
@@ -45,6 +46,15 @@ const Clip* FindClip(const Character& character, const std::string& name);
 // tangents by the upper 3x3 of the blended matrix, as the skin kernel does, then made unit and
 // orthogonal. In double.
 RestGeometry ComputeRestGeometry(const Character& character, float unit_scale);
+
+struct BoundingBox {
+  glm::vec3 low, high;
+
+  glm::vec3 Size() const { return high - low; }
+  double LargestSide() const;
+};
+// Of at least one place.
+BoundingBox BoundPlaces(std::span<const glm::vec3> places);
 
 // Makes normals what ComputeRestGeometry and the skin kernel turn into those of the rest pose: both
 // take them as directions, which is right while joints are scaled alike along all axes. Where they

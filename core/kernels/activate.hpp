@@ -30,8 +30,8 @@
 // a vertex that was not skinned. Such lanes start from the groom every frame (they are not below
 // first_new_strand), so what lies in them is the same whether a chunk slept or not.
 //
-// What breaks if ignored: digests with and without the skips differ (tests/kernels/
-// activate_test.cpp holds the truth table against a brute-force model).
+// What breaks if ignored: digests with and without the skips differ (tests/kernels/activate_test.cpp
+// holds the truth tables, activate_layer_test.cpp what happens to a layer).
 #pragma once
 
 #include "core/chunk.hpp"

@@ -52,12 +52,7 @@ void FrameClock::Begin(const FrameWork& work, WorkSource& source, ModelledFrame&
   flying_.clear();
   ends_.clear();
   moved_.clear();
-  frame.cycles = 0;
-  frame.passes.assign(work.passes.size(), {});
-  frame.stage_cycles.assign(work.stage_count, 0);
-  frame.stage_items.assign(work.stage_count, 0);
-  frame.stream_get_bytes.assign(work.stream_count, 0);
-  frame.stream_put_bytes.assign(work.stream_count, 0);
+  frame.BeginWith(work);
   for (Unit& unit : units_) {
     const uint32_t code_pass = unit.code_pass;
     unit = {};
@@ -137,8 +132,7 @@ FrameClock::Ready FrameClock::TakeReady(const Unit& unit) {
 bool FrameClock::IsDue(const Unit& unit) const {
   if (unit.phase == Phase::kIdle)
     return machine_.dispatcher_cycles > 0 ? !unit.grants.empty() : HasReady();
-  return unit.waits_for == SharedTransfers::kNone ? unit.wake <= now_
-                                                  : transfers_.DoneAt(unit.waits_for) <= now_;
+  return WakeOf(unit) <= now_;
 }
 
 Cycles FrameClock::NextWake() const {
@@ -146,10 +140,7 @@ Cycles FrameClock::NextWake() const {
   if (!openings_.empty()) next = std::min(next, openings_.front().at);
   for (const ItemEnd& end : flying_) next = std::min(next, transfers_.DoneAt(end.put));
   for (const Unit& unit : units_)
-    if (unit.phase != Phase::kIdle)
-      next = std::min(next, unit.waits_for == SharedTransfers::kNone
-                                ? unit.wake
-                                : transfers_.DoneAt(unit.waits_for));
+    if (unit.phase != Phase::kIdle) next = std::min(next, WakeOf(unit));
   assert(next != SharedTransfers::kNever);
   return std::max(next, now_);
 }
@@ -262,7 +253,7 @@ void FrameClock::EndDraw(uint32_t u) {
   const auto [pass, item, by] = unit.drawing;
   EndSlice(unit, UnitWork::kDispatch, pass, item);
   unit.drawn = {pass, item, &source_->Take(u, pass, item)};
-  Count(*unit.drawn.work, frame_->passes[pass]);
+  frame_->Count(*unit.drawn.work, pass);
   if (Waits(unit, pass)) return Spend(unit, Phase::kFree, 0);
   if (pass != unit.pass && Drains(unit)) return;
   GiveGet(unit);
@@ -272,20 +263,6 @@ void FrameClock::GiveGet(Unit& unit) {
   const uint32_t code = BringsCode(unit) || BringsParameters(unit) ? 1 : 0;
   Spend(unit, Phase::kGivingGet,
         machine_.command_cycles * Cycles(unit.drawn.work->get.commands + code));
-}
-
-void FrameClock::Count(const ItemWork& work, ModelledPass& pass) {
-  pass.items += !work.stages.empty();
-  for (const ItemWork::StageTime& stage : work.stages) ++frame_->stage_items[stage.stage];
-  uint64_t bytes = 0;
-  for (const ItemWork::StreamBytes& s : work.streams) {
-    frame_->stream_get_bytes[size_t(s.stream)] += s.get_bytes;
-    frame_->stream_put_bytes[size_t(s.stream)] += s.put_bytes;
-    pass.get_bytes += s.get_bytes;
-    pass.put_bytes += s.put_bytes;
-    bytes += s.get_bytes + s.put_bytes;
-  }
-  pass.wasted_bytes += work.get.bytes + work.put.bytes - bytes;
 }
 
 // ---- Blocks in and out --------------------------------------------------------------------------

@@ -117,6 +117,9 @@ class FrameClock {
 
   void Begin(const FrameWork& work, WorkSource& source, ModelledFrame& frame);
   void End(bool timelines);
+  Cycles WakeOf(const Unit& unit) const {
+    return unit.waits_for == SharedTransfers::kNone ? unit.wake : transfers_.DoneAt(unit.waits_for);
+  }
   bool IsDue(const Unit& unit) const;
   Cycles NextWake() const;
   void Step(uint32_t u);
@@ -154,7 +157,6 @@ class FrameClock {
   bool SharesCore(uint32_t u) const;
   void EndSlice(Unit& unit, UnitWork work, uint32_t pass, uint32_t item, uint32_t cause = kNone);
   void Spend(Unit& unit, Phase phase, Cycles cycles);
-  void Count(const ItemWork& work, ModelledPass& pass);
   uint32_t Move(uint32_t u, bool put, const TransferShape& shape, uint32_t pass, uint32_t item,
                 uint32_t after);
   void FindCriticalPath();

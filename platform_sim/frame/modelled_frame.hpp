@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/stream_table.hpp"
+#include "platform_sim/frame/item_work.hpp"
 #include "platform_sim/memory/event_queue.hpp"
 
 namespace pelt {
@@ -70,6 +71,11 @@ struct ModelledFrame {
   std::vector<uint32_t> stage_items;                         // items it ran on, [stage]
   std::vector<uint64_t> stream_get_bytes, stream_put_bytes;  // main memory, [Stream]
   std::vector<UnitTimeline> units;                           // filled when asked for
+
+  // As it is before anything is done; its timelines stay.
+  void BeginWith(const FrameWork& work);
+  // What an item adds to all but the times.
+  void Count(const ItemWork& work, uint32_t pass);
 };
 
 }  // namespace pelt

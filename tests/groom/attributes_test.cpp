@@ -13,23 +13,11 @@ namespace {
 
 using test::MakeMap;
 
-struct Fixture {
-  Character character = test::MakeTorus();
-  RestGeometry rest = ComputeRestGeometry(character, 1.0f);
-  FurSetup setup;
-  LayerSetup layer;
-  std::vector<ScatterPoint> points;
-
+struct Fixture : test::CoatedTorus {
   Fixture() {
     layer.name = "coat";
     layer.density = float(2000.0 / test::AreaOf(character, rest));
-    points = ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
-  }
-  std::vector<GroomedStrand> Groom() const {
-    const AttributeMaker maker(character, rest, setup, layer);
-    std::vector<GroomedStrand> strands;
-    for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
-    return strands;
+    Scatter();
   }
 };
 
@@ -236,7 +224,7 @@ TEST(Attributes, LiftVariesByVertexInsideItsRange) {
   Fixture f;
   f.layer.offset = Varying(0.01f, 0.5f);
   f.layer.offset.range = glm::vec2(0.006f, 1.0f);
-  const AttributeMaker maker(f.character, f.rest, f.setup, f.layer);
+  const AttributeMaker maker = f.Maker();
   float least = 1.0f, most = 0.0f;
   for (uint32_t v = 0; v < f.character.mesh.position.size(); ++v) {
     least = std::min(least, maker.LiftVertex(v));

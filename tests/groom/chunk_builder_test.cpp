@@ -436,18 +436,14 @@ TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
 
 // The slow, obvious reference of a vertex chain: the weighted mean over all strands of the layer.
 TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
-  const Character character = test::MakeTorus();
-  const Mesh& mesh = character.mesh;
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
-  const FurSetup setup;
-  const LayerSetup layer = MakeCoat(4000.0f);
-  const AttributeMaker maker(character, rest, setup, layer);
-  const auto points =
-      ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
-  std::vector<GroomedStrand> strands;
-  for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
+  test::CoatedTorus torus;
+  torus.layer = MakeCoat(4000.0f);
+  torus.Scatter();
+  const Mesh& mesh = torus.character.mesh;
+  const RestGeometry& rest = torus.rest;
+  const std::vector<GroomedStrand> strands = torus.Groom();
   const auto duplicates = FindSeamDuplicates(mesh);
-  const VertexChains chains(mesh, rest, duplicates, maker, strands);
+  const VertexChains chains(mesh, rest, duplicates, torus.Maker(), strands);
   const uint32_t vertex = mesh.triangles[strands[5].place.triangle][1];
   const RootFrame frame =
       MakeRootFrame(glm::dvec3(rest.normal[vertex]), glm::dvec3(rest.tangent[vertex]));
@@ -477,21 +473,17 @@ TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
 }
 
 TEST(VertexChains, ASeamDoesNotPartTheFur) {
-  const Character character = test::MakeTorus();  // first and last column lie on each other
-  const Mesh& mesh = character.mesh;
+  test::CoatedTorus torus;
+  torus.layer = MakeCoat(20000.0f);
+  torus.layer.offset = Attribute(0.01f);
+  torus.layer.offset.randomise = 0.5f;
+  torus.Scatter();
+  const Mesh& mesh = torus.character.mesh;  // first and last column lie on each other
   const auto duplicates = FindSeamDuplicates(mesh);
   EXPECT_EQ(duplicates[0], 0u);
   EXPECT_EQ(duplicates[16], 0u);  // once around the tube
   EXPECT_EQ(duplicates[17], 17u);
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
-  LayerSetup layer = MakeCoat(20000.0f);
-  layer.offset = Attribute(0.01f);
-  layer.offset.randomise = 0.5f;
-  const AttributeMaker maker(character, rest, {}, layer);
-  const auto points = ScatterLayer(character, rest, {}, layer, Growth(character, rest, {}, layer));
-  std::vector<GroomedStrand> strands;
-  for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
-  const VertexChains chains(mesh, rest, duplicates, maker, strands);
+  const VertexChains chains(mesh, torus.rest, duplicates, torus.Maker(), torus.Groom());
   for (uint32_t i = 0; i <= 48; ++i) {
     const VertexChain &a = chains[i * 17], &b = chains[i * 17 + 16];
     EXPECT_EQ(a.lift, b.lift);

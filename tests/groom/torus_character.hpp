@@ -14,8 +14,10 @@
 #include "core/character/character.hpp"
 #include "core/character/pose.hpp"
 #include "core/exact_math.hpp"
+#include "core/groom/attributes.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "core/groom/scatter.hpp"
 
 namespace pelt::test {
 
@@ -118,6 +120,26 @@ inline double AreaOf(const Character& character, const RestGeometry& rest) {
   }
   return area;
 }
+
+// A torus with a layer: strands stand where Scatter() put them and are made as the layer is now.
+struct CoatedTorus {
+  Character character = MakeTorus();
+  RestGeometry rest = ComputeRestGeometry(character, 1.0f);
+  FurSetup setup;
+  LayerSetup layer;
+  std::vector<ScatterPoint> points;
+
+  void Scatter() {
+    points = ScatterLayer(character, rest, setup, layer, Growth(character, rest, setup, layer));
+  }
+  AttributeMaker Maker() const { return AttributeMaker(character, rest, setup, layer); }
+  std::vector<GroomedStrand> Groom() const {
+    const AttributeMaker maker = Maker();
+    std::vector<GroomedStrand> strands;
+    for (uint32_t i = 0; i < points.size(); ++i) strands.push_back(maker.Groom(points[i], i));
+    return strands;
+  }
+};
 
 // A 64 x 64 picture whose four channels are functions of the place.
 template <class F>

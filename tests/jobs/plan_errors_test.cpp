@@ -17,94 +17,42 @@ std::string ErrorOf(std::vector<Stage> stages) {
   return CompilePlan(std::move(stages), MakeShape({{0, 0, 3}, {0, 0, 2}}), {}).error();
 }
 
-struct SumOfLayer {
+struct SumOfLayer : Declares<All<&Toys::keys>, Out<&Toys::sum>> {
   static constexpr std::string_view kName = "sum_layer";
-  struct Ports {
-    All<&Toys::keys> keys;
-    Out<&Toys::sum> sum;
-  };
-  static void Run(const Ports&) {}
 };
-struct OutToCoarser {
+struct OutToCoarser : Declares<Out<&Toys::box>> {
   static constexpr std::string_view kName = "out_to_coarser";
-  struct Ports {
-    Out<&Toys::box> bounds;
-  };
-  static void Run(const Ports&) {}
 };
-struct SharedOfOwnDomain {
+struct SharedOfOwnDomain : Declares<Shared<&Toys::keys>> {
   static constexpr std::string_view kName = "shared_of_own";
-  struct Ports {
-    Shared<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherWithoutList {
+struct GatherWithoutList : Declares<Gather<&Toys::records, &Toys::sum>> {
   static constexpr std::string_view kName = "gather_without_list";
-  struct Ports {
-    Gather<&Toys::records, &Toys::sum> curves;
-  };
-  static void Run(const Ports&) {}
 };
-struct ReadsAndScatters {
+struct ReadsAndScatters : Declares<In<&Toys::pairs_a>, Scatter<&Toys::pairs_a>> {
   static constexpr std::string_view kName = "reads_and_scatters";
-  struct Ports {
-    In<&Toys::pairs_a> pairs;
-    Scatter<&Toys::pairs_a> sorted;
-  };
-  static void Run(const Ports&) {}
 };
 
-struct SharedPatch {
+struct SharedPatch : Declares<Shared<&Toys::marks>, InOut<&Toys::keys>> {
   static constexpr std::string_view kName = "shared_patch";
-  struct Ports {
-    Shared<&Toys::marks> mark;
-    InOut<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
-struct SharedChunk {
+struct SharedChunk : Declares<Shared<&Toys::keys>, InOut<&Toys::marks>> {
   static constexpr std::string_view kName = "shared_chunk";
-  struct Ports {
-    Shared<&Toys::keys> keys;
-    InOut<&Toys::marks> mark;
-  };
-  static void Run(const Ports&) {}
 };
-struct OwnPatch {
+struct OwnPatch : Declares<InOut<&Toys::marks>> {
   static constexpr std::string_view kName = "own_patch";
-  struct Ports {
-    InOut<&Toys::marks> mark;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherPartsAlone {
+struct GatherPartsAlone : Declares<Gather<&Toys::parts, &Toys::order>> {
   static constexpr std::string_view kName = "gather_parts";
-  struct Ports {
-    Gather<&Toys::parts, &Toys::order> parts;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherPartsByPatch {
+struct GatherPartsByPatch : Declares<Gather<&Toys::parts, &Toys::marks>> {
   static constexpr std::string_view kName = "gather_parts_by_patch";
-  struct Ports {
-    Gather<&Toys::parts, &Toys::marks> parts;
-  };
-  static void Run(const Ports&) {}
 };
-struct AllPatches {
+struct AllPatches : Declares<All<&Toys::marks>> {
   static constexpr std::string_view kName = "all_patches";
-  struct Ports {
-    All<&Toys::marks> marks;
-  };
-  static void Run(const Ports&) {}
 };
-struct AllLongPatches {
+struct AllLongPatches : Declares<All<&Toys::long_parts>> {
   static constexpr std::string_view kName = "all_long_patches";
-  struct Ports {
-    All<&Toys::long_parts> parts;
-  };
-  static void Run(const Ports&) {}
 };
 
 bool Has(const std::string& text, std::string_view part) {
@@ -158,12 +106,8 @@ struct OtherTable {
   StreamRow<KeyBlock> keys{"keys", Domain::kChunk, Role::kValue};
   static constexpr uint32_t kChunkLanes = kToyLanes;
 };
-struct UseOtherTable {
+struct UseOtherTable : Declares<InOut<&OtherTable::keys>> {
   static constexpr std::string_view kName = "use_other_table";
-  struct Ports {
-    InOut<&OtherTable::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
 
 TEST(PlanErrors, RefusesStagesOfTwoTables) {

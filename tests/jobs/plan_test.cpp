@@ -19,157 +19,68 @@ namespace {
 using namespace testing;
 
 // keys -> order, own chunk.
-struct KeysToOrder {
+struct KeysToOrder : Declares<In<&Toys::keys>, Out<&Toys::order>> {
   static constexpr std::string_view kName = "keys_to_order";
-  struct Ports {
-    In<&Toys::keys> keys;
-    Out<&Toys::order> order;
-  };
-  static void Run(const Ports&) {}
 };
-struct MakeKeys {
+struct MakeKeys : Declares<Out<&Toys::keys>> {
   static constexpr std::string_view kName = "make_keys";
-  struct Ports {
-    Out<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
 // Scratch between two chunk stages: pairs_b is written and read here and nowhere else.
-struct MakePairs {
+struct MakePairs : Declares<In<&Toys::keys>, Out<&Toys::pairs_b>> {
   static constexpr std::string_view kName = "make_pairs";
-  struct Ports {
-    In<&Toys::keys> keys;
-    Out<&Toys::pairs_b> pairs;
-  };
-  static void Run(const Ports&) {}
 };
-struct UsePairs {
+struct UsePairs : Declares<In<&Toys::pairs_b>, Out<&Toys::order>> {
   static constexpr std::string_view kName = "use_pairs";
-  struct Ports {
-    In<&Toys::pairs_b> pairs;
-    Out<&Toys::order> order;
-  };
-  static void Run(const Ports&) {}
 };
-struct ScatterPairs {
+struct ScatterPairs : Declares<In<&Toys::keys>, Scatter<&Toys::pairs_a>> {
   static constexpr std::string_view kName = "scatter_pairs";
-  struct Ports {
-    In<&Toys::keys> keys;
-    Scatter<&Toys::pairs_a> sorted;
-  };
-  static void Run(const Ports&) {}
 };
-struct ReadScattered {
+struct ReadScattered : Declares<In<&Toys::pairs_a>, Out<&Toys::counts>> {
   static constexpr std::string_view kName = "read_scattered";
-  struct Ports {
-    In<&Toys::pairs_a> pairs;
-    Out<&Toys::counts> digits;
-  };
-  static void Run(const Ports&) {}
 };
-struct MakeCurves {
+struct MakeCurves : Declares<Out<&Toys::records>> {
   static constexpr std::string_view kName = "make_curves";
-  struct Ports {
-    Out<&Toys::records> curves;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherCurves {
+struct GatherCurves
+    : Declares<In<&Toys::order>, Gather<&Toys::records, &Toys::order>, Out<&Toys::copies>> {
   static constexpr std::string_view kName = "gather_curves";
-  struct Ports {
-    In<&Toys::order> order;
-    Gather<&Toys::records, &Toys::order> curves;
-    Out<&Toys::copies> instances;
-  };
-  static void Run(const Ports&) {}
 };
-struct SumLayer {
+struct SumLayer : Declares<All<&Toys::keys>, Out<&Toys::sum>> {
   static constexpr std::string_view kName = "sum_layer";
-  struct Ports {
-    All<&Toys::keys> keys;
-    Out<&Toys::sum> sum;
-  };
-  static void Run(const Ports&) {}
 };
-struct UseBounds {
+struct UseBounds : Declares<Shared<&Toys::box>, InOut<&Toys::keys>> {
   static constexpr std::string_view kName = "use_bounds";
-  struct Ports {
-    Shared<&Toys::box> bounds;
-    InOut<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
 
-struct UseBox {
+struct UseBox : Declares<InOut<&Toys::box>> {
   static constexpr std::string_view kName = "use_box";
-  struct Ports {
-    InOut<&Toys::box> box;
-  };
-  static void Run(const Ports&) {}
 };
-struct SumBoxes {
+struct SumBoxes : Declares<AllInOut<&Toys::box>> {
   static constexpr std::string_view kName = "sum_boxes";
-  struct Ports {
-    AllInOut<&Toys::box> boxes;
-  };
-  static void Run(const Ports&) {}
 };
-struct SetState {
+struct SetState : Declares<Out<&Toys::state>> {
   static constexpr std::string_view kName = "set_state";
-  struct Ports {
-    Out<&Toys::state> state;
-  };
-  static void Run(const Ports&) {}
 };
-struct UseSum {
+struct UseSum : Declares<Shared<&Toys::sum>, InOut<&Toys::keys>> {
   static constexpr std::string_view kName = "use_sum";
-  struct Ports {
-    Shared<&Toys::sum> sum;
-    InOut<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
-struct SumSums {
+struct SumSums : Declares<AllInOut<&Toys::sum>> {
   static constexpr std::string_view kName = "sum_sums";
-  struct Ports {
-    AllInOut<&Toys::sum> sums;
-  };
-  static void Run(const Ports&) {}
 };
 
-struct MakeParts {
+struct MakeParts : Declares<Out<&Toys::parts>, Out<&Toys::marks>> {
   static constexpr std::string_view kName = "make_parts";
-  struct Ports {
-    Out<&Toys::parts> parts;
-    Out<&Toys::marks> mark;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherParts {
+struct GatherParts
+    : Declares<In<&Toys::order>, Gather<&Toys::parts, &Toys::order>, Out<&Toys::copies>> {
   static constexpr std::string_view kName = "gather_parts";
-  struct Ports {
-    In<&Toys::order> order;
-    Gather<&Toys::parts, &Toys::order> parts;
-    Out<&Toys::copies> copies;
-  };
-  static void Run(const Ports&) {}
 };
-struct GatherMarks {
+struct GatherMarks
+    : Declares<In<&Toys::list>, GatherBlocks<&Toys::marks, &Toys::list>, InOut<&Toys::keys>> {
   static constexpr std::string_view kName = "gather_marks";
-  struct Ports {
-    In<&Toys::list> list;
-    GatherBlocks<&Toys::marks, &Toys::list> marks;
-    InOut<&Toys::keys> keys;
-  };
-  static void Run(const Ports&) {}
 };
-struct SumParts {
+struct SumParts : Declares<All<&Toys::parts>, Out<&Toys::sum>> {
   static constexpr std::string_view kName = "sum_parts";
-  struct Ports {
-    All<&Toys::parts> parts;
-    Out<&Toys::sum> sum;
-  };
-  static void Run(const Ports&) {}
 };
 
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
@@ -200,60 +111,53 @@ std::string Refusal(std::vector<Stage> stages, const SceneShape& shape, PlanOpti
   return CompilePlan(std::move(stages), shape, options).error();
 }
 
-TEST(Plan, FusesNeighboursThatTouchOnlyTheirItem) {
-  const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"make_keys keys_to_order"}));
+Plan Compile(std::vector<Stage> stages, const SceneShape& shape = kShape,
+             const PlanOptions& options = {}) {
+  return CompilePlan(std::move(stages), shape, options).OrThrow();
+}
+
+// Of an unfused plan: one pass per stage.
+Plan Unfused(std::vector<Stage> stages, const SceneShape& shape = kPatched) {
+  return Compile(std::move(stages), shape, {.fuse = false});
+}
+
+TEST(Plan, FusesStagesThatTouchOnlyTheirItem) {
+  struct Case {
+    const char* what;
+    std::vector<Stage> stages;
+    Names passes;
+  };
+  const Case cases[] = {
+      {"only their item", {Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, {"make_keys keys_to_order"}},
+      {"a gather and what does not concern it",
+       {Chunk<MakeKeys>(), Chunk<GatherCurves>()},
+       {"make_keys gather_curves"}},
+      {"the domain changes",
+       {Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()},
+       {"make_keys", "sum_layer", "keys_to_order"}},
+      {"scatter and reader",
+       {Chunk<ScatterPairs>(), Chunk<ReadScattered>()},
+       {"scatter_pairs", "read_scattered"}},
+      {"not the first of its pass scatters",
+       {Chunk<MakeKeys>(), Chunk<ScatterPairs>(), Chunk<ReadScattered>()},
+       {"make_keys scatter_pairs", "read_scattered"}},
+      {"reader and scatter",
+       {Chunk<ReadScattered>(), Chunk<ScatterPairs>()},
+       {"read_scattered", "scatter_pairs"}},
+      {"writer and gather",
+       {Chunk<MakeCurves>(), Chunk<GatherCurves>()},
+       {"make_curves", "gather_curves"}},
+      {"a record list and its gather",
+       {Chunk<KeysToOrder>(), Chunk<GatherCurves>()},
+       {"keys_to_order", "gather_curves"}},
+  };
+  for (const Case& c : cases) EXPECT_EQ(PassNames(Compile(c.stages)), c.passes) << c.what;
+  EXPECT_EQ(Compile(cases[2].stages).passes[1].domain, Domain::kLayer);
 }
 
 TEST(Plan, UnfusedHasOnePassAStage) {
-  const Plan plan =
-      CompilePlan({Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kShape, {.fuse = false}).OrThrow();
+  const Plan plan = Unfused({Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kShape);
   EXPECT_EQ(PassNames(plan), Names({"make_keys", "keys_to_order"}));
-}
-
-TEST(Plan, EndsAPassWhereTheDomainChanges) {
-  const Plan plan =
-      CompilePlan({Chunk<MakeKeys>(), MakeStage<SumLayer>(Domain::kLayer), Chunk<KeysToOrder>()},
-                  kShape, {})
-          .OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"make_keys", "sum_layer", "keys_to_order"}));
-  EXPECT_EQ(plan.passes[1].domain, Domain::kLayer);
-}
-
-TEST(Plan, EndsAPassBetweenScatterAndReader) {
-  const Plan plan =
-      CompilePlan({Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"scatter_pairs", "read_scattered"}));
-}
-
-// Also where it is not the first of its pass that scatters.
-TEST(Plan, EndsAPassBehindAnyStageOfAPassThatScatters) {
-  const Plan plan =
-      CompilePlan({Chunk<MakeKeys>(), Chunk<ScatterPairs>(), Chunk<ReadScattered>()}, kShape, {})
-          .OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"make_keys scatter_pairs", "read_scattered"}));
-}
-
-TEST(Plan, EndsAPassBetweenReaderAndScatter) {
-  const Plan plan =
-      CompilePlan({Chunk<ReadScattered>(), Chunk<ScatterPairs>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"read_scattered", "scatter_pairs"}));
-}
-
-TEST(Plan, EndsAPassBetweenWriterAndGather) {
-  const Plan plan = CompilePlan({Chunk<MakeCurves>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"make_curves", "gather_curves"}));
-}
-
-TEST(Plan, EndsAPassBetweenARecordListAndItsGather) {
-  const Plan plan =
-      CompilePlan({Chunk<KeysToOrder>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"keys_to_order", "gather_curves"}));
-}
-
-TEST(Plan, FusesAGatherWithStagesThatDoNotConcernIt) {
-  const Plan plan = CompilePlan({Chunk<MakeKeys>(), Chunk<GatherCurves>()}, kShape, {}).OrThrow();
-  EXPECT_EQ(PassNames(plan), Names({"make_keys gather_curves"}));
 }
 
 template <class K>
@@ -264,20 +168,18 @@ Stage Patch() {
 // Chunks reach any patch of their layer, so all of these are done before.
 TEST(Plan, EndsAPassBetweenPatchesAndTheChunksThatGatherThem) {
   const Plan plan =
-      CompilePlan({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<GatherParts>()}, kPatched, {})
-          .OrThrow();
+      Compile({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<GatherParts>()}, kPatched);
   EXPECT_EQ(PassNames(plan), Names({"make_parts", "make_keys gather_parts"}));
   EXPECT_EQ(plan.passes[0].domain, Domain::kPatch);
   EXPECT_EQ(plan.passes[1].domain, Domain::kChunk);
   const Plan apart =
-      CompilePlan({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kPatched, {})
-          .OrThrow();
+      Compile({Patch<MakeParts>(), Chunk<MakeKeys>(), Chunk<KeysToOrder>()}, kPatched);
   EXPECT_EQ(PassNames(apart), Names({"make_parts", "make_keys keys_to_order"}));
 }
 
 // What chunks gather in a later pass is not gone with the pass that made it.
 TEST(Plan, KeepsWhatPatchesMakeForChunks) {
-  const Plan plan = CompilePlan({Patch<MakeParts>(), Chunk<GatherParts>()}, kPatched, {}).OrThrow();
+  const Plan plan = Compile({Patch<MakeParts>(), Chunk<GatherParts>()}, kPatched);
   const PassStream& made = FindStream(plan.passes[0], StreamOf<&Toys::parts>);
   EXPECT_FALSE(made.transient);
   EXPECT_TRUE(made.put);
@@ -290,7 +192,7 @@ TEST(Plan, KeepsWhatPatchesMakeForChunks) {
 
 // Of whole blocks as many are resident as the list is long, however many lanes a chunk has.
 TEST(Plan, GatheredBlocksAreAsManyAsTheirList) {
-  const Plan plan = CompilePlan({Patch<MakeParts>(), Chunk<GatherMarks>()}, kPatched, {}).OrThrow();
+  const Plan plan = Compile({Patch<MakeParts>(), Chunk<GatherMarks>()}, kPatched);
   EXPECT_EQ(PassNames(plan), Names({"make_parts", "gather_marks"}));
   const PassStream& marks = FindStream(plan.passes[1], StreamOf<&Toys::marks>);
   EXPECT_EQ(marks.access, Access::kGather);
@@ -302,11 +204,6 @@ TEST(Plan, GatheredBlocksAreAsManyAsTheirList) {
 }
 
 using Waits = std::vector<Wait>;
-
-// Of an unfused plan: one pass per stage.
-Plan Unfused(std::vector<Stage> stages, const SceneShape& shape = kPatched) {
-  return CompilePlan(std::move(stages), shape, {.fuse = false}).OrThrow();
-}
 
 TEST(PlanWaits, AreForTheItemWhereBothSidesHaveOnlyTheirOwn) {
   const Plan plan = Unfused({Chunk<MakeKeys>(), Chunk<KeysToOrder>()});
@@ -401,9 +298,7 @@ TEST(FrameGraph, OpensEveryItemAfterWhatItWaitsFor) {
 }
 
 TEST(Plan, ALayerTakesAllItsPatches) {
-  const Plan plan =
-      CompilePlan({Patch<MakeParts>(), MakeStage<SumParts>(Domain::kLayer)}, kPatched, {})
-          .OrThrow();
+  const Plan plan = Compile({Patch<MakeParts>(), MakeStage<SumParts>(Domain::kLayer)}, kPatched);
   EXPECT_EQ(PassNames(plan), Names({"make_parts", "sum_parts"}));
   const PassStream& parts = FindStream(plan.passes[1], StreamOf<&Toys::parts>);
   EXPECT_EQ(parts.bytes, 4 * sizeof(RecordBlock)) << "patches of the layer, not its chunks";
@@ -411,10 +306,10 @@ TEST(Plan, ALayerTakesAllItsPatches) {
 
 TEST(Plan, StreamsOfPatchesSayWhichLayersAStageRunsOn) {
   const std::vector<Stage> stages = {Patch<MakeParts>(), Patch<UseLongParts>()};
-  const Plan without = CompilePlan(stages, kPatched, {}).OrThrow();
+  const Plan without = Compile(stages, kPatched);
   EXPECT_EQ(PassNames(without), Names({"make_parts"}));
   const SceneShape mixed = MakeShape({{0, 0, 1, 1}, {0, kLong, 1, 1}});
-  const Plan with = CompilePlan(stages, mixed, {}).OrThrow();
+  const Plan with = Compile(stages, mixed);
   EXPECT_EQ(PassNames(with), Names({"make_parts use_long_parts"}));
   EXPECT_TRUE(with.stages[1].kinds.Admits(kLong));
   EXPECT_FALSE(with.stages[1].kinds.Admits(0));
@@ -425,11 +320,11 @@ TEST(Plan, FusesOnlyWhatFitsTwiceOver) {
   // Pairs live and die inside the fused pass: one copy. Keys and order stream through: two.
   const uint32_t fused = 2 * keys + pairs + 2 * order;
   const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
-  const Plan fits = CompilePlan(stages, kShape, {.local_store_data_bytes = fused}).OrThrow();
+  const Plan fits = Compile(stages, kShape, {.local_store_data_bytes = fused});
   EXPECT_EQ(PassNames(fits), Names({"make_pairs use_pairs"}));
   EXPECT_EQ(fits.passes[0].resident_bytes, fused);
   EXPECT_TRUE(fits.passes[0].double_buffered);
-  const Plan cut = CompilePlan(stages, kShape, {.local_store_data_bytes = fused - 1}).OrThrow();
+  const Plan cut = Compile(stages, kShape, {.local_store_data_bytes = fused - 1});
   EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
 }
 
@@ -445,11 +340,11 @@ TEST(Plan, CodeTakesOfItsOwnPassAlone) {
   code["use_pairs"] = 100'000 - 1'000 - fused;
   const Names whole({"make_pairs use_pairs", "sum_layer"}),
       cut({"make_pairs", "use_pairs", "sum_layer"});
-  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), whole);
+  EXPECT_EQ(PassNames(Compile(stages, kShape, options)), whole);
   code["sum_layer"] = 50'000;
-  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), whole);
+  EXPECT_EQ(PassNames(Compile(stages, kShape, options)), whole);
   ++code["use_pairs"];
-  EXPECT_EQ(PassNames(CompilePlan(stages, kShape, options).OrThrow()), cut);
+  EXPECT_EQ(PassNames(Compile(stages, kShape, options)), cut);
   code["sum_layer"] = 100'000;
   EXPECT_NE(Refusal(stages, kShape, options).find("the 0 there are beside 100000 of code"),
             std::string::npos)
@@ -460,33 +355,33 @@ TEST(Plan, InMainMemoryStagesFuseWhileTheyFitACacheTwiceOver) {
   const uint32_t fused = 2 * sizeof(KeyBlock) + sizeof(PairBlock) + 2 * sizeof(PlaceBlock);
   const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
   PlanOptions options{.local_store_data_bytes = fused - 1, .cache_bytes = fused, .must_fit = false};
-  const Plan whole = CompilePlan(stages, kShape, options).OrThrow();
+  const Plan whole = Compile(stages, kShape, options);
   EXPECT_EQ(PassNames(whole), Names({"make_pairs use_pairs"}));
   options.cache_bytes = fused - 1;
-  const Plan cut = CompilePlan(stages, kShape, options).OrThrow();
+  const Plan cut = Compile(stages, kShape, options);
   EXPECT_EQ(PassNames(cut), Names({"make_pairs", "use_pairs"}));
   options = {.local_store_data_bytes = fused - 1, .cache_bytes = fused};
-  const Plan local = CompilePlan(stages, kShape, options).OrThrow();
+  const Plan local = Compile(stages, kShape, options);
   EXPECT_EQ(PassNames(local), Names({"make_pairs", "use_pairs"})) << "a local store has no cache";
 }
 
 TEST(Plan, KnowsTransientsAndCountsTheirBytesNowhere) {
   const std::vector<Stage> stages = {Chunk<MakePairs>(), Chunk<UsePairs>()};
-  const Plan fused = CompilePlan(stages, kShape, {}).OrThrow();
+  const Plan fused = Compile(stages);
   const PassStream& pairs = FindStream(fused.passes[0], StreamOf<&Toys::pairs_b>);
   EXPECT_TRUE(pairs.transient);
   EXPECT_FALSE(pairs.get);
   EXPECT_EQ(fused.passes[0].get_bytes, sizeof(KeyBlock));
   EXPECT_EQ(fused.passes[0].put_bytes, sizeof(PlaceBlock));
 
-  const Plan unfused = CompilePlan(stages, kShape, {.fuse = false}).OrThrow();
+  const Plan unfused = Compile(stages, kShape, {.fuse = false});
   EXPECT_FALSE(FindStream(unfused.passes[0], StreamOf<&Toys::pairs_b>).transient);
   EXPECT_EQ(unfused.passes[0].put_bytes, sizeof(PairBlock));
   EXPECT_EQ(unfused.passes[1].get_bytes, sizeof(PairBlock));
 }
 
 TEST(Plan, OutCostsNoGetAndInNoPut) {
-  const Plan plan = CompilePlan({Chunk<KeysToOrder>()}, kShape, {}).OrThrow();
+  const Plan plan = Compile({Chunk<KeysToOrder>()});
   const PassStream& keys = FindStream(plan.passes[0], StreamOf<&Toys::keys>);
   const PassStream& order = FindStream(plan.passes[0], StreamOf<&Toys::order>);
   EXPECT_TRUE(keys.get);
@@ -497,7 +392,7 @@ TEST(Plan, OutCostsNoGetAndInNoPut) {
 }
 
 TEST(Plan, SharedBlocksAreResidentOnceAndNotCountedPerItem) {
-  const Plan plan = CompilePlan({Chunk<UseBounds>()}, kShape, {}).OrThrow();
+  const Plan plan = Compile({Chunk<UseBounds>()});
   EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(WordBlock) + 2 * sizeof(KeyBlock));
   EXPECT_EQ(plan.passes[0].get_bytes, sizeof(KeyBlock));
 }
@@ -505,13 +400,11 @@ TEST(Plan, SharedBlocksAreResidentOnceAndNotCountedPerItem) {
 TEST(Plan, BuffersSinglyWhatFitsOnlyOnce) {
   const uint32_t once = 3 * sizeof(KeyBlock) + sizeof(WordBlock);
   const std::vector<Stage> stages = {MakeStage<SumLayer>(Domain::kLayer)};
-  const Plan plan = CompilePlan(stages, kShape, {.local_store_data_bytes = once}).OrThrow();
+  const Plan plan = Compile(stages, kShape, {.local_store_data_bytes = once});
   EXPECT_FALSE(plan.passes[0].double_buffered);
   EXPECT_EQ(plan.passes[0].resident_bytes, once) << "the largest layer, 3 chunks, counts";
-  EXPECT_TRUE(CompilePlan(stages, kShape, {.local_store_data_bytes = 2 * once})
-                  .OrThrow()
-                  .passes[0]
-                  .double_buffered);
+  EXPECT_TRUE(
+      Compile(stages, kShape, {.local_store_data_bytes = 2 * once}).passes[0].double_buffered);
 }
 
 TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
@@ -527,19 +420,18 @@ TEST(Plan, RefusesAStageThatDoesNotFitAndSaysByHowMuch) {
 TEST(Plan, InMainMemoryAStageThatDoesNotFitIsAPassOfItsOwn) {
   const uint32_t once = 3 * sizeof(KeyBlock) + sizeof(WordBlock);
   const Stage sum = MakeStage<SumLayer>(Domain::kLayer);
-  const Plan roomy = CompilePlan({sum, sum}, kShape, {.must_fit = false}).OrThrow();
+  const Plan roomy = Compile({sum, sum}, kShape, {.must_fit = false});
   EXPECT_EQ(PassNames(roomy), Names({"sum_layer sum_layer"}));
   const Plan tight =
-      CompilePlan({sum, sum}, kShape,
-                  {.local_store_data_bytes = once - 1, .cache_bytes = once - 1, .must_fit = false})
-          .OrThrow();
+      Compile({sum, sum}, kShape,
+              {.local_store_data_bytes = once - 1, .cache_bytes = once - 1, .must_fit = false});
   EXPECT_EQ(PassNames(tight), Names({"sum_layer", "sum_layer"}));
   EXPECT_EQ(tight.passes[0].resident_bytes, once);
 }
 
 TEST(Plan, StreamsSayWhichLayersAStageRunsOn) {
   const SceneShape shape = MakeShape({{0, kLong, 1}, {0, 0, 1}});
-  const Plan plan = CompilePlan({Chunk<UseVertexPoints>()}, shape, {}).OrThrow();
+  const Plan plan = Compile({Chunk<UseVertexPoints>()}, shape);
   ASSERT_EQ(plan.stages.size(), 1u);
   EXPECT_TRUE(plan.stages[0].kinds.Admits(kLong));
   EXPECT_FALSE(plan.stages[0].kinds.Admits(0));
@@ -550,24 +442,24 @@ TEST(Plan, LeavesOutStagesThatNoLayerHasTheKindFor) {
   const std::vector<Stage> stages = {Chunk<MakeKeys>(), Chunk<UseVertexPoints>(),
                                      Chunk<KeysToOrder>({}, {kRound, 0}),
                                      Chunk<ReadScattered>({}, {0, kRound})};
-  const Plan strands = CompilePlan(stages, MakeShape({{0, 0, 1}}), {}).OrThrow();
+  const Plan strands = Compile(stages, MakeShape({{0, 0, 1}}));
   EXPECT_EQ(PassNames(strands), Names({"make_keys read_scattered"}));
-  const Plan verlet = CompilePlan(stages, MakeShape({{0, kRound, 1}}), {}).OrThrow();
+  const Plan verlet = Compile(stages, MakeShape({{0, kRound, 1}}));
   EXPECT_EQ(PassNames(verlet), Names({"make_keys keys_to_order"}));
-  const Plan both = CompilePlan(stages, MakeShape({{0, kRound, 1}, {0, kLong, 1}}), {}).OrThrow();
+  const Plan both = Compile(stages, MakeShape({{0, kRound, 1}, {0, kLong, 1}}));
   EXPECT_EQ(PassNames(both), Names({"make_keys use_vertex_points keys_to_order read_scattered"}));
 }
 
 TEST(Plan, MeasuresTheKindThatNeedsMost) {
   // Vertex-chain layers use points, the others only keys (which nothing reads here: transient).
   const std::vector<Stage> stages = {Chunk<MakeKeys>(), Chunk<UseVertexPoints>()};
-  const Plan plan = CompilePlan(stages, MakeShape({{0, 0, 9}, {0, kLong, 1}}), {}).OrThrow();
+  const Plan plan = Compile(stages, MakeShape({{0, 0, 9}, {0, kLong, 1}}));
   EXPECT_EQ(plan.passes[0].resident_bytes, sizeof(KeyBlock) + 2 * sizeof(RowBlock));
 }
 
 TEST(Plan, MeasuresTheLargestLayerOfAKind) {
   const SceneShape shape = MakeShape({{0, 0, 3}, {0, 0, 9}, {0, 0, 2}});
-  const Plan plan = CompilePlan({MakeStage<SumLayer>(Domain::kLayer)}, shape, {}).OrThrow();
+  const Plan plan = Compile({MakeStage<SumLayer>(Domain::kLayer)}, shape);
   EXPECT_EQ(FindStream(plan.passes[0], StreamOf<&Toys::keys>).bytes, 9 * sizeof(KeyBlock));
 }
 

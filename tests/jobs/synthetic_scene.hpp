@@ -135,6 +135,34 @@ Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
   return MakeStage<K>(Domain::kChunk, gate, kinds);
 }
 
+// What kernels derive from that do nothing: they have these ports.
+template <class... Port>
+struct Declares;
+template <class A>
+struct Declares<A> {
+  struct Ports {
+    A a;
+  };
+  static void Run(const Ports&) {}
+};
+template <class A, class B>
+struct Declares<A, B> {
+  struct Ports {
+    A a;
+    B b;
+  };
+  static void Run(const Ports&) {}
+};
+template <class A, class B, class C>
+struct Declares<A, B, C> {
+  struct Ports {
+    A a;
+    B b;
+    C c;
+  };
+  static void Run(const Ports&) {}
+};
+
 // Put 7 first in what only long layers have.
 struct UseVertexPoints {
   static constexpr std::string_view kName = "use_vertex_points";

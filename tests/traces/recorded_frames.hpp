@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstring>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "traces/digest_log.hpp"
 #include "traces/input_log.hpp"
+#include "traces/input_log_format.hpp"
 
 namespace pelt {
 
@@ -19,15 +21,16 @@ struct RecordedFrames {
   std::vector<std::vector<PoseBlock>> poses;
   std::vector<uint64_t> digests;
 
+  std::vector<std::span<const std::byte>> Grooms() const { return {grooms.begin(), grooms.end()}; }
+  FrameInput Input(size_t frame) const {
+    FrameInput input = inputs[frame];
+    input.weather = weather[frame];
+    return input;
+  }
   std::vector<std::byte> Write() const {
     InputLogWriter writer;
-    std::vector<std::span<const std::byte>> each(grooms.begin(), grooms.end());
-    writer.Begin(about, each);
-    for (size_t f = 0; f < inputs.size(); ++f) {
-      FrameInput input = inputs[f];
-      input.weather = weather[f];
-      writer.AddFrame(input, poses[f], digests[f]);
-    }
+    writer.Begin(about, Grooms());
+    for (size_t f = 0; f < inputs.size(); ++f) writer.AddFrame(Input(f), poses[f], digests[f]);
     return writer.Finish();
   }
 };
@@ -96,6 +99,18 @@ inline RecordedFrames MakeRecordedFrames() {
   }
   all.poses[3][0].teleported = 1;
   return all;
+}
+
+// What is wrong with an input log, or "".
+inline std::string InputLogError(std::span<const std::byte> bytes) {
+  return ReadInputLog(bytes, "x").error();
+}
+
+// A forged file: its size and hash are right.
+inline std::vector<std::byte> Reseal(std::vector<std::byte> bytes) {
+  input_log::PutNumberAt(bytes, input_log::kFileBytesAt, uint64_t(bytes.size()));
+  input_log::PutNumberAt(bytes, input_log::kHashAt, input_log::HashOf(bytes));
+  return bytes;
 }
 
 inline DigestLog MakeDigestLog() {
