@@ -46,7 +46,7 @@ constexpr std::string_view kFirstOptions[] = {
     "executor", "quality",   "lod",       "picture",   "trace",  "json",   "out",
     "platform", "target-ms", "qualities", "validate",  "random", "shard",  "merge",
     "memory",   "times",     "kernel",    "core",      "trip",   "open",   "watch",
-    "replay",   "quick",     "features",  "presets",   "costs",  "stats",  "keys"};
+    "replay",   "quick",     "features",  "presets",   "stats",  "keys"};
 constexpr const char* kMore = "More options";
 constexpr size_t kFew = 12;
 
