@@ -26,7 +26,8 @@ void PrintErrors(const char* path) {
   std::string head = fmt::format("{:<44}", "");
   for (const Preset& preset : options.presets) head += fmt::format("{:>8}", preset.name);
   std::puts(head.c_str());
-  for (const ModelErrorRow& row : MeasureModelError(options).panels[0].rows) {
+  const ModelErrorTable table = MeasureModelError(options);
+  for (const ModelErrorRow& row : table.panels[0].rows) {
     std::string line =
         fmt::format("{:<44}", row.model + (row.solver ? ", " + row.solver->label : ", exactly"));
     for (std::vector<double> errors : row.errors) {
