@@ -19,6 +19,10 @@ AREAS = ("determinism", "skips", "access", "other")
 DETECTORS = ("verify", "golden", "tests")
 
 
+# Begins or ends what is no expression.
+OPEN_ENDED = re.compile(r"^(if|for|while|return|case)\b|^[.?:,]|(?<!\+)\+$|(?<!-)-$|[&|*/,=<?:]$")
+
+
 class SiteError(Exception):
     pass
 
@@ -42,7 +46,8 @@ class Site:
         if self.at == self.be:
             return "nothing is changed"
         balanced = all(t.count(a) == t.count(b) for t in (self.at, self.be) for a, b in ("()", "[]", "{}"))
-        whole = balanced and (self.form == "statement" or not self.ends() & {";", ""})
+        whole = balanced and (self.form == "statement" or not (
+            self.ends() & {";", ""} or any(OPEN_ENDED.search(text.strip()) for text in (self.at, self.be))))
         return "" if whole else f"not a whole {self.form}: {self.at.strip()} or {self.be.strip()}"
 
 
@@ -128,6 +133,8 @@ def place_of(site: Site, text: str, name: str) -> tuple[int, int]:
         start += find_once(site.within, site.at, f"{where}, within")
     else:
         start = find_once(text, site.at, where)
+    if site.form == "expression" and text[:start].endswith((".", "->", "::")):
+        raise SiteError(f"{where}: a member of what stands before it is no expression: {site.at.strip()}")
     return start, start + len(site.at)
 
 
