@@ -316,6 +316,35 @@ void AddEye(std::vector<InputChange>& changes) {
                        along_z});
 }
 
+// Fewer strands live, by whole groups of lanes in every chunk of a layer, and none that stays changes:
+// only the keys of those that left say that the layer is to be sorted again.
+void AddThinning(const FrameInput& input, const FurScene& scene,
+                 std::vector<InputChange>& changes) {
+  const SceneShape& shape = scene.shape();
+  const auto settle = [](FrameInput& in) {
+    LodSettings& lod = in.lod;
+    lod.fade_share = lod.hysteresis = 0.0f;
+    lod.strand_budget = lod.budget_us = 0;
+  };
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    const uint32_t first = shape.layer_first_chunk[l], end = shape.layer_first_chunk[l + 1];
+    if (!input.skip.lod || end != first + 1) continue;
+    const auto& state = *scene.memory().Of<&Streams::chunk_state>(first);
+    if (state.live_strands <= kLaneGroup) continue;
+    const uint32_t left = (state.live_strands - 1) / kLaneGroup * kLaneGroup;
+    // Half a strand less, which is rounded up.
+    const float share =
+        (float(left) - 0.5f) / float(scene.memory().Of<&Streams::strands>(first)->strand_count);
+    changes.push_back({fmt::format("layer {} thinned to {} strands", l, left),
+                       InputChange::Part::kLod, InputChange::Type::kOneWay,
+                       [share](FrameInput& in, FurScene&, Amount) {
+                         in.lod.min_fraction = share;
+                         in.lod.full_detail_px = 1.0e9f;
+                       },
+                       settle});
+  }
+}
+
 }  // namespace
 
 std::string_view AmountName(Amount amount) {
@@ -335,6 +364,7 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   AddOrigins(scene, changes);
   AddWind(changes);
   AddEye(changes);
+  AddThinning(input, scene, changes);
   AddPoses(scene, changes);
   return changes;
 }

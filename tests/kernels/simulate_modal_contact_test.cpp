@@ -38,14 +38,24 @@ TEST(SimulateModalContact, KeepsOutOfSurfaceSphereAndGround) {
   EXPECT_LT(worst, 0.01 * 0.04);
 }
 
+void ExpectSameMirrored(const ModalScene<4>& forth, const ModalScene<4>& back) {
+  constexpr uint32_t kLast = kStrandsPerChunk - 1;
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    for (uint32_t i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(forth.chain.direction[i][k][lane], back.chain.direction[i][k][kLast - lane]);
+        EXPECT_EQ(forth.chain.velocity[i][k][lane], back.chain.velocity[i][k][kLast - lane]);
+        EXPECT_EQ(forth.position.position[i][k][lane], back.position.position[i][k][kLast - lane]);
+      }
+}
+
 // Who touches something is picked from the chunk and stepped beside others than it stands beside.
 TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
-  constexpr uint32_t kLast = kStrandsPerChunk - 1;
   const auto run = [](bool turned_round) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 1.0, 0.05, 4.0));
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       std::mt19937 random(i);
-      const uint32_t lane = turned_round ? kLast - i : i;
+      const uint32_t lane = turned_round ? kStrandsPerChunk - 1 - i : i;
       s->SetRest(lane, 0.01, std::vector<Point3>(3, RandomUnit(random)));
       s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, 0.0f, 0.1f), 0.0});
     }
@@ -65,15 +75,40 @@ TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
     }
     return s;
   };
-  const auto forth = run(false), back = run(true);
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-    for (uint32_t i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) {
-        EXPECT_EQ(forth->chain.direction[i][k][lane], back->chain.direction[i][k][kLast - lane]);
-        EXPECT_EQ(forth->chain.velocity[i][k][lane], back->chain.velocity[i][k][kLast - lane]);
-        EXPECT_EQ(forth->position.position[i][k][lane],
-                  back->position.position[i][k][kLast - lane]);
-      }
+  ExpectSameMirrored(*run(false), *run(true));
+}
+
+// Strands too short for their weight take no substep (FollowsWeight), and stand between others that do, all of them
+// in the way of a sphere from the frame on in which it appears.
+TEST(SimulateModalContact, WhoTakesNoStepDoesNotDependOnItsNeighbours) {
+  constexpr float kShort_m = 0.0006f, kLong_m = 0.01f, kGravity = 160.0f;
+  const auto run = [&](bool turned_round) {
+    auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 1.0, 0.1, 6.0));
+    for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
+      std::mt19937 random(i);
+      const uint32_t lane = turned_round ? kStrandsPerChunk - 1 - i : i;
+      s->SetRest(lane, i % 3 == 0 ? kShort_m : kLong_m, std::vector<Point3>(3, RandomUnit(random)));
+      s->MoveRoot(lane, {Uniform(random, -0.002f, 0.002f), Uniform(random, -0.002f, 0.002f), 0.0});
+    }
+    s->layer.gravity[1] = -kGravity;
+    s->layer.surface_hardness = 1.0f;
+    s->params.sphere[0][3] = 0.001f;
+    for (int frame = 0; frame < 20; ++frame) {
+      s->params.sphere_count = frame > 0;
+      s->Step(kDt);
+      s->HoldRoots();
+    }
+    return s;
+  };
+  const auto forth = run(false);
+  using V = ArrayVec<4>;
+  const auto follows = [&](float link_m) {
+    return AllSet(
+        modal::FollowsWeight<V, 3>(forth->table, forth->layer.gravity, V(1.0f / (3.0f * link_m))));
+  };
+  EXPECT_FALSE(follows(kShort_m));
+  EXPECT_TRUE(follows(kLong_m));
+  ExpectSameMirrored(*forth, *run(true));
 }
 
 // Only the substeps meet a soft surface: nothing is pushed out of it at the frame's end.
